@@ -1,4 +1,4 @@
-"""What a spec's conditions say of the floor: on how little friction no foot slips.
+"""Find the friction coefficient from which on no foot slips, from a spec's conditions.
 
 A condition g = mu F_z -+ F_x >= 0 that holds for one mu holds for every larger one, since F_z is
 not negative where both sides of it hold. So a proof with the least coefficient is one for all above
@@ -18,10 +18,10 @@ GUARD = (1.0, 0.0), (1.0, 1.0)
 
 
 def friction_needed(described: Mapping[str, Any]) -> float:
-    """The least coefficient of friction on which no foot slips where the conditions hold.
+    """Return the least coefficient of friction on which no foot slips where the conditions hold.
 
     Args:
-        described: a spec, of `GaitSpec.describe`.
+        described: a spec, as `GaitSpec.describe` returns it.
 
     Returns: infinity unless forces have a condition on either side on all of the tube, and impulses
         on all of the guard.
@@ -40,6 +40,6 @@ def friction_needed(described: Mapping[str, Any]) -> float:
 
 
 def _corners(boxes: Iterable[Any]) -> list[tuple[tuple[float, ...], tuple[float, ...]]]:
-    """Of boxes as a spec has them, or as its description in a file."""
+    """Return the corners of boxes, given as pairs or as mappings with "low" and "high"."""
     pairs = ((b["low"], b["high"]) if isinstance(b, Mapping) else b for b in boxes)
     return [(tuple(low), tuple(high)) for low, high in pairs]

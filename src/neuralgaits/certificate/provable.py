@@ -1,4 +1,4 @@
-"""What stands against a proof: of a gait's policy, of its axes, of a user's own conditions."""
+"""Reasons why a proof cannot be made: a gait's policy, its axes, or a user's own conditions."""
 
 import contextlib
 from dataclasses import replace
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 
 def why_not_provable(gait: AnyGait) -> str | None:
-    """None if the policy is smooth, else what is wrong with it."""
+    """Explain why a policy is not smooth, or return None."""
     network = getattr(gait.policy, "network", None)
     if network is None or network.activation != "relu":
         return None
@@ -33,7 +33,7 @@ def why_not_provable(gait: AnyGait) -> str | None:
 
 
 def why_not_robust(run: "Run") -> str | None:
-    """None if a run can be proved for a box of robots, else what stands against it."""
+    """Explain why a run cannot be proved for a box of robots, or return None."""
     if run.learned is not None:
         return "one whose dynamics carry a learned residual, which is of one robot"
     if getattr(run.trained.policy, "z2_dependence", True):
@@ -43,7 +43,7 @@ def why_not_robust(run: "Run") -> str | None:
 
 
 def refuse_many_axes(spec: GaitSpec) -> None:
-    """Raises: InputError if a spec has more axes than a proof can have."""
+    """Refuse a spec with more axes than a proof can have. Raises: InputError."""
     if spec.chart_size > MOST_AXES:
         raise InputError(
             f"expected at most {MOST_AXES - PLANE} parameters and axes of commands in all, found "
@@ -54,13 +54,13 @@ def refuse_many_axes(spec: GaitSpec) -> None:
 def refuse_untraceable(
     spec: GaitSpec, robot: PlanarBiped, gait: AnyGait, file: Path | None = None
 ) -> None:
-    """Trace the conditions, a ReLU network replaced by a smooth one.
+    """Trace the conditions, with a smooth network in place of a ReLU network.
 
     Args:
-        spec: of a user.
-        robot: that it is evaluated for.
-        gait: that it is evaluated on.
-        file: that defines the spec, if any.
+        spec: a user's spec.
+        robot: robot for the evaluation.
+        gait: gait for the evaluation.
+        file: file that defines the spec, if any.
 
     Raises: SpecError naming the operation and line of a condition that cannot be traced, or what
         is wrong with one that raises.
@@ -82,10 +82,10 @@ def refuse_untraceable(
 
 
 def _culprit(spec: GaitSpec, robot: PlanarBiped, gait: AnyGait) -> str | None:
-    """A condition of the user's own that raises; None if only those of this package do.
+    """Return a user's own condition that raises; None if only conditions of this package do.
 
-    Package code evaluates a number where a function should be, or a bound of the wrong shape: no
-    line of the user's is run then, yet it is the user's condition.
+    The fault may be a number in place of a function, or a bound of the wrong shape. No line of the
+    user's code runs then, yet it is the user's condition.
     """
 
     def raises(condition: AbstractCondition) -> bool:
@@ -106,7 +106,7 @@ def _culprit(spec: GaitSpec, robot: PlanarBiped, gait: AnyGait) -> str | None:
 
 
 def _known(robot: PlanarBiped) -> list[Any]:
-    """The conditions of the built-in specs that there are for a robot, as data."""
+    """Return the conditions of a robot's built-in specs, as data."""
     known = []
     for name in specs.DESCRIPTIONS:
         with contextlib.suppress(SpecError):

@@ -1,9 +1,9 @@
-"""A run's certificate as its proof files bear it out: what pages and figures may call proved.
+"""Read a run's certificate as far as its proof files confirm it, for pages and figures.
 
-`certificate/summary.json` is what `certify` said, and a file like any other: it may be another
-run's, or older than the weights beside it. So nothing in it counts but what the proof files of
-the run state as well: their statements have to be about the run's own files and cover its spec, and
-the levels are concluded again from them. The boxes are not bounded again here: `check-proof` does.
+`certify` writes `certificate/summary.json`, but the file may be another run's, or older than the
+weights beside it. So only those of its results count that the run's proof files state as well:
+their statements have to be about the run's own files and cover its spec, and the levels are
+concluded again from them. The boxes are not bounded again here: `check-proof` does.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -38,19 +38,19 @@ from neuralgaits.runs.names import MAP, RESIDUAL
 from neuralgaits.runs.shape import complaint
 
 FILES = (ROBOT, SPEC, WEIGHTS, RESIDUAL, PROOF)
-"""What a certificate is about, and what it rests on."""
+"""Files that a certificate is about or rests on."""
 WALKING = 2
-"""The level of walking sets."""
+"""Number of the level of walking sets."""
 DAMAGED = f"{SUMMARY} is damaged or of another version"
 
 
 class ProvedPart(NamedTuple):
-    """What is proved of some of the commands that a gait is told, and of no others.
+    """Proved results for some of the commands that a gait takes, and for no others.
 
     Attributes:
-        told: these commands, a phrase each.
+        told: these commands, one phrase each.
         conditions: those that are proved on all of their region.
-        levels: above 1, those that follow.
+        levels: levels above 1 that follow.
     """
 
     told: tuple[str, ...]
@@ -59,15 +59,15 @@ class ProvedPart(NamedTuple):
 
 
 class CertificateReading(NamedTuple):
-    """What is known to be claimed of a run, or why that is nothing.
+    """Confirmed claims about a run, or the reason why there are none.
 
     Attributes:
-        summary: of `certify`, with margins and levels as the proof files have them; None if there
-            is no certificate of the run's own.
+        summary: summary of `certify`, with margins and levels of the proof files; None if the run
+            has no certificate of its own.
         reason: why there is none; None if there is, or if `certify` was never called.
         proof: the proof file.
         map_fits: whether the map of boxes is the one that was made with them.
-        part: where the proof is about some commands only; nothing of `summary` is proved then.
+        part: results of a proof about some commands only; `summary` then has no proved result.
     """
 
     summary: Certified | None = None
@@ -78,11 +78,11 @@ class CertificateReading(NamedTuple):
 
 
 class _Unfit(Exception):
-    """The certificate is not borne out; the message says by what."""
+    """Raised when a certificate contradicts its run. The message gives the contradiction."""
 
 
 def hashes(run: Path) -> dict[str, str | None]:
-    """The sha256 of what a certificate is about, by file; None where none can be read."""
+    """Return the sha256 of each file that a certificate is about; None for an unreadable file."""
     return file_hashes(run, (*FILES, MAP))
 
 
@@ -103,7 +103,7 @@ def read_certificate(folder: RunFolder) -> CertificateReading:
 
 
 def _read(folder: RunFolder, summary: Certified) -> CertificateReading:
-    """Raises: _Unfit; or what Python raises where something is not as `certify` writes it."""
+    """Read a certificate. Raises: _Unfit, or any Python error on malformed data."""
     run = folder.path
     found = hashes(run)
     if more := [n for n in summary.sha256 if n not in found and summary.sha256[n] is not None]:
@@ -143,14 +143,14 @@ def _read(folder: RunFolder, summary: Certified) -> CertificateReading:
 
 
 def _refuse_disorder(summary: Certified) -> None:
-    """Raises: _Unfit if levels do not rise by one, from 2 to no more than was asked."""
+    """Raise _Unfit if levels do not rise by one, from 2 to no more than was requested."""
     numbers = [entry.level for entry in summary.levels]
     if numbers != list(range(2, 2 + len(numbers))) or max(numbers, default=1) > summary.level:
         raise _Unfit(f"{SUMMARY} is about levels {numbers} where level {summary.level} was asked")
 
 
 def _refuse_ground(summary: Certified, proof: Claims | None, described: Mapping[str, Any]) -> None:
-    """Raises: _Unfit if a box of robots or floors is stated of what says nothing of it."""
+    """Raise _Unfit if the proof does not cover the summary's box of robots or floors."""
     claimed = () if proof is None else proof.theorems.claimed
     if summary.parameters and max(claimed, default=0) > HIGHEST_OF_MANY:
         raise _Unfit(f"{SUMMARY} states a box of robots of level {max(claimed)}, which is of one")
@@ -162,7 +162,7 @@ def _refuse_ground(summary: Certified, proof: Claims | None, described: Mapping[
 
 
 def _part(summary: Certified, proof: Claims, own: RunComparison) -> ProvedPart | None:
-    """What a proof says of some of the commands; None if it is about all of them.
+    """Return a proof's results for some of the commands; None if it is about all of them.
 
     Raises: _Unfit if the summary calls anything proved of all of them.
     """
@@ -179,7 +179,7 @@ def _part(summary: Certified, proof: Claims, own: RunComparison) -> ProvedPart |
 
 
 def _box(run: Path, proof: Claims, told: Sequence[str]) -> dict[str, float]:
-    """The box of robots that a proof is about, by the names and widths of its axes."""
+    """Return the box of robots of a proof, from the names and widths of its axes."""
     walking = proof.theorems.walking
     errors = proof.chart.behind(len(told)).parameters
     floor = {} if walking is None or not walking.floor else {"floor": walking.floor}
@@ -193,7 +193,7 @@ def _box(run: Path, proof: Claims, told: Sequence[str]) -> dict[str, float]:
 
 
 def _claims(run: Path) -> tuple[Claims, RunComparison] | tuple[None, None]:
-    """A proof file about the run's own files, whose statements are those of its spec.
+    """Return the claims of a proof about the run's own files, with the statements of its spec.
 
     Raises: _Unfit if it contradicts itself, is about another run, or states more than a few
         evaluations of its Program give.
@@ -227,7 +227,7 @@ def _claims(run: Path) -> tuple[Claims, RunComparison] | tuple[None, None]:
 def _conditions(
     summary: Certified, proof: Claims | None, own: RunComparison | None, part: ProvedPart | None
 ) -> Iterator[tuple[str, ConditionVerdict]]:
-    """Verdicts on conditions; one that is proved has a statement on each box of its region."""
+    """Return verdicts on conditions; a proved one has a statement on each box of its region."""
     stated = {} if proof is None else dict(stated_roots(proof.statements))
     boxes = [] if own is None else own.asked.boxes()
     in_part = () if part is None else part.conditions
@@ -249,7 +249,7 @@ def _conditions(
 def _levels(
     summary: Certified, proof: Claims | None, own: RunComparison | None
 ) -> Iterator[Conclusion]:
-    """Levels above 1; one that is proved is claimed by the proof file and follows from it."""
+    """Return levels above 1; each proved level is claimed by the proof file and follows from it."""
     concluded = [] if proof is None or own is None else _concluded(proof, own.asked)
     found = {one.level: one for one in concluded}
     below = True
@@ -267,13 +267,13 @@ def _levels(
 
 
 def _verdict(summary: Certified) -> Verdict:
-    """Of the whole, as `certify` gives it: proved if every condition and every level asked is."""
+    """Return the overall verdict: proved if every condition and every requested level is."""
     whole = [entry.level for entry in summary.levels] == list(range(2, summary.level + 1))
     return "undecided" if summary.of_all == "proved" and not whole else summary.of_all
 
 
 def _concluded(claims: Claims, asked: Asked) -> list[Conclusion]:
-    """What follows from the statements of a file, as far as the file claims it."""
+    """Return the conclusions that a file claims and that follow from its statements."""
     theorems, bounds = claims.theorems, proved_bounds(claims.statements)
     try:
         found = conclude(theorems.parameters, asked.boxes(), bounds, claims.chart)

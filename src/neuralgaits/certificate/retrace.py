@@ -1,8 +1,8 @@
-"""What a run's own robot, spec and weights say that a proof of it must be about, as data.
+"""Trace a run's own robot, spec and weights to data that a proof of it must match.
 
-A run's spec may be code of its own, and code can reach into the program that imports it. So
-`ask` traces the spec in a process of its own, and what comes back is JSON: it can be wrong, but it
-can patch no checker.
+A run's spec may be code of its own, and code can reach into the program that imports it. So `ask`
+traces the spec in a process of its own, and the result is JSON: it can be wrong, but it can patch
+no checker.
 """
 
 import contextlib
@@ -22,9 +22,9 @@ from neuralgaits.records.asked import asked_of
 from neuralgaits.runs import RunFolder, plain, write_text
 
 LONGEST_S = 1800.0
-"""A spec that has not been traced by then never will be: the largest takes seconds."""
+"""Longest time for tracing a spec [s]; the largest takes seconds."""
 LAST_LINES = 3
-"""Of what a process that failed left on its standard error."""
+"""Number of last lines of a failed process's standard error that are shown."""
 
 
 def ask(run: Path, theorems: Theorems, chart: Chart = PLAIN) -> dict[str, Any]:
@@ -135,9 +135,9 @@ def answer(run: Path, theorems: Theorems, chart: Chart = PLAIN) -> dict[str, Any
 
 
 def _errors(robot: Any, chart: Chart, told: int) -> Any:
-    """Parameters of a robot that a chart has axes of, behind those of commands; () for none.
+    """Return a chart's axes of robot parameters, behind those of commands; () for none.
 
-    Nor for a box that the file's robot is not the middle of, or that holds what are no robots.
+    A box whose middle is not the file's robot, or that holds impossible robots, gives () as well.
     """
     from neuralgaits.robots.parameters import Axis, box_of
 

@@ -1,4 +1,4 @@
-"""A proof file compared with the run that it should be about, whose conditions are traced again."""
+"""Compare a proof file with its run, whose conditions are traced again."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -12,7 +12,7 @@ from neuralgaits.errors import RunError
 
 
 class RunComparison(NamedTuple):
-    """What differs between a proof file and a run, and what the run's spec asks for.
+    """Differences between a proof file and a run, and the requirements of the run's spec.
 
     Attributes:
         wrong: differences, one sentence each.
@@ -31,10 +31,10 @@ def compare_with_run(claims: Claims, folder: Path, *, own_process: bool = True) 
     """Trace a run's conditions again and compare them with a proof file.
 
     Args:
-        claims: of the file.
-        folder: of the run.
-        own_process: trace in a process of its own even if the spec is one of this package's: a
-            spec of the run's own always is.
+        claims: claims of the file.
+        folder: folder of the run.
+        own_process: trace in a process of its own even if the spec is one of this package's; the
+            run's own spec always is.
 
     Raises: InputError if the run cannot be opened or traced.
     """
@@ -55,7 +55,7 @@ def compare_with_run(claims: Claims, folder: Path, *, own_process: bool = True) 
 
 
 def differences_of_program(claims: Claims, found: Mapping[str, Any]) -> list[str]:
-    """What differs between a proof and the run's own conditions, traced again."""
+    """List the differences between a proof and the run's own conditions, traced again."""
     walking, full = claims.theorems.walking, claims.theorems.full
     if full is not None and [barrier.name for barrier in full.barriers] != found["full_order"]:
         return [f"the run's barriers are {', '.join(found['full_order'])}, not those of level 4"]

@@ -1,4 +1,4 @@
-"""What a proof of a run is to be about: a level, a box of robots and floors, ranges of commands."""
+"""Scope of a proof of a run: a level, a box of robots and floors, ranges of commands."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -17,22 +17,22 @@ from neuralgaits.robots.parameter_box import checked_box
 from neuralgaits.robots.parameters import axes_of, box_of
 
 LEVEL = HIGHEST_OF_MANY
-"""What is proved if no level is asked for."""
+"""Level that is proved if none is requested."""
 
 Ranges = Mapping[str, tuple[float, float]]
-"""(low, high) of commands, by name."""
+"""Ranges (low, high) of commands, by name."""
 
 
 @dataclass(frozen=True)
 class Scope:
-    """What is to be proved of a run.
+    """Scope of a proof of a run.
 
     Attributes:
-        level: up to which.
-        box: of robots and floors, half widths by kind; empty for the robot of the file alone.
+        level: highest level.
+        box: box of robots and floors, half widths by kind; empty for the robot of the file alone.
         within: narrower ranges of commands; None for all that the gait takes.
         spec: the run's, for the robots of the box.
-        narrowed: the same with those ranges of its commands.
+        narrowed: that spec with these ranges of its commands.
         chart: these ranges and the axes of the box.
     """
 
@@ -47,7 +47,7 @@ class Scope:
     def of(
         cls, run: Run, level: int, within: Ranges | None, parameters: Mapping[str, float] | None
     ) -> "Scope":
-        """Of what `certify` is asked. Raises: InputError on what no theorem is about."""
+        """Return the scope of `certify`'s options. Raises: InputError if no theorem covers them."""
         box = _box(run, parameters)
         errors = axes_of(run.robot, box) if box else ()
         _refuse_level(run, level, box)
@@ -58,7 +58,7 @@ class Scope:
 
     @property
     def part(self) -> str | None:
-        """What part of the run's commands it is about; None for all of them."""
+        """Describe the part of the run's commands that it covers; None for all of them."""
         commands = self.spec.commands
         if self.chart.of_commands(len(commands)) == Chart.of(commands):
             return None
@@ -66,7 +66,7 @@ class Scope:
 
 
 def _box(run: Run, parameters: Mapping[str, float] | None) -> Mapping[str, float]:
-    """The box of robots and floors that is proved for. Raises: InputError where that cannot be."""
+    """Return the box of robots and floors. Raises: InputError if it cannot be proved."""
     spec = run.spec
     own = {**box_of(run.robot, spec.parameters), **spec.ground}
     box = own if parameters is None else checked_box(parameters)
@@ -96,7 +96,7 @@ def _box(run: Run, parameters: Mapping[str, float] | None) -> Mapping[str, float
 
 
 def _refuse_level(run: Run, level: int, box: Mapping[str, float]) -> None:
-    """Raises: InputError on a level that no theorem is about."""
+    """Refuse a level that no theorem covers. Raises: InputError."""
     if box and level > HIGHEST_OF_MANY:
         raise InputError(
             f"expected level 1, 2 or 3 for a box of robots, found {level}: the theorem of full "
@@ -116,7 +116,7 @@ def _refuse_level(run: Run, level: int, box: Mapping[str, float]) -> None:
 
 
 def commands_within(run: Run, within: Ranges) -> tuple[Command, ...]:
-    """The run's commands with these ranges. Raises: InputError on names or ranges not the run's."""
+    """Return the run's commands with these ranges. Raises: InputError on other names or ranges."""
     commands = run.spec.commands
     if within and not commands:
         raise InputError(

@@ -1,4 +1,4 @@
-"""The Program of a gait under its spec: traced once, read by every other interpreter."""
+"""Trace the Program of a gait under its spec once, for every other interpreter."""
 
 import equinox as eqx
 import jax.numpy as jnp
@@ -22,13 +22,13 @@ from neuralgaits.robots import PlanarBiped
 from neuralgaits.robots.parameters import Model, member, model_of, nominal
 
 GUARD_LEVELS = 33
-"""Levels of the guard at which the impact is looked at."""
+"""Number of levels of the guard at which the impact is evaluated."""
 
 
 def trace_spec(
     spec: GaitSpec, robot: PlanarBiped, gait: AnyGait, residuals: Residuals = NO_RESIDUALS
 ) -> Program:
-    """Margins of all conditions as a Program of the chart point u.
+    """Trace margins of all conditions as a Program of the chart point u.
 
     Raises: SpecError naming the operation and line that cannot be traced.
     """
@@ -44,10 +44,10 @@ def trace_spec(
 def step_at(
     model: Model, gait: AnyGait, u: Float[Array, " n"], residuals: Residuals = NO_RESIDUALS
 ) -> tuple[Gait, ZeroDynamics]:
-    """Gait and zero dynamics of the step that a chart point belongs to, as one smooth formula.
+    """Return gait and zero dynamics of a chart point's step, as one smooth formula.
 
-    Where commands move both ends of a step, phases are told from that of the chart point. Axes
-    behind those of commands are parameters of the robot, which the policy does not know.
+    Where commands move both ends of a step, phases are relative to the chart point's. Axes behind
+    those of commands are parameters of the robot, which the policy does not know.
     """
     end = PLANE + 2 * len(gait.commands)
     if isinstance(gait, Gait):
@@ -66,7 +66,7 @@ def step_at(
 def after_impact(
     robot: PlanarBiped, gait: AnyGait, residuals: Residuals = NO_RESIDUALS
 ) -> dict[str, float] | None:
-    """What the real impact leaves of the outputs, the worst over the end of the tube.
+    """Return the outputs' errors after the exact impact, the worst over the end of the tube.
 
     Zero to rounding for a hybrid-invariant policy whose end points lie inside its bounds.
 

@@ -1,8 +1,8 @@
-"""A certificate's files, which belong together: all of an older one go when the new ones come.
+"""Write a certificate's files together: new ones replace all of the old ones.
 
 The summary carries the sha256 of the others and is renamed last. So a command that fails leaves the
-old certificate, and one that is killed between two renames leaves files that `reading` takes for
-no certificate.
+old certificate, and one that is killed between two renames leaves files that `reading` does not
+accept as a certificate.
 """
 
 import hashlib
@@ -16,7 +16,7 @@ from neuralgaits.runs.atomic import refuse_unwritable, write_together
 from neuralgaits.runs.names import MAP, MAP_FIGURE
 
 FILES = (PROOF, MAP, MAP_FIGURE)
-"""Of a certificate, beside its summary."""
+"""Files of a certificate beside its summary."""
 
 
 def refuse_unwritable_certificate(run: Path) -> None:
@@ -25,7 +25,7 @@ def refuse_unwritable_certificate(run: Path) -> None:
 
 
 def hashes_with(run: Path, files: Mapping[str, bytes]) -> dict[str, str | None]:
-    """Return the sha256 of what a certificate is about, once it consists of these files."""
+    """Return the sha256 of a certificate's files, if it consists of these."""
     made = {
         name: hashlib.sha256(files[name]).hexdigest() if name in files else None for name in FILES
     }
@@ -35,7 +35,7 @@ def hashes_with(run: Path, files: Mapping[str, bytes]) -> dict[str, str | None]:
 def write_certificate(run: Path, files: Mapping[str, bytes], summary: bytes) -> None:
     """Replace a run's certificate by these files, by name, and its summary.
 
-    Raises: OSError if the system refuses; then the old certificate is as it was.
+    Raises: OSError if the system refuses; the old certificate is unchanged then.
     """
     gone = {run / name: None for name in FILES if name not in files}
     if (run / packed.packed(Path(PROOF))).exists():

@@ -1,1 +1,1 @@
-"""A trained gait as a C controller: written from its Programs, compiled, compared with Python."""
+"""Export of a trained gait as a C controller: written from its Programs, compared with Python."""

@@ -1,4 +1,4 @@
-"""Compiling the controller and looking at what came out."""
+"""Compile the controller and inspect the result."""
 
 import re
 import shutil
@@ -12,25 +12,26 @@ COMPILERS = ("gcc", "clang")
 STRICT = ("-Wall", "-Wextra", "-Werror", "-std=c99", "-pedantic")
 PLAIN = ("-O2",)
 NATIVE = ("-O3", "-march=native", "-ffp-contract=fast")
-"""With products and sums fused where the machine can: gcc leaves that out of standard C."""
+"""Flags that fuse products and sums where the machine can; gcc does not do so for standard C."""
 PRECISIONS = {"double": (), "float": ("-DNG_FLOAT",)}
 CORE = ("gait.c", "controller.c", "estimator.c")
-"""What runs on the robot, the self-test left out."""
+"""Files that run on the robot, without the self-test."""
 CHECKED = (*CORE, "selftest.c", "check.c")
 _TIMEOUT_S = 300.0
 _FREESTANDING = frozenset(("memcpy", "memset", "memmove"))
-"""What a C compiler may call on its own account, even without a library."""
+"""Functions that a C compiler may call by itself, even without a library."""
 
 
 @dataclass(frozen=True)
 class Inspection:
-    """What the compiled files hold.
+    """Contents of the compiled files.
 
     Attributes:
         flash_bytes: code and constants.
         static_bytes: memory that outlives a call; must be 0.
         foreign: functions called that are neither ours nor freestanding; must be empty.
-        stack_bytes: of the deepest chain of calls, None where the compiler does not say.
+        stack_bytes: stack of the deepest chain of calls; None where the compiler does not report
+            it.
     """
 
     flash_bytes: int
@@ -40,14 +41,14 @@ class Inspection:
 
 
 def compilers() -> list[str]:
-    """Those of COMPILERS that this machine has."""
+    """Return those of COMPILERS that this machine has."""
     return [name for name in COMPILERS if shutil.which(name)]
 
 
 def build(
     compiler: str, folder: Path, name: str, sources: tuple[str, ...], flags: tuple[str, ...]
 ) -> Path:
-    """Compile sources of a folder into a program. Returns: its path.
+    """Compile the sources of a folder into a program. Returns: its path.
 
     Raises: MismatchError with the compiler's first complaint.
     """
@@ -58,7 +59,7 @@ def build(
 
 
 def inspect(compiler: str, folder: Path, flags: tuple[str, ...]) -> Inspection:
-    """Compile the core alone and look at its objects.
+    """Compile the core alone and inspect its objects.
 
     Raises: MismatchError if it does not compile.
     """
@@ -87,7 +88,7 @@ def inspect(compiler: str, folder: Path, flags: tuple[str, ...]) -> Inspection:
 
 
 def deepest(graph: str) -> int:
-    """Stack of the deepest chain of calls (bytes), from what -fcallgraph-info=su writes."""
+    """Return the stack of the deepest chain of calls (bytes), from files of -fcallgraph-info=su."""
     own: dict[str, int] = {}
     for title, label in re.findall(r'node: \{ title: "([^"]+)" label: "([^"]*)"', graph):
         size = re.search(r"(\d+) bytes", label)
@@ -106,7 +107,7 @@ def deepest(graph: str) -> int:
 
 
 def run(program: Path, *arguments: str) -> bytes:
-    """Output of a compiled program. Raises: MismatchError if it fails."""
+    """Run a compiled program and return its output. Raises: MismatchError if it fails."""
     done = subprocess.run(
         [str(program), *arguments], capture_output=True, timeout=_TIMEOUT_S, check=False
     )

@@ -1,4 +1,4 @@
-"""A controller in C: compiled with every compiler, compared with Python, timed and weighed."""
+"""Compile a controller in C with every compiler, compare it with Python, time and weigh it."""
 
 from functools import partial
 from pathlib import Path
@@ -26,15 +26,15 @@ def check_controller(
     """Compile with every compiler in both precisions, compare, and measure.
 
     Args:
-        design: what the files were written from.
+        design: source of the files.
         reference: Python's side of it.
         folder: the files, with those of the exporter.
         compilers: names of programs.
         states: random states of the region.
 
-    Returns: a record that only lacks where the files are; `max_abs_error`, `latency_us` and
+    Returns: a record without the place of the files; `max_abs_error`, `latency_us` and
         sizes are those of the first compiler in double precision at -O2.
-    Raises: MismatchError if C does not compile, or does not do what Python does.
+    Raises: MismatchError if C does not compile, or its results differ from Python's.
     """
     asked = questions(design, reference, states)
     builds = tuple(
@@ -72,7 +72,7 @@ def _built(
     precision: str,
     flags: tuple[str, ...],
 ) -> Build:
-    """One build, compared and timed."""
+    """Compile, compare and time one build."""
     defines = build.PRECISIONS[precision]
     program = build.build(compiler, folder, "check", build.CHECKED, (*flags, *defines))
     return Build(
@@ -85,7 +85,7 @@ def _built(
 
 
 def _sizes(folder: Path, compiler: str, defines: tuple[str, ...]) -> Memory:
-    """Memory of one precision. Raises: MismatchError for a heap call or memory that is kept."""
+    """Return the memory of one precision. Raises: MismatchError for heap calls or static memory."""
     core = build.inspect(compiler, folder, (*build.PLAIN, *defines))
     if core.foreign or core.static_bytes:
         raise MismatchError(

@@ -1,6 +1,6 @@
-"""States and readings on which C and Python are compared, as one record of numbers each.
+"""Draw states and readings on which C and Python are compared, as one record of numbers each.
 
-Every number is one that single precision holds, so both builds are given the same inputs.
+Every number is exact in single precision, so both builds get the same inputs.
 """
 
 # pyright: reportAttributeAccessIssue=false
@@ -26,16 +26,16 @@ from neuralgaits.robots.mjcf_state import StateMap
 NO_RATE_LIMIT = 1e9
 """Torque rate [N m/s] that never binds."""
 NEVER = 1e30
-"""Time since the last touchdown before there was one [s], as `NG_NEVER`."""
+"""Time since the last touchdown while there is none yet [s], as `NG_NEVER`."""
 _OUTPUT_ERROR, _RATE_ERROR = 0.05, 0.5
 """Largest drawn tracking errors [rad], [rad/s]: three times those of walks under `pd`."""
 _CLEAR_OF_THRESHOLD = 1e-4
-"""How far from a threshold a drawn number stays [m], [s]: rounding decides nothing."""
+"""Distance of a drawn number from any threshold [m], [s], so that rounding decides nothing."""
 
 
 @dataclass(frozen=True, eq=False)
 class Cases:
-    """N cases; fields in the order of a record, see `read_case` in `c/check.c`."""
+    """N cases; the fields are in the order of a record, see `read_case` in `c/check.c`."""
 
     law: Int[np.ndarray, " N"]
     blend_s: Float[np.ndarray, " N"]
@@ -69,32 +69,32 @@ class Cases:
 
     @property
     def count(self) -> int:
-        """N."""
+        """Number N of test cases in the set."""
         return len(self.law)
 
     def records(self) -> Float[np.ndarray, "N c"]:
-        """One row a case."""
+        """Return the cases as an array with one row each."""
         columns = [getattr(self, field.name).reshape(self.count, -1) for field in fields(self)]
         return np.ascontiguousarray(np.concatenate(columns, axis=1), dtype=np.float64)
 
     def take(self, which: Array) -> "Cases":
-        """Some of the cases."""
+        """Return the cases that an index selects."""
         return Cases(**{field.name: getattr(self, field.name)[which] for field in fields(self)})
 
     def replaced(self, **columns: np.ndarray) -> "Cases":
-        """The same cases with other columns."""
+        """Return these cases with other values in some columns."""
         return Cases(
             **({field.name: getattr(self, field.name) for field in fields(self)} | columns)
         )
 
     @staticmethod
     def joined(parts: "list[Cases]") -> "Cases":
-        """Several sets, one after the other."""
+        """Join several sets, one after the other."""
         names = [field.name for field in fields(Cases)]
         return Cases(**{n: np.concatenate([getattr(p, n) for p in parts]) for n in names})
 
     def measurement(self, design: Design) -> Measurement:
-        """The readings in the signs and zeros of the theory, as a simulation has them."""
+        """Return the readings in the signs and zeros of the theory, as a simulation has them."""
         layout = design.robot.layout
         turn = layout.pitch_sign * self.pitch
         dpitch = layout.pitch_sign * self.dpitch
@@ -114,7 +114,7 @@ class Cases:
 
 
 def of_region(design: Design, count: int, seed: int) -> Cases:
-    """Random states of the gait's region and around it, mostly well tracked."""
+    """Draw random states of the gait's region and around it, mostly well tracked."""
     rng = np.random.default_rng(seed)
     inside = rng.uniform(size=(count, 2))
     around = np.stack([rng.uniform(-0.1, 1.1, count), rng.uniform(-0.3, 1.3, count)], axis=1)
@@ -125,7 +125,7 @@ def of_region(design: Design, count: int, seed: int) -> Cases:
 
 
 def of_guard(design: Design, seed: int) -> Cases:
-    """The switching of the stance leg: every combination of what it depends on."""
+    """Draw switches of the stance leg: every combination of conditions that it depends on."""
     weight = float(design.robot.mass * design.robot.gravity)
     stance = design.controller.stance
     combinations = np.array(
@@ -153,7 +153,7 @@ def of_guard(design: Design, seed: int) -> Cases:
 
 
 def of_faults(design: Design, seed: int) -> Cases:
-    """Readings that must stop the robot, and their neighbours that must not."""
+    """Draw readings that must stop the robot, and neighbours of them that must not."""
     chart = np.tile([0.5, 0.5], (1, 1))
     base = _at(design, chart, np.random.default_rng(seed), np.zeros(1, dtype=int))
     base = base.replaced(time_us=base.last_us + 1000, running=np.ones(1, dtype=int))
@@ -174,7 +174,7 @@ def of_faults(design: Design, seed: int) -> Cases:
 
 
 def _spoils(design: Design) -> Iterator[tuple[str, int, list[float]]]:
-    """Columns of a reading, the place in them, and values to put there."""
+    """Return columns of a reading, the place in them, and values to put there."""
     safe, layout = design.safeguard, design.robot.layout
     weight = float(design.robot.mass * design.robot.gravity)
     low, high = (np.asarray(limit) for limit in joint_ranges(design.robot))
@@ -202,7 +202,7 @@ def _at(
     rng: np.random.Generator,
     leg: Int[np.ndarray, " N"] | None = None,
 ) -> Cases:
-    """Cases at chart points, everything else drawn."""
+    """Return cases at chart points, with all other numbers drawn."""
     robot, count, m = design.robot, len(chart), design.robot.n - 1
     k, weight = design.leg_joints, float(robot.mass * robot.gravity)
     limit = np.asarray(design.controller.torque_limit)
@@ -259,7 +259,7 @@ def _at(
 
 
 def _clear(design: Design, cases: Cases) -> np.ndarray:
-    """Whether no decision of the stance machine hangs on rounding. [N]."""
+    """Return the cases in which rounding decides nothing in the stance machine. [N]."""
     robot, stance = design.robot, design.controller.stance
 
     @quick_jit

@@ -1,4 +1,4 @@
-"""C against Python: the same inputs into both, and how far apart the outputs are."""
+"""Compare C with Python: both get the same inputs; distances of the outputs are measured."""
 
 import tempfile
 from dataclasses import dataclass
@@ -24,31 +24,31 @@ SEED = 20220117
 _WIDE = 64
 """Widest hidden layer for which the tighter limit of single precision holds."""
 _NEAR_LIMIT = 1e-4
-"""Share of a torque limit within which the two precisions may disagree on being clipped."""
+"""Share of a torque limit within which the two precisions may disagree about clipping."""
 STEP_TIME = "policy_step"
-"""Name of the time of what is computed once a step, in `c/check.c`."""
+"""Name of the measured time for numbers that are computed once a step, in `c/check.c`."""
 _STEP_LIMITS = {"double": 1e-11, "float": 1e-3}
-"""How far the numbers of a step may be off, as a share of each one's range: an impact and Newton's
-method lie between them and the commands."""
+"""Largest error of a step's numbers, as a share of each one's range: an impact and Newton's method
+lie between them and the commands."""
 _BOUND_STEPS = 4
-"""Steps of a family whose errors in single precision are bounded."""
+"""Number of a family's steps whose single precision errors are bounded."""
 _STEP_TORQUE = 5e-4
-"""How far torques in single precision may be off where the numbers of the step are, too: joint
-damping makes 0.01 N m of 41 of what desired rates are off by."""
+"""Largest torque error in single precision where the step's numbers are in single precision, too:
+joint damping turns errors of desired rates into 0.01 N m of 41."""
 _SMALLEST_RANGE = 1e-3
-"""Of a number of a step, below which its distance is no share of it."""
+"""Smallest range of a step's number to which its error is relative."""
 _CUTS = {"z": (64, 32), "dz": (2, 2)}
 
 
 @dataclass(frozen=True, eq=False)
 class Questions:
-    """What C is asked, and Python's answers.
+    """Inputs for C, and Python's answers to them.
 
     Attributes:
         cases: control ticks; those of the region come first.
-        ticks: what Python makes of them.
+        ticks: Python's results for them.
         points: z, dz, ddz of the policy, and numbers of a step. [N, 6 + s]
-        policy: what Python makes of them. [N, 4, m]
+        policy: Python's results for them. [N, 4, m]
     """
 
     cases: Cases
@@ -58,7 +58,7 @@ class Questions:
 
 
 def limits(design: Design, precision: str) -> Limits:
-    """What is asked of a build."""
+    """Return the largest errors that a build may have."""
     network = getattr(design.gait.policy, "network", None)
     widths = [len(bias) for bias in network.biases[:-1]] if network is not None else [0]
     if precision == "double":
@@ -68,7 +68,7 @@ def limits(design: Design, precision: str) -> Limits:
 
 
 def questions(design: Design, reference: Reference, states: int = STATES) -> Questions:
-    """Draw the cases and ask Python."""
+    """Draw the cases and compute Python's answers."""
     cases = Cases.joined(
         [of_region(design, states, SEED), of_guard(design, SEED), of_faults(design, SEED)]
     )
@@ -79,7 +79,7 @@ def questions(design: Design, reference: Reference, states: int = STATES) -> Que
 def policy_questions(
     design: Design, states: int
 ) -> tuple[Float[np.ndarray, "N 6_plus_s"], Float[np.ndarray, "N 4 m"]]:
-    """Random z, dz and ddz of the region, and Python's answers there, see `Questions`."""
+    """Draw z, dz and ddz of the region and compute Python's answers there, see `Questions`."""
     _, step = steps_of(design, states, SEED)
     points = np.concatenate([_around(design, step), step], axis=1)
     points = points.astype(np.float32).astype(np.float64)
@@ -89,7 +89,7 @@ def policy_questions(
 def model_questions(
     design: Design, states: int
 ) -> tuple[dict[str, Float[np.ndarray, "N ..."]], Float[np.ndarray, "N 2 m"]]:
-    """Inputs of the policy as one function, by name, and Python's y and dy there."""
+    """Return inputs of the policy as one function, by name, and Python's y and dy there."""
     commands, step = steps_of(design, states, SEED)
     points = _around(design, step).astype(np.float32).astype(np.float64)
     z, dz, ddz = np.split(points, 3, axis=1)
@@ -98,7 +98,7 @@ def model_questions(
 
 
 def _around(design: Design, step: Float[np.ndarray, "N s"]) -> Float[np.ndarray, "N 6"]:
-    """Random z, dz and ddz of the region, within the interval of each step. [N, 6]."""
+    """Draw z, dz and ddz of the region, within the interval of each step. [N, 6]."""
     rng = np.random.default_rng(SEED)
     bounds, states = design.controller.bounds, len(step)
     lower, upper = (np.tile(bound, (states, 1)) for bound in (bounds.lower, bounds.upper))
@@ -111,7 +111,7 @@ def _around(design: Design, step: Float[np.ndarray, "N s"]) -> Float[np.ndarray,
 
 
 def agree(design: Design, asked: Questions, program: Path, precision: str) -> Agreement:
-    """Ask a compiled controller the same. Raises: MismatchError if it is too far off."""
+    """Run a compiled controller on the same inputs. Raises: MismatchError if it is too far off."""
     with tempfile.TemporaryDirectory() as folder:
         cases, points = Path(folder) / "cases", Path(folder) / "points"
         asked.cases.records().tofile(cases)
@@ -139,7 +139,7 @@ def agree(design: Design, asked: Questions, program: Path, precision: str) -> Ag
 
 
 def latency(asked: Questions, program: Path) -> dict[str, Percentiles]:
-    """Times of calls (us): the policy alone, and whole control steps by law."""
+    """Measure times of calls (us): the policy alone, and whole control steps by law."""
     with tempfile.TemporaryDirectory() as folder:
         cases = Path(folder) / "cases"
         asked.cases.records().tofile(cases)
@@ -149,9 +149,9 @@ def latency(asked: Questions, program: Path) -> dict[str, Percentiles]:
 
 
 def float_bound(design: Design, rates: Part, asked: Questions) -> FloatBound:
-    """A bound on the error of y_d and its rate in single precision, over the whole region.
+    """Bound the error of y_d and its rate in single precision, over the whole region.
 
-    Of a family: of a few of its steps, their numbers taken as exact.
+    For a family it bounds a few of its steps, whose numbers count as exact.
 
     Returns: `output` and `rate`, shares of their ranges.
     """
@@ -172,7 +172,7 @@ def float_bound(design: Design, rates: Part, asked: Questions) -> FloatBound:
 
 
 def _same_decisions(design: Design, asked: Questions, found: Results) -> None:
-    """Faults, stance leg, touchdowns and clipping are equal. Raises: MismatchError."""
+    """Require equal faults, stance leg, touchdowns and clipping. Raises: MismatchError."""
     expected = asked.ticks
     going = expected.fault == 0
     limit = np.asarray(design.controller.torque_limit)
@@ -189,7 +189,7 @@ def _same_decisions(design: Design, asked: Questions, found: Results) -> None:
 
 
 def _same_steps(design: Design, asked: Questions, found: Results, precision: str) -> None:
-    """Commands and numbers of the step after a tick are the same. Raises: MismatchError."""
+    """Require equal commands and numbers of the step after a tick. Raises: MismatchError."""
     expected, going = asked.ticks, asked.ticks.fault == 0
     for name in ("wanted", "before", "after", "step") if design.commands else ():
         one, other = (getattr(results, name)[going] for results in (found, expected))

@@ -1,4 +1,4 @@
-"""Random commands, steps and states of a gait that C and Python are compared on."""
+"""Draw commands, steps and states of a gait on which C and Python are compared."""
 
 import jax
 import jax.numpy as jnp
@@ -14,13 +14,13 @@ from neuralgaits.gait.reset_residual import Reset
 from neuralgaits.robots import PlanarBiped
 
 _AT_ONCE = 2048
-"""Cases that are computed together: another number would be compiled again."""
+"""Number of cases computed together; another number would compile the code again."""
 
 
 def steps_of(
     design: Design, count: int, seed: int
 ) -> tuple[Float[np.ndarray, "N 2 p"], Float[np.ndarray, "N s"]]:
-    """Commands before and of random steps, and their numbers. Returns: [N, 2, p], [N, s]."""
+    """Return commands before and of random steps, and their numbers. Returns: [N, 2, p], [N, s]."""
     pair, _ = drawn_commands(design, min(count, _AT_ONCE), np.random.default_rng([seed, 1]))
     commands, numbers = np.stack(pair, axis=1), _numbers(design, pair)
     return (
@@ -30,7 +30,7 @@ def steps_of(
 
 
 def steady_steps(design: Design, command: Float[np.ndarray, "N p"]) -> Float[np.ndarray, "N s"]:
-    """Numbers of steps whose command has been the same for long. Returns: [N, s]."""
+    """Return numbers of steps whose command has been constant for long. Returns: [N, s]."""
     return _numbers(design, Pair(command, command))
 
 
@@ -46,14 +46,14 @@ def _numbers(design: Design, pair: Pair) -> Float[np.ndarray, "N s"]:
 def _of_steps(
     policy: AbstractPolicy, robot: PlanarBiped, residual: Reset, pairs: Pair
 ) -> Float[Array, "N s"]:
-    """Numbers of many steps: of one number of them, so that it is compiled once."""
+    """Return the numbers of a fixed count of steps, so that the code is compiled once."""
     return jax.vmap(lambda told: policy.step_numbers(robot, told, residual))(pairs)
 
 
 def drawn_commands(
     design: Design, count: int, rng: np.random.Generator
 ) -> tuple[Pair, dict[str, np.ndarray]]:
-    """Admissible pairs; wishes, and what is told before the tick: outside and NaN among them."""
+    """Draw admissible pairs of commands, wishes, and commands before a tick, some out or NaN."""
     limits = Limits.of(design.commands)
     shape, width = (count, len(design.commands)), limits.high - limits.low
     before = rng.uniform(limits.low, limits.high, shape)
@@ -74,7 +74,7 @@ def lifted(
     eta: Float[np.ndarray, "N two_m"],
     pair: Pair,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Full states, desired outputs, their slopes in z1, and numbers of the step.
+    """Return full states, desired outputs, their slopes in z1, and numbers of the step.
 
     Returns: [N, 2n], [N, m], [N, m], [N, s].
     """
@@ -96,9 +96,10 @@ def _lift(
     residual: Reset,
     cases: list[np.ndarray],
 ) -> tuple[Array, Array, Array, Array]:
-    """Of one number of cases, so that it is compiled once.
+    """Lift a fixed count of cases, so that the code is compiled once.
 
-    Of a family every case has a policy of its own: a few at a time, for the memory they take.
+    Every case of a family has a policy of its own, so only a few are lifted at a time, to save
+    memory.
     """
 
     def lift(u, error, before, after):
@@ -116,5 +117,5 @@ def _lift(
 
 
 def single(values: np.ndarray) -> np.ndarray:
-    """The nearest numbers of single precision, as doubles."""
+    """Return the nearest numbers of single precision, as doubles."""
     return np.asarray(values, dtype=np.float64).astype(np.float32).astype(np.float64)

@@ -1,4 +1,4 @@
-"""What an exported controller is made of, and where it comes from."""
+"""Facts about an exported controller: its parts and their origin."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -24,12 +24,12 @@ class Origin:
     """Hashes and names that tie C to a run.
 
     Attributes:
-        robot_sha256: of the robot file's text.
-        policy_sha256: of the weights' file.
-        proof_sha256: of the proof file, None without one.
-        proof_verdict: what that proof says, as in `proved at level 3`; None without one.
+        robot_sha256: sha256 of the robot file's text.
+        policy_sha256: sha256 of the weights' file.
+        proof_sha256: sha256 of the proof file, None without one.
+        proof_verdict: result of that proof, as in `proved at level 3`; None without one.
         spec: name of the gait specification.
-        version: of this package.
+        version: version of this package.
     """
 
     robot_sha256: str
@@ -42,14 +42,14 @@ class Origin:
 
 @dataclass(frozen=True, eq=False)
 class Design:
-    """Everything an exported controller is made of.
+    """All parts of an exported controller.
 
     Attributes:
         robot: the model the controller believes in.
-        gait: policy and region, or a family of them that is told commands.
+        gait: policy and region, or a family of them that takes commands.
         controllers: by name of the law; alike but for the law.
         safeguard: thresholds of faults.
-        origin: where it comes from.
+        origin: origin of the design.
     """
 
     robot: PlanarBiped
@@ -69,14 +69,14 @@ class Design:
         safeguard: SafeguardConfig | None = None,
         reset_residual: Reset = None,
     ) -> "Design":
-        """The design of a gait under some laws.
+        """Return the design of a gait under some laws.
 
         Args:
             robot: the model the controller believes in.
             gait: policy and region.
-            laws: by name.
+            laws: laws by name.
             z2_range: momenta of the region (kg m^2/s).
-            origin: where it comes from.
+            origin: origin of the design.
             safeguard: thresholds, the defaults if None.
             reset_residual: corrects the impact that the steps of a family begin with.
         """
@@ -90,12 +90,12 @@ class Design:
 
     @property
     def controller(self) -> Controller:
-        """Any of the controllers, for what they share."""
+        """Any one of the controllers, for the facts that all of them share."""
         return next(iter(self.controllers.values()))
 
     @property
     def commands(self) -> Commands:
-        """What the gait is told at each touchdown."""
+        """Commands that the gait takes at each touchdown."""
         return self.gait.commands
 
     @property
@@ -104,5 +104,5 @@ class Design:
         return self.robot.n // 2
 
     def by_leg(self, actuated: Actuated) -> Float[np.ndarray, "2 k"]:
-        """Values of actuated coordinates by leg, leg 0 in stance."""
+        """Return values of actuated coordinates by leg, leg 0 in stance."""
         return np.asarray(_by_leg(self.robot, jnp.asarray(actuated), jnp.zeros((), jnp.int32)))

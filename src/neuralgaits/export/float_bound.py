@@ -1,10 +1,10 @@
-"""How far single precision can be from the Program, over all states of a box at once.
+"""Bound the distance of single precision from the Program, over all states of a box at once.
 
-Running error analysis: a value is an interval of what exact arithmetic gives and a bound on the
-distance of what single precision gives. Rounding adds at most a share of a result's size; an
-operation passes on the errors of its operands. Intervals are computed in double precision, whose
-own rounding is nine orders below what is bounded. Source: Higham, Accuracy and Stability of
-Numerical Algorithms (2002), sections 2.2 and 3.3.
+Running error analysis: a value is an interval of exact results and a bound on the distance of
+single precision results. Rounding adds at most a share of a result's size; an operation passes on
+the errors of its operands. Intervals are computed in double precision, whose own rounding is nine
+orders below these bounds. Source: Higham, Accuracy and Stability of Numerical Algorithms (2002),
+sections 2.2 and 3.3.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -54,7 +54,7 @@ class RoundingAlgebra(Algebra[Rounded]):
     def enter(
         self, program: Program, inputs: Mapping[str, tuple[np.ndarray, np.ndarray]]
     ) -> dict[str, Rounded]:
-        """Boxes of inputs, (low, high) of shape [B, size]; inputs are held exactly."""
+        """Return boxes of inputs, (low, high) of shape [B, size]; inputs are exact."""
         del program
         return {
             name: Rounded(low.T, high.T, np.zeros_like(low.T))
@@ -62,13 +62,13 @@ class RoundingAlgebra(Algebra[Rounded]):
         }
 
     def constant(self, array: np.ndarray) -> Rounded:
-        """A constant and what single precision makes of it."""
+        """Return a constant and its rounding to single precision."""
         column = array[:, None]
         error = np.abs(column.astype(np.float32).astype(np.float64) - column)
         return Rounded(column, column, error)
 
     def move(self, operands: Sequence[Rounded], index: np.ndarray) -> Rounded:
-        """Elements of the concatenated operands."""
+        """Select elements of the concatenated operands."""
         batch = max(operand.error.shape[1] for operand in operands)
         wide = [
             [np.broadcast_to(part, (part.shape[0], batch)) for part in operand]
@@ -79,7 +79,7 @@ class RoundingAlgebra(Algebra[Rounded]):
     def affine(
         self, matrix: Rounded, right: Rounded, offset: Rounded | None, columns: int
     ) -> Rounded:
-        """Products summed in any order, with or without fused multiply-adds."""
+        """Sum products in any order, with or without fused multiply-adds."""
         inner, batch = right.low.shape[0] // columns, right.low.shape[1]
         wide = (inner, columns * batch)
         exact, wrong = (part.reshape(-1, inner) for part in (matrix.low, matrix.error))
@@ -97,7 +97,7 @@ class RoundingAlgebra(Algebra[Rounded]):
         return Rounded(*(part.reshape(-1, batch) for part in parts))
 
     def sum(self, a: Rounded, size: int) -> Rounded:
-        """Row sums, in any order."""
+        """Sum each row of numbers, in any order."""
         shape = (size, -1, a.low.shape[1])
         low, high, error = (part.reshape(shape).sum(axis=1) for part in a)
         terms = a.low.shape[0] // size
@@ -105,11 +105,11 @@ class RoundingAlgebra(Algebra[Rounded]):
         return Rounded(low, high, error + _rounding(terms) * reach)
 
     def inner(self, a: Rounded, b: Rounded, size: int) -> Rounded:
-        """Row-wise inner products."""
+        """Return the inner product of each pair of rows."""
         return self.sum(_mul(a, b), size)
 
     def elementwise(self, kind: str, *operands: Rounded) -> Rounded:
-        """Each kind has its rule; square roots have none, for C is not written for them."""
+        """Apply the rule of a kind; square roots have none, because C does not use them."""
         return rule(_RULES, kind, "running errors")(*operands)
 
 
@@ -128,7 +128,7 @@ def _mul(a: Rounded, b: Rounded) -> Rounded:
 
 
 def _div(a: Rounded, b: Rounded) -> Rounded:
-    """Infinite where the divisor may be zero."""
+    """Divide; the result is infinite where the divisor may be zero."""
     corners = [p / q for p in (a.low, a.high) for q in (b.low, b.high)]
     low, high = np.minimum.reduce(corners), np.maximum.reduce(corners)
     nearest = np.where(b.low * b.high > 0.0, np.minimum(abs(b.low), abs(b.high)), 0.0)
@@ -172,7 +172,7 @@ def _logistic(a: Rounded) -> Rounded:
 
 
 def _rounding(terms: int) -> float:
-    """Bound on the relative error of a chain of roundings."""
+    """Bound the relative error of a chain of roundings."""
     return terms * UNIT / (1.0 - terms * UNIT)
 
 
@@ -217,7 +217,7 @@ def largest_errors(
     """Bound the single precision error of a Program over a box of its inputs.
 
     Args:
-        program: to be bounded.
+        program: the Program to bound.
         lows: smallest inputs, by name.
         highs: largest inputs, by name.
         cuts: how many parts each element of an input is cut into; others stay whole.

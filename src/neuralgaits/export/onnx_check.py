@@ -1,4 +1,4 @@
-"""ONNX Runtime against Python: the same states into both, how far apart, and how fast."""
+"""Compare ONNX Runtime with Python on the same states, and measure distances and time."""
 
 from collections.abc import Callable, Mapping
 from functools import partial
@@ -17,10 +17,10 @@ from neuralgaits.records.simulated import Percentiles
 
 _TIMED_CALLS = 20_000
 _RUNTIME_SHARE = {"double": 1.0, "float": 2.0}
-"""Of what is asked of C: in single precision the runtime approximates tanh and sigmoid more
-coarsely than `ng_math.h`, and no two versions of it alike."""
+"""Factor on the limits for C: in single precision the runtime approximates tanh and sigmoid more
+coarsely than `ng_math.h`, and each version of it differently."""
 _ERRORS_ONLY = 3
-"""Severity from which the runtime speaks."""
+"""Severity from which the runtime writes messages."""
 
 Given = Mapping[str, np.ndarray]
 """Inputs by name, a row a state."""
@@ -31,11 +31,11 @@ def check_models(design: Design, files: Mapping[str, bytes], states: int) -> "pa
     """Run every model on random states of the region.
 
     Args:
-        design: what the models were written from.
+        design: source of the models.
         files: models by file name.
         states: how many states.
 
-    Returns: a record that only lacks where the files are; `max_abs_error` and `latency_us` are
+    Returns: a record without the place of the files; `max_abs_error` and `latency_us` are
         those of the model in double precision.
     Raises: MismatchError if a model is too far from Python.
     """
@@ -65,12 +65,12 @@ def check_models(design: Design, files: Mapping[str, bytes], states: int) -> "pa
 
 
 def _limit(design: Design, precision: str) -> float:
-    """How far a model may be from Python, as a share of each output's range."""
+    """Return the largest distance of a model from Python, as a share of each output's range."""
     return _RUNTIME_SHARE[precision] * limits(design, precision).output
 
 
 def _session(model: bytes) -> Policy:
-    """The model as a function of its inputs by name, on one thread."""
+    """Return the model as a function of its inputs by name, on one thread."""
     options = onnxruntime.SessionOptions()
     options.intra_op_num_threads = options.inter_op_num_threads = 1
     options.log_severity_level = _ERRORS_ONLY
@@ -89,7 +89,7 @@ def _agree(
     expected: Float[np.ndarray, "N 2 m"],
     precision: str,
 ) -> ModelAgreement:
-    """Largest distances, as shares of each output's range and in rad and rad/s."""
+    """Return the largest distances, as shares of each output's range and in rad and rad/s."""
     rows = _as(given, precision)
     found = np.array(
         [policy({name: values[i] for name, values in rows.items()}) for i in range(len(expected))]
@@ -108,7 +108,7 @@ def _agree(
 
 
 def _latency(policy: Policy, given: Given) -> Percentiles:
-    """Times of calls from Python (us), one state each."""
+    """Measure times of calls from Python (us), one state each."""
     times = np.empty(_TIMED_CALLS)
     for i in range(_TIMED_CALLS):
         row = {name: values[i % len(values)] for name, values in given.items()}

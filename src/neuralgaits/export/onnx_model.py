@@ -13,11 +13,11 @@ from neuralgaits.programs.onnx_graph import OPERATOR_SET, graph
 REALS = {"double": np.float64, "float": np.float32}
 FILES = {"double": "policy.onnx", "float": "policy_float.onnx"}
 IR_VERSION = 8
-"""Of the file format: the one that came with operator set 17, which older runtimes read too."""
+"""Version of the file format; it came with operator set 17, and older runtimes read it, too."""
 
 
 def model_files(design: Design) -> dict[str, bytes]:
-    """A model for each precision, by file name.
+    """Return a model for each precision, by file name.
 
     Raises: SpecError naming the primitive of a policy that has no form in ONNX.
     """
@@ -26,9 +26,9 @@ def model_files(design: Design) -> dict[str, bytes]:
 
 
 def metadata(design: Design) -> dict[str, str]:
-    """What the header in C says, by name; numbers, arrays and lists are JSON.
+    """Return the facts of the C header by name; numbers, arrays and lists are JSON.
 
-    `units` says of each number and array what it is.
+    `units` describes each number and array.
     """
     origin, layout = design.origin, design.robot.layout
     stated = [*statement.numbers(design), *statement.arrays(design)]

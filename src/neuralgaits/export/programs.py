@@ -1,6 +1,6 @@
-"""The Programs of a controller: everything in a control tick that is smooth, traced once.
+"""Programs of a controller: every smooth part of a control tick, traced once.
 
-What is not smooth (bounds of z, stance, limits, faults) is written by hand in `c/controller.c`.
+The other parts (bounds of z, stance, limits, faults) are written by hand in `c/controller.c`.
 """
 
 import re
@@ -35,14 +35,17 @@ class Part(NamedTuple):
     """A Program that becomes one C function."""
 
     function: str
-    """Its name in C."""
+    """Name of the C function."""
     about: str
-    """What it computes, with units."""
+    """Description of its results, with units."""
     program: Program
 
 
 def rate(policy: AbstractPolicy) -> Callable[..., dict[str, Array]]:
-    """Desired outputs and rates: (z, dz) to y, dy (rad, rad/s); of a family, at a `step`."""
+    """Return desired outputs and rates: (z, dz) to y, dy (rad, rad/s).
+
+    A family's depend on its `step` as well.
+    """
 
     def compute(
         z: ZeroState, dz: ZeroState, step: Float[Array, " s"] | None = None
@@ -54,7 +57,7 @@ def rate(policy: AbstractPolicy) -> Callable[..., dict[str, Array]]:
 
 
 def path(policy: AbstractPolicy) -> Callable[..., dict[str, Array]]:
-    """Outputs along a path z(t), with two derivatives, and their slope in z1.
+    """Return outputs along a path z(t), with two derivatives, and their slope in z1.
 
     With ddz1 = 0 in `ddz` the second derivative is the drift of `control.fblin`.
     """
@@ -79,12 +82,12 @@ def _of(policy: AbstractPolicy, step: Float[Array, " s"] | None) -> AbstractPoli
 
 
 def _step(policy: AbstractPolicy) -> dict[str, tuple[int, ...]]:
-    """The input that the functions of a family have beside z."""
+    """Return the input that the functions of a family have beside z."""
     return {"step": (policy.step_size,)} if policy.step_size else {}
 
 
 def policy_rate(policy: AbstractPolicy) -> Part:
-    """The Program of y_d and its rate.
+    """Return the Program of y_d and its rate.
 
     Raises: SpecError naming the primitive of a policy that cannot be traced.
     """
@@ -96,7 +99,7 @@ def policy_rate(policy: AbstractPolicy) -> Part:
 
 
 def policy_in_one(robot: PlanarBiped, policy: AbstractPolicy, reset_residual: Reset) -> Part:
-    """The same as one function of z, dz and, of a family, its commands: nothing to remember.
+    """Return the Program as one function of z, dz and, for a family, its commands, without memory.
 
     Raises: SpecError naming the primitive of a policy that cannot be traced.
     """
@@ -113,7 +116,7 @@ def policy_in_one(robot: PlanarBiped, policy: AbstractPolicy, reset_residual: Re
 
 
 def policy_step(robot: PlanarBiped, policy: AbstractPolicy, reset_residual: Reset) -> Part:
-    """The Program of what a family computes once a step.
+    """Return the Program for the numbers that a family computes once a step.
 
     Raises: SpecError naming the primitive of a policy that cannot be traced.
     """
@@ -131,7 +134,7 @@ def policy_step(robot: PlanarBiped, policy: AbstractPolicy, reset_residual: Rese
 
 
 def parts(robot: PlanarBiped, policy: AbstractPolicy, reset_residual: Reset = None) -> list[Part]:
-    """Every Program of a controller.
+    """Return every Program of a controller.
 
     Raises: SpecError naming the primitive of a policy that cannot be traced.
     """
@@ -193,7 +196,7 @@ def parts(robot: PlanarBiped, policy: AbstractPolicy, reset_residual: Reset = No
 
 
 def ground(robot: PlanarBiped) -> Part:
-    """The Program of the floor's force on the stance foot, see `control.clf_qp`."""
+    """Return the Program of the floor's force on the stance foot, see `control.clf_qp`."""
 
     def force(q: Coordinates, dq: Coordinates) -> dict[str, Array]:
         still, by_acceleration = ground_force(robot, q, dq)

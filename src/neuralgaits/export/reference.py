@@ -1,4 +1,4 @@
-"""What the Python controller does with the cases: the other side of every comparison."""
+"""Run the Python controller on the cases: the reference side of every comparison."""
 
 from dataclasses import fields, replace
 from typing import NamedTuple
@@ -22,11 +22,11 @@ from neuralgaits.export.programs import path
 from neuralgaits.gait.commands import Pair
 
 _ROWS = 4096
-"""Cases evaluated at once; another number would be compiled again."""
+"""Number of cases evaluated at once; another number would compile the code again."""
 
 
 class Results(NamedTuple):
-    """What a tick gave, in the order of `write_result` in `c/check.c`; N rows."""
+    """Results of a tick, in the order of `write_result` in `c/check.c`; N rows."""
 
     fault: np.ndarray
     leg: np.ndarray
@@ -53,7 +53,7 @@ _SCALARS = 8
 
 
 def results_of(design: Design, rows: np.ndarray) -> Results:
-    """Split rows that C wrote."""
+    """Split rows that C wrote into `Results`."""
     m, p, joints = design.robot.n - 1, len(design.commands), 2 * design.leg_joints
     told = [p, p, p, design.gait.policy.step_size]
     widths = [1] * _SCALARS + [2, m, m, m, joints, joints, *told]
@@ -62,10 +62,10 @@ def results_of(design: Design, rows: np.ndarray) -> Results:
 
 
 class Reference:
-    """The Python side of a design, compiled once for rows of a fixed number."""
+    """Python side of a design, compiled once for a fixed number of rows."""
 
     def __init__(self, design: Design):
-        """Nothing is compiled before it is asked for."""
+        """Prepare a design; compilation waits for the first use."""
         self._design = design
 
     def evaluate(self, cases: Cases) -> Results:
@@ -95,7 +95,7 @@ class Reference:
 def policy_path(
     design: Design, z: np.ndarray, dz: np.ndarray, ddz: np.ndarray, step: np.ndarray
 ) -> np.ndarray:
-    """Outputs, rates, slopes and drift of the policy at numbers of a step. Returns: [N, 4, m]."""
+    """Return outputs, rates, slopes and drift of the policy at numbers of a step. [N, 4, m]."""
 
     @quick_jit
     @jax.vmap
@@ -113,7 +113,7 @@ def _ticks(
     cases: dict[str, Array],
     measurements: Measurement,
 ) -> dict[str, Array]:
-    """The guarded tick on many cases; gaits of one structure share a compilation."""
+    """Run the guarded tick on many cases; gaits of one structure share a compilation."""
 
     def tick(case: dict[str, Array], measurement: Measurement) -> dict[str, Array]:
         state = ControllerState(
@@ -146,7 +146,7 @@ def _tick(
     safe: SafeguardState,
     measurement: Measurement,
 ) -> dict[str, Array]:
-    """Columns of `Results`; after a fault only torque, leg and fault mean something."""
+    """Return columns of `Results`; after a fault only torque, leg and fault have a meaning."""
     safe, fault = check(controller, config, safe, measurement)
     after, command = step(controller, state, measurement)
     safe, torque = guard(controller, config, safe, measurement, command)

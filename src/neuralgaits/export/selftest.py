@@ -1,4 +1,4 @@
-"""The table of inputs and outputs that can run on the target: `gait_selftest.h`."""
+"""Write the table of inputs and outputs that can run on the target: `gait_selftest.h`."""
 
 import numpy as np
 
@@ -13,7 +13,7 @@ _FROM_REGION, _FROM_GUARD, _SEED = 12, 6, 20220117
 
 
 def selftest_file(design: Design, reference: Reference) -> str:
-    """Text of the table: states of the region, touchdowns, and one fault."""
+    """Return the text of the table: states of the region, touchdowns, and one fault."""
     cases = _cases(design, reference)
     found = reference.evaluate(cases)
     lines = [_line(cases, found, i) for i in range(cases.count)]
@@ -60,7 +60,7 @@ def _cases(design: Design, reference: Reference) -> Cases:
 
 
 def _told(design: Design, cases: Cases) -> dict[str, np.ndarray]:
-    """Steps that begin at a command that has been the same for long."""
+    """Return steps that begin at a command that has been constant for long."""
     first = cases.before
     # A table of C has no NaN.
     given = np.where(np.isnan(cases.given), first, cases.given)

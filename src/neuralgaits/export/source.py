@@ -1,4 +1,4 @@
-"""The files written for one gait: `gait.h` with its facts, `gait.c` with its functions."""
+"""Write the files of one gait: `gait.h` with its facts, `gait.c` with its functions."""
 
 import string
 from collections.abc import Sequence
@@ -14,15 +14,15 @@ from neuralgaits.programs.c99.tables import Tables, braces, literal
 from neuralgaits.programs.c99.writer import Emitted
 
 _PLAIN = frozenset(string.ascii_letters + string.digits + " _-.,:;+/()[]")
-"""What stands for itself in a string of C, whatever comes before and after."""
+"""Characters that are safe in a string of C, whatever comes before and after."""
 
 
 def gait_files(design: Design, further: Sequence[Part] = ()) -> dict[str, str]:
-    """Text of `gait.h` and `gait.c`.
+    """Return the text of `gait.h` and `gait.c`.
 
     Args:
-        design: of the controller.
-        further: functions that a host wants beside those of the controller.
+        design: design of the controller.
+        further: functions that a host needs beside those of the controller.
 
     Raises: SpecError naming the primitive of a policy that C cannot express, InputError for a
     law that is not one of this package.
@@ -61,7 +61,7 @@ def _header(design: Design, functions: list[Emitted]) -> str:
 
 
 def _names(design: Design) -> list[str]:
-    """Macros without a unit; laws are numbered as in `ng_laws`."""
+    """Return macros without a unit; laws are numbered as in `ng_laws`."""
     words = statement.names(design) | {
         f"law_{name}": number for number, name in enumerate(design.controllers)
     }
@@ -72,13 +72,13 @@ def _names(design: Design) -> list[str]:
 
 
 def _prose(line: str) -> str:
-    """A line of a comment. Names come from files of others: none of them ends the comment."""
+    """Return a line of a comment. Names come from other people's files; none may end it."""
     shown = "".join(sign if sign.isprintable() else "?" for sign in line)
     return shown.replace("*/", "* /").replace("/*", "/ *").rstrip("\\")
 
 
 def _quoted(text: str) -> str:
-    """A string of C. Whatever could end it stands as a number, byte by byte."""
+    """Return a string of C. A character that could end it is written as a number, byte by byte."""
     signs = (chr(byte) if chr(byte) in _PLAIN else f"\\{byte:03o}" for byte in text.encode())
     return f'"{"".join(signs)}"'
 

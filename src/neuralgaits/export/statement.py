@@ -1,4 +1,4 @@
-"""The facts of a controller, as the header in C and the metadata of ONNX state them."""
+"""Facts of a controller, as the header in C and the metadata of ONNX state them."""
 
 from typing import NamedTuple
 
@@ -15,7 +15,7 @@ from neuralgaits.gait.commands import Command, Limits
 
 
 class Number(NamedTuple):
-    """A number with its name and what it is, unit included."""
+    """A number with its name and description, unit included."""
 
     name: str
     value: float | int
@@ -23,7 +23,7 @@ class Number(NamedTuple):
 
 
 class Array(NamedTuple):
-    """An array with its name and what it is, unit included."""
+    """An array with its name and description, unit included."""
 
     name: str
     value: np.ndarray
@@ -31,7 +31,7 @@ class Array(NamedTuple):
 
 
 def prose(design: Design) -> list[str]:
-    """What it is, in lines: joint order, limits, gains, hashes."""
+    """Describe the controller in lines: joint order, limits, gains, hashes."""
     robot, origin = design.robot, design.origin
     lines = [
         f"A walking gait of {robot.name}, spec {origin.spec}, by neuralgaits {origin.version}.",
@@ -69,7 +69,7 @@ def _command(command: Command) -> str:
 
 
 def gains(law: AbstractLaw) -> str:
-    """A law in words. Raises: InputError if it is not one of this package."""
+    """Describe a law in words. Raises: InputError if it is not one of this package."""
     rate = f"policy asked every {law.hold_ticks} ticks"
     if isinstance(law, Pd):
         told = "" if law.measure_z2 else ", told z2 = 0"
@@ -85,13 +85,13 @@ def gains(law: AbstractLaw) -> str:
 
 
 def _each(gains: tuple[float, ...]) -> str:
-    """Gains by joint, stance leg first; one number if they are alike."""
+    """Return gains by joint, stance leg first; one number if they are alike."""
     every = np.unique(np.array(gains))
     return f"{every[0]:.4g}" if len(every) == 1 else "/".join(f"{g:.4g}" for g in gains)
 
 
 def names(design: Design) -> dict[str, str | int]:
-    """Words and counts."""
+    """Return the words and counts of a controller, by name."""
     robot, origin = design.robot, design.origin
     told = {"commands": len(design.commands), "step": design.gait.policy.step_size}
     return {
@@ -110,7 +110,7 @@ def names(design: Design) -> dict[str, str | int]:
 
 
 def numbers(design: Design) -> list[Number]:
-    """Numbers with a unit."""
+    """Return the numbers that have a unit."""
     robot, controller, safe = design.robot, design.controller, design.safeguard
     stance, layout = controller.stance, design.robot.layout
     weight = float(robot.mass * robot.gravity)
@@ -144,7 +144,7 @@ def numbers(design: Design) -> list[Number]:
 
 
 def arrays(design: Design) -> list[Array]:
-    """Arrays of reals."""
+    """Return the arrays of real numbers."""
     robot, controller, layout = design.robot, design.controller, design.robot.layout
     root = robot.n // 2 - 1 if robot.torso is None else robot.torso
     low, high = joint_ranges(robot)

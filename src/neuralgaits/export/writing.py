@@ -1,4 +1,4 @@
-"""The output folder: all files at once, or none."""
+"""Write the output folder: all files at once, or none."""
 
 import os
 import shutil
@@ -18,11 +18,11 @@ from neuralgaits.runs.atomic import (
 
 _EXPORTER_ONLY = frozenset(("check.c",))
 _SUFFIXES = (".c", ".h", ".onnx")
-"""Of the files of an export."""
+"""Suffixes of the files of an export."""
 
 
 def shipped() -> dict[str, str]:
-    """C files that are the same for every gait."""
+    """Return C files that are the same for every gait."""
     folder = resources.files("neuralgaits.export") / "c"
     return {
         entry.name: entry.read_text(encoding="utf-8")
@@ -32,13 +32,13 @@ def shipped() -> dict[str, str]:
 
 
 def harness() -> dict[str, str]:
-    """C files that only the exporter compiles."""
+    """Return C files that only the exporter compiles."""
     folder = resources.files("neuralgaits.export") / "c"
     return {name: (folder / name).read_text(encoding="utf-8") for name in sorted(_EXPORTER_ONLY)}
 
 
 def refuse_used(out: Path, *, force: bool) -> None:
-    """Check the output folder. Raises: InputError if it is no folder or holds something."""
+    """Check the output folder. Raises: InputError if it is no folder, or not empty."""
     place = folder_destination(out)
     if not force and place.is_dir() and any(place.iterdir()):
         raise InputError(
@@ -52,7 +52,7 @@ def refuse_used(out: Path, *, force: bool) -> None:
 
 @contextmanager
 def scratch(files: Mapping[str, str]) -> Iterator[Path]:
-    """A folder with these files that is gone afterwards."""
+    """Provide a folder with these files, which is deleted afterwards."""
     with tempfile.TemporaryDirectory(prefix="neuralgaits-") as name:
         folder = Path(name)
         for file, text in files.items():
@@ -61,10 +61,10 @@ def scratch(files: Mapping[str, str]) -> Iterator[Path]:
 
 
 def publish(out: Path, files: Mapping[str, str | bytes]) -> list[str]:
-    """Put files into a folder: a new folder appears whole, each replaced file too.
+    """Put files into a folder: a new folder appears in one piece, and so does each replaced file.
 
     Returns: paths of the files.
-    Raises: InputError or OSError, as `runs.atomic` has it; what was there is then as it was.
+    Raises: InputError or OSError, as in `runs.atomic`; the folder is unchanged then.
     """
     contents = {
         file: content.encode() if isinstance(content, str) else content
@@ -80,7 +80,7 @@ def publish(out: Path, files: Mapping[str, str | bytes]) -> list[str]:
 
 
 def _publish_new(place: Path, contents: Mapping[str, bytes]) -> None:
-    """Make a folder with these files, whole or not at all."""
+    """Make a folder with these files, in one piece or not at all."""
     place.parent.mkdir(parents=True, exist_ok=True)
     made = Path(tempfile.mkdtemp(prefix=f".{place.name[:40]}.", suffix=".tmp", dir=place.parent))
     try:

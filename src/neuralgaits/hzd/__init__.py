@@ -1,1 +1,1 @@
-"""Gaits that are given, not trained: Bezier outputs of a published or an optimised orbit."""
+"""Gaits from files or optimisation, without training: Bezier outputs of a given orbit."""

@@ -7,9 +7,9 @@ A file is JSON. A gait is an object with
 - "p": z1 at the end and at the start of the step [m]: the phase is (z1 - p[1]) / (p[0] - p[1]).
 
 Optional are "signs" and "offsets" [rad], one a joint, for angles of another convention: an angle
-here is sign times theirs plus offset. Any other field is left aside, unless its name looks like one
-of these, misspelt. Several gaits may stand under "gaits", by name; what they do not say themselves
-is read beside that.
+here is sign times theirs plus offset. Any other field is ignored, unless its name looks like one of
+these, misspelt. A file may hold several gaits by name in "gaits"; fields that they do not have
+themselves are read from the file's top level.
 """
 
 from collections.abc import Mapping
@@ -33,30 +33,30 @@ _FIELDS = {
 }
 _OPTIONAL = "signs", "offsets", "gaits"
 LARGEST_RAD = 4.0 * np.pi
-"""Control points beyond this are of another unit, or of no joint [rad]."""
+"""Largest control point [rad]; a larger one is in another unit, or of no joint."""
 
 
 class GivenGait(NamedTuple):
-    """What is taken from a file, in the robot's own order and convention of joints."""
+    """Gait from a file, in the robot's own order and convention of joints."""
 
     coefficients: Float[np.ndarray, "m k"]
-    """Control points [rad]."""
+    """Control points of the outputs [rad]."""
     z1_range: tuple[float, float]
     """z1 at the start and at the end of a step [m]."""
 
     @property
     def degree(self) -> int:
-        """Of the polynomials."""
+        """Degree of the outputs' polynomials in the phase."""
         return self.coefficients.shape[1] - 1
 
     @property
     def policy(self) -> BezierPolicy:
-        """The outputs as a policy."""
+        """Return the outputs as a policy."""
         return BezierPolicy(self.coefficients, self.z1_range)
 
 
 def write_gait(robot: PlanarBiped, gait: GivenGait) -> str:
-    """The text of a file of one gait, which `read_gait` reads again to the same bits."""
+    """Return the text of a file with one gait, which `read_gait` reads again to the same bits."""
     start, end = gait.z1_range
     rows = gait.coefficients.tolist()
     return to_json({"joints": list(robot.joint_names[1:]), "bezier": rows, "p": [end, start]})
@@ -66,9 +66,9 @@ def read_gait(file: Path, robot: PlanarBiped, name: str | None = None) -> GivenG
     """Read a gait for a robot.
 
     Args:
-        file: see above.
-        robot: whose joints it has to have.
-        name: of the gait, where the file has several.
+        file: file of the form above.
+        robot: robot whose joints the gait must have.
+        name: name of the gait, if the file has several.
 
     Raises: InputError in one line that names the file and what is wrong.
     """
@@ -124,7 +124,7 @@ def _read(file: Path) -> Mapping[str, Any]:
 
 
 def _chosen(file: Path, found: Mapping[str, Any], name: str | None) -> Mapping[str, Any]:
-    """The gait of that name, with what the file says of all of them."""
+    """Return the gait of that name, with the fields that the file gives for all of them."""
     gaits = found.get("gaits")
     if gaits is None:
         if name is not None:
@@ -150,7 +150,7 @@ def _chosen(file: Path, found: Mapping[str, Any], name: str | None) -> Mapping[s
 
 
 def _refuse_misspelt(file: Path, gait: Mapping[str, Any]) -> None:
-    """Raises: InputError on a field that is most likely another's name, misspelt."""
+    """Refuse a field that is most likely another's name, misspelt. Raises: InputError."""
     known = (*_FIELDS, *_OPTIONAL)
     for field in gait:
         if field not in known and (hint := meant(field, known)):
@@ -160,7 +160,7 @@ def _refuse_misspelt(file: Path, gait: Mapping[str, Any]) -> None:
 
 
 def _rows(file: Path, given: Any, joints: list[str]) -> Float[np.ndarray, "m k"]:
-    """Control points, a row a joint in the order of the file. Raises: InputError."""
+    """Return control points, a row a joint in the order of the file. Raises: InputError."""
     if not isinstance(given, list) or len(given) != len(joints):
         found = f"{len(given)} rows" if isinstance(given, list) else repr(given)
         raise InputError(
@@ -186,7 +186,7 @@ def _rows(file: Path, given: Any, joints: list[str]) -> Float[np.ndarray, "m k"]
 def _numbers(
     file: Path, given: Mapping[str, Any], field: str, size: int
 ) -> Float[np.ndarray, " size"]:
-    """So many finite numbers. Raises: InputError."""
+    """Return so many finite numbers. Raises: InputError."""
     try:
         array = np.asarray(given[field], dtype=np.float64)
     except (TypeError, ValueError):

@@ -1,11 +1,11 @@
-"""The optimisation of a gait as a nonlinear program.
+"""Optimisation of a gait as a nonlinear program.
 
-Unknown are the control points of the outputs, z1 at both ends of the step, and zeta = z2^2 / 2 at
-the nodes. Least is the mechanical cost of transport. Equations: zeta follows the zero dynamics at
-every node; the foot is on the ground at the end; the plastic impact with exchanged legs leaves
-outputs and their rates on the curves, z1 and zeta where the step began; and the mean speed is the
-one asked for. Inequalities are the conditions of a spec, where it asks them.
-Source of the method: Westervelt et al. (2007), chapter 6; Hereid et al. (2018).
+The unknowns are the control points of the outputs, z1 at both ends of the step, and zeta = z2^2 / 2
+at the nodes. The objective is the mechanical cost of transport. Equations: zeta follows the zero
+dynamics at every node; the foot is on the ground at the end; the plastic impact with exchanged legs
+leaves outputs and their rates on the curves, z1 and zeta where the step began; and the mean speed
+is the requested one. Inequalities are the conditions of a spec, on their regions. Source of the
+method: Westervelt et al. (2007), chapter 6; Hereid et al. (2018).
 """
 
 from typing import Any, NamedTuple
@@ -18,14 +18,14 @@ from neuralgaits.hzd.transcription import Step
 from neuralgaits.robots import PlanarBiped
 
 AIM = 0.02
-"""Margin that each condition keeps at the nodes, in scales: so that it holds between them, too."""
+"""Margin that each condition keeps at the nodes, in scales, so that it holds between them, too."""
 FOOT_SCALE, RATE_SCALE = 0.1, 10.0
 """Sizes of the foot's height [m] and of rates [rad/s] in the equations, so that all are alike."""
 SHORTEST, LONGEST = 0.05, 0.45
-"""Of z1 at either end of the step, away from the middle, in lengths of a leg."""
+"""Shortest and longest distance of z1 at either end of the step from the middle, in leg lengths."""
 MOST_KEPT = 0.95
-"""Share of zeta that an impact may leave: on outputs of z1 alone that is the slope of the Poincare
-map, which has to be below one for an orbit that attracts."""
+"""Largest share of zeta that an impact may leave: on outputs of z1 alone that is the slope of the
+Poincare map, which must be below one for an attracting orbit."""
 LEAST_ZETA, MOST_ZETA = 1e-2, 10.0
 """Bounds of zeta, in its unit."""
 _OF_END = ("foot", "z1", "zeta", "outputs", "rates")
@@ -35,7 +35,7 @@ class Problem(NamedTuple):
     """A nonlinear program: unknowns x, parameters (speed [m/s], smoothing [W]), bounds.
 
     Attributes:
-        symbols: what CasADi's solver takes.
+        symbols: input of CasADi's solver.
         x_bounds, g_bounds: lower and upper, of unknowns and of constraints.
     """
 
@@ -45,14 +45,14 @@ class Problem(NamedTuple):
 
 
 def problem(casadi: Any, robot: PlanarBiped, step: Step, mesh: Nodes, degree: int) -> Problem:
-    """Write the program down.
+    """Build the nonlinear program.
 
     Args:
         casadi: the module.
         robot: the biped.
-        step: its formulas.
+        step: formulas of its step.
         mesh: nodes of the collocation.
-        degree: of the polynomials.
+        degree: degree of the polynomials.
     """
     m, count = robot.n - 1, len(mesh.phases)
     rows, ends = casadi.SX.sym("rows", m * (degree + 1)), casadi.SX.sym("ends", 2)
@@ -103,7 +103,7 @@ def problem(casadi: Any, robot: PlanarBiped, step: Step, mesh: Nodes, degree: in
 def _bounds(
     robot: PlanarBiped, count: int, degree: int
 ) -> tuple[Float[np.ndarray, " n"], Float[np.ndarray, " n"]]:
-    """A curve stays in the hull of its control points: in the joints' ranges, if those do."""
+    """Return bounds on control points: a curve stays in their hull, so in the joints' ranges."""
     leg, ranges = robot.leg_length, (robot.joint_lower, robot.joint_upper)
     ends = ([-LONGEST * leg, SHORTEST * leg], [-SHORTEST * leg, LONGEST * leg])
     zetas = (np.full(count, LEAST_ZETA), np.full(count, MOST_ZETA))

@@ -1,4 +1,4 @@
-"""IPOPT on the optimisation of a gait, from a rough posture."""
+"""Solve the optimisation of a gait with IPOPT, from a rough posture."""
 
 import time
 from importlib.util import find_spec
@@ -19,13 +19,13 @@ from neuralgaits.hzd.transcription import transcribe
 from neuralgaits.robots import PlanarBiped
 
 DEGREE = 5
-"""Of the polynomials."""
+"""Degree of the outputs' polynomials."""
 NODES = 24
-"""Degree of the collocation: zeta of such gaits is met to 1e-8."""
+"""Degree of the collocation; zeta of such gaits has errors of 1e-8."""
 SMOOTHING_W = (5.0, 0.3)
 """Powers below which |power| is rounded off [W], for one solution after the other."""
 SPEC = "walking"
-"""Whose conditions the gait is to hold along its orbit."""
+"""Spec whose conditions the gait must satisfy along its orbit."""
 ITERATIONS = 500
 OPTIONS = {
     "print_time": False,
@@ -47,19 +47,19 @@ class Found(NamedTuple):
 
     gait: GivenGait
     iterations: int
-    """Of IPOPT."""
+    """Number of IPOPT's iterations."""
     solve_s: float
-    """Time of its calls."""
+    """Time of IPOPT's calls [s]."""
 
 
 class Optimiser:
-    """Optimises gaits of one robot, for one speed after another.
+    """Optimise gaits of one robot, for one speed after another.
 
-    Raises: InputError without CasADi, or for a robot that the spec does not treat.
+    Raises: InputError without CasADi, or for a robot that the spec does not support.
     """
 
     def __init__(self, robot: PlanarBiped, degree: int = DEGREE):
-        """Write the program and make its derivatives."""
+        """Build the program and its derivatives."""
         if find_spec("casadi") is None:
             raise InputError(
                 "optimise needs CasADi, which is not installed: pip install 'neuralgaits[hzd]'"
@@ -73,7 +73,7 @@ class Optimiser:
         self._solver: Any = casadi.nlpsol("gait", "ipopt", self._problem.symbols, OPTIONS)
 
     def at(self, speed: float) -> Found:
-        """The gait of least cost of transport at a mean speed (m/s).
+        """Return the gait of least cost of transport at a mean speed (m/s).
 
         Raises: ConvergenceError if IPOPT ends without one.
         """
@@ -96,7 +96,7 @@ class Optimiser:
         return Found(gait, count, time.perf_counter() - began)
 
     def _start(self, speed: float) -> Float[np.ndarray, " n"]:
-        """A rough step by inverse kinematics, as fast as a linear inverted pendulum is there."""
+        """Return a rough step by inverse kinematics, as fast as a linear inverted pendulum."""
         robot, guard = self._robot, walking_posture(self._robot).z_guard
         phases = np.linspace(0.0, 1.0, GRID)
         path = posture_path(robot, guard * (2.0 * phases - 1.0))

@@ -1,4 +1,4 @@
-"""The periodic orbit of a given gait, and what it costs to walk on it."""
+"""Find the periodic orbit of a given gait, and the cost of walking on it."""
 
 from typing import NamedTuple
 
@@ -12,28 +12,29 @@ from neuralgaits.analysis.quantities import Look
 from neuralgaits.gait import ZeroDynamics
 
 SLOWEST, FASTEST, TRIED = 0.01, 2.0, 200
-"""Speeds at the section that an orbit is looked for between, in sqrt(g l), and how many.
+"""Slowest and fastest speed of the search for an orbit, in sqrt(g l), and number of speeds.
 
-Slow orbits pass it barely faster than what does not get over the foot: a coarse look misses them.
+They are speeds at the section. Slow orbits pass it barely faster than a walk that does not get over
+the foot; a coarse grid misses them.
 """
 STEPS = 240
-"""Of z1 along a step: quadratures of what bends are good to 1e-5."""
+"""Number of intervals of z1 along a step; quadratures of curved functions are good to 1e-5."""
 
 
 class Steady(NamedTuple):
     """An orbit on the zero dynamics, from touchdown to touchdown."""
 
     z: Float[np.ndarray, "K 2"]
-    """States (m, kg m^2/s)."""
+    """States of the orbit (m, kg m^2/s)."""
     speed_m_s: float
     multiplier: float
-    """Slope of the Poincare map."""
+    """Slope of the Poincare map at the orbit."""
     cost_of_transport: float
     """Integral of sum |torque rate| over the actuated joints, over weight times distance [1]."""
 
 
 def steady(zd: ZeroDynamics) -> Steady | str:
-    """The attracting orbit of zero dynamics; one sentence that says why there is none."""
+    """Return the attracting orbit of zero dynamics, or a sentence with the reason for none."""
     robot = zd.robot
     weight, leg = float(robot.mass * robot.gravity), robot.leg_length
     pace = float(robot.mass) * leg * np.sqrt(float(robot.gravity) * leg)

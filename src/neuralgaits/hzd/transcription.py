@@ -1,8 +1,8 @@
-"""One step of a gait as functions of CasADi: the formulas are the package's own, traced.
+"""Turn one step of a gait into functions of CasADi, traced from the package's own formulas.
 
 Two Programs are evaluated on symbols, one of a state along the step and one of the state at its
-end. Both read every quantity and every condition where training and proofs read them, so what is
-optimised over has one definition.
+end. Both read every quantity and every condition where training and proofs read them, so each has
+one definition.
 """
 
 from collections.abc import Mapping
@@ -27,9 +27,9 @@ class Step(NamedTuple):
 
     Attributes:
         along: rates per phase, power and the margins of conditions, in scales.
-        end: what the impact makes of the state, and the margins asked at the guard.
-        asked: names of conditions by the first and last phase that they are asked at.
-        unit: of zeta [(kg m^2/s)^2].
+        end: the state after the impact, and the margins at the guard.
+        asked: names of conditions by the first and last phase of their regions.
+        unit: unit of zeta [(kg m^2/s)^2].
     """
 
     along: "Named"
@@ -45,7 +45,7 @@ class Named(NamedTuple):
     names: tuple[str, ...]
 
     def __call__(self, *arguments: Any) -> dict[str, Any]:
-        """Its results by name."""
+        """Return the function's results by name."""
         return dict(zip(self.names, self.function(*arguments), strict=True))
 
 
@@ -55,8 +55,8 @@ def transcribe(casadi: Any, robot: PlanarBiped, spec: GaitSpec, degree: int) -> 
     Args:
         casadi: the module.
         robot: the biped.
-        spec: whose pointwise conditions and barriers are asked along the orbit.
-        degree: of the polynomials.
+        spec: spec whose pointwise conditions and barriers must hold along the orbit.
+        degree: degree of the polynomials.
     """
     shapes = {"rows": (robot.n - 1, degree + 1), "ends": (2,), "phase": (), "zeta": ()}
     bare = BezierPolicy(np.zeros(shapes["rows"]), (0.0, 1.0))

@@ -1,9 +1,9 @@
-"""The tube around the orbit of a given gait, as wide as its limits allow.
+"""Fit the tube around the orbit of a given gait, as wide as its limits allow.
 
 Where outputs are functions of z1 alone, zeta = z2^2 / 2 grows along a step by the same amount on
 every trajectory, and an impact multiplies its distances by the slope of the Poincare map. So fences
-that part along a step by the root of that slope have as much to spare on the way as at the reset,
-and nothing needs to be trained. Source: Westervelt, Grizzle, Koditschek (2003), section V.
+that part along a step by the root of that slope have as much slack on the way as at the reset, and
+nothing needs to be trained. Source: Westervelt, Grizzle, Koditschek (2003), section V.
 """
 
 from collections.abc import Callable
@@ -22,21 +22,21 @@ from neuralgaits.gait import ZeroDynamics
 from neuralgaits.hzd.steady import Steady
 
 KEPT = 0.25
-"""Share of the margin that each condition has on the orbit which it keeps on the fences."""
+"""Share of its margin on the orbit that each condition keeps on the fences."""
 WIDEST, NARROWEST = 0.5, 0.01
-"""Half width of the tube, as a share of the least zeta of the orbit: at most, and where conditions
-leave no room for more."""
+"""Widest and narrowest half width of the tube, as a share of the orbit's least zeta; the narrowest
+applies where conditions leave no room for more."""
 HALVINGS = 24
 PHASES, LEVELS = 121, 9
-"""At which conditions are looked at."""
+"""Numbers of phases and levels at which conditions are evaluated."""
 
 
 def fit_tube(zd: ZeroDynamics, spec: GaitSpec, walk: Steady) -> Tube:
-    """The widest tube in which the conditions that hold on an orbit keep a share of their margins.
+    """Return the widest tube in which conditions that hold on an orbit keep their share of margin.
 
     Args:
-        zd: of a policy of z1 alone.
-        spec: `hzd`.
+        zd: zero dynamics of a policy of z1 alone.
+        spec: the spec `hzd`.
         walk: its orbit.
     """
     start, guard = float(walk.z[0, 0]), float(walk.z[-1, 0])
@@ -65,9 +65,9 @@ def fit_tube(zd: ZeroDynamics, spec: GaitSpec, walk: Steady) -> Tube:
 
 
 def _room(zd: ZeroDynamics, spec: GaitSpec, any_tube: Tube, walk: Steady) -> Callable[[Tube], bool]:
-    """Whether all conditions that hold on the orbit keep `KEPT` of their margins in a tube.
+    """Return whether all conditions that hold on the orbit keep `KEPT` of their margins in a tube.
 
-    What is asked of the fences themselves is left out: they are made for it.
+    Conditions on the fences themselves are left out, because the fences are made for them.
     """
     asked = tuple(c for c in spec.conditions if not isinstance(c, Fence | Inlet))
     look = Look(quantities(zd, Gait(zd.policy, any_tube), replace(spec, conditions=asked)))
@@ -76,7 +76,7 @@ def _room(zd: ZeroDynamics, spec: GaitSpec, any_tube: Tube, walk: Steady) -> Cal
     ]
 
     def least(phase: np.ndarray, z: np.ndarray) -> dict[str, float]:
-        """Smallest margin of each condition on its region, z [N, 2] at phases [N]."""
+        """Return the smallest margin of each condition on its region, z [N, 2] at phases [N]."""
         found, smallest = look(z), {}
         for name, boxes in places:
             margins = found[f"margin/{name}"].reshape(len(z), -1).min(axis=1)
@@ -101,6 +101,6 @@ def _room(zd: ZeroDynamics, spec: GaitSpec, any_tube: Tube, walk: Steady) -> Cal
 
 
 def _fences(tube: Tube, phases: np.ndarray) -> Float[np.ndarray, "2 n"]:
-    """Value of zeta on both fences [(kg m^2/s)^2]."""
+    """Return zeta on both fences [(kg m^2/s)^2]."""
     sides = (np.asarray(tube.lower), np.asarray(tube.upper))
     return np.stack([float(tube.unit) * chebyshev.chebval(2.0 * phases - 1.0, s) for s in sides])

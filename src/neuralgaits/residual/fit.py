@@ -1,8 +1,8 @@
 """Fit a residual to windows of measured states by multiple shooting: init, step, validate, done.
 
 Every window starts at its measured state and is integrated through omega(0, z) + epsilon(z); the
-loss is what the trajectory misses, in scaled z, relative to what the model alone misses. The
-batch of step k follows from seed and k alone. Runs in float64.
+loss is the trajectory's error, in scaled z, relative to the error of the model alone. The batch of
+step k follows from seed and k alone. Runs in float64.
 """
 
 from collections.abc import Callable
@@ -27,22 +27,22 @@ from neuralgaits.residual.trajectories import missed
 
 Optimizer = Literal["adam", "adamw", "nero"]
 Progress = Callable[[int, int, float], None]
-"""(steps done, steps in all, validation loss relative to the model's)."""
+"""Callback with (steps done, steps in all, validation loss relative to the model's)."""
 
 
 @dataclass(frozen=True)
 class FitConfig:
-    """How a residual is fitted.
+    """Settings of a fit.
 
     Attributes:
         optimizer: adam, adamw, or nero.
         hidden: widths of the hidden layers.
-        learning_rate: at the start; a cosine brings it to zero.
-        weight_decay: of adamw.
-        windows: of a batch.
-        steps: at most.
-        validate_every: steps between two looks at the validation windows.
-        patience: looks without a better one that end the fit.
+        learning_rate: initial rate; a cosine brings it to zero.
+        weight_decay: decay of adamw.
+        windows: windows of a batch.
+        steps: largest number of gradient steps.
+        validate_every: steps between two validations.
+        patience: validations without improvement after which the fit ends.
     """
 
     optimizer: Optimizer = "adam"
@@ -55,7 +55,7 @@ class FitConfig:
     patience: int = 8
 
     def __post_init__(self):
-        """Refuse other optimisers."""
+        """Check the name of the optimiser. Raises: InputError if it is unknown."""
         if self.optimizer not in ("adam", "adamw", "nero"):
             raise InputError(f"unknown optimizer {self.optimizer!r}: expected adam, adamw or nero")
 
@@ -64,29 +64,29 @@ class FitState(NamedTuple):
     """Everything a fit needs to go on. Arrays only."""
 
     step: Array
-    """Gradient steps done. int32 scalar."""
+    """Number of gradient steps done. int32 scalar."""
     parameters: Any
-    """Current parameters, a tree."""
+    """Current parameters, as a tree."""
     optimizer: Any
-    """State of the optimiser."""
+    """State of the optimiser, as a tree."""
     best: Any
     """Parameters with the smallest validation loss so far."""
     best_loss: Array
-    """That loss."""
+    """Smallest validation loss so far."""
     stale: Array
-    """Looks since then. int32 scalar."""
+    """Number of validations since that loss. int32 scalar."""
 
 
 @dataclass(frozen=True)
 class Fitter:
-    """Fits residuals of one policy's zero dynamics to one set of windows.
+    """Fit residuals of one policy's zero dynamics to one set of windows.
 
     Attributes:
-        zd: robot and policy that walked; a residual of its own is left aside.
+        zd: robot and policy that walked; its own residual is ignored.
         train, validation: windows.
-        scale: of z in the loss (m, kg m^2/s). [2]
-        config: of the fit.
-        seed: of weights and batches.
+        scale: scale of z in the loss (m, kg m^2/s). [2]
+        config: settings of the fit.
+        seed: seed of weights and batches.
         unit: mean squared error of the model alone on `train`, in scaled z.
     """
 
@@ -114,7 +114,7 @@ class Fitter:
     ) -> "Fitter":
         """Set the residual's scales and bound from the windows and prepare the step.
 
-        Raises: InputError if there are no windows to learn from or to choose by.
+        Raises: InputError if there are no windows for training or validation.
         """
         config = FitConfig() if config is None else config
         for name, windows in (("learn from", train), ("choose by", validation)):
@@ -143,7 +143,7 @@ class Fitter:
         )
 
     def init(self) -> FitState:
-        """State before the first step."""
+        """Return the state before the first step."""
         parameters, _ = eqx.partition(self._template, self._template.trainable())
         parameters = jax.tree.map(jnp.asarray, parameters)
         if self.config.optimizer == "nero":
@@ -152,7 +152,7 @@ class Fitter:
         return FitState(zero, parameters, self._optimizer.init(parameters), parameters, worst, zero)
 
     def step(self, state: FitState) -> tuple[FitState, Array]:
-        """One gradient step. Returns: the new state and the batch's loss."""
+        """Take one gradient step. Returns: the new state and the batch's loss."""
         draws = np.random.default_rng([self.seed, int(state.step)])
         pick = draws.integers(len(self.train.z), size=self.config.windows)
         parameters, optimizer, loss = self._step(
@@ -167,7 +167,7 @@ class Fitter:
         return moved, loss
 
     def validate(self, state: FitState) -> FitState:
-        """Keep the parameters if they do best on the validation windows."""
+        """Keep the parameters if their validation loss is the smallest so far."""
         errors = missed(self.zd, self.residual(state.parameters), self.validation).errors
         loss = float(np.mean((errors / self.scale) ** 2)) / self.unit
         if loss < float(state.best_loss):
@@ -177,16 +177,16 @@ class Fitter:
         return state._replace(stale=state.stale + 1)
 
     def done(self, state: FitState) -> bool:
-        """Whether all steps are taken, or validation has stopped improving."""
+        """Return whether all steps are done, or validation has stopped improving."""
         return int(state.step) >= self.config.steps or int(state.stale) >= self.config.patience
 
     def residual(self, parameters: Any) -> Residual:
-        """The residual with these parameters, in NumPy."""
+        """Return the residual with these parameters, in NumPy."""
         return eqx.combine(jax.tree.map(np.asarray, parameters), self._template)
 
 
 def fit(fitter: Fitter, progress: Progress | None = None) -> tuple[Residual, FitState]:
-    """Fit until done. Returns: the residual that did best in validation, and the last state."""
+    """Fit until done. Returns: the residual of smallest validation loss, and the last state."""
     state = fitter.validate(fitter.init())
     while not fitter.done(state):
         state, _ = fitter.step(state)

@@ -1,6 +1,6 @@
-"""The best that a function of z can do: a table over bins of z, which needs no training.
+"""Lower bound on a residual's error: a table over bins of z, which needs no training.
 
-What the table leaves of the error is not a function of z, such as ringing of the outputs.
+The error that remains with the table is no function of z, such as ringing of the outputs.
 """
 
 import equinox as eqx
@@ -15,7 +15,7 @@ from neuralgaits.residual.trajectories import missed, root_mean_square
 BINS = ((4, 1), (8, 1), (16, 1), (32, 1), (8, 2), (16, 2), (16, 4), (32, 4))
 """Numbers of bins along z1 and z2 that are tried."""
 FINEST = (32, 4)
-"""All tables have this size, coarse ones with repeated entries: one compiled shape."""
+"""Size of all tables; coarse ones have repeated entries, so one shape is compiled."""
 
 
 class Table(eqx.Module):
@@ -31,7 +31,7 @@ class Table(eqx.Module):
     values: Float[Array, "a b 2"]
 
     def __call__(self, z: ZeroState) -> ZeroState:
-        """Rate of the bin that z lies in. Returns: [2] (m/s, N m)."""
+        """Return the rate of the bin that contains z. Returns: [2] (m/s, N m)."""
         counts = jnp.array(self.values.shape[:2])
         place = jnp.floor((z - self.low) / (self.high - self.low) * counts).astype(int)
         first, second = jnp.clip(place, 0, counts - 1)
@@ -41,10 +41,10 @@ class Table(eqx.Module):
 def binned(
     states: Float[np.ndarray, "N 2"], defects: Float[np.ndarray, "N 2"], bins: tuple[int, int]
 ) -> Table:
-    """Mean defect of each bin; bins that were not visited have none.
+    """Return the table of each bin's mean defect; unvisited bins have none.
 
     Args:
-        states: visited (m, kg m^2/s).
+        states: visited states (m, kg m^2/s).
         defects: missing rate there (m/s, N m).
         bins: along z1 and z2; divisors of `FINEST`.
     """
@@ -69,14 +69,14 @@ def floor(
     judged_by: Windows,
     scale: Float[np.ndarray, "2"],
 ) -> float:
-    """Error of the best table, in scaled z.
+    """Return the error of the best table, in scaled z.
 
     Args:
-        zd: robot and policy that walked; a residual of its own is left aside.
-        states: that fill the tables (m, kg m^2/s).
+        zd: robot and policy that walked; its own residual is ignored.
+        states: states that fill the tables (m, kg m^2/s).
         defects: missing rate there (m/s, N m).
-        judged_by: windows whose trajectories choose the table and are reported.
-        scale: of z (m, kg m^2/s).
+        judged_by: windows whose trajectories choose the table and give its error.
+        scale: scale of z (m, kg m^2/s).
     """
     tables = [binned(states, defects, bins) for bins in BINS]
     return min(root_mean_square(missed(zd, table, judged_by).errors, scale) for table in tables)

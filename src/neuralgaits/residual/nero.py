@@ -16,18 +16,18 @@ import optax
 from neuralgaits._types import Array, Float
 
 LEARNING_RATE, BETA = 0.01, 0.999
-"""The paper's values for everything it tried."""
+"""Values that the paper uses in all of its experiments."""
 ZERO_SCALE = 0.01
 """Scale of parameters that start at zero, as biases do. Source: the paper."""
 LEAST_CENTRED = 3
-"""Rows with fewer entries keep their mean: of two with zero mean, only a sign would be left."""
+"""Shortest row that is centred; with two entries of zero mean, only a sign would be left."""
 
 
 class NeroState(NamedTuple):
-    """What Nero remembers."""
+    """State of the Nero optimiser between steps."""
 
     count: Array
-    """Steps taken. int32 scalar."""
+    """Number of steps taken. int32 scalar."""
     squares: Any
     """Running mean of each neuron's squared gradient norm; a tree like the parameters, with one
     entry a row."""
@@ -36,18 +36,18 @@ class NeroState(NamedTuple):
 
 
 def balanced(parameters: Any) -> Any:
-    """Parameters with every row of every matrix of zero mean and unit norm."""
+    """Return parameters with every row of every matrix of zero mean and unit norm."""
     return jax.tree.map(_balanced, parameters)
 
 
 def nero(
     learning_rate: float | optax.Schedule = LEARNING_RATE, beta: float = BETA
 ) -> optax.GradientTransformation:
-    """The optimiser, for trees of matrices [neurons, inputs] and vectors [neurons].
+    """Return the optimiser, for trees of matrices [neurons, inputs] and vectors [neurons].
 
     Args:
         learning_rate: angle by which a typical gradient turns a row (rad).
-        beta: of the running mean.
+        beta: decay of the running mean.
     """
 
     def init(parameters):
@@ -77,7 +77,7 @@ def nero(
 
 
 def _norms(array: Array) -> Float[Array, "..."]:
-    """Norm of each neuron's entries, with a last axis to broadcast over a matrix."""
+    """Return the norm of each neuron's entries, with a last axis to broadcast over a matrix."""
     if array.ndim < 2:
         return jnp.abs(array)
     return jnp.sqrt(jnp.sum(array * array, axis=1, keepdims=True))

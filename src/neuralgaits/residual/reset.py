@@ -19,28 +19,28 @@ from neuralgaits.logs import Touchdowns
 from neuralgaits.residual.shooting import Rate, model_rate, shoot
 
 LEAST_TOUCHDOWNS = 4
-"""Fewer touchdowns say nothing about the next one."""
+"""Fewest touchdowns that allow a correction."""
 BOUND_FACTOR = 2.0
-"""A correction is bounded by the largest one seen, times this."""
+"""Bound on a correction, as a multiple of the largest one seen."""
 BLOCK = 64
-"""Touchdowns looked at together: one compiled shape for any number of them."""
+"""Touchdowns evaluated together: one compiled shape for any number of them."""
 LEAST_BOUND = 1e-6
-"""Per unit of z2: a bound of zero has no inverse."""
+"""Smallest bound, per unit of z2: a bound of zero has no inverse."""
 SHRINKAGE = 1.0
-"""Touchdowns' worth of belief that corrections do not depend on z."""
+"""Strength of the prior that corrections do not depend on z, in touchdowns."""
 
 
 class Landings(NamedTuple):
-    """Measured minus predicted, once the contact has settled."""
+    """Measured minus predicted states, once the contact has settled."""
 
     z: Float[np.ndarray, "N 2"]
-    """(m, kg m^2/s)."""
+    """Errors of z (m, kg m^2/s)."""
     eta: Float[np.ndarray, "N two_m"]
-    """(rad, rad/s)."""
+    """Errors of the outputs and their rates (rad, rad/s)."""
 
 
 def landings(zd: ZeroDynamics, seen: Touchdowns) -> Landings:
-    """How far robots landed from where the zero dynamics send them, residuals included."""
+    """Return the distance of landings from the zero dynamics' predictions, residuals included."""
     # None as a correction of zero: one compilation for both.
     reset = zd.reset_residual or ResetResidual.like(zd.robot.n - 1)
     whole = ZeroDynamics(zd.robot, zd.policy, zd.residual, reset)
@@ -54,7 +54,7 @@ def fit_reset(zd: ZeroDynamics, seen: Touchdowns) -> ResetResidual | None:
     Args:
         zd: robot and policy that walked, with the residual of the flow: settling takes time in
             which z flows on.
-        seen: touchdowns.
+        seen: measured touchdowns.
 
     Returns: None if there are too few.
     """
@@ -77,7 +77,7 @@ def fit_reset(zd: ZeroDynamics, seen: Touchdowns) -> ResetResidual | None:
 def _in_blocks(
     function: Callable[..., tuple[Array, ...]], zd: ZeroDynamics, *inputs: np.ndarray
 ) -> tuple[np.ndarray, ...]:
-    """Results for N rows of all inputs, the last row filling up the last block."""
+    """Evaluate N rows of all inputs in blocks, the last row filling up the last block."""
     count = len(inputs[0])
     padded = [np.concatenate([a, np.repeat(a[-1:], -count % BLOCK, axis=0)]) for a in inputs]
     parts = [
@@ -108,7 +108,7 @@ def _want(
     missed: Float[Array, "N 2"],
     eta: Float[Array, "N two_m"],
 ) -> tuple[Float[Array, "N k"]]:
-    """Corrections that would have met each landing. [N, 1 + m]."""
+    """Return corrections that would have met each landing. [N, 1 + m]."""
     m = zd.robot.n - 1
 
     def one(z, missed, eta):

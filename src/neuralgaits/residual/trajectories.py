@@ -1,4 +1,4 @@
-"""What predicted trajectories miss of measured ones, window by window."""
+"""Errors of predicted trajectories against measured ones, window by window."""
 
 from typing import NamedTuple
 
@@ -16,21 +16,21 @@ BLOCK = 256
 
 
 class Missed(NamedTuple):
-    """Measured minus predicted."""
+    """Errors of predicted trajectories, measured minus predicted."""
 
     errors: Float[np.ndarray, "N k 2"]
-    """At all samples but the first (m, kg m^2/s). k = K - 1."""
+    """Errors at all samples but the first (m, kg m^2/s). k = K - 1."""
     defects: Float[np.ndarray, "N 2"]
-    """Mean rate that is missing over the first interval (m/s, N m)."""
+    """Mean missing rate over the first interval (m/s, N m)."""
 
 
 def missed(zd: ZeroDynamics, residual: Rate, windows: Windows) -> Missed:
     """Integrate every window from its first measured state.
 
     Args:
-        zd: robot and policy; a residual of its own is left aside.
-        residual: what is added to omega(0, z).
-        windows: measured.
+        zd: robot and policy; its own residual is ignored.
+        residual: addition to omega(0, z).
+        windows: measured windows.
     """
     model = ZeroDynamics(zd.robot, zd.policy)
     count = len(windows.z)
@@ -45,17 +45,17 @@ def missed(zd: ZeroDynamics, residual: Rate, windows: Windows) -> Missed:
 
 
 def root_mean_square(errors: Float[np.ndarray, "N k 2"], scale: Float[np.ndarray, "2"]) -> float:
-    """Root mean square over windows and samples of the size of the error in scaled z."""
+    """Return the root mean square over windows and samples of the error's size in scaled z."""
     return float(np.sqrt(np.mean(np.sum((errors / scale) ** 2, axis=-1))))
 
 
 def largest_defects(found: Missed) -> Float[np.ndarray, "2"]:
-    """Largest rate that is missing over any first interval (m/s, N m)."""
+    """Return the largest missing rate over any first interval (m/s, N m)."""
     return np.abs(found.defects).max(axis=0)
 
 
 def _padded(array: np.ndarray, count: int) -> np.ndarray:
-    """Whole blocks, the last window repeated."""
+    """Fill whole blocks by repeating the last window."""
     return np.concatenate([array, np.repeat(array[-1:], -count % BLOCK, axis=0)])
 
 

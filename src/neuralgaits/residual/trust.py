@@ -1,4 +1,4 @@
-"""How far touchdowns land from where they should, with and without a residual of the reset map."""
+"""Measure landing errors of touchdowns, with and without a residual of the reset map."""
 
 import numpy as np
 
@@ -11,12 +11,12 @@ from neuralgaits.residual.reset import Landings, ResetResidual, landings
 def landing_errors(
     zd: ZeroDynamics, reset: ResetResidual | None, seen: Touchdowns
 ) -> TouchdownErrors:
-    """Root mean square errors at touchdowns that nothing was learned from.
+    """Return root mean square errors at touchdowns that no fit has used.
 
     Args:
         zd: robot and policy that walked, with the residual of the flow.
         reset: residual of the reset map, or None.
-        seen: touchdowns.
+        seen: measured touchdowns.
 
     Returns: z1, z2, the largest output and output rate before and after the residual; None without
         touchdowns or residual.

@@ -1,1 +1,1 @@
-"""Full-order simulation in MuJoCo."""
+"""Simulation of the robot at full order, in MuJoCo or Drake."""

@@ -1,6 +1,6 @@
-"""Settings of a walk that do not go together: each pair is refused in one line.
+"""Refuse settings of a walk that exclude each other, each pair with one line.
 
-`simulate` asks here before anything is compiled.
+`simulate` calls this before anything is compiled.
 """
 
 from collections.abc import Mapping
@@ -19,9 +19,9 @@ from neuralgaits.simulation.setup.orders import parsed
 from neuralgaits.simulation.setup.terrain_kinds import told_by
 
 OTHER_ROBOT = 0.25
-"""Share by which a plant's mass or leg length may differ before it is called another robot."""
+"""Largest difference of a plant's mass or leg length, as a share, before it is another robot."""
 REMOTE = "c"
-"""Name of the controller that is a process of its own."""
+"""Name of the controller that runs in a process of its own."""
 
 
 def drawn_robots(
@@ -32,7 +32,7 @@ def drawn_robots(
     terrain: str | Path | None,
     controller: str | AbstractLaw,
 ) -> DrawnRobots | None:
-    """Robots of a box; None without one. Raises: InputError where something else says who walks."""
+    """Return robots of a box; None without a box. Raises: InputError if others are to walk."""
     box = checked_box(parameters or {})
     if not box:
         return None
@@ -54,7 +54,7 @@ def refuse_shared(
     film: str | Path | None,
     terrain: str | Path | None,
 ) -> None:
-    """Refuse what only this process can do."""
+    """Refuse options that only work in this process. Raises: InputError."""
     if not isinstance(controller, str) or controller == REMOTE:
         raise InputError(
             "expected controller pd, fblin, paper or clf-qp with --workers or --ray, found "
@@ -72,11 +72,11 @@ def refuse_shared(
 
 
 def about_other_robot(robot: PlanarBiped, plant: PlanarBiped) -> str | None:
-    """Say that a plant is another robot than the one that a gait was trained for.
+    """State that a plant is another robot than the one that a gait was trained for.
 
     Args:
-        robot: of the gait.
-        plant: that walks, with as many links.
+        robot: robot of the gait.
+        plant: robot that walks, with as many links.
 
     Returns: one line; None for the same robot with slightly other numbers.
     """
@@ -105,7 +105,7 @@ def link_of(
     controller: str | AbstractLaw,
     disturbance: Disturbance,
 ) -> LinkConfig | None:
-    """How a controller's process is reached; None without one."""
+    """Return the settings of the link to a controller's process; None without one."""
     if controller != REMOTE:
         if link is None:
             return None
@@ -130,7 +130,7 @@ def link_of(
 
 
 def _linked(controller: str | AbstractLaw) -> str:
-    """How a law is walked as a process of its own, as words of a command line."""
+    """Return the words of a command line that walks a law in a process of its own."""
     law = f"law={controller}," if controller in EXPORTED else ""
     return f"write --controller {REMOTE} --link {law}lockstep=1"
 
@@ -145,7 +145,7 @@ def refuse_beside_terrain(
     commands: str | Path | None,
     disturbance: Disturbance,
 ) -> None:
-    """Refuse what a terrain leaves no room for. Raises: InputError."""
+    """Refuse options that exclude a terrain. Raises: InputError."""
     if commands is not None:
         raise InputError(
             "expected --terrain or --commands, found both: the robot is told what it sees"

@@ -1,4 +1,4 @@
-"""The log of a simulated walk: what the robot itself could have written, and z2 of the plant."""
+"""Write the log of a simulated walk: readings of the robot itself, and z2 of the plant."""
 
 import numpy as np
 
@@ -8,12 +8,12 @@ from neuralgaits.simulation.ticks.tick import Record
 
 
 def log_of(robot: PlanarBiped, record: Record, source: str) -> Log:
-    """The log of a recorded episode.
+    """Return the log of a recorded episode.
 
     Args:
-        robot: the model the controller believed in.
-        record: of the episode; every leaf has a leading axis of ticks.
-        source: what messages call the episode.
+        robot: the controller's model.
+        record: record of the episode; every leaf has a leading axis of ticks.
+        source: name of the episode in messages.
     """
     command = record.command
     return Log(

@@ -1,6 +1,6 @@
-"""One robot that walks until told otherwise: pushed, tilted, loaded and moved while it goes.
+"""Walk one robot until it is stopped; it is pushed, tilted, loaded and moved meanwhile.
 
-The same control tick and plant as in an episode, one tick at a call. Nothing here knows of wall
+Control tick and plant are those of an episode, one tick at a call. Nothing here knows of wall
 clocks, threads or screens: time passes only in `tick`.
 """
 
@@ -34,26 +34,26 @@ from neuralgaits.simulation.ticks.falls import Ending, FallConfig
 from neuralgaits.simulation.ticks.tick import Record, Verdict
 
 PERIOD_S = SUBSTEPS * TIMESTEP_S
-"""Time that passes in a tick [s]."""
+"""Time of one tick [s]."""
 CHANGEABLE = ("friction", "torque_limit", "slope_deg", "mass_scale")
 """Disturbances that may change while the robot walks."""
 CHANGEABLE_ON_BLOCKS = ("friction", "torque_limit", "mass_scale")
-"""The same on a course of blocks."""
+"""Disturbances that may change while the robot walks on a course of blocks."""
 _TILT_TICKS = 10
 """Ticks between two small turns of the floor."""
 
 
 class LiveWalk:
-    """A walking robot and everything that may be done to it.
+    """A walking robot with all of its disturbances.
 
     Attributes:
-        plant: as it is disturbed at present.
-        data: MuJoCo's state of it.
-        floor: under the feet.
-        verdict: of the last tick; None before the first.
-        impulse_given: by pushes so far, along x and z (N s). [2]
-        laps: touchdowns of each time that it came to the end of a course; it is then put back to
-            the beginning.
+        plant: plant with its present disturbances.
+        data: MuJoCo's state of the plant.
+        floor: floor under the feet.
+        verdict: verdict of the last tick; None before the first.
+        impulse_given: impulse of all pushes so far, along x and z (N s). [2]
+        laps: touchdowns of each walk to the end of a course; the robot is then put back to the
+            beginning.
     """
 
     def __init__(
@@ -72,16 +72,16 @@ class LiveWalk:
         """Put the robot on its left foot at x = 0.
 
         Args:
-            robot: the model the controller believes in, and what walks.
-            policy: desired outputs, or a family of them, told the middle of its ranges at first, or
-                what the ground says.
-            law: of control.
+            robot: the controller's model, and the robot that walks.
+            policy: desired outputs, or a family of them; its first commands are the middle of its
+                ranges, or those of the ground.
+            law: control law.
             start: x = (q, dq) (rad, rad/s). [2n]
-            z2_range: momenta the policy was trained on (kg m^2/s).
-            falls: thresholds.
-            library: compiled for robot and policy; else ticks are JAX.
+            z2_range: momenta of the policy's training (kg m^2/s).
+            falls: thresholds of a fall.
+            library: library compiled for robot and policy; without it, ticks are JAX.
             reset_residual: corrects the impact that the steps of a family begin with.
-            ground: of blocks in place of a floor, which the robot is told by.
+            ground: blocks in place of a floor; they give the commands.
         """
         self._ground = ground
         self.plant = build(robot, None, self.course)
@@ -118,50 +118,50 @@ class LiveWalk:
         self._stand(self._start, 0.0)
 
     def compile(self) -> None:
-        """Compile the control tick; until then `tick` waits for it itself."""
+        """Compile the control tick; without this call the first `tick` compiles it."""
         self._tick.compile()
 
     @property
     def course(self) -> Course | None:
-        """Blocks that it walks on; None on a floor."""
+        """Return the blocks that it walks on; None on a floor."""
         return None if self._ground is None else self._ground.course
 
     @property
     def sizes(self) -> Mapping[str, Size]:
-        """Sizes of these that may change while it walks."""
+        """Return the sizes of the blocks that may change while it walks."""
         return {} if self._ground is None else self._ground.sizes
 
     def height(self, x: float) -> float:
-        """Of the floor at a place, or of the line through the middles of stones (m)."""
+        """Return the height of the floor at a place, or of the line through stones' middles (m)."""
         return self.floor.height(x) if self.course is None else self.course.line(x)
 
     @property
     def time(self) -> float:
-        """Simulated time [s]."""
+        """Simulated time since the start [s]."""
         return float(self.data.time)
 
     @property
     def ending(self) -> Ending:
-        """Whether the robot still walks, or why it does not."""
+        """Whether the robot still walks, or the reason why it does not."""
         return Ending.RUNNING if self.verdict is None else Ending(int(self.verdict.ending[0]))
 
     @property
     def record(self) -> Record | None:
-        """What a log would hold of the last tick, with a leading axis of one; None before it."""
+        """Record of the last tick, with a leading axis of one; None before it."""
         return self._tick.record
 
     @property
     def pushing(self) -> Float[np.ndarray, "2"]:
-        """Force of the push under way, along x and z (N); zero without one. [2]."""
+        """Return the force of the present push, along x and z (N); zero without one. [2]."""
         return self._force if self._push_ticks else np.zeros(2)
 
     @property
     def hip(self) -> Float[np.ndarray, "2"]:
-        """Pitch axis of the root, (x, z) (m). [2]."""
+        """Return the pitch axis of the root, (x, z) (m). [2]."""
         return self.plant.wires.sensors(self.data.qpos, self.data.qvel).base
 
     def tick(self) -> bool:
-        """Let one control tick pass. Returns: False, and nothing changes, once it has fallen."""
+        """Advance one control tick. Returns: False, with no change, once the robot has fallen."""
         if self.ending.fell:
             return False
         if self._ticks % _TILT_TICKS == 0:
@@ -186,7 +186,7 @@ class LiveWalk:
     def push(self, impulse: Float[np.ndarray, "2"]) -> None:
         """Push along x and z at the root's pitch axis, spread over `push.DURATION_S` (N s).
 
-        What is left of an earlier push is dropped. Raises: InputError if it is not finite.
+        The rest of an earlier push is dropped. Raises: InputError if it is not finite.
         """
         impulse = np.asarray(impulse, dtype=np.float64)
         if impulse.shape != (2,) or not np.all(np.isfinite(impulse)):
@@ -195,7 +195,7 @@ class LiveWalk:
         self._force = impulse / (self._push_ticks * PERIOD_S)
 
     def _walk_on(self, ground: LiveCourse, verdict: Verdict) -> bool:
-        """Tell the robot what it sees. Returns: whether it was put back: the course had ended."""
+        """Update the commands from the ground. Returns: whether the course ended and began anew."""
         steps, feet = int(verdict.steps[0]), np.asarray(verdict.feet)
         if ground.course.ends(steps, float(feet[0, 0, 0])):
             self.laps = (*self.laps, steps)
@@ -220,7 +220,7 @@ class LiveWalk:
         self._rebuild(replace(self.plant.disturbance, **changes))
 
     def resize(self, name: str, size: float) -> None:
-        """Change a size of the blocks ahead (m). Raises: InputError if it has none or it is out."""
+        """Change a size of the blocks ahead (m). Raises: InputError if unknown or out of range."""
         if self._ground is None:
             raise InputError(f"expected a course of blocks to change the {name} of, found a floor")
         steps = 0 if self.verdict is None else int(self.verdict.steps[0])
@@ -228,7 +228,7 @@ class LiveWalk:
         self._rebuild(self.plant.disturbance)
 
     def _rebuild(self, disturbance: Disturbance) -> None:
-        """Go on in a plant that is compiled anew."""
+        """Continue in a plant that is compiled anew."""
         plant = build(self._robot, disturbance, self.course)
         fresh = mujoco.MjData(plant.model)
         fresh.time = self.data.time
@@ -239,7 +239,7 @@ class LiveWalk:
         self._lay(self.floor)
 
     def tell(self, **commands: float) -> None:
-        """Wish for commands from the next touchdown on; the others stay as they are.
+        """Request commands from the next touchdown on; the others keep their values.
 
         A change that is too fast for one step is spread over several.
         Raises: InputError for another name, or a value outside of its range.
@@ -253,15 +253,15 @@ class LiveWalk:
 
     @property
     def told(self) -> Float[np.ndarray, "2 p"]:
-        """What the robot was told, of the step before and of this one. [2, p]."""
+        """Return the commands of the step before and of this one. [2, p]."""
         if self.record is None:
             return np.stack([self._first, self._first])
         return np.asarray(self.record.command.told)[0]
 
     def place(self, x: Float[np.ndarray, " two_n"]) -> None:
-        """Start anew from a full state on leg 0 (rad, rad/s), where the robot is. [2n].
+        """Restart from a full state on leg 0 (rad, rad/s), at the robot's place. [2n].
 
-        On a course: on its first foothold, told of it as at first.
+        On a course it restarts on the first foothold, with the first commands.
         Raises: InputError for another shape or numbers that are not finite.
         """
         x = np.asarray(x, dtype=np.float64)
@@ -278,11 +278,11 @@ class LiveWalk:
         self._stand(x, float(self.hip[0]) - base)
 
     def reset(self) -> None:
-        """Start anew from the first state; the plant stays as disturbed as it is."""
+        """Restart from the first state; the plant keeps its disturbances."""
         self.place(self._start)
 
     def _stand(self, x: Float[np.ndarray, " two_n"], foot_x: float) -> None:
-        """Put the stance foot onto the floor at `foot_x` (m), and forget what was."""
+        """Put the stance foot onto the floor at `foot_x` (m), and clear the controller's memory."""
         q, dq = np.split(x, 2)
         lift = float(self._robot.foot_radius) * math.hypot(1.0, self.floor.slope)
         foot = (foot_x, self.floor.height(foot_x) + lift)
@@ -297,7 +297,7 @@ class LiveWalk:
         self._lay(self.floor)
 
     def _tilt(self) -> None:
-        """Turn the floor a little towards the slope asked for, about the stance foot."""
+        """Turn the floor a little towards the requested slope, about the stance foot."""
         if self.floor.slope == self.plant.slope:
             return
         leg = 0 if self.verdict is None else int(self.verdict.leg[0])
@@ -307,7 +307,7 @@ class LiveWalk:
         self._lay(self.floor.turned(self.plant.slope, float(foot[0]), radius, passed))
 
     def _lay(self, floor: Floor) -> None:
-        """Put both planes there, if there are any, and tell the control tick."""
+        """Put both planes in place, if there are any, and update the control tick."""
         self.floor = floor
         if self._ground is None:
             self._levels[:] = floor.level

@@ -1,32 +1,32 @@
-"""The floor of a live walk: a plane that turns about the standing foot."""
+"""Floor of a live walk: a plane that turns about the standing foot."""
 
 import math
 from typing import NamedTuple
 
 TILT_DEG_S = 20.0
-"""How fast the floor tilts [deg/s]: a swing foot ahead of the robot is met at 0.1 m/s or so."""
+"""Rate at which the floor tilts [deg/s]; a swing foot ahead meets it at about 0.1 m/s."""
 
 
 class Floor(NamedTuple):
     """A plane through (0, level), the same under both feet."""
 
     slope: float
-    """Rise per metre forward."""
+    """Rise of the floor per metre forward."""
     level: float
     """Height at x = 0 [m]."""
 
     def height(self, x: float) -> float:
-        """Height at x (m)."""
+        """Return the height of the floor at x (m)."""
         return self.level + self.slope * x
 
     def turned(self, wanted: float, foot: float, radius: float, passed: float) -> "Floor":
-        """Turned about the standing foot for a time, towards a slope.
+        """Return the floor turned about the standing foot for a time, towards a slope.
 
         Args:
-            wanted: the slope (rise per metre).
-            foot: where its sphere is (m).
-            radius: of the sphere (m).
-            passed: time (s).
+            wanted: requested slope (rise per metre).
+            foot: place of the foot's sphere (m).
+            radius: radius of the sphere (m).
+            passed: time since the last turn (s).
         """
         reach = math.radians(TILT_DEG_S * passed)
         angle = math.atan(self.slope)

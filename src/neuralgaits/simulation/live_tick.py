@@ -1,4 +1,4 @@
-"""The control tick of a live walk: one robot, a plant that changes, in JAX or compiled."""
+"""Control tick of a live walk: one robot, a plant that changes, in JAX or compiled."""
 
 from abc import ABC, abstractmethod
 from ctypes import byref
@@ -23,31 +23,31 @@ from neuralgaits.simulation.ticks.strides import width
 from neuralgaits.simulation.ticks.tick import Record, Verdict
 
 ENDLESS = int(np.iinfo(np.int32).max)
-"""Steps of a walk that has no end."""
+"""Number of steps of a walk without end."""
 
 
 class LiveTick(ABC):
-    """Decides, tick by tick; remembers stance and policy from one to the next."""
+    """A control tick that keeps the state of stance and policy from one call to the next."""
 
     @abstractmethod
     def compile(self) -> None:
-        """Make ready; until then the first tick waits for it."""
+        """Compile the tick; without this call the first tick waits for it."""
 
     @abstractmethod
     def restart(self) -> None:
-        """Forget what was: the robot stands on leg 0."""
+        """Clear the memory: the robot stands on leg 0."""
 
     @abstractmethod
     def tell(self, wanted: Float[np.ndarray, " p"]) -> None:
-        """Wish for other commands from the next touchdown on."""
+        """Request other commands from the next touchdown on."""
 
     @abstractmethod
     def change(self, plant: Plant, torque_limit: Float[np.ndarray, " m"], slope: float) -> None:
-        """Go on with another plant, limits of the controller (N m) and slope of the floor."""
+        """Continue with another plant, torque limits (N m) and slope of the floor."""
 
     @abstractmethod
     def decide(self, data: Any, levels: Float[np.ndarray, "2"]) -> Verdict:
-        """One tick at a state of MuJoCo. Leaves have an axis of one.
+        """Compute one tick at a state of MuJoCo. Leaves have an axis of one.
 
         `levels` are those of the floor, or of the foothold that each foot had last (m).
         """
@@ -55,11 +55,11 @@ class LiveTick(ABC):
     @property
     @abstractmethod
     def record(self) -> Record | None:
-        """What a log would hold of the last tick, with a leading axis of one; None before it."""
+        """Record of the last tick, with a leading axis of one; None before it."""
 
 
 class JaxTick(LiveTick):
-    """The tick of an episode, a batch of one."""
+    """The tick of an episode in JAX, as a batch of one."""
 
     def __init__(
         self,
@@ -68,7 +68,7 @@ class JaxTick(LiveTick):
         falls: FallConfig,
         first: Float[np.ndarray, " p"],
     ):
-        """Nothing is compiled yet. `first` is told of the first step. [p]."""
+        """Prepare the tick without compilation. `first` has the commands of the first step. [p]."""
         gap_depth = np.inf if plant.course is None else plant.course.gap_depth
         self._scene = Scene.of(plant, controller, ENDLESS, falls, first, gap_depth)
         self._batch: Batch | None = None
@@ -77,21 +77,21 @@ class JaxTick(LiveTick):
         self.restart()
 
     def compile(self) -> None:
-        """Compile the control tick."""
+        """Compile the control tick as a batch of one."""
         batch = compile_batch(self._scene, np.zeros(1, dtype=np.int32), shared=True)
         batch.tick(batch.arrays, batch.carry, np.zeros((1, self._scene.reading_size)))
         self._arrays, self._batch = numbers(self._scene), batch
 
     def restart(self) -> None:
-        """Forget what was."""
+        """Clear the memory of stance and policy."""
         self._carry = self._found = None
 
     def tell(self, wanted: Float[np.ndarray, " p"]) -> None:
-        """Wish for other commands."""
+        """Request other commands from the next touchdown on."""
         self._wanted = np.array(wanted, dtype=np.float64)
 
     def change(self, plant: Plant, torque_limit: Float[np.ndarray, " m"], slope: float) -> None:
-        """Nothing is compiled again."""
+        """Exchange the plant, torque limits and slope without a new compilation."""
         parts = (np.asarray(torque_limit), np.asarray(slope))
         self._scene = eqx.tree_at(
             lambda s: (s.controller.torque_limit, s.slope), self._scene, parts
@@ -100,7 +100,7 @@ class JaxTick(LiveTick):
             self._arrays = numbers(self._scene)
 
     def decide(self, data: Any, levels: Float[np.ndarray, "2"]) -> Verdict:
-        """One tick."""
+        """Compute one tick at a state of MuJoCo."""
         if self._batch is None:
             self.compile()
         assert self._batch is not None
@@ -114,14 +114,14 @@ class JaxTick(LiveTick):
 
     @property
     def record(self) -> Record | None:
-        """Of the last tick."""
+        """Record of the last tick; None before it."""
         if self._found is None or self._batch is None:
             return None
         return self._batch.record_of(self._found)
 
 
 class NativeTick(LiveTick):
-    """The same in compiled code."""
+    """The tick of an episode in compiled C code."""
 
     def __init__(
         self,
@@ -131,9 +131,9 @@ class NativeTick(LiveTick):
         falls: FallConfig,
         first: Float[np.ndarray, " p"],
     ):
-        """`first` is told of the first step. [p].
+        """Load the tick. `first` has the commands of the first step. [p].
 
-        Raises: InputError for the library of another gait, or a law that it does not have.
+        Raises: InputError for the library of another gait, or a law that the library lacks.
         """
         if not library.fits(controller):
             raise InputError("expected the compiled walk of this controller, found another one's")
@@ -145,20 +145,20 @@ class NativeTick(LiveTick):
         self.restart()
 
     def compile(self) -> None:
-        """It is compiled."""
+        """Do nothing: the library is compiled already."""
 
     def restart(self) -> None:
-        """Forget what was."""
+        """Clear the memory of stance and policy."""
         self._library.start(byref(self._walk), 0, pointer(self._first))
         if self._wanted.size:
             self._walk.orders, self._walk.orders_used = pointer(self._wanted), 0
 
     def tell(self, wanted: Float[np.ndarray, " p"]) -> None:
-        """Wish for other commands."""
+        """Request other commands from the next touchdown on."""
         self._wanted[:] = wanted
 
     def change(self, plant: Plant, torque_limit: Float[np.ndarray, " m"], slope: float) -> None:
-        """Another scene for the same walk."""
+        """Exchange the scene of the walk."""
         controller = eqx.tree_at(lambda c: c.torque_limit, self._controller, torque_limit)
         none = Push(0.0, ENDLESS, 0, 1)
         self._scene = scene_of(self._library, plant, controller, ENDLESS, self._falls, none)
@@ -166,7 +166,7 @@ class NativeTick(LiveTick):
         self._plant, self._controls = plant, np.zeros((1, plant.model.nu))
 
     def decide(self, data: Any, levels: Float[np.ndarray, "2"]) -> Verdict:
-        """One tick."""
+        """Compute one tick at a state of MuJoCo."""
         walk, row = self._walk, self._row
         if self._wanted.size:
             walk.orders_used = 0
@@ -192,5 +192,5 @@ class NativeTick(LiveTick):
 
     @property
     def record(self) -> Record | None:
-        """Of the last tick."""
+        """Record of the last tick; None before it."""
         return record_of(self._row, self._plant.robot) if self._walk.ticks else None

@@ -1,4 +1,4 @@
-"""What a simulation says about a gait: the figures of `simulate --json`."""
+"""Figures of a simulated gait, those of `simulate --json`."""
 
 import numpy as np
 
@@ -15,7 +15,7 @@ from neuralgaits.simulation.walk import Walk
 
 
 def summary(walk: Walk, orbit: Orbit | None = None) -> WalkFigures:
-    """The figures of a simulation.
+    """Return the figures of a simulation.
 
     Gait figures are over completed steps, the first START_UP_STEPS of an episode left out; they
     are None if no episode has walked further. Extremes are over all episodes, means over the
@@ -29,8 +29,8 @@ def summary(walk: Walk, orbit: Orbit | None = None) -> WalkFigures:
     `hip_speed_error_m_s` is over every tick of every walk, falls and touchdowns included.
 
     Args:
-        walk: what was simulated.
-        orbit: of the zero dynamics, if it was looked for.
+        walk: the simulated walk.
+        orbit: periodic orbit of the zero dynamics, if it was computed.
     """
     episodes, gauge = walk.episodes, walk.episodes.gauge
     counted = gauge.steps > START_UP_STEPS
@@ -67,7 +67,7 @@ def summary(walk: Walk, orbit: Orbit | None = None) -> WalkFigures:
 
 
 def _relaxed(walk: Walk) -> Relaxed | None:
-    """What a law with a quadratic program gave up."""
+    """Return the mean relaxations of a law with a quadratic program; None for other laws."""
     if not isinstance(walk.law, ClfQp):
         return None
     gauge = walk.episodes.gauge
@@ -76,9 +76,10 @@ def _relaxed(walk: Walk) -> Relaxed | None:
 
 
 def command_errors(commands: Commands, strides: list[Strides]) -> dict[str, CommandError]:
-    """How far walks were from what they were told; the first START_UP_STEPS are left out.
+    """Return how far walks were from their commands; the first START_UP_STEPS are left out.
 
-    Speed: mean over a walk against the mean of what it was told meanwhile. Footholds: of each step.
+    The error of speed is the mean over a walk minus the mean of its commands; that of footholds is
+    of each step.
     """
     found = {}
     for i, command in enumerate(commands):
@@ -94,7 +95,7 @@ def command_errors(commands: Commands, strides: list[Strides]) -> dict[str, Comm
 
 
 def foothold_error(courses: Courses | None, strides: list[Strides]) -> CommandError | None:
-    """How far feet came down from the middle of their stones (m), all steps of all walks."""
+    """Return feet's distances from the middle of their stones (m), all steps of all walks."""
     if courses is None or not courses.stones:
         return None
     misses = [
@@ -107,7 +108,7 @@ def foothold_error(courses: Courses | None, strides: list[Strides]) -> CommandEr
 
 
 def hip_speed_error(walk: Walk) -> float | None:
-    """Of the estimates of all walks, rms (m/s); None where the hip's speed is measured."""
+    """Return the rms error of estimated hip speeds (m/s); None where the speed is measured."""
     if not walk.plant.disturbance.estimator:
         return None
     gauge = walk.episodes.gauge
@@ -117,7 +118,7 @@ def hip_speed_error(walk: Walk) -> float | None:
 
 
 def _misses(name: str, i: int, walked: Strides) -> Float[np.ndarray, " K"]:
-    """Found minus told, of a walk or of its steps."""
+    """Return measured minus requested values, of a walk or of its steps."""
     walked = Strides(*(column[START_UP_STEPS - 1 :] for column in walked))
     if len(walked.time) < 2:
         return np.zeros(0)

@@ -1,4 +1,4 @@
-"""The compiled walk of a gait: written as `export` writes it, compiled once, kept by its hash."""
+"""Compile the walk of a gait once, from files as `export` writes them, and keep it by its hash."""
 
 import contextlib
 import hashlib
@@ -35,7 +35,7 @@ from neuralgaits.simulation.setup.starts import momentum_range
 
 Choice = Literal["native", "jax"]
 FLAGS = ("-std=gnu99", "-O3", "-ffp-contract=off", "-fPIC", "-shared")
-"""Products and sums are not fused: a walk is the same on every machine."""
+"""Compiler flags. Products and sums are not fused, so a walk is the same on every machine."""
 SOURCES = ("walk.c", "clf_qp.c", "controller.c", "estimator.c", "gait.c")
 _LOOP = ("walk.c", "walk.h", "clf_qp.c", "clf_qp.h")
 _SHIPPED = ("controller.h", "ng_math.h", "estimator.h", "controller.c", "estimator.c")
@@ -43,18 +43,18 @@ _COMPILERS = ("cc", "gcc", "clang")
 _COMPILE_S = 300.0
 _UNKNOWN = "0" * 64
 _own_folders: list[tempfile.TemporaryDirectory] = []
-"""Gone with this process."""
+"""Folders that are deleted when this process ends."""
 _SHOWN = 200
 NO_COMPILER = "there is no C compiler: install gcc or clang, or pip install 'neuralgaits[compiler]'"
 
 
 @dataclass(frozen=True)
 class Engine:
-    """What walks.
+    """The loop that runs a walk: compiled code or JAX.
 
     Attributes:
         library: the compiled walk, None for the loop in JAX.
-        note: why it is not what was hoped for, in one line; None if there is nothing to say.
+        note: one line on a limitation, such as a missing compiler; None without one.
     """
 
     library: Library | None
@@ -68,16 +68,16 @@ def engine_of(
     choice: Choice | None = None,
     reset_residual: Reset = None,
 ) -> Engine:
-    """What to walk a gait with.
+    """Choose the loop that walks a gait.
 
     Args:
-        robot: the model the controller believes in.
+        robot: the controller's model.
         gait: policy and region, or a family of them.
         z2_range: momenta of the region (kg m^2/s).
-        choice: `native` to insist on it, `jax` for the reference, None for native where it works.
+        choice: `native` to require it, `jax` for the reference, None for native where it works.
         reset_residual: corrects the impact that the steps of a family begin with.
 
-    Raises: InputError in one line if native was insisted on and does not work.
+    Raises: InputError in one line if native was required and does not work.
     """
     if choice not in (None, "native", "jax"):
         raise InputError(f"engine: expected native or jax, found {choice!r}")
@@ -93,18 +93,18 @@ def engine_of(
 
 
 def engine_of_run(run: Run, choice: Choice | None = None) -> Engine:
-    """The same for the gait of a run; of a family, the one at the run's command."""
+    """Choose the loop for the gait of a run; for a family, the gait at the run's command."""
     return engine_of(run.robot, run.gait, momentum_range(run.gait), choice)
 
 
 def engine_of_trained(run: Run, choice: Choice | None = None) -> Engine:
-    """The same for all that a run was trained for: a family is told its commands."""
+    """Choose the loop for all gaits of a run; a family takes its commands."""
     trained, reset = run.trained, run.residuals.reset
     return engine_of(run.robot, trained, momentum_range(trained), choice, reset)
 
 
 def compiler() -> list[str] | None:
-    """How to call a C compiler: CC, the machine's own, or the one of the extra `compiler`."""
+    """Return the command of a C compiler: CC, the machine's own, or that of extra `compiler`."""
     chosen = os.environ.get("CC", "").split()
     if chosen:
         return chosen
@@ -125,7 +125,7 @@ def _design(
 
 
 def sources(design: Design) -> dict[str, str]:
-    """Every file that is compiled. Raises: NativeError for a policy that C cannot express."""
+    """Return all files to compile. Raises: NativeError for a policy that C cannot express."""
     try:
         own = gait_files(design, (ground(design.robot),))
     except SpecError as error:
@@ -137,7 +137,7 @@ def sources(design: Design) -> dict[str, str]:
 
 
 def _engine(texts: Mapping[str, str], controller: Controller) -> Engine:
-    """The walk of these sources, compiled now or before. Raises: NativeError."""
+    """Return the walk of these sources, compiled now or before. Raises: NativeError."""
     command = compiler()
     if command is None:
         raise NativeError(NO_COMPILER)
@@ -163,7 +163,7 @@ def _engine(texts: Mapping[str, str], controller: Controller) -> Engine:
 
 
 def _place(command: Sequence[str], texts: Mapping[str, str]) -> Path:
-    """Where a library is kept: named after everything it is made of and with."""
+    """Return a library's place, named by a hash of its sources and its compiler."""
     key = hashlib.sha256()
     about = (*command, _version(tuple(command)), *FLAGS, mujoco.__version__, platform.machine())
     for text in (*about, *(part for item in sorted(texts.items()) for part in item)):
@@ -210,7 +210,7 @@ def _compile(command: Sequence[str], place: Path, texts: Mapping[str, str]) -> P
 
 @cache
 def _version(command: tuple[str, ...]) -> str:
-    """What a compiler says it is; nothing of one that does not run."""
+    """Return a compiler's version text; empty if it does not run."""
     with contextlib.suppress(OSError, subprocess.TimeoutExpired):
         done = subprocess.run(
             [*command, "--version"],

@@ -1,4 +1,4 @@
-"""Walks of one simulation on many workers: parts of them as tasks, put together in their order."""
+"""Walk one simulation on many workers: parts are tasks, and results are put together in order."""
 
 import json
 import tempfile
@@ -33,19 +33,19 @@ from neuralgaits.simulation.trained_walks import (
 from neuralgaits.simulation.walk import Walk
 
 STEPS_OF_A_PART = 1600
-"""Walking steps of a task: some ten seconds of compiled code."""
+"""Number of walking steps of a task: some ten seconds of compiled code."""
 _MOST_OF_A_PART = 256
 _PLANT, _COMMANDS, _ARRAYS = "plant.xml", "commands.csv", "walks.safetensors"
 
 
 @dataclass(frozen=True)
 class SharedWalks:
-    """Walks to be shared out.
+    """Walks that are shared among workers.
 
     Attributes:
-        walks: what they have in common.
-        choice: of the engine of a walk.
-        command, commands: as in `simulate`: what a family is told.
+        walks: common settings of the walks.
+        choice: choice of the engine of a walk.
+        command, commands: commands of a family, as in `simulate`.
     """
 
     walks: TrainedWalks
@@ -99,7 +99,7 @@ class SharedWalks:
             yield Job(name, about | {"part": {"first": first, "count": here}})
 
     def _files(self) -> dict[str, bytes]:
-        """What a worker needs of the run, of the plant and of a file of commands."""
+        """Return the files of run, plant and commands that a worker needs."""
         path = self.walks.run.path
         names = {CONFIG, SUMMARY, *self.walks.run.folder.copies, "policy.safetensors"}
         files = {f"run/{name}": (path / name).read_bytes() for name in sorted(names)}
@@ -111,11 +111,11 @@ class SharedWalks:
 
 
 def walk_part(settings: Settings, files: Files) -> Files:
-    """A task: some of the walks of a simulation.
+    """Walk some episodes of a simulation, as a task of a worker.
 
     Args:
-        settings: of the walks, and in `part` the number of the first and how many.
-        files: of the run, and of the plant and of commands if there are any.
+        settings: settings of the walks; `part` has the number of the first, and how many.
+        files: files of the run, and of the plant and of commands if there are any.
 
     Returns: `walks.safetensors` with the arrays of `to_arrays`.
     """
@@ -127,7 +127,7 @@ def walk_part(settings: Settings, files: Files) -> Files:
 
 @lru_cache(maxsize=1)
 def _opened(about: str, files: tuple[tuple[str, bytes], ...]) -> TrainedWalks:
-    """The run of these files, opened: once for all parts of a simulation that a worker walks."""
+    """Open the run of these files, once for all parts of a simulation that a worker walks."""
     told, contents = json.loads(about), dict(files)
     with tempfile.TemporaryDirectory(prefix="neuralgaits-") as made:
         base = Path(made)

@@ -1,4 +1,4 @@
-"""What steps the plants: MuJoCo, or Drake in its place."""
+"""Simulators that step the plants: MuJoCo or Drake."""
 
 from collections.abc import Sequence
 from typing import Literal
@@ -16,7 +16,7 @@ DRAKE: Simulator = "drake"
 
 
 def check_simulator(simulator: str) -> None:
-    """Refuse a simulator that is not known, or not there. Raises: InputError."""
+    """Refuse a simulator that is unknown or not installed. Raises: InputError."""
     if simulator not in (MUJOCO, DRAKE):
         raise InputError(f"simulator: expected mujoco or drake, found {simulator!r}")
     if simulator == DRAKE:
@@ -26,13 +26,13 @@ def check_simulator(simulator: str) -> None:
 def world_of(
     simulator: Simulator, plants: Sequence[Plant], states: Float[np.ndarray, "B s"], threads: int
 ) -> World:
-    """Plants at their starts.
+    """Return plants at their starts.
 
     Args:
-        simulator: that steps them.
+        simulator: simulator that steps the plants.
         plants: one for all episodes, or one each.
-        states: to start from (time, qpos, qvel).
-        threads: of MuJoCo; Drake has one.
+        states: states to start from (time, qpos, qvel).
+        threads: threads of MuJoCo; Drake has one.
     """
     if simulator == DRAKE:
         from neuralgaits.simulation.drake.world import DrakeWorld

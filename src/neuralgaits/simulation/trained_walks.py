@@ -1,6 +1,6 @@
-"""Walks of a trained gait, any of them alone: what a walk is depends on its number, not on others.
+"""Walks of a trained gait, each on its own: a walk depends on its number, not on other walks.
 
-So they can be walked in parts, by other processes, and put together again.
+So other processes can walk parts of them, and the results are put together again.
 """
 
 from dataclasses import dataclass
@@ -32,19 +32,19 @@ from neuralgaits.simulation.walk import Walk, walk
 
 @dataclass(frozen=True, eq=False)
 class TrainedWalks:
-    """What the walks of a gait have in common.
+    """Common settings of a gait's walks.
 
     Attributes:
-        run: opened, a family at its first command.
-        library: compiled for it; None for the loop in JAX.
+        run: opened run, a family at its first command.
+        library: library compiled for it; None for the loop in JAX.
         plant: robot to simulate; the run's own if None.
-        drawn: in its place, robots of a box, one for each walk.
-        controller: law, by name or itself.
+        drawn: robots of a box in place of the plant, one for each walk.
+        controller: law, by name or as an object.
         steps, start, push, disturbance, seed: as in `simulate`.
-        orders: what a family is told.
-        courses: of blocks, one for each walk, in place of floors; they give the orders.
-        threads: that walk; all cores if None.
-        simulator: that steps the plants.
+        orders: commands of a family.
+        courses: courses of blocks in place of floors, one for each walk; they give the orders.
+        threads: number of threads; all cores if None.
+        simulator: simulator that steps the plants.
     """
 
     run: Run
@@ -71,14 +71,14 @@ class TrainedWalks:
         longest: int = 0,
         remote: Remote | None = None,
     ) -> Walk:
-        """Walks number `first` to `first + count - 1`. Raises: InputError, NonFiniteError.
+        """Walk numbers `first` to `first + count - 1`. Raises: InputError, NonFiniteError.
 
         Args:
-            first: of them.
-            count: of them.
-            record: keep records and states of the first.
+            first: number of the first walk.
+            count: number of walks.
+            record: whether to keep records and states of the first.
             longest: keep records of the first so many ticks of every walk.
-            remote: asked for the torques in the law's place.
+            remote: controller processes that give the torques in the law's place.
         """
         run, gait = self.run, self.run.gait
         return walk(
@@ -109,7 +109,7 @@ class TrainedWalks:
 
 
 def at_first(run: Run, first: Any) -> Run:
-    """A family at what it is told first: where its walks start is a state of that gait."""
+    """Return a family's run at its first command, where its walks start."""
     commands = run.trained.commands
     if not commands:
         return run
@@ -122,7 +122,10 @@ def engine_for(
     choice: Choice | None,
     simulator: Simulator = MUJOCO,
 ) -> Engine:
-    """What walks a run under a law. Raises: InputError if native was asked for and cannot be."""
+    """Return the loop that walks a run under a law.
+
+    Raises: InputError if native was required and cannot be used.
+    """
     law = law_named(controller)
     if simulator != MUJOCO:
         if choice == "native":
@@ -142,7 +145,7 @@ def engine_for(
 
 
 def to_arrays(walked: Walk) -> dict[str, np.ndarray]:
-    """What became of walks, as arrays with a row a walk; records are left out."""
+    """Return the results of walks as arrays with a row a walk, without records."""
     episodes = walked.episodes
     endings = [int(ending) for ending in episodes.endings]
     arrays: dict[str, np.ndarray] = {"endings": np.array(endings, np.int32)}
@@ -160,11 +163,11 @@ def to_arrays(walked: Walk) -> dict[str, np.ndarray]:
 
 
 def from_arrays(parts: list[dict[str, np.ndarray]], wall_s: float) -> Episodes:
-    """The same of walks in parts, in order.
+    """Join the results of walks in parts, in order.
 
     Args:
-        parts: of `to_arrays`.
-        wall_s: time of all of them [s].
+        parts: arrays from `to_arrays`.
+        wall_s: time of all parts [s].
     """
     whole = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
     kinds = {"first": Milestone, "last": Milestone, "steady": Extremes, "running": Extremes}

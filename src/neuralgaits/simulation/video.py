@@ -1,4 +1,4 @@
-"""A video of one episode, at real-time speed. Needs the `video` extra and OpenGL."""
+"""Make a video of one episode, at real-time speed. Needs the `video` extra and OpenGL."""
 
 # pyright: reportAttributeAccessIssue=false
 # MuJoCo ships no type stubs.
@@ -23,14 +23,14 @@ from neuralgaits.simulation.setup.plant import SECOND_FLOOR_GROUP, SUBSTEPS, TIM
 
 FRAMES_PER_S = 50
 SIZE = (480, 640)
-"""Height and width of a frame in pixels; a robot file's own off-screen size may cut it."""
+"""Height and width of a frame [pixels]; a robot file's own off-screen size may cut it."""
 _SUFFIX = ".mp4"
 _SKY = np.array([222, 231, 240], dtype=np.uint8)
-"""Behind a robot whose file has no sky."""
+"""Colour behind a robot whose file has no sky."""
 
 
 def check(path: Path) -> None:
-    """Refuse what cannot work before an episode is simulated.
+    """Refuse a video that cannot be made, before an episode is simulated.
 
     Raises: InputError with the remedy, if the extra or OpenGL is missing or the file is no MP4.
     """
@@ -44,9 +44,9 @@ def check(path: Path) -> None:
 
 
 def trial() -> None:
-    """Render a picture of nothing, as a film's pictures are rendered.
+    """Render an empty picture in the way that a film's pictures are rendered.
 
-    Raises: InputError with the remedy, if OpenGL does not do it.
+    Raises: InputError with the remedy, if OpenGL fails.
     """
     model = mujoco.MjModel.from_xml_string("<mujoco/>")
     renderer = _renderer(model)
@@ -65,11 +65,11 @@ def write(
     states: Float[np.ndarray, "T s"],
     floors: Float[np.ndarray, "T 2"],
 ) -> None:
-    """Render an episode to an MP4 file, whole or not at all.
+    """Render an episode to an MP4 file, in one piece or not at all.
 
     Args:
-        path: of the file.
-        plant: that was simulated.
+        path: path of the file.
+        plant: simulated plant.
         states: time, qpos and qvel, one a control tick.
         floors: level under each foot (m), one a control tick; not read on a course.
 
@@ -90,7 +90,7 @@ def write(
 
 
 def _encode(film: Path, frames: Iterable[np.ndarray]) -> None:
-    """Pipe frames through ffmpeg. Not through imageio, which forks JAX's threads."""
+    """Pipe frames through ffmpeg, and not through imageio, which forks JAX's threads."""
     import imageio_ffmpeg
 
     height, width = SIZE
@@ -137,7 +137,7 @@ def _frame(
 
 
 def _draw(scene, bone: Bone, data, radius: float) -> None:
-    """Add a rod to what is rendered: the model that is simulated has none."""
+    """Add a rod to the rendered scene, because the simulated model has none."""
     body = data.body(bone.body)
     ends = body.xpos + bone.ends @ body.xmat.reshape(3, 3).T
     geom = scene.geoms[scene.ngeom]
@@ -149,9 +149,9 @@ def _draw(scene, bone: Bone, data, radius: float) -> None:
 
 
 def _camera(plant: Plant, data):
-    """The file's own camera if it has one, else one that follows the robot from its side.
+    """Return the file's own camera, or else one that follows the robot from its side.
 
-    On a course always the latter, which goes up and down with the ground.
+    On a course it is always the latter, which goes up and down with the ground.
     """
     if plant.model.ncam and plant.course is None:
         return 0

@@ -1,4 +1,4 @@
-"""Walk at full order: robot, policies and starts in, what became of each episode out."""
+"""Walk at full order: robot, policies and starts in, results of each episode out."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -39,17 +39,17 @@ from neuralgaits.simulation.ticks.scene import Scene
 
 @dataclass(frozen=True)
 class Walk:
-    """What was simulated, and what became of it.
+    """Settings and results of a simulated walk.
 
     Attributes:
-        robot: the model the controller believed in.
-        plant: what it walked on.
-        law: of control.
-        engine: what ran the loop: `native` or `jax`.
-        simulator: what stepped the plant: `mujoco` or `drake`.
+        robot: the controller's model.
+        plant: plant that walked.
+        law: control law.
+        engine: loop that ran: `native` or `jax`.
+        simulator: simulator of the plant: `mujoco` or `drake`.
         episodes: outcome of every episode.
-        commands: that it takes.
-        courses: that it was on; None for floors.
+        commands: commands of the gait.
+        courses: courses of blocks; None for floors.
     """
 
     robot: PlanarBiped
@@ -91,32 +91,33 @@ def walk(
     """Walk from each start.
 
     Args:
-        robot: the model the controller believes in.
+        robot: the controller's model.
         policies: one for all episodes, or one of the same structure for each.
         starts: full states x = (q, dq), standing on leg 0 (rad, rad/s). [B, 2n]
         plant: robot to simulate, `robot` if None; it must have the same joints.
-        robots: in its place, one for each episode, of the same joints and feet; without courses.
+        robots: robots in its place, one for each episode, of the same joints and feet; without
+            courses.
         controller: `pd`, `fblin`, `paper`, `clf-qp`, or a law.
-        steps: walking steps of an episode.
-        z2_range: momenta the policies were trained on (kg m^2/s); wide bounds if None.
-        disturbance: of the plant.
+        steps: number of walking steps of an episode.
+        z2_range: momenta of the policies' training (kg m^2/s); wide bounds if None.
+        disturbance: disturbance of the plant.
         push: forward impulse at the pitch axis of the root (N s); see `simulation.setup.push`.
-        seed: of everything random.
+        seed: seed of everything random.
         falls: thresholds of a fall.
         record: keep records and states of episode 0.
         longest: keep records of the first so many ticks of every episode.
         watch: called after each control tick, see `lockstep`.
         threads: threads that step MuJoCo, all cores if None.
-        remote: asked for the torques instead of the law; all episodes then share a policy.
-        library: compiled for this robot and one policy: walks natively; else the loop is in JAX,
-            as it is with `remote`, `watch`, Drake, or a law that is not of this package.
-        orders: what policies that take commands are told; the middle of the ranges if None.
+        remote: controller processes in place of the law; all episodes then share a policy.
+        library: library compiled for this robot and one policy, which then walks natively; else the
+            loop is in JAX, as with `remote`, `watch`, Drake, or a law that is not of this package.
+        orders: commands of policies that take some; the middle of the ranges if None.
         reset_residual: corrects the impact that their steps begin with.
-        courses: of blocks, one for each episode, in place of floors; they give the orders.
-        first: number of the first episode, on which what is random depends.
+        courses: courses of blocks in place of floors, one for each episode; they give the orders.
+        first: number of the first episode, on which random numbers depend.
         simulator: `drake` in MuJoCo's place; needs the extra of that name.
 
-    Raises: InputError if something does not fit, or Drake is not there.
+    Raises: InputError if settings do not fit, or Drake is not installed.
     """
     starts = _checked_starts(robot, starts)
     count = len(starts)
@@ -205,7 +206,7 @@ def _controller(
 def _plants(
     robot: PlanarBiped, disturbance: Disturbance | None, courses: Courses | None
 ) -> list[Plant]:
-    """The plant of all episodes, or that of each on its course."""
+    """Return the plant of all episodes, or that of each on its course."""
     if courses is None:
         return [build(robot, disturbance)]
     made: dict[int, Plant] = {}
@@ -221,7 +222,7 @@ def _silent(plant: Plant) -> bool:
 
 
 def plant_states(plant: Plant, starts: Float[np.ndarray, "B two_n"]) -> np.ndarray:
-    """MuJoCo states of the starts, the stance foot resting on the floor at x = 0."""
+    """Return MuJoCo states of the starts, the stance foot resting on the floor at x = 0."""
     q, dq = np.split(starts, 2, axis=1)
     # On a slope the sphere touches beside its lowest point.
     height = plant.robot.foot_radius * np.sqrt(1.0 + plant.slope**2)
@@ -230,7 +231,7 @@ def plant_states(plant: Plant, starts: Float[np.ndarray, "B two_n"]) -> np.ndarr
 
 
 def _stacked(controllers: list[Controller]) -> Controller:
-    """One controller whose policy and bounds have a leading axis of episodes."""
+    """Stack one controller whose policy and bounds have a leading axis of episodes."""
 
     def stack(*leaves):
         return jnp.stack([jnp.asarray(leaf) for leaf in leaves])

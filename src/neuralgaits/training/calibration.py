@@ -1,7 +1,7 @@
-"""Speed that is asked for, speed that is walked: read off the orbits of a family, and mended.
+"""Calibrate the command for speed: match requested and walked speed on a family's orbits.
 
-What training leaves between the command and the mean speed of the orbit, a curve takes away: the
-place in the family whose orbit has the speed that was asked for.
+A curve removes the difference that training leaves between the command and the orbit's mean speed:
+it gives the place in the family whose orbit has the requested speed.
 """
 
 import equinox as eqx
@@ -18,19 +18,19 @@ from neuralgaits.gait.commands import CURVE_TERMS, Number, plain_curves
 from neuralgaits.robots import PlanarBiped
 
 KNOTS = 9
-"""Commands at which orbits are looked for."""
+"""Number of commands at which orbits are searched for."""
 BEYOND = 0.2
-"""How far beyond the range of a speed, in units of half of it, the family was trained: twice the
+"""Training range of a family beyond the range of a speed, in units of half of that range: twice the
 share `widened` of the recipe."""
 
 
 def calibrated(gait: CommandedGait, robot: PlanarBiped, residuals: Residuals) -> CommandedGait:
-    """The family with a curve for its speed; itself if it is told none.
+    """Return the family with a curve for its speed; itself if it takes no speed.
 
     Args:
-        gait: trained, with curves that do nothing.
-        robot: that it is for.
-        residuals: what was learned of the robot beyond its model.
+        gait: trained gait, with curves that do nothing.
+        robot: its robot.
+        residuals: residuals learned for the robot.
     """
     names = [c.name for c in gait.commands]
     if "speed" not in names:
@@ -52,7 +52,7 @@ def calibrated(gait: CommandedGait, robot: PlanarBiped, residuals: Residuals) ->
 def _speed(
     gait: CommandedGait, robot: PlanarBiped, residuals: Residuals, at: int, speed: float
 ) -> float:
-    """Mean speed of the orbit (m/s); NaN without one."""
+    """Return the mean speed of the orbit (m/s); NaN without one."""
     v: list[Number] = []
     for i, command in enumerate(gait.commands):
         value = speed if i == at else 0.5 * (command.low + command.high)

@@ -1,4 +1,4 @@
-"""What a trainer compiles, as plain functions: gradient steps in one loop, the look at a gait."""
+"""Plain functions that a trainer compiles: gradient steps in one loop, evaluation of a gait."""
 
 from collections.abc import Callable
 
@@ -16,21 +16,21 @@ from neuralgaits.training.repair import with_extra
 from neuralgaits.training.sampling import Sampler
 
 VALIDATION_SAMPLES = 8
-"""Validation samples for each training sample."""
+"""Number of validation samples for each training sample."""
 
 
 def make_steps(
     spec: GaitSpec, light, disturbance: Disturbance, unflatten, optimizer, steps_in_all: int = 0
 ) -> Callable:
-    """Gradient steps in one loop.
+    """Return the function that takes gradient steps in one loop.
 
     Args:
         spec: conditions and recipe.
         light: robot, layout, sampler, untrained leaves and residuals, in single precision.
-        disturbance: that the conditions must bear beside them (m/s, N m).
+        disturbance: bounds of dz's disturbance under which conditions must hold (m/s, N m).
         unflatten: flat parameters to the trained leaves.
-        optimizer: of optax.
-        steps_in_all: which the recipe's curriculum is a share of; 0 for none.
+        optimizer: an optax optimizer.
+        steps_in_all: total of which the recipe's curriculum is a share; 0 for none.
 
     Returns: (parameters, optimiser state, key, first step, count, share of the step size, extra)
         to parameters, state and the `Loss` of the last step before it was taken.
@@ -91,7 +91,7 @@ def make_evaluate(
     residuals: Residuals,
     disturbance: Disturbance,
 ) -> Callable:
-    """A look at a gait on validation samples.
+    """Return the function that evaluates a gait on validation samples.
 
     Returns: (gait, key, extra, share of the disturbance) to `Loss` and margins [N, K].
     """

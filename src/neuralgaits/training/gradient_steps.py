@@ -1,4 +1,7 @@
-"""Gradient steps with checkpoints: what a training and each of its repairs are made of."""
+"""Take gradient steps with checkpoints, for a training and each of its repairs.
+
+The gradient itself is in `compiled`.
+"""
 
 import time
 from collections.abc import Callable, Mapping, Sequence
@@ -17,15 +20,15 @@ from neuralgaits.runs.names import NAN, NAN_STATE
 from neuralgaits.training import VALIDATE_EVERY, Loss, Trainer, TrainState
 
 Progress = Callable[[int, int, float], None]
-"""(steps done, steps in all, loss)."""
+"""Callback with (steps done, steps in all, loss)."""
 Save = Callable[[TrainState], None]
 StepFrom = Callable[[TrainState], tuple[TrainState, Loss]]
 Rows = list[Mapping[str, float]]
 
 AT_ONCE_S = 0.2
-"""Seconds of steps that are taken in one call."""
+"""Duration of the steps taken in one call [s]."""
 CHECKPOINT_S = 2.0
-"""Seconds between two checkpoints."""
+"""Time between two checkpoints [s]."""
 
 
 @dataclass
@@ -33,9 +36,9 @@ class GradientSteps:
     """The steps of one run, with the table of its losses.
 
     Attributes:
-        folder, spec: of the run.
-        progress: told now and then.
-        rows: of `metrics.csv`.
+        folder, spec: those of the run.
+        progress: callback that is called now and then.
+        rows: rows of `metrics.csv`.
     """
 
     folder: RunFolder
@@ -44,7 +47,7 @@ class GradientSteps:
     rows: Rows = field(default_factory=list)
 
     def forget_after(self, step: int) -> None:
-        """Read the table of a killed run, without what is about to come again."""
+        """Read the table of a killed run, without the rows that its steps will write again."""
         for file in (NAN_STATE, NAN):
             (self.folder.path / file).unlink(missing_ok=True)
         self.rows = [row for row in self.folder.read_metrics() if row["step"] <= step]
@@ -60,12 +63,12 @@ class GradientSteps:
     ) -> TrainState:
         """Train to the end of the trainer's steps, or to the deadline.
 
-        Where the loss or the weights turn to NaN, it goes on from the best weights before that,
-        with smaller steps.
+        If the loss or the weights turn to NaN, it continues from the best weights before that, with
+        smaller steps.
 
         Args:
             trainer: sets the number of steps.
-            state: to go on from.
+            state: state to continue from.
             save: writes a checkpoint.
             before: steps of the run that came before those of this trainer.
             deadline: on the clock of `time.monotonic` [s].
@@ -102,7 +105,7 @@ class GradientSteps:
         return state
 
     def row(self, step: int, loss: Loss, state: TrainState) -> dict[str, float]:
-        """What the table says of a step and of the best weights by then."""
+        """Return the table's row for a step: its loss, and the best validation loss so far."""
         terms = dict(zip(self._names(), np.asarray(loss.terms).tolist(), strict=True))
         head = {
             "step": step,
@@ -118,10 +121,10 @@ class GradientSteps:
     def refuse_nan(
         self, trainer: Trainer, step_from: StepFrom, kept: TrainState, save: Save
     ) -> NoReturn:
-        """Save the last good state, and walk on from it to the step that turned to NaN.
+        """Save the last good state, and repeat the steps from it to the one that turned to NaN.
 
         Args:
-            trainer: of the run.
+            trainer: trainer of the run.
             step_from: takes one step.
             kept: the last good state.
             save: writes a checkpoint.

@@ -1,4 +1,4 @@
-"""The learning rate: how it falls while training, and what it is for a wider network."""
+"""Learning rate: its schedule during training, and its scale for a wider network."""
 
 import jax
 import optax
@@ -8,7 +8,7 @@ from neuralgaits.barriers.regions import AnyGait
 
 
 def schedule(recipe: Recipe, steps: int) -> optax.Schedule:
-    """Rise from zero over the warm-up, then a cosine or drops to a tenth.
+    """Return the schedule: a rise from zero over the warm-up, then a cosine or drops to a tenth.
 
     Args:
         recipe: rate, warm-up and milestones.
@@ -25,7 +25,7 @@ def schedule(recipe: Recipe, steps: int) -> optax.Schedule:
 
 
 def width_factor(spec: GaitSpec, gait: AnyGait) -> float:
-    """Share of the recipe's rate for the widths of a gait: at most 1.
+    """Return the share of the recipe's rate for the widths of a gait: at most 1.
 
     A recipe is made for the spec's own widths. A step of Adam moves every weight alike, so it
     changes the sums of a layer in proportion to its width at worst and to the root of it if the
@@ -41,6 +41,6 @@ def width_factor(spec: GaitSpec, gait: AnyGait) -> float:
 
 
 def _widest(gait: AnyGait) -> int | None:
-    """The widest hidden layer; None for a policy without a network."""
+    """Return the widest hidden layer; None for a policy without a network."""
     network = getattr(gait.policy, "network", None)
     return None if network is None else max(len(bias) for bias in network.biases[:-1])

@@ -1,8 +1,8 @@
 """The Barrier Loss: hinges of all conditions over fresh samples. Source: paper Eq. 10.
 
 One batch holds the samples of every region and every condition is evaluated on all of it; a
-constant table says which rows count for which condition. That wastes a little arithmetic and
-saves most of the compile time, which is what a user waits for.
+constant table says which rows count for which condition. This wastes a little arithmetic and saves
+most of the compile time, for which a user waits.
 """
 
 from typing import NamedTuple
@@ -22,15 +22,15 @@ from neuralgaits.training.sampling import Sampler, contains
 
 
 class Layout(NamedTuple):
-    """Which margin columns and sample rows belong to which condition.
+    """Table of the margin columns and sample rows of each condition.
 
     Attributes:
         columns: condition name to its columns of the margin matrix.
-        scale: of each column's condition. [K]
+        scale: scale of each column's condition. [K]
         counts: True where a row counts for a column. [N, K]
         mean_of: averages columns into conditions. [K, C]
         absolute: True for conditions penalised by the size of their error. [C]
-        weight: of each condition. [C]
+        weight: weight of each condition. [C]
         aimed: rows on which the spec's aims are evaluated.
     """
 
@@ -44,7 +44,7 @@ class Layout(NamedTuple):
 
 
 class Loss(NamedTuple):
-    """The loss and what it is made of."""
+    """The loss, its penalty terms and its effort term."""
 
     total: Scalar
     terms: Float[Array, " C"]
@@ -54,7 +54,7 @@ class Loss(NamedTuple):
 
 
 def lay_out(spec: GaitSpec, robot: Model, gait: AnyGait, sampler: Sampler) -> Layout:
-    """Measure the conditions once and tabulate them."""
+    """Evaluate the conditions once and tabulate their shapes."""
     asked = spec.trained_for
 
     def margins(u):
@@ -89,7 +89,7 @@ def lay_out(spec: GaitSpec, robot: Model, gait: AnyGait, sampler: Sampler) -> La
 
 
 def _aims_rows(spec: GaitSpec, sampler: Sampler) -> slice:
-    """Rows of the regions of aims, which are the last ones."""
+    """Return the rows of the aims' regions, which are the last ones."""
     total = len(sampler.low)
     starts = [sampler.rows[c.region].start for c in spec.aims]
     return slice(min(starts, default=total), total)
@@ -104,15 +104,15 @@ def margin_matrix(
     pushes: Float[Array, "N 2"] | None = None,
     aimed: slice | None = None,
 ) -> tuple[Float[Array, "N K"], Float[Array, "N m"]]:
-    """Margins of all conditions at all samples, in their own units, and torques.
+    """Return margins of all conditions at all samples, in their own units, and torques.
 
     Args:
         spec: conditions.
-        robot: the biped, or the family that the spec's parameters are of.
+        robot: the biped, or the family that has the spec's parameters.
         gait: policy and tube.
         u: samples.
-        residuals: what was learned of the robot beyond its model.
-        pushes: what is added to dz at each sample (m/s, N m), None for nothing.
+        residuals: residuals learned for the robot.
+        pushes: addition to dz at each sample (m/s, N m); None for none.
         aimed: rows on which the spec's aims are evaluated, 0 elsewhere; None for no rows.
 
     Returns: [N, K], columns in the order of the spec, aims last, and [N, m] (N m).
@@ -163,16 +163,16 @@ def barrier_loss(
     margins: Float[Array, "N K"],
     torque: Float[Array, "N m"],
 ) -> Loss:
-    """Penalties of all conditions over one batch, plus the effort term.
+    """Return penalties of all conditions over one batch, plus the effort term.
 
     A condition's penalty is the mean hinge below the aim plus a share of the worst, or the mean
     absolute error.
 
     Args:
         spec: conditions and recipe.
-        layout: of the batch.
-        margins: of `margin_matrix`.
-        torque: of `margin_matrix`.
+        layout: layout of the batch.
+        margins: margins from `margin_matrix`.
+        torque: torques from `margin_matrix`.
 
     Returns: `Loss`.
     """

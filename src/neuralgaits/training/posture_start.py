@@ -1,6 +1,6 @@
-"""A few supervised steps that put a free network into a walking posture before training.
+"""Put a free network into a walking posture before training, by a few supervised steps.
 
-From random weights every run fell into the minimum with both feet together.
+Without this, every run from random weights ends in the minimum with both feet together.
 """
 
 import equinox as eqx
@@ -15,18 +15,18 @@ from neuralgaits.gait import posture_path
 from neuralgaits.robots import PlanarBiped
 
 GRID = 33
-"""Hip positions at which inverse kinematics gives a posture."""
+"""Number of hip positions at which inverse kinematics gives a posture."""
 BATCH = 128
 LEARNING_RATE = 3e-3
 
 
 def start_from_posture(robot: PlanarBiped, gait: Gait, steps: int, key: PRNGKeyArray) -> Gait:
-    """Fit y_d(z) to the posture at z1, for z all over the tube.
+    """Fit y_d(z) to the posture at z1, for all z of the tube.
 
     Args:
-        robot: sets the posture.
-        gait: with a policy that maps z freely.
-        steps: of Adam.
+        robot: robot that has the posture.
+        gait: gait with a policy that maps z freely.
+        steps: steps of Adam.
         key: random key.
 
     Returns: the gait with the fitted policy.

@@ -11,7 +11,7 @@ Named = TypeVar("Named", bound=tuple)
 
 
 def cast(tree: Tree, dtype) -> Tree:
-    """The same tree with floating-point arrays in another precision, as NumPy arrays."""
+    """Return a tree with floating-point arrays in another precision, as NumPy arrays."""
     return jax.tree.map(
         lambda leaf: (
             np.asarray(leaf, dtype)
@@ -23,5 +23,5 @@ def cast(tree: Tree, dtype) -> Tree:
 
 
 def cast_named(table: Named, dtype) -> Named:
-    """The same for the direct fields of a NamedTuple, leaving all others alone."""
+    """Return a NamedTuple with its direct array fields in another precision, and no others."""
     return type(table)(*(cast(field, dtype) if eqx.is_array(field) else field for field in table))

@@ -1,4 +1,7 @@
-"""Disturbances of dz in training: each sample meets one corner of their box."""
+"""Disturbances of dz in training: each sample meets one corner of their box.
+
+Forces on a simulated robot are in `simulation.setup.push`.
+"""
 
 from collections.abc import Callable
 from typing import NamedTuple
@@ -9,7 +12,7 @@ import jax.numpy as jnp
 from neuralgaits._types import Array, Float, Scalar, ZeroState
 
 Disturbance = tuple[float, float] | None
-"""Bounds of what is added to dz (m/s, N m)."""
+"""Bounds of the addition to dz (m/s, N m)."""
 
 
 class Pushed(NamedTuple):
@@ -19,21 +22,21 @@ class Pushed(NamedTuple):
     push: ZeroState
 
     def __call__(self, z: ZeroState) -> ZeroState:
-        """What is added to dz. Returns: [2] (m/s, N m)."""
+        """Return the addition to dz. Returns: [2] (m/s, N m)."""
         return self.push if self.flow is None else self.flow(z) + self.push
 
 
 def pushes_of(
     disturbance: Disturbance, key: Array, count: int, dtype, share: Scalar | float = 1.0
 ) -> Float[Array, "N 2"] | None:
-    """A random corner for each sample: the worst of a box is there, or near it.
+    """Return a random corner for each sample: the worst of a box is there, or near it.
 
     Args:
         disturbance: half widths of the box.
-        key: random key of the samples.
-        count: of samples.
-        dtype: of the pushes.
-        share: of the box.
+        key: random key.
+        count: number of samples.
+        dtype: type of the pushes.
+        share: share of the box that is used.
 
     Returns: [N, 2] (m/s, N m), None for no disturbance.
     """

@@ -18,9 +18,10 @@ from neuralgaits.training.loss import Layout
 from neuralgaits.training.sampling import contains
 
 ROWS = 64
-"""Rows for boxes: about half of the default batch besides."""
+"""Number of rows for boxes: about half of the default batch in addition."""
 LEAST_WIDTH = 1.0 / 32.0
-"""Smaller boxes are sampled with their surroundings: mending a point moves what is near."""
+"""Least width of a sampled box; smaller ones are widened, because repairing a point moves its
+neighbours."""
 
 Boxes = tuple[np.ndarray, np.ndarray]
 """Lower and upper corners in (phase, level). [n, 2] each."""
@@ -31,7 +32,7 @@ class Extra(NamedTuple):
 
     Attributes:
         low, high: corners. [ROWS, 2]
-        counts: which columns of the margin matrix a row counts for. [ROWS, K]
+        counts: columns of the margin matrix that a row counts for. [ROWS, K]
     """
 
     low: Float[Array, "E 2"]
@@ -40,7 +41,7 @@ class Extra(NamedTuple):
 
     @staticmethod
     def shapes(layout: Layout) -> "Extra":
-        """Shapes and types in place of the arrays."""
+        """Return shapes and types in place of the arrays."""
         corner = jax.ShapeDtypeStruct((ROWS, 2), jnp.float64)
         counts = jax.ShapeDtypeStruct((ROWS, len(layout.scale)), jnp.bool_)
         return Extra(corner, corner, counts)  # pyright: ignore[reportArgumentType]
@@ -53,13 +54,14 @@ class Extra(NamedTuple):
         layout: Layout,
         before: "Extra | None" = None,
     ) -> "Extra":
-        """Rows for boxes: the same number for each region, evenly picked among its boxes.
+        """Return rows for boxes: the same number for each region, evenly picked among its boxes.
 
         Args:
-            boxes: by region, at least one in all.
+            boxes: boxes by region, at least one in all.
             spec: regions and conditions.
-            layout: which columns belong to which condition.
-            before: rows of an earlier round, half of which are kept: what was mended may break.
+            layout: columns of each condition.
+            before: rows of an earlier round, half of which are kept, because repaired boxes may
+                fail again.
         """
         some = {region: pair for region, pair in boxes.items() if len(pair[0])}
         new = ROWS if before is None else ROWS // 2
@@ -83,7 +85,7 @@ def with_extra(
     counts: Bool[Array, "N K"],
     key: PRNGKeyArray,
 ) -> tuple[Float[Array, "M 2"], Bool[Array, "M K"]]:
-    """A batch and its table with `times` fresh points in each extra box. M = N + times ROWS."""
+    """Return a batch and its table with `times` points in each extra box. M = N + times ROWS."""
     if extra is None:
         return u, counts
     low, high, more = (jnp.concatenate([jnp.asarray(part)] * times) for part in extra)
@@ -95,7 +97,7 @@ def with_extra(
 def _row(
     region: str, box: Box, spec: GaitSpec, layout: Layout
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """A box of a region, widened within the region, and the columns it counts for."""
+    """Return a box of a region, widened within the region, and the columns it counts for."""
     root = next(root for root in spec.regions[region] if contains([root], [box]))
     low, high = np.array(box.low), np.array(box.high)
     centre, half = 0.5 * (low + high), np.maximum(0.5 * (high - low), 0.5 * LEAST_WIDTH)

@@ -1,4 +1,4 @@
-"""Fresh samples of every region: stratified along the phase, uniform across the tube."""
+"""Draw fresh samples of every region: stratified along the phase, uniform across the tube."""
 
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
@@ -13,7 +13,7 @@ from neuralgaits.barriers import Box
 from neuralgaits.gait.commands import Commands
 
 AT_ENDS = 4.0
-"""Errors of parameters are drawn from so many times their range and clipped: 3/4 lie on an end."""
+"""Factor on the range of parameters' errors before clipping: 3/4 of the draws lie on an end."""
 
 
 class Sampler(NamedTuple):
@@ -22,7 +22,7 @@ class Sampler(NamedTuple):
     Attributes:
         low, high: corners of each row's stratum in (phase, level). [N, 2]
         rows: region name to its rows.
-        ends: of the axes of commands, the same for all rows. [2, k]
+        ends: ends of the axes of commands, the same for all rows. [2, k]
         corners: share of the samples of such an axis that lie on its ends.
         parameters: half widths of the robot's parameters. [p]
     """
@@ -54,12 +54,12 @@ class Sampler(NamedTuple):
             regions: name to boxes of the chart.
             counts: name to number of samples.
             overshoot: how far samples reach beyond the edges of (phase, level), per axis.
-            commands: of the gait, two axes each.
-            corners: of `Recipe`.
-            widened: likewise.
-            faster_changes: likewise.
-            strip: likewise.
-            parameters: half widths of the robot's, one axis each.
+            commands: commands of the gait, two axes each.
+            corners: see `Recipe`.
+            widened: see `Recipe`.
+            faster_changes: see `Recipe`.
+            strip: see `Recipe`.
+            parameters: half widths of the robot's parameters, one axis each.
         """
         lows, highs, rows, position = [], [], {}, 0
         for name, count in counts.items():
@@ -83,11 +83,11 @@ class Sampler(NamedTuple):
         return cls(np.concatenate(lows), np.concatenate(highs), rows, ends, corners, halves)
 
     def draw(self, key: PRNGKeyArray, grown: Scalar | float = 1.0) -> Float[Array, "N n"]:
-        """One uniform point a stratum.
+        """Draw one uniform point in each stratum.
 
         Args:
             key: random key.
-            grown: share of the axes of commands that is drawn from, about their middles.
+            grown: share of the axes of commands from which points are drawn, about their middles.
 
         Returns: [N, n] (phase, level, then the axes of commands, then parameters of the robot).
         """
@@ -101,7 +101,7 @@ class Sampler(NamedTuple):
         return jnp.concatenate([u, self.parameters * jnp.clip(AT_ENDS * share, -1.0, 1.0)], axis=1)
 
     def _told(self, key: PRNGKeyArray, grown: Scalar | float) -> Float[Array, "N c"]:
-        """The same without parameters."""
+        """Draw the points without parameters of the robot."""
         share = jax.random.uniform(key, self.low.shape, dtype=jnp.zeros(0).dtype)
         u = self.low + (self.high - self.low) * share
         if self.ends.shape[1] == 0:
@@ -118,7 +118,7 @@ class Sampler(NamedTuple):
 
 
 def contains(outer: Sequence[Box], inner: Sequence[Box]) -> bool:
-    """Whether every inner box lies in one of the outer boxes."""
+    """Return whether every inner box lies in one of the outer boxes."""
     return all(
         any(all(o.low[k] <= i.low[k] and i.high[k] <= o.high[k] for k in (0, 1)) for o in outer)
         for i in inner
@@ -126,7 +126,7 @@ def contains(outer: Sequence[Box], inner: Sequence[Box]) -> bool:
 
 
 def _shares(boxes: Sequence[Box], count: int) -> list[int]:
-    """How many of the samples each box gets: by its length in phase."""
+    """Return how many of the samples each box gets, by its length in phase."""
     lengths = np.array([box.high[0] - box.low[0] for box in boxes])
     lengths = lengths if np.any(lengths > 0) else np.ones(len(boxes))
     ends = np.round(np.cumsum(lengths) / np.sum(lengths) * count).astype(int)

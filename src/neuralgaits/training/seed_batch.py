@@ -1,9 +1,9 @@
-"""Many seeds trained as one compiled program: a stack of states, one for each run on disk.
+"""Train many seeds as one compiled program: a stack of states, one for each run on disk.
 
 This is how accelerators train them; a processor takes them side by side, see
 `workflows/parts/side_by_side.py`. The loop over gradient steps is that of a single training under
-`vmap`, and what is decided between them (the best weights, smaller steps after NaN) is decided seed
-by seed by the same functions. So a seed comes to what it comes to alone, to the rounding of sums in
+`vmap`, and the decisions between them (the best weights, smaller steps after NaN) are made seed by
+seed by the same functions. So a seed gets the same result as alone, up to the rounding of sums in
 single precision.
 """
 
@@ -38,7 +38,7 @@ from neuralgaits.training.trainer import (
 Row = TypeVar("Row")
 Tree = TypeVar("Tree")
 SAVING_SHARE = 0.03
-"""Of the time, what may go into checkpoints: many small files."""
+"""Share of the time that may go into checkpoints, which are many small files."""
 
 
 @dataclass(eq=False)
@@ -61,25 +61,25 @@ class OneOfMany:
 
     @property
     def seed(self) -> int:
-        """Of its weights and samples."""
+        """Seed of the run's weights and samples."""
         return self.run.asked.seed
 
     def save(self, state: TrainState) -> None:
-        """Write a checkpoint that a single training goes on from."""
+        """Write a checkpoint from which a single training can continue."""
         self.run.folder.write_metrics(self.steps.rows)
         self.run.folder.write_tree(STATE, state)
 
 
 @dataclass
 class SeedBatch:
-    """Trains batches of one size, one after the other, with programs that are compiled once.
+    """Train batches of one size, one after the other, with programs that are compiled once.
 
     Attributes:
-        trainer: of any of the seeds: trainings differ in keys and weights alone.
+        trainer: trainer of any of the seeds; trainings differ only in keys and weights.
         size: seeds of a batch, a multiple of the number of devices; a smaller one is filled up
             with its last seed.
-        members: of the batch that was trained last.
-        compile_s: time that compiling took for that batch.
+        members: members of the batch that was trained last.
+        compile_s: compile time for that batch [s].
     """
 
     trainer: Trainer
@@ -89,18 +89,18 @@ class SeedBatch:
     _over: OverSeeds | None = None
     _keys: Any = None
     _count: int = 1
-    """Steps that are taken in one call."""
+    """Number of steps taken in one call."""
 
     def train(self, runs: Sequence[Run], progress: Progress | None) -> list[OneOfMany]:
-        """Take all steps of runs, at most `size`.
+        """Take all steps of at most `size` runs.
 
         Args:
-            runs: unfinished, alike in all but their seeds.
+            runs: unfinished runs that differ only in their seeds.
             progress: called with (steps of all seeds done, in all, mean loss) now and then.
 
         Returns: each at its last step, or refused.
 
-        Raises: InputError if gaits of some seeds differ in more than what is trained.
+        Raises: InputError if gaits of some seeds differ in more than trained parameters.
         """
         self.members = [self._begun(run) for run in runs]
         keys = [jax.random.key(one.seed) for one in self.members]
@@ -110,7 +110,7 @@ class SeedBatch:
         return self.members
 
     def report(self, gaits: Sequence[AnyGait], *, seed: int) -> list[FreshMargins]:
-        """`Trainer.report` of one gait for each seed."""
+        """Return `Trainer.report` of one gait for each seed."""
         found = zip(*self._look(_stack(self._filled(list(gaits))), seed, 0.0), strict=True)
         fresh = [self.trainer.fresh(float(loss), margins) for loss, margins in found]
         return fresh[: len(gaits)]
@@ -121,7 +121,7 @@ class SeedBatch:
         return OneOfMany(run, GradientSteps(run.folder, run.spec, None), state, state)
 
     def _compile(self) -> float:
-        """Both programs, at once where there are two cores; results are thrown away."""
+        """Compile both programs, at once where there are two cores; results are thrown away."""
         began = time.perf_counter()
         self._over = self.trainer.over_seeds()
         with ThreadPoolExecutor(1) as beside:
@@ -151,7 +151,7 @@ class SeedBatch:
         return one.refused is None and not self.trainer.done(one.state)
 
     def _block(self, going: Sequence[OneOfMany]) -> Loss:
-        """Take steps until some seed is to be looked at. Returns: losses of all seeds."""
+        """Take steps until some seed is due for validation. Returns: losses of all seeds."""
         firsts = [int(one.state.step) for one in going]
         ahead = min(
             min(VALIDATE_EVERY - first % VALIDATE_EVERY, self.trainer.steps - first)
@@ -173,7 +173,7 @@ class SeedBatch:
         return losses
 
     def _look_at(self, going: Sequence[OneOfMany], losses: Loss) -> None:
-        """Keep the best weights of each seed that is due, or step back where there is NaN."""
+        """Keep the best weights of each seed that is due, or step back after NaN."""
         looked: list[tuple[int, Loss]] = []
         for number, one in enumerate(self.members):
             done = self.trainer.done(one.state)
@@ -199,7 +199,7 @@ class SeedBatch:
             one.steps.rows.append(one.steps.row(int(state.step), loss, state))
 
     def _refused(self, number: int) -> NonFiniteError | None:
-        """Why a seed is given up; its folder keeps the last good state."""
+        """Explain why a seed is given up; its folder keeps the last good state."""
         one = self.members[number]
 
         def step(state: TrainState) -> tuple[TrainState, Loss]:
@@ -221,7 +221,7 @@ class SeedBatch:
             progress(done, self.trainer.steps * len(left), float(np.mean(last)))
 
     def _advance(self, stacked: TrainState, count: int) -> tuple[TrainState, Loss]:
-        """Steps of all seeds, as one call."""
+        """Take steps of all seeds in one call."""
         assert self._over is not None
         parameters, optimizer, loss = self._over.step(
             stacked.parameters,
@@ -238,12 +238,12 @@ class SeedBatch:
         return moved, loss
 
     def _validation_losses(self, parameters: Array) -> np.ndarray:
-        """Of the parameters of all seeds, [S, P]. Returns: [S]."""
+        """Return validation losses of the parameters of all seeds, [S, P]. Returns: [S]."""
         assert self._over is not None
         return self._look(self._over.gaits(parameters), 0, 1.0)[0]
 
     def _look(self, gaits: AnyGait, seed: int, share: float) -> tuple[np.ndarray, np.ndarray]:
-        """Losses and margins of gaits in one tree. Returns: [S], [S, N, K]."""
+        """Return losses and margins of gaits in one tree. Returns: [S], [S, N, K]."""
         assert self._over is not None
         key, share_of = jax.random.key(seed), jnp.asarray(share)
         loss, margins = self._over.look(self._put(gaits), key, share_of)
@@ -256,7 +256,7 @@ class SeedBatch:
         return rows + [rows[-1]] * (self.size - len(rows))
 
     def _put(self, stacked: Tree) -> Tree:
-        """On the devices there are, an equal share of the seeds on each."""
+        """Put a tree on all devices, with an equal share of the seeds on each."""
         devices = jax.devices()
         if len(devices) == 1:
             return stacked
@@ -267,7 +267,7 @@ class SeedBatch:
 
 
 def _stack(rows: list[Row]) -> Row:
-    """One tree whose arrays have an axis in front."""
+    """Stack trees into one whose arrays have an axis in front."""
     return jax.tree.map(
         lambda *leaves: np.stack(leaves) if eqx.is_array(leaves[0]) else leaves[0], *rows
     )

@@ -1,4 +1,4 @@
-"""One training on disk: from its last checkpoint, or its untrained gait, to its last step."""
+"""Run one training on disk: from its last checkpoint, or its untrained gait, to its last step."""
 
 import time
 from concurrent.futures import ThreadPoolExecutor
@@ -15,28 +15,28 @@ from neuralgaits.training.trainer import Trainer, TrainState
 
 
 class Session(NamedTuple):
-    """A training at its last step."""
+    """A training after its last step."""
 
     trainer: Trainer
     steps: GradientSteps
-    """What goes on with further steps."""
+    """Gradient steps, from which a training can continue."""
     state: TrainState
     compile_s: float
     train_s: float
 
     @property
     def gait(self) -> AnyGait:
-        """The best that was found."""
+        """The gait with the best weights."""
         return self.trainer.gait(self.state.best)
 
 
 def take_all_steps(run: Run, progress: Progress | None, trainer: Trainer | None = None) -> Session:
-    """Take all gradient steps that a run's config asks for, with checkpoints.
+    """Take all gradient steps that a run's config requests, with checkpoints.
 
     Args:
-        run: unfinished; its gait is the untrained one.
+        run: unfinished run with the untrained gait.
         progress: called with (step, steps, loss) now and then.
-        trainer: one that suits the run and its seed, if there is one that is compiled.
+        trainer: a compiled trainer that fits the run and its seed, if there is one.
 
     Raises: NonFiniteError.
     """
@@ -53,7 +53,7 @@ def take_all_steps(run: Run, progress: Progress | None, trainer: Trainer | None 
 
 
 def trainer_of(run: Run) -> Trainer:
-    """What a run's config asks for, not compiled yet."""
+    """Return the trainer for a run's config, not compiled yet."""
     asked = run.asked
     return Trainer.build(
         run.robot,
@@ -68,7 +68,7 @@ def trainer_of(run: Run) -> Trainer:
 
 
 def compile_steps(trainer: Trainer, state: TrainState) -> None:
-    """Steps and looks, at once where there are two cores: results are thrown away."""
+    """Compile steps and validation, at once where there are two cores; results are thrown away."""
     with ThreadPoolExecutor(1) as beside:
         validated = beside.submit(trainer.validate, state)
         if not trainer.done(state):
@@ -77,7 +77,7 @@ def compile_steps(trainer: Trainer, state: TrainState) -> None:
 
 
 def start_of(run: Run, trainer: Trainer) -> TrainState:
-    """The last checkpoint if there is one, else the beginning."""
+    """Return the last checkpoint if there is one, else the initial state."""
     if (run.path / STATE).is_file():
         return run.folder.read_tree(STATE, trainer.init(run.trained))
     asked, recipe, gait = run.asked, run.spec.recipe, run.trained

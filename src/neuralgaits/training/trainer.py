@@ -1,8 +1,8 @@
 """Training as an explicit state: init, step, done. One step is a pure jitted function.
 
-The state is a handful of flat arrays, and the samples of step k follow from seed and k alone, so
-a run that was killed continues to the same bits. Training runs in float32; what is kept is
-cast to float64 and matched to the robot once more.
+The state is a handful of flat arrays, and the samples of step k follow from seed and k alone, so a
+run that was killed continues to the same bits. Training runs in float32; the result is cast to
+float64 and matched to the robot once more.
 """
 
 from collections.abc import Callable, Mapping
@@ -39,44 +39,44 @@ from neuralgaits.training.repair import Boxes, Extra
 from neuralgaits.training.sampling import Sampler
 
 VALIDATE_EVERY = 100
-"""Steps between two looks at the fixed validation samples."""
+"""Gradient steps between two evaluations of the fixed validation samples."""
 REPAIR_RATE = 0.5
 """Share of the recipe's learning rate in further training: the gait is nearly there."""
 SMALLER, CAREFUL = 0.3, 3
-"""Share of the size of steps that goes on after NaN, and how often that is tried."""
+"""Factor on the size of steps after NaN, and how often it may be applied."""
 
 
 class TrainState(NamedTuple):
     """Everything a training needs to continue. Arrays only."""
 
     step: Array
-    """Gradient steps done. int32 scalar."""
+    """Number of gradient steps done. int32 scalar."""
     parameters: Float[Array, " P"]
     """Current trainable parameters, flat. float32."""
     optimizer: Any
-    """State of the optimiser."""
+    """State of the optimiser, as a tree."""
     best: Float[Array, " P"]
     """Parameters with the lowest validation loss so far."""
     best_loss: Array
-    """That loss. float64 scalar."""
+    """Lowest validation loss so far. float64 scalar."""
     rate: Array
     """Share of the recipe's step size; less than 1 after steps that turned to NaN. float32."""
 
 
 class OverSeeds(NamedTuple):
-    """Steps and looks of many trainings as one program each: arrays begin with an axis of seeds."""
+    """Steps and evaluations of many trainings as one program each; axis 0 is that of seeds."""
 
     step: Callable
-    """(parameters, optimiser states, keys, first steps, one count for all, rates) to parameters,
-    states and `Loss`."""
+    """Function from (parameters, optimiser states, keys, first steps, one count for all, rates) to
+    parameters, states and `Loss`."""
     gaits: Callable
-    """(parameters) to the gaits with these, see `Trainer.gait`."""
+    """Function from (parameters) to the gaits with these, see `Trainer.gait`."""
     look: Callable
-    """(gaits, key, share of the disturbance) to `Loss` and margins. [S, N, K]"""
+    """Function from (gaits, key, share of the disturbance) to `Loss` and margins. [S, N, K]"""
 
 
 class FreshMargins(NamedTuple):
-    """Conditions on fresh samples, inside the regions, in float64."""
+    """Margins of conditions on fresh samples, inside the regions, in float64."""
 
     loss: float
     margins: dict[str, Float[np.ndarray, "N k"]]
@@ -85,18 +85,18 @@ class FreshMargins(NamedTuple):
 
 @dataclass(frozen=True)
 class Trainer:
-    """Trains gaits for one robot and one spec; gaits may differ in their weights only.
+    """Train gaits for one robot and one spec; gaits may differ in their weights only.
 
     Attributes:
         robot: the biped.
-        spec: what to train for.
+        spec: conditions, regions and recipe.
         steps: gradient steps in all.
-        seed: of the samples.
+        seed: seed of the samples.
         sampler: samples of a step.
         validation: samples that choose the best weights and report on a gait.
-        residuals: what was learned of the robot beyond its model.
-        disturbance: each sample has one corner of this box added to dz (m/s, N m); None for
-            nothing. Reports are without it.
+        residuals: residuals learned for the robot.
+        disturbance: each sample has one corner of this box added to dz (m/s, N m); None for none.
+            Reports leave it out.
         extra: boxes that get samples beside the regions' own, in steps and validation; None
             for an ordinary training.
         round: 0 for an ordinary training; each number has samples of its own.
@@ -143,9 +143,9 @@ class Trainer:
             spec: conditions, regions and recipe.
             template: a gait of the structure to be trained.
             steps: gradient steps in all; the schedule depends on it.
-            seed: of the samples.
-            residuals: what was learned of the robot beyond its model.
-            disturbance: that the conditions must bear beside them (m/s, N m).
+            seed: seed of the samples.
+            residuals: residuals learned for the robot.
+            disturbance: bounds of dz's disturbance under which conditions must hold (m/s, N m).
             rate: factor on the recipe's learning rate.
         """
         recipe = spec.recipe
@@ -198,7 +198,7 @@ class Trainer:
         )
 
     def repairing(self, steps: int) -> "Trainer":
-        """A trainer that goes on from a trained gait, for `steps` steps a round, see `on`."""
+        """Return a trainer that goes on from a trained gait, `steps` steps a round; see `on`."""
         factor = REPAIR_RATE * width_factor(self.spec, self._template)
         optimizer = _optimizer(self.spec.recipe, steps, factor)
         parts = self.spec, self._light, self.disturbance, self._unflatten
@@ -211,15 +211,15 @@ class Trainer:
         return replace(self, extra=extra, round=number)
 
     def extra_of(self, boxes: Mapping[str, Boxes], before: Extra | None = None) -> Extra:
-        """Rows for boxes of regions, see `Extra.of`."""
+        """Return rows for boxes of regions, see `Extra.of`."""
         return Extra.of(boxes, self.spec, self._layout, before)
 
     def extra_shapes(self) -> Extra:
-        """Shapes and types of such rows, to read them from a file."""
+        """Return shapes and types of such rows, to read them from a file."""
         return Extra.shapes(self._layout)
 
     def init(self, gait: AnyGait) -> TrainState:
-        """State before the first step."""
+        """Return the state before the first step."""
         trained, _ = eqx.partition(gait, gait.trainable())
         flat, _ = ravel_pytree(cast(trained, jnp.float32))
         start = jnp.zeros((), jnp.int32)
@@ -237,11 +237,11 @@ class Trainer:
         return kept._replace(parameters=kept.best, rate=SMALLER * kept.rate)
 
     def step(self, state: TrainState, count: int = 1) -> tuple[TrainState, Loss]:
-        """Gradient steps, each on fresh samples. Not synchronised: results arrive when read.
+        """Take gradient steps, each on fresh samples. Results arrive asynchronously, when read.
 
         Args:
-            state: to go on from.
-            count: steps to take; however they are counted out, they come to the same bits.
+            state: state to continue from.
+            count: number of steps; the way they are split into calls does not change any bit.
 
         Returns: the state after them, and the loss of the last one before it was taken.
         """
@@ -262,7 +262,7 @@ class Trainer:
         return state, loss
 
     def validate(self, state: TrainState) -> TrainState:
-        """Keep the parameters if their loss on the validation samples is the lowest."""
+        """Keep the parameters if their loss on the validation samples is the lowest so far."""
         gait = self.gait(state.parameters)
         result, _ = self._evaluate(gait, jax.random.key(0), self.extra, jnp.ones(()))
         return self.better(state, float(result.total))
@@ -274,13 +274,13 @@ class Trainer:
         return state
 
     def gait(self, parameters: Float[Array, " P"]) -> AnyGait:
-        """The gait with these parameters, in float64 and matched to the robot."""
+        """Return the gait with these parameters, in float64 and matched to the robot."""
         trained = cast(self._unflatten(parameters), np.float64)
         gait = eqx.combine(trained, self._template)
         return _matched(gait, self.robot, self.residuals.reset)
 
     def report(self, gait: AnyGait, *, seed: int) -> FreshMargins:
-        """Loss and margins on samples inside the regions (`VALIDATION_SAMPLES` x batch).
+        """Return loss and margins on samples inside the regions (`VALIDATION_SAMPLES` x batch).
 
         Samples of extra boxes count for the loss alone.
         """
@@ -298,7 +298,7 @@ class Trainer:
         return FreshMargins(loss, named)
 
     def over_seeds(self) -> OverSeeds:
-        """The same steps and looks for many trainings that differ in their seeds."""
+        """Return steps and evaluations for many trainings that differ in their seeds."""
         steps = jax.vmap(partial(self._steps, extra=None), in_axes=(0, 0, 0, 0, None, 0))
         look = eqx.filter_vmap(self._look, in_axes=(eqx.if_array(0), None, None, None))
 
@@ -317,13 +317,13 @@ class Trainer:
         )
 
     def of_seed(self, seed: int, gait: AnyGait) -> "Trainer":
-        """The trainer of another seed. Nothing is compiled again.
+        """Return the trainer of another seed. Nothing is compiled again.
 
         Args:
-            seed: of the samples.
-            gait: untrained, of that seed.
+            seed: seed of the samples.
+            gait: untrained gait of that seed.
 
-        Raises: InputError if it differs from what the trainer was built for in more than weights.
+        Raises: InputError if it differs from the trainer's gait in more than weights.
         """
         others = [eqx.partition(one, one.trainable())[1] for one in (gait, self._template)]
         if not eqx.tree_equal(*others):
@@ -334,7 +334,7 @@ class Trainer:
         return replace(self, seed=seed)
 
     def done(self, state: TrainState) -> bool:
-        """Whether all steps are taken."""
+        """Return whether all steps are done."""
         return int(state.step) >= self.steps
 
 

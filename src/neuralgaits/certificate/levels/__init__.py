@@ -1,1 +1,1 @@
-"""What each level of a proof states, asks and concludes."""
+"""Theorems of the proof levels: what each one states, requires and concludes."""

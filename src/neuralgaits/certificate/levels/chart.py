@@ -1,7 +1,7 @@
-"""The axes of the chart that statements are about: phase, level, and a gait's parameters.
+"""Axes of the chart that statements are about: phase, level and a gait's parameters.
 
-What is asked of a gait is asked on boxes of (phase, level), for every value of its parameters:
-commands, masses and whatever else its Program takes. Needs no JAX.
+A gait is checked on boxes of (phase, level), for every value of its parameters: commands, masses
+and all other inputs of its Program. Needs no JAX.
 """
 
 import math
@@ -27,22 +27,22 @@ class Told(Protocol):
 
     @property
     def name(self) -> str:
-        """Of the command."""
+        """Name of the command, as in the gait."""
         ...
 
     @property
     def low(self) -> float:
-        """End of its range."""
+        """Lower end of the command's range."""
         ...
 
     @property
     def high(self) -> float:
-        """Other end of its range."""
+        """Upper end of the command's range."""
         ...
 
     @property
     def largest_change(self) -> float | None:
-        """From one step to the next; None for any."""
+        """Largest change of the command from one step to the next; None for any change."""
         ...
 
 
@@ -50,9 +50,9 @@ Commands = Iterable[Told]
 
 
 class Axis(NamedTuple):
-    """One input of a gait's conditions: its name, and the interval that it may come from.
+    """One input of a gait's conditions: its name, and the interval of its values.
 
-    With a `change`, what is farther than this from the axis before it is not asked for.
+    With a `change`, points farther than this from the axis before it are left out.
     """
 
     name: str
@@ -62,7 +62,7 @@ class Axis(NamedTuple):
 
 
 class Near(NamedTuple):
-    """Two axes whose values are at most so far apart."""
+    """Two axes whose values differ by no more than a largest change."""
 
     first: int
     second: int
@@ -72,7 +72,7 @@ class Near(NamedTuple):
 PHASE, LEVEL = Axis("phase", -0.1, 1.1), Axis("level", 0.0, 1.0)
 """Strips before the start of a step and behind its guard belong to the chart."""
 NARROWER = Axis("phase", -0.05, 1.05)
-"""The same in files of earlier versions; a statement is about its own box, whatever the axis."""
+"""Phase axis in files of earlier versions; a statement is about its own box, whatever the axis."""
 
 
 @dataclass(frozen=True)
@@ -87,21 +87,21 @@ class Chart:
 
     @property
     def axes(self) -> tuple[Axis, ...]:
-        """All of them, in the order of u."""
+        """Return all axes, in the order of the elements of u."""
         return PHASE, LEVEL, *self.parameters
 
     @property
     def size(self) -> int:
-        """How many there are."""
+        """Number of axes, phase and level included."""
         return PLANE + len(self.parameters)
 
     @classmethod
     def of(cls, commands: Commands, errors: Iterable[tuple[str, float]] = ()) -> "Chart":
-        """Of a gait that is told these at each touchdown, on robots with these errors.
+        """Return the chart of a gait that gets these commands at each touchdown, on these robots.
 
         Args:
-            commands: two axes each.
-            errors: of parameters of the robot, (name, half width), one axis each.
+            commands: commands of the gait; each has two axes, before and after.
+            errors: (name, half width) of each parameter of the robot, one axis each.
         """
         told = []
         for one in commands:
@@ -113,7 +113,7 @@ class Chart:
 
     @property
     def near(self) -> tuple[Near, ...]:
-        """Which axes are near each other."""
+        """Return the pairs of axes whose difference is bounded."""
         return tuple(
             Near(number - 1, number, axis.change)
             for number, axis in enumerate(self.axes)
@@ -121,10 +121,12 @@ class Chart:
         )
 
     def sequences(self, told: Sequence[str]) -> tuple[str, ...] | None:
-        """What may follow what, a phrase a command; None if the first axes are not those of `told`.
+        """Describe which command may follow which, one phrase a command.
 
-        A command has two axes, (before, after). Behind them are none but errors, which are
-        constant: of a command that is not told, what comes before and after may differ.
+        Returns None if the first axes are not those of the commands `told`.
+
+        A command has two axes, (before, after). Behind them only errors may follow, because these
+        are constant, while a command may differ before and after.
         """
         count = 2 * len(told)
         if len(self.parameters) < count or not all(map(_is_error, self.parameters[count:])):
@@ -143,15 +145,15 @@ class Chart:
         return tuple(found)
 
     def of_commands(self, count: int) -> "Chart":
-        """The chart without what lies behind the axes of so many commands."""
+        """Return the chart of (phase, level) and the axes of so many commands."""
         return Chart(self.parameters[: 2 * count])
 
     def behind(self, count: int) -> "Chart":
-        """The chart of what lies behind the axes of so many commands."""
+        """Return the chart without the axes of so many commands."""
         return Chart(self.parameters[2 * count :])
 
     def holds(self, other: "Chart") -> bool:
-        """Whether another chart is this one, or a part of it with the same axes."""
+        """Return whether another chart is this one, or a part of it with the same axes."""
         return len(other.parameters) == len(self.parameters) and all(
             one.name == own.name
             and own.low <= one.low <= one.high <= own.high
@@ -160,7 +162,7 @@ class Chart:
         )
 
     def intervals(self) -> tuple[str, ...]:
-        """Axes behind phase and level in words; neighbours with one interval share it."""
+        """Describe the axes behind phase and level; neighbours with one interval share a phrase."""
         found: list[tuple[list[str], str]] = []
         for axis in self.parameters:
             interval = f"[{axis.low!r}, {axis.high!r}]"
@@ -177,7 +179,7 @@ class Chart:
         )
 
     def table(self) -> list[dict[str, str]]:
-        """As a proof file has it."""
+        """Return the chart in the form of a proof file."""
         rows = []
         for axis in self.axes:
             rows.append({"name": axis.name, "low": axis.low.hex(), "high": axis.high.hex()})
@@ -200,14 +202,14 @@ class Chart:
         return cls(tuple(axes[PLANE:]))
 
     def whole(self, low: Corner, high: Corner) -> tuple[Corner, Corner]:
-        """A box of (phase, level), for every value of the parameters. Returns: corners. [n]."""
+        """Return the corners of a box of (phase, level), for every value of the parameters. [n]."""
         return (
             (*low, *(axis.low for axis in self.parameters)),
             (*high, *(axis.high for axis in self.parameters)),
         )
 
     def spans(self, low: Corner, high: Corner) -> bool:
-        """Whether a box is `whole` of a box of the chart's plane. [n] each."""
+        """Return whether a box covers all parameters, like a box of `whole`. Corners [n] each."""
         plane = zip((PHASE, LEVEL), low, high, strict=False)
         inside = all(axis.low <= a <= b <= axis.high for axis, a, b in plane)
         return inside and (low, high) == self.whole(low[:PLANE], high[:PLANE])
@@ -218,7 +220,7 @@ PLAIN = Chart()
 
 
 def asked_for(near: Iterable[Near], low: np.ndarray, high: np.ndarray) -> np.ndarray:
-    """Boxes [B, n] some point of which has all near axes no farther apart than they may be. [B].
+    """Return which boxes [B, n] have a point whose near axes are close enough together. [B].
 
     A rounded difference is above a double only if the difference is.
     """
@@ -230,7 +232,7 @@ def asked_for(near: Iterable[Near], low: np.ndarray, high: np.ndarray) -> np.nda
 
 
 def _is_error(axis: Axis) -> bool:
-    """Whether an axis can be an error of a parameter, and is none of a command."""
+    """Return whether an axis can be an error of a parameter and belongs to no command."""
     return (
         axis.low == -axis.high
         and axis.change is None
@@ -239,7 +241,7 @@ def _is_error(axis: Axis) -> bool:
 
 
 def _no_farther(one: Axis, own: Axis) -> bool:
-    """Whether one axis is as near to the axis before it, of the same ends, as another has to be."""
+    """Return whether one axis is at least as close to the axis before it as another has to be."""
     if own.change is None:
         return True
     if one.change is not None:

@@ -19,7 +19,7 @@ from neuralgaits.records.certified import Conclusion
 
 
 def _lists(parameters: Any) -> Mapping[str, tuple[float, ...]]:
-    """Parameters that are lists of numbers, by name."""
+    """Return the parameters that are lists of numbers, by name."""
     values = {field.name: getattr(parameters, field.name) for field in fields(parameters)}
     return {
         name: value
@@ -29,7 +29,7 @@ def _lists(parameters: Any) -> Mapping[str, tuple[float, ...]]:
 
 
 def _one_gait(known: Parameters, chart: Chart) -> str | None:
-    """Why the theorems of full order are not about a chart, or None."""
+    """Explain why the theorems of full order do not cover a chart, or return None."""
     return full_order.refusal(chart, known[2].floor if 2 in known else 0.0)
 
 
@@ -76,14 +76,14 @@ LEVELS = (
 
 
 def labelled_premises(known: Parameters, boxes: Boxes) -> Iterator[tuple[str, str, Corner, Corner]]:
-    """(label, output, low, high) of all that these levels rest on beside level 1."""
+    """Return (label, output, low, high) of all premises of these levels beside level 1."""
     for level in LEVELS:
         if level.number in known:
             yield from level.premises(known, boxes)
 
 
 def refusals(known: Parameters, chart: Chart) -> dict[int, str]:
-    """Levels with parameters whose theorem is not about the chart, and why, by number."""
+    """Return, by number, why the theorem of a level does not cover the chart."""
     found = {level.number: level.refusal(known, chart) for level in LEVELS if level.number in known}
     return {number: reason for number, reason in found.items() if reason is not None}
 
@@ -91,13 +91,13 @@ def refusals(known: Parameters, chart: Chart) -> dict[int, str]:
 def conclude(
     known: Parameters, boxes: Boxes, bounds: Bounds, chart: Chart = PLAIN
 ) -> list[Conclusion]:
-    """The answers for the levels that have parameters.
+    """Return the conclusions of the levels that have parameters.
 
     Args:
         known: parameters by level.
         boxes: (condition, low, high) of every box of every condition of the spec.
-        bounds: what is proved, of `premises.proved_bounds`.
-        chart: that the boxes are of.
+        bounds: proved bounds, see `premises.proved_bounds`.
+        chart: chart of the boxes.
     """
     told = known[2].told if 2 in known else ()
     pairs = chart.sequences(told)
@@ -125,7 +125,7 @@ def conclude(
 
 
 def _of_parameters(chart: Chart, pairs: Sequence[str] | None) -> Iterator[str]:
-    """What a theorem says of pairs of commands, and of a chart's axes behind them, if any."""
+    """State the admissible pairs of commands, and the fixed axes of a chart behind them, if any."""
     if pairs is not None:
         yield f"admissible are commands of {' and '.join(pairs)}"
     if chart.parameters:

@@ -1,6 +1,6 @@
-"""What a level above 1 is to those who read a proof: parameters, premises and a conclusion.
+"""Definition of a level above 1 for readers of a proof: parameters, premises, conclusion.
 
-How its parameters are found, and what its premises are as functions of a gait, is its entry of
+The search for its parameters, and its premises as functions of a gait, are in its entry of
 `sets.SOUGHT`. Needs no JAX.
 """
 
@@ -13,7 +13,7 @@ from neuralgaits.certificate.levels.premises import Bounds, Boxes
 from neuralgaits.records.certified import Conclusion
 
 Parameters = Mapping[int, Any]
-"""Parameters of levels, by number."""
+"""Parameters of levels, by number of the level."""
 
 
 @dataclass(frozen=True)
@@ -21,17 +21,17 @@ class Level:
     """A theorem about trajectories whose premises a proof file has statements of.
 
     Attributes:
-        number: of the level.
-        part: what constants of the Program that are its parameters are named after.
+        number: number of the level.
+        part: prefix of the Program's constants that are its parameters.
         parameters: the class of its parameters.
-        constants: of parameters, by name: lists of numbers that the Program has as constants.
-        premises: of parameters and of the boxes of level 1: (label, output, low, high) of all that
-            it rests on beside the levels below.
-        conclude: from parameters, boxes of level 1 and proved bounds.
-        rests_on: numbers of the levels that have to be proved.
-        full_order: whether its premises are about outputs off zero: about xi of the unit ball. It
+        constants: function from parameters to the Program's constants, lists of numbers by name.
+        premises: function from parameters and the boxes of level 1 to (label, output, low, high)
+            of all premises beside the levels below.
+        conclude: function from parameters, boxes of level 1 and proved bounds to a conclusion.
+        rests_on: numbers of the levels that have to be proved first.
+        full_order: whether its premises are about outputs off zero, xi of the unit ball. It
             rests on no condition of level 1 then.
-        refusal: from parameters and the chart: why the theorem is not about them, or None.
+        refusal: function from parameters and the chart to why the theorem does not cover them.
     """
 
     number: int

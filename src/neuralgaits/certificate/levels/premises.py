@@ -1,4 +1,4 @@
-"""What a level rests on: outputs of the Program with a sign on a root box, and what is proved.
+"""Premises of a level: outputs of the Program with a sign on a root box, and proved bounds.
 
 A premise is an output of the Program that must not be negative on a root box; the proof file has a
 statement for each. Conclusions are drawn from the proved bounds. Needs no JAX.
@@ -20,7 +20,7 @@ Bounds = Mapping[tuple[str, Corner, Corner], float]
 
 
 class Premise(NamedTuple):
-    """An output that has a bound on a root box: positive, not negative, or any (a constant)."""
+    """An output that needs a bound on a root box: positive, not negative, or any (a constant)."""
 
     output: str
     low: Corner
@@ -33,27 +33,27 @@ class Claim(Protocol):
 
     @property
     def scales(self) -> Mapping[str, float]:
-        """By output."""
+        """Scales by name of the output."""
         ...
 
     @property
     def bounds(self) -> Mapping[str, float]:
-        """By output, in scales."""
+        """Bounds by name of the output, in scales."""
         ...
 
     @property
     def low(self) -> Corner:
-        """Of the root box."""
+        """Lower corner of the root box."""
         ...
 
     @property
     def high(self) -> Corner:
-        """Of the root box."""
+        """Upper corner of the root box."""
         ...
 
 
 def proved_bounds(statements: Sequence[Claim]) -> Bounds:
-    """What statements say, each bound rounded down. Their roots are whole in the parameters."""
+    """Return the bounds of statements, rounded down; their roots cover all parameters."""
     return {
         (name, s.low[:PLANE], s.high[:PLANE]): np.nextafter(bound * s.scales[name], -np.inf)
         for s in statements
@@ -62,7 +62,7 @@ def proved_bounds(statements: Sequence[Claim]) -> Bounds:
 
 
 def level_one_boxes(statements: Sequence[Claim]) -> list[tuple[str, Corner, Corner]]:
-    """(condition, low, high) of the statements about the spec's own conditions and boxes."""
+    """Return (condition, low, high) of the statements about the spec's own conditions and boxes."""
     return [
         (name, s.low[:PLANE], s.high[:PLANE])
         for s in statements
@@ -72,7 +72,7 @@ def level_one_boxes(statements: Sequence[Claim]) -> list[tuple[str, Corner, Corn
 
 
 def first_missing(premises: Sequence[Premise], bounds: Bounds) -> str | None:
-    """The first premise without a sufficient bound, in words."""
+    """Name the first premise without a sufficient bound, in words."""
     for output, low, high, sign in premises:
         bound = bounds.get((output, low, high), np.nan)
         enough = {"positive": bound > 0.0, "not negative": bound >= 0.0, "any": bound > -np.inf}
@@ -82,10 +82,10 @@ def first_missing(premises: Sequence[Premise], bounds: Bounds) -> str | None:
 
 
 def above(x: arb) -> float:
-    """A number that a ball lies below."""
+    """Return a number that a ball lies below."""
     return math.nextafter(float(x.upper()), math.inf)
 
 
 def below(x: arb) -> float:
-    """A number that a ball lies above."""
+    """Return a number that a ball lies above."""
     return math.nextafter(float(x.lower()), -math.inf)

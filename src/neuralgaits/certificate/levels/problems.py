@@ -1,4 +1,4 @@
-"""What is put to the search: margins of conditions and of sets as one Program, and root boxes."""
+"""Problems of the search: margins of conditions and sets as one Program, and root boxes."""
 
 from typing import Any
 
@@ -28,10 +28,10 @@ from neuralgaits.robots import PlanarBiped
 from neuralgaits.robots.parameters import model_of
 
 CLAIMED = 0.4
-"""Share of the margin that is claimed where its size does not matter: fewer boxes to check."""
+"""Claimed share of a margin whose size does not matter: fewer boxes to check."""
 TIGHT = {SET: Problem.tight, FULL_ORDER: 0.25, DISTURBED: 0.0}
-"""Share of the smallest margin seen that is proved, by label: level 4 tells slack, and each further
-box costs; of the others the sign is all that matters."""
+"""Share of the smallest margin seen that is proved, by label. Level 4 reports its slack, and each
+further box costs; for the others only the sign matters."""
 APART = {
     "full/contact": "forces",
     "full/torque": "forces",
@@ -47,7 +47,7 @@ APART = {
 }
 """Outputs that share most of their operations, and many of those: they are bounded apart."""
 SIGN_ONLY: dict[str, Any] = {"claimed": CLAIMED, "tight": 0.0}
-"""In many axes a larger margin costs too many boxes."""
+"""Options for many axes, where a larger margin costs too many boxes."""
 
 
 def trace_certificate(
@@ -57,12 +57,12 @@ def trace_certificate(
     sets: Sets,
     residuals: Residuals = NO_RESIDUALS,
 ) -> Program:
-    """Margins of the spec's conditions and of the sets, as one Program of the chart point u.
+    """Trace the margins of the spec's conditions and the sets, as one Program of chart point u.
 
-    And of xi, anywhere in the unit ball, if a set is about outputs off zero.
+    It is a function of xi as well, anywhere in the unit ball, if a set is about outputs off zero.
 
-    Raises: SpecError naming the operation and line that cannot be traced, or a level that is not
-        about such a gait.
+    Raises: SpecError naming the operation and line that cannot be traced, or a level that does not
+        cover such a gait.
     """
     for number, reason in refusals(
         sets.parameters, Chart.of(gait.commands, spec.parameters)
@@ -82,7 +82,7 @@ def trace_certificate(
 
 
 def _named(sets: Sets) -> dict[str, dict[str, np.ndarray]]:
-    """Parameters of the sets under the names that constants of the Program get."""
+    """Return the parameters of the sets, by the names of the Program's constants."""
     known = sets.parameters
     return {
         level.part: {
@@ -96,7 +96,7 @@ def _named(sets: Sets) -> dict[str, dict[str, np.ndarray]]:
 def set_margins(
     spec: GaitSpec, gait: Gait, zd: ZeroDynamics, sets: Sets, u: Float[Array, " n"], xi: Any = None
 ) -> Margins:
-    """Margins of the sets at one chart point and one xi, by output name."""
+    """Return margins of the sets at one chart point and one xi, by output name."""
     found = {}
     for number in sets.parameters:
         found |= SOUGHT[number].margins(spec, gait, zd, sets.parameters, u, xi)
@@ -104,7 +104,7 @@ def set_margins(
 
 
 def condition_boxes(spec: GaitSpec) -> list[tuple[str, Corner, Corner]]:
-    """Every box of every condition of the spec, by condition name."""
+    """Return every box of every condition of the spec, by condition name."""
     return [
         (condition.name, box.low, box.high)
         for condition in spec.conditions
@@ -113,9 +113,9 @@ def condition_boxes(spec: GaitSpec) -> list[tuple[str, Corner, Corner]]:
 
 
 def condition_problems(spec: GaitSpec, program: Program, chart: Chart = PLAIN) -> list[Problem]:
-    """One for each box of each region that has conditions; in more axes, for each condition.
+    """Return one problem for each box of each region; in more axes, one for each condition.
 
-    In many axes boxes are many, and those that one condition needs are no help to another.
+    In many axes there are many boxes, and the boxes of one condition do not help another.
     """
     problems = []
     for region, boxes in spec.regions.items():
@@ -141,7 +141,7 @@ def condition_problems(spec: GaitSpec, program: Program, chart: Chart = PLAIN) -
 
 
 def confirmer(spec: GaitSpec, gait: AnyGait, zd: ZeroDynamics, sets: Sets) -> Confirm:
-    """Asks the margins' own Python functions, in float64, about one point, with outputs zero."""
+    """Return a function that evaluates margins in Python, in float64, at a point with xi = 0."""
     conditions = {condition.name: condition for condition in spec.conditions}
     at = one_step(gait, zd, spec.parameters)
     xi = jnp.zeros(size_of(zd.robot))
@@ -165,7 +165,7 @@ def confirmer(spec: GaitSpec, gait: AnyGait, zd: ZeroDynamics, sets: Sets) -> Co
 def premise_problems(
     spec: GaitSpec, sets: Sets, program: Program, chart: Chart = PLAIN
 ) -> list[Problem]:
-    """Root boxes of the levels above 1 with what must hold on each."""
+    """Return root boxes of the levels above 1 with the outputs that must hold on each."""
     scales = {condition.name: float(condition.scale) for condition in spec.conditions}
     roots: dict[tuple[str, str, Corner, Corner], list[str]] = {}
     found = labelled_premises(sets.parameters, condition_boxes(spec))
@@ -192,11 +192,11 @@ def premise_problems(
 
 
 def _sign_only(spec: GaitSpec) -> dict[str, Any]:
-    """In many axes: the sign is proved, and the robot's parameters are halved last."""
+    """Return options for many axes: prove the sign, and halve the robot's parameters last."""
     return {**SIGN_ONLY, "late": len(spec.parameters)}
 
 
 def _how_near(label: str) -> dict[str, Any]:
-    """How near the margins of premises are found and claimed, in the plane."""
+    """Return how closely margins of premises are proved and claimed, in the plane."""
     claimed = Problem.claimed if label == SET else CLAIMED
     return {"claimed": claimed, "tight": TIGHT.get(label, 0.0)}

@@ -1,4 +1,4 @@
-"""The sets of the levels above 1: what each level seeks of a gait, found at points."""
+"""Sets of the levels above 1: what each level needs of a gait, found at points."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
@@ -37,9 +37,9 @@ from neuralgaits.programs.tracing.tracer import trace
 from neuralgaits.robots.parameters import Axis, model_of
 
 FULL_ORDER_LEVEL = 4
-"""The level whose set the one above it is about."""
+"""Level whose set the level above it uses."""
 Errors = tuple[Axis, ...]
-"""Parameters of the robot, of `GaitSpec.parameters`."""
+"""Parameters of the robot, as in `GaitSpec.parameters`."""
 Margins = dict[str, Float[Array, "..."]]
 
 
@@ -66,7 +66,7 @@ class Subject:
 
     @cached_property
     def look(self) -> Look:
-        """What the finders of levels 2 and 3 look at."""
+        """Return the function that the finders of levels 2 and 3 evaluate."""
         return look_at(self.gait, self.zd, self.spec.parameters)
 
 
@@ -150,12 +150,12 @@ SOUGHT = {
 
 @dataclass(frozen=True)
 class Sets:
-    """What the levels above 1 are about.
+    """Parameters of the sets of the levels above 1.
 
     Attributes:
-        parameters: of the levels whose sets were found.
-        reasons: why one that was looked for was not found, by level.
-        least: what outputs that enclose constants must reach, to be proved; 0 for the others.
+        parameters: parameters of the levels whose sets exist.
+        reasons: why a set could not be found, by level.
+        least: lower bounds to be proved of outputs that enclose constants; 0 for the others.
     """
 
     parameters: Parameters = field(default_factory=dict)
@@ -164,7 +164,7 @@ class Sets:
 
     @property
     def full_order(self) -> bool:
-        """Whether one of them is about outputs off zero."""
+        """Return whether one of the sets is about outputs off zero."""
         return any(level.full_order for level in LEVELS if level.number in self.parameters)
 
 
@@ -177,16 +177,16 @@ def find_sets(
     floor: float = 0.0,
     bandwidth: float | None = None,
 ) -> Sets:
-    """Look for the sets that a level speaks of.
+    """Find the sets of all levels up to the given one.
 
     Args:
-        spec: of a run.
-        gait: of the run.
-        zd: whose robot and residuals count; its policy only where there are no commands.
-        level: up to which.
-        disturbance: of `Subject`.
-        floor: likewise.
-        bandwidth: likewise.
+        spec: spec of a run.
+        gait: gait of the run.
+        zd: zero dynamics with robot and residuals; its policy counts only without commands.
+        level: highest level.
+        disturbance: see `Subject`.
+        floor: see `Subject`.
+        bandwidth: see `Subject`.
 
     Raises: SpecError if nothing can be traced.
     """
@@ -208,7 +208,7 @@ def find_sets(
 
 
 def look_at(gait: AnyGait, zd: ZeroDynamics, parameters: Errors = ()) -> Look:
-    """What the finders look at, as a function of chart points. Raises: SpecError."""
+    """Return the function from chart points to quantities for finders. Raises: SpecError."""
     size = PLANE + 2 * len(gait.commands) + len(parameters)
     at = one_step(gait, zd, parameters)
     program = trace(lambda u: _quantities(*at(u), u[:PLANE]), {"u": (size,)}, parameters=gait)
@@ -224,14 +224,14 @@ def look_at(gait: AnyGait, zd: ZeroDynamics, parameters: Errors = ()) -> Look:
 def one_step(
     gait: AnyGait, zd: ZeroDynamics, parameters: Errors = ()
 ) -> Callable[[Array], tuple[Gait, ZeroDynamics]]:
-    """Gait and zero dynamics of the step that a chart point belongs to."""
+    """Return the gait and zero dynamics of the step that a chart point belongs to."""
     model = model_of(zd.robot, parameters)
     residuals = Residuals(zd.residual, zd.reset_residual)
     return lambda u: step_at(model, gait, u, residuals)
 
 
 def fences_of(gait: Gait) -> Fences:
-    """The fences of a gait's tube as a function of phases."""
+    """Return the fences of a gait's tube as a function of phases."""
     series = [np.asarray(side) for side in (gait.tube.lower, gait.tube.upper)]
 
     def fences(phases: np.ndarray) -> np.ndarray:
@@ -241,7 +241,7 @@ def fences_of(gait: Gait) -> Fences:
 
 
 def _quantities(gait: Gait, zd: ZeroDynamics, u: Float[Array, "2"]) -> dict[str, Array]:
-    """Flow, swing foot, reset and how trajectories part, at one chart point."""
+    """Return flow, swing foot, reset and rate of parting, at one chart point."""
     point, landed = zd.point(gait.z(u)), return_map.landing(gait, zd, u)
     start, guard = gait.span
     fences = gait.tube.fences(0.0)

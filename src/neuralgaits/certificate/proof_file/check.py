@@ -1,8 +1,8 @@
-"""The independent check of a proof file, with the standard library, NumPy and Arb only.
+"""Check a proof file independently, with the standard library, NumPy and Arb only.
 
 The search that wrote the file is not trusted. Every tree is walked from its root and every leaf is
-bounded again; what the file claims beyond that is concluded anew. Without a run to compare with,
-nothing says what the file's Program is about, and the best verdict is `consistent`.
+bounded again; the file's further claims are concluded anew. Without a run to compare with, nothing
+says what the file's Program is about, and the best verdict is `consistent`.
 """
 
 from collections.abc import Callable, Iterator
@@ -25,11 +25,11 @@ Verdict = Literal["proved", "consistent", "rejected", "undecided"]
 Progress = Callable[[int, int], None]
 
 NAMED_EACH = 6
-"""Axes beside phase and level that each statement names; more are named once."""
+"""Largest number of axes beside phase and level that each statement names; more are named once."""
 DIGITS, SCALE_DIGITS = 4, 6
-"""Of bounds and scales in sentences; the file has all of them."""
+"""Significant digits of bounds and scales in sentences; the file has all of them."""
 SHOWN = 3
-"""Contradictions or names that are named where there are more of them."""
+"""Largest number of contradictions or names that a message gives."""
 
 NOT_TIED = (
     "not compared with a run: every statement and conclusion follows from the Program in the file, "
@@ -61,11 +61,11 @@ ASSUMPTIONS = (
 
 @dataclass(frozen=True)
 class Report:
-    """What the check found.
+    """Result of the check of a proof file.
 
     Attributes:
         verdict: "consistent", "rejected" or "undecided"; once tied to a run, "proved".
-        reason: why it is no more than that; None if it is proved.
+        reason: why the verdict is no better; None if it is proved.
         statements: each statement of the file in words.
         levels: the conclusions of the levels above 1 that the file claims.
         unclaimed: conditions that are not claimed on all of their region.
@@ -83,10 +83,10 @@ class Report:
 
 
 def check(claims: Claims, progress: Progress | None = None) -> Report:
-    """Check every statement of a proof file; stops at the first that is wrong.
+    """Check every statement of a proof file; stop at the first that is wrong.
 
     Args:
-        claims: of `read_claims`.
+        claims: result of `read_claims`.
         progress: called with (leaves done, leaves) now and then.
     """
     report = Report(
@@ -111,11 +111,11 @@ def check(claims: Claims, progress: Progress | None = None) -> Report:
 
 
 def tied(report: Report, claims: Claims, asked: Asked) -> Report:
-    """A consistent file once its Program is known to be a run's: proved, or what stands against it.
+    """Return a report once the Program is known to be a run's: proved, or with the obstacle.
 
     Args:
-        report: of `check`.
-        claims: of the file.
+        report: result of `check`.
+        claims: claims of the file.
         asked: conditions and regions of the run's spec.
     """
     if not report.holds:
@@ -135,13 +135,13 @@ def tied(report: Report, claims: Claims, asked: Asked) -> Report:
 
 
 def all_in_words(claims: Claims) -> tuple[str, ...]:
-    """Every statement of a file, and what its chart is if they do not say."""
+    """Return every statement of a file in words, and the chart if they do not name its axes."""
     lines = (line for one in claims.statements for line in in_words(one, claims))
     return (*chart_in_words(claims), *lines)
 
 
 def _unclaimed(claims: Claims) -> tuple[str, ...]:
-    """Conditions that are not claimed, by box where the boxes are known."""
+    """Return the conditions that are not claimed, by box where the boxes are known."""
     if claims.asked is not None:
         return _not_on_all(claims, claims.asked)
     claimed = {name for statement in claims.statements for name in statement.conditions}
@@ -174,7 +174,7 @@ def _concluded(claims: Claims, report: Report) -> Report:
 
 
 def _why_incomplete(claims: Claims) -> str | None:
-    """What a proof of the spec would have to claim and this one does not."""
+    """Name the conditions that a complete proof would claim and this one does not; or None."""
     if claims.asked is not None:
         missing = unstated(claims.statements, claims.asked)
         return why_incomplete(missing, len(claims.asked.conditions)) if missing else None
@@ -191,14 +191,14 @@ def _why_incomplete(claims: Claims) -> str | None:
 
 
 def chart_in_words(claims: Claims) -> Iterator[str]:
-    """The chart's axes beside phase and level, where they are too many to be named each time."""
+    """Describe the chart's axes beside phase and level if they are too many for each statement."""
     axes = claims.chart.parameters
     if len(axes) > NAMED_EACH:
         yield f"the chart's other axes: {' and '.join(claims.chart.intervals())}"
 
 
 def in_words(statement: Statement, claims: Claims) -> Iterator[str]:
-    """One sentence for each condition of a statement."""
+    """Return one sentence for each condition of a statement."""
     ends = list(zip(claims.chart.axes, statement.low, statement.high, strict=True))
     many = len(ends) > PLANE + NAMED_EACH
     where = " and ".join(

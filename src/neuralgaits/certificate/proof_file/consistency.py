@@ -1,7 +1,7 @@
-"""Whether a proof file contradicts itself, whatever its boxes are bounded to be.
+"""Contradictions inside a proof file, independent of the bounds on its boxes.
 
-The check of a file, the reader of a run's certificate and with it page, figures and export ask
-here and nowhere else. Needs no JAX.
+The check of a file and the reader of a run's certificate use this list and no other, and so do
+page, figures and export. Needs no JAX.
 """
 
 from neuralgaits.certificate.levels.ladder import refusals
@@ -12,13 +12,13 @@ from neuralgaits.certificate.proof_file.told_ranges import OTHER_CHART, is_beyon
 
 
 def inconsistencies(claims: Claims, asked: Asked | None) -> list[str]:
-    """List what in a proof file cannot be so, one sentence each.
+    """List the contradictions in a proof file, one sentence each.
 
     Args:
-        claims: of `read_claims`.
+        claims: result of `read_claims`.
         asked: conditions and regions of the spec; None if they are not known.
 
-    Returns: an empty list if every statement is one that spec and theorems ask for, every level
+    Returns: an empty list if spec and theorems require every statement, every level
         that is claimed can be about the file's chart, and every parameter of a theorem that
         margins have in them is the Program's constant of that name.
     """
@@ -33,13 +33,13 @@ def inconsistencies(claims: Claims, asked: Asked | None) -> list[str]:
 
 
 def _levels_without_subject(claims: Claims) -> list[str]:
-    """Levels that the file has parameters of and that are not about a chart like its own."""
+    """Name levels with parameters in the file that do not cover its chart."""
     found = refusals(claims.theorems.parameters, claims.chart)
     return [f"level {number} is stated, and {reason}" for number, reason in found.items()]
 
 
 def _parameters_that_differ(claims: Claims) -> list[str]:
-    """Parameters of theorems that are not the Program's constants of their names."""
+    """Name parameters of theorems that differ from the Program's constants of their names."""
     known = {constant.name: constant.array for constant in claims.program.constants}
     wrong = []
     for number, parameters in claims.theorems.parameters.items():

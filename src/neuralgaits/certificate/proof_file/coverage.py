@@ -1,7 +1,7 @@
-"""What a spec and the theorems ask of a proof: which output, on which box, in which scale.
+"""Statements that a spec and the theorems require: which output, box and scale.
 
-A verdict speaks of the names and boxes that are asked here, never of those that a file brings.
-Needs no JAX.
+A verdict is about the names and boxes that are required here, never about those of a file. Needs no
+JAX.
 """
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -19,16 +19,16 @@ from neuralgaits.certificate.proof_file.theorem_tables import Theorems
 Root = tuple[str, Corner, Corner]
 """An output and a box of (phase, level), for all values of the parameters: (name, low, high)."""
 SHOWN = 3
-"""Boxes or names that are named where more of them are wrong."""
+"""Largest number of wrong boxes or names that a message gives."""
 
 
 class AskedCondition(NamedTuple):
     """A condition of a spec.
 
     Attributes:
-        region: its name.
-        scale: of its margins.
-        kind: of the package's kinds, or "user" for a kind that a user wrote.
+        region: name of its region.
+        scale: scale of its margins.
+        kind: one of the package's kinds, or "user" for a kind that a user wrote.
     """
 
     region: str
@@ -50,7 +50,7 @@ class Asked:
 
     @classmethod
     def read(cls, regions: Any, conditions: Any, *, decimals: bool = True) -> "Asked":
-        """Read them as a run's config has them; without decimals, as a proof's model does.
+        """Read regions and conditions from a run's config or, without decimals, a proof's model.
 
         Raises: ValueError.
         """
@@ -67,7 +67,7 @@ class Asked:
         return cls(boxes, found)
 
     def boxes(self) -> list[Root]:
-        """Every box of every condition."""
+        """Return every box of every condition."""
         return [
             (name, low, high)
             for name, condition in self.conditions.items()
@@ -75,7 +75,7 @@ class Asked:
         ]
 
     def is_barrier(self, name: str) -> bool:
-        """Whether a condition may be kept as a barrier; a user's kind may."""
+        """Return whether a condition may be a barrier; a user's kind may."""
         return name in self.conditions and self.conditions[name].kind in ("Barrier", "user")
 
 
@@ -109,12 +109,12 @@ class Stated(Claim, Protocol):
 
     @property
     def region(self) -> str:
-        """Its label."""
+        """Label of the statement, a region's or a theorem's."""
         ...
 
 
 def stated_roots(statements: Iterable[Stated]) -> Iterator[tuple[Root, Stated]]:
-    """Every output and root box that a statement is about, with the statement."""
+    """Return every output and root box that a statement is about, with the statement."""
     for statement in statements:
         for name in statement.scales:
             yield (name, statement.low[:PLANE], statement.high[:PLANE]), statement
@@ -123,11 +123,11 @@ def stated_roots(statements: Iterable[Stated]) -> Iterator[tuple[Root, Stated]]:
 def contradictions(
     statements: Sequence[Stated], theorems: Theorems, asked: Asked | None
 ) -> list[str]:
-    """Statements that no spec and no theorem asks for in this form, one sentence each.
+    """List statements that no spec and no theorem requires in this form, one sentence each.
 
     Args:
-        statements: of a proof file.
-        theorems: of the file.
+        statements: statements of a proof file.
+        theorems: theorems of the file.
         asked: the spec's conditions; None if they are not known.
     """
     labels = _labels(theorems, asked)
@@ -150,7 +150,7 @@ def contradictions(
 
 
 def _labels(theorems: Theorems, asked: Asked | None) -> dict[Root, str]:
-    """What is asked: the label of each output on each of its boxes."""
+    """Return the label of each required output on each of its boxes."""
     boxes = [] if asked is None else asked.boxes()
     found: dict[Root, str] = {}
     for label, name, low, high in labelled_premises(theorems.parameters, boxes):
@@ -171,18 +171,18 @@ def _barriers_that_are_none(theorems: Theorems, asked: Asked | None) -> list[str
 
 
 def premise_names(theorems: Theorems) -> set[str]:
-    """Outputs that the theorems of a file rest on, beside the spec's conditions."""
+    """Return the outputs that the theorems of a file rest on, beside the spec's conditions."""
     return {name for _, name, *_ in labelled_premises(theorems.parameters, [])}
 
 
 def unstated(statements: Sequence[Stated], asked: Asked) -> list[Root]:
-    """Boxes of conditions that no statement is about."""
+    """Return the boxes of conditions that no statement is about."""
     found = {root for root, _ in stated_roots(statements)}
     return [root for root in asked.boxes() if root not in found]
 
 
 def why_incomplete(missing: Sequence[Root], conditions: int) -> str:
-    """That conditions are not claimed, in one sentence."""
+    """State in one sentence that some conditions are not claimed."""
     names = list(dict.fromkeys(name for name, *_ in missing))
     shown = [f"{name} from {low} to {high}" for name, low, high in missing[:SHOWN]]
     more = f" and {len(missing) - SHOWN} more boxes" if len(missing) > SHOWN else ""

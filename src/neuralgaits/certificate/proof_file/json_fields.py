@@ -1,6 +1,6 @@
-"""Fields of untrusted JSON, read one by one: each is what it should be, or a ValueError says why.
+"""Read fields of untrusted JSON one by one; a ValueError says what is wrong with a field.
 
-Only the standard library is needed. `tools/proofcheck/reading.hpp` takes the same texts.
+Only the standard library is needed. `tools/proofcheck/reading.hpp` accepts the same texts.
 """
 
 import json
@@ -12,17 +12,17 @@ from neuralgaits._digits import from_hex
 from neuralgaits.certificate.proof_file.limits import DEEPEST, MOST_DIGITS, MOST_FIELDS, limit
 
 Corner = tuple[float, ...]
-"""One corner of a box."""
+"""One corner of a box of the chart."""
 _BETWEEN = {ord(space): None for space in "\n\r\t"}
-"""Space that JSON allows between its words and nowhere in a text."""
+"""Space that JSON allows between its words and nowhere inside a text."""
 
 
 def parse(text: str, *, fractions: bool = True) -> Any:
-    """JSON without repeated fields, NaN, infinity or text that cannot be printed.
+    """Parse JSON without repeated fields, NaN, infinity or text that cannot be printed.
 
     Args:
-        text: to read.
-        fractions: allow numbers that are not whole.
+        text: the JSON text.
+        fractions: whether numbers may have decimals.
     """
     other = _decimal if fractions else no_number
 
@@ -48,7 +48,7 @@ def parse(text: str, *, fractions: bool = True) -> Any:
 
 
 def _refuse_odd(table: Any, *, texts: bool) -> None:
-    """Refuse what is nested too deep and, if texts are looked at, what a screen would obey."""
+    """Refuse too deep nesting and, if texts are checked, characters that a screen would obey."""
     level, depth = [table], 0
     while level:
         limit(depth, DEEPEST, "levels of JSON")
@@ -65,7 +65,7 @@ def _refuse_odd(table: Any, *, texts: bool) -> None:
 
 
 def unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-    """The fields of an object, each once."""
+    """Return the fields of an object, each of which may occur once."""
     limit(len(pairs), MOST_FIELDS, "fields in one object")
     found = dict(pairs)
     if len(found) < len(pairs):
@@ -74,7 +74,7 @@ def unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
 
 
 def _decimal(digits: str) -> float:
-    """The double nearest to a number, if one is near: neither infinity, nor 0 for what is not 0."""
+    """Return the double nearest to a number. Refuses infinity, and 0 for a number that is not 0."""
     value = float(digits)
     mantissa = digits.lower().partition("e")[0]
     if math.isinf(value) or (value == 0.0 and mantissa.strip("-0.")):
@@ -83,12 +83,12 @@ def _decimal(digits: str) -> float:
 
 
 def no_number(text: str) -> float:
-    """For numbers that a file must not hold."""
+    """Refuse a number that a file must not hold."""
     raise ValueError(f"the number {text[:40]}")
 
 
 def exactly(table: Any, what: str, names: Collection[str]) -> dict[str, Any]:
-    """A JSON object with exactly these names."""
+    """Return a JSON object with exactly these names."""
     if not isinstance(table, dict):
         raise ValueError(f"{what} that is no JSON object")
     wrong = sorted(set(table) ^ set(names))
@@ -99,14 +99,14 @@ def exactly(table: Any, what: str, names: Collection[str]) -> dict[str, Any]:
 
 
 def text_of(value: Any, what: str) -> str:
-    """A text."""
+    """Return a text. Raises: ValueError if the value is of another type."""
     if not isinstance(value, str):
         raise ValueError(f"{what} that is no text")
     return value
 
 
 def number_of(value: Any, what: str) -> float:
-    """A finite number, exactly as it stands in the file."""
+    """Return a finite number, exactly as in the file."""
     known = isinstance(value, int | float) and not isinstance(value, bool)
     if not known or not math.isfinite(value):
         raise ValueError(f"{value!r} among the {what}")
@@ -114,7 +114,7 @@ def number_of(value: Any, what: str) -> float:
 
 
 def corner_of(value: Any, size: int = 2, *, decimals: bool = False) -> Corner:
-    """So many hexadecimal numbers; or, if that is said, numbers as JSON has them."""
+    """Return so many hexadecimal numbers or, if the caller allows it, plain JSON numbers."""
     if not isinstance(value, list) or len(value) != size:
         raise ValueError(f"a corner that is not {size} numbers")
     if decimals:
@@ -125,7 +125,7 @@ def corner_of(value: Any, size: int = 2, *, decimals: bool = False) -> Corner:
 def box_of(
     table: Any, what: str, size: int = 2, *, decimals: bool = False
 ) -> tuple[Corner, Corner]:
-    """The corners of a box in so many dimensions, see `corner_of`."""
+    """Return the corners of a box in so many dimensions, see `corner_of`."""
     ends = exactly(table, what, ("low", "high"))
     low, high = (corner_of(ends[end], size, decimals=decimals) for end in ("low", "high"))
     return low, high

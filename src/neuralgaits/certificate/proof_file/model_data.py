@@ -1,8 +1,8 @@
-"""The model of a proof as data: what a reader needs that derives the dynamics on its own.
+"""Data of a proof's model for readers that derive the dynamics on their own.
 
-Numbers of links and policy stand here as the float64 they are, in hexadecimal; arrays that the
-Program carries by name are referred to by it. Nothing derived from the links is stored: no mass
-matrix, no coefficient of a position. Such a reader shares no formula with the Program.
+Numbers of links and policy are float64 in hexadecimal; arrays that the Program carries by name are
+referred to by that name. Nothing derived from the links is stored: no mass matrix, no coefficient
+of a position. Such a reader shares no formula with the Program.
 """
 
 from collections.abc import Mapping
@@ -32,7 +32,7 @@ _ARRAYS = {
 }
 """Fields that desired outputs depend on, beside the network."""
 _LEARNED = {"flow": Residual, "reset": ResetResidual}
-"""What `fit` learns."""
+"""Kinds of residual that `fit` learns."""
 _LEARNED_ARRAYS = {
     "flow": ("scale", "shift", "bound"),
     "reset": ("weight", "offset", "scale", "shift", "bound"),
@@ -46,15 +46,15 @@ def model_data(
     program: Program,
     residuals: Residuals = NO_RESIDUALS,
 ) -> dict[str, Any] | None:
-    """The object "model" of a proof file.
+    """Return the object "model" of a proof file.
 
-    "robot": a leg from the lowest link up, each link with the joint at its upper end; "torso"
-    or null; gravity, friction, foot radius. A centre of mass is "along" the line from the lower
-    to the upper joint (a torso's: from the hip upwards) and "across" it, counter-clockwise; SI.
-    "policy", "tube": arrays, each {"shape", "values"} or {"constant": name in the Program};
-    "commands" of a policy that is told some, with their ranges and largest changes or null.
-    "regions": boxes of the chart. "conditions": by name, as in `GaitSpec.describe`.
-    "residuals": of flow and reset, arrays or null; only if something was learned.
+    "robot": a leg from the lowest link up, each link with the joint at its upper end; "torso" or
+    null; gravity, friction, foot radius. A centre of mass is "along" the line from the lower to the
+    upper joint (a torso's: from the hip upwards) and "across" it, counter-clockwise; SI. "policy",
+    "tube": arrays, each {"shape", "values"} or {"constant": name in the Program}; "commands" of a
+    policy that takes some, with their ranges and largest changes or null. "regions": boxes of the
+    chart. "conditions": by name, as in `GaitSpec.describe`. "residuals": of flow and reset, arrays
+    or null; only if something was learned.
 
     Returns: plain data; None for a policy or a residual that is not one of this package's.
     """
@@ -132,7 +132,7 @@ def _command(command: Command) -> dict[str, Any]:
 
 
 def _residuals(residuals: Residuals) -> dict[str, Any] | None:
-    """What was learned; None if it is not of the kinds that `fit` learns."""
+    """Return the learned residuals as data; None if `fit` does not learn their kind."""
     found: dict[str, Any] = {"flow": None, "reset": None}
     for part, learned in residuals._asdict().items():
         if learned is None:
@@ -149,7 +149,7 @@ def _residuals(residuals: Residuals) -> dict[str, Any] | None:
 
 
 def _layers(network: Any) -> dict[str, Any]:
-    """Arrays of a network by name."""
+    """Return the arrays of a network by name."""
     return {
         f"network.{what}[{layer}]": array
         for what in ("weights", "biases")
@@ -160,7 +160,7 @@ def _layers(network: Any) -> dict[str, Any]:
 def _arrays(
     owner: str, arrays: Mapping[str, Any], constants: Mapping[str, np.ndarray]
 ) -> dict[str, Any]:
-    """By name: the Program's constant of that name if it is this array, else the numbers."""
+    """Return arrays by name: as the name of an identical Program constant, else as numbers."""
     table: dict[str, Any] = {}
     for name, value in arrays.items():
         if value is None:

@@ -1,4 +1,4 @@
-"""The proof file of a run, with the hashes of what it is about."""
+"""Build the proof file of a run, with the hashes of the run's files."""
 
 import hashlib
 from collections.abc import Mapping
@@ -20,7 +20,7 @@ def proof_of(
     model: Mapping[str, Any] | None,
     chart: Chart,
 ) -> Proof:
-    """A proof about a run: its robot, spec and weights by name and sha256."""
+    """Return a proof about a run: its robot, spec and weights by name and sha256."""
     asked, copies = run.asked, run.folder.copies
     return Proof(
         {"name": asked.robot, "sha256": copies[ROBOT]},

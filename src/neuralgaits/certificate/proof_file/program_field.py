@@ -1,4 +1,4 @@
-"""Read the Program of a proof file: in its canonical form and no other, and of a size that can be.
+"""Read the Program of a proof file, only in its canonical form and within the size limits.
 
 Only the standard library and NumPy are needed.
 """
@@ -20,15 +20,15 @@ from neuralgaits.errors import InputError
 from neuralgaits.programs.program import Operation, Program
 
 FIBRE = "xi"
-"""Second input of a Program at full order: statements are about all of its unit ball."""
+"""Name of a Program's second input at full order; statements cover all of its unit ball."""
 MOST_FIBRES, MOST_ELEMENTS, MOST_PRODUCTS = 256, 2**20, 2**24
-"""What a Program may have: elements of xi, of one value, and products of one matrix product."""
+"""Most elements of xi, of one value, and products of one matrix product."""
 OF_OUTPUT = "elements of an output of the Program"
 OF_WORK = "numbers that the Program reads and makes"
 
 
 def program_of(given: Any, axes: int) -> Program:
-    """A Program, written in its canonical form and no other."""
+    """Return a Program that is written in its canonical form. Raises: ValueError for any other."""
     text = given if isinstance(given, str) else json.dumps(given)
     table = parse(text, fractions=False)
     _refuse_long(table)
@@ -49,7 +49,7 @@ def program_of(given: Any, axes: int) -> Program:
 
 
 def _refuse_long(table: Any) -> None:
-    """Lists that have more than any Program has, in whatever stands for a Program."""
+    """Refuse longer lists than any Program has, before they are read as a Program."""
     if not isinstance(table, dict):
         raise ValueError("a Program that is no JSON object")
     rows = {name: part if isinstance(part, list) else [] for name, part in table.items()}
@@ -61,7 +61,7 @@ def _refuse_long(table: Any) -> None:
 
 
 def _refuse_large(program: Program) -> None:
-    """A few lines can ask for more memory than there is: no gait's Program does."""
+    """Refuse a Program whose few lines need more memory than any gait's Program."""
     wide, known = max(program.sizes), program.sizes
     if len(program.inputs) > 1 and program.inputs[1].shape[0] > MOST_FIBRES:
         raise ValueError(f"{program.inputs[1].shape[0]} elements of {FIBRE}")
@@ -75,7 +75,7 @@ def _refuse_large(program: Program) -> None:
 
 
 def _work(sizes: Sequence[int], row: Operation) -> int:
-    """How many numbers an operation reads, multiplies and makes."""
+    """Count the numbers that an operation reads, multiplies and makes."""
     work = row.size + sum(sizes[operand] for operand in row.operands)
     if row.kind == "affine":
         work += row.size * (sizes[row.operands[1]] // row.columns)

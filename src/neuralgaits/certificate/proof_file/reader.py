@@ -1,7 +1,7 @@
-"""What a proof file says, read and judged as a file: fields, types, hash, trees.
+"""Read the claims of a proof file and check its form: fields, types, hash, trees.
 
-Only the standard library and NumPy are needed. The reader accepts the one format it knows,
-field by field; what it does not know may change the meaning of what it knows.
+Only the standard library and NumPy are needed. The reader accepts the one format it knows, field by
+field; an unknown field may change the meaning of a known one.
 """
 
 from dataclasses import dataclass
@@ -43,32 +43,32 @@ FIELDS = frozenset(
 )
 STATEMENT_FIELDS = frozenset("conditions region scales bounds degree root tree".split())
 MAX_CUTS = 48
-"""Halvings of one axis: more would exhaust the digits of a double."""
+"""Most halvings of one axis; more would exhaust the digits of a double."""
 LEAF, DIGITS = "-", "0123456789abcdef"
-"""What a tree is written with: a leaf, and the axis that is halved."""
+"""Characters of a tree: a leaf, and the axis that is halved."""
 
 Corners = tuple[np.ndarray, np.ndarray]
 """Boxes by their lower and upper corners. [boxes, n] each."""
 
 
 class InconsistentError(Exception):
-    """The file can be read, but cannot be a proof of what it says."""
+    """Raised when a file can be read but contradicts itself."""
 
 
 @dataclass(frozen=True, eq=False)
 class Statement:
-    """Every element of each output is at least bound times scale, everywhere on the root box.
+    """A statement: every element of each output is at least bound times scale on the root box.
 
-    And, if the output depends on an input xi of the Program, for every xi of the unit ball.
+    If the output depends on an input xi of the Program, this holds for every xi of the unit ball.
 
     Attributes:
         conditions: outputs of the Program.
         region: its name in the spec.
         scales, bounds: by condition; scales > 0, bounds of a spec's conditions >= 0.
-        degree: of the Taylor models, 1 or 2.
+        degree: degree of the Taylor models, 1 or 2.
         low, high: corners of the root box. [n] each
         tree: depth first: the axis that is halved, lower half first, or `-` for a leaf.
-        near: axes of the chart that are near each other; nothing is said where they are not.
+        near: axes of the chart that are near each other; the statement leaves out other points.
     """
 
     conditions: tuple[str, ...]
@@ -82,7 +82,7 @@ class Statement:
     near: tuple[Near, ...] = ()
 
     def leaves(self) -> Corners:
-        """Boxes that cover what is asked of the root box.
+        """Return boxes that cover the part of the root box that the statement is about.
 
         Raises: InconsistentError if the tree is not one.
         """
@@ -112,19 +112,19 @@ class Statement:
 
 @dataclass(frozen=True, eq=False)
 class Claims:
-    """All that a proof file says.
+    """All claims of a proof file.
 
     Attributes:
         robot, spec: name and sha256 of the file.
-        weights_sha256: of the policy's weights file.
+        weights_sha256: sha256 of the policy's weights file.
         chart: the axes of the Program's input u.
-        program: what the statements are about.
+        program: the Program that the statements are about.
         program_hash: the hash that the file gives for it.
-        statements: in the order of the file.
+        statements: statements in the order of the file.
         theorems: levels above 1, whose premises are statements.
-        model: as in the file: data for readers that derive the dynamics, or None.
+        model: the file's data for readers that derive the dynamics, or None.
         asked: the spec's conditions and regions, as the model has them; None without one.
-        commands: what the gait is told, as the model has it.
+        commands: the gait's commands, as the model has them.
     """
 
     robot: tuple[str, str]
@@ -141,12 +141,12 @@ class Claims:
 
     @cached_property
     def off_zero(self) -> set[str]:
-        """Outputs of the Program that depend on xi: what is stated of them holds in its ball."""
+        """Return outputs that depend on xi, whose statements hold for all xi of the unit ball."""
         return reading(self.program, FIBRE)
 
 
 def halves(low: Corner, high: Corner, axis: int) -> tuple[tuple[Corner, Corner], ...]:
-    """Both halves of a box along an axis, the lower one first."""
+    """Return both halves of a box along an axis, the lower one first."""
     middle = low[axis] + (high[axis] - low[axis]) * 0.5
 
     def moved(corner: Corner) -> Corner:
@@ -211,7 +211,7 @@ def _claims(table: Any) -> Claims:
 
 
 def _refuse_names(outputs: set[str], premises: set[str]) -> None:
-    """An output is a premise of one of the file's theorems, or has a name that none can have."""
+    """Refuse an output that is no premise of the theorems, with a name no condition can have."""
     for name in sorted(outputs - premises):
         if why := why_no_name(name):
             raise ValueError(f"an output of the Program named {why}")
@@ -264,7 +264,7 @@ def _named_hash(table: Any, what: str) -> tuple[str, str]:
 
 
 def _scales(table: Any, names: list[str]) -> dict[str, float]:
-    """A number > 0 for each name."""
+    """Return a number > 0 for each name."""
     scales = _numbers(table, names, "scales")
     for name, value in scales.items():
         if not value > 0:
@@ -273,7 +273,7 @@ def _scales(table: Any, names: list[str]) -> dict[str, float]:
 
 
 def _bounds(table: Any, names: list[str]) -> dict[str, float]:
-    """A number for each name; a condition of a spec holds where it is not negative.
+    """Return a number for each name; that of a spec's condition must not be negative.
 
     The premises of theorems, `LEVEL/NAME`, may be constants enclosed from one side.
     """
@@ -285,6 +285,6 @@ def _bounds(table: Any, names: list[str]) -> dict[str, float]:
 
 
 def _numbers(table: Any, names: list[str], what: str) -> dict[str, float]:
-    """A finite number for each name, exactly as it stands in the file."""
+    """Return a finite number for each name, exactly as in the file."""
     fields = exactly(table, what, names)
     return {name: number_of(value, f"{what}, for {name}") for name, value in fields.items()}

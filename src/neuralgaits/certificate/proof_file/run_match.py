@@ -1,4 +1,4 @@
-"""Whether a proof is about a run: its names, its robot, weights and spec files, the weights used.
+"""Compare a proof with a run: names, files of robot, weights and spec, and the weights used.
 
 Reads the run's files as bytes and its weights as safetensors, with the standard library and
 NumPy only.
@@ -14,13 +14,13 @@ from neuralgaits.certificate.proof_file.reader import Claims
 from neuralgaits.errors import RunError
 
 SETS = ("walking.", "orbit.", "full.", "disturbed.")
-"""Names of constants that are parameters of a theorem and not the gait's."""
+"""Prefixes of constants that are parameters of a theorem and not the gait's."""
 CONFIG = "config.json"
 ROBOT, WEIGHTS, SPEC = "robot.xml", "policy.safetensors", "spec.py"
 
 
 def differences(claims: Claims, run: Path) -> list[str]:
-    """What differs between the proof and the run, one sentence each; empty if nothing does.
+    """List the differences between the proof and the run, one sentence each; empty if none.
 
     Raises: RunError if a file of the run is missing or its weights cannot be read.
     """
@@ -50,7 +50,7 @@ def _names_that_differ(claims: Claims, path: Path) -> list[str]:
 
 
 def _weights_that_differ(claims: Claims, path: Path) -> list[str]:
-    """Named constants of the Program that are not the run's arrays, bit for bit."""
+    """List named constants of the Program that differ from the run's arrays in any bit."""
     stored = _read_tensors(path)
     wrong = []
     for constant in claims.program.constants:
@@ -69,7 +69,7 @@ def _weights_that_differ(claims: Claims, path: Path) -> list[str]:
 
 
 def _read_tensors(path: Path) -> dict[str, np.ndarray]:
-    """The float64 arrays of a safetensors file. Raises: RunError if it is damaged."""
+    """Return the float64 arrays of a safetensors file. Raises: RunError if it is damaged."""
     data = _bytes(path)
     try:
         size = int.from_bytes(data[:8], "little")

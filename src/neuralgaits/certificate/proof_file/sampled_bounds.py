@@ -1,7 +1,7 @@
-"""Bounds of a proof file compared with its Program's values at points.
+"""Compare the bounds of a proof file with values of its Program at points.
 
-A file whose bounds were made up states more than a few hundred evaluations give. This finds such a
-file in a fraction of a second; it proves nothing, and only `check` bounds the boxes again.
+A few hundred evaluations contradict a file whose bounds were made up. This takes a fraction of a
+second and proves nothing; only `check` bounds the boxes again.
 """
 
 import itertools
@@ -15,9 +15,10 @@ from neuralgaits.programs import POINT, evaluate
 from neuralgaits.programs.prune import prune
 
 POINTS, MOST_CORNERS = 256, 64
-"""Points of each root box beside its corners, and corners at most."""
+"""Number of points of each root box beside its corners, and most corners."""
 ROUNDING = 1e-7
-"""What evaluation in doubles may be off, of a scale or value; gaits' Programs are off by 1e-10."""
+"""Error of evaluation in doubles allowed, relative to scale or value; gaits' Programs reach
+1e-10."""
 
 
 def first_broken_bound(claims: Claims) -> str | None:
@@ -32,7 +33,7 @@ def first_broken_bound(claims: Claims) -> str | None:
 
 
 def _broken(claims: Claims, statements: list[Statement]) -> str | None:
-    """Look at the statements about one root box."""
+    """Return a broken statement about one root box, in words; None if there is none."""
     program = prune(claims.program, {name for one in statements for name in one.conditions})
     points = _points(statements[0])
     if not len(points):
@@ -59,7 +60,7 @@ def _broken(claims: Claims, statements: list[Statement]) -> str | None:
 
 
 def _points(statement: Statement) -> Float[np.ndarray, "points n"]:
-    """Corners, middle and random points of a root box, where something is stated of them."""
+    """Return corners, middle and random points of a root box that a statement covers."""
     low, high = np.array(statement.low), np.array(statement.high)
     random = np.random.default_rng(0).random((POINTS, len(low)))
     corners = itertools.islice(itertools.product((0.0, 1.0), repeat=len(low)), MOST_CORNERS)
@@ -72,7 +73,7 @@ def _points(statement: Statement) -> Float[np.ndarray, "points n"]:
 
 
 def _in_ball(count: int, size: int) -> Float[np.ndarray, "points size"]:
-    """Random points of the unit ball, every other one on its surface."""
+    """Return random points of the unit ball, every other one on its surface."""
     draw = np.random.default_rng(1)
     direction = draw.standard_normal((count, size))
     direction /= np.linalg.norm(direction, axis=1, keepdims=True)

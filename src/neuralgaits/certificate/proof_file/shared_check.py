@@ -1,8 +1,8 @@
-"""The leaves of all statements of a proof file, bounded by as many processes as there are cores.
+"""Bound the leaves of all statements of a proof file in as many processes as there are cores.
 
-Leaves go out in pieces, to each process every so many-th. A process beside this one is given what
-the statements say, and says what it found, a line a piece; what it does not say is bounded here.
-Pieces are looked at in the order of the file: the answer is the same whoever bounded what.
+Leaves go out in pieces, shared among the processes in turn. Another process receives the statements
+and returns one line a piece; pieces without an answer are bounded here. Results are taken in the
+order of the file, so the answer does not depend on who bounded which piece.
 """
 
 import contextlib
@@ -23,14 +23,14 @@ from neuralgaits.certificate.proof_file.statement_check import BATCH, StatementC
 from neuralgaits.programs.program import Program
 
 FEW = 512
-"""Leaves that are bounded before another process has begun."""
+"""Leaves that are bounded before another process starts."""
 MOST_PROCESSES = 8
 PAUSE_S = 0.005
-"""How long to wait before looking again for what another process says."""
+"""Time to wait before another process's results are read again [s]."""
 
 
 class Piece(NamedTuple):
-    """Leaves of one statement, from `start` on, `BATCH` of them or what there is."""
+    """Leaves of one statement, from `start` on: `BATCH` of them, or the rest."""
 
     statement: int
     start: int
@@ -46,7 +46,7 @@ class Found(NamedTuple):
 
 
 class Bounder:
-    """Bounds pieces in this process."""
+    """A callable that bounds pieces in this process."""
 
     def __init__(self, program: Program, statements: Sequence[Statement], trees: Sequence[Corners]):
         self._program, self._statements, self._trees = program, statements, trees
@@ -70,7 +70,7 @@ class Bounder:
 
 
 def pieces_of(trees: Sequence[Corners]) -> list[Piece]:
-    """All leaves, in the order of the file."""
+    """Return the pieces of all leaves, in the order of the file."""
     return [
         Piece(number, start, min(BATCH, len(low) - start))
         for number, (low, _) in enumerate(trees)
@@ -87,9 +87,9 @@ def bound_all(
     """Bound every leaf, up to the first piece that is rejected.
 
     Args:
-        program: of a proof file.
-        statements: of the file.
-        trees: their leaves.
+        program: Program of a proof file.
+        statements: statements of the file.
+        trees: leaves of each statement.
         progress: called with (leaves done, leaves) now and then.
 
     Returns: that all hold; or the first that is rejected; or, without one, the first undecided.
@@ -117,7 +117,7 @@ def bound_all(
 def _in_order(
     pieces: Sequence[Piece], here: Bounder, beside: Sequence["Beside"]
 ) -> Iterator[Found]:
-    """What is found on each piece; own pieces are bounded ahead while others' are awaited."""
+    """Yield the result of each piece in order; bound own pieces ahead while waiting for others."""
     count, own = 1 + len(beside), {}
     mine = iter(range(0, len(pieces), count))
     for number, piece in enumerate(pieces):
@@ -138,7 +138,7 @@ class Beside:
     """A process that bounds every `count`-th piece from `turn` on.
 
     Attributes:
-        found: what it has said so far, in the order of its pieces.
+        found: its results so far, in the order of its pieces.
     """
 
     def __init__(self, program: Program, statements: Sequence[Statement], turn: int, count: int):
@@ -160,15 +160,15 @@ class Beside:
 
     @property
     def ended(self) -> bool:
-        """Whether it will say no more."""
+        """Return whether the process will send no more results."""
         return not self._reader.is_alive()
 
     def wait(self) -> None:
-        """Give it a little time."""
+        """Wait a short time for the process's next results."""
         self._reader.join(PAUSE_S)
 
     def close(self) -> None:
-        """End it, whatever it is doing."""
+        """End the process in any state."""
         if self._process is not None:
             self._process.kill()
             self._reader.join()
@@ -186,7 +186,7 @@ class Beside:
 
 
 def _bound_share(task: dict[str, Any]) -> Iterator[Found]:
-    """What a process beside finds, up to its first piece that is rejected."""
+    """Yield another process's results, up to its first piece that is rejected."""
     statements = [
         Statement(
             **row

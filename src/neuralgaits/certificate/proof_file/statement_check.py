@@ -1,4 +1,4 @@
-"""One statement of a proof file, bounded again leaf by leaf with Taylor models in balls.
+"""Bound one statement of a proof file again, leaf by leaf, with Taylor models in balls.
 
 A leaf that does not reach its bound is split further, a few times. A comparison with a ball is true
 only if it holds for all of the ball, so neither rounding nor NaN can pass.
@@ -23,18 +23,18 @@ from neuralgaits.programs.prune import prune
 Verdict = Literal["holds", "rejected", "undecided"]
 
 BATCH = 64
-"""Boxes bounded at a time."""
+"""Number of boxes bounded at a time."""
 MORE_CUTS = 6
-"""How often every axis of a leaf may be halved before the check gives up on it."""
+"""Most halvings of every axis of a leaf before the check gives up on it."""
 MOST_MORE = 2**13
-"""Boxes that the leaves bounded together may take beyond themselves: in many axes, halvings of
-every axis would go on for ever."""
+"""Most boxes that leaves bounded together may add; in many axes, halvings of every axis would go on
+without end."""
 MOST_CORNERS = 64
-"""Corners of a box at which a violation is looked for."""
+"""Most corners of a box at which a violation is sought."""
 
 
 class StatementCheck:
-    """One statement under check: its operations, its thresholds and what has been found."""
+    """One statement under check: its operations, its thresholds and the results so far."""
 
     def __init__(self, program: Program, statement: Statement):
         self.program, self.statement = program, statement
@@ -52,11 +52,11 @@ class StatementCheck:
 
     @classmethod
     def of(cls, program: Program, statement: Statement) -> "StatementCheck":
-        """Evaluate only what the statement's conditions need."""
+        """Return a check that evaluates only the operations of the statement's conditions."""
         return cls(prune(program, statement.conditions), statement)
 
     def walk(self, leaves: Corners) -> Iterator[int]:
-        """Bound all leaves, until one is found that fails. Yields: how many leaves are done."""
+        """Bound all leaves, until one fails. Yields: how many leaves are done."""
         low, high = leaves
         for start in range(0, len(low), BATCH):
             chosen = slice(start, start + BATCH)
@@ -93,7 +93,7 @@ class StatementCheck:
                 stack.append((lows[some], highs[some], depth + 1))
 
     def _halved(self, low: np.ndarray, high: np.ndarray) -> Corners:
-        """Halves of boxes, each along the axis on which it is the largest part of the root."""
+        """Return halves of boxes, each along the axis that is the largest part of the root."""
         size = np.array(self.statement.high) - np.array(self.statement.low)
         parts = []
         for a, b in zip(low, high, strict=True):
@@ -108,7 +108,7 @@ class StatementCheck:
         return {name: np.atleast_2d(model.range()) for name, model in models.items()}
 
     def _reached(self, low: np.ndarray, high: np.ndarray) -> np.ndarray:
-        """Boxes on which every condition certainly reaches its bound. [boxes]."""
+        """Return which boxes certainly reach the bound of every condition. [boxes]."""
         self.boxes += len(low)
         good = np.ones(len(low), dtype=bool)
         for name, ranges in self._ranges(low, high).items():
@@ -118,7 +118,7 @@ class StatementCheck:
         return good
 
     def _counterexample(self, low: np.ndarray, high: np.ndarray) -> str | None:
-        """A centre or corner of the boxes at which a condition certainly misses its bound."""
+        """Return a centre or corner of the boxes where a condition certainly misses its bound."""
         corners = itertools.product((0.0, 1.0), repeat=low.shape[1])
         shares = [
             np.full(low.shape[1], 0.5),
@@ -142,5 +142,5 @@ class StatementCheck:
 
 
 def _where(certain: Callable[[arb], bool], balls: np.ndarray) -> np.ndarray:
-    """Balls for which a comparison is certain. [elements, boxes] bool."""
+    """Return the balls for which a comparison is certain. [elements, boxes] bool."""
     return np.array([[bool(certain(ball)) for ball in row] for row in balls])

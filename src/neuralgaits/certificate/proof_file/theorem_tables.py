@@ -1,4 +1,4 @@
-"""Theorems as JSON data: the parameters of each level above 1, every number exactly.
+"""Theorems as JSON data: the parameters of each level above 1, with every number exact.
 
 The reader accepts what the writer writes, field by field. Needs no JAX.
 """
@@ -21,10 +21,10 @@ T = TypeVar("T")
 
 
 class Theorems(NamedTuple):
-    """Levels above 1 of a proof: their parameters, and which of them are claimed.
+    """Parameters of a proof's levels above 1, and which of these levels are claimed.
 
-    Parameters of a level that is not claimed stand in the file all the same: the Program has
-    outputs that depend on them.
+    The file has the parameters of unclaimed levels as well, because the Program has outputs that
+    depend on them.
     """
 
     parameters: Parameters = MappingProxyType({})
@@ -32,7 +32,7 @@ class Theorems(NamedTuple):
 
     @classmethod
     def of(cls, *parts: Any, claimed: tuple[int, ...] = ()) -> "Theorems":
-        """Of the parameters of some levels; None for one without."""
+        """Build it from the parameters of some levels; None for a level without."""
         known = {
             level.number: part
             for level in LEVELS
@@ -43,21 +43,21 @@ class Theorems(NamedTuple):
 
     @property
     def walking(self) -> WalkingSet | None:
-        """Parameters of level 2."""
+        """Parameters of level 2; None without."""
         return self.parameters.get(2)
 
     @property
     def orbit(self) -> Orbit | None:
-        """Parameters of level 3."""
+        """Parameters of level 3; None without."""
         return self.parameters.get(3)
 
     @property
     def full(self) -> FullOrder | None:
-        """Parameters of level 4."""
+        """Parameters of level 4; None without."""
         return self.parameters.get(4)
 
     def tables(self) -> tuple[dict[str, Any], ...]:
-        """JSON data, lowest level first."""
+        """Return the levels as JSON data, lowest level first."""
         return tuple(
             {"level": level, "claimed": level in self.claimed, "parameters": to_table(part)}
             for level, part in self.parameters.items()
@@ -92,7 +92,7 @@ class Theorems(NamedTuple):
 
 
 def to_table(parameters: Any) -> dict[str, Any]:
-    """Parameters as JSON data; those that are what they are by default are left out."""
+    """Return parameters as JSON data; those with their default values are left out."""
     values = {field.name: getattr(parameters, field.name) for field in fields(parameters)}
     left_out = {field.name for field in fields(parameters) if values[field.name] == field.default}
     return {name: _plain(value) for name, value in values.items() if name not in left_out}
@@ -117,7 +117,7 @@ def _plain(value: Any) -> Any:
 
 
 def _value(given: Any, kind: Any, name: str) -> Any:
-    """A parameter of the annotated kind: a number, a word, parameters, or a tuple of such."""
+    """Read a parameter of the annotated kind: a number, a word, parameters, or a tuple of such."""
     if get_origin(kind) is tuple:
         return _items(given, get_args(kind), name)
     if kind is int:

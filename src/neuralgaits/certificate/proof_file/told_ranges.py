@@ -1,4 +1,4 @@
-"""Compare the chart of a proof with what the gait of its model is told.
+"""Compare the chart of a proof with the commands of its model's gait.
 
 Every statement is about the chart. Its first axes behind phase and level are those of the gait's
 commands, over their ranges or a part of them. Needs no JAX.
@@ -26,7 +26,7 @@ class CommandRange(NamedTuple):
 
 
 def command_ranges(model: Mapping[str, Any]) -> tuple[CommandRange, ...]:
-    """Read what the gait of a model is told. Raises: ValueError on anything else."""
+    """Read the commands of a model's gait. Raises: ValueError on anything else."""
     policy = model.get("policy", {})
     if not isinstance(policy, dict):
         raise ValueError("a policy that is no JSON object")
@@ -59,14 +59,14 @@ def _command(row: Any) -> CommandRange:
 
 
 def is_beyond(chart: Chart, commands: Sequence[CommandRange]) -> bool:
-    """Whether the first axes of a chart are those of commands, over more than their ranges."""
+    """Return whether a chart's first axes are those of the commands, beyond their ranges."""
     return _alike(chart, commands) and not Chart.of(commands).holds(
         chart.of_commands(len(commands))
     )
 
 
 def why_part(chart: Chart, commands: Sequence[CommandRange]) -> str | None:
-    """Say that a chart is about a part of what a gait is told; None if it is about all of it."""
+    """Describe the part of the commands that a chart covers; None if it covers all of them."""
     if not _alike(chart, commands):
         return "every statement holds, on a chart without the axes of what the gait is told"
     first = chart.of_commands(len(commands))

@@ -1,7 +1,7 @@
-"""Proof files: what is claimed, and the trees of boxes on which it was found to hold.
+"""Write proof files: claims, and the trees of boxes on which they were found to hold.
 
-A file holds everything that a reader needs: the Program with the weights in it, root boxes,
-bounds, and one bit for each box. It holds no intermediate result to be believed.
+A file holds everything that a reader needs: the Program with the weights in it, root boxes, bounds,
+and one bit for each box. It holds no intermediate result that a reader must trust.
 """
 
 import json
@@ -24,18 +24,18 @@ from neuralgaits.runs import write_bytes
 FORMAT = 3
 KIND = "neuralgaits certificate"
 SIMILAR = 4.0
-"""Conditions whose numbers of boxes differ by about this factor or less share a statement."""
+"""Largest ratio, roughly, of the numbers of boxes of two conditions in one statement."""
 
 
 @dataclass(frozen=True)
 class Statement:
-    """Every element of every condition is at least bound x scale on the root box.
+    """A statement: every element of every condition is at least bound x scale on the root box.
 
     Attributes:
         conditions: outputs of the Program.
         region: the box's name in the spec.
         scales, bounds: by condition; the bound of a spec's condition is not negative.
-        degree: of the Taylor models it was found with.
+        degree: degree of the Taylor models of the search.
         low, high: corners of the root in the chart. [n]
         tree: see `search.halving`.
     """
@@ -51,20 +51,20 @@ class Statement:
 
     @property
     def boxes(self) -> int:
-        """Number of leaves."""
+        """Number of leaves of the tree."""
         return self.tree.count(LEAF)
 
 
 @dataclass(frozen=True)
 class Proof:
-    """A proof file.
+    """Content of a proof file.
 
     Attributes:
         robot, spec: name and sha256 of the text of each.
-        weights_sha256: of the weights file.
-        program: whose outputs the statements are about.
+        weights_sha256: sha256 of the weights file.
+        program: the Program whose outputs the statements are about.
         chart: the axes of u.
-        statements: what is claimed.
+        statements: the claims.
         theorems: level and parameters of each statement about trajectories; the statements above
             are their premises.
         model: robot, policy, tube and conditions as data, for readers that derive the dynamics
@@ -81,11 +81,11 @@ class Proof:
     model: Mapping[str, Any] | None = None
 
     def write(self, path: Path) -> None:
-        """Write the file, whole or not at all."""
+        """Write the file in one piece, or nothing at all."""
         write_bytes(path, self.content())
 
     def content(self) -> bytes:
-        """Return what the file holds."""
+        """Return the bytes of the file."""
         table = {
             "format": FORMAT,
             "kind": KIND,
@@ -105,10 +105,10 @@ class Proof:
 
 
 def prove(problem: Problem, state: Search) -> list[Statement]:
-    """The statements that a search has found, with the smallest trees for them.
+    """Return the statements that a search has proved, with the smallest trees for them.
 
     Conditions that need about as many boxes share a statement: a reader then shares most of the
-    work between them, and does not bound the easy ones on the boxes of the hard ones.
+    work between them, and bounds no easy condition on the boxes of a hard one.
     """
     tree = state.tree
     proved = np.all((tree.lower >= 0.0) | ~tree.is_leaf[:, None], axis=0)
@@ -121,7 +121,7 @@ def prove(problem: Problem, state: Search) -> list[Statement]:
 
 
 def _statement(problem: Problem, tree: BoxTree, columns: list[int]) -> Statement:
-    """The statement about some columns, all proved on every leaf."""
+    """Return the statement about some columns, all proved on every leaf."""
     margins = problem.claimed * tree.lower[tree.is_leaf][:, columns].min(axis=0)
     enough = np.all(tree.lower[:, columns] >= margins, axis=1)
     bounds = margins + np.array(problem.least or [0.0] * len(problem.names))[columns]

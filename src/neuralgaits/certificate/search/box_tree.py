@@ -1,4 +1,4 @@
-"""The boxes that a search has made of one root box, and what is known on each."""
+"""Boxes that a search has made of one root box, with bounds on each."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
@@ -9,11 +9,12 @@ from neuralgaits._types import Float, Int
 from neuralgaits.certificate.search.halving import Corners, PerCondition, halves, wide_axes
 
 NEAR = 0.7
-"""Of axes that cost so much of what the costliest does, the one that was halved least is halved."""
+"""Share of the costliest axis's cost from which on an axis is a candidate; the least halved one is
+chosen."""
 FALL = 0.125
-"""What remains of an axis's cost when it is halved: bounds are of second degree."""
+"""Share of an axis's cost that remains after a halving: bounds are of second degree."""
 MEASURED = 3
-"""Of so many halvings that make a box, one is preceded by a look at what each axis costs."""
+"""Halvings between two measurements of each axis's cost along a branch of the tree."""
 
 
 @dataclass(frozen=True)
@@ -23,13 +24,13 @@ class BoxTree:
     Attributes:
         low, high: corners. [N, n]
         first: number of the lower half, the upper one following it; -1 without halves. [N]
-        axis: that is halved; -1 without halves. [N]
+        axis: axis that is halved; -1 without halves. [N]
         cuts: how often each axis was halved to make the box; 0 at the root, box 0. [N, n]
         lower: no point of the box has a smaller margin; -inf if unknown. [N, C]
         upper: every point of the box has a margin at most this; inf if unknown. [N, C]
-        alone: by how much bounds that are too low are below the value at the centre, were no other
-            axis as wide as it is: what it costs; inf if that is not known or unbounded, -inf for an
-            axis without width. [N, n]
+        alone: cost of each axis: how far insufficient bounds are below the value at the centre if
+            only this axis keeps its width; inf if unknown or unbounded, -inf for an axis without
+            width. [N, n]
     """
 
     low: Corners
@@ -43,7 +44,7 @@ class BoxTree:
 
     @classmethod
     def root(cls, low: Sequence[float], high: Sequence[float], conditions: int) -> "BoxTree":
-        """The root alone, about which nothing is known."""
+        """Return the root alone, about which nothing is known."""
         corners = np.array([low], dtype=np.float64), np.array([high], dtype=np.float64)
         none, unknown = np.full(1, -1), np.full((1, conditions), np.inf)
         alone = np.where(corners[1] > corners[0], np.inf, -np.inf)
@@ -56,26 +57,26 @@ class BoxTree:
 
     @property
     def depth(self) -> Int[np.ndarray, " B"]:
-        """Halvings that made each box."""
+        """Number of halvings that made each box."""
         return self.cuts.sum(axis=1)
 
     @property
     def nbytes(self) -> int:
-        """Memory that the boxes take."""
+        """Memory of the boxes, in bytes."""
         arrays = (getattr(self, item.name) for item in fields(self))
         return sum(array.nbytes for array in arrays)
 
     @property
     def is_leaf(self) -> np.ndarray:
-        """Boxes without halves. [N]."""
+        """Return which boxes have no halves. [N]."""
         return self.first < 0
 
     def best_axis(self, boxes: np.ndarray) -> np.ndarray:
-        """The axis that costs most; of several, the one halved least. [B].
+        """Return the axis that costs most; among several, the one halved least. [B].
 
-        Not the one with the largest slope, and not the one whose halving gained most: where bounds
-        are lost in what several axes do together, each halving gains little, and large boxes may
-        have no bounds at all before several axes are halved.
+        Neither the largest slope nor the largest gain of a halving would do: where several axes
+        together spoil bounds, each halving gains little, and large boxes may have no bounds at all
+        before several axes are halved.
         """
         alone, cuts = self.alone[boxes], self.cuts[boxes]
         most = alone.max(axis=1, keepdims=True)
@@ -83,18 +84,18 @@ class BoxTree:
         return np.argmin(np.where(worth, cuts, np.iinfo(np.int64).max), axis=1)
 
     def unmeasured(self, boxes: np.ndarray) -> np.ndarray:
-        """Boxes of these at which it is worth to look at what each axis costs."""
+        """Select those of the boxes for which measuring each axis's cost is worth the time."""
         unknown = np.any(self.alone[boxes] == np.inf, axis=1)
         return boxes[unknown | (self.depth[boxes] % MEASURED == 0)]
 
     def measured(self, boxes: np.ndarray, alone: Float[np.ndarray, "P n"]) -> "BoxTree":
-        """The same, with what each axis of some boxes costs."""
+        """Return the tree with the measured cost of each axis of some boxes."""
         found = self.alone.copy()
         found[boxes] = alone
         return replace(self, alone=found)
 
     def halves_of(self, parents: np.ndarray, axis: np.ndarray) -> tuple[Corners, Corners]:
-        """Corners of the halves of some boxes, each along its axis. [2 len(parents), n]."""
+        """Return corners of the halves of some boxes, each along its axis. [2 len(parents), n]."""
         return halves(self.low[parents], self.high[parents], axis)
 
     def with_halves(
@@ -105,7 +106,7 @@ class BoxTree:
         lower: np.ndarray,
         upper: np.ndarray,
     ) -> "BoxTree":
-        """Add the halves of some leaves. What holds on a box holds on its halves.
+        """Add the halves of some leaves. Bounds that hold on a box hold on its halves.
 
         Args:
             parents: leaves. [P]
@@ -136,13 +137,13 @@ class BoxTree:
         )
 
     def with_bounds(self, boxes: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> "BoxTree":
-        """Bounds on boxes that had none. NaN stays unknown."""
+        """Return the tree with bounds on boxes that had none. NaN stays unknown."""
         new_lower, new_upper = self.lower.copy(), self.upper.copy()
         new_lower[boxes] = np.fmax(lower, new_lower[boxes])
         new_upper[boxes] = np.fmin(upper, new_upper[boxes])
         return replace(self, lower=new_lower, upper=new_upper)
 
     def share(self, chosen: np.ndarray) -> float:
-        """Part of the root's volume that the chosen leaves cover. [N] bool."""
+        """Return the part of the root's volume that the chosen leaves cover. [N] bool."""
         # Halving is exact in the tree, whatever the corners round to.
         return float(np.sum(0.5 ** self.depth[chosen & self.is_leaf]))

@@ -2,7 +2,7 @@
 
 A round halves every leaf on which a condition falls short of its target, along the axis that
 promises most, and bounds the halves. First every target is 0, which decides; then it is a share of
-the smallest margin seen at points, which makes the proved margin meaningful. A condition found
+the smallest margin seen at points, which makes the proved margin meaningful. A condition that is
 negative at a point is refuted; its boxes are halved a little further, for the map, and no more.
 """
 
@@ -20,24 +20,23 @@ from neuralgaits.certificate.search.problem import Bounds, Boxes, Problem
 from neuralgaits.records.certified import Counterexample
 
 Confirm = Callable[[str, np.ndarray], Counterexample | None]
-"""(condition, u) to the counterexample there, if the Python functions find the margin negative."""
+"""Function from (condition, u) to the counterexample there; None if the margin is not negative."""
 BoundAll = Callable[[Problem, Sequence[Boxes]], Generator[Bounds, None, None]]
-"""Bounds on the boxes of each batch, in order."""
+"""Function that yields bounds on the boxes of each batch, in order."""
 Phase = Literal["decide", "tighten"]
 
 START_CUTS, MOST_AT_START = 3, 5
-"""The search starts with every axis that is not late halved so often, in turn, and no more halvings
-in all."""
+"""Halvings at the start: of every axis that is not late, in turn, and the most in all."""
 MAX_DEPTH, TIGHTEN_DEPTH, MAP_DEPTH = 20, 10, 6
-"""Halvings an axis to decide, to raise a margin, and around a refutation."""
+"""Most halvings an axis to decide, to raise a margin, and around a refutation."""
 MAX_BOXES, TIGHTEN_BOXES = 150_000, 20_000
-"""Boxes added by one search of a root without a deadline, to decide and to raise margins."""
+"""Most boxes added by one search of a root without a deadline, to decide and to raise margins."""
 MOST_POINTS = 2**14
-"""Centres of new boxes that are looked at: of more, those with the lowest bounds."""
+"""Most centres of new boxes that are evaluated; those with the lowest bounds are chosen."""
 CORNER_ROUNDS = 2
-"""How often ends of late axes are looked for at which margins are smaller."""
+"""Number of searches for ends of late axes at which margins are smaller."""
 POINTS = 33 * 33
-"""About as many points of the root are looked at first."""
+"""Approximate number of points of the root that are evaluated first."""
 
 
 @dataclass(frozen=True)
@@ -56,18 +55,18 @@ class Search:
 
     @classmethod
     def untouched(cls, problem: Problem) -> "Search":
-        """The root box, about which nothing is known."""
+        """Return the root box, about which nothing is known."""
         tree = BoxTree.root(problem.low, problem.high, len(problem.names))
         return cls(tree, np.full(len(problem.names), np.inf))
 
     @property
     def begun(self) -> bool:
-        """Whether anything was looked at."""
+        """Return whether the search has evaluated anything."""
         return bool(np.any(self.tree.lower > -np.inf) or np.any(self.seen < np.inf))
 
 
 def start(problem: Problem, confirm: Confirm) -> Search:
-    """Bound the first boxes, large and small, and look at points."""
+    """Bound the first boxes, large and small, and evaluate points."""
     state = Search.untouched(problem)
     tree = state.tree
     early = [axis for axis in tree.axes if axis < len(problem.low) - problem.late] or tree.axes
@@ -101,18 +100,18 @@ def search(
     progress: Callable[[Search], None] | None = None,
     bound_all: BoundAll | None = None,
 ) -> Search:
-    """Go on until every condition is decided (or tight), or so many boxes, or the deadline.
+    """Go on until every condition is decided (or tight), or to the limit of boxes or time.
 
     Args:
         problem: conditions and root.
-        state: of `start`, or where an earlier search ended.
-        confirm: asks the Python functions about a point.
+        state: result of `start`, or of an earlier search.
+        confirm: evaluates the Python functions at a point.
         phase: "decide" for the sign of the margins, "tighten" for their size.
-        most: boxes that the root may have.
-        turn: boxes that may be added.
+        most: largest number of boxes of the root.
+        turn: largest number of boxes to add.
         deadline: on the clock of `time.monotonic` [s].
         progress: called after each round.
-        bound_all: bounds the batches of a round; one after the other, here, if None.
+        bound_all: bounds the batches of a round; None for one after the other, in this process.
     """
     end = len(state.tree.first) + turn
     while time.monotonic() < deadline:
@@ -127,13 +126,13 @@ def search(
 
 
 def to_split(problem: Problem, state: Search, phase: Phase, most: int) -> np.ndarray:
-    """Numbers of the leaves that the next round halves; none if there is no room for more."""
+    """Return the leaves that the next round halves; none if there is no room for more."""
     work = np.flatnonzero(np.any(missing(problem, state, phase) > 0.0, axis=1))
     return work[: max((most - len(state.tree.first)) // 2, 0)]
 
 
 def missing(problem: Problem, state: Search, phase: Phase) -> Float[np.ndarray, "B C"]:
-    """By how much bounds on leaves fall short of what is worth halving for; 0 elsewhere."""
+    """Return how far bounds on leaves fall short of targets that justify halving; 0 elsewhere."""
     tree = state.tree
     if not tree.axes or (phase == "tighten" and not problem.tight > 0.0):
         return np.zeros_like(tree.lower)
@@ -142,6 +141,7 @@ def missing(problem: Problem, state: Search, phase: Phase) -> Float[np.ndarray, 
         # A condition that is not decided yet has no margin to raise.
         decided = np.all((tree.lower >= 0.0) | ~tree.is_leaf[:, None], axis=0)
         worth = np.where(np.isfinite(state.seen), problem.tight * state.seen, 0.0)
+    # The statement of level 1 is g >= b s: first with b = 0, then with b near the smallest seen.
     if phase == "decide":
         # With late axes there is no map of the boxes around a point that breaks a condition.
         shown = 0 if problem.late else MAP_DEPTH
@@ -189,13 +189,13 @@ def _round(
 
 
 def bound_here(problem: Problem, batches: Sequence[Boxes]) -> Generator[Bounds, None, None]:
-    """Bounds on the boxes of each batch, in order, as they are asked for."""
+    """Yield bounds on the boxes of each batch, in order, as the caller needs them."""
     for low, high in batches:
         yield problem.bounds(low, high)
 
 
 def _of_asked(problem: Problem, low: np.ndarray, high: np.ndarray, bounds: Bounds) -> Bounds:
-    """Bounds on boxes, infinite where nothing is asked. [B, C] each."""
+    """Bound boxes; bounds are infinite on boxes that nothing is required of. [B, C] each."""
     asked = problem.asked(low, high)[:, None]
     return np.where(asked, bounds[0], np.inf), np.where(asked, bounds[1], np.inf)
 
@@ -208,10 +208,10 @@ def _measured(
     deadline: float,
     bound_all: BoundAll,
 ) -> BoxTree:
-    """With what each axis costs, known for some of the boxes `work` if there is time.
+    """Return the tree with measured costs of axes, for some boxes of `work` if time permits.
 
-    Late axes are many, and each is of little influence: what another one costs is asked with all of
-    these as wide as they are.
+    There are many late axes, and each has little influence, so the cost of another axis is measured
+    with all of them at their own widths.
     """
     boxes = tree.unmeasured(work)
     if not len(boxes):
@@ -245,7 +245,7 @@ def _measured(
 
 
 def _with(points: np.ndarray, ends: np.ndarray, axes: Sequence[int]) -> np.ndarray:
-    """Points with some coordinates from elsewhere. [B, n]."""
+    """Return points with some coordinates replaced. [B, n]."""
     moved = points.copy()
     moved[:, axes] = ends[:, axes]
     return moved

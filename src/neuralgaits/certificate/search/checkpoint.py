@@ -1,4 +1,4 @@
-"""A search on disk, so that a later one goes on where it ended."""
+"""Save a search to disk, so that a later one continues from there."""
 
 import hashlib
 import json
@@ -19,14 +19,14 @@ from neuralgaits.runs import read_arrays, write_arrays
 from neuralgaits.runs.arrays import SHA256
 
 _KEPT = ("first", "axis", "lower", "upper", "alone")
-"""What a file has of a tree: corners and cuts follow from these."""
+"""Fields of a tree that a file keeps; corners and cuts follow from these."""
 _SMALL = {"first": np.int32, "axis": np.int8}
 _OPEN_ONLY = ("upper", "alone")
-"""What is of no use where every condition is proved."""
+"""Fields that are of no use where every condition is proved."""
 
 
 def save(path: Path, problem: Problem, state: Search) -> None:
-    """Write one root's boxes, whole or not at all."""
+    """Write one root's boxes in one piece, or nothing at all."""
     tree = state.tree
     proved = bool(np.all(tree.lower[tree.is_leaf] >= 0.0))
     arrays = {
@@ -67,7 +67,7 @@ def load(path: Path, problem: Problem) -> Search:
 
 
 def _tree(arrays: Mapping[str, np.ndarray], problem: Problem) -> BoxTree:
-    """A tree from what a file has of it."""
+    """Rebuild a tree from the arrays of a file."""
     first, axis = (arrays[name].astype(np.int64) for name in ("first", "axis"))
     low, high, cuts = _boxes(first, axis, problem.low, problem.high)
     lower = np.asarray(arrays["lower"])
@@ -79,7 +79,7 @@ def _tree(arrays: Mapping[str, np.ndarray], problem: Problem) -> BoxTree:
 def _boxes(
     first: np.ndarray, axis: np.ndarray, low: Corner, high: Corner
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Corners of all boxes of a tree, and how often each axis was halved. [N, n] each.
+    """Return corners of all boxes, and how often each axis was halved. [N, n] each.
 
     Raises: RunError if it is no tree.
     """
@@ -103,7 +103,7 @@ def _boxes(
 
 
 def _refuse_unsigned(path: Path, metadata: Mapping[str, str]) -> None:
-    """Raises: RunError for a file without the sha256 that makes sure that it is what was saved."""
+    """Refuse a file without the sha256 of its content. Raises: RunError."""
     if SHA256 not in metadata:
         raise RunError(
             f"expected boxes with their sha256 in {path}, found none: certify without --resume"
@@ -115,7 +115,7 @@ class OpenBoxes:
     """The boxes of one root on which some condition is not proved.
 
     Attributes:
-        region: of the root.
+        region: region of the root.
         low, high: corners in the chart. [B, n]
         failing: how many of them each condition has, if any.
     """
@@ -127,7 +127,7 @@ class OpenBoxes:
 
 
 def open_boxes(path: Path) -> OpenBoxes:
-    """Read what is not proved yet from a file of `save`. Raises: RunError if it is damaged."""
+    """Read the unproved boxes from a file of `save`. Raises: RunError if it is damaged."""
     arrays, metadata = read_arrays(path)
     _refuse_unsigned(path, metadata)
     leaf = arrays["first"] < 0
@@ -146,7 +146,7 @@ def open_boxes(path: Path) -> OpenBoxes:
 
 
 def fingerprint(problem: Problem) -> str:
-    """What bounds depend on, as a hash."""
+    """Return a hash of everything that bounds depend on."""
     text = json.dumps(
         [
             _KEPT,

@@ -1,4 +1,4 @@
-"""How boxes are halved, and the tree of halvings as text.
+"""Halvings of boxes, and the tree of halvings as text.
 
 A split halves one axis, at low + (high - low) / 2 in float64, which every reader computes alike.
 The tree is written depth first, the lower half before the upper one: a digit (0 to 9, a to f) is
@@ -13,19 +13,19 @@ from neuralgaits._types import Float, Int
 Corners = Float[np.ndarray, "B n"]
 """One corner of each of B boxes in n dimensions."""
 PerCondition = Float[np.ndarray, "B C"]
-"""Of each of C conditions, in its scale, or bounds on them: a row for every box or point."""
+"""One number for each of C conditions, in its scale: a row for every box or point."""
 LEAF, DIGITS = "-", "0123456789abcdef"
 
 
 def wide_axes(low: np.ndarray, high: np.ndarray) -> tuple[int, ...]:
-    """Axes along which a box can be halved: those of positive width."""
+    """Return the axes along which a box can be halved: those of positive width."""
     return tuple(int(axis) for axis in np.flatnonzero(np.asarray(high) > np.asarray(low)))
 
 
 def halves(
     low: Corners, high: Corners, axis: Int[np.ndarray, " B"]
 ) -> tuple[Float[np.ndarray, "B2 n"], Float[np.ndarray, "B2 n"]]:
-    """Both halves of boxes, each along its axis, the lower half first. [2B, n]."""
+    """Return both halves of boxes, each along its axis, the lower half first. [2B, n]."""
     rows = np.arange(len(low))
     middle = (low + (high - low) * 0.5)[rows, axis]
     lows, highs = np.repeat(low, 2, axis=0), np.repeat(high, 2, axis=0)
@@ -35,7 +35,7 @@ def halves(
 
 
 def to_text(first: np.ndarray, axis: np.ndarray, leaf: np.ndarray) -> str:
-    """The text of a tree cut at its first leaves.
+    """Return the text of a tree cut at its first leaves.
 
     Args:
         first: number of each node's lower half, the upper one following it; -1 without. [N]

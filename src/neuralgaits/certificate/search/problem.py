@@ -1,4 +1,4 @@
-"""Conditions on one box of the chart, and their bounds over boxes and values at points."""
+"""Conditions on one box of the chart, with bounds over boxes and values at points."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -15,19 +15,20 @@ from neuralgaits.programs.algebras.taylor_model import terms
 from neuralgaits.programs.native.bounder import Bounder
 
 LEAST_BATCH, MOST_BATCH = 64, 512
-"""Boxes bounded at once: fewer waste time in calls, more exhaust the processor's cache."""
+"""Numbers of boxes bounded at once: fewer waste time in calls, more exhaust the processor's
+cache."""
 COMPILED_BATCH, COMPILED_DEGREE = 8192, 2
-"""The same for compiled code, and the degree that it knows."""
+"""Number of boxes bounded at once by compiled code, and the degree that it supports."""
 PLANE = 2
 CACHE_BYTES = 2**22
-"""What the largest result of an operation may take, over a batch: about a core's own cache."""
+"""Size of the largest result of an operation over a batch [bytes]: about a core's own cache."""
 Boxes = tuple[np.ndarray, np.ndarray]
 """Lower and upper corners of B boxes. [B, n] each."""
 Bounds = tuple[np.ndarray, np.ndarray]
-"""Of each condition on each box, from below and above. [B, C] each."""
+"""Bounds of each condition on each box, from below and above. [B, C] each."""
 INPUT = "u"
 MOST_ALONG = 33
-"""Points along an axis of a grid at most."""
+"""Most points along an axis of a grid."""
 
 
 @dataclass(frozen=True)
@@ -37,19 +38,19 @@ class Problem:
     Attributes:
         region: name of the spec's region the box belongs to.
         low, high: corners in the chart. [n]
-        names: of the conditions, outputs of the Program.
-        scales: of the conditions. [C]
+        names: names of the conditions, outputs of the Program.
+        scales: scales of the conditions. [C]
         program: margins by condition name as a function of u; more outputs cost time only. A
             second input is anywhere in the unit ball.
-        degree: of the Taylor models.
-        least: what each condition must reach, in scales; 0 for all if empty. Margins are counted
-            from there. [C]
+        degree: degree of the Taylor models.
+        least: lower limit that each condition must reach, in scales; 0 for all if empty. Margins
+            are relative to it. [C]
         claimed: share of the margin found that is claimed. A reader needs fewer boxes for less,
             and bounds them in another arithmetic, perhaps less tightly.
         tight: share of the smallest margin seen that is worth proving once it is known not to be
             negative: the rest would cost more boxes. 0 if its size is worth none.
-        late: how many axes, the last ones, are of small influence: ends of them are looked at.
-        near: axes that are near each other: nothing is asked where they are farther apart.
+        late: how many axes, the last ones, have little influence; only their ends are evaluated.
+        near: axes that are near each other; points with larger differences are left out.
     """
 
     region: str
@@ -67,12 +68,12 @@ class Problem:
 
     @property
     def compiled(self) -> bool:
-        """Whether compiled code bounds boxes, each by itself."""
+        """Return whether compiled code bounds boxes, each by itself."""
         return self._compiled is not None
 
     @cached_property
     def batch(self) -> int:
-        """Boxes to bound at once."""
+        """Number of boxes to bound at once."""
         largest = max((operation.size for operation in self.program.operations), default=1)
         if self._compiled is not None:
             return COMPILED_BATCH
@@ -80,7 +81,7 @@ class Problem:
         return min(max(CACHE_BYTES // one, LEAST_BATCH), MOST_BATCH)
 
     def bounds(self, low: Corners, high: Corners) -> tuple[PerCondition, PerCondition]:
-        """Bounds on each condition's smallest margin over boxes, in scales; NaN if unbounded."""
+        """Bound each condition's smallest margin over boxes, in scales; NaN if unbounded."""
         if self._compiled is not None:
             lower, upper = self._compiled.bounds(low, high)
             return self._from_least(lower), self._from_least(upper)
@@ -95,7 +96,7 @@ class Problem:
         )
 
     def values(self, u: Corners) -> PerCondition:
-        """Each condition's smallest margin at points, in scales, in plain float64.
+        """Evaluate each condition's smallest margin at points, in scales, in plain float64.
 
         A second input is zero.
         """
@@ -106,7 +107,7 @@ class Problem:
         return self._smallest([values[name].reshape(len(u), -1).T for name in self.names], u)
 
     def asked(self, low: Corners, high: Corners) -> np.ndarray:
-        """Boxes on some point of which something is asked. A reader looks for itself. [B]."""
+        """Return which boxes have a point that conditions apply to. A reader checks again. [B]."""
         apart = np.zeros(len(low), dtype=bool)
         for one, other, change in self.near:
             gap = np.maximum(low[:, one] - high[:, other], low[:, other] - high[:, one])
@@ -114,9 +115,10 @@ class Problem:
         return ~apart
 
     def grid(self, points: int) -> Corners:
-        """About so many points that cover the box, its edges included. [B, n].
+        """Return about so many points that cover the box, its edges included. [B, n].
 
-        On late axes each has an end of its own: all ends with all others would be too many.
+        On late axes each point has ends of its own, drawn at random: all combinations would be too
+        many.
         """
         early = len(self.low) - self.late
         wide = [axis for axis in wide_axes(np.array(self.low), np.array(self.high)) if axis < early]
@@ -136,10 +138,10 @@ class Problem:
         return np.hstack([found, ends])
 
     def worse(self, points: Float[np.ndarray, "P n"]) -> Float[np.ndarray, "Q n"]:
-        """The same points, for each condition, at ends of late axes where its margin is smaller.
+        """Move the points, for each condition, to ends of late axes where its margin is smaller.
 
         At the point where it is smallest each late axis is moved to either end by itself; the
-        better ends of all of them together are then tried everywhere. Q = P C.
+        better ends of all axes together then replace those of every point. Q = P C.
         """
         early, found = len(self.low) - self.late, []
         values = self.values(points)
@@ -158,17 +160,17 @@ class Problem:
         return np.concatenate(found)
 
     def _smallest(self, elements: Sequence[np.ndarray], boxes: np.ndarray) -> np.ndarray:
-        """Smallest of each condition's elements [n, B] from its least, in scales; NaN wins."""
+        """Return each condition's smallest element [n, B] above its least, in scales; NaN wins."""
         rows = [np.broadcast_to(e.min(axis=0), len(boxes)) for e in elements]
         return self._from_least(np.stack(rows, axis=1))
 
     def _from_least(self, margins: PerCondition) -> PerCondition:
-        """Margins counted from what each condition must reach, in scales."""
+        """Return margins relative to the limit that each condition must reach, in scales."""
         return margins / np.array(self.scales) - np.array(self.least or (0.0,))
 
     @cached_property
     def _compiled(self) -> Bounder | None:
-        """In more axes than two, where boxes are many; the Python rules are the reference."""
+        """Return compiled code, used in more than two axes; the Python rules are the reference."""
         if len(self.low) == PLANE or self.degree != COMPILED_DEGREE:
             return None
         return Bounder.of(self.program, self.names, self._folded)

@@ -1,4 +1,4 @@
-"""Many roots, one clock: every root gets its turn, so that a hard one starves no other."""
+"""Search many roots within one time limit; each gets its turn, so a hard one starves no other."""
 
 import time
 from collections.abc import Callable, Sequence
@@ -20,26 +20,26 @@ from neuralgaits.certificate.search.branch_and_bound import (
 from neuralgaits.certificate.search.problem import PLANE, Problem
 
 TURN_BOXES = 2**13
-"""Boxes that one root may add before the next has its turn. No time: what is proved in the end
-must not depend on how fast boxes are bounded, or by whom."""
+"""Boxes that one root may add before the next has its turn. This is no time limit, because the
+proof must not depend on how fast boxes are bounded, or by whom."""
 MEMORY_BYTES = 2**29
-"""What the boxes of all roots may take. A round needs a few times as much beside them."""
+"""Memory for the boxes of all roots [bytes]. A round needs a few times as much beside them."""
 WIDE_TURN_BOXES, WIDE_MEMORY_BYTES = 2**17, 2**32
-"""The same in more axes than two, where each round copies more boxes, and there are more. Turns
-begin as short as in the plane and double: within a budget what is easy is proved first."""
+"""Boxes a turn and memory in more axes than two, where each round copies more boxes. Turns begin as
+short as in the plane and double: within a budget the easy roots are proved first."""
 LATE_BOXES = 20_000
-"""Boxes added by a search of a root most of whose axes are late: one that can be closed needs a few
-hundred."""
+"""Most boxes added by a search of a root most of whose axes are late; one that can be closed needs
+a few hundred."""
 
 Progress = Callable[[float, int], None]
-"""(proved share of all conditions' regions, boxes so far)."""
+"""Callback with (proved share of all conditions' regions, boxes so far)."""
 
 
 class SearchInterrupted(KeyboardInterrupt):
-    """The user ended a search.
+    """Raised when the user ends a search.
 
     Attributes:
-        states: where it ended.
+        states: state of each root at that time.
     """
 
     def __init__(self, states: Sequence[Search]):
@@ -63,13 +63,13 @@ def explore(
 
     Args:
         problems: one for each root.
-        states: where an earlier search ended; None to start.
+        states: states of an earlier search; None to start.
         confirm: see `search`.
         deadline: on the clock of `time.monotonic` [s].
         progress: called after each round.
         bound_all: see `search`.
 
-    Raises: SearchInterrupted, with all that was found, where Python raises KeyboardInterrupt.
+    Raises: SearchInterrupted, with all results, where Python raises KeyboardInterrupt.
     """
     current = [
         Search.untouched(problem) if state is None else state
@@ -101,7 +101,7 @@ def _explore(
     keep: Callable[[int, Search], None],
     bound_all: BoundAll | None,
 ) -> None:
-    """Give every root its turns. `keep` puts what it found into `current`."""
+    """Give every root its turns. `keep` stores the results in `current`."""
     for number, problem in enumerate(problems):
         if time.monotonic() < deadline and not current[number].begun:
             keep(number, start(problem, confirm))
@@ -128,7 +128,7 @@ def _explore(
 
 
 class _Room:
-    """How many boxes roots may have.
+    """Numbers of boxes that roots may have.
 
     In the plane each has its share. In more axes some need a thousand times as many as others, so
     they take what is left of what all have together; but where most axes are late, a root that
@@ -155,7 +155,7 @@ class _Room:
         self._most = [min(len(state.tree.first) + more, room) for state in current]
 
     def of(self, number: int) -> int:
-        """Boxes that a root may have in all."""
+        """Return how many boxes a root may have in all."""
         if not self._wide or self._late[number]:
             return self._most[number]
         sizes = [len(state.tree.first) for state in self._current]
@@ -164,7 +164,8 @@ class _Room:
 
 
 def proved_share(problems: Sequence[Problem], states: Sequence[Search]) -> float:
-    """Mean over roots and conditions of the share of the root that is proved."""
+    """Return the mean over roots and conditions of the root's proved share."""
+    # A leaf is proved where level 1's g >= b s holds with b = 0; `lower` bounds g / s.
     shares = [
         state.tree.share(state.tree.lower[:, column] >= 0.0)
         for problem, state in zip(problems, states, strict=True)
@@ -174,5 +175,5 @@ def proved_share(problems: Sequence[Problem], states: Sequence[Search]) -> float
 
 
 def box_count(states: Sequence[Search]) -> int:
-    """Boxes of all searches."""
+    """Count the boxes of all searches."""
     return sum(len(state.tree.first) for state in states)

@@ -1,7 +1,7 @@
-"""Bounds on boxes from many workers: batches as tasks, put together in their order.
+"""Bound boxes on many workers: batches are tasks, and results are put together in order.
 
-What a batch's bounds are depends on the batch alone, and which batches there are on the search
-alone. So the boxes, and the proof made of them, are the same whoever bounded them.
+Bounds depend on the batch alone, and the batches on the search alone. So the boxes, and the proof
+made of them, are the same whoever bounded them.
 """
 
 import json
@@ -19,20 +19,20 @@ from neuralgaits.programs import Program
 
 _PROBLEM, _LOW, _HIGH, _LOWER, _UPPER = "problem.json", "low", "high", "lower", "upper"
 PIECE = 512
-"""Boxes of a task at most, in more axes than two: tenths of a second."""
+"""Most boxes of a task, in more axes than two: tenths of a second."""
 _TUPLES = ("low", "high", "names", "scales", "least")
 
 
 class SharedBounds:
-    """Bounds from the workers of an engine."""
+    """A function that gets bounds from the workers of an engine."""
 
     def __init__(self, engine: Engine):
         self._engine = engine
 
     def __call__(self, problem: Problem, batches: Sequence[Boxes]) -> Generator[Bounds, None, None]:
-        """Bounds on the boxes of each batch, in order.
+        """Yield bounds on the boxes of each batch, in order.
 
-        A few boxes are bounded here, as are those that no worker could bound.
+        Small batches are bounded in this process, as are boxes that no worker could bound.
         """
         pieces = [_pieces(problem, batch) for batch in batches]
         found = self._in_order(problem, [piece for some in pieces for piece in some])
@@ -70,14 +70,14 @@ class SharedBounds:
 
 
 def _pieces(problem: Problem, batch: Boxes) -> list[Boxes]:
-    """Parts of a batch: compiled code bounds each box by itself, NumPy whole batches."""
+    """Split a batch: compiled code bounds each box by itself, NumPy whole batches."""
     low, high = batch
     count = -(-len(low) // PIECE) if problem.compiled else 1
     return list(zip(np.array_split(low, count), np.array_split(high, count), strict=True))
 
 
 def bound_batch(settings: Settings, files: Files) -> Files:
-    """A task: bounds on the boxes of a batch.
+    """Bound the boxes of a batch, as a task of a worker.
 
     Args:
         settings: `axes` of the chart.
@@ -97,18 +97,18 @@ def _bytes(values: np.ndarray) -> bytes:
 
 @lru_cache(maxsize=4)
 def _problem(text: bytes) -> Problem:
-    """Of the last searches, so that a worker reads a Program once."""
+    """Return the problem of a text; recent ones are kept, so a worker reads each Program once."""
     return from_json(text.decode())
 
 
 def to_json(problem: Problem) -> str:
-    """A problem as text, all digits included."""
+    """Return a problem as text, all digits included."""
     values = {item.name: getattr(problem, item.name) for item in fields(problem)}
     return json.dumps(values | {"program": problem.program.to_json()})
 
 
 def from_json(text: str) -> Problem:
-    """What `to_json` wrote."""
+    """Read a problem that `to_json` wrote."""
     values = json.loads(text)
     values |= {name: tuple(values[name]) for name in _TUPLES}
     values["near"] = tuple(Near(*pair) for pair in values["near"])

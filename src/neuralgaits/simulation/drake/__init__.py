@@ -1,6 +1,6 @@
-"""Drake in MuJoCo's place: its multibody dynamics, contact and time stepping. Needs extra `drake`.
+"""Drake in place of MuJoCo: its multibody dynamics, contact and time stepping. Needs extra `drake`.
 
-A robot file is read once, by MuJoCo; nothing that MuJoCo computes of motion or contact comes along.
+A robot file is read once, by MuJoCo; no motion or contact comes from MuJoCo.
 """
 
 from importlib.util import find_spec

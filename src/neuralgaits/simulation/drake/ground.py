@@ -1,4 +1,4 @@
-"""Feet and floors in Drake: spheres on half spaces or blocks, point contact."""
+"""Model feet and floors in Drake: spheres on half spaces or blocks, point contact."""
 
 # pyright: reportMissingImports=false, reportAttributeAccessIssue=false
 # Drake is an extra, and MuJoCo ships no type stubs.
@@ -26,21 +26,23 @@ from neuralgaits.simulation.drake.tree import Tree, pose
 from neuralgaits.simulation.setup.plant import Plant
 
 _LOCKED_KG = 1.0
-"""Mass of a floor: it is locked, and any will do."""
+"""Mass of a floor [kg]; it has no effect, because floors are locked."""
 
 
 @dataclass(frozen=True)
 class ContactConfig:
-    """Contact of feet and ground, as Drake has it: a spring, a damper and Coulomb friction.
+    """Contact of feet and ground in Drake: a spring, a damper and Coulomb friction.
 
     Attributes:
-        approximation: of contact in Drake's discrete solver: `lagged`, Drake's default, or
+        approximation: contact model of Drake's discrete solver: `lagged`, Drake's default, or
             `similar`, both Hunt-Crossley; or `sap`, Kelvin-Voigt.
-        stiffness: of the spring [N/m]. A foot sinks in by 0.2 mm under 20 kg, and a spring that
-            hard carries 4 kg, about what a leg puts behind its foot, at 500 rad/s: the 2 ms that
-            the robot files ask of MuJoCo.
-        dissipation_s_m: of Hunt-Crossley damping [s/m]: nothing bounces faster than 1/20 m/s.
-        relaxation_s: of Kelvin-Voigt damping, damping over stiffness [s]; critical for 4 kg.
+        stiffness: stiffness of the spring [N/m]. A foot sinks in by 0.2 mm under 20 kg, and a
+            spring that hard carries 4 kg, about what a leg puts behind its foot, at 500 rad/s: the
+            2 ms of the robot files in MuJoCo.
+        dissipation_s_m: dissipation of Hunt-Crossley damping [s/m]: nothing bounces faster than
+            1/20 m/s.
+        relaxation_s: relaxation time of Kelvin-Voigt damping, damping over stiffness [s]; critical
+            for 4 kg.
     """
 
     approximation: str = "lagged"
@@ -51,7 +53,7 @@ class ContactConfig:
 
 @dataclass(frozen=True, eq=False)
 class Ground:
-    """What there is to stand on, and with.
+    """Feet and floors in a Drake plant.
 
     Attributes:
         feet: body of each foot.
@@ -65,14 +67,14 @@ class Ground:
 def add_ground(
     plant: Any, scene_graph: Any, source: Plant, tree: Tree, config: ContactConfig
 ) -> Ground:
-    """Give each foot its sphere, and its own floor, or the blocks of a course for both.
+    """Give each foot its sphere and its own floor, or give both the blocks of a course.
 
     Args:
-        plant: not finished yet.
-        scene_graph: that it is registered with.
+        plant: plant that is not finalized yet.
+        scene_graph: scene graph of the plant.
         source: names of feet, slope, course, and the compiled file.
-        tree: of the plant.
-        config: of contact.
+        tree: tree of the plant.
+        config: contact settings.
     """
     model = source.model
     spheres, bodies = [], []
@@ -127,7 +129,7 @@ def _add_blocks(plant: Any, model: mujoco.MjModel, material: ProximityProperties
 
 
 def _material(config: ContactConfig, friction: float) -> ProximityProperties:
-    """Of either side: Drake puts two springs in a row, and adds relaxation times."""
+    """Return the properties of either side; Drake combines two springs, and adds relaxations."""
     properties = ProximityProperties()
     AddContactMaterial(
         properties,

@@ -1,4 +1,4 @@
-"""A plant in Drake: tree, rotors and ground of a robot file, and where they are."""
+"""Build a plant in Drake: tree, rotors and ground of a robot file, with their places."""
 
 # pyright: reportMissingImports=false, reportAttributeAccessIssue=false
 # Drake is an extra, and MuJoCo ships no type stubs.
@@ -18,7 +18,7 @@ from neuralgaits.simulation.setup.plant import TIMESTEP_S, Plant
 
 @dataclass(frozen=True, eq=False)
 class DrakePlant:
-    """A finished diagram and where the robot is in it.
+    """A finished diagram and the places of the robot's quantities in it.
 
     Attributes:
         diagram: plant and scene graph.
@@ -48,12 +48,12 @@ class DrakePlant:
 def drake_plant(
     source: Plant, contact: ContactConfig | None = None, timestep_s: float = TIMESTEP_S
 ) -> DrakePlant:
-    """The same robot, as disturbed, on the same ground.
+    """Build the robot in Drake, as disturbed, on its ground.
 
     Args:
         source: robot, disturbances and ground.
-        contact: of feet and ground.
-        timestep_s: of Drake's discrete solver.
+        contact: contact of feet and ground.
+        timestep_s: time step of Drake's discrete solver.
     """
     contact = ContactConfig() if contact is None else contact
     model, wires = source.model, source.wires

@@ -1,4 +1,4 @@
-"""Bodies and joints of a compiled robot file, in Drake.
+"""Build bodies and joints of a compiled robot file in Drake.
 
 In MuJoCo a body has any number of joints, one after the other; in Drake a joint connects two
 bodies. Between the joints of one body there are bodies without mass.
@@ -23,20 +23,20 @@ from pydrake.multibody.tree import (
 )
 
 DRY_FRICTION_SLOPE = 1e3
-"""Dry friction of a joint is this times its rate, up to its size: of 2 N m below 2 mrad/s
-[N m s/rad]."""
+"""Slope of a joint's dry friction, as a multiple of its size, up to that size: 2 N m are reached at
+2 mrad/s [N m s/rad]."""
 
 
 class Tree:
     """Bodies and joints, by their numbers in the compiled file.
 
     Attributes:
-        bodies: those of Drake; floors are left out.
-        joints: of one degree of freedom each.
+        bodies: Drake's bodies; floors are left out.
+        joints: joints of one degree of freedom each.
     """
 
     def __init__(self, plant: Any, model: mujoco.MjModel):
-        """Add them to a plant that is not finished yet."""
+        """Add bodies and joints to a plant that is not finalized yet."""
         self._plant, self._model = plant, model
         self.bodies: dict[int, Any] = {0: plant.world_body()}
         self.joints: list[Any] = [None] * model.njnt
@@ -64,10 +64,10 @@ class Tree:
         """Add a joint.
 
         Args:
-            number: in the compiled file.
-            parent: body it is on.
-            place: of the child in the parent where the joint is at its zero.
-            child: body it moves.
+            number: number in the compiled file.
+            parent: body that carries the joint.
+            place: pose of the child in the parent with the joint at its zero.
+            child: body that the joint moves.
         """
         plant, model = self._plant, self._model
         anchor = RigidTransform(np.array(model.jnt_pos[number]))
@@ -92,7 +92,7 @@ class Tree:
 
 
 def add_rotors(plant: Any, model: mujoco.MjModel, tree: Tree) -> None:
-    """Reflected inertia of rotors, and dry friction as a damper that slips.
+    """Add the reflected inertia of rotors, and dry friction as a damper that slips.
 
     Drake has one rotor a joint, so that one of its actuators is both; motor torques are applied
     to the joints themselves.
@@ -110,7 +110,7 @@ def add_rotors(plant: Any, model: mujoco.MjModel, tree: Tree) -> None:
 
 
 def inertia(model: mujoco.MjModel, number: int) -> SpatialInertia:
-    """Mass, centre of mass and inertia of a body, in its frame."""
+    """Return mass, centre of mass and inertia of a body, in its frame."""
     mass = float(model.body_mass[number])
     if mass == 0.0:
         return SpatialInertia.Zero()
@@ -122,7 +122,7 @@ def inertia(model: mujoco.MjModel, number: int) -> SpatialInertia:
 
 
 def pose(place: np.ndarray, quaternion: np.ndarray) -> RigidTransform:
-    """Of a place [m] and a unit quaternion, w first."""
+    """Return the transform of a place [m] and a unit quaternion, w first."""
     turn = np.zeros(9)
     mujoco.mju_quat2Mat(turn, np.array(quaternion))
     return RigidTransform(RotationMatrix(turn.reshape(3, 3)), np.array(place))

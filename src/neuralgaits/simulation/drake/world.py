@@ -1,4 +1,4 @@
-"""The plants of many episodes in Drake: a context each, stepped one after the other."""
+"""Step the plants of many episodes in Drake: a context each, one after the other."""
 
 # pyright: reportMissingImports=false, reportAttributeAccessIssue=false
 # Drake is an extra.
@@ -21,7 +21,7 @@ _PERIOD_S = SUBSTEPS * TIMESTEP_S
 
 
 class DrakeWorld(World):
-    """Drake in one thread."""
+    """The plants of all episodes, stepped by Drake in one thread."""
 
     def __init__(
         self,
@@ -30,13 +30,13 @@ class DrakeWorld(World):
         contact: ContactConfig | None = None,
         timestep_s: float = TIMESTEP_S,
     ):
-        """All episodes at their starts.
+        """Put all episodes at their starts.
 
         Args:
-            plants: of all episodes, or one for each on courses.
+            plants: one for all episodes, or one for each on courses.
             states: MuJoCo states to start from (time, qpos, qvel).
-            contact: of feet and ground.
-            timestep_s: of Drake.
+            contact: contact of feet and ground.
+            timestep_s: time step of Drake.
         """
         self._states = np.array(states)
         self._touch = np.zeros((len(states), 2))
@@ -50,7 +50,7 @@ class DrakeWorld(World):
 
     @property
     def states(self) -> Float[np.ndarray, "B s"]:
-        """Time, qpos and qvel of every episode, now."""
+        """Time, qpos and qvel of every episode at present."""
         return self._states
 
     @property
@@ -71,7 +71,7 @@ class DrakeWorld(World):
 
 @contextmanager
 def _not_of_deformables() -> Iterator[None]:
-    """Drake warns of half spaces that meet deformable bodies; there are none."""
+    """Filter Drake's warning about half spaces and deformable bodies; no body is deformable."""
     logger = logging.getLogger("drake")
     level = logger.level
     logger.setLevel(logging.ERROR)
@@ -82,7 +82,7 @@ def _not_of_deformables() -> Iterator[None]:
 
 
 class _Episode:
-    """One robot."""
+    """One robot in Drake, with its context."""
 
     def __init__(self, made: DrakePlant, source: Plant, state: Float[np.ndarray, " s"]):
         self._made, self._root = made, int(made.velocities[source.wires.root[0]])
@@ -110,14 +110,14 @@ class _Episode:
         self._simulator.Initialize()
 
     def lay_floors(self, levels: Float[np.ndarray, " 2"]) -> None:
-        """At these levels (m)."""
+        """Put the floors at these levels (m)."""
         for floor, level in zip(self._made.floors, levels, strict=False):
             floor.set_translation(self._context, float(level))
 
     def advance(
         self, controls: Float[np.ndarray, " u"], force: float
     ) -> tuple[Float[np.ndarray, " s"], Float[np.ndarray, " 2"]]:
-        """One control tick. Returns: the state, NaN once it has run away; the normal forces (N)."""
+        """Advance one control tick. Returns: the state, NaN after divergence; normal forces (N)."""
         made = self._made
         self._applied[self._root] = force
         self._applied[made.motors] = np.clip(made.gears * controls, -made.effort, made.effort)
@@ -135,7 +135,7 @@ class _Episode:
         return state, self._forces()
 
     def _forces(self) -> Float[np.ndarray, " 2"]:
-        """On each foot, along the normal of the ground (N)."""
+        """Return the force on each foot, along the normal of the ground (N)."""
         found, forces = self._contact.Eval(self._context), np.zeros(len(self._made.feet))
         for i in range(found.num_point_pair_contacts()):
             info = found.point_pair_contact_info(i)

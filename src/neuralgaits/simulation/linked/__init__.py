@@ -1,1 +1,1 @@
-"""A controller in a process of its own: the wire, what the network does to it, both ends."""
+"""A controller in a process of its own: the wire, disturbances of the network, both ends."""

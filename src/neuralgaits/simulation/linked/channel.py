@@ -8,15 +8,15 @@ Packet = TypeVar("Packet")
 
 
 class Channel(Generic[Packet]):
-    """One direction. Delays are whole ticks, drawn evenly from none to the largest."""
+    """One direction of the network. Delays are whole ticks, drawn evenly up to the largest."""
 
     def __init__(self, loss: float, jitter_ticks: int, seed: tuple[int, ...]):
-        """Nothing under way.
+        """Begin with no packet under way.
 
         Args:
             loss: probability that a packet never arrives.
             jitter_ticks: largest delay.
-            seed: of loss and delays.
+            seed: seed of loss and delays.
         """
         self._draws = np.random.default_rng(seed)
         self._loss, self._jitter = loss, jitter_ticks
@@ -34,7 +34,7 @@ class Channel(Generic[Packet]):
         self._under_way.append((tick + delay, packet))
 
     def arrived(self, tick: int) -> list[Packet]:
-        """Packets that are due, in the order of their arrival."""
+        """Return the packets that are due, in the order of their arrival."""
         due = sorted(
             (entry for entry in self._under_way if entry[0] <= tick), key=lambda entry: entry[0]
         )

@@ -1,4 +1,4 @@
-"""How plant and controller are connected: what `--link NAME=VALUE,...` means."""
+"""Settings of the link of plant and controller: the values of `--link NAME=VALUE,...`."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
@@ -9,7 +9,7 @@ from neuralgaits.errors import InputError
 
 @dataclass(frozen=True)
 class LinkConfig:
-    """How plant and controller are connected.
+    """Settings of the link of plant and controller.
 
     Attributes:
         law: name of the exported law.
@@ -28,7 +28,7 @@ class LinkConfig:
     log: str = ""
 
     def __post_init__(self):
-        """Check the ranges."""
+        """Check each value against its range. Raises: InputError."""
         ranges = {"loss": (0.0, 0.5), "jitter_ms": (0.0, 20.0), "blend_s": (0.0, 10.0)}
         for name, (low, high) in ranges.items():
             value = getattr(self, name)

@@ -1,4 +1,4 @@
-"""The exported controller of a gait as a process that a simulation talks to."""
+"""Run the exported controller of a gait as a process that a simulation talks to."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -18,10 +18,10 @@ def connected(design: Design, config: LinkConfig, episodes: int, seed: int) -> I
     """Write, compile and start the controller of a gait.
 
     Args:
-        design: what the controller is made of.
-        config: of the link.
-        episodes: how many controllers.
-        seed: of what the network does.
+        design: design of the controller.
+        config: settings of the link.
+        episodes: number of controllers.
+        seed: seed of the network's loss and delays.
 
     Raises: InputError if there is no compiler.
     """

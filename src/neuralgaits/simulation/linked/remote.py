@@ -1,8 +1,8 @@
-"""Episodes whose controller is another process: readings go out, commands come back.
+"""Run episodes whose controller is another process: readings go out, commands come back.
 
 In lock-step the simulation waits for every answer, so a walk is the same each time. In real time
-it takes a control period for a tick, goes on with the last command where an answer is late, and
-counts that.
+it takes a control period for a tick, continues with the last command where an answer is late, and
+counts such ticks.
 """
 
 import time as clock
@@ -38,13 +38,13 @@ from neuralgaits.simulation.ticks.tick import account, begin
 
 _ANSWER_TIMEOUT_S = 10.0
 _DEADLINE_SHARE = 0.8
-"""Share of a tick after which the plant goes on without an answer: it needs the rest itself."""
+"""Share of a tick after which the plant continues without an answer; it needs the rest itself."""
 _SPIN_S = 2e-4
-"""Time before a tick that is waited for without sleeping: a sleep wakes up that late."""
+"""Time before a tick that is spent without sleeping [s], because a sleep may end that late."""
 
 
 class Remote:
-    """Controller processes, one an episode. Use as a context."""
+    """Controller processes, one for each episode. Use as a context."""
 
     def __init__(
         self,
@@ -57,11 +57,11 @@ class Remote:
         """Start the processes.
 
         Args:
-            program: compiled from the export of the run.
+            program: program compiled from the run's export.
             laws: names of its laws, in their order.
-            config: of the link.
-            episodes: how many walk at once; in real time only one can.
-            seed: of what the network does.
+            config: settings of the link.
+            episodes: number of robots that walk at once; in real time only one.
+            seed: seed of the network's loss and delays.
         """
         if config.law not in laws:
             raise InputError(f"link law: expected one of {', '.join(laws)}, found {config.law!r}")
@@ -84,16 +84,16 @@ class Remote:
         self._steps: list[float] = []
 
     def __enter__(self) -> "Remote":
-        """The processes themselves."""
+        """Return the running processes for a `with` block."""
         return self
 
     def __exit__(self, *_) -> None:
-        """End them."""
+        """End all processes of the controllers."""
         for link in self._links:
             link.close()
 
     def batch(self, scene: Scene, local: Batch) -> Batch:
-        """The tick of a scene with the processes in the place of its law."""
+        """Return the tick of a scene with the processes in the place of its law."""
         look, judge = _compiled(scene)
         robot = scene.controller.robot
         self._period_s = scene.controller.period_s
@@ -117,7 +117,7 @@ class Remote:
         return local._replace(tick=tick)
 
     def summary(self) -> LinkFigures:
-        """What the link did."""
+        """Return the link's figures: packets, losses and late answers."""
         ways = [*self._up, *self._down]
         return LinkFigures(
             law=self._config.law,
@@ -144,7 +144,7 @@ class Remote:
     def _exchange(
         self, layout: MjcfLayout, seen: Measurement, wanted: Float[np.ndarray, "B p"]
     ) -> list[tuple[Answer | None, bool]]:
-        """Ask every controller; for each the last command, and whether the leg changed."""
+        """Query every controller; return the last commands, and whether each leg has changed."""
         if not self._config.lockstep:
             self._wait()
         self._tick += 1
@@ -163,7 +163,7 @@ class Remote:
         return results
 
     def _wait(self) -> None:
-        """Until the next tick is due."""
+        """Wait until the next tick is due."""
         due = self._began + self._period_s * self._tick
         late = clock.monotonic() - due
         if late > self._period_s:
@@ -177,7 +177,7 @@ class Remote:
             pass
 
     def _collect(self, i: int, waiting: set[int], sent: float, deadline: float) -> None:
-        """Put answers on their way back, until all have come or it is too late."""
+        """Queue answers on their way back, until all have come or it is too late."""
         while True:
             packets = self._links[i].read(deadline if waiting else sent)
             for answer in filter(None, map(unpack_answer, packets)):
@@ -194,7 +194,7 @@ class Remote:
                 return
 
     def _newest(self, i: int) -> tuple[Answer | None, bool]:
-        """The last command that has arrived; a change of leg is told once."""
+        """Return the last command that has arrived; a change of leg is reported once."""
         before = self._last[i]
         for answer in self._down[i].arrived(self._tick):
             last = self._last[i]
@@ -209,7 +209,7 @@ class Remote:
 
 
 def _row(answer: Answer | None, touchdown: bool, silent: np.ndarray) -> Float[np.ndarray, " a"]:
-    """What the compiled part of a tick needs of an answer."""
+    """Return the numbers of an answer for the compiled part of a tick."""
     if answer is None:
         return np.concatenate([[0.0, 0.0, 0.0], silent])
     flags = [float(answer.leg), float(touchdown), float(answer.saturated)]
@@ -224,7 +224,7 @@ def _percentiles(values: list[float]) -> LinkTimes | None:
 
 
 def _compiled(scene: Scene) -> tuple[Callable[..., Any], Callable[..., Any]]:
-    """Sensors and wishes of packed readings; and carries, readings, answers to a tick's results."""
+    """Compile sensing and commands of packed readings, and the results of a tick with answers."""
     robot = scene.controller.robot
     leg_joints, m = robot.n // 2, robot.n - 1
     _, carry_of = ravel_pytree(begin(scene, jnp.zeros((), jnp.int32)))

@@ -1,4 +1,4 @@
-"""The wire to a controller in a process of its own: UDP datagrams, see docs/link.md."""
+"""Datagrams (UDP) to and from a controller in a process of its own, see docs/link.md."""
 
 import selectors
 import socket
@@ -23,23 +23,23 @@ _SEQUENCES = 2**32
 
 
 class Answer(NamedTuple):
-    """A command from the controller."""
+    """A command from the controller, as decoded."""
 
     sequence: int
-    """Of the reading it answers."""
+    """Number of the reading that it answers."""
     leg: int
-    """Stance leg."""
+    """Stance leg of the controller."""
     touchdown: bool
     """Whether the stance leg has just changed."""
     saturated: bool
-    """Whether the law wanted more than the limits."""
+    """Whether the law's torque was above the limits."""
     stale: bool
-    """Whether a later reading had come before: then nothing was computed."""
+    """Whether a later reading had come before; nothing was computed then."""
     fault: int
-    """0, or why torques are zero: `control.safeguard.Fault`."""
+    """Reason why torques are zero, `control.safeguard.Fault`; 0 for none."""
     numbers: Float[np.ndarray, " a"]
-    """motors, torques [2 k each], actuated, y_d, dy_d [m each], z [2], what the step before and
-    this one were told [p each], since touchdown, step us."""
+    """Further numbers: motors, torques [2 k each], actuated, y_d, dy_d [m each], z [2], commands of
+    the step before and of this one [p each], time since touchdown, step us."""
 
 
 def pack_reading(
@@ -48,7 +48,7 @@ def pack_reading(
     sequence: int,
     wanted: Sequence[float] | Float[np.ndarray, " p"] = (),
 ) -> bytes:
-    """The datagram of a reading, in the signs and zeros of the robot file; commands wished for."""
+    """Return a reading's datagram, in the robot file's signs and zeros, with requested commands."""
     signs, offsets = np.array(layout.leg_joint_signs), np.array(layout.leg_joint_offsets)
     turn = float(measurement.pitch) - layout.root_angle
     dpitch = float(measurement.dpitch)
@@ -68,12 +68,12 @@ def pack_reading(
 
 
 def sequence_of(packet: bytes) -> int:
-    """Number of a reading."""
+    """Return the number of a reading."""
     return _HEAD.unpack_from(packet)[1]
 
 
 def unpack_answer(packet: bytes) -> Answer | None:
-    """Read a command, None if it is not one."""
+    """Decode a command; return None for any other packet."""
     if len(packet) < _HEAD.size or packet[:4] != b"NGC1":
         return None
     _, sequence, flags, fault = _HEAD.unpack_from(packet)
@@ -95,7 +95,7 @@ class Link:
         """Start the process.
 
         Args:
-            program: compiled from an export.
+            program: program compiled from an export.
             log: file for the controller's own log.
         """
         extra = [] if log is None else ["--log", str(log)]
@@ -118,11 +118,11 @@ class Link:
         self._selector.register(self._socket, selectors.EVENT_READ)
 
     def __enter__(self) -> "Link":
-        """The link itself."""
+        """Return the link for a `with` block."""
         return self
 
     def __exit__(self, *_) -> None:
-        """End the process."""
+        """End the process of the controller."""
         self.close()
 
     def start(
@@ -134,9 +134,9 @@ class Link:
         limit: float,
         first: Sequence[float] | Float[np.ndarray, " p"] = (),
     ) -> None:
-        """Begin an episode at some commands and wait until the controller has.
+        """Begin an episode at some commands and wait until the controller is ready.
 
-        Raises: InputError if it will not.
+        Raises: InputError if the controller does not start.
         """
         head = _HEAD.pack(b"NGS1", sequence, law, leg)
         self.write(head + np.array([blend_s, limit, *first]).astype("<f8").tobytes())
@@ -148,11 +148,11 @@ class Link:
         raise InputError("expected the controller process to start an episode, found silence")
 
     def write(self, packet: bytes) -> None:
-        """Send one datagram."""
+        """Send one datagram to the controller."""
         self._socket.send(packet)
 
     def read(self, deadline: float) -> list[bytes]:
-        """Datagrams that have come; waits for one until `deadline` (monotonic clock, s)."""
+        """Return datagrams that have come; wait for one until `deadline` (monotonic clock, s)."""
         found = self._drain()
         if not found:
             self._selector.select(max(0.0, deadline - time.monotonic()))

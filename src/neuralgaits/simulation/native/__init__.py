@@ -1,1 +1,1 @@
-"""Walks by compiled code: `c/walk.c`, its structures in Python, and the loop around it."""
+"""Walks in compiled code: `c/walk.c`, its structures in Python, and the loop around it."""

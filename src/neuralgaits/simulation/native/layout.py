@@ -1,4 +1,4 @@
-"""The structures of `c/walk.h` for one robot: ctypes for what is shared, NumPy for records.
+"""Structures of `c/walk.h` for one robot: ctypes for shared data, NumPy for records.
 
 Sizes are compared with the library's own when it is loaded, so the two cannot drift apart.
 """
@@ -14,16 +14,16 @@ _Fields = list[tuple[str, Any]]
 
 
 class Layout(NamedTuple):
-    """Types of one robot."""
+    """Types of the C structures for one robot."""
 
     scene: type[Structure]
-    """`ng_scene`."""
+    """Type of the C structure `ng_scene`."""
     walk: type[Structure]
-    """`ng_walk`."""
+    """Type of the C structure `ng_walk`."""
     law: type[Structure]
-    """`ng_law`."""
+    """Type of the C structure `ng_law`."""
     record: np.dtype
-    """`ng_record`."""
+    """Type of the C structure `ng_record`."""
 
 
 def _structure(name: str, fields: _Fields) -> type[Structure]:
@@ -35,7 +35,7 @@ def _reals(*names: str) -> _Fields:
 
 
 def _told(commands: int) -> _Fields:
-    """What a walk is told next."""
+    """Return the fields of a walk's coming commands."""
     return [
         ("orders", c_void_p),
         ("orders_used", c_int),
@@ -47,13 +47,13 @@ def _told(commands: int) -> _Fields:
 
 @lru_cache
 def layout_of(leg_joints: int, actuated: int, commands: int = 0, step: int = 0) -> Layout:
-    """Types of a robot and a gait.
+    """Return the types of a robot and a gait.
 
     Args:
-        leg_joints: of a leg.
-        actuated: joints of both.
-        commands: that the gait is told.
-        step: numbers that the gait computes once a step.
+        leg_joints: number of joints of a leg.
+        actuated: number of actuated joints of both legs.
+        commands: number of the gait's commands.
+        step: how many numbers the gait computes once a step.
     """
     m, n = actuated, actuated + 1
     by_leg, pair, of_joints = c_double * leg_joints * 2, c_double * 2, c_double * m
@@ -211,12 +211,12 @@ def layout_of(leg_joints: int, actuated: int, commands: int = 0, step: int = 0) 
 
 
 def pointer(array: np.ndarray | None) -> c_void_p:
-    """Where an array begins; null without one."""
+    """Return the address of an array's first element; null without one."""
     return c_void_p(None) if array is None else c_void_p(array.ctypes.data)
 
 
 def address(function: Any) -> int:
-    """Where a function of a loaded library begins."""
+    """Return the address of a function of a loaded library."""
     value = ctypes.cast(function, c_void_p).value
     assert value is not None
     return value

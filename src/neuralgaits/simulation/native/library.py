@@ -1,4 +1,4 @@
-"""The compiled walk of one robot and one policy, loaded."""
+"""Load the compiled walk of one robot and one policy; `simulation.native_walk` compiles it."""
 
 # pyright: reportAttributeAccessIssue=false
 # MuJoCo ships no type stubs.
@@ -16,22 +16,22 @@ from neuralgaits.simulation.native.layout import Layout, address, layout_of
 
 
 class NativeError(Exception):
-    """Why compiled code cannot be used here, in words that follow "because"."""
+    """Raised when compiled code cannot be used; the message can follow the word because."""
 
 
 class Library:
-    """The compiled walk of one robot and one policy.
+    """Compiled walk of one robot and one policy.
 
     Attributes:
         layout: types of its structures.
     """
 
     def __init__(self, path: Path, controller: Controller):
-        """Load it.
+        """Load the library.
 
         Args:
-            path: of the file.
-            controller: that it was written from; its law and torque limits may be exchanged.
+            path: path of the file.
+            controller: source of the library; its law and torque limits may be exchanged.
 
         Raises: NativeError if it does not load or was made for something else.
         """
@@ -63,12 +63,12 @@ class Library:
         library.ng_walk_catch(byref(c_void_p.in_dll(engine, "mju_user_error")))
 
     def fits(self, controller: Controller) -> bool:
-        """Whether it was written from this controller, but for law and torque limits."""
+        """Return whether it was written from this controller, apart from law and torque limits."""
         return _equal(self._made_for, _written(controller))
 
 
 def _written(controller: Controller) -> tuple:
-    """What of a controller stands in its C as constants."""
+    """Return the parts of a controller that its C code has as constants."""
     return (
         controller.robot,
         controller.policy,
@@ -80,13 +80,13 @@ def _written(controller: Controller) -> tuple:
 
 
 def _equal(one: tuple, other: tuple) -> bool:
-    """Whether two trees are the same, arrays compared outside JAX: nothing is compiled for it."""
+    """Return whether two trees are equal; arrays are compared outside JAX, to compile nothing."""
     (here, form), (there, other_form) = jax.tree.flatten(one), jax.tree.flatten(other)
     return form == other_form and all(map(np.array_equal, here, there))
 
 
 def mujoco_library() -> Path:
-    """MuJoCo's own library, which its wheel brings. Raises: NativeError without it."""
+    """Load MuJoCo's own library from its wheel. Raises: NativeError without it."""
     folder = Path(mujoco.__file__).parent
     found = [
         file

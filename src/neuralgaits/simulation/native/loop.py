@@ -1,7 +1,7 @@
-"""Walks by compiled code: the exported controller and `mj_step` in one loop, no Python in a tick.
+"""Walks in compiled code: exported controller and `mj_step` in one loop, no Python in a tick.
 
-`c/walk.c` is compiled together with the C of a gait (see `simulation.native_walk`). What a tick
-means is that of `tick` and `lockstep`, number for number but for rounding; tests compare them.
+`c/walk.c` is compiled together with the C of a gait (see `simulation.native_walk`). A tick gives
+the numbers of `tick` and `lockstep`, apart from rounding; tests compare them.
 """
 
 # pyright: reportAttributeAccessIssue=false
@@ -34,21 +34,21 @@ from neuralgaits.simulation.ticks.lockstep import Episodes
 from neuralgaits.simulation.ticks.strides import Strides, width
 
 _CHUNK = 4096
-"""Ticks between two looks at whether to go on: a few tens of milliseconds."""
+"""Ticks between two checks whether to continue: a few tens of milliseconds."""
 _TOUCHDOWNS = _CHUNK // 10
-"""More than there can be in as many ticks: a lockout of a tenth of a second follows each."""
+"""Bound on the touchdowns in as many ticks: a lockout of a tenth of a second follows each."""
 _REFUSED = -1
 
 
 def _with_its_own(scene: Any, plant: Plant) -> Any:
-    """The scene of one episode, whose plant is its own; the law stays that of the first scene."""
+    """Return the scene of one episode with its own plant; the law stays that of the first scene."""
     own = type(scene).from_buffer_copy(scene)
     own.model = plant.model._address
     return own
 
 
 class _Kept:
-    """One episode's end and what was recorded of it."""
+    """End of one episode, and its records."""
 
     def __init__(self, walk: Any):
         self.walk = walk
@@ -72,15 +72,15 @@ def run(
     """Run every episode to its end, as `lockstep.run` does.
 
     Args:
-        library: compiled for the controller's robot and policy.
-        plant: of all episodes, or of the first one on a course.
-        controller: of all episodes.
+        library: library compiled for the controller's robot and policy.
+        plant: plant of all episodes, or of the first one on a course.
+        controller: controller of all episodes.
         states: MuJoCo states to start from (time, qpos, qvel).
-        given: to them.
-        steps: touchdowns of a walk.
-        falls: thresholds.
-        threads: at most this many walk at once.
-        plants: that of each episode, where they differ; always so on courses.
+        given: inputs of the episodes.
+        steps: number of touchdowns of a walk.
+        falls: thresholds of a fall.
+        threads: largest number of walks at once.
+        plants: plant of each episode, where they differ, as on courses.
 
     Raises: NonFiniteError if MuJoCo gives up, InputError for the library of another gait.
     """
@@ -136,7 +136,7 @@ def _episode(
     episode: int,
     stop: threading.Event,
 ) -> _Kept:
-    """One episode from its start to its end."""
+    """Run one episode from its start to its end."""
     model, layout = plant.model, library.layout
     mujoco.mj_resetData(model, data)
     start = states[episode]
@@ -199,14 +199,14 @@ def _episode(
 
 
 class _Orders:
-    """Enough of what touchdowns to come are to latch."""
+    """Commands for the touchdowns of one chunk, in sufficient number."""
 
     def __init__(self, orders: Orders, episode: int):
         self._rest = orders.of(episode)
         self._rows = np.zeros((0, len(orders.commands)))
 
     def lay(self, walk: Any) -> None:
-        """Before a chunk."""
+        """Provide the commands of a chunk before it runs."""
         if not self._rows.shape[1]:
             return
         left = self._rows[walk.orders_used :]
@@ -216,7 +216,7 @@ class _Orders:
 
 
 def _gauge(walks: list[Any]) -> Gauge:
-    """The figures of walks, with a leading axis."""
+    """Return the figures of walks, with a leading axis."""
 
     def of(name: str, whole: bool = False) -> np.ndarray:
         return np.array([getattr(walk, name) for walk in walks], np.int32 if whole else None)

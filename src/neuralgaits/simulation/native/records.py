@@ -1,4 +1,4 @@
-"""What compiled walks recorded, as the `Record` that everything else reads."""
+"""Convert records of compiled walks to `Record`, which all other code reads."""
 
 import jax
 import jax.numpy as jnp
@@ -12,15 +12,15 @@ from neuralgaits.simulation.ticks.sensors import true_z
 from neuralgaits.simulation.ticks.tick import Record
 
 NEVER_S = 1e30
-"""NG_NEVER: time since a touchdown that has not been."""
+"""Value of NG_NEVER: time since a touchdown while there is none [s]."""
 
 
 def record_of(rows: np.ndarray, plant_robot: PlanarBiped) -> Record:
-    """A `Record` with a leading axis of ticks.
+    """Return a `Record` with a leading axis of ticks.
 
     Args:
-        rows: of `ng_record`. [T]
-        plant_robot: for z with the plant's own masses.
+        rows: rows of `ng_record`. [T]
+        plant_robot: robot that gives z with the plant's own masses.
     """
     leg = rows["leg"].astype(np.int32)
     since = rows["since_touchdown"]
@@ -51,7 +51,7 @@ def _plant_z(robot: PlanarBiped, truth: Measurement, leg: Array) -> Array:
 
 
 def _padded(tree):
-    """To a power of two ticks, so that walks of all lengths share few compilations."""
+    """Pad to a power of two ticks, so that walks of all lengths share few compilations."""
 
     def pad(leaf: np.ndarray) -> Array:
         longer = 1 << max(10, (len(leaf) - 1).bit_length())

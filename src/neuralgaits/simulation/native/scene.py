@@ -1,4 +1,4 @@
-"""What stays fixed during a simulation, as compiled walks read it: `ng_scene` of `c/walk.h`."""
+"""Constants of a simulation for compiled walks: `ng_scene` of `c/walk.h`."""
 
 import ctypes
 from ctypes import POINTER
@@ -21,7 +21,7 @@ _LONGEST_US = 0xFFFFFFFF
 
 
 def knows(law: AbstractLaw) -> bool:
-    """Whether compiled controllers have this law."""
+    """Return whether compiled controllers have this law."""
     return type(law) in (Pd, Fblin, ClfQp)
 
 
@@ -33,7 +33,7 @@ def scene_of(
     falls: FallConfig,
     push: Push,
 ) -> Any:
-    """`ng_scene` of a plant and a controller."""
+    """Return `ng_scene` of a plant and a controller."""
     wires, layout, robot = plant.wires, plant.wires.layout, controller.robot
     types, disturbance = library.layout, plant.disturbance
     leg_length = float(np.sum(robot.hip))
@@ -73,7 +73,7 @@ def scene_of(
 
 
 def _set_ground(scene: Any, plant: Plant, controller: Controller) -> None:
-    """Blocks, if there are any, and which commands are about the ground."""
+    """Set the blocks, if there are any, and mark the commands that the ground gives."""
     course = plant.course
     scene.gap_depth = np.inf if course is None else course.gap_depth
     scene.course, scene.stones = int(course is not None), int(course is not None and course.stones)
@@ -97,7 +97,7 @@ def _set_law(law: Any, wanted: AbstractLaw) -> None:
 
 
 def _set_program(library: Library, scene: Any, controller: Controller) -> None:
-    """The quadratic program of a law that has one in place of clipping."""
+    """Set the quadratic program of a law that has one in place of clipping."""
     law, own = controller.law, scene.clf_qp
     for name in ("bandwidth", "price", "contact_price", "least_normal"):
         setattr(own, name, float(getattr(law, name)))
@@ -107,7 +107,7 @@ def _set_program(library: Library, scene: Any, controller: Controller) -> None:
 
 
 def _set_config(scene: Any, types: Layout, controller: Controller) -> None:
-    """The limits of the robot and no others: a simulation shows what a law does."""
+    """Set the robot's own limits and no others: a simulation shows the law by itself."""
     config = scene.config
     config.law = ctypes.cast(ctypes.addressof(scene) + types.scene.law.offset, POINTER(types.law))
     _fill(config.torque_limit, controller.torque_limit)

@@ -1,1 +1,1 @@
-"""What an episode is given: plant, ground, disturbances, orders and where it starts."""
+"""Inputs of an episode: plant, ground, disturbances, commands and start."""

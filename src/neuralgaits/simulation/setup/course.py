@@ -1,7 +1,7 @@
-"""Courses of solid blocks: where their tops are, and what a robot that sees them is told.
+"""Courses of solid blocks: their tops, and the commands that a robot on them gets.
 
-A robot sees one step ahead. While it steps to one foothold, it is told of the step after it, from
-where its swing foot is; what was told last when the foot comes down is latched.
+A robot sees one step ahead. While it steps to one foothold, it gets commands for the step after it,
+from the place of its swing foot; the last ones before touchdown are latched.
 """
 
 from dataclasses import dataclass
@@ -13,9 +13,9 @@ from neuralgaits.gait.commands import place_of
 from neuralgaits.simulation.setup.orders import Orders
 
 GAP_DEPTH_M = 0.03
-"""A foot this far below the stones before and behind it has missed them."""
+"""Depth below the stones before and behind it at which a foot has missed them [m]."""
 _BEFORE_END_M = 1.0
-"""Of the last slope, not walked on."""
+"""Length of the last slope's end that no step uses [m]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -23,9 +23,9 @@ class Course:
     """The ground of one episode.
 
     Attributes:
-        tops: of the blocks, from back to front: ends (x, z), (x, z) [m]. [K, 4]
-        seen: of stones their middles (x, z) [m], the first one under the foot that the walk starts
-            on; of slopes x [m] and the slope from there to a step further on [rad]. [S, 2]
+        tops: tops of the blocks, from back to front: ends (x, z), (x, z) [m]. [K, 4]
+        seen: for stones their middles (x, z) [m], the first one under the foot that the walk starts
+            on; for slopes x [m] and the slope from there to a step further on [rad]. [S, 2]
         stones: whether each step has to end on a block of its own.
     """
 
@@ -34,31 +34,31 @@ class Course:
     stones: bool
 
     def height(self, x: float) -> float:
-        """Of the ground at a place, or of the line between two blocks over a gap (m)."""
+        """Return the height of the ground at a place, or of the line between two blocks (m)."""
         return float(np.interp(x, self.tops[:, 0::2].ravel(), self.tops[:, 1::2].ravel()))
 
     def line(self, x: float) -> float:
-        """Of the way at a place: between the middles of stones, or of the ground (m)."""
+        """Return the height of the way at a place: between stones' middles, or the ground's (m)."""
         return float(np.interp(x, *self.seen.T)) if self.stones else self.height(x)
 
     @property
     def gap_depth(self) -> float:
-        """How far below its stones a foot has missed them [m]; infinite where there are no gaps."""
+        """Return the depth at which a foot has missed its stones [m]; infinite without gaps."""
         return GAP_DEPTH_M if self.stones else np.inf
 
     def ends(self, touchdowns: int, foot: float) -> bool:
-        """Whether a robot has come to the last stone, or a metre before the end of a slope.
+        """Return whether a robot has reached the last stone, or a metre before the end of a slope.
 
         Args:
-            touchdowns: so far.
-            foot: x of the standing one (m).
+            touchdowns: number so far.
+            foot: x of the standing foot (m).
         """
         if self.stones:
             return touchdowns >= len(self.seen) - 1
         return foot > self.tops[-1, 2] - _BEFORE_END_M
 
     def misses(self, places: Float[np.ndarray, " T"]) -> Float[np.ndarray, " T"]:
-        """How far feet came down from the middle of their stones, those at touchdowns (m)."""
+        """Return the distance of feet at touchdowns from the middle of their stones (m)."""
         middles = self.seen[1:, 0]
         count = min(len(places), len(middles))
         return places[:count] - middles[:count]
@@ -66,12 +66,12 @@ class Course:
 
 @dataclass(frozen=True, eq=False)
 class Courses:
-    """The ground of every episode.
+    """Ground of every episode.
 
     Attributes:
-        each: of them.
-        orders: what their first steps are told, and what the ground leaves open later on.
-        foot_radius: of the robot [m].
+        each: course of each episode.
+        orders: commands of the first steps, and later those that the ground does not give.
+        foot_radius: radius of the robot's feet [m].
     """
 
     each: tuple[Course, ...]
@@ -80,16 +80,16 @@ class Courses:
 
     @property
     def stones(self) -> bool:
-        """Whether steps have to end on stones."""
+        """Return whether steps have to end on stones."""
         return self.each[0].stones
 
     @property
     def gap_depth(self) -> float:
-        """How far below its stones a foot has missed them [m]; infinite where there are no gaps."""
+        """Return the depth at which a foot has missed its stones [m]; infinite without gaps."""
         return self.each[0].gap_depth
 
     def first_levels(self) -> Float[np.ndarray, "B 2"]:
-        """Levels of the first foothold and, under the swing foot, of the one before it (m)."""
+        """Return levels of the first foothold and of the one before, under the swing foot (m)."""
         at = place_of(self.orders.commands, "step_height")
         rise = 0.0 if at is None else float(self.orders.first[at])
         return np.tile([0.0, -rise], (len(self.each), 1))
@@ -101,7 +101,7 @@ class Courses:
         leg: Int[np.ndarray, " B"],
         feet: Float[np.ndarray, "B 2 2"],
     ) -> None:
-        """Write into levels (m) where feet have come down; `feet` are stance and swing feet."""
+        """Write levels (m) of touchdowns; `feet` are stance and swing feet."""
         for i in np.flatnonzero(touchdown):
             levels[i, leg[i]] = feet[i, 0, 1] - self.foot_radius
 
@@ -112,12 +112,12 @@ class Courses:
         touchdowns: int,
         foot: Float[np.ndarray, "2"],
     ) -> None:
-        """Write over what an episode is told what its robot sees now.
+        """Overwrite an episode's commands with those that its robot sees now.
 
         Args:
-            told: of the next touchdown. [p]
-            episode: its number.
-            touchdowns: so far.
+            told: commands of the next touchdown. [p]
+            episode: number of the episode.
+            touchdowns: number so far.
             foot: the swing foot, (x, z) (m).
         """
         course, commands = self.each[episode], self.orders.commands
@@ -138,16 +138,16 @@ class Courses:
 
 
 def stones_at(middles: Float[np.ndarray, "K 2"], widths: Float[np.ndarray, " K"]) -> Course:
-    """Stones with level tops: their middles (x, z) and widths (m)."""
+    """Return stones with level tops: their middles (x, z) and widths (m)."""
     half = 0.5 * widths
     x, z = middles.T
     return Course(np.stack([x - half, z, x + half, z], axis=1), middles, stones=True)
 
 
 def joined(course: Course, last: int, more: Course) -> Course:
-    """Stones up to one of them, and in its place the first of others, which go on from there.
+    """Join stones up to one of them to others, whose first one replaces it.
 
-    The stone itself stays as wide as it is.
+    The stone itself keeps its width.
     """
     ahead = course.seen[last] - more.seen[0]
     return Course(

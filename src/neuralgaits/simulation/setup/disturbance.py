@@ -1,4 +1,4 @@
-"""Named differences between the plant and the model: what `--disturb NAME=VALUE,...` means."""
+"""Named differences between the plant and the model: the values of `--disturb NAME=VALUE,...`."""
 
 import math
 from collections.abc import Mapping
@@ -16,15 +16,15 @@ def _quantity(default: float | None, lowest: float, highest: float, meaning: str
 
 @dataclass(frozen=True)
 class Disturbance:
-    """How the plant differs from its robot file; the defaults are no difference.
+    """Differences of the plant from its robot file; the defaults are no difference.
 
     Attributes:
         friction: sliding friction coefficient between feet and floor; None keeps the file's.
-        torque_limit: of every joint, known to the controller [N m]; None keeps the file's.
-        delay_ms: from reading the sensors to the torque, whole milliseconds.
+        torque_limit: limit of every joint, known to the controller [N m]; None keeps the file's.
+        delay_ms: delay from reading the sensors to the torque, whole milliseconds.
         floor_height: the floor goes up or down by this much, or not at all, from one foothold
             to the next, each with probability 1/3 [m].
-        slope_deg: of the floor, positive uphill.
+        slope_deg: slope of the floor, positive uphill.
         mass_scale: factor on all masses and inertias.
         torso_shift_m: the torso's centre of mass moves forward by this [m].
         joint_friction: dry friction of every actuated joint [N m].
@@ -32,10 +32,11 @@ class Disturbance:
         rate_noise: standard deviation of every measured rate, pitch included [rad/s].
         encoder_step: resolution of every measured angle, pitch included; noise comes before
             rounding [rad].
-        pitch_noise: standard deviation of the measured pitch, beside that of every angle [rad].
-        pitch_offset: of the measured pitch [rad].
-        estimator: 1 for a controller that is told no rates and no velocity and estimates them
-            from angles, pitch and contact; 0 for one that is told them.
+        pitch_noise: standard deviation of the measured pitch, in addition to that of every angle
+            [rad].
+        pitch_offset: offset of the measured pitch [rad].
+        estimator: 1 for a controller that gets no rates and no velocity and estimates them from
+            angles, pitch and contact; 0 for one that gets them.
     """
 
     friction: float | None = _quantity(None, 0.0, 10.0, "friction coefficient of the feet")
@@ -79,12 +80,12 @@ class Disturbance:
 
     @property
     def noise_of_pitch(self) -> float:
-        """Standard deviation of the measured pitch [rad]."""
+        """Return the standard deviation of the measured pitch [rad]."""
         return math.hypot(self.encoder_noise, self.pitch_noise)
 
 
 def existing() -> str:
-    """Every name with its meaning, for messages and help."""
+    """Return every name with its meaning, for messages and help."""
     return "; ".join(f"{entry.name}: {entry.metadata['meaning']}" for entry in fields(Disturbance))
 
 
@@ -92,7 +93,7 @@ def parse(disturb: "str | Mapping[str, float] | Disturbance | None") -> Disturba
     """Read `NAME=VALUE,...`, or a mapping of names to values.
 
     Raises: InputError for a name that does not exist, a value that is no number, out of its
-    range or given twice; the message lists what exists.
+    range or given twice; the message lists all names.
     """
     if isinstance(disturb, Disturbance):
         return disturb

@@ -1,7 +1,7 @@
-"""The disturbances that every policy is tried on, one at a time.
+"""Disturbances on which every policy is tested, one at a time.
 
-Sizes are the project's choice of what a model of a robot may be off by; they combine, since each
-is a `Disturbance`. The robot's own numbers stand in its model file.
+The project chose their sizes as plausible errors of a robot's model; they combine, since each is a
+`Disturbance`. The robot's own numbers are in its model file.
 """
 
 from math import pi
@@ -10,7 +10,7 @@ from types import MappingProxyType
 from neuralgaits.simulation.setup.disturbance import Disturbance
 
 ENCODER_STEP_RAD = 2.0 * pi / 4096.0
-"""Twelve bits a turn."""
+"""Resolution of an encoder with twelve bits a turn [rad]."""
 
 DISTURBANCE_SET = MappingProxyType(
     {
@@ -34,4 +34,4 @@ DISTURBANCE_SET = MappingProxyType(
         "slope 3 deg down": Disturbance(slope_deg=-3.0),
     }
 )
-"""By what they are called in a table."""
+"""Disturbances by their names in tables."""

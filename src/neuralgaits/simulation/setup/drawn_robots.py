@@ -1,4 +1,4 @@
-"""Robots drawn from a box around the one of a file, one for each walk, and their floor."""
+"""Draw robots from a box around the one of a file, one for each walk, and their floor."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -13,17 +13,17 @@ from neuralgaits.robots.parameters import RobotFamily, axes_of, in_its_file
 from neuralgaits.simulation.setup.disturbance import Disturbance
 
 _STREAM = 0x0B0C5
-"""Of the random numbers of this file."""
+"""Number of this file's stream of random numbers."""
 
 
 @dataclass(frozen=True, eq=False)
 class DrawnRobots:
-    """Robots of a box, uniformly drawn; which one a walk gets depends on its number alone.
+    """Robots of a box, drawn uniformly; a walk's robot depends on its number alone.
 
     Attributes:
-        robot: in the middle of the box.
+        robot: robot in the middle of the box.
         box: half widths by kind, see `robots.parameter_box`.
-        seed: of the draws.
+        seed: seed of the draws.
     """
 
     robot: PlanarBiped
@@ -32,11 +32,11 @@ class DrawnRobots:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Of the errors."""
+        """Return the names of the errors."""
         return tuple(axis.name for axis in axes_of(self.robot, self.box))
 
     def errors(self, first: int, count: int) -> Float[np.ndarray, "B k"]:
-        """Errors of the robots of walks number `first` to `first + count - 1`."""
+        """Return errors of the robots of walks number `first` to `first + count - 1`."""
         halves = np.array([axis.half for axis in axes_of(self.robot, self.box)])
         rows = [
             np.random.default_rng((_STREAM, self.seed, number)).uniform(-1.0, 1.0, len(halves))
@@ -45,16 +45,16 @@ class DrawnRobots:
         return halves * np.array(rows).reshape(count, len(halves))
 
     def of(self, first: int, count: int) -> list[PlanarBiped]:
-        """Those robots. Raises: InputError if the box holds what is none."""
+        """Return those robots. Raises: InputError if some point of the box is no robot."""
         if not self.names:
             return [self.robot] * count
         family = RobotFamily.of(self.robot, tuple(checked_box(self.box)))
         return [in_its_file(family, errors) for errors in self.errors(first, count)]
 
     def on_its_floor(self, disturbance: Disturbance) -> Disturbance:
-        """A disturbance with the floor of the box: its least friction, footholds up and down.
+        """Return a disturbance with the floor of the box: least friction, footholds up and down.
 
-        Raises: InputError if both say something of the floor.
+        Raises: InputError if both set the floor.
         """
         named = {"floor": "floor_height", "friction": "friction"}
         found = {named[kind]: self.box[kind] for kind in named if kind in self.box}

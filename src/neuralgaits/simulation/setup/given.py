@@ -1,4 +1,4 @@
-"""What the episodes of a batch are given beside robot and control, whichever loop walks them."""
+"""Inputs of a batch of episodes beside robot and control, for every loop."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""The ground of a walk that has no end: laid anew ahead of the robot, and behind its back."""
+"""Ground of an endless walk: laid anew ahead of the robot."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -12,16 +12,16 @@ from neuralgaits.simulation.setup.terrain_kinds import Size, endless, resized, s
 from neuralgaits.simulation.setup.terrains import courses_of
 
 LAID = 600
-"""Steps that are laid at once: five minutes of walking."""
+"""Number of steps that are laid at once: five minutes of walking."""
 _KNOWN = 2
-"""Stones ahead of the foot that stands which the robot has heard of."""
+"""Number of stones ahead of the standing foot that the robot already knows."""
 
 
 class LiveCourse:
     """Ground of a kind as `simulate` lays it, in lengths of `LAID` steps.
 
     Attributes:
-        courses: of the one robot that walks.
+        courses: course of the one robot that walks.
     """
 
     def __init__(
@@ -35,18 +35,18 @@ class LiveCourse:
 
     @property
     def course(self) -> Course:
-        """What there is to walk on."""
+        """The course to walk on at present."""
         return self.courses.each[0]
 
     @property
     def sizes(self) -> Mapping[str, Size]:
-        """Sizes of stones or stairs that may change ahead of a robot that walks, as they are."""
+        """Return the present sizes of stones or stairs, which may change ahead of the robot."""
         if not (self.course.stones and endless(self._asked)):
             return {}
         return sizes_of(resized(self._asked, self._sizes), self._base.commands)
 
     def resize(self, name: str, size: float, touchdowns: int) -> None:
-        """Lay other stones beyond those that the robot has heard of.
+        """Lay other stones beyond those that the robot already knows.
 
         Raises: InputError for another name or a size out of its range (m).
         """
@@ -60,17 +60,17 @@ class LiveCourse:
         self._sizes = sizes
 
     def again(self) -> None:
-        """Begin at the first foothold, where stones are as they were at first."""
+        """Restart at the first foothold, with the first sizes of the stones around it."""
         self.courses = self._laid(self._asked)
         if self._sizes:
             self._lay(resized(self._asked, self._sizes), 0)
 
     def draw_anew(self) -> None:
-        """Have another ground of the kind when it is next begun."""
+        """Draw another ground of the kind for the next restart."""
         self._seed += 1
 
     def _lay(self, asked: str, touchdowns: int) -> None:
-        """Go on with other ground beyond what has been heard of."""
+        """Continue with other ground beyond the part that the robot knows."""
         last = min(touchdowns + _KNOWN, len(self.course.seen) - 1)
         self._seed += 1
         more = self._laid(asked).each[0]

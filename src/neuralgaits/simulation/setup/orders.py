@@ -1,4 +1,4 @@
-"""What walking robots are told: the same for ever, a table, or new commands at each touchdown."""
+"""Commands of walking robots: constant, from a table, or new at each touchdown."""
 
 import csv
 import math
@@ -15,9 +15,9 @@ from neuralgaits.gait.commands import Commands, Limits, place_of, values
 from neuralgaits.simulation.setup.disturbance import Disturbance
 
 RANDOM = "random"
-"""In the place of a file: new commands at each touchdown."""
+"""Word in place of a file for new commands at each touchdown."""
 _STREAM = 6
-"""Of an episode's random numbers; others are noise, pushes, starts and floors."""
+"""Number of this file's stream of random numbers; noise, pushes, starts and floors have others."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,12 +40,12 @@ class Orders:
     def constant(
         cls, commands: Commands, command: Float[np.ndarray, " p"] | None = None
     ) -> "Orders":
-        """The same for ever; the middle of the ranges if None."""
+        """Return constant commands; the middle of the ranges if None."""
         first = Limits.of(commands).middle if command is None else np.asarray(command)
         return cls(commands, first, first[None])
 
     def of(self, episode: int) -> Iterator[Float[np.ndarray, " p"]]:
-        """What each touchdown of an episode is to latch, one after the other, without end."""
+        """Yield the command that each touchdown of an episode latches, without end."""
         if self.seed is None:
             yield from self.table
             while True:
@@ -65,14 +65,14 @@ def orders_of(
     file: str | Path | None = None,
     seed: int = 0,
 ) -> Orders:
-    """What was asked for, checked.
+    """Return the requested commands after checks.
 
     Args:
-        commands: of the gait.
-        command: `NAME=VALUE,...` with slopes in degrees, or a mapping in SI units, told for ever;
-            those that are not named stay in the middle of their ranges.
+        commands: commands of the gait.
+        command: `NAME=VALUE,...` with slopes in degrees, or a mapping in SI units, constant; other
+            commands stay in the middle of their ranges.
         file: CSV with a row a step, or `random`.
-        seed: of random commands.
+        seed: seed of random commands.
 
     Raises: InputError with one line.
     """
@@ -96,9 +96,9 @@ def orders_of(
 
 
 def on_slope(disturbance: Disturbance, orders: Orders) -> Disturbance:
-    """The floor of a gait that is told its slope: tilted as it is told, unless it is otherwise.
+    """Return the disturbance with the commanded slope of the floor, unless it has a slope.
 
-    Raises: InputError for slopes that change: the floor is one plane.
+    Raises: InputError for slopes that change, because the floor is one plane.
     """
     at = place_of(orders.commands, "slope")
     if at is None:
@@ -139,7 +139,7 @@ def parsed(text: str) -> dict[str, float]:
 
 
 def _rows(commands: Commands, path: Path) -> Float[np.ndarray, "K p"]:
-    """Commands of a file, in their order."""
+    """Return the commands of a file, in their order."""
     try:
         with path.open(newline="", encoding="utf-8") as file:
             lines = [line for line in csv.reader(file) if any(word.strip() for word in line)]
@@ -171,7 +171,7 @@ def _rows(commands: Commands, path: Path) -> Float[np.ndarray, "K p"]:
 def _row(
     path: Path, commands: Commands, number: int, line: list[str], order: list[int]
 ) -> tuple[float, Float[np.ndarray, " p"]]:
-    """The step and the commands of a row."""
+    """Return the step and the commands of a row."""
     numbers = [_number(line[i]) for i in order] if len(line) == len(order) else [None]
     step, *told = numbers
     if step is None or any(value is None for value in told):
@@ -187,7 +187,7 @@ def _row(
 
 
 def _number(text: str) -> float | None:
-    """A finite number, or None."""
+    """Parse a finite number; return None for other text."""
     try:
         value = float(text)
     except ValueError:

@@ -1,8 +1,8 @@
-"""A robot file as a MuJoCo plant: half-millisecond steps, a floor of its own under each foot.
+"""A robot file as a MuJoCo plant: half-millisecond steps, one floor under each foot.
 
-The planes under the feet ride on mocap bodies, so floor height and slope are part of a
-simulation's input, not of its model: one compiled model serves every episode. On a course there
-are solid blocks in their place, which both feet meet, and every episode has a model of its own.
+The planes under the feet ride on mocap bodies, so floor height and slope are part of a simulation's
+input, not of its model: one compiled model serves every episode. A course has solid blocks in their
+place, which both feet meet, and every episode has a model of its own.
 """
 
 # pyright: reportAttributeAccessIssue=false
@@ -30,7 +30,7 @@ CONTROL_SPEC = (
     | mujoco.mjtState.mjSTATE_QFRC_APPLIED
     | mujoco.mjtState.mjSTATE_MOCAP_POS
 )
-"""What a tick sets: actuator controls, the push, the floors."""
+"""Inputs of a tick: actuator controls, the push, the floors."""
 
 # Bits of the collision masks: each foot meets its own plane and nothing else does.
 _FLOOR_BITS = (1 << 20, 1 << 21)
@@ -48,16 +48,16 @@ _BLOCK_COLOURS = ((0.42, 0.45, 0.50, 1.0), (0.55, 0.58, 0.62, 1.0))
 
 @dataclass(frozen=True, eq=False)
 class Plant:
-    """A compiled MuJoCo model and where the robot's quantities live in it.
+    """A compiled MuJoCo model and the places of the robot's quantities in it.
 
     Attributes:
-        robot: whose file this is; disturbances are not in its numbers.
-        model: compiled, with two floor planes on mocap bodies 0 and 1, or the blocks of a course.
-        disturbance: what was changed.
-        wires: where the robot's coordinates live in the model.
-        torque_limit: of the actuated coordinates as disturbed [N m]. [m]
+        robot: robot of the file, without the disturbances.
+        model: compiled model, with two floor planes on mocap bodies 0 and 1, or a course's blocks.
+        disturbance: changes to the robot.
+        wires: places of the robot's coordinates in the model.
+        torque_limit: limits of the actuated coordinates as disturbed [N m]. [m]
         slope: rise of the floor per metre forward.
-        course: of blocks; None for floors.
+        course: course of blocks; None for floors.
     """
 
     robot: PlanarBiped
@@ -70,11 +70,11 @@ class Plant:
 
     @property
     def delay_ticks(self) -> int:
-        """Control ticks from a reading to its torque."""
+        """Return the number of control ticks from a reading to its torque."""
         return round(self.disturbance.delay_ms * 1e-3 / (SUBSTEPS * TIMESTEP_S))
 
     def floor_positions(self, levels: Float[np.ndarray, "B 2"]) -> Float[np.ndarray, "B 6"]:
-        """Mocap positions that put the floors at these levels at x = 0. Returns: [B, 6] (m)."""
+        """Return mocap positions that put the floors at these levels at x = 0. [B, 6] (m)."""
         positions = np.zeros((levels.shape[0], 2, 3))
         positions[:, :, 2] = levels
         return positions.reshape(-1, 6)
@@ -154,7 +154,7 @@ def _add_floors(
 
 
 def _add_plane(spec: mujoco.MjSpec, leg: int, bit: int, tilt: float):
-    """The floor under a foot, tilted (rad)."""
+    """Add the floor under a foot, tilted (rad)."""
     body = spec.worldbody.add_body(name=f"_floor_{leg}", mocap=True)
     body.quat = _tilted(tilt)
     return body.add_geom(
@@ -168,7 +168,7 @@ def _add_plane(spec: mujoco.MjSpec, leg: int, bit: int, tilt: float):
 
 
 def _add_blocks(spec: mujoco.MjSpec, course: Course) -> None:
-    """Boxes below the tops of a course, for both feet."""
+    """Add boxes below the tops of a course, for both feet."""
     for number, (x0, z0, x1, z1) in enumerate(course.tops):
         tilt, length = math.atan2(z1 - z0, x1 - x0), math.hypot(x1 - x0, z1 - z0)
         half = 0.5 * _BLOCK_DEPTH
@@ -189,7 +189,7 @@ def _add_blocks(spec: mujoco.MjSpec, course: Course) -> None:
 
 
 def _tilted(angle: float) -> list[float]:
-    """Quaternion that turns x up by an angle (rad)."""
+    """Return the quaternion that turns x up by an angle (rad)."""
     return [math.cos(angle / 2), 0.0, -math.sin(angle / 2), 0.0]
 
 

@@ -1,4 +1,4 @@
-"""A horizontal push, the same impulse for every episode, each at its own moment.
+"""Horizontal push with one impulse for every episode, each at its own moment.
 
 It acts at the pitch axis of the robot file's root: at the hip in every built-in robot.
 """
@@ -14,7 +14,7 @@ WINDOW_S = 0.5
 
 
 class Push:
-    """When each episode is pushed.
+    """Push of each episode, with its moment.
 
     Attributes:
         force: forward force while the push lasts [N].
@@ -35,7 +35,7 @@ class Push:
         self._start = np.where(self.steps_before == 0, self._wait, np.inf)
 
     def moments(self, episode: int) -> tuple[float, float]:
-        """Time from its touchdown to an episode's push, and when that begins as far as is known.
+        """Return the time from its touchdown to an episode's push, and when the push begins.
 
         Returns: both (s), the second infinite before that touchdown.
         """
@@ -44,7 +44,7 @@ class Push:
     def at(
         self, time: float, touchdown: Bool[np.ndarray, " B"], count: Float[np.ndarray, " B"]
     ) -> Float[np.ndarray, " B"]:
-        """Forward force on each robot at this time. Returns: [B] (N)."""
+        """Return the forward force on each robot at this time. Returns: [B] (N)."""
         if not self.force:
             return np.zeros(len(touchdown))
         due = touchdown & (count == self.steps_before)

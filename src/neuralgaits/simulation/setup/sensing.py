@@ -1,4 +1,4 @@
-"""What a controller is told of the plant: `--sensing perfect|encoders,NAME=VALUE,...`."""
+"""Sensors of a plant's controller: the values of `--sensing perfect|encoders,NAME=VALUE,...`."""
 
 import math
 from dataclasses import replace
@@ -8,22 +8,22 @@ from neuralgaits.simulation.setup.disturbance import Disturbance
 
 PERFECT, ENCODERS = "perfect", "encoders"
 BITS = 14
-"""Of a joint encoder, steps of a turn: a usual absolute encoder of a robot's joint."""
+"""Resolution of a joint encoder in bits a turn: a usual absolute encoder of a robot's joint."""
 PITCH_NOISE = 1e-3
-"""Of an inertial unit's pitch, standard deviation [rad]."""
+"""Standard deviation of an inertial unit's pitch [rad]."""
 DELAY_MS = 2.0
-"""From reading to torque [ms]."""
+"""Delay from reading to torque [ms]."""
 _MOST_BITS = 32
 _NAMES = ("bits", "pitch_noise", "pitch_offset", "delay_ms")
-"""What may be set."""
+"""Names of settings that `encoders` takes."""
 
 
 def sensed(disturbance: Disturbance, sensing: str | None) -> Disturbance:
-    """A plant with the sensors that are asked for; None leaves it as it is.
+    """Return a plant's disturbance with the requested sensors; None changes nothing.
 
-    What is disturbed and not named by `sensing` keeps its disturbance: a longer delay, say.
+    A disturbance that `sensing` does not name stays, such as a longer delay.
 
-    Raises: InputError in one line for what cannot be meant.
+    Raises: InputError in one line for an invalid value.
     """
     if sensing is None:
         return disturbance
@@ -53,7 +53,7 @@ def sensed(disturbance: Disturbance, sensing: str | None) -> Disturbance:
 
 
 def name_of(disturbance: Disturbance) -> str:
-    """What a controller is told there, in a word."""
+    """Return the name of the sensing of a disturbed plant."""
     return ENCODERS if disturbance.estimator else PERFECT
 
 
@@ -77,7 +77,7 @@ def _read(settings: list[str]) -> dict[str, float]:
 
 
 def _step(bits: float) -> float:
-    """Resolution of an encoder [rad]."""
+    """Return the resolution of an encoder [rad]."""
     if not (1 <= bits <= _MOST_BITS and bits == int(bits)):
         raise InputError(
             f"sensing bits: expected a whole number from 1 to {_MOST_BITS}, found {bits:g}"

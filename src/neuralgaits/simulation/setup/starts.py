@@ -1,4 +1,4 @@
-"""Where an episode starts: on the zero dynamics manifold of a gait, standing on leg 0."""
+"""Starts of episodes: on the zero dynamics manifold of a gait, standing on leg 0."""
 
 import jax
 import jax.numpy as jnp
@@ -17,22 +17,22 @@ KINDS = ("centre", "region", "fixed-point")
 # Phases at which the fences are read to find the momenta of a tube.
 _FENCE_SAMPLES = 101
 _TOGETHER = 16
-"""States that are computed at once."""
+"""Number of states that are computed at once."""
 _PAIRS = 100
-"""About how many steps of a family are looked at for the same."""
+"""Approximate number of a family's steps that are evaluated for its range of momenta."""
 
 
 def full_states(
     zd: ZeroDynamics, gait: Gait, kind: str, *, seed: int, episodes: int, first: int = 0
 ) -> Float[np.ndarray, "B two_n"]:
-    """Full states x = (q, dq) to start from (rad, rad/s).
+    """Return full states x = (q, dq) to start from (rad, rad/s).
 
     Args:
-        zd: of the gait's robot under its policy, with what was learned of the robot if anything.
+        zd: zero dynamics of the gait's robot under its policy, with residuals if there are any.
         gait: policy and region.
         kind: `centre` of the region; `region`: anywhere in it, by seed and episode number;
             `fixed-point` of the Poincare map, at mid-step.
-        seed: of `region`.
+        seed: seed of `region`.
         episodes: number of states.
         first: number of the first episode.
 
@@ -58,12 +58,15 @@ def full_states(
 
 
 def periodic_orbit(zd: ZeroDynamics, gait: Gait) -> Orbit:
-    """The gait's periodic orbit, looked for from the centre of its region."""
+    """Return the gait's periodic orbit, from a search that starts at the centre of its region."""
     return poincare(zd, gait.z(jnp.array([0.5, 0.5])))
 
 
 def momentum_range(gait: AnyGait) -> tuple[float, float]:
-    """Smallest and largest z2 of a gait's region, of a family over all its steps (kg m^2/s)."""
+    """Return the smallest and largest z2 of a gait's region (kg m^2/s).
+
+    For a family it is over all of its steps.
+    """
     phases = np.linspace(0.0, 1.0, _FENCE_SAMPLES)
     if isinstance(gait, CommandedGait):
         momenta = np.asarray(_momenta(gait, phases, _pairs(gait.commands)))
@@ -74,7 +77,7 @@ def momentum_range(gait: AnyGait) -> tuple[float, float]:
 
 
 def _pairs(commands: Commands) -> Pair:
-    """A grid of the pairs that may follow each other. [N, p] each."""
+    """Return a grid of the pairs of commands that may follow each other. [N, p] each."""
     limits = Limits.of(commands)
     ends = np.linspace(0.0, 1.0, max(2, round(_PAIRS ** (0.5 / len(commands)))))
     grid = np.stack(np.meshgrid(*[ends] * (2 * len(commands))), axis=-1)

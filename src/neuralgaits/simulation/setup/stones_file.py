@@ -1,4 +1,4 @@
-"""A file of stones to step on: a row each, `stone,x[m],z[m],width[m]`, checked before a walk."""
+"""Read a file of stones to step on: a row each, `stone,x[m],z[m],width[m]`, with checks."""
 
 import csv
 import math
@@ -13,17 +13,17 @@ from neuralgaits.gait.commands import Commands, command_named
 from neuralgaits.simulation.setup.course import Course, stones_at
 
 ROUNDING_M = 1e-6
-"""By which a stone may be out of reach: files are rounded [m]."""
+"""Distance by which a stone may be out of reach, because files are rounded [m]."""
 _HEAD = ("stone", "x[m]", "z[m]", "width[m]")
 
 
 def stones_of_file(path: Path, commands: Commands, steps: int) -> Course:
-    """The course of a file.
+    """Return the course of a file.
 
     Args:
-        path: of the file.
-        commands: of the gait: a stone beyond their ranges is out of reach.
-        steps: of the walk.
+        path: path of the file.
+        commands: commands of the gait; a stone beyond their ranges is out of reach.
+        steps: number of steps of the walk.
 
     Raises: InputError with one line.
     """
@@ -71,7 +71,7 @@ def _row(path: Path, number: int, line: list[str]) -> list[float]:
 def _check_reach(
     path: Path, commands: Commands, middles: Float[np.ndarray, "K 2"], widths: np.ndarray
 ) -> None:
-    """Refuse stones that the gait cannot be told to step on, and blocks inside each other."""
+    """Refuse stones that the gait's commands cannot reach, and blocks inside each other."""
     height = command_named(commands, "step_height")
     length = command_named(commands, "step_length")
     assert length is not None

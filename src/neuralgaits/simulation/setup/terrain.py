@@ -1,4 +1,4 @@
-"""A floor that changes height at random steps: one plane under each foot."""
+"""Floor that changes height at random steps: one plane under each foot."""
 
 import numpy as np
 
@@ -11,20 +11,20 @@ ROOM_UNDER_FOOT = 0.002
 class Terrain:
     """Floor levels under the two feet of every episode.
 
-    At touchdown the level of the next foothold is drawn: `height` above the present one, below
-    it or equal, each with probability 1/3; on top of that it is as high as the robot is told. At
+    At touchdown the level of the next foothold is drawn: `height` above the present one, below it
+    or equal, each with probability 1/3; the height that the robot's commands give is added. At
     mid-step the swing foot's plane moves there.
 
     Attributes:
-        levels: of the plane under foot 0 and foot 1 [m]. [B, 2]
+        levels: levels of the planes under foot 0 and foot 1 [m]. [B, 2]
     """
 
     def __init__(
         self, height: float, seed: int, episodes: int, told: float | None = None, first: int = 0
     ):
-        """All floors at zero. Draws depend on seed and episode number alone.
+        """Put all floors at zero. Draws depend on seed and episode number alone.
 
-        `told` is how high the first foothold is said to be (m); None if robots are not told.
+        `told` is the first foothold's height in the commands (m); None if no command gives it.
         `first` is the number of the first episode.
         """
         self.levels = np.zeros((episodes, 2))
@@ -37,11 +37,11 @@ class Terrain:
 
     @property
     def uneven(self) -> bool:
-        """Whether levels change at all."""
+        """Whether the levels change at all."""
         return self._height != 0.0 or self.told is not None
 
     def rises(self, episode: int, count: int) -> Float[np.ndarray, " count"]:
-        """What the next touchdowns of an episode draw, drawn now (m). Returns: [count]."""
+        """Draw the height changes of an episode's next touchdowns (m). Returns: [count]."""
         return self._height * self._draws[episode].integers(-1, 2, count)
 
     def advance(
@@ -52,9 +52,9 @@ class Terrain:
         clearance: Float[np.ndarray, " B"],
         rise: Float[np.ndarray, " B"] | None = None,
     ) -> bool:
-        """One tick. `clearance` is the swing foot's height above the stance foothold (m).
+        """Advance one tick. `clearance` is the swing foot's height above the stance foothold (m).
 
-        `rise` is what robots are told of the next foothold (m); None for nothing.
+        `rise` is the commanded height of the next foothold (m); None without a command.
 
         Returns: whether any level has changed.
         """

@@ -1,4 +1,4 @@
-"""Kinds of ground that a gait with commands can be asked to walk on, and their sizes."""
+"""Kinds of ground for gaits with commands, and their sizes."""
 
 import math
 from collections.abc import Mapping
@@ -15,8 +15,8 @@ class Kind:
     """A kind of ground.
 
     Attributes:
-        asks: commands that the gait must take.
-        settings: that may be given, and what they are.
+        asks: commands that the gait must have.
+        settings: names and meanings of its settings.
     """
 
     asks: tuple[str, ...]
@@ -24,14 +24,14 @@ class Kind:
 
 
 class Size(NamedTuple):
-    """What a kind of ground can be told of its sizes."""
+    """Range and value of one size of a kind of ground."""
 
     low: float
-    """Smallest [m]."""
+    """Smallest value of the size [m]."""
     high: float
-    """Largest [m]."""
+    """Largest value of the size [m]."""
     value: float
-    """As it is [m]."""
+    """Present value of the size [m]."""
 
 
 KINDS = {
@@ -54,12 +54,12 @@ def told_by(asked: str) -> tuple[str, ...]:
 
 
 def endless(asked: str) -> bool:
-    """Whether there is as much of it as is asked for: of a file there is not."""
+    """Return whether the ground can be laid without end; that of a file cannot."""
     return kind_of(asked)[0] is not None
 
 
 def sizes_of(asked: str, commands: Commands) -> dict[str, Size]:
-    """Sizes of the ground that was asked for, of a gait that can be told of it; none of a file.
+    """Return the sizes of a requested ground under a gait's commands; none for a file.
 
     Raises: InputError with one line for a size out of its range.
     """
@@ -79,14 +79,14 @@ def sizes_of(asked: str, commands: Commands) -> dict[str, Size]:
 
 
 def resized(asked: str, sizes: Mapping[str, float]) -> str:
-    """The same kind of ground with other sizes (m)."""
+    """Return the text of a ground's kind with other sizes (m)."""
     kind, given = kind_of(asked)
     new = given | dict(sizes)
     return ",".join([str(kind), *(f"{name}={size!r}" for name, size in new.items())])
 
 
 def _ranges(kind: str, commands: Commands) -> dict[str, Size]:
-    """Sizes that a gait can be told of, each as it is if not given."""
+    """Return the sizes under a gait's commands, each with its default value."""
     if kind == "slopes":
         return {"length": Size(0.1, 100.0, 1.0)}
     length, height = command_named(commands, "step_length"), command_named(commands, "step_height")
@@ -101,7 +101,7 @@ def _ranges(kind: str, commands: Commands) -> dict[str, Size]:
 
 
 def kind_of(asked: str) -> tuple[str | None, dict[str, float]]:
-    """Kind and what was given of its sizes; None for a file. Raises: InputError."""
+    """Return kind and given sizes of a ground; None for a file. Raises: InputError."""
     kind, *given = (part.strip() for part in asked.split(","))
     if kind not in KINDS:
         if Path(asked).is_file():
@@ -129,7 +129,7 @@ def kind_of(asked: str) -> tuple[str | None, dict[str, float]]:
 
 
 def check_told(what: str, kind: Kind, commands: Commands) -> None:
-    """Refuse a gait that is not told what the ground asks of it. Raises: InputError."""
+    """Refuse a gait without the commands that the ground needs. Raises: InputError."""
     missing = [name for name in kind.asks if place_of(commands, name) is None]
     if missing:
         flags = " ".join(f"--{name.replace('_', '-')} A:B" for name in kind.asks)

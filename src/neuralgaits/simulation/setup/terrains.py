@@ -1,4 +1,4 @@
-"""Ground that a gait with commands can be asked to walk on: stones, stairs, slopes, or a file."""
+"""Ground for gaits with commands: stones, stairs, slopes, or a file."""
 
 import math
 from collections.abc import Callable, Mapping
@@ -22,15 +22,15 @@ from neuralgaits.simulation.setup.stones_file import ROUNDING_M, stones_of_file
 from neuralgaits.simulation.setup.terrain_kinds import KINDS, check_told, kind_of, sizes_of
 
 _STREAM = 7
-"""Of an episode's random numbers; see `orders`."""
+"""Number of this file's stream of random numbers; see `orders`."""
 _SPARE = 2
-"""Stones beyond the last one that is stepped on, so that there is one to look at."""
+"""Number of stones beyond the last one of the walk, so that there is one ahead."""
 _RUN_UP_M = 1.0
-"""Level ground before and behind the start of a walk on slopes."""
+"""Length of level ground before and behind the start of a walk on slopes [m]."""
 _LOOKS_M = 0.02
-"""Between two places at which the slope ahead is tabulated."""
+"""Distance between two places at which the slope ahead is tabulated [m]."""
 _FASTEST = 1.3
-"""Longest steps of a gait that chooses its own, in units of those at the middle command."""
+"""Longest steps of a gait that chooses their length, in units of those at the middle command."""
 
 
 def courses_of(
@@ -43,16 +43,16 @@ def courses_of(
     seed: int,
     episodes: int,
 ) -> Courses:
-    """The ground that was asked for.
+    """Return the requested ground of every episode.
 
     Args:
-        asked: a kind with settings, `stones,width=0.12`, or a CSV file of stones.
-        robot: that walks.
+        asked: kind with settings, `stones,width=0.12`, or a CSV file of stones.
+        robot: robot that walks.
         steady: the policy of its steps at `base`.
-        base: what it is told at first, where the ground does not say.
+        base: first commands, where the ground gives none.
         steps: walking steps of an episode.
-        seed: of the ground; that of an episode depends on seed and number alone.
-        episodes: how many.
+        seed: seed of the ground; an episode's ground depends on seed and number alone.
+        episodes: number of episodes.
 
     Raises: InputError with one line.
     """
@@ -72,7 +72,7 @@ def courses_of(
 
 
 def _step_length(robot: PlanarBiped, steady: AbstractPolicy) -> float:
-    """Of steps that are all alike [m]."""
+    """Return the length of steps under a constant command [m]."""
     z1 = jnp.asarray(steady.z1_range[1], dtype=float)
     # At the guard the outputs do not depend on the momentum.
     outputs = steady(jnp.stack([z1, jnp.ones_like(z1)]))
@@ -80,7 +80,7 @@ def _step_length(robot: PlanarBiped, steady: AbstractPolicy) -> float:
 
 
 def _first_told(commands: Commands, base: Orders, course: Course) -> Float[np.ndarray, " p"]:
-    """What the first step is told: to the first stone; on the level without stones."""
+    """Return the commands of the first step: to the first stone; on the level without stones."""
     first = np.array(base.first)
     length, height = course.seen[1] - course.seen[0] if course.stones else (None, None)
     level = 0.0 if course.stones else float(course.seen[0, 1])
@@ -100,11 +100,11 @@ def _first_told(commands: Commands, base: Orders, course: Course) -> Float[np.nd
 
 Maker = Callable[[np.random.Generator], Course]
 Reach = Callable[[], float]
-"""The length of steps that are all alike [m]."""
+"""Function that returns the length of steps under a constant command [m]."""
 
 
 def _stones(commands: Commands, size: Mapping[str, float], steps: int, reach: Reach) -> Maker:
-    """Stones at lengths and heights drawn anew for each, any in the ranges after any."""
+    """Return stones at lengths and heights drawn anew for each, any value after any other."""
     del reach
     length, height = command_named(commands, "step_length"), command_named(commands, "step_height")
     assert length is not None
@@ -122,7 +122,7 @@ def _stones(commands: Commands, size: Mapping[str, float], steps: int, reach: Re
 
 
 def _stairs(commands: Commands, size: Mapping[str, float], steps: int, reach: Reach) -> Maker:
-    """A flight of stairs, all steps alike."""
+    """Return a flight of stairs, with equal steps."""
     del commands, reach
     count = steps + _SPARE
     middles = _sums(np.full(count, size["run"]), np.full(count, size["rise"]))
@@ -136,7 +136,7 @@ def _stairs(commands: Commands, size: Mapping[str, float], steps: int, reach: Re
 
 
 def _slopes(commands: Commands, size: Mapping[str, float], steps: int, reach: Reach) -> Maker:
-    """Plane after plane, each as steep as the last, less or more by what a step may change."""
+    """Return plane after plane; each slope differs from the last by at most a step's change."""
     slope, length = command_named(commands, "slope"), command_named(commands, "step_length")
     assert slope is not None
     step = reach() if length is None else 0.5 * (length.low + length.high)
@@ -167,12 +167,12 @@ _MAKERS: dict[str, Callable[[Commands, Mapping[str, float], int, Reach], Maker]]
 
 
 def _sums(lengths: Float[np.ndarray, " K"], rises: Float[np.ndarray, " K"]) -> np.ndarray:
-    """Middles of stones, the first at the origin. [K + 1, 2]."""
+    """Return middles of stones, the first at the origin. [K + 1, 2]."""
     return np.concatenate([np.zeros((1, 2)), np.cumsum(np.stack([lengths, rises], axis=1), axis=0)])
 
 
 def _of_corners(corners: Float[np.ndarray, "K 2"], reach: float) -> Course:
-    """Planes between corners; what is seen is the slope of the chord under the step ahead."""
+    """Return planes between corners; the robot sees the slope of the chord under the step ahead."""
     x, z = corners.T
     at = np.arange(x[0], x[-1], _LOOKS_M)
     rise = np.interp(at + reach, x, z) - np.interp(at, x, z)

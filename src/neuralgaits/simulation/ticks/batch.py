@@ -1,4 +1,4 @@
-"""The tick of many episodes, compiled once.
+"""Compile the tick of many episodes once.
 
 A call of compiled code costs time for every array that goes in or comes out, more than the
 arithmetic on one robot. Carries, readings, verdicts and records are therefore packed, one array
@@ -22,27 +22,27 @@ from neuralgaits.simulation.ticks.tick import begin, tick
 
 
 class Batch(NamedTuple):
-    """The compiled tick of a batch of episodes."""
+    """Compiled tick of a batch of episodes."""
 
     tick: Callable[..., tuple[jax.Array, jax.Array, jax.Array]]
-    """(arrays, carry, reading) to (carry, verdict, record), each packed. [B, ...]"""
+    """Function from (arrays, carry, reading) to (carry, verdict, record), each packed. [B, ...]"""
     arrays: list[jax.Array]
-    """The numbers of the scene."""
+    """Arrays with the numbers of the scene."""
     carry: jax.Array
-    """Of the first tick, packed. [B, ...]"""
+    """Carry of the first tick, packed. [B, ...]"""
     carry_of: "Unpack"
-    """Packed carries to a `Carry` with a leading axis."""
+    """Function from packed carries to a `Carry` with a leading axis."""
     verdict_of: "Unpack"
-    """Packed verdicts to a `Verdict` with a leading axis."""
+    """Function from packed verdicts to a `Verdict` with a leading axis."""
     record_of: "Unpack"
-    """Packed records to a `Record` with a leading axis."""
+    """Function from packed records to a `Record` with a leading axis."""
 
 
 class Unpack:
     """Inverse of packing: from an array [B, ...] to a tree whose leaves have a leading axis."""
 
     def __init__(self, shapes: Any):
-        """Learn where things are from a tree of shapes and dtypes of one episode."""
+        """Learn the layout from a tree of shapes and dtypes of one episode."""
         leaves, self._tree = jax.tree.flatten(shapes)
         ends = np.cumsum([leaf.size for leaf in leaves])
         self._parts = [
@@ -51,7 +51,7 @@ class Unpack:
         ]
 
     def __call__(self, packed: Array) -> Any:
-        """The tree. Its leaves are NumPy arrays."""
+        """Return the tree. Its leaves are NumPy arrays."""
         array = np.asarray(packed)
         return jax.tree.unflatten(
             self._tree,
@@ -66,7 +66,7 @@ def compile_batch(scene: Scene, legs: Int[np.ndarray, " B"], *, shared: bool) ->
     """Compile the tick for episodes that start on `legs`.
 
     Args:
-        scene: of all episodes.
+        scene: scene of all episodes.
         legs: stance leg of each episode at its start. [B]
         shared: whether all episodes have the same policy.
 
@@ -83,23 +83,23 @@ def compile_batch(scene: Scene, legs: Int[np.ndarray, " B"], *, shared: bool) ->
 
 
 def numbers(scene: Scene) -> list[jax.Array]:
-    """The `arrays` of a batch for another scene of the same structure: nothing is compiled."""
+    """Return the `arrays` of a batch for another scene of equal structure, without compilation."""
     return [jnp.asarray(leaf) for leaf in jax.tree.leaves(_numbers(scene))]
 
 
 def pack(tree: PlantReading) -> Float[np.ndarray, "B r"]:
-    """One array of a tree whose leaves have a leading axis of episodes. Returns: [B, ...]."""
+    """Pack a tree whose leaves have a leading axis of episodes into one array. [B, ...]."""
     return np.concatenate([leaf.reshape(len(leaf), -1) for leaf in tree], axis=1)
 
 
 def _numbers(scene: Scene) -> tuple[Any, Scene]:
-    """What may differ between episodes, and everything else."""
+    """Split a scene into parts that may differ between episodes, and all others."""
     arrays = eqx.filter(scene, eqx.is_array)
     return _own(arrays), eqx.tree_at(_own, arrays, (None, None))
 
 
 def _own(scene: Scene):
-    """The parts of a scene that may differ between episodes."""
+    """Return the parts of a scene that may differ between episodes."""
     return scene.controller.policy, scene.controller.bounds
 
 
@@ -137,7 +137,7 @@ def _compiled(tree: Any, fixed_leaves: tuple, fixed_tree: Any, shared: bool):
         return every_start(*jax.tree.unflatten(tree, leaves), legs)
 
     def shapes_of(leaves: Sequence[Array], carry: Array, reading: Array) -> tuple[Any, Any, Any]:
-        """Of one episode. JAX keeps the trace for the first call of `run`."""
+        """Return the shapes of one episode. JAX keeps the trace for the first call of `run`."""
         run.trace(leaves, carry, reading)  # pyright: ignore[reportFunctionMemberAccess]
         own, common = jax.tree.unflatten(tree, leaves)
         if not shared:

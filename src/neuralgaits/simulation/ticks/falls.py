@@ -1,4 +1,4 @@
-"""When an episode has ended, and why. Alive is not walking: standing still is a fall."""
+"""Decide whether an episode has ended, and why. Standing still counts as a fall."""
 
 from dataclasses import dataclass
 from enum import IntEnum
@@ -10,7 +10,7 @@ from neuralgaits.robots import PlanarBiped
 
 
 class Ending(IntEnum):
-    """State of an episode."""
+    """State of an episode: running, walked, or a kind of fall."""
 
     RUNNING = 0
     WALKED = 1
@@ -22,17 +22,17 @@ class Ending(IntEnum):
 
     @property
     def fell(self) -> bool:
-        """Whether the episode ended before its steps were walked."""
+        """Return whether the episode ended before its steps were walked."""
         return self > Ending.WALKED
 
     @property
     def upright(self) -> bool:
-        """Whether the robot still stood when the episode ended."""
+        """Return whether the robot still stood when the episode ended."""
         return self in (Ending.RUNNING, Ending.WALKED, Ending.STALLED)
 
     @property
     def reason(self) -> str | None:
-        """Why the episode fell, in words; None if it did not."""
+        """Return why the episode fell, in words; None if it did not."""
         return _REASONS.get(self)
 
 
@@ -51,7 +51,7 @@ class FallConfig:
 
     Attributes:
         hip_share: lowest hip height above the floor, as a share of the leg length.
-        torso_rad: largest torso angle either way [rad].
+        torso_rad: largest torso angle in either direction [rad].
         stall: longest time from touchdown to touchdown, in units of sqrt(leg length / g):
             five steps of a usual gait.
     """
@@ -76,10 +76,10 @@ def ending(
 
     Args:
         config: thresholds.
-        robot: for leg length, gravity, and whether there is a torso.
-        hip_height: above the floor (m).
-        pitch: of the torso (rad); a biped without one does not fall by it.
-        since_touchdown: or since the start of the episode (s).
+        robot: robot with leg length, gravity, and a torso or none.
+        hip_height: height of the hip above the floor (m).
+        pitch: pitch of the torso (rad); ignored for a biped without one.
+        since_touchdown: time since touchdown or the start of the episode (s).
         steps_left: walking steps still to go.
         in_gap: whether a foot has missed its stone.
         finite: whether the plant's state is finite.

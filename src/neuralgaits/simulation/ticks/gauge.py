@@ -36,61 +36,61 @@ class Extremes(NamedTuple):
 
     @classmethod
     def none(cls) -> "Extremes":
-        """Of no time at all."""
+        """Return the extremes over no time at all."""
         zero = jnp.zeros(())
         return cls(zero, zero, zero, zero, jnp.asarray(jnp.inf))
 
     def with_(self, other: "Extremes") -> "Extremes":
-        """Of both times together."""
+        """Return the extremes over both times together."""
         largest = jax.tree.map(jnp.maximum, self, other)
         return largest._replace(normal_force=jnp.minimum(self.normal_force, other.normal_force))
 
 
 class Milestone(NamedTuple):
-    """Where an episode was at a touchdown."""
+    """Time, hip position and work of an episode at a touchdown."""
 
     time: Scalar
-    """[s]"""
+    """Time of the touchdown [s]."""
     hip: Scalar
-    """Hip position forward [m]."""
+    """Hip position forward at the touchdown [m]."""
     energy: Scalar
     """Mechanical work so far, the integral of sum |torque rate| [J]."""
 
     @classmethod
     def origin(cls) -> "Milestone":
-        """Before any touchdown."""
+        """Return the milestone before any touchdown."""
         return cls(jnp.zeros(()), jnp.zeros(()), jnp.zeros(()))
 
 
 class Gauge(NamedTuple):
-    """Running figures of one episode."""
+    """Running figures of one episode, updated at each tick."""
 
     steps: Int[Array, ""]
-    """Touchdowns so far."""
+    """Number of touchdowns so far."""
     energy: Scalar
-    """Mechanical work so far [J]."""
+    """Mechanical work of the episode so far [J]."""
     first: Milestone
-    """At the end of the start-up steps."""
+    """Milestone at the end of the start-up steps."""
     last: Milestone
-    """At the last touchdown."""
+    """Milestone at the last touchdown."""
     steady: Extremes
-    """Over the completed steps after start-up."""
+    """Extremes over the completed steps after start-up."""
     running: Extremes
-    """Over the step under way."""
+    """Extremes over the step under way."""
     peak_torque: Scalar
     """Largest |torque| of the whole episode [N m]."""
     saturated: Int[Array, ""]
-    """Ticks with a clipped torque."""
+    """Number of ticks with a clipped torque."""
     relaxed: Int[Array, "2"]
-    """Ticks at which a law gave something up, see `control.law.Limited`."""
+    """Numbers of ticks at which a law relaxed a constraint, see `control.law.Limited`."""
     ticks: Int[Array, ""]
-    """Ticks so far."""
+    """Number of ticks so far."""
     speed_error: Scalar
     """Sum of squares of the errors of an estimated hip speed [m^2/s^2]."""
 
     @classmethod
     def start(cls) -> "Gauge":
-        """Before the first tick."""
+        """Return the figures before the first tick."""
         none, origin, zero = Extremes.none(), Milestone.origin(), jnp.zeros((), jnp.int32)
         power = jnp.zeros(())
         given_up = jnp.zeros(2, jnp.int32)
@@ -107,16 +107,16 @@ def update(
     period_s: float,
     speed_error: Scalar | float = 0.0,
 ) -> Gauge:
-    """Account for one tick.
+    """Add one tick to the figures.
 
     Args:
-        gauge: before.
-        command: of the tick.
-        time: of the tick (s).
+        gauge: figures before the tick.
+        command: command of the tick.
+        time: time of the tick (s).
         hip: hip position forward (m).
-        normal_force: on each foot, legs in the order of the robot file [2] (N).
+        normal_force: normal force on each foot, legs in the order of the robot file [2] (N).
         period_s: length of the tick (s).
-        speed_error: of the hip speed that its torques are for (m/s).
+        speed_error: error of the hip speed that its torques are based on (m/s).
     """
     down = command.touchdown
     steps = gauge.steps + down
@@ -142,7 +142,7 @@ def update(
 
 
 def _extremes(command: Command, normal_force: Float[Array, "2"]) -> Extremes:
-    """Of one tick."""
+    """Return the extremes of one tick."""
     settled = command.since_touchdown >= SETTLING_S
 
     def largest(values: Actuated) -> Scalar:

@@ -1,7 +1,7 @@
-"""Many episodes in lock-step: one compiled control tick for all, then the simulator's steps.
+"""Run many episodes in lock-step: one compiled control tick for all, then the simulator's steps.
 
-What differs between episodes of a batch (floor levels, pushes, torques) is input to plants that
-are alike, and an episode's course does not depend on which others run beside it.
+Differences between episodes of a batch (floor levels, pushes, torques) are inputs to equal plants,
+and an episode's course does not depend on the other episodes.
 """
 
 import time as clock
@@ -26,30 +26,31 @@ from neuralgaits.simulation.ticks.world import World
 
 
 class Episodes(NamedTuple):
-    """What became of a batch of episodes."""
+    """Results of a batch of episodes."""
 
     endings: list[Ending]
-    """How each ended."""
+    """Ending of each episode."""
     gauge: Gauge
-    """Running figures at each one's last tick, with a leading axis of episodes."""
+    """Running figures at each episode's last tick, with a leading axis of episodes."""
     record: Record | None
-    """Of episode 0, with a leading axis of ticks, if it was asked for."""
+    """Record of episode 0, with a leading axis of ticks, if it was requested."""
     states: Float[np.ndarray, "T s"]
-    """MuJoCo states of episode 0, one a tick, if they were asked for."""
+    """MuJoCo states of episode 0, one a tick, if they were requested."""
     floors: Float[np.ndarray, "T 2"]
-    """Floor levels under the feet of episode 0, one a tick, if they were asked for [m]."""
+    """Floor levels under the feet of episode 0, one a tick, if they were requested [m]."""
     plant_steps: int
-    """MuJoCo steps taken, all episodes together."""
+    """Number of MuJoCo steps of all episodes together."""
     wall_s: float
-    """Time of the loop [s], compilation left out."""
+    """Time of the loop, without compilation [s]."""
     records: list[Record]
-    """Of every episode, as many ticks as were asked for, with a leading axis of ticks."""
+    """Records of every episode, for the requested number of ticks, with a leading axis of ticks."""
     strides: list[Strides]
-    """Touchdowns of every episode."""
+    """Touchdowns of every episode, as tables."""
 
 
 Watch = Callable[[Record, Int[np.ndarray, " a"]], None]
-"""(records of a tick, with a leading axis of all episodes; numbers of those still running)."""
+"""Callback with (records of a tick, with a leading axis of all episodes; numbers of those still
+running)."""
 
 
 class Noise:
@@ -58,14 +59,14 @@ class Noise:
     def __init__(
         self, shape: tuple[int, int], seed: int, episodes: int, *, silent: bool, first: int = 0
     ):
-        """Draws of `shape` per episode, the first of which has a number; zeros if `silent`."""
+        """Draw `shape` per episode, starting at a first number; draws are zero if `silent`."""
         numbers = range(first, first + episodes)
         self._draws = [np.random.default_rng([seed, i, 3]) for i in numbers]
         self._silent = silent
         self._values = np.zeros((episodes, *shape))
 
     def next(self) -> Float[np.ndarray, "B 2 j"]:
-        """The draws of one tick."""
+        """Return the draws of one tick."""
         if not self._silent:
             for values, draws in zip(self._values, self._draws, strict=True):
                 values[:] = draws.standard_normal(values.shape)
@@ -82,10 +83,10 @@ def run(
     """Run every episode to its end.
 
     Args:
-        plant: of all episodes, or of the first one on a course.
+        plant: plant of all episodes, or of the first one on a course.
         batch: the compiled control tick.
         world: the plants of all episodes at their starts.
-        given: to them.
+        given: inputs of the episodes.
         watch: called after each control tick.
 
     Returns: `Episodes`.
@@ -159,7 +160,7 @@ def run(
 def _reading(
     world: World, levels: Float[np.ndarray, "B 2"], noise: Noise, told: "_Told"
 ) -> Float[np.ndarray, "B r"]:
-    """What the tick finds now, packed."""
+    """Return the present inputs of the tick, packed."""
     return pack(PlantReading(world.states, world.touch, levels, noise.next(), told.wanted))
 
 
@@ -173,7 +174,7 @@ class _Told:
         self.wanted = np.array(first, dtype=np.float64).reshape(len(episodes), -1)
 
     def advance(self, verdict: Verdict) -> None:
-        """Go on to the next where one has been latched; on a course, look ahead again."""
+        """Advance to the next command after a latch; on a course, look ahead again."""
         if self._courses is not None:
             for i, wanted in enumerate(self.wanted):
                 self._courses.look(wanted, i, int(verdict.steps[i]), np.asarray(verdict.feet[i, 1]))
@@ -190,7 +191,7 @@ class _Late:
         self._ticks = 0
 
     def due(self, controls: Float[np.ndarray, "B u"]) -> Float[np.ndarray, "B u"]:
-        """The controls that are due, once these are on their way."""
+        """Return the controls that are due, after adding these."""
         now = self._ticks % len(self._ring)
         self._ticks += 1
         self._ring[now] = controls

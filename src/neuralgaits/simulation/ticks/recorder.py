@@ -1,4 +1,4 @@
-"""Keeps what every episode of a walk recorded: the loop calls it after each tick."""
+"""Keep the records of every episode of a walk; the loop calls it after each tick."""
 
 import jax
 import numpy as np
@@ -8,7 +8,7 @@ from neuralgaits.simulation.ticks.tick import Record
 
 
 class Recorder:
-    """Records of all episodes."""
+    """Records of all episodes, tick by tick."""
 
     def __init__(self, longest: int):
         """Keep the first `longest` ticks of each episode."""
@@ -17,12 +17,12 @@ class Recorder:
         self._active: list[Int[np.ndarray, " a"]] = []
 
     def __call__(self, record: Record, active: Int[np.ndarray, " a"]) -> None:
-        """Keep one tick of all episodes, `active` being those that are still running."""
+        """Keep one tick of all episodes; `active` are those that are still running."""
         if len(self._ticks) < self._longest:
             self._ticks.append(record)
             self._active.append(active)
 
     def record(self, episode: int) -> Record:
-        """Record of one episode up to its end; every leaf has a leading axis of ticks."""
+        """Return the record of one episode up to its end; leaves have a leading axis of ticks."""
         ran = [tick for tick, who in zip(self._ticks, self._active, strict=True) if episode in who]
         return jax.tree.map(lambda *leaves: np.stack([leaf[episode] for leaf in leaves]), *ran)

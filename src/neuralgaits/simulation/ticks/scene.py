@@ -1,4 +1,4 @@
-"""What stays fixed while an episode walks, and what the plant reads at each tick."""
+"""Constants of a walking episode, and the plant's readings at each tick."""
 
 from typing import NamedTuple
 
@@ -18,10 +18,10 @@ from neuralgaits.simulation.ticks.falls import FallConfig
 
 
 class PlantReading(NamedTuple):
-    """The plant as one tick finds it."""
+    """Readings of the plant at one tick."""
 
     state: Float[Array, " s"]
-    """Time, qpos and qvel."""
+    """Time, qpos and qvel of the plant."""
     touch: Float[Array, "2"]
     """Normal force on each foot [N]."""
     floor: Float[Array, "2"]
@@ -29,28 +29,28 @@ class PlantReading(NamedTuple):
     noise: Float[Array, "2 j"]
     """Standard normal noise of angles and rates: pitch first, then the joints of both legs."""
     wanted: Float[Array, " p"]
-    """What the next touchdown is to latch."""
+    """Commands that the next touchdown latches."""
 
 
 class Scene(eqx.Module):
-    """Everything a tick needs that stays fixed during a simulation.
+    """Everything that a tick needs and that stays constant during a simulation.
 
     Attributes:
-        controller: of all episodes; unless they share a policy, `policy` and `bounds` have a
-            leading axis of episodes.
+        controller: controller of all episodes; unless they share a policy, `policy` and `bounds`
+            have a leading axis of episodes.
         plant_robot: the plant's own numbers, disturbances left out.
         slope: rise of the floor per metre forward.
         noise: standard deviation of angles, rates and pitch [rad], [rad/s], [rad]. [3]
-        pitch_offset: of the pitch [rad].
+        pitch_offset: offset of the pitch [rad].
         encoder_step: resolution of angles, 0 for exact ones [rad].
         steps: walking steps of an episode.
         first: command that episodes begin with. [p]
-        gap_depth: how far below its stones a foot has missed them, infinite without any [m].
-        layout: of the plant's file.
-        sizes: of the plant's qpos and ctrl.
-        estimator: of rates and hip velocity; None where they are measured.
-        delay_ticks: from a reading to its torque.
-        addresses: of root, joints and motors in the plant's arrays, as in `StateMap`.
+        gap_depth: depth at which a foot has missed its stones, infinite without any [m].
+        layout: layout of the plant's file.
+        sizes: sizes of the plant's qpos and ctrl.
+        estimator: estimator of rates and hip velocity; None where they are measured.
+        delay_ticks: delay from a reading to its torque.
+        addresses: addresses of root, joints and motors in the plant's arrays, as in `StateMap`.
         falls: thresholds of a fall.
     """
 
@@ -81,7 +81,7 @@ class Scene(eqx.Module):
         first: Float[np.ndarray, " p"] | None = None,
         gap_depth: float = np.inf,
     ) -> "Scene":
-        """The scene of a plant and a controller; `first` is the middle of the ranges if None."""
+        """Return the scene of a plant and a controller; `first` is the middle if None."""
         if first is None:
             first = Limits.of(controller.policy.commands).middle
         wires, disturbance = plant.wires, plant.disturbance
@@ -113,11 +113,11 @@ class Scene(eqx.Module):
 
     @property
     def reading_size(self) -> int:
-        """Length of a packed `PlantReading`."""
+        """Length of a packed `PlantReading`, in numbers."""
         return sum(int(np.prod(shape)) for shape in self._reading_shapes())
 
     def reading(self, packed: Float[Array, " r"]) -> PlantReading:
-        """Unpack a `PlantReading`."""
+        """Unpack a `PlantReading` from its array of numbers."""
         parts, at = [], 0
         for shape in self._reading_shapes():
             size = int(np.prod(shape))

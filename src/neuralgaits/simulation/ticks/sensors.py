@@ -1,4 +1,4 @@
-"""What there is to measure at a tick, and what the controller is told of it."""
+"""Sensors at a tick: true quantities, and the measurement that the controller gets."""
 
 from typing import NamedTuple, cast
 
@@ -17,12 +17,12 @@ from neuralgaits.simulation.ticks.wiring import measure
 
 
 class Sensed(NamedTuple):
-    """What there is to measure, and what is measured of it."""
+    """True quantities of the plant, and their measurement."""
 
     truth: Measurement
-    """Without noise."""
+    """Measurement without noise or other errors."""
     seen: Measurement
-    """As the controller is told."""
+    """Measurement that the controller gets."""
     hip: Planar
     """Hip position in the world, (x, z) [m]."""
 
@@ -54,7 +54,7 @@ def _noisy(
 
 
 def _rounded(measured: Measurement, resolution: Scalar) -> Measurement:
-    """Angles as an encoder counts them."""
+    """Round angles to the steps of an encoder."""
     exact = resolution == 0.0
     unit = jnp.where(exact, 1.0, resolution)
 
@@ -65,7 +65,7 @@ def _rounded(measured: Measurement, resolution: Scalar) -> Measurement:
 
 
 def true_z(robot: PlanarBiped, truth: Measurement, leg: Int[Array, ""]) -> ZeroState:
-    """Z of a robot standing on `leg` (m, kg m^2/s). Returns: [2]."""
+    """Return z of a robot that stands on `leg` (m, kg m^2/s). Returns: [2]."""
     q, dq = coordinates(robot, truth, leg)
     z, _ = zero_state(robot, q, dq, stance_foot_velocity(robot, q, dq, truth))
     return z

@@ -1,4 +1,4 @@
-"""Touchdowns of a walk: when, where, and what the step that ended there was told."""
+"""Touchdowns of a walk: time, place, and commands of the step that ended there."""
 
 from typing import NamedTuple
 
@@ -11,25 +11,25 @@ class Strides(NamedTuple):
     """Touchdowns of one walk, a row each; see `NG_STRIDE` in `c/walk.h`."""
 
     time: Float[np.ndarray, " K"]
-    """[s]"""
+    """Times of the touchdowns [s]."""
     hip: Float[np.ndarray, " K"]
-    """Forward [m]."""
+    """Hip positions forward [m]."""
     length: Float[np.ndarray, " K"]
-    """Of the step: how far the new foothold is ahead of the old one [m]."""
+    """Lengths of the steps: distance of the new foothold ahead of the old one [m]."""
     height: Float[np.ndarray, " K"]
-    """And how far above it [m]."""
+    """Heights of the new footholds above the old ones [m]."""
     place: Float[np.ndarray, " K"]
-    """Of the new foothold, forward [m]."""
+    """Places of the new footholds, forward [m]."""
     told: Float[np.ndarray, "K p"]
     """Commands of that step, in their units."""
 
     @classmethod
     def of_rows(cls, rows: Float[np.ndarray, "K r"]) -> "Strides":
-        """Of the numbers that the loops keep."""
+        """Return touchdowns from the rows of numbers that the loops keep."""
         time, hip, length, height, place = rows[:, :5].T
         return cls(time, hip, length, height, place, rows[:, 5:])
 
 
 def width(commands: int) -> int:
-    """Numbers of a row."""
+    """Return how many numbers a row has."""
     return 5 + commands

@@ -1,4 +1,4 @@
-"""One control tick of one episode, plant readings in, controls and verdict out: compiled once.
+"""One control tick of one episode: plant readings in, controls and verdict out, compiled once.
 
 `batch` vmaps it over episodes. Numbers are arguments, so policies and plants of the same
 structure share one compilation; addresses and the shape of the controller are constants.
@@ -30,45 +30,46 @@ from neuralgaits.simulation.ticks.wiring import controls
 
 
 class Carry(NamedTuple):
-    """What an episode takes from tick to tick."""
+    """State that an episode carries from tick to tick."""
 
     controller: ControllerState
     gauge: Gauge
     age: Scalar
     """Time since the last touchdown, or since the start of the episode [s]."""
     known: Known | None = None
-    """What an estimator remembers."""
+    """State of an estimator of rates; None without one."""
     believed: Float[Array, " d"] | None = None
-    """Its last hip speeds, the newest first, as many as torques are late and one more [m/s]."""
+    """The estimator's last hip speeds, newest first: the number of ticks of delay, plus one
+    [m/s]."""
 
 
 class Verdict(NamedTuple):
-    """What the loop outside must know after a tick."""
+    """Results of a tick for the loop outside."""
 
     controls: Float[Array, " u"]
-    """Actuator controls."""
+    """Actuator controls of the tick."""
     ending: Int[Array, ""]
-    """An `Ending`."""
+    """State of the episode, an `Ending`."""
     touchdown: Bool[Array, ""]
     """Whether a step has just ended."""
     steps: Int[Array, ""]
-    """Touchdowns so far."""
+    """Number of touchdowns so far."""
     leg: Int[Array, ""]
-    """Stance leg."""
+    """Stance leg after the tick."""
     z1: Scalar
-    """Measured z1 [m]."""
+    """Measured z1 of the robot [m]."""
     clearance: Scalar
     """Swing foot above the floor through the stance foothold [m]."""
     stride: Float[Array, " r"]
-    """Of a touchdown: a row of `strides.Strides`; zeros at other ticks."""
+    """Row of `strides.Strides` at a touchdown; zeros at other ticks."""
     feet: Float[Array, "2 2"]
     """Stance foot and swing foot in the world, (x, z) of their spheres [m]."""
     rise: Scalar
-    """What the robot is told of the height of the next foothold [m]; 0 for nothing."""
+    """Commanded height of the next foothold [m]; 0 without a command."""
 
 
 class Record(NamedTuple):
-    """What a log holds of a tick."""
+    """Quantities of a tick that a log has."""
 
     time: Scalar
     command: Command
@@ -79,7 +80,7 @@ class Record(NamedTuple):
 
 
 def begin(scene: Scene, leg: Int[Array, ""]) -> Carry:
-    """The carry of an episode that starts on `leg`."""
+    """Return the carry of an episode that starts on `leg`."""
     first = Carry(start(scene.controller, leg, scene.first), Gauge.start(), jnp.zeros(()))
     if scene.estimator is None:
         return first
@@ -88,7 +89,7 @@ def begin(scene: Scene, leg: Int[Array, ""]) -> Carry:
 
 
 def tick(scene: Scene, carry: Carry, reading: PlantReading) -> tuple[Carry, Verdict, Record]:
-    """One tick of one episode. Returns: the next carry, the verdict, and the record."""
+    """Compute one tick of one episode. Returns: the next carry, the verdict, and the record."""
     seen = sense(scene, reading).seen
     if scene.estimator is not None:
         carry, seen = _estimated(scene, scene.estimator, carry, seen)
@@ -100,7 +101,7 @@ def tick(scene: Scene, carry: Carry, reading: PlantReading) -> tuple[Carry, Verd
 def _estimated(
     scene: Scene, estimator: Estimator, carry: Carry, seen: Measurement
 ) -> tuple[Carry, Measurement]:
-    """What the controller goes by where rates are not measured."""
+    """Return the estimate that the controller uses where rates are not measured."""
     controller = scene.controller
     assert carry.known is not None and carry.believed is not None
     standing, period = carry.controller.stance, controller.period_s
@@ -113,7 +114,7 @@ def _estimated(
 def account(
     scene: Scene, carry: Carry, reading: PlantReading, state: ControllerState, command: Command
 ) -> tuple[Carry, Verdict, Record]:
-    """What becomes of an episode under a command, whoever decided it.
+    """Judge and record an episode's tick under a command from any controller.
 
     Returns: the next carry, the verdict, and the record.
     """
@@ -178,7 +179,7 @@ def account(
 
 
 def _speed_error(carry: Carry, truth: Measurement) -> Scalar | float:
-    """How far the hip speed that torques are for is from the one that they meet (m/s)."""
+    """Return the error of the hip speed that torques are based on, at the time they act (m/s)."""
     if carry.believed is None:
         return 0.0
     error = carry.believed[-1] - truth.hip_velocity[0]
@@ -188,14 +189,14 @@ def _speed_error(carry: Carry, truth: Measurement) -> Scalar | float:
 def _in_gap(
     scene: Scene, feet: Float[Array, "2 2"], level: Scalar, left: Scalar, rise: Scalar
 ) -> Bool[Array, ""]:
-    """Whether a foot is below its stones.
+    """Return whether a foot is below its stones.
 
     Args:
-        scene: of the episode.
+        scene: scene of the episode.
         feet: stance and swing foot (m).
-        level: of the stance foothold (m).
-        left: of the one that the swing foot has left (m).
-        rise: of the one that it is on its way to, above the stance foothold (m).
+        level: level of the stance foothold (m).
+        left: level of the foothold that the swing foot has left (m).
+        rise: height of its next foothold above the stance foothold (m).
     """
     stance, swing = feet[:, 1] - scene.plant_robot.foot_radius
     lowest = jnp.minimum(left, level + rise)

@@ -1,4 +1,4 @@
-"""Between a plant's arrays and what a controller speaks: sensors in, controls out.
+"""Map a plant's arrays to a controller's quantities: sensors in, controls out.
 
 Written for one episode, with the plant's addresses as constants, so it runs inside the tick.
 """
@@ -14,13 +14,13 @@ from neuralgaits.robots.mjcf_state import Sensors, StateMap
 def measure(
     sensors: Sensors, swept: Planar, time: Scalar, normal: Float[Array, "2"]
 ) -> Measurement:
-    """What a robot's sensors would say. Returns: `Measurement`.
+    """Return the measurements of a robot's sensors. Returns: `Measurement`.
 
     Args:
-        sensors: of the plant's state, without batch axes.
+        sensors: sensors of the plant's state, without batch axes.
         swept: derivative of the root-to-hip vector by pitch, from `MjcfLayout.hip_arm` (m). [2]
-        time: of the reading (s).
-        normal: force on each foot (N).
+        time: time of the reading (s).
+        normal: normal force on each foot (N).
     """
     return Measurement(
         time=time,
@@ -34,6 +34,6 @@ def measure(
 
 
 def controls(wires: StateMap, torque: Float[Array, "2 k"]) -> Float[Array, " u"]:
-    """Actuator controls that put these torques on the joints. Returns: [nu]."""
+    """Return actuator controls that put these torques on the joints. Returns: [nu]."""
     empty = jnp.zeros(wires.nu, dtype=torque.dtype)
     return empty.at[wires.actuators].set(torque / np.array(wires.layout.gears))

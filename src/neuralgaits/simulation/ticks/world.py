@@ -1,4 +1,4 @@
-"""The plants of many episodes, stepped together: what a loop asks of a simulator, and MuJoCo's."""
+"""Interface to a simulator that steps the plants of many episodes, and MuJoCo's version."""
 
 # pyright: reportAttributeAccessIssue=false
 # MuJoCo ships no type stubs.
@@ -14,20 +14,20 @@ from neuralgaits._types import Float, Int
 from neuralgaits.simulation.setup.plant import CONTROL_SPEC, SUBSTEPS, Plant
 
 Some = Int[np.ndarray, " a"]
-"""Numbers of episodes."""
+"""Numbers of some of the episodes."""
 Controls = Float[np.ndarray, "B u"]
-"""Of the file's actuators, for every episode."""
+"""Controls of the file's actuators, for every episode."""
 # Episodes below which waking threads costs more than it saves.
 _MIN_EPISODES_PER_THREAD = 16
 
 
 class World(ABC):
-    """The plants of all episodes. States are MuJoCo's, whatever steps them."""
+    """Plants of all episodes. States are in MuJoCo's form for every simulator."""
 
     @property
     @abstractmethod
     def states(self) -> Float[np.ndarray, "B s"]:
-        """Time, qpos and qvel of every episode, now."""
+        """Time, qpos and qvel of every episode at present."""
 
     @property
     @abstractmethod
@@ -43,14 +43,14 @@ class World(ABC):
         """Step the active episodes through one control tick.
 
         Args:
-            active: their numbers.
-            controls: of the file's actuators.
-            force: forward, at the pitch axis of the root (N).
+            active: numbers of these episodes.
+            controls: controls of the file's actuators.
+            force: force forward, at the pitch axis of the root (N).
         """
 
 
 class MujocoWorld(World):
-    """MuJoCo on a pool of threads, without Python in between."""
+    """Plants of all episodes, stepped by MuJoCo on a pool of threads, without Python in between."""
 
     def __init__(
         self,
@@ -59,13 +59,13 @@ class MujocoWorld(World):
         threads: int,
         models: Sequence[mujoco.MjModel] | None = None,
     ):
-        """All episodes at their starts.
+        """Put all episodes at their starts.
 
         Args:
-            plant: of all episodes, or of the first one on a course.
-            states: to start from (time, qpos, qvel).
-            threads: at most this many.
-            models: of the plant of each episode; the same for all if None.
+            plant: plant of all episodes, or of the first one on a course.
+            states: states to start from (time, qpos, qvel).
+            threads: largest number of threads.
+            models: model of each episode's plant; one model for all if None.
         """
         model = plant.model
         episodes = len(states)
@@ -84,7 +84,7 @@ class MujocoWorld(World):
 
     @property
     def states(self) -> Float[np.ndarray, "B s"]:
-        """Time, qpos and qvel of every episode, now."""
+        """Time, qpos and qvel of every episode at present."""
         return self._states
 
     @property

@@ -1,4 +1,4 @@
-"""From the searches of boxes to a verdict on each condition."""
+"""Turn the searches of boxes into a verdict on each condition."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -13,20 +13,20 @@ from neuralgaits.certificate.search.problem import Problem
 from neuralgaits.records.certified import ConditionVerdict, Verdict
 
 Searched = tuple[Problem, Search]
-"""A root box with what was asked of it, and how far its search came."""
+"""A root box with its conditions, and the state of its search."""
 Verdicts = dict[str, ConditionVerdict]
-"""By condition."""
+"""Verdicts by name of the condition."""
 
 
 def verdicts(
     spec: GaitSpec, searched: Sequence[Searched], statements: Sequence[Statement]
 ) -> Verdicts:
-    """The verdict on every condition of a spec.
+    """Return the verdict on every condition of a spec.
 
     Args:
-        spec: of the run.
-        searched: all roots, of conditions and of premises.
-        statements: that the proof file has of them.
+        spec: spec of the run.
+        searched: all roots, of conditions and of premises, with the state of their searches.
+        statements: those that the proof file has about these roots.
     """
     found = {}
     for condition in spec.conditions:
@@ -39,21 +39,21 @@ def verdicts(
 
 
 def of_conditions(spec: GaitSpec, searched: Sequence[Searched]) -> list[Searched]:
-    """The roots on which a condition of the spec was asked for."""
+    """Select the roots that belong to conditions of the spec."""
     asked = [(condition.name, condition.region) for condition in spec.conditions]
     return [pair for pair in searched if any(roots_of([pair], *one) for one in asked)]
 
 
 def roots_of(searched: Sequence[Searched], name: str, region: str) -> list[Searched]:
-    """The boxes of a condition's region; a premise that has its name is of another one."""
+    """Select the roots of a condition's region, and no root of a premise of the same name."""
     return [pair for pair in searched if name in pair[0].names and pair[0].region == region]
 
 
 def verdict_on(name: str, roots: Sequence[Searched], margin: float | None) -> ConditionVerdict:
-    """Verdict on a condition from the searches of its region's boxes.
+    """Return the verdict on a condition from the searches of its region's boxes.
 
     Args:
-        name: of the condition.
+        name: name of the condition.
         roots: problem and state of every box of its region.
         margin: the bound that the proof file claims, if it is proved everywhere.
     """
@@ -80,7 +80,7 @@ def verdict_on(name: str, roots: Sequence[Searched], margin: float | None) -> Co
 
 
 def visited(state: Search, column: int) -> int:
-    """Boxes that were bounded while the condition was not yet proved around them."""
+    """Count the boxes that were bounded while the condition was not yet proved around them."""
     tree = state.tree
     parents = np.flatnonzero(tree.first >= 0)
     waiting = parents[~(tree.lower[parents, column] >= 0.0)]
@@ -88,20 +88,20 @@ def visited(state: Search, column: int) -> int:
 
 
 def not_looked_at(spec: GaitSpec) -> Verdicts:
-    """Where nothing could be traced."""
+    """Return undecided verdicts on all conditions, for a gait that cannot be traced."""
     nothing = ConditionVerdict("undecided", 0.0, 0, None, None, 0)
     return {condition.name: nothing for condition in spec.conditions}
 
 
 def of_a_part(entry: ConditionVerdict) -> ConditionVerdict:
-    """What a verdict about some commands is as one about all of them."""
+    """Turn a verdict about some of the commands into one about all of them."""
     if entry.verdict != "proved":
         return entry
     return replace(entry, verdict="undecided", margin=None)
 
 
 def worst_robot(found: Mapping[str, ConditionVerdict], chart: Chart) -> str | None:
-    """Which condition a robot of the box breaks, and what robot that is; None without one."""
+    """Name a condition that a robot of the box breaks, and that robot; None without one."""
     for name, entry in found.items():
         if (point := entry.counterexample) is not None:
             axes = zip(chart.parameters, point.u[PLANE:], strict=True)

@@ -1,1 +1,1 @@
-"""Level 5: the full order under a disturbance of what the outputs do."""
+"""Level 5: walking at full order under a disturbance of the outputs' acceleration."""

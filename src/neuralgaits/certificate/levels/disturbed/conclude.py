@@ -1,4 +1,4 @@
-"""From the constants of the disturbed theorem to its verdict, in balls (level 5).
+"""Conclude level 5 from the constants of the disturbed theorem, in balls.
 
 The argument is in docs/level5_proof.md. Needs no JAX.
 """
@@ -29,12 +29,12 @@ LEVEL = 5
 
 
 def conclude_disturbed(full: FullOrder, shape: Disturbed, bounds: Bounds) -> Conclusion:
-    """Level 5: D is invariant under errors of the outputs' acceleration, and under held torques.
+    """Conclude that D is invariant under errors of the outputs' acceleration and held torques.
 
     Args:
-        full: the set and its constants, of level 4, which has to be proved.
-        shape: what level 5 adds.
-        bounds: what is proved, see `premises.proved_bounds`.
+        full: the set and its constants at level 4, which has to be proved.
+        shape: constants that level 5 adds.
+        bounds: proved bounds, see `premises.proved_bounds`.
     """
     known = tuple(constants(full, shape))
     figures = {constant.name: constant.value for constant in known}
@@ -49,9 +49,10 @@ def conclude_disturbed(full: FullOrder, shape: Disturbed, bounds: Bounds) -> Con
 
 
 def inequalities(full: FullOrder, shape: Disturbed) -> list[Inequality]:
-    """Everything that the constants must satisfy."""
+    """Return every inequality that the constants must satisfy."""
     zero, gamma, push = arb(0), _rate(full), arb(shape.push[0])
     left = _slower(full, shape)
+    # Inequality 1 of docs/level5.md.
     found = [
         Inequality("0 < push", zero, push),
         _not_above("0 <= its slope", 0.0, shape.push[1]),
@@ -75,10 +76,11 @@ def inequalities(full: FullOrder, shape: Disturbed) -> list[Inequality]:
 
 
 def _of_hold(full: FullOrder, shape: Disturbed, gamma: arb) -> list[Inequality]:
-    """What a hold makes of an error fits under peak and, in the mean, under push."""
+    """Return inequalities by which a hold's error stays under peak and, in the mean, under push."""
     zero, hold, error = arb(0), arb(shape.hold), arb(shape.error)
     mean = hold / 2 * (1 + gamma * hold / 8)
     still, slope = growth(full, shape)
+    # Inequality 3 of docs/level5.md; `mean` is its tau.
     return [
         Inequality("0 < hold", zero, hold),
         _not_above("0 <= error", 0.0, shape.error),
@@ -98,7 +100,10 @@ def _of_hold(full: FullOrder, shape: Disturbed, gamma: arb) -> list[Inequality]:
 
 
 def growth(full: FullOrder, shape: Disturbed) -> tuple[arb, arb]:
-    """While torques are held |S e| grows by first + second times the bound on V [1/s of those]."""
+    """Return (first, second): under held torques |S e| grows by at most first + second R.
+
+    R is the bound on sqrt(V) [rad/s^3, rad/s^3 per rad].
+    """
     w, peak = arb(full.bandwidth), arb(shape.peak[0]) + arb(shape.peak[1]) * arb(full.radius)
     still = abs(arb(shape.jerk)) + (2 * w + abs(arb(shape.jerk_push))) * peak
     # The bound on V was larger when the hold began, or at phase 0 if the phase is below.
@@ -108,17 +113,17 @@ def growth(full: FullOrder, shape: Disturbed) -> tuple[arb, arb]:
 
 
 def most_push(full: FullOrder, shape: Disturbed) -> arb:
-    """|S e| in the mean over a hold, anywhere in the set."""
+    """Bound |S e| in the mean over a hold, anywhere in the set."""
     return arb(shape.push[0]) + arb(shape.push[1]) * arb(full.radius)
 
 
 def _slower(full: FullOrder, shape: Disturbed) -> arb:
-    """What pushes that grow with V leave of gamma."""
+    """Return gamma less the part that pushes growing with V take: gamma' of inequality 1 [1/s]."""
     return _rate(full) - 2 * factor(full) * arb(shape.push[1])
 
 
 def _not_above(claim: str, left: float, right: float) -> Inequality:
-    """Left <= right, of doubles."""
+    """Return left <= right, of doubles, as an inequality."""
     if left <= right:
         return Inequality(claim, arb(0), arb(1))
     return Inequality(claim, arb(left), arb(right))
@@ -133,7 +138,12 @@ def _of_barrier(
     lost: float,
     of: BarrierConstants,
 ) -> list[Inequality]:
-    """With (c + q)^2 <= (1 + r) c^2 + (1 + 1/r) q^2 for every r > 0, q = 2 sigma b most push."""
+    """Return the inequality of one barrier.
+
+    With q = 2 sigma b (most push), it uses (c + q)^2 <= (1 + r) c^2 + (1 + 1/r) q^2 for every r >
+    0.
+    """
+    # Inequality 2 of docs/level5.md; `spare` is its r_i.
     zero, gamma, gain = arb(0), _rate(full), arb(alpha)
     first = [
         Inequality(f"{name}: 0 < alpha", zero, gain),
@@ -154,13 +164,13 @@ def _of_barrier(
 
 
 def factor(full: FullOrder) -> arb:
-    """The b of V' <= -gamma V + 2 b sqrt(V) |S e| [s]."""
+    """Return the b of V' <= -gamma V + 2 b sqrt(V) |S e| [s]."""
     stiff = arb(fmpq(STIFF.numerator, STIFF.denominator))
     return (1 + stiff**2).sqrt() / arb(full.bandwidth)
 
 
 def constants(full: FullOrder, shape: Disturbed) -> list[Constant]:
-    """Every constant that level 5 adds."""
+    """Return every constant that level 5 adds."""
     always, loop = _always(full, shape), step_factor(full)
     # Errors up to the push are borne where sqrt(V) is small, too.
     kept = 2 * factor(full) * always / _rate(full)
@@ -207,12 +217,12 @@ def _of_holds(full: FullOrder, shape: Disturbed) -> list[Constant]:
 
 
 def _always(full: FullOrder, shape: Disturbed) -> arb:
-    """|S e| up to which any error is borne, wherever it comes."""
+    """Return the |S e| up to which any error is tolerated anywhere in the set."""
     return arb(shape.push[0]) + arb(shape.push[1]) * arb(full.least_radius)
 
 
 def _size_of_norm(full: FullOrder) -> arb:
-    """The Frobenius norm of S, not below its largest."""
+    """Return the Frobenius norm of S, which bounds its largest singular value."""
     if not full.weights:
         return arb(1)
     return sum((arb(w) ** 2 for w in full.weights), arb(0)).sqrt()

@@ -1,4 +1,4 @@
-"""Constants of the disturbed theorem, found by looking at points. Nothing here is trusted."""
+"""Find constants of the disturbed theorem by evaluating points. Nothing here is trusted."""
 
 import math
 from typing import NamedTuple
@@ -15,28 +15,28 @@ from neuralgaits.certificate.levels.full_order.norm import GAINS, LONGEST
 from neuralgaits.certificate.levels.full_order.theorem import FullOrder, lyapunov_rate
 
 HALVINGS = 20
-"""Of an interval in which the longest hold, or the largest push, is."""
+"""Halvings of the interval that holds the longest hold or the largest push."""
 BELOW = 1.0 - 1e-9
-"""What has to be below something is at most this share of it."""
+"""Share of a limit that a number which must lie below it may reach."""
 DIGITS = 4
-"""Of numbers that stand, exactly, in a statement that people read."""
+"""Significant digits of numbers that a statement gives exactly, for people to read."""
 SQUARES = 1.12
-"""|d(dh/dt)/d xi|^2 in the set, over what was seen at eta = 0."""
+"""|d(dh/dt)/d xi|^2 in the set, as a multiple of the largest value seen at eta = 0."""
 SPENT = 0.05
-"""Share of dh/dt + alpha h that bounds may lose, and of forces that outputs may take more."""
+"""Share of dh/dt + alpha h that bounds may lose, and by which outputs may take more of forces."""
 STILL = 1.03
-"""Jerk of the outputs where nothing is off, over what was seen."""
+"""Jerk of the outputs at eta = 0, as a multiple of the largest value seen."""
 
 
 def find_disturbed(looks: Looks, full: FullOrder, error: float = 0.0) -> Disturbed | str:
-    """The longest hold and the largest push that points allow in the set.
+    """Return the longest hold and the largest push that points allow in the set.
 
-    Or one sentence that says why there are none.
+    Returns a sentence with the reason if there are none.
 
     Args:
-        looks: at quantities of the gait, in the set's norm.
+        looks: functions that evaluate the gait, in the set's norm.
         full: the set.
-        error: |S e| at most when torques are set [rad/s^2].
+        error: bound on |S e| when torques are set [rad/s^2].
     """
     if full.least_radius <= 0.0:
         return (
@@ -62,13 +62,13 @@ def find_disturbed(looks: Looks, full: FullOrder, error: float = 0.0) -> Disturb
 
 
 def _raised(held: Held, extra: float) -> Held:
-    """With a larger push, and a peak that is not below it."""
+    """Return the constants with a larger push, and a peak that is not below it."""
     push = held.push[0] + extra
     return Held((push, held.push[1]), (max(push, held.peak[0]), held.peak[1]))
 
 
 def _largest(most: float, stands) -> float:
-    """The largest number up to `most` that stands; 0 if none was found."""
+    """Return the largest number up to `most` that the test accepts; 0 if it accepts none."""
     if not most > 0.0:
         return 0.0
     if stands(most):
@@ -81,14 +81,14 @@ def _largest(most: float, stands) -> float:
 
 
 class _Forces(NamedTuple):
-    """Slacks of contact and torques beside what outputs take of them, and slopes in S e."""
+    """Slacks of contact and torques, their loss to outputs, and their slopes in S e."""
 
     left: np.ndarray
     push: np.ndarray
 
 
 class _Seen:
-    """What pushes do to barriers, contact and torques at points, and how fast held torques err."""
+    """Effect of pushes on barriers, contact and torques at points, and growth of held errors."""
 
     def __init__(self, looks: Looks, full: FullOrder, u: np.ndarray):
         self.full, self.gamma = full, float(lyapunov_rate(full.bandwidth))
@@ -117,7 +117,7 @@ class _Seen:
         )
 
     def held(self, hold: float, error: float) -> Held | None:
-        """What a hold makes of torques that are off by `error` when they are set; with room."""
+        """Bound the errors of torques that are off by `error` when set and then held, with room."""
         full = self.full
         start = full.least_radius + (full.radius - full.least_radius) * math.exp(
             -full.shrink * full.start_strip**2
@@ -131,12 +131,12 @@ class _Seen:
         return Held((push[0], push[1]), (peak[0], peak[1]))
 
     def most(self, slope: float) -> float:
-        """The largest push that the floor bears beside one that grows with V."""
+        """Return the largest push that the floor allows beside one that grows with V."""
         left = self.gamma - 2.0 * self.factor * slope
         return BELOW * left * self.full.least_radius / (2.0 * self.factor)
 
     def stands(self, held: Held | None) -> bool:
-        """Whether floor, decay, barriers, contact and torques stand it."""
+        """Return whether floor, decay, barriers, contact and torques allow it."""
         full = self.full
         if held is None or held.push[0] > self.most(held.push[1]):
             return False
@@ -146,7 +146,7 @@ class _Seen:
         return self.barriers(held) is not None
 
     def barriers(self, held: Held) -> tuple[DisturbedBarrier, ...] | None:
-        """Constants of each barrier, None if one of them or forces leave no room."""
+        """Return the constants of each barrier; None if a barrier or the forces leave no room."""
         peak = (1.0 + SPENT) * (held.peak[0] + held.peak[1] * self.bound)
         if any((peak[:, None] * forces.push >= forces.left).any() for forces in self.forces):
             return None

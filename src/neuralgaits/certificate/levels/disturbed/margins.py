@@ -1,4 +1,4 @@
-"""What level 5 asks of a gait beside level 4: margins that must not be negative.
+"""Margins of level 5 beside those of level 4; none may be negative.
 
 Forces and torques are affine in e, so the worst e of a ball |S e| <= peak takes peak times the
 length of their slope in S e. The jerk of the outputs under held torques is bounded by its size at
@@ -27,7 +27,7 @@ FORCES = ("contact", "torque")
 def margins(
     model: FullOrderModel, full: FullOrder, shape: Disturbed, u: Float[Array, "2"], xi: Outputs
 ) -> Quantities:
-    """All margins of the theorem at one chart point and one xi of the unit ball."""
+    """Return all margins of the theorem at one chart point and one xi of the unit ball."""
     its = Numbers.of(full, model.names)
     model = its.model(model)
     parts = {name: jnp.asarray(np.array(values)) for name, values in series(shape).items()}
@@ -42,13 +42,14 @@ def margins(
     coupling = jax.jacfwd(lambda moved: model.rates(model.point(u, moved)))(xi)
     for k, name in enumerate(model.names):
         alpha, weight, lost = rows[k]
+        # dh/dt + alpha h - p |d(dh/dt)/d xi|^2 - q >= 0.
         spent = weight * (coupling[k] @ coupling[k]) + lost
         found[f"disturbed/decrease {name}"] = rate[k] + alpha * h[k] - spent
     return found
 
 
 def _forces(model: FullOrderModel, u: Float[Array, "2"], xi: Outputs, peak: Scalar) -> Quantities:
-    """Slacks, less what e may take of them."""
+    """Return the slacks of forces less the most that e may take of them."""
 
     def slacks(e: Float[Array, " m"]) -> Quantities:
         found = model.in_step(model.point(u, xi, e))
@@ -56,6 +57,7 @@ def _forces(model: FullOrderModel, u: Float[Array, "2"], xi: Outputs, peak: Scal
 
     none = jnp.zeros(model.size // 2)
     found, slopes = slacks(none), jax.jacfwd(slacks)(none)
+    # v - P |dv/d(S e)| > 0 for each slack v.
     return {
         f"disturbed/{name}": found[name]
         - peak * jnp.sqrt(jnp.sum(slopes[name] * slopes[name], axis=1))
@@ -66,7 +68,7 @@ def _forces(model: FullOrderModel, u: Float[Array, "2"], xi: Outputs, peak: Scal
 def _jerks(
     model: FullOrderModel, u: Float[Array, "2"], xi: Outputs, bounds: Float[Array, "3"]
 ) -> Quantities:
-    """Of the outputs while torques are held: its size where nothing is off, and its slopes."""
+    """Return margins of the outputs' jerk under held torques: its size at 0 and its slopes."""
     none = jnp.zeros(model.size // 2)
 
     def jerk(xi: Outputs, e: Float[Array, " m"]) -> Float[Array, " m"]:
@@ -74,6 +76,7 @@ def _jerks(
 
     still = jerk(jnp.zeros_like(xi), none)
     along, pushed = jax.jacfwd(jerk)(xi, none), jax.jacfwd(jerk, 1)(xi, none)
+    # Squares, which are smooth: |.| <= j, l and kappa of docs/level5.md.
     return {
         "disturbed/jerk": bounds[0] * bounds[0] - still @ still,
         "disturbed/jerk-slope": bounds[1] * bounds[1] - jnp.sum(along * along),

@@ -1,8 +1,8 @@
-"""The set D of level 4 under torques that are not exact (level 5): constants and premises.
+"""Constants and premises of level 5: the set D of level 4 under torques that are not exact.
 
 Outputs obey ddy = -w^2 y - 2 w dy + e, S being that of level 4's norm. Then V' <= -gamma V + 2 b
 sqrt(V) |S e| with b = sqrt(1 + STIFF^2) / w, nothing else of the flow changes, and forces and
-torques are affine in e. While torques are held, e grows as the outputs' jerk says, which is affine
+torques are affine in e. While torques are held, the outputs' jerk decides how e grows; it is affine
 in e, too. The argument is in docs/level5_proof.md. Needs no JAX.
 """
 
@@ -24,7 +24,7 @@ class DisturbedBarrier:
     """Constants of one barrier h of level 4. Units: those of h, seconds, sqrt(V) in rad.
 
     Attributes:
-        name: of the barrier.
+        name: name of the barrier.
         alpha: gain [1/s].
         weight, lost: dh/dt + alpha h - weight |d(dh/dt)/d xi|^2 - lost >= 0 in the set, the rate
             at eta = 0 and its slope at any eta [s/h, h/s].
@@ -38,20 +38,20 @@ class DisturbedBarrier:
 
 @dataclass(frozen=True)
 class Disturbed:
-    """The constants that level 5 adds to those of level 4.
+    """Constants that level 5 adds to those of level 4.
 
     Errors may be as large as first + second times the bound on sqrt(V), which falls along the step.
 
     Attributes:
-        push: |S e| at most, in the mean over a hold [rad/s^2, rad/s^2 per rad].
-        peak: |S e| at most, at any time, likewise.
-        hold: for how long torques are held at most [s]; 0 if nothing is said of that.
-        error: |S e| at most when torques are set [rad/s^2].
-        jerk: of the outputs while torques are held, |S d^3y/dt^3| at eta = 0 and e = 0 at most
+        push: bound on |S e| in the mean over a hold [rad/s^2, rad/s^2 per rad].
+        peak: bound on |S e| at any time, in the same units.
+        hold: longest time for which torques are held [s]; 0 if holds are left out.
+        error: bound on |S e| when torques are set [rad/s^2].
+        jerk: bound on the outputs' jerk |S d^3y/dt^3| under held torques, at eta = 0 and e = 0
             [rad/s^3].
-        jerk_slope: length of its slope in xi at most [rad/s^3 per rad].
-        jerk_push: length of its slope in S e at most [1/s].
-        barriers: constants of each, in the order of level 4.
+        jerk_slope: bound on the length of its slope in xi [rad/s^3 per rad].
+        jerk_push: bound on the length of its slope in S e [1/s].
+        barriers: constants of each barrier, in the order of level 4.
     """
 
     push: tuple[float, float]
@@ -65,7 +65,7 @@ class Disturbed:
 
 
 def series(shape: Disturbed) -> dict[str, tuple[float, ...]]:
-    """All that margins have in them in lists: the Program has them as constants of these names."""
+    """Return the lists of numbers that margins read, named like the Program's constants."""
     rows = tuple(getattr(barrier, name) for barrier in shape.barriers for name in OF_BARRIER)
     found = {"peak": shape.peak, "barriers": rows}
     jerk = shape.jerk, shape.jerk_slope, shape.jerk_push
@@ -73,7 +73,7 @@ def series(shape: Disturbed) -> dict[str, tuple[float, ...]]:
 
 
 def premises(full: FullOrder, shape: Disturbed) -> list[Premise]:
-    """What the conclusion rests on beside level 4, all of it on level 4's tube."""
+    """Return the premises of level 5 beside level 4, all of them on level 4's tube."""
     first, last = full.ends
     tube = (first, 0.0), (last, 1.0)
     found = [Premise("disturbed/contact", *tube), Premise("disturbed/torque", *tube)]
@@ -90,6 +90,6 @@ def premises(full: FullOrder, shape: Disturbed) -> list[Premise]:
 def labelled_premises(
     full: FullOrder, shape: Disturbed
 ) -> Iterator[tuple[str, str, Corner, Corner]]:
-    """(label, output, low, high) of all of them."""
+    """Return (label, output, low, high) of all premises."""
     for output, low, high, _ in premises(full, shape):
         yield REGION, output, low, high

@@ -1,1 +1,1 @@
-"""Level 4: the robot walks on at full order."""
+"""Level 4: walking of the robot at full order."""

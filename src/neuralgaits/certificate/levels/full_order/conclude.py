@@ -1,6 +1,6 @@
-"""From the constants of the full-order theorem and its premises to a verdict (level 4).
+"""Conclude level 4 from the constants of the full-order theorem and its premises.
 
-Needs no JAX.
+The arithmetic is in `inequalities`. Needs no JAX.
 """
 
 from neuralgaits.certificate.levels.full_order.inequalities import inequalities, is_norm, obstacle
@@ -16,15 +16,15 @@ from neuralgaits.records.certified import Conclusion
 
 LEVEL = 4
 SHOWN = 4
-"""Premises that are named where more of them are not proved."""
+"""Largest number of unproved premises that are named."""
 
 
 def conclude_full_order(shape: FullOrder, bounds: Bounds) -> Conclusion:
-    """Level 4: D is forward invariant, between impacts and across them.
+    """Conclude that D is forward invariant, between impacts and across them.
 
     Args:
         shape: the set and its constants.
-        bounds: what is proved, of `premises.proved_bounds`.
+        bounds: proved bounds, see `premises.proved_bounds`.
     """
     known = tuple(constants(shape, bounds))
     figures = {constant.name: constant.value for constant in known}
@@ -44,7 +44,7 @@ def conclude_full_order(shape: FullOrder, bounds: Bounds) -> Conclusion:
 
 
 def _missing(shape: FullOrder, bounds: Bounds) -> list[str]:
-    """Premises without a sufficient bound, in words."""
+    """Name the premises without a sufficient bound, in words."""
     found = []
     for output, low, high, sign in premises(shape):
         bound = bounds.get((output, low, high), float("nan"))

@@ -1,4 +1,4 @@
-"""Constants of the full-order theorem, found by looking at points.
+"""Find constants of the full-order theorem by evaluating points.
 
 Nothing here is trusted: a bad choice makes a premise fail, not a false one hold.
 """
@@ -26,24 +26,24 @@ PHASES, LEVELS = 81, 9
 CROSSINGS = (1e-9, 1e-8, 1e-7, 1e-5, 1e-4, 3e-4, 1e-3, 3e-3, 6e-3, 0.01, 0.02, 0.03)
 """Half widths tried around the crossing of the guard at eta = 0, in phases."""
 CLEAR = 1e-12
-"""Height of the foot before and behind the crossing [m]: more than rounding."""
+"""Height of the foot before and behind the crossing [m]; it exceeds rounding errors."""
 LARGEST = 0.1
-"""Radius that is asked for at most [rad]."""
+"""Largest radius that is tried [rad]."""
 ABOVE, BELOW = 1.08, 0.94
-"""A constant is this much more, or less, than what was seen."""
+"""Factors of a constant over, or under, the values seen at points."""
 AMPLE = 1.3
-"""The same for what an impact does: the theorem has room there, and bounds cost the most."""
+"""Factor for an impact: the theorem has room there, and bounds cost the most."""
 ROUNDING = 1e-6
-"""What bounds in float64 may lose at an impact [rad]."""
+"""Loss of float64 bounds at an impact, at most [rad]."""
 DIGITS = 4
-"""Of the numbers that stand, exactly, in a statement that people read."""
+"""Significant digits of numbers that a statement gives exactly, for people to read."""
 ALPHAS = (0.25, 0.5, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 12.0, 15.0, 20.0)
-"""Gains tried [1/s]."""
+"""Barrier gains that are tried [1/s]."""
 
 
 @dataclass(frozen=True)
 class Looks:
-    """What the finder looks at.
+    """Functions that the finder of the full-order theorem evaluates.
 
     Attributes:
         step: pace, inertia, foot, foot-rate, contact, torque, rate, reading, h, with slopes.
@@ -58,7 +58,7 @@ class Looks:
     pushed: Callable[[Float[np.ndarray, "n 2"]], Samples] | None = None
 
     def in_norm(self, matrix: np.ndarray) -> "Looks":
-        """The same with xi and pushes in the norm of S."""
+        """Return these functions with xi and pushes in the norm of S."""
         inverse = np.linalg.inv(matrix)
         back, pushed = doubled(inverse).T, self.pushed
 
@@ -81,14 +81,14 @@ class Looks:
 def find_full_order(
     looks: Looks, names: Sequence[str], bandwidth: float, share: float, plan: Plan | None = None
 ) -> FullOrder | str:
-    """Constants of the theorem, or one sentence that says why there are none.
+    """Return constants of the theorem, or a sentence with the reason why there are none.
 
     Args:
-        looks: at quantities of the gait.
-        names: of the barriers, in the order of their quantities.
+        looks: functions that evaluate the gait.
+        names: names of the barriers, in the order of their quantities.
         bandwidth: w [rad/s].
-        share: of the largest radius that forces, torques and foot stand at points.
-        plan: norm, radius and floor, if they are not to be found: the share counts for nothing.
+        share: share of the largest radius that forces, torques and foot allow at points.
+        plan: norm, radius and floor, if these are given; the share is not used then.
     """
     looks = looks if plan is None else looks.in_norm(plan.matrix)
     levels = np.linspace(0.0, 1.0, LEVELS)
@@ -199,18 +199,18 @@ class _Impacts:
 
 
 def grid(phases: np.ndarray, levels: np.ndarray) -> np.ndarray:
-    """All pairs of these phases and levels. [n, 2]."""
+    """Return all pairs of these phases and levels. [n, 2]."""
     return np.stack(np.meshgrid(phases, levels, indexing="ij"), axis=-1).reshape(-1, 2)
 
 
 def _sphere(count: int, size: int, radius: float) -> np.ndarray:
-    """Points on the sphere of a radius. [count, size]."""
+    """Return points on the sphere of a radius. [count, size]."""
     draw = np.random.default_rng(0).normal(size=(count, size))
     return radius * draw / np.linalg.norm(draw, axis=1, keepdims=True)
 
 
 def _norms(seen: Samples, name: str) -> np.ndarray:
-    """Length of the slope of each element. [n, k]."""
+    """Return the length of the slope of each element. [n, k]."""
     return np.linalg.norm(seen[f"{name}/slope"], axis=2)
 
 
@@ -221,7 +221,7 @@ def _at(radius: float, floor: float, shrink: float, phase: float) -> float:
 def _over(
     seen: Samples, name: str, phase: np.ndarray, radius: float, floor: float, shrink: float
 ) -> np.ndarray:
-    """A quantity and what outputs of the given radius may add, generously. [n]."""
+    """Return a quantity plus a generous bound on the effect of outputs of a radius. [n]."""
     bound = floor + (radius - floor) * np.exp(-shrink * phase**2)
     reach = ABOVE * bound * _norms(seen, name)[:, 0]
     return (1.02 if radius > 0.0 else 1.0) * seen[name][:, 0] + reach
@@ -230,7 +230,7 @@ def _over(
 def _fastest(
     seen: Samples, phase: np.ndarray, radius: float, floor: float, gamma: float
 ) -> tuple[float, float]:
-    """The fastest pace, and how fast the bound on sqrt(V) may shrink: one depends on the other."""
+    """Return the fastest pace, and the fastest shrinking of the bound on sqrt(V) that fits it."""
     most, shrink = 0.0, 0.0
     for _ in range(3):
         most = float(_over(seen, "pace", phase, radius, floor, shrink).max())
@@ -240,7 +240,7 @@ def _fastest(
 
 
 def _crossing(looks: Looks, levels: np.ndarray) -> float | None:
-    """The narrowest strip around phase 1 with the foot up before it and down behind it."""
+    """Return the narrowest strip around phase 1 with the foot up before it and down behind it."""
     for width in CROSSINGS:
         before, behind = (grid(np.array([1.0 + side * width]), levels) for side in (-1, 1))
         zero = np.zeros((LEVELS, looks.size))
@@ -251,7 +251,7 @@ def _crossing(looks: Looks, levels: np.ndarray) -> float | None:
 
 
 def _radius(seen: Samples, phase: np.ndarray, shrink: float) -> tuple[float, float]:
-    """Largest radius that forces, torques and foot stand at points, and where rising ends."""
+    """Return the largest radius that forces, torques and foot allow, and the phase `risen`."""
     grow = np.exp(shrink * phase**2)
 
     def limit(name: str) -> np.ndarray:
@@ -268,7 +268,7 @@ def _radius(seen: Samples, phase: np.ndarray, shrink: float) -> tuple[float, flo
 
 
 def _guard_strip(looks: Looks, levels: np.ndarray, crossing: float, bound: float) -> float | None:
-    """Half width of the strip that holds the guard for all outputs in the set."""
+    """Return the half width of the strip that holds the guard for all outputs in the set."""
     line = grid(np.array([1.0]), levels)
     seen = looks.guard(line, np.zeros((len(line), looks.size)))
     moved = (np.linalg.norm(seen["foot/slope"], axis=1) / -seen["fall"]).max()
@@ -285,7 +285,7 @@ def _barrier(
     radius: float,
     plan: Plan | None,
 ) -> BarrierConstants:
-    """Constants of one barrier: the gain that needs the least sigma."""
+    """Return the constants of one barrier with the gain that needs the least sigma."""
     above = ABOVE if plan is None else 1.2
     coupling = above * float(_norms(step, "rate")[:, k].max())
     reading = float(at_most(above * float(_norms(step, "reading")[:, k].max()), DIGITS))

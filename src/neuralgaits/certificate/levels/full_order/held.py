@@ -1,4 +1,4 @@
-"""What held torques do to outputs, as far as points tell. Nothing here is trusted."""
+"""Effect of held torques on outputs, estimated at points. Nothing here is trusted."""
 
 import math
 from typing import NamedTuple
@@ -6,19 +6,19 @@ from typing import NamedTuple
 from neuralgaits.certificate.levels.full_order.theorem import lyapunov_rate
 
 JERK = 1.1
-"""The outputs' jerk under held torques, at y = 0, over what was seen."""
+"""Bound on the outputs' jerk under held torques at y = 0, as a multiple of the largest seen."""
 JERK_SLOPE = 4.0
-"""Its slope in xi, likewise: enclosures of third derivatives are wide."""
+"""Factor for its slope in xi; enclosures of third derivatives are wide."""
 JERK_PUSH = 1.5
-"""Its slope in a push, likewise."""
+"""Factor for its slope in a push."""
 
 
 class Held(NamedTuple):
-    """What held torques do to outputs: errors |S e| up to first + second times the bound on V.
+    """Errors that holds cause: |S e| up to first + second times the bound on sqrt(V).
 
     Attributes:
-        push: in the mean over a hold [rad/s^2, rad/s^2 per rad].
-        peak: at its end, likewise.
+        push: first and second in the mean over a hold [rad/s^2, rad/s^2 per rad].
+        peak: first and second at its end, in the same units.
     """
 
     push: tuple[float, float]
@@ -29,7 +29,7 @@ class Jerk(NamedTuple):
     """Bounds on the outputs' jerk while torques are held, in the norm of S.
 
     Attributes:
-        still: at y = 0 and e = 0 [rad/s^3].
+        still: jerk at y = 0 and e = 0 [rad/s^3].
         slope: its slope in xi [rad/s^3 per rad].
         push: its slope in S e [1/s].
     """
@@ -39,9 +39,10 @@ class Jerk(NamedTuple):
     push: float
 
     def held(self, hold: float, error: float, bandwidth: float, radius: float) -> Held | None:
-        """What a hold makes of torques that are off by |S e| = error when they are set.
+        """Bound the errors of held torques that are off by |S e| = error when they are set.
 
-        None if it has no bound. `radius` bounds sqrt(V) in the set. Source: docs/level5_proof.md.
+        Returns None if there is no bound. `radius` bounds sqrt(V) in the set. Source:
+        docs/level5_proof.md.
         """
         gamma, back = float(lyapunov_rate(bandwidth)), 2.0 * bandwidth + self.push
         if hold * back >= 0.5:

@@ -1,8 +1,8 @@
-"""What the constants of the full-order theorem must satisfy, in balls (level 4).
+"""Inequalities between the constants of the full-order theorem (level 4), in balls.
 
-Every inequality is between numbers of `FullOrder`, whose meaning the premises prove. It holds
-only if it is certain; where one does not, it is the obstacle, and by how much is said. The
-argument is in docs/full_order_proof.md. Needs no JAX.
+Every inequality is between numbers of `FullOrder`, whose meaning the premises prove. An inequality
+holds only if it is certain; one that does not is reported with both of its sides. The argument is
+in docs/full_order_proof.md. Needs no JAX.
 """
 
 import math
@@ -20,7 +20,7 @@ from neuralgaits.certificate.levels.full_order.theorem import (
 
 
 class Inequality(NamedTuple):
-    """left < right is needed."""
+    """A required inequality left < right, with a name for messages."""
 
     claim: str
     left: arb
@@ -28,12 +28,12 @@ class Inequality(NamedTuple):
 
     @property
     def holds(self) -> bool:
-        """Whether it is certain."""
+        """Return whether the inequality is certain."""
         return bool(self.left < self.right)
 
 
 def inequalities(shape: FullOrder) -> list[Inequality]:
-    """Everything that the constants must satisfy."""
+    """Return every inequality that the constants must satisfy."""
     gamma, zero = _gamma(shape), arb(0)
     least, most = map(arb, shape.pace)
     # The edges that the boxes have: 1 + g, 1 - g and 1 -+ e, each rounded to a double.
@@ -41,6 +41,7 @@ def inequalities(shape: FullOrder) -> list[Inequality]:
     shrink, radius = arb(shape.shrink), arb(shape.radius)
     kept, at_guard = bound_at(shape, arb(shape.start_strip)), bound_at(shape, before)
     landing = arb(shape.landing) + _size(shape.landing_slope) * arb(shape.guard_radius)
+    # Numbers are those of docs/full_order.md, "The inequalities". First inequality 1.
     found = [
         Inequality("the phase moves on: 0 < its least rate", zero, least),
         Inequality("the dynamics have a denominator: 0 < inertia", zero, arb(shape.inertia)),
@@ -54,20 +55,25 @@ def inequalities(shape: FullOrder) -> list[Inequality]:
         Inequality("0 < risen", zero, arb(shape.risen)),
         Inequality("risen < 1 - guard_strip", arb(shape.risen), before),
         Inequality("the bound on sqrt(V) is largest at phase 0: 0 < shrink", zero, shrink),
+        # Inequality 2.
         Inequality(
             "V decays faster than its bound shrinks: 4 shrink (1 + guard_strip) most pace < gamma",
             4 * shrink * last * most,
             gamma,
         ),
+        # Inequality 3.
         Inequality("the bound at the guard < guard_radius", at_guard, arb(shape.guard_radius)),
+        # Inequality 5.
         Inequality(
             "an impact lands in the tube: |phase+| < start_strip", landing, arb(shape.start_strip)
         ),
+        # Inequality 4.
         Inequality(
             "outputs after an impact are in the set: sqrt(V+) < radius", after_impact(shape), kept
         ),
     ]
     if shape.least_radius != 0.0:
+        # 0 < f < R0, of level 5's set (docs/level5.md).
         floor = arb(shape.least_radius)
         found += [
             Inequality("0 < floor", zero, floor),
@@ -79,13 +85,13 @@ def inequalities(shape: FullOrder) -> list[Inequality]:
 
 
 def obstacle(step: Inequality) -> str:
-    """An inequality that does not hold, with both of its sides."""
+    """Describe an inequality that does not hold, with both of its sides."""
     left, right = (value.str(4, radius=False) for value in (step.left, step.right))
     return f"{step.claim}: {left} against {right}"
 
 
 def is_norm(shape: FullOrder) -> bool:
-    """Whether S of V = |S dy/w|^2 + ... is an upper triangular matrix with an inverse."""
+    """Return whether S of V = |S dy/w|^2 + ... is an upper triangular matrix with an inverse."""
     joints = joints_of(shape.weights)
     if joints is None:
         return False
@@ -96,7 +102,7 @@ def is_norm(shape: FullOrder) -> bool:
 
 
 def bound_at(shape: FullOrder, phase: arb) -> arb:
-    """Bound on sqrt(V) in D at a phase."""
+    """Bound sqrt(V) in D at a phase."""
     floor = arb(shape.least_radius)
     return floor + (arb(shape.radius) - floor) * (-arb(shape.shrink) * phase**2).exp()
 
@@ -112,6 +118,7 @@ def _of_barrier(shape: FullOrder, barrier: BarrierConstants, gamma: arb) -> list
     tightened = tightening(barrier)
     lost = arb(barrier.coupling) ** 2 / (4 * sigma * (gamma - alpha))
     return [
+        # Inequality 6.
         Inequality(f"{name}: 0 < alpha", zero, alpha),
         Inequality(f"{name}: alpha < gamma", alpha, gamma),
         Inequality(
@@ -119,6 +126,7 @@ def _of_barrier(shape: FullOrder, barrier: BarrierConstants, gamma: arb) -> list
             lost + alpha * tightened,
             arb(barrier.epsilon),
         ),
+        # Inequality 7.
         Inequality(
             f"{name}: across impacts, sigma V+ < h(z+) - t",
             sigma * after_impact(shape) ** 2,
@@ -128,12 +136,12 @@ def _of_barrier(shape: FullOrder, barrier: BarrierConstants, gamma: arb) -> list
 
 
 def tightening(barrier: BarrierConstants) -> arb:
-    """The t = l_P^2 / (4 sigma) for which h >= t + sigma V keeps what the robot reads positive."""
+    """Return t = l_P^2 / (4 sigma), with which h >= t + sigma V keeps the reading positive."""
     return arb(barrier.reading) ** 2 / (4 * arb(barrier.sigma))
 
 
 def inlet(shape: FullOrder, barrier: BarrierConstants) -> arb:
-    """What h - t is at least after any impact of the set."""
+    """Bound h - t from below after any impact of the set."""
     moved = _size(barrier.reset_slope) * arb(shape.guard_radius)
     return arb(barrier.reset) - moved - tightening(barrier)
 
@@ -144,33 +152,33 @@ def _gamma(shape: FullOrder) -> arb:
 
 
 def after_impact(shape: FullOrder) -> arb:
-    """Bound on sqrt(V) after any impact of the set."""
+    """Bound sqrt(V) after any impact of the set."""
     return mismatch(shape) + _size(shape.gain) * arb(shape.guard_radius)
 
 
 def mismatch(shape: FullOrder) -> arb:
-    """sqrt(v_sym): bound on sqrt(V) after an impact from eta = 0."""
+    """Return sqrt(v_sym), the bound on sqrt(V) after an impact from eta = 0."""
     near, far = map(arb, shape.crossings)
     return _size(shape.mismatch) + _size(shape.drift) * (1 - near).max(far - 1)
 
 
 def _size(bound: float) -> arb:
-    """A constant of which the premises speak by its square: its sign is free there."""
+    """Return the absolute value of a constant that premises use only by its square."""
     return abs(arb(bound))
 
 
 def least_time(shape: FullOrder) -> arb:
-    """Of a step: from the end of the start's strip to the beginning of the guard's [s]."""
+    """Bound the time of a step from below, from the start's strip to the guard's [s]."""
     return (arb(shape.guard_from) - arb(shape.start_strip)) / arb(shape.pace[1])
 
 
 def step_factor(shape: FullOrder) -> arb:
-    """sqrt(V) after an impact is at most this times its value after the last one, and v_sym."""
+    """Return the factor of r+ = sqrt(v_sym) + factor r, from one impact to the next."""
     return _size(shape.gain) * (-_gamma(shape) * least_time(shape) / 2).exp()
 
 
 def r_end(shape: FullOrder) -> arb:
-    """Limit of r+ = sqrt(v_sym) + factor r, and never more than after any one impact."""
+    """Return the limit of r+ = sqrt(v_sym) + factor r, or the bound after one impact if less."""
     factor = step_factor(shape)
     limit = mismatch(shape) / (1 - factor)
     return limit if factor < 1 and limit < after_impact(shape) else after_impact(shape)

@@ -1,4 +1,4 @@
-"""What the finder of the full-order theorem looks at (level 4), and the set that it settles for."""
+"""Functions that the finder of level 4 evaluates, and the choice of the set."""
 
 from collections.abc import Callable, Mapping
 
@@ -19,27 +19,26 @@ from neuralgaits.programs.prune import prune, reading
 from neuralgaits.programs.tracing.tracer import trace
 
 PLANNED = (0.8, 0.6, 0.5, 0.4, 0.3, 0.2)
-"""Shares of the planned push that are tried, one after the other."""
+"""Shares of the planned push that are tried in turn."""
 SMALL = 1.0 / 200.0
 """Half width of boxes on which premises are tried before any search, in sides of the root."""
 WIDEST = tuple(np.round(np.arange(1.0, 0.14, -0.05), 2).tolist())
-"""Shares of the widest set that are tried, one after the other."""
+"""Shares of the widest set that are tried in turn."""
 SMALLER = 1.0 / 800.0
-"""Half width of boxes for the widest set, likewise: more boxes are what its size costs."""
+"""Half width of boxes for the widest set, in sides of the root; its size costs more boxes."""
 RISEN = 0.06
-"""Until this phase the foot is taken to rise, then to be up."""
+"""Phase until which the foot is assumed to rise; then it is assumed to be up."""
 SHARES = (0.6, 0.3, 0.1)
-"""Shares of the largest radius seen at points that are tried, one after the other."""
+"""Shares of the largest radius seen at points that are tried in turn."""
 
 
 def set_of(model: FullOrderModel, pushed: bool = False, widest: bool = False) -> FullOrder | str:
-    """The largest set tried whose constants fit together, or one sentence that says why none does.
+    """Return the largest set tried whose constants fit together, or a sentence with the reason.
 
     Args:
-        model: of the gait.
-        pushed: look first for one that stands a disturbance (level 5): in a norm of its own, and
-            shrinking to a floor.
-        widest: look first for the largest, in a norm of its own, and bear more boxes.
+        model: model of the gait.
+        pushed: try sets for a disturbance first (level 5), in a norm of their own and with a floor.
+        widest: try the largest set first, in a norm of its own, and accept more boxes.
 
     Raises: SpecError if a barrier of the spec or the policy cannot be traced.
     """
@@ -70,17 +69,19 @@ def set_of(model: FullOrderModel, pushed: bool = False, widest: bool = False) ->
 
 
 def looks_in(model: FullOrderModel, shape: FullOrder) -> Looks:
-    """What is looked at in the norm of a set. Raises: SpecError."""
+    """Return the functions to evaluate in the norm of a set. Raises: SpecError."""
     plain, joints = looks_of(model), model.size // 2
     return plain.in_norm(np.array(weighting(shape.weights, joints)))
 
 
 def bounded(model: FullOrderModel, shape: FullOrder, small: float = SMALL) -> bool:
-    """Whether premises hold on small boxes: outputs are never cut, so smaller ones do little.
+    """Return whether premises hold on small boxes.
+
+    Outputs are never cut, so smaller boxes gain little.
 
     Args:
-        model: of the gait.
-        shape: its set.
+        model: model of the gait.
+        shape: set of the gait.
         small: half width of the boxes, in sides of the root.
     """
     program = trace(
@@ -104,7 +105,7 @@ def bounded(model: FullOrderModel, shape: FullOrder, small: float = SMALL) -> bo
 
 
 def looks_of(model: FullOrderModel) -> Looks:
-    """What the finder looks at. Raises: SpecError if it cannot be traced."""
+    """Return the functions that the finder evaluates. Raises: SpecError if one cannot be traced."""
 
     def step(u, xi):
         def moving(at):
@@ -149,7 +150,7 @@ def looks_of(model: FullOrderModel) -> Looks:
 
 
 def what_is_seen(looks: Looks) -> Seen | None:
-    """What the search for a norm stands on; None if the gait has no set at all."""
+    """Evaluate the points that a search for a norm needs; None if the gait has no set at all."""
     levels = np.linspace(0.0, 1.0, 5)
     u = grid(np.linspace(0.0, 1.0, 31), levels)
     impact = grid(np.array([1.0]), levels)

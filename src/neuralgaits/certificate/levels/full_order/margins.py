@@ -1,8 +1,8 @@
-"""What the full-order theorem asks of a gait (level 4): margins that must not be negative.
+"""Margins of the full-order theorem (level 4); none may be negative.
 
-The second argument of a margin is xi: outputs and rates in units in which sqrt(V) is |xi| times
-the set's bound at that phase. So the set's states are xi of the unit ball, over every box of u.
-Which margin belongs to which root box stands in `theorem`.
+The second argument of a margin is xi: outputs and rates in units in which sqrt(V) is |xi| times the
+set's bound at that phase. So the set's states are xi of the unit ball, over every box of u.
+`theorem` says which margin belongs to which root box.
 """
 
 from collections.abc import Mapping, Sequence
@@ -33,7 +33,7 @@ from neuralgaits.gait.full_order import FullPoint
 def margins(
     model: FullOrderModel, shape: FullOrder, u: Float[Array, "2"], xi: Outputs
 ) -> Quantities:
-    """All margins of the theorem at one chart point and one xi of the unit ball."""
+    """Return all margins of the theorem at one chart point and one xi of the unit ball."""
     its = Numbers.of(shape, model.names)
     xi, model = xi[: model.size], its.model(model)
     bound = its.bound(u[0])
@@ -46,16 +46,16 @@ def margins(
 
 
 class Numbers(NamedTuple):
-    """Constants of the theorem as elements of arrays, so that a Program names where they are."""
+    """Constants of the theorem as elements of arrays, so that a Program names each of them."""
 
     set: Mapping[str, Scalar]
     barriers: Mapping[str, Mapping[str, Scalar]]
-    """By barrier."""
+    """Constants of each barrier, by its name."""
     weights: Weights
 
     @classmethod
     def of(cls, shape: FullOrder, names: Sequence[str]) -> "Numbers":
-        """Of a set whose barriers have these names, the model's."""
+        """Return the numbers of a set whose barriers have these names, those of the model."""
         parts = {name: jnp.asarray(np.array(values)) for name, values in series(shape).items()}
         rows = parts["barriers"].reshape(-1, len(OF_BARRIER))
         return cls(
@@ -68,11 +68,11 @@ class Numbers(NamedTuple):
         )
 
     def model(self, of: FullOrderModel) -> FullOrderModel:
-        """The model with this set's bandwidth and norm."""
+        """Return the model with this set's bandwidth and norm."""
         return replace(of, bandwidth=self.set["bandwidth"], weights=self.weights)
 
     def bound(self, phase: Scalar) -> Scalar:
-        """On sqrt(V) in the set [rad]."""
+        """Bound sqrt(V) in the set at a phase [rad]."""
         shape = jnp.exp(-self.set["shrink"] * phase * phase)
         if "floor" not in self.set:
             return self.set["radius"] * shape
@@ -80,9 +80,10 @@ class Numbers(NamedTuple):
 
 
 def _step_margins(model: FullOrderModel, its: Numbers, point: FullPoint) -> Quantities:
-    """Between impacts: the robot walks on, its contact and torques are possible."""
+    """Return margins between impacts: the robot walks on within its contact and torque limits."""
     found = model.in_step(point)
     least, most = its.set["slowest"], its.set["fastest"]
+    # a <= dphi/dt <= b, and -J.s >= d.
     return {
         "full/pace": jnp.concatenate([found["pace"] - least, most - found["pace"]]),
         "full/inertia": found["inertia"] - its.set["inertia"],
@@ -96,7 +97,7 @@ def _step_margins(model: FullOrderModel, its: Numbers, point: FullPoint) -> Quan
 def _decay_margins(
     model: FullOrderModel, its: Numbers, u: Float[Array, "2"], xi: Outputs
 ) -> Quantities:
-    """Between impacts: what keeps h - sigma V from becoming negative."""
+    """Return margins between impacts that keep h - t - sigma V from becoming negative."""
     centre = model.point(u, jnp.zeros_like(xi))
     rate, h = model.rates(centre), model.barriers(centre.z)
     coupling = jax.jacfwd(lambda moved: model.rates(model.point(u, moved)))(xi)
@@ -104,6 +105,7 @@ def _decay_margins(
     found = {}
     for k, (name, of) in enumerate(its.barriers.items()):
         slope = reading[k]
+        # dh/dt + alpha h >= epsilon at xi = 0; |d(dh/dt)/d xi| <= c and |dh/d xi| <= l as squares.
         found[f"full/rate {name}"] = rate[k] + of["alpha"] * h[k] - of["epsilon"]
         found[f"full/coupling {name}"] = of["coupling"] ** 2 - coupling[k] @ coupling[k]
         if name not in FENCES:
@@ -114,7 +116,7 @@ def _decay_margins(
 def _guard_margins(
     model: FullOrderModel, its: Numbers, u: Float[Array, "2"], xi: Outputs
 ) -> Quantities:
-    """In the guard's strip: the guard is met once, and how far an impact moves the state."""
+    """Return margins in the guard's strip: one crossing, and bounds on an impact's effect."""
     point = model.point(u, xi)
     impact, slopes = model.at_impact(point), model.guard_slopes(u, xi)
     along = {name: jnp.sum(d * d, axis=1) for name, d in slopes.along.items()}
@@ -124,19 +126,22 @@ def _guard_margins(
         "full/impulse": impact["impulse"],
         "full/momentum-after": impact["momentum"],
         "full/guard-slope": -slopes.fall,
+        # |d xi+/d xi| <= L_D and |d phi+/d xi| <= L_z along the guard, as squares.
         "full/gain": its.set["gain"] ** 2 - jnp.sum(along["after"]),
         "full/landing-slope": its.set["landing_slope"] ** 2 - along["landing"],
     }
     for k, (name, of) in enumerate(its.barriers.items()):
+        # |dh(z+)/d xi| <= L_i along the guard, as squares.
         found[f"full/reset-slope {name}"] = of["reset_slope"] ** 2 - along["reset"][k]
     return found
 
 
 def _crossing_margins(model: FullOrderModel, its: Numbers, u: Float[Array, "2"]) -> Quantities:
-    """What an impact from eta = 0 leaves."""
+    """Return margins of the state after an impact from eta = 0."""
     impact, drift = model.at_crossing(u)
     landing, after = impact["landing"], impact["after"]
     found = {
+        # |xi+| <= v, |d xi+/d phi| <= v' and |phi+| <= f.
         "full/mismatch": its.set["mismatch"] ** 2 - after @ after,
         "full/drift": its.set["drift"] ** 2 - drift @ drift,
         "full/landing": jnp.concatenate(
@@ -146,5 +151,6 @@ def _crossing_margins(model: FullOrderModel, its: Numbers, u: Float[Array, "2"])
         "full/crossing-behind": -impact["foot"],
     }
     for k, (name, of) in enumerate(its.barriers.items()):
+        # h_i(z+) >= h_i+.
         found[f"full/reset {name}"] = impact["reset"][k] - of["reset"]
     return found

@@ -1,4 +1,4 @@
-"""Robot, gait and spec at full order: what the theorem speaks of, at outputs off zero (level 4)."""
+"""Robot, gait and spec at full order: quantities of level 4 at outputs off zero."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -21,15 +21,15 @@ from neuralgaits.gait.full_order import FullPoint
 from neuralgaits.robots import PlanarBiped
 
 Vector = Float[Array, " _"]
-"""Of any length."""
+"""A vector of any length."""
 Outputs = Float[Array, " two_m"]
 Quantities = dict[str, Float[Array, "..."]]
 Weights = Sequence[float] | Vector
-"""Of `FullOrder.weights`."""
+"""Weights of a norm, as in `FullOrder.weights`."""
 
 
 def weighted(weights: Weights, x: Vector) -> Vector:
-    """S x. [m]."""
+    """Return S x for the upper triangular S of a norm. [m]."""
     if len(weights) == 0:
         return x
     rows, start, size = [], 0, len(x)
@@ -40,7 +40,7 @@ def weighted(weights: Weights, x: Vector) -> Vector:
 
 
 def unweighted(weights: Weights, x: Vector) -> Vector:
-    """The y with S y = x, from the last row up. [m]."""
+    """Return the y with S y = x, solved from the last row up. [m]."""
     if len(weights) == 0:
         return x
     size = len(x)
@@ -53,13 +53,13 @@ def unweighted(weights: Weights, x: Vector) -> Vector:
 
 
 def output_coordinates(xi: Outputs, bandwidth: float | Scalar, weights: Weights = ()) -> Outputs:
-    """Outputs eta = (y, dy) of scaled coordinates: V = |xi|^2. Returns: [2m] (rad, rad/s)."""
+    """Return the outputs eta = (y, dy) of scaled coordinates, V = |xi|^2. [2m] (rad, rad/s)."""
     rate, mixed = (unweighted(weights, part) for part in jnp.split(xi, 2))
     return jnp.concatenate([(1.0 / float(STIFF)) * mixed - rate, bandwidth * rate])
 
 
 def scaled_coordinates(eta: Outputs, bandwidth: float | Scalar, weights: Weights = ()) -> Outputs:
-    """The inverse of `output_coordinates`. Returns: [2m] (rad)."""
+    """Return scaled coordinates: the inverse of `output_coordinates`. [2m] (rad)."""
     y, dy = (weighted(weights, part) for part in jnp.split(eta, 2))
     rate = dy / bandwidth
     return jnp.concatenate([rate, float(STIFF) * (y + rate)])
@@ -70,18 +70,18 @@ BANDWIDTH = 30.0
 
 
 def size_of(robot: PlanarBiped) -> int:
-    """Number of elements of eta and of xi: two for each actuated joint."""
+    """Return the number of elements of eta and of xi: two for each actuated joint."""
     return 2 * (robot.n - 1)
 
 
 @dataclass(frozen=True)
 class FullOrderModel:
-    """Robot, gait and spec whose full order is looked at.
+    """Robot, gait and spec whose full order is evaluated.
 
     Attributes:
-        robot, gait, spec: of a run.
+        robot, gait, spec: those of a run.
         bandwidth: w, the double pole of the outputs [rad/s].
-        weights: of the norm.
+        weights: weights of the norm.
     """
 
     robot: PlanarBiped
@@ -97,12 +97,12 @@ class FullOrderModel:
 
     @property
     def tightened(self) -> list[Barrier]:
-        """The spec's barrier conditions: they read outputs, so they are tightened."""
+        """Return the spec's barrier conditions; they read outputs, so they are tightened."""
         return [c for c in self.spec.conditions if isinstance(c, Barrier)]
 
     @property
     def names(self) -> list[str]:
-        """All barriers of the theorem; each element of a vector is one of its own."""
+        """Return the names of all barriers of the theorem; each element of a vector has its own."""
         found = [LOWER, UPPER]
         for condition in self.tightened:
             size = jax.eval_shape(partial(self._own, condition), np.zeros(2)).size
@@ -111,12 +111,12 @@ class FullOrderModel:
         return found
 
     def point(self, u: Float[Array, "2"], xi: Outputs, push: Vector | None = None) -> FullPoint:
-        """The robot at a chart point with scaled outputs.
+        """Return the robot at a chart point with scaled outputs.
 
         Args:
             u: phase and level.
             xi: scaled outputs [rad]. [2m]
-            push: S times what is added to the outputs' acceleration [rad/s^2], none if None. [m]
+            push: S times an addition to the outputs' acceleration [rad/s^2]; None for none. [m]
         """
         w = self.bandwidth
         eta = output_coordinates(xi, w, self.weights)
@@ -127,27 +127,27 @@ class FullOrderModel:
         return FullPoint(self.robot, self.gait.policy, self.gait.z(u), eta, w, acceleration)
 
     def barriers(self, z: ZeroState) -> Vector:
-        """h_Z of every barrier. [I]."""
+        """Return h_Z of every barrier. [I]."""
         level = self.gait.level(z)
         own = [self._own(condition, z) for condition in self.tightened]
         return jnp.concatenate([jnp.stack([level, 1.0 - level]), *own])
 
     def _own(self, condition: Barrier, z: ZeroState) -> Vector:
-        """Of a barrier condition, h on the zero dynamics manifold."""
+        """Return h of a barrier condition on the zero dynamics manifold."""
         point = Point(self.robot, self.gait.policy, None, z)
         return jnp.ravel(condition.function(point))
 
     def rates(self, point: FullPoint) -> Vector:
-        """dh_Z/dt of every barrier in a full state [h/s]. [I]."""
+        """Return dh_Z/dt of every barrier in a full state [h/s]. [I]."""
         return jax.jvp(self.barriers, (point.z,), (point.dz,))[1]
 
     def readings(self, point: FullPoint) -> Vector:
-        """What every barrier reads on the robot [h]: a fence reads z alone. [I]."""
+        """Return the reading of every barrier on the robot [h]; 0 for a fence. [I]."""
         own = [jnp.ravel(condition.function(point)) for condition in self.tightened]
         return jnp.concatenate([jnp.zeros(2), *own])
 
     def in_step(self, point: FullPoint) -> Quantities:
-        """Quantities between impacts, each as a vector.
+        """Return quantities between impacts, each as a vector.
 
         pace [1/s], inertia [kg m], foot [m], foot-rate [m/s], contact [body weights]: normal
         force and both slacks of the friction cone, torque: slack of both limits [limits].
@@ -168,7 +168,7 @@ class FullOrderModel:
         return {name: jnp.atleast_1d(value) for name, value in found.items()}
 
     def at_impact(self, point: FullPoint) -> Quantities:
-        """Quantities of an impact in this state, each as a vector.
+        """Return quantities of an impact in this state, each as a vector.
 
         foot [m], impulse [N s]: normal and both slacks of the friction cone, after: xi after it
         [rad], momentum: z2 after it, landing: phase after it, reset: all barriers after it [h].
@@ -186,7 +186,7 @@ class FullOrderModel:
         return {name: jnp.atleast_1d(value) for name, value in found.items()}
 
     def at_crossing(self, u: Float[Array, "2"]) -> tuple[Quantities, Vector]:
-        """`at_impact` from eta = 0, and the slope of xi after it in the phase [rad]."""
+        """Return `at_impact` from eta = 0, and the slope in the phase of xi after it [rad]."""
 
         def moved(phase: Scalar) -> Quantities:
             return self.at_impact(self.point(jnp.stack([phase, u[1]]), jnp.zeros(self.size)))
@@ -195,7 +195,7 @@ class FullOrderModel:
         return found, slopes["after"]
 
     def guard_slopes(self, u: Float[Array, "2"], xi: Outputs) -> "GuardSlopes":
-        """d/d xi of `at_impact` along the guard: the phase gives way so that the foot stays."""
+        """Return d/d xi of `at_impact` along the guard; the phase moves to keep the foot height."""
         phase, level = u
 
         def moved(at: Vector) -> Quantities:
@@ -209,11 +209,11 @@ class FullOrderModel:
 
 
 class GuardSlopes(NamedTuple):
-    """First derivatives at an impact."""
+    """First derivatives of quantities at an impact."""
 
     fall: Scalar
-    """Of the foot height in the phase [m]."""
+    """Slope of the foot height in the phase [m]."""
     foot: Vector
-    """Of the foot height in xi at a fixed phase [m/rad]. [2m]"""
+    """Slope of the foot height in xi at a fixed phase [m/rad]. [2m]"""
     along: Quantities
-    """Of every other quantity in xi along the guard. [k, 2m] each"""
+    """Slope of every other quantity in xi along the guard. [k, 2m] each"""

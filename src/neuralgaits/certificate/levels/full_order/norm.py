@@ -1,7 +1,7 @@
-"""The norm of V in which outputs may be pushed, or be off, the most, found by looking at points.
+"""Find a norm of V in which outputs tolerate the largest push or deviation, at points.
 
-S of V = |S dy/w|^2 + STIFF^2 |S (y + dy/w)|^2 leaves the decay as it is, but decides how much an
-impact enlarges V, and how much of it contact and torques stand. Looked for is the S for which
+S of V = |S dy/w|^2 + STIFF^2 |S (y + dy/w)|^2 does not change the decay, but it decides how much an
+impact enlarges V, and how much of V contact and torques allow. The search finds the S for which
 torques can be held the longest (level 5); or, without a hold, the S whose set is the largest.
 Nothing here is trusted.
 """
@@ -17,42 +17,42 @@ from neuralgaits.certificate.levels.full_order.held import JERK, JERK_PUSH, JERK
 from neuralgaits.certificate.levels.full_order.theorem import STIFF, lyapunov_rate
 
 SPARE, HELD_SPARE = 1.6, 1.3
-"""Contact, torque and foot are left this much of room; where torques are held: by their slopes too
-much is taken of it already."""
+"""Factors of room for contact, torque and foot. The one for held torques is smaller, because slopes
+already take too much."""
 FULL = 0.96
 """Share of the set that an impact may fill."""
 IMPACT = 1.18
-"""What an impact does is this much more than what was seen: bounds over outputs cost so much."""
+"""Effect of an impact, as a multiple of the largest seen: bounds over outputs cost so much."""
 ABOVE_FLOOR = 1.04
-"""The bound on sqrt(V) is this much above what pushes alone would keep outputs at."""
+"""Bound on sqrt(V), as a multiple of the level at which pushes alone would keep outputs."""
 LONGEST = 4e-3
-"""Hold that is asked for at most [s]."""
+"""Longest hold that is tried [s]."""
 STRIP = 0.97
-"""Where the guard's strip begins [phases]."""
+"""Phase at which the guard's strip begins."""
 LARGEST = 0.2
-"""Radius of a set without pushes that is asked for at most [rad]."""
+"""Largest radius that is tried for a set without pushes [rad]."""
 SIGMAS = np.geomspace(1.0, 1e5, 121)
-"""Weights of V in a barrier that are tried there."""
+"""Weights of V in a barrier that are tried for a set without pushes."""
 GAINS = np.array([0.5, 1.0, 2.0, 3.0, 5.0, 8.0, 12.0, 20.0])
-"""Gains alpha tried [1/s]."""
+"""Barrier gains alpha that are tried [1/s]."""
 TRIES = 500
-"""Norms that are tried."""
+"""Number of norms that are tried."""
 
 
 @dataclass(frozen=True)
 class Seen:
-    """What was seen at points, outputs in plain coordinates xi. n points of the step, q of impacts.
+    """Quantities at n points of the step and q impacts, with outputs in plain coordinates xi.
 
     Attributes:
-        slack: of contact, torques and foot, with slopes in xi and in the outputs' acceleration.
-            [n, k], [n, k, 2m], [n, k, m]
-        rate, h: of each barrier, with slopes of its rate and of what it reads. [n, I], [n, I, 2m]
-        jerk: of the outputs while torques are held, with slopes in xi and in the outputs'
+        slack: slack of contact, torques and foot, with slopes in xi and in the outputs'
+            acceleration. [n, k], [n, k, 2m], [n, k, m]
+        rate, h: those of each barrier, with slopes of its rate and its reading. [n, I], [n, I, 2m]
+        jerk: jerk of the outputs while torques are held, with slopes in xi and in the outputs'
             acceleration. [n, m], [n, m, 2m], [n, m, m]
         after, reset: slopes in xi of xi and barriers after an impact. [q, 2m, 2m], [q, I, 2m]
         inlet: least barriers after an impact. [I]
-        phase: [n].
-        pace: the largest [1/s].
+        phase: phases of the points. [n]
+        pace: largest pace [1/s].
         inertia: d torque / d acceleration of the outputs, symmetric. [m, m]
     """
 
@@ -70,15 +70,15 @@ class Seen:
 
 
 class Plan(NamedTuple):
-    """A set in which torques may be held, or the largest for none, as far as points tell.
+    """A set for held torques, or the largest set without a hold, estimated at points.
 
     Attributes:
         matrix: S. [m, m]
-        hold: for how long [s]; 0 for none.
-        radius, floor: of the set; a radius of 0 if there is none [rad].
-        slower: share of the decay of V that a hold leaves.
+        hold: how long torques are held [s]; 0 for no hold.
+        radius, floor: those of the set [rad]; the radius is 0 if there is no set.
+        slower: share of the decay of V that remains with a hold.
         sigma: weight of V in each barrier.
-        planned: the norm's, for shorter holds.
+        planned: plans of this norm for shorter holds.
     """
 
     matrix: np.ndarray
@@ -90,36 +90,36 @@ class Plan(NamedTuple):
     planned: "Planned"
 
     def smaller(self, share: float) -> "Plan":
-        """The same for this share of the hold, or of the radius if there is none."""
+        """Return the plan for this share of the hold, or of the radius if there is no hold."""
         if self.hold == 0.0:
             return self.planned.still(share * self.radius)
         return self.planned.plan(share * self.hold)
 
     @property
     def weights(self) -> tuple[float, ...]:
-        """S as `FullOrder` has it."""
+        """Return S in the form of `FullOrder.weights`."""
         size = len(self.matrix)
         return tuple(float(self.matrix[i, j]) for i in range(size) for j in range(i, size))
 
 
 def doubled(matrix: np.ndarray) -> np.ndarray:
-    """A matrix on both halves of xi."""
+    """Apply a matrix to both halves of xi: return the block diagonal matrix."""
     return np.kron(np.eye(2), matrix)
 
 
 def push_factor(bandwidth: float) -> float:
-    """|d xi'/d e| for a unit |S e|: xi' has S e/w and STIFF S e/w [s]."""
+    """Return |d xi'/d e| for a unit |S e|, where xi' has S e/w and STIFF S e/w [s]."""
     return math.sqrt(1.0 + float(STIFF) ** 2) / bandwidth
 
 
 def find_plan(seen: Seen, bandwidth: float) -> Plan | None:
-    """The plan in which torques can be held the longest; None if no set was found."""
+    """Return the plan in which torques can be held the longest; None if no set exists."""
     plan = _best(seen, bandwidth, lambda planned: 1e3 * planned.best().hold).best()
     return plan if plan.hold > 0.0 else None
 
 
 def find_widest(seen: Seen, bandwidth: float) -> Plan | None:
-    """The plan of the largest set that stands no pushes; None if no set was found."""
+    """Return the plan of the largest set without pushes; None if no set exists."""
 
     def size(planned: Planned) -> float:
         # Where every impact enlarges outputs by more than a step lets them shrink, the excess.
@@ -130,7 +130,7 @@ def find_widest(seen: Seen, bandwidth: float) -> Plan | None:
 
 
 def _best(seen: Seen, bandwidth: float, worth: Callable[["Planned"], float]) -> "Planned":
-    """The norm that is worth most."""
+    """Return the norm with the highest value."""
     from scipy.optimize import minimize  # Slow to import, and only proofs need it.
 
     m = len(seen.inertia)
@@ -158,7 +158,7 @@ def _best(seen: Seen, bandwidth: float, worth: Callable[["Planned"], float]) -> 
 
 
 class Planned:
-    """What a norm allows."""
+    """Plans for holds and sets that one norm allows."""
 
     def __init__(self, seen: Seen, bandwidth: float, matrix: np.ndarray):
         self.seen, self.w, self.matrix = seen, bandwidth, matrix
@@ -183,7 +183,7 @@ class Planned:
         self.left = math.exp(-self.shrink * STRIP**2)
 
     def best(self) -> Plan:
-        """The plan that torques can be held the longest in."""
+        """Return the plan in which torques can be held the longest."""
         low, high = 0.0, LONGEST
         for _ in range(14):
             middle = 0.5 * (low + high)
@@ -191,7 +191,7 @@ class Planned:
         return self.plan(low)
 
     def plan(self, hold: float) -> Plan:
-        """The set for a hold; of radius 0 if there is none."""
+        """Return the set for a hold; its radius is 0 if there is none."""
         none = Plan(self.matrix, 0.0, 0.0, 0.0, 1.0, (), self)
         radius = floor = slower = 0.0
         held = self.jerk.held(hold, 0.0, self.w, radius) if hold > 0.0 else None
@@ -222,11 +222,11 @@ class Planned:
 
     @property
     def slack_of_impacts(self) -> float:
-        """Share of a set without floor that an impact leaves free; negative if it needs more."""
+        """Return the share of a set without floor that an impact leaves free; negative if none."""
         return min(FULL - self.gain * self.left, 0.0)
 
     def widest(self) -> Plan:
-        """The largest set that stands no pushes."""
+        """Return the largest set without pushes."""
         low, high = 0.0, LARGEST
         for _ in range(14):
             middle = 0.5 * (low + high)
@@ -234,7 +234,7 @@ class Planned:
         return self.still(low)
 
     def still(self, radius: float) -> Plan:
-        """A set of this radius that stands no pushes; of radius 0 if there is none."""
+        """Return a set of this radius without pushes; its radius is 0 if there is none."""
         sigma: tuple[float, ...] = ()
         value, slope, _ = self.slack
         stands = SPARE * radius * self.shape[:, None] * slope <= value
@@ -245,7 +245,7 @@ class Planned:
         return Plan(self.matrix, 0.0, radius, 0.0, 1.0, sigma, self)
 
     def _still_sigma(self, i: int, radius: float) -> float:
-        """The weight that leaves a barrier the most room without pushes; 0 if none leaves any."""
+        """Return the weight that leaves a barrier the most room without pushes; 0 if none does."""
         c, read, before = self.coupling[:, i].max(), self.reading[i], radius * self.left
         rate = (self.seen.rate[0][:, i] + GAINS[:, None] * self.seen.h[:, i]).min(axis=1)
         tight = read**2 / (4.0 * SIGMAS)
@@ -256,7 +256,7 @@ class Planned:
         return float(SIGMAS[room.argmax()]) if room.max() > 0.0 else 0.0
 
     def _sigma(self, i: int, push: float, before: float, radius: float) -> float:
-        """The weight that leaves a barrier the most room; 0 if none leaves any.
+        """Return the weight that leaves a barrier the most room; 0 if none does.
 
         `before` bounds sqrt(V) before an impact.
         """
@@ -287,12 +287,12 @@ def _size(rows: np.ndarray) -> np.ndarray:
 
 
 def _frobenius(matrices: np.ndarray) -> float:
-    """The largest Frobenius norm."""
+    """Return the largest Frobenius norm of some matrices."""
     return float(np.sqrt((matrices**2).sum(axis=(-2, -1)).max()))
 
 
 def in_norm(samples: Mapping[str, np.ndarray], matrix: np.ndarray) -> dict[str, np.ndarray]:
-    """Samples in plain coordinates in those of a norm: slopes are in S xi then."""
+    """Convert samples from plain coordinates to those of a norm; slopes are in S xi then."""
     both, back = doubled(matrix), doubled(np.linalg.inv(matrix))
     found = dict(samples)
     for name in samples:

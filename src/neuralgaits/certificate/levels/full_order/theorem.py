@@ -5,10 +5,10 @@ Outputs obey eta' = A eta exactly; V = |xi|^2 decays at least at the rate gamma.
     D = {z in the tube, h_i(z) - t_i >= sigma_i V for all i, sqrt(V) <= bound(phase), foot up},
 
 its barriers h_i being the level above the lower fence, the level below the upper fence, and the
-spec's own barrier functions, tightened by t_i because outputs off zero move what they read. Each
+spec's own barrier functions, tightened by t_i because outputs off zero change their readings. Each
 number of `FullOrder` is a claim; the premises, outputs of the Program that must not be negative,
-prove it. `conclude` does the arithmetic from the constants to the theorem in balls. The argument
-is in docs/full_order_proof.md. Needs no JAX.
+prove it. `inequalities` does the arithmetic from the constants to the theorem, in balls. The
+argument is in docs/full_order_proof.md. Needs no JAX.
 """
 
 import math
@@ -20,13 +20,13 @@ from neuralgaits.certificate.levels.chart import Chart, Corner
 from neuralgaits.certificate.levels.premises import Premise
 
 FENCES = LOWER, UPPER = "level-lower", "level-upper"
-"""Names of the two fences as barriers: they read z alone."""
+"""Names of the two fences as barriers, which read z alone."""
 
 REGION = "full order"
 """Label of the statements that level 4 rests on."""
 
 OF_BARRIER = ("alpha", "epsilon", "coupling", "reading", "reset", "reset_slope")
-"""A barrier's numbers that the margins have in them; sigma is in none."""
+"""Names of a barrier's numbers that margins read; they do not read sigma."""
 
 # V = (dy/w)^2 + STIFF^2 (y + dy/w)^2 for each joint decays at the rate DECAY w. Powers of two
 # keep the change of coordinates exact; among those tried this pair allows the largest errors
@@ -39,13 +39,13 @@ class BarrierConstants:
     """Constants of one barrier h. Units: those of h (level: 1), seconds, sqrt(V) in rad.
 
     Attributes:
-        name: of the barrier.
+        name: name of the barrier.
         alpha: gain [1/s].
         epsilon: dh/dt + alpha h >= epsilon on the zero dynamics [h/s].
-        coupling: |d(dh/dt)/d xi| at most [h/(s rad)].
-        reading: |d h/d xi| at most of what h reads on the robot [h/rad]; 0 for fences.
+        coupling: bound on |d(dh/dt)/d xi| [h/(s rad)].
+        reading: bound on |d h/d xi| of h as it is read on the robot [h/rad]; 0 for fences.
         reset: h after an impact from eta = 0 is at least this [h].
-        reset_slope: |d h+/d xi| along the guard at most [h/rad].
+        reset_slope: bound on |d h+/d xi| along the guard [h/rad].
         sigma: the weight of V [h/rad^2].
     """
 
@@ -61,25 +61,25 @@ class BarrierConstants:
 
 @dataclass(frozen=True)
 class FullOrder:
-    """The set D, and every constant of the theorem.
+    """The set D and every constant of the theorem.
 
     Attributes:
         bandwidth: w, the double pole of the outputs [rad/s].
         radius: bound on sqrt(V) at phase 0 [rad].
         shrink: at other phases the bound is floor + (radius - floor) exp(-shrink phase^2) [1].
         guard_radius: that bound where the guard's strip begins, rounded up [rad].
-        start_strip, guard_strip: the tube goes on for this many phases at either end.
+        start_strip, guard_strip: phases by which the tube is longer at either end.
         crossing: at eta = 0 the foot meets the ground within this many phases of phase 1.
         risen: until this phase the swing foot rises; from it to the guard it is up.
         pace: least and most rate of the phase [1/s].
         inertia: least -J.s, the denominator of the dynamics [kg m].
-        mismatch: sqrt(V) after an impact from eta = 0 at phase 1, at most [rad].
+        mismatch: bound on sqrt(V) after an impact from eta = 0 at phase 1 [rad].
         drift: its largest change per phase, within `crossing` of phase 1 [rad].
         gain: L_D, growth of sqrt(V) across an impact.
         landing: largest |phase| after an impact from eta = 0.
         landing_slope: its change per sqrt(V) along the guard [1/rad].
-        barriers: constants of each.
-        least_radius: the floor, what the bound on sqrt(V) shrinks to [rad].
+        barriers: constants of each barrier.
+        least_radius: the floor to which the bound on sqrt(V) shrinks [rad].
         weights: S of the norm, an upper triangular matrix over the joints, row by row from its
             diagonal on; the identity if empty. V = |S dy/w|^2 + STIFF^2 |S (y + dy/w)|^2.
     """
@@ -105,22 +105,22 @@ class FullOrder:
 
     @property
     def ends(self) -> tuple[float, float]:
-        """First and last phase, as doubles: the edges of boxes, which inequalities use as well."""
+        """First and last phase, as doubles: the edges of boxes, which inequalities use, too."""
         return -self.start_strip, 1.0 + self.guard_strip
 
     @property
     def guard_from(self) -> float:
-        """Phase at which the guard's strip begins, likewise."""
+        """Phase at which the guard's strip begins, as a double."""
         return 1.0 - self.guard_strip
 
     @property
     def crossings(self) -> tuple[float, float]:
-        """Phases between which the foot meets the ground at eta = 0, likewise."""
+        """Phases between which the foot meets the ground at eta = 0, as doubles."""
         return 1.0 - self.crossing, 1.0 + self.crossing
 
 
 def refusal(chart: Chart, floor: float) -> str | None:
-    """Why levels 4 and 5 are not about such a chart, on a floor unknown by so much [m]; or None."""
+    """Explain why levels 4 and 5 do not cover a chart with this floor uncertainty [m]; or None."""
     if chart.parameters:
         others = ", ".join(axis.name for axis in chart.parameters)
         return f"it is about one gait of one robot, without axes of {others}"
@@ -130,7 +130,7 @@ def refusal(chart: Chart, floor: float) -> str | None:
 
 
 def constants_of_set(shape: FullOrder) -> dict[str, float]:
-    """The set's numbers that the margins have in them, by name."""
+    """Return the set's numbers that margins read, by name."""
     alone = "bandwidth radius shrink guard_radius inertia mismatch drift gain landing landing_slope"
     least, most = shape.pace
     found = {n: getattr(shape, n) for n in alone.split()} | {"slowest": least, "fastest": most}
@@ -139,14 +139,14 @@ def constants_of_set(shape: FullOrder) -> dict[str, float]:
 
 
 def series(shape: FullOrder) -> dict[str, tuple[float, ...]]:
-    """All of them in lists: the Program has them as constants of these names."""
+    """Return all numbers that margins read, as lists named like the Program's constants."""
     rows = tuple(getattr(barrier, name) for barrier in shape.barriers for name in OF_BARRIER)
     found = {"set": tuple(constants_of_set(shape).values()), "barriers": rows}
     return found | ({"weights": shape.weights} if shape.weights else {})
 
 
 def weighting(weights: Sequence[float], joints: int) -> list[list[float]]:
-    """The matrix S, zeros and all. Raises: ValueError if these are no triangle of its size."""
+    """Return the matrix S, zeros included. Raises: ValueError if the weights are no triangle."""
     if not weights:
         return [[float(i == j) for j in range(joints)] for i in range(joints)]
     if len(weights) != joints * (joints + 1) // 2:
@@ -156,25 +156,28 @@ def weighting(weights: Sequence[float], joints: int) -> list[list[float]]:
 
 
 def joints_of(weights: Sequence[float]) -> int | None:
-    """How many joints weights are for; None if they are no triangle."""
+    """Return how many joints some weights are for; None if they are no triangle."""
     count = math.isqrt(2 * len(weights))
     return count if 2 * len(weights) == count * (count + 1) else None
 
 
 def lyapunov(bandwidth: float) -> tuple[tuple[Fraction, Fraction], tuple[Fraction, Fraction]]:
-    """P of one joint: V = (y, dy) P (y, dy). Exact."""
+    """Return P of one joint, V = (y, dy) P (y, dy). Exact."""
     w = Fraction(bandwidth)
     square = STIFF * STIFF
     return (square, square / w), (square / w, (1 + square) / (w * w))
 
 
 def lyapunov_rate(bandwidth: float) -> Fraction:
-    """Rate gamma at which V falls at least [1/s]."""
+    """Return the rate gamma at which V falls at least [1/s]."""
     return DECAY * Fraction(bandwidth)
 
 
 def decays(bandwidth: float) -> bool:
-    """Whether A^T P + P A <= -gamma P with P > 0, in rationals; A of ddy = -w^2 y - 2 w dy."""
+    """Return whether A^T P + P A <= -gamma P with P > 0, in rationals.
+
+    A is the matrix of ddy = -w^2 y - 2 w dy.
+    """
     if not bandwidth > 0.0:
         return False
     w, gamma = Fraction(bandwidth), lyapunov_rate(bandwidth)
@@ -188,7 +191,7 @@ def decays(bandwidth: float) -> bool:
 
 
 def premises(shape: FullOrder) -> list[Premise]:
-    """Everything the conclusion rests on."""
+    """Return the premises of level 4."""
     first, last = shape.ends
     before, (near, far) = shape.guard_from, shape.crossings
     tube = (first, 0.0), (last, 1.0)
@@ -228,6 +231,6 @@ def premises(shape: FullOrder) -> list[Premise]:
 
 
 def labelled_premises(shape: FullOrder) -> Iterator[tuple[str, str, Corner, Corner]]:
-    """(label, output, low, high) of everything that level 4 rests on."""
+    """Return (label, output, low, high) of every premise of level 4."""
     for output, low, high, _ in premises(shape):
         yield REGION, output, low, high

@@ -1,4 +1,4 @@
-"""The set at full order in words, and its constants with their units (level 4). Needs no JAX."""
+"""Describe the set at full order in words, and its constants with units (level 4). Needs no JAX."""
 
 from dataclasses import replace
 
@@ -30,7 +30,7 @@ _LEAST, _MOST = ("gamma", "radius", "epsilon", "most sigma"), ("step factor", "r
 
 
 def constants(shape: FullOrder, bounds: Bounds | None = None) -> list[Constant]:
-    """Every constant of the theorem, and what was proved of contact, torques and foot in D."""
+    """Return every constant of the theorem, and proved bounds on contact, torques and foot in D."""
     w, rate = shape.bandwidth, float(lyapunov_rate(shape.bandwidth))
     after = above(after_impact(shape))
     found = [
@@ -62,7 +62,7 @@ def constants(shape: FullOrder, bounds: Bounds | None = None) -> list[Constant]:
 
 
 def _sided(constant: Constant) -> Constant:
-    """With the side on which it is a bound: as its meaning says, or its name."""
+    """Add the side on which a constant is a bound, from its meaning or its name."""
     if constant.meaning.endswith("at least"):
         return replace(constant, side="least")
     if constant.meaning.endswith("at most"):
@@ -74,7 +74,7 @@ def _sided(constant: Constant) -> Constant:
 
 
 def _slacks(shape: FullOrder, bounds: Bounds) -> list[Constant]:
-    """Bounds proved of premises that are inequalities of the robot, everywhere in D."""
+    """Return proved bounds of the premises that are inequalities of the robot, everywhere in D."""
     named = {
         "full/contact": ("contact slack", "weights", "normal force, both sides of the cone"),
         "full/torque": ("torque slack", "limits", "to both limits of each joint"),
@@ -117,7 +117,7 @@ def _constants_of(shape: FullOrder, barrier: BarrierConstants, after: float) -> 
 
 
 def in_words(shape: FullOrder) -> tuple[str, ...]:
-    """The theorem, one sentence each: what the set is, that it is kept, and what holds in it."""
+    """Return the theorem in sentences: the set, its invariance, and what holds in it."""
     first, last = shape.ends
     names = [barrier.name for barrier in shape.barriers]
     steps = "; ".join(f"{_tightened(b)} >= {b.sigma!r} V" for b in shape.barriers)
@@ -137,7 +137,7 @@ def in_words(shape: FullOrder) -> tuple[str, ...]:
 
 
 def _bound_in_words(shape: FullOrder | None = None) -> str:
-    """The bound on sqrt(V) along the phase."""
+    """Describe the bound on sqrt(V) along the phase."""
     if shape is None:
         return "floor + (radius - floor) exp(-shrink phase^2)"
     radius, shrink, floor = shape.radius, shape.shrink, shape.least_radius

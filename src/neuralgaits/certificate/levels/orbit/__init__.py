@@ -1,1 +1,1 @@
-"""Level 3: one periodic orbit attracts all of that set."""
+"""Level 3: one periodic orbit that attracts all of the walking set."""

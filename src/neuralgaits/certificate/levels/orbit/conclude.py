@@ -1,7 +1,7 @@
-"""Level 3 from its premises: the closing arithmetic of the return map, in balls.
+"""Conclude level 3 from its premises: the arithmetic of the return map, in balls.
 
-The argument is in docs/walking_set.md. Numbers come from the parameters and the bounds that were
-proved; a comparison holds only if it is certain.
+The argument is in docs/walking_set.md. Numbers come from the parameters and the proved bounds; a
+comparison holds only if it is certain.
 """
 
 from collections.abc import Sequence
@@ -16,12 +16,12 @@ from neuralgaits.records.certified import Conclusion
 
 
 def attraction(shape: WalkingSet, orbit: Orbit, bounds: Bounds) -> Conclusion:
-    """Level 3: one periodic orbit, enclosed, that attracts the walking set; rests on level 2.
+    """Conclude that one enclosed periodic orbit attracts the walking set; rests on level 2.
 
     Args:
-        shape: of the set.
+        shape: parameters of the set.
         orbit: thin tube and bounds on the expansion.
-        bounds: what is proved.
+        bounds: proved bounds.
     """
     missing = first_missing(orbit_premises(shape, orbit), bounds)
     if not orbit.complete or bool(shape.told) != (orbit.attraction == "any two walks"):
@@ -95,11 +95,11 @@ def attraction(shape: WalkingSet, orbit: Orbit, bounds: Bounds) -> Conclusion:
 
 
 def _contraction_alone(shape: WalkingSet, orbit: Orbit, bounds: Bounds) -> Conclusion:
-    """That there is one orbit, of which nothing is said but that it attracts.
+    """Conclude that one attracting orbit exists, without an enclosure of it.
 
     On T the return map of the section at mid-step is defined, and maps that interval into itself.
-    Where the height of the next foothold is free, it is one map for each height, gain and series
-    are bounds for all of them, and what two walks meet alike shrinks their distance alike.
+    Where the height of the next foothold is free, there is one map for each height; gain and series
+    bound all of them, and two walks over equal heights approach each other at every step.
     """
     strip = (1.0 - shape.guard_strip, 0.0), (shape.ends[1], 1.0)
     gain = -arb(bounds["orbit/gain", *strip])
@@ -121,11 +121,11 @@ def _contraction_alone(shape: WalkingSet, orbit: Orbit, bounds: Bounds) -> Concl
 
 
 def _any_two_walks(shape: WalkingSet, orbit: Orbit, bounds: Bounds) -> Conclusion:
-    """That walks under the same commands converge.
+    """Conclude that walks under the same commands converge.
 
-    Along a step the zeta of two of them part at most as the series says. A reset carries a
-    neighbour that is off by 1 to one that is off by `gain` in zeta and by `moved` metres in z1,
-    on a flow that changes zeta by `along` a metre or less, whatever the next step is told.
+    Along a step the series bounds how fast the zeta of two of them part. A reset carries a
+    neighbour that is off by 1 to one that is off by `gain` in zeta and by `moved` metres in z1, on
+    a flow that changes zeta by `along` a metre or less, whatever the next command is.
     """
     last = shape.ends[1]
     strip = (1.0 - shape.guard_strip, 0.0), (last, 1.0)
@@ -152,13 +152,13 @@ def _any_two_walks(shape: WalkingSet, orbit: Orbit, bounds: Bounds) -> Conclusio
 
 
 def _over(shape: WalkingSet) -> arb:
-    """How many phases a step may be longer or shorter than 1."""
+    """Return by how many phases a step may be longer or shorter than 1."""
     behind, before = arb(shape.ends[1]) - 1, 1 - arb(1.0 - shape.guard_strip)
     return arb(shape.start_strip) + behind.max(before)
 
 
 def _end(orbit: Orbit, shape: WalkingSet) -> arb:
-    """Bound on the expansion series anywhere in T, and so on the strips.
+    """Bound the expansion series anywhere in T, and so on the strips.
 
     Where |x| <= X and X >= 1, no Chebyshev polynomial is larger than at X.
     """
@@ -170,13 +170,13 @@ def _end(orbit: Orbit, shape: WalkingSet) -> arb:
 
 
 def _half_width(orbit: Orbit, phase: float) -> arb:
-    """Of the thin tube [unit of zeta]; every nested tube is a multiple of it."""
+    """Return the thin tube's half width [unit of zeta]; every nested tube is a multiple of it."""
     x = 2 * arb(phase) - 1
     return (_value(orbit.upper, x) - _value(orbit.lower, x)) / 2
 
 
 def _integral(series: Sequence[float]) -> arb:
-    """Integral of a Chebyshev series over phases 0 to 1."""
+    """Integrate a Chebyshev series over phases 0 to 1."""
     total = arb(0)
     for k in range(0, len(series), 2):
         total += arb(series[k]) / (1 - k * k)
@@ -184,7 +184,7 @@ def _integral(series: Sequence[float]) -> arb:
 
 
 def _value(series: Sequence[float], x: arb) -> arb:
-    """Chebyshev series at x, by Clenshaw."""
+    """Evaluate a Chebyshev series at x, by Clenshaw."""
     ahead, further = arb(0), arb(0)
     for coefficient in reversed(series[1:]):
         ahead, further = 2 * x * ahead - further + arb(coefficient), ahead

@@ -1,8 +1,8 @@
-"""The periodic orbit and bounds around it, as Chebyshev series, found in plain numbers.
+"""Find the periodic orbit and bounds around it, as Chebyshev series, in plain numbers.
 
-zeta(phase) solves a fixed-point equation: integrate F along the curve, reset at the guard,
-start again there. It contracts, for the flow is weak in zeta and the orbit attracts. Nothing here
-is trusted: a bad series makes a premise fail, not a false one hold.
+zeta(phase) solves a fixed-point equation: integrate F along the curve, reset at the guard, start
+again there. The iteration contracts, because the flow is weak in zeta and the orbit attracts.
+Nothing here is trusted: a bad series makes a premise fail, not a false one hold.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -19,15 +19,15 @@ from neuralgaits.certificate.levels.walking_set.theorem import WalkingSet
 Look = Callable[[Float[np.ndarray, "n 2"]], Mapping[str, np.ndarray]]
 """Points (phase, level) [n, 2] to slope and expansion, foot, foot_rate, pace, after and gain."""
 Fences = Callable[[np.ndarray], Float[np.ndarray, "n 2"]]
-"""Phases to zeta on both fences, in the tube's unit."""
+"""Function from phases to zeta on both fences, in the tube's unit."""
 
 DEGREES = (18, 24, 30, 36)
-"""Of the series of the orbit, tried in turn."""
+"""Degrees of the orbit's series that are tried in turn."""
 DEFECT = 0.1
-"""How far the series may be from solving dzeta/dphase = F, as a share of what the thin tube's
-fences have to spare."""
+"""Largest defect of the series in dzeta/dphase = F, as a share of the slack of the thin tube's
+fences."""
 BOUND_DEGREE = 12
-"""Of the series that bound dF/dzeta."""
+"""Degree of the series that bound dF/dzeta."""
 ROUNDS, SETTLED = 400, 1e-12
 """Iterations of the fixed point, and the relative change that ends them."""
 Z2_WIDTH = 1e-3
@@ -37,9 +37,9 @@ USED = 0.8
 ROOM = 0.03
 """Slack of a bound on dF/dzeta over the whole set [1/phase]: less would cost more boxes."""
 THIN_ROOM = 0.02
-"""The same over the thin tube."""
+"""Slack of a bound on dF/dzeta over the thin tube [1/phase]."""
 COMFORT = 0.95
-"""Contraction seen at points that leaves room for a bound on it."""
+"""Largest contraction seen at points that leaves room for a bound on it."""
 
 
 class Found(NamedTuple):
@@ -55,13 +55,13 @@ class Found(NamedTuple):
 
 
 def find_orbit(look: Look, fences: Fences, unit: float, shape: WalkingSet) -> Found | str:
-    """Thin tube and bounds, or one sentence that says why there are none.
+    """Return a thin tube and bounds, or a sentence with the reason why there are none.
 
     Args:
-        look: quantities at points.
-        fences: of the walking set.
-        unit: of zeta [(kg m^2/s)^2].
-        shape: of the walking set.
+        look: function from points to quantities.
+        fences: fences of the walking set.
+        unit: unit of zeta [(kg m^2/s)^2].
+        shape: parameters of the walking set.
     """
     for degree in DEGREES:
         curve = _periodic(look, fences, unit, _nodes(shape, degree), degree)
@@ -99,11 +99,11 @@ def find_orbit(look: Look, fences: Fences, unit: float, shape: WalkingSet) -> Fo
 
 
 def find_contraction(look: Look, shape: WalkingSet) -> Found | str:
-    """Bounds on how walks part, or one sentence that says why there are none.
+    """Return bounds on how walks part, or a sentence with the reason why there are none.
 
     Args:
-        look: quantities at points of (phase, level), for many pairs of commands or robots at each.
-        shape: of the walking set.
+        look: from points of (phase, level) to quantities, for many commands or robots at each.
+        shape: parameters of the walking set.
     """
     phases, levels = np.linspace(*shape.ends, 61), np.linspace(0.0, 1.0, 5)
     grid = np.stack(np.meshgrid(phases, levels, indexing="ij"), axis=-1).reshape(-1, 2)
@@ -134,11 +134,11 @@ def find_contraction(look: Look, shape: WalkingSet) -> Found | str:
 
 
 class _Thin(NamedTuple):
-    """Half width of the thin tube at the nodes of its series, and what attracts the set to it.
+    """Half width of the thin tube at the nodes of its series, and constants of its attraction.
 
     Attributes:
-        half: in units of zeta.
-        spare: least that its fences have to spare, zeta in units per phase.
+        half: half width in units of zeta.
+        spare: least slack of its fences, zeta in units per phase.
         attraction: see `Orbit`.
         bound: series above dF/dzeta on the walking set.
         largest: number above |rho| on its guard.
@@ -154,7 +154,7 @@ class _Thin(NamedTuple):
 def _thin(
     look: Look, fences: Fences, unit: float, shape: WalkingSet, curve: "_Curve"
 ) -> _Thin | str:
-    """Shape of the thin tube: as wide at each phase as neighbours part, and a little more."""
+    """Return the thin tube's shape: as wide at each phase as neighbours part, and a little more."""
     nodes = _nodes(shape, len(curve.series) - 1)
     bound, largest = _bounds(look, shape, float(curve.guard[0, 0]))
     parting = look(curve.points(fences, nodes))["expansion"]
@@ -182,7 +182,7 @@ def _thin(
 def _secants(
     look: Look, fences: Fences, unit: float, curve: "_Curve", nodes: np.ndarray
 ) -> np.ndarray:
-    """Fastest rate, over the levels, at which a trajectory of the set parts from the orbit."""
+    """Return the fastest rate, over the levels, at which a trajectory parts from the orbit."""
     on_orbit = curve.points(fences, nodes)
     slope = look(on_orbit)["slope"] / unit
     rates = [look(on_orbit)["expansion"]]
@@ -202,14 +202,14 @@ class _Curve(NamedTuple):
     guard: Float[np.ndarray, "1 2"]
 
     def points(self, fences: Fences, phases: np.ndarray) -> Float[np.ndarray, "n 2"]:
-        """Chart points of the orbit."""
+        """Return chart points of the orbit at some phases. [n, 2]."""
         return np.stack([phases, _level(fences, phases, _at(self.series, phases))], axis=1)
 
 
 def _crossing(
     look: Look, fences: Fences, curves: Sequence[_Curve], middle: float
 ) -> tuple[float, float]:
-    """Phases just before and behind where all of some curves meet the ground."""
+    """Return the phases just before and behind the ground contact of all of some curves."""
     for width in STRIPS:
         before, behind = np.array([middle - width]), np.array([middle + width])
         above = [look(curve.points(fences, before))["foot"][0] for curve in curves]
@@ -220,13 +220,13 @@ def _crossing(
 
 
 def _nodes(shape: WalkingSet, degree: int) -> np.ndarray:
-    """Phases at which a series is fitted: the strips belong to it."""
+    """Return the phases at which a series is fitted, the strips included."""
     first, last = shape.ends
     return first + 0.5 * (last - first) * (chebyshev.chebpts1(2 * degree + 1) + 1.0)
 
 
 def _defect(look: Look, fences: Fences, unit: float, curve: _Curve, shape: WalkingSet) -> float:
-    """How far a curve is from a solution, at the worst of many phases."""
+    """Return how far a curve is from a solution, at the worst of many phases."""
     phases = np.linspace(*shape.ends, 301)
     slope = look(curve.points(fences, phases))["slope"] / unit
     along = 2.0 * chebyshev.chebval(2.0 * phases - 1.0, chebyshev.chebder(curve.series))
@@ -234,7 +234,7 @@ def _defect(look: Look, fences: Fences, unit: float, curve: _Curve, shape: Walki
 
 
 def _bounds(look: Look, shape: WalkingSet, guard: float) -> tuple[np.ndarray, float]:
-    """Series above dF/dzeta on the walking set, and a number above |rho| on its guard."""
+    """Return series above dF/dzeta on the walking set, and a number above |rho| on its guard."""
     levels, phases = np.linspace(0.0, 1.0, 33), np.linspace(*shape.ends, 121)
     grid = np.stack(np.meshgrid(phases, levels, indexing="ij"), axis=-1)
     largest = look(grid.reshape(-1, 2))["expansion"].reshape(grid.shape[:2]).max(axis=1)
@@ -247,9 +247,9 @@ def _bounds(look: Look, shape: WalkingSet, guard: float) -> tuple[np.ndarray, fl
 def _periodic(
     look: Look, fences: Fences, unit: float, nodes: np.ndarray, degree: int
 ) -> _Curve | None:
-    """Integrate F along the curve, reset, start again there, until it stays.
+    """Iterate the curve: integrate F along it, reset, start again there, until it stays.
 
-    On the way a curve may leave the tube, where nothing is known of F: there the fence stands in.
+    Where a curve leaves the tube on the way, F is unknown; its value at the fence stands in.
     """
     constant = np.eye(1, degree + 1)[0]
     middle = _fit(nodes, np.mean(fences(nodes), axis=1), degree)
@@ -287,12 +287,12 @@ def _at(series: np.ndarray, phases: np.ndarray) -> np.ndarray:
 
 
 def _antiderivative(series: np.ndarray) -> np.ndarray:
-    """Series of the integral from phase 0."""
+    """Return the series of the integral from phase 0."""
     return chebyshev.chebint(series, scl=0.5, lbnd=-1.0)
 
 
 def _step(series: np.ndarray) -> float:
-    """Integral over a step."""
+    """Integrate a series over a step."""
     return float(_at(_antiderivative(series), np.ones(1))[0])
 
 

@@ -1,4 +1,4 @@
-"""The periodic orbit and its attraction: margins of a thin tube and of the return map (level 3).
+"""Margins of a thin tube around the orbit and of the return map (level 3).
 
 Bounds on the expansion of trajectories are Chebyshev series over the phase, whose integral over
 a step is exact, so no slice of a step has to be summed. A thin tube around the orbit is
@@ -18,7 +18,7 @@ from neuralgaits.gait import ZeroDynamics
 
 
 def thin_gait(gait: Gait, orbit: Orbit) -> Gait:
-    """The gait with the thin tube around its orbit."""
+    """Return the gait with the thin tube around its orbit."""
     tube = Tube(
         np.array(orbit.lower),
         np.array(orbit.upper),
@@ -32,7 +32,7 @@ def thin_gait(gait: Gait, orbit: Orbit) -> Gait:
 def margins(
     gait: Gait, zd: ZeroDynamics, orbit: Orbit, u: Float[Array, " n"]
 ) -> dict[str, Float[Array, "..."]]:
-    """Margins at one point, of the walking set's chart or of the thin tube's.
+    """Return margins at one point of the walking set's chart or of the thin tube's.
 
     Outputs of the return map over the whole set are functions of u in the set's chart; those of
     the orbit take u in the chart of the thin tube.
@@ -82,7 +82,7 @@ def margins(
 def _any_two_walks(
     gait: Gait, zd: ZeroDynamics, orbit: Orbit, u: Float[Array, " n"]
 ) -> dict[str, Float[Array, "..."]]:
-    """How walks part along a step and across its reset; nothing depends on what comes next."""
+    """Return how walks part along a step and across its reset, independent of the next command."""
     u = u[:PLANE]
     landed, (start, guard) = landing(gait, zd, u), gait.span
     along = slope(gait, zd.point(gait.z(u))) / (guard - start)
@@ -95,7 +95,7 @@ def _any_two_walks(
 
 
 def _narrowing(gait: Gait, thin: Gait, zd: ZeroDynamics, u: Float[Array, "2"], side: int) -> Scalar:
-    """Rate at which a trajectory outside the thin tube gets nearer to it, per phase.
+    """Return the rate at which a trajectory outside the thin tube approaches it, per phase.
 
     Distance r is measured from the thin tube's middle in its half widths, so {|r| <= s} is a
     tube for every s, each inside the next. u[1] goes from the thin tube's fence to the set's.

@@ -1,4 +1,4 @@
-"""The return map of a tube, differentiated: expansion along a step and gain of its reset.
+"""Derivative of a tube's return map: expansion along a step and gain of its reset.
 
 On a tube the hip moves forward, so phase can stand for time: d zeta / d phase = F(phase, zeta)
 with zeta = z2^2 / 2. The derivative of the return map of a section is then
@@ -21,19 +21,19 @@ from neuralgaits.gait import Point, ZeroDynamics
 
 
 def state(gait: Gait, phase: Scalar, zeta: Scalar) -> Float[Array, "2"]:
-    """Zero dynamics state at a phase, with z2 = sqrt(2 zeta) > 0 (m, kg m^2/s). [2]."""
+    """Return the state at a phase, with z2 = sqrt(2 zeta) > 0 (m, kg m^2/s). [2]."""
     start, guard = gait.span
     return jnp.stack([start + phase * (guard - start), jnp.sqrt(2.0 * zeta)])
 
 
 def slope(gait: Gait, point: Point) -> Scalar:
-    """F: d zeta / d phase along the flow [(kg m^2/s)^2]."""
+    """Return F, d zeta / d phase along the flow [(kg m^2/s)^2]."""
     start, guard = gait.span
     return point.z[1] * point.dz[1] * (guard - start) / point.dz[0]
 
 
 def expansion(gait: Gait, zd: ZeroDynamics, u: Float[Array, "2"]) -> Scalar:
-    """dF/dzeta at a chart point: rate at which trajectories part, per phase."""
+    """Return dF/dzeta at a chart point: the rate at which trajectories part, per phase."""
 
     def along(zeta):
         return slope(gait, zd.point(state(gait, u[0], zeta)))
@@ -43,29 +43,33 @@ def expansion(gait: Gait, zd: ZeroDynamics, u: Float[Array, "2"]) -> Scalar:
 
 
 class Landing(NamedTuple):
-    """What guard and reset do to a state, and to its neighbours."""
+    """Effect of guard and reset on a state and on its neighbours."""
 
     phase: Scalar
-    """Phase after the reset."""
+    """Phase of the state after the reset."""
     zeta: Scalar
     """zeta after the reset [(kg m^2/s)^2]."""
     gain: Scalar
     """rho: distance of a neighbour after the reset per distance before it."""
     moved_zeta: Scalar
-    """The part of it that is in zeta where the neighbour lands."""
+    """Part of that distance in zeta at the place where the neighbour lands."""
     moved_z1: Scalar
-    """How much further ahead that is, per distance before it [m / (kg m^2/s)^2]."""
+    """Distance by which the neighbour lands further ahead, per distance before it [m / (kg
+    m^2/s)^2]."""
 
 
 def _next(gait: Gait, zd: ZeroDynamics) -> ZeroDynamics:
-    """Zero dynamics of the next step, if the command stays."""
+    """Return the zero dynamics of the next step under an unchanged command."""
     if gait.next_tube is None:
         return zd
     return ZeroDynamics(zd.robot, gait.policy.following, zd.residual, zd.reset_residual)
 
 
 def landing(gait: Gait, zd: ZeroDynamics, u: Float[Array, "2"]) -> Landing:
-    """Reset of a chart point near the guard. The formula of rho holds at its own guard level."""
+    """Reset a chart point near the guard.
+
+    The formula of rho holds at the point's own guard level.
+    """
 
     def ends(phase, zeta):
         point = zd.point(state(gait, phase, zeta))

@@ -1,4 +1,4 @@
-"""The thin tube of level 3: its parameters, and the statements that are premises. Needs no JAX."""
+"""Parameters of level 3's thin tube, and the statements that are premises. Needs no JAX."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -9,14 +9,14 @@ from neuralgaits.certificate.levels.premises import Premise
 from neuralgaits.certificate.levels.walking_set.theorem import WalkingSet
 
 Attraction = Literal["contraction", "nested tubes", "contraction alone", "any two walks"]
-"""Why the orbit attracts all of the walking set: see `conclude`. The last two enclose no orbit: on
-every robot of a box the return map contracts, so each has one of its own; of a gait with commands,
-walks under the same commands converge."""
+"""Reason why the orbit attracts all of the walking set: see `conclude`. The last two enclose no
+orbit. On every robot of a box the return map contracts, so each has one of its own; for a gait with
+commands, walks under the same commands converge."""
 WITHOUT_TUBE = "contraction alone", "any two walks"
 ORBIT, RETURN_MAP = "orbit", "return map"
 """Labels of the statements that level 3 rests on."""
 _OF_RETURN_MAP = ("orbit/expansion", "orbit/gain", "orbit/moved", "orbit/along")
-"""Outputs of the walking set's chart apart from those of the thin tube's."""
+"""Outputs of level 3 in the walking set's chart; the others are in the thin tube's."""
 
 
 @dataclass(frozen=True)
@@ -26,7 +26,7 @@ class Orbit:
     Series are Chebyshev coefficients over the phase mapped to [-1, 1].
 
     Attributes:
-        attraction: how it is shown to attract the walking set.
+        attraction: how the proof shows that the orbit attracts the walking set.
         guard_from, guard_to: phases between which the thin tube meets the ground.
         lower, upper: fences of the thin tube, zeta [(kg m^2/s)^2].
         expansion: upper bound of dF/dzeta over the walking set.
@@ -46,7 +46,7 @@ class Orbit:
 
     @property
     def complete(self) -> bool:
-        """Whether all series are there that its kind of attraction speaks of."""
+        """Return whether all series exist that its kind of attraction needs."""
         thin = (self.lower, self.upper, self.slowest, self.fastest)
         if self.attraction in WITHOUT_TUBE:
             return bool(self.expansion) and not any(thin)
@@ -54,7 +54,7 @@ class Orbit:
 
 
 def orbit_premises(shape: WalkingSet, orbit: Orbit) -> list[Premise]:
-    """Premises of level 3 beside those of level 2."""
+    """Return the premises of level 3 beside those of level 2."""
     if orbit.attraction == "any two walks":
         return _of_any_two_walks(shape)
     first, last = shape.ends
@@ -92,7 +92,7 @@ def orbit_premises(shape: WalkingSet, orbit: Orbit) -> list[Premise]:
 
 
 def _of_any_two_walks(shape: WalkingSet) -> list[Premise]:
-    """What bounds how walks part along a step and across its reset, for every pair of commands."""
+    """Return the premises that bound how walks part in a step and a reset, for all commands."""
     first, last = shape.ends
     strip = (1.0 - shape.guard_strip, 0.0), (last, 1.0)
     return [
@@ -104,6 +104,6 @@ def _of_any_two_walks(shape: WalkingSet) -> list[Premise]:
 
 
 def labelled_premises(shape: WalkingSet, orbit: Orbit) -> Iterator[tuple[str, str, Corner, Corner]]:
-    """(label, output, low, high) of all that level 3 rests on beside level 2."""
+    """Return (label, output, low, high) of all premises of level 3 beside level 2."""
     for output, low, high, _ in orbit_premises(shape, orbit):
         yield RETURN_MAP if output in _OF_RETURN_MAP else ORBIT, output, low, high

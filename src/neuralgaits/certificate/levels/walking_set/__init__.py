@@ -1,1 +1,1 @@
-"""Level 2: a set of the hybrid zero dynamics is invariant."""
+"""Level 2: an invariant set of the hybrid zero dynamics."""

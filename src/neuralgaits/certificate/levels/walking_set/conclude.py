@@ -1,4 +1,4 @@
-"""Level 2 from its premises: the walking set is forward invariant, and safe.
+"""Conclude level 2 from its premises: the walking set is forward invariant, and safe.
 
 The argument is in docs/walking_set.md; a comparison holds only if it is certain.
 """
@@ -18,13 +18,14 @@ from neuralgaits.records.certified import Conclusion
 
 
 def walking(shape: WalkingSet, boxes: Boxes, bounds: Bounds) -> Conclusion:
-    """Level 2: the walking set is forward invariant, and safe.
+    """Conclude that the walking set is forward invariant, and safe.
 
     Args:
-        shape: of the set.
+        shape: parameters of the set.
         boxes: (condition, low, high) of every box of every condition of the spec.
-        bounds: what is proved.
+        bounds: proved bounds.
     """
+    # Level 1 on the tube, and C7 on the strips.
     needed = [Premise(*box, sign="not negative") for box in (*boxes, *strips(shape, boxes))]
     missing = first_missing([*walking_premises(shape), *needed], bounds)
     stated = {name for name, *_ in boxes}
@@ -40,15 +41,18 @@ def walking(shape: WalkingSet, boxes: Boxes, bounds: Bounds) -> Conclusion:
         missing = "a floor with a negative bound"
     if missing is None and shape.floor and shape.told:
         missing = "a floor of unknown height and commands together"
+    # C3 and C4: the foot is more than the floor's H above, or below, the line of footholds.
     for output, low, high, _ in off_the_line(shape):
         if missing is None and not bounds[output, low, high] > shape.floor:
             missing = f"{output} from {low} to {high} is not above {shape.floor!r} m"
     if missing is None and not min(shape.disturbance) >= 0.0:
         missing = "a disturbance with a negative bound"
+    # C5.
     if missing is None:
         missing = _why_not_inside(shape, bounds)
     if missing is not None:
         return Conclusion(2, "undecided", missing, (), {})
+    # By C1 a step takes no longer than T's phases over their least rate.
     pace = bounds["set/forward", *whole]
     longest = (arb(last) - arb(first)) / arb(pace)
     figures = {
@@ -64,12 +68,12 @@ def walking(shape: WalkingSet, boxes: Boxes, bounds: Bounds) -> Conclusion:
 
 
 def _why_not_inside(shape: WalkingSet, bounds: Bounds) -> str | None:
-    """Where else than in T a reset may land; None for nowhere.
+    """Explain where a reset may land outside T; None if it cannot.
 
-    Told commands, a reset lands at a distance d from the start of the next step and with a share b
-    of the tube's width at phase 0, or more, to either fence. Wherever on the strip that is, and
-    whatever the next step is told, a fence is less than start_strip x steepness widths from where
-    it is at phase 0.
+    For a gait with commands, a reset lands at a distance d from the start of the next step, and
+    with a share b of the tube's width at phase 0, or more, to either fence. Anywhere on the strip,
+    and for every next command, a fence is less than start_strip x steepness widths from its place
+    at phase 0.
     """
     strip = (1.0 - shape.guard_strip, 0.0), (shape.ends[1], 1.0)
     outside = "a reset may land outside the strip around the start of a step"

@@ -1,4 +1,4 @@
-"""Where the walking set ends and its premises are asked: parameters found by looking at points.
+"""Find the walking set's parameters and the domains of its premises by evaluating points.
 
 Nothing here is trusted: a bad choice makes a premise fail, not a false one hold.
 """
@@ -18,24 +18,27 @@ Look = Callable[[Float[np.ndarray, "n 2"]], Mapping[str, np.ndarray]]
 
 PHASES, LEVELS = 241, 33
 STRIPS = (1e-9, 1e-7, 1e-5, 1e-4, 3e-4, 1e-3, 3e-3, 6e-3, 0.01, 0.02, 0.03)
-"""Half widths tried around the guard, in phases. A gait that meets the ground elsewhere than at
-phase 1 by more than the last is not treated."""
+"""Half widths tried around the guard, in phases. A gait that meets the ground farther from phase 1
+than the last one is not supported."""
 WIDE_STRIPS = (*STRIPS, *(0.001 * k for k in range(32, 100, 2)))
-"""The same where footholds may be higher or lower than meant, up to the ends of the chart."""
+"""Half widths tried where footholds may be higher or lower than meant, up to the chart's ends."""
 CLEAR = 1e-12
-"""Height that the foot must have before and behind the guard's strip [m]: more than rounding."""
+"""Height that the foot must have before and behind the guard's strip [m]; it exceeds rounding
+errors."""
 FEW_PHASES, FEW_LEVELS, PAIRS, CHUNK = 61, 5, 5, 4096
-"""Fewer of them, with so many values of each axis of the commands, at most so many at once."""
+"""Numbers of phases and levels, of values of each command axis, and of points evaluated at once."""
 CORNERS = 8
-"""Of a box of robots, that are looked at."""
+"""Number of corners of a box of robots that are evaluated."""
 TOLD = 1.5
-"""Phases that a reset may land in per one that is seen, but for how lengths differ."""
+"""Phases that a reset may land in per phase seen, apart from the change of lengths."""
 CLEAR_TOLD = 5e-5
-"""Height that the foot must have there [m]: more than bounds over commands are apart."""
+"""Height that the foot must have with commands [m]; it exceeds the spread of bounds over
+commands."""
 DIGITS = 3
-"""Of the strip before a step: it stands, exactly, in a statement that people read."""
+"""Significant digits of the strip before a step, which a statement gives exactly, for people to
+read."""
 ROOM = 1.2
-"""How much more than what is seen at points bounds may be, where they enclose constants."""
+"""Factor from values seen at points to the bounds that enclose constants."""
 SHARE = 0.5
 """Share of its vertical speed at either end of the step that the foot must keep."""
 
@@ -43,9 +46,9 @@ SHARE = 0.5
 def find_set(
     spec: GaitSpec, look: Look, disturbance: tuple[float, float] = (0.0, 0.0), floor: float = 0.0
 ) -> WalkingSet | str:
-    """Parameters of the walking set, or one sentence that says why there are none.
+    """Return the walking set's parameters, or a sentence with the reason why there are none.
 
-    Of a gait with commands they are those of the worst pair that is looked at.
+    For a gait with commands they are those of the worst pair that is evaluated.
     """
     told = tuple(command.name for command in spec.commands)
     count, levels = PHASES, np.linspace(0.0, 1.0, LEVELS)
@@ -92,7 +95,7 @@ def find_set(
 
 
 def names_of(spec: GaitSpec) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """The spec's barrier conditions, and those that are carried over to the strips."""
+    """Return names of the spec's barrier conditions, and of those carried over to the strips."""
     carried = Pointwise | Barrier | DiscreteBarrier
     return (
         tuple(c.name for c in spec.conditions if isinstance(c, Barrier)),
@@ -101,7 +104,7 @@ def names_of(spec: GaitSpec) -> tuple[tuple[str, ...], tuple[str, ...]]:
 
 
 def least_of_inlet(spec: GaitSpec, look: Look, shape: WalkingSet) -> Mapping[str, float]:
-    """What outputs that enclose constants must reach."""
+    """Return the lower bounds that outputs which enclose constants must reach."""
     if not shape.told:
         return {"set/reset-phase": -shape.start_strip, **dict.fromkeys(OFF_THE_LINE, shape.floor)}
     over = over_all(spec, look)
@@ -119,9 +122,9 @@ def least_of_inlet(spec: GaitSpec, look: Look, shape: WalkingSet) -> Mapping[str
 
 
 def over_all(spec: GaitSpec, look: Look) -> Look:
-    """Looks at points of (phase, level) for many pairs of commands, and on some robots of the box.
+    """Return a function to evaluate (phase, level) for many commands and some robots of the box.
 
-    Those are the nominal one and some corners, and for each of them all pairs.
+    The robots are the nominal one and some corners, each with all pairs of commands.
     """
     pairs, robots = all_pairs(spec.commands, PAIRS), np.zeros((1, len(spec.parameters)))
     if spec.parameters:
@@ -133,7 +136,7 @@ def over_all(spec: GaitSpec, look: Look) -> Look:
 
 
 def _with_each(values: np.ndarray, look: Look) -> Look:
-    """Looks at points of (phase, level) with every row of values of the other axes. [V, k]."""
+    """Return a function to evaluate (phase, level) with each row of values of other axes [V, k]."""
 
     def over(u: np.ndarray) -> Mapping[str, np.ndarray]:
         rows = np.repeat(u, len(values), axis=0)
@@ -147,7 +150,7 @@ def _with_each(values: np.ndarray, look: Look) -> Look:
 def _guard_strip(
     look: Look, levels: np.ndarray, clear: float, widths: Sequence[float]
 ) -> float | None:
-    """A strip around phase 1 with the foot above the ground before it and below it behind."""
+    """Return a strip around phase 1 with the foot above ground before it and below behind."""
     for number, width in enumerate(widths):
         above = look(_grid(np.array([1.0 - width]), levels))["foot"]
         below = look(_grid(np.array([1.0 + width]), levels))["foot"]

@@ -1,4 +1,4 @@
-"""The walking set: what makes a tube of the hybrid zero dynamics invariant (level 2).
+"""Margins of the walking set: a tube of the hybrid zero dynamics is invariant (level 2).
 
 T = {-start_strip <= phase <= 1 + guard_strip, 0 <= level <= 1}. The flow moves forward through
 it, cannot cross its fences, meets the guard once, in the strip around phase 1, and is reset
@@ -25,10 +25,10 @@ from neuralgaits.gait.policies.step_ends import END_POINT_MARGIN
 def margins(
     spec: GaitSpec, gait: Gait, zd: ZeroDynamics, shape: WalkingSet, u: Float[Array, " n"]
 ) -> dict[str, Float[Array, "..."]]:
-    """Margins of the walking set at one chart point, by output name.
+    """Return margins of the walking set at one chart point, by output name.
 
-    Whatever depends on dz is given at every corner of the disturbance's box: those quantities
-    are linear in dz, or a quotient of such, so a corner is the worst.
+    Margins that depend on dz are evaluated at every corner of the disturbance's box: they are
+    linear in dz, or a quotient of such, so a corner is the worst.
     """
     z = gait.z(u[:PLANE])
     point = zd.point(z)
@@ -38,17 +38,22 @@ def margins(
     inward = [_inward(gait, p) for p in pushed]
     low, high = jnp.sqrt(2.0 * gait.tube.fences(u[0]))
     found = {
+        # C1.
         "set/forward": jnp.stack([p.dz[0] for p in pushed]) / (guard - start),
         "set/inertia": transversal_inertia(point),
+        # C2.
         "set/fence-lower": jnp.stack([side[0] for side in inward]),
         "set/fence-upper": jnp.stack([side[1] for side in inward]),
         "set/width": 2.0 * (high - low) / (high + low),
+        # C3 and C4.
         "set/foot-above": point.foot_above_ground,
         "set/foot-below": -point.foot_above_ground,
         "set/foot-rises": falls,
         "set/foot-falls": -falls,
     }
+    # C5.
     found |= _inlet(gait, point, u[0]) if shape.told else _reset(gait, point)
+    # C6.
     for barrier in barriers(spec):
         if not shape.told:
             found[f"set/after {barrier.name}"] = barrier.function(point.after)
@@ -59,7 +64,7 @@ def margins(
 
 
 def _reset(gait: Gait, point: Point) -> dict[str, Float[Array, "..."]]:
-    """Where the reset lands, in the same tube."""
+    """Return margins of the place where the reset lands, in the same tube."""
     phase = gait.phase(point.z_after[0])
     level = gait.level(point.z_after)
     return {
@@ -70,7 +75,7 @@ def _reset(gait: Gait, point: Point) -> dict[str, Float[Array, "..."]]:
 
 
 def _inlet(gait: Gait, point: Point, phase: Scalar) -> dict[str, Float[Array, "..."]]:
-    """Where the reset lands in the tube of the next step; nothing here depends on its command."""
+    """Return margins of a reset into the next step's tube, independent of its command."""
     then, start, guard = gait.following, *gait.span
     ahead = point.z_after[0] - then.span[0]
     low, high = then.tube.fences(0.0)
@@ -87,7 +92,7 @@ def _inlet(gait: Gait, point: Point, phase: Scalar) -> dict[str, Float[Array, ".
 
 
 def _within_bounds(policy: AbstractPolicy) -> Float[Array, "..."]:
-    """How far inside what outputs are clipped to both ends of a step are [rad]."""
+    """Return how far both ends of a step are inside the clipping bounds of outputs [rad]."""
     assert isinstance(policy, HybridInvariantPolicy)
     margin = END_POINT_MARGIN * (policy.upper - policy.lower)
     parts = [
@@ -99,14 +104,14 @@ def _within_bounds(policy: AbstractPolicy) -> Float[Array, "..."]:
 
 
 def barriers(spec: GaitSpec) -> Iterator[Barrier]:
-    """The spec's barrier conditions."""
+    """Yield the spec's barrier conditions in their order."""
     for condition in spec.conditions:
         if isinstance(condition, Barrier):
             yield condition
 
 
 def disturbed(zd: ZeroDynamics, bound: tuple[float, float]) -> list[ZeroDynamics]:
-    """The zero dynamics under each corner of |d| <= bound in dz; itself if the bound is zero."""
+    """Return the zero dynamics at each corner of |d| <= bound in dz; itself for a bound of zero."""
     if not any(bound):
         return [zd]
     corners = [(a, b) for a in (-1.0, 1.0) for b in (-1.0, 1.0)]
@@ -130,10 +135,10 @@ class _Pushed:
 def _pushed_rates(
     barrier: Barrier, zd: ZeroDynamics, z: ZeroState, pushed: Sequence[Point]
 ) -> Float[Array, "..."]:
-    """dh/dt + alpha(h) along every flow, as margins are.
+    """Return dh/dt + alpha(h) along every flow, in the form of margins.
 
-    What h reads is that of the undisturbed flow at z: a function of z alone, so that its rate is
-    linear in dz whatever it reads. A velocity of the disturbed flow would jump with the push.
+    h reads quantities of the undisturbed flow at z, functions of z alone, so that its rate is
+    linear in dz. A velocity of the disturbed flow would jump with the push.
     """
 
     def h(z: ZeroState) -> Float[Array, "..."]:
@@ -144,7 +149,7 @@ def _pushed_rates(
 
 
 def _inward(gait: Gait, point: Point) -> tuple[Float[Array, ""], Float[Array, ""]]:
-    """Slope of the flow against both fences, inward positive, in tube widths per phase."""
+    """Return the flow's slope against both fences, inward positive, in tube widths per phase."""
     start, guard = gait.span
     phase = gait.phase(point.z[0])
     along = point.z[1] * point.dz[1] * (guard - start) / point.dz[0]

@@ -1,4 +1,4 @@
-"""The set of level 2: its parameters, and the statements that are premises. Needs no JAX."""
+"""Parameters of level 2's set, and the statements that are premises. Needs no JAX."""
 
 import itertools
 from collections.abc import Iterator, Sequence
@@ -8,10 +8,10 @@ from neuralgaits.certificate.levels.chart import Corner
 from neuralgaits.certificate.levels.premises import Boxes, Premise
 
 STRIPS, SET = "strips", "walking set"
-"""Labels of the statements that level 2 rests on, where a spec's have their region."""
+"""Labels of level 2's statements, in place of the region that a spec's statements have."""
 
 OFF_THE_LINE = "set/foot-above", "set/foot-below"
-"""How far the swing foot is from the line between footholds, before and behind it."""
+"""Outputs for the distance of the swing foot from the line of footholds, before and behind it."""
 
 
 @dataclass(frozen=True)
@@ -26,7 +26,7 @@ class WalkingSet:
         disturbance: bound on what may be added to dz (m/s, N m).
         barriers: names of the spec's barrier conditions.
         carried: the spec's conditions, by name, that hold on the strips as well.
-        told: names of the commands that a step is told; the chart has two axes for each.
+        told: names of the gait's commands; the chart has two axes for each.
         floor: each foothold may be so much higher or lower than the line of footholds that the
             gait is meant for [m]; what is above the ground is then more than this above the line.
     """
@@ -43,7 +43,7 @@ class WalkingSet:
 
     @property
     def start(self) -> tuple[Corner, Corner]:
-        """The strip around phase 0."""
+        """Corners of the strip around phase 0."""
         return (-self.start_strip, 0.0), (self.start_strip, 1.0)
 
     @property
@@ -53,26 +53,32 @@ class WalkingSet:
 
 
 def walking_premises(shape: WalkingSet) -> list[Premise]:
-    """Premises of level 2 about the set itself; for the spec's conditions see `strips`."""
+    """Return premises of level 2 about the set itself; for the spec's conditions see `strips`."""
     first, last = shape.ends
     before, inside = 1.0 - shape.guard_strip, (shape.risen, shape.falling)
     whole = (first, 0.0), (last, 1.0)
     lower, upper = ((first, 0.0), (last, 0.0)), ((first, 1.0), (last, 1.0))
     strip = (before, 0.0), (last, 1.0)
     found = [
+        # C1: dphi/dt > 0 and |J.s| > 0 on T.
         Premise("set/forward", *whole),
         Premise("set/inertia", *whole),
         Premise("set/width", *lower),
+        # C2: on both fences the flow points inward.
         Premise("set/fence-lower", *lower),
         Premise("set/fence-upper", *upper),
+        # C4: the foot rises until `risen` and is above the ground until it falls.
         Premise("set/foot-rises", (first, 0.0), (shape.risen, 1.0)),
         Premise("set/foot-above", (inside[0], 0.0), (inside[1], 1.0)),
+        # C3: it falls from `falling` on, is above at phase 1 - g and below at 1 + g.
         Premise("set/foot-falls", (shape.falling, 0.0), (last, 1.0)),
         Premise("set/foot-above", (before, 0.0), (before, 1.0)),
         Premise("set/foot-below", (last, 0.0), (last, 1.0)),
+        # C5: the reset lands between the fences, within s of phase 0.
         *(_inlet(shape) if shape.told else _reset(shape)),
     ]
     for name in shape.barriers:
+        # C6, after the reset: h >= 0.
         # Where a step is told commands, nothing that is read behind a reset may depend on those
         # that come next: the function is asked on the strip that every reset lands in.
         after = (f"set/value {name}", *shape.start) if shape.told else (f"set/after {name}", *strip)
@@ -83,7 +89,7 @@ def walking_premises(shape: WalkingSet) -> list[Premise]:
 
 
 def _reset(shape: WalkingSet) -> list[Premise]:
-    """Where a reset lands, in the chart of the only tube there is."""
+    """Return premises for the place where a reset lands, in the chart of the only tube."""
     strip = (1.0 - shape.guard_strip, 0.0), (shape.ends[1], 1.0)
     return [
         Premise("set/reset-phase", *strip, sign="any"),
@@ -92,12 +98,12 @@ def _reset(shape: WalkingSet) -> list[Premise]:
 
 
 def _inlet(shape: WalkingSet) -> list[Premise]:
-    """That a reset lands in the tube of the next step, whatever that is told.
+    """Return premises for a reset into the tube of the next step, whatever its command is.
 
-    At phase 0 the tube depends on the command before alone, which is known. A reset lands a little
+    At phase 0 the tube depends only on the command before, which is known. A reset lands a little
     before or behind it, where the fences depend on the next command as well, as the length of a
-    phase does: so its place is measured in metres, its zeta against the fences at phase 0, and
-    what fences and lengths can make of it is bounded over all pairs of commands.
+    phase does: so its place is measured in metres, its zeta against the fences at phase 0, and the
+    effect of fences and lengths is bounded over all pairs of commands.
     """
     strip = (1.0 - shape.guard_strip, 0.0), (shape.ends[1], 1.0)
     origin = (0.0, 0.0), (0.0, 0.0)
@@ -111,26 +117,28 @@ def _inlet(shape: WalkingSet) -> list[Premise]:
 
 
 def off_the_line(shape: WalkingSet) -> list[Premise]:
-    """Premises of `walking_premises` whose bounds have to be above the floor's, and not 0."""
+    """Return the premises of `walking_premises` whose bounds must exceed the floor's, and not 0."""
     return [p for p in walking_premises(shape) if p.output in OFF_THE_LINE]
 
 
 def safe_premises(shape: WalkingSet) -> list[Premise]:
-    """What makes all of T safe from the start; without them, its safe part is what is kept."""
+    """Return premises by which all of T is safe; without them only its safe part is invariant."""
     first, last = shape.ends
     whole = (first, 0.0), (last, 1.0)
+    # C6, on T: h >= 0.
     return [Premise(f"set/value {name}", *whole, sign="not negative") for name in shape.barriers]
 
 
 def strips(
     shape: WalkingSet, boxes: Sequence[tuple[str, Corner, Corner]]
 ) -> Iterator[tuple[str, Corner, Corner]]:
-    """Boxes of the carried conditions beyond phases 0 and 1.
+    """Return the boxes of the carried conditions beyond phases 0 and 1.
 
     Args:
-        shape: of the set.
+        shape: parameters of the set.
         boxes: (condition, low, high) of level 1.
     """
+    # C7: conditions of all of the tube hold on the strips as well.
     for name, low, high in boxes:
         if name not in shape.carried:
             continue
@@ -147,11 +155,11 @@ def strips(
 
 
 def labelled_premises(shape: WalkingSet, boxes: Boxes) -> Iterator[tuple[str, str, Corner, Corner]]:
-    """(label, output, low, high) of all that level 2 rests on beside level 1.
+    """Return (label, output, low, high) of all premises of level 2 beside level 1.
 
     Args:
-        shape: of the set.
-        boxes: of level 1.
+        shape: parameters of the set.
+        boxes: (condition, low, high) of level 1.
     """
     for name, low, high in strips(shape, boxes):
         yield STRIPS, name, low, high
@@ -160,7 +168,7 @@ def labelled_premises(shape: WalkingSet, boxes: Boxes) -> Iterator[tuple[str, st
 
 
 def cover_the_tube(boxes: Sequence[tuple[Corner, Corner]]) -> bool:
-    """Whether boxes together are all of the chart, phases and levels from 0 to 1."""
+    """Return whether boxes together cover all of the chart, phases and levels from 0 to 1."""
     cuts = [
         sorted({0.0, 1.0, *(corner[axis] for box in boxes for corner in box)}) for axis in (0, 1)
     ]

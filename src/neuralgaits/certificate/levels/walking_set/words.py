@@ -1,4 +1,4 @@
-"""Level 2 in sentences: what is said of trajectories, and of which conditions on which states."""
+"""Describe level 2 in sentences: trajectories, and which conditions hold on which states."""
 
 from collections.abc import Iterator, Sequence
 
@@ -13,14 +13,14 @@ def walking_words(
     step_time_s: float,
     safe_from_the_start: bool,
 ) -> tuple[str, ...]:
-    """The statement of level 2 as proved.
+    """Return the statement of level 2 as proved.
 
     Args:
-        shape: of the set.
+        shape: parameters of the set.
         boxes: (condition, low, high) of every box of every condition of the spec.
         step_time_s: bound on the time of a step.
-        safe_from_the_start: whether the barrier functions are not negative on all of T; else that
-            is part of what T is.
+        safe_from_the_start: whether the barrier functions are not negative on all of T; else T is
+            restricted to its safe part.
     """
     first, last = shape.ends
     pushed, meant = "", ""
@@ -50,7 +50,7 @@ def walking_words(
 def _conditions(
     shape: WalkingSet, boxes: Sequence[tuple[str, Corner, Corner]], meant: str
 ) -> Iterator[str]:
-    """Which conditions hold along all of a trajectory, and which only where they are asked."""
+    """State which conditions hold along all of a trajectory, and which only on their regions."""
     stated: dict[str, list[tuple[Corner, Corner]]] = {}
     for name, low, high in boxes:
         stated.setdefault(name, []).append((low, high))
