@@ -15,7 +15,7 @@ from common import ROOT, show
 
 from neuralgaits.analysis.run import Run
 from neuralgaits.hzd.solver import DEGREE, Optimiser
-from neuralgaits.records.asked import Given
+from neuralgaits.records.asked import GaitOrigin
 from neuralgaits.robots import load_robot
 from neuralgaits.workflows.certify import certify
 from neuralgaits.workflows.import_gait import import_gait
@@ -43,7 +43,7 @@ def main() -> None:
         found = optimiser.at(speed)
         taken = time.process_time() - began
         show(f"{speed:.3f} m/s: {found.iterations} iterations, time [s]", taken, "<= 2")
-        given = Given("optimise", DEGREE, speed)
+        given = GaitOrigin("optimise", DEGREE, speed)
         run = given_run(
             robot,
             found.gait,

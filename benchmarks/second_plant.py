@@ -21,7 +21,7 @@ from common import show
 import neuralgaits
 from neuralgaits.analysis.run import Run, open_run
 from neuralgaits.simulation.native_walk import engine_of_run
-from neuralgaits.simulation.setup.disturbance import Disturbance
+from neuralgaits.simulation.setup.disturbance import PlantChanges
 from neuralgaits.simulation.setup.disturbance_set import DISTURBANCE_SET
 from neuralgaits.simulation.setup.starts import full_states, momentum_range
 from neuralgaits.simulation.simulators import DRAKE, MUJOCO, Simulator
@@ -49,7 +49,7 @@ class Walked(NamedTuple):
 def walked(
     run: Run,
     simulator: Simulator,
-    disturbance: Disturbance,
+    disturbance: PlantChanges,
     law: str,
     start: str = "region",
     episodes: int = EPISODES,
@@ -86,7 +86,7 @@ def _settled(record: Any) -> np.ndarray:
 
 
 def compare(
-    name: str, run: Run, disturbance: Disturbance, law: str
+    name: str, run: Run, disturbance: PlantChanges, law: str
 ) -> tuple[int, float, float, float]:
     """A row.
 
@@ -123,7 +123,7 @@ def disturbed(run: Run, law: str) -> None:
     print(f"\n{law}, {EPISODES} walks of {STEPS} steps: MuJoCo / Drake")
     print("| | fell | same verdict | speed [m/s] | | z2 after impact [kg m²/s] | |")
     print("|---|---|---|---|---|---|---|", flush=True)
-    compare("nothing", run, Disturbance(), law)
+    compare("nothing", run, PlantChanges(), law)
     rows = [compare(name, run, one, law) for name, one in DISTURBANCE_SET.items()]
     same, speeds, momenta, first = zip(*rows, strict=True)
     share = sum(same) / (EPISODES * len(rows))
@@ -158,7 +158,7 @@ def contacts(run: Run) -> None:
         "sap": (ContactConfig("sap"), TIMESTEP_S),
     }
     build: Callable[..., Any] = world.drake_plant
-    quiet = Disturbance()
+    quiet = PlantChanges()
     print("\npd, one walk from the periodic orbit, against MuJoCo")
     print("| contact in Drake | fell | speed | z2 after impact |")
     print("|---|---|---|---|", flush=True)

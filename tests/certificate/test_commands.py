@@ -14,7 +14,7 @@ from neuralgaits.analysis.run import open_run
 from neuralgaits.barriers import specs
 from neuralgaits.certificate.levels.chart import Chart, Near, asked_for
 from neuralgaits.certificate.levels.ladder import conclude
-from neuralgaits.certificate.levels.orbit.theorem import Orbit, orbit_premises
+from neuralgaits.certificate.levels.orbit.theorem import OrbitConstants, orbit_premises
 from neuralgaits.certificate.levels.problems import (
     condition_problems,
     premise_problems,
@@ -23,7 +23,7 @@ from neuralgaits.certificate.levels.problems import (
 )
 from neuralgaits.certificate.levels.sets import find_sets, one_step
 from neuralgaits.certificate.levels.walking_set.theorem import (
-    WalkingSet,
+    WalkingSetConstants,
     safe_premises,
     strips,
     walking_premises,
@@ -35,17 +35,17 @@ from neuralgaits.certificate.scope import commands_within
 from neuralgaits.errors import InputError
 from neuralgaits.gait.commands import Command, Pair
 from neuralgaits.programs import POINT, evaluate
-from neuralgaits.records.certified import Certified, Conclusion, ConditionVerdict
+from neuralgaits.records.certified import CertificateRecord, Conclusion, ConditionVerdict
 from neuralgaits.robots import load_robot
 from support.commanded_run import SPEED, family_of
 from support.shipped_run import SHIPPED
 
 ANY = Command("step_length", 0.3, 0.4)
 BOXES = [("ahead", (0.0, 0.0), (1.0, 1.0)), ("torso", (0.0, 0.0), (1.0, 1.0))]
-SHAPE = WalkingSet(
+SHAPE = WalkingSetConstants(
     1e-3, 1e-3, 0.1, 0.9, (0.0, 0.0), ("torso",), ("ahead", "torso"), told=("speed",)
 )
-WALKS = Orbit("any two walks", expansion=(0.1, 0.0, 0.02))
+WALKS = OrbitConstants("any two walks", expansion=(0.1, 0.0, 0.02))
 CHART = Chart.of([SPEED])
 
 
@@ -217,7 +217,7 @@ def row(verdict):
 
 def summary_of(conditions, levels=()):
     rows = {name: row(said) for name, said in conditions.items()}
-    return Certified(
+    return CertificateRecord(
         verdict="undecided", level=3, conditions=rows, levels=levels, boxes=1, wall_s=1.0
     )
 

@@ -8,7 +8,7 @@ import pytest
 from neuralgaits.certificate.levels import ladder
 from neuralgaits.certificate.levels.chart import Axis, Chart
 from neuralgaits.certificate.levels.level import Level
-from neuralgaits.certificate.levels.sets import SOUGHT
+from neuralgaits.certificate.levels.sets import LEVEL_SEARCHES
 from neuralgaits.certificate.proof_file import check, consistency, coverage, theorem_tables
 from neuralgaits.certificate.proof_file.theorem_tables import Theorems
 from neuralgaits.programs import Constant, Input, Operation, Output, Program
@@ -98,7 +98,7 @@ def test_without_its_entry_it_is_refused():
 
 def test_every_level_is_sought_read_and_told_of():
     numbers = [level.number for level in ladder.LEVELS]
-    assert list(SOUGHT) == numbers
+    assert list(LEVEL_SEARCHES) == numbers
     assert list(WORDS) == [1, *numbers]
 
 

@@ -19,11 +19,11 @@ from neuralgaits.certificate.ground import friction_needed
 from neuralgaits.certificate.levels.chart import MOST_AXES, Chart
 from neuralgaits.certificate.levels.ladder import conclude
 from neuralgaits.certificate.levels.orbit import margins as orbit_margins
-from neuralgaits.certificate.levels.orbit.theorem import Orbit
+from neuralgaits.certificate.levels.orbit.theorem import OrbitConstants
 from neuralgaits.certificate.levels.problems import trace_certificate
-from neuralgaits.certificate.levels.sets import Sets, fences_of, find_sets, look_at
+from neuralgaits.certificate.levels.sets import LevelSets, fences_of, find_sets, look_at
 from neuralgaits.certificate.levels.walking_set.find import find_set
-from neuralgaits.certificate.levels.walking_set.theorem import WalkingSet, walking_premises
+from neuralgaits.certificate.levels.walking_set.theorem import WalkingSetConstants, walking_premises
 from neuralgaits.certificate.proof_file.reader import Statement
 from neuralgaits.certificate.reading import read_certificate
 from neuralgaits.certificate.search.box_tree import BoxTree
@@ -74,7 +74,7 @@ def test_the_program_at_a_robot_is_the_plain_one_of_an_edited_file(amber):
     spec = specs.robust(amber, BOX)
     gait = spec.new_gait(jax.random.key(0), "posture", None)
     assert isinstance(gait, Gait)
-    program = trace_certificate(spec, amber, gait, Sets())
+    program = trace_certificate(spec, amber, gait, LevelSets())
     assert program.inputs[0].shape == (spec.chart_size,) == (MOST_AXES,)
     rng, errors = np.random.default_rng(0), np.array([axis.half for axis in spec.parameters])
     errors *= rng.choice([-1.0, 1.0, 0.3], len(errors))
@@ -112,7 +112,7 @@ def test_a_gait_with_commands_has_the_robot_s_axes_behind_theirs(amber):
     # Of one condition alone: the whole Program is long.
     only = replace(spec, conditions=spec.conditions[2:3], aims=(), weights={})
     gait = spec.new_gait(jax.random.key(0), "posture", None)
-    program = trace_certificate(only, amber, gait, Sets())
+    program = trace_certificate(only, amber, gait, LevelSets())
     errors = np.array([0.01, -0.01, 0.005])
     other = edited("amber3m", dict(zip(names, errors, strict=True)))
     u = np.array([0.4, 0.3, 0.66, 0.67])
@@ -134,7 +134,7 @@ def test_a_gait_with_commands_has_the_robot_s_axes_behind_theirs(amber):
 def test_what_follows_for_commands_and_robots_says_both(amber):
     told = commands_of(speed=(0.6, 0.8))
     chart = Chart.of(told, specs.robust(amber, {"mass": 0.01}).parameters)
-    shape = WalkingSet(1e-3, 2e-3, 0.1, 0.8, (0.0, 0.0), (), (), ("speed",))
+    shape = WalkingSetConstants(1e-3, 2e-3, 0.1, 0.8, (0.0, 0.0), (), (), ("speed",))
     premises = walking_premises(shape)
     constants = {"set/reset-place": -1e-5, "set/steepness": -0.1}
     bounds = {(p.output, p.low, p.high): constants.get(p.output, 0.25) for p in premises}
@@ -155,7 +155,7 @@ def test_the_return_map_of_each_robot_has_the_slope_of_its_impact(amber):
     spec = specs.robust(amber, BOX)
     gait = spec.new_gait(jax.random.key(1), "posture", None)
     assert isinstance(gait, Gait)
-    orbit = Orbit("contraction alone", expansion=(0.25,))
+    orbit = OrbitConstants("contraction alone", expansion=(0.25,))
     rng, errors = np.random.default_rng(1), np.array([axis.half for axis in spec.parameters])
     errors *= rng.choice([-1.0, 1.0], len(errors))
     at, model = jnp.asarray([1.0, 0.3, *errors]), RobotFamily.of(amber, tuple(BOX))

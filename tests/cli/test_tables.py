@@ -12,7 +12,7 @@ from neuralgaits.cli import (
     screen,
 )
 from neuralgaits.cli.tables import ROWS, show_facts, show_sentence, show_table
-from neuralgaits.records.certified import Certified
+from neuralgaits.records.certified import CertificateRecord
 from neuralgaits.records.checked import Checked
 from neuralgaits.records.exported import ControllerExport
 from neuralgaits.records.fitted import Fitted
@@ -244,7 +244,7 @@ INSPECTED = {
     "changes": ["ankle foot_joint: removed, flat foot foot is welded to leg, " * 3],
 }
 SCREENS = {
-    "proof": (proof_screen.show_proof, Certified.of(PROOF)),
+    "proof": (proof_screen.show_proof, CertificateRecord.of(PROOF)),
     "check": (proof_screen.show_check, Checked.of(CHECK)),
     "training": (screen.show_training, Trained.of(TRAINED)),
     "episodes": (episodes_screen.show_episodes, EpisodesDone.of(ROUNDS)),
@@ -290,7 +290,7 @@ def test_what_is_urgent_stands_first_and_the_rest_is_a_sentence(
     monkeypatch.setenv("COLUMNS", "200")
     conditions = dict(PROOF["conditions"])
     conditions |= {"worst": _entry(0, "refuted"), "open": _entry(0, "undecided")}
-    proof_screen.show_proof(Certified.of(PROOF | {"conditions": conditions, "levels": []}))
+    proof_screen.show_proof(CertificateRecord.of(PROOF | {"conditions": conditions, "levels": []}))
     lines = capsys.readouterr().out.splitlines()
     assert {lines[1].split()[0], lines[2].split()[0]} == {"worst", "open"}
     # By margin: condition 26 has the smallest.
@@ -303,7 +303,7 @@ def test_what_is_urgent_stands_first_and_the_rest_is_a_sentence(
 
 def test_open_conditions_are_never_counted_as_proved(capsys: Captured) -> None:
     conditions = {f"c{k}": _entry(k, "undecided") for k in range(20)} | {"p": _entry(0)}
-    proof_screen.show_proof(Certified.of(PROOF | {"conditions": conditions, "levels": []}))
+    proof_screen.show_proof(CertificateRecord.of(PROOF | {"conditions": conditions, "levels": []}))
     assert "and 9 more, 8 of them not proved; --json has all" in capsys.readouterr().out
 
 

@@ -9,7 +9,7 @@ from scipy.optimize import nnls
 from neuralgaits._quick_jit import quick_filter_jit, quick_jit
 from neuralgaits.control import ClfQp, Fblin, interior_point
 from neuralgaits.control.interior_point import QuadraticProgram, minimise
-from neuralgaits.control.law import Demand, Reading
+from neuralgaits.control.law import Demand, MeasuredState
 from neuralgaits.control.momentum import zero_state
 from neuralgaits.gait import BezierPolicy
 
@@ -18,7 +18,7 @@ STRONG = 1e4
 
 
 def reading_of(robot, q, dq):
-    return Reading(q, dq, *zero_state(robot, q, dq, np.zeros(2)))
+    return MeasuredState(q, dq, *zero_state(robot, q, dq, np.zeros(2)))
 
 
 def a_case(robot, rng):

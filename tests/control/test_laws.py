@@ -7,7 +7,7 @@ import pytest
 from neuralgaits._quick_jit import quick_jit
 from neuralgaits.control import PAPER, Fblin, Pd
 from neuralgaits.control.inverse_dynamics import settled
-from neuralgaits.control.law import Reading
+from neuralgaits.control.law import MeasuredState
 from neuralgaits.control.momentum import zero_state
 from neuralgaits.control.pd import BANDWIDTH, MOST, SLOWEST
 from neuralgaits.gait import BezierPolicy, ZeroDynamics
@@ -16,7 +16,7 @@ from neuralgaits.gait.posture import momentum_unit, walking_posture
 
 
 def reading_of(robot, q, dq):
-    return Reading(q, dq, *zero_state(robot, q, dq, np.zeros(2)))
+    return MeasuredState(q, dq, *zero_state(robot, q, dq, np.zeros(2)))
 
 
 def a_case(robot, rng):
@@ -72,7 +72,7 @@ def test_settled_rates_meet_the_outputs_at_the_same_momentum(robot, rng):
 
 def test_fblin_stays_finite_where_no_torque_can_linearise(amber):
     law = Fblin()
-    reading = Reading(jnp.zeros(5), jnp.zeros(5), jnp.zeros(2), jnp.zeros(2))
+    reading = MeasuredState(jnp.zeros(5), jnp.zeros(5), jnp.zeros(2), jnp.zeros(2))
     desired = law.desired(amber, lambda z: jnp.array([0.0, 0.0, 0.0, 0.0]) * z[0], reading)
     row = amber.mass_matrix(jnp.zeros(5))[0]
     along = jnp.concatenate([1.0 / amber.hip_gradient[:1], jnp.zeros(4)])

@@ -32,7 +32,7 @@ def speed():
 def told_of(wanted, after, commands):
     nothing = jnp.zeros(0)
     after = jnp.asarray(after)
-    return tolds.Told(jnp.asarray(wanted), Pair(after, after), nothing)
+    return tolds.CommandState(jnp.asarray(wanted), Pair(after, after), nothing)
 
 
 @pytest.mark.parametrize(

@@ -14,7 +14,7 @@ from neuralgaits.simulation.linked.channel import Channel
 from neuralgaits.simulation.linked.config import LinkConfig, parse_link
 from neuralgaits.simulation.linked.connect import SOURCES
 from neuralgaits.simulation.linked.remote import Remote
-from neuralgaits.simulation.linked.wire import Link
+from neuralgaits.simulation.linked.wire import ControllerLink
 from neuralgaits.simulation.setup.starts import full_states, momentum_range
 from neuralgaits.simulation.walk import walk
 from neuralgaits.workflows.export import design_of
@@ -107,7 +107,7 @@ def test_it_walks_with_lost_and_late_packets(trained, program):
 
 @pytest.fixture
 def link(program):
-    with Link(program) as open_link:
+    with ControllerLink(program) as open_link:
         yield open_link
 
 

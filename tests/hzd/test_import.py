@@ -10,7 +10,7 @@ from neuralgaits.errors import ConvergenceError, InputError
 from neuralgaits.gait import BezierPolicy, ZeroDynamics
 from neuralgaits.hzd.gait_file import read_gait
 from neuralgaits.hzd.steady import steady
-from neuralgaits.records.asked import Given
+from neuralgaits.records.asked import GaitOrigin
 from neuralgaits.report import again
 from neuralgaits.report.page.document import document
 from neuralgaits.report.page.saved import Contents
@@ -114,7 +114,7 @@ def test_a_gait_without_an_orbit_is_refused(amber, tmp_path, value, by, error, s
     gait = read_gait(published_gaits.FILE, amber, "0.67")
     stiff = gait.coefficients.copy()
     stiff[:] = stiff[:, :1] if value is None else value
-    given = Given(by, gait.degree, 0.35 if by == "optimise" else None)
+    given = GaitOrigin(by, gait.degree, 0.35 if by == "optimise" else None)
     with pytest.raises(error, match=said):
         still = gait._replace(coefficients=stiff)
         given_run(amber, still, given, began=0.0, out=tmp_path / "run", root=tmp_path)

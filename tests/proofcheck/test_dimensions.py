@@ -12,7 +12,7 @@ from neuralgaits.certificate.levels.chart import Axis, Chart
 from neuralgaits.certificate.proof_file import statement_check
 from neuralgaits.certificate.proof_file.check import check
 from neuralgaits.certificate.proof_file.reader import read_claims
-from neuralgaits.certificate.proof_file.writer import Proof, Statement, prove
+from neuralgaits.certificate.proof_file.writer import Proof, StatementRecord, prove
 from neuralgaits.certificate.search import branch_and_bound
 from neuralgaits.certificate.search.problem import Problem
 from neuralgaits.certificate.search.schedule import explore
@@ -154,7 +154,7 @@ def _written(folder: Path, function: Any, axes: int) -> Path:
     chart = Chart(tuple(Axis(f"p{k}", 0.0, 1.0) for k in range(axes - 2)))
     program = trace(function, {"u": (axes,)})
     whole = chart.whole((0.0, 0.0), (1.0, 1.0))
-    one = Statement(("f",), "tube", {"f": 1.0}, {"f": 0.0}, 2, *whole, "-")
+    one = StatementRecord(("f",), "tube", {"f": 1.0}, {"f": 0.0}, 2, *whole, "-")
     named = {"name": "none", "sha256": "0" * 64}
     Proof(named, named, "0" * 64, program, chart, (one,)).write(folder / "proof.json")
     return folder / "proof.json"

@@ -9,7 +9,7 @@ import pytest
 from matplotlib.colors import to_hex
 
 from neuralgaits.analysis import family_data as finding
-from neuralgaits.analysis.family import Family, Sweep
+from neuralgaits.analysis.family import CommandSweep, Family
 from neuralgaits.analysis.orbit import poincare
 from neuralgaits.analysis.run import open_run
 from neuralgaits.errors import InputError
@@ -110,7 +110,9 @@ def test_the_caption_says_which_commands_and_claims_nothing(family):
     assert "0.55 m/s, 0.725 m/s and 0.9 m/s" in said and "exactly what was told" in said
     assert "nothing here is simulated or proved" in said
     assert "middle of its range" not in said and "No periodic orbit" not in said
-    two = Family((*family.sweeps, Sweep("slope", SWEPT, FASTER)), family.members, family.torso)
+    two = Family(
+        (*family.sweeps, CommandSweep("slope", SWEPT, FASTER)), family.members, family.torso
+    )
     assert "Every other command stays in the middle of its range." in drawing.caption(two)
 
 
@@ -124,7 +126,7 @@ def test_slopes_are_drawn_in_degrees_and_their_grounds_slope(family):
     ]
     for member, slope in zip(members, SWEPT, strict=True):
         member.touchdown[0, -1, 1] = np.tan(slope) * member.touchdown[0, -1, 0]
-    found = Family((Sweep("slope", SWEPT, FASTER),), tuple(members), family.torso)
+    found = Family((CommandSweep("slope", SWEPT, FASTER),), tuple(members), family.torso)
     speeds, _, postures = drawing.draw(found).axes
     assert drawn(np.column_stack([(-5.0, 0.0, 5.0), FASTER]), speeds)
     assert [text.get_text() for text in speeds.get_xticklabels()] == ["−5", "0", "5"]
@@ -144,7 +146,7 @@ def test_a_foothold_above_the_stance_foot_lies_on_a_ledge_of_its_own(family):
     ]
     for member in members:
         member.touchdown[0, -1, 1] = member.value
-    sweep = Sweep("step_height", np.array([-0.05, 0.0, 0.05]), FASTER)
+    sweep = CommandSweep("step_height", np.array([-0.05, 0.0, 0.05]), FASTER)
     *_, postures = drawing.draw(Family((sweep,), tuple(members), family.torso)).axes
     flat = {line[0, 1] for line in lines(postures) if len(line) == 2 and line[0, 1] == line[1, 1]}
     assert {-0.05, 0.0, 0.05} <= flat
@@ -168,7 +170,7 @@ def test_a_family_without_any_orbit_has_a_line_instead_of_a_figure(run, family, 
     monkeypatch.setattr(makers, "family_data", lambda run: without(family, 0, 1, 2))
     ((_, _, make),) = makers.OF_FAMILIES
     with pytest.raises(makers.Absent) as absent:
-        make(makers.Source(run, certificate_of(run)))
+        make(makers.FigureSource(run, certificate_of(run)))
     assert "no periodic orbit" in absent.value.reason
     assert absent.value.command.startswith("neuralgaits train amber3m")
 

@@ -36,7 +36,7 @@ from neuralgaits.report.figures import (
 )
 from neuralgaits.report.figures.full_order_set import FullOrderSet
 from neuralgaits.report.figures.return_map import Proved
-from neuralgaits.report.makers import MAKERS, Absent, Source
+from neuralgaits.report.makers import MAKERS, Absent, FigureSource
 from neuralgaits.workflows.figures import figures
 
 UNIT = re.compile(r"\[.+\]")
@@ -54,7 +54,7 @@ FULL = FullOrderSet(
 
 
 def sketches(run):
-    source = Source(run, certificate_of(run))
+    source = FigureSource(run, certificate_of(run))
     for name, _, make in MAKERS:
         try:
             yield name, *make(source)
@@ -267,7 +267,7 @@ def entry(run, name):
     """A figure's caption and drawing, or why it is missing."""
     title, make = next((title, make) for known, title, make in MAKERS if known == name)
     try:
-        return make(Source(run, certificate_of(run)))
+        return make(FigureSource(run, certificate_of(run)))
     except Absent as absent:
         return Missing(name, title, absent.reason, absent.command)
 

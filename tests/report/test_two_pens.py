@@ -8,10 +8,10 @@ from pathlib import Path
 import pytest
 
 from neuralgaits.report.drawing.style import new_figure, settings
-from neuralgaits.report.drawing.two_pens import Sheet, second_pen, write_all
+from neuralgaits.report.drawing.two_pens import FigureFile, second_pen, write_all
 
 
-def _sheets(folder: Path) -> list[Sheet]:
+def _sheets(folder: Path) -> list[FigureFile]:
     sheets = []
     for number in range(3):
         with settings():
@@ -19,7 +19,7 @@ def _sheets(folder: Path) -> list[Sheet]:
             axes = figure.subplots()
             axes.plot([0.0, 1.0], [0.0, number], label=f"line {number}")
             axes.legend()
-        sheets.append(Sheet(figure, folder, f"figure-{number}"))
+        sheets.append(FigureFile(figure, folder, f"figure-{number}"))
     return sheets
 
 

@@ -13,7 +13,7 @@ import pytest
 
 from neuralgaits.certificate.reading import hashes
 from neuralgaits.cli.words import read as read_words
-from neuralgaits.records.asked import Given
+from neuralgaits.records.asked import GaitOrigin
 from neuralgaits.report.drawing.drawn import Missing
 from neuralgaits.report.page import words
 from neuralgaits.report.page.answer import answer
@@ -320,7 +320,7 @@ def test_robots_that_were_drawn_are_said_to_be(contents, shipped):
 
 def test_of_a_gait_that_was_given_nothing_is_said_to_be_trained(contents, shipped):
     saved = contents().saved
-    given = replace(saved.asked, given=Given("optimise", 5, 0.7))
+    given = replace(saved.asked, given=GaitOrigin("optimise", 5, 0.7))
     broken = contents(saved=replace(saved, asked=given, certificate=None)).saved
     page = contents(saved=replace(saved, asked=given))
     whole = document(page)

@@ -11,7 +11,7 @@ from neuralgaits.certificate.levels.chart import Axis, Chart
 from neuralgaits.certificate.reading import CertificateReading, ProvedPart
 from neuralgaits.gait.commands import Command
 from neuralgaits.records.asked import Range
-from neuralgaits.records.certified import Certified, Conclusion, ConditionVerdict
+from neuralgaits.records.certified import CertificateRecord, Conclusion, ConditionVerdict
 from neuralgaits.report.certificate import part_of
 from neuralgaits.report.drawing.drawn import Drawn, Missing
 from neuralgaits.report.page.answer import answer
@@ -55,7 +55,7 @@ def certified(*proved, levels=()):
         Conclusion(level, "proved" if level in levels else "undecided", None) for level in (2, 3)
     )
     whole = len(proved) == len(CONDITIONS) and len(levels) == 2
-    return Certified(
+    return CertificateRecord(
         verdict="proved" if whole else "undecided",
         level=3,
         conditions=rows,

@@ -8,7 +8,7 @@ from neuralgaits.barriers import functions, specs
 from neuralgaits.records import in_plain_words
 from neuralgaits.report.page import words
 from neuralgaits.robots import load_robot
-from neuralgaits.simulation.setup.disturbance import Disturbance
+from neuralgaits.simulation.setup.disturbance import PlantChanges
 
 
 @pytest.mark.parametrize("name", sorted(specs.DESCRIPTIONS))
@@ -56,11 +56,11 @@ def test_the_gist_of_a_spec_names_only_what_it_asks_for():
 
 
 def test_every_disturbance_has_words():
-    changed = {name: 0.5 for name in vars(Disturbance())}
+    changed = {name: 0.5 for name in vars(PlantChanges())}
     said = words.changes(changed)
     assert len(said) == len(changed) and not any("_" in entry for entry in said)
-    assert words.changes(vars(Disturbance())) == []
-    assert words.disturbances(vars(Disturbance())) == {}
+    assert words.changes(vars(PlantChanges())) == []
+    assert words.disturbances(vars(PlantChanges())) == {}
 
 
 def test_ten_words_and_five_levels():

@@ -17,7 +17,7 @@ from neuralgaits.simulation.drake.model import drake_plant
 from neuralgaits.simulation.drake.world import DrakeWorld
 from neuralgaits.simulation.metrics import summary
 from neuralgaits.simulation.setup.course import stones_at
-from neuralgaits.simulation.setup.disturbance import Disturbance
+from neuralgaits.simulation.setup.disturbance import PlantChanges
 from neuralgaits.simulation.setup.plant import build
 from neuralgaits.simulation.walk import walk
 from support.random_biped import random_biped
@@ -114,7 +114,7 @@ def test_a_foot_stands_on_a_stone_and_not_beside_it():
 
 def test_dry_friction_holds_and_slips():
     robot = load_robot("amber3m")
-    plant = build(robot, Disturbance(joint_friction=2.0))
+    plant = build(robot, PlantChanges(joint_friction=2.0))
     start = states(plant, np.array([-0.2, 0.3, 0.2, -0.2, 0.3]), np.zeros(5), (0.0, 2.0))
     turned = []
     for torque in (1.5, 3.0):

@@ -18,7 +18,7 @@ from neuralgaits.simulation.native_walk import engine_of_trained
 from neuralgaits.simulation.setup import live_course
 from neuralgaits.simulation.setup.course import joined, stones_at
 from neuralgaits.simulation.setup.live_course import LiveCourse
-from neuralgaits.simulation.setup.orders import Orders
+from neuralgaits.simulation.setup.orders import CommandSchedule
 from neuralgaits.simulation.setup.starts import full_states, momentum_range
 from neuralgaits.simulation.ticks.falls import Ending
 from neuralgaits.simulation.walk import walk
@@ -43,7 +43,7 @@ def library(run):
 
 def ground_of(run, asked, seed=2):
     return LiveCourse(
-        asked, run.robot, run.gait.policy, Orders.constant(run.trained.commands), seed
+        asked, run.robot, run.gait.policy, CommandSchedule.constant(run.trained.commands), seed
     )
 
 

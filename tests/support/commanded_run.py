@@ -13,7 +13,7 @@ from neuralgaits.barriers.regions import CommandedGait, CommandedTube
 from neuralgaits.gait import HybridInvariantPolicy
 from neuralgaits.gait.commands import Command
 from neuralgaits.gait.policies.commanded import CommandedPolicy
-from neuralgaits.records.asked import Asked, Range
+from neuralgaits.records.asked import Range, TrainingConfig
 from neuralgaits.runs import RunFolder
 from neuralgaits.runs.latest import finish
 from neuralgaits.runs.names import ROBOT, SPEC, WEIGHTS
@@ -54,7 +54,7 @@ def make(place: Path) -> Run:
     """A finished run of it in a new folder."""
     shipped = open_run(SHIPPED)
     spec = specs.commanded(shipped.robot, (SPEED,))
-    asked = Asked(
+    asked = TrainingConfig(
         robot=shipped.robot.name,
         spec="walking",
         seed=0,

@@ -6,7 +6,7 @@ import jax
 import numpy as np
 import pytest
 
-from neuralgaits.analysis.quantities import Look, quantities
+from neuralgaits.analysis.quantities import PointEvaluator, quantities
 from neuralgaits.errors import InputError
 from neuralgaits.viewer.live_gait import SLOPE_DEG, LiveGait
 
@@ -18,7 +18,7 @@ def gait(shipped):
 
 @pytest.fixture(scope="module")
 def look(shipped):
-    return Look(quantities(shipped.zero_dynamics, shipped.gait, shipped.spec))
+    return PointEvaluator(quantities(shipped.zero_dynamics, shipped.gait, shipped.spec))
 
 
 def state_at(gait, phase, level):

@@ -7,7 +7,7 @@ import shutil
 import numpy as np
 import pytest
 
-from neuralgaits.analysis.quantities import Look, PlaneChart, quantities
+from neuralgaits.analysis.quantities import PlaneChart, PointEvaluator, quantities
 from neuralgaits.analysis.run import open_run
 from neuralgaits.certificate.reading import hashes
 from neuralgaits.report.figures import certificate_map
@@ -21,7 +21,7 @@ from neuralgaits.viewer.sureness import how_sure
 @pytest.fixture(scope="module")
 def look(shipped):
     """Compiled once for all pictures."""
-    return Look(quantities(shipped.zero_dynamics, shipped.gait, shipped.spec))
+    return PointEvaluator(quantities(shipped.zero_dynamics, shipped.gait, shipped.spec))
 
 
 @pytest.fixture(scope="module")

@@ -37,7 +37,7 @@ from neuralgaits.simulation.native_walk import (
     engine_of_run,
     sources,
 )
-from neuralgaits.simulation.setup.disturbance import Disturbance, parse
+from neuralgaits.simulation.setup.disturbance import PlantChanges, parse
 from neuralgaits.simulation.setup.plant import build
 from neuralgaits.simulation.setup.push import Push
 from neuralgaits.simulation.setup.sensing import sensed
@@ -126,7 +126,7 @@ def test_estimates_are_near_what_mujoco_does(run, library):
     """Touchdowns included; with exact sensors closer, with a torso that is read askew less so."""
     errors = []
     for sensing in ("bits=32,pitch_noise=0,delay_ms=0", "bits=14", "pitch_offset=0.01"):
-        disturbance = sensed(Disturbance(), f"encoders,{sensing}")
+        disturbance = sensed(PlantChanges(), f"encoders,{sensing}")
         found = walked(run, library=library, steps=12, disturbance=disturbance)
         assert found.episodes.endings == [Ending.WALKED] * 2
         errors.append(hip_speed_error(found))

@@ -10,7 +10,7 @@ import numpy as np
 from neuralgaits._types import Float
 
 
-class Sweep(NamedTuple):
+class CommandSweep(NamedTuple):
     """The orbits over the range of one command, the others in the middle of theirs."""
 
     name: str
@@ -39,7 +39,7 @@ class Member(NamedTuple):
 class Family(NamedTuple):
     """A gait that takes commands."""
 
-    sweeps: tuple[Sweep, ...]
+    sweeps: tuple[CommandSweep, ...]
     """One a command, in their order."""
     members: tuple[Member, ...]
     """At the lowest, the middle and the highest value of the first command."""

@@ -32,8 +32,8 @@ ON_GROUND_M = 1e-15
 """A foot that is nearer to the ground than this is on it, to rounding [m]."""
 
 
-class Motion(NamedTuple):
-    """What the flow is made of, each by itself: most of its steps need the rate alone."""
+class FlowQuantities(NamedTuple):
+    """Quantities of the flow, each by itself: most of its steps need the rate alone."""
 
     dz: Quantity
     """Rate of z. [N, 2] (m/s, N m)."""
@@ -86,7 +86,7 @@ class Returns(NamedTuple):
     """Between the feet at impact [m]."""
 
 
-def swing(motion: Motion, start: np.ndarray, mesh: Mesh) -> Swing:
+def swing(motion: FlowQuantities, start: np.ndarray, mesh: Mesh) -> Swing:
     """Flow states to the guard: the swing foot falls through the ground with z1 > 0.
 
     Args:
@@ -111,7 +111,7 @@ def swing(motion: Motion, start: np.ndarray, mesh: Mesh) -> Swing:
     return Swing(path[..., :2], path[..., 2], np.isfinite(path[-1, :, 0]))
 
 
-def to_section(motion: Motion, start: np.ndarray, mesh: Mesh) -> np.ndarray:
+def to_section(motion: FlowQuantities, start: np.ndarray, mesh: Mesh) -> np.ndarray:
     """Flow states forward to z1 = 0. Returns: z1, z2 and time there. [N, 3] (m, kg m^2/s, s)."""
     y = _timed(start)
     farthest = float(np.max(np.abs(y[:, 0]), initial=0.0, where=np.isfinite(y[:, 0])))
@@ -122,7 +122,7 @@ def to_section(motion: Motion, start: np.ndarray, mesh: Mesh) -> np.ndarray:
     return y
 
 
-def returns(motion: Motion, z2: np.ndarray, mesh: Mesh) -> Returns:
+def returns(motion: FlowQuantities, z2: np.ndarray, mesh: Mesh) -> Returns:
     """One application of the Poincare map to many z2. [N]."""
     swung = swing(motion, np.stack([np.zeros(len(z2)), z2], axis=1), mesh)
     before = swung.z[-1]
@@ -136,14 +136,14 @@ def _timed(z: np.ndarray) -> np.ndarray:
     return np.column_stack([z, np.zeros(len(z))])
 
 
-def _rate(motion: Motion, y: np.ndarray) -> np.ndarray:
+def _rate(motion: FlowQuantities, y: np.ndarray) -> np.ndarray:
     """Slopes of (z1, z2, t) in z1. [N, 3]."""
     dz = motion.dz(y[:, :2])
     pace = np.where(dz[:, 0] > SLOWEST_M_S, dz[:, 0], np.nan)
     return np.stack([np.ones(len(y)), dz[:, 1] / pace, 1.0 / pace], axis=1)
 
 
-def _step(motion: Motion, y: np.ndarray, h: np.ndarray) -> np.ndarray:
+def _step(motion: FlowQuantities, y: np.ndarray, h: np.ndarray) -> np.ndarray:
     """One step of a length h [N] of the method of Dormand and Prince. [N, 3]."""
     slopes: list[np.ndarray] = []
 
@@ -156,12 +156,12 @@ def _step(motion: Motion, y: np.ndarray, h: np.ndarray) -> np.ndarray:
     return ahead(DOPRI5.weights)
 
 
-def _foot(motion: Motion, y: np.ndarray) -> np.ndarray:
+def _foot(motion: FlowQuantities, y: np.ndarray) -> np.ndarray:
     """Height of the swing foot [m]. [N]."""
     return motion.foot(y[:, :2])[:, 1]
 
 
-def _landing(motion: Motion, y: np.ndarray, step: float) -> np.ndarray:
+def _landing(motion: FlowQuantities, y: np.ndarray, step: float) -> np.ndarray:
     """Where the foot meets the ground within one step, by the Illinois method. [N, 3]."""
     low, high = np.zeros(len(y)), np.full(len(y), step)
     at_low = np.maximum(_foot(motion, y), 0.0)

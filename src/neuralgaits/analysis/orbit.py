@@ -10,8 +10,8 @@ import jax.numpy as jnp
 import numpy as np
 
 from neuralgaits._types import Float, ZeroState
-from neuralgaits.analysis.flow import Mesh, Motion, Swing, returns, swing, to_section
-from neuralgaits.analysis.quantities import Look, PlaneChart
+from neuralgaits.analysis.flow import FlowQuantities, Mesh, Swing, returns, swing, to_section
+from neuralgaits.analysis.quantities import PlaneChart, PointEvaluator
 from neuralgaits.errors import InputError
 from neuralgaits.gait import Orbit, ZeroDynamics
 
@@ -46,7 +46,7 @@ def poincare(zd: ZeroDynamics, z0: ZeroState) -> Orbit:
         return orbit_near(motion, float(to_section(motion, start, mesh)[0, 1]), mesh)
 
 
-def motion_of(zd: ZeroDynamics) -> Motion:
+def motion_of(zd: ZeroDynamics) -> FlowQuantities:
     """What the flow of zero dynamics is made of."""
 
     def named(z):
@@ -54,10 +54,10 @@ def motion_of(zd: ZeroDynamics) -> Motion:
         foot = jnp.stack([point.foot[0], point.foot_above_ground])
         return {"dz": point.dz, "foot": foot, "z_after": point.z_after}
 
-    return Motion(*Look(named).each(*Motion._fields))
+    return FlowQuantities(*PointEvaluator(named).each(*FlowQuantities._fields))
 
 
-def orbit_near(motion: Motion, z2: float, mesh: Mesh) -> Orbit:
+def orbit_near(motion: FlowQuantities, z2: float, mesh: Mesh) -> Orbit:
     """The periodic orbit near a z2 at the section, by Newton's method."""
     for _ in range(NEWTON_STEPS):
         change = DIFFERENCE * z2
@@ -86,14 +86,14 @@ class SampledMap(NamedTuple):
     orbit: Orbit
 
 
-def sampled_map(motion: Motion, chart: PlaneChart) -> SampledMap:
+def sampled_map(motion: FlowQuantities, chart: PlaneChart) -> SampledMap:
     """Sample the map from fence to fence of a gait's tube."""
     z2, mesh = chart.section(MAP_POINTS), Mesh.of_gait(chart.start, chart.guard)
     after = returns(motion, z2, mesh).z2
     return SampledMap(z2, after, orbit_between(motion, z2, after, mesh))
 
 
-def orbit_between(motion: Motion, z2: np.ndarray, mapped: np.ndarray, mesh: Mesh) -> Orbit:
+def orbit_between(motion: FlowQuantities, z2: np.ndarray, mapped: np.ndarray, mesh: Mesh) -> Orbit:
     """The attracting periodic orbit between samples of the map.
 
     Args:
@@ -111,7 +111,7 @@ def orbit_between(motion: Motion, z2: np.ndarray, mapped: np.ndarray, mesh: Mesh
     return orbit_near(motion, float(z2[low] + share * (z2[low + 1] - z2[low])), mesh)
 
 
-def cycle(motion: Motion, orbit: Orbit, mesh: Mesh) -> Swing:
+def cycle(motion: FlowQuantities, orbit: Orbit, mesh: Mesh) -> Swing:
     """One step of an orbit from landing to landing, N = 1; no nodes if there is no orbit."""
     if orbit.result != "found":
         return Swing(np.zeros((0, 1, 2)), np.zeros((0, 1)), np.zeros(1, dtype=bool))

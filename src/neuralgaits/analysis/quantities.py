@@ -19,8 +19,8 @@ ENDS = 1e-9
 """Phases and levels this near to an edge of a region are on it."""
 
 
-class Look:
-    """Quantities of one state, for many states: z [N, 2] to arrays [N, ...] by name."""
+class PointEvaluator:
+    """Evaluator of quantities of many states: z [N, 2] to arrays [N, ...] by name."""
 
     def __init__(self, named: Callable[[Any], dict[str, Any]], program: Program | None = None):
         """Trace a function of one z; what cannot be traced is compiled, which takes longer.
@@ -45,14 +45,16 @@ class Look:
             return evaluate(self._program, {"z": z}, POINT, self._folded)
         return {name: np.asarray(array) for name, array in self._compiled(z).items()}
 
-    def only(self, *names: str) -> "Look":
+    def only(self, *names: str) -> "PointEvaluator":
         """Some of them: the rest is not computed."""
 
         def chosen(z: Any) -> dict[str, Any]:
             found = self._named(z)
             return {name: found[name] for name in names}
 
-        return Look(chosen, None if self._program is None else prune(self._program, list(names)))
+        return PointEvaluator(
+            chosen, None if self._program is None else prune(self._program, list(names))
+        )
 
     def each(self, *names: str) -> list[Callable[[np.ndarray], np.ndarray]]:
         """Functions of states for some of them, computed apart from the others where it can be."""

@@ -18,8 +18,8 @@ from neuralgaits.errors import RunError
 from neuralgaits.gait import NO_RESIDUALS, AbstractPolicy, Residuals, ZeroDynamics
 from neuralgaits.gait.commands import Command, Pair, values
 from neuralgaits.gait.policies.commanded import CommandedPolicy
-from neuralgaits.gait.reset_residual import Reset
-from neuralgaits.records.asked import Asked, asked_of
+from neuralgaits.gait.reset_residual import ResetCorrection
+from neuralgaits.records.asked import TrainingConfig, asked_of
 from neuralgaits.records.trained import Trained, trained_of
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.robots.mjcf.loader import robot_from_text
@@ -104,7 +104,7 @@ class Run:
         return self.folder.path
 
     @cached_property
-    def asked(self) -> Asked:
+    def asked(self) -> TrainingConfig:
         """What the training was asked."""
         return asked_of(self.folder)
 
@@ -144,7 +144,7 @@ class PolicyOfSteps:
 
     family: CommandedPolicy
     robot: PlanarBiped
-    reset_residual: Reset
+    reset_residual: ResetCorrection
 
     def at(self, from_: Mapping[str, float], to: Mapping[str, float]) -> AbstractPolicy:
         """The policy of one step.
@@ -164,7 +164,7 @@ def steady_gait(
     family: CommandedGait,
     robot: PlanarBiped,
     command: Mapping[str, float] | None,
-    reset_residual: Reset = None,
+    reset_residual: ResetCorrection = None,
 ) -> Gait:
     """The gait of a family at a command that stays; None for the middle of its ranges."""
     if command is None:

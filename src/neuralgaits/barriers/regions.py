@@ -18,11 +18,11 @@ from neuralgaits.gait.commands import Commands, Pair, factors, pair_at
 from neuralgaits.gait.network import movable
 from neuralgaits.gait.policies.commanded import CommandedPolicy
 from neuralgaits.gait.policy import AbstractPolicy
-from neuralgaits.gait.reset_residual import Reset
+from neuralgaits.gait.reset_residual import ResetCorrection
 from neuralgaits.robots import PlanarBiped
 
 Side = Literal["lower", "upper"]
-Told = Float[Array, " k"]
+CommandPoint = Float[Array, " k"]
 """A point of the commands' axes, see `Command.axes`."""
 LEAST_ZETA = 0.01
 """Between fences that are kept apart, and above zero, in the unit of zeta."""
@@ -230,7 +230,12 @@ class Gait(eqx.Module):
         return ()
 
     def at(
-        self, robot: PlanarBiped, v: Told, reset_residual: Reset = None, *, exact: bool = False
+        self,
+        robot: PlanarBiped,
+        v: CommandPoint,
+        reset_residual: ResetCorrection = None,
+        *,
+        exact: bool = False,
     ) -> "Gait":
         """The gait of one step: itself. See `CommandedGait.at`."""
         del robot, v, reset_residual, exact
@@ -270,7 +275,7 @@ class Gait(eqx.Module):
         low, high = self.tube.fences(self.phase(z[0]))
         return (0.5 * z[1] * z[1] - low) / (high - low)
 
-    def matched(self, robot: PlanarBiped, reset_residual: Reset = None) -> "Gait":
+    def matched(self, robot: PlanarBiped, reset_residual: ResetCorrection = None) -> "Gait":
         """The gait with everything that follows from robot and parameters recomputed."""
         return Gait(self.policy.matched(robot, reset_residual), self.tube, self.next_tube)
 
@@ -292,7 +297,12 @@ class CommandedGait(eqx.Module):
         return self.policy.commands
 
     def at(
-        self, robot: PlanarBiped, v: Told, reset_residual: Reset = None, *, exact: bool = False
+        self,
+        robot: PlanarBiped,
+        v: CommandPoint,
+        reset_residual: ResetCorrection = None,
+        *,
+        exact: bool = False,
     ) -> Gait:
         """The gait of one step.
 
@@ -308,7 +318,7 @@ class CommandedGait(eqx.Module):
         self,
         robot: PlanarBiped,
         pair: Pair,
-        reset_residual: Reset = None,
+        reset_residual: ResetCorrection = None,
         *,
         exact: bool = False,
         bounded: bool = False,
@@ -319,7 +329,9 @@ class CommandedGait(eqx.Module):
         tube, then = (self.tube.at(each, exact=exact) for each in (places, places.steady))
         return Gait(policy, tube, then)
 
-    def matched(self, robot: PlanarBiped, reset_residual: Reset = None) -> "CommandedGait":
+    def matched(
+        self, robot: PlanarBiped, reset_residual: ResetCorrection = None
+    ) -> "CommandedGait":
         """The family itself: each of its gaits is matched when it is asked for."""
         del robot, reset_residual
         return self

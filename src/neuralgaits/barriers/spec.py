@@ -15,7 +15,7 @@ from neuralgaits.barriers.regions import AnyGait, Box, Gait
 from neuralgaits.errors import SpecError
 from neuralgaits.gait import ZeroDynamics
 from neuralgaits.gait.commands import Commands
-from neuralgaits.robots.parameters import Axis
+from neuralgaits.robots.parameters import ParameterAxis
 
 Init = Literal["posture", "random"]
 _FOR_COMMANDS = ("curriculum", "widened", "faster_changes", "corners", "largest_gradient", "strip")
@@ -110,7 +110,7 @@ class GaitSpec:
     weights: Mapping[str, float] = field(default_factory=dict)
     commands: Commands = ()
     aims: tuple[AbstractAim, ...] = ()
-    parameters: tuple[Axis, ...] = ()
+    parameters: tuple[ParameterAxis, ...] = ()
     ground: Mapping[str, float] = field(default_factory=dict)
 
     def __post_init__(self):

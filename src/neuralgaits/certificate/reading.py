@@ -15,7 +15,7 @@ from neuralgaits.certificate.ground import friction_needed
 from neuralgaits.certificate.levels.ladder import conclude
 from neuralgaits.certificate.levels.premises import proved_bounds
 from neuralgaits.certificate.proof_file.consistency import inconsistencies
-from neuralgaits.certificate.proof_file.coverage import Asked, stated_roots, unstated
+from neuralgaits.certificate.proof_file.coverage import SpecOutline, stated_roots, unstated
 from neuralgaits.certificate.proof_file.reader import Claims, read_claims
 from neuralgaits.certificate.proof_file.run_match import ROBOT, SPEC, WEIGHTS, differences
 from neuralgaits.certificate.proof_file.sampled_bounds import first_broken_bound
@@ -25,7 +25,7 @@ from neuralgaits.records.asked import asked_of
 from neuralgaits.records.certified import (
     PROOF,
     SUMMARY,
-    Certified,
+    CertificateRecord,
     Conclusion,
     ConditionVerdict,
     Verdict,
@@ -70,7 +70,7 @@ class CertificateReading(NamedTuple):
         part: where the proof is about some commands only; nothing of `summary` is proved then.
     """
 
-    summary: Certified | None = None
+    summary: CertificateRecord | None = None
     reason: str | None = None
     proof: Claims | None = None
     map_fits: bool = False
@@ -93,16 +93,16 @@ def read_certificate(folder: RunFolder) -> CertificateReading:
         return CertificateReading()
     try:
         summary = from_json(path.read_bytes())
-        if wrong := complaint(summary, shape_of(Certified)):
+        if wrong := complaint(summary, shape_of(CertificateRecord)):
             return CertificateReading(reason=f"{DAMAGED}, {wrong}")
-        return _read(folder, build(Certified, summary))
+        return _read(folder, build(CertificateRecord, summary))
     except _Unfit as error:
         return CertificateReading(reason=str(error))
     except (OSError, ValueError, AttributeError, KeyError, TypeError):
         return CertificateReading(reason=DAMAGED)
 
 
-def _read(folder: RunFolder, summary: Certified) -> CertificateReading:
+def _read(folder: RunFolder, summary: CertificateRecord) -> CertificateReading:
     """Raises: _Unfit; or what Python raises where something is not as `certify` writes it."""
     run = folder.path
     found = hashes(run)
@@ -142,14 +142,16 @@ def _read(folder: RunFolder, summary: Certified) -> CertificateReading:
     return CertificateReading(summary, None, proof, map_fits, part)
 
 
-def _refuse_disorder(summary: Certified) -> None:
+def _refuse_disorder(summary: CertificateRecord) -> None:
     """Raises: _Unfit if levels do not rise by one, from 2 to no more than was asked."""
     numbers = [entry.level for entry in summary.levels]
     if numbers != list(range(2, 2 + len(numbers))) or max(numbers, default=1) > summary.level:
         raise _Unfit(f"{SUMMARY} is about levels {numbers} where level {summary.level} was asked")
 
 
-def _refuse_ground(summary: Certified, proof: Claims | None, described: Mapping[str, Any]) -> None:
+def _refuse_ground(
+    summary: CertificateRecord, proof: Claims | None, described: Mapping[str, Any]
+) -> None:
     """Raises: _Unfit if a box of robots or floors is stated of what says nothing of it."""
     claimed = () if proof is None else proof.theorems.claimed
     if summary.parameters and max(claimed, default=0) > HIGHEST_OF_MANY:
@@ -161,7 +163,7 @@ def _refuse_ground(summary: Certified, proof: Claims | None, described: Mapping[
         raise _Unfit(f"{SUMMARY} is about less friction than its conditions ask for")
 
 
-def _part(summary: Certified, proof: Claims, own: RunComparison) -> ProvedPart | None:
+def _part(summary: CertificateRecord, proof: Claims, own: RunComparison) -> ProvedPart | None:
     """What a proof says of some of the commands; None if it is about all of them.
 
     Raises: _Unfit if the summary calls anything proved of all of them.
@@ -186,9 +188,9 @@ def _box(run: Path, proof: Claims, told: Sequence[str]) -> dict[str, float]:
     if not errors:
         return floor
     from neuralgaits.robots import load_robot  # Brings JAX.
-    from neuralgaits.robots.parameters import Axis, box_of
+    from neuralgaits.robots.parameters import ParameterAxis, box_of
 
-    axes = tuple(Axis(one.name, one.high) for one in errors)
+    axes = tuple(ParameterAxis(one.name, one.high) for one in errors)
     return box_of(load_robot(run / ROBOT), axes) | floor
 
 
@@ -225,7 +227,10 @@ def _claims(run: Path) -> tuple[Claims, RunComparison] | tuple[None, None]:
 
 
 def _conditions(
-    summary: Certified, proof: Claims | None, own: RunComparison | None, part: ProvedPart | None
+    summary: CertificateRecord,
+    proof: Claims | None,
+    own: RunComparison | None,
+    part: ProvedPart | None,
 ) -> Iterator[tuple[str, ConditionVerdict]]:
     """Verdicts on conditions; one that is proved has a statement on each box of its region."""
     stated = {} if proof is None else dict(stated_roots(proof.statements))
@@ -247,7 +252,7 @@ def _conditions(
 
 
 def _levels(
-    summary: Certified, proof: Claims | None, own: RunComparison | None
+    summary: CertificateRecord, proof: Claims | None, own: RunComparison | None
 ) -> Iterator[Conclusion]:
     """Levels above 1; one that is proved is claimed by the proof file and follows from it."""
     concluded = [] if proof is None or own is None else _concluded(proof, own.asked)
@@ -266,13 +271,13 @@ def _levels(
             raise _Unfit(f"{SUMMARY} calls level {entry.level} proved, and no proof file claims it")
 
 
-def _verdict(summary: Certified) -> Verdict:
+def _verdict(summary: CertificateRecord) -> Verdict:
     """Of the whole, as `certify` gives it: proved if every condition and every level asked is."""
     whole = [entry.level for entry in summary.levels] == list(range(2, summary.level + 1))
     return "undecided" if summary.of_all == "proved" and not whole else summary.of_all
 
 
-def _concluded(claims: Claims, asked: Asked) -> list[Conclusion]:
+def _concluded(claims: Claims, asked: SpecOutline) -> list[Conclusion]:
     """What follows from the statements of a file, as far as the file claims it."""
     theorems, bounds = claims.theorems, proved_bounds(claims.statements)
     try:

@@ -98,7 +98,7 @@ def answer(run: Path, theorems: Theorems, chart: Chart = PLAIN) -> dict[str, Any
     from neuralgaits.analysis.run import open_run
     from neuralgaits.certificate.levels.full_order.model import FullOrderModel
     from neuralgaits.certificate.levels.problems import trace_certificate
-    from neuralgaits.certificate.levels.sets import Sets
+    from neuralgaits.certificate.levels.sets import LevelSets
     from neuralgaits.certificate.levels.walking_set.find import names_of
     from neuralgaits.certificate.proof_file.model_data import model_data
     from neuralgaits.certificate.provable import why_not_robust
@@ -128,7 +128,7 @@ def answer(run: Path, theorems: Theorems, chart: Chart = PLAIN) -> dict[str, Any
         "full_order": FullOrderModel(robot, opened.gait, spec).names if full is not None else [],
     }
     if full is None or [barrier.name for barrier in full.barriers] == found["full_order"]:
-        program = trace_certificate(spec, robot, gait, Sets(theorems.parameters), residuals)
+        program = trace_certificate(spec, robot, gait, LevelSets(theorems.parameters), residuals)
         model = model_data(robot, gait, spec, program, residuals)
         found |= {"program_hash": program.hash, "model": plain(model)}
     return found
@@ -139,10 +139,10 @@ def _errors(robot: Any, chart: Chart, told: int) -> Any:
 
     Nor for a box that the file's robot is not the middle of, or that holds what are no robots.
     """
-    from neuralgaits.robots.parameters import Axis, box_of
+    from neuralgaits.robots.parameters import ParameterAxis, box_of
 
     errors = chart.parameters[told:]
-    axes = tuple(Axis(axis.name, axis.high) for axis in errors)
+    axes = tuple(ParameterAxis(axis.name, axis.high) for axis in errors)
     if not axes or any(axis.low != -axis.high or axis.change is not None for axis in errors):
         return ()
     with contextlib.suppress(ValueError, NeuralGaitsError):

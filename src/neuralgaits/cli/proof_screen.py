@@ -13,7 +13,12 @@ from neuralgaits.cli.tables import (
     show_table,
     verdict,
 )
-from neuralgaits.records.certified import Certified, Conclusion, ConditionVerdict, Constant
+from neuralgaits.records.certified import (
+    CertificateRecord,
+    Conclusion,
+    ConditionVerdict,
+    TheoremConstant,
+)
 from neuralgaits.records.checked import Checked
 
 _INDENT = 2
@@ -23,7 +28,7 @@ _PREMISE = "/"
 """In the name of a premise, as in orbit/inside; conditions of a spec have none."""
 
 
-def show_proof(result: Certified) -> None:
+def show_proof(result: CertificateRecord) -> None:
     """The verdict on each condition, with its margin (in scales) or the state that breaks it."""
     conditions = sorted(result.conditions.items(), key=_urgency)
     head = ("condition", "verdict", "proved", "margin", "boxes", "")
@@ -112,7 +117,7 @@ def _show_levels(levels: Sequence[Conclusion]) -> None:
         _show_constants(level.constants)
 
 
-def _show_constants(constants: Sequence[Constant]) -> None:
+def _show_constants(constants: Sequence[TheoremConstant]) -> None:
     """Those of the whole with their meanings, then those of each barrier side by side."""
     whole = [one for one in constants if ": " not in one.name]
     rows = [(one.name, _rounded(one), one.unit, one.meaning) for one in whole]
@@ -132,7 +137,7 @@ def _show_constants(constants: Sequence[Constant]) -> None:
         )
 
 
-def _rounded(constant: Constant) -> str:
+def _rounded(constant: TheoremConstant) -> str:
     """A constant in four digits, a bound to the side on which it stays true."""
     rounds = {"least": at_least, "most": at_most}.get(constant.side)
     return number(constant.value) if rounds is None else rounds(constant.value, 4)

@@ -268,7 +268,7 @@ def _held(count: int) -> str:
 
 def _disturbed(result: Simulated) -> Iterable[tuple[str, Any]]:
     """The disturbances that are not what they are by default."""
-    from neuralgaits.simulation.setup.disturbance import Disturbance
+    from neuralgaits.simulation.setup.disturbance import PlantChanges
 
-    usual = vars(Disturbance())
+    usual = vars(PlantChanges())
     return [(name, value) for name, value in result.changed.items() if value != usual.get(name)]

@@ -18,7 +18,15 @@ import numpy as np
 from neuralgaits._types import Actuated, Array, Coordinates, Float, Planar, Scalar, ZeroState
 from neuralgaits.control.fblin import Fblin
 from neuralgaits.control.interior_point import QuadraticProgram, minimise
-from neuralgaits.control.law import AbstractLaw, Demand, Desired, Limited, Outputs, Reading, errors
+from neuralgaits.control.law import (
+    AbstractLaw,
+    Demand,
+    Desired,
+    Limited,
+    MeasuredState,
+    Outputs,
+    errors,
+)
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.robots.dynamics import ground_reaction_force
 from neuralgaits.robots.linear import solve
@@ -70,11 +78,11 @@ class ClfQp(AbstractLaw):
         """All of z. Returns: [2]."""
         return z
 
-    def desired(self, robot: PlanarBiped, outputs: Outputs, reading: Reading) -> Desired:
+    def desired(self, robot: PlanarBiped, outputs: Outputs, reading: MeasuredState) -> Desired:
         """Desired outputs, rates, and what fixes their accelerations. Returns: `Desired`."""
         return self.linearising.desired(robot, outputs, reading)
 
-    def torque(self, robot: PlanarBiped, reading: Reading, desired: Desired) -> Actuated:
+    def torque(self, robot: PlanarBiped, reading: MeasuredState, desired: Desired) -> Actuated:
         """Linearising torques. Returns: [m] (N m)."""
         return self.linearising.torque(robot, reading, desired)
 
@@ -116,7 +124,7 @@ class ClfQp(AbstractLaw):
         )
 
     def _decrease(
-        self, robot: PlanarBiped, reading: Reading, desired: Desired, free: "Accelerations"
+        self, robot: PlanarBiped, reading: MeasuredState, desired: Desired, free: "Accelerations"
     ) -> tuple[Actuated, Scalar]:
         """The row of V: slope @ u <= rest says that sqrt V falls fast enough."""
         w = self.bandwidth
@@ -142,7 +150,7 @@ class Accelerations(NamedTuple):
     """By each torque [rad/s^2 / N m]. [n, m]"""
 
 
-def accelerations(robot: PlanarBiped, reading: Reading) -> Accelerations:
+def accelerations(robot: PlanarBiped, reading: MeasuredState) -> Accelerations:
     """Accelerations of the robot pinned at its stance foot."""
     mass, bias = robot.mass_matrix(reading.q), robot.bias(reading.q, reading.dq)
     columns = jnp.concatenate([-bias[None], jnp.eye(robot.n)[1:]])

@@ -14,7 +14,7 @@ import numpy as np
 from neuralgaits._types import Actuated, Array, Bool, Coordinates, Float, Int, Scalar, ZeroState
 from neuralgaits.control import stance, told
 from neuralgaits.control.inverse_dynamics import settled
-from neuralgaits.control.law import AbstractLaw, Demand, Desired, Outputs, Reading
+from neuralgaits.control.law import AbstractLaw, Demand, Desired, MeasuredState, Outputs
 from neuralgaits.control.measurement import (
     Measurement,
     coordinates,
@@ -24,10 +24,10 @@ from neuralgaits.control.measurement import (
 from neuralgaits.control.momentum import zero_state
 from neuralgaits.control.saturation import ZeroStateBounds, zero_state_bounds
 from neuralgaits.control.stance import StanceConfig, StanceState
-from neuralgaits.control.told import Told
+from neuralgaits.control.told import CommandState
 from neuralgaits.gait import AbstractPolicy
-from neuralgaits.gait.commands import Limits
-from neuralgaits.gait.reset_residual import Reset
+from neuralgaits.gait.commands import CommandLimits
+from neuralgaits.gait.reset_residual import ResetCorrection
 from neuralgaits.robots import PlanarBiped
 
 
@@ -52,7 +52,7 @@ class Controller(eqx.Module):
     torque_limit: Float[Array, " m"]
     stance: StanceConfig = eqx.field(static=True)
     period_s: float = eqx.field(static=True)
-    reset_residual: Reset = None
+    reset_residual: ResetCorrection = None
 
     @classmethod
     def init(
@@ -65,7 +65,7 @@ class Controller(eqx.Module):
         torque_limit: Actuated | None = None,
         stance: StanceConfig | None = None,
         period_s: float = 1e-3,
-        reset_residual: Reset = None,
+        reset_residual: ResetCorrection = None,
     ) -> "Controller":
         """Put a controller together, bounds and limits taken from policy and robot.
 
@@ -79,7 +79,7 @@ class Controller(eqx.Module):
             period_s: time between two ticks (s).
             reset_residual: corrects the impact that the steps of a family begin with.
         """
-        middle = Limits.of(policy.commands).middle
+        middle = CommandLimits.of(policy.commands).middle
         of_middle = policy.of_step(_numbers(robot, policy, middle, reset_residual))
         limit = robot.torque_limit if torque_limit is None else torque_limit
         return cls(
@@ -96,7 +96,10 @@ class Controller(eqx.Module):
 
 @eqx.filter_jit
 def _numbers(
-    robot: PlanarBiped, policy: AbstractPolicy, command: Float[Array, " p"], reset_residual: Reset
+    robot: PlanarBiped,
+    policy: AbstractPolicy,
+    command: Float[Array, " p"],
+    reset_residual: ResetCorrection,
 ) -> Float[Array, " s"]:
     return told.steady(robot, policy, command, reset_residual).numbers
 
@@ -110,12 +113,12 @@ class ControllerState(NamedTuple):
     """Ticks until the policy is asked again."""
     held: Desired
     """The policy's last answer."""
-    told: Told
+    told: CommandState
     """Commands, and what the step under way makes of them."""
 
 
-class Command(NamedTuple):
-    """What a tick decided, and what it saw."""
+class TickResult(NamedTuple):
+    """Torques that a tick decided, and the readings that it saw."""
 
     torque: Float[Array, "2 k"]
     """Joint torques per leg, from the lowest joint up, legs as in the robot file [N m]."""
@@ -159,9 +162,9 @@ def start(
     """
     n, policy = controller.robot.n, controller.policy
     if command is None:
-        command = Limits.of(policy.commands).middle
+        command = CommandLimits.of(policy.commands).middle
     first = told.steady(controller.robot, policy, command, controller.reset_residual)
-    at_rest = Reading(jnp.zeros(n), jnp.zeros(n), jnp.zeros(2), jnp.zeros(2))
+    at_rest = MeasuredState(jnp.zeros(n), jnp.zeros(n), jnp.zeros(2), jnp.zeros(2))
     shapes = jax.eval_shape(_ask, controller, first, at_rest)
     held = jax.tree.map(lambda leaf: jnp.zeros(leaf.shape, leaf.dtype), shapes)
     return ControllerState(stance.start(leg), jnp.zeros((), jnp.int32), held, first)
@@ -176,8 +179,8 @@ def tell(
 
 def step(
     controller: Controller, state: ControllerState, measurement: Measurement
-) -> tuple[ControllerState, Command]:
-    """One control tick. Returns: the next state, and the `Command`."""
+) -> tuple[ControllerState, TickResult]:
+    """One control tick. Returns: the next state, and the `TickResult`."""
     robot, law = controller.robot, controller.law
     q_before, _ = coordinates(robot, measurement, state.stance.leg)
     standing, touchdown = stance.advance(
@@ -190,7 +193,7 @@ def step(
     )
     q, dq = coordinates(robot, measurement, standing.leg)
     foot_velocity = stance_foot_velocity(robot, q, dq, measurement)
-    reading = Reading(q, dq, *zero_state(robot, q, dq, foot_velocity))
+    reading = MeasuredState(q, dq, *zero_state(robot, q, dq, foot_velocity))
     now = told.latch(controller, state.told, touchdown)
     if law.settles:
         after = settled(robot, _outputs(controller, now), reading)
@@ -204,7 +207,7 @@ def step(
     wanted = law.torque(robot, reading, held)
     limited = law.within(robot, Demand(reading, held, wanted, controller.torque_limit))
     torque = limited.torque
-    command = Command(
+    command = TickResult(
         torque=leg_joints(robot, torque, standing.leg),
         actuated=torque,
         q=q,
@@ -222,11 +225,11 @@ def step(
     return ControllerState(standing, remaining, held, now), command
 
 
-def _ask(controller: Controller, now: Told, reading: Reading) -> Desired:
+def _ask(controller: Controller, now: CommandState, reading: MeasuredState) -> Desired:
     return controller.law.desired(controller.robot, _outputs(controller, now), reading)
 
 
-def _outputs(controller: Controller, now: Told) -> Outputs:
+def _outputs(controller: Controller, now: CommandState) -> Outputs:
     """The policy of the step under way, as the law lets it know z."""
     policy = controller.policy.of_step(now.numbers)
     bounds = controller.bounds.over(policy)

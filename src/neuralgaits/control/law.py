@@ -12,7 +12,7 @@ from neuralgaits.control.saturation import saturate
 from neuralgaits.robots import PlanarBiped
 
 
-class Reading(NamedTuple):
+class MeasuredState(NamedTuple):
     """The measured state in the coordinates of the current stance leg."""
 
     q: Coordinates
@@ -45,7 +45,7 @@ class Desired(NamedTuple):
 class Demand(NamedTuple):
     """Torques that a law asks for, in the state in which it does."""
 
-    reading: Reading
+    reading: MeasuredState
     desired: Desired
     torque: Actuated
     """[N m]. [m]"""
@@ -85,11 +85,11 @@ class AbstractLaw(eqx.Module):
         """What the policy is told of the measured z, once that is bounded. Returns: [2]."""
 
     @abstractmethod
-    def desired(self, robot: PlanarBiped, outputs: Outputs, reading: Reading) -> Desired:
+    def desired(self, robot: PlanarBiped, outputs: Outputs, reading: MeasuredState) -> Desired:
         """Ask the policy. Returns: `Desired`."""
 
     @abstractmethod
-    def torque(self, robot: PlanarBiped, reading: Reading, desired: Desired) -> Actuated:
+    def torque(self, robot: PlanarBiped, reading: MeasuredState, desired: Desired) -> Actuated:
         """Joint torques before saturation. Returns: [m] (N m)."""
 
     def within(self, robot: PlanarBiped, demand: Demand) -> Limited:
@@ -98,6 +98,6 @@ class AbstractLaw(eqx.Module):
         return Limited(clipped, saturated, jnp.zeros(2, bool))
 
 
-def errors(reading: Reading, desired: Desired) -> tuple[Actuated, Actuated]:
+def errors(reading: MeasuredState, desired: Desired) -> tuple[Actuated, Actuated]:
     """Output errors y = q_a - y_d and their rates. Returns: [m] (rad), [m] (rad/s)."""
     return reading.q[1:] - desired.y, reading.dq[1:] - desired.dy

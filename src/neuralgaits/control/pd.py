@@ -10,7 +10,7 @@ import numpy as np
 
 from neuralgaits._types import Actuated, ZeroState
 from neuralgaits.control.inverse_dynamics import accelerated, inverse_dynamics
-from neuralgaits.control.law import AbstractLaw, Desired, Outputs, Reading, errors
+from neuralgaits.control.law import AbstractLaw, Desired, MeasuredState, Outputs, errors
 from neuralgaits.gait.joint_inertia import joint_inertia, slowest_mode
 from neuralgaits.robots import PlanarBiped
 
@@ -67,14 +67,14 @@ class Pd(AbstractLaw):
         """All of z, or z1 with z2 = 0. Returns: [2]."""
         return z if self.measure_z2 else z * jnp.array([1.0, 0.0])
 
-    def desired(self, robot: PlanarBiped, outputs: Outputs, reading: Reading) -> Desired:
+    def desired(self, robot: PlanarBiped, outputs: Outputs, reading: MeasuredState) -> Desired:
         """Desired outputs and rates at the measured z. Returns: `Desired`."""
         if self.feed_forward:
             return accelerated(robot, outputs, reading)
         y, dy = jax.jvp(outputs, (reading.z,), (reading.dz,))
         return Desired(y, dy, jnp.zeros_like(y), jnp.zeros_like(y))
 
-    def torque(self, robot: PlanarBiped, reading: Reading, desired: Desired) -> Actuated:
+    def torque(self, robot: PlanarBiped, reading: MeasuredState, desired: Desired) -> Actuated:
         """Joint torques before saturation. Returns: [m] (N m)."""
         law = self.fitted(robot)
         error, rate = errors(reading, desired)

@@ -14,7 +14,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from neuralgaits._types import Array, Bool, Float, Int, Scalar
-from neuralgaits.control.controller import Command, Controller
+from neuralgaits.control.controller import Controller, TickResult
 from neuralgaits.control.measurement import Measurement, leg_joints
 from neuralgaits.control.pd import BANDWIDTH
 from neuralgaits.gait.joint_inertia import joint_inertia
@@ -162,7 +162,7 @@ def guard(
     config: SafeguardConfig,
     state: SafeguardState,
     measurement: Measurement,
-    command: Command,
+    command: TickResult,
 ) -> tuple[SafeguardState, Float[Array, "2 k"]]:
     """What of a law's torques goes to the motors.
 

@@ -11,15 +11,15 @@ import jax.numpy as jnp
 
 from neuralgaits._types import Array, Bool, Float
 from neuralgaits.gait import AbstractPolicy
-from neuralgaits.gait.commands import Commands, Limits, Pair
-from neuralgaits.gait.reset_residual import Reset
+from neuralgaits.gait.commands import CommandLimits, Commands, Pair
+from neuralgaits.gait.reset_residual import ResetCorrection
 from neuralgaits.robots import PlanarBiped
 
 if TYPE_CHECKING:
     from neuralgaits.control.controller import Controller
 
 
-class Told(NamedTuple):
+class CommandState(NamedTuple):
     """Commands by their order, in their units; all of it empty for a gait that takes none."""
 
     wanted: Float[Array, " p"]
@@ -34,34 +34,34 @@ def steady(
     robot: PlanarBiped,
     policy: AbstractPolicy,
     command: Float[Array, " p"],
-    reset_residual: Reset = None,
-) -> Told:
+    reset_residual: ResetCorrection = None,
+) -> CommandState:
     """A command that has been the same for long."""
     one = jnp.asarray(command, dtype=float)
     pair = Pair(one, one)
-    return Told(one, pair, policy.step_numbers(robot, pair, reset_residual))
+    return CommandState(one, pair, policy.step_numbers(robot, pair, reset_residual))
 
 
-def tell(commands: Commands, told: Told, wanted: Float[Array, " p"]) -> Told:
+def tell(commands: Commands, told: CommandState, wanted: Float[Array, " p"]) -> CommandState:
     """Wish for other values from the next touchdown on: clamped, the last one in place of NaN."""
-    limits = Limits.of(commands)
+    limits = CommandLimits.of(commands)
     inside = jnp.clip(wanted, limits.low, limits.high)
     return told._replace(wanted=jnp.where(jnp.isnan(wanted), told.wanted, inside))
 
 
-def next_pair(commands: Commands, told: Told) -> Pair:
+def next_pair(commands: Commands, told: CommandState) -> Pair:
     """The pair of the step that begins at a touchdown."""
-    change = Limits.of(commands).change
+    change = CommandLimits.of(commands).change
     last = told.pair.after
     return Pair(last, jnp.clip(told.wanted, last - change, last + change))
 
 
-def latch(controller: "Controller", told: Told, touchdown: Bool[Array, ""]) -> Told:
+def latch(controller: "Controller", told: CommandState, touchdown: Bool[Array, ""]) -> CommandState:
     """What is told after a tick that may be a touchdown."""
     policy = controller.policy
     if not policy.commands:
         return told
     pair = next_pair(policy.commands, told)
     numbers = policy.step_numbers(controller.robot, pair, controller.reset_residual)
-    after = Told(told.wanted, pair, numbers)
+    after = CommandState(told.wanted, pair, numbers)
     return jax.tree.map(lambda new, old: jnp.where(touchdown, new, old), after, told)

@@ -3,7 +3,7 @@
 from neuralgaits._environment import cores
 from neuralgaits._settings import shortened
 from neuralgaits.engine.processes import Processes
-from neuralgaits.engine.task import Engine
+from neuralgaits.engine.task import WorkerPool
 from neuralgaits.errors import InputError
 
 MOST_WORKERS = 4096
@@ -12,8 +12,8 @@ LOCAL = "local"
 """In place of an address: a Ray of this machine, for as long as the command takes."""
 
 
-def engine_for(workers: int | None = None, ray: str | None = None) -> Engine:
-    """The engine of `--workers N` or `--ray ADDRESS|local`.
+def worker_pool_for(workers: int | None = None, ray: str | None = None) -> WorkerPool:
+    """Return the pool of `--workers N` or `--ray ADDRESS|local`.
 
     Args:
         workers: processes, or cores of a local Ray; one a core if None.

@@ -3,10 +3,10 @@
 from collections.abc import Generator, Iterable
 
 from neuralgaits.engine.carry import carry_out
-from neuralgaits.engine.task import Done, Engine, Files, Job, Task, name_of
+from neuralgaits.engine.task import Done, Files, Job, Task, WorkerPool, name_of
 
 
-class Serial(Engine):
+class Serial(WorkerPool):
     """No workers but this process: what dies takes it along."""
 
     name = "serial"
@@ -19,7 +19,7 @@ class Serial(Engine):
     def map(
         self, task: Task, jobs: Iterable[Job], *, common: Files | None = None
     ) -> Generator[Done, None, None]:
-        """See `Engine.map`."""
+        """See `WorkerPool.map`."""
         named = name_of(task)
         for job in jobs:
             files, failure, wall = carry_out(named, job, common or {})

@@ -9,8 +9,8 @@ from neuralgaits._types import Array, Float
 from neuralgaits.barriers.regions import AnyGait
 from neuralgaits.export.facts import Design
 from neuralgaits.gait import AbstractPolicy, ZeroDynamics
-from neuralgaits.gait.commands import Command, Limits, Pair, coordinates_of
-from neuralgaits.gait.reset_residual import Reset
+from neuralgaits.gait.commands import Command, CommandLimits, Pair, coordinates_of
+from neuralgaits.gait.reset_residual import ResetCorrection
 from neuralgaits.robots import PlanarBiped
 
 _AT_ONCE = 2048
@@ -44,7 +44,7 @@ def _numbers(design: Design, pair: Pair) -> Float[np.ndarray, "N s"]:
 
 @quick_filter_jit
 def _of_steps(
-    policy: AbstractPolicy, robot: PlanarBiped, residual: Reset, pairs: Pair
+    policy: AbstractPolicy, robot: PlanarBiped, residual: ResetCorrection, pairs: Pair
 ) -> Float[Array, "N s"]:
     """Numbers of many steps: of one number of them, so that it is compiled once."""
     return jax.vmap(lambda told: policy.step_numbers(robot, told, residual))(pairs)
@@ -54,7 +54,7 @@ def drawn_commands(
     design: Design, count: int, rng: np.random.Generator
 ) -> tuple[Pair, dict[str, np.ndarray]]:
     """Admissible pairs; wishes, and what is told before the tick: outside and NaN among them."""
-    limits = Limits.of(design.commands)
+    limits = CommandLimits.of(design.commands)
     shape, width = (count, len(design.commands)), limits.high - limits.low
     before = rng.uniform(limits.low, limits.high, shape)
     after = before + rng.uniform(-1.0, 1.0, shape) * limits.change
@@ -93,7 +93,7 @@ def _lift(
     gait: AnyGait,
     commands: tuple[Command, ...],
     robot: PlanarBiped,
-    residual: Reset,
+    residual: ResetCorrection,
     cases: list[np.ndarray],
 ) -> tuple[Array, Array, Array, Array]:
     """Of one number of cases, so that it is compiled once.

@@ -13,7 +13,7 @@ from neuralgaits.control import AbstractLaw, Controller
 from neuralgaits.control.measurement import leg_joints
 from neuralgaits.control.safeguard import SafeguardConfig
 from neuralgaits.gait.commands import Commands
-from neuralgaits.gait.reset_residual import Reset
+from neuralgaits.gait.reset_residual import ResetCorrection
 from neuralgaits.robots import PlanarBiped
 
 _by_leg = quick_filter_jit(leg_joints)
@@ -67,7 +67,7 @@ class Design:
         z2_range: tuple[float, float],
         origin: Origin,
         safeguard: SafeguardConfig | None = None,
-        reset_residual: Reset = None,
+        reset_residual: ResetCorrection = None,
     ) -> "Design":
         """The design of a gait under some laws.
 

@@ -17,7 +17,7 @@ from neuralgaits.control.momentum import zero_state
 from neuralgaits.errors import SpecError
 from neuralgaits.gait import AbstractPolicy
 from neuralgaits.gait.commands import Pair
-from neuralgaits.gait.reset_residual import Reset
+from neuralgaits.gait.reset_residual import ResetCorrection
 from neuralgaits.programs import Program
 from neuralgaits.programs.tracing.tracer import trace
 from neuralgaits.robots import PlanarBiped
@@ -95,7 +95,9 @@ def policy_rate(policy: AbstractPolicy) -> Part:
     )
 
 
-def policy_in_one(robot: PlanarBiped, policy: AbstractPolicy, reset_residual: Reset) -> Part:
+def policy_in_one(
+    robot: PlanarBiped, policy: AbstractPolicy, reset_residual: ResetCorrection
+) -> Part:
     """The same as one function of z, dz and, of a family, its commands: nothing to remember.
 
     Raises: SpecError naming the primitive of a policy that cannot be traced.
@@ -112,7 +114,9 @@ def policy_in_one(robot: PlanarBiped, policy: AbstractPolicy, reset_residual: Re
     return part._replace(program=_policy(compute, shapes, policy))
 
 
-def policy_step(robot: PlanarBiped, policy: AbstractPolicy, reset_residual: Reset) -> Part:
+def policy_step(
+    robot: PlanarBiped, policy: AbstractPolicy, reset_residual: ResetCorrection
+) -> Part:
     """The Program of what a family computes once a step.
 
     Raises: SpecError naming the primitive of a policy that cannot be traced.
@@ -130,7 +134,9 @@ def policy_step(robot: PlanarBiped, policy: AbstractPolicy, reset_residual: Rese
     )
 
 
-def parts(robot: PlanarBiped, policy: AbstractPolicy, reset_residual: Reset = None) -> list[Part]:
+def parts(
+    robot: PlanarBiped, policy: AbstractPolicy, reset_residual: ResetCorrection = None
+) -> list[Part]:
     """Every Program of a controller.
 
     Raises: SpecError naming the primitive of a policy that cannot be traced.

@@ -15,7 +15,7 @@ from neuralgaits.control.law import Desired
 from neuralgaits.control.measurement import Measurement
 from neuralgaits.control.safeguard import Fault, SafeguardConfig, SafeguardState, check, guard
 from neuralgaits.control.stance import StanceState
-from neuralgaits.control.told import Told
+from neuralgaits.control.told import CommandState
 from neuralgaits.export.cases import NEVER, Cases
 from neuralgaits.export.facts import Design
 from neuralgaits.export.programs import path
@@ -120,7 +120,7 @@ def _ticks(
             StanceState(case["leg"].astype(jnp.int32), case["since"]),
             case["ticks"].astype(jnp.int32),
             Desired(case["held_y"], case["held_dy"], case["held_slope"], case["held_drift"]),
-            Told(case["wanted"], Pair(case["before"], case["after"]), case["step"]),
+            CommandState(case["wanted"], Pair(case["before"], case["after"]), case["step"]),
         )
         state = tell(controller, state, case["given"])
         safe = SafeguardState(

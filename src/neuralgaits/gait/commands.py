@@ -143,8 +143,8 @@ def all_pairs(commands: Commands, count: int) -> Float[np.ndarray, "N k"]:
     return np.hstack(parts) if parts else np.zeros((1, 0))
 
 
-class Limits(NamedTuple):
-    """What commands may be, by their order. [p] each, in their units."""
+class CommandLimits(NamedTuple):
+    """Limits of commands, by their order. [p] each, in their units."""
 
     low: Float[np.ndarray, " p"]
     high: Float[np.ndarray, " p"]
@@ -152,7 +152,7 @@ class Limits(NamedTuple):
     """Largest from one step to the next; the whole range where any value may follow any."""
 
     @classmethod
-    def of(cls, commands: Commands) -> "Limits":
+    def of(cls, commands: Commands) -> "CommandLimits":
         """Of some commands."""
         low, high = (np.array([getattr(c, n) for c in commands], float) for n in ("low", "high"))
         change = [

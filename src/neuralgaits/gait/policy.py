@@ -14,7 +14,7 @@ from neuralgaits.errors import InputError
 from neuralgaits.gait.activations import logistic
 from neuralgaits.gait.commands import Commands, Pair, Step
 from neuralgaits.gait.network import Network, movable, scaled_inputs
-from neuralgaits.gait.reset_residual import Reset
+from neuralgaits.gait.reset_residual import ResetCorrection
 
 if TYPE_CHECKING:
     from neuralgaits.robots import PlanarBiped
@@ -50,7 +50,9 @@ class AbstractPolicy(eqx.Module):
     def z1_range(self) -> tuple[Scalar, Scalar]:
         """z1 at the start of a step and at the guard (m)."""
 
-    def matched(self, robot: "PlanarBiped", reset_residual: Reset = None) -> "AbstractPolicy":
+    def matched(
+        self, robot: "PlanarBiped", reset_residual: ResetCorrection = None
+    ) -> "AbstractPolicy":
         """The same policy with everything that follows from robot and parameters recomputed.
 
         Itself, for one of which nothing does: free ones, and families, each of whose policies is
@@ -65,7 +67,12 @@ class AbstractPolicy(eqx.Module):
         return self
 
     def at(
-        self, robot: "PlanarBiped", pair: Pair, reset_residual: Reset = None, *, exact: bool = False
+        self,
+        robot: "PlanarBiped",
+        pair: Pair,
+        reset_residual: ResetCorrection = None,
+        *,
+        exact: bool = False,
     ) -> "AbstractPolicy":
         """The policy of a step between two commands: itself, for one that takes none.
 
@@ -84,7 +91,7 @@ class AbstractPolicy(eqx.Module):
         return 0
 
     def step_numbers(
-        self, robot: "PlanarBiped", pair: Pair, reset_residual: Reset = None
+        self, robot: "PlanarBiped", pair: Pair, reset_residual: ResetCorrection = None
     ) -> Float[Array, " s"]:
         """What a tick needs of a step between two commands, computed once a step. [step_size].
 

@@ -44,7 +44,7 @@ class AbstractResetResidual(eqx.Module):
         """State before the impact that stands for all: where a policy is matched to it. [2]."""
 
 
-Reset = AbstractResetResidual | None
+ResetCorrection = AbstractResetResidual | None
 """What corrects the reset map; None for nothing."""
 
 
@@ -87,7 +87,7 @@ class Residuals(NamedTuple):
 
     flow: Callable[[ZeroState], ZeroState] | None = None
     """What is added to dz: z -> [2] (m/s, N m)."""
-    reset: Reset = None
+    reset: ResetCorrection = None
     """What is added to the state after an impact."""
 
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from neuralgaits._types import Float
 from neuralgaits.hzd.collocation import Nodes
-from neuralgaits.hzd.transcription import Step
+from neuralgaits.hzd.transcription import StepFunctions
 from neuralgaits.robots import PlanarBiped
 
 AIM = 0.02
@@ -31,7 +31,7 @@ LEAST_ZETA, MOST_ZETA = 1e-2, 10.0
 _OF_END = ("foot", "z1", "zeta", "outputs", "rates")
 
 
-class Problem(NamedTuple):
+class NonlinearProgram(NamedTuple):
     """A nonlinear program: unknowns x, parameters (speed [m/s], smoothing [W]), bounds.
 
     Attributes:
@@ -44,7 +44,9 @@ class Problem(NamedTuple):
     g_bounds: tuple[Float[np.ndarray, " k"], Float[np.ndarray, " k"]]
 
 
-def problem(casadi: Any, robot: PlanarBiped, step: Step, mesh: Nodes, degree: int) -> Problem:
+def problem(
+    casadi: Any, robot: PlanarBiped, step: StepFunctions, mesh: Nodes, degree: int
+) -> NonlinearProgram:
     """Write the program down.
 
     Args:
@@ -97,7 +99,7 @@ def problem(casadi: Any, robot: PlanarBiped, step: Step, mesh: Nodes, degree: in
         np.concatenate([none, np.full(many, AIM)]),
         np.concatenate([none, np.full(many, np.inf)]),
     )
-    return Problem(symbols, _bounds(robot, count, degree), g_bounds)
+    return NonlinearProgram(symbols, _bounds(robot, count, degree), g_bounds)
 
 
 def _bounds(

@@ -8,7 +8,7 @@ import numpy as np
 from neuralgaits._types import Float
 from neuralgaits.analysis.flow import Mesh, returns
 from neuralgaits.analysis.orbit import cycle, motion_of, orbit_between
-from neuralgaits.analysis.quantities import Look
+from neuralgaits.analysis.quantities import PointEvaluator
 from neuralgaits.gait import ZeroDynamics
 
 SLOWEST, FASTEST, TRIED = 0.01, 2.0, 200
@@ -51,6 +51,6 @@ def steady(zd: ZeroDynamics) -> Steady | str:
         return {"power": jnp.sum(jnp.abs(point.torque * point.dq[1:]))}
 
     z, t = one.z[:, 0], one.t[:, 0]
-    power_w = Look(power)(z)["power"]
+    power_w = PointEvaluator(power)(z)["power"]
     work = float(np.trapezoid(power_w, t))
     return Steady(z, orbit.speed_m_s, orbit.multiplier, work / (weight * orbit.step_length_m))

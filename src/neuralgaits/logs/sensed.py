@@ -10,7 +10,7 @@ import numpy as np
 from neuralgaits._quick_jit import quick_filter_jit
 from neuralgaits._types import Actuated, Array, Float, Int, ZeroState
 from neuralgaits.control import Measurement
-from neuralgaits.control.law import Reading
+from neuralgaits.control.law import MeasuredState
 from neuralgaits.control.measurement import coordinates, stance_foot_velocity, stance_joints
 from neuralgaits.control.momentum import zero_state
 from neuralgaits.control.pd import Pd
@@ -20,7 +20,7 @@ from neuralgaits.logs.zero_states import in_blocks
 from neuralgaits.robots import PlanarBiped
 
 
-class Sensed(NamedTuple):
+class SensorReadings(NamedTuple):
     """Readings of k rows, signs and zeros those of `control.Measurement`."""
 
     pitch: Float[np.ndarray, " k"]
@@ -54,7 +54,7 @@ def feet_apart(
 def states(
     robot: PlanarBiped,
     stance: Int[np.ndarray, " k"],
-    sensed: Sensed,
+    sensed: SensorReadings,
     hip_velocity: Float[np.ndarray, "k 2"] | None,
 ) -> States:
     """States of rows; the stance foot is at rest unless the velocity of the hip (m/s) is known."""
@@ -151,7 +151,7 @@ def _asked(asking: _Asking, rows: Float[Array, "b c"]) -> Float[Array, "b two_m"
         return asking.policy(asking.bounds(z))
 
     def one(row: Array) -> Array:
-        reading = Reading(*jnp.split(row, [n, 2 * n, 2 * n + 2]))
+        reading = MeasuredState(*jnp.split(row, [n, 2 * n, 2 * n + 2]))
         desired = Pd().desired(asking.robot, outputs, reading)
         return jnp.concatenate([desired.y, desired.dy])
 

@@ -51,7 +51,7 @@ class Proving:
 
 
 @dataclass(frozen=True)
-class Stated:
+class ConditionRecord:
     """A condition of a run's spec. Attributes: data: all of it, see `barriers.description`."""
 
     name: str
@@ -75,8 +75,8 @@ class Range:
 
 
 @dataclass(frozen=True)
-class Given:
-    """A gait that was not trained.
+class GaitOrigin:
+    """Origin of a gait that was not trained.
 
     Attributes:
         by: the verb that made the run.
@@ -90,8 +90,8 @@ class Given:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Asked(Record):
-    """What a training was asked.
+class TrainingConfig(Record):
+    """Configuration of a training.
 
     Attributes:
         robot, spec: names, for people: the run has copies of both.
@@ -127,7 +127,7 @@ class Asked(Record):
     commands: Mapping[str, Range] = field(default_factory=dict)
     speed: float | None = None
     parameters: Mapping[str, float] = field(default_factory=dict)
-    given: Given | None = None
+    given: GaitOrigin | None = None
 
     def unsaid(self) -> Collection[str]:
         """Settings of `refine` are not those of `train`; no commands are not said."""
@@ -138,7 +138,7 @@ class Asked(Record):
         return (*refined, *told)
 
     @property
-    def as_given(self) -> Given | None:
+    def as_given(self) -> GaitOrigin | None:
         """Where the gait is from, if no gradient step has changed it since."""
         return self.given if self.parent is None else None
 
@@ -159,10 +159,10 @@ class Asked(Record):
         return self.described["recipe"].get("samples") or {}
 
     @property
-    def conditions(self) -> Sequence[Stated]:
+    def conditions(self) -> Sequence[ConditionRecord]:
         """The conditions asked for."""
         rows = self.described["conditions"]
-        return [Stated(row["name"], row["region"], row["scale"], row) for row in rows]
+        return [ConditionRecord(row["name"], row["region"], row["scale"], row) for row in rows]
 
     @property
     def regions(self) -> Mapping[str, Any]:
@@ -170,7 +170,7 @@ class Asked(Record):
         return self.described["regions"]
 
 
-def asked_of(folder: Folder) -> Asked:
+def asked_of(folder: Folder) -> TrainingConfig:
     """What a run was asked. Raises: RunError if its config is not that of a training."""
-    refuse_misshapen(folder.config, shape_of(Asked), folder.path / CONFIG)
-    return build(Asked, folder.config)
+    refuse_misshapen(folder.config, shape_of(TrainingConfig), folder.path / CONFIG)
+    return build(TrainingConfig, folder.config)

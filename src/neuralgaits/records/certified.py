@@ -76,7 +76,7 @@ class ConditionVerdict:
 
 
 @dataclass(frozen=True)
-class Constant:
+class TheoremConstant:
     """One number of a theorem, for a report.
 
     Attributes:
@@ -110,7 +110,7 @@ class Conclusion:
     reason: str | None
     words: Texts = ()
     figures: Annotated[Mapping[str, float], table_of(may(NUMBER))] = field(default_factory=dict)
-    constants: tuple[Constant, ...] = ()
+    constants: tuple[TheoremConstant, ...] = ()
 
     @property
     def proved(self) -> bool:
@@ -119,8 +119,8 @@ class Conclusion:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Certified(Record):
-    """What is known of a run's conditions, and what follows for its walks.
+class CertificateRecord(Record):
+    """Verdicts on a run's conditions, and the conclusions for its walks.
 
     Attributes:
         run, robot, spec: as asked.

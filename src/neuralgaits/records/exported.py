@@ -8,8 +8,8 @@ from neuralgaits.records.simulated import Percentiles
 
 
 @dataclass(frozen=True)
-class Limits:
-    """How far C may be from Python.
+class ExportTolerance:
+    """Largest differences allowed between C and Python.
 
     Attributes:
         output: of y_d and its rate, shares of their ranges.
@@ -152,7 +152,7 @@ class ControllerExport(Exported):
     """
 
     states: int
-    limits: Mapping[str, Limits]
+    limits: Mapping[str, ExportTolerance]
     float_bound: FloatBound
     sizes: Mapping[str, Memory]
     builds: tuple[Build, ...]

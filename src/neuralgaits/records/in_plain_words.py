@@ -1,7 +1,7 @@
 """What a certificate says, in words for a reader who knows none of its own."""
 
 from neuralgaits._digits import at_least
-from neuralgaits.records.certified import FULL_ORDER, HIGHEST, Certified, Verdict
+from neuralgaits.records.certified import FULL_ORDER, HIGHEST, CertificateRecord, Verdict
 from neuralgaits.records.levels import FOR_EVER, WORDS
 
 LEVELS = {number: words.states for number, words in WORDS.items()}
@@ -78,7 +78,7 @@ def assumptions(level: int, robots: str | None = None) -> tuple[str, ...]:
     return found if level == FULL_ORDER else (*found, f"at level {HIGHEST}: {_BOUNDED}")
 
 
-def states(level: int, told: bool, found: Certified | None = None) -> str:
+def states(level: int, told: bool, found: CertificateRecord | None = None) -> str:
     """What a level states of a gait.
 
     Args:
@@ -94,13 +94,13 @@ def states(level: int, told: bool, found: Certified | None = None) -> str:
     return (_TOLD if told else LEVELS)[level]
 
 
-def _uneven(said: str, found: Certified) -> str:
+def _uneven(said: str, found: CertificateRecord) -> str:
     """With whose walks are compared, and whose the orbit is."""
     of_one, own = (" of one robot", ", of each robot its own") if found.robots else ("", "")
     return said.format(of_one=of_one, own=own)
 
 
-def proved(found: Certified, told: bool) -> str:
+def proved(found: CertificateRecord, told: bool) -> str:
     """What is proved, level by level up to the highest; for a gait of which level 1 is.
 
     Args:
@@ -132,7 +132,7 @@ def proved(found: Certified, told: bool) -> str:
     )
 
 
-def not_proved(found: Certified) -> str:
+def not_proved(found: CertificateRecord) -> str:
     """Which conditions are broken, and which are open."""
     told, count = [], len(found.conditions)
     words_of: tuple[tuple[Verdict, str], ...] = (
@@ -150,6 +150,6 @@ def left_open(level: int, robots: str | None = None) -> str:
     return f"The proof assumes that {'; '.join(assumptions(level, robots))}."
 
 
-def _least(found: Certified) -> str:
+def _least(found: CertificateRecord) -> str:
     least = found.least_margin
     return "–" if least is None else f"{at_least(100.0 * least, 2)} %"

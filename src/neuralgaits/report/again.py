@@ -11,7 +11,7 @@ from typing import Any
 
 from neuralgaits.barriers import specs
 from neuralgaits.control.laws import LAWS
-from neuralgaits.records.asked import Asked, Given, asked_of
+from neuralgaits.records.asked import GaitOrigin, TrainingConfig, asked_of
 from neuralgaits.records.simulated import LOCKSTEP, MUJOCO, LinkFigures, Simulated
 from neuralgaits.report.page import words
 from neuralgaits.robots import registry
@@ -83,7 +83,7 @@ def training(
     return command(*line, *([] if out is None else ["--out", named(out)]))
 
 
-def _given(folder: RunFolder, given: Given) -> list[str]:
+def _given(folder: RunFolder, given: GaitOrigin) -> list[str]:
     """Makes a run once more whose gait was not trained."""
     robot = robot_word(folder)
     if given.by == "optimise":
@@ -103,7 +103,7 @@ def longer(folder: RunFolder) -> str:
     return training(folder, steps=twice) or command(*anew, "--steps", twice)
 
 
-def _told(asked: Asked) -> list[str]:
+def _told(asked: TrainingConfig) -> list[str]:
     """Flags of a speed, of ranges of commands or of a box of robots."""
     if asked.speed is not None:
         return [f"--speed={asked.speed!r}"]

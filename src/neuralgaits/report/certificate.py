@@ -7,8 +7,8 @@ import numpy as np
 from numpy.polynomial.chebyshev import chebval
 
 from neuralgaits.analysis.run import Run
-from neuralgaits.certificate.levels.full_order.theorem import FullOrder
-from neuralgaits.certificate.levels.orbit.theorem import Orbit
+from neuralgaits.certificate.levels.full_order.theorem import FullOrderConstants
+from neuralgaits.certificate.levels.orbit.theorem import OrbitConstants
 from neuralgaits.certificate.reading import CertificateReading, read_certificate
 from neuralgaits.records.asked import Range
 from neuralgaits.records.certified import Conclusion
@@ -91,7 +91,7 @@ def part_of(found: CertificateReading) -> ProvedOfSome | None:
     return ProvedOfSome(ranges, len(part.conditions), level)
 
 
-def _orbit(run: Run, level: Conclusion | None, orbit: Orbit | None) -> Proved | None:
+def _orbit(run: Run, level: Conclusion | None, orbit: OrbitConstants | None) -> Proved | None:
     """The thin tube around the orbit where it passes z1 = 0, and bounds of the return map."""
     if level is None or not level.proved or orbit is None or not orbit.lower:
         # Of a gait that takes commands: walks come together, around no one orbit.
@@ -104,7 +104,7 @@ def _orbit(run: Run, level: Conclusion | None, orbit: Orbit | None) -> Proved | 
     return Proved((low, high), multiplier, figures.get("contraction_at_most"))
 
 
-def _full(level: Conclusion | None, shape: FullOrder | None) -> FullOrderSet | None:
+def _full(level: Conclusion | None, shape: FullOrderConstants | None) -> FullOrderSet | None:
     if level is None or not level.proved or shape is None:
         return None
     return FullOrderSet(

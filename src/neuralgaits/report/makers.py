@@ -38,7 +38,7 @@ from neuralgaits.runs.names import MAP
 
 
 @dataclass(frozen=True)
-class Source:
+class FigureSource:
     """What figures are drawn from. Attributes: run: opened; certificate: what is proved of it."""
 
     run: Run
@@ -72,24 +72,24 @@ Made = tuple[str, Figure]
 """Caption and figure."""
 
 
-def _phase_portrait(source: Source) -> Made:
+def _phase_portrait(source: FigureSource) -> Made:
     data, walk = source.data, source.walk
     told_some = bool(source.run.asked.commands)
     words = phase_portrait.caption(data, walk, source.certificate.level, told_some)
     return words, phase_portrait.draw(data, walk)
 
 
-def _barrier_sketches(source: Source) -> Made:
+def _barrier_sketches(source: FigureSource) -> Made:
     return barrier_sketches.CAPTION, barrier_sketches.draw(_periodic(source))
 
 
-def _gait_tiles(source: Source) -> Made:
+def _gait_tiles(source: FigureSource) -> Made:
     data = _periodic(source)
     figure = gait_tiles.draw(data["orbit/skeleton"], data["orbit/t"], data.torso)
     return gait_tiles.CAPTION, figure
 
 
-def _walk_tiles(source: Source) -> Made:
+def _walk_tiles(source: FigureSource) -> Made:
     walk = source.walk
     if walk is None:
         log = source.run.path / LOG
@@ -102,15 +102,15 @@ def _walk_tiles(source: Source) -> Made:
     return gait_tiles.measured_caption(walk.source), figure
 
 
-def _margins_orbit(source: Source) -> Made:
+def _margins_orbit(source: FigureSource) -> Made:
     return margins_orbit.CAPTION, margins_orbit.draw(source.data, source.certificate.margins)
 
 
-def _margins_region(source: Source) -> Made:
+def _margins_region(source: FigureSource) -> Made:
     return margins_region.CAPTION, margins_region.draw(source.data)
 
 
-def _certificate_map(source: Source) -> Made:
+def _certificate_map(source: FigureSource) -> Made:
     path, certificate = source.run.path / MAP, source.certificate
     if certificate.reason is None and certificate.map_fits:
         return certificate_map.CAPTION, certificate_map.draw_saved(path)
@@ -120,12 +120,12 @@ def _certificate_map(source: Source) -> Made:
     raise Absent(certificate.reason or missing, command("certify", source.path))
 
 
-def _return_map(source: Source) -> Made:
+def _return_map(source: FigureSource) -> Made:
     data, proved = _periodic(source), source.certificate.orbit
     return return_map.caption(data, proved), return_map.draw(data, proved)
 
 
-def _full_order_set(source: Source) -> Made:
+def _full_order_set(source: FigureSource) -> Made:
     certificate = source.certificate
     if source.run.asked.commands:
         line = again.certifying(source.run.path, source.run.asked.last_level)
@@ -137,7 +137,7 @@ def _full_order_set(source: Source) -> Made:
     raise Absent(certificate.no_full, again.certifying(source.run.path, 4))
 
 
-def _of_a_box(source: Source, level: int, reason: str) -> Absent:
+def _of_a_box(source: FigureSource, level: int, reason: str) -> Absent:
     """What a proof for many robots or floors does not show, and what that of one would cost."""
     if source.certificate.of_a_box:
         reason += (
@@ -147,11 +147,11 @@ def _of_a_box(source: Source, level: int, reason: str) -> Absent:
     return Absent(reason, again.certifying(source.run.path, level, parameters={}))
 
 
-def _stride(source: Source) -> Made:
+def _stride(source: FigureSource) -> Made:
     return stride.caption(source.walk), stride.draw(_periodic(source), source.walk)
 
 
-def _loss(source: Source) -> Made:
+def _loss(source: FigureSource) -> Made:
     rows = source.run.folder.read_metrics()
     if not rows:
         raise Absent("the run took no training step", again.longer(source.run.folder))
@@ -163,14 +163,14 @@ def _loss(source: Source) -> Made:
     return loss_curves.CAPTION, loss_curves.draw(rows)
 
 
-def _residual_field(source: Source) -> Made:
+def _residual_field(source: FigureSource) -> Made:
     data = residual_data(source.run)
     if data is None:
         raise Absent("nothing was learned from logs of this gait", learning(source.run.path))
     return residual_field.caption(data), residual_field.draw(data)
 
 
-def _rounds(source: Source) -> Made:
+def _rounds(source: FigureSource) -> Made:
     folder = source.run.path.parent
     if not all((folder / file).is_file() for file in (ASKED, SUMMARY)):
         heavier = ("--plant", again.robot_word(source.run.folder), "--disturb", "mass_scale=1.05")
@@ -179,7 +179,7 @@ def _rounds(source: Source) -> Made:
     return rounds.CAPTION, rounds.draw(EpisodesDone.read(folder / SUMMARY))
 
 
-def _family(source: Source) -> Made:
+def _family(source: FigureSource) -> Made:
     found = family_data(source.run)
     if not found.periodic:
         line = again.longer(source.run.folder)
@@ -187,7 +187,7 @@ def _family(source: Source) -> Made:
     return family.caption(found), family.draw(found)
 
 
-def _periodic(source: Source) -> GaitData:
+def _periodic(source: FigureSource) -> GaitData:
     """The data of a gait with a periodic orbit."""
     if not source.data.periodic:
         line = again.longer(source.run.folder)
@@ -195,7 +195,7 @@ def _periodic(source: Source) -> GaitData:
     return source.data
 
 
-Maker = tuple[str, str, Callable[[Source], Any]]
+Maker = tuple[str, str, Callable[[FigureSource], Any]]
 """Name, title and maker of a figure."""
 MAKERS: tuple[Maker, ...] = (
     ("gait-tiles", gait_tiles.TITLE, _gait_tiles),

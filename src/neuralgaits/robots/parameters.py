@@ -26,7 +26,7 @@ _SIDES = ("along", "across")
 _RELATIVE = "(relative error)"
 
 
-class Axis(NamedTuple):
+class ParameterAxis(NamedTuple):
     """One parameter: what it is an error of, and its half width."""
 
     name: str
@@ -67,10 +67,10 @@ def _plain_names(names: list[str], kind: str) -> list[str]:
     return [f"{kind} {i + 1}" for i in range(len(names))]
 
 
-def axes_of(robot: PlanarBiped, box: Box) -> tuple[Axis, ...]:
+def axes_of(robot: PlanarBiped, box: Box) -> tuple[ParameterAxis, ...]:
     """The parameters of a box, in the order of the axes of its family."""
     box, types = checked_box(box), _types(robot)
-    return tuple(Axis(name, box[kind]) for kind, name in _names(types) if kind in box)
+    return tuple(ParameterAxis(name, box[kind]) for kind, name in _names(types) if kind in box)
 
 
 def _names(types: _Types) -> Iterator[tuple[str, str]]:
@@ -98,7 +98,7 @@ def kinds_of(robot: PlanarBiped, names: tuple[str, ...]) -> tuple[str, ...]:
     return kinds
 
 
-def box_of(robot: PlanarBiped, axes: tuple[Axis, ...]) -> dict[str, float]:
+def box_of(robot: PlanarBiped, axes: tuple[ParameterAxis, ...]) -> dict[str, float]:
     """The box that these are the axes of.
 
     Raises: ValueError if there is none.
@@ -210,7 +210,7 @@ Model = PlanarBiped | RobotFamily
 """A robot, or those of a box around it."""
 
 
-def model_of(robot: PlanarBiped, axes: tuple[Axis, ...]) -> Model:
+def model_of(robot: PlanarBiped, axes: tuple[ParameterAxis, ...]) -> Model:
     """The family that has these parameters; the robot itself without any."""
     if not axes:
         return robot

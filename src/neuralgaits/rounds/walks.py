@@ -26,8 +26,8 @@ from neuralgaits.records.walked import Shares, WalkedRound
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.simulation.episode_log import log_of
 from neuralgaits.simulation.metrics import summary
-from neuralgaits.simulation.native_walk import Engine, engine_of_run
-from neuralgaits.simulation.setup.disturbance import Disturbance
+from neuralgaits.simulation.native_walk import WalkEngine, engine_of_run
+from neuralgaits.simulation.setup.disturbance import PlantChanges
 from neuralgaits.simulation.setup.plant import SUBSTEPS, TIMESTEP_S
 from neuralgaits.simulation.setup.starts import full_states, momentum_range, periodic_orbit
 from neuralgaits.simulation.walk import walk
@@ -55,7 +55,7 @@ class Field:
     """
 
     plant: PlanarBiped
-    disturbance: Disturbance
+    disturbance: PlantChanges
     controller: str | AbstractLaw
 
 
@@ -123,7 +123,7 @@ def walk_round(run: Run, field: Field, *, momentum: float, seed: int, folder: Pa
 def _walk(
     run: Run,
     field: Field,
-    engine: Engine,
+    engine: WalkEngine,
     starts: Float[np.ndarray, "k two_n"],
     *,
     steps: int,

@@ -13,7 +13,7 @@ from neuralgaits.errors import InputError
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.robots.parameter_box import checked_box
 from neuralgaits.simulation.linked.config import LinkConfig, parse_link
-from neuralgaits.simulation.setup.disturbance import Disturbance
+from neuralgaits.simulation.setup.disturbance import PlantChanges
 from neuralgaits.simulation.setup.drawn_robots import DrawnRobots
 from neuralgaits.simulation.setup.orders import parsed
 from neuralgaits.simulation.setup.terrain_kinds import told_by
@@ -103,7 +103,7 @@ def about_other_robot(robot: PlanarBiped, plant: PlanarBiped) -> str | None:
 def link_of(
     link: str | Mapping[str, Any] | LinkConfig | None,
     controller: str | AbstractLaw,
-    disturbance: Disturbance,
+    disturbance: PlantChanges,
 ) -> LinkConfig | None:
     """How a controller's process is reached; None without one."""
     if controller != REMOTE:
@@ -143,7 +143,7 @@ def refuse_beside_terrain(
     terrain: str,
     command: str | Mapping[str, float] | None,
     commands: str | Path | None,
-    disturbance: Disturbance,
+    disturbance: PlantChanges,
 ) -> None:
     """Refuse what a terrain leaves no room for. Raises: InputError."""
     if commands is not None:

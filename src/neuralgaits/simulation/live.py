@@ -18,20 +18,20 @@ from neuralgaits._types import Float
 from neuralgaits.control import AbstractLaw, Controller
 from neuralgaits.errors import InputError
 from neuralgaits.gait import AbstractPolicy
-from neuralgaits.gait.commands import Limits, values
-from neuralgaits.gait.reset_residual import Reset
+from neuralgaits.gait.commands import CommandLimits, values
+from neuralgaits.gait.reset_residual import ResetCorrection
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.simulation.live_floor import Floor
 from neuralgaits.simulation.live_tick import JaxTick, LiveTick, NativeTick
 from neuralgaits.simulation.native.library import Library
 from neuralgaits.simulation.setup.course import Course
-from neuralgaits.simulation.setup.disturbance import Disturbance
+from neuralgaits.simulation.setup.disturbance import PlantChanges
 from neuralgaits.simulation.setup.live_course import LiveCourse
 from neuralgaits.simulation.setup.plant import SUBSTEPS, TIMESTEP_S, build
 from neuralgaits.simulation.setup.push import DURATION_S
 from neuralgaits.simulation.setup.terrain_kinds import Size
 from neuralgaits.simulation.ticks.falls import Ending, FallConfig
-from neuralgaits.simulation.ticks.tick import Record, Verdict
+from neuralgaits.simulation.ticks.tick import TickRecord, Verdict
 
 PERIOD_S = SUBSTEPS * TIMESTEP_S
 """Time that passes in a tick [s]."""
@@ -66,7 +66,7 @@ class LiveWalk:
         z2_range: tuple[float, float] | None = None,
         falls: FallConfig | None = None,
         library: Library | None = None,
-        reset_residual: Reset = None,
+        reset_residual: ResetCorrection = None,
         ground: LiveCourse | None = None,
     ):
         """Put the robot on its left foot at x = 0.
@@ -102,7 +102,7 @@ class LiveWalk:
         self._commands = policy.commands
         falls = FallConfig() if falls is None else falls
         self._limit = np.asarray(controller.torque_limit)
-        middle = Limits.of(self._commands).middle
+        middle = CommandLimits.of(self._commands).middle
         self._first = middle if ground is None else np.array(ground.courses.orders.first)
         self._tick: LiveTick = (
             JaxTick(self.plant, controller, falls, self._first)
@@ -146,7 +146,7 @@ class LiveWalk:
         return Ending.RUNNING if self.verdict is None else Ending(int(self.verdict.ending[0]))
 
     @property
-    def record(self) -> Record | None:
+    def record(self) -> TickRecord | None:
         """What a log would hold of the last tick, with a leading axis of one; None before it."""
         return self._tick.record
 
@@ -209,7 +209,7 @@ class LiveWalk:
         return False
 
     def disturb(self, **changes: float | None) -> None:
-        """Change the plant under the walking robot; see `Disturbance` and `CHANGEABLE`.
+        """Change the plant under the walking robot; see `PlantChanges` and `CHANGEABLE`.
 
         The floor turns about the stance foot, at `TILT_DEG_S`; the rest changes at once.
         Raises: InputError for a disturbance that cannot change now or is out of its range.
@@ -227,7 +227,7 @@ class LiveWalk:
         self._ground.resize(name, size, steps)
         self._rebuild(self.plant.disturbance)
 
-    def _rebuild(self, disturbance: Disturbance) -> None:
+    def _rebuild(self, disturbance: PlantChanges) -> None:
         """Go on in a plant that is compiled anew."""
         plant = build(self._robot, disturbance, self.course)
         fresh = mujoco.MjData(plant.model)

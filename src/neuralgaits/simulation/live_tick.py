@@ -20,7 +20,7 @@ from neuralgaits.simulation.ticks.batch import Batch, compile_batch, numbers, pa
 from neuralgaits.simulation.ticks.falls import FallConfig
 from neuralgaits.simulation.ticks.scene import PlantReading, Scene
 from neuralgaits.simulation.ticks.strides import width
-from neuralgaits.simulation.ticks.tick import Record, Verdict
+from neuralgaits.simulation.ticks.tick import TickRecord, Verdict
 
 ENDLESS = int(np.iinfo(np.int32).max)
 """Steps of a walk that has no end."""
@@ -54,7 +54,7 @@ class LiveTick(ABC):
 
     @property
     @abstractmethod
-    def record(self) -> Record | None:
+    def record(self) -> TickRecord | None:
         """What a log would hold of the last tick, with a leading axis of one; None before it."""
 
 
@@ -113,7 +113,7 @@ class JaxTick(LiveTick):
         return self._batch.verdict_of(judged)
 
     @property
-    def record(self) -> Record | None:
+    def record(self) -> TickRecord | None:
         """Of the last tick."""
         if self._found is None or self._batch is None:
             return None
@@ -191,6 +191,6 @@ class NativeTick(LiveTick):
         )
 
     @property
-    def record(self) -> Record | None:
+    def record(self) -> TickRecord | None:
         """Of the last tick."""
         return record_of(self._row, self._plant.robot) if self._walk.ticks else None

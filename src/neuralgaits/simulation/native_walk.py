@@ -28,7 +28,7 @@ from neuralgaits.export import writing
 from neuralgaits.export.facts import Design, Origin
 from neuralgaits.export.programs import ground
 from neuralgaits.export.source import gait_files
-from neuralgaits.gait.reset_residual import Reset
+from neuralgaits.gait.reset_residual import ResetCorrection
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.simulation.native.library import Library, NativeError
 from neuralgaits.simulation.setup.starts import momentum_range
@@ -49,8 +49,8 @@ NO_COMPILER = "there is no C compiler: install gcc or clang, or pip install 'neu
 
 
 @dataclass(frozen=True)
-class Engine:
-    """What walks.
+class WalkEngine:
+    """Loop that walks: compiled, or in JAX.
 
     Attributes:
         library: the compiled walk, None for the loop in JAX.
@@ -66,8 +66,8 @@ def engine_of(
     gait: AnyGait,
     z2_range: tuple[float, float],
     choice: Choice | None = None,
-    reset_residual: Reset = None,
-) -> Engine:
+    reset_residual: ResetCorrection = None,
+) -> WalkEngine:
     """What to walk a gait with.
 
     Args:
@@ -82,22 +82,22 @@ def engine_of(
     if choice not in (None, "native", "jax"):
         raise InputError(f"engine: expected native or jax, found {choice!r}")
     if choice == "jax":
-        return Engine(None, None)
+        return WalkEngine(None, None)
     try:
         design = _design(robot, gait, z2_range, reset_residual)
         return _engine(sources(design), design.controller)
     except NativeError as error:
         if choice == "native":
             raise InputError(f"--engine native: expected a compiled walk, but {error}") from None
-        return Engine(None, f"walking with JAX, many times slower, because {error}")
+        return WalkEngine(None, f"walking with JAX, many times slower, because {error}")
 
 
-def engine_of_run(run: Run, choice: Choice | None = None) -> Engine:
+def engine_of_run(run: Run, choice: Choice | None = None) -> WalkEngine:
     """The same for the gait of a run; of a family, the one at the run's command."""
     return engine_of(run.robot, run.gait, momentum_range(run.gait), choice)
 
 
-def engine_of_trained(run: Run, choice: Choice | None = None) -> Engine:
+def engine_of_trained(run: Run, choice: Choice | None = None) -> WalkEngine:
     """The same for all that a run was trained for: a family is told its commands."""
     trained, reset = run.trained, run.residuals.reset
     return engine_of(run.robot, trained, momentum_range(trained), choice, reset)
@@ -117,7 +117,10 @@ def compiler() -> list[str] | None:
 
 
 def _design(
-    robot: PlanarBiped, gait: AnyGait, z2_range: tuple[float, float], reset_residual: Reset = None
+    robot: PlanarBiped,
+    gait: AnyGait,
+    z2_range: tuple[float, float],
+    reset_residual: ResetCorrection = None,
 ) -> Design:
     # Hashes are for those who get a controller; here the text itself is what is hashed.
     origin = Origin(_UNKNOWN, _UNKNOWN, None, None, "walk", "-")
@@ -136,7 +139,7 @@ def sources(design: Design) -> dict[str, str]:
     return own | loop | {name: shipped[name] for name in _SHIPPED}
 
 
-def _engine(texts: Mapping[str, str], controller: Controller) -> Engine:
+def _engine(texts: Mapping[str, str], controller: Controller) -> WalkEngine:
     """The walk of these sources, compiled now or before. Raises: NativeError."""
     command = compiler()
     if command is None:
@@ -145,12 +148,12 @@ def _engine(texts: Mapping[str, str], controller: Controller) -> Engine:
     # One that is kept and does not load is damaged, and made anew.
     with contextlib.suppress(NativeError):
         if kept.is_file():
-            return Engine(Library(kept, controller), None)
+            return WalkEngine(Library(kept, controller), None)
     try:
         kept.parent.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryDirectory(prefix="compiling-", dir=kept.parent) as place:
             os.replace(_compile(command, Path(place), texts), kept)
-        return Engine(Library(kept, controller), None)
+        return WalkEngine(Library(kept, controller), None)
     except OSError as error:
         note = (
             f"compiled the walk for this command alone, because {kept.parent} cannot be written "
@@ -159,7 +162,7 @@ def _engine(texts: Mapping[str, str], controller: Controller) -> Engine:
         # A folder each: what is loaded under one name is not loaded again.
         _own_folders.append(tempfile.TemporaryDirectory(prefix="neuralgaits-"))
         made = _compile(command, Path(_own_folders[-1].name), texts)
-        return Engine(Library(made, controller), note)
+        return WalkEngine(Library(made, controller), note)
 
 
 def _place(command: Sequence[str], texts: Mapping[str, str]) -> Path:

@@ -10,7 +10,7 @@ import optax
 from neuralgaits.barriers import GaitSpec
 from neuralgaits.gait import Residuals
 from neuralgaits.robots.parameters import Model, nominal
-from neuralgaits.training.loss import Layout, Loss, barrier_loss, margin_matrix
+from neuralgaits.training.loss import Loss, MarginLayout, barrier_loss, margin_matrix
 from neuralgaits.training.pushes import Disturbance, pushes_of
 from neuralgaits.training.repair import with_extra
 from neuralgaits.training.sampling import Sampler
@@ -87,7 +87,7 @@ def make_evaluate(
     spec: GaitSpec,
     robot: Model,
     sampler: Sampler,
-    layout: Layout,
+    layout: MarginLayout,
     residuals: Residuals,
     disturbance: Disturbance,
 ) -> Callable:

@@ -17,11 +17,11 @@ from neuralgaits.barriers.aims import middle_of
 from neuralgaits.barriers.regions import AnyGait
 from neuralgaits.gait import NO_RESIDUALS, Residuals, ZeroDynamics
 from neuralgaits.robots.parameters import Model, member, nominal
-from neuralgaits.training.pushes import Pushed
+from neuralgaits.training.pushes import DisturbedResidual
 from neuralgaits.training.sampling import Sampler, contains
 
 
-class Layout(NamedTuple):
+class MarginLayout(NamedTuple):
     """Which margin columns and sample rows belong to which condition.
 
     Attributes:
@@ -53,7 +53,7 @@ class Loss(NamedTuple):
     """Mean squared torque in the recipe's unit, weight included."""
 
 
-def lay_out(spec: GaitSpec, robot: Model, gait: AnyGait, sampler: Sampler) -> Layout:
+def lay_out(spec: GaitSpec, robot: Model, gait: AnyGait, sampler: Sampler) -> MarginLayout:
     """Measure the conditions once and tabulate them."""
     asked = spec.trained_for
 
@@ -85,7 +85,7 @@ def lay_out(spec: GaitSpec, robot: Model, gait: AnyGait, sampler: Sampler) -> La
     counts[: aimed.start, int(ends[first]) :] = False
     absolute = np.array([c.absolute_loss for c in asked])
     weight = np.array([spec.weights.get(c.name, 1.0) for c in asked])
-    return Layout(columns, scale, counts, mean_of, absolute, weight, aimed)
+    return MarginLayout(columns, scale, counts, mean_of, absolute, weight, aimed)
 
 
 def _aims_rows(spec: GaitSpec, sampler: Sampler) -> slice:
@@ -120,7 +120,7 @@ def margin_matrix(
 
     def at(sample, push):
         flow, reset = residuals
-        moved = flow if push is None else Pushed(flow, push)
+        moved = flow if push is None else DisturbedResidual(flow, push)
         at = spec.parted(sample)
         step = gait.at(nominal(robot), at.told, reset)
         zd = ZeroDynamics(member(robot, at.errors), step.policy, moved, reset)
@@ -159,7 +159,7 @@ def margin_matrix(
 
 def barrier_loss(
     spec: GaitSpec,
-    layout: Layout,
+    layout: MarginLayout,
     margins: Float[Array, "N K"],
     torque: Float[Array, "N m"],
 ) -> Loss:
@@ -196,7 +196,7 @@ def barrier_loss(
 
 
 def _with_absolute(
-    spec: GaitSpec, layout: Layout, margins: Float[Array, "N K"], terms: Float[Array, " C"]
+    spec: GaitSpec, layout: MarginLayout, margins: Float[Array, "N K"], terms: Float[Array, " C"]
 ) -> Float[Array, " C"]:
     """Replace the terms of equalities under absolute loss by their mean error norm."""
     terms = jnp.asarray(terms)

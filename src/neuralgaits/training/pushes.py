@@ -12,7 +12,7 @@ Disturbance = tuple[float, float] | None
 """Bounds of what is added to dz (m/s, N m)."""
 
 
-class Pushed(NamedTuple):
+class DisturbedResidual(NamedTuple):
     """A residual of the flow, or none, with a constant added."""
 
     flow: Callable[[ZeroState], ZeroState] | None

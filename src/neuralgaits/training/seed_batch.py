@@ -42,8 +42,8 @@ SAVING_SHARE = 0.03
 
 
 @dataclass(eq=False)
-class OneOfMany:
-    """One seed of a batch.
+class SeedRun:
+    """Run of one seed of a batch.
 
     Attributes:
         run: unfinished; its gait is the untrained one.
@@ -84,14 +84,14 @@ class SeedBatch:
 
     trainer: Trainer
     size: int
-    members: list[OneOfMany] = field(default_factory=list)
+    members: list[SeedRun] = field(default_factory=list)
     compile_s: float = 0.0
     _over: OverSeeds | None = None
     _keys: Any = None
     _count: int = 1
     """Steps that are taken in one call."""
 
-    def train(self, runs: Sequence[Run], progress: Progress | None) -> list[OneOfMany]:
+    def train(self, runs: Sequence[Run], progress: Progress | None) -> list[SeedRun]:
         """Take all steps of runs, at most `size`.
 
         Args:
@@ -115,10 +115,10 @@ class SeedBatch:
         fresh = [self.trainer.fresh(float(loss), margins) for loss, margins in found]
         return fresh[: len(gaits)]
 
-    def _begun(self, run: Run) -> OneOfMany:
+    def _begun(self, run: Run) -> SeedRun:
         trainer = self.trainer.of_seed(run.asked.seed, run.trained)
         state = jax.tree.map(np.asarray, start_of(run, trainer))
-        return OneOfMany(run, GradientSteps(run.folder, run.spec, None), state, state)
+        return SeedRun(run, GradientSteps(run.folder, run.spec, None), state, state)
 
     def _compile(self) -> float:
         """Both programs, at once where there are two cores; results are thrown away."""
@@ -147,10 +147,10 @@ class SeedBatch:
                 saved = time.perf_counter()
                 saving = saved - now
 
-    def _goes_on(self, one: OneOfMany) -> bool:
+    def _goes_on(self, one: SeedRun) -> bool:
         return one.refused is None and not self.trainer.done(one.state)
 
-    def _block(self, going: Sequence[OneOfMany]) -> Loss:
+    def _block(self, going: Sequence[SeedRun]) -> Loss:
         """Take steps until some seed is to be looked at. Returns: losses of all seeds."""
         firsts = [int(one.state.step) for one in going]
         ahead = min(
@@ -172,7 +172,7 @@ class SeedBatch:
                 one.state = _row(states, number)
         return losses
 
-    def _look_at(self, going: Sequence[OneOfMany], losses: Loss) -> None:
+    def _look_at(self, going: Sequence[SeedRun], losses: Loss) -> None:
         """Keep the best weights of each seed that is due, or step back where there is NaN."""
         looked: list[tuple[int, Loss]] = []
         for number, one in enumerate(self.members):

@@ -23,14 +23,14 @@ from neuralgaits.barriers import GaitSpec, Recipe
 from neuralgaits.barriers.regions import AnyGait
 from neuralgaits.errors import InputError
 from neuralgaits.gait import NO_RESIDUALS, Residuals
-from neuralgaits.gait.reset_residual import Reset
+from neuralgaits.gait.reset_residual import ResetCorrection
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.robots.parameters import model_of
 from neuralgaits.training.compiled import VALIDATION_SAMPLES, make_evaluate, make_steps
 from neuralgaits.training.learning_rate import schedule, width_factor
 from neuralgaits.training.loss import (
-    Layout,
     Loss,
+    MarginLayout,
     lay_out,
 )
 from neuralgaits.training.precision import cast, cast_named
@@ -118,8 +118,8 @@ class Trainer:
     _optimizer: optax.GradientTransformation
     _template: AnyGait
     _light: tuple
-    _layout: Layout
-    _validation_layout: Layout
+    _layout: MarginLayout
+    _validation_layout: MarginLayout
     extra: Extra | None = None
     round: int = 0
 
@@ -347,5 +347,5 @@ def _optimizer(recipe: Recipe, steps: int, factor: float) -> optax.GradientTrans
 
 
 @quick_filter_jit
-def _matched(gait: AnyGait, robot: PlanarBiped, reset_residual: Reset) -> AnyGait:
+def _matched(gait: AnyGait, robot: PlanarBiped, reset_residual: ResetCorrection) -> AnyGait:
     return gait.matched(robot, reset_residual)

@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from neuralgaits.analysis.flow import Mesh, Motion
+from neuralgaits.analysis.flow import FlowQuantities, Mesh
 from neuralgaits.analysis.orbit import cycle, sampled_map
 from neuralgaits.analysis.phase_plane import plane
-from neuralgaits.analysis.quantities import Look, PlaneChart
+from neuralgaits.analysis.quantities import PlaneChart, PointEvaluator
 from neuralgaits.analysis.run import Run
 from neuralgaits.errors import RunError
 from neuralgaits.runs import read_arrays
@@ -19,7 +19,7 @@ ASIDE, ABOVE = 0.14, 0.22
 """How far the picture reaches beyond the tube, in its length and its height."""
 
 
-def portrait(run: Run, look: Look, *, certified: bool) -> Portrait:
+def portrait(run: Run, look: PointEvaluator, *, certified: bool) -> Portrait:
     """Compute the plane.
 
     Args:
@@ -28,7 +28,7 @@ def portrait(run: Run, look: Look, *, certified: bool) -> Portrait:
         certified: whether the map of the run's certificate is about this very gait.
     """
     chart = PlaneChart(run.gait, run.spec)
-    motion = Motion(*look.each(*Motion._fields))
+    motion = FlowQuantities(*look.each(*FlowQuantities._fields))
     with np.errstate(all="ignore"):
         around = plane(chart, phases=FENCE_POINTS, lines=(COLUMNS, ROWS), beyond=(ASIDE, ABOVE))
         dz = around.laid_out(motion.dz(around.states))
@@ -64,7 +64,7 @@ def _proved(run: Run) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
     return corners[wide], answer[wide], margin[wide]
 
 
-def _sampled(chart: PlaneChart, look: Look) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _sampled(chart: PlaneChart, look: PointEvaluator) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Cells of the tube, coloured by the least margin in their middles."""
     phases, levels = np.linspace(0.0, 1.0, PHASES), np.linspace(0.0, 1.0, LEVELS)
     edges = chart.z(*np.meshgrid(phases, levels))

@@ -2,7 +2,7 @@
 
 import math
 
-from neuralgaits.viewer.walker import Limits, Shown
+from neuralgaits.viewer.walker import Shown, SliderReach
 
 _NOTCHES = 70
 """Of the slider of a command: half a centimetre a second of the usual range of speeds."""
@@ -23,7 +23,7 @@ def ended(shown: Shown, left: float | None) -> str:
     return text + ("; push it forward where it slows down." if shown.upright else ".")
 
 
-def notch(limits: Limits) -> float:
+def notch(limits: SliderReach) -> float:
     """Return the step of a slider: 1, 2 or 5 of a decimal place, about a share of its range.
 
     Any other one has digits that the number beside the slider has no room for.

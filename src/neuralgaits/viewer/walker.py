@@ -49,7 +49,7 @@ class Margins(NamedTuple):
     """Whether the state is in the condition's region; else the nearest state of it was read."""
 
 
-class Limits(NamedTuple):
+class SliderReach(NamedTuple):
     """Reach of a slider, and where it stands at first."""
 
     low: float
@@ -64,10 +64,10 @@ class Limits(NamedTuple):
         return min(max(number, self.low), self.high) if np.isfinite(number) else None
 
 
-class Told(NamedTuple):
+class SliderRange(NamedTuple):
     """A command that a visitor may give."""
 
-    limits: Limits
+    limits: SliderReach
     """Its range, and the value at first."""
     unit: str
     """Of its values."""

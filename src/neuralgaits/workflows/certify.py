@@ -23,11 +23,11 @@ from neuralgaits.certificate.levels.problems import (
     premise_problems,
     trace_certificate,
 )
-from neuralgaits.certificate.levels.sets import FULL_ORDER_LEVEL, Sets, find_sets
+from neuralgaits.certificate.levels.sets import FULL_ORDER_LEVEL, LevelSets, find_sets
 from neuralgaits.certificate.proof_file.model_data import model_data
 from neuralgaits.certificate.proof_file.of_run import proof_of
 from neuralgaits.certificate.proof_file.theorem_tables import Theorems
-from neuralgaits.certificate.proof_file.writer import Statement, prove
+from neuralgaits.certificate.proof_file.writer import StatementRecord, prove
 from neuralgaits.certificate.scope import LEVEL, Scope
 from neuralgaits.certificate.search.branch_and_bound import BoundAll, Search
 from neuralgaits.certificate.search.checkpoint import load, save
@@ -44,13 +44,13 @@ from neuralgaits.certificate.writing import (
     refuse_unwritable_certificate,
     write_certificate,
 )
-from neuralgaits.engine import engine_for
+from neuralgaits.engine import worker_pool_for
 from neuralgaits.errors import InputError, SpecError
 from neuralgaits.programs import Program
 from neuralgaits.records import certified
 from neuralgaits.records.certified import (
     LEVELS,
-    Certified,
+    CertificateRecord,
     Conclusion,
     ConditionVerdict,
     Verdict,
@@ -64,10 +64,10 @@ MORE = "--resume goes on, with a --budget for as long as that lasts"
 
 
 @dataclass(frozen=True)
-class Certificate:
-    """What was proved. Attributes: summary: what `certify --json` prints."""
+class CertifyResult:
+    """Result of a search for a proof. Attributes: summary: what `certify --json` prints."""
 
-    summary: Certified
+    summary: CertificateRecord
 
     def __repr__(self) -> str:
         """One line: the verdict, what it is about, and what is proved with how much room."""
@@ -118,7 +118,7 @@ class _Task:
 
     run: Run
     scope: Scope
-    sets: Sets
+    sets: LevelSets
     program: Program
 
 
@@ -135,7 +135,7 @@ def certify(
     workers: int | None = None,
     ray: str | None = None,
     bandwidth: float | None = None,
-) -> Certificate:
+) -> CertifyResult:
     """Prove every condition of a run's spec on its region, and what follows for trajectories.
 
     Args:
@@ -159,7 +159,7 @@ def certify(
         bandwidth: double pole of the outputs [rad/s] at levels 4 and 5, of which level 4 is then
             about the largest set found; None for that of `control.Fblin`, and the usual set.
 
-    Returns: `Certificate`. Proof, summary, boxes and map are in the run's folder.
+    Returns: `CertifyResult`. Proof, summary, boxes and map are in the run's folder.
     Raises: InputError on bad settings; RunError if there are no such boxes to go on with;
         SearchInterrupted for KeyboardInterrupt, with everything found by then in the folder.
     """
@@ -213,7 +213,7 @@ def _bounding(workers: int | None, ray: str | None) -> Iterator[BoundAll | None]
     if workers is None and ray is None:
         yield None
         return
-    with engine_for(workers, ray) as at_work:
+    with worker_pool_for(workers, ray) as at_work:
         yield SharedBounds(at_work)
 
 
@@ -244,7 +244,7 @@ def _written(
     states: Sequence[Search],
     began: float,
     ended: str | None,
-) -> Certificate:
+) -> CertifyResult:
     """Save everything and give the verdicts. `ended` says what cut the search short, if it was."""
     run, scope = task.run, task.scope
     searched = list(zip(problems, states, strict=True))
@@ -283,7 +283,7 @@ def _written(
 
 
 def _proof(
-    task: _Task, statements: tuple[Statement, ...], conclusions: Sequence[Conclusion]
+    task: _Task, statements: tuple[StatementRecord, ...], conclusions: Sequence[Conclusion]
 ) -> bytes:
     """Return the content of the proof file."""
     run, program = task.run, task.program
@@ -302,7 +302,7 @@ def _map(task: _Task, searched: Sequence[level_one.Searched]) -> dict[str, bytes
     return map_files(task.run, [problem for problem, _ in own], [state for _, state in own])
 
 
-def _conclusions(task: _Task, statements: Sequence[Statement]) -> list[Conclusion]:
+def _conclusions(task: _Task, statements: Sequence[StatementRecord]) -> list[Conclusion]:
     """The answers of the levels above 1 that were asked for."""
     sets, scope = task.sets, task.scope
     boxes = condition_boxes(scope.spec)
@@ -325,10 +325,10 @@ def _finish(
     boxes: int = 0,
     reason: str | None = None,
     full_order: bool = False,
-) -> Certificate:
+) -> CertifyResult:
     """Write the certificate: `files` by name, without those of an older one, and the summary."""
     proof = str(run.path / certified.PROOF) if certified.PROOF in files else None
-    summary = Certified(
+    summary = CertificateRecord(
         run=str(run.path),
         robot=run.asked.robot,
         spec=run.asked.spec,
@@ -348,4 +348,4 @@ def _finish(
     )
     summary = replace(summary, verdict=summary.of_all)
     write_certificate(run.path, files, to_json(summary).encode())
-    return Certificate(summary)
+    return CertifyResult(summary)

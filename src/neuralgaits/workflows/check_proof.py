@@ -15,7 +15,7 @@ from neuralgaits.certificate.proof_file.check import (
     ASSUMPTIONS,
     DERIVED_ELSEWHERE,
     OWN_SPEC,
-    Report,
+    CheckResult,
     all_in_words,
     check,
     tied,
@@ -95,7 +95,7 @@ def proof_file_at(place: str | Path) -> Path:
     return proof
 
 
-def against(claims: Claims, folder: Path, report: Report) -> Report:
+def against(claims: Claims, folder: Path, report: CheckResult) -> CheckResult:
     """A file whose statements hold, compared with a run whose files are those it names.
 
     Raises: InputError if the run cannot be opened or traced.
@@ -107,7 +107,7 @@ def against(claims: Claims, folder: Path, report: Report) -> Report:
     return report if claims.chart == found.chart else _of_part(report, claims)
 
 
-def _of_part(report: Report, claims: Claims) -> Report:
+def _of_part(report: CheckResult, claims: Claims) -> CheckResult:
     """The answer about a run whose gait is told more than the file is about."""
     axes = " and ".join(claims.chart.intervals())
     reason = f"every statement holds, for {axes} only: part of what the gait is told"
@@ -117,6 +117,6 @@ def _of_part(report: Report, claims: Claims) -> Report:
     return replace(report, verdict="undecided", reason=reason, levels=levels)
 
 
-def _rejected(claims: Claims, wrong: list[str]) -> Report:
+def _rejected(claims: Claims, wrong: list[str]) -> CheckResult:
     """A file that is not about the run."""
-    return Report("rejected", "; ".join(wrong), all_in_words(claims), (), (), 0)
+    return CheckResult("rejected", "; ".join(wrong), all_in_words(claims), (), (), 0)

@@ -27,7 +27,7 @@ from neuralgaits.runs import RUNS_ROOT, plain
 from neuralgaits.runs.atomic import refuse_unwritable
 from neuralgaits.runs.commands import command, named
 from neuralgaits.runs.names import CONFIG, FIT
-from neuralgaits.simulation.setup.disturbance import Disturbance, parse
+from neuralgaits.simulation.setup.disturbance import PlantChanges, parse
 from neuralgaits.training.gradient_steps import Progress
 from neuralgaits.workflows.fit import fit
 from neuralgaits.workflows.refine import refine
@@ -76,7 +76,7 @@ def episodes(
     robot: PlanarBiped | None = None,
     *,
     plant: PlanarBiped | str | Path | None = None,
-    disturb: str | Mapping[str, float] | Disturbance | None = None,
+    disturb: str | Mapping[str, float] | PlantChanges | None = None,
     controller: str | None = None,
     logs: str | Path | None = None,
     columns: str | Path | None = None,
@@ -156,7 +156,7 @@ def _begin(
 ) -> EpisodeFolder:
     """Check what is asked, and make the folder."""
     usual: dict[str, Any] = {
-        "disturb": plain(vars(Disturbance())),
+        "disturb": plain(vars(PlantChanges())),
         "controller": "pd",
         "rounds": 2,
         "seed": 0,
@@ -297,7 +297,7 @@ class _Session:
             assert config.logs is not None  # There is a plant, or there are logs.
             found = logged_round(run, logs_of(Path(config.logs), number), config.columns)
         else:
-            field = Field(plant, Disturbance(**(config.disturb or {})), config.controller)
+            field = Field(plant, PlantChanges(**(config.disturb or {})), config.controller)
             found = walk_round(
                 run, field, momentum=momentum, seed=config.seed, folder=self.folder.logs(number)
             )

@@ -28,7 +28,7 @@ NO_EXTRA = (
     "expected the packages onnx and onnxruntime for --format onnx, found no {}: "
     "pip install 'neuralgaits[onnx]'"
 )
-Told = Callable[..., Exported]
+RecordFactory = Callable[..., Exported]
 """Makes a record of what is known of files, once it is said where they are."""
 
 
@@ -143,7 +143,7 @@ def _warnings(found: CertificateReading) -> list[str]:
     return warnings
 
 
-def _c(design: Design, states: int) -> tuple[dict[str, str], Told]:
+def _c(design: Design, states: int) -> tuple[dict[str, str], RecordFactory]:
     """Files of the controller, and what is known of them."""
     reference = Reference(design)
     files = writing.shipped() | controller_files(design, reference)
@@ -154,7 +154,7 @@ def _c(design: Design, states: int) -> tuple[dict[str, str], Told]:
         return files, check_controller(design, reference, place, compilers, states)
 
 
-def _onnx(design: Design, states: int) -> tuple[dict[str, bytes], Told]:
+def _onnx(design: Design, states: int) -> tuple[dict[str, bytes], RecordFactory]:
     """Models of the policy, and what is known of them. Raises: InputError without the extra."""
     try:
         from neuralgaits.export.onnx_check import check_models
@@ -165,7 +165,7 @@ def _onnx(design: Design, states: int) -> tuple[dict[str, bytes], Told]:
     return files, check_models(design, files, states)
 
 
-WRITERS: dict[str, Callable[[Design, int], tuple[Mapping[str, str | bytes], Told]]] = {
+WRITERS: dict[str, Callable[[Design, int], tuple[Mapping[str, str | bytes], RecordFactory]]] = {
     "c": _c,
     "onnx": _onnx,
 }

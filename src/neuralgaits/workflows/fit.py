@@ -17,7 +17,7 @@ from neuralgaits.errors import InputError
 from neuralgaits.gait import ZeroDynamics
 from neuralgaits.gait.flow_residual import Residual
 from neuralgaits.logs import Split, Stride, Windows
-from neuralgaits.records.fitted import Fitted, Strides
+from neuralgaits.records.fitted import Fitted, StrideCounts
 from neuralgaits.residual.fit import FitConfig, Fitter, Optimizer, Progress
 from neuralgaits.residual.fit import fit as fit_flow
 from neuralgaits.residual.floor import floor
@@ -109,7 +109,7 @@ def fit(
         seed=seed,
         steps=int(state.step),
         windows=len(train.z),
-        strides=Strides(**{name: len(part) for name, part in parts._asdict().items()}),
+        strides=StrideCounts(**{name: len(part) for name, part in parts._asdict().items()}),
         walked_s=float(sum(log.t[-1] - log.t[0] for log in read)),
         left_out=left_out | cut.left_out | {"short strides": short},
         bound=_pair(flow.bound),

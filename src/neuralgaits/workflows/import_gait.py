@@ -5,7 +5,7 @@ from pathlib import Path
 
 from neuralgaits.analysis.run import Run
 from neuralgaits.hzd.gait_file import read_gait
-from neuralgaits.records.asked import Given
+from neuralgaits.records.asked import GaitOrigin
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.runs import RUNS_ROOT
 from neuralgaits.workflows.parts.given_run import given_run
@@ -32,5 +32,5 @@ def import_gait(
     """
     began = time.perf_counter()
     gait = read_gait(Path(file), robot, name)
-    given = Given("import-gait", gait.degree)
+    given = GaitOrigin("import-gait", gait.degree)
     return given_run(robot, gait, given, began=began, out=out, root=root)

@@ -7,7 +7,7 @@ from neuralgaits.analysis.run import Run
 from neuralgaits.errors import InputError
 from neuralgaits.gait.commands import FASTEST
 from neuralgaits.hzd.solver import DEGREE, Optimiser
-from neuralgaits.records.asked import HIGHEST_DEGREE, Given
+from neuralgaits.records.asked import HIGHEST_DEGREE, GaitOrigin
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.runs import RUNS_ROOT, RunFolder
 from neuralgaits.workflows.parts.given_run import given_run
@@ -50,7 +50,7 @@ def optimise(
         )
     RunFolder.refuse(root, None if out is None else Path(out))
     found = Optimiser(robot, degree).at(speed)
-    given = Given("optimise", degree, speed)
+    given = GaitOrigin("optimise", degree, speed)
     return given_run(
         robot, found.gait, given, solve_s=found.solve_s, began=began, out=out, root=root
     )

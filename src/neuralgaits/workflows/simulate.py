@@ -12,7 +12,7 @@ from neuralgaits import logs
 from neuralgaits._settings import check_walks
 from neuralgaits.analysis.run import Run, open_run
 from neuralgaits.control import AbstractLaw
-from neuralgaits.engine import engine_for as engine_of_workers
+from neuralgaits.engine import worker_pool_for as engine_of_workers
 from neuralgaits.errors import InputError
 from neuralgaits.records.simulated import PLANT, SUMMARY, Simulated, WalkSettings
 from neuralgaits.robots import load_robot, registry
@@ -33,8 +33,8 @@ from neuralgaits.simulation.episode_log import log_of
 from neuralgaits.simulation.linked.config import LinkConfig
 from neuralgaits.simulation.linked.connect import connected
 from neuralgaits.simulation.metrics import summary
-from neuralgaits.simulation.native_walk import Choice, Engine
-from neuralgaits.simulation.setup.disturbance import Disturbance, parse
+from neuralgaits.simulation.native_walk import Choice, WalkEngine
+from neuralgaits.simulation.setup.disturbance import PlantChanges, parse
 from neuralgaits.simulation.setup.drawn_robots import DrawnRobots
 from neuralgaits.simulation.setup.orders import on_slope, orders_of
 from neuralgaits.simulation.setup.sensing import name_of, sensed
@@ -43,7 +43,7 @@ from neuralgaits.simulation.setup.terrain_kinds import told_by
 from neuralgaits.simulation.setup.terrains import courses_of
 from neuralgaits.simulation.shared_walks import SharedWalks
 from neuralgaits.simulation.simulators import MUJOCO, Simulator, check_simulator
-from neuralgaits.simulation.trained_walks import TrainedWalks, at_first, engine_for
+from neuralgaits.simulation.trained_walks import TrainedWalks, at_first, walk_engine_for
 from neuralgaits.simulation.walk import Walk
 from neuralgaits.workflows.export import design_of
 
@@ -88,7 +88,7 @@ def simulate(
     steps: int = 50,
     start: str = "centre",
     push: float | None = None,
-    disturb: str | dict[str, float] | Disturbance | None = None,
+    disturb: str | dict[str, float] | PlantChanges | None = None,
     sensing: str | None = None,
     seed: int = 0,
     episodes: int = 1,
@@ -248,16 +248,16 @@ def _errors(drawn: DrawnRobots, episodes: int) -> dict[str, tuple[float, ...]]:
 
 def _engine(
     trained: Run, controller: str | AbstractLaw, choice: Choice | None, simulator: Simulator
-) -> Engine:
+) -> WalkEngine:
     """What walks. Raises: InputError if native was insisted on where it cannot be."""
     if controller != REMOTE:
-        return engine_for(trained, controller, choice, simulator)
+        return walk_engine_for(trained, controller, choice, simulator)
     if choice == "native":
         raise InputError(
             f"--engine native: expected pd, fblin, paper or clf-qp, found {REMOTE}, which is a "
             "process of its own: leave --engine out, or --controller"
         )
-    return Engine(None, None)
+    return WalkEngine(None, None)
 
 
 def _kept_plant(trained: Run, plant: str | Path | None, walked: Walk) -> str | None:

@@ -14,7 +14,7 @@ from typing import Any
 from neuralgaits._settings import check_budget, check_seeds, check_steps
 from neuralgaits.barriers.commanded import Interval
 from neuralgaits.control.laws import law_named
-from neuralgaits.engine import Done, Engine, Job, engine_for
+from neuralgaits.engine import Done, Job, WorkerPool, worker_pool_for
 from neuralgaits.errors import InputError, Interrupted
 from neuralgaits.records.certified import HIGHEST, LEVELS
 from neuralgaits.records.swept import (
@@ -77,7 +77,7 @@ def sweep(
     walks: int | None = None,
     workers: int | None = None,
     ray: str | None = None,
-    engine: Engine | None = None,
+    engine: WorkerPool | None = None,
     out: str | Path | None = None,
     resume: bool = False,
     tell: Tell | None = None,
@@ -114,7 +114,7 @@ def sweep(
     given = _given(specs, speeds, seeds, steps, certify, budget, controllers, disturbances, walks)
     make = _folder(robots, given, out, resume, root)
     # Before a folder is made, so that an engine that cannot be had leaves none.
-    with engine or engine_for(workers, ray) as at_work, make().alone() as folder:
+    with engine or worker_pool_for(workers, ray) as at_work, make().alone() as folder:
         refuse_unwritable(*(folder.path / file for file in (TABLE, PAGE, SUMMARY)))
         every = list(combinations(folder.asked))
         before = sum(folder.has(one.name) for one in every)

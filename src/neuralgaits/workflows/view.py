@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import viser
 
-from neuralgaits.analysis.quantities import Look, quantities
+from neuralgaits.analysis.quantities import PointEvaluator, quantities
 from neuralgaits.analysis.run import Run, open_run
 from neuralgaits.errors import SpecError
 from neuralgaits.viewer import markdown, page
@@ -104,7 +104,7 @@ class LiveView:
 
         try:
             run = self._run
-            look = Look(quantities(run.zero_dynamics, run.gait, run.spec))
+            look = PointEvaluator(quantities(run.zero_dynamics, run.gait, run.spec))
             self.gait.look_with(look)
             sure = how_sure(run)
             plane = portrait(run, look, certified=sure.certified and sure.map_fits)

@@ -22,8 +22,8 @@ PLANE = 2
 """Axes of the zero dynamics' own plane: phase and level."""
 
 
-class Told(Protocol):
-    """A command of a gait, as `gait.commands.Command`."""
+class CommandRange(Protocol):
+    """Range of a command of a gait; `gait.commands.Command` is one."""
 
     @property
     def name(self) -> str:
@@ -46,7 +46,7 @@ class Told(Protocol):
         ...
 
 
-Commands = Iterable[Told]
+Commands = Iterable[CommandRange]
 
 
 class Axis(NamedTuple):

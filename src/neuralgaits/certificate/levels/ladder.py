@@ -37,7 +37,7 @@ LEVELS = (
     Level(
         2,
         "walking",
-        walking_set.WalkingSet,
+        walking_set.WalkingSetConstants,
         _lists,
         lambda known, boxes: walking_set.labelled_premises(known[2], boxes),
         lambda known, boxes, bounds: walking(known[2], boxes, bounds),
@@ -45,7 +45,7 @@ LEVELS = (
     Level(
         3,
         "orbit",
-        orbit.Orbit,
+        orbit.OrbitConstants,
         _lists,
         lambda known, boxes: orbit.labelled_premises(known[2], known[3]),
         lambda known, boxes, bounds: attraction(known[2], known[3], bounds),
@@ -54,7 +54,7 @@ LEVELS = (
     Level(
         4,
         "full",
-        full_order.FullOrder,
+        full_order.FullOrderConstants,
         full_order.series,
         lambda known, boxes: full_order.labelled_premises(known[4]),
         lambda known, boxes, bounds: conclude_full_order(known[4], bounds),
@@ -64,7 +64,7 @@ LEVELS = (
     Level(
         5,
         "disturbed",
-        disturbed.Disturbed,
+        disturbed.DisturbedConstants,
         disturbed.series,
         lambda known, boxes: disturbed.labelled_premises(known[4], known[5]),
         lambda known, boxes, bounds: conclude_disturbed(known[4], known[5], bounds),

@@ -1,7 +1,7 @@
 """What a level above 1 is to those who read a proof: parameters, premises and a conclusion.
 
 How its parameters are found, and what its premises are as functions of a gait, is its entry of
-`sets.SOUGHT`. Needs no JAX.
+`sets.LEVEL_SEARCHES`. Needs no JAX.
 """
 
 from collections.abc import Callable, Iterator, Mapping

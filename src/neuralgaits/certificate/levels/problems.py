@@ -13,7 +13,7 @@ from neuralgaits.certificate.levels.disturbed.theorem import REGION as DISTURBED
 from neuralgaits.certificate.levels.full_order.model import size_of
 from neuralgaits.certificate.levels.full_order.theorem import REGION as FULL_ORDER
 from neuralgaits.certificate.levels.ladder import LEVELS, labelled_premises, refusals
-from neuralgaits.certificate.levels.sets import SOUGHT, Margins, Sets, one_step
+from neuralgaits.certificate.levels.sets import LEVEL_SEARCHES, LevelSets, Margins, one_step
 from neuralgaits.certificate.levels.walking_set.theorem import SET
 from neuralgaits.certificate.search.branch_and_bound import Confirm
 from neuralgaits.certificate.search.problem import Problem
@@ -54,7 +54,7 @@ def trace_certificate(
     spec: GaitSpec,
     robot: PlanarBiped,
     gait: AnyGait,
-    sets: Sets,
+    sets: LevelSets,
     residuals: Residuals = NO_RESIDUALS,
 ) -> Program:
     """Margins of the spec's conditions and of the sets, as one Program of the chart point u.
@@ -81,7 +81,7 @@ def trace_certificate(
     return trace(margins, inputs, parameters=parameters | _named(sets))
 
 
-def _named(sets: Sets) -> dict[str, dict[str, np.ndarray]]:
+def _named(sets: LevelSets) -> dict[str, dict[str, np.ndarray]]:
     """Parameters of the sets under the names that constants of the Program get."""
     known = sets.parameters
     return {
@@ -94,12 +94,17 @@ def _named(sets: Sets) -> dict[str, dict[str, np.ndarray]]:
 
 
 def set_margins(
-    spec: GaitSpec, gait: Gait, zd: ZeroDynamics, sets: Sets, u: Float[Array, " n"], xi: Any = None
+    spec: GaitSpec,
+    gait: Gait,
+    zd: ZeroDynamics,
+    sets: LevelSets,
+    u: Float[Array, " n"],
+    xi: Any = None,
 ) -> Margins:
     """Margins of the sets at one chart point and one xi, by output name."""
     found = {}
     for number in sets.parameters:
-        found |= SOUGHT[number].margins(spec, gait, zd, sets.parameters, u, xi)
+        found |= LEVEL_SEARCHES[number].margins(spec, gait, zd, sets.parameters, u, xi)
     return found
 
 
@@ -140,7 +145,7 @@ def condition_problems(spec: GaitSpec, program: Program, chart: Chart = PLAIN) -
     return problems
 
 
-def confirmer(spec: GaitSpec, gait: AnyGait, zd: ZeroDynamics, sets: Sets) -> Confirm:
+def confirmer(spec: GaitSpec, gait: AnyGait, zd: ZeroDynamics, sets: LevelSets) -> Confirm:
     """Asks the margins' own Python functions, in float64, about one point, with outputs zero."""
     conditions = {condition.name: condition for condition in spec.conditions}
     at = one_step(gait, zd, spec.parameters)
@@ -163,7 +168,7 @@ def confirmer(spec: GaitSpec, gait: AnyGait, zd: ZeroDynamics, sets: Sets) -> Co
 
 
 def premise_problems(
-    spec: GaitSpec, sets: Sets, program: Program, chart: Chart = PLAIN
+    spec: GaitSpec, sets: LevelSets, program: Program, chart: Chart = PLAIN
 ) -> list[Problem]:
     """Root boxes of the levels above 1 with what must hold on each."""
     scales = {condition.name: float(condition.scale) for condition in spec.conditions}

@@ -22,7 +22,12 @@ from neuralgaits.certificate.levels.ladder import LEVELS
 from neuralgaits.certificate.levels.level import Parameters
 from neuralgaits.certificate.levels.orbit import margins as orbit_set
 from neuralgaits.certificate.levels.orbit import return_map
-from neuralgaits.certificate.levels.orbit.find import Fences, Look, find_contraction, find_orbit
+from neuralgaits.certificate.levels.orbit.find import (
+    Fences,
+    MarginEvaluator,
+    find_contraction,
+    find_orbit,
+)
 from neuralgaits.certificate.levels.walking_set import margins as walking_set
 from neuralgaits.certificate.levels.walking_set.find import (
     find_set,
@@ -34,17 +39,17 @@ from neuralgaits.errors import SpecError
 from neuralgaits.gait import Residuals, ZeroDynamics
 from neuralgaits.programs import POINT, evaluate, fold
 from neuralgaits.programs.tracing.tracer import trace
-from neuralgaits.robots.parameters import Axis, model_of
+from neuralgaits.robots.parameters import ParameterAxis, model_of
 
 FULL_ORDER_LEVEL = 4
 """The level whose set the one above it is about."""
-Errors = tuple[Axis, ...]
+Errors = tuple[ParameterAxis, ...]
 """Parameters of the robot, of `GaitSpec.parameters`."""
 Margins = dict[str, Float[Array, "..."]]
 
 
 @dataclass(frozen=True)
-class Subject:
+class SearchTarget:
     """A gait under its spec, of which sets are looked for.
 
     Attributes:
@@ -65,13 +70,13 @@ class Subject:
     bandwidth: float | None = None
 
     @cached_property
-    def look(self) -> Look:
+    def look(self) -> MarginEvaluator:
         """What the finders of levels 2 and 3 look at."""
         return look_at(self.gait, self.zd, self.spec.parameters)
 
 
-class Sought(NamedTuple):
-    """What a level of `ladder.LEVELS` is to those who prove it.
+class LevelSearch(NamedTuple):
+    """Search for the set of a level of `ladder.LEVELS`, and its premises.
 
     Attributes:
         find: of a subject and the parameters below: parameters, and what outputs that enclose
@@ -79,11 +84,11 @@ class Sought(NamedTuple):
         margins: its premises as functions of all parameters, a chart point and xi of the unit ball.
     """
 
-    find: Callable[[Subject, Parameters], tuple[Any, Mapping[str, float]] | str]
+    find: Callable[[SearchTarget, Parameters], tuple[Any, Mapping[str, float]] | str]
     margins: Callable[[GaitSpec, Gait, ZeroDynamics, Parameters, Array, Array], Margins]
 
 
-def _find_walking(of: Subject, known: Parameters) -> tuple[Any, Mapping[str, float]] | str:
+def _find_walking(of: SearchTarget, known: Parameters) -> tuple[Any, Mapping[str, float]] | str:
     del known
     found = find_set(of.spec, of.look, of.disturbance, of.floor)
     if isinstance(found, str):
@@ -91,14 +96,14 @@ def _find_walking(of: Subject, known: Parameters) -> tuple[Any, Mapping[str, flo
     return found, least_of_inlet(of.spec, of.look, found)
 
 
-def _find_orbit(of: Subject, known: Parameters) -> tuple[Any, Mapping[str, float]] | str:
+def _find_orbit(of: SearchTarget, known: Parameters) -> tuple[Any, Mapping[str, float]] | str:
     if of.spec.commands or of.spec.parameters or of.floor:
         return find_contraction(over_all(of.spec, of.look), known[2])
     assert isinstance(of.gait, Gait)
     return find_orbit(of.look, fences_of(of.gait), float(of.gait.tube.unit), known[2])
 
 
-def _find_full_order(of: Subject, known: Parameters) -> tuple[Any, Mapping[str, float]] | str:
+def _find_full_order(of: SearchTarget, known: Parameters) -> tuple[Any, Mapping[str, float]] | str:
     del known
     assert isinstance(of.gait, Gait)
     if of.zd.residual is not None or of.zd.reset_residual is not None:
@@ -113,7 +118,7 @@ def _find_full_order(of: Subject, known: Parameters) -> tuple[Any, Mapping[str, 
     return found if isinstance(found, str) else (found, {})
 
 
-def _find_disturbed(of: Subject, known: Parameters) -> tuple[Any, Mapping[str, float]] | str:
+def _find_disturbed(of: SearchTarget, known: Parameters) -> tuple[Any, Mapping[str, float]] | str:
     assert isinstance(of.gait, Gait)
     model = FullOrderModel(of.zd.robot, of.gait, of.spec, known[4].bandwidth)
     found = find_disturbed(looks_in(model, known[4]), known[4])
@@ -130,27 +135,27 @@ def _disturbed_margins(spec: GaitSpec, gait: Gait, zd: ZeroDynamics, known: Para
     return disturbed.margins(model, known[4], known[5], u, xi)
 
 
-SOUGHT = {
-    2: Sought(
+LEVEL_SEARCHES = {
+    2: LevelSearch(
         _find_walking,
         lambda spec, gait, zd, known, u, xi: walking_set.margins(spec, gait, zd, known[2], u),
     ),
-    3: Sought(
+    3: LevelSearch(
         _find_orbit,
         lambda spec, gait, zd, known, u, xi: orbit_set.margins(gait, zd, known[3], u),
     ),
-    4: Sought(
+    4: LevelSearch(
         _find_full_order,
         _full_order_margins,
     ),
-    5: Sought(_find_disturbed, _disturbed_margins),
+    5: LevelSearch(_find_disturbed, _disturbed_margins),
 }
 """By number."""
 
 
 @dataclass(frozen=True)
-class Sets:
-    """What the levels above 1 are about.
+class LevelSets:
+    """Sets that the levels above 1 are about.
 
     Attributes:
         parameters: of the levels whose sets were found.
@@ -176,7 +181,7 @@ def find_sets(
     disturbance: tuple[float, float],
     floor: float = 0.0,
     bandwidth: float | None = None,
-) -> Sets:
+) -> LevelSets:
     """Look for the sets that a level speaks of.
 
     Args:
@@ -184,30 +189,30 @@ def find_sets(
         gait: of the run.
         zd: whose robot and residuals count; its policy only where there are no commands.
         level: up to which.
-        disturbance: of `Subject`.
+        disturbance: of `SearchTarget`.
         floor: likewise.
         bandwidth: likewise.
 
     Raises: SpecError if nothing can be traced.
     """
     pushed = level > FULL_ORDER_LEVEL
-    of = Subject(spec, gait, zd, disturbance, floor, pushed, bandwidth)
+    of = SearchTarget(spec, gait, zd, disturbance, floor, pushed, bandwidth)
     parameters, reasons, least = {}, {}, {}
     chart = Chart.of(spec.commands, spec.parameters)
     for entry in LEVELS:
         if entry.number > level or not set(entry.rests_on) <= set(parameters):
             continue
         refusal = entry.refusal(parameters, chart)
-        found = refusal or SOUGHT[entry.number].find(of, parameters)
+        found = refusal or LEVEL_SEARCHES[entry.number].find(of, parameters)
         if isinstance(found, str):
             reasons[entry.number] = found
         else:
             parameters[entry.number], more = found
             least |= more
-    return Sets(parameters, reasons, least)
+    return LevelSets(parameters, reasons, least)
 
 
-def look_at(gait: AnyGait, zd: ZeroDynamics, parameters: Errors = ()) -> Look:
+def look_at(gait: AnyGait, zd: ZeroDynamics, parameters: Errors = ()) -> MarginEvaluator:
     """What the finders look at, as a function of chart points. Raises: SpecError."""
     size = PLANE + 2 * len(gait.commands) + len(parameters)
     at = one_step(gait, zd, parameters)

@@ -14,7 +14,7 @@ from neuralgaits.certificate.levels.chart import PLANE
 from neuralgaits.certificate.levels.ladder import conclude
 from neuralgaits.certificate.levels.premises import level_one_boxes, proved_bounds
 from neuralgaits.certificate.proof_file.consistency import inconsistencies
-from neuralgaits.certificate.proof_file.coverage import Asked, unstated, why_incomplete
+from neuralgaits.certificate.proof_file.coverage import SpecOutline, unstated, why_incomplete
 from neuralgaits.certificate.proof_file.reader import FIBRE, Claims, InconsistentError, Statement
 from neuralgaits.certificate.proof_file.shared_check import bound_all
 from neuralgaits.certificate.proof_file.theorem_tables import BY_NUMBER
@@ -60,8 +60,8 @@ ASSUMPTIONS = (
 
 
 @dataclass(frozen=True)
-class Report:
-    """What the check found.
+class CheckResult:
+    """Result of the check of a proof file.
 
     Attributes:
         verdict: "consistent", "rejected" or "undecided"; once tied to a run, "proved".
@@ -82,14 +82,14 @@ class Report:
     holds: bool = False
 
 
-def check(claims: Claims, progress: Progress | None = None) -> Report:
+def check(claims: Claims, progress: Progress | None = None) -> CheckResult:
     """Check every statement of a proof file; stops at the first that is wrong.
 
     Args:
         claims: of `read_claims`.
         progress: called with (leaves done, leaves) now and then.
     """
-    report = Report(
+    report = CheckResult(
         verdict="consistent",
         reason=NOT_TIED,
         statements=all_in_words(claims),
@@ -110,7 +110,7 @@ def check(claims: Claims, progress: Progress | None = None) -> Report:
     return _concluded(claims, report)
 
 
-def tied(report: Report, claims: Claims, asked: Asked) -> Report:
+def tied(report: CheckResult, claims: Claims, asked: SpecOutline) -> CheckResult:
     """A consistent file once its Program is known to be a run's: proved, or what stands against it.
 
     Args:
@@ -148,11 +148,11 @@ def _unclaimed(claims: Claims) -> tuple[str, ...]:
     return tuple(o.name for o in claims.program.outputs if o.name not in claimed)
 
 
-def _not_on_all(claims: Claims, asked: Asked) -> tuple[str, ...]:
+def _not_on_all(claims: Claims, asked: SpecOutline) -> tuple[str, ...]:
     return tuple(dict.fromkeys(name for name, *_ in unstated(claims.statements, asked)))
 
 
-def _concluded(claims: Claims, report: Report) -> Report:
+def _concluded(claims: Claims, report: CheckResult) -> CheckResult:
     """Draw the conclusions that the file claims from its statements, all of which hold by now."""
     theorems, asked = claims.theorems, claims.asked
     boxes = level_one_boxes(claims.statements) if asked is None else asked.boxes()

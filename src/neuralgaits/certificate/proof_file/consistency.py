@@ -5,13 +5,13 @@ here and nowhere else. Needs no JAX.
 """
 
 from neuralgaits.certificate.levels.ladder import refusals
-from neuralgaits.certificate.proof_file.coverage import Asked, contradictions
+from neuralgaits.certificate.proof_file.coverage import SpecOutline, contradictions
 from neuralgaits.certificate.proof_file.reader import Claims
 from neuralgaits.certificate.proof_file.theorem_tables import BY_NUMBER
 from neuralgaits.certificate.proof_file.told_ranges import OTHER_CHART, is_beyond
 
 
-def inconsistencies(claims: Claims, asked: Asked | None) -> list[str]:
+def inconsistencies(claims: Claims, asked: SpecOutline | None) -> list[str]:
     """List what in a proof file cannot be so, one sentence each.
 
     Args:

@@ -22,8 +22,8 @@ SHOWN = 3
 """Boxes or names that are named where more of them are wrong."""
 
 
-class AskedCondition(NamedTuple):
-    """A condition of a spec.
+class ConditionOutline(NamedTuple):
+    """Outline of a condition of a spec.
 
     Attributes:
         region: its name.
@@ -37,8 +37,8 @@ class AskedCondition(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Asked:
-    """Regions and conditions of a spec, as data.
+class SpecOutline:
+    """Outline of a spec: its regions and conditions, as data.
 
     Attributes:
         regions: boxes by name.
@@ -46,10 +46,10 @@ class Asked:
     """
 
     regions: Mapping[str, tuple[tuple[Corner, Corner], ...]]
-    conditions: Mapping[str, AskedCondition]
+    conditions: Mapping[str, ConditionOutline]
 
     @classmethod
-    def read(cls, regions: Any, conditions: Any, *, decimals: bool = True) -> "Asked":
+    def read(cls, regions: Any, conditions: Any, *, decimals: bool = True) -> "SpecOutline":
         """Read them as a run's config has them; without decimals, as a proof's model does.
 
         Raises: ValueError.
@@ -93,7 +93,7 @@ def _box(table: Any, decimals: bool) -> tuple[Corner, Corner]:
     return low, high
 
 
-def _condition(name: str, row: Any, regions: Mapping[str, Any]) -> AskedCondition:
+def _condition(name: str, row: Any, regions: Mapping[str, Any]) -> ConditionOutline:
     if not isinstance(row, dict) or not {"region", "scale"} <= set(row):
         raise ValueError(f"the condition {name}, which has no region or no scale")
     region, scale = text_of(row["region"], "a region"), number_of(row["scale"], "scales")
@@ -101,11 +101,11 @@ def _condition(name: str, row: Any, regions: Mapping[str, Any]) -> AskedConditio
         raise ValueError(f"the condition {name} on the region {region!r}, which is none")
     if not scale > 0.0:
         raise ValueError(f"{scale!r} among the scales, for {name}")
-    return AskedCondition(region, scale, text_of(row.get("kind", "user"), "a kind"))
+    return ConditionOutline(region, scale, text_of(row.get("kind", "user"), "a kind"))
 
 
-class Stated(Claim, Protocol):
-    """A statement of a proof file."""
+class LabelledClaim(Claim, Protocol):
+    """Claim of a proof file with the label of its region."""
 
     @property
     def region(self) -> str:
@@ -113,7 +113,7 @@ class Stated(Claim, Protocol):
         ...
 
 
-def stated_roots(statements: Iterable[Stated]) -> Iterator[tuple[Root, Stated]]:
+def stated_roots(statements: Iterable[LabelledClaim]) -> Iterator[tuple[Root, LabelledClaim]]:
     """Every output and root box that a statement is about, with the statement."""
     for statement in statements:
         for name in statement.scales:
@@ -121,7 +121,7 @@ def stated_roots(statements: Iterable[Stated]) -> Iterator[tuple[Root, Stated]]:
 
 
 def contradictions(
-    statements: Sequence[Stated], theorems: Theorems, asked: Asked | None
+    statements: Sequence[LabelledClaim], theorems: Theorems, asked: SpecOutline | None
 ) -> list[str]:
     """Statements that no spec and no theorem asks for in this form, one sentence each.
 
@@ -149,7 +149,7 @@ def contradictions(
     return wrong
 
 
-def _labels(theorems: Theorems, asked: Asked | None) -> dict[Root, str]:
+def _labels(theorems: Theorems, asked: SpecOutline | None) -> dict[Root, str]:
     """What is asked: the label of each output on each of its boxes."""
     boxes = [] if asked is None else asked.boxes()
     found: dict[Root, str] = {}
@@ -161,7 +161,7 @@ def _labels(theorems: Theorems, asked: Asked | None) -> dict[Root, str]:
     return found
 
 
-def _barriers_that_are_none(theorems: Theorems, asked: Asked | None) -> list[str]:
+def _barriers_that_are_none(theorems: Theorems, asked: SpecOutline | None) -> list[str]:
     if asked is None or theorems.walking is None:
         return []
     shape = theorems.walking
@@ -175,7 +175,7 @@ def premise_names(theorems: Theorems) -> set[str]:
     return {name for _, name, *_ in labelled_premises(theorems.parameters, [])}
 
 
-def unstated(statements: Sequence[Stated], asked: Asked) -> list[Root]:
+def unstated(statements: Sequence[LabelledClaim], asked: SpecOutline) -> list[Root]:
     """Boxes of conditions that no statement is about."""
     found = {root for root, _ in stated_roots(statements)}
     return [root for root in asked.boxes() if root not in found]

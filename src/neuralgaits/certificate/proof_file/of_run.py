@@ -7,7 +7,7 @@ from typing import Any
 from neuralgaits.analysis.run import Run
 from neuralgaits.certificate.levels.chart import Chart
 from neuralgaits.certificate.proof_file.theorem_tables import Theorems
-from neuralgaits.certificate.proof_file.writer import Proof, Statement
+from neuralgaits.certificate.proof_file.writer import Proof, StatementRecord
 from neuralgaits.programs import Program
 from neuralgaits.runs.names import ROBOT, SPEC, WEIGHTS
 
@@ -15,7 +15,7 @@ from neuralgaits.runs.names import ROBOT, SPEC, WEIGHTS
 def proof_of(
     run: Run,
     program: Program,
-    statements: tuple[Statement, ...],
+    statements: tuple[StatementRecord, ...],
     theorems: Theorems,
     model: Mapping[str, Any] | None,
     chart: Chart,

@@ -13,7 +13,7 @@ import numpy as np
 
 from neuralgaits._names import LONGEST_NAME, why_no_name
 from neuralgaits.certificate.levels.chart import Chart, Corner, Near, asked_for
-from neuralgaits.certificate.proof_file.coverage import Asked, premise_names
+from neuralgaits.certificate.proof_file.coverage import SpecOutline, premise_names
 from neuralgaits.certificate.proof_file.json_fields import (
     box_of,
     exactly,
@@ -136,7 +136,7 @@ class Claims:
     statements: tuple[Statement, ...]
     theorems: Theorems
     model: dict[str, Any] | None
-    asked: Asked | None
+    asked: SpecOutline | None
     commands: tuple[CommandRange, ...] = ()
 
     @cached_property
@@ -217,8 +217,8 @@ def _refuse_names(outputs: set[str], premises: set[str]) -> None:
             raise ValueError(f"an output of the Program named {why}")
 
 
-def _asked(model: dict[str, Any], outputs: set[str]) -> Asked:
-    asked = Asked.read(model.get("regions"), model.get("conditions"), decimals=False)
+def _asked(model: dict[str, Any], outputs: set[str]) -> SpecOutline:
+    asked = SpecOutline.read(model.get("regions"), model.get("conditions"), decimals=False)
     own = {name for name in outputs if "/" not in name}
     if odd := sorted(own ^ set(asked.conditions)):
         raise ValueError(f"{odd[0]}, which only one of model and Program has")

@@ -107,7 +107,7 @@ def _explore(
             keep(number, start(problem, confirm))
     phases: list[Phase] = ["decide", "tighten"]
     for phase in phases:
-        room = _Room(problems, current, phase, deadline)
+        room = _BoxBudget(problems, current, phase, deadline)
         left, wide_turn = list(range(len(problems))), TURN_BOXES
         while left and time.monotonic() < deadline:
             for number in left:
@@ -127,7 +127,7 @@ def _explore(
             left = [n for n in left if len(to_split(problems[n], current[n], phase, room.of(n)))]
 
 
-class _Room:
+class _BoxBudget:
     """How many boxes roots may have.
 
     In the plane each has its share. In more axes some need a thousand times as many as others, so

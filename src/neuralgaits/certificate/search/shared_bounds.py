@@ -14,7 +14,7 @@ import numpy as np
 
 from neuralgaits.certificate.levels.chart import Near
 from neuralgaits.certificate.search.problem import Bounds, Boxes, Problem
-from neuralgaits.engine import Engine, Files, Job, Settings
+from neuralgaits.engine import Files, Job, Settings, WorkerPool
 from neuralgaits.programs import Program
 
 _PROBLEM, _LOW, _HIGH, _LOWER, _UPPER = "problem.json", "low", "high", "lower", "upper"
@@ -26,7 +26,7 @@ _TUPLES = ("low", "high", "names", "scales", "least")
 class SharedBounds:
     """Bounds from the workers of an engine."""
 
-    def __init__(self, engine: Engine):
+    def __init__(self, engine: WorkerPool):
         self._engine = engine
 
     def __call__(self, problem: Problem, batches: Sequence[Boxes]) -> Generator[Bounds, None, None]:

@@ -29,7 +29,7 @@ from neuralgaits.gait.policies.step_ends import (
 )
 from neuralgaits.gait.policies.step_policy import StepPolicy
 from neuralgaits.gait.posture import Posture, frame_of, walking_posture
-from neuralgaits.gait.reset_residual import Reset
+from neuralgaits.gait.reset_residual import ResetCorrection
 
 if TYPE_CHECKING:
     from neuralgaits.robots import PlanarBiped
@@ -134,7 +134,7 @@ class HybridInvariantPolicy(StepPolicy):
         return self if self.then is None else self.then
 
     def matched(
-        self, robot: "PlanarBiped", reset_residual: Reset = None
+        self, robot: "PlanarBiped", reset_residual: ResetCorrection = None
     ) -> "HybridInvariantPolicy":
         """Recompute start of the step and cubic from the robot's impact at the guard."""
         outputs = inside(self.guard_outputs, self.lower, self.upper)

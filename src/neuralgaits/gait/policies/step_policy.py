@@ -59,8 +59,8 @@ class StepPolicy(NetworkPolicy):
         return jnp.concatenate([ends, self.cubic.reshape(-1), self.network.biases[0]])
 
 
-class NumberedStep(StepPolicy):
-    """A policy of one step, put together from its numbers: all that a tick evaluates."""
+class TabulatedStep(StepPolicy):
+    """Policy of one step, put together from its parameters: all that a tick evaluates."""
 
     z2_dependence: bool = eqx.field(static=True, default=True)
 
@@ -69,6 +69,6 @@ class NumberedStep(StepPolicy):
         """Of its `numbers`."""
         return len(self.numbers)
 
-    def trainable(self) -> "NumberedStep":
+    def trainable(self) -> "TabulatedStep":
         """Nothing may move."""
         raise NotImplementedError("a step is computed, not trained")

@@ -16,7 +16,7 @@ _Found = dict[str, Float[np.ndarray, " k"]]
 """Quantities by their key in the file of columns."""
 
 
-class Numbers(NamedTuple):
+class SheetArrays(NamedTuple):
     """What a file holds in k rows; NaN where it has none. j joints a leg.
 
     Legs are in the order of the robot file, joints from the lowest up.
@@ -46,7 +46,7 @@ class Numbers(NamedTuple):
     """Of both feet."""
 
 
-def numbers(text: Text, robot: PlanarBiped, columns: ColumnFile) -> Numbers:
+def numbers(text: Text, robot: PlanarBiped, columns: ColumnFile) -> SheetArrays:
     """The numbers of a file.
 
     Raises: InputError for a column that is not there, a broken row, and a contact that is none.
@@ -64,7 +64,7 @@ def numbers(text: Text, robot: PlanarBiped, columns: ColumnFile) -> Numbers:
 
     contact = [_contact(text, columns, found, rows, robot, foot) for foot in layout.feet]
     along, up = (found.get(f"hip_velocity.{way}") for way in ("x", "z"))
-    return Numbers(
+    return SheetArrays(
         t=found["time"],
         rows=rows,
         pitch=layout.pitch_sign * found["pitch"] + layout.root_angle,

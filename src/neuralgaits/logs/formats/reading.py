@@ -26,8 +26,8 @@ SAME_RAD = 1e-6
 """Angles of two walks that agree to this are one walk: a simulation repeats itself to rounding."""
 
 
-class Reading(NamedTuple):
-    """A log as far as it is good."""
+class CleanedLog(NamedTuple):
+    """Log without its bad rows, and how many those were."""
 
     log: Log
     """Its good rows."""
@@ -41,7 +41,7 @@ def read(
     *,
     columns: str | Path | ColumnFile | None = None,
     policy: AbstractPolicy | None = None,
-) -> Reading:
+) -> CleanedLog:
     """Read a log of a robot.
 
     Args:
@@ -76,7 +76,7 @@ def read(
             "touchdown"
         )
     left_out = {"missing": _missing(log), "outliers": int(np.count_nonzero(~good | spikes))}
-    return Reading(log.only(good & ~spikes), left_out)
+    return CleanedLog(log.only(good & ~spikes), left_out)
 
 
 def _of_known_format(text: Text, robot: PlanarBiped) -> tuple[Log, Labels]:

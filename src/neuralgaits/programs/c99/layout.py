@@ -34,7 +34,7 @@ class Group:
 
 
 @dataclass(frozen=True)
-class Layout:
+class OperationLayout:
     """Operations in groups that run one after the other.
 
     Attributes:
@@ -50,7 +50,7 @@ class Layout:
     blocks: frozenset[int]
 
 
-def lay_out(nodes: list[Node], outputs: list[Node]) -> Layout:
+def lay_out(nodes: list[Node], outputs: list[Node]) -> OperationLayout:
     """Group operations and give every value that outlives its loop an array.
 
     Args:
@@ -75,7 +75,7 @@ def lay_out(nodes: list[Node], outputs: list[Node]) -> Layout:
         free += sorted(stored[k] for k in done - lent)
         alive -= done
     streamed = {node.number for group in groups for node in group.streamed}
-    return Layout(groups, stored, slots, frozenset(streamed & outside))
+    return OperationLayout(groups, stored, slots, frozenset(streamed & outside))
 
 
 def _scalar(node: Node) -> bool:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from neuralgaits.programs.c99.layout import BLOCK, Group, Layout
+from neuralgaits.programs.c99.layout import BLOCK, Group, OperationLayout
 from neuralgaits.programs.c99.nodes import GATHERED, Node
 from neuralgaits.programs.c99.tables import Tables, identifier, literal, wrapped
 from neuralgaits.programs.program import Program
@@ -41,7 +41,7 @@ class Writer:
         program: Program,
         function: str,
         about: str,
-        layout: Layout,
+        layout: OperationLayout,
         outputs: Mapping[str, Node],
         tables: Tables,
     ):

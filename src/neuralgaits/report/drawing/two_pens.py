@@ -18,7 +18,7 @@ PATIENCE_S = 300.0
 """A process that has not written its half by then is given up [s]."""
 
 
-class Sheet(NamedTuple):
+class FigureFile(NamedTuple):
     """A figure and the files it becomes, `folder/name.png` and `folder/name.svg`."""
 
     figure: Figure
@@ -49,7 +49,7 @@ def second_pen() -> Iterator[Pen | None]:
             pen.communicate()
 
 
-def write_all(sheets: Sequence[Sheet], pen: Pen | None) -> list[tuple[Path, Path]]:
+def write_all(sheets: Sequence[FigureFile], pen: Pen | None) -> list[tuple[Path, Path]]:
     """Write all figures, every other one in the process beside.
 
     What that process cannot write, for whatever reason, is written here and raises here.
@@ -69,7 +69,7 @@ def write_all(sheets: Sequence[Sheet], pen: Pen | None) -> list[tuple[Path, Path
     return [paths_of(sheet.folder, sheet.name) for sheet in sheets]
 
 
-def _hand_over(pen: Pen, sheets: Sequence[Sheet]) -> bool:
+def _hand_over(pen: Pen, sheets: Sequence[FigureFile]) -> bool:
     """Let the process write them. Returns: whether it did."""
     try:
         pen.communicate(pickle.dumps([tuple(sheet) for sheet in sheets]), timeout=PATIENCE_S)

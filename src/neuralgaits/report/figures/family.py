@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from neuralgaits.analysis.family import Family, Member, Sweep
+from neuralgaits.analysis.family import CommandSweep, Family, Member
 from neuralgaits.report import told
 from neuralgaits.report.drawing import skeleton
 from neuralgaits.report.drawing.style import (
@@ -85,7 +85,7 @@ def draw(family: Family) -> Figure:
     return figure
 
 
-def _speeds(axes: Axes, sweep: Sweep, members: tuple[Member, ...]) -> None:
+def _speeds(axes: Axes, sweep: CommandSweep, members: tuple[Member, ...]) -> None:
     """Mean speed of the orbits over a command, with the members that the other panels show."""
     x = np.array([told.value(sweep.name, value) for value in sweep.values])
     if sweep.name == "speed":

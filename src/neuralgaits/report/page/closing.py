@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 from neuralgaits.records import in_plain_words
-from neuralgaits.records.certified import Certified
+from neuralgaits.records.certified import CertificateRecord
 from neuralgaits.records.in_plain_words import ORBIT
 from neuralgaits.report import again
 from neuralgaits.report.drawing.drawn import Drawn, Missing
@@ -128,12 +128,12 @@ def missing_parts(contents: Contents) -> Iterator[tuple[str, str]]:
             yield f"figure “{figure.title}”: {figure.reason}", figure.command
 
 
-def _other_box(saved: Saved, found: Certified) -> Mapping[str, float] | None:
+def _other_box(saved: Saved, found: CertificateRecord) -> Mapping[str, float] | None:
     """The box that a proof is about; None if it is the one that the run is meant for."""
     return None if found.parameters == saved.asked.parameters else found.parameters
 
 
-def _last_level(saved: Saved, found: Certified) -> int:
+def _last_level(saved: Saved, found: CertificateRecord) -> int:
     """The highest that can be asked for without giving up what is proved: 4 is about one robot."""
     return min(saved.asked.last_level, ORBIT) if found.parameters else saved.asked.last_level
 

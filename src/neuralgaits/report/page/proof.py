@@ -8,9 +8,9 @@ from neuralgaits.records.certified import (
     LEVELS,
     PROOF,
     SUMMARY,
-    Certified,
+    CertificateRecord,
     Conclusion,
-    Constant,
+    TheoremConstant,
 )
 from neuralgaits.records.levels import HIGHEST_OF_MANY
 from neuralgaits.report.page import markup as html
@@ -84,7 +84,7 @@ def _absent(saved: Saved) -> Html:
     )
 
 
-def _ladder(found: Certified, told: bool) -> Html:
+def _ladder(found: CertificateRecord, told: bool) -> Html:
     """A row a level; `told` whether the gait takes commands."""
     answers = {1: found.of_conditions} | {entry.level: entry.verdict for entry in found.levels}
     if told or found.parameters:
@@ -125,14 +125,14 @@ def _level(entry: Conclusion) -> Html:
     )
 
 
-def _rounded(constant: Constant) -> str:
+def _rounded(constant: TheoremConstant) -> str:
     """A constant, a bound to the side on which it stays true."""
     if constant.side == "exact":
         return html.number(constant.value)
     return html.bound(constant.value, above=constant.side == "most")
 
 
-def _conditions(found: Certified) -> Html:
+def _conditions(found: CertificateRecord) -> Html:
     rows = []
     tightness = {"refuted": 0, "undecided": 1}
     ordered = sorted(
@@ -171,7 +171,7 @@ def _conditions(found: Certified) -> Html:
     return html.join(parts)
 
 
-def _files(saved: Saved, found: Certified) -> list[Html]:
+def _files(saved: Saved, found: CertificateRecord) -> list[Html]:
     if PROOF not in saved.hashes:
         return [html.paragraph("There is no proof file: nothing was proved that could be checked.")]
     rows = [(html.tag("code", PROOF), html.tag("code", saved.hashes[PROOF]))]

@@ -7,8 +7,8 @@ from typing import TypeVar
 
 from neuralgaits.errors import RunError
 from neuralgaits.records import walked
-from neuralgaits.records.asked import Asked, Range, asked_of
-from neuralgaits.records.certified import PROOF, SUMMARY, Certified, ConditionVerdict
+from neuralgaits.records.asked import Range, TrainingConfig, asked_of
+from neuralgaits.records.certified import PROOF, SUMMARY, CertificateRecord, ConditionVerdict
 from neuralgaits.records.fitted import Fitted
 from neuralgaits.records.inspected import RobotFacts
 from neuralgaits.records.record import Record
@@ -72,10 +72,10 @@ class Saved:
     """
 
     folder: RunFolder
-    asked: Asked
+    asked: TrainingConfig
     summary: Trained | None
     metrics: list[dict[str, float]]
-    certificate: Certified | None
+    certificate: CertificateRecord | None
     disturbance: tuple[float, ...]
     simulation: Simulated | None
     residual: Fitted | None
@@ -142,7 +142,7 @@ class Contents:
 
 def read(
     folder: RunFolder,
-    certificate: Certified | None,
+    certificate: CertificateRecord | None,
     no_certificate: str | None = None,
     disturbance: tuple[float, ...] = (),
     of_some: ProvedOfSome | None = None,

@@ -4,7 +4,7 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from neuralgaits.records.asked import Given, Stated
+from neuralgaits.records.asked import ConditionRecord, GaitOrigin
 from neuralgaits.records.certified import box_in_words
 from neuralgaits.records.inspected import RobotFacts
 from neuralgaits.records.trained import Trained, Violations
@@ -66,7 +66,7 @@ def _state(saved: Saved) -> Html:
     return html.paragraph(f"{said}.")
 
 
-def _not_trained(given: Given, summary: Trained) -> str:
+def _not_trained(given: GaitOrigin, summary: Trained) -> str:
     """Where a gait is from that was given."""
     made = (
         f"optimised for the least cost of transport at {html.number(given.speed)} m/s"
@@ -202,7 +202,7 @@ def _table(caption: str, rows: list[tuple[Any, ...]]) -> Html:
     return html.table(caption, head, rows, numbers="  nn", cards=True)
 
 
-def _explained(asked: list[Stated]) -> str:
+def _explained(asked: list[ConditionRecord]) -> str:
     """What the words of the table mean: those that stand in it."""
     said = (
         "A margin is how far a condition is from failing. It is counted in scales: a scale is a "
@@ -225,7 +225,7 @@ def _told(entry: Mapping[str, Any]) -> str:
         return "described in a way that this version does not know"
 
 
-def _row(one: Stated, measured: Violations | None) -> tuple[Any, ...]:
+def _row(one: ConditionRecord, measured: Violations | None) -> tuple[Any, ...]:
     size = words.scale(one.data, one.scale or 1.0)
     name = html.join(
         [html.tag("b", one.name), Html("<br>"), html.tag("span", _told(one.data), class_="quiet")]

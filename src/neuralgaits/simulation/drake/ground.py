@@ -50,8 +50,8 @@ class ContactConfig:
 
 
 @dataclass(frozen=True, eq=False)
-class Ground:
-    """What there is to stand on, and with.
+class ContactBodies:
+    """Bodies in contact: the feet and the floors.
 
     Attributes:
         feet: body of each foot.
@@ -64,7 +64,7 @@ class Ground:
 
 def add_ground(
     plant: Any, scene_graph: Any, source: Plant, tree: Tree, config: ContactConfig
-) -> Ground:
+) -> ContactBodies:
     """Give each foot its sphere, and its own floor, or the blocks of a course for both.
 
     Args:
@@ -112,7 +112,7 @@ def add_ground(
         apart.ExcludeBetween(GeometrySet(spheres[:1]), GeometrySet(planes[1:]))
         apart.ExcludeBetween(GeometrySet(spheres[1:]), GeometrySet(planes[:1]))
     scene_graph.collision_filter_manager().Apply(apart)
-    return Ground(tuple(bodies), tuple(floors))
+    return ContactBodies(tuple(bodies), tuple(floors))
 
 
 def _add_blocks(plant: Any, model: mujoco.MjModel, material: ProximityProperties) -> None:

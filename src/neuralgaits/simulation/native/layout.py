@@ -13,7 +13,7 @@ import numpy as np
 _Fields = list[tuple[str, Any]]
 
 
-class Layout(NamedTuple):
+class StructLayout(NamedTuple):
     """Types of one robot."""
 
     scene: type[Structure]
@@ -46,7 +46,7 @@ def _told(commands: int) -> _Fields:
 
 
 @lru_cache
-def layout_of(leg_joints: int, actuated: int, commands: int = 0, step: int = 0) -> Layout:
+def layout_of(leg_joints: int, actuated: int, commands: int = 0, step: int = 0) -> StructLayout:
     """Types of a robot and a gait.
 
     Args:
@@ -207,7 +207,7 @@ def layout_of(leg_joints: int, actuated: int, commands: int = 0, step: int = 0) 
         *([("told", (2, commands))] if commands else []),
     ]
     record = np.dtype([(name, np.float64, shape) for name, shape in shapes])
-    return Layout(scene, walk, law, record)
+    return StructLayout(scene, walk, law, record)
 
 
 def pointer(array: np.ndarray | None) -> c_void_p:

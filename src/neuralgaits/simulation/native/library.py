@@ -12,7 +12,7 @@ import mujoco
 import numpy as np
 
 from neuralgaits.control import Controller
-from neuralgaits.simulation.native.layout import Layout, address, layout_of
+from neuralgaits.simulation.native.layout import StructLayout, address, layout_of
 
 
 class NativeError(Exception):
@@ -37,7 +37,7 @@ class Library:
         """
         self._made_for = _written(controller)
         robot, policy = controller.robot, controller.policy
-        self.layout: Layout = layout_of(
+        self.layout: StructLayout = layout_of(
             robot.n // 2, robot.n - 1, len(policy.commands), policy.step_size
         )
         try:

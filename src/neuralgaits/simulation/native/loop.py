@@ -25,12 +25,12 @@ from neuralgaits.simulation.native.layout import pointer
 from neuralgaits.simulation.native.library import Library
 from neuralgaits.simulation.native.records import record_of
 from neuralgaits.simulation.native.scene import scene_of
-from neuralgaits.simulation.setup.given import Given
-from neuralgaits.simulation.setup.orders import Orders
+from neuralgaits.simulation.setup.given import EpisodeInputs
+from neuralgaits.simulation.setup.orders import CommandSchedule
 from neuralgaits.simulation.setup.plant import Plant
 from neuralgaits.simulation.ticks.falls import Ending, FallConfig
 from neuralgaits.simulation.ticks.gauge import Extremes, Gauge, Milestone
-from neuralgaits.simulation.ticks.lockstep import Episodes
+from neuralgaits.simulation.ticks.lockstep import EpisodeBatch
 from neuralgaits.simulation.ticks.strides import Strides, width
 
 _CHUNK = 4096
@@ -62,13 +62,13 @@ def run(
     plant: Plant,
     controller: Controller,
     states: Float[np.ndarray, "B s"],
-    given: Given,
+    given: EpisodeInputs,
     *,
     steps: int,
     falls: FallConfig,
     threads: int,
     plants: Sequence[Plant] = (),
-) -> Episodes:
+) -> EpisodeBatch:
     """Run every episode to its end, as `lockstep.run` does.
 
     Args:
@@ -111,7 +111,7 @@ def run(
     wall = clock.perf_counter() - began
     whole = kept[0]
     rows = np.concatenate(whole.records) if given.record else None
-    return Episodes(
+    return EpisodeBatch(
         [Ending(found.walk.ending) for found in kept],
         _gauge([found.walk for found in kept]),
         None if rows is None else record_of(rows, plant.robot),
@@ -131,7 +131,7 @@ def _episode(
     scene: Any,
     plant: Plant,
     data: mujoco.MjData,
-    given: Given,
+    given: EpisodeInputs,
     states: Float[np.ndarray, "B s"],
     episode: int,
     stop: threading.Event,
@@ -201,7 +201,7 @@ def _episode(
 class _Orders:
     """Enough of what touchdowns to come are to latch."""
 
-    def __init__(self, orders: Orders, episode: int):
+    def __init__(self, orders: CommandSchedule, episode: int):
         self._rest = orders.of(episode)
         self._rows = np.zeros((0, len(orders.commands)))
 

@@ -9,7 +9,7 @@ import numpy as np
 from neuralgaits.control import AbstractLaw, ClfQp, Controller, Fblin, Pd
 from neuralgaits.errors import InputError
 from neuralgaits.gait.commands import place_of
-from neuralgaits.simulation.native.layout import Layout
+from neuralgaits.simulation.native.layout import StructLayout
 from neuralgaits.simulation.native.library import Library
 from neuralgaits.simulation.setup.plant import SUBSTEPS, Plant
 from neuralgaits.simulation.setup.push import DURATION_S, Push
@@ -106,7 +106,7 @@ def _set_program(library: Library, scene: Any, controller: Controller) -> None:
     scene.law.own = ctypes.addressof(scene) + library.layout.scene.clf_qp.offset
 
 
-def _set_config(scene: Any, types: Layout, controller: Controller) -> None:
+def _set_config(scene: Any, types: StructLayout, controller: Controller) -> None:
     """The limits of the robot and no others: a simulation shows what a law does."""
     config = scene.config
     config.law = ctypes.cast(ctypes.addressof(scene) + types.scene.law.offset, POINTER(types.law))

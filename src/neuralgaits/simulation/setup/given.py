@@ -3,14 +3,14 @@
 from dataclasses import dataclass
 
 from neuralgaits.simulation.setup.course import Courses
-from neuralgaits.simulation.setup.orders import Orders
+from neuralgaits.simulation.setup.orders import CommandSchedule
 from neuralgaits.simulation.setup.push import Push
 from neuralgaits.simulation.setup.terrain import Terrain
 
 
 @dataclass(frozen=True)
-class Given:
-    """Of all episodes.
+class EpisodeInputs:
+    """Inputs of all episodes: floors, pushes, commands and noise.
 
     Attributes:
         terrain: floor levels, before the first tick.
@@ -26,7 +26,7 @@ class Given:
 
     terrain: Terrain
     push: Push
-    orders: Orders
+    orders: CommandSchedule
     courses: Courses | None
     seed: int
     noisy: bool

@@ -11,8 +11,8 @@ import numpy as np
 
 from neuralgaits._types import Float
 from neuralgaits.errors import InputError
-from neuralgaits.gait.commands import Commands, Limits, place_of, values
-from neuralgaits.simulation.setup.disturbance import Disturbance
+from neuralgaits.gait.commands import CommandLimits, Commands, place_of, values
+from neuralgaits.simulation.setup.disturbance import PlantChanges
 
 RANDOM = "random"
 """In the place of a file: new commands at each touchdown."""
@@ -21,8 +21,8 @@ _STREAM = 6
 
 
 @dataclass(frozen=True, eq=False)
-class Orders:
-    """What every episode of a simulation is told.
+class CommandSchedule:
+    """Commands of every episode of a simulation.
 
     Attributes:
         commands: of the gait.
@@ -39,9 +39,9 @@ class Orders:
     @classmethod
     def constant(
         cls, commands: Commands, command: Float[np.ndarray, " p"] | None = None
-    ) -> "Orders":
+    ) -> "CommandSchedule":
         """The same for ever; the middle of the ranges if None."""
-        first = Limits.of(commands).middle if command is None else np.asarray(command)
+        first = CommandLimits.of(commands).middle if command is None else np.asarray(command)
         return cls(commands, first, first[None])
 
     def of(self, episode: int) -> Iterator[Float[np.ndarray, " p"]]:
@@ -50,7 +50,7 @@ class Orders:
             yield from self.table
             while True:
                 yield self.table[-1]
-        limits, last = Limits.of(self.commands), self.first
+        limits, last = CommandLimits.of(self.commands), self.first
         draws = np.random.default_rng([self.seed, episode, _STREAM])
         while True:
             low = np.maximum(limits.low, last - limits.change)
@@ -64,7 +64,7 @@ def orders_of(
     command: str | Mapping[str, float] | None = None,
     file: str | Path | None = None,
     seed: int = 0,
-) -> Orders:
+) -> CommandSchedule:
     """What was asked for, checked.
 
     Args:
@@ -77,7 +77,7 @@ def orders_of(
     Raises: InputError with one line.
     """
     if command is None and file is None:
-        return Orders.constant(commands)
+        return CommandSchedule.constant(commands)
     if not commands:
         raise InputError(
             "expected a gait that takes commands, found one that takes none: train one with "
@@ -86,16 +86,16 @@ def orders_of(
     if command is not None and file is not None:
         raise InputError("expected --command or --commands, found both: leave one out")
     if command is not None:
-        return Orders.constant(commands, _constant(commands, command))
+        return CommandSchedule.constant(commands, _constant(commands, command))
     if str(file) == RANDOM:
-        middle = Limits.of(commands).middle
-        return Orders(commands, middle, middle[None], seed)
+        middle = CommandLimits.of(commands).middle
+        return CommandSchedule(commands, middle, middle[None], seed)
     assert file is not None
     rows = _rows(commands, Path(file))
-    return Orders(commands, rows[0], rows[1:] if len(rows) > 1 else rows)
+    return CommandSchedule(commands, rows[0], rows[1:] if len(rows) > 1 else rows)
 
 
-def on_slope(disturbance: Disturbance, orders: Orders) -> Disturbance:
+def on_slope(disturbance: PlantChanges, orders: CommandSchedule) -> PlantChanges:
     """The floor of a gait that is told its slope: tilted as it is told, unless it is otherwise.
 
     Raises: InputError for slopes that change: the floor is one plane.
@@ -114,7 +114,7 @@ def on_slope(disturbance: Disturbance, orders: Orders) -> Disturbance:
 
 def _constant(commands: Commands, given: str | Mapping[str, float]) -> Float[np.ndarray, " p"]:
     wanted = parsed(given) if isinstance(given, str) else dict(given)
-    middle = dict(zip((c.name for c in commands), Limits.of(commands).middle, strict=True))
+    middle = dict(zip((c.name for c in commands), CommandLimits.of(commands).middle, strict=True))
     unknown = [name for name in wanted if name not in middle]
     if unknown:
         raise InputError(

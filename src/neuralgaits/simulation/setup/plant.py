@@ -19,7 +19,7 @@ from neuralgaits.errors import InputError, RobotError
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.robots.mjcf_state import StateMap
 from neuralgaits.simulation.setup.course import Course
-from neuralgaits.simulation.setup.disturbance import Disturbance
+from neuralgaits.simulation.setup.disturbance import PlantChanges
 
 TIMESTEP_S = 5e-4
 SUBSTEPS = 2
@@ -62,7 +62,7 @@ class Plant:
 
     robot: PlanarBiped
     model: mujoco.MjModel
-    disturbance: Disturbance
+    disturbance: PlantChanges
     wires: StateMap
     torque_limit: Float[np.ndarray, " m"]
     slope: float
@@ -81,13 +81,13 @@ class Plant:
 
 
 def build(
-    robot: PlanarBiped, disturbance: Disturbance | None = None, course: Course | None = None
+    robot: PlanarBiped, disturbance: PlantChanges | None = None, course: Course | None = None
 ) -> Plant:
     """Compile the plant of a robot, on floors, or on the blocks of a course.
 
     Raises: RobotError if MuJoCo refuses the file, InputError if a disturbance does not apply.
     """
-    disturbance = Disturbance() if disturbance is None else disturbance
+    disturbance = PlantChanges() if disturbance is None else disturbance
     layout = robot.layout
     slope = math.tan(math.radians(disturbance.slope_deg))
     try:
@@ -123,7 +123,7 @@ def _add_floors(
     spec: mujoco.MjSpec,
     geometry: mujoco.MjModel,
     robot: PlanarBiped,
-    disturbance: Disturbance,
+    disturbance: PlantChanges,
     course: Course | None,
 ) -> None:
     """Give each foot a plane, take every other contact away, and put sensors on the feet.
@@ -197,7 +197,7 @@ def _planes(spec: mujoco.MjSpec):
     return (geom for geom in spec.geoms if geom.type == mujoco.mjtGeom.mjGEOM_PLANE)
 
 
-def _disturb(model: mujoco.MjModel, robot: PlanarBiped, disturbance: Disturbance) -> None:
+def _disturb(model: mujoco.MjModel, robot: PlanarBiped, disturbance: PlantChanges) -> None:
     layout = robot.layout
     joints = sorted({name for leg in layout.leg_joints for name in leg})
     friction = robot.friction if disturbance.friction is None else disturbance.friction

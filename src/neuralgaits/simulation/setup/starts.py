@@ -11,7 +11,7 @@ from neuralgaits.barriers import Gait
 from neuralgaits.barriers.regions import AnyGait, CommandedGait
 from neuralgaits.errors import InputError
 from neuralgaits.gait import Orbit, ZeroDynamics
-from neuralgaits.gait.commands import Commands, Limits, Pair
+from neuralgaits.gait.commands import CommandLimits, Commands, Pair
 
 KINDS = ("centre", "region", "fixed-point")
 # Phases at which the fences are read to find the momenta of a tube.
@@ -75,7 +75,7 @@ def momentum_range(gait: AnyGait) -> tuple[float, float]:
 
 def _pairs(commands: Commands) -> Pair:
     """A grid of the pairs that may follow each other. [N, p] each."""
-    limits = Limits.of(commands)
+    limits = CommandLimits.of(commands)
     ends = np.linspace(0.0, 1.0, max(2, round(_PAIRS ** (0.5 / len(commands)))))
     grid = np.stack(np.meshgrid(*[ends] * (2 * len(commands))), axis=-1)
     first, change = np.split(grid.reshape(-1, 2 * len(commands)), 2, axis=1)

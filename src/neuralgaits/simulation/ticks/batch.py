@@ -35,7 +35,7 @@ class Batch(NamedTuple):
     verdict_of: "Unpack"
     """Packed verdicts to a `Verdict` with a leading axis."""
     record_of: "Unpack"
-    """Packed records to a `Record` with a leading axis."""
+    """Packed records to a `TickRecord` with a leading axis."""
 
 
 class Unpack:

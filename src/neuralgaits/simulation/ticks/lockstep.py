@@ -12,8 +12,8 @@ import numpy as np
 
 from neuralgaits._types import Float, Int
 from neuralgaits.simulation.setup.course import Courses
-from neuralgaits.simulation.setup.given import Given
-from neuralgaits.simulation.setup.orders import Orders
+from neuralgaits.simulation.setup.given import EpisodeInputs
+from neuralgaits.simulation.setup.orders import CommandSchedule
 from neuralgaits.simulation.setup.plant import SUBSTEPS, TIMESTEP_S, Plant
 from neuralgaits.simulation.ticks.batch import Batch, pack
 from neuralgaits.simulation.ticks.falls import Ending
@@ -21,18 +21,18 @@ from neuralgaits.simulation.ticks.gauge import Gauge
 from neuralgaits.simulation.ticks.recorder import Recorder
 from neuralgaits.simulation.ticks.scene import PlantReading
 from neuralgaits.simulation.ticks.strides import Strides, width
-from neuralgaits.simulation.ticks.tick import Record, Verdict
+from neuralgaits.simulation.ticks.tick import TickRecord, Verdict
 from neuralgaits.simulation.ticks.world import World
 
 
-class Episodes(NamedTuple):
-    """What became of a batch of episodes."""
+class EpisodeBatch(NamedTuple):
+    """Results of a batch of episodes."""
 
     endings: list[Ending]
     """How each ended."""
     gauge: Gauge
     """Running figures at each one's last tick, with a leading axis of episodes."""
-    record: Record | None
+    record: TickRecord | None
     """Of episode 0, with a leading axis of ticks, if it was asked for."""
     states: Float[np.ndarray, "T s"]
     """MuJoCo states of episode 0, one a tick, if they were asked for."""
@@ -42,13 +42,13 @@ class Episodes(NamedTuple):
     """MuJoCo steps taken, all episodes together."""
     wall_s: float
     """Time of the loop [s], compilation left out."""
-    records: list[Record]
+    records: list[TickRecord]
     """Of every episode, as many ticks as were asked for, with a leading axis of ticks."""
     strides: list[Strides]
     """Touchdowns of every episode."""
 
 
-Watch = Callable[[Record, Int[np.ndarray, " a"]], None]
+Watch = Callable[[TickRecord, Int[np.ndarray, " a"]], None]
 """(records of a tick, with a leading axis of all episodes; numbers of those still running)."""
 
 
@@ -76,9 +76,9 @@ def run(
     plant: Plant,
     batch: Batch,
     world: World,
-    given: Given,
+    given: EpisodeInputs,
     watch: Watch | None = None,
-) -> Episodes:
+) -> EpisodeBatch:
     """Run every episode to its end.
 
     Args:
@@ -88,7 +88,7 @@ def run(
         given: to them.
         watch: called after each control tick.
 
-    Returns: `Episodes`.
+    Returns: `EpisodeBatch`.
     """
     count, first = len(world.states), given.first
     terrain, courses, orders = given.terrain, given.courses, given.orders
@@ -101,7 +101,7 @@ def run(
     kept = np.array(carry)
     records, seen, levels = [], [], []
     recorder = Recorder(given.longest) if given.longest else None
-    told = _Told(orders, range(first, first + count), courses)
+    told = _CommandFeed(orders, range(first, first + count), courses)
     strides: list[list[np.ndarray]] = [[] for _ in range(count)]
     # The first call compiles; its result is thrown away.
     reading = _reading(world, levels_now, noise, told)
@@ -140,7 +140,7 @@ def run(
             world.advance(active, controls, force)
             plant_steps += SUBSTEPS * active.size
     wall = clock.perf_counter() - began
-    return Episodes(
+    return EpisodeBatch(
         [Ending(value) for value in endings],
         batch.carry_of(kept).gauge,
         batch.record_of(np.array(records)) if given.record else None,
@@ -157,16 +157,16 @@ def run(
 
 
 def _reading(
-    world: World, levels: Float[np.ndarray, "B 2"], noise: Noise, told: "_Told"
+    world: World, levels: Float[np.ndarray, "B 2"], noise: Noise, told: "_CommandFeed"
 ) -> Float[np.ndarray, "B r"]:
     """What the tick finds now, packed."""
     return pack(PlantReading(world.states, world.touch, levels, noise.next(), told.wanted))
 
 
-class _Told:
-    """What the next touchdown of every episode is to latch."""
+class _CommandFeed:
+    """Commands that the next touchdown of every episode latches."""
 
-    def __init__(self, orders: Orders, episodes: range, courses: Courses | None):
+    def __init__(self, orders: CommandSchedule, episodes: range, courses: Courses | None):
         self._courses = courses
         self._orders = [orders.of(i) for i in episodes]
         first = [next(rows) for rows in self._orders]

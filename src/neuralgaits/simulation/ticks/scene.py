@@ -10,7 +10,7 @@ from neuralgaits.control import (
     Controller,
 )
 from neuralgaits.control.estimator import Estimator
-from neuralgaits.gait.commands import Limits
+from neuralgaits.gait.commands import CommandLimits
 from neuralgaits.robots import MjcfLayout, PlanarBiped
 from neuralgaits.robots.mjcf_state import StateMap
 from neuralgaits.simulation.setup.plant import Plant
@@ -83,7 +83,7 @@ class Scene(eqx.Module):
     ) -> "Scene":
         """The scene of a plant and a controller; `first` is the middle of the ranges if None."""
         if first is None:
-            first = Limits.of(controller.policy.commands).middle
+            first = CommandLimits.of(controller.policy.commands).middle
         wires, disturbance = plant.wires, plant.disturbance
         return cls(
             controller=controller,

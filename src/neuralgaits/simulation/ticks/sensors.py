@@ -16,8 +16,8 @@ from neuralgaits.simulation.ticks.scene import PlantReading, Scene
 from neuralgaits.simulation.ticks.wiring import measure
 
 
-class Sensed(NamedTuple):
-    """What there is to measure, and what is measured of it."""
+class TrueAndMeasured(NamedTuple):
+    """True state of the sensors, and their noisy readings."""
 
     truth: Measurement
     """Without noise."""
@@ -27,7 +27,7 @@ class Sensed(NamedTuple):
     """Hip position in the world, (x, z) [m]."""
 
 
-def sense(scene: Scene, reading: PlantReading) -> Sensed:
+def sense(scene: Scene, reading: PlantReading) -> TrueAndMeasured:
     """Read the sensors of one episode."""
     wires = scene.wires
     time, qpos, qvel = reading.state[0], *jnp.split(reading.state[1:], 2)
@@ -37,7 +37,7 @@ def sense(scene: Scene, reading: PlantReading) -> Sensed:
     truth = measure(sensors, swept, time, reading.touch)
     shifted = truth._replace(pitch=truth.pitch + scene.pitch_offset)
     seen = _rounded(_noisy(shifted, reading.noise, scene.noise), scene.encoder_step)
-    return Sensed(truth, seen, sensors.base + arm)
+    return TrueAndMeasured(truth, seen, sensors.base + arm)
 
 
 def _noisy(

@@ -10,14 +10,14 @@ import jax.numpy as jnp
 
 from neuralgaits._types import Array, Bool, Float, Int, Scalar, ZeroState
 from neuralgaits.control import (
-    Command,
     ControllerState,
     Measurement,
+    TickResult,
     start,
     step,
     tell,
 )
-from neuralgaits.control.estimator import Estimator, Known, estimate
+from neuralgaits.control.estimator import Estimator, EstimatorState, estimate
 from neuralgaits.control.estimator import start as nothing_known
 from neuralgaits.gait.commands import place_of
 from neuralgaits.robots.dynamics import hip_position, swing_foot
@@ -36,7 +36,7 @@ class Carry(NamedTuple):
     gauge: Gauge
     age: Scalar
     """Time since the last touchdown, or since the start of the episode [s]."""
-    known: Known | None = None
+    known: EstimatorState | None = None
     """What an estimator remembers."""
     believed: Float[Array, " d"] | None = None
     """Its last hip speeds, the newest first, as many as torques are late and one more [m/s]."""
@@ -67,11 +67,11 @@ class Verdict(NamedTuple):
     """What the robot is told of the height of the next foothold [m]; 0 for nothing."""
 
 
-class Record(NamedTuple):
-    """What a log holds of a tick."""
+class TickRecord(NamedTuple):
+    """Row of a log: one tick."""
 
     time: Scalar
-    command: Command
+    command: TickResult
     pitch: Scalar
     dpitch: Scalar
     z_plant: ZeroState
@@ -87,7 +87,7 @@ def begin(scene: Scene, leg: Int[Array, ""]) -> Carry:
     return first._replace(known=known, believed=jnp.zeros(scene.delay_ticks + 1))
 
 
-def tick(scene: Scene, carry: Carry, reading: PlantReading) -> tuple[Carry, Verdict, Record]:
+def tick(scene: Scene, carry: Carry, reading: PlantReading) -> tuple[Carry, Verdict, TickRecord]:
     """One tick of one episode. Returns: the next carry, the verdict, and the record."""
     seen = sense(scene, reading).seen
     if scene.estimator is not None:
@@ -111,8 +111,8 @@ def _estimated(
 
 
 def account(
-    scene: Scene, carry: Carry, reading: PlantReading, state: ControllerState, command: Command
-) -> tuple[Carry, Verdict, Record]:
+    scene: Scene, carry: Carry, reading: PlantReading, state: ControllerState, command: TickResult
+) -> tuple[Carry, Verdict, TickRecord]:
     """What becomes of an episode under a command, whoever decided it.
 
     Returns: the next carry, the verdict, and the record.
@@ -167,7 +167,7 @@ def account(
             feet=feet,
             rise=rise,
         ),
-        Record(
+        TickRecord(
             time,
             command,
             truth.pitch,

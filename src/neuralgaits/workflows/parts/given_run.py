@@ -14,7 +14,7 @@ from neuralgaits.hzd.gait_file import GivenGait, write_gait
 from neuralgaits.hzd.steady import Steady, steady
 from neuralgaits.hzd.tube import fit_tube
 from neuralgaits.programs import POINT, Program, evaluate
-from neuralgaits.records.asked import Asked, Given
+from neuralgaits.records.asked import GaitOrigin, TrainingConfig
 from neuralgaits.records.trained import Trained, Violations
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.runs import RunFolder, finish
@@ -30,7 +30,7 @@ _NO_SOLUTION = "its zero dynamics have no finite solution"
 def given_run(
     robot: PlanarBiped,
     gait: GivenGait,
-    given: Given,
+    given: GaitOrigin,
     *,
     solve_s: float = 0.0,
     began: float,
@@ -72,7 +72,7 @@ def given_run(
         raise _refusal(robot, given, f"its orbit has {found}", said)
     spec = specs.load(specs.GIVEN, robot, degree=gait.degree)
     made = Gait(zd.policy, fit_tube(zd, spec, walk))
-    asked = Asked(
+    asked = TrainingConfig(
         robot=robot.name,
         spec=spec.name,
         seed=0,
@@ -96,7 +96,7 @@ def given_run(
     return run
 
 
-def _refusal(robot: PlanarBiped, given: Given, found: str, said: str) -> NeuralGaitsError:
+def _refusal(robot: PlanarBiped, given: GaitOrigin, found: str, said: str) -> NeuralGaitsError:
     """What refuses a gait without an orbit that attracts: a gait's file, or what IPOPT ended with.
 
     Args:

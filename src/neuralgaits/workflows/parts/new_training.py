@@ -15,7 +15,7 @@ from neuralgaits.barriers.spec import Init
 from neuralgaits.certificate.provable import refuse_many_axes, refuse_untraceable, why_not_provable
 from neuralgaits.errors import InputError
 from neuralgaits.gait.commands import Commands
-from neuralgaits.records.asked import Asked, Proving, Range
+from neuralgaits.records.asked import Proving, Range, TrainingConfig
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.robots.parameter_box import checked_box
 from neuralgaits.runs import RunFolder
@@ -37,7 +37,7 @@ class NewTraining:
     robot: PlanarBiped
     spec: GaitSpec
     gait: AnyGait
-    asked: Asked
+    asked: TrainingConfig
     copies: Mapping[str, str]
 
     def of_seed(self, seed: int) -> "NewTraining":
@@ -102,7 +102,7 @@ def new_training(
     unprovable = why_not_provable(gait)
     if certify:
         _refuse_proof(loaded, unprovable)
-    config = Asked(
+    config = TrainingConfig(
         robot=robot.name,
         spec=spec if isinstance(spec, str) else spec.name,
         seed=seed,

@@ -15,7 +15,7 @@ from neuralgaits.runs import finish
 from neuralgaits.runs.names import WEIGHTS
 from neuralgaits.training.calibration import calibrated
 from neuralgaits.training.gradient_steps import Progress
-from neuralgaits.training.seed_batch import OneOfMany, SeedBatch
+from neuralgaits.training.seed_batch import SeedBatch, SeedRun
 from neuralgaits.workflows.parts.many_seeds import ManySeeds
 from neuralgaits.workflows.train import FRESH_SAMPLES_SEED, summary_of
 
@@ -52,7 +52,7 @@ class SeedBatches(ManySeeds):
         self.train_s += train_s
         self._finish(members, began, train_s)
 
-    def _finish(self, members: Sequence[OneOfMany], began: float, train_s: float) -> None:
+    def _finish(self, members: Sequence[SeedRun], began: float, train_s: float) -> None:
         """Look at each gait on fresh samples, and finish its folder."""
         batch = self._batch
         report = partial(batch.report, seed=FRESH_SAMPLES_SEED)
@@ -85,7 +85,7 @@ class SeedBatches(ManySeeds):
                 self.done[one.seed] = run
 
     @contextmanager
-    def _refusal(self, one: OneOfMany) -> Iterator[None]:
+    def _refusal(self, one: SeedRun) -> Iterator[None]:
         """Keep what refuses a seed, so that the others go on."""
         try:
             yield

@@ -37,7 +37,7 @@ class SideBySide(ManySeeds):
         compile_steps(self.trainer, self.trainer.init(self.first.gait))
         compiled = time.perf_counter()
         self.compile_s = compiled - began
-        left, told = iter(numbers), _Told(progress, self.first.asked.steps, len(numbers))
+        left, told = iter(numbers), _SeedProgress(progress, self.first.asked.steps, len(numbers))
         pool = ThreadPoolExecutor(self.size)
         threads = [pool.submit(self._work, left, told) for _ in range(self.size)]
         try:
@@ -50,7 +50,7 @@ class SideBySide(ManySeeds):
         _raise_of(threads)
         self.train_s = time.perf_counter() - compiled
 
-    def _work(self, left: Iterator[int], told: "_Told") -> None:
+    def _work(self, left: Iterator[int], told: "_SeedProgress") -> None:
         """Train one seed after another."""
         try:
             while (run := self._next(left)) is not None:
@@ -64,7 +64,7 @@ class SideBySide(ManySeeds):
             number = None if self._stopped else next(left, None)
             return None if number is None else self.begin(number)
 
-    def _train(self, run: Run, told: "_Told") -> None:
+    def _train(self, run: Run, told: "_SeedProgress") -> None:
         seed, began = run.asked.seed, time.perf_counter()
         trainer = self.trainer.of_seed(seed, run.trained)
 
@@ -90,8 +90,8 @@ class SideBySide(ManySeeds):
                 told.refused(seed)
 
 
-class _Told:
-    """What is told of all seeds: the sum of their steps, and the mean of their last losses."""
+class _SeedProgress:
+    """Progress of all seeds: the sum of their steps, and the mean of their last losses."""
 
     def __init__(self, progress: Progress | None, steps: int, seeds: int):
         self.progress, self.every, self.seeds = progress, steps, seeds

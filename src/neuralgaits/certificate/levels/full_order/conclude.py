@@ -6,7 +6,7 @@ Needs no JAX.
 from neuralgaits.certificate.levels.full_order.inequalities import inequalities, is_norm, obstacle
 from neuralgaits.certificate.levels.full_order.theorem import (
     FENCES,
-    FullOrder,
+    FullOrderConstants,
     decays,
     premises,
 )
@@ -19,7 +19,7 @@ SHOWN = 4
 """Premises that are named where more of them are not proved."""
 
 
-def conclude_full_order(shape: FullOrder, bounds: Bounds) -> Conclusion:
+def conclude_full_order(shape: FullOrderConstants, bounds: Bounds) -> Conclusion:
     """Level 4: D is forward invariant, between impacts and across them.
 
     Args:
@@ -43,7 +43,7 @@ def conclude_full_order(shape: FullOrder, bounds: Bounds) -> Conclusion:
     return Conclusion(LEVEL, "proved", None, in_words(shape), figures, known)
 
 
-def _missing(shape: FullOrder, bounds: Bounds) -> list[str]:
+def _missing(shape: FullOrderConstants, bounds: Bounds) -> list[str]:
     """Premises without a sufficient bound, in words."""
     found = []
     for output, low, high, sign in premises(shape):

@@ -1,6 +1,6 @@
 """What the constants of the full-order theorem must satisfy, in balls (level 4).
 
-Every inequality is between numbers of `FullOrder`, whose meaning the premises prove. It holds
+Every inequality is between numbers of `FullOrderConstants`, whose meaning the premises prove. It holds
 only if it is certain; where one does not, it is the obstacle, and by how much is said. The
 argument is in docs/full_order.md. Needs no JAX.
 """
@@ -12,7 +12,7 @@ from flint import arb, fmpq
 
 from neuralgaits.certificate.levels.full_order.theorem import (
     BarrierConstants,
-    FullOrder,
+    FullOrderConstants,
     joints_of,
     lyapunov_rate,
     weighting,
@@ -32,7 +32,7 @@ class Inequality(NamedTuple):
         return bool(self.left < self.right)
 
 
-def inequalities(shape: FullOrder) -> list[Inequality]:
+def inequalities(shape: FullOrderConstants) -> list[Inequality]:
     """Everything that the constants must satisfy."""
     gamma, zero = _gamma(shape), arb(0)
     least, most = map(arb, shape.pace)
@@ -84,7 +84,7 @@ def obstacle(step: Inequality) -> str:
     return f"{step.claim}: {left} against {right}"
 
 
-def is_norm(shape: FullOrder) -> bool:
+def is_norm(shape: FullOrderConstants) -> bool:
     """Whether S of V = |S dy/w|^2 + ... is an upper triangular matrix with an inverse."""
     joints = joints_of(shape.weights)
     if joints is None:
@@ -95,13 +95,15 @@ def is_norm(shape: FullOrder) -> bool:
     )
 
 
-def bound_at(shape: FullOrder, phase: arb) -> arb:
+def bound_at(shape: FullOrderConstants, phase: arb) -> arb:
     """Bound on sqrt(V) in D at a phase."""
     floor = arb(shape.least_radius)
     return floor + (arb(shape.radius) - floor) * (-arb(shape.shrink) * phase**2).exp()
 
 
-def _of_barrier(shape: FullOrder, barrier: BarrierConstants, gamma: arb) -> list[Inequality]:
+def _of_barrier(
+    shape: FullOrderConstants, barrier: BarrierConstants, gamma: arb
+) -> list[Inequality]:
     name, zero = barrier.name, arb(0)
     alpha, sigma = arb(barrier.alpha), arb(barrier.sigma)
     if not sigma > 0:
@@ -132,23 +134,23 @@ def tightening(barrier: BarrierConstants) -> arb:
     return arb(barrier.reading) ** 2 / (4 * arb(barrier.sigma))
 
 
-def inlet(shape: FullOrder, barrier: BarrierConstants) -> arb:
+def inlet(shape: FullOrderConstants, barrier: BarrierConstants) -> arb:
     """What h - t is at least after any impact of the set."""
     moved = _size(barrier.reset_slope) * arb(shape.guard_radius)
     return arb(barrier.reset) - moved - tightening(barrier)
 
 
-def _gamma(shape: FullOrder) -> arb:
+def _gamma(shape: FullOrderConstants) -> arb:
     rate = lyapunov_rate(shape.bandwidth)
     return arb(fmpq(rate.numerator, rate.denominator))
 
 
-def after_impact(shape: FullOrder) -> arb:
+def after_impact(shape: FullOrderConstants) -> arb:
     """Bound on sqrt(V) after any impact of the set."""
     return mismatch(shape) + _size(shape.gain) * arb(shape.guard_radius)
 
 
-def mismatch(shape: FullOrder) -> arb:
+def mismatch(shape: FullOrderConstants) -> arb:
     """sqrt(v_sym): bound on sqrt(V) after an impact from eta = 0."""
     near, far = map(arb, shape.crossings)
     return _size(shape.mismatch) + _size(shape.drift) * (1 - near).max(far - 1)
@@ -159,17 +161,17 @@ def _size(bound: float) -> arb:
     return abs(arb(bound))
 
 
-def least_time(shape: FullOrder) -> arb:
+def least_time(shape: FullOrderConstants) -> arb:
     """Of a step: from the end of the start's strip to the beginning of the guard's [s]."""
     return (arb(shape.guard_from) - arb(shape.start_strip)) / arb(shape.pace[1])
 
 
-def step_factor(shape: FullOrder) -> arb:
+def step_factor(shape: FullOrderConstants) -> arb:
     """sqrt(V) after an impact is at most this times its value after the last one, and v_sym."""
     return _size(shape.gain) * (-_gamma(shape) * least_time(shape) / 2).exp()
 
 
-def r_end(shape: FullOrder) -> arb:
+def r_end(shape: FullOrderConstants) -> arb:
     """Limit of r+ = sqrt(v_sym) + factor r, and never more than after any one impact."""
     factor = step_factor(shape)
     limit = mismatch(shape) / (1 - factor)

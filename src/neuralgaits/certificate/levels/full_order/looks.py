@@ -6,12 +6,21 @@ import jax
 import numpy as np
 
 from neuralgaits.certificate.levels.chart import PLANE, Corner
-from neuralgaits.certificate.levels.full_order.find import Look, Looks, find_full_order, grid
+from neuralgaits.certificate.levels.full_order.find import (
+    SampleEvaluator,
+    SampleEvaluators,
+    find_full_order,
+    grid,
+)
 from neuralgaits.certificate.levels.full_order.inequalities import inequalities, obstacle
 from neuralgaits.certificate.levels.full_order.margins import margins
 from neuralgaits.certificate.levels.full_order.model import FullOrderModel
 from neuralgaits.certificate.levels.full_order.norm import Plan, Seen, find_plan, find_widest
-from neuralgaits.certificate.levels.full_order.theorem import FullOrder, premises, weighting
+from neuralgaits.certificate.levels.full_order.theorem import (
+    FullOrderConstants,
+    premises,
+    weighting,
+)
 from neuralgaits.certificate.search.problem import Problem
 from neuralgaits.gait.full_order import held_jerk
 from neuralgaits.programs import POINT, evaluate, fold
@@ -32,7 +41,9 @@ SHARES = (0.6, 0.3, 0.1)
 """Shares of the largest radius seen at points that are tried, one after the other."""
 
 
-def set_of(model: FullOrderModel, pushed: bool = False, widest: bool = False) -> FullOrder | str:
+def set_of(
+    model: FullOrderModel, pushed: bool = False, widest: bool = False
+) -> FullOrderConstants | str:
     """The largest set tried whose constants fit together, or one sentence that says why none does.
 
     Args:
@@ -69,13 +80,13 @@ def set_of(model: FullOrderModel, pushed: bool = False, widest: bool = False) ->
     return reason
 
 
-def looks_in(model: FullOrderModel, shape: FullOrder) -> Looks:
+def looks_in(model: FullOrderModel, shape: FullOrderConstants) -> SampleEvaluators:
     """What is looked at in the norm of a set. Raises: SpecError."""
     plain, joints = looks_of(model), model.size // 2
     return plain.in_norm(np.array(weighting(shape.weights, joints)))
 
 
-def bounded(model: FullOrderModel, shape: FullOrder, small: float = SMALL) -> bool:
+def bounded(model: FullOrderModel, shape: FullOrderConstants, small: float = SMALL) -> bool:
     """Whether premises hold on small boxes: outputs are never cut, so smaller ones do little.
 
     Args:
@@ -103,7 +114,7 @@ def bounded(model: FullOrderModel, shape: FullOrder, small: float = SMALL) -> bo
     return True
 
 
-def looks_of(model: FullOrderModel) -> Looks:
+def looks_of(model: FullOrderModel) -> SampleEvaluators:
     """What the finder looks at. Raises: SpecError if it cannot be traced."""
 
     def step(u, xi):
@@ -140,7 +151,7 @@ def looks_of(model: FullOrderModel) -> Looks:
 
     size = model.size
     off = _look(pushed, size + size // 2)
-    return Looks(
+    return SampleEvaluators(
         _look(step, size),
         _look(guard, size),
         size,
@@ -148,7 +159,7 @@ def looks_of(model: FullOrderModel) -> Looks:
     )
 
 
-def what_is_seen(looks: Looks) -> Seen | None:
+def what_is_seen(looks: SampleEvaluators) -> Seen | None:
     """What the search for a norm stands on; None if the gait has no set at all."""
     levels = np.linspace(0.0, 1.0, 5)
     u = grid(np.linspace(0.0, 1.0, 31), levels)
@@ -189,7 +200,7 @@ def what_is_seen(looks: Looks) -> Seen | None:
     )
 
 
-def _look(function: Callable, size: int) -> Look:
+def _look(function: Callable, size: int) -> SampleEvaluator:
     program = trace(function, {"u": (2,), "xi": (size,)})
     folded = fold(program, POINT)
 

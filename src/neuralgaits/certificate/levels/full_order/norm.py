@@ -97,7 +97,7 @@ class Plan(NamedTuple):
 
     @property
     def weights(self) -> tuple[float, ...]:
-        """S as `FullOrder` has it."""
+        """S as `FullOrderConstants` has it."""
         size = len(self.matrix)
         return tuple(float(self.matrix[i, j]) for i in range(size) for j in range(i, size))
 

@@ -6,7 +6,7 @@ Outputs obey eta' = A eta exactly; V = |xi|^2 decays at least at the rate gamma.
 
 its barriers h_i being the level above the lower fence, the level below the upper fence, and the
 spec's own barrier functions, tightened by t_i because outputs off zero move what they read. Each
-number of `FullOrder` is a claim; the premises, outputs of the Program that must not be negative,
+number of `FullOrderConstants` is a claim; the premises, outputs of the Program that must not be negative,
 prove it. `conclude` does the arithmetic from the constants to the theorem in balls. The argument
 is in docs/full_order.md. Needs no JAX.
 """
@@ -60,7 +60,7 @@ class BarrierConstants:
 
 
 @dataclass(frozen=True)
-class FullOrder:
+class FullOrderConstants:
     """The set D, and every constant of the theorem.
 
     Attributes:
@@ -129,7 +129,7 @@ def refusal(chart: Chart, floor: float) -> str | None:
     return None
 
 
-def constants_of_set(shape: FullOrder) -> dict[str, float]:
+def constants_of_set(shape: FullOrderConstants) -> dict[str, float]:
     """The set's numbers that the margins have in them, by name."""
     alone = "bandwidth radius shrink guard_radius inertia mismatch drift gain landing landing_slope"
     least, most = shape.pace
@@ -138,7 +138,7 @@ def constants_of_set(shape: FullOrder) -> dict[str, float]:
     return found | ({"floor": shape.least_radius} if shape.least_radius != 0.0 else {})
 
 
-def series(shape: FullOrder) -> dict[str, tuple[float, ...]]:
+def series(shape: FullOrderConstants) -> dict[str, tuple[float, ...]]:
     """All of them in lists: the Program has them as constants of these names."""
     rows = tuple(getattr(barrier, name) for barrier in shape.barriers for name in OF_BARRIER)
     found = {"set": tuple(constants_of_set(shape).values()), "barriers": rows}
@@ -187,7 +187,7 @@ def decays(bandwidth: float) -> bool:
     return positive and q11 >= 0 and q22 >= 0 and q11 * q22 >= q12 * q12
 
 
-def premises(shape: FullOrder) -> list[Premise]:
+def premises(shape: FullOrderConstants) -> list[Premise]:
     """Everything the conclusion rests on."""
     first, last = shape.ends
     before, (near, far) = shape.guard_from, shape.crossings
@@ -227,7 +227,7 @@ def premises(shape: FullOrder) -> list[Premise]:
     return found
 
 
-def labelled_premises(shape: FullOrder) -> Iterator[tuple[str, str, Corner, Corner]]:
+def labelled_premises(shape: FullOrderConstants) -> Iterator[tuple[str, str, Corner, Corner]]:
     """(label, output, low, high) of everything that level 4 rests on."""
     for output, low, high, _ in premises(shape):
         yield REGION, output, low, high

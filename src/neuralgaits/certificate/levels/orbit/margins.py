@@ -13,11 +13,11 @@ from neuralgaits.barriers import Gait, Tube
 from neuralgaits.barriers.regions import chebyshev
 from neuralgaits.certificate.levels.chart import PLANE
 from neuralgaits.certificate.levels.orbit.return_map import expansion, landing, slope, state
-from neuralgaits.certificate.levels.orbit.theorem import Orbit
+from neuralgaits.certificate.levels.orbit.theorem import OrbitConstants
 from neuralgaits.gait import ZeroDynamics
 
 
-def thin_gait(gait: Gait, orbit: Orbit) -> Gait:
+def thin_gait(gait: Gait, orbit: OrbitConstants) -> Gait:
     """The gait with the thin tube around its orbit."""
     tube = Tube(
         np.array(orbit.lower),
@@ -30,7 +30,7 @@ def thin_gait(gait: Gait, orbit: Orbit) -> Gait:
 
 
 def margins(
-    gait: Gait, zd: ZeroDynamics, orbit: Orbit, u: Float[Array, " n"]
+    gait: Gait, zd: ZeroDynamics, orbit: OrbitConstants, u: Float[Array, " n"]
 ) -> dict[str, Float[Array, "..."]]:
     """Margins at one point, of the walking set's chart or of the thin tube's.
 
@@ -80,7 +80,7 @@ def margins(
 
 
 def _any_two_walks(
-    gait: Gait, zd: ZeroDynamics, orbit: Orbit, u: Float[Array, " n"]
+    gait: Gait, zd: ZeroDynamics, orbit: OrbitConstants, u: Float[Array, " n"]
 ) -> dict[str, Float[Array, "..."]]:
     """How walks part along a step and across its reset; nothing depends on what comes next."""
     u = u[:PLANE]

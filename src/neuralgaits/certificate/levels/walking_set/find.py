@@ -10,10 +10,10 @@ import numpy as np
 from neuralgaits._digits import at_most
 from neuralgaits._types import Float
 from neuralgaits.barriers import Barrier, DiscreteBarrier, GaitSpec, Pointwise
-from neuralgaits.certificate.levels.walking_set.theorem import OFF_THE_LINE, WalkingSet
+from neuralgaits.certificate.levels.walking_set.theorem import OFF_THE_LINE, WalkingSetConstants
 from neuralgaits.gait.commands import all_pairs
 
-Look = Callable[[Float[np.ndarray, "n 2"]], Mapping[str, np.ndarray]]
+PointQuantities = Callable[[Float[np.ndarray, "n 2"]], Mapping[str, np.ndarray]]
 """Chart points [n, 2] to "foot" [m], "foot_rate" [m/s] and "after" (phase, zeta) [n, 2]."""
 
 PHASES, LEVELS = 241, 33
@@ -41,8 +41,11 @@ SHARE = 0.5
 
 
 def find_set(
-    spec: GaitSpec, look: Look, disturbance: tuple[float, float] = (0.0, 0.0), floor: float = 0.0
-) -> WalkingSet | str:
+    spec: GaitSpec,
+    look: PointQuantities,
+    disturbance: tuple[float, float] = (0.0, 0.0),
+    floor: float = 0.0,
+) -> WalkingSetConstants | str:
     """Parameters of the walking set, or one sentence that says why there are none.
 
     Of a gait with commands they are those of the worst pair that is looked at.
@@ -78,7 +81,7 @@ def find_set(
     falling = fastest <= SHARE * fastest[-1]
     risen = phases[np.argmin(rising) - 1]
     fall = phases[count - np.argmin(falling[::-1])]
-    return WalkingSet(
+    return WalkingSetConstants(
         start_strip=start_strip,
         guard_strip=strip,
         risen=float(risen),
@@ -100,7 +103,9 @@ def names_of(spec: GaitSpec) -> tuple[tuple[str, ...], tuple[str, ...]]:
     )
 
 
-def least_of_inlet(spec: GaitSpec, look: Look, shape: WalkingSet) -> Mapping[str, float]:
+def least_of_inlet(
+    spec: GaitSpec, look: PointQuantities, shape: WalkingSetConstants
+) -> Mapping[str, float]:
     """What outputs that enclose constants must reach."""
     if not shape.told:
         return {"set/reset-phase": -shape.start_strip, **dict.fromkeys(OFF_THE_LINE, shape.floor)}
@@ -118,7 +123,7 @@ def least_of_inlet(spec: GaitSpec, look: Look, shape: WalkingSet) -> Mapping[str
     }
 
 
-def over_all(spec: GaitSpec, look: Look) -> Look:
+def over_all(spec: GaitSpec, look: PointQuantities) -> PointQuantities:
     """Looks at points of (phase, level) for many pairs of commands, and on some robots of the box.
 
     Those are the nominal one and some corners, and for each of them all pairs.
@@ -132,7 +137,7 @@ def over_all(spec: GaitSpec, look: Look) -> Look:
     return _with_each(both, look)
 
 
-def _with_each(values: np.ndarray, look: Look) -> Look:
+def _with_each(values: np.ndarray, look: PointQuantities) -> PointQuantities:
     """Looks at points of (phase, level) with every row of values of the other axes. [V, k]."""
 
     def over(u: np.ndarray) -> Mapping[str, np.ndarray]:
@@ -145,7 +150,7 @@ def _with_each(values: np.ndarray, look: Look) -> Look:
 
 
 def _guard_strip(
-    look: Look, levels: np.ndarray, clear: float, widths: Sequence[float]
+    look: PointQuantities, levels: np.ndarray, clear: float, widths: Sequence[float]
 ) -> float | None:
     """A strip around phase 1 with the foot above the ground before it and below it behind."""
     for number, width in enumerate(widths):

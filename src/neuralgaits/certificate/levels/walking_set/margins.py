@@ -17,13 +17,13 @@ from neuralgaits._types import Array, Float, Scalar, ZeroState
 from neuralgaits.barriers import Barrier, Gait, GaitSpec
 from neuralgaits.barriers.functions import transversal_inertia
 from neuralgaits.certificate.levels.chart import PLANE
-from neuralgaits.certificate.levels.walking_set.theorem import WalkingSet
+from neuralgaits.certificate.levels.walking_set.theorem import WalkingSetConstants
 from neuralgaits.gait import AbstractPolicy, HybridInvariantPolicy, Point, ZeroDynamics
 from neuralgaits.gait.policies.step_ends import END_POINT_MARGIN
 
 
 def margins(
-    spec: GaitSpec, gait: Gait, zd: ZeroDynamics, shape: WalkingSet, u: Float[Array, " n"]
+    spec: GaitSpec, gait: Gait, zd: ZeroDynamics, shape: WalkingSetConstants, u: Float[Array, " n"]
 ) -> dict[str, Float[Array, "..."]]:
     """Margins of the walking set at one chart point, by output name.
 

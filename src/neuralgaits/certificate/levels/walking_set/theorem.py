@@ -15,7 +15,7 @@ OFF_THE_LINE = "set/foot-above", "set/foot-below"
 
 
 @dataclass(frozen=True)
-class WalkingSet:
+class WalkingSetConstants:
     """The set T of `walking_set` and where its premises hold.
 
     Attributes:
@@ -52,7 +52,7 @@ class WalkingSet:
         return -self.start_strip, 1.0 + self.guard_strip
 
 
-def walking_premises(shape: WalkingSet) -> list[Premise]:
+def walking_premises(shape: WalkingSetConstants) -> list[Premise]:
     """Premises of level 2 about the set itself; for the spec's conditions see `strips`."""
     first, last = shape.ends
     before, inside = 1.0 - shape.guard_strip, (shape.risen, shape.falling)
@@ -82,7 +82,7 @@ def walking_premises(shape: WalkingSet) -> list[Premise]:
     return found
 
 
-def _reset(shape: WalkingSet) -> list[Premise]:
+def _reset(shape: WalkingSetConstants) -> list[Premise]:
     """Where a reset lands, in the chart of the only tube there is."""
     strip = (1.0 - shape.guard_strip, 0.0), (shape.ends[1], 1.0)
     return [
@@ -91,7 +91,7 @@ def _reset(shape: WalkingSet) -> list[Premise]:
     ]
 
 
-def _inlet(shape: WalkingSet) -> list[Premise]:
+def _inlet(shape: WalkingSetConstants) -> list[Premise]:
     """That a reset lands in the tube of the next step, whatever that is told.
 
     At phase 0 the tube depends on the command before alone, which is known. A reset lands a little
@@ -110,12 +110,12 @@ def _inlet(shape: WalkingSet) -> list[Premise]:
     ]
 
 
-def off_the_line(shape: WalkingSet) -> list[Premise]:
+def off_the_line(shape: WalkingSetConstants) -> list[Premise]:
     """Premises of `walking_premises` whose bounds have to be above the floor's, and not 0."""
     return [p for p in walking_premises(shape) if p.output in OFF_THE_LINE]
 
 
-def safe_premises(shape: WalkingSet) -> list[Premise]:
+def safe_premises(shape: WalkingSetConstants) -> list[Premise]:
     """What makes all of T safe from the start; without them, its safe part is what is kept."""
     first, last = shape.ends
     whole = (first, 0.0), (last, 1.0)
@@ -123,7 +123,7 @@ def safe_premises(shape: WalkingSet) -> list[Premise]:
 
 
 def strips(
-    shape: WalkingSet, boxes: Sequence[tuple[str, Corner, Corner]]
+    shape: WalkingSetConstants, boxes: Sequence[tuple[str, Corner, Corner]]
 ) -> Iterator[tuple[str, Corner, Corner]]:
     """Boxes of the carried conditions beyond phases 0 and 1.
 
@@ -146,7 +146,9 @@ def strips(
             yield name, (1.0, low[1]), (1.0 + shape.guard_strip, high[1])
 
 
-def labelled_premises(shape: WalkingSet, boxes: Boxes) -> Iterator[tuple[str, str, Corner, Corner]]:
+def labelled_premises(
+    shape: WalkingSetConstants, boxes: Boxes
+) -> Iterator[tuple[str, str, Corner, Corner]]:
     """(label, output, low, high) of all that level 2 rests on beside level 1.
 
     Args:
