@@ -111,9 +111,9 @@ class Bench:
         # The first compiles; the second is the one that all others are compared with.
         self.finish(self.verb.words)
         self.reset()
-        began = time.perf_counter()
+        start_time = time.perf_counter()
         self.finish(self.verb.words)
-        self.duration = time.perf_counter() - began
+        self.duration = time.perf_counter() - start_time
         self.wanted, self.after = self.results(), self.bytes()
 
     def reset(self) -> None:

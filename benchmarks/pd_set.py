@@ -35,7 +35,7 @@ class Closed:
     """The outputs under PD at points of the step, in plain (y, dy)."""
 
     def __init__(self, robot, seen: Seen, push_torque: np.ndarray, w: float):
-        law, m = Pd(bandwidth=w).fitted(robot), len(seen.inertia)
+        law, m = Pd(bandwidth=w).with_gains_for(robot), len(seen.inertia)
         limits = np.asarray(robot.torque_limit)
         self.m, self.seen = m, seen
         inertia = push_torque * limits[:, None]

@@ -99,10 +99,10 @@ def step_s(zd: ZeroDynamics, train: Windows, validation: Windows, scale: np.ndar
     fitter = Fitter.build(zd, train, validation, scale)
     state, times = fitter.init(), []
     for _ in range(300):
-        began = time.perf_counter()
+        start_time = time.perf_counter()
         state, loss = fitter.step(state)
         jax.block_until_ready(loss)
-        times.append(time.perf_counter() - began)
+        times.append(time.perf_counter() - start_time)
     return float(np.median(times))
 
 

@@ -50,12 +50,12 @@ def main(names: Sequence[str]) -> None:
 def hand_out(engine: WorkerPool, count: int) -> tuple[float, float]:
     """Carry out tasks that do nothing. Returns: time of the clock, and of this processor [s]."""
     jobs = (Job(str(n), {"n": n}) for n in range(count))
-    began, own, good = time.perf_counter(), time.process_time(), 0
+    start_time, own, good = time.perf_counter(), time.process_time(), 0
     for done in engine.map(engine_tasks.echo, jobs):
         good += done.files.get("out") == done.name.encode()
     if good != count:
         raise SystemExit(f"expected {count} answers, found {good}")
-    return time.perf_counter() - began, time.process_time() - own
+    return time.perf_counter() - start_time, time.process_time() - own
 
 
 def resident_mb() -> float:

@@ -41,10 +41,10 @@ def main() -> None:
         show(f"seed {seed}: smallest margin of {POINTS:.0e} points ({name})", least, ">= 0.02")
         if not LEVEL:
             continue
-        began = time.perf_counter()
+        start_time = time.perf_counter()
         found = certify(opened, level=LEVEL, workers=2).summary
         answer = f"{found.verdict}, {found.boxes:.2g} boxes"
-        taken = time.perf_counter() - began
+        taken = time.perf_counter() - start_time
         show(f"seed {seed}: level {LEVEL}, {taken:.0f} s", answer, "proved, <= 600 s")
 
 
@@ -68,12 +68,18 @@ def smallest(run: Run, seed: int) -> tuple[str, float]:
         for box in boxes if conditions else ():
             low, high = chart.whole(box.low, box.high)
             problem = Problem(
-                region, low, high, names, scales, prune(program, names), near=chart.near
+                region,
+                low,
+                high,
+                names,
+                scales,
+                prune(program, names),
+                coupled_axes=chart.coupled_axes,
             )
             left = round(POINTS * share[region] / len(boxes))
             while left > 0:
                 points = random.uniform(low, high, (BATCH, len(low)))
-                for first, second, change in chart.near:
+                for first, second, change in chart.coupled_axes:
                     moved = points[:, first] + random.uniform(-change, change, BATCH)
                     points[:, second] = np.clip(moved, low[second], high[second])
                 values = problem.values(points)

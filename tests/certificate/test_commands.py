@@ -12,7 +12,7 @@ import pytest
 
 from neuralgaits.analysis.run import open_run
 from neuralgaits.barriers import specs
-from neuralgaits.certificate.levels.chart import Chart, Near, asked_for
+from neuralgaits.certificate.levels.chart import Chart, CoupledAxes, asked_for
 from neuralgaits.certificate.levels.ladder import conclude
 from neuralgaits.certificate.levels.orbit.theorem import OrbitConstants, orbit_premises
 from neuralgaits.certificate.levels.problems import (
@@ -106,7 +106,7 @@ def test_a_chart_says_what_may_follow_what():
 
 def test_a_chart_is_written_and_read_with_what_is_near():
     assert Chart.read(json.loads(json.dumps(CHART.table()))) == CHART
-    assert CHART.near == ((2, 3, SPEED.largest_change),)
+    assert CHART.coupled_axes == ((2, 3, SPEED.largest_change),)
     rows = CHART.table()
     for wrong in ("0x0p+0", "-0x1p-7", "inf", "nan"):
         with pytest.raises(ValueError, match="with a change of at most"):
@@ -122,7 +122,7 @@ def test_only_boxes_with_no_admissible_pair_are_left_out():
     low[:, 2:] = random.integers(0, 8, (400, 2)) / 8.0
     high = low + random.integers(0, 3, (400, 4)) / 8.0
     gap = np.maximum(low[:, 2] - high[:, 3], low[:, 3] - high[:, 2])
-    found = asked_for((Near(2, 3, 0.25),), low, high)
+    found = asked_for((CoupledAxes(2, 3, 0.25),), low, high)
     np.testing.assert_array_equal(found, gap <= 0.25)
     assert 50 < found.sum() < 350 and (gap == 0.25).any()
 

@@ -34,7 +34,7 @@ HOLDS = "every statement of the file holds"
 @pytest.fixture(autouse=True)
 def traced_here(monkeypatch):
     """The processes in which runs are traced again are tested elsewhere."""
-    monkeypatch.setattr(retrace, "ask", retrace.answer)
+    monkeypatch.setattr(retrace, "retrace_in_subprocess", retrace.describe_run)
 
 
 @pytest.fixture(scope="module")

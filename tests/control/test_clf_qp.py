@@ -117,7 +117,7 @@ def test_it_is_fblin_where_that_is_possible_and_says_where_it_is_not(amber, rng)
     def limited(robot, limit):
         desired = law.desired(robot, policy, reading)
         wanted = fblin.torque(robot, reading, desired)
-        found = law.within(robot, Demand(reading, desired, wanted, jnp.full(4, limit)))
+        found = law.apply_limits(robot, Demand(reading, desired, wanted, jnp.full(4, limit)))
         ddq = robot.acceleration(q, dq, found.torque)
         return wanted, found, robot.ground_reaction_force(q, dq, ddq)
 

@@ -6,7 +6,7 @@ import pytest
 
 from neuralgaits._quick_jit import quick_jit
 from neuralgaits.control import PAPER, Fblin, Pd
-from neuralgaits.control.inverse_dynamics import settled
+from neuralgaits.control.inverse_dynamics import impact_consistent_rates
 from neuralgaits.control.law import MeasuredState
 from neuralgaits.control.momentum import zero_state
 from neuralgaits.control.pd import BANDWIDTH, MOST, SLOWEST
@@ -63,7 +63,7 @@ def test_settled_rates_meet_the_outputs_at_the_same_momentum(robot, rng):
     for _ in range(3):
         policy, q, dq = a_case(robot, rng)
         measured = reading_of(robot, q, dq)
-        found = settled(robot, policy, measured)
+        found = impact_consistent_rates(robot, policy, measured)
         z, dz = zero_state(robot, q, found.dq, np.zeros(2))
         np.testing.assert_allclose(z, measured.z, atol=1e-9)
         np.testing.assert_allclose(found.dz, dz, atol=1e-9)
@@ -95,7 +95,7 @@ def test_pd_is_spring_and_damper_around_the_policy(amber, rng):
 
 def test_the_feed_forward_keeps_outputs_that_are_met(robot, rng):
     """Where the outputs have no error, they get none: by differentiating along the dynamics."""
-    law = Pd().fitted(robot)
+    law = Pd().with_gains_for(robot)
     bezier = BezierPolicy(rng.uniform(-0.3, 0.3, (robot.n - 1, 5)), (-0.2, 0.2))
     zd = ZeroDynamics(robot, bezier)
 
@@ -131,7 +131,10 @@ def responses(robot):
 
 def test_gains_fit_the_inertia_that_a_motor_feels(robot):
     """A step in one torque alone, by the full dynamics; given gains are left as they are."""
-    law, given = Pd(bandwidth=30.0).fitted(robot), Pd(stiffness=(7.0,)).fitted(robot)
+    law, given = (
+        Pd(bandwidth=30.0).with_gains_for(robot),
+        Pd(stiffness=(7.0,)).with_gains_for(robot),
+    )
     inertia = 1.0 / jnp.diag(responses(robot))
     np.testing.assert_allclose(law.stiffness, 900.0 * inertia, rtol=1e-9)
     np.testing.assert_allclose(law.damping, 60.0 * inertia, rtol=1e-9)
@@ -142,7 +145,7 @@ def test_joints_do_not_give_way_together_slowly(robot):
     """Natural frequencies of errors under the fitted stiffness, by the full dynamics."""
     light = eqx.tree_at(lambda r: r.armature, robot, jnp.zeros(robot.n))
     for model in (robot, light):
-        stiffness = np.array(Pd().fitted(model).stiffness)
+        stiffness = np.array(Pd().with_gains_for(model).stiffness)
         squares = np.linalg.eigvals(np.asarray(responses(model)).T * stiffness).real
         w = float(np.sqrt(stiffness[0] / joint_inertia(model)[0]))
         assert BANDWIDTH <= w * (1 + 1e-9) and w <= MOST * (1 + 1e-9)

@@ -41,7 +41,7 @@ def told_of(wanted, after, commands):
 )
 def test_a_wish_is_clamped_and_nan_keeps_the_last(given, taken):
     told = tolds.tell((SPEED,), told_of([0.7], [0.7], (SPEED,)), jnp.array([given]))
-    assert float(told.wanted[0]) == taken
+    assert float(told.requested[0]) == taken
 
 
 def test_a_change_that_is_too_fast_is_spread_over_steps():

@@ -49,7 +49,7 @@ def made(axes: int, least: tuple[float, float] = (0.0, 0.0)) -> tuple[Chart, Pro
     names = ("pace", "energy")
     whole = chart.whole((0.0, 0.0), (1.0, 1.0))
     return chart, Problem(
-        "tube", *whole, names, (1.0, 1.0), program, least=least, late=max(axes - FEW, 0)
+        "tube", *whole, names, (1.0, 1.0), program, least=least, weak_axes=max(axes - FEW, 0)
     )
 
 
@@ -202,7 +202,9 @@ def of_near_speeds(tmp_path_factory) -> Path:
     chart = Chart((PARAMETERS[0], Axis("speed after", 0.5, 0.9, CHANGE)))
     program = trace(near_the_diagonal, {"u": (4,)})
     whole = chart.whole((0.0, 0.0), (1.0, 1.0))
-    problem = Problem("tube", *whole, ("near",), (1.0,), program, least=(0.0,), near=chart.near)
+    problem = Problem(
+        "tube", *whole, ("near",), (1.0,), program, least=(0.0,), coupled_axes=chart.coupled_axes
+    )
     (state,) = explore([problem], [None], lambda name, u: None)
     statements = tuple(prove(problem, state))
     assert {name for one in statements for name in one.conditions} == {"near"}

@@ -58,7 +58,7 @@ def test_undisturbed_it_is_the_walk_of_an_episode_to_the_last_bit(amber, slow, l
 
 def test_a_push_changes_momentum_by_its_impulse(live):
     # In the air, with no ground to push back, and no torques.
-    live.data.qpos[live.plant.wires.root[1]] += 50.0
+    live.data.qpos[live.plant.state_map.root[1]] += 50.0
     still = momentum_x(live)
     live.push(np.array([7.0, 0.0]))
     for _ in range(round(DURATION_S / PERIOD_S)):
@@ -90,8 +90,8 @@ def test_a_jump_lands_on_the_zero_dynamics(amber, slow, live):
     for share in (0.1, 0.5, 0.9):
         z = np.array([start + share * (guard - start), 14.0 + 2.0 * share])
         live.place(np.asarray(zd.phi_inv(z)))
-        sensors = live.plant.wires.sensors(live.data.qpos, live.data.qvel)
-        foot, velocity = live.plant.wires.foot(0, sensors)
+        sensors = live.plant.state_map.sensors(live.data.qpos, live.data.qvel)
+        foot, velocity = live.plant.state_map.foot(0, sensors)
         np.testing.assert_allclose(velocity, 0.0, atol=1e-12)
         assert foot[1] == pytest.approx(float(amber.foot_radius), abs=1e-12)
         live.tick()

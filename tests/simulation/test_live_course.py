@@ -146,8 +146,8 @@ def test_put_back_it_stands_on_the_first_stone_before_the_sizes_of_now(stairs):
     until_step(stairs, 1)
     stairs.resize("rise", -0.01)
     stairs.reset()
-    foot, _ = stairs.plant.wires.foot(
-        0, stairs.plant.wires.sensors(stairs.data.qpos, stairs.data.qvel)
+    foot, _ = stairs.plant.state_map.foot(
+        0, stairs.plant.state_map.sensors(stairs.data.qpos, stairs.data.qvel)
     )
     np.testing.assert_allclose(foot, [0.0, float(stairs.plant.robot.foot_radius)], atol=1e-12)
     # It begins with the step that it was begun with; then come the new ones.

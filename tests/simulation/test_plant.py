@@ -17,7 +17,7 @@ from support.random_biped import random_biped
 def standing(plant, q, level=0.0):
     """MuJoCo data with both feet of a symmetric posture on their floors, at rest."""
     data = mujoco.MjData(plant.model)
-    data.qpos[:], data.qvel[:] = plant.wires.to_mjcf(
+    data.qpos[:], data.qvel[:] = plant.state_map.to_mjcf(
         q, np.zeros_like(q), 0, (0.0, level + float(plant.robot.foot_radius))
     )
     mujoco.mj_forward(plant.model, data)

@@ -27,7 +27,7 @@ from neuralgaits.barriers import (
 from neuralgaits.barriers import functions as f
 from neuralgaits.barriers.conditions import FencesApart
 from neuralgaits.barriers.regions import AnyGait, CommandedGait
-from neuralgaits.certificate.levels.chart import PLAIN, Chart
+from neuralgaits.certificate.levels.chart import PLANE_ONLY, Chart
 from neuralgaits.certificate.levels.orbit.theorem import Attraction, OrbitConstants
 from neuralgaits.certificate.levels.problems import trace_certificate
 from neuralgaits.certificate.levels.sets import LevelSets
@@ -130,7 +130,7 @@ class Case:
     @property
     def chart(self) -> Chart:
         """Of what it is a function."""
-        return PLAIN
+        return PLANE_ONLY
 
     def drawn(self, shares: np.ndarray) -> np.ndarray:
         """Chart points at shares of a step, of its level and of further axes. [points, axes]."""

@@ -147,7 +147,7 @@ def check_by_force(
         seed: of the starts.
         walking: `walker` of this run, bandwidth and number of steps, made here if it is not given.
     """
-    began = time.perf_counter()
+    start_time = time.perf_counter()
     model, edges = model_of(run, shape.bandwidth, shape.weights), Edges.of(shape)
     z, eta = states_of(model, shape, walks, seed)
     walking = walking or walker(run, shape.bandwidth, steps, shape.weights)
@@ -163,7 +163,7 @@ def check_by_force(
         left=int(np.sum(~np.all(least >= -ROUNDING, axis=1))),
         least={name: float(part.min()) for name, part in zip(sizes, parts, strict=True)},
         foot=float(walked.foot.max()),
-        wall_s=time.perf_counter() - began,
+        wall_s=time.perf_counter() - start_time,
     )
 
 

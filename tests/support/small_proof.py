@@ -9,7 +9,7 @@ import numpy as np
 from flint import arb
 from safetensors.numpy import save
 
-from neuralgaits.certificate.levels.chart import PLAIN
+from neuralgaits.certificate.levels.chart import PLANE_ONLY
 from neuralgaits.certificate.proof_file.check import CheckResult, check
 from neuralgaits.certificate.proof_file.reader import Claims, halves, read_claims
 from neuralgaits.programs import POINT, Constant, Input, Operation, Output, Program, evaluate
@@ -89,7 +89,7 @@ def proof() -> dict[str, Any]:
         "spec": {"name": "bowl", "sha256": sha256(FILES["spec.py"])},
         "program": json.loads(about.to_json()),
         "program_hash": about.hash,
-        "chart": PLAIN.table(),
+        "chart": PLANE_ONLY.table(),
         "theorems": [],
         "model": None,
         "statements": [

@@ -322,7 +322,7 @@ def test_one_file_says_what_was_proved_and_is_about_the_run(trained, result):
     assert summary.verdict == "proved"
     assert summary.full_order_proof == summary.proof == str(result.file)
     assert claims.theorems.claimed == (2, 3, 4)
-    told = retrace.answer(trained.path, claims.theorems)
+    told = retrace.describe_run(trained.path, claims.theorems)
     assert differences_of_program(claims, told) == []
     assert result.file.stat().st_size < 300_000
     # The conclusion is drawn from the file alone; its boxes are bounded again by the checker.

@@ -78,7 +78,7 @@ def test_a_proof_of_level_4_is_never_about_it(refined):
         (fence,),
     )
     with pytest.raises(InputError, match="carry a learned residual"):
-        retrace.answer(refined.path, Theorems.of(shape, claimed=(4,)))
+        retrace.describe_run(refined.path, Theorems.of(shape, claimed=(4,)))
     hashes = certificate_reader.hashes(refined.path)
     assert hashes[RESIDUAL] is not None
 

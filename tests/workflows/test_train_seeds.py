@@ -243,7 +243,7 @@ def test_a_seed_without_a_way_out_is_refused_with_its_reason(
 ):
     if way == "one program":
         request.getfixturevalue("together")
-    look, step, out = Trainer.careful, Trainer.step, way.replace(" ", "-")
+    look, step, out = Trainer.restart_with_smaller_rate, Trainer.step, way.replace(" ", "-")
     monkeypatch.setattr(
         Trainer, "careful", lambda self, kept: look(self, kept._replace(rate=np.float32(0.0)))
     )
@@ -386,7 +386,7 @@ def test_ctrl_c_between_seeds_says_what_was_refused_and_what_was_not_begun(
     amber, tmp_path, monkeypatch, stopped_after
 ):
     """Whoever goes on needs another folder; a seed that was refused is none to go on with."""
-    look, step = Trainer.careful, Trainer.step
+    look, step = Trainer.restart_with_smaller_rate, Trainer.step
     monkeypatch.setattr(
         Trainer, "careful", lambda self, kept: look(self, kept._replace(rate=np.float32(0.0)))
     )

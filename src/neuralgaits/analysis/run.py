@@ -172,7 +172,7 @@ def steady_gait(
     given = values(family.commands, command)
     v = [x for c, a in zip(family.commands, given, strict=True) for x in c.coordinates(a, a)]
     found = _gait_at(family, robot, np.array(v), reset_residual)
-    return jax.tree.map(np.asarray, found.following)
+    return jax.tree.map(np.asarray, found.steady_next)
 
 
 def open_run(run: "Run | str | Path") -> Run:

@@ -43,7 +43,7 @@ def middle_of(gait: Gait, zd: ZeroDynamics) -> Middle:
         gait: of one step; its command after is the one that stays.
         zd: zero dynamics under it.
     """
-    steady = gait.following
+    steady = gait.steady_next
     moving = ZeroDynamics(zd.robot, steady.policy, zd.residual, zd.reset_residual)
     start, guard = steady.span
     dtype = jnp.asarray(guard).dtype

@@ -171,7 +171,7 @@ class Inlet(AbstractCondition):
     def margins(self, gait: Gait, zd: ZeroDynamics, point: Point) -> Float[Array, "..."]:
         """Level after the reset above 0 or below 1."""
         del zd
-        level = gait.following.level(point.z_after)
+        level = gait.steady_next.level(point.z_after)
         return level if self.side == "lower" else 1.0 - level
 
 

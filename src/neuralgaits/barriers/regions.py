@@ -242,11 +242,11 @@ class Gait(eqx.Module):
         return self
 
     @property
-    def following(self) -> "Gait":
+    def steady_next(self) -> "Gait":
         """The gait of the next step, if the command stays."""
         if self.next_tube is None:
             return self
-        return Gait(self.policy.following, self.next_tube, self.next_tube)
+        return Gait(self.policy.steady_next, self.next_tube, self.next_tube)
 
     @property
     def span(self) -> tuple[Number, Number]:
@@ -275,9 +275,9 @@ class Gait(eqx.Module):
         low, high = self.tube.fences(self.phase(z[0]))
         return (0.5 * z[1] * z[1] - low) / (high - low)
 
-    def matched(self, robot: PlanarBiped, reset_residual: ResetCorrection = None) -> "Gait":
+    def match_impact(self, robot: PlanarBiped, reset_residual: ResetCorrection = None) -> "Gait":
         """The gait with everything that follows from robot and parameters recomputed."""
-        return Gait(self.policy.matched(robot, reset_residual), self.tube, self.next_tube)
+        return Gait(self.policy.match_impact(robot, reset_residual), self.tube, self.next_tube)
 
     def trainable(self) -> "Gait":
         """A tree of booleans: True where training may move a leaf."""
@@ -329,7 +329,7 @@ class CommandedGait(eqx.Module):
         tube, then = (self.tube.at(each, exact=exact) for each in (places, places.steady))
         return Gait(policy, tube, then)
 
-    def matched(
+    def match_impact(
         self, robot: PlanarBiped, reset_residual: ResetCorrection = None
     ) -> "CommandedGait":
         """The family itself: each of its gaits is matched when it is asked for."""

@@ -1,8 +1,8 @@
 """What a run's own robot, spec and weights say that a proof of it must be about, as data.
 
 A run's spec may be code of its own, and code can reach into the program that imports it. So
-`ask` traces the spec in a process of its own, and what comes back is JSON: it can be wrong, but it
-can patch no checker.
+`retrace_in_subprocess` traces the spec in a process of its own, and what comes back is JSON: it can
+be wrong, but it can patch no checker.
 """
 
 import contextlib
@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from neuralgaits._own_process import command_of, environment_of
-from neuralgaits.certificate.levels.chart import PLAIN, Chart
+from neuralgaits.certificate.levels.chart import PLANE_ONLY, Chart
 from neuralgaits.certificate.proof_file.theorem_tables import Theorems
 from neuralgaits.errors import InputError, NeuralGaitsError, RunError
 from neuralgaits.records.asked import asked_of
@@ -27,8 +27,10 @@ LAST_LINES = 3
 """Of what a process that failed left on its standard error."""
 
 
-def ask(run: Path, theorems: Theorems, chart: Chart = PLAIN) -> dict[str, Any]:
-    """`answer` of a process of its own.
+def retrace_in_subprocess(
+    run: Path, theorems: Theorems, chart: Chart = PLANE_ONLY
+) -> dict[str, Any]:
+    """Have a process of its own run `describe_run`.
 
     Raises: RunError if the run cannot be opened, or its spec ends the process or never comes to an
         end; InputError likewise.
@@ -64,12 +66,12 @@ def ask(run: Path, theorems: Theorems, chart: Chart = PLAIN) -> dict[str, Any]:
     return found
 
 
-def here_if_built_in(run: Path, theorems: Theorems, chart: Chart = PLAIN) -> dict[str, Any]:
-    """Give `answer` in this process for a spec of this package, else `ask`; errors are theirs."""
+def here_if_built_in(run: Path, theorems: Theorems, chart: Chart = PLANE_ONLY) -> dict[str, Any]:
+    """Describe a run of a built-in spec in this process, any other in one of its own."""
     from neuralgaits.barriers import specs  # Brings JAX.
 
     built_in = specs.is_built_in(asked_of(RunFolder.open(run)).spec)
-    return (answer if built_in else ask)(run, theorems, chart)
+    return (describe_run if built_in else retrace_in_subprocess)(run, theorems, chart)
 
 
 def _read(file: Path) -> dict[str, Any] | None:
@@ -80,7 +82,7 @@ def _read(file: Path) -> dict[str, Any] | None:
     return found if isinstance(found, dict) else None
 
 
-def answer(run: Path, theorems: Theorems, chart: Chart = PLAIN) -> dict[str, Any]:
+def describe_run(run: Path, theorems: Theorems, chart: Chart = PLANE_ONLY) -> dict[str, Any]:
     """What a proof with these theorems must be about, in this process.
 
     Args:
@@ -154,7 +156,9 @@ def _errors(robot: Any, chart: Chart, told: int) -> Any:
 def _main(run: str, file: str) -> None:
     try:
         given = json.load(sys.stdin)
-        found = answer(Path(run), Theorems.read(given["theorems"]), Chart.read(given["chart"]))
+        found = describe_run(
+            Path(run), Theorems.read(given["theorems"]), Chart.read(given["chart"])
+        )
     except (NeuralGaitsError, OSError) as error:
         found = {"error": str(error)}
     write_text(Path(file), json.dumps(found))

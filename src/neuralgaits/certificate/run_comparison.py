@@ -38,7 +38,7 @@ def compare_with_run(claims: Claims, folder: Path, *, own_process: bool = True) 
 
     Raises: InputError if the run cannot be opened or traced.
     """
-    describe = retrace.ask if own_process else retrace.here_if_built_in
+    describe = retrace.retrace_in_subprocess if own_process else retrace.here_if_built_in
     found = describe(folder, claims.theorems, claims.chart)
     try:
         wrong = differences_of_program(claims, found)

@@ -173,7 +173,7 @@ class Simulate:
     """Seed of random starts, terrain and disturbances."""
     episodes: Annotated[int, arg(metavar="N")] = 1
     """Number of walks."""
-    at_work: Annotated[Workers, arg(name="")] = Workers()
+    pool: Annotated[Workers, arg(name="")] = Workers()
     log: Annotated[Path | None, arg(metavar="FILE.csv")] = None
     """Write the first walk's log; of further walks, FILE-1.csv, FILE-2.csv, ... beside it."""
     video: Annotated[Path | None, arg(metavar="FILE.mp4")] = None
@@ -210,7 +210,7 @@ class Certify:
     slope=-1:1 [degrees]; the run as a whole stays undecided."""
     resume: Flag = False
     """Go on with the boxes of the last certificate."""
-    at_work: Annotated[Workers, arg(name="")] = Workers()
+    pool: Annotated[Workers, arg(name="")] = Workers()
     output: Annotated[Output, arg(name="")] = Output()
 
 
@@ -320,7 +320,7 @@ class Sweep:
     file; see the page 'From a laptop to a cluster'."""
     walks: Annotated[int | None, arg(metavar="N")] = None
     """Walks of 25 steps under each disturbance; 4 if not given."""
-    at_work: Annotated[Workers, arg(name="")] = Workers()
+    pool: Annotated[Workers, arg(name="")] = Workers()
     out: Annotated[Path | None, arg(metavar="DIR")] = None
     """Folder of the sweep; runs/sweeps/<time>-<first seed> if not given."""
     resume: Flag = False

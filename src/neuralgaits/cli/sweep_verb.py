@@ -33,8 +33,8 @@ def carry_out_sweep(verb: Sweep) -> Outcome:
         def tell(row: SweepRow, done: int, every: int) -> None:
             progress(line_of(row), done, every)
 
-        at_work = verb.at_work
-        done = sweep(verb.robots, workers=at_work.workers, ray=at_work.ray, tell=tell, **given)
+        pool = verb.pool
+        done = sweep(verb.robots, workers=pool.workers, ray=pool.ray, tell=tell, **given)
     summary = done.summary
     return Outcome(summary, not summary.failed, show_sweep, undecided=summary.lost > 0)
 

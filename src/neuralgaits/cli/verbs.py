@@ -208,8 +208,8 @@ def _simulate(verb: Simulate) -> Outcome:
         done = simulate(
             **options(verb, "parameters"),
             parameters=_box(verb.parameters),
-            workers=verb.at_work.workers,
-            ray=verb.at_work.ray,
+            workers=verb.pool.workers,
+            ray=verb.pool.ray,
         )
     notes = [done.plant_note, None if verb.output.json else done.summary.engine_note]
     for note in filter(None, notes):
@@ -233,8 +233,8 @@ def _certify(verb: Certify) -> Outcome:
                 progress=progress,
                 within=_ranges(verb.within),
                 parameters=_box(verb.parameters),
-                workers=verb.at_work.workers,
-                ray=verb.at_work.ray,
+                workers=verb.pool.workers,
+                ray=verb.pool.ray,
                 bandwidth=verb.bandwidth,
             )
         except SearchInterrupted as stop:
@@ -266,8 +266,8 @@ def _resumed_proof(verb: Certify) -> str:
         "--parameters": verb.parameters,
         "--within": verb.within,
         "--budget": verb.budget,
-        "--workers": verb.at_work.workers,
-        "--ray": verb.at_work.ray,
+        "--workers": verb.pool.workers,
+        "--ray": verb.pool.ray,
     }
     for flag, value in given.items():
         line += [] if value is None else [flag, value]

@@ -100,5 +100,5 @@ def options(verb: Any, *left_out: str) -> dict[str, Any]:
         left_out: what is given otherwise. How the answer is printed, and where the work is done,
             are left out anyway.
     """
-    others = {"output", "at_work", *left_out}
+    others = {"output", "pool", *left_out}
     return {one.name: getattr(verb, one.name) for one in fields(verb) if one.name not in others}

@@ -86,7 +86,7 @@ class ClfQp(AbstractLaw):
         """Linearising torques. Returns: [m] (N m)."""
         return self.linearising.torque(robot, reading, desired)
 
-    def within(self, robot: PlanarBiped, demand: Demand) -> Limited:
+    def apply_limits(self, robot: PlanarBiped, demand: Demand) -> Limited:
         """Solve the program. Returns: `Limited`."""
         torque, limit = demand.torque, demand.limit
         m, unit = robot.n - 1, jnp.max(limit)

@@ -13,7 +13,7 @@ import numpy as np
 
 from neuralgaits._types import Actuated, Array, Bool, Coordinates, Float, Int, Scalar, ZeroState
 from neuralgaits.control import stance, told
-from neuralgaits.control.inverse_dynamics import settled
+from neuralgaits.control.inverse_dynamics import impact_consistent_rates
 from neuralgaits.control.law import AbstractLaw, Demand, Desired, MeasuredState, Outputs
 from neuralgaits.control.measurement import (
     Measurement,
@@ -80,12 +80,12 @@ class Controller(eqx.Module):
             reset_residual: corrects the impact that the steps of a family begin with.
         """
         middle = CommandLimits.of(policy.commands).middle
-        of_middle = policy.of_step(_numbers(robot, policy, middle, reset_residual))
+        of_middle = policy.from_step_parameters(_numbers(robot, policy, middle, reset_residual))
         limit = robot.torque_limit if torque_limit is None else torque_limit
         return cls(
             robot=robot,
             policy=policy,
-            law=law.fitted(robot),
+            law=law.with_gains_for(robot),
             bounds=zero_state_bounds(robot, of_middle, z2_range),
             torque_limit=np.asarray(limit, dtype=np.float64),
             stance=StanceConfig() if stance is None else stance,
@@ -101,7 +101,7 @@ def _numbers(
     command: Float[Array, " p"],
     reset_residual: ResetCorrection,
 ) -> Float[Array, " s"]:
-    return told.steady(robot, policy, command, reset_residual).numbers
+    return told.steady(robot, policy, command, reset_residual).step_parameters
 
 
 class ControllerState(NamedTuple):
@@ -171,10 +171,10 @@ def start(
 
 
 def tell(
-    controller: Controller, state: ControllerState, wanted: Float[Array, " p"]
+    controller: Controller, state: ControllerState, requested: Float[Array, " p"]
 ) -> ControllerState:
     """Wish for other commands from the next touchdown on, see `told.tell`."""
-    return state._replace(told=told.tell(controller.policy.commands, state.told, wanted))
+    return state._replace(told=told.tell(controller.policy.commands, state.told, requested))
 
 
 def step(
@@ -195,8 +195,8 @@ def step(
     foot_velocity = stance_foot_velocity(robot, q, dq, measurement)
     reading = MeasuredState(q, dq, *zero_state(robot, q, dq, foot_velocity))
     now = told.latch(controller, state.told, touchdown)
-    if law.settles:
-        after = settled(robot, _outputs(controller, now), reading)
+    if law.uses_impact_consistent_rates:
+        after = impact_consistent_rates(robot, _outputs(controller, now), reading)
         reading = jax.tree.map(lambda new, old: jnp.where(touchdown, new, old), after, reading)
     # After a touchdown the held outputs belong to the wrong legs.
     ask = touchdown | (state.ticks_to_policy <= 0)
@@ -205,7 +205,7 @@ def step(
     )
     remaining = jnp.where(ask, law.hold_ticks, state.ticks_to_policy) - 1
     wanted = law.torque(robot, reading, held)
-    limited = law.within(robot, Demand(reading, held, wanted, controller.torque_limit))
+    limited = law.apply_limits(robot, Demand(reading, held, wanted, controller.torque_limit))
     torque = limited.torque
     command = TickResult(
         torque=leg_joints(robot, torque, standing.leg),
@@ -231,7 +231,7 @@ def _ask(controller: Controller, now: CommandState, reading: MeasuredState) -> D
 
 def _outputs(controller: Controller, now: CommandState) -> Outputs:
     """The policy of the step under way, as the law lets it know z."""
-    policy = controller.policy.of_step(now.numbers)
+    policy = controller.policy.from_step_parameters(now.step_parameters)
     bounds = controller.bounds.over(policy)
 
     def outputs(z: ZeroState) -> Actuated:

@@ -31,7 +31,9 @@ def accelerated(robot: PlanarBiped, outputs: Outputs, reading: MeasuredState) ->
     return Desired(y, d1 * dz[0] + d2 * dz[1], d1, drift)
 
 
-def settled(robot: PlanarBiped, outputs: Outputs, reading: MeasuredState) -> MeasuredState:
+def impact_consistent_rates(
+    robot: PlanarBiped, outputs: Outputs, reading: MeasuredState
+) -> MeasuredState:
     """The state with the rates that meet the outputs at this momentum about the foot.
 
     At a touchdown joint rates, and dz1 with them, are those of an impact that is under way for

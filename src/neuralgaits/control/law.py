@@ -71,13 +71,13 @@ class AbstractLaw(eqx.Module):
     hold_ticks: eqx.AbstractVar[int]
     """Control ticks between two questions to the policy."""
 
-    def fitted(self, robot: PlanarBiped) -> "AbstractLaw":
+    def with_gains_for(self, robot: PlanarBiped) -> "AbstractLaw":
         """The law for a robot: with gains that suit its inertias, if it has gains."""
         return self
 
     @property
-    def settles(self) -> bool:
-        """Whether at a touchdown it goes by the rates of `settled`, not by those measured."""
+    def uses_impact_consistent_rates(self) -> bool:
+        """Whether at a touchdown it goes by `impact_consistent_rates`, not by those measured."""
         return False
 
     @abstractmethod
@@ -92,7 +92,7 @@ class AbstractLaw(eqx.Module):
     def torque(self, robot: PlanarBiped, reading: MeasuredState, desired: Desired) -> Actuated:
         """Joint torques before saturation. Returns: [m] (N m)."""
 
-    def within(self, robot: PlanarBiped, demand: Demand) -> Limited:
+    def apply_limits(self, robot: PlanarBiped, demand: Demand) -> Limited:
         """What is done of the law's torques: they are clipped. Returns: `Limited`."""
         clipped, saturated = saturate(demand.torque, demand.limit)
         return Limited(clipped, saturated, jnp.zeros(2, bool))

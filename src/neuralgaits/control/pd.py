@@ -48,7 +48,7 @@ class Pd(AbstractLaw):
     hold_ticks: int = eqx.field(default=2, static=True)
     measure_z2: bool = eqx.field(default=True, static=True)
 
-    def fitted(self, robot: PlanarBiped) -> "Pd":
+    def with_gains_for(self, robot: PlanarBiped) -> "Pd":
         """The same with gains for each joint of a robot."""
         if self.stiffness and self.damping:
             stiffness, damping = _each(self.stiffness, robot), _each(self.damping, robot)
@@ -59,7 +59,7 @@ class Pd(AbstractLaw):
         return replace(self, bandwidth=w, stiffness=stiffness, damping=damping)
 
     @property
-    def settles(self) -> bool:
+    def uses_impact_consistent_rates(self) -> bool:
         """Where z2 is measured: desired rates of a touchdown are held beyond it."""
         return self.measure_z2
 
@@ -76,7 +76,7 @@ class Pd(AbstractLaw):
 
     def torque(self, robot: PlanarBiped, reading: MeasuredState, desired: Desired) -> Actuated:
         """Joint torques before saturation. Returns: [m] (N m)."""
-        law = self.fitted(robot)
+        law = self.with_gains_for(robot)
         error, rate = errors(reading, desired)
         torque = -jnp.array(law.stiffness) * error - jnp.array(law.damping) * rate
         if not self.feed_forward:

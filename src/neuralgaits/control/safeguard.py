@@ -73,7 +73,7 @@ class SafeguardConfig:
     gap_s: float = 0.05
 
     @classmethod
-    def fitted(cls, robot: PlanarBiped) -> "SafeguardConfig":
+    def for_robot(cls, robot: PlanarBiped) -> "SafeguardConfig":
         """Defaults that hold with the lowest gains that `Pd` has for a joint of the robot."""
         inertia = float(np.min(joint_inertia(robot)))
         return cls(hold_stiffness=BANDWIDTH**2 * inertia, hold_damping=2.0 * BANDWIDTH * inertia)

@@ -22,12 +22,12 @@ if TYPE_CHECKING:
 class CommandState(NamedTuple):
     """Commands by their order, in their units; all of it empty for a gait that takes none."""
 
-    wanted: Float[Array, " p"]
+    requested: Float[Array, " p"]
     """What is wished for: the next touchdown goes there, as far as one step may change."""
     pair: Pair
     """Of the step under way."""
-    numbers: Float[Array, " s"]
-    """What follows from that pair, see `AbstractPolicy.step_numbers`."""
+    step_parameters: Float[Array, " s"]
+    """What follows from that pair, see `AbstractPolicy.parameters_of_step`."""
 
 
 def steady(
@@ -39,21 +39,21 @@ def steady(
     """A command that has been the same for long."""
     one = jnp.asarray(command, dtype=float)
     pair = Pair(one, one)
-    return CommandState(one, pair, policy.step_numbers(robot, pair, reset_residual))
+    return CommandState(one, pair, policy.parameters_of_step(robot, pair, reset_residual))
 
 
-def tell(commands: Commands, told: CommandState, wanted: Float[Array, " p"]) -> CommandState:
+def tell(commands: Commands, told: CommandState, requested: Float[Array, " p"]) -> CommandState:
     """Wish for other values from the next touchdown on: clamped, the last one in place of NaN."""
     limits = CommandLimits.of(commands)
-    inside = jnp.clip(wanted, limits.low, limits.high)
-    return told._replace(wanted=jnp.where(jnp.isnan(wanted), told.wanted, inside))
+    inside = jnp.clip(requested, limits.low, limits.high)
+    return told._replace(requested=jnp.where(jnp.isnan(requested), told.requested, inside))
 
 
 def next_pair(commands: Commands, told: CommandState) -> Pair:
     """The pair of the step that begins at a touchdown."""
     change = CommandLimits.of(commands).change
     last = told.pair.after
-    return Pair(last, jnp.clip(told.wanted, last - change, last + change))
+    return Pair(last, jnp.clip(told.requested, last - change, last + change))
 
 
 def latch(controller: "Controller", told: CommandState, touchdown: Bool[Array, ""]) -> CommandState:
@@ -62,6 +62,6 @@ def latch(controller: "Controller", told: CommandState, touchdown: Bool[Array, "
     if not policy.commands:
         return told
     pair = next_pair(policy.commands, told)
-    numbers = policy.step_numbers(controller.robot, pair, controller.reset_residual)
-    after = CommandState(told.wanted, pair, numbers)
+    step_parameters = policy.parameters_of_step(controller.robot, pair, controller.reset_residual)
+    after = CommandState(told.requested, pair, step_parameters)
     return jax.tree.map(lambda new, old: jnp.where(touchdown, new, old), after, told)

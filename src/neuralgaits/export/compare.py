@@ -191,7 +191,7 @@ def _same_decisions(design: Design, asked: Questions, found: Results) -> None:
 def _same_steps(design: Design, asked: Questions, found: Results, precision: str) -> None:
     """Commands and numbers of the step after a tick are the same. Raises: MismatchError."""
     expected, going = asked.ticks, asked.ticks.fault == 0
-    for name in ("wanted", "before", "after", "step") if design.commands else ():
+    for name in ("requested", "before", "after", "step") if design.commands else ():
         one, other = (getattr(results, name)[going] for results in (found, expected))
         unit = np.maximum(np.ptp(other, axis=0), _SMALLEST_RANGE)
         distance = float(np.max(np.abs(one - other) / unit))

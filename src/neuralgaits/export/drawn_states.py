@@ -47,7 +47,7 @@ def _of_steps(
     policy: AbstractPolicy, robot: PlanarBiped, residual: ResetCorrection, pairs: Pair
 ) -> Float[Array, "N s"]:
     """Numbers of many steps: of one number of them, so that it is compiled once."""
-    return jax.vmap(lambda told: policy.step_numbers(robot, told, residual))(pairs)
+    return jax.vmap(lambda told: policy.parameters_of_step(robot, told, residual))(pairs)
 
 
 def drawn_commands(
@@ -64,7 +64,7 @@ def drawn_commands(
     wanted = rng.uniform(limits.low, limits.high, shape)
     return Pair(single(before), single(after)), {
         "given": single(given),
-        "wanted": single(wanted),
+        "requested": single(wanted),
     }
 
 
@@ -109,7 +109,7 @@ def _lift(
         zeta = jnp.maximum(low + u[1] * (high - low), 1e-3 * high)
         z = jnp.stack([start + u[0] * (guard - start), jnp.sqrt(2.0 * zeta)])
         y, slope = jax.jvp(here.policy, (z,), (jnp.array([1.0, 0.0]),))
-        numbers = gait.policy.step_numbers(robot, told, residual)
+        numbers = gait.policy.parameters_of_step(robot, told, residual)
         return ZeroDynamics(robot, here.policy).phi_inv(z, error), y, slope, numbers
 
     return jax.vmap(lift)(*cases)

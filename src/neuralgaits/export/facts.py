@@ -86,7 +86,7 @@ class Design:
             )
             for name, law in laws.items()
         }
-        return cls(robot, gait, controllers, safeguard or SafeguardConfig.fitted(robot), origin)
+        return cls(robot, gait, controllers, safeguard or SafeguardConfig.for_robot(robot), origin)
 
     @property
     def controller(self) -> Controller:

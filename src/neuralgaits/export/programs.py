@@ -75,7 +75,7 @@ def path(policy: AbstractPolicy) -> Callable[..., dict[str, Array]]:
 
 
 def _of(policy: AbstractPolicy, step: Float[Array, " s"] | None) -> AbstractPolicy:
-    return policy if step is None else policy.of_step(step)
+    return policy if step is None else policy.from_step_parameters(step)
 
 
 def _step(policy: AbstractPolicy) -> dict[str, tuple[int, ...]]:
@@ -123,7 +123,7 @@ def policy_step(
     """
 
     def compute(before: Float[Array, " p"], after: Float[Array, " p"]) -> dict[str, Array]:
-        return {"step": policy.step_numbers(robot, Pair(before, after), reset_residual)}
+        return {"step": policy.parameters_of_step(robot, Pair(before, after), reset_residual)}
 
     shape = (len(policy.commands),)
     return Part(

@@ -42,7 +42,7 @@ class Results(NamedTuple):
     actuated: np.ndarray
     torque: np.ndarray
     motors: np.ndarray
-    wanted: np.ndarray
+    requested: np.ndarray
     before: np.ndarray
     after: np.ndarray
     step: np.ndarray
@@ -120,7 +120,7 @@ def _ticks(
             StanceState(case["leg"].astype(jnp.int32), case["since"]),
             case["ticks"].astype(jnp.int32),
             Desired(case["held_y"], case["held_dy"], case["held_slope"], case["held_drift"]),
-            CommandState(case["wanted"], Pair(case["before"], case["after"]), case["step"]),
+            CommandState(case["requested"], Pair(case["before"], case["after"]), case["step"]),
         )
         state = tell(controller, state, case["given"])
         safe = SafeguardState(
@@ -166,8 +166,8 @@ def _tick(
         actuated=command.actuated,
         torque=torque,
         motors=torque,
-        wanted=after.told.wanted,
+        requested=after.told.requested,
         before=after.told.pair.before,
         after=after.told.pair.after,
-        step=after.told.numbers,
+        step=after.told.step_parameters,
     )

@@ -64,7 +64,7 @@ def _told(design: Design, cases: Cases) -> dict[str, np.ndarray]:
     first = cases.before
     # A table of C has no NaN.
     given = np.where(np.isnan(cases.given), first, cases.given)
-    steady = {"wanted": first, "after": first, "step": steady_steps(design, first)}
+    steady = {"requested": first, "after": first, "step": steady_steps(design, first)}
     return steady | {"given": given}
 
 

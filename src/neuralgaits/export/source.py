@@ -117,7 +117,7 @@ def _law(name: str, law: AbstractLaw) -> str:
             f".damping = {braces(np.array(law.damping))}",
             f".model = {int(law.feed_forward)}",
             f".measure_z2 = {int(law.measure_z2)}",
-            f".settles = {int(law.settles)}",
+            f".uses_impact_consistent_rates = {int(law.uses_impact_consistent_rates)}",
         ]
     elif isinstance(law, Fblin):
         values += [".model = 1", f".bandwidth = {literal(law.bandwidth)}", ".measure_z2 = 1"]

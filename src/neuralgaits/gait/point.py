@@ -281,5 +281,5 @@ class Point:
     @cached_property
     def after(self) -> "Point":
         """The point of the zero dynamics manifold above `z_after`, outputs re-zeroed."""
-        policy = self.policy.following
+        policy = self.policy.steady_next
         return Point(self.robot, policy, self.residual, self.z_after, self.reset_residual)

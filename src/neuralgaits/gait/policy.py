@@ -41,7 +41,7 @@ class AbstractPolicy(eqx.Module):
         return None
 
     @property
-    def following(self) -> "AbstractPolicy":
+    def steady_next(self) -> "AbstractPolicy":
         """The policy of the next step, if the command stays: itself, for one that takes none."""
         return self
 
@@ -50,7 +50,7 @@ class AbstractPolicy(eqx.Module):
     def z1_range(self) -> tuple[Scalar, Scalar]:
         """z1 at the start of a step and at the guard (m)."""
 
-    def matched(
+    def match_impact(
         self, robot: "PlanarBiped", reset_residual: ResetCorrection = None
     ) -> "AbstractPolicy":
         """The same policy with everything that follows from robot and parameters recomputed.
@@ -90,7 +90,7 @@ class AbstractPolicy(eqx.Module):
         """Numbers that a tick needs of a step; none for one policy of every step."""
         return 0
 
-    def step_numbers(
+    def parameters_of_step(
         self, robot: "PlanarBiped", pair: Pair, reset_residual: ResetCorrection = None
     ) -> Float[Array, " s"]:
         """What a tick needs of a step between two commands, computed once a step. [step_size].
@@ -103,9 +103,9 @@ class AbstractPolicy(eqx.Module):
         del robot, pair, reset_residual
         return jnp.zeros(0)
 
-    def of_step(self, numbers: Float[Array, " s"]) -> "AbstractPolicy":
+    def from_step_parameters(self, step_parameters: Float[Array, " s"]) -> "AbstractPolicy":
         """The policy of the step with these numbers: itself, for one that has none."""
-        del numbers
+        del step_parameters
         return self
 
     @abstractmethod

@@ -106,7 +106,7 @@ class BipedEnv(gymnasium.Env):
             self._plants = [build(self.robot, one) for one in disturbances]
             self.body = Body(self.robot, self._plants[0])
             self._first = FirstStates(self.robot)
-            law, posture = Pd().fitted(self.robot), walking_posture(self.robot)
+            law, posture = Pd().with_gains_for(self.robot), walking_posture(self.robot)
         self._stiffness = self.body.by_joint(np.asarray(law.stiffness))
         self._damping = self.body.by_joint(np.asarray(law.damping))
         self._low = self.body.by_joint(posture.lower)

@@ -77,7 +77,7 @@ class Optimiser:
 
         Raises: ConvergenceError if IPOPT ends without one.
         """
-        began, x, count = time.perf_counter(), self._start(speed), 0
+        start_time, x, count = time.perf_counter(), self._start(speed), 0
         low, high = self._problem.x_bounds
         least, most = self._problem.g_bounds
         for smoothing in SMOOTHING_W:
@@ -93,7 +93,7 @@ class Optimiser:
         rows = (self._robot.n - 1) * (self._degree + 1)
         start, end = x[rows : rows + 2].tolist()
         gait = GivenGait(x[:rows].reshape(-1, self._degree + 1), (start, end))
-        return OptimisedGait(gait, count, time.perf_counter() - began)
+        return OptimisedGait(gait, count, time.perf_counter() - start_time)
 
     def _start(self, speed: float) -> Float[np.ndarray, " n"]:
         """A rough step by inverse kinematics, as fast as a linear inverted pendulum is there."""

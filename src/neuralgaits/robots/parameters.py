@@ -217,12 +217,12 @@ def model_of(robot: PlanarBiped, axes: tuple[ParameterAxis, ...]) -> Model:
     return RobotFamily.of(robot, kinds_of(robot, tuple(axis.name for axis in axes)))
 
 
-def nominal(model: Model) -> PlanarBiped:
+def nominal_robot(model: Model) -> PlanarBiped:
     """The robot of the file, which is all that a policy knows."""
     return model.nominal if isinstance(model, RobotFamily) else model
 
 
-def member(model: Model, p: Float[Array, " k"]) -> PlanarBiped:
+def robot_at(model: Model, p: Float[Array, " k"]) -> PlanarBiped:
     """The robot with these errors. [0] for a model that is one robot."""
     return model.at(p) if isinstance(model, RobotFamily) else model
 

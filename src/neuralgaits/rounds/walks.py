@@ -78,7 +78,7 @@ def walk_round(run: Run, field: Field, *, momentum: float, seed: int, folder: Pa
         seed: of starts and noise.
         folder: of the logs, one CSV file a walk.
     """
-    began = time.perf_counter()
+    start_time = time.perf_counter()
     shares = sorted({*SPEEDS, *BEYOND})
     anywhere = full_states(run.zero_dynamics, run.gait, "region", seed=seed, episodes=STARTS)
     longest = LOGGED_S / (STARTS + len(shares))
@@ -116,7 +116,7 @@ def walk_round(run: Run, field: Field, *, momentum: float, seed: int, folder: Pa
         logs_left_out=len(found) - len(files),
         engine="jax" if engine.library is None else "native",
         engine_note=engine.note,
-        wall_s=time.perf_counter() - began,
+        wall_s=time.perf_counter() - start_time,
     )
 
 
@@ -153,7 +153,7 @@ def logged_round(run: Run, files: Sequence[Path], columns: str | Path | None = N
 
     `columns` is a file that says what their columns are, see `logs.read`.
     """
-    began = time.perf_counter()
+    start_time = time.perf_counter()
     read, _ = logs.read_all(files, run.robot, columns=columns, policy=run.gait.policy)
     strides = [np.flatnonzero(np.diff(log.stance)) for log in read]
     return WalkedRound(
@@ -163,7 +163,7 @@ def logged_round(run: Run, files: Sequence[Path], columns: str | Path | None = N
         barriers=_judged(run, read),
         walked_s=float(sum(log.t[-1] - log.t[0] for log in read)),
         logs=tuple(str(file) for file in files),
-        wall_s=time.perf_counter() - began,
+        wall_s=time.perf_counter() - start_time,
     )
 
 

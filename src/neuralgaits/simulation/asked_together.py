@@ -16,7 +16,7 @@ from neuralgaits.simulation.linked.config import LinkConfig, parse_link
 from neuralgaits.simulation.setup.disturbance import PlantChanges
 from neuralgaits.simulation.setup.drawn_robots import DrawnRobots
 from neuralgaits.simulation.setup.orders import parsed
-from neuralgaits.simulation.setup.terrain_kinds import told_by
+from neuralgaits.simulation.setup.terrain_kinds import commands_from_terrain
 
 OTHER_ROBOT = 0.25
 """Share by which a plant's mass or leg length may differ before it is called another robot."""
@@ -151,7 +151,7 @@ def refuse_beside_terrain(
             "expected --terrain or --commands, found both: the robot is told what it sees"
         )
     given = parsed(command) if isinstance(command, str) else command or {}
-    taken = [name for name in given if name in told_by(terrain)]
+    taken = [name for name in given if name in commands_from_terrain(terrain)]
     if taken:
         raise InputError(
             f"expected --command without {taken[0]} on a terrain, found {taken[0]}: there the "

@@ -158,7 +158,7 @@ class LiveWalk:
     @property
     def hip(self) -> Float[np.ndarray, "2"]:
         """Pitch axis of the root, (x, z) (m). [2]."""
-        return self.plant.wires.sensors(self.data.qpos, self.data.qvel).base
+        return self.plant.state_map.sensors(self.data.qpos, self.data.qvel).base
 
     def tick(self) -> bool:
         """Let one control tick pass. Returns: False, and nothing changes, once it has fallen."""
@@ -173,7 +173,7 @@ class LiveWalk:
         if self._ground is not None and self._walk_on(self._ground, verdict):
             return True
         self.data.ctrl[:] = verdict.controls[0]
-        self.data.qfrc_applied[self.plant.wires.root[:2]] = self.pushing
+        self.data.qfrc_applied[self.plant.state_map.root[:2]] = self.pushing
         # As in an episode, where every tick is a rollout of its own: the walk is the same to a bit.
         self.data.qacc_warmstart[:] = 0.0
         for _ in range(SUBSTEPS):
@@ -273,8 +273,8 @@ class LiveWalk:
             self._rebuild(self.plant.disturbance)
             self._stand(x, 0.0)
             return
-        wires = self.plant.wires
-        base = float(wires.sensors(*wires.to_mjcf(x[:n], x[n:], 0)).base[0])
+        state_map = self.plant.state_map
+        base = float(state_map.sensors(*state_map.to_mjcf(x[:n], x[n:], 0)).base[0])
         self._stand(x, float(self.hip[0]) - base)
 
     def reset(self) -> None:
@@ -286,7 +286,7 @@ class LiveWalk:
         q, dq = np.split(x, 2)
         lift = float(self._robot.foot_radius) * math.hypot(1.0, self.floor.slope)
         foot = (foot_x, self.floor.height(foot_x) + lift)
-        self.data.qpos[:], self.data.qvel[:] = self.plant.wires.to_mjcf(q, dq, 0, foot)
+        self.data.qpos[:], self.data.qvel[:] = self.plant.state_map.to_mjcf(q, dq, 0, foot)
         for name in ("ctrl", "qfrc_applied", "sensordata"):
             getattr(self.data, name)[:] = 0.0
         self.verdict = None
@@ -301,8 +301,8 @@ class LiveWalk:
         if self.floor.slope == self.plant.slope:
             return
         leg = 0 if self.verdict is None else int(self.verdict.leg[0])
-        wires = self.plant.wires
-        foot, _ = wires.foot(leg, wires.sensors(self.data.qpos, self.data.qvel))
+        state_map = self.plant.state_map
+        foot, _ = state_map.foot(leg, state_map.sensors(self.data.qpos, self.data.qvel))
         radius, passed = float(self._robot.foot_radius), _TILT_TICKS * PERIOD_S
         self._lay(self.floor.turned(self.plant.slope, float(foot[0]), radius, passed))
 

@@ -72,7 +72,7 @@ class JaxTick(LiveTick):
         gap_depth = np.inf if plant.course is None else plant.course.gap_depth
         self._scene = Scene.of(plant, controller, ENDLESS, falls, first, gap_depth)
         self._batch: Batch | None = None
-        self._noise = np.zeros((1, 2, 1 + plant.wires.joints.size))
+        self._noise = np.zeros((1, 2, 1 + plant.state_map.joints.size))
         self._wanted = np.array(self._scene.first)
         self.restart()
 

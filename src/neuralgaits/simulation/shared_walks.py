@@ -57,7 +57,7 @@ class SharedWalks:
         """Walk all episodes. Raises: InputError if some could not be walked."""
         # One step tells plant and law, and leaves the compiled walk where workers here find it.
         whole = replace(self.walks, steps=1).walk(0, 1)
-        began = time.perf_counter()
+        start_time = time.perf_counter()
         count = max(1, min(_MOST_OF_A_PART, STEPS_OF_A_PART // self.walks.steps))
         found: dict[str, Any] = {}
         with closing(
@@ -71,7 +71,7 @@ class SharedWalks:
                     )
                 found[one.name] = safetensors.numpy.load(one.files[_ARRAYS])
         parts = [found[job.name] for job in self._jobs(episodes, count)]
-        merged = from_arrays(parts, time.perf_counter() - began)
+        merged = from_arrays(parts, time.perf_counter() - start_time)
         if not merged.strides:
             merged = merged._replace(strides=whole.episodes.strides[:0])
         return replace(whole, episodes=merged)

@@ -122,7 +122,7 @@ def walk_engine_for(
     choice: Choice | None,
     simulator: Simulator = MUJOCO,
 ) -> WalkEngine:
-    """Choose the loop for a run under a law. Raises: InputError if native was asked for and fails."""
+    """Choose the loop for a run under a law. Raises: InputError if native cannot be had."""
     law = law_named(controller)
     if simulator != MUJOCO:
         if choice == "native":

@@ -225,7 +225,7 @@ def plant_states(plant: Plant, starts: Float[np.ndarray, "B two_n"]) -> np.ndarr
     q, dq = np.split(starts, 2, axis=1)
     # On a slope the sphere touches beside its lowest point.
     height = plant.robot.foot_radius * np.sqrt(1.0 + plant.slope**2)
-    qpos, qvel = plant.wires.to_mjcf(q, dq, 0, (0.0, float(height)))
+    qpos, qvel = plant.state_map.to_mjcf(q, dq, 0, (0.0, float(height)))
     return np.concatenate([np.zeros((len(starts), 1)), qpos, qvel], axis=1)
 
 

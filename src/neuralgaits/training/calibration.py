@@ -64,4 +64,4 @@ def _speed(
 
 @quick_filter_jit
 def _steady(gait: CommandedGait, robot: PlanarBiped, v: Float[Array, " k"], residuals: Residuals):
-    return gait.at(robot, v, residuals.reset).following
+    return gait.at(robot, v, residuals.reset).steady_next

@@ -9,7 +9,7 @@ import optax
 
 from neuralgaits.barriers import GaitSpec
 from neuralgaits.gait import Residuals
-from neuralgaits.robots.parameters import Model, nominal
+from neuralgaits.robots.parameters import Model, nominal_robot
 from neuralgaits.training.loss import Loss, MarginLayout, barrier_loss, margin_matrix
 from neuralgaits.training.pushes import Disturbance, pushes_of
 from neuralgaits.training.repair import with_extra
@@ -20,13 +20,18 @@ VALIDATION_SAMPLES = 8
 
 
 def make_steps(
-    spec: GaitSpec, light, disturbance: Disturbance, unflatten, optimizer, steps_in_all: int = 0
+    spec: GaitSpec,
+    float32_parts,
+    disturbance: Disturbance,
+    unflatten,
+    optimizer,
+    steps_in_all: int = 0,
 ) -> Callable:
     """Gradient steps in one loop.
 
     Args:
         spec: conditions and recipe.
-        light: robot, layout, sampler, untrained leaves and residuals, in single precision.
+        float32_parts: robot, layout, sampler, untrained leaves and residuals, in single precision.
         disturbance: that the conditions must bear beside them (m/s, N m).
         unflatten: flat parameters to the trained leaves.
         optimizer: of optax.
@@ -35,14 +40,16 @@ def make_steps(
     Returns: (parameters, optimiser state, key, first step, count, share of the step size, extra)
         to parameters, state and the `Loss` of the last step before it was taken.
     """
-    robot, layout, sampler, fixed, residuals = light
+    robot, layout, sampler, fixed, residuals = float32_parts
     growth = spec.recipe.curriculum * steps_in_all
 
     def grown(index):
         return jnp.minimum(1.0, (index + 1.0) / growth) if growth else 1.0
 
     def loss(parameters, u, counts, pushes):
-        gait = eqx.combine(unflatten(parameters), fixed).matched(nominal(robot), residuals.reset)
+        gait = eqx.combine(unflatten(parameters), fixed).matched(
+            nominal_robot(robot), residuals.reset
+        )
         margins, torque = margin_matrix(spec, robot, gait, u, residuals, pushes, layout.aimed)
         result = barrier_loss(spec, layout._replace(counts=counts), margins, torque)
         return result.total, result

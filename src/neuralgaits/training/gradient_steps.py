@@ -74,18 +74,18 @@ class GradientSteps:
         """
         saved, kept, count = time.perf_counter(), state, 1
         while not trainer.done(state) and time.monotonic() < deadline:
-            began, first = time.perf_counter(), int(state.step)
+            start_time, first = time.perf_counter(), int(state.step)
             ahead = min(VALIDATE_EVERY - first % VALIDATE_EVERY, trainer.steps - first)
             state, loss = trainer.step(state, min(count, ahead))
             step = int(state.step)
             jax.block_until_ready(loss)
             # As many at once as a user who stops it, or a budget, can wait for.
-            each = (time.perf_counter() - began) / (step - first)
+            each = (time.perf_counter() - start_time) / (step - first)
             count = max(1, round(AT_ONCE_S / each))
             if step % VALIDATE_EVERY and not trainer.done(state):
                 continue
             if not (np.isfinite(float(loss.total)) and np.isfinite(state.parameters).all()):
-                smaller = trainer.careful(kept)
+                smaller = trainer.restart_with_smaller_rate(kept)
                 if smaller is None:
                     self.refuse_nan(trainer, trainer.step, kept, save)
                 state = kept = smaller

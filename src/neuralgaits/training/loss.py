@@ -16,7 +16,7 @@ from neuralgaits.barriers import Barrier, GaitSpec
 from neuralgaits.barriers.aims import middle_of
 from neuralgaits.barriers.regions import AnyGait
 from neuralgaits.gait import NO_RESIDUALS, Residuals, ZeroDynamics
-from neuralgaits.robots.parameters import Model, member, nominal
+from neuralgaits.robots.parameters import Model, nominal_robot, robot_at
 from neuralgaits.training.pushes import DisturbedResidual
 from neuralgaits.training.sampling import Sampler, contains
 
@@ -59,8 +59,8 @@ def lay_out(spec: GaitSpec, robot: Model, gait: AnyGait, sampler: Sampler) -> Ma
 
     def margins(u):
         at = spec.parted(u)
-        step = gait.at(nominal(robot), at.told)
-        zd = ZeroDynamics(member(robot, at.errors), step.policy)
+        step = gait.at(nominal_robot(robot), at.told)
+        zd = ZeroDynamics(robot_at(robot, at.errors), step.policy)
         point = zd.point(step.z(at.plane))
         return {c.name: c.margins(step, zd, point) for c in asked}
 
@@ -122,8 +122,8 @@ def margin_matrix(
         flow, reset = residuals
         moved = flow if push is None else DisturbedResidual(flow, push)
         at = spec.parted(sample)
-        step = gait.at(nominal(robot), at.told, reset)
-        zd = ZeroDynamics(member(robot, at.errors), step.policy, moved, reset)
+        step = gait.at(nominal_robot(robot), at.told, reset)
+        zd = ZeroDynamics(robot_at(robot, at.errors), step.policy, moved, reset)
         return step, zd, zd.point(step.z(at.plane))
 
     def one(sample, push):

@@ -112,7 +112,7 @@ class SeedBatch:
     def report(self, gaits: Sequence[AnyGait], *, seed: int) -> list[FreshMargins]:
         """`Trainer.report` of one gait for each seed."""
         found = zip(*self._look(_stack(self._filled(list(gaits))), seed, 0.0), strict=True)
-        fresh = [self.trainer.fresh(float(loss), margins) for loss, margins in found]
+        fresh = [self.trainer.margins_by_condition(float(loss), margins) for loss, margins in found]
         return fresh[: len(gaits)]
 
     def _begun(self, run: Run) -> SeedRun:
@@ -122,14 +122,14 @@ class SeedBatch:
 
     def _compile(self) -> float:
         """Both programs, at once where there are two cores; results are thrown away."""
-        began = time.perf_counter()
+        start_time = time.perf_counter()
         self._over = self.trainer.over_seeds()
         with ThreadPoolExecutor(1) as beside:
             states = self._stacked([one.state for one in self.members])
             looked = beside.submit(self._validation_losses, states.parameters)
             self._advance(states, 1)
             looked.result()
-        return time.perf_counter() - began
+        return time.perf_counter() - start_time
 
     def _take(self, progress: Progress | None) -> None:
         saved, saving = time.perf_counter(), 0.0
@@ -159,11 +159,11 @@ class SeedBatch:
         )
         stacked, loss = self._stacked([one.state for one in self.members]), None
         while ahead:
-            began, now = time.perf_counter(), min(self._count, ahead)
+            start_time, now = time.perf_counter(), min(self._count, ahead)
             stacked, loss = self._advance(stacked, now)
             ahead -= now
             # As many at once as a user who stops it can wait for.
-            each = (time.perf_counter() - began) / now
+            each = (time.perf_counter() - start_time) / now
             self._count = max(1, round(AT_ONCE_S / each))
         states, losses = jax.tree.map(np.asarray, (stacked, loss))
         for number, one in enumerate(self.members):
@@ -183,7 +183,7 @@ class SeedBatch:
             if np.isfinite(loss.total) and np.isfinite(one.state.parameters).all():
                 looked.append((number, loss))
                 continue
-            smaller = self.trainer.careful(one.kept)
+            smaller = self.trainer.restart_with_smaller_rate(one.kept)
             if smaller is None:
                 one.refused = self._refused(number)
             else:
@@ -194,7 +194,7 @@ class SeedBatch:
         found = self._validation_losses(self._put(np.stack(self._filled(parameters))))
         for number, loss in looked:
             one = self.members[number]
-            state = self.trainer.better(one.state, float(found[number]))
+            state = self.trainer.keep_if_best(one.state, float(found[number]))
             one.state = one.kept = jax.tree.map(np.asarray, state)
             one.steps.rows.append(one.steps.row(int(state.step), loss, state))
 

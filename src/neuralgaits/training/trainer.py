@@ -117,7 +117,7 @@ class Trainer:
     _unflatten: Callable
     _optimizer: optax.GradientTransformation
     _template: AnyGait
-    _light: tuple
+    _float32_parts: tuple
     _layout: MarginLayout
     _validation_layout: MarginLayout
     extra: Extra | None = None
@@ -166,14 +166,14 @@ class Trainer:
         trained, fixed = eqx.partition(template, template.trainable())
         _, unflatten = ravel_pytree(cast(trained, jnp.float32))
         optimizer = _optimizer(recipe, steps, rate * width_factor(spec, template))
-        light = (
+        float32_parts = (
             cast(model, np.float32),
             cast_named(layout, np.float32),
             cast_named(sampler, np.float32),
             cast(fixed, np.float32),
             cast(residuals, np.float32),
         )
-        taken = make_steps(spec, light, disturbance, unflatten, optimizer, steps)
+        taken = make_steps(spec, float32_parts, disturbance, unflatten, optimizer, steps)
         checked = lay_out(spec, model, template, validation)
         look = make_evaluate(spec, model, validation, checked, residuals, disturbance)
         return cls(
@@ -192,21 +192,21 @@ class Trainer:
             _unflatten=unflatten,
             _optimizer=optimizer,
             _template=template,
-            _light=light,
+            _float32_parts=float32_parts,
             _layout=layout,
             _validation_layout=checked,
         )
 
     def repairing(self, steps: int) -> "Trainer":
-        """A trainer that goes on from a trained gait, for `steps` steps a round, see `on`."""
+        """A trainer that goes on from a trained gait: `steps` a round, see `for_repair_round`."""
         factor = REPAIR_RATE * width_factor(self.spec, self._template)
         optimizer = _optimizer(self.spec.recipe, steps, factor)
-        parts = self.spec, self._light, self.disturbance, self._unflatten
+        parts = self.spec, self._float32_parts, self.disturbance, self._unflatten
         taken = make_steps(*parts, optimizer)
         compiled = quick_jit(taken)
         return replace(self, steps=steps, _steps=taken, _step=compiled, _optimizer=optimizer)
 
-    def on(self, extra: Extra, number: int) -> "Trainer":
+    def for_repair_round(self, extra: Extra, number: int) -> "Trainer":
         """The trainer of one round: these boxes get samples too. Nothing is compiled again."""
         return replace(self, extra=extra, round=number)
 
@@ -227,7 +227,7 @@ class Trainer:
         rate = jnp.ones((), jnp.float32)
         return TrainState(start, flat, self._optimizer.init(flat), flat, worst, rate)
 
-    def careful(self, kept: TrainState) -> TrainState | None:
+    def restart_with_smaller_rate(self, kept: TrainState) -> TrainState | None:
         """Where to go on if the steps after a state turned to NaN: its best weights, smaller steps.
 
         Returns: None if its steps are as small as makes sense.
@@ -265,10 +265,10 @@ class Trainer:
         """Keep the parameters if their loss on the validation samples is the lowest."""
         gait = self.gait(state.parameters)
         result, _ = self._evaluate(gait, jax.random.key(0), self.extra, jnp.ones(()))
-        return self.better(state, float(result.total))
+        return self.keep_if_best(state, float(result.total))
 
-    def better(self, state: TrainState, loss: float) -> TrainState:
-        """The same, the parameters having this loss on the validation samples."""
+    def keep_if_best(self, state: TrainState, loss: float) -> TrainState:
+        """Keep the parameters if this loss on the validation samples is the lowest so far."""
         if loss < float(state.best_loss):
             return state._replace(best=state.parameters, best_loss=jnp.asarray(loss, jnp.float64))
         return state
@@ -277,7 +277,7 @@ class Trainer:
         """The gait with these parameters, in float64 and matched to the robot."""
         trained = cast(self._unflatten(parameters), np.float64)
         gait = eqx.combine(trained, self._template)
-        return _matched(gait, self.robot, self.residuals.reset)
+        return _match_impact(gait, self.robot, self.residuals.reset)
 
     def report(self, gait: AnyGait, *, seed: int) -> FreshMargins:
         """Loss and margins on samples inside the regions (`VALIDATION_SAMPLES` x batch).
@@ -285,10 +285,10 @@ class Trainer:
         Samples of extra boxes count for the loss alone.
         """
         loss, margins = self._evaluate(gait, jax.random.key(seed), self.extra, jnp.zeros(()))
-        return self.fresh(float(loss.total), np.asarray(margins))
+        return self.margins_by_condition(float(loss.total), np.asarray(margins))
 
-    def fresh(self, loss: float, margins: Float[np.ndarray, "N K"]) -> FreshMargins:
-        """What a look found, by condition."""
+    def margins_by_condition(self, loss: float, margins: Float[np.ndarray, "N K"]) -> FreshMargins:
+        """Sort margins by condition."""
         rows = self._validation_layout.counts
         margins = margins[: len(rows)]
         named = {
@@ -347,5 +347,5 @@ def _optimizer(recipe: Recipe, steps: int, factor: float) -> optax.GradientTrans
 
 
 @quick_filter_jit
-def _matched(gait: AnyGait, robot: PlanarBiped, reset_residual: ResetCorrection) -> AnyGait:
-    return gait.matched(robot, reset_residual)
+def _match_impact(gait: AnyGait, robot: PlanarBiped, reset_residual: ResetCorrection) -> AnyGait:
+    return gait.match_impact(robot, reset_residual)

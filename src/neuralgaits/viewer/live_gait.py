@@ -15,7 +15,7 @@ from neuralgaits.simulation.native_walk import engine_of_trained
 from neuralgaits.simulation.setup.live_course import LiveCourse
 from neuralgaits.simulation.setup.orders import CommandSchedule
 from neuralgaits.simulation.setup.starts import momentum_range
-from neuralgaits.simulation.setup.terrain_kinds import told_by
+from neuralgaits.simulation.setup.terrain_kinds import commands_from_terrain
 from neuralgaits.simulation.ticks.falls import Ending
 from neuralgaits.viewer.walker import Margins, Shown, SliderRange, SliderReach
 
@@ -97,7 +97,7 @@ class LiveGait:
     @property
     def commands(self) -> Mapping[str, SliderRange]:
         """What a visitor may tell the gait at each touchdown, and its range."""
-        own = () if self._on is None else told_by(self._on)
+        own = () if self._on is None else commands_from_terrain(self._on)
         return {
             c.name: SliderRange(SliderReach(c.low, c.high, 0.5 * (c.low + c.high)), c.unit)
             for c in self.run.trained.commands
@@ -131,7 +131,7 @@ class LiveGait:
         record, verdict = live.record, live.verdict
         if record is not None:
             self._z = np.asarray(record.command.z)[0]
-        sensors = live.plant.wires.sensors(live.data.qpos, live.data.qvel)
+        sensors = live.plant.state_map.sensors(live.data.qpos, live.data.qvel)
         ending: Ending = live.ending
         return Shown(
             time=live.time,

@@ -163,7 +163,7 @@ def certify(
     Raises: InputError on bad settings; RunError if there are no such boxes to go on with;
         SearchInterrupted for KeyboardInterrupt, with everything found by then in the folder.
     """
-    began = time.perf_counter()
+    start_time = time.perf_counter()
     level = LEVEL if level is None else level
     _refuse(level, disturbance, bandwidth)
     check_budget(budget)
@@ -179,7 +179,7 @@ def certify(
     except SpecError as error:
         # A proof of what could be traced once would be taken for a proof of this run.
         nothing = level_one.not_looked_at(spec)
-        return _finish(trained, scope, nothing, [], began, {}, reason=str(error))
+        return _finish(trained, scope, nothing, [], start_time, {}, reason=str(error))
     task = _Task(trained, scope, sets, program)
     problems = [
         *condition_problems(spec, program, scope.chart),
@@ -201,10 +201,10 @@ def certify(
                 bound_all=bound_all,
             )
     except SearchInterrupted as stop:
-        _written(task, problems, stop.states, began, "interrupted")
+        _written(task, problems, stop.states, start_time, "interrupted")
         raise
     ended = None if time.monotonic() < deadline else f"the budget of {budget} s is spent"
-    return _written(task, problems, states, began, ended)
+    return _written(task, problems, states, start_time, ended)
 
 
 @contextmanager
@@ -213,8 +213,8 @@ def _bounding(workers: int | None, ray: str | None) -> Iterator[BoundAll | None]
     if workers is None and ray is None:
         yield None
         return
-    with worker_pool_for(workers, ray) as at_work:
-        yield SharedBounds(at_work)
+    with worker_pool_for(workers, ray) as pool:
+        yield SharedBounds(pool)
 
 
 def _refuse(level: int, disturbance: tuple[float, float], bandwidth: float | None) -> None:
@@ -242,7 +242,7 @@ def _written(
     task: _Task,
     problems: Sequence[Problem],
     states: Sequence[Search],
-    began: float,
+    start_time: float,
     ended: str | None,
 ) -> CertifyResult:
     """Save everything and give the verdicts. `ended` says what cut the search short, if it was."""
@@ -274,7 +274,7 @@ def _written(
         scope,
         verdicts,
         conclusions,
-        began,
+        start_time,
         files,
         reason=reason,
         boxes=box_count(states),
@@ -319,7 +319,7 @@ def _finish(
     scope: Scope,
     verdicts: Mapping[str, ConditionVerdict],
     conclusions: Sequence[Conclusion],
-    began: float,
+    start_time: float,
     files: Mapping[str, bytes],
     *,
     boxes: int = 0,
@@ -337,7 +337,7 @@ def _finish(
         conditions=verdicts,
         levels=tuple(conclusions),
         sha256=hashes_with(run.path, files),
-        wall_s=time.perf_counter() - began,
+        wall_s=time.perf_counter() - start_time,
         boxes=boxes,
         within=scope.within,
         parameters=dict(scope.box),

@@ -52,7 +52,7 @@ def check_proof(
         weights_sha256.
     Raises: InputError in one line if the file is no proof file; RunError if there is no such run.
     """
-    began = time.perf_counter()
+    start_time = time.perf_counter()
     file = proof_file_at(file)
     claims = read_claims(file)
     folder = None if run is None else resolve(run).path
@@ -71,7 +71,7 @@ def check_proof(
         spec=claims.spec[0],
         weights_sha256=claims.weights_sha256,
         assumptions=assumed,
-        wall_s=time.perf_counter() - began,
+        wall_s=time.perf_counter() - start_time,
         **found,
     )
 

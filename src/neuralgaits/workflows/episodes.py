@@ -111,7 +111,7 @@ def episodes(
 
     Raises: InputError or RunError with one line; Interrupted for KeyboardInterrupt.
     """
-    began = time.perf_counter()
+    start_time = time.perf_counter()
     check_rounds(rounds)
     asked = {
         "robot": robot,
@@ -144,7 +144,7 @@ def episodes(
         waiting_for=stopped.waiting_for,
         diverged=stopped.diverged,
         figure=str(folder.path / FIGURE),
-        wall_s=time.perf_counter() - began,
+        wall_s=time.perf_counter() - start_time,
     )
     write(folder.path / SUMMARY, summary)
     draw_file(summary, folder.path / FIGURE)

@@ -76,7 +76,7 @@ def fit(
     Returns: `Fit`. Residual and summary are in the run's folder.
     Raises: InputError naming file, row, column and remedy; nothing is written then.
     """
-    began = time.perf_counter()
+    start_time = time.perf_counter()
     config = FitConfig(optimizer=optimizer) if config is None else config
     check_seed(seed)
     trained = open_run(run)
@@ -116,7 +116,7 @@ def fit(
         error_bound=_pair(learned.error_bound),
         **_errors(zd, flow, config, parts, scale),
         touchdowns=landing_errors(corrected, reset, walks.touchdowns(parts.heldout, zd)),
-        wall_s=time.perf_counter() - began,
+        wall_s=time.perf_counter() - start_time,
     )
     trained.folder.write_json(FIT, summary)
     return Fit(path, learned, summary)

@@ -30,7 +30,7 @@ def import_gait(
 
     Raises: InputError on a file that is not of this robot, or a gait without an attracting orbit.
     """
-    began = time.perf_counter()
+    start_time = time.perf_counter()
     gait = read_gait(Path(file), robot, name)
     given = GaitOrigin("import-gait", gait.degree)
-    return given_run(robot, gait, given, began=began, out=out, root=root)
+    return given_run(robot, gait, given, start_time=start_time, out=out, root=root)

@@ -39,7 +39,7 @@ def optimise(
     Raises: InputError without CasADi (extra `hzd`) or on bad settings; ConvergenceError if the
         solver finds no such gait.
     """
-    began = time.perf_counter()
+    start_time = time.perf_counter()
     if not speed > 0.0:
         raise InputError(f"expected --speed above 0 m/s, found {speed:g}")
     if speed > FASTEST:
@@ -52,5 +52,5 @@ def optimise(
     found = Optimiser(robot, degree).at(speed)
     given = GaitOrigin("optimise", degree, speed)
     return given_run(
-        robot, found.gait, given, solve_s=found.solve_s, began=began, out=out, root=root
+        robot, found.gait, given, solve_s=found.solve_s, start_time=start_time, out=out, root=root
     )

@@ -64,7 +64,7 @@ def refine(
     Raises: InputError on bad settings or a residual that does not fit; NonFiniteError if the loss
         turned to NaN.
     """
-    began = time.perf_counter()
+    start_time = time.perf_counter()
     parent = open_run(run)
     if parent.spec.parameters:
         raise InputError(
@@ -105,4 +105,4 @@ def refine(
         config, copies, name=parent.robot.name, seed=seed, root=root, out=place
     )
     child = Run(folder, parent.robot, parent.spec, parent.trained)
-    return train_to_the_end(child, progress=progress, watch=watch, root=root, began=began)
+    return train_to_the_end(child, progress=progress, watch=watch, root=root, start_time=start_time)

@@ -39,7 +39,7 @@ from neuralgaits.simulation.setup.drawn_robots import DrawnRobots
 from neuralgaits.simulation.setup.orders import on_slope, orders_of
 from neuralgaits.simulation.setup.sensing import name_of, sensed
 from neuralgaits.simulation.setup.starts import periodic_orbit
-from neuralgaits.simulation.setup.terrain_kinds import told_by
+from neuralgaits.simulation.setup.terrain_kinds import commands_from_terrain
 from neuralgaits.simulation.setup.terrains import courses_of
 from neuralgaits.simulation.shared_walks import SharedWalks
 from neuralgaits.simulation.simulators import MUJOCO, Simulator, check_simulator
@@ -173,7 +173,7 @@ def simulate(
         courses = courses_of(
             str(terrain), robot, gait.policy, orders, steps=steps, seed=seed, episodes=episodes
         )
-        own = told_by(str(terrain))
+        own = commands_from_terrain(str(terrain))
         kept = {name: value for name, value in (trained.command or {}).items() if name not in own}
         trained = at_first(trained, courses.orders.first)
         gait = trained.gait
@@ -200,8 +200,8 @@ def simulate(
             walked = course.walk(0, episodes, record=record, longest=longest, remote=remote)
     elif shared:
         parts = SharedWalks(course, engine, kept, _text(commands))
-        with engine_of_workers(workers, ray) as at_work:
-            walked = parts.on(at_work, episodes)
+        with engine_of_workers(workers, ray) as pool:
+            walked = parts.on(pool, episodes)
     else:
         walked = course.walk(0, episodes, record=record, longest=longest)
     settings = WalkSettings(

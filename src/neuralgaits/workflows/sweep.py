@@ -110,17 +110,17 @@ def sweep(
     Raises: InputError or RunError with one line; Interrupted for KeyboardInterrupt, with every
         finished row in the folder.
     """
-    began = time.perf_counter()
+    start_time = time.perf_counter()
     given = _given(specs, speeds, seeds, steps, certify, budget, controllers, disturbances, walks)
     make = _folder(robots, given, out, resume, root)
     # Before a folder is made, so that an engine that cannot be had leaves none.
-    with engine or worker_pool_for(workers, ray) as at_work, make().alone() as folder:
+    with engine or worker_pool_for(workers, ray) as pool, make().alone() as folder:
         refuse_unwritable(*(folder.path / file for file in (TABLE, PAGE, SUMMARY)))
         every = list(combinations(folder.asked))
         before = sum(folder.has(one.name) for one in every)
         jobs = (_job(folder, one) for one in every if not folder.has(one.name))
         try:
-            with closing(at_work.map(carry_out, jobs)) as done:
+            with closing(pool.map(carry_out, jobs)) as done:
                 for number, row in enumerate(_kept(folder, done, every), before + 1):
                     if tell is not None:
                         tell(row, number, len(every))
@@ -136,9 +136,9 @@ def sweep(
             before=before,
             table=str(folder.path / TABLE),
             page=str(folder.path / PAGE),
-            engine=at_work.name,
-            workers=at_work.workers,
-            wall_s=time.perf_counter() - began,
+            engine=pool.name,
+            workers=pool.workers,
+            wall_s=time.perf_counter() - start_time,
         )
         write_text(folder.path / PAGE, page(folder.asked, rows, summary))
         write_text(folder.path / SUMMARY, to_json(summary))

@@ -87,7 +87,7 @@ def train(
     Raises: InputError on bad settings; NonFiniteError if the loss turned to NaN; Interrupted
         for KeyboardInterrupt.
     """
-    began = time.perf_counter()
+    start_time = time.perf_counter()
     if resume is not None:
         folder, robot, loaded = _resumed(resume, robot, root)
         run = Run(folder, robot, loaded, untrained(folder, loaded))
@@ -117,7 +117,7 @@ def train(
         if doubt is not None and watch is not None and watch.doubted is not None:
             watch.doubted(doubt)
         run = asked.begun(root, place)
-    return train_to_the_end(run, progress=progress, watch=watch, root=root, began=began)
+    return train_to_the_end(run, progress=progress, watch=watch, root=root, start_time=start_time)
 
 
 def train_to_the_end(
@@ -126,7 +126,7 @@ def train_to_the_end(
     progress: Progress | None,
     watch: Watch | None,
     root: Path,
-    began: float,
+    start_time: float,
     trainer: Trainer | None = None,
 ) -> Run:
     """Train from the last checkpoint, or from the untrained gait of a run, and finish its folder.
@@ -136,7 +136,7 @@ def train_to_the_end(
         progress: of `train`.
         watch: of `train`.
         root: folder of the runs.
-        began: when the command, or this seed of many, did (s, of `time.perf_counter`).
+        start_time: when the command, or this seed of many, did (s, of `time.perf_counter`).
         trainer: of `take_all_steps`.
 
     Raises: NonFiniteError; Interrupted for KeyboardInterrupt.
@@ -161,7 +161,7 @@ def train_to_the_end(
             state=session.state,
             compile_s=session.compile_s,
             train_s=session.train_s,
-            began=began,
+            start_time=start_time,
             proof=proof,
         )
         finish(run.folder, found, root)
@@ -178,7 +178,7 @@ def summary_of(
     state: TrainState,
     compile_s: float,
     train_s: float,
-    began: float,
+    start_time: float,
     proof: TrainingProof | None = None,
 ) -> Trained:
     """What a training says of itself, with the hash of its conditions as a Program.
@@ -191,7 +191,7 @@ def summary_of(
         state: at the last step.
         compile_s: time that compiling took.
         train_s: time of the steps.
-        began: when the command, or this seed of many, did (s, of `time.perf_counter`).
+        start_time: when the command, or this seed of many, did (s, of `time.perf_counter`).
         proof: that was asked for.
     """
     asked = run.asked
@@ -221,7 +221,7 @@ def summary_of(
         step_size=round(float(state.rate), 6),
         compile_s=compile_s,
         train_s=train_s,
-        wall_s=time.perf_counter() - began,
+        wall_s=time.perf_counter() - start_time,
     )
 
 

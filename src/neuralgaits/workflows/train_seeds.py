@@ -93,7 +93,7 @@ def train_seeds(
 
     Raises: InputError on bad settings; Interrupted for KeyboardInterrupt.
     """
-    began = time.perf_counter()
+    start_time = time.perf_counter()
     check_seeds(seeds)
     first = new_training(
         robot,
@@ -125,7 +125,7 @@ def train_seeds(
         if len(many.done) + len(many.refused) < len(numbers):
             raise _stopped(many, numbers) from stop
         # It came behind the last step of all.
-    summary = _summary(many, numbers, time.perf_counter() - began)
+    summary = _summary(many, numbers, time.perf_counter() - start_time)
     write_text(path / SUMMARY, to_json(summary))
     runs = tuple(many.done[number] for number in numbers if number in many.done)
     if runs:

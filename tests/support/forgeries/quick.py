@@ -13,7 +13,7 @@ import numpy as np
 
 from neuralgaits.certificate import reading, retrace
 from neuralgaits.certificate.levels import problems
-from neuralgaits.certificate.levels.chart import PLAIN, Chart
+from neuralgaits.certificate.levels.chart import PLANE_ONLY, Chart
 from neuralgaits.certificate.proof_file import reader as claims
 from neuralgaits.certificate.proof_file import shared_check
 from neuralgaits.certificate.proof_file.statement_check import StatementCheck
@@ -87,10 +87,10 @@ def _stated(program: Program, statement: claims.Statement) -> str:
     return f"{program.hash} {statement}"
 
 
-def _here(run: Path, theorems: Theorems, chart: Chart = PLAIN) -> dict[str, Any]:
-    """What `retrace.ask` gets from a process of its own."""
+def _here(run: Path, theorems: Theorems, chart: Chart = PLANE_ONLY) -> dict[str, Any]:
+    """What `retrace.retrace_in_subprocess` gets from a process of its own."""
     try:
-        return json.loads(json.dumps(retrace.answer(run, theorems, chart)))
+        return json.loads(json.dumps(retrace.describe_run(run, theorems, chart)))
     except (NeuralGaitsError, OSError) as error:
         raise InputError(str(error)) from None
 

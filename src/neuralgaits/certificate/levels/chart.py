@@ -61,7 +61,7 @@ class Axis(NamedTuple):
     change: float | None = None
 
 
-class Near(NamedTuple):
+class CoupledAxes(NamedTuple):
     """Two axes whose values are at most so far apart."""
 
     first: int
@@ -112,10 +112,10 @@ class Chart:
         return cls((*told, *(Axis(name, -half, half) for name, half in errors)))
 
     @property
-    def near(self) -> tuple[Near, ...]:
+    def coupled_axes(self) -> tuple[CoupledAxes, ...]:
         """Which axes are near each other."""
         return tuple(
-            Near(number - 1, number, axis.change)
+            CoupledAxes(number - 1, number, axis.change)
             for number, axis in enumerate(self.axes)
             if axis.change is not None
         )
@@ -213,11 +213,11 @@ class Chart:
         return inside and (low, high) == self.whole(low[:PLANE], high[:PLANE])
 
 
-PLAIN = Chart()
+PLANE_ONLY = Chart()
 """Of a gait without parameters."""
 
 
-def asked_for(near: Iterable[Near], low: np.ndarray, high: np.ndarray) -> np.ndarray:
+def asked_for(near: Iterable[CoupledAxes], low: np.ndarray, high: np.ndarray) -> np.ndarray:
     """Boxes [B, n] some point of which has all near axes no farther apart than they may be. [B].
 
     A rounded difference is above a double only if the difference is.

@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import fields, replace
 from typing import Any
 
-from neuralgaits.certificate.levels.chart import PLAIN, Chart, Corner
+from neuralgaits.certificate.levels.chart import PLANE_ONLY, Chart, Corner
 from neuralgaits.certificate.levels.disturbed import theorem as disturbed
 from neuralgaits.certificate.levels.disturbed.conclude import conclude_disturbed
 from neuralgaits.certificate.levels.full_order import theorem as full_order
@@ -89,7 +89,7 @@ def refusals(known: Parameters, chart: Chart) -> dict[int, str]:
 
 
 def conclude(
-    known: Parameters, boxes: Boxes, bounds: Bounds, chart: Chart = PLAIN
+    known: Parameters, boxes: Boxes, bounds: Bounds, chart: Chart = PLANE_ONLY
 ) -> list[Conclusion]:
     """The answers for the levels that have parameters.
 

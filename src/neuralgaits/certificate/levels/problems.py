@@ -8,7 +8,7 @@ import numpy as np
 from neuralgaits._types import Array, Float
 from neuralgaits.barriers import Gait, GaitSpec
 from neuralgaits.barriers.regions import AnyGait
-from neuralgaits.certificate.levels.chart import PLAIN, PLANE, Chart, Corner
+from neuralgaits.certificate.levels.chart import PLANE, PLANE_ONLY, Chart, Corner
 from neuralgaits.certificate.levels.disturbed.theorem import REGION as DISTURBED
 from neuralgaits.certificate.levels.full_order.model import size_of
 from neuralgaits.certificate.levels.full_order.theorem import REGION as FULL_ORDER
@@ -32,7 +32,7 @@ CLAIMED = 0.4
 TIGHT = {SET: Problem.tight, FULL_ORDER: 0.25, DISTURBED: 0.0}
 """Share of the smallest margin seen that is proved, by label: level 4 tells slack, and each further
 box costs; of the others the sign is all that matters."""
-APART = {
+BOUND_SEPARATELY = {
     "full/contact": "forces",
     "full/torque": "forces",
     "disturbed/contact": "forces",
@@ -117,7 +117,9 @@ def condition_boxes(spec: GaitSpec) -> list[tuple[str, Corner, Corner]]:
     ]
 
 
-def condition_problems(spec: GaitSpec, program: Program, chart: Chart = PLAIN) -> list[Problem]:
+def condition_problems(
+    spec: GaitSpec, program: Program, chart: Chart = PLANE_ONLY
+) -> list[Problem]:
     """One for each box of each region that has conditions; in more axes, for each condition.
 
     In many axes boxes are many, and those that one condition needs are no help to another.
@@ -137,7 +139,7 @@ def condition_problems(spec: GaitSpec, program: Program, chart: Chart = PLAIN) -
                     names,
                     scales,
                     part,
-                    near=chart.near,
+                    coupled_axes=chart.coupled_axes,
                     **how,
                 )
                 for box in boxes
@@ -168,14 +170,14 @@ def confirmer(spec: GaitSpec, gait: AnyGait, zd: ZeroDynamics, sets: LevelSets) 
 
 
 def premise_problems(
-    spec: GaitSpec, sets: LevelSets, program: Program, chart: Chart = PLAIN
+    spec: GaitSpec, sets: LevelSets, program: Program, chart: Chart = PLANE_ONLY
 ) -> list[Problem]:
     """Root boxes of the levels above 1 with what must hold on each."""
     scales = {condition.name: float(condition.scale) for condition in spec.conditions}
     roots: dict[tuple[str, str, Corner, Corner], list[str]] = {}
     found = labelled_premises(sets.parameters, condition_boxes(spec))
     for region, name, low, high in found:
-        kind = APART.get(name.split(" ")[0], "")
+        kind = BOUND_SEPARATELY.get(name.split(" ")[0], "")
         if chart.parameters:
             kind = name
         names = roots.setdefault((region, kind, low, high), [])
@@ -189,7 +191,7 @@ def premise_problems(
             tuple(scales.get(name, 1.0) for name in names),
             prune(program, names),
             least=tuple(sets.least.get(name, 0.0) for name in names),
-            near=chart.near,
+            coupled_axes=chart.coupled_axes,
             **(_sign_only(spec) if chart.parameters else _how_near(region)),
         )
         for (region, _, low, high), names in roots.items()
@@ -198,7 +200,7 @@ def premise_problems(
 
 def _sign_only(spec: GaitSpec) -> dict[str, Any]:
     """In many axes: the sign is proved, and the robot's parameters are halved last."""
-    return {**SIGN_ONLY, "late": len(spec.parameters)}
+    return {**SIGN_ONLY, "weak_axes": len(spec.parameters)}
 
 
 def _how_near(label: str) -> dict[str, Any]:

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from neuralgaits._names import LONGEST_NAME, why_no_name
-from neuralgaits.certificate.levels.chart import Chart, Corner, Near, asked_for
+from neuralgaits.certificate.levels.chart import Chart, Corner, CoupledAxes, asked_for
 from neuralgaits.certificate.proof_file.coverage import SpecOutline, premise_names
 from neuralgaits.certificate.proof_file.json_fields import (
     box_of,
@@ -79,7 +79,7 @@ class Statement:
     low: Corner
     high: Corner
     tree: str
-    near: tuple[Near, ...] = ()
+    coupled_axes: tuple[CoupledAxes, ...] = ()
 
     def leaves(self) -> Corners:
         """Boxes that cover what is asked of the root box.
@@ -106,7 +106,7 @@ class Statement:
         if next(signs, None) is not None:
             raise InconsistentError(f"the tree of {self.region} goes on after its last leaf")
         low, high = np.array(lows), np.array(highs)
-        asked = asked_for(self.near, low, high)
+        asked = asked_for(self.coupled_axes, low, high)
         return low[asked], high[asked]
 
 
@@ -250,7 +250,7 @@ def _statement(entry: Any, outputs: set[str], chart: Chart) -> Statement:
         low=low,
         high=high,
         tree=tree,
-        near=chart.near,
+        coupled_axes=chart.coupled_axes,
     )
 
 

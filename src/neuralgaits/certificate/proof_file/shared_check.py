@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 
 from neuralgaits._environment import cores
 from neuralgaits._own_process import command_of, environment_of
-from neuralgaits.certificate.levels.chart import Near
+from neuralgaits.certificate.levels.chart import CoupledAxes
 from neuralgaits.certificate.proof_file.reader import Corners, Statement
 from neuralgaits.certificate.proof_file.statement_check import BATCH, StatementCheck, Verdict
 from neuralgaits.programs.program import Program
@@ -191,7 +191,7 @@ def _bound_share(task: dict[str, Any]) -> Iterator[PieceResult]:
         Statement(
             **row
             | {name: tuple(row[name]) for name in ("conditions", "low", "high")}
-            | {"near": tuple(Near(*pair) for pair in row["near"])}
+            | {"coupled_axes": tuple(CoupledAxes(*pair) for pair in row["coupled_axes"])}
         )
         for row in task["statements"]
     ]

@@ -155,7 +155,7 @@ def fingerprint(problem: Problem) -> str:
             problem.names,
             problem.degree,
             problem.program.hash,
-            problem.near,
+            problem.coupled_axes,
         ]
     )
     return hashlib.sha256(text.encode()).hexdigest()

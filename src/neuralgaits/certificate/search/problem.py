@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from neuralgaits._types import Float
-from neuralgaits.certificate.levels.chart import Near
+from neuralgaits.certificate.levels.chart import CoupledAxes
 from neuralgaits.certificate.search.halving import Corners, PerCondition, wide_axes
 from neuralgaits.programs import POINT, Program, evaluate, fold
 from neuralgaits.programs.algebras.taylor import TaylorAlgebra
@@ -62,8 +62,8 @@ class Problem:
     least: tuple[float, ...] = ()
     claimed: float = 0.99
     tight: float = 0.95
-    late: int = 0
-    near: tuple[Near, ...] = ()
+    weak_axes: int = 0
+    coupled_axes: tuple[CoupledAxes, ...] = ()
 
     @property
     def compiled(self) -> bool:
@@ -108,7 +108,7 @@ class Problem:
     def asked(self, low: Corners, high: Corners) -> np.ndarray:
         """Boxes on some point of which something is asked. A reader looks for itself. [B]."""
         apart = np.zeros(len(low), dtype=bool)
-        for one, other, change in self.near:
+        for one, other, change in self.coupled_axes:
             gap = np.maximum(low[:, one] - high[:, other], low[:, other] - high[:, one])
             apart |= gap > change
         return ~apart
@@ -118,7 +118,7 @@ class Problem:
 
         On late axes each has an end of its own: all ends with all others would be too many.
         """
-        early = len(self.low) - self.late
+        early = len(self.low) - self.weak_axes
         wide = [axis for axis in wide_axes(np.array(self.low), np.array(self.high)) if axis < early]
         size = min(max(round(points ** (1.0 / max(len(wide), 1))), 3), MOST_ALONG)
         lines = [
@@ -128,10 +128,10 @@ class Problem:
             )
         ]
         found = np.stack(np.meshgrid(*lines, indexing="ij"), axis=-1).reshape(-1, len(lines))
-        if not self.late:
+        if not self.weak_axes:
             return found
         found = np.tile(found, (max(points // len(found), 1), 1))
-        upper = np.random.default_rng(0).random((len(found), self.late)) < 0.5
+        upper = np.random.default_rng(0).random((len(found), self.weak_axes)) < 0.5
         ends = np.where(upper, self.high[early:], self.low[early:])
         return np.hstack([found, ends])
 
@@ -141,15 +141,15 @@ class Problem:
         At the point where it is smallest each late axis is moved to either end by itself; the
         better ends of all of them together are then tried everywhere. Q = P C.
         """
-        early, found = len(self.low) - self.late, []
+        early, found = len(self.low) - self.weak_axes, []
         values = self.values(points)
         for column in range(len(self.names)):
             known = np.where(np.isnan(values[:, column]), np.inf, values[:, column])
             at = points[int(np.argmin(known))]
-            moved = np.tile(at, (2 * self.late, 1))
-            axes = early + np.arange(self.late)
-            moved[2 * np.arange(self.late), axes] = np.array(self.low)[early:]
-            moved[2 * np.arange(self.late) + 1, axes] = np.array(self.high)[early:]
+            moved = np.tile(at, (2 * self.weak_axes, 1))
+            axes = early + np.arange(self.weak_axes)
+            moved[2 * np.arange(self.weak_axes), axes] = np.array(self.low)[early:]
+            moved[2 * np.arange(self.weak_axes) + 1, axes] = np.array(self.high)[early:]
             ends = self.values(moved)[:, column].reshape(-1, 2)
             better = np.where(ends[:, 0] < ends[:, 1], self.low[early:], self.high[early:])
             everywhere = points.copy()

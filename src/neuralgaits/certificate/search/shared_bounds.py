@@ -12,7 +12,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from neuralgaits.certificate.levels.chart import Near
+from neuralgaits.certificate.levels.chart import CoupledAxes
 from neuralgaits.certificate.search.problem import Bounds, Boxes, Problem
 from neuralgaits.engine import Files, Job, Settings, WorkerPool
 from neuralgaits.programs import Program
@@ -111,5 +111,5 @@ def from_json(text: str) -> Problem:
     """What `to_json` wrote."""
     values = json.loads(text)
     values |= {name: tuple(values[name]) for name in _TUPLES}
-    values["near"] = tuple(Near(*pair) for pair in values["near"])
+    values["coupled_axes"] = tuple(CoupledAxes(*pair) for pair in values["coupled_axes"])
     return Problem(**values | {"program": Program.from_json(values["program"])})

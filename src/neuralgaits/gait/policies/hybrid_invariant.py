@@ -129,11 +129,11 @@ class HybridInvariantPolicy(StepPolicy):
         return self.told
 
     @property
-    def following(self) -> "HybridInvariantPolicy":
+    def steady_next(self) -> "HybridInvariantPolicy":
         """The policy of the next step, if the command stays."""
         return self if self.then is None else self.then
 
-    def matched(
+    def match_impact(
         self, robot: "PlanarBiped", reset_residual: ResetCorrection = None
     ) -> "HybridInvariantPolicy":
         """Recompute start of the step and cubic from the robot's impact at the guard."""
@@ -188,4 +188,4 @@ class HybridInvariantPolicy(StepPolicy):
 
 @eqx.filter_jit
 def _match(policy: HybridInvariantPolicy, robot: "PlanarBiped") -> HybridInvariantPolicy:
-    return policy.matched(robot)
+    return policy.match_impact(robot)

@@ -53,8 +53,8 @@ class StepPolicy(NetworkPolicy):
         return self.z_start, self.z_guard
 
     @property
-    def numbers(self) -> Float[Array, " s"]:
-        """What a tick needs of this step: z_start, z_guard, cubic, first bias. [2 + 4 m + h]."""
+    def step_parameters(self) -> Float[Array, " s"]:
+        """Parameters of this step: z_start, z_guard, cubic, first bias. [2 + 4 m + h]."""
         ends = jnp.stack([self.z_start, self.z_guard])
         return jnp.concatenate([ends, self.cubic.reshape(-1), self.network.biases[0]])
 
@@ -66,8 +66,8 @@ class TabulatedStep(StepPolicy):
 
     @property
     def step_size(self) -> int:
-        """Of its `numbers`."""
-        return len(self.numbers)
+        """Length of its `step_parameters`."""
+        return len(self.step_parameters)
 
     def trainable(self) -> "TabulatedStep":
         """Nothing may move."""

@@ -56,7 +56,7 @@ def drake_plant(
         timestep_s: of Drake's discrete solver.
     """
     contact = ContactConfig() if contact is None else contact
-    model, wires = source.model, source.wires
+    model, state_map = source.model, source.state_map
     config = MultibodyPlantConfig(
         time_step=timestep_s,
         contact_model="point",
@@ -67,7 +67,7 @@ def drake_plant(
     plant.mutable_gravity_field().set_gravity_vector(np.array(model.opt.gravity))
     tree = Tree(plant, model)
     effort = np.full(model.nu, np.inf)
-    effort[wires.actuators] = source.torque_limit[: wires.actuators.shape[1]]
+    effort[state_map.actuators] = source.torque_limit[: state_map.actuators.shape[1]]
     add_rotors(plant, model, tree)
     ground = add_ground(plant, scene_graph, source, tree, contact)
     plant.Finalize()

@@ -85,7 +85,7 @@ class _Episode:
     """One robot."""
 
     def __init__(self, made: DrakePlant, source: Plant, state: Float[np.ndarray, " s"]):
-        self._made, self._root = made, int(made.velocities[source.wires.root[0]])
+        self._made, self._root = made, int(made.velocities[source.state_map.root[0]])
         self._simulator = Simulator(made.diagram)
         self._whole = self._simulator.get_mutable_context()
         self._context = made.plant.GetMyMutableContextFromRoot(self._whole)

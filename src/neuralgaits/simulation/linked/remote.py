@@ -256,7 +256,7 @@ def _compiled(scene: Scene) -> tuple[Callable[..., Any], Callable[..., Any]]:
     @jax.vmap
     def look(packed: jax.Array) -> tuple[Measurement, Array]:
         reading = scene.reading(packed)
-        return sense(scene, reading).seen, reading.wanted
+        return sense(scene, reading).seen, reading.requested
 
     @quick_jit
     @jax.vmap

@@ -68,8 +68,8 @@ def layout_of(leg_joints: int, actuated: int, commands: int = 0, step: int = 0) 
             ("bandwidth", c_double),
             ("hold_ticks", c_int),
             ("measure_z2", c_int),
-            ("settles", c_int),
-            ("within", c_void_p),
+            ("uses_impact_consistent_rates", c_int),
+            ("apply_limits", c_void_p),
             ("own", c_void_p),
         ],
     )
@@ -103,7 +103,7 @@ def layout_of(leg_joints: int, actuated: int, commands: int = 0, step: int = 0) 
             ("torque", by_leg),
             ("airborne", c_double),
             ("fault", c_int),
-            *((name, told) for name in ("wanted", "before", "after") if commands),
+            *((name, told) for name in ("requested", "before", "after") if commands),
             *([("step", c_double * step)] if commands else []),
         ],
     )

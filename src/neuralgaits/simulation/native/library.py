@@ -52,7 +52,7 @@ class Library:
         self.start.argtypes = [c_void_p, c_int, c_void_p]
         self.complaint = library.ng_walk_error
         self.complaint.restype = c_char_p
-        self.clf_qp = address(library.ng_clf_qp_within)
+        self.clf_qp = address(library.ng_clf_qp_apply_limits)
         self.mj_step = address(engine.mj_step)
         sizes = (c_int * 3)()
         library.ng_walk_sizes(sizes)

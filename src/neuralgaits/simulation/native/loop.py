@@ -101,14 +101,14 @@ def run(
             local.data = mujoco.MjData(plant.model)
         return _episode(library, scene, plant, local.data, given, states, episode, stop)
 
-    began = clock.perf_counter()
+    start_time = clock.perf_counter()
     with ThreadPoolExecutor(max(1, min(threads, len(states)))) as pool:
         try:
             kept = list(pool.map(one, range(len(states))))
         except BaseException:
             stop.set()
             raise
-    wall = clock.perf_counter() - began
+    wall = clock.perf_counter() - start_time
     whole = kept[0]
     rows = np.concatenate(whole.records) if given.record else None
     return EpisodeBatch(
@@ -161,7 +161,7 @@ def _episode(
     walk.push_start = begin
     kept = _Kept(walk)
     draws = np.random.default_rng([given.seed, given.first + episode, 3])
-    shape = (2, 1 + plant.wires.joints.size)
+    shape = (2, 1 + plant.state_map.joints.size)
     if given.noisy:
         # The loop in JAX spends one tick's draws on being compiled.
         draws.standard_normal(shape)

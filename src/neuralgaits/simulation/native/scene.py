@@ -34,15 +34,15 @@ def scene_of(
     push: Push,
 ) -> Any:
     """`ng_scene` of a plant and a controller."""
-    wires, layout, robot = plant.wires, plant.wires.layout, controller.robot
+    state_map, layout, robot = plant.state_map, plant.state_map.layout, controller.robot
     types, disturbance = library.layout, plant.disturbance
     leg_length = float(np.sum(robot.hip))
     scene = types.scene()
     scene.model, scene.step = plant.model._address, library.mj_step
     for name, values in (
-        ("root", wires.root),
-        ("joints", wires.joints),
-        ("motors", wires.actuators),
+        ("root", state_map.root),
+        ("joints", state_map.joints),
+        ("motors", state_map.actuators),
         ("root_to_hip", layout.root_to_hip),
         ("root_origin", layout.root_origin),
         ("joint_sign", layout.leg_joint_signs),
@@ -87,7 +87,7 @@ def _set_law(law: Any, wanted: AbstractLaw) -> None:
     law.name, law.hold_ticks = b"", int(wanted.hold_ticks)
     if isinstance(wanted, Pd):
         law.model, law.measure_z2 = int(wanted.feed_forward), int(wanted.measure_z2)
-        law.settles = int(wanted.settles)
+        law.uses_impact_consistent_rates = int(wanted.uses_impact_consistent_rates)
         _fill(law.stiffness, wanted.stiffness)
         _fill(law.damping, wanted.damping)
     elif isinstance(wanted, Fblin | ClfQp):
@@ -102,7 +102,7 @@ def _set_program(library: Library, scene: Any, controller: Controller) -> None:
     for name in ("bandwidth", "price", "contact_price", "least_normal"):
         setattr(own, name, float(getattr(law, name)))
     own.friction = float(controller.robot.friction)
-    scene.law.within = library.clf_qp
+    scene.law.apply_limits = library.clf_qp
     scene.law.own = ctypes.addressof(scene) + library.layout.scene.clf_qp.offset
 
 

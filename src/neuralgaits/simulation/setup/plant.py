@@ -63,7 +63,7 @@ class Plant:
     robot: PlanarBiped
     model: mujoco.MjModel
     disturbance: PlantChanges
-    wires: StateMap
+    state_map: StateMap
     torque_limit: Float[np.ndarray, " m"]
     slope: float
     course: Course | None = None
@@ -112,7 +112,7 @@ def build(
         robot=robot,
         model=model,
         disturbance=disturbance,
-        wires=StateMap.build(model, layout),
+        state_map=StateMap.build(model, layout),
         torque_limit=limit,
         slope=slope,
         course=course,

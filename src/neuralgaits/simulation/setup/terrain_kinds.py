@@ -47,7 +47,7 @@ KINDS = {
 }
 
 
-def told_by(asked: str) -> tuple[str, ...]:
+def commands_from_terrain(asked: str) -> tuple[str, ...]:
     """Commands that the ground gives, so that nobody else can."""
     kind, _ = kind_of(asked)
     return ("slope",) if kind == "slopes" else ("step_length", "step_height", "slope")

@@ -92,9 +92,9 @@ def run(
     """
     count, first = len(world.states), given.first
     terrain, courses, orders = given.terrain, given.courses, given.orders
-    shape = (2, 1 + plant.wires.joints.size)
+    shape = (2, 1 + plant.state_map.joints.size)
     noise = Noise(shape, given.seed, count, silent=not given.noisy, first=first)
-    late = _Late(plant.delay_ticks, count, plant.wires.nu)
+    late = _Late(plant.delay_ticks, count, plant.state_map.nu)
     time, plant_steps = 0.0, 0
     levels_now = terrain.levels if courses is None else courses.first_levels()
     carry, endings = batch.carry, np.zeros(count, dtype=int)
@@ -106,7 +106,7 @@ def run(
     # The first call compiles; its result is thrown away.
     reading = _reading(world, levels_now, noise, told)
     batch.tick(batch.arrays, carry, reading)
-    began = clock.perf_counter()
+    start_time = clock.perf_counter()
     active = np.arange(count)
     while active.size:
         reading = _reading(world, levels_now, noise, told)
@@ -139,7 +139,7 @@ def run(
         if active.size:
             world.advance(active, controls, force)
             plant_steps += SUBSTEPS * active.size
-    wall = clock.perf_counter() - began
+    wall = clock.perf_counter() - start_time
     return EpisodeBatch(
         [Ending(value) for value in endings],
         batch.carry_of(kept).gauge,
@@ -160,7 +160,7 @@ def _reading(
     world: World, levels: Float[np.ndarray, "B 2"], noise: Noise, told: "_CommandFeed"
 ) -> Float[np.ndarray, "B r"]:
     """What the tick finds now, packed."""
-    return pack(PlantReading(world.states, world.touch, levels, noise.next(), told.wanted))
+    return pack(PlantReading(world.states, world.touch, levels, noise.next(), told.requested))
 
 
 class _CommandFeed:
@@ -170,16 +170,16 @@ class _CommandFeed:
         self._courses = courses
         self._orders = [orders.of(i) for i in episodes]
         first = [next(rows) for rows in self._orders]
-        self.wanted = np.array(first, dtype=np.float64).reshape(len(episodes), -1)
+        self.requested = np.array(first, dtype=np.float64).reshape(len(episodes), -1)
 
     def advance(self, verdict: Verdict) -> None:
         """Go on to the next where one has been latched; on a course, look ahead again."""
         if self._courses is not None:
-            for i, wanted in enumerate(self.wanted):
+            for i, wanted in enumerate(self.requested):
                 self._courses.look(wanted, i, int(verdict.steps[i]), np.asarray(verdict.feet[i, 1]))
-        elif self.wanted.size:
+        elif self.requested.size:
             for i in np.flatnonzero(verdict.touchdown):
-                self.wanted[i] = next(self._orders[i])
+                self.requested[i] = next(self._orders[i])
 
 
 class _Late:

@@ -29,11 +29,11 @@ class TrueAndMeasured(NamedTuple):
 
 def sense(scene: Scene, reading: PlantReading) -> TrueAndMeasured:
     """Read the sensors of one episode."""
-    wires = scene.wires
+    state_map = scene.state_map
     time, qpos, qvel = reading.state[0], *jnp.split(reading.state[1:], 2)
     # Written for NumPy, but with nothing that JAX arrays cannot do.
-    sensors = wires.sensors(cast(np.ndarray, qpos), cast(np.ndarray, qvel))
-    arm, swept = wires.layout.hip_arm(sensors.pitch - wires.layout.root_angle, jnp)
+    sensors = state_map.sensors(cast(np.ndarray, qpos), cast(np.ndarray, qvel))
+    arm, swept = state_map.layout.hip_arm(sensors.pitch - state_map.layout.root_angle, jnp)
     truth = measure(sensors, swept, time, reading.touch)
     shifted = truth._replace(pitch=truth.pitch + scene.pitch_offset)
     seen = _rounded(_noisy(shifted, reading.noise, scene.noise), scene.encoder_step)

@@ -92,7 +92,7 @@ def tick(scene: Scene, carry: Carry, reading: PlantReading) -> tuple[Carry, Verd
     seen = sense(scene, reading).seen
     if scene.estimator is not None:
         carry, seen = _estimated(scene, scene.estimator, carry, seen)
-    state = tell(scene.controller, carry.controller, reading.wanted)
+    state = tell(scene.controller, carry.controller, reading.requested)
     state, command = step(scene.controller, state, seen)
     return account(scene, carry, reading, state, command)
 
@@ -117,7 +117,7 @@ def account(
 
     Returns: the next carry, the verdict, and the record.
     """
-    controller, wires = scene.controller, scene.wires
+    controller, state_map = scene.controller, scene.state_map
     robot, period = controller.robot, controller.period_s
     truth, _, hip = sense(scene, reading)
     time = truth.time
@@ -156,7 +156,7 @@ def account(
     return (
         carry._replace(controller=state, gauge=gauge, age=age),
         Verdict(
-            controls=controls(wires, command.torque),
+            controls=controls(state_map, command.torque),
             ending=verdict,
             touchdown=command.touchdown,
             steps=gauge.steps,

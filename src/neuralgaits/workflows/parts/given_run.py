@@ -33,7 +33,7 @@ def given_run(
     given: GaitOrigin,
     *,
     solve_s: float = 0.0,
-    began: float,
+    start_time: float,
     out: str | Path | None,
     root: Path,
 ) -> Run:
@@ -44,7 +44,7 @@ def given_run(
         gait: its outputs.
         given: where they are from.
         solve_s: time that an optimisation took (s).
-        began: when the command did (s, of `time.perf_counter`).
+        start_time: when the command did (s, of `time.perf_counter`).
         out: the run folder; a new one below `root` if None.
         root: folder of the runs.
 
@@ -92,7 +92,7 @@ def given_run(
     folder = RunFolder.create(asked, copies, name=robot.name, seed=0, root=root, out=place)
     folder.write_tree(WEIGHTS, made)
     run = Run(folder, robot, spec, made)
-    finish(folder, _summary(run, walk, solve_s, began), root)
+    finish(folder, _summary(run, walk, solve_s, start_time), root)
     return run
 
 
@@ -114,7 +114,7 @@ def _refusal(robot: PlanarBiped, given: GaitOrigin, found: str, said: str) -> Ne
     return InputError(said)
 
 
-def _summary(run: Run, walk: Steady, solve_s: float, began: float) -> Trained:
+def _summary(run: Run, walk: Steady, solve_s: float, start_time: float) -> Trained:
     """What is known of the gait: its orbit, and its conditions on samples of the tube."""
     program = trace_spec(run.spec, run.robot, run.gait)
     return Trained(
@@ -130,7 +130,7 @@ def _summary(run: Run, walk: Steady, solve_s: float, began: float) -> Trained:
         cost_of_transport=walk.cost_of_transport,
         multiplier=walk.multiplier,
         train_s=solve_s,
-        wall_s=time.perf_counter() - began,
+        wall_s=time.perf_counter() - start_time,
     )
 
 

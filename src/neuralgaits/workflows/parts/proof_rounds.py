@@ -86,8 +86,8 @@ class ProofRounds:
 
         Returns: the gait last certified, and what the run's summary says of it.
         """
-        began = time.monotonic()
-        deadline = began + (np.inf if budget is None else budget)
+        start_time = time.monotonic()
+        deadline = start_time + (np.inf if budget is None else budget)
         repairer = trainer.repairing(max(round(SHARE * self.spec.recipe.steps), 1))
         state = self._under_way(repairer, gait)
         history = self._rounds_before(state)
@@ -110,7 +110,7 @@ class ProofRounds:
             extra = jax.tree.map(jnp.asarray, extra)
             state = RepairState(jnp.asarray(number + 1, jnp.int32), extra, repairer.init(gait))
             self.folder.write_tree(REPAIR, state)
-        return gait, self._summary(history, trainer.steps, time.monotonic() - began)
+        return gait, self._summary(history, trainer.steps, time.monotonic() - start_time)
 
     def _under_way(self, repairer: Trainer, gait: AnyGait) -> RepairState | None:
         """The repair that a killed run was in."""
@@ -138,7 +138,7 @@ class ProofRounds:
             self.folder.write_tree(REPAIR, state._replace(training=training))
 
         self.steps.forget_after(before + int(state.training.step))
-        trainer = repairer.on(state.extra, number)
+        trainer = repairer.for_repair_round(state.extra, number)
         return self.steps.take(trainer, state.training, save, before=before, deadline=deadline)
 
     def _certify(

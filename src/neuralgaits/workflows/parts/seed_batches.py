@@ -45,14 +45,14 @@ class SeedBatches(ManySeeds):
             if progress is not None:
                 progress(steps * before + step, steps * count, loss)
 
-        began = time.perf_counter()
+        start_time = time.perf_counter()
         members = self._batch.train(runs, tell)
-        train_s = time.perf_counter() - began - self._batch.compile_s
+        train_s = time.perf_counter() - start_time - self._batch.compile_s
         self.compile_s += self._batch.compile_s
         self.train_s += train_s
-        self._finish(members, began, train_s)
+        self._finish(members, start_time, train_s)
 
-    def _finish(self, members: Sequence[SeedRun], began: float, train_s: float) -> None:
+    def _finish(self, members: Sequence[SeedRun], start_time: float, train_s: float) -> None:
         """Look at each gait on fresh samples, and finish its folder."""
         batch = self._batch
         report = partial(batch.report, seed=FRESH_SAMPLES_SEED)
@@ -79,7 +79,7 @@ class SeedBatches(ManySeeds):
                     state=one.state,
                     compile_s=batch.compile_s,
                     train_s=train_s,
-                    began=began,
+                    start_time=start_time,
                 )
                 finish(run.folder, found, self.root)
                 self.done[one.seed] = run

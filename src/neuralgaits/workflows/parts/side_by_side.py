@@ -32,11 +32,11 @@ class SideBySide(ManySeeds):
 
     def train(self, numbers: range, progress: Progress | None) -> None:
         """`ManySeeds.train`."""
-        began, self._lock = time.perf_counter(), threading.Lock()
+        start_time, self._lock = time.perf_counter(), threading.Lock()
         # Threads that meet in a call compile it twice.
         compile_steps(self.trainer, self.trainer.init(self.first.gait))
         compiled = time.perf_counter()
-        self.compile_s = compiled - began
+        self.compile_s = compiled - start_time
         left, told = iter(numbers), _SeedProgress(progress, self.first.asked.steps, len(numbers))
         pool = ThreadPoolExecutor(self.size)
         threads = [pool.submit(self._work, left, told) for _ in range(self.size)]
@@ -65,7 +65,7 @@ class SideBySide(ManySeeds):
             return None if number is None else self.begin(number)
 
     def _train(self, run: Run, told: "_SeedProgress") -> None:
-        seed, began = run.asked.seed, time.perf_counter()
+        seed, start_time = run.asked.seed, time.perf_counter()
         trainer = self.trainer.of_seed(seed, run.trained)
 
         def tell(step: int, _: int, loss: float) -> None:
@@ -80,7 +80,12 @@ class SideBySide(ManySeeds):
 
         try:
             self.done[seed] = train_to_the_end(
-                run, progress=tell, watch=None, root=self.root, began=began, trainer=trainer
+                run,
+                progress=tell,
+                watch=None,
+                root=self.root,
+                start_time=start_time,
+                trainer=trainer,
             )
         except NeuralGaitsError as error:
             if is_full(error):

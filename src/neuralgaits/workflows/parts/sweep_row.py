@@ -88,11 +88,11 @@ class _Row:
         return SweepRow(**self.known, wall_s=RowTimes(**self.times))
 
     def _timed(self, part: str, do: Callable[[], Any]) -> Any:
-        began = time.perf_counter()
+        start_time = time.perf_counter()
         try:
             return do()
         finally:
-            self.times[part] = time.perf_counter() - began
+            self.times[part] = time.perf_counter() - start_time
 
     def _train(self) -> Run:
         settings = self.settings

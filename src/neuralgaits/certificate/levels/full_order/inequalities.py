@@ -1,7 +1,7 @@
 """What the constants of the full-order theorem must satisfy, in balls (level 4).
 
-Every inequality is between numbers of `FullOrderConstants`, whose meaning the premises prove. It holds
-only if it is certain; where one does not, it is the obstacle, and by how much is said. The
+Every inequality is between numbers of `FullOrderConstants`, whose meaning the premises prove. It
+holds only if it is certain; where one does not, it is the obstacle, and by how much is said. The
 argument is in docs/full_order.md. Needs no JAX.
 """
 

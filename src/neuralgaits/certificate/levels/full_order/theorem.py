@@ -6,9 +6,9 @@ Outputs obey eta' = A eta exactly; V = |xi|^2 decays at least at the rate gamma.
 
 its barriers h_i being the level above the lower fence, the level below the upper fence, and the
 spec's own barrier functions, tightened by t_i because outputs off zero move what they read. Each
-number of `FullOrderConstants` is a claim; the premises, outputs of the Program that must not be negative,
-prove it. `conclude` does the arithmetic from the constants to the theorem in balls. The argument
-is in docs/full_order.md. Needs no JAX.
+number of `FullOrderConstants` is a claim; the premises, outputs of the Program that must not be
+negative, prove it. `conclude` does the arithmetic from the constants to the theorem in balls. The
+argument is in docs/full_order.md. Needs no JAX.
 """
 
 import math

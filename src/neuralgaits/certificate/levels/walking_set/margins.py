@@ -71,7 +71,7 @@ def _reset(gait: Gait, point: Point) -> dict[str, Float[Array, "..."]]:
 
 def _inlet(gait: Gait, point: Point, phase: Scalar) -> dict[str, Float[Array, "..."]]:
     """Where the reset lands in the tube of the next step; nothing here depends on its command."""
-    then, start, guard = gait.following, *gait.span
+    then, start, guard = gait.steady_next, *gait.span
     ahead = point.z_after[0] - then.span[0]
     low, high = then.tube.fences(0.0)
     level = (0.5 * point.z_after[1] * point.z_after[1] - low) / (high - low)
