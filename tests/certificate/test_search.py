@@ -349,14 +349,14 @@ def test_a_file_of_boxes_says_what_the_search_knew(tmp_path, floor):
         np.testing.assert_array_equal(getattr(tree, name), getattr(state.tree, name))
     assert prove(problem, load(tmp_path / "boxes", problem)) == prove(problem, state)
     with pytest.raises(RunError, match="another gait"):
-        load(tmp_path / "boxes", replace(problem, near=(CoupledAxes(0, 1, 0.5),)))
+        load(tmp_path / "boxes", replace(problem, coupled_axes=(CoupledAxes(0, 1, 0.5),)))
 
 
 def test_nothing_is_asked_where_axes_are_not_near():
     """A margin that is negative off the diagonal holds where the axes are near each other."""
     problem = _problem(near=lambda u: 0.3 - (u[0] - u[1]) ** 2)
     assert _run(problem).refuted
-    near = replace(problem, near=(CoupledAxes(0, 1, 0.5),))
+    near = replace(problem, coupled_axes=(CoupledAxes(0, 1, 0.5),))
     state = _run(near)
     (statement,) = prove(near, state)
     assert not state.refuted and 0.0 <= statement.bounds["near"] <= 0.05

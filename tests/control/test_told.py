@@ -65,9 +65,9 @@ def test_numbers_of_a_step_are_its_policy(robot, family):
     low, high = (np.array([getattr(c, end) for c in family.commands]) for end in ("low", "high"))
     before, after = 0.6 * low + 0.4 * high, 0.5 * low + 0.5 * high
     at = jax.jit(lambda pair: family.at(robot, pair, exact=True))(Pair(before, after))
-    numbers = jax.jit(lambda pair: family.step_numbers(robot, pair))(Pair(before, after))
+    numbers = jax.jit(lambda pair: family.parameters_of_step(robot, pair))(Pair(before, after))
     assert numbers.shape == (family.step_size,)
-    one = family.of_step(numbers)
+    one = family.from_step_parameters(numbers)
     for z in np.array([[-0.1, 12.0], [0.02, 11.0], [0.15, 14.0]]):
         np.testing.assert_allclose(one(z), at(z), rtol=1e-12, atol=1e-12)
     np.testing.assert_allclose(one.z1_range, at.z1_range, rtol=1e-12)
@@ -99,10 +99,10 @@ def test_a_wish_waits_for_the_touchdown(robot, speed, law):
     np.testing.assert_allclose(after.told, [[0.6], [0.67]])
     pair = Pair(*jnp.asarray(after.told))
     np.testing.assert_allclose(
-        state.told.numbers, speed.step_numbers(robot, pair), rtol=1e-9, atol=1e-9
+        state.told.step_parameters, speed.parameters_of_step(robot, pair), rtol=1e-9, atol=1e-9
     )
     # The outputs are those of the new step, at the z that its own interval bounds.
-    policy = speed.of_step(state.told.numbers)
+    policy = speed.from_step_parameters(state.told.step_parameters)
     bounded = controller.bounds.over(policy)(after.z)
     np.testing.assert_allclose(after.y_d, policy(bounded), rtol=1e-9, atol=1e-9)
 

@@ -128,7 +128,7 @@ def test_one_command_that_stays_is_an_ordinary_policy():
         lambda p: (p.network, p.guard_outputs, p.guard_slopes, p.z_guard),
         plain,
         (step.network, step.guard_outputs, step.guard_slopes, step.z_guard),
-    ).matched(robot)
+    ).match_impact(robot)
     for name in ("z_start", "cubic", "start_outputs", "start_slopes", "momentum_ratio"):
         np.testing.assert_allclose(getattr(plain, name), getattr(step, name), atol=1e-9)
     z = jnp.array([0.03, 14.0])

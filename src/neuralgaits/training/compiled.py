@@ -47,7 +47,7 @@ def make_steps(
         return jnp.minimum(1.0, (index + 1.0) / growth) if growth else 1.0
 
     def loss(parameters, u, counts, pushes):
-        gait = eqx.combine(unflatten(parameters), fixed).matched(
+        gait = eqx.combine(unflatten(parameters), fixed).match_impact(
             nominal_robot(robot), residuals.reset
         )
         margins, torque = margin_matrix(spec, robot, gait, u, residuals, pushes, layout.aimed)

@@ -305,7 +305,7 @@ class Trainer:
         def gaits(parameters, template, robot):
             def one(mine):
                 double = jax.tree.map(lambda leaf: leaf.astype(float), self._unflatten(mine))
-                return eqx.combine(double, template).matched(robot, self.residuals.reset)
+                return eqx.combine(double, template).match_impact(robot, self.residuals.reset)
 
             return eqx.filter_vmap(one)(parameters)
 
