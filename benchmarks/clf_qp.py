@@ -26,7 +26,7 @@ from neuralgaits.control.laws import LAWS
 from neuralgaits.records.simulated import WalkFigures
 from neuralgaits.simulation.live import LiveWalk
 from neuralgaits.simulation.metrics import summary
-from neuralgaits.simulation.native.library import Library
+from neuralgaits.simulation.native.compiled_walk import Library
 from neuralgaits.simulation.native_walk import engine_of_run
 from neuralgaits.simulation.setup.disturbance import PlantChanges
 from neuralgaits.simulation.setup.disturbance_set import DISTURBANCE_SET

@@ -15,7 +15,7 @@ from common import ROOT, show
 
 from neuralgaits.analysis.run import Run
 from neuralgaits.hzd.solver import DEGREE, Optimiser
-from neuralgaits.records.asked import GaitOrigin
+from neuralgaits.records.training_config import GaitOrigin
 from neuralgaits.robots import load_robot
 from neuralgaits.workflows.certify import certify
 from neuralgaits.workflows.import_gait import import_gait

@@ -244,7 +244,7 @@ def small(words: Words, folder: Path, said: Path) -> None:
     os.dup2(os.open(said, os.O_WRONLY | os.O_CREAT | os.O_TRUNC), 2)
     from neuralgaits._environment import prepare
     from neuralgaits.cli import main
-    from neuralgaits.rounds import walks as episode_walks
+    from neuralgaits.episode_rounds import round_walks as episode_walks
     from neuralgaits.workflows import episodes, export, fit
 
     prepare()

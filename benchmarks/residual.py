@@ -21,7 +21,7 @@ from neuralgaits.analysis.run import Run
 from neuralgaits.gait import ZeroDynamics
 from neuralgaits.gait.flow_residual import Residual
 from neuralgaits.logs import Windows
-from neuralgaits.residual.fit import FitConfig, Fitter, Optimizer
+from neuralgaits.residual.fitter import FitConfig, Fitter, Optimizer
 from neuralgaits.residual.trajectories import missed, root_mean_square
 from neuralgaits.workflows.fit import JUDGED_SAMPLES, SAMPLES, STEP_S, fit
 from neuralgaits.workflows.simulate import log_files, simulate

@@ -136,7 +136,7 @@ def disturbed(run: Run, law: str) -> None:
 
 def contacts(run: Run) -> None:
     """One walk on the orbit for each kind of contact and time step."""
-    from neuralgaits.simulation.drake import world
+    from neuralgaits.simulation.drake import drake_world
     from neuralgaits.simulation.drake.ground import ContactConfig
     from neuralgaits.simulation.setup.plant import TIMESTEP_S
 
@@ -157,7 +157,7 @@ def contacts(run: Run) -> None:
         "similar": (ContactConfig("similar"), TIMESTEP_S),
         "sap": (ContactConfig("sap"), TIMESTEP_S),
     }
-    build: Callable[..., Any] = world.drake_plant
+    build: Callable[..., Any] = drake_world.drake_plant
     quiet = PlantChanges()
     print("\npd, one walk from the periodic orbit, against MuJoCo")
     print("| contact in Drake | fell | speed | z2 after impact |")
@@ -165,7 +165,7 @@ def contacts(run: Run) -> None:
     one = walked(run, MUJOCO, quiet, "pd", "fixed-point", 1)
     for name, (contact, step) in kinds.items():
         as_said = mock.Mock(side_effect=lambda plant, *_, c=contact, s=step: build(plant, c, s))
-        with mock.patch.object(world, "drake_plant", as_said):
+        with mock.patch.object(drake_world, "drake_plant", as_said):
             other = walked(run, DRAKE, quiet, "pd", "fixed-point", 1)
         speed, momentum = _off(one.speed, other.speed), _off(one.momentum, other.momentum)
         fell = "yes" if other.fell[0] else "no"

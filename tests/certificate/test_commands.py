@@ -12,8 +12,9 @@ import pytest
 
 from neuralgaits.analysis.run import open_run
 from neuralgaits.barriers import specs
-from neuralgaits.certificate.levels.chart import Chart, CoupledAxes, asked_for
-from neuralgaits.certificate.levels.ladder import conclude
+from neuralgaits.certificate.chart import Chart, CoupledAxes, asked_for
+from neuralgaits.certificate.levels.level_search import find_sets, one_step
+from neuralgaits.certificate.levels.levels import conclude
 from neuralgaits.certificate.levels.orbit.theorem import OrbitConstants, orbit_premises
 from neuralgaits.certificate.levels.problems import (
     condition_problems,
@@ -21,7 +22,6 @@ from neuralgaits.certificate.levels.problems import (
     set_margins,
     trace_certificate,
 )
-from neuralgaits.certificate.levels.sets import find_sets, one_step
 from neuralgaits.certificate.levels.walking_set.theorem import (
     WalkingSetConstants,
     safe_premises,
@@ -29,9 +29,9 @@ from neuralgaits.certificate.levels.walking_set.theorem import (
     walking_premises,
 )
 from neuralgaits.certificate.proof_file.theorem_tables import Theorems
-from neuralgaits.certificate.reading import _part, _Unfit
 from neuralgaits.certificate.run_comparison import RunComparison
 from neuralgaits.certificate.scope import commands_within
+from neuralgaits.certificate.verified_summary import _part, _Unfit
 from neuralgaits.errors import InputError
 from neuralgaits.gait.commands import Command, Pair
 from neuralgaits.programs import POINT, evaluate

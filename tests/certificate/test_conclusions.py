@@ -7,7 +7,7 @@ import pytest
 from numpy.polynomial.chebyshev import chebval
 from scipy.integrate import quad
 
-from neuralgaits.certificate.levels.ladder import conclude
+from neuralgaits.certificate.levels.levels import conclude
 from neuralgaits.certificate.levels.orbit.conclude import attraction
 from neuralgaits.certificate.levels.orbit.theorem import OrbitConstants, orbit_premises
 from neuralgaits.certificate.levels.walking_set.conclude import walking

@@ -4,7 +4,7 @@ import pytest
 
 from neuralgaits.certificate.levels.disturbed.find import find_disturbed
 from neuralgaits.certificate.levels.disturbed.theorem import DisturbedConstants
-from neuralgaits.certificate.levels.full_order.looks import looks_in, set_of
+from neuralgaits.certificate.levels.full_order.sample_evaluators import looks_in, set_of
 from neuralgaits.certificate.levels.full_order.theorem import FullOrderConstants
 from support.full_order_check import model_of
 from support.held_walk import walk_held

@@ -14,26 +14,26 @@ from numpy.polynomial.chebyshev import chebint, chebval
 
 from neuralgaits.analysis.run import open_run
 from neuralgaits.barriers import Box, Gait, specs
-from neuralgaits.barriers.commanded import commands_of
-from neuralgaits.certificate.ground import friction_needed
-from neuralgaits.certificate.levels.chart import MOST_AXES, Chart
-from neuralgaits.certificate.levels.ladder import conclude
+from neuralgaits.barriers.commanded_spec import commands_of
+from neuralgaits.certificate.chart import MOST_AXES, Chart
+from neuralgaits.certificate.friction_requirement import friction_needed
+from neuralgaits.certificate.levels.level_search import LevelSets, fences_of, find_sets, look_at
+from neuralgaits.certificate.levels.levels import conclude
 from neuralgaits.certificate.levels.orbit import margins as orbit_margins
 from neuralgaits.certificate.levels.orbit.theorem import OrbitConstants
 from neuralgaits.certificate.levels.problems import trace_certificate
-from neuralgaits.certificate.levels.sets import LevelSets, fences_of, find_sets, look_at
 from neuralgaits.certificate.levels.walking_set.find import find_set
 from neuralgaits.certificate.levels.walking_set.theorem import WalkingSetConstants, walking_premises
 from neuralgaits.certificate.proof_file.reader import Statement
-from neuralgaits.certificate.reading import read_certificate
 from neuralgaits.certificate.search.box_tree import BoxTree
 from neuralgaits.certificate.search.halving import to_text
 from neuralgaits.certificate.traced import step_at
+from neuralgaits.certificate.verified_summary import read_certificate
 from neuralgaits.errors import InputError, SpecError
 from neuralgaits.gait import HybridInvariantPolicy, ZeroDynamics
 from neuralgaits.programs import POINT, evaluate
 from neuralgaits.records.certified import box_in_words
-from neuralgaits.report import again
+from neuralgaits.report import repeat_commands
 from neuralgaits.robots import load_robot
 from neuralgaits.robots.dynamics import angular_momentum
 from neuralgaits.robots.parameter_box import parse_box
@@ -252,8 +252,8 @@ def test_walks_over_any_footholds_stay_in_the_set_and_converge(trained):
 
 def test_a_page_gives_the_box_back_exactly():
     box = {"mass": 0.1 / 3.0, "com": 1e-5, "rotor": 0.05, "floor": 0.1 / 30.0, "friction": 0.45}
-    assert parse_box(again.box(box)) == box
-    assert again.box({}) == "none"
+    assert parse_box(repeat_commands.box(box)) == box
+    assert repeat_commands.box({}) == "none"
 
 
 def test_what_follows_names_the_box(amber):

@@ -7,7 +7,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from neuralgaits.certificate.levels.chart import CoupledAxes
+from neuralgaits.certificate.chart import CoupledAxes
 from neuralgaits.certificate.levels.conditions.verdicts import verdict_on
 from neuralgaits.certificate.proof_file.writer import prove
 from neuralgaits.certificate.search import checkpoint, schedule

@@ -9,14 +9,14 @@ from typing import Any
 import pytest
 
 from neuralgaits.analysis.run import open_run
-from neuralgaits.certificate.levels.chart import PLANE_ONLY, Axis, Chart
-from neuralgaits.certificate.levels.ladder import LEVELS, conclude, labelled_premises, refusals
+from neuralgaits.certificate.chart import PLANE_ONLY, Axis, Chart
+from neuralgaits.certificate.levels.level_search import find_sets
+from neuralgaits.certificate.levels.levels import LEVELS, conclude, labelled_premises, refusals
 from neuralgaits.certificate.levels.problems import trace_certificate
-from neuralgaits.certificate.levels.sets import find_sets
 from neuralgaits.certificate.proof_file.consistency import inconsistencies
 from neuralgaits.certificate.proof_file.reader import read_claims
 from neuralgaits.certificate.proof_file.theorem_tables import Theorems
-from neuralgaits.certificate.reading import hashes, read_certificate
+from neuralgaits.certificate.verified_summary import hashes, read_certificate
 from neuralgaits.errors import SpecError
 from neuralgaits.export.source import gait_files
 from neuralgaits.records.levels import HIGHEST_OF_MANY, WORDS

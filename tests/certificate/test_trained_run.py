@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 
 from neuralgaits.certificate import retrace
-from neuralgaits.certificate.levels.chart import PLANE_ONLY
+from neuralgaits.certificate.chart import PLANE_ONLY
 from neuralgaits.certificate.traced import trace_spec
 from neuralgaits.programs import Program
 from neuralgaits.programs.prune import prune

@@ -6,8 +6,12 @@ import numpy as np
 import pytest
 
 from neuralgaits.certificate.levels.full_order.inequalities import inequalities
-from neuralgaits.certificate.levels.full_order.looks import looks_of, set_of, what_is_seen
 from neuralgaits.certificate.levels.full_order.norm import Planned, find_widest
+from neuralgaits.certificate.levels.full_order.sample_evaluators import (
+    looks_of,
+    set_of,
+    what_is_seen,
+)
 from neuralgaits.certificate.levels.full_order.theorem import FullOrderConstants, weighting
 from neuralgaits.errors import InputError
 from neuralgaits.workflows.certify import certify

@@ -15,7 +15,7 @@ from neuralgaits.errors import InputError
 from neuralgaits.records.simulated import Simulated
 from neuralgaits.robots import load_robot
 from neuralgaits.robots.mjcf.loader import robot_from_text
-from neuralgaits.simulation.asked_together import about_other_robot, link_of
+from neuralgaits.simulation.incompatible_settings import about_other_robot, link_of
 from neuralgaits.simulation.setup.disturbance import PlantChanges
 from neuralgaits.workflows import check_proof as checking
 from neuralgaits.workflows import train, train_seeds

@@ -12,10 +12,10 @@ import pytest
 from neuralgaits.analysis.run import open_run
 from neuralgaits.cli import verbs
 from neuralgaits.cli.arguments import Certify, Train
+from neuralgaits.cli.argv_parser import read
 from neuralgaits.cli.main import main
-from neuralgaits.cli.words import read
 from neuralgaits.records.simulated import SUMMARY, Simulated
-from neuralgaits.report.again import certifying, simulating
+from neuralgaits.report.repeat_commands import certifying, simulating
 from neuralgaits.robots import registry
 from neuralgaits.runs import RunFolder
 from neuralgaits.viewer.sureness import how_sure
@@ -153,7 +153,7 @@ def test_an_own_robot_with_a_built_in_name_is_its_own_file(own, at):
     shutil.copytree(place.run, copy)
     config = json.loads((copy / "config.json").read_text()) | {"robot": "amber3m"}
     (copy / "config.json").write_text(json.dumps(config))
-    from neuralgaits.report.again import robot_word
+    from neuralgaits.report.repeat_commands import robot_word
 
     assert robot_word(RunFolder.open(copy)) == str(copy / "robot.xml")
 

@@ -8,7 +8,7 @@ import pytest
 
 from neuralgaits import logs
 from neuralgaits.errors import InputError
-from neuralgaits.export import build, writing
+from neuralgaits.export import build, output_folder
 from neuralgaits.export.source import gait_files
 from neuralgaits.simulation.linked.channel import Channel
 from neuralgaits.simulation.linked.config import LinkConfig, parse_link
@@ -26,7 +26,7 @@ STEPS = 4
 @pytest.fixture(scope="module")
 def program(trained, tmp_path_factory):
     folder = tmp_path_factory.mktemp("link")
-    for name, text in (writing.shipped() | gait_files(design_of(trained))).items():
+    for name, text in (output_folder.shipped() | gait_files(design_of(trained))).items():
         (folder / name).write_text(text)
     return build.build("gcc", folder, "controller", SOURCES, build.PLAIN)
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from neuralgaits.barriers import specs
-from neuralgaits.barriers.commanded import commands_of
+from neuralgaits.barriers.commanded_spec import commands_of
 from neuralgaits.barriers.regions import CommandedTube
 from neuralgaits.errors import InputError, SpecError
 from neuralgaits.gait import HybridInvariantPolicy, ZeroDynamics

@@ -7,8 +7,8 @@ from neuralgaits.errors import ConvergenceError, InputError
 from neuralgaits.gait import ZeroDynamics
 from neuralgaits.hzd import solver
 from neuralgaits.hzd.collocation import nodes
-from neuralgaits.hzd.steady import steady
-from neuralgaits.records.asked import GaitOrigin
+from neuralgaits.hzd.given_orbit import steady
+from neuralgaits.records.training_config import GaitOrigin
 from neuralgaits.workflows.parts.given_run import given_run
 from support import published_gaits
 

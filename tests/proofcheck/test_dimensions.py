@@ -8,7 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from neuralgaits.certificate.levels.chart import Axis, Chart
+from neuralgaits.certificate.chart import Axis, Chart
 from neuralgaits.certificate.proof_file import statement_check
 from neuralgaits.certificate.proof_file.check import check
 from neuralgaits.certificate.proof_file.reader import read_claims

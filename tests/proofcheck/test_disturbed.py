@@ -10,7 +10,7 @@ import pytest
 
 from neuralgaits.certificate.levels.disturbed.margins import FORCES
 from neuralgaits.certificate.levels.disturbed.theorem import DisturbedBarrier, DisturbedConstants
-from neuralgaits.certificate.levels.sets import LevelSets
+from neuralgaits.certificate.levels.level_search import LevelSets
 from neuralgaits.records.certified import PROOF
 from neuralgaits.workflows.certify import certify
 from support.checker_case import bounds

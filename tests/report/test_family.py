@@ -9,11 +9,11 @@ import pytest
 from matplotlib.colors import to_hex
 
 from neuralgaits.analysis import family_data as finding
-from neuralgaits.analysis.family import CommandSweep, Family
-from neuralgaits.analysis.orbit import poincare
+from neuralgaits.analysis.command_sweeps import CommandSweep, Family
+from neuralgaits.analysis.poincare_map import poincare
 from neuralgaits.analysis.run import open_run
 from neuralgaits.errors import InputError
-from neuralgaits.report import makers, told
+from neuralgaits.report import commanded_gait, makers
 from neuralgaits.report.certificate import certificate_of
 from neuralgaits.report.drawing.drawn import Drawn
 from neuralgaits.report.drawing.style import series
@@ -179,7 +179,7 @@ def test_the_figure_is_one_of_gaits_with_commands_only(run, family, tmp_path, mo
     monkeypatch.setattr(makers, "family_data", lambda run: family)
     monkeypatch.setattr(writing, "MAKERS", ())
     (found,) = writing.figures(run, out=tmp_path / "told")
-    assert isinstance(found, Drawn) and found.name == told.FIGURE
+    assert isinstance(found, Drawn) and found.name == commanded_gait.FIGURE
     assert found.path_png.stat().st_size < 300_000 and found.path_svg.is_file()
     plain = open_run(Path(shutil.copytree(demo.FOLDER, tmp_path / "plain")))
     assert writing.figures(plain, out=tmp_path / "none") == []
@@ -207,10 +207,14 @@ def test_values_about_which_something_is_proved_are_never_rounded_outward(name):
     random = np.random.default_rng(0)
     for _ in range(200):
         low, high = np.sort(random.uniform(-0.3, 0.3, 2))
-        first, last = (number(text) for text in told.within(name, float(low), float(high)))
-        assert told.value(name, low) <= first and last <= told.value(name, high)
-        assert 0.0 < number(told.change_within(name, float(high - low)))
-        assert number(told.change_within(name, high - low)) <= told.value(name, high - low)
+        first, last = (
+            number(text) for text in commanded_gait.within(name, float(low), float(high))
+        )
+        assert commanded_gait.value(name, low) <= first and last <= commanded_gait.value(name, high)
+        assert 0.0 < number(commanded_gait.change_within(name, float(high - low)))
+        assert number(commanded_gait.change_within(name, high - low)) <= commanded_gait.value(
+            name, high - low
+        )
 
 
 def number(text):
@@ -220,7 +224,7 @@ def number(text):
 
 
 def test_values_have_their_units():
-    assert told.written("slope", np.radians(-5.0)) == "−5°"
-    assert told.written("speed", 0.55) == "0.55 m/s"
-    assert told.written("step_height", 1e-17) == "0 m"
-    assert told.written("own", 2.0) == "2"
+    assert commanded_gait.written("slope", np.radians(-5.0)) == "−5°"
+    assert commanded_gait.written("speed", 0.55) == "0.55 m/s"
+    assert commanded_gait.written("step_height", 1e-17) == "0 m"
+    assert commanded_gait.written("own", 2.0) == "2"

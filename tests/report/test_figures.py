@@ -18,10 +18,10 @@ from neuralgaits.analysis.residual_data import residual_data
 from neuralgaits.analysis.run import open_run
 from neuralgaits.analysis.walk_log import measured_walk
 from neuralgaits.cli import arguments
-from neuralgaits.cli.words import read
+from neuralgaits.cli.argv_parser import read
 from neuralgaits.errors import InputError, RunError
 from neuralgaits.gait.flow_residual import Residual
-from neuralgaits.logs.table import Log
+from neuralgaits.logs.walk_table import Log
 from neuralgaits.report.certificate import certificate_of
 from neuralgaits.report.drawing.drawn import Drawn, Missing
 from neuralgaits.report.drawing.figure import png, svg, write

@@ -8,8 +8,8 @@ from scipy.integrate import solve_ivp
 
 from neuralgaits.analysis import gait_data as workflow
 from neuralgaits.analysis.gait_data import FILE, fingerprint, gait_data
-from neuralgaits.analysis.orbit import poincare
-from neuralgaits.analysis.quantities import PlaneChart, PointEvaluator
+from neuralgaits.analysis.poincare_map import poincare
+from neuralgaits.analysis.point_evaluator import PlaneChart, PointEvaluator
 from neuralgaits.runs import read_arrays, write_arrays
 
 

@@ -11,11 +11,11 @@ from pathlib import Path
 
 import pytest
 
-from neuralgaits.certificate.reading import hashes
-from neuralgaits.cli.words import read as read_words
-from neuralgaits.records.asked import GaitOrigin
+from neuralgaits.certificate.verified_summary import hashes
+from neuralgaits.cli.argv_parser import read as read_words
+from neuralgaits.records.training_config import GaitOrigin
 from neuralgaits.report.drawing.drawn import Missing
-from neuralgaits.report.page import words
+from neuralgaits.report.page import phrases
 from neuralgaits.report.page.answer import answer
 from neuralgaits.report.page.closing import failures, missing, missing_parts, reproduction
 from neuralgaits.report.page.document import document
@@ -471,4 +471,4 @@ def test_a_proved_table_begins_with_what_is_not_proved(contents, shipped):
     ],
 )
 def test_a_scale_has_a_unit_where_it_is_known(described, said):
-    assert words.scale(described, 1.0) == said
+    assert phrases.scale(described, 1.0) == said

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from neuralgaits.analysis.run import open_run
+from neuralgaits.episode_rounds.episode_folder import EpisodeFolder
 from neuralgaits.report.shown_walk import STEPS, AskedWalk, _walked, asked_of
 from neuralgaits.robots import load_robot
-from neuralgaits.rounds.folder import EpisodeFolder
 from neuralgaits.simulation.setup.disturbance import PlantChanges
 from neuralgaits.workflows.simulate import simulate
 from support.shipped_run import SHIPPED

@@ -17,9 +17,9 @@ from neuralgaits.simulation.linked.connect import connected
 from neuralgaits.simulation.live import LiveWalk
 from neuralgaits.simulation.metrics import command_errors
 from neuralgaits.simulation.native_walk import engine_of_trained
-from neuralgaits.simulation.setup.orders import CommandSchedule, orders_of
+from neuralgaits.simulation.setup.command_schedule import CommandSchedule, orders_of
 from neuralgaits.simulation.setup.starts import full_states, momentum_range
-from neuralgaits.simulation.ticks.strides import Strides
+from neuralgaits.simulation.ticks.stride_table import Strides
 from neuralgaits.simulation.walk import walk
 from neuralgaits.workflows.simulate import simulate
 from support.designs import FOOTHOLDS, LAWS, SPEED, commanded_design, family_for

@@ -13,8 +13,8 @@ from pydrake.multibody.tree import JacobianWrtVariable
 
 from neuralgaits.robots import load_robot
 from neuralgaits.robots.mjcf.loader import robot_from_text
-from neuralgaits.simulation.drake.model import drake_plant
-from neuralgaits.simulation.drake.world import DrakeWorld
+from neuralgaits.simulation.drake.drake_plant import drake_plant
+from neuralgaits.simulation.drake.drake_world import DrakeWorld
 from neuralgaits.simulation.metrics import summary
 from neuralgaits.simulation.setup.course import stones_at
 from neuralgaits.simulation.setup.disturbance import PlantChanges

@@ -10,9 +10,9 @@ from neuralgaits.analysis.run import open_run
 from neuralgaits.errors import InputError
 from neuralgaits.robots import load_robot
 from neuralgaits.simulation.native_walk import engine_of_trained
+from neuralgaits.simulation.setup.command_schedule import orders_of
 from neuralgaits.simulation.setup.disturbance import PlantChanges
 from neuralgaits.simulation.setup.drawn_robots import DrawnRobots
-from neuralgaits.simulation.setup.orders import orders_of
 from neuralgaits.simulation.trained_walks import TrainedWalks, to_arrays
 from neuralgaits.workflows.simulate import simulate
 

@@ -16,9 +16,9 @@ from neuralgaits.runs import RunFolder
 from neuralgaits.simulation.live import CHANGEABLE_ON_BLOCKS, LiveWalk
 from neuralgaits.simulation.native_walk import engine_of_trained
 from neuralgaits.simulation.setup import live_course
+from neuralgaits.simulation.setup.command_schedule import CommandSchedule
 from neuralgaits.simulation.setup.course import joined, stones_at
 from neuralgaits.simulation.setup.live_course import LiveCourse
-from neuralgaits.simulation.setup.orders import CommandSchedule
 from neuralgaits.simulation.setup.starts import full_states, momentum_range
 from neuralgaits.simulation.ticks.falls import Ending
 from neuralgaits.simulation.walk import walk

@@ -15,8 +15,8 @@ from neuralgaits.errors import InputError
 from neuralgaits.gait.commands import Command, command_named
 from neuralgaits.runs import RunFolder
 from neuralgaits.simulation.native_walk import engine_of_trained
+from neuralgaits.simulation.setup.command_schedule import CommandSchedule
 from neuralgaits.simulation.setup.course import Course, Courses
-from neuralgaits.simulation.setup.orders import CommandSchedule
 from neuralgaits.simulation.setup.plant import build
 from neuralgaits.simulation.setup.starts import full_states, momentum_range
 from neuralgaits.simulation.setup.terrains import courses_of

@@ -27,10 +27,10 @@ from neuralgaits.barriers import (
 from neuralgaits.barriers import functions as f
 from neuralgaits.barriers.conditions import FencesApart
 from neuralgaits.barriers.regions import AnyGait, CommandedGait
-from neuralgaits.certificate.levels.chart import PLANE_ONLY, Chart
+from neuralgaits.certificate.chart import PLANE_ONLY, Chart
+from neuralgaits.certificate.levels.level_search import LevelSets
 from neuralgaits.certificate.levels.orbit.theorem import Attraction, OrbitConstants
 from neuralgaits.certificate.levels.problems import trace_certificate
-from neuralgaits.certificate.levels.sets import LevelSets
 from neuralgaits.certificate.levels.walking_set.theorem import WalkingSetConstants
 from neuralgaits.certificate.proof_file.model_data import model_data
 from neuralgaits.certificate.proof_file.theorem_tables import Theorems

@@ -13,7 +13,7 @@ from neuralgaits.barriers.regions import CommandedGait, CommandedTube
 from neuralgaits.gait import HybridInvariantPolicy
 from neuralgaits.gait.commands import Command
 from neuralgaits.gait.policies.commanded import CommandedPolicy
-from neuralgaits.records.asked import Range, TrainingConfig
+from neuralgaits.records.training_config import Range, TrainingConfig
 from neuralgaits.runs import RunFolder
 from neuralgaits.runs.latest import finish
 from neuralgaits.runs.names import ROBOT, SPEC, WEIGHTS

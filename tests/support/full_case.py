@@ -9,7 +9,7 @@ import numpy as np
 from neuralgaits.barriers import Gait
 from neuralgaits.certificate.levels.full_order.model import FullOrderModel
 from neuralgaits.certificate.levels.full_order.theorem import BarrierConstants, FullOrderConstants
-from neuralgaits.certificate.levels.sets import LevelSets
+from neuralgaits.certificate.levels.level_search import LevelSets
 from neuralgaits.programs import POINT, evaluate
 from support.checker_case import SetCase
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from neuralgaits.barriers import specs
 from neuralgaits.cli.arguments import Fit, Train
-from neuralgaits.cli.words import Verb, read
+from neuralgaits.cli.argv_parser import Verb, read
 from neuralgaits.robots import load_robot
 from neuralgaits.runs import resolve, resolve_unfinished
 

@@ -9,7 +9,7 @@ import numpy as np
 from flint import arb
 from safetensors.numpy import save
 
-from neuralgaits.certificate.levels.chart import PLANE_ONLY
+from neuralgaits.certificate.chart import PLANE_ONLY
 from neuralgaits.certificate.proof_file.check import CheckResult, check
 from neuralgaits.certificate.proof_file.reader import Claims, halves, read_claims
 from neuralgaits.programs import POINT, Constant, Input, Operation, Output, Program, evaluate

@@ -11,7 +11,7 @@ import urllib.request
 import pytest
 
 from neuralgaits.analysis.run import open_run
-from neuralgaits.certificate.levels.chart import Chart
+from neuralgaits.certificate.chart import Chart
 from neuralgaits.certificate.proof_file.reader import read_claims
 from neuralgaits.certificate.proof_file.run_match import differences
 from neuralgaits.certificate.retrace import describe_run

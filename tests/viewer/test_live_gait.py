@@ -6,7 +6,7 @@ import jax
 import numpy as np
 import pytest
 
-from neuralgaits.analysis.quantities import PointEvaluator, quantities
+from neuralgaits.analysis.point_evaluator import PointEvaluator, quantities
 from neuralgaits.errors import InputError
 from neuralgaits.viewer.live_gait import SLOPE_DEG, LiveGait
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from neuralgaits.viewer import page, panel
+from neuralgaits.viewer import live_server, panel
 from neuralgaits.viewer.panel import PUSH, Panel
 from neuralgaits.viewer.player import SPEED, Picture
 from neuralgaits.viewer.walker import SliderRange, SliderReach
@@ -17,7 +17,7 @@ FRICTION = SliderReach(0.05, 1.5, 0.6)
 @pytest.fixture
 def built():
     """A panel on a server of its own, and the sliders by label."""
-    server = page.open_server("test")
+    server = live_server.open_server("test")
     player: Any = SimpleNamespace(paused=False, speed=1.0, ask=lambda wish: None)
     settings = {"friction": FRICTION}
     made = Panel(
@@ -25,7 +25,7 @@ def built():
     )
     handles: Any = server.gui._gui_input_handle_from_uuid
     yield made, {handle.label: handle for handle in handles.values() if hasattr(handle, "step")}
-    with page.quiet():
+    with live_server.quiet():
         server.stop()
 
 
@@ -83,7 +83,7 @@ def test_the_end_of_the_ground_is_said_once_each_time(built):
 
 def test_sliders_and_keys_tell_the_robot_and_lay_stones():
     """Two keys a slider, up and down by a tenth of its range, cut to it."""
-    server, asked, heard = page.open_server("test"), [], []
+    server, asked, heard = live_server.open_server("test"), [], []
     player: Any = SimpleNamespace(paused=False, speed=1.0, ask=asked.append)
     walker: Any = SimpleNamespace(
         tell=lambda name, value: heard.append(("tell", name, value)),
@@ -108,7 +108,7 @@ def test_sliders_and_keys_tell_the_robot_and_lay_stones():
         for wish in asked:
             wish(walker)
     finally:
-        with page.quiet():
+        with live_server.quiet():
             server.stop()
     said = [(verb, name, round(value, 9)) for verb, name, value in dict.fromkeys(heard)]
     assert said == [
@@ -141,7 +141,7 @@ def test_the_end_of_a_walk_says_what_to_do_next(built, upright, left, words):
 def test_a_number_beside_a_slider_has_room(low, high):
     """Its box holds five characters, and as many decimals as limits, first value and step need."""
     told = {"speed": SliderRange(SliderReach(low, high, 0.5 * (low + high)), "m/s")}
-    server = page.open_server("test")
+    server = live_server.open_server("test")
     player: Any = SimpleNamespace(paused=False, speed=1.0, ask=lambda wish: None)
     made: Any = {"title": "x", "settings": {}, "conditions": (), "restarted": lambda: None}
     Panel(server, player, commands=told, sizes={}, **made)
@@ -150,5 +150,5 @@ def test_a_number_beside_a_slider_has_room(low, high):
     assert slider.precision <= 4 - (low > 0.1)
     assert low - 0.01 <= slider.min < slider.value < slider.max <= high + 0.01
     assert slider.step <= (slider.max - slider.min) / 50
-    with page.quiet():
+    with live_server.quiet():
         server.stop()

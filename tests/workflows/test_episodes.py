@@ -16,13 +16,13 @@ import pytest
 
 from neuralgaits import logs
 from neuralgaits.analysis.run import open_run
+from neuralgaits.episode_rounds import round_walks as episode_walks
+from neuralgaits.episode_rounds.round_walks import Field, nominal_momentum, walk_round
 from neuralgaits.errors import InputError, NeuralGaitsError, NonFiniteError, RunError
+from neuralgaits.records.episode_records import EpisodesDone
 from neuralgaits.records.fitted import Fitted, StrideCounts
-from neuralgaits.records.walked import EpisodesDone
 from neuralgaits.report.figures import rounds as figure
 from neuralgaits.robots import load_robot
-from neuralgaits.rounds import walks as episode_walks
-from neuralgaits.rounds.walks import Field, nominal_momentum, walk_round
 from neuralgaits.simulation.setup.disturbance import PlantChanges
 from neuralgaits.workflows import episodes as workflow
 from neuralgaits.workflows.episodes import episodes

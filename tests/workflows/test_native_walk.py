@@ -25,10 +25,10 @@ from neuralgaits.runs import from_json
 from neuralgaits.simulation import native_walk
 from neuralgaits.simulation.live import LiveWalk
 from neuralgaits.simulation.metrics import hip_speed_error
-from neuralgaits.simulation.native import library as native_library
+from neuralgaits.simulation.native import compiled_walk as native_library
 from neuralgaits.simulation.native import loop as native
-from neuralgaits.simulation.native.layout import address
-from neuralgaits.simulation.native.scene import scene_of
+from neuralgaits.simulation.native.native_scene import scene_of
+from neuralgaits.simulation.native.struct_layout import address
 from neuralgaits.simulation.native_walk import (
     SOURCES,
     _design,

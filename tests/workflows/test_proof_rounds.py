@@ -16,7 +16,7 @@ from neuralgaits.analysis.run import open_run
 from neuralgaits.certificate.proof_file.reader import read_claims
 from neuralgaits.certificate.proof_file.run_match import differences
 from neuralgaits.runs.names import WEIGHTS
-from neuralgaits.training.gradient_steps import GradientSteps
+from neuralgaits.training.training_loop import GradientSteps
 from neuralgaits.workflows.parts.proof_rounds import HISTORY, REPAIR, Watch
 from neuralgaits.workflows.train import train
 from support import small_spec

@@ -14,8 +14,8 @@ from neuralgaits.robots import load_robot
 from neuralgaits.simulation import shared_walks
 from neuralgaits.simulation.metrics import summary
 from neuralgaits.simulation.native_walk import engine_of_trained
+from neuralgaits.simulation.setup.command_schedule import orders_of
 from neuralgaits.simulation.setup.disturbance import PlantChanges
-from neuralgaits.simulation.setup.orders import orders_of
 from neuralgaits.simulation.shared_walks import SharedWalks
 from neuralgaits.simulation.trained_walks import TrainedWalks, at_first
 from neuralgaits.workflows import simulate as simulating

@@ -19,7 +19,7 @@ from neuralgaits.cli.main import main
 from neuralgaits.errors import InputError, Interrupted, NonFiniteError
 from neuralgaits.runs import resolve, resolve_unfinished
 from neuralgaits.runs.names import STATE, SUMMARY
-from neuralgaits.training import gradient_steps, seed_batch
+from neuralgaits.training import seed_batch, training_loop
 from neuralgaits.training.seed_batch import SeedBatch
 from neuralgaits.training.trainer import SMALLER, Trainer
 from neuralgaits.workflows import train as train_workflow
@@ -53,7 +53,7 @@ assert len(jax.devices()) == done.summary.devices == 2, jax.devices()
 def often():
     """Looks at a training after fewer steps."""
     with pytest.MonkeyPatch.context() as patch:
-        for module in (seed_batch, gradient_steps):
+        for module in (seed_batch, training_loop):
             patch.setattr(module, "VALIDATE_EVERY", LOOK)
         yield
 

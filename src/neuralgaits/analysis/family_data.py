@@ -4,12 +4,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from neuralgaits.analysis.family import CommandSweep, Family, Member
+from neuralgaits.analysis.command_sweeps import CommandSweep, Family, Member
 from neuralgaits.analysis.flow import FlowQuantities, Mesh
-from neuralgaits.analysis.orbit import cycle, motion_of, orbit_near
-from neuralgaits.analysis.quantities import PlaneChart, PointEvaluator
+from neuralgaits.analysis.link_points import skeleton
+from neuralgaits.analysis.poincare_map import cycle, motion_of, orbit_near
+from neuralgaits.analysis.point_evaluator import PlaneChart, PointEvaluator
 from neuralgaits.analysis.run import Run
-from neuralgaits.analysis.skeleton import skeleton
 from neuralgaits.errors import InputError
 from neuralgaits.gait import Orbit
 

@@ -7,11 +7,11 @@ import numpy as np
 
 from neuralgaits.analysis.data import GaitData
 from neuralgaits.analysis.flow import FlowQuantities, Mesh, swing
-from neuralgaits.analysis.orbit import cycle, sampled_map
+from neuralgaits.analysis.link_points import skeleton
 from neuralgaits.analysis.phase_plane import plane
-from neuralgaits.analysis.quantities import PlaneChart, PointEvaluator, quantities
+from neuralgaits.analysis.poincare_map import cycle, sampled_map
+from neuralgaits.analysis.point_evaluator import PlaneChart, PointEvaluator, quantities
 from neuralgaits.analysis.run import Run
-from neuralgaits.analysis.skeleton import skeleton
 from neuralgaits.barriers import Barrier
 from neuralgaits.errors import RunError
 from neuralgaits.runs import read_arrays, write_arrays

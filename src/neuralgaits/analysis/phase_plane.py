@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from neuralgaits._types import Float
-from neuralgaits.analysis.quantities import PlaneChart
+from neuralgaits.analysis.point_evaluator import PlaneChart
 
 LEAST = 0.02
 """Of the lowest fence: no grid reaches below this share of it, where the hip stands still."""

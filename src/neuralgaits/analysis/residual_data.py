@@ -10,7 +10,7 @@ from neuralgaits import logs
 from neuralgaits.analysis.data import ResidualData
 from neuralgaits.analysis.gait_data import fingerprint, gait_data
 from neuralgaits.analysis.learned import Learned
-from neuralgaits.analysis.quantities import PointEvaluator
+from neuralgaits.analysis.point_evaluator import PointEvaluator
 from neuralgaits.analysis.run import Run
 from neuralgaits.errors import InputError, RunError
 from neuralgaits.records.fitted import Logs

@@ -19,8 +19,8 @@ from neuralgaits.gait import NO_RESIDUALS, AbstractPolicy, Residuals, ZeroDynami
 from neuralgaits.gait.commands import Command, Pair, values
 from neuralgaits.gait.policies.commanded import CommandedPolicy
 from neuralgaits.gait.reset_residual import ResetCorrection
-from neuralgaits.records.asked import TrainingConfig, asked_of
 from neuralgaits.records.trained import Trained, trained_of
+from neuralgaits.records.training_config import TrainingConfig, asked_of
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.robots.mjcf.loader import robot_from_text
 from neuralgaits.runs import RunFolder, plain, resolve

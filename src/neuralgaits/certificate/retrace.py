@@ -15,10 +15,10 @@ from pathlib import Path
 from typing import Any
 
 from neuralgaits._own_process import command_of, environment_of
-from neuralgaits.certificate.levels.chart import PLANE_ONLY, Chart
+from neuralgaits.certificate.chart import PLANE_ONLY, Chart
 from neuralgaits.certificate.proof_file.theorem_tables import Theorems
 from neuralgaits.errors import InputError, NeuralGaitsError, RunError
-from neuralgaits.records.asked import asked_of
+from neuralgaits.records.training_config import asked_of
 from neuralgaits.runs import RunFolder, plain, write_text
 
 LONGEST_S = 1800.0
@@ -99,8 +99,8 @@ def describe_run(run: Path, theorems: Theorems, chart: Chart = PLANE_ONLY) -> di
     # These import JAX, and the run's spec.
     from neuralgaits.analysis.run import open_run
     from neuralgaits.certificate.levels.full_order.model import FullOrderModel
+    from neuralgaits.certificate.levels.level_search import LevelSets
     from neuralgaits.certificate.levels.problems import trace_certificate
-    from neuralgaits.certificate.levels.sets import LevelSets
     from neuralgaits.certificate.levels.walking_set.find import names_of
     from neuralgaits.certificate.proof_file.model_data import model_data
     from neuralgaits.certificate.provable import why_not_robust

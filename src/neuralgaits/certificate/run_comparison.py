@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from neuralgaits.certificate import retrace
-from neuralgaits.certificate.levels.chart import Chart
+from neuralgaits.certificate.chart import Chart
 from neuralgaits.certificate.proof_file.coverage import SpecOutline
 from neuralgaits.certificate.proof_file.reader import Claims
 from neuralgaits.errors import RunError

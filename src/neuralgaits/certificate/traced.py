@@ -12,7 +12,7 @@ from neuralgaits.barriers.functions import (
     rate_mismatch,
 )
 from neuralgaits.barriers.regions import AnyGait
-from neuralgaits.certificate.levels.chart import PLANE
+from neuralgaits.certificate.chart import PLANE
 from neuralgaits.errors import SpecError
 from neuralgaits.gait import NO_RESIDUALS, Residuals, ZeroDynamics
 from neuralgaits.gait.commands import Pair, all_pairs

@@ -6,9 +6,9 @@ from rich.text import Text
 
 from neuralgaits.cli.arguments import ImportGait, Optimise
 from neuralgaits.cli.outcome import Outcome
-from neuralgaits.cli.tables import number, show_facts, show_sentence, show_table
+from neuralgaits.cli.screen_tables import number, show_facts, show_sentence, show_table
 from neuralgaits.records.trained import Trained
-from neuralgaits.runs.commands import command, named
+from neuralgaits.runs.shell_words import command, named
 
 
 def carry_out_optimise(verb: Optimise) -> Outcome:

@@ -6,8 +6,8 @@ from typing import Literal
 
 from neuralgaits.cli import episodes_screen, learning_screen, screen
 from neuralgaits.cli.arguments import Episodes, Fit, Refine
+from neuralgaits.cli.argv_parser import options
 from neuralgaits.cli.outcome import Outcome
-from neuralgaits.cli.words import options
 from neuralgaits.errors import InputError
 
 LEARNED: Literal["learned"] = "learned"
@@ -73,7 +73,7 @@ def carry_out_episodes(verb: Episodes) -> Outcome:
 
 def _found(resume: str, quiet: bool) -> str | Path:
     """What to go on with; on stderr if the caller left open which, unless `quiet`."""
-    from neuralgaits.rounds.folder import EpisodeFolder
+    from neuralgaits.episode_rounds.episode_folder import EpisodeFolder
     from neuralgaits.runs import RUNS_ROOT
     from neuralgaits.runs.latest import LATEST
 

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from neuralgaits._digits import at_least, at_most
-from neuralgaits.cli.tables import (
+from neuralgaits.cli.screen_tables import (
     ROWS,
     number,
     show_facts,

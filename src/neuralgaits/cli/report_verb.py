@@ -4,7 +4,7 @@ from rich.text import Text
 
 from neuralgaits.cli.arguments import Report
 from neuralgaits.cli.outcome import Outcome
-from neuralgaits.cli.tables import show_facts, show_sentence
+from neuralgaits.cli.screen_tables import show_facts, show_sentence
 from neuralgaits.records.reported import Reported
 
 _INDENT = 2

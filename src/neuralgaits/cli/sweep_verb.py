@@ -6,10 +6,10 @@ from rich.text import Text
 
 from neuralgaits.cli.arguments import Sweep
 from neuralgaits.cli.outcome import Outcome
-from neuralgaits.cli.tables import show_facts, show_sentence
+from neuralgaits.cli.screen_tables import show_facts, show_sentence
 from neuralgaits.errors import InputError
 from neuralgaits.records.swept import SweepRow, Swept
-from neuralgaits.runs.commands import command, named
+from neuralgaits.runs.shell_words import command, named
 
 _SETTINGS = ("steps", "certify", "budget", "disturbances", "walks", "out", "resume")
 _LISTS = ("specs", "controllers")

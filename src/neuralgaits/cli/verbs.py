@@ -26,6 +26,7 @@ from neuralgaits.cli.arguments import (
     Train,
     View,
 )
+from neuralgaits.cli.argv_parser import Verb, options
 from neuralgaits.cli.given_verbs import carry_out_import, carry_out_optimise
 from neuralgaits.cli.learning_verbs import (
     carry_out_episodes,
@@ -38,7 +39,6 @@ from neuralgaits.cli.report_verb import carry_out_report
 from neuralgaits.cli.seeds_verb import carry_out_seeds
 from neuralgaits.cli.sweep_verb import carry_out_sweep
 from neuralgaits.cli.viewer_verbs import carry_out_demo, carry_out_view
-from neuralgaits.cli.words import Verb, options
 from neuralgaits.errors import InputError, Interrupted
 
 _COMMANDS = {"speed": "m/s", "step_length": "m", "step_height": "m", "slope": "degrees"}
@@ -256,7 +256,7 @@ def _box(text: str | None) -> dict[str, float] | None:
 
 def _resumed_proof(verb: Certify) -> str:
     """Goes on with the boxes that a search has left, for the same statement."""
-    from neuralgaits.runs.commands import command
+    from neuralgaits.runs.shell_words import command
 
     line: list[Any] = ["certify", verb.run, "--resume"]
     given = {

@@ -37,7 +37,7 @@ def _place(page: Page) -> dict[str, Any]:
 
 def _served(live: "LiveView", page: Page) -> Outcome:
     """Say where the page is, open it, and stay."""
-    from neuralgaits.viewer.page import is_loopback, show_in_browser
+    from neuralgaits.viewer.live_server import is_loopback, show_in_browser
 
     if not is_loopback(live.host):
         print(

@@ -12,7 +12,8 @@ import jax.numpy as jnp
 import numpy as np
 
 from neuralgaits._types import Actuated, Array, Bool, Coordinates, Float, Int, Scalar, ZeroState
-from neuralgaits.control import stance, told
+from neuralgaits.control import command_state, stance
+from neuralgaits.control.command_state import CommandState
 from neuralgaits.control.inverse_dynamics import impact_consistent_rates
 from neuralgaits.control.law import AbstractLaw, Demand, Desired, MeasuredState, Outputs
 from neuralgaits.control.measurement import (
@@ -24,7 +25,6 @@ from neuralgaits.control.measurement import (
 from neuralgaits.control.momentum import zero_state
 from neuralgaits.control.saturation import ZeroStateBounds, zero_state_bounds
 from neuralgaits.control.stance import StanceConfig, StanceState
-from neuralgaits.control.told import CommandState
 from neuralgaits.gait import AbstractPolicy
 from neuralgaits.gait.commands import CommandLimits
 from neuralgaits.gait.reset_residual import ResetCorrection
@@ -101,7 +101,7 @@ def _numbers(
     command: Float[Array, " p"],
     reset_residual: ResetCorrection,
 ) -> Float[Array, " s"]:
-    return told.steady(robot, policy, command, reset_residual).step_parameters
+    return command_state.steady(robot, policy, command, reset_residual).step_parameters
 
 
 class ControllerState(NamedTuple):
@@ -163,7 +163,7 @@ def start(
     n, policy = controller.robot.n, controller.policy
     if command is None:
         command = CommandLimits.of(policy.commands).middle
-    first = told.steady(controller.robot, policy, command, controller.reset_residual)
+    first = command_state.steady(controller.robot, policy, command, controller.reset_residual)
     at_rest = MeasuredState(jnp.zeros(n), jnp.zeros(n), jnp.zeros(2), jnp.zeros(2))
     shapes = jax.eval_shape(_ask, controller, first, at_rest)
     held = jax.tree.map(lambda leaf: jnp.zeros(leaf.shape, leaf.dtype), shapes)
@@ -173,8 +173,10 @@ def start(
 def tell(
     controller: Controller, state: ControllerState, requested: Float[Array, " p"]
 ) -> ControllerState:
-    """Wish for other commands from the next touchdown on, see `told.tell`."""
-    return state._replace(told=told.tell(controller.policy.commands, state.told, requested))
+    """Wish for other commands from the next touchdown on, see `command_state.tell`."""
+    return state._replace(
+        told=command_state.tell(controller.policy.commands, state.told, requested)
+    )
 
 
 def step(
@@ -194,7 +196,7 @@ def step(
     q, dq = coordinates(robot, measurement, standing.leg)
     foot_velocity = stance_foot_velocity(robot, q, dq, measurement)
     reading = MeasuredState(q, dq, *zero_state(robot, q, dq, foot_velocity))
-    now = told.latch(controller, state.told, touchdown)
+    now = command_state.latch(controller, state.told, touchdown)
     if law.uses_impact_consistent_rates:
         after = impact_consistent_rates(robot, _outputs(controller, now), reading)
         reading = jax.tree.map(lambda new, old: jnp.where(touchdown, new, old), after, reading)

@@ -10,12 +10,12 @@ import numpy as np
 from neuralgaits._quick_jit import quick_filter_jit, quick_jit
 from neuralgaits._types import Array
 from neuralgaits.control import ControllerState, step, tell
+from neuralgaits.control.command_state import CommandState
 from neuralgaits.control.controller import Controller
 from neuralgaits.control.law import Desired
 from neuralgaits.control.measurement import Measurement
 from neuralgaits.control.safeguard import Fault, SafeguardConfig, SafeguardState, check, guard
 from neuralgaits.control.stance import StanceState
-from neuralgaits.control.told import CommandState
 from neuralgaits.export.cases import NEVER, Cases
 from neuralgaits.export.facts import Design
 from neuralgaits.export.programs import path

@@ -9,9 +9,9 @@ from neuralgaits.control import AbstractLaw, Fblin, Pd
 from neuralgaits.export import statement
 from neuralgaits.export.facts import Design
 from neuralgaits.export.programs import Part, parts
+from neuralgaits.programs.c99.c_writer import Emitted
+from neuralgaits.programs.c99.constant_arrays import Tables, braces, literal
 from neuralgaits.programs.c99.function import emit
-from neuralgaits.programs.c99.tables import Tables, braces, literal
-from neuralgaits.programs.c99.writer import Emitted
 
 _PLAIN = frozenset(string.ascii_letters + string.digits + " _-.,:;+/()[]")
 """What stands for itself in a string of C, whatever comes before and after."""

@@ -14,7 +14,7 @@ from neuralgaits.errors import ConvergenceError, InputError
 from neuralgaits.gait.posture import posture_path, walking_posture
 from neuralgaits.hzd.collocation import nodes
 from neuralgaits.hzd.gait_file import GivenGait
-from neuralgaits.hzd.problem import LEAST_ZETA, NonlinearProgram, problem
+from neuralgaits.hzd.nonlinear_program import LEAST_ZETA, NonlinearProgram, problem
 from neuralgaits.hzd.transcription import transcribe
 from neuralgaits.robots import PlanarBiped
 

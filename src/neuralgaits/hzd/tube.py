@@ -14,12 +14,12 @@ import numpy as np
 from numpy.polynomial import chebyshev
 
 from neuralgaits._types import Float
-from neuralgaits.analysis.quantities import PointEvaluator, quantities
+from neuralgaits.analysis.point_evaluator import PointEvaluator, quantities
 from neuralgaits.barriers import Fence, Gait, GaitSpec, Inlet
 from neuralgaits.barriers.hzd import FENCE_DEGREE, empty_tube
 from neuralgaits.barriers.regions import Tube
 from neuralgaits.gait import ZeroDynamics
-from neuralgaits.hzd.steady import Steady
+from neuralgaits.hzd.given_orbit import Steady
 
 KEPT = 0.25
 """Share of the margin that each condition has on the orbit which it keeps on the fences."""

@@ -7,7 +7,7 @@ knee while the left leg stands.
 from collections.abc import Mapping
 
 Labels = Mapping[str, tuple[str, str]]
-"""By column name of `table.columns`: the file's column while leg 0 stands, and while leg 1 does."""
+"""By name of `walk_table.columns`: the file's column while leg 0 stands, and while leg 1 does."""
 
 
 def same_for_both_legs(names: Mapping[str, str]) -> Labels:

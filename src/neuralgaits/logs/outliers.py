@@ -8,7 +8,7 @@ the median filter; Pearson et al. (2016), Generalized Hampel filters.
 import numpy as np
 
 from neuralgaits._types import Bool, Float
-from neuralgaits.logs.table import Log
+from neuralgaits.logs.walk_table import Log
 
 NEIGHBOURS = 3
 """Rows on either side."""

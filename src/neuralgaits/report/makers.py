@@ -14,9 +14,9 @@ from neuralgaits.analysis.residual_data import residual_data
 from neuralgaits.analysis.run import Run
 from neuralgaits.analysis.walk_log import measured_walk
 from neuralgaits.errors import RunError
+from neuralgaits.records.episode_records import ASKED, SUMMARY, EpisodesDone
 from neuralgaits.records.simulated import LOG
-from neuralgaits.records.walked import ASKED, SUMMARY, EpisodesDone
-from neuralgaits.report import again, told
+from neuralgaits.report import commanded_gait, repeat_commands
 from neuralgaits.report.certificate import ProvedOfGait
 from neuralgaits.report.figures import (
     barrier_sketches,
@@ -33,8 +33,8 @@ from neuralgaits.report.figures import (
     rounds,
     stride,
 )
-from neuralgaits.runs.commands import command, learning, named
 from neuralgaits.runs.names import MAP
+from neuralgaits.runs.shell_words import command, learning, named
 
 
 @dataclass(frozen=True)
@@ -128,13 +128,13 @@ def _return_map(source: FigureSource) -> Made:
 def _full_order_set(source: FigureSource) -> Made:
     certificate = source.certificate
     if source.run.asked.commands:
-        line = again.certifying(source.run.path, source.run.asked.last_level)
+        line = repeat_commands.certifying(source.run.path, source.run.asked.last_level)
         raise Absent("level 4 is about one gait, and this one takes commands", line)
     if certificate.full is not None:
         return full_order_set.CAPTION, full_order_set.draw(source.data, certificate.full)
     if certificate.of_a_box or source.run.asked.parameters:
         raise _of_a_box(source, 4, "level 4 is about one robot on the floor as meant")
-    raise Absent(certificate.no_full, again.certifying(source.run.path, 4))
+    raise Absent(certificate.no_full, repeat_commands.certifying(source.run.path, 4))
 
 
 def _of_a_box(source: FigureSource, level: int, reason: str) -> Absent:
@@ -144,7 +144,7 @@ def _of_a_box(source: FigureSource, level: int, reason: str) -> Absent:
             ", and the run's proof about a box of them; the command proves the file's robot alone, "
             "and its proof takes the place of the box's: copy the run's folder first to have both"
         )
-    return Absent(reason, again.certifying(source.run.path, level, parameters={}))
+    return Absent(reason, repeat_commands.certifying(source.run.path, level, parameters={}))
 
 
 def _stride(source: FigureSource) -> Made:
@@ -154,7 +154,7 @@ def _stride(source: FigureSource) -> Made:
 def _loss(source: FigureSource) -> Made:
     rows = source.run.folder.read_metrics()
     if not rows:
-        raise Absent("the run took no training step", again.longer(source.run.folder))
+        raise Absent("the run took no training step", repeat_commands.longer(source.run.folder))
     if absent := [name for name in loss_curves.WHOLE if name not in rows[0]]:
         raise RunError(
             f"expected a column {absent[0]} in the metrics.csv of {source.run.path}, found none: "
@@ -173,7 +173,12 @@ def _residual_field(source: FigureSource) -> Made:
 def _rounds(source: FigureSource) -> Made:
     folder = source.run.path.parent
     if not all((folder / file).is_file() for file in (ASKED, SUMMARY)):
-        heavier = ("--plant", again.robot_word(source.run.folder), "--disturb", "mass_scale=1.05")
+        heavier = (
+            "--plant",
+            repeat_commands.robot_word(source.run.folder),
+            "--disturb",
+            "mass_scale=1.05",
+        )
         line = command("episodes", *heavier, "--resume", source.path)
         raise Absent("the run is no round of episodes, as with a robot 5 % heavier", line)
     return rounds.CAPTION, rounds.draw(EpisodesDone.read(folder / SUMMARY))
@@ -182,7 +187,7 @@ def _rounds(source: FigureSource) -> Made:
 def _family(source: FigureSource) -> Made:
     found = family_data(source.run)
     if not found.periodic:
-        line = again.longer(source.run.folder)
+        line = repeat_commands.longer(source.run.folder)
         raise Absent("no periodic orbit was found at any command: train longer", line)
     return family.caption(found), family.draw(found)
 
@@ -190,7 +195,7 @@ def _family(source: FigureSource) -> Made:
 def _periodic(source: FigureSource) -> GaitData:
     """The data of a gait with a periodic orbit."""
     if not source.data.periodic:
-        line = again.longer(source.run.folder)
+        line = repeat_commands.longer(source.run.folder)
         raise Absent("the gait has no periodic orbit between its fences: train longer", line)
     return source.data
 
@@ -215,5 +220,5 @@ MAKERS: tuple[Maker, ...] = (
 """Every figure that any run can have, in the order of a report."""
 OF_TRAINING = ("loss",)
 """Names of those that a gait without a training has not, and does not miss."""
-OF_FAMILIES: tuple[Maker, ...] = ((told.FIGURE, family.TITLE, _family),)
+OF_FAMILIES: tuple[Maker, ...] = ((commanded_gait.FIGURE, family.TITLE, _family),)
 """Those of gaits that take commands: for others nothing is missing without them."""

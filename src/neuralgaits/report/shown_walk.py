@@ -17,18 +17,18 @@ import numpy as np
 from neuralgaits._quick_jit import quick_jit
 from neuralgaits.analysis.run import Run
 from neuralgaits.control.laws import LAWS
+from neuralgaits.episode_rounds.episode_folder import EpisodeFolder
 from neuralgaits.errors import InputError, NeuralGaitsError, RunError
-from neuralgaits.records.shown import FILE, ShownWalk
+from neuralgaits.records.report_walk import FILE, ShownWalk
 from neuralgaits.records.simulated import MUJOCO, SUMMARY, Simulated
 from neuralgaits.report import animation
-from neuralgaits.report.again import plant_word
+from neuralgaits.report.repeat_commands import plant_word
 from neuralgaits.robots import PlanarBiped, load_robot
-from neuralgaits.rounds.folder import EpisodeFolder
 from neuralgaits.runs import plain
 from neuralgaits.runs.names import WEIGHTS
 from neuralgaits.simulation.native_walk import engine_of_trained
+from neuralgaits.simulation.setup.command_schedule import CommandSchedule
 from neuralgaits.simulation.setup.disturbance import PlantChanges
-from neuralgaits.simulation.setup.orders import CommandSchedule
 from neuralgaits.simulation.setup.plant import SUBSTEPS, TIMESTEP_S
 from neuralgaits.simulation.trained_walks import TrainedWalks
 from neuralgaits.simulation.walk import Walk

@@ -12,8 +12,8 @@ from typing import Any
 
 from neuralgaits.errors import RunError
 from neuralgaits.runs.atomic import write_bytes
-from neuralgaits.runs.commands import LATEST, command, resuming
 from neuralgaits.runs.folder import CONFIG, NAN_STATE, SUMMARY, RunFolder
+from neuralgaits.runs.shell_words import LATEST, command, resuming
 
 RUNS_ROOT = Path("runs")
 SEEDS = "seeds"

@@ -10,16 +10,16 @@ import numpy as np
 from neuralgaits._types import Float
 from neuralgaits.control import Controller
 from neuralgaits.errors import InputError
-from neuralgaits.simulation.native.layout import pointer
-from neuralgaits.simulation.native.library import Library
+from neuralgaits.simulation.native.compiled_walk import Library
+from neuralgaits.simulation.native.native_scene import scene_of
 from neuralgaits.simulation.native.records import record_of
-from neuralgaits.simulation.native.scene import scene_of
+from neuralgaits.simulation.native.struct_layout import pointer
 from neuralgaits.simulation.setup.plant import Plant
 from neuralgaits.simulation.setup.push import Push
 from neuralgaits.simulation.ticks.batch import Batch, compile_batch, numbers, pack
 from neuralgaits.simulation.ticks.falls import FallConfig
 from neuralgaits.simulation.ticks.scene import PlantReading, Scene
-from neuralgaits.simulation.ticks.strides import width
+from neuralgaits.simulation.ticks.stride_table import width
 from neuralgaits.simulation.ticks.tick import TickRecord, Verdict
 
 ENDLESS = int(np.iinfo(np.int32).max)

@@ -24,13 +24,13 @@ from neuralgaits.barriers.regions import AnyGait
 from neuralgaits.control import Controller
 from neuralgaits.control.laws import EXPORTED
 from neuralgaits.errors import InputError, SpecError
-from neuralgaits.export import writing
+from neuralgaits.export import output_folder
 from neuralgaits.export.facts import Design, Origin
 from neuralgaits.export.programs import ground
 from neuralgaits.export.source import gait_files
 from neuralgaits.gait.reset_residual import ResetCorrection
 from neuralgaits.robots import PlanarBiped
-from neuralgaits.simulation.native.library import Library, NativeError
+from neuralgaits.simulation.native.compiled_walk import Library, NativeError
 from neuralgaits.simulation.setup.starts import momentum_range
 
 Choice = Literal["native", "jax"]
@@ -133,7 +133,7 @@ def sources(design: Design) -> dict[str, str]:
         own = gait_files(design, (ground(design.robot),))
     except SpecError as error:
         raise NativeError(f"C cannot express its policy ({error})") from None
-    shipped = writing.shipped()
+    shipped = output_folder.shipped()
     folder = resources.files("neuralgaits.simulation.native") / "c"
     loop = {name: (folder / name).read_text(encoding="utf-8") for name in _LOOP}
     return own | loop | {name: shipped[name] for name in _SHIPPED}

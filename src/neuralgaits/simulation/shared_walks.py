@@ -20,9 +20,9 @@ from neuralgaits.runs import plain
 from neuralgaits.runs.arrays import packed
 from neuralgaits.runs.names import CONFIG, SUMMARY
 from neuralgaits.simulation.native_walk import Choice
+from neuralgaits.simulation.setup.command_schedule import RANDOM, orders_of
 from neuralgaits.simulation.setup.disturbance import PlantChanges
 from neuralgaits.simulation.setup.drawn_robots import DrawnRobots
-from neuralgaits.simulation.setup.orders import RANDOM, orders_of
 from neuralgaits.simulation.trained_walks import (
     TrainedWalks,
     at_first,

@@ -14,19 +14,19 @@ from neuralgaits.control.laws import law_named
 from neuralgaits.errors import InputError
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.simulation.linked.remote import Remote
-from neuralgaits.simulation.native.library import Library
-from neuralgaits.simulation.native.scene import knows
+from neuralgaits.simulation.native.compiled_walk import Library
+from neuralgaits.simulation.native.native_scene import knows
 from neuralgaits.simulation.native_walk import Choice, WalkEngine, engine_of_trained
+from neuralgaits.simulation.setup.command_schedule import CommandSchedule
 from neuralgaits.simulation.setup.course import Courses
 from neuralgaits.simulation.setup.disturbance import PlantChanges
 from neuralgaits.simulation.setup.drawn_robots import DrawnRobots
-from neuralgaits.simulation.setup.orders import CommandSchedule
 from neuralgaits.simulation.setup.starts import full_states, momentum_range
 from neuralgaits.simulation.simulators import MUJOCO, Simulator
 from neuralgaits.simulation.ticks.falls import Ending
 from neuralgaits.simulation.ticks.gauge import Extremes, Gauge, Milestone
 from neuralgaits.simulation.ticks.lockstep import EpisodeBatch
-from neuralgaits.simulation.ticks.strides import Strides
+from neuralgaits.simulation.ticks.stride_table import Strides
 from neuralgaits.simulation.walk import Walk, walk
 
 

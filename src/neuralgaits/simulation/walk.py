@@ -20,12 +20,12 @@ from neuralgaits.gait.reset_residual import ResetCorrection
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.simulation.linked.remote import Remote
 from neuralgaits.simulation.native import loop as native
-from neuralgaits.simulation.native.library import Library
-from neuralgaits.simulation.native.scene import knows
+from neuralgaits.simulation.native.compiled_walk import Library
+from neuralgaits.simulation.native.native_scene import knows
+from neuralgaits.simulation.setup.command_schedule import CommandSchedule
 from neuralgaits.simulation.setup.course import Courses
 from neuralgaits.simulation.setup.disturbance import PlantChanges
-from neuralgaits.simulation.setup.given import EpisodeInputs
-from neuralgaits.simulation.setup.orders import CommandSchedule
+from neuralgaits.simulation.setup.episode_inputs import EpisodeInputs
 from neuralgaits.simulation.setup.plant import SUBSTEPS, TIMESTEP_S, Plant, build
 from neuralgaits.simulation.setup.push import Push
 from neuralgaits.simulation.setup.terrain import Terrain

@@ -17,7 +17,7 @@ from neuralgaits.barriers.aims import middle_of
 from neuralgaits.barriers.regions import AnyGait
 from neuralgaits.gait import NO_RESIDUALS, Residuals, ZeroDynamics
 from neuralgaits.robots.parameters import Model, nominal_robot, robot_at
-from neuralgaits.training.pushes import DisturbedResidual
+from neuralgaits.training.disturbance_corners import DisturbedResidual
 from neuralgaits.training.sampling import Sampler, contains
 
 

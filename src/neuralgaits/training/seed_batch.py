@@ -24,7 +24,6 @@ from neuralgaits.analysis.run import Run
 from neuralgaits.barriers.regions import AnyGait
 from neuralgaits.errors import NonFiniteError
 from neuralgaits.runs.names import STATE
-from neuralgaits.training.gradient_steps import AT_ONCE_S, CHECKPOINT_S, GradientSteps, Progress
 from neuralgaits.training.loss import Loss
 from neuralgaits.training.session import start_of
 from neuralgaits.training.trainer import (
@@ -34,6 +33,7 @@ from neuralgaits.training.trainer import (
     Trainer,
     TrainState,
 )
+from neuralgaits.training.training_loop import AT_ONCE_S, CHECKPOINT_S, GradientSteps, Progress
 
 Row = TypeVar("Row")
 Tree = TypeVar("Tree")

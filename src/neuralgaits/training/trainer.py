@@ -26,7 +26,8 @@ from neuralgaits.gait import NO_RESIDUALS, Residuals
 from neuralgaits.gait.reset_residual import ResetCorrection
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.robots.parameters import model_of
-from neuralgaits.training.compiled import VALIDATION_SAMPLES, make_evaluate, make_steps
+from neuralgaits.training.disturbance_corners import Disturbance
+from neuralgaits.training.gradient_step import VALIDATION_SAMPLES, make_evaluate, make_steps
 from neuralgaits.training.learning_rate import schedule, width_factor
 from neuralgaits.training.loss import (
     Loss,
@@ -34,7 +35,6 @@ from neuralgaits.training.loss import (
     lay_out,
 )
 from neuralgaits.training.precision import cast, cast_named
-from neuralgaits.training.pushes import Disturbance
 from neuralgaits.training.repair import Boxes, Extra
 from neuralgaits.training.sampling import Sampler
 

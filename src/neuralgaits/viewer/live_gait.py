@@ -6,14 +6,14 @@ from collections.abc import Mapping
 import numpy as np
 
 from neuralgaits._types import Float
-from neuralgaits.analysis.quantities import ENDS, PlaneChart, PointEvaluator
+from neuralgaits.analysis.point_evaluator import ENDS, PlaneChart, PointEvaluator
 from neuralgaits.analysis.run import Run
 from neuralgaits.control.laws import LAWS
 from neuralgaits.errors import InputError
 from neuralgaits.simulation.live import PERIOD_S, LiveWalk
 from neuralgaits.simulation.native_walk import engine_of_trained
+from neuralgaits.simulation.setup.command_schedule import CommandSchedule
 from neuralgaits.simulation.setup.live_course import LiveCourse
-from neuralgaits.simulation.setup.orders import CommandSchedule
 from neuralgaits.simulation.setup.starts import momentum_range
 from neuralgaits.simulation.setup.terrain_kinds import commands_from_terrain
 from neuralgaits.simulation.ticks.falls import Ending

@@ -3,11 +3,11 @@
 from typing import NamedTuple
 
 from neuralgaits.analysis.run import Run
-from neuralgaits.certificate.reading import ProvedPart, read_certificate
+from neuralgaits.certificate.verified_summary import ProvedPart, read_certificate
 from neuralgaits.records import in_plain_words
 from neuralgaits.records.certified import PROOF, CertificateRecord
 from neuralgaits.runs import packed
-from neuralgaits.runs.commands import command, named
+from neuralgaits.runs.shell_words import command, named
 from neuralgaits.viewer import markdown
 
 

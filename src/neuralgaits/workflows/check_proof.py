@@ -27,9 +27,9 @@ from neuralgaits.errors import RunError
 from neuralgaits.records.certified import PROOF
 from neuralgaits.records.checked import Checked
 from neuralgaits.runs import packed, resolve
-from neuralgaits.runs.commands import LATEST, command, named
 from neuralgaits.runs.folder import CONFIG
 from neuralgaits.runs.latest import through_latest
+from neuralgaits.runs.shell_words import LATEST, command, named
 
 Progress = Callable[[int, int], None]
 

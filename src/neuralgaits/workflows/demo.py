@@ -3,9 +3,9 @@
 from pathlib import Path
 
 from neuralgaits.errors import RunError
-from neuralgaits.runs.commands import LATEST, command
 from neuralgaits.runs.names import ROBOT
-from neuralgaits.viewer import page
+from neuralgaits.runs.shell_words import LATEST, command
+from neuralgaits.viewer import live_server
 from neuralgaits.workflows.view import LiveView, view
 
 FOLDER = Path(__file__).parents[1] / "demo_run"
@@ -14,7 +14,9 @@ TOLD = FOLDER.with_name("demo_speed_run")
 """The same of a gait that is told its speed; its proof lies packed."""
 
 
-def demo(*, speed: bool = False, host: str = page.LOOPBACK, port: int | None = None) -> LiveView:
+def demo(
+    *, speed: bool = False, host: str = live_server.LOOPBACK, port: int | None = None
+) -> LiveView:
     """Serve a live page of a shipped run; see `view`. With `speed`, that of a gait told its own."""
     folder = TOLD if speed else FOLDER
     if not (folder / ROBOT).is_file():

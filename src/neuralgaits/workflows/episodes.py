@@ -15,20 +15,20 @@ from neuralgaits._printable import printable
 from neuralgaits._settings import check_rounds, check_seed
 from neuralgaits.analysis.run import Run, open_run
 from neuralgaits.control.laws import law_named
+from neuralgaits.episode_rounds.episode_folder import EpisodeFolder, read, write
+from neuralgaits.episode_rounds.round_walks import Field, logged_round, nominal_momentum, walk_round
 from neuralgaits.errors import InputError, Interrupted, NonFiniteError
 from neuralgaits.logs import read_all
+from neuralgaits.records.episode_records import SUMMARY, EpisodesDone, Round, WalkedRound
 from neuralgaits.records.fitted import Fitted
-from neuralgaits.records.walked import SUMMARY, EpisodesDone, Round, WalkedRound
 from neuralgaits.report.figures.rounds import draw_file
 from neuralgaits.robots import PlanarBiped, load_robot
-from neuralgaits.rounds.folder import EpisodeFolder, read, write
-from neuralgaits.rounds.walks import Field, logged_round, nominal_momentum, walk_round
 from neuralgaits.runs import RUNS_ROOT, plain
 from neuralgaits.runs.atomic import refuse_unwritable
-from neuralgaits.runs.commands import command, named
 from neuralgaits.runs.names import CONFIG, FIT
+from neuralgaits.runs.shell_words import command, named
 from neuralgaits.simulation.setup.disturbance import PlantChanges, parse
-from neuralgaits.training.gradient_steps import Progress
+from neuralgaits.training.training_loop import Progress
 from neuralgaits.workflows.fit import fit
 from neuralgaits.workflows.refine import refine
 from neuralgaits.workflows.train import train

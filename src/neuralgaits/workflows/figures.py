@@ -3,12 +3,12 @@
 from pathlib import Path
 
 from neuralgaits.analysis.run import Run, open_run
-from neuralgaits.certificate.reading import CertificateReading
+from neuralgaits.certificate.verified_summary import CertificateReading
 from neuralgaits.errors import InputError
 from neuralgaits.report.certificate import certificate_of
 from neuralgaits.report.drawing.drawn import Drawn, Missing
 from neuralgaits.report.drawing.figure import paths_of
-from neuralgaits.report.drawing.two_pens import FigureFile, second_pen, write_all
+from neuralgaits.report.drawing.parallel_figures import FigureFile, second_pen, write_all
 from neuralgaits.report.makers import MAKERS, OF_FAMILIES, OF_TRAINING, Absent, FigureSource
 from neuralgaits.runs.atomic import refuse_unwritable
 

@@ -18,8 +18,8 @@ from neuralgaits.gait import ZeroDynamics
 from neuralgaits.gait.flow_residual import Residual
 from neuralgaits.logs import Split, Stride, Windows
 from neuralgaits.records.fitted import Fitted, StrideCounts
-from neuralgaits.residual.fit import FitConfig, Fitter, Optimizer, Progress
-from neuralgaits.residual.fit import fit as fit_flow
+from neuralgaits.residual.fitter import FitConfig, Fitter, Optimizer, Progress
+from neuralgaits.residual.fitter import fit as fit_flow
 from neuralgaits.residual.floor import floor
 from neuralgaits.residual.reset import fit_reset
 from neuralgaits.residual.trajectories import largest_defects, missed, root_mean_square

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from neuralgaits.analysis.run import Run
 from neuralgaits.hzd.gait_file import read_gait
-from neuralgaits.records.asked import GaitOrigin
+from neuralgaits.records.training_config import GaitOrigin
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.runs import RUNS_ROOT
 from neuralgaits.workflows.parts.given_run import given_run

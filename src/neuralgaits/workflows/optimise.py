@@ -7,7 +7,7 @@ from neuralgaits.analysis.run import Run
 from neuralgaits.errors import InputError
 from neuralgaits.gait.commands import FASTEST
 from neuralgaits.hzd.solver import DEGREE, Optimiser
-from neuralgaits.records.asked import HIGHEST_DEGREE, GaitOrigin
+from neuralgaits.records.training_config import HIGHEST_DEGREE, GaitOrigin
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.runs import RUNS_ROOT, RunFolder
 from neuralgaits.workflows.parts.given_run import given_run

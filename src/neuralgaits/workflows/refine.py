@@ -14,11 +14,11 @@ from neuralgaits._settings import (
 from neuralgaits.analysis.learned import Learned
 from neuralgaits.analysis.run import Run, open_run
 from neuralgaits.errors import InputError, RunError
-from neuralgaits.records.asked import Proving
+from neuralgaits.records.training_config import Proving
 from neuralgaits.runs import RUNS_ROOT, RunFolder
-from neuralgaits.runs.commands import learning
 from neuralgaits.runs.names import FITTED, RESIDUAL, ROBOT, SPEC, START, WEIGHTS
-from neuralgaits.training.gradient_steps import Progress
+from neuralgaits.runs.shell_words import learning
+from neuralgaits.training.training_loop import Progress
 from neuralgaits.workflows.parts.proof_rounds import Watch
 from neuralgaits.workflows.train import train_to_the_end
 

@@ -9,7 +9,7 @@ from neuralgaits.records.installed import BuiltIn, CatalogueEntry
 from neuralgaits.robots import registry
 from neuralgaits.robots.mjcf.loader import robot_text
 from neuralgaits.runs.atomic import write_new
-from neuralgaits.runs.commands import command
+from neuralgaits.runs.shell_words import command
 
 
 def robots() -> BuiltIn:

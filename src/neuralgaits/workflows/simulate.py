@@ -21,7 +21,8 @@ from neuralgaits.runs.atomic import refuse_unwritable
 from neuralgaits.runs.folder import file_hashes
 from neuralgaits.runs.names import ROBOT, WEIGHTS
 from neuralgaits.simulation import video as films
-from neuralgaits.simulation.asked_together import (
+from neuralgaits.simulation.episode_log import log_of
+from neuralgaits.simulation.incompatible_settings import (
     REMOTE,
     about_other_robot,
     drawn_robots,
@@ -29,14 +30,13 @@ from neuralgaits.simulation.asked_together import (
     refuse_beside_terrain,
     refuse_shared,
 )
-from neuralgaits.simulation.episode_log import log_of
 from neuralgaits.simulation.linked.config import LinkConfig
 from neuralgaits.simulation.linked.connect import connected
 from neuralgaits.simulation.metrics import summary
 from neuralgaits.simulation.native_walk import Choice, WalkEngine
+from neuralgaits.simulation.setup.command_schedule import on_slope, orders_of
 from neuralgaits.simulation.setup.disturbance import PlantChanges, parse
 from neuralgaits.simulation.setup.drawn_robots import DrawnRobots
-from neuralgaits.simulation.setup.orders import on_slope, orders_of
 from neuralgaits.simulation.setup.sensing import name_of, sensed
 from neuralgaits.simulation.setup.starts import periodic_orbit
 from neuralgaits.simulation.setup.terrain_kinds import commands_from_terrain

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from neuralgaits._settings import check_budget, check_seeds, check_steps
-from neuralgaits.barriers.commanded import Interval
+from neuralgaits.barriers.commanded_spec import Interval
 from neuralgaits.control.laws import law_named
 from neuralgaits.engine import Done, Job, WorkerPool, worker_pool_for
 from neuralgaits.errors import InputError, Interrupted
@@ -28,16 +28,16 @@ from neuralgaits.records.swept import (
     SweepRow,
     Swept,
 )
-from neuralgaits.report.sweep.page import page
+from neuralgaits.report.sweep.sweep_page import page
 from neuralgaits.runs import RUNS_ROOT, plain, to_json, write_text
 from neuralgaits.runs.atomic import refuse_unwritable
-from neuralgaits.runs.commands import command, named
 from neuralgaits.runs.names import ROBOT, SPEC
+from neuralgaits.runs.shell_words import command, named
 from neuralgaits.sweeps.disturbances import STANDARD, disturbances_of
-from neuralgaits.sweeps.folder import SweepFolder, sha256
 from neuralgaits.sweeps.grid import Combination, combinations, count, refuse_same
 from neuralgaits.sweeps.inputs import inputs_of, robot_file, spec_file
-from neuralgaits.sweeps.table import to_csv
+from neuralgaits.sweeps.sweep_folder import SweepFolder, sha256
+from neuralgaits.sweeps.sweep_table import to_csv
 from neuralgaits.workflows.parts.sweep_row import carry_out, row_of
 
 WALKS, WALK_STEPS = 4, 25

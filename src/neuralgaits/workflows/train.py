@@ -8,26 +8,26 @@ from pathlib import Path
 
 import numpy as np
 
-from neuralgaits.analysis.orbit import poincare
+from neuralgaits.analysis.poincare_map import poincare
 from neuralgaits.analysis.run import Run, open_parts, untrained
 from neuralgaits.analysis.walking_speeds import speed_doubt
 from neuralgaits.barriers import GaitSpec
-from neuralgaits.barriers.commanded import Interval
+from neuralgaits.barriers.commanded_spec import Interval
 from neuralgaits.barriers.regions import CommandedGait
 from neuralgaits.barriers.spec import Init
 from neuralgaits.certificate.traced import after_impact, trace_spec
 from neuralgaits.errors import InputError, Interrupted, RunError
-from neuralgaits.records.asked import asked_of
 from neuralgaits.records.trained import Trained, TrainingProof, Violations
+from neuralgaits.records.training_config import asked_of
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.runs import RUNS_ROOT, RunFolder, finish, resolve_unfinished
 from neuralgaits.runs.atomic import refuse_unwritable
-from neuralgaits.runs.commands import LATEST, command, resuming
 from neuralgaits.runs.names import ROBOT, STATE, SUMMARY, WEIGHTS
+from neuralgaits.runs.shell_words import LATEST, command, resuming
 from neuralgaits.training.calibration import calibrated
-from neuralgaits.training.gradient_steps import Progress
 from neuralgaits.training.session import take_all_steps
 from neuralgaits.training.trainer import FreshMargins, Trainer, TrainState
+from neuralgaits.training.training_loop import Progress
 from neuralgaits.workflows.parts.new_training import new_training
 from neuralgaits.workflows.parts.proof_rounds import ProofRounds, Watch
 

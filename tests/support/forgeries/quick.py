@@ -11,9 +11,9 @@ from unittest import mock
 import jax
 import numpy as np
 
-from neuralgaits.certificate import reading, retrace
+from neuralgaits.certificate import retrace, verified_summary
+from neuralgaits.certificate.chart import PLANE_ONLY, Chart
 from neuralgaits.certificate.levels import problems
-from neuralgaits.certificate.levels.chart import PLANE_ONLY, Chart
 from neuralgaits.certificate.proof_file import reader as claims
 from neuralgaits.certificate.proof_file import shared_check
 from neuralgaits.certificate.proof_file.statement_check import StatementCheck
@@ -57,7 +57,9 @@ def statements_taken_as_checked(known: Container[str] | None = None) -> Iterator
         stack.enter_context(mock.patch.object(StatementCheck, "of", of))
         stack.enter_context(mock.patch.object(shared_check, "cores", lambda: 1))
         if known is None:
-            stack.enter_context(mock.patch.object(reading, "first_broken_bound", lambda _: None))
+            stack.enter_context(
+                mock.patch.object(verified_summary, "first_broken_bound", lambda _: None)
+            )
         yield
 
 

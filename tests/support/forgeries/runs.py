@@ -12,8 +12,8 @@ from neuralgaits.certificate.levels.full_order.theorem import (
     BarrierConstants,
     labelled_premises,
 )
+from neuralgaits.certificate.levels.level_search import LevelSets
 from neuralgaits.certificate.levels.problems import trace_certificate
-from neuralgaits.certificate.levels.sets import LevelSets
 from neuralgaits.certificate.proof_file.theorem_tables import Theorems
 from neuralgaits.runs import plain
 from neuralgaits.workflows.certify import certify

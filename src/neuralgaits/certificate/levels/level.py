@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from neuralgaits.certificate.levels.chart import Chart, Corner
+from neuralgaits.certificate.chart import Chart, Corner
 from neuralgaits.certificate.levels.premises import Bounds, Boxes
 from neuralgaits.records.certified import Conclusion
 

@@ -10,15 +10,15 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 from neuralgaits._digits import at_least, at_most
-from neuralgaits.certificate.levels.chart import PLANE
-from neuralgaits.certificate.levels.ladder import conclude
+from neuralgaits.certificate.chart import PLANE
+from neuralgaits.certificate.levels.levels import conclude
 from neuralgaits.certificate.levels.premises import level_one_boxes, proved_bounds
+from neuralgaits.certificate.proof_file.command_ranges import why_part
 from neuralgaits.certificate.proof_file.consistency import inconsistencies
 from neuralgaits.certificate.proof_file.coverage import SpecOutline, unstated, why_incomplete
 from neuralgaits.certificate.proof_file.reader import FIBRE, Claims, InconsistentError, Statement
 from neuralgaits.certificate.proof_file.shared_check import bound_all
 from neuralgaits.certificate.proof_file.theorem_tables import BY_NUMBER
-from neuralgaits.certificate.proof_file.told_ranges import why_part
 from neuralgaits.records.certified import Conclusion
 
 Verdict = Literal["proved", "consistent", "rejected", "undecided"]

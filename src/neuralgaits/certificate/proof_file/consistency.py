@@ -4,11 +4,11 @@ The check of a file, the reader of a run's certificate and with it page, figures
 here and nowhere else. Needs no JAX.
 """
 
-from neuralgaits.certificate.levels.ladder import refusals
+from neuralgaits.certificate.levels.levels import refusals
+from neuralgaits.certificate.proof_file.command_ranges import OTHER_CHART, is_beyond
 from neuralgaits.certificate.proof_file.coverage import SpecOutline, contradictions
 from neuralgaits.certificate.proof_file.reader import Claims
 from neuralgaits.certificate.proof_file.theorem_tables import BY_NUMBER
-from neuralgaits.certificate.proof_file.told_ranges import OTHER_CHART, is_beyond
 
 
 def inconsistencies(claims: Claims, asked: SpecOutline | None) -> list[str]:

@@ -12,7 +12,8 @@ from typing import Any
 import numpy as np
 
 from neuralgaits._names import LONGEST_NAME, why_no_name
-from neuralgaits.certificate.levels.chart import Chart, Corner, CoupledAxes, asked_for
+from neuralgaits.certificate.chart import Chart, Corner, CoupledAxes, asked_for
+from neuralgaits.certificate.proof_file.command_ranges import CommandRange, command_ranges
 from neuralgaits.certificate.proof_file.coverage import SpecOutline, premise_names
 from neuralgaits.certificate.proof_file.json_fields import (
     box_of,
@@ -30,7 +31,6 @@ from neuralgaits.certificate.proof_file.limits import (
 from neuralgaits.certificate.proof_file.program_field import FIBRE
 from neuralgaits.certificate.proof_file.program_field import program_of as _program
 from neuralgaits.certificate.proof_file.theorem_tables import Theorems
-from neuralgaits.certificate.proof_file.told_ranges import CommandRange, command_ranges
 from neuralgaits.errors import InputError, reason
 from neuralgaits.programs.program import Program
 from neuralgaits.programs.prune import reading

@@ -9,7 +9,7 @@ import itertools
 import numpy as np
 
 from neuralgaits._types import Float
-from neuralgaits.certificate.levels.chart import Corner, asked_for
+from neuralgaits.certificate.chart import Corner, asked_for
 from neuralgaits.certificate.proof_file.reader import FIBRE, Claims, Statement
 from neuralgaits.programs import POINT, evaluate
 from neuralgaits.programs.prune import prune

@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 
 from neuralgaits._environment import cores
 from neuralgaits._own_process import command_of, environment_of
-from neuralgaits.certificate.levels.chart import CoupledAxes
+from neuralgaits.certificate.chart import CoupledAxes
 from neuralgaits.certificate.proof_file.reader import Corners, Statement
 from neuralgaits.certificate.proof_file.statement_check import BATCH, StatementCheck, Verdict
 from neuralgaits.programs.program import Program

@@ -13,7 +13,7 @@ from typing import Any, Literal
 import numpy as np
 from flint import arb
 
-from neuralgaits.certificate.levels.chart import asked_for
+from neuralgaits.certificate.chart import asked_for
 from neuralgaits.certificate.proof_file.reader import Corners, Statement, halves
 from neuralgaits.programs.algebras.ball import BallAlgebra
 from neuralgaits.programs.evaluation import evaluate, fold

@@ -10,8 +10,8 @@ from typing import Any, Literal, NamedTuple, TypeVar, get_args, get_origin
 
 from neuralgaits._digits import from_hex
 from neuralgaits.certificate.levels.full_order.theorem import FullOrderConstants
-from neuralgaits.certificate.levels.ladder import LEVELS
 from neuralgaits.certificate.levels.level import Level, Parameters
+from neuralgaits.certificate.levels.levels import LEVELS
 from neuralgaits.certificate.levels.orbit.theorem import OrbitConstants
 from neuralgaits.certificate.levels.walking_set.theorem import WalkingSetConstants
 from neuralgaits.certificate.proof_file.limits import MOST_NAMES, MOST_SERIES, limit

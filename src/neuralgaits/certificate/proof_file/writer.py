@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from neuralgaits.certificate.levels.chart import Chart
+from neuralgaits.certificate.chart import Chart
 from neuralgaits.certificate.search.box_tree import BoxTree
 from neuralgaits.certificate.search.branch_and_bound import Search
 from neuralgaits.certificate.search.halving import LEAF, to_text

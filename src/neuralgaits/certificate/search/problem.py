@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from neuralgaits._types import Float
-from neuralgaits.certificate.levels.chart import CoupledAxes
+from neuralgaits.certificate.chart import CoupledAxes
 from neuralgaits.certificate.search.halving import Corners, PerCondition, wide_axes
 from neuralgaits.programs import POINT, Program, evaluate, fold
 from neuralgaits.programs.algebras.taylor import TaylorAlgebra

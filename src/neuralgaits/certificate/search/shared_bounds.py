@@ -12,7 +12,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from neuralgaits.certificate.levels.chart import CoupledAxes
+from neuralgaits.certificate.chart import CoupledAxes
 from neuralgaits.certificate.search.problem import Bounds, Boxes, Problem
 from neuralgaits.engine import Files, Job, Settings, WorkerPool
 from neuralgaits.programs import Program

@@ -11,7 +11,6 @@ import numpy as np
 from neuralgaits._types import Bool, Float, Int
 from neuralgaits.errors import InputError
 from neuralgaits.gait import AbstractPolicy
-from neuralgaits.logs.checks import check_times
 from neuralgaits.logs.contacts import UNKNOWN, stance_legs
 from neuralgaits.logs.formats.column_file import PAGE, ColumnFile
 from neuralgaits.logs.formats.own_sheet import SheetArrays, numbers
@@ -20,9 +19,10 @@ from neuralgaits.logs.formats.sheet import Text
 from neuralgaits.logs.labels import Labels
 from neuralgaits.logs.outliers import ANGLE_RAD, stand_out
 from neuralgaits.logs.rates import half_window, noise, rates
-from neuralgaits.logs.sensed import SensorReadings, asked, feet_apart, stance_first, states
+from neuralgaits.logs.row_checks import check_times
+from neuralgaits.logs.sensor_readings import SensorReadings, asked, feet_apart, stance_first, states
 from neuralgaits.logs.strides import GAP_PERIODS, GAP_S, SETTLING_S
-from neuralgaits.logs.table import Log
+from neuralgaits.logs.walk_table import Log
 from neuralgaits.robots import PlanarBiped
 
 AGREEING = 0.5

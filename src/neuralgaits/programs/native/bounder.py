@@ -9,7 +9,7 @@ import numpy as np
 from neuralgaits._environment import cores
 from neuralgaits._types import Float
 from neuralgaits.programs.algebras.taylor_model import Taylor
-from neuralgaits.programs.native.library import library
+from neuralgaits.programs.native.compiled_rules import library
 from neuralgaits.programs.program import Operation, Program
 
 KINDS = (

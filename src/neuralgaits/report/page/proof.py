@@ -14,12 +14,12 @@ from neuralgaits.records.certified import (
 )
 from neuralgaits.records.levels import HIGHEST_OF_MANY
 from neuralgaits.report.page import markup as html
-from neuralgaits.report.page import words
+from neuralgaits.report.page import phrases
 from neuralgaits.report.page.markup import Html
 from neuralgaits.report.page.saved import Contents, Saved
 from neuralgaits.report.page.training import TIGHTEST
 from neuralgaits.runs import packed
-from neuralgaits.runs.commands import command, named, quoted
+from neuralgaits.runs.shell_words import command, named, quoted
 
 _LEVEL_FIGURES = {
     "step_time_at_most_s": ("a step takes at most", "s"),
@@ -93,7 +93,7 @@ def _ladder(found: CertificateRecord, told: bool) -> Html:
         (
             level,
             in_plain_words.states(level, told, found),
-            words.verdict(answers.get(level, "not asked")),
+            phrases.verdict(answers.get(level, "not asked")),
         )
         for level in LEVELS
     ]
@@ -153,7 +153,7 @@ def _conditions(found: CertificateRecord) -> Html:
         share = f"{int(1e4 * entry.proved_fraction) / 100:g} %"
         margin, boxes = html.bound(entry.margin), html.number(entry.boxes)
         rows.append(
-            (html.tag("b", name), words.verdict(entry.verdict), margin, share, boxes, detail)
+            (html.tag("b", name), phrases.verdict(entry.verdict), margin, share, boxes, detail)
         )
     head = ("condition", "verdict", "margin at least", "of its region", "boxes", "")
     failed = sum(

@@ -22,7 +22,7 @@ from pydrake.math import RigidTransform, RotationMatrix
 from pydrake.multibody.plant import CoulombFriction
 from pydrake.multibody.tree import PrismaticJoint, SpatialInertia
 
-from neuralgaits.simulation.drake.tree import Tree, pose
+from neuralgaits.simulation.drake.drake_tree import Tree, pose
 from neuralgaits.simulation.setup.plant import Plant
 
 _LOCKED_KG = 1.0

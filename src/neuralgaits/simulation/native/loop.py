@@ -21,17 +21,17 @@ import numpy as np
 from neuralgaits._types import Float
 from neuralgaits.control import Controller
 from neuralgaits.errors import InputError, NonFiniteError
-from neuralgaits.simulation.native.layout import pointer
-from neuralgaits.simulation.native.library import Library
+from neuralgaits.simulation.native.compiled_walk import Library
+from neuralgaits.simulation.native.native_scene import scene_of
 from neuralgaits.simulation.native.records import record_of
-from neuralgaits.simulation.native.scene import scene_of
-from neuralgaits.simulation.setup.given import EpisodeInputs
-from neuralgaits.simulation.setup.orders import CommandSchedule
+from neuralgaits.simulation.native.struct_layout import pointer
+from neuralgaits.simulation.setup.command_schedule import CommandSchedule
+from neuralgaits.simulation.setup.episode_inputs import EpisodeInputs
 from neuralgaits.simulation.setup.plant import Plant
 from neuralgaits.simulation.ticks.falls import Ending, FallConfig
 from neuralgaits.simulation.ticks.gauge import Extremes, Gauge, Milestone
 from neuralgaits.simulation.ticks.lockstep import EpisodeBatch
-from neuralgaits.simulation.ticks.strides import Strides, width
+from neuralgaits.simulation.ticks.stride_table import Strides, width
 
 _CHUNK = 4096
 """Ticks between two looks at whether to go on: a few tens of milliseconds."""

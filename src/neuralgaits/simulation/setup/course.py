@@ -10,7 +10,7 @@ import numpy as np
 
 from neuralgaits._types import Bool, Float, Int
 from neuralgaits.gait.commands import place_of
-from neuralgaits.simulation.setup.orders import CommandSchedule
+from neuralgaits.simulation.setup.command_schedule import CommandSchedule
 
 GAP_DEPTH_M = 0.03
 """A foot this far below the stones before and behind it has missed them."""

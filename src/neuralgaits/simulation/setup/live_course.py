@@ -6,8 +6,8 @@ from dataclasses import replace
 from neuralgaits.errors import InputError
 from neuralgaits.gait import AbstractPolicy
 from neuralgaits.robots import PlanarBiped
+from neuralgaits.simulation.setup.command_schedule import CommandSchedule
 from neuralgaits.simulation.setup.course import Course, Courses, joined
-from neuralgaits.simulation.setup.orders import CommandSchedule
 from neuralgaits.simulation.setup.terrain_kinds import Size, endless, resized, sizes_of
 from neuralgaits.simulation.setup.terrains import courses_of
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from neuralgaits._quick_jit import quick_filter_jit
 from neuralgaits._types import Array, Float
-from neuralgaits.analysis.orbit import poincare
+from neuralgaits.analysis.poincare_map import poincare
 from neuralgaits.barriers import Gait
 from neuralgaits.barriers.regions import AnyGait, CommandedGait
 from neuralgaits.errors import InputError

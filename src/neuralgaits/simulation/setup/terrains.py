@@ -16,13 +16,13 @@ from neuralgaits.gait.commands import Commands, command_named, place_of
 from neuralgaits.gait.coordinates import lift
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.robots.dynamics import swing_foot
+from neuralgaits.simulation.setup.command_schedule import CommandSchedule
 from neuralgaits.simulation.setup.course import Course, Courses, stones_at
-from neuralgaits.simulation.setup.orders import CommandSchedule
 from neuralgaits.simulation.setup.stones_file import ROUNDING_M, stones_of_file
 from neuralgaits.simulation.setup.terrain_kinds import KINDS, check_told, kind_of, sizes_of
 
 _STREAM = 7
-"""Of an episode's random numbers; see `orders`."""
+"""Of an episode's random numbers; see `command_schedule`."""
 _SPARE = 2
 """Stones beyond the last one that is stepped on, so that there is one to look at."""
 _RUN_UP_M = 1.0

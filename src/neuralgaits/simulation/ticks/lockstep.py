@@ -11,16 +11,16 @@ from typing import NamedTuple
 import numpy as np
 
 from neuralgaits._types import Float, Int
+from neuralgaits.simulation.setup.command_schedule import CommandSchedule
 from neuralgaits.simulation.setup.course import Courses
-from neuralgaits.simulation.setup.given import EpisodeInputs
-from neuralgaits.simulation.setup.orders import CommandSchedule
+from neuralgaits.simulation.setup.episode_inputs import EpisodeInputs
 from neuralgaits.simulation.setup.plant import SUBSTEPS, TIMESTEP_S, Plant
 from neuralgaits.simulation.ticks.batch import Batch, pack
 from neuralgaits.simulation.ticks.falls import Ending
 from neuralgaits.simulation.ticks.gauge import Gauge
 from neuralgaits.simulation.ticks.recorder import Recorder
 from neuralgaits.simulation.ticks.scene import PlantReading
-from neuralgaits.simulation.ticks.strides import Strides, width
+from neuralgaits.simulation.ticks.stride_table import Strides, width
 from neuralgaits.simulation.ticks.tick import TickRecord, Verdict
 from neuralgaits.simulation.ticks.world import World
 

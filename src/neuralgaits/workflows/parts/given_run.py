@@ -11,11 +11,11 @@ from neuralgaits.certificate.traced import after_impact, trace_spec
 from neuralgaits.errors import ConvergenceError, InputError, NeuralGaitsError
 from neuralgaits.gait import ZeroDynamics
 from neuralgaits.hzd.gait_file import GivenGait, write_gait
-from neuralgaits.hzd.steady import Steady, steady
+from neuralgaits.hzd.given_orbit import Steady, steady
 from neuralgaits.hzd.tube import fit_tube
 from neuralgaits.programs import POINT, Program, evaluate
-from neuralgaits.records.asked import GaitOrigin, TrainingConfig
 from neuralgaits.records.trained import Trained, Violations
+from neuralgaits.records.training_config import GaitOrigin, TrainingConfig
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.runs import RunFolder, finish
 from neuralgaits.runs.names import GAIT, ROBOT, SPEC, WEIGHTS

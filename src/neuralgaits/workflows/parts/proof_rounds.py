@@ -26,7 +26,7 @@ from neuralgaits.robots import PlanarBiped
 from neuralgaits.runs import RunFolder
 from neuralgaits.runs.names import WEIGHTS
 from neuralgaits.training import Boxes, Extra, Trainer, TrainState
-from neuralgaits.training.gradient_steps import GradientSteps
+from neuralgaits.training.training_loop import GradientSteps
 from neuralgaits.workflows.certify import certify
 
 ROUNDS = 10

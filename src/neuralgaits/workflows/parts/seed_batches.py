@@ -14,8 +14,8 @@ from neuralgaits.errors import NeuralGaitsError, is_full
 from neuralgaits.runs import finish
 from neuralgaits.runs.names import WEIGHTS
 from neuralgaits.training.calibration import calibrated
-from neuralgaits.training.gradient_steps import Progress
 from neuralgaits.training.seed_batch import SeedBatch, SeedRun
+from neuralgaits.training.training_loop import Progress
 from neuralgaits.workflows.parts.many_seeds import ManySeeds
 from neuralgaits.workflows.train import FRESH_SAMPLES_SEED, summary_of
 

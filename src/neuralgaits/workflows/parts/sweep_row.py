@@ -19,8 +19,8 @@ from neuralgaits.runs import to_json
 from neuralgaits.runs.names import ROBOT, SPEC
 from neuralgaits.simulation.metrics import summary
 from neuralgaits.simulation.native_walk import engine_of_trained
+from neuralgaits.simulation.setup.command_schedule import on_slope, orders_of
 from neuralgaits.simulation.setup.disturbance import PlantChanges
-from neuralgaits.simulation.setup.orders import on_slope, orders_of
 from neuralgaits.simulation.trained_walks import TrainedWalks, at_first
 from neuralgaits.sweeps.grid import speed_of
 from neuralgaits.workflows.certify import certify

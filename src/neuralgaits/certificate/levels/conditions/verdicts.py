@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from neuralgaits.barriers import GaitSpec
-from neuralgaits.certificate.levels.chart import PLANE, Chart
+from neuralgaits.certificate.chart import PLANE, Chart
 from neuralgaits.certificate.proof_file.writer import StatementRecord
 from neuralgaits.certificate.search.branch_and_bound import Search
 from neuralgaits.certificate.search.problem import Problem

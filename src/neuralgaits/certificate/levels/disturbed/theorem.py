@@ -9,7 +9,7 @@ in e, too. The argument is in docs/level5.md. Needs no JAX.
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from neuralgaits.certificate.levels.chart import Corner
+from neuralgaits.certificate.chart import Corner
 from neuralgaits.certificate.levels.full_order.theorem import FullOrderConstants
 from neuralgaits.certificate.levels.premises import Premise
 

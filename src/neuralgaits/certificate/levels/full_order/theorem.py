@@ -16,7 +16,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
-from neuralgaits.certificate.levels.chart import Chart, Corner
+from neuralgaits.certificate.chart import Chart, Corner
 from neuralgaits.certificate.levels.premises import Premise
 
 FENCES = LOWER, UPPER = "level-lower", "level-upper"

@@ -16,7 +16,7 @@ import jax.numpy as jnp
 from neuralgaits._types import Array, Float, Scalar, ZeroState
 from neuralgaits.barriers import Barrier, Gait, GaitSpec
 from neuralgaits.barriers.functions import transversal_inertia
-from neuralgaits.certificate.levels.chart import PLANE
+from neuralgaits.certificate.chart import PLANE
 from neuralgaits.certificate.levels.walking_set.theorem import WalkingSetConstants
 from neuralgaits.gait import AbstractPolicy, HybridInvariantPolicy, Point, ZeroDynamics
 from neuralgaits.gait.policies.step_ends import END_POINT_MARGIN

@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Sequence
 
 from neuralgaits._digits import at_most
-from neuralgaits.certificate.levels.chart import Corner
+from neuralgaits.certificate.chart import Corner
 from neuralgaits.certificate.levels.walking_set.theorem import WalkingSetConstants, cover_the_tube
 
 
