@@ -12,7 +12,7 @@ from neuralgaits.simulation.incompatible_settings import REMOTE
 
 
 def test_the_command_line_knows_every_law():
-    assert get_args(get_type_hints(arguments.Simulate)["controller"]) == (*LAWS, REMOTE)
+    assert get_args(get_type_hints(arguments.SimulateOptions)["controller"]) == (*LAWS, REMOTE)
 
 
 def test_episodes_are_read_back_under_every_law():

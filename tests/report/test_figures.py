@@ -123,7 +123,7 @@ def test_commands_of_missing_figures_are_commands(run, drawn):
             given = getattr(verb, "run", None) or getattr(verb, "resume", None)
             assert str(given) == str(run.path), "a folder with a space in its name"
     certify = read(shlex.split(missing["full-order-set"].command)[1:])
-    assert isinstance(certify, arguments.Certify) and certify.level == 4
+    assert isinstance(certify, arguments.CertifyOptions) and certify.level == 4
 
 
 def test_a_log_brings_the_walk(run, data, tmp_path):
@@ -132,7 +132,7 @@ def test_a_log_brings_the_walk(run, data, tmp_path):
     missing = entry(copy, "walk-tiles")
     assert isinstance(missing, Missing)
     simulate = read(shlex.split(missing.command)[1:])
-    assert isinstance(simulate, arguments.Simulate) and simulate.log is not None
+    assert isinstance(simulate, arguments.SimulateOptions) and simulate.log is not None
     target = simulate.log
     walk = orbit_log(copy, data)
     target.parent.mkdir()

@@ -13,6 +13,7 @@ import pytest
 
 from neuralgaits.certificate.verified_summary import hashes
 from neuralgaits.cli.argv_parser import read as read_words
+from neuralgaits.cli.argv_parser import verb_name
 from neuralgaits.records.training_config import GaitOrigin
 from neuralgaits.report.drawing.drawn import Missing
 from neuralgaits.report.page import phrases
@@ -258,8 +259,8 @@ def test_every_command_on_the_page_is_one_that_the_command_line_takes(contents, 
     for line in unescaped:
         name, *words = shlex.split(line)
         assert name == "neuralgaits"
-        verbs.append(type(read_words(words)).__name__)
-    assert verbs == ["Certify", "Train", "Certify", "Simulate", "Report"]
+        verbs.append(verb_name(type(read_words(words))))
+    assert verbs == ["certify", "train", "certify", "simulate", "report"]
 
 
 def test_a_command_repeats_the_simulation(contents, shipped):

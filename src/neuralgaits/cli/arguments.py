@@ -27,7 +27,7 @@ OwnRobot = Annotated[Positional[str | None], arg(metavar="[ROBOT]")]
 
 
 @dataclass(frozen=True)
-class Output:
+class OutputOptions:
     """How the result is shown."""
 
     json: Flag = False
@@ -37,7 +37,7 @@ class Output:
 
 
 @dataclass(frozen=True)
-class Workers:
+class WorkerOptions:
     """What carries out many tasks."""
 
     workers: Annotated[int | None, arg(metavar="N")] = None
@@ -48,7 +48,7 @@ class Workers:
 
 
 @dataclass(frozen=True)
-class Train:
+class TrainOptions:
     """Train a gait for a robot."""
 
     robot: OwnRobot = None
@@ -90,11 +90,11 @@ class Train:
     resume: Annotated[str | None, arg(metavar="RUN")] = None
     """Continue an unfinished run: its folder, or latest for the last one started. All other
     settings are the run's own."""
-    output: Annotated[Output, arg(name="")] = Output()
+    output: Annotated[OutputOptions, arg(name="")] = OutputOptions()
 
 
 @dataclass(frozen=True)
-class Optimise:
+class OptimiseOptions:
     """Find a gait of least cost of transport by trajectory optimisation; needs the hzd extra."""
 
     robot: Robot
@@ -105,11 +105,11 @@ class Optimise:
     """Of the Bezier polynomials of the joints."""
     out: Annotated[Path | None, arg(metavar="DIR")] = None
     """Run folder to make, instead of runs/ROBOT/<time>-0."""
-    output: Annotated[Output, arg(name="")] = Output()
+    output: Annotated[OutputOptions, arg(name="")] = OutputOptions()
 
 
 @dataclass(frozen=True)
-class ImportGait:
+class ImportGaitOptions:
     """Make a run of a published gait: Bezier polynomials of the joints, from a file."""
 
     file: Annotated[Positional[Path], arg(metavar="FILE.json")]
@@ -120,11 +120,11 @@ class ImportGait:
     """Which gait, where the file has several."""
     out: Annotated[Path | None, arg(metavar="DIR")] = None
     """Run folder to make, instead of runs/ROBOT/<time>-0."""
-    output: Annotated[Output, arg(name="")] = Output()
+    output: Annotated[OutputOptions, arg(name="")] = OutputOptions()
 
 
 @dataclass(frozen=True)
-class Simulate:
+class SimulateOptions:
     """Walk a trained gait at full order, in MuJoCo or in Drake."""
 
     run: Run
@@ -173,12 +173,12 @@ class Simulate:
     """Seed of random starts, terrain and disturbances."""
     episodes: Annotated[int, arg(metavar="N")] = 1
     """Number of walks."""
-    pool: Annotated[Workers, arg(name="")] = Workers()
+    pool: Annotated[WorkerOptions, arg(name="")] = WorkerOptions()
     log: Annotated[Path | None, arg(metavar="FILE.csv")] = None
     """Write the first walk's log; of further walks, FILE-1.csv, FILE-2.csv, ... beside it."""
     video: Annotated[Path | None, arg(metavar="FILE.mp4")] = None
     """Write a video of the first walk; needs the video extra."""
-    output: Annotated[Output, arg(name="")] = Output()
+    output: Annotated[OutputOptions, arg(name="")] = OutputOptions()
 
 
 _LEVELS = (
@@ -188,7 +188,7 @@ _LEVELS = (
 
 
 @dataclass(frozen=True)
-class Certify:
+class CertifyOptions:
     """Prove the gait's conditions for every state of their regions."""
 
     run: Run
@@ -210,12 +210,12 @@ class Certify:
     slope=-1:1 [degrees]; the run as a whole stays undecided."""
     resume: Flag = False
     """Go on with the boxes of the last certificate."""
-    pool: Annotated[Workers, arg(name="")] = Workers()
-    output: Annotated[Output, arg(name="")] = Output()
+    pool: Annotated[WorkerOptions, arg(name="")] = WorkerOptions()
+    output: Annotated[OutputOptions, arg(name="")] = OutputOptions()
 
 
 @dataclass(frozen=True)
-class CheckProof:
+class CheckProofOptions:
     """Check a proof file again, with ball arithmetic only."""
 
     file: Annotated[Positional[Path], arg(metavar="FILE")]
@@ -223,11 +223,11 @@ class CheckProof:
     run: Annotated[str | None, arg(metavar="RUN")] = None
     """Run folder, or latest, that the proof must be about. Without it the best answer is
     consistent, which says nothing of a robot."""
-    output: Annotated[Output, arg(name="")] = Output()
+    output: Annotated[OutputOptions, arg(name="")] = OutputOptions()
 
 
 @dataclass(frozen=True)
-class Fit:
+class FitOptions:
     """Learn what a robot does beyond its model, from logs of a run's policy."""
 
     run: Run
@@ -240,11 +240,11 @@ class Fit:
     """Optimiser of the fit; nero is the paper's."""
     seed: Annotated[int, arg(metavar="N")] = 0
     """Seed of the split of strides, initial weights and batches."""
-    output: Annotated[Output, arg(name="")] = Output()
+    output: Annotated[OutputOptions, arg(name="")] = OutputOptions()
 
 
 @dataclass(frozen=True)
-class Refine:
+class RefineOptions:
     """Train a run's policy on, on dynamics corrected by what was learned."""
 
     run: Run
@@ -264,11 +264,11 @@ class Refine:
     """With --certify: time for proofs and further training."""
     out: Annotated[Path | None, arg(metavar="DIR")] = None
     """Run folder to make, instead of runs/ROBOT/<time>-<seed>."""
-    output: Annotated[Output, arg(name="")] = Output()
+    output: Annotated[OutputOptions, arg(name="")] = OutputOptions()
 
 
 @dataclass(frozen=True)
-class Episodes:
+class EpisodesOptions:
     """Walk, learn what the model misses, refine the policy, and walk again."""
 
     robot: OwnRobot = None
@@ -292,11 +292,11 @@ class Episodes:
     """Folder to make, instead of runs/episodes/ROBOT/<time>-<seed>."""
     resume: Annotated[str | None, arg(metavar="RUN")] = None
     """Episodes to go on with (their folder, or latest), or a trained run to begin with."""
-    output: Annotated[Output, arg(name="")] = Output()
+    output: Annotated[OutputOptions, arg(name="")] = OutputOptions()
 
 
 @dataclass(frozen=True)
-class Sweep:
+class SweepOptions:
     """Train, prove and walk many combinations: robots, specs, speeds and seeds."""
 
     robots: Annotated[Positional[tuple[str, ...]], arg(metavar="[ROBOT...]")] = ()
@@ -320,16 +320,16 @@ class Sweep:
     file; see the page 'From a laptop to a cluster'."""
     walks: Annotated[int | None, arg(metavar="N")] = None
     """Walks of 25 steps under each disturbance; 4 if not given."""
-    pool: Annotated[Workers, arg(name="")] = Workers()
+    pool: Annotated[WorkerOptions, arg(name="")] = WorkerOptions()
     out: Annotated[Path | None, arg(metavar="DIR")] = None
     """Folder of the sweep; runs/sweeps/<time>-<first seed> if not given."""
     resume: Flag = False
     """Go on with the sweep in --out, if there is one: rows that are there stay."""
-    output: Annotated[Output, arg(name="")] = Output()
+    output: Annotated[OutputOptions, arg(name="")] = OutputOptions()
 
 
 @dataclass(frozen=True)
-class Export:
+class ExportOptions:
     """Write the gait for a robot, as C or ONNX, and compare what was written with Python."""
 
     run: Run
@@ -341,22 +341,22 @@ class Export:
     extra."""
     force: Flag = False
     """Replace the files of an earlier export."""
-    output: Annotated[Output, arg(name="")] = Output()
+    output: Annotated[OutputOptions, arg(name="")] = OutputOptions()
 
 
 @dataclass(frozen=True)
-class Report:
+class ReportOptions:
     """Write everything about a run into one HTML file that opens offline."""
 
     run: Run
     """Run folder, finished or not, or latest."""
     out: Annotated[Path | None, arg(metavar="FILE.html")] = None
     """The file; RUN/report.html if not given."""
-    output: Annotated[Output, arg(name="")] = Output()
+    output: Annotated[OutputOptions, arg(name="")] = OutputOptions()
 
 
 @dataclass(frozen=True)
-class Page:
+class PageOptions:
     """Where a live page is served."""
 
     port: Annotated[int | None, arg(metavar="N")] = None
@@ -368,7 +368,7 @@ class Page:
 
 
 @dataclass(frozen=True)
-class View:
+class ViewOptions:
     """Watch a gait walk, push it, tilt its floor, and put it into any state: a live page."""
 
     run: Run
@@ -376,22 +376,22 @@ class View:
     terrain: Annotated[str | None, arg(metavar="KIND[,NAME=VALUE...]|FILE.csv")] = None
     """Solid blocks in place of the floor, as in simulate: stones, stairs, slopes, or a file of
     stones. For a gait that is told step lengths, or slopes."""
-    page: Annotated[Page, arg(name="")] = Page()
-    output: Annotated[Output, arg(name="")] = Output()
+    page: Annotated[PageOptions, arg(name="")] = PageOptions()
+    output: Annotated[OutputOptions, arg(name="")] = OutputOptions()
 
 
 @dataclass(frozen=True)
-class Demo:
+class DemoOptions:
     """Watch a gait that came with the package, and its proof, on the same page: no training."""
 
     speed: Flag = False
     """Another gait, told how fast to walk by a slider, and proved for all that it may be told."""
-    page: Annotated[Page, arg(name="")] = Page()
-    output: Annotated[Output, arg(name="")] = Output()
+    page: Annotated[PageOptions, arg(name="")] = PageOptions()
+    output: Annotated[OutputOptions, arg(name="")] = OutputOptions()
 
 
 @dataclass(frozen=True)
-class Inspect:
+class InspectOptions:
     """Show what a robot file holds and what is wrong with it."""
 
     robot: Robot
@@ -399,22 +399,22 @@ class Inspect:
     planarise: Annotated[Path | None, arg(metavar="OUT.xml")] = None
     """Write a copy that can be treated: flat feet welded and ended in point feet, what the theory
     ignores taken out; every change is said."""
-    output: Annotated[Output, arg(name="")] = Output()
+    output: Annotated[OutputOptions, arg(name="")] = OutputOptions()
 
 
 @dataclass(frozen=True)
-class Robots:
+class RobotsOptions:
     """List the built-in robots and specs, or write a robot's file to start from."""
 
     robot: Annotated[Positional[str | None], arg(metavar="[ROBOT]")] = None
     """Name of the built-in robot to write; all are listed without it."""
     out: Annotated[Path | None, arg(metavar="FILE.xml")] = None
     """File to write it to."""
-    output: Annotated[Output, arg(name="")] = Output()
+    output: Annotated[OutputOptions, arg(name="")] = OutputOptions()
 
 
 @dataclass(frozen=True)
-class Doctor:
+class DoctorOptions:
     """Check this machine; one line that mends each thing found wrong."""
 
-    output: Annotated[Output, arg(name="")] = Output()
+    output: Annotated[OutputOptions, arg(name="")] = OutputOptions()

@@ -16,28 +16,37 @@ from neuralgaits.cli import arguments as of
 from neuralgaits.cli.misspelt import refuse_misspelt
 
 Verb = (
-    of.Train
-    | of.Simulate
-    | of.Certify
-    | of.CheckProof
-    | of.Fit
-    | of.Refine
-    | of.Episodes
-    | of.Sweep
-    | of.Optimise
-    | of.ImportGait
-    | of.Export
-    | of.Report
-    | of.View
-    | of.Demo
-    | of.Inspect
-    | of.Robots
-    | of.Doctor
+    of.TrainOptions
+    | of.SimulateOptions
+    | of.CertifyOptions
+    | of.CheckProofOptions
+    | of.FitOptions
+    | of.RefineOptions
+    | of.EpisodesOptions
+    | of.SweepOptions
+    | of.OptimiseOptions
+    | of.ImportGaitOptions
+    | of.ExportOptions
+    | of.ReportOptions
+    | of.ViewOptions
+    | of.DemoOptions
+    | of.InspectOptions
+    | of.RobotsOptions
+    | of.DoctorOptions
 )
-"""One subcommand each: the class name in lower case, with hyphens."""
-_VERBS = {
-    re.sub("(?<=[a-z])(?=[A-Z])", "-", one.__name__).lower(): one for one in typing.get_args(Verb)
-}
+"""One subcommand each, see `verb_name`."""
+
+
+def verb_name(settings: type) -> str:
+    """Name of a verb: that of its class without `Options`, in lower case, with hyphens."""
+    name = settings.__name__.removesuffix("Options")
+    return re.sub("(?<=[a-z])(?=[A-Z])", "-", name).lower()
+
+
+_VERBS = {verb_name(one): one for one in typing.get_args(Verb)}
+_SUBCOMMANDS = typing.Union[  # noqa: UP007 - they are counted at run time.
+    tuple(Annotated[one, tyro.conf.subcommand(name)] for name, one in _VERBS.items())
+]
 
 
 def read(arguments: list[str]) -> Verb:
@@ -56,7 +65,7 @@ def read(arguments: list[str]) -> Verb:
     if words[0] in _VERBS and {"-h", "--help"} & set(words):
         _let_help_flow(_VERBS[words[0]])
     return tyro.cli(
-        Verb,  # type: ignore[arg-type]
+        _SUBCOMMANDS,  # type: ignore[arg-type]
         prog="neuralgaits",
         description="Neural walking gaits from barrier conditions on the zero dynamics.",
         args=words,

@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Literal
 
 from neuralgaits.cli import episodes_screen, learning_screen, screen
-from neuralgaits.cli.arguments import Episodes, Fit, Refine
+from neuralgaits.cli.arguments import EpisodesOptions, FitOptions, RefineOptions
 from neuralgaits.cli.argv_parser import options
 from neuralgaits.cli.outcome import Outcome
 from neuralgaits.errors import InputError
@@ -14,7 +14,7 @@ LEARNED: Literal["learned"] = "learned"
 """In place of two bounds: those of the residual."""
 
 
-def carry_out_fit(verb: Fit) -> Outcome:
+def carry_out_fit(verb: FitOptions) -> Outcome:
     """Run `fit`. Good if the residual beats the model alone on strides it has not seen."""
     from neuralgaits.cli.progress import TrainingProgress
     from neuralgaits.workflows.fit import fit
@@ -24,7 +24,7 @@ def carry_out_fit(verb: Fit) -> Outcome:
     return Outcome(done, done.better, learning_screen.show_fit)
 
 
-def carry_out_refine(verb: Refine) -> Outcome:
+def carry_out_refine(verb: RefineOptions) -> Outcome:
     """Run `refine`. Undecided if a proof was asked for and not found."""
     from neuralgaits.cli.progress import TrainingProgress
     from neuralgaits.workflows.parts.proof_rounds import Watch
@@ -49,7 +49,7 @@ def carry_out_refine(verb: Refine) -> Outcome:
     return Outcome(done, done.proved, screen.show_training, undecided=not done.proved)
 
 
-def carry_out_episodes(verb: Episodes) -> Outcome:
+def carry_out_episodes(verb: EpisodesOptions) -> Outcome:
     """Run `episodes`. Good unless the last policy fell."""
     from neuralgaits.cli.progress import TrainingProgress
     from neuralgaits.robots import load_robot

@@ -2,7 +2,7 @@
 
 from rich.text import Text
 
-from neuralgaits.cli.arguments import Report
+from neuralgaits.cli.arguments import ReportOptions
 from neuralgaits.cli.outcome import Outcome
 from neuralgaits.cli.screen_tables import show_facts, show_sentence
 from neuralgaits.records.reported import Reported
@@ -10,7 +10,7 @@ from neuralgaits.records.reported import Reported
 _INDENT = 2
 
 
-def carry_out_report(verb: Report) -> Outcome:
+def carry_out_report(verb: ReportOptions) -> Outcome:
     """Run `report`. Good even if parts are missing: the page says which."""
     from neuralgaits.cli.progress import waiting
     from neuralgaits.workflows.report import write_report

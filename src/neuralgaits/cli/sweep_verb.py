@@ -4,7 +4,7 @@ from typing import Any
 
 from rich.text import Text
 
-from neuralgaits.cli.arguments import Sweep
+from neuralgaits.cli.arguments import SweepOptions
 from neuralgaits.cli.outcome import Outcome
 from neuralgaits.cli.screen_tables import show_facts, show_sentence
 from neuralgaits.errors import InputError
@@ -15,7 +15,7 @@ _SETTINGS = ("steps", "certify", "budget", "disturbances", "walks", "out", "resu
 _LISTS = ("specs", "controllers")
 
 
-def carry_out_sweep(verb: Sweep) -> Outcome:
+def carry_out_sweep(verb: SweepOptions) -> Outcome:
     """Run `sweep`. Good if every row is done; undecided if some could not be carried out."""
     given: dict[str, Any] = {name: getattr(verb, name) for name in _SETTINGS}
     for name in _LISTS:

@@ -16,7 +16,7 @@ from neuralgaits.certificate.proof_file.limits import MOST_COMMANDS, limit
 OTHER_CHART = "the file's chart is not that of what its gait is told"
 
 
-class CommandRange(NamedTuple):
+class ModelCommand(NamedTuple):
     """A command of a proof's model, see `gait.commands.Command`."""
 
     name: str
@@ -25,7 +25,7 @@ class CommandRange(NamedTuple):
     largest_change: float | None
 
 
-def command_ranges(model: Mapping[str, Any]) -> tuple[CommandRange, ...]:
+def command_ranges(model: Mapping[str, Any]) -> tuple[ModelCommand, ...]:
     """Read what the gait of a model is told. Raises: ValueError on anything else."""
     policy = model.get("policy", {})
     if not isinstance(policy, dict):
@@ -42,12 +42,12 @@ def command_ranges(model: Mapping[str, Any]) -> tuple[CommandRange, ...]:
     return found
 
 
-def _command(row: Any) -> CommandRange:
-    fields = exactly(row, "a command", CommandRange._fields)
+def _command(row: Any) -> ModelCommand:
+    fields = exactly(row, "a command", ModelCommand._fields)
     if why := why_no_name(fields["name"]):
         raise ValueError(f"a command named {why}")
     low, high, change = (fields[name] for name in ("low", "high", "largest_change"))
-    found = CommandRange(
+    found = ModelCommand(
         fields["name"],
         from_hex(low, fields["name"]),
         from_hex(high, fields["name"]),
@@ -58,14 +58,14 @@ def _command(row: Any) -> CommandRange:
     return found
 
 
-def is_beyond(chart: Chart, commands: Sequence[CommandRange]) -> bool:
+def is_beyond(chart: Chart, commands: Sequence[ModelCommand]) -> bool:
     """Whether the first axes of a chart are those of commands, over more than their ranges."""
     return _alike(chart, commands) and not Chart.of(commands).holds(
         chart.of_commands(len(commands))
     )
 
 
-def why_part(chart: Chart, commands: Sequence[CommandRange]) -> str | None:
+def why_part(chart: Chart, commands: Sequence[ModelCommand]) -> str | None:
     """Say that a chart is about a part of what a gait is told; None if it is about all of it."""
     if not _alike(chart, commands):
         return "every statement holds, on a chart without the axes of what the gait is told"
@@ -76,6 +76,6 @@ def why_part(chart: Chart, commands: Sequence[CommandRange]) -> str | None:
     return f"every statement holds, for {axes} only: part of what the gait is told"
 
 
-def _alike(chart: Chart, commands: Sequence[CommandRange]) -> bool:
+def _alike(chart: Chart, commands: Sequence[ModelCommand]) -> bool:
     own, first = Chart.of(commands).parameters, chart.of_commands(len(commands)).parameters
     return [axis.name for axis in own] == [axis.name for axis in first]

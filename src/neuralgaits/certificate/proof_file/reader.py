@@ -13,7 +13,7 @@ import numpy as np
 
 from neuralgaits._names import LONGEST_NAME, why_no_name
 from neuralgaits.certificate.chart import Chart, Corner, CoupledAxes, asked_for
-from neuralgaits.certificate.proof_file.command_ranges import CommandRange, command_ranges
+from neuralgaits.certificate.proof_file.command_ranges import ModelCommand, command_ranges
 from neuralgaits.certificate.proof_file.coverage import SpecOutline, premise_names
 from neuralgaits.certificate.proof_file.json_fields import (
     box_of,
@@ -137,7 +137,7 @@ class Claims:
     theorems: Theorems
     model: dict[str, Any] | None
     asked: SpecOutline | None
-    commands: tuple[CommandRange, ...] = ()
+    commands: tuple[ModelCommand, ...] = ()
 
     @cached_property
     def off_zero(self) -> set[str]:
