@@ -8,7 +8,6 @@ import pytest
 
 from neuralgaits.barriers import specs
 from neuralgaits.barriers.commanded_spec import commands_of
-from neuralgaits.barriers.regions import CommandedTube
 from neuralgaits.errors import InputError, SpecError
 from neuralgaits.gait import HybridInvariantPolicy, ZeroDynamics
 from neuralgaits.gait.commands import Command, Pair, all_pairs, pair_at, plain_curves, values
@@ -16,6 +15,7 @@ from neuralgaits.gait.coordinates import lift
 from neuralgaits.gait.policies.commanded import CommandedPolicy
 from neuralgaits.gait.policies.step_ends import Foothold, on_foothold_exactly
 from neuralgaits.gait.posture import hip_indices, walking_posture
+from neuralgaits.gait.tubes import CommandedTube
 from neuralgaits.robots import load_robot
 from neuralgaits.robots.dynamics import swing_foot
 

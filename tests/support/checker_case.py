@@ -26,7 +26,6 @@ from neuralgaits.barriers import (
 )
 from neuralgaits.barriers import functions as f
 from neuralgaits.barriers.conditions import FencesApart
-from neuralgaits.barriers.regions import AnyGait, CommandedGait
 from neuralgaits.certificate.chart import PLANE_ONLY, Chart
 from neuralgaits.certificate.levels.level_search import LevelSets
 from neuralgaits.certificate.levels.orbit.theorem import Attraction, OrbitConstants
@@ -38,6 +37,7 @@ from neuralgaits.certificate.traced import trace_spec
 from neuralgaits.gait import HybridInvariantPolicy, MLPPolicy, Network, Residuals
 from neuralgaits.gait.commands import Command
 from neuralgaits.gait.flow_residual import Residual
+from neuralgaits.gait.gaits import AnyGait, CommandedGait
 from neuralgaits.gait.reset_residual import ResetResidual
 from neuralgaits.programs import POINT, evaluate
 from neuralgaits.robots import load_robot

@@ -9,10 +9,11 @@ import numpy as np
 
 from neuralgaits.analysis.run import Run, open_run
 from neuralgaits.barriers import specs
-from neuralgaits.barriers.regions import CommandedGait, CommandedTube
 from neuralgaits.gait import HybridInvariantPolicy
 from neuralgaits.gait.commands import Command
+from neuralgaits.gait.gaits import CommandedGait
 from neuralgaits.gait.policies.commanded import CommandedPolicy
+from neuralgaits.gait.tubes import CommandedTube
 from neuralgaits.records.training_config import Range, TrainingConfig
 from neuralgaits.runs import RunFolder
 from neuralgaits.runs.latest import finish

@@ -13,10 +13,10 @@ from neuralgaits import _notebook
 from neuralgaits._quick_jit import quick_filter_jit
 from neuralgaits.analysis.learned import Learned
 from neuralgaits.barriers import Gait, GaitSpec, specs
-from neuralgaits.barriers.regions import AnyGait, CommandedGait
 from neuralgaits.errors import RunError
 from neuralgaits.gait import NO_RESIDUALS, AbstractPolicy, Residuals, ZeroDynamics
 from neuralgaits.gait.commands import Command, Pair, values
+from neuralgaits.gait.gaits import AnyGait, CommandedGait
 from neuralgaits.gait.policies.commanded import CommandedPolicy
 from neuralgaits.gait.reset_residual import ResetCorrection
 from neuralgaits.records.trained import Trained, trained_of

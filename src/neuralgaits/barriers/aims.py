@@ -14,9 +14,9 @@ import numpy as np
 
 from neuralgaits._types import Array, Float, Scalar
 from neuralgaits.barriers.conditions import AbstractCondition
-from neuralgaits.barriers.regions import Gait
 from neuralgaits.errors import SpecError
 from neuralgaits.gait import Point, ZeroDynamics
+from neuralgaits.gait.gaits import Gait
 
 LEVEL = 0.5
 """Of the middle of a tube."""

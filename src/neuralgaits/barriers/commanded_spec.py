@@ -15,13 +15,15 @@ from jaxtyping import PRNGKeyArray
 
 from neuralgaits.barriers.aims import AbstractAim, MeanSpeed, MiddleFollowed, MiddleReturns
 from neuralgaits.barriers.conditions import FencesApart
-from neuralgaits.barriers.regions import Box, CommandedGait, CommandedTube, Gait
+from neuralgaits.barriers.regions import Box
 from neuralgaits.barriers.spec import GaitSpec, Init
 from neuralgaits.barriers.walking import RESETS, pendulum_height, start_tube, walking
 from neuralgaits.errors import SpecError
 from neuralgaits.gait import walking_posture
 from neuralgaits.gait.commands import FASTEST, Command, Commands, command_named, factors
+from neuralgaits.gait.gaits import CommandedGait, Gait
 from neuralgaits.gait.policies.commanded import CommandedPolicy
+from neuralgaits.gait.tubes import CommandedTube
 
 if TYPE_CHECKING:
     from neuralgaits.robots import PlanarBiped

@@ -12,9 +12,11 @@ import jax.numpy as jnp
 
 from neuralgaits._types import Array, Float
 from neuralgaits.barriers.quantities import Quantity
-from neuralgaits.barriers.regions import LEAST_ZETA, Gait, Side
+from neuralgaits.barriers.regions import Side
 from neuralgaits.errors import SpecError
 from neuralgaits.gait import Point, ZeroDynamics
+from neuralgaits.gait.gaits import Gait
+from neuralgaits.gait.tubes import LEAST_ZETA
 
 
 @dataclass(frozen=True)

@@ -11,10 +11,11 @@ from neuralgaits._types import Array, Float
 from neuralgaits.barriers.aims import AbstractAim
 from neuralgaits.barriers.conditions import AbstractCondition
 from neuralgaits.barriers.description import describe_condition
-from neuralgaits.barriers.regions import AnyGait, Box, Gait
+from neuralgaits.barriers.regions import Box
 from neuralgaits.errors import SpecError
 from neuralgaits.gait import ZeroDynamics
 from neuralgaits.gait.commands import Commands
+from neuralgaits.gait.gaits import AnyGait, Gait
 from neuralgaits.robots.parameters import ParameterAxis
 
 Init = Literal["posture", "random"]

@@ -11,11 +11,11 @@ from neuralgaits.barriers.functions import (
     output_mismatch,
     rate_mismatch,
 )
-from neuralgaits.barriers.regions import AnyGait
 from neuralgaits.certificate.chart import PLANE
 from neuralgaits.errors import SpecError
 from neuralgaits.gait import NO_RESIDUALS, Residuals, ZeroDynamics
 from neuralgaits.gait.commands import Pair, all_pairs
+from neuralgaits.gait.gaits import AnyGait
 from neuralgaits.programs import POINT, Program, evaluate
 from neuralgaits.programs.tracing.tracer import trace
 from neuralgaits.robots import PlanarBiped

@@ -4,19 +4,15 @@ A command outside its range is clamped, one that is no number leaves the last wi
 a change faster than the gait can follow is spread over steps.
 """
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
-import jax
 import jax.numpy as jnp
 
-from neuralgaits._types import Array, Bool, Float
+from neuralgaits._types import Array, Float
 from neuralgaits.gait import AbstractPolicy
 from neuralgaits.gait.commands import CommandLimits, Commands, Pair
 from neuralgaits.gait.reset_residual import ResetCorrection
 from neuralgaits.robots import PlanarBiped
-
-if TYPE_CHECKING:
-    from neuralgaits.control.controller import Controller
 
 
 class CommandState(NamedTuple):
@@ -54,14 +50,3 @@ def next_pair(commands: Commands, told: CommandState) -> Pair:
     change = CommandLimits.of(commands).change
     last = told.pair.after
     return Pair(last, jnp.clip(told.requested, last - change, last + change))
-
-
-def latch(controller: "Controller", told: CommandState, touchdown: Bool[Array, ""]) -> CommandState:
-    """What is told after a tick that may be a touchdown."""
-    policy = controller.policy
-    if not policy.commands:
-        return told
-    pair = next_pair(policy.commands, told)
-    step_parameters = policy.parameters_of_step(controller.robot, pair, controller.reset_residual)
-    after = CommandState(told.requested, pair, step_parameters)
-    return jax.tree.map(lambda new, old: jnp.where(touchdown, new, old), after, told)

@@ -93,6 +93,16 @@ class Controller(eqx.Module):
             reset_residual=reset_residual,
         )
 
+    def latch(self, told: CommandState, touchdown: Bool[Array, ""]) -> CommandState:
+        """Take over what was requested, if the tick is a touchdown. Returns: `CommandState`."""
+        commands = self.policy.commands
+        if not commands:
+            return told
+        pair = command_state.next_pair(commands, told)
+        step = self.policy.parameters_of_step(self.robot, pair, self.reset_residual)
+        after = CommandState(told.requested, pair, step)
+        return jax.tree.map(lambda new, old: jnp.where(touchdown, new, old), after, told)
+
 
 @eqx.filter_jit
 def _numbers(
@@ -196,7 +206,7 @@ def step(
     q, dq = coordinates(robot, measurement, standing.leg)
     foot_velocity = stance_foot_velocity(robot, q, dq, measurement)
     reading = MeasuredState(q, dq, *zero_state(robot, q, dq, foot_velocity))
-    now = command_state.latch(controller, state.told, touchdown)
+    now = controller.latch(state.told, touchdown)
     if law.uses_impact_consistent_rates:
         after = impact_consistent_rates(robot, _outputs(controller, now), reading)
         reading = jax.tree.map(lambda new, old: jnp.where(touchdown, new, old), after, reading)

@@ -6,10 +6,10 @@ import numpy as np
 
 from neuralgaits._quick_jit import quick_filter_jit
 from neuralgaits._types import Array, Float
-from neuralgaits.barriers.regions import AnyGait
 from neuralgaits.export.facts import Design
 from neuralgaits.gait import AbstractPolicy, ZeroDynamics
 from neuralgaits.gait.commands import Command, CommandLimits, Pair, coordinates_of
+from neuralgaits.gait.gaits import AnyGait
 from neuralgaits.gait.reset_residual import ResetCorrection
 from neuralgaits.robots import PlanarBiped
 

@@ -8,11 +8,11 @@ import numpy as np
 
 from neuralgaits._quick_jit import quick_filter_jit
 from neuralgaits._types import Actuated, Float
-from neuralgaits.barriers.regions import AnyGait
 from neuralgaits.control import AbstractLaw, Controller
 from neuralgaits.control.measurement import leg_joints
 from neuralgaits.control.safeguard import SafeguardConfig
 from neuralgaits.gait.commands import Commands
+from neuralgaits.gait.gaits import AnyGait
 from neuralgaits.gait.reset_residual import ResetCorrection
 from neuralgaits.robots import PlanarBiped
 

@@ -17,8 +17,8 @@ from neuralgaits._types import Float
 from neuralgaits.analysis.point_evaluator import PointEvaluator, quantities
 from neuralgaits.barriers import Fence, Gait, GaitSpec, Inlet
 from neuralgaits.barriers.hzd import FENCE_DEGREE, empty_tube
-from neuralgaits.barriers.regions import Tube
 from neuralgaits.gait import ZeroDynamics
+from neuralgaits.gait.tubes import Tube
 from neuralgaits.hzd.given_orbit import Steady
 
 KEPT = 0.25

@@ -20,7 +20,6 @@ import mujoco
 
 from neuralgaits._cache import cache_folder
 from neuralgaits.analysis.run import Run
-from neuralgaits.barriers.regions import AnyGait
 from neuralgaits.control import Controller
 from neuralgaits.control.laws import EXPORTED
 from neuralgaits.errors import InputError, SpecError
@@ -28,6 +27,7 @@ from neuralgaits.export import output_folder
 from neuralgaits.export.facts import Design, Origin
 from neuralgaits.export.programs import ground
 from neuralgaits.export.source import gait_files
+from neuralgaits.gait.gaits import AnyGait
 from neuralgaits.gait.reset_residual import ResetCorrection
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.simulation.native.compiled_walk import Library, NativeError

@@ -12,9 +12,9 @@ from numpy.polynomial import polynomial
 from neuralgaits._quick_jit import quick_filter_jit
 from neuralgaits._types import Array, Float
 from neuralgaits.analysis.poincare_map import poincare
-from neuralgaits.barriers.regions import CommandedGait
 from neuralgaits.gait import Residuals, ZeroDynamics
 from neuralgaits.gait.commands import CURVE_TERMS, Number, plain_curves
+from neuralgaits.gait.gaits import CommandedGait
 from neuralgaits.robots import PlanarBiped
 
 KNOTS = 9

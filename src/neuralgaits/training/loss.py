@@ -14,8 +14,8 @@ import numpy as np
 from neuralgaits._types import Array, Bool, Float, Scalar
 from neuralgaits.barriers import Barrier, GaitSpec
 from neuralgaits.barriers.aims import middle_of
-from neuralgaits.barriers.regions import AnyGait
 from neuralgaits.gait import NO_RESIDUALS, Residuals, ZeroDynamics
+from neuralgaits.gait.gaits import AnyGait
 from neuralgaits.robots.parameters import Model, nominal_robot, robot_at
 from neuralgaits.training.disturbance_corners import DisturbedResidual
 from neuralgaits.training.sampling import Sampler, contains

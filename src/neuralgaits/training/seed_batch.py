@@ -21,8 +21,8 @@ from jax.sharding import Mesh, NamedSharding, PartitionSpec
 
 from neuralgaits._types import Array
 from neuralgaits.analysis.run import Run
-from neuralgaits.barriers.regions import AnyGait
 from neuralgaits.errors import NonFiniteError
+from neuralgaits.gait.gaits import AnyGait
 from neuralgaits.runs.names import STATE
 from neuralgaits.training.loss import Loss
 from neuralgaits.training.session import start_of

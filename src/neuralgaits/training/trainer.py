@@ -20,9 +20,9 @@ from jax.flatten_util import ravel_pytree
 from neuralgaits._quick_jit import quick_filter_jit, quick_jit
 from neuralgaits._types import Array, Float
 from neuralgaits.barriers import GaitSpec, Recipe
-from neuralgaits.barriers.regions import AnyGait
 from neuralgaits.errors import InputError
 from neuralgaits.gait import NO_RESIDUALS, Residuals
+from neuralgaits.gait.gaits import AnyGait
 from neuralgaits.gait.reset_residual import ResetCorrection
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.robots.parameters import model_of

@@ -13,10 +13,10 @@ from neuralgaits.analysis.run import Run, open_parts, untrained
 from neuralgaits.analysis.walking_speeds import speed_doubt
 from neuralgaits.barriers import GaitSpec
 from neuralgaits.barriers.commanded_spec import Interval
-from neuralgaits.barriers.regions import CommandedGait
 from neuralgaits.barriers.spec import Init
 from neuralgaits.certificate.traced import after_impact, trace_spec
 from neuralgaits.errors import InputError, Interrupted, RunError
+from neuralgaits.gait.gaits import CommandedGait
 from neuralgaits.records.trained import Trained, TrainingProof, Violations
 from neuralgaits.records.training_config import asked_of
 from neuralgaits.robots import PlanarBiped

@@ -11,7 +11,6 @@ from numpy.polynomial.chebyshev import chebval
 
 from neuralgaits._types import Array, Float
 from neuralgaits.barriers import Gait, GaitSpec
-from neuralgaits.barriers.regions import AnyGait
 from neuralgaits.certificate.chart import PLANE, Chart
 from neuralgaits.certificate.levels.disturbed import margins as disturbed
 from neuralgaits.certificate.levels.disturbed.find import find_disturbed
@@ -37,6 +36,7 @@ from neuralgaits.certificate.levels.walking_set.find import (
 from neuralgaits.certificate.traced import step_at
 from neuralgaits.errors import SpecError
 from neuralgaits.gait import Residuals, ZeroDynamics
+from neuralgaits.gait.gaits import AnyGait
 from neuralgaits.programs import POINT, evaluate, fold
 from neuralgaits.programs.tracing.tracer import trace
 from neuralgaits.robots.parameters import ParameterAxis, model_of

@@ -7,7 +7,6 @@ import numpy as np
 
 from neuralgaits._types import Array, Float
 from neuralgaits.barriers import Gait, GaitSpec
-from neuralgaits.barriers.regions import AnyGait
 from neuralgaits.certificate.chart import PLANE, PLANE_ONLY, Chart, Corner
 from neuralgaits.certificate.levels.disturbed.theorem import REGION as DISTURBED
 from neuralgaits.certificate.levels.full_order.model import size_of
@@ -20,6 +19,7 @@ from neuralgaits.certificate.search.problem import Problem
 from neuralgaits.certificate.traced import step_at
 from neuralgaits.errors import SpecError
 from neuralgaits.gait import NO_RESIDUALS, Residuals, ZeroDynamics
+from neuralgaits.gait.gaits import AnyGait
 from neuralgaits.programs import Program
 from neuralgaits.programs.prune import prune
 from neuralgaits.programs.tracing.tracer import trace

@@ -8,10 +8,10 @@ from neuralgaits._quick_jit import quick_filter_jit
 from neuralgaits._types import Array, Float
 from neuralgaits.analysis.poincare_map import poincare
 from neuralgaits.barriers import Gait
-from neuralgaits.barriers.regions import AnyGait, CommandedGait
 from neuralgaits.errors import InputError
 from neuralgaits.gait import Orbit, ZeroDynamics
 from neuralgaits.gait.commands import CommandLimits, Commands, Pair
+from neuralgaits.gait.gaits import AnyGait, CommandedGait
 
 KINDS = ("centre", "region", "fixed-point")
 # Phases at which the fences are read to find the momenta of a tube.

@@ -10,11 +10,11 @@ from neuralgaits._settings import check_proof_budget, check_seed, check_steps, c
 from neuralgaits.analysis.run import Run
 from neuralgaits.barriers import GaitSpec, specs, user_code
 from neuralgaits.barriers.commanded_spec import Interval, commands_of
-from neuralgaits.barriers.regions import AnyGait
 from neuralgaits.barriers.spec import Init
 from neuralgaits.certificate.provable import refuse_many_axes, refuse_untraceable, why_not_provable
 from neuralgaits.errors import InputError
 from neuralgaits.gait.commands import Commands
+from neuralgaits.gait.gaits import AnyGait
 from neuralgaits.records.training_config import Proving, Range, TrainingConfig
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.robots.parameter_box import checked_box

@@ -9,8 +9,8 @@ from functools import partial
 
 import jax
 
-from neuralgaits.barriers.regions import AnyGait, CommandedGait
 from neuralgaits.errors import NeuralGaitsError, is_full
+from neuralgaits.gait.gaits import AnyGait, CommandedGait
 from neuralgaits.runs import finish
 from neuralgaits.runs.names import WEIGHTS
 from neuralgaits.training.calibration import calibrated

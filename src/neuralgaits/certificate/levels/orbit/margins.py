@@ -10,11 +10,11 @@ import numpy as np
 
 from neuralgaits._types import Array, Float, Scalar
 from neuralgaits.barriers import Gait, Tube
-from neuralgaits.barriers.regions import chebyshev
 from neuralgaits.certificate.chart import PLANE
 from neuralgaits.certificate.levels.orbit.return_map import expansion, landing, slope, state
 from neuralgaits.certificate.levels.orbit.theorem import OrbitConstants
 from neuralgaits.gait import ZeroDynamics
+from neuralgaits.gait.tubes import chebyshev
 
 
 def thin_gait(gait: Gait, orbit: OrbitConstants) -> Gait:
