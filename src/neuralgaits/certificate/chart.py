@@ -113,7 +113,7 @@ class Chart:
 
     @property
     def coupled_axes(self) -> tuple[CoupledAxes, ...]:
-        """Which axes are near each other."""
+        """Pairs of axes that are near each other."""
         return tuple(
             CoupledAxes(number - 1, number, axis.change)
             for number, axis in enumerate(self.axes)

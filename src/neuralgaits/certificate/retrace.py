@@ -83,7 +83,7 @@ def _read(file: Path) -> dict[str, Any] | None:
 
 
 def describe_run(run: Path, theorems: Theorems, chart: Chart = PLANE_ONLY) -> dict[str, Any]:
-    """What a proof with these theorems must be about, in this process.
+    """Describe what a proof with these theorems must be about, in this process.
 
     Args:
         run: its folder.

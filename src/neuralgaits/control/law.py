@@ -72,7 +72,7 @@ class AbstractLaw(eqx.Module):
     """Control ticks between two questions to the policy."""
 
     def with_gains_for(self, robot: PlanarBiped) -> "AbstractLaw":
-        """The law for a robot: with gains that suit its inertias, if it has gains."""
+        """Return the law with gains that suit a robot's inertias, if it has gains."""
         return self
 
     @property
@@ -82,7 +82,7 @@ class AbstractLaw(eqx.Module):
 
     @abstractmethod
     def told(self, z: ZeroState) -> ZeroState:
-        """What the policy is told of the measured z, once that is bounded. Returns: [2]."""
+        """Tell the policy of the measured z what the law lets it know. Returns: [2]."""
 
     @abstractmethod
     def desired(self, robot: PlanarBiped, outputs: Outputs, reading: MeasuredState) -> Desired:
@@ -93,7 +93,7 @@ class AbstractLaw(eqx.Module):
         """Joint torques before saturation. Returns: [m] (N m)."""
 
     def apply_limits(self, robot: PlanarBiped, demand: Demand) -> Limited:
-        """What is done of the law's torques: they are clipped. Returns: `Limited`."""
+        """Clip the torques that the law asks for. Returns: `Limited`."""
         clipped, saturated = saturate(demand.torque, demand.limit)
         return Limited(clipped, saturated, jnp.zeros(2, bool))
 

@@ -81,7 +81,7 @@ class Gait(eqx.Module):
         return (0.5 * z[1] * z[1] - low) / (high - low)
 
     def match_impact(self, robot: PlanarBiped, reset_residual: ResetCorrection = None) -> "Gait":
-        """The gait with everything that follows from robot and parameters recomputed."""
+        """Recompute everything that follows from robot and parameters."""
         return Gait(self.policy.match_impact(robot, reset_residual), self.tube, self.next_tube)
 
     def trainable(self) -> "Gait":

@@ -93,7 +93,7 @@ class AbstractPolicy(eqx.Module):
     def parameters_of_step(
         self, robot: "PlanarBiped", pair: Pair, reset_residual: ResetCorrection = None
     ) -> Float[Array, " s"]:
-        """What a tick needs of a step between two commands, computed once a step. [step_size].
+        """Compute what a tick needs of a step between two commands, once a step. [step_size].
 
         Args:
             robot: whose impact it is matched to.
@@ -104,7 +104,7 @@ class AbstractPolicy(eqx.Module):
         return jnp.zeros(0)
 
     def from_step_parameters(self, step_parameters: Float[Array, " s"]) -> "AbstractPolicy":
-        """The policy of the step with these numbers: itself, for one that has none."""
+        """Put together the policy of a step; itself, for one without parameters."""
         del step_parameters
         return self
 

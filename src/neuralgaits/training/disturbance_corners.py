@@ -8,7 +8,7 @@ import jax.numpy as jnp
 
 from neuralgaits._types import Array, Float, Scalar, ZeroState
 
-Disturbance = tuple[float, float] | None
+DisturbanceBox = tuple[float, float] | None
 """Bounds of what is added to dz (m/s, N m)."""
 
 
@@ -24,7 +24,7 @@ class DisturbedResidual(NamedTuple):
 
 
 def pushes_of(
-    disturbance: Disturbance, key: Array, count: int, dtype, share: Scalar | float = 1.0
+    disturbance: DisturbanceBox, key: Array, count: int, dtype, share: Scalar | float = 1.0
 ) -> Float[Array, "N 2"] | None:
     """A random corner for each sample: the worst of a box is there, or near it.
 

@@ -10,7 +10,7 @@ import optax
 from neuralgaits.barriers import GaitSpec
 from neuralgaits.gait import Residuals
 from neuralgaits.robots.parameters import Model, nominal_robot
-from neuralgaits.training.disturbance_corners import Disturbance, pushes_of
+from neuralgaits.training.disturbance_corners import DisturbanceBox, pushes_of
 from neuralgaits.training.loss import Loss, MarginLayout, barrier_loss, margin_matrix
 from neuralgaits.training.repair import with_extra
 from neuralgaits.training.sampling import Sampler
@@ -22,7 +22,7 @@ VALIDATION_SAMPLES = 8
 def make_steps(
     spec: GaitSpec,
     float32_parts,
-    disturbance: Disturbance,
+    disturbance: DisturbanceBox,
     unflatten,
     optimizer,
     steps_in_all: int = 0,
@@ -96,7 +96,7 @@ def make_evaluate(
     sampler: Sampler,
     layout: MarginLayout,
     residuals: Residuals,
-    disturbance: Disturbance,
+    disturbance: DisturbanceBox,
 ) -> Callable:
     """A look at a gait on validation samples.
 

@@ -26,7 +26,7 @@ from neuralgaits.gait.gaits import AnyGait
 from neuralgaits.gait.reset_residual import ResetCorrection
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.robots.parameters import model_of
-from neuralgaits.training.disturbance_corners import Disturbance
+from neuralgaits.training.disturbance_corners import DisturbanceBox
 from neuralgaits.training.gradient_step import VALIDATION_SAMPLES, make_evaluate, make_steps
 from neuralgaits.training.learning_rate import schedule, width_factor
 from neuralgaits.training.loss import (
@@ -109,7 +109,7 @@ class Trainer:
     sampler: Sampler
     validation: Sampler
     residuals: Residuals
-    disturbance: Disturbance
+    disturbance: DisturbanceBox
     _steps: Callable
     _look: Callable
     _step: Callable
@@ -133,7 +133,7 @@ class Trainer:
         steps: int,
         seed: int,
         residuals: Residuals = NO_RESIDUALS,
-        disturbance: Disturbance = None,
+        disturbance: DisturbanceBox = None,
         rate: float = 1.0,
     ) -> "Trainer":
         """Lay out samples and margins and prepare the jitted functions.
@@ -207,7 +207,7 @@ class Trainer:
         return replace(self, steps=steps, _steps=taken, _step=compiled, _optimizer=optimizer)
 
     def for_repair_round(self, extra: Extra, number: int) -> "Trainer":
-        """The trainer of one round: these boxes get samples too. Nothing is compiled again."""
+        """Return the trainer of one round: these boxes get samples too. Nothing is compiled."""
         return replace(self, extra=extra, round=number)
 
     def extra_of(self, boxes: Mapping[str, Boxes], before: Extra | None = None) -> Extra:
@@ -228,7 +228,7 @@ class Trainer:
         return TrainState(start, flat, self._optimizer.init(flat), flat, worst, rate)
 
     def restart_with_smaller_rate(self, kept: TrainState) -> TrainState | None:
-        """Where to go on if the steps after a state turned to NaN: its best weights, smaller steps.
+        """Go back to the best weights, with smaller steps, where a state turned to NaN.
 
         Returns: None if its steps are as small as makes sense.
         """

@@ -177,10 +177,10 @@ def simulate(
         kept = {name: value for name, value in (trained.command or {}).items() if name not in own}
         trained = at_first(trained, courses.orders.first)
         gait = trained.gait
-    walks = _engine(trained, controller, engine, simulator)
-    course = TrainedWalks(
+    loop = _engine(trained, controller, engine, simulator)
+    walks = TrainedWalks(
         run=trained,
-        library=walks.library,
+        library=loop.library,
         plant=None if plant is None else load_robot(plant),
         controller=controller if wire is None else wire.law,
         steps=steps,
@@ -197,13 +197,13 @@ def simulate(
     record, longest = video is not None, _ALL if files else 0
     if wire is not None:
         with connected(design_of(trained), wire, episodes, seed) as remote:
-            walked = course.walk(0, episodes, record=record, longest=longest, remote=remote)
+            walked = walks.walk(0, episodes, record=record, longest=longest, remote=remote)
     elif shared:
-        parts = SharedWalks(course, engine, kept, _text(commands))
+        parts = SharedWalks(walks, engine, kept, _text(commands))
         with engine_of_workers(workers, ray) as pool:
             walked = parts.on(pool, episodes)
     else:
-        walked = course.walk(0, episodes, record=record, longest=longest)
+        walked = walks.walk(0, episodes, record=record, longest=longest)
     settings = WalkSettings(
         run=str(trained.path),
         plant=walked.plant.robot.name,
@@ -216,7 +216,7 @@ def simulate(
         sensing=name_of(walked.plant.disturbance),
         seed=seed,
         engine=walked.engine,
-        engine_note=walks.note,
+        engine_note=loop.note,
         simulator=walked.simulator,
         steps=steps,
         logs=tuple(str(file) for file in files),

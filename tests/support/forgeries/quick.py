@@ -72,7 +72,7 @@ def traced_once(known: Traced) -> Iterator[None]:
     """
     with ExitStack() as stack:
         stack.enter_context(programs_read_once(known))
-        stack.enter_context(mock.patch.object(retrace, "ask", _here))
+        stack.enter_context(mock.patch.object(retrace, "retrace_in_subprocess", _here))
         trace = _once(problems.trace_certificate, known)
         stack.enter_context(mock.patch.object(problems, "trace_certificate", trace))
         yield

@@ -68,7 +68,7 @@ class Statement:
         degree: of the Taylor models, 1 or 2.
         low, high: corners of the root box. [n] each
         tree: depth first: the axis that is halved, lower half first, or `-` for a leaf.
-        near: axes of the chart that are near each other; nothing is said where they are not.
+        coupled_axes: axes of the chart near each other; nothing is said where they are not.
     """
 
     conditions: tuple[str, ...]

@@ -48,8 +48,8 @@ class Problem:
             and bounds them in another arithmetic, perhaps less tightly.
         tight: share of the smallest margin seen that is worth proving once it is known not to be
             negative: the rest would cost more boxes. 0 if its size is worth none.
-        late: how many axes, the last ones, are of small influence: ends of them are looked at.
-        near: axes that are near each other: nothing is asked where they are farther apart.
+        weak_axes: how many axes, the last ones, have small influence: ends of them are looked at.
+        coupled_axes: axes near each other: nothing is asked where they are farther apart.
     """
 
     region: str

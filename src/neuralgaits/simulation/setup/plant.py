@@ -54,7 +54,7 @@ class Plant:
         robot: whose file this is; disturbances are not in its numbers.
         model: compiled, with two floor planes on mocap bodies 0 and 1, or the blocks of a course.
         disturbance: what was changed.
-        wires: where the robot's coordinates live in the model.
+        state_map: where the robot's coordinates live in the model.
         torque_limit: of the actuated coordinates as disturbed [N m]. [m]
         slope: rise of the floor per metre forward.
         course: of blocks; None for floors.

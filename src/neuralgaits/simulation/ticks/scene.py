@@ -29,7 +29,7 @@ class PlantReading(NamedTuple):
     noise: Float[Array, "2 j"]
     """Standard normal noise of angles and rates: pitch first, then the joints of both legs."""
     requested: Float[Array, " p"]
-    """What the next touchdown is to latch."""
+    """Commands that the next touchdown latches."""
 
 
 class Scene(eqx.Module):
