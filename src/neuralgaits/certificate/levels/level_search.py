@@ -23,12 +23,12 @@ from neuralgaits.certificate.levels.orbit import margins as orbit_set
 from neuralgaits.certificate.levels.orbit import return_map
 from neuralgaits.certificate.levels.orbit.find import (
     Fences,
-    MarginEvaluator,
     find_contraction,
     find_orbit,
 )
 from neuralgaits.certificate.levels.walking_set import margins as walking_set
 from neuralgaits.certificate.levels.walking_set.find import (
+    Evaluator,
     find_set,
     least_of_inlet,
     over_all,
@@ -70,7 +70,7 @@ class SearchTarget:
     bandwidth: float | None = None
 
     @cached_property
-    def look(self) -> MarginEvaluator:
+    def look(self) -> Evaluator:
         """What the finders of levels 2 and 3 look at."""
         return look_at(self.gait, self.zd, self.spec.parameters)
 
@@ -212,7 +212,7 @@ def find_sets(
     return LevelSets(parameters, reasons, least)
 
 
-def look_at(gait: AnyGait, zd: ZeroDynamics, parameters: Errors = ()) -> MarginEvaluator:
+def look_at(gait: AnyGait, zd: ZeroDynamics, parameters: Errors = ()) -> Evaluator:
     """What the finders look at, as a function of chart points. Raises: SpecError."""
     size = PLANE + 2 * len(gait.commands) + len(parameters)
     at = one_step(gait, zd, parameters)

@@ -13,11 +13,9 @@ from numpy.polynomial import chebyshev
 
 from neuralgaits._types import Float
 from neuralgaits.certificate.levels.orbit.theorem import Attraction, OrbitConstants
-from neuralgaits.certificate.levels.walking_set.find import CLEAR, STRIPS
+from neuralgaits.certificate.levels.walking_set.find import CLEAR, STRIPS, Evaluator
 from neuralgaits.certificate.levels.walking_set.theorem import WalkingSetConstants
 
-MarginEvaluator = Callable[[Float[np.ndarray, "n 2"]], Mapping[str, np.ndarray]]
-"""Points (phase, level) [n, 2] to slope and expansion, foot, foot_rate, pace, after and gain."""
 Fences = Callable[[np.ndarray], Float[np.ndarray, "n 2"]]
 """Phases to zeta on both fences, in the tube's unit."""
 
@@ -55,7 +53,7 @@ class OrbitProposal(NamedTuple):
 
 
 def find_orbit(
-    look: MarginEvaluator, fences: Fences, unit: float, shape: WalkingSetConstants
+    look: Evaluator, fences: Fences, unit: float, shape: WalkingSetConstants
 ) -> OrbitProposal | str:
     """Thin tube and bounds, or one sentence that says why there are none.
 
@@ -100,7 +98,7 @@ def find_orbit(
     return OrbitProposal(orbit, least)
 
 
-def find_contraction(look: MarginEvaluator, shape: WalkingSetConstants) -> OrbitProposal | str:
+def find_contraction(look: Evaluator, shape: WalkingSetConstants) -> OrbitProposal | str:
     """Bounds on how walks part, or one sentence that says why there are none.
 
     Args:
@@ -154,7 +152,7 @@ class _Thin(NamedTuple):
 
 
 def _thin(
-    look: MarginEvaluator, fences: Fences, unit: float, shape: WalkingSetConstants, curve: "_Curve"
+    look: Evaluator, fences: Fences, unit: float, shape: WalkingSetConstants, curve: "_Curve"
 ) -> _Thin | str:
     """Shape of the thin tube: as wide at each phase as neighbours part, and a little more."""
     nodes = _nodes(shape, len(curve.series) - 1)
@@ -182,7 +180,7 @@ def _thin(
 
 
 def _secants(
-    look: MarginEvaluator, fences: Fences, unit: float, curve: "_Curve", nodes: np.ndarray
+    look: Evaluator, fences: Fences, unit: float, curve: "_Curve", nodes: np.ndarray
 ) -> np.ndarray:
     """Fastest rate, over the levels, at which a trajectory of the set parts from the orbit."""
     on_orbit = curve.points(fences, nodes)
@@ -209,7 +207,7 @@ class _Curve(NamedTuple):
 
 
 def _crossing(
-    look: MarginEvaluator, fences: Fences, curves: Sequence[_Curve], middle: float
+    look: Evaluator, fences: Fences, curves: Sequence[_Curve], middle: float
 ) -> tuple[float, float]:
     """Phases just before and behind where all of some curves meet the ground."""
     for width in STRIPS:
@@ -228,7 +226,7 @@ def _nodes(shape: WalkingSetConstants, degree: int) -> np.ndarray:
 
 
 def _defect(
-    look: MarginEvaluator, fences: Fences, unit: float, curve: _Curve, shape: WalkingSetConstants
+    look: Evaluator, fences: Fences, unit: float, curve: _Curve, shape: WalkingSetConstants
 ) -> float:
     """How far a curve is from a solution, at the worst of many phases."""
     phases = np.linspace(*shape.ends, 301)
@@ -237,9 +235,7 @@ def _defect(
     return float(np.max(np.abs(slope - along)))
 
 
-def _bounds(
-    look: MarginEvaluator, shape: WalkingSetConstants, guard: float
-) -> tuple[np.ndarray, float]:
+def _bounds(look: Evaluator, shape: WalkingSetConstants, guard: float) -> tuple[np.ndarray, float]:
     """Series above dF/dzeta on the walking set, and a number above |rho| on its guard."""
     levels, phases = np.linspace(0.0, 1.0, 33), np.linspace(*shape.ends, 121)
     grid = np.stack(np.meshgrid(phases, levels, indexing="ij"), axis=-1)
@@ -251,7 +247,7 @@ def _bounds(
 
 
 def _periodic(
-    look: MarginEvaluator, fences: Fences, unit: float, nodes: np.ndarray, degree: int
+    look: Evaluator, fences: Fences, unit: float, nodes: np.ndarray, degree: int
 ) -> _Curve | None:
     """Integrate F along the curve, reset, start again there, until it stays.
 

@@ -13,8 +13,9 @@ from neuralgaits.barriers import Barrier, DiscreteBarrier, GaitSpec, Pointwise
 from neuralgaits.certificate.levels.walking_set.theorem import OFF_THE_LINE, WalkingSetConstants
 from neuralgaits.gait.commands import all_pairs
 
-PointQuantities = Callable[[Float[np.ndarray, "n 2"]], Mapping[str, np.ndarray]]
-"""Chart points [n, 2] to "foot" [m], "foot_rate" [m/s] and "after" (phase, zeta) [n, 2]."""
+Evaluator = Callable[[Float[np.ndarray, "n 2"]], Mapping[str, np.ndarray]]
+"""Chart points [n, 2] to quantities by name: "foot" [m], "foot_rate" [m/s], "slope", "expansion",
+"pace", "gain" and "after" (phase, zeta) [n, 2]."""
 
 PHASES, LEVELS = 241, 33
 STRIPS = (1e-9, 1e-7, 1e-5, 1e-4, 3e-4, 1e-3, 3e-3, 6e-3, 0.01, 0.02, 0.03)
@@ -42,7 +43,7 @@ SHARE = 0.5
 
 def find_set(
     spec: GaitSpec,
-    look: PointQuantities,
+    look: Evaluator,
     disturbance: tuple[float, float] = (0.0, 0.0),
     floor: float = 0.0,
 ) -> WalkingSetConstants | str:
@@ -104,7 +105,7 @@ def names_of(spec: GaitSpec) -> tuple[tuple[str, ...], tuple[str, ...]]:
 
 
 def least_of_inlet(
-    spec: GaitSpec, look: PointQuantities, shape: WalkingSetConstants
+    spec: GaitSpec, look: Evaluator, shape: WalkingSetConstants
 ) -> Mapping[str, float]:
     """What outputs that enclose constants must reach."""
     if not shape.told:
@@ -123,7 +124,7 @@ def least_of_inlet(
     }
 
 
-def over_all(spec: GaitSpec, look: PointQuantities) -> PointQuantities:
+def over_all(spec: GaitSpec, look: Evaluator) -> Evaluator:
     """Looks at points of (phase, level) for many pairs of commands, and on some robots of the box.
 
     Those are the nominal one and some corners, and for each of them all pairs.
@@ -137,7 +138,7 @@ def over_all(spec: GaitSpec, look: PointQuantities) -> PointQuantities:
     return _with_each(both, look)
 
 
-def _with_each(values: np.ndarray, look: PointQuantities) -> PointQuantities:
+def _with_each(values: np.ndarray, look: Evaluator) -> Evaluator:
     """Looks at points of (phase, level) with every row of values of the other axes. [V, k]."""
 
     def over(u: np.ndarray) -> Mapping[str, np.ndarray]:
@@ -150,7 +151,7 @@ def _with_each(values: np.ndarray, look: PointQuantities) -> PointQuantities:
 
 
 def _guard_strip(
-    look: PointQuantities, levels: np.ndarray, clear: float, widths: Sequence[float]
+    look: Evaluator, levels: np.ndarray, clear: float, widths: Sequence[float]
 ) -> float | None:
     """A strip around phase 1 with the foot above the ground before it and below it behind."""
     for number, width in enumerate(widths):
