@@ -26,9 +26,9 @@ from neuralgaits.control.laws import LAWS
 from neuralgaits.records.simulated import WalkFigures
 from neuralgaits.simulation.live import LiveWalk
 from neuralgaits.simulation.metrics import summary
-from neuralgaits.simulation.native.library import Library
+from neuralgaits.simulation.native.compiled_walk import Library
 from neuralgaits.simulation.native_walk import engine_of_run
-from neuralgaits.simulation.setup.disturbance import Disturbance
+from neuralgaits.simulation.setup.disturbance import PlantChanges
 from neuralgaits.simulation.setup.disturbance_set import DISTURBANCE_SET
 from neuralgaits.simulation.setup.starts import full_states, momentum_range
 from neuralgaits.simulation.walk import Walk, walk
@@ -60,7 +60,7 @@ def library_of(run: Run) -> Library:
 def walked(
     run: Run,
     law: str | AbstractLaw,
-    disturbance: Disturbance,
+    disturbance: PlantChanges,
     *,
     push: float = 0.0,
     longest: int = 0,
@@ -85,7 +85,7 @@ def walked(
 
 def falls(runs: list[Run]) -> None:
     """Falls of every law under every disturbance, all with the same motors."""
-    weak = Disturbance(torque_limit=LIMIT)
+    weak = PlantChanges(torque_limit=LIMIT)
     cases = {"none": (weak, 0.0)} | {name: (weak, push) for name, push in PUSHES.items()}
     for name, disturbance in DISTURBANCE_SET.items():
         if disturbance.torque_limit is None:
@@ -117,7 +117,7 @@ def inside(runs: list[Run]) -> None:
     for limit in (LIMIT, 41.0):
         ticks, relaxed, made = 0, np.zeros(2, int), []
         for run in runs:
-            disturbance = Disturbance(torque_limit=limit)
+            disturbance = PlantChanges(torque_limit=limit)
             one = walked(run, "clf-qp", disturbance, longest=LOOKED_AT)
             made.append(summary(one))
             found = one.episodes.records[0].command

@@ -69,13 +69,13 @@ def seconds(folder: Path, arguments: list[str]) -> float:
     own = {"JAX_COMPILATION_CACHE_DIR", "XDG_CACHE_HOME"}
     environment = {name: value for name, value in os.environ.items() if name not in own}
     environment["XDG_CACHE_HOME"] = str(folder / "cache")
-    began = time.perf_counter()
+    start_time = time.perf_counter()
     done = subprocess.run(
         [sys.executable, *arguments], env=environment, capture_output=True, text=True
     )
     if done.returncode:
         raise RuntimeError(done.stderr)
-    return time.perf_counter() - began
+    return time.perf_counter() - start_time
 
 
 if __name__ == "__main__":

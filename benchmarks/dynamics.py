@@ -77,9 +77,9 @@ def closed_form_us(robot: PlanarBiped, repeats: int = 50) -> float:
     jax.block_until_ready(both(q, dq))
     times = []
     for _ in range(repeats):
-        began = time.perf_counter()
+        start_time = time.perf_counter()
         jax.block_until_ready(both(q, dq))
-        times.append(time.perf_counter() - began)
+        times.append(time.perf_counter() - start_time)
     return 1e6 * float(np.median(times)) / BATCH
 
 
@@ -92,11 +92,11 @@ def mujoco_us(robot: PlanarBiped) -> float:
     times = []
     for position, velocity in zip(qpos, qvel, strict=True):
         data.qpos[:], data.qvel[:] = position, velocity
-        began = time.perf_counter()
+        start_time = time.perf_counter()
         mujoco.mj_fwdPosition(model, data)
         mujoco.mj_fwdVelocity(model, data)
         mujoco.mj_fullM(model, data, full)
-        times.append(time.perf_counter() - began)
+        times.append(time.perf_counter() - start_time)
     return 1e6 * float(np.median(times))
 
 

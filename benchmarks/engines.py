@@ -36,12 +36,12 @@ def main() -> None:
     run = open_run(RUN)
     with tempfile.TemporaryDirectory() as cache:
         os.environ["XDG_CACHE_HOME"] = cache
-        began = time.perf_counter()
+        start_time = time.perf_counter()
         library = engine_of_run(run, "native").library
-        show("a gait written and compiled [s]", time.perf_counter() - began)
-        began = time.perf_counter()
+        show("a gait written and compiled [s]", time.perf_counter() - start_time)
+        start_time = time.perf_counter()
         engine_of_run(run, "native")
-        show("the same from the cache [s]", time.perf_counter() - began)
+        show("the same from the cache [s]", time.perf_counter() - start_time)
 
     def walked(episodes: int, steps: int, law: str, **settings) -> Walk:
         starts = full_states(run.zero_dynamics, run.gait, "region", seed=1, episodes=episodes)
@@ -70,9 +70,13 @@ def main() -> None:
         alone = [bare(one, THREADS) for _ in range(REPEATS)]
         show(f"{law}, {WALKS} walks on {THREADS} threads: MuJoCo steps/s", median(many))
         show("  ratio to MuJoCo alone on as many", median(many) / median(alone), ">= 0.6")
-        began = time.perf_counter()
+        start_time = time.perf_counter()
         stayed = walked(1, 1000, law, library=library).episodes
-        show(f"{law}, {int(stayed.gauge.steps[0])} steps [s]", time.perf_counter() - began, "<= 10")
+        show(
+            f"{law}, {int(stayed.gauge.steps[0])} steps [s]",
+            time.perf_counter() - start_time,
+            "<= 10",
+        )
     if REFERENCE:
         compare(walked(REFERENCE, STEPS, "pd"), walked(REFERENCE, STEPS, "pd", library=library))
 
@@ -91,18 +95,18 @@ def bare(found: Walk, threads: int) -> float:
     """MuJoCo steps a second without control: from recorded states, under recorded torques."""
     plant, record = found.plant, found.episodes.record
     assert record is not None
-    wires, model = plant.wires, plant.model
+    state_map, model = plant.state_map, plant.model
     torque = np.asarray(record.command.torque)
     controls = np.zeros((len(torque), model.nu))
-    controls[:, wires.actuators] = torque / np.array(wires.layout.gears)
+    controls[:, state_map.actuators] = torque / np.array(state_map.layout.gears)
     begins = np.arange(0, len(torque) - SEGMENT, SEGMENT)
     inputs = np.stack([np.repeat(controls[at : at + SEGMENT], 2, axis=0) for at in begins])
     states = found.episodes.states[begins]
     with rollout.Rollout(nthread=threads if threads > 1 else 0) as pool:
         data = [mujoco.MjData(model) for _ in range(threads)]
-        began = time.perf_counter()
+        start_time = time.perf_counter()
         pool.rollout([model] * len(begins), data, states, inputs, nstep=2 * SEGMENT)
-        return 2 * SEGMENT * len(begins) / (time.perf_counter() - began)
+        return 2 * SEGMENT * len(begins) / (time.perf_counter() - start_time)
 
 
 def compare(slow: Walk, fast: Walk) -> None:

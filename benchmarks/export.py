@@ -15,7 +15,7 @@ from tempfile import TemporaryDirectory
 from common import show, trained
 
 from neuralgaits.analysis.run import Run
-from neuralgaits.export import build, writing
+from neuralgaits.export import build, output_folder
 from neuralgaits.export.reference import Reference
 from neuralgaits.workflows.export import controller_files, design_of, export_controller
 from neuralgaits.workflows.simulate import simulate
@@ -81,8 +81,12 @@ def _exported(run: Run, width: int, asked: tuple[str, str, str]) -> None:
 def _fuzzed(run: Run) -> None:
     """Sanitizers on, any bits in."""
     design = design_of(run)
-    files = writing.shipped() | writing.harness() | controller_files(design, Reference(design))
-    with writing.scratch(files) as folder:
+    files = (
+        output_folder.shipped()
+        | output_folder.harness()
+        | controller_files(design, Reference(design))
+    )
+    with output_folder.scratch(files) as folder:
         for compiler in build.compilers():
             for precision, defines in build.PRECISIONS.items():
                 flags = ("-O1", "-g1", *SANITIZERS[compiler], *defines)

@@ -23,15 +23,15 @@ def main() -> None:
         shutil.rmtree(folder / "figures", ignore_errors=True)
         certify(folder, level=4)
         simulate(folder, steps=20, log=folder / "simulation" / "walk.csv")
-        began = time.process_time()
+        start_time = time.process_time()
         run = open_run(folder)
-        show("open the run: CPU [s]", time.process_time() - began)
-        began = time.process_time()
+        show("open the run: CPU [s]", time.process_time() - start_time)
+        start_time = time.process_time()
         gait_data(run)
-        show("data of the gait: CPU [s]", time.process_time() - began, "≤ 5")
-        began = time.process_time()
+        show("data of the gait: CPU [s]", time.process_time() - start_time, "≤ 5")
+        start_time = time.process_time()
         drawn = [figure for figure in figures(run) if isinstance(figure, Drawn)]
-        show(f"{len(drawn)} figures, each PNG and SVG: CPU [s]", time.process_time() - began)
+        show(f"{len(drawn)} figures, each PNG and SVG: CPU [s]", time.process_time() - start_time)
         show("data and figures, asked", "", "≤ 10")
         for kind, sizes in (
             ("PNG", [figure.path_png.stat().st_size for figure in drawn]),

@@ -36,7 +36,7 @@ WIDTH = 66
 def main(themes: list[str], *, boxes: bool) -> None:
     """Print the table, theme by theme, and the counts."""
     subprocess.run(["make", "--silent", "proofcheck"], cwd=REPOSITORY, check=True)
-    began, counts = time.perf_counter(), Counter[str]()
+    start_time, counts = time.perf_counter(), Counter[str]()
     with tempfile.TemporaryDirectory() as folder, traced_once({}):
         base = make(Path(folder), boxes=boxes)
         head = ("C++", "Python", "with run", "report")
@@ -50,7 +50,7 @@ def main(themes: list[str], *, boxes: bool) -> None:
     show("kinds of forgery", str(counts["kinds"]), "45 or more")
     show("accepted because what is said is true", str(counts["true"]))
     show("answered otherwise than they should be", str(counts["wrong"]), "0")
-    show("seconds", f"{time.perf_counter() - began:.0f}")
+    show("seconds", f"{time.perf_counter() - start_time:.0f}")
     show("accepted as proved", str(counts["deceived"]), "0")
 
 

@@ -16,7 +16,7 @@ from pathlib import Path
 from common import seeds, show, trained
 
 from neuralgaits.analysis.run import Run
-from neuralgaits.certificate.levels.full_order.theorem import FullOrder
+from neuralgaits.certificate.levels.full_order.theorem import FullOrderConstants
 from neuralgaits.certificate.proof_file.reader import read_claims
 from neuralgaits.records.certified import PROOF, Conclusion
 from neuralgaits.workflows.certify import certify
@@ -25,7 +25,7 @@ from support.full_order_check import check_by_force, check_in_mujoco
 DEFAULT_SEEDS = 5
 
 
-def prove(name: str, run: Run) -> tuple[Conclusion, FullOrder | None]:
+def prove(name: str, run: Run) -> tuple[Conclusion, FullOrderConstants | None]:
     """Prove, and print a row."""
     before = time.process_time()
     with tempfile.TemporaryDirectory() as folder:
@@ -53,7 +53,7 @@ def describe(found: Conclusion) -> None:
         print(f"    {constant.name:24s} {value:28s} {constant.meaning}", flush=True)
 
 
-def walk(name: str, run: Run, shape: FullOrder) -> None:
+def walk(name: str, run: Run, shape: FullOrderConstants) -> None:
     """Try the set by force, in the model and in MuJoCo."""
     forced = check_by_force(run, shape)
     left = f"{forced.left} of {forced.walks}"

@@ -15,7 +15,7 @@ from common import ROOT, show
 
 from neuralgaits.analysis.run import Run
 from neuralgaits.hzd.solver import DEGREE, Optimiser
-from neuralgaits.records.asked import Given
+from neuralgaits.records.training_config import GaitOrigin
 from neuralgaits.robots import load_robot
 from neuralgaits.workflows.certify import certify
 from neuralgaits.workflows.import_gait import import_gait
@@ -35,20 +35,20 @@ def main() -> None:
     for name in NAMES:
         run = import_gait(PUBLISHED, robot, name=name, out=_fresh(f"published-{name}"), root=ROOT)
         costs[run.summary.speed_m_s] = _show(f"published {name}", run)
-    began = time.process_time()
+    start_time = time.process_time()
     optimiser = Optimiser(robot)
-    show("making the program and its derivatives [s]", time.process_time() - began)
+    show("making the program and its derivatives [s]", time.process_time() - start_time)
     for speed in sorted([*SPEEDS.tolist(), *costs]):
-        began = time.process_time()
+        start_time = time.process_time()
         found = optimiser.at(speed)
-        taken = time.process_time() - began
+        taken = time.process_time() - start_time
         show(f"{speed:.3f} m/s: {found.iterations} iterations, time [s]", taken, "<= 2")
-        given = Given("optimise", DEGREE, speed)
+        given = GaitOrigin("optimise", DEGREE, speed)
         run = given_run(
             robot,
             found.gait,
             given,
-            began=time.perf_counter(),
+            start_time=time.perf_counter(),
             out=_fresh(f"optimised-{speed:.3f}"),
             root=ROOT,
         )

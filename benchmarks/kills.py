@@ -111,9 +111,9 @@ class Bench:
         # The first compiles; the second is the one that all others are compared with.
         self.finish(self.verb.words)
         self.reset()
-        began = time.perf_counter()
+        start_time = time.perf_counter()
         self.finish(self.verb.words)
-        self.duration = time.perf_counter() - began
+        self.duration = time.perf_counter() - start_time
         self.wanted, self.after = self.results(), self.bytes()
 
     def reset(self) -> None:
@@ -244,7 +244,7 @@ def small(words: Words, folder: Path, said: Path) -> None:
     os.dup2(os.open(said, os.O_WRONLY | os.O_CREAT | os.O_TRUNC), 2)
     from neuralgaits._environment import prepare
     from neuralgaits.cli import main
-    from neuralgaits.rounds import walks as episode_walks
+    from neuralgaits.episode_rounds import round_walks as episode_walks
     from neuralgaits.workflows import episodes, export, fit
 
     prepare()

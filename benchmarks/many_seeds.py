@@ -46,7 +46,7 @@ def main() -> None:
     shutil.rmtree(FOLDER, ignore_errors=True)
     FOLDER.mkdir(parents=True)
     command("--seed", "1000", "--out", "first")
-    began = spent()
+    start_time = spent()
     command("--seeds", f"0:{SEEDS}", "--out", "together")
     between = spent()
     with ThreadPoolExecutor(cores()) as beside:
@@ -55,7 +55,7 @@ def main() -> None:
     for number in range(QUARTER):
         command("--seed", str(number), "--out", f"again-{number}")
     loop = (spent()[0] - ended[0]) * SEEDS / QUARTER
-    together, alone = (np.subtract(b, a) for a, b in ((began, between), (between, ended)))
+    together, alone = (np.subtract(b, a) for a, b in ((start_time, between), (between, ended)))
     show(f"{SEEDS} seeds in one command [s], of processors [s]", f"{together.round(1)}")
     show(f"{SEEDS} commands, {cores()} at a time [s], of processors [s]", f"{alone.round(1)}")
     show("  throughput of one command against that", alone[0] / together[0], ">= 4")

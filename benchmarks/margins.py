@@ -9,7 +9,7 @@ import jax.numpy as jnp
 import numpy as np
 from common import seeds, show, trained
 
-from neuralgaits.analysis.orbit import poincare
+from neuralgaits.analysis.poincare_map import poincare
 from neuralgaits.analysis.run import Run
 from neuralgaits.training import Sampler, lay_out, margin_matrix
 

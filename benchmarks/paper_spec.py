@@ -33,9 +33,9 @@ def main() -> None:
     robot = load_robot("amber3m-paper")
     spec = specs.load("paper", robot)
     for init in INITS:
-        began = time.perf_counter()
+        start_time = time.perf_counter()
         gait = trained(robot, spec, init)
-        show(f"{init}: {STEPS} steps, whole training s", time.perf_counter() - began)
+        show(f"{init}: {STEPS} steps, whole training s", time.perf_counter() - start_time)
         report(robot, spec, gait, init)
 
 

@@ -19,9 +19,9 @@ from common import show, trained
 from scipy.optimize import minimize
 
 from neuralgaits.barriers import Gait
-from neuralgaits.certificate.levels.full_order.looks import looks_of, what_is_seen
 from neuralgaits.certificate.levels.full_order.model import BANDWIDTH, FullOrderModel
 from neuralgaits.certificate.levels.full_order.norm import FULL, HELD_SPARE, IMPACT, STRIP, Seen
+from neuralgaits.certificate.levels.full_order.sample_evaluators import looks_of, what_is_seen
 from neuralgaits.control.pd import Pd
 from neuralgaits.robots import load_robot
 
@@ -35,7 +35,7 @@ class Closed:
     """The outputs under PD at points of the step, in plain (y, dy)."""
 
     def __init__(self, robot, seen: Seen, push_torque: np.ndarray, w: float):
-        law, m = Pd(bandwidth=w).fitted(robot), len(seen.inertia)
+        law, m = Pd(bandwidth=w).with_gains_for(robot), len(seen.inertia)
         limits = np.asarray(robot.torque_limit)
         self.m, self.seen = m, seen
         inertia = push_torque * limits[:, None]

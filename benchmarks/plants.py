@@ -12,7 +12,7 @@ from common import seeds, show, trained
 from neuralgaits.analysis.run import Run
 from neuralgaits.robots import load_robot
 from neuralgaits.simulation.metrics import summary
-from neuralgaits.simulation.setup.disturbance import Disturbance
+from neuralgaits.simulation.setup.disturbance import PlantChanges
 from neuralgaits.simulation.setup.disturbance_set import DISTURBANCE_SET
 from neuralgaits.simulation.setup.starts import full_states, momentum_range
 from neuralgaits.simulation.walk import walk
@@ -25,7 +25,7 @@ TAIL_SHIFT_M = -0.03
 
 
 def fallen(
-    run: Run, plant: str, disturbance: Disturbance, controller: str, steps: int = STEPS
+    run: Run, plant: str, disturbance: PlantChanges, controller: str, steps: int = STEPS
 ) -> tuple[int, list[int]]:
     """Walks that fell, and the steps of all."""
     walked = walk(
@@ -49,7 +49,7 @@ def main() -> None:
     runs = [trained("amber3m", seed) for seed in seeds(10)]
     asked = STARTS * len(runs)
     for shift in SHIFTS_M:
-        further = Disturbance(torso_shift_m=shift - TAIL_SHIFT_M)
+        further = PlantChanges(torso_shift_m=shift - TAIL_SHIFT_M)
         found = [fallen(run, TAIL, further, "pd") for run in runs]
         falls, steps = sum(count for count, _ in found), [s for _, each in found for s in each]
         name = f"pd, torso {-100 * shift:.0f} cm behind: falls within {STEPS} steps"

@@ -21,7 +21,7 @@ from neuralgaits.analysis.run import Run
 from neuralgaits.gait import ZeroDynamics
 from neuralgaits.gait.flow_residual import Residual
 from neuralgaits.logs import Windows
-from neuralgaits.residual.fit import FitConfig, Fitter, Optimizer
+from neuralgaits.residual.fitter import FitConfig, Fitter, Optimizer
 from neuralgaits.residual.trajectories import missed, root_mean_square
 from neuralgaits.workflows.fit import JUDGED_SAMPLES, SAMPLES, STEP_S, fit
 from neuralgaits.workflows.simulate import log_files, simulate
@@ -99,10 +99,10 @@ def step_s(zd: ZeroDynamics, train: Windows, validation: Windows, scale: np.ndar
     fitter = Fitter.build(zd, train, validation, scale)
     state, times = fitter.init(), []
     for _ in range(300):
-        began = time.perf_counter()
+        start_time = time.perf_counter()
         state, loss = fitter.step(state)
         jax.block_until_ready(loss)
-        times.append(time.perf_counter() - began)
+        times.append(time.perf_counter() - start_time)
     return float(np.median(times))
 
 

@@ -21,7 +21,7 @@ from common import show
 import neuralgaits
 from neuralgaits.analysis.run import Run, open_run
 from neuralgaits.simulation.native_walk import engine_of_run
-from neuralgaits.simulation.setup.disturbance import Disturbance
+from neuralgaits.simulation.setup.disturbance import PlantChanges
 from neuralgaits.simulation.setup.disturbance_set import DISTURBANCE_SET
 from neuralgaits.simulation.setup.starts import full_states, momentum_range
 from neuralgaits.simulation.simulators import DRAKE, MUJOCO, Simulator
@@ -49,7 +49,7 @@ class Walked(NamedTuple):
 def walked(
     run: Run,
     simulator: Simulator,
-    disturbance: Disturbance,
+    disturbance: PlantChanges,
     law: str,
     start: str = "region",
     episodes: int = EPISODES,
@@ -86,7 +86,7 @@ def _settled(record: Any) -> np.ndarray:
 
 
 def compare(
-    name: str, run: Run, disturbance: Disturbance, law: str
+    name: str, run: Run, disturbance: PlantChanges, law: str
 ) -> tuple[int, float, float, float]:
     """A row.
 
@@ -123,7 +123,7 @@ def disturbed(run: Run, law: str) -> None:
     print(f"\n{law}, {EPISODES} walks of {STEPS} steps: MuJoCo / Drake")
     print("| | fell | same verdict | speed [m/s] | | z2 after impact [kg m²/s] | |")
     print("|---|---|---|---|---|---|---|", flush=True)
-    compare("nothing", run, Disturbance(), law)
+    compare("nothing", run, PlantChanges(), law)
     rows = [compare(name, run, one, law) for name, one in DISTURBANCE_SET.items()]
     same, speeds, momenta, first = zip(*rows, strict=True)
     share = sum(same) / (EPISODES * len(rows))
@@ -136,7 +136,7 @@ def disturbed(run: Run, law: str) -> None:
 
 def contacts(run: Run) -> None:
     """One walk on the orbit for each kind of contact and time step."""
-    from neuralgaits.simulation.drake import world
+    from neuralgaits.simulation.drake import drake_world
     from neuralgaits.simulation.drake.ground import ContactConfig
     from neuralgaits.simulation.setup.plant import TIMESTEP_S
 
@@ -157,15 +157,15 @@ def contacts(run: Run) -> None:
         "similar": (ContactConfig("similar"), TIMESTEP_S),
         "sap": (ContactConfig("sap"), TIMESTEP_S),
     }
-    build: Callable[..., Any] = world.drake_plant
-    quiet = Disturbance()
+    build: Callable[..., Any] = drake_world.drake_plant
+    quiet = PlantChanges()
     print("\npd, one walk from the periodic orbit, against MuJoCo")
     print("| contact in Drake | fell | speed | z2 after impact |")
     print("|---|---|---|---|", flush=True)
     one = walked(run, MUJOCO, quiet, "pd", "fixed-point", 1)
     for name, (contact, step) in kinds.items():
         as_said = mock.Mock(side_effect=lambda plant, *_, c=contact, s=step: build(plant, c, s))
-        with mock.patch.object(world, "drake_plant", as_said):
+        with mock.patch.object(drake_world, "drake_plant", as_said):
             other = walked(run, DRAKE, quiet, "pd", "fixed-point", 1)
         speed, momentum = _off(one.speed, other.speed), _off(one.momentum, other.momentum)
         fell = "yes" if other.fell[0] else "no"

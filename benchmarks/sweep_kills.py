@@ -66,9 +66,9 @@ class Bench:
         self.engine = ["--ray", f"127.0.0.1:{PORT}"] if kind in ON_RAY else ["--workers", "2"]
         # The first compiles; the second says how long it takes.
         self.finish("reference")
-        began = time.perf_counter()
+        start_time = time.perf_counter()
         self.finish("reference")
-        self.duration = time.perf_counter() - began
+        self.duration = time.perf_counter() - start_time
         self.wanted = (self.folder / "reference" / "table.csv").read_bytes()
 
     def start(self, out: str, *, resume: bool = False) -> ForkServerProcess:

@@ -15,15 +15,15 @@ from collections.abc import Sequence
 
 from common import show
 
-from neuralgaits.engine import Engine, Job, Serial, engine_for
+from neuralgaits.engine import Job, Serial, WorkerPool, worker_pool_for
 from support import engine_tasks
 
 TASKS = int(os.environ.get("TASKS", "100000"))
 WORKERS = 2
 ENGINES = {
     "serial": (Serial, "<= 20 ms"),
-    "processes": (lambda: engine_for(WORKERS), "<= 20 ms"),
-    "ray": (lambda: engine_for(WORKERS, "local"), "<= 50 ms"),
+    "processes": (lambda: worker_pool_for(WORKERS), "<= 20 ms"),
+    "ray": (lambda: worker_pool_for(WORKERS, "local"), "<= 50 ms"),
 }
 
 
@@ -47,15 +47,15 @@ def main(names: Sequence[str]) -> None:
                 count *= 10
 
 
-def hand_out(engine: Engine, count: int) -> tuple[float, float]:
+def hand_out(engine: WorkerPool, count: int) -> tuple[float, float]:
     """Carry out tasks that do nothing. Returns: time of the clock, and of this processor [s]."""
     jobs = (Job(str(n), {"n": n}) for n in range(count))
-    began, own, good = time.perf_counter(), time.process_time(), 0
+    start_time, own, good = time.perf_counter(), time.process_time(), 0
     for done in engine.map(engine_tasks.echo, jobs):
         good += done.files.get("out") == done.name.encode()
     if good != count:
         raise SystemExit(f"expected {count} answers, found {good}")
-    return time.perf_counter() - began, time.process_time() - own
+    return time.perf_counter() - start_time, time.process_time() - own
 
 
 def resident_mb() -> float:

@@ -201,7 +201,7 @@ class Effort:
 
 def prove(bounds: Bounds, low: Sequence[float], high: Sequence[float]) -> Effort:
     """Halve boxes until the lower bound is not negative on each, depth first, or time is up."""
-    began = time.perf_counter()
+    start_time = time.perf_counter()
     root = np.array([low]), np.array([high])
     axes = wide_axes(root[0][0], root[1][0])
 
@@ -212,7 +212,7 @@ def prove(bounds: Bounds, low: Sequence[float], high: Sequence[float]) -> Effort
     for depth in range(START_DEPTH):
         start = halved(start[0], start[1], depth)
     stack, boxes, leaves, proved = [(*start, START_DEPTH)], 0, 0, 0.0
-    while stack and time.perf_counter() - began < BUDGET_S:
+    while stack and time.perf_counter() - start_time < BUDGET_S:
         lows, highs, depth = stack.pop()
         if len(lows) > BATCH:
             stack.append((lows[BATCH:], highs[BATCH:], depth))
@@ -222,7 +222,7 @@ def prove(bounds: Bounds, low: Sequence[float], high: Sequence[float]) -> Effort
         leaves, proved = leaves + int(good.sum()), proved + good.sum() * 0.5**depth
         if not good.all():
             stack.append((*halved(lows[~good], highs[~good], depth), depth + 1))
-    return Effort(boxes, leaves, time.perf_counter() - began, float(proved))
+    return Effort(boxes, leaves, time.perf_counter() - start_time, float(proved))
 
 
 def interval_bounds(program: Program, name: str) -> Bounds:

@@ -38,17 +38,17 @@ def main() -> None:
         robot = load_robot(robot_name)
         spec = specs.load(name, robot)
         gait = spec.new_gait(jax.random.key(0), "posture", None)
-        began = time.perf_counter()
+        start_time = time.perf_counter()
         trainer = Trainer.build(robot, spec, gait, steps=spec.recipe.steps, seed=0)
         state = trainer.init(gait)
         jax.block_until_ready(trainer.step(state))
-        compiled = time.perf_counter() - began
+        compiled = time.perf_counter() - start_time
         times = []
         for _ in range(steps):
-            began = time.perf_counter()
+            start_time = time.perf_counter()
             state, loss = trainer.step(state)
             jax.block_until_ready((state, loss))
-            times.append(1e3 * (time.perf_counter() - began))
+            times.append(1e3 * (time.perf_counter() - start_time))
         taken[name] = float(np.median(times))
         rows = len(trainer.sampler.low)
         show(f"{name}: rows a step, conditions", f"{rows}, {len(spec.conditions)}")
@@ -85,9 +85,9 @@ def network_ms(repeats: int = 30) -> float:
     jax.block_until_ready(loss(layers))
     times = []
     for _ in range(repeats):
-        began = time.perf_counter()
+        start_time = time.perf_counter()
         jax.block_until_ready(loss(layers))
-        times.append(1e3 * (time.perf_counter() - began))
+        times.append(1e3 * (time.perf_counter() - start_time))
     return float(np.median(times))
 
 

@@ -46,7 +46,7 @@ def from_a_shell(cache: Path | None) -> tuple[float, float, float]:
         "while view.gait.live.time == 0.0: time.sleep(0.005)\n"
         "print(time.process_time(), flush=True); view.close()\n"
     )
-    began = time.perf_counter()
+    start_time = time.perf_counter()
     with subprocess.Popen(
         [sys.executable, "-c", code], stdout=subprocess.PIPE, text=True, env=os.environ | own
     ) as shell:
@@ -54,9 +54,9 @@ def from_a_shell(cache: Path | None) -> tuple[float, float, float]:
         address = json.loads(shell.stdout.readline())
         with urllib.request.urlopen(address, timeout=10.0) as page:
             page.read()
-        served = time.perf_counter() - began
+        served = time.perf_counter() - start_time
         spent = float(shell.stdout.readline())
-        return served, time.perf_counter() - began, spent
+        return served, time.perf_counter() - start_time, spent
 
 
 def slider_to_effect(view, rounds: int = 8) -> list[float]:
@@ -65,11 +65,11 @@ def slider_to_effect(view, rounds: int = 8) -> list[float]:
     for number in range(rounds):
         value = 0.5 if number % 2 else -0.5
         before, frames = view.gait.live.plant, view.player.frames
-        began = time.perf_counter()
+        start_time = time.perf_counter()
         view.player.ask(lambda walker, value=value: walker.disturb("slope_deg", value))
         while view.gait.live.plant is before or view.player.frames < frames + 1:
             time.sleep(0.001)
-        times.append(time.perf_counter() - began)
+        times.append(time.perf_counter() - start_time)
         time.sleep(0.3)
     return times
 
@@ -81,26 +81,29 @@ def in_a_browser(view, chromium: str) -> None:
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=chromium, args=CLIENT)
         page = browser.new_page(viewport={"width": 960, "height": 640})
-        began = time.perf_counter()
+        start_time = time.perf_counter()
         page.goto(view.url)
         page.get_by_text("Walks ·").wait_for(timeout=120_000)
-        show("browser, page opened to the walk on it", f"{time.perf_counter() - began:.1f} s")
+        show("browser, page opened to the walk on it", f"{time.perf_counter() - start_time:.1f} s")
         time.sleep(4.0)
         frames, simulated = view.player.frames, view.gait.live.time
-        began = time.perf_counter()
+        start_time = time.perf_counter()
         drawn = page.evaluate(COUNT_FRAMES, SECONDS)
-        spent = time.perf_counter() - began
+        spent = time.perf_counter() - start_time
         show("browser open: pictures sent", f"{(view.player.frames - frames) / spent:.0f} /s")
         show("browser open: drawn, in software", f"{drawn:.0f} /s")
         show("browser open: pace", f"{(view.gait.live.time - simulated) / spent:.2f} of real time")
         box = page.get_by_role("textbox").nth(3)
         before = view.gait.live.plant
         box.fill("2")
-        began = time.perf_counter()
+        start_time = time.perf_counter()
         box.press("Enter")
-        while view.gait.live.plant is before and time.perf_counter() < began + 20.0:
+        while view.gait.live.plant is before and time.perf_counter() < start_time + 20.0:
             time.sleep(0.002)
-        show("browser: number typed to its effect", f"{1e3 * (time.perf_counter() - began):.0f} ms")
+        show(
+            "browser: number typed to its effect",
+            f"{1e3 * (time.perf_counter() - start_time):.0f} ms",
+        )
         browser.close()
 
 
@@ -121,9 +124,12 @@ def main() -> None:
     from neuralgaits.workflows.view import view
 
     with view(sys.argv[1] if len(sys.argv) > 1 else FOLDER) as live:
-        began = time.perf_counter()
+        start_time = time.perf_counter()
         live.ready()
-        show("portrait and margins after the first frame", f"{time.perf_counter() - began:.1f} s")
+        show(
+            "portrait and margins after the first frame",
+            f"{time.perf_counter() - start_time:.1f} s",
+        )
         frames, simulated = live.player.frames, live.gait.live.time
         time.sleep(SECONDS)
         show("pictures sent", f"{(live.player.frames - frames) / SECONDS:.0f} /s", ">= 30 /s")

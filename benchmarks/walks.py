@@ -11,7 +11,7 @@ import numpy as np
 from common import seeds, show, trained
 
 from neuralgaits.simulation.metrics import summary
-from neuralgaits.simulation.setup.disturbance import Disturbance
+from neuralgaits.simulation.setup.disturbance import PlantChanges
 from neuralgaits.simulation.setup.starts import full_states, momentum_range
 from neuralgaits.simulation.walk import Walk, walk
 
@@ -59,12 +59,12 @@ def main() -> None:
         show(f"{controller}: starts in the tube that walk 100 steps", up(result), "200")
     for controller in CONTROLLERS:
         for name, (what, push) in DISTURBANCES.items():
-            settings = {"disturbance": Disturbance(**what), "push": push}
+            settings = {"disturbance": PlantChanges(**what), "push": push}
             result = walked(controller, centres, policies, 50, **settings)
             show(f"{controller}: {name}, 50 steps", up(result), f"{len(runs)}")
     for controller in CONTROLLERS:
         starts = full_states(first.zero_dynamics, first.gait, "centre", seed=0, episodes=200)
-        rough = Disturbance(floor_height=0.01)
+        rough = PlantChanges(floor_height=0.01)
         result = walked(controller, starts, first.gait.policy, 50, disturbance=rough)
         show(f"{controller}: floor +-1 cm, walks of 50 steps, seed 0", up(result), ">= 190 of 200")
 

@@ -81,12 +81,12 @@ def certificates() -> None:
 
 def command(words: Sequence[str], good: Sequence[int] = (0,)) -> float:
     """Carry out a command in the folder of the benchmark. Returns: its time [s]."""
-    began = time.perf_counter()
+    start_time = time.perf_counter()
     program = [sys.executable, "-m", "neuralgaits", *words]
     done = subprocess.run(program, cwd=FOLDER, capture_output=True, text=True)
     if done.returncode not in good:
         raise SystemExit(f"exit {done.returncode}: {' '.join(words)}: {done.stderr[-300:]}")
-    return time.perf_counter() - began
+    return time.perf_counter() - start_time
 
 
 if __name__ == "__main__":

@@ -9,7 +9,7 @@ import pytest
 from neuralgaits._environment import prepare
 from neuralgaits._printable import PRINTABLE, printable
 from neuralgaits.runs import RunFolder, finish, resolve, to_json, write_text
-from neuralgaits.runs.commands import command
+from neuralgaits.runs.shell_words import command
 
 BROKEN = os.fsdecode(b"run-\xff")
 

@@ -12,9 +12,9 @@ from PIL import Image
 
 from neuralgaits.analysis.family_data import family_data
 from neuralgaits.analysis.run import open_run
+from neuralgaits.report.commanded_gait import FIGURE
 from neuralgaits.report.drawing.figure import png
 from neuralgaits.report.figures import family
-from neuralgaits.report.told import FIGURE
 from neuralgaits.workflows import demo
 
 COLOURS = 256

@@ -8,8 +8,8 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Arc
 
 from neuralgaits.analysis.data import GaitData
-from neuralgaits.analysis.skeleton import hip_index
-from neuralgaits.report.drawing import skeleton
+from neuralgaits.analysis.link_points import hip_index
+from neuralgaits.report.drawing import robot_drawing
 from neuralgaits.report.drawing.style import (
     BLACK,
     BLUE,
@@ -42,13 +42,13 @@ def coordinates(data: GaitData) -> Figure:
     left, right = figure.subplots(1, 2)
     for axes in (left, right):
         _stage(axes, points)
-    skeleton.draw(left, points, data.torso)
+    robot_drawing.draw(left, points, data.torso)
     joints = [*range(1, hip + 1), len(points) - 2]
     left.plot(*points[joints].T, "o", color=ORANGE, ms=11, mec=BLACK, zorder=5)
     left.set_title("a)  four motors turn four joints", loc="left")
     _note(left, "no motor here:\nthe foot is\na point", points[0], (-0.72, 0.12))
     _note(left, "a motor at each hip\nand at each knee", points[hip], (0.3, 1.0))
-    skeleton.draw(right, points, data.torso, faint=True)
+    robot_drawing.draw(right, points, data.torso, faint=True)
     x, y = points[hip]
     right.plot([0.0, 0.0], [0.0, y], ":", color=GREY)
     right.annotate("", (x, y), (0.0, y), arrowprops=ARROW | {"color": BLUE})
@@ -76,7 +76,9 @@ def plane(data: GaitData) -> Figure:
     for number, share in enumerate(POSES):
         row = _row(data, share)
         above.text(APART * (number - 1) - 0.4, 0.7, "abc"[number], ha="right", weight="bold")
-        skeleton.draw(above, data["orbit/skeleton"][row], data.torso, shift=APART * (number - 1))
+        robot_drawing.draw(
+            above, data["orbit/skeleton"][row], data.torso, shift=APART * (number - 1)
+        )
         axes.plot(*z[row], "o", color=BLACK, ms=6, zorder=5)
         axes.annotate(
             "abc"[number], z[row], (0, 9), textcoords="offset points", ha="center", weight="bold"
@@ -112,8 +114,8 @@ def reset(data: GaitData) -> Figure:
     points = data["orbit/skeleton"]
     step = points[-1, -1, 0]
     _stage(left, points[-1])
-    skeleton.draw(left, points[-1], data.torso)
-    skeleton.draw(left, points[0], data.torso, shift=1.0)
+    robot_drawing.draw(left, points[-1], data.torso)
+    robot_drawing.draw(left, points[0], data.torso, shift=1.0)
     left.text(0.0, -0.12, "before: dark leg\nstands", ha="center", va="top", fontsize=9)
     left.text(
         1.0 - 0.5 * step, -0.12, "after: the other\none does", ha="center", va="top", fontsize=9

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from neuralgaits._version import __version__
 
 if TYPE_CHECKING:
-    from neuralgaits.analysis.orbit import poincare
+    from neuralgaits.analysis.poincare_map import poincare
     from neuralgaits.analysis.run import open_run
     from neuralgaits.barriers import specs
     from neuralgaits.gait import (
@@ -57,7 +57,7 @@ _HOMES = {
     "load_robot": "neuralgaits.robots",
     "open_run": "neuralgaits.analysis.run",
     "optimise": "neuralgaits.workflows.optimise",
-    "poincare": "neuralgaits.analysis.orbit",
+    "poincare": "neuralgaits.analysis.poincare_map",
     "refine": "neuralgaits.workflows.refine",
     "simulate": "neuralgaits.workflows.simulate",
     "specs": "neuralgaits.barriers",

@@ -9,11 +9,11 @@ import pytest
 from neuralgaits.barriers import Barrier, Box, GaitSpec, Pointwise, specs
 from neuralgaits.barriers import functions as f
 from neuralgaits.barriers.description import describe_quantity
-from neuralgaits.barriers.regions import Gait
 from neuralgaits.barriers.walking import LANDING, LIFT_OFF
 from neuralgaits.errors import SpecError
 from neuralgaits.gait import HybridInvariantPolicy, MLPPolicy
 from neuralgaits.gait.commands import Command
+from neuralgaits.gait.gaits import Gait
 from neuralgaits.robots.mjcf.loader import robot_from_text
 from support.random_biped import random_biped
 

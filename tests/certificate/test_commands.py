@@ -12,40 +12,40 @@ import pytest
 
 from neuralgaits.analysis.run import open_run
 from neuralgaits.barriers import specs
-from neuralgaits.certificate.levels.chart import Chart, Near, asked_for
-from neuralgaits.certificate.levels.ladder import conclude
-from neuralgaits.certificate.levels.orbit.theorem import Orbit, orbit_premises
+from neuralgaits.certificate.chart import Chart, CoupledAxes, asked_for
+from neuralgaits.certificate.levels.level_search import find_sets, one_step
+from neuralgaits.certificate.levels.levels import conclude
+from neuralgaits.certificate.levels.orbit.theorem import OrbitConstants, orbit_premises
 from neuralgaits.certificate.levels.problems import (
     condition_problems,
     premise_problems,
     set_margins,
     trace_certificate,
 )
-from neuralgaits.certificate.levels.sets import find_sets, one_step
 from neuralgaits.certificate.levels.walking_set.theorem import (
-    WalkingSet,
+    WalkingSetConstants,
     safe_premises,
     strips,
     walking_premises,
 )
 from neuralgaits.certificate.proof_file.theorem_tables import Theorems
-from neuralgaits.certificate.reading import _part, _Unfit
 from neuralgaits.certificate.run_comparison import RunComparison
 from neuralgaits.certificate.scope import commands_within
+from neuralgaits.certificate.verified_summary import _part, _Unfit
 from neuralgaits.errors import InputError
 from neuralgaits.gait.commands import Command, Pair
 from neuralgaits.programs import POINT, evaluate
-from neuralgaits.records.certified import Certified, Conclusion, ConditionVerdict
+from neuralgaits.records.certified import CertificateRecord, Conclusion, ConditionVerdict
 from neuralgaits.robots import load_robot
 from support.commanded_run import SPEED, family_of
 from support.shipped_run import SHIPPED
 
 ANY = Command("step_length", 0.3, 0.4)
 BOXES = [("ahead", (0.0, 0.0), (1.0, 1.0)), ("torso", (0.0, 0.0), (1.0, 1.0))]
-SHAPE = WalkingSet(
+SHAPE = WalkingSetConstants(
     1e-3, 1e-3, 0.1, 0.9, (0.0, 0.0), ("torso",), ("ahead", "torso"), told=("speed",)
 )
-WALKS = Orbit("any two walks", expansion=(0.1, 0.0, 0.02))
+WALKS = OrbitConstants("any two walks", expansion=(0.1, 0.0, 0.02))
 CHART = Chart.of([SPEED])
 
 
@@ -106,7 +106,7 @@ def test_a_chart_says_what_may_follow_what():
 
 def test_a_chart_is_written_and_read_with_what_is_near():
     assert Chart.read(json.loads(json.dumps(CHART.table()))) == CHART
-    assert CHART.near == ((2, 3, SPEED.largest_change),)
+    assert CHART.coupled_axes == ((2, 3, SPEED.largest_change),)
     rows = CHART.table()
     for wrong in ("0x0p+0", "-0x1p-7", "inf", "nan"):
         with pytest.raises(ValueError, match="with a change of at most"):
@@ -122,7 +122,7 @@ def test_only_boxes_with_no_admissible_pair_are_left_out():
     low[:, 2:] = random.integers(0, 8, (400, 2)) / 8.0
     high = low + random.integers(0, 3, (400, 4)) / 8.0
     gap = np.maximum(low[:, 2] - high[:, 3], low[:, 3] - high[:, 2])
-    found = asked_for((Near(2, 3, 0.25),), low, high)
+    found = asked_for((CoupledAxes(2, 3, 0.25),), low, high)
     np.testing.assert_array_equal(found, gap <= 0.25)
     assert 50 < found.sum() < 350 and (gap == 0.25).any()
 
@@ -217,7 +217,7 @@ def row(verdict):
 
 def summary_of(conditions, levels=()):
     rows = {name: row(said) for name, said in conditions.items()}
-    return Certified(
+    return CertificateRecord(
         verdict="undecided", level=3, conditions=rows, levels=levels, boxes=1, wall_s=1.0
     )
 

@@ -7,20 +7,22 @@ import pytest
 from numpy.polynomial.chebyshev import chebval
 from scipy.integrate import quad
 
-from neuralgaits.certificate.levels.ladder import conclude
+from neuralgaits.certificate.levels.levels import conclude
 from neuralgaits.certificate.levels.orbit.conclude import attraction
-from neuralgaits.certificate.levels.orbit.theorem import Orbit, orbit_premises
+from neuralgaits.certificate.levels.orbit.theorem import OrbitConstants, orbit_premises
 from neuralgaits.certificate.levels.walking_set.conclude import walking
 from neuralgaits.certificate.levels.walking_set.theorem import (
-    WalkingSet,
+    WalkingSetConstants,
     safe_premises,
     strips,
     walking_premises,
 )
 from neuralgaits.certificate.proof_file.theorem_tables import Theorems
 
-SHAPE = WalkingSet(1e-3, 2e-3, 0.1, 0.8, (0.0, 0.0), ("torso",), ("torso", "force", "foot"))
-ORBIT = Orbit(
+SHAPE = WalkingSetConstants(
+    1e-3, 2e-3, 0.1, 0.8, (0.0, 0.0), ("torso",), ("torso", "force", "foot")
+)
+ORBIT = OrbitConstants(
     attraction="contraction",
     guard_from=0.9985,
     guard_to=1.001,
@@ -137,7 +139,7 @@ def test_figures_of_the_orbit_against_quadrature():
 
 
 def test_contraction_alone_needs_no_thin_tube():
-    alone = Orbit("contraction alone", expansion=ORBIT.expansion)
+    alone = OrbitConstants("contraction alone", expansion=ORBIT.expansion)
     needed = {(output, low, high) for output, low, high, _ in orbit_premises(SHAPE, alone)}
     assert {output for output, *_ in needed} == {"orbit/expansion", "orbit/gain"}
     thin = {key for key in BOUNDS if key[0].startswith("orbit/")} - needed
@@ -160,7 +162,7 @@ def test_contraction_alone_needs_no_thin_tube():
 
 
 def test_a_floor_asks_how_far_the_foot_is_from_the_line():
-    alone = Orbit("contraction alone", expansion=ORBIT.expansion)
+    alone = OrbitConstants("contraction alone", expansion=ORBIT.expansion)
     for floor, verdict in ((0.24, "proved"), (0.25, "undecided"), (-0.1, "undecided")):
         shape = replace(SHAPE, floor=floor)
         second, third = conclude({2: shape, 3: alone}, BOXES, BOUNDS)

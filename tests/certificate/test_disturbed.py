@@ -9,7 +9,11 @@ import pytest
 
 from neuralgaits.certificate.levels.disturbed.conclude import conclude_disturbed, growth
 from neuralgaits.certificate.levels.disturbed.margins import margins
-from neuralgaits.certificate.levels.disturbed.theorem import Disturbed, DisturbedBarrier, premises
+from neuralgaits.certificate.levels.disturbed.theorem import (
+    DisturbedBarrier,
+    DisturbedConstants,
+    premises,
+)
 from neuralgaits.certificate.levels.full_order.conclude import conclude_full_order
 from neuralgaits.certificate.levels.full_order.inequalities import inequalities
 from neuralgaits.certificate.levels.full_order.model import (
@@ -43,7 +47,7 @@ def _shape(full, push=PUSH, split=1.0):
         rows.append(
             DisturbedBarrier(of.name, of.alpha, (1.0 + split) / rest, lost * (1.0 + 1e-9) + 1e-12)
         )
-    return Disturbed((push, 0.0), (push, 0.0), 0.0, 0.0, 1.0, 1.0, 1.0, tuple(rows))
+    return DisturbedConstants((push, 0.0), (push, 0.0), 0.0, 0.0, 1.0, 1.0, 1.0, tuple(rows))
 
 
 def _held(full, hold=5e-5, error=0.01):

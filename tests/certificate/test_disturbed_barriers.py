@@ -7,7 +7,7 @@ import pytest
 
 from neuralgaits.barriers import Barrier, functions
 from neuralgaits.certificate.levels.walking_set import margins as walking_set
-from neuralgaits.certificate.levels.walking_set.theorem import WalkingSet
+from neuralgaits.certificate.levels.walking_set.theorem import WalkingSetConstants
 
 PUSH = (0.01, 0.3)
 READS = {"pose": functions.torso_angle, "velocity": functions.forward_rate}
@@ -17,7 +17,7 @@ READS = {"pose": functions.torso_angle, "velocity": functions.forward_rate}
 def test_the_rate_is_that_of_h_along_each_corner_and_linear_between(trained, read):
     barrier = Barrier("read", "tube", 1.0, functions.at_least(read, -0.2), 5.0)
     spec = trained.spec.with_conditions(barrier)
-    shape = WalkingSet(1e-7, 1e-7, 0.1, 0.9, PUSH, ("read",), ())
+    shape = WalkingSetConstants(1e-7, 1e-7, 0.1, 0.9, PUSH, ("read",), ())
     gait, zd, u = trained.gait, trained.zero_dynamics, jnp.array([0.35, 0.6])
 
     @jax.jit

@@ -11,7 +11,7 @@ from neuralgaits.certificate.levels.full_order.conclude import conclude_full_ord
 from neuralgaits.certificate.levels.full_order.inequalities import inequalities
 from neuralgaits.certificate.levels.full_order.theorem import (
     BarrierConstants,
-    FullOrder,
+    FullOrderConstants,
     decays,
     lyapunov,
     lyapunov_rate,
@@ -23,12 +23,12 @@ from support.full_order_shape import FENCE, SHAPE, TORSO, UPPER
 PROVED = {(p.output, p.low, p.high): 0.1 for p in premises(SHAPE)}
 
 
-def _with(barrier: BarrierConstants, **changes: float) -> FullOrder:
+def _with(barrier: BarrierConstants, **changes: float) -> FullOrderConstants:
     moved = replace(barrier, **changes)
     return replace(SHAPE, barriers=tuple(moved if b is barrier else b for b in SHAPE.barriers))
 
 
-def _verdict(shape: FullOrder):
+def _verdict(shape: FullOrderConstants):
     bounds = {(p.output, p.low, p.high): 0.1 for p in premises(shape)}
     return conclude_full_order(shape, bounds)
 

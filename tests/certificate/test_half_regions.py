@@ -17,7 +17,7 @@ WHOLE = ((0.0, 0.0), (1.0, 1.0))
 @pytest.fixture(autouse=True)
 def traced_here(monkeypatch):
     """The processes of their own are tested elsewhere."""
-    monkeypatch.setattr(retrace, "ask", retrace.answer)
+    monkeypatch.setattr(retrace, "retrace_in_subprocess", retrace.describe_run)
 
 
 def proof_of(run):

@@ -3,9 +3,9 @@
 import pytest
 
 from neuralgaits.certificate.levels.disturbed.find import find_disturbed
-from neuralgaits.certificate.levels.disturbed.theorem import Disturbed
-from neuralgaits.certificate.levels.full_order.looks import looks_in, set_of
-from neuralgaits.certificate.levels.full_order.theorem import FullOrder
+from neuralgaits.certificate.levels.disturbed.theorem import DisturbedConstants
+from neuralgaits.certificate.levels.full_order.sample_evaluators import looks_in, set_of
+from neuralgaits.certificate.levels.full_order.theorem import FullOrderConstants
 from support.full_order_check import model_of
 from support.held_walk import walk_held
 
@@ -16,9 +16,9 @@ W, WALKS = 50.0, 100
 def test_no_walk_leaves_the_set_while_torques_are_held(trained):
     model = model_of(trained, W)
     shape = set_of(model, pushed=True, widest=True)
-    assert isinstance(shape, FullOrder), shape
+    assert isinstance(shape, FullOrderConstants), shape
     found = find_disturbed(looks_in(model, shape), shape)
-    assert isinstance(found, Disturbed), found
+    assert isinstance(found, DisturbedConstants), found
     assert found.hold > 1e-3
     ticks = round(0.8 / found.hold)
     walked = walk_held(trained, shape, found.hold, walks=WALKS, ticks=ticks)

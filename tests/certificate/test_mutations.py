@@ -34,7 +34,7 @@ HOLDS = "every statement of the file holds"
 @pytest.fixture(autouse=True)
 def traced_here(monkeypatch):
     """The processes in which runs are traced again are tested elsewhere."""
-    monkeypatch.setattr(retrace, "ask", retrace.answer)
+    monkeypatch.setattr(retrace, "retrace_in_subprocess", retrace.describe_run)
 
 
 @pytest.fixture(scope="module")
@@ -121,7 +121,7 @@ def test_conclusions_that_do_not_follow_are_rejected(high, tmp_path):
             return 2, str(error)
         if wrong := inconsistencies(claims, claims.asked):
             return 1, wrong[0]
-        report = checker._concluded(claims, checker.Report("consistent", None, (), (), (), 0))
+        report = checker._concluded(claims, checker.CheckResult("consistent", None, (), (), (), 0))
         return code(report.verdict, report.reason), report.reason
 
     assert concluded(json.dumps(high.table).encode()) == (0, None)

@@ -14,26 +14,26 @@ from numpy.polynomial.chebyshev import chebint, chebval
 
 from neuralgaits.analysis.run import open_run
 from neuralgaits.barriers import Box, Gait, specs
-from neuralgaits.barriers.commanded import commands_of
-from neuralgaits.certificate.ground import friction_needed
-from neuralgaits.certificate.levels.chart import MOST_AXES, Chart
-from neuralgaits.certificate.levels.ladder import conclude
+from neuralgaits.barriers.commanded_spec import commands_of
+from neuralgaits.certificate.chart import MOST_AXES, Chart
+from neuralgaits.certificate.friction_requirement import friction_needed
+from neuralgaits.certificate.levels.level_search import LevelSets, fences_of, find_sets, look_at
+from neuralgaits.certificate.levels.levels import conclude
 from neuralgaits.certificate.levels.orbit import margins as orbit_margins
-from neuralgaits.certificate.levels.orbit.theorem import Orbit
+from neuralgaits.certificate.levels.orbit.theorem import OrbitConstants
 from neuralgaits.certificate.levels.problems import trace_certificate
-from neuralgaits.certificate.levels.sets import Sets, fences_of, find_sets, look_at
 from neuralgaits.certificate.levels.walking_set.find import find_set
-from neuralgaits.certificate.levels.walking_set.theorem import WalkingSet, walking_premises
+from neuralgaits.certificate.levels.walking_set.theorem import WalkingSetConstants, walking_premises
 from neuralgaits.certificate.proof_file.reader import Statement
-from neuralgaits.certificate.reading import read_certificate
 from neuralgaits.certificate.search.box_tree import BoxTree
 from neuralgaits.certificate.search.halving import to_text
 from neuralgaits.certificate.traced import step_at
+from neuralgaits.certificate.verified_summary import read_certificate
 from neuralgaits.errors import InputError, SpecError
 from neuralgaits.gait import HybridInvariantPolicy, ZeroDynamics
 from neuralgaits.programs import POINT, evaluate
 from neuralgaits.records.certified import box_in_words
-from neuralgaits.report import again
+from neuralgaits.report import repeat_commands
 from neuralgaits.robots import load_robot
 from neuralgaits.robots.dynamics import angular_momentum
 from neuralgaits.robots.parameter_box import parse_box
@@ -74,7 +74,7 @@ def test_the_program_at_a_robot_is_the_plain_one_of_an_edited_file(amber):
     spec = specs.robust(amber, BOX)
     gait = spec.new_gait(jax.random.key(0), "posture", None)
     assert isinstance(gait, Gait)
-    program = trace_certificate(spec, amber, gait, Sets())
+    program = trace_certificate(spec, amber, gait, LevelSets())
     assert program.inputs[0].shape == (spec.chart_size,) == (MOST_AXES,)
     rng, errors = np.random.default_rng(0), np.array([axis.half for axis in spec.parameters])
     errors *= rng.choice([-1.0, 1.0, 0.3], len(errors))
@@ -112,7 +112,7 @@ def test_a_gait_with_commands_has_the_robot_s_axes_behind_theirs(amber):
     # Of one condition alone: the whole Program is long.
     only = replace(spec, conditions=spec.conditions[2:3], aims=(), weights={})
     gait = spec.new_gait(jax.random.key(0), "posture", None)
-    program = trace_certificate(only, amber, gait, Sets())
+    program = trace_certificate(only, amber, gait, LevelSets())
     errors = np.array([0.01, -0.01, 0.005])
     other = edited("amber3m", dict(zip(names, errors, strict=True)))
     u = np.array([0.4, 0.3, 0.66, 0.67])
@@ -134,7 +134,7 @@ def test_a_gait_with_commands_has_the_robot_s_axes_behind_theirs(amber):
 def test_what_follows_for_commands_and_robots_says_both(amber):
     told = commands_of(speed=(0.6, 0.8))
     chart = Chart.of(told, specs.robust(amber, {"mass": 0.01}).parameters)
-    shape = WalkingSet(1e-3, 2e-3, 0.1, 0.8, (0.0, 0.0), (), (), ("speed",))
+    shape = WalkingSetConstants(1e-3, 2e-3, 0.1, 0.8, (0.0, 0.0), (), (), ("speed",))
     premises = walking_premises(shape)
     constants = {"set/reset-place": -1e-5, "set/steepness": -0.1}
     bounds = {(p.output, p.low, p.high): constants.get(p.output, 0.25) for p in premises}
@@ -155,7 +155,7 @@ def test_the_return_map_of_each_robot_has_the_slope_of_its_impact(amber):
     spec = specs.robust(amber, BOX)
     gait = spec.new_gait(jax.random.key(1), "posture", None)
     assert isinstance(gait, Gait)
-    orbit = Orbit("contraction alone", expansion=(0.25,))
+    orbit = OrbitConstants("contraction alone", expansion=(0.25,))
     rng, errors = np.random.default_rng(1), np.array([axis.half for axis in spec.parameters])
     errors *= rng.choice([-1.0, 1.0], len(errors))
     at, model = jnp.asarray([1.0, 0.3, *errors]), RobotFamily.of(amber, tuple(BOX))
@@ -252,8 +252,8 @@ def test_walks_over_any_footholds_stay_in_the_set_and_converge(trained):
 
 def test_a_page_gives_the_box_back_exactly():
     box = {"mass": 0.1 / 3.0, "com": 1e-5, "rotor": 0.05, "floor": 0.1 / 30.0, "friction": 0.45}
-    assert parse_box(again.box(box)) == box
-    assert again.box({}) == "none"
+    assert parse_box(repeat_commands.box(box)) == box
+    assert repeat_commands.box({}) == "none"
 
 
 def test_what_follows_names_the_box(amber):

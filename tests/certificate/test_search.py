@@ -7,7 +7,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from neuralgaits.certificate.levels.chart import Near
+from neuralgaits.certificate.chart import CoupledAxes
 from neuralgaits.certificate.levels.conditions.verdicts import verdict_on
 from neuralgaits.certificate.proof_file.writer import prove
 from neuralgaits.certificate.search import checkpoint, schedule
@@ -349,14 +349,14 @@ def test_a_file_of_boxes_says_what_the_search_knew(tmp_path, floor):
         np.testing.assert_array_equal(getattr(tree, name), getattr(state.tree, name))
     assert prove(problem, load(tmp_path / "boxes", problem)) == prove(problem, state)
     with pytest.raises(RunError, match="another gait"):
-        load(tmp_path / "boxes", replace(problem, near=(Near(0, 1, 0.5),)))
+        load(tmp_path / "boxes", replace(problem, coupled_axes=(CoupledAxes(0, 1, 0.5),)))
 
 
 def test_nothing_is_asked_where_axes_are_not_near():
     """A margin that is negative off the diagonal holds where the axes are near each other."""
     problem = _problem(near=lambda u: 0.3 - (u[0] - u[1]) ** 2)
     assert _run(problem).refuted
-    near = replace(problem, near=(Near(0, 1, 0.5),))
+    near = replace(problem, coupled_axes=(CoupledAxes(0, 1, 0.5),))
     state = _run(near)
     (statement,) = prove(near, state)
     assert not state.refuted and 0.0 <= statement.bounds["near"] <= 0.05
@@ -372,7 +372,7 @@ def test_what_costs_bounds_is_halved(late, weak, halved):
         curve = jnp.sin(6.0 * u[0]) + weak * (jnp.sin(6.0 * u[2]) + jnp.sin(6.0 * u[3]))
         return 1.01 + 2.0 * weak + curve + 1e-3 * u[1]
 
-    problem = replace(_problem((0.0,) * 4, (1.0,) * 4, margin=margin), late=late)
+    problem = replace(_problem((0.0,) * 4, (1.0,) * 4, margin=margin), weak_axes=late)
     # What every search begins with is left out: it halves axes in turn.
     state = search(
         problem, Search.untouched(problem), _confirm(problem), phase="decide", most=10**5

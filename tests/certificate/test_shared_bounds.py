@@ -11,7 +11,7 @@ from neuralgaits.certificate.search import schedule
 from neuralgaits.certificate.search.problem import Problem
 from neuralgaits.certificate.search.schedule import explore
 from neuralgaits.certificate.search.shared_bounds import SharedBounds, from_json, to_json
-from neuralgaits.engine import Done, Engine, Failure, Files, Job, Processes, Serial
+from neuralgaits.engine import Done, Failure, Files, Job, Processes, Serial, WorkerPool
 from neuralgaits.engine.task import Task
 from neuralgaits.programs.tracing.tracer import trace
 
@@ -26,7 +26,7 @@ def _problem(axes: int = 2) -> Problem:
     return Problem("square", low, high, ("ripple", "rest"), (1.0, 0.1), program, degree=1)
 
 
-class Backwards(Engine):
+class Backwards(WorkerPool):
     """Gives what it has done in the opposite order, and loses every third job."""
 
     name = "backwards"
@@ -47,7 +47,7 @@ class Backwards(Engine):
         """Nothing to close."""
 
 
-def _tree(problem: Problem, engine: Engine | None):
+def _tree(problem: Problem, engine: WorkerPool | None):
     bound_all = None if engine is None else SharedBounds(engine)
     (state,) = explore([problem], [None], lambda name, u: None, bound_all=bound_all)
     return state.tree

@@ -9,14 +9,14 @@ from typing import Any
 import pytest
 
 from neuralgaits.analysis.run import open_run
-from neuralgaits.certificate.levels.chart import PLAIN, Axis, Chart
-from neuralgaits.certificate.levels.ladder import LEVELS, conclude, labelled_premises, refusals
+from neuralgaits.certificate.chart import PLANE_ONLY, Axis, Chart
+from neuralgaits.certificate.levels.level_search import find_sets
+from neuralgaits.certificate.levels.levels import LEVELS, conclude, labelled_premises, refusals
 from neuralgaits.certificate.levels.problems import trace_certificate
-from neuralgaits.certificate.levels.sets import find_sets
 from neuralgaits.certificate.proof_file.consistency import inconsistencies
 from neuralgaits.certificate.proof_file.reader import read_claims
 from neuralgaits.certificate.proof_file.theorem_tables import Theorems
-from neuralgaits.certificate.reading import hashes, read_certificate
+from neuralgaits.certificate.verified_summary import hashes, read_certificate
 from neuralgaits.errors import SpecError
 from neuralgaits.export.source import gait_files
 from neuralgaits.records.levels import HIGHEST_OF_MANY, WORDS
@@ -162,7 +162,7 @@ def test_levels_and_their_words_are_about_the_same_gaits(highest):
 def test_full_order_is_not_about_footholds_of_unknown_height(highest):
     known = dict(highest.theorems.parameters)
     known[2] = replace(known[2], floor=0.01)
-    assert set(refusals(known, PLAIN)) == {4, 5}
+    assert set(refusals(known, PLANE_ONLY)) == {4, 5}
 
 
 def test_full_order_is_not_traced_for_a_gait_with_commands(highest):

@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 
 from neuralgaits.certificate import retrace
-from neuralgaits.certificate.levels.chart import PLAIN
+from neuralgaits.certificate.chart import PLANE_ONLY
 from neuralgaits.certificate.traced import trace_spec
 from neuralgaits.programs import Program
 from neuralgaits.programs.prune import prune
@@ -20,7 +20,7 @@ NAME, REGION = "tube-width", "fence-lower"
 @pytest.fixture(autouse=True)
 def traced_here(monkeypatch):
     """The processes of their own are tested elsewhere."""
-    monkeypatch.setattr(retrace, "ask", retrace.answer)
+    monkeypatch.setattr(retrace, "retrace_in_subprocess", retrace.describe_run)
 
 
 @pytest.fixture(scope="module")
@@ -42,7 +42,7 @@ def table(trained, program) -> dict[str, Any]:
         "spec": {"name": "walking", "sha256": sha256((trained.path / SPEC).read_bytes())},
         "program": json.loads(program.to_json()),
         "program_hash": program.hash,
-        "chart": PLAIN.table(),
+        "chart": PLANE_ONLY.table(),
         "theorems": [],
         "model": None,
         "statements": [claim],

@@ -6,9 +6,13 @@ import numpy as np
 import pytest
 
 from neuralgaits.certificate.levels.full_order.inequalities import inequalities
-from neuralgaits.certificate.levels.full_order.looks import looks_of, set_of, what_is_seen
 from neuralgaits.certificate.levels.full_order.norm import Planned, find_widest
-from neuralgaits.certificate.levels.full_order.theorem import FullOrder, weighting
+from neuralgaits.certificate.levels.full_order.sample_evaluators import (
+    looks_of,
+    set_of,
+    what_is_seen,
+)
+from neuralgaits.certificate.levels.full_order.theorem import FullOrderConstants, weighting
 from neuralgaits.errors import InputError
 from neuralgaits.workflows.certify import certify
 from support.full_order_check import check_by_force, model_of
@@ -30,13 +34,13 @@ def seen(model):
 @pytest.fixture(scope="module")
 def shape(model):
     found = set_of(model, widest=True)
-    assert isinstance(found, FullOrder), found
+    assert isinstance(found, FullOrderConstants), found
     return found
 
 
 def test_it_is_larger_than_the_usual_one_at_both_ends_of_a_step(trained, shape):
     usual = set_of(model_of(trained, 30.0))
-    assert isinstance(usual, FullOrder)
+    assert isinstance(usual, FullOrderConstants)
     assert all(inequality.holds for inequality in inequalities(shape))
     # In plain coordinates, too: the largest ball around zero that is inside.
     stretch = np.linalg.norm(weighting(shape.weights, 4), 2)

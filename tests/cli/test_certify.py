@@ -11,7 +11,7 @@ from neuralgaits.cli.main import main
 from neuralgaits.cli.progress import ProofProgress
 from neuralgaits.records.certified import (
     HIGHEST,
-    Certified,
+    CertificateRecord,
     Conclusion,
     ConditionVerdict,
     Counterexample,
@@ -92,7 +92,7 @@ def test_the_help_names_every_level(capfd: Captured) -> None:
 
 def test_almost_proved_does_not_read_as_proved(capsys: Captured) -> None:
     point = Counterexample(u=(0.5, 0.5), z=(0.01, 17.5), margin=-0.25)
-    result = Certified(
+    result = CertificateRecord(
         verdict="refuted",
         level=2,
         levels=(Conclusion(2, "undecided", "no strip"),),
@@ -115,7 +115,7 @@ def test_almost_proved_does_not_read_as_proved(capsys: Captured) -> None:
 def test_what_is_proved_in_a_part_is_said_and_stands_last(capsys: Captured) -> None:
     whole = {f"whole{k}": ConditionVerdict("undecided", 1.0, 7, None, None, 0) for k in range(20)}
     almost = ConditionVerdict("undecided", float(np.nextafter(1.0, 0.0)), 7, None, None, 0)
-    result = Certified(
+    result = CertificateRecord(
         verdict="undecided",
         level=1,
         levels=(),
@@ -134,7 +134,7 @@ def test_what_is_proved_in_a_part_is_said_and_stands_last(capsys: Captured) -> N
 def test_of_a_part_what_is_left_out_of_the_table_is_called_proved_in_it(capsys: Captured) -> None:
     entry = ConditionVerdict("undecided", 1.0, 7, None, None, 0)
     conditions = {f"whole{k}": entry for k in range(20)}
-    result = Certified(
+    result = CertificateRecord(
         verdict="undecided", level=1, levels=(), boxes=9, wall_s=1.5, conditions=conditions
     )
     proof_screen.show_proof(result)

@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import pytest
 
 from neuralgaits.cli.main import main
-from neuralgaits.records.walked import EpisodesDone
+from neuralgaits.records.episode_records import EpisodesDone
 from neuralgaits.workflows import episodes as workflow
 
 ENTRY = {

@@ -15,8 +15,8 @@ from neuralgaits.errors import InputError
 from neuralgaits.records.simulated import Simulated
 from neuralgaits.robots import load_robot
 from neuralgaits.robots.mjcf.loader import robot_from_text
-from neuralgaits.simulation.asked_together import about_other_robot, link_of
-from neuralgaits.simulation.setup.disturbance import Disturbance
+from neuralgaits.simulation.incompatible_settings import about_other_robot, link_of
+from neuralgaits.simulation.setup.disturbance import PlantChanges
 from neuralgaits.workflows import check_proof as checking
 from neuralgaits.workflows import train, train_seeds
 from support.shipped_run import SHIPPED
@@ -120,14 +120,14 @@ def test_a_speed_that_is_refused_is_not_doubted_too(tmp_path, capfd, monkeypatch
     assert "seed from 0" in line_of(capfd, "train", "amber3m", "--speed", "5", "--seed", "-1")
 
 
-ENCODERS = Disturbance(estimator=1.0)
+ENCODERS = PlantChanges(estimator=1.0)
 
 
 @pytest.mark.parametrize(
     ("link", "controller", "disturbance", "way"),
     [
-        ("loss=0.1", "fblin", Disturbance(), "write --controller c --link law=fblin,lockstep=1"),
-        ("loss=0.1", Fblin(), Disturbance(), "write --controller c --link lockstep=1"),
+        ("loss=0.1", "fblin", PlantChanges(), "write --controller c --link law=fblin,lockstep=1"),
+        ("loss=0.1", Fblin(), PlantChanges(), "write --controller c --link lockstep=1"),
         ("loss=0.1", "pd", ENCODERS, "leaving --link out, or write --controller c --link"),
         ("loss=0.1", "c", ENCODERS, "--controller pd --sensing encoders and without --link"),
         (None, "c", ENCODERS, "--controller pd --sensing encoders, which estimates"),
@@ -142,7 +142,7 @@ def test_what_contradicts_names_a_combination_that_works(link, controller, distu
 def test_the_combinations_that_are_named_work():
     assert link_of(None, "pd", ENCODERS) is None
     for words in ("law=fblin,lockstep=1", "lockstep=1"):
-        assert link_of(words, "c", Disturbance()) is not None
+        assert link_of(words, "c", PlantChanges()) is not None
 
 
 @pytest.mark.parametrize(

@@ -14,8 +14,8 @@ import pytest
 import neuralgaits
 from neuralgaits import errors
 from neuralgaits._cache import cache_folder
+from neuralgaits.cli import argv_parser, misspelt, verbs
 from neuralgaits.cli import main as entry
-from neuralgaits.cli import misspelt, verbs, words
 from neuralgaits.cli.main import main
 from neuralgaits.cli.outcome import Outcome
 from neuralgaits.runs import RUNS_ROOT, RunFolder, finish
@@ -227,12 +227,12 @@ def test_the_help_breaks_lines_where_the_terminal_ends(
 
 def test_every_option_of_every_verb_is_known_to_the_speller() -> None:
     """The parser and the look-out for misspelt words read the same classes."""
-    for name, verb in words._VERBS.items():
+    for name, verb in argv_parser._VERBS.items():
         for option, one in misspelt.options_of(verb).items():
             value = one.kind[0] if isinstance(one.kind, tuple) else "1"
             given = [option] if one.kind is bool else [option, value]
-            misspelt.refuse_misspelt([name, *given, "--help"], words._VERBS)
-    options = misspelt.options_of(words._VERBS["train"])
+            misspelt.refuse_misspelt([name, *given, "--help"], argv_parser._VERBS)
+    options = misspelt.options_of(argv_parser._VERBS["train"])
     assert {"--step-length", "--certify", "--json"} <= set(options)
     assert "--robot" not in options
 
@@ -352,6 +352,6 @@ def test_what_cannot_be_used_is_one_line(
 def test_settings_are_named_as_the_arguments_of_the_workflow(
     line: str, workflow: Any, left_out: tuple[str, ...]
 ) -> None:
-    given = words.options(words.read(line.split()), *left_out)
+    given = argv_parser.options(argv_parser.read(line.split()), *left_out)
     inspect.signature(workflow).bind(**given)
     assert not {"output", "at_work", *left_out} & set(given)

@@ -11,11 +11,11 @@ import pytest
 
 from neuralgaits.analysis.run import open_run
 from neuralgaits.cli import verbs
-from neuralgaits.cli.arguments import Certify, Train
+from neuralgaits.cli.arguments import CertifyOptions, TrainOptions
+from neuralgaits.cli.argv_parser import read, verb_name
 from neuralgaits.cli.main import main
-from neuralgaits.cli.words import read
 from neuralgaits.records.simulated import SUMMARY, Simulated
-from neuralgaits.report.again import certifying, simulating
+from neuralgaits.report.repeat_commands import certifying, simulating
 from neuralgaits.robots import registry
 from neuralgaits.runs import RunFolder
 from neuralgaits.viewer.sureness import how_sure
@@ -83,8 +83,8 @@ def test_commands_about_a_run_of_an_own_robot(own, at, capfd):
     assert place.call(capfd, "report", str(place.run)) == 0
     page = (place.run / "report.html").read_text()
     asked = check(on_page(page))
-    kinds = {type(verb).__name__ for verb in asked}
-    assert kinds >= {"Train", "Simulate", "Certify", "Report", "Fit", "Episodes"}
+    kinds = {verb_name(type(verb)) for verb in asked}
+    assert kinds >= {"train", "simulate", "certify", "report", "fit", "episodes"}
     check(on_screen(place.screens))
     # Of a certificate it depends on what the budget allowed whether there is a proof to check.
     bare = shutil.copytree(
@@ -137,8 +137,13 @@ def test_commands_about_a_run_of_a_built_in_robot(built_in, at, capfd, monkeypat
     assert place.call(capfd, "report", run) == 0
     lines = on_page((place.run / "report.html").read_text())
     asked = check(lines)
-    assert {type(verb).__name__ for verb in asked} >= {"Train", "Simulate", "Certify", "CheckProof"}
-    (trained,) = (verb for verb in asked if isinstance(verb, Train))
+    assert {verb_name(type(verb)) for verb in asked} >= {
+        "train",
+        "simulate",
+        "certify",
+        "check-proof",
+    }
+    (trained,) = (verb for verb in asked if isinstance(verb, TrainOptions))
     assert (trained.robot, trained.spec) == ("amber3m", "walking")
     check(on_screen(place.screens))
     check(on_page(f"<code>{how_sure(open_run(run)).words}</code>"))
@@ -153,7 +158,7 @@ def test_an_own_robot_with_a_built_in_name_is_its_own_file(own, at):
     shutil.copytree(place.run, copy)
     config = json.loads((copy / "config.json").read_text()) | {"robot": "amber3m"}
     (copy / "config.json").write_text(json.dumps(config))
-    from neuralgaits.report.again import robot_word
+    from neuralgaits.report.repeat_commands import robot_word
 
     assert robot_word(RunFolder.open(copy)) == str(copy / "robot.xml")
 
@@ -187,7 +192,7 @@ def test_a_proof_of_narrower_ranges_is_asked_for_again():
     within = {"slope": (math.radians(-1.0), math.radians(2.0)), "speed": (0.7, 0.72)}
     line = certifying(Path("a run"), 2, (), within)
     verb = read(shlex.split(line)[1:])
-    assert isinstance(verb, Certify)
+    assert isinstance(verb, CertifyOptions)
     asked = verbs._ranges(verb.within)
     assert set(asked) == set(within)
     for name, ends in within.items():

@@ -8,7 +8,7 @@ import pytest
 
 from neuralgaits.cli import screen
 from neuralgaits.cli.usage import condense
-from neuralgaits.records.installed import BuiltIn, Named
+from neuralgaits.records.installed import BuiltIn, CatalogueEntry
 from neuralgaits.records.simulated import Simulated
 from neuralgaits.records.trained import Trained, Violations
 from support.shipped_run import SHIPPED
@@ -124,7 +124,7 @@ def test_conditions_that_hold_are_one_line(capsys: pytest.CaptureFixture[str]) -
 
 
 def test_names_are_not_read_as_markup(capsys: pytest.CaptureFixture[str]) -> None:
-    screen.show_names(BuiltIn((Named("[red]robot[/red]", "x"),), ()))
+    screen.show_names(BuiltIn((CatalogueEntry("[red]robot[/red]", "x"),), ()))
     assert "[red]robot[/red]" in capsys.readouterr().out
 
 

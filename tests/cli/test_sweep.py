@@ -19,7 +19,7 @@ WORDS = ["sweep", "amber3m", "--certify", "2", "--disturbances", "none", "--out"
 def quick(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(workflow, "carry_out", sweep_rows.made_up)
-    monkeypatch.setattr(workflow, "engine_for", lambda workers, ray: Serial())
+    monkeypatch.setattr(workflow, "worker_pool_for", lambda workers, ray: Serial())
 
 
 def test_a_line_a_row_and_the_page_at_the_end(capsys: pytest.CaptureFixture[str]) -> None:

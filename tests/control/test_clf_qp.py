@@ -9,7 +9,7 @@ from scipy.optimize import nnls
 from neuralgaits._quick_jit import quick_filter_jit, quick_jit
 from neuralgaits.control import ClfQp, Fblin, interior_point
 from neuralgaits.control.interior_point import QuadraticProgram, minimise
-from neuralgaits.control.law import Demand, Reading
+from neuralgaits.control.law import Demand, MeasuredState
 from neuralgaits.control.momentum import zero_state
 from neuralgaits.gait import BezierPolicy
 
@@ -18,7 +18,7 @@ STRONG = 1e4
 
 
 def reading_of(robot, q, dq):
-    return Reading(q, dq, *zero_state(robot, q, dq, np.zeros(2)))
+    return MeasuredState(q, dq, *zero_state(robot, q, dq, np.zeros(2)))
 
 
 def a_case(robot, rng):
@@ -117,7 +117,7 @@ def test_it_is_fblin_where_that_is_possible_and_says_where_it_is_not(amber, rng)
     def limited(robot, limit):
         desired = law.desired(robot, policy, reading)
         wanted = fblin.torque(robot, reading, desired)
-        found = law.within(robot, Demand(reading, desired, wanted, jnp.full(4, limit)))
+        found = law.apply_limits(robot, Demand(reading, desired, wanted, jnp.full(4, limit)))
         ddq = robot.acceleration(q, dq, found.torque)
         return wanted, found, robot.ground_reaction_force(q, dq, ddq)
 

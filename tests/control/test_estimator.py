@@ -7,7 +7,7 @@ from scipy.linalg import expm
 
 from neuralgaits._quick_jit import quick_filter_jit
 from neuralgaits.control import estimator as estimators
-from neuralgaits.control.estimator import Estimator, Known, start
+from neuralgaits.control.estimator import Estimator, EstimatorState, start
 from neuralgaits.control.measurement import Measurement, coordinates, leg_joints, pitch_rate
 from neuralgaits.control.stance import StanceState
 from neuralgaits.robots.dynamics import (
@@ -84,7 +84,7 @@ def test_a_touchdown_keeps_the_momentum_of_a_plastic_impact(robot, rng):
     """Joint rates of before, but the momentum about the new foot that the impact gives."""
     q, dq = rng.uniform(-0.6, 0.6, (2, robot.n))
     before = measured(robot, q, dq, jnp.asarray(0))
-    known = Known(before, jnp.zeros_like(before.angles), jnp.ones((), bool))
+    known = EstimatorState(before, jnp.zeros_like(before.angles), jnp.ones((), bool))
     # What was predicted, so that nothing is corrected.
     reading = before._replace(
         pitch=before.pitch + PERIOD * before.dpitch,

@@ -6,8 +6,8 @@ import pytest
 
 from neuralgaits._quick_jit import quick_jit
 from neuralgaits.control import PAPER, Fblin, Pd
-from neuralgaits.control.inverse_dynamics import settled
-from neuralgaits.control.law import Reading
+from neuralgaits.control.inverse_dynamics import impact_consistent_rates
+from neuralgaits.control.law import MeasuredState
 from neuralgaits.control.momentum import zero_state
 from neuralgaits.control.pd import BANDWIDTH, MOST, SLOWEST
 from neuralgaits.gait import BezierPolicy, ZeroDynamics
@@ -16,7 +16,7 @@ from neuralgaits.gait.posture import momentum_unit, walking_posture
 
 
 def reading_of(robot, q, dq):
-    return Reading(q, dq, *zero_state(robot, q, dq, np.zeros(2)))
+    return MeasuredState(q, dq, *zero_state(robot, q, dq, np.zeros(2)))
 
 
 def a_case(robot, rng):
@@ -63,7 +63,7 @@ def test_settled_rates_meet_the_outputs_at_the_same_momentum(robot, rng):
     for _ in range(3):
         policy, q, dq = a_case(robot, rng)
         measured = reading_of(robot, q, dq)
-        found = settled(robot, policy, measured)
+        found = impact_consistent_rates(robot, policy, measured)
         z, dz = zero_state(robot, q, found.dq, np.zeros(2))
         np.testing.assert_allclose(z, measured.z, atol=1e-9)
         np.testing.assert_allclose(found.dz, dz, atol=1e-9)
@@ -72,7 +72,7 @@ def test_settled_rates_meet_the_outputs_at_the_same_momentum(robot, rng):
 
 def test_fblin_stays_finite_where_no_torque_can_linearise(amber):
     law = Fblin()
-    reading = Reading(jnp.zeros(5), jnp.zeros(5), jnp.zeros(2), jnp.zeros(2))
+    reading = MeasuredState(jnp.zeros(5), jnp.zeros(5), jnp.zeros(2), jnp.zeros(2))
     desired = law.desired(amber, lambda z: jnp.array([0.0, 0.0, 0.0, 0.0]) * z[0], reading)
     row = amber.mass_matrix(jnp.zeros(5))[0]
     along = jnp.concatenate([1.0 / amber.hip_gradient[:1], jnp.zeros(4)])
@@ -95,7 +95,7 @@ def test_pd_is_spring_and_damper_around_the_policy(amber, rng):
 
 def test_the_feed_forward_keeps_outputs_that_are_met(robot, rng):
     """Where the outputs have no error, they get none: by differentiating along the dynamics."""
-    law = Pd().fitted(robot)
+    law = Pd().with_gains_for(robot)
     bezier = BezierPolicy(rng.uniform(-0.3, 0.3, (robot.n - 1, 5)), (-0.2, 0.2))
     zd = ZeroDynamics(robot, bezier)
 
@@ -131,7 +131,10 @@ def responses(robot):
 
 def test_gains_fit_the_inertia_that_a_motor_feels(robot):
     """A step in one torque alone, by the full dynamics; given gains are left as they are."""
-    law, given = Pd(bandwidth=30.0).fitted(robot), Pd(stiffness=(7.0,)).fitted(robot)
+    law, given = (
+        Pd(bandwidth=30.0).with_gains_for(robot),
+        Pd(stiffness=(7.0,)).with_gains_for(robot),
+    )
     inertia = 1.0 / jnp.diag(responses(robot))
     np.testing.assert_allclose(law.stiffness, 900.0 * inertia, rtol=1e-9)
     np.testing.assert_allclose(law.damping, 60.0 * inertia, rtol=1e-9)
@@ -142,7 +145,7 @@ def test_joints_do_not_give_way_together_slowly(robot):
     """Natural frequencies of errors under the fitted stiffness, by the full dynamics."""
     light = eqx.tree_at(lambda r: r.armature, robot, jnp.zeros(robot.n))
     for model in (robot, light):
-        stiffness = np.array(Pd().fitted(model).stiffness)
+        stiffness = np.array(Pd().with_gains_for(model).stiffness)
         squares = np.linalg.eigvals(np.asarray(responses(model)).T * stiffness).real
         w = float(np.sqrt(stiffness[0] / joint_inertia(model)[0]))
         assert BANDWIDTH <= w * (1 + 1e-9) and w <= MOST * (1 + 1e-9)

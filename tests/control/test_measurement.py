@@ -14,9 +14,9 @@ from neuralgaits.simulation.ticks.wiring import measure
 
 def measured(robot, q, dq, leg, foot_velocity):
     """A measurement in a state of the plant, the stance foot moving at `foot_velocity`."""
-    wires = build(robot).wires
-    sensors = wires.sensors(*wires.to_mjcf(q, dq, leg, (0.3, 0.1), foot_velocity))
-    _, swept = wires.layout.hip_arm(sensors.pitch - wires.layout.root_angle, np)
+    state_map = build(robot).state_map
+    sensors = state_map.sensors(*state_map.to_mjcf(q, dq, leg, (0.3, 0.1), foot_velocity))
+    _, swept = state_map.layout.hip_arm(sensors.pitch - state_map.layout.root_angle, np)
     return measure(sensors, swept, jnp.zeros(()), jnp.zeros(2))
 
 

@@ -15,7 +15,7 @@ def test_momentum_is_that_of_mujoco_whatever_the_foot_does(robot, rng):
     for _ in range(20):
         q, dq = rng.uniform(-1, 1, (2, robot.n))
         foot, velocity = rng.uniform(-1, 1, (2, 2))
-        data.qpos[:], data.qvel[:] = plant.wires.to_mjcf(q, dq, 0, foot, velocity)
+        data.qpos[:], data.qvel[:] = plant.state_map.to_mjcf(q, dq, 0, foot, velocity)
         mujoco.mj_fwdPosition(model, data)
         mujoco.mj_fwdVelocity(model, data)
         mujoco.mj_subtreeVel(model, data)

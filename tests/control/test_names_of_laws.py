@@ -7,12 +7,12 @@ import pytest
 from neuralgaits.cli import arguments
 from neuralgaits.control.laws import EXPORTED, LAWS, law_named
 from neuralgaits.errors import InputError
-from neuralgaits.records.walked import EpisodesAsked
-from neuralgaits.simulation.asked_together import REMOTE
+from neuralgaits.records.episode_records import EpisodesAsked
+from neuralgaits.simulation.incompatible_settings import REMOTE
 
 
 def test_the_command_line_knows_every_law():
-    assert get_args(get_type_hints(arguments.Simulate)["controller"]) == (*LAWS, REMOTE)
+    assert get_args(get_type_hints(arguments.SimulateOptions)["controller"]) == (*LAWS, REMOTE)
 
 
 def test_episodes_are_read_back_under_every_law():

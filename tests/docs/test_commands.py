@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
+from neuralgaits.cli.argv_parser import read
 from neuralgaits.cli.main import main
-from neuralgaits.cli.words import read
 from neuralgaits.robots import built_in
 from support import pages
 

@@ -8,7 +8,7 @@ import pytest
 import neuralgaits
 from neuralgaits.cli.main import main
 from neuralgaits.report.makers import MAKERS, OF_FAMILIES
-from neuralgaits.simulation.setup.disturbance import Disturbance
+from neuralgaits.simulation.setup.disturbance import PlantChanges
 from support import pages
 
 
@@ -49,7 +49,7 @@ def test_the_command_line_page_has_every_verb(capsys):
 def test_the_page_on_control_has_every_disturbance():
     page = pages.read(pages.ROOT / "docs" / "control.md")
     rows = re.findall(r"^\| `(\w+)` \| (.*?)(?:[,:] .*)? \| (\S+) to (\S+) \|$", page, re.MULTILINE)
-    known = [(one.name, one.metadata) for one in fields(Disturbance)]
+    known = [(one.name, one.metadata) for one in fields(PlantChanges)]
     assert [name for name, *_ in rows] == [name for name, _ in known]
     for (_, meaning, low, high), (_, about) in zip(rows, known, strict=True):
         assert about["meaning"].startswith(meaning.partition(",")[0])

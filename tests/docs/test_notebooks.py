@@ -9,7 +9,7 @@ import pytest
 
 from neuralgaits.analysis.run import open_run
 from neuralgaits.barriers import specs
-from neuralgaits.records.certified import Certified
+from neuralgaits.records.certified import CertificateRecord
 from neuralgaits.workflows import certify as proving
 from neuralgaits.workflows import figures as drawing
 from neuralgaits.workflows import train as training
@@ -55,9 +55,9 @@ def compare(path):
 def test_the_first_gait(beside, monkeypatch):
     """On the shipped run, trained and proved as the notebook does it."""
     folder = shutil.copytree(SHIPPED, beside / "run")
-    proved = Certified.read(folder / "certificate" / "summary.json")
+    proved = CertificateRecord.read(folder / "certificate" / "summary.json")
     monkeypatch.setattr(training, "train", lambda robot, seed: open_run(folder))
-    monkeypatch.setattr(proving, "certify", lambda run: proving.Certificate(proved))
+    monkeypatch.setattr(proving, "certify", lambda run: proving.CertifyResult(proved))
     # The one that it shows.
     monkeypatch.setattr(
         drawing, "MAKERS", [row for row in drawing.MAKERS if row[0] == "phase-portrait"]

@@ -10,7 +10,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from neuralgaits.engine import Engine, Job, Processes, Serial, engine_for
+from neuralgaits.engine import Job, Processes, Serial, WorkerPool, worker_pool_for
 from neuralgaits.engine.carry import differing, versions
 from neuralgaits.engine.on_ray import OnRay
 from neuralgaits.errors import InputError
@@ -26,7 +26,7 @@ def engine(request: pytest.FixtureRequest):
     makers = {
         "serial": Serial,
         "processes": lambda: Processes(2),
-        "ray": lambda: engine_for(2, "local"),
+        "ray": lambda: worker_pool_for(2, "local"),
     }
     with pytest.MonkeyPatch.context() as patch:
         # Ray's workers have their own path, and the tasks of these tests are in no package.
@@ -39,7 +39,7 @@ def _jobs(count: int):
     return (Job(str(n), {"n": n}, {"b": b"own"}) for n in range(count))
 
 
-def test_every_job_is_done_once_with_its_own_files_and_those_of_all(engine: Engine) -> None:
+def test_every_job_is_done_once_with_its_own_files_and_those_of_all(engine: WorkerPool) -> None:
     done = list(engine.map(tasks.echo, _jobs(7), common={"a": b"all "}))
     assert {one.name: one.files for one in done} == {
         str(n): {"out": b"all own" + str(n).encode()} for n in range(7)
@@ -50,7 +50,7 @@ def test_every_job_is_done_once_with_its_own_files_and_those_of_all(engine: Engi
     assert alone.files == {"out": b"own0"}
 
 
-def test_a_task_that_fails_says_why_in_one_line_and_the_others_go_on(engine: Engine) -> None:
+def test_a_task_that_fails_says_why_in_one_line_and_the_others_go_on(engine: WorkerPool) -> None:
     done = {one.name: one for one in engine.map(tasks.refuses_odd, _jobs(6))}
     assert [done[str(n)].files.get("n") for n in (0, 2)] == [b"0", b"2"]
     refused = done["3"].failure
@@ -61,7 +61,7 @@ def test_a_task_that_fails_says_why_in_one_line_and_the_others_go_on(engine: Eng
 
 
 def test_a_task_whose_worker_dies_is_tried_again_and_given_up_at_last(
-    engine: Engine, tmp_path: Path
+    engine: WorkerPool, tmp_path: Path
 ) -> None:
     if isinstance(engine, Serial):
         pytest.skip("it has no worker but this process")
@@ -76,7 +76,7 @@ def test_a_task_whose_worker_dies_is_tried_again_and_given_up_at_last(
     assert lost is not None and lost.kind == "lost" and "died" in lost.reason
 
 
-def test_jobs_are_taken_as_workers_become_free(engine: Engine) -> None:
+def test_jobs_are_taken_as_workers_become_free(engine: WorkerPool) -> None:
     taken = itertools.count()
 
     def endless():
@@ -103,7 +103,7 @@ def test_a_task_that_wants_more_memory_than_its_worker_may_have_says_so() -> Non
     assert done[1].files == {"bytes": str(2**20).encode()}
 
 
-def test_a_full_disk_is_the_fault_of_a_worker_and_not_of_the_task(engine: Engine) -> None:
+def test_a_full_disk_is_the_fault_of_a_worker_and_not_of_the_task(engine: WorkerPool) -> None:
     for done in engine.map(tasks.fills_disk, _jobs(2)):
         assert done.failure is not None and done.failure.kind == "lost"
         assert "a worker found its disk full" in done.failure.reason
@@ -152,7 +152,7 @@ def test_engines_that_cannot_be_had_are_refused_in_one_line(
     workers: int | None, ray: str | None, line: str
 ) -> None:
     with pytest.raises(InputError, match="^" + line.replace(".", r"\.")) as refused:
-        engine_for(workers, ray)
+        worker_pool_for(workers, ray)
     assert "\n" not in str(refused.value)
 
 

@@ -8,9 +8,9 @@ from neuralgaits.errors import SpecError
 from neuralgaits.export.float_bound import largest_errors
 from neuralgaits.export.programs import path, rate
 from neuralgaits.programs import POINT, evaluate
+from neuralgaits.programs.c99.constant_arrays import Tables
 from neuralgaits.programs.c99.function import emit
-from neuralgaits.programs.c99.layout import BLOCK, WIDEST
-from neuralgaits.programs.c99.tables import Tables
+from neuralgaits.programs.c99.operation_layout import BLOCK, WIDEST
 from neuralgaits.programs.ops import KINDS
 from neuralgaits.programs.tracing.tracer import trace
 from support.compiled import DOUBLE, FLOAT, filter_program, filter_source, through

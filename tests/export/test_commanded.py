@@ -13,7 +13,7 @@ from neuralgaits.export.reference import Reference
 from neuralgaits.export.selftest import selftest_file
 from neuralgaits.export.source import gait_files
 from neuralgaits.programs import evaluate
-from neuralgaits.programs.algebras.point import POINT
+from neuralgaits.programs.algebras.point_algebra import POINT
 from support.compiled import folder_with
 from support.designs import FOOTHOLDS, LAWS, SPEED, commanded_design
 
@@ -58,12 +58,12 @@ def test_c_does_what_python_does(told, files, asked, tmp_path):
 
 PLANTED = {
     "a wish that is not clamped": (
-        r"state->wanted\[i\] = ng_clamp\(given, ng_command_low\[i\], ng_command_high\[i\]\)",
-        "state->wanted[i] = given",
+        r"state->requested\[i\] = ng_clamp\(given, ng_command_low\[i\], ng_command_high\[i\]\)",
+        "state->requested[i] = given",
     ),
     "a NaN that is taken": (r"if \(given == given\)", "if (1)"),
     "a change at once": (
-        r"ng_clamp\(state->wanted\[i\], last - change, last \+ change\)",
+        r"ng_clamp\(state->requested\[i\], last - change, last \+ change\)",
         "last + 0 * change",
     ),
     "a step that is not computed": (
@@ -96,7 +96,7 @@ def test_the_cases_meet_every_wish(told, asked):
     assert np.isnan(cases.given).any() and (cases.given < low).any() and (cases.given > high).any()
     down = (ticks.fault == 0) & (ticks.touchdown > 0.5)
     np.testing.assert_array_equal(ticks.before[down], cases.after[down])
-    reached = np.abs(ticks.after[down] - ticks.wanted[down]) < 1e-6
+    reached = np.abs(ticks.after[down] - ticks.requested[down]) < 1e-6
     assert reached.any()
     # Only where a change is limited does a wish wait for further steps.
     assert reached.all() == all(c.largest_change is None for c in told.commands)

@@ -37,4 +37,4 @@ def test_the_command_line_offers_every_format():
 
     from neuralgaits.cli import arguments
 
-    assert get_args(get_type_hints(arguments.Export)["format"]) == tuple(workflow.WRITERS)
+    assert get_args(get_type_hints(arguments.ExportOptions)["format"]) == tuple(workflow.WRITERS)

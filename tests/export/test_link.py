@@ -8,13 +8,13 @@ import pytest
 
 from neuralgaits import logs
 from neuralgaits.errors import InputError
-from neuralgaits.export import build, writing
+from neuralgaits.export import build, output_folder
 from neuralgaits.export.source import gait_files
 from neuralgaits.simulation.linked.channel import Channel
 from neuralgaits.simulation.linked.config import LinkConfig, parse_link
 from neuralgaits.simulation.linked.connect import SOURCES
 from neuralgaits.simulation.linked.remote import Remote
-from neuralgaits.simulation.linked.wire import Link
+from neuralgaits.simulation.linked.wire import ControllerLink
 from neuralgaits.simulation.setup.starts import full_states, momentum_range
 from neuralgaits.simulation.walk import walk
 from neuralgaits.workflows.export import design_of
@@ -26,7 +26,7 @@ STEPS = 4
 @pytest.fixture(scope="module")
 def program(trained, tmp_path_factory):
     folder = tmp_path_factory.mktemp("link")
-    for name, text in (writing.shipped() | gait_files(design_of(trained))).items():
+    for name, text in (output_folder.shipped() | gait_files(design_of(trained))).items():
         (folder / name).write_text(text)
     return build.build("gcc", folder, "controller", SOURCES, build.PLAIN)
 
@@ -107,7 +107,7 @@ def test_it_walks_with_lost_and_late_packets(trained, program):
 
 @pytest.fixture
 def link(program):
-    with Link(program) as open_link:
+    with ControllerLink(program) as open_link:
         yield open_link
 
 

@@ -5,7 +5,7 @@ import subprocess
 
 import pytest
 
-from neuralgaits.export import writing
+from neuralgaits.export import output_folder
 from neuralgaits.export.source import _quoted, gait_files
 from neuralgaits.robots import load_robot
 from support.designs import LAWS, design_for
@@ -21,7 +21,7 @@ def test_names_end_no_comment(tmp_path):
     assert "evil" in files["gait.h"]
     outside = re.sub(r"/\*.*?\*/", "", files["gait.h"], flags=re.DOTALL)
     assert "evil" not in outside
-    for name, text in (writing.shipped() | files).items():
+    for name, text in (output_folder.shipped() | files).items():
         (tmp_path / name).write_text(text)
     command = ["gcc", "-std=c99", "-pedantic", "-Wall", "-Werror", "-c", "gait.c", "-o", "gait.o"]
     subprocess.run(command, cwd=tmp_path, check=True)

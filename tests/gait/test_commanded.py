@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 
 from neuralgaits.barriers import specs
-from neuralgaits.barriers.commanded import commands_of
-from neuralgaits.barriers.regions import CommandedTube
+from neuralgaits.barriers.commanded_spec import commands_of
 from neuralgaits.errors import InputError, SpecError
 from neuralgaits.gait import HybridInvariantPolicy, ZeroDynamics
 from neuralgaits.gait.commands import Command, Pair, all_pairs, pair_at, plain_curves, values
@@ -16,6 +15,7 @@ from neuralgaits.gait.coordinates import lift
 from neuralgaits.gait.policies.commanded import CommandedPolicy
 from neuralgaits.gait.policies.step_ends import Foothold, on_foothold_exactly
 from neuralgaits.gait.posture import hip_indices, walking_posture
+from neuralgaits.gait.tubes import CommandedTube
 from neuralgaits.robots import load_robot
 from neuralgaits.robots.dynamics import swing_foot
 
@@ -128,7 +128,7 @@ def test_one_command_that_stays_is_an_ordinary_policy():
         lambda p: (p.network, p.guard_outputs, p.guard_slopes, p.z_guard),
         plain,
         (step.network, step.guard_outputs, step.guard_slopes, step.z_guard),
-    ).matched(robot)
+    ).match_impact(robot)
     for name in ("z_start", "cubic", "start_outputs", "start_slopes", "momentum_ratio"):
         np.testing.assert_allclose(getattr(plain, name), getattr(step, name), atol=1e-9)
     z = jnp.array([0.03, 14.0])

@@ -112,7 +112,7 @@ def test_matching_again_changes_nothing(amber, amber_policy):
         amber_policy,
         replace_fn=lambda leaf: leaf + 1.0,
     )
-    matched = jax.jit(lambda p: p.matched(amber))(spoilt)
+    matched = jax.jit(lambda p: p.match_impact(amber))(spoilt)
     for found, expected in zip(
         jax.tree.leaves(matched), jax.tree.leaves(amber_policy), strict=True
     ):

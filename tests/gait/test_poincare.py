@@ -8,7 +8,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from neuralgaits.analysis.flow import Mesh, swing
-from neuralgaits.analysis.orbit import motion_of, poincare
+from neuralgaits.analysis.poincare_map import motion_of, poincare
 from neuralgaits.gait import ZeroDynamics
 from neuralgaits.robots.mjcf.loader import robot_from_text
 from support import published_gaits

@@ -98,13 +98,13 @@ def test_a_free_network_stays_inside_its_bounds(amber, activation, rng):
 
 def test_matching_and_training_a_free_network(amber):
     policy = MLPPolicy.init(amber, key=jax.random.key(0), hidden=(4,))
-    assert policy.matched(amber) is policy
+    assert policy.match_impact(amber) is policy
     marks = policy.trainable()
     assert isinstance(marks, MLPPolicy)
     assert all(jax.tree.leaves(marks.network))
     assert not any([marks.lower, marks.upper, marks.input_scale, marks.start_and_guard])
     bezier = BezierPolicy(np.zeros((4, 5)), (-0.1, 0.1))
-    assert bezier.matched(amber) is bezier
+    assert bezier.match_impact(amber) is bezier
     assert bezier.trainable().coefficients
     assert not bezier.trainable().start_and_guard
 

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from neuralgaits.analysis.orbit import poincare
+from neuralgaits.analysis.poincare_map import poincare
 from neuralgaits.errors import InputError
 from neuralgaits.gait import ZeroDynamics
 from support.gait_cases import CASES

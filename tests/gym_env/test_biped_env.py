@@ -26,7 +26,7 @@ from neuralgaits.gait.posture import walking_posture
 from neuralgaits.gym_env import BipedEnv, Reward
 from neuralgaits.gym_env.body import Body
 from neuralgaits.robots import load_robot
-from neuralgaits.simulation.setup.disturbance import Disturbance
+from neuralgaits.simulation.setup.disturbance import PlantChanges
 from neuralgaits.simulation.setup.plant import build
 from neuralgaits.simulation.setup.starts import full_states
 from neuralgaits.simulation.ticks.falls import Ending, FallConfig, ending
@@ -108,7 +108,7 @@ def test_it_begins_as_a_walk_begins(env, amber3m):
 def test_the_plant_is_that_of_simulate(disturb):
     """Torques of a walk, given again, make the same walk: states, touchdowns, floors."""
     run = open_run(Path(neuralgaits.__file__).parent / "demo_run")
-    gait, disturbance = run.gait, Disturbance(**disturb)
+    gait, disturbance = run.gait, PlantChanges(**disturb)
     starts = full_states(run.zero_dynamics, gait, "centre", seed=5, episodes=1)
     walked = walk(
         run.robot, gait.policy, starts, steps=4, seed=5, disturbance=disturbance, record=True
@@ -173,7 +173,7 @@ def test_targets_are_reached_or_at_their_bounds(env):
 
 
 def test_a_delay_holds_torques_back(amber3m):
-    body = Body(amber3m, build(amber3m, Disturbance(delay_ms=2)))
+    body = Body(amber3m, build(amber3m, PlantChanges(delay_ms=2)))
     body.stand(body.plant, np.zeros(5), np.zeros(5), 0, push=0.0, seed=0)
     given = []
     for torque in (1.0, 2.0, 3.0):

@@ -9,9 +9,9 @@ from neuralgaits.cli.main import main
 from neuralgaits.errors import ConvergenceError, InputError
 from neuralgaits.gait import BezierPolicy, ZeroDynamics
 from neuralgaits.hzd.gait_file import read_gait
-from neuralgaits.hzd.steady import steady
-from neuralgaits.records.asked import Given
-from neuralgaits.report import again
+from neuralgaits.hzd.given_orbit import steady
+from neuralgaits.records.training_config import GaitOrigin
+from neuralgaits.report import repeat_commands
 from neuralgaits.report.page.document import document
 from neuralgaits.report.page.saved import Contents
 from neuralgaits.training.precision import cast
@@ -46,7 +46,7 @@ def test_the_run_opens_as_any_other(imported):
     np.testing.assert_array_equal(policy.coefficients, gait["bezier"])
     assert opened.summary.broken == {} and opened.asked.as_given is not None
     # The run's own copy makes it again.
-    line = again.training(opened.folder)
+    line = repeat_commands.training(opened.folder)
     assert line is not None and line.startswith(f"neuralgaits import-gait {opened.path}/gait.json")
 
 
@@ -114,10 +114,10 @@ def test_a_gait_without_an_orbit_is_refused(amber, tmp_path, value, by, error, s
     gait = read_gait(published_gaits.FILE, amber, "0.67")
     stiff = gait.coefficients.copy()
     stiff[:] = stiff[:, :1] if value is None else value
-    given = Given(by, gait.degree, 0.35 if by == "optimise" else None)
+    given = GaitOrigin(by, gait.degree, 0.35 if by == "optimise" else None)
     with pytest.raises(error, match=said):
         still = gait._replace(coefficients=stiff)
-        given_run(amber, still, given, began=0.0, out=tmp_path / "run", root=tmp_path)
+        given_run(amber, still, given, start_time=0.0, out=tmp_path / "run", root=tmp_path)
     assert not (tmp_path / "run").exists()
 
 

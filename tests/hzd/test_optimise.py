@@ -7,8 +7,8 @@ from neuralgaits.errors import ConvergenceError, InputError
 from neuralgaits.gait import ZeroDynamics
 from neuralgaits.hzd import solver
 from neuralgaits.hzd.collocation import nodes
-from neuralgaits.hzd.steady import steady
-from neuralgaits.records.asked import Given
+from neuralgaits.hzd.given_orbit import steady
+from neuralgaits.records.training_config import GaitOrigin
 from neuralgaits.workflows.parts.given_run import given_run
 from support import published_gaits
 
@@ -38,9 +38,9 @@ def optimised(amber, optimiser, tmp_path_factory):
     """A run at the speed of a published gait."""
     root = tmp_path_factory.mktemp("runs")
     speed = published_gaits.GAITS["0.67"]["recomputed"]["steady"]["v"]
-    given = Given("optimise", solver.DEGREE, speed)
+    given = GaitOrigin("optimise", solver.DEGREE, speed)
     gait = optimiser.at(speed).gait
-    return given_run(amber, gait, given, began=0.0, out=root / "run", root=root)
+    return given_run(amber, gait, given, start_time=0.0, out=root / "run", root=root)
 
 
 @pytest.mark.slow

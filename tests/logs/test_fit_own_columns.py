@@ -8,7 +8,7 @@ import pytest
 from neuralgaits.analysis.run import open_run
 from neuralgaits.cli.main import BAD_INPUT, main
 from neuralgaits.errors import InputError
-from neuralgaits.residual.fit import FitConfig
+from neuralgaits.residual.fitter import FitConfig
 from neuralgaits.workflows.episodes import episodes
 from neuralgaits.workflows.fit import fit
 from support import log_example, own_columns
@@ -56,7 +56,7 @@ def test_columns_go_with_logs(amber, tmp_path):
 
 
 def test_a_round_of_logs_is_judged(shipped_walk):
-    from neuralgaits.rounds.walks import logged_round
+    from neuralgaits.episode_rounds.round_walks import logged_round
 
     run = open_run(shipped_walk / "run")
     true = logged_round(run, [shipped_walk / "si.csv"])

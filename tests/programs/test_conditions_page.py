@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from neuralgaits.barriers import functions, quantities, specs
-from neuralgaits.barriers.regions import Gait
 from neuralgaits.errors import SpecError
 from neuralgaits.gait import ZeroDynamics
+from neuralgaits.gait.gaits import Gait
 from neuralgaits.programs import ops
 from neuralgaits.programs.tracing.tracer import trace
 from neuralgaits.robots import load_robot

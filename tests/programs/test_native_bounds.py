@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from neuralgaits.certificate.search.problem import Problem
-from neuralgaits.programs.native.library import ENGINE, library
+from neuralgaits.programs.native.compiled_rules import ENGINE, library
 from neuralgaits.programs.tracing.tracer import trace
 
 WEIGHTS = np.random.default_rng(4).normal(size=(6, 4))

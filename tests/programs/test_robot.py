@@ -4,8 +4,8 @@ import jax
 import pytest
 
 from neuralgaits.barriers import specs
-from neuralgaits.barriers.regions import Gait
 from neuralgaits.gait import ZeroDynamics
+from neuralgaits.gait.gaits import Gait
 from neuralgaits.programs.tracing.tracer import trace
 from neuralgaits.robots import load_robot
 

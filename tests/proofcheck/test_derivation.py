@@ -9,7 +9,7 @@ import itertools
 import numpy as np
 import pytest
 
-from neuralgaits.barriers.commanded import commands_of
+from neuralgaits.barriers.commanded_spec import commands_of
 from support.checker_case import Case, SetCase, ToldCase, bounds
 
 CASES = {

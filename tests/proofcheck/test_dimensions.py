@@ -8,11 +8,11 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from neuralgaits.certificate.levels.chart import Axis, Chart
+from neuralgaits.certificate.chart import Axis, Chart
 from neuralgaits.certificate.proof_file import statement_check
 from neuralgaits.certificate.proof_file.check import check
 from neuralgaits.certificate.proof_file.reader import read_claims
-from neuralgaits.certificate.proof_file.writer import Proof, Statement, prove
+from neuralgaits.certificate.proof_file.writer import Proof, StatementRecord, prove
 from neuralgaits.certificate.search import branch_and_bound
 from neuralgaits.certificate.search.problem import Problem
 from neuralgaits.certificate.search.schedule import explore
@@ -49,7 +49,7 @@ def made(axes: int, least: tuple[float, float] = (0.0, 0.0)) -> tuple[Chart, Pro
     names = ("pace", "energy")
     whole = chart.whole((0.0, 0.0), (1.0, 1.0))
     return chart, Problem(
-        "tube", *whole, names, (1.0, 1.0), program, least=least, late=max(axes - FEW, 0)
+        "tube", *whole, names, (1.0, 1.0), program, least=least, weak_axes=max(axes - FEW, 0)
     )
 
 
@@ -154,7 +154,7 @@ def _written(folder: Path, function: Any, axes: int) -> Path:
     chart = Chart(tuple(Axis(f"p{k}", 0.0, 1.0) for k in range(axes - 2)))
     program = trace(function, {"u": (axes,)})
     whole = chart.whole((0.0, 0.0), (1.0, 1.0))
-    one = Statement(("f",), "tube", {"f": 1.0}, {"f": 0.0}, 2, *whole, "-")
+    one = StatementRecord(("f",), "tube", {"f": 1.0}, {"f": 0.0}, 2, *whole, "-")
     named = {"name": "none", "sha256": "0" * 64}
     Proof(named, named, "0" * 64, program, chart, (one,)).write(folder / "proof.json")
     return folder / "proof.json"
@@ -202,7 +202,9 @@ def of_near_speeds(tmp_path_factory) -> Path:
     chart = Chart((PARAMETERS[0], Axis("speed after", 0.5, 0.9, CHANGE)))
     program = trace(near_the_diagonal, {"u": (4,)})
     whole = chart.whole((0.0, 0.0), (1.0, 1.0))
-    problem = Problem("tube", *whole, ("near",), (1.0,), program, least=(0.0,), near=chart.near)
+    problem = Problem(
+        "tube", *whole, ("near",), (1.0,), program, least=(0.0,), coupled_axes=chart.coupled_axes
+    )
     (state,) = explore([problem], [None], lambda name, u: None)
     statements = tuple(prove(problem, state))
     assert {name for one in statements for name in one.conditions} == {"near"}

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from neuralgaits.certificate.levels.disturbed.margins import FORCES
-from neuralgaits.certificate.levels.disturbed.theorem import Disturbed, DisturbedBarrier
-from neuralgaits.certificate.levels.sets import Sets
+from neuralgaits.certificate.levels.disturbed.theorem import DisturbedBarrier, DisturbedConstants
+from neuralgaits.certificate.levels.level_search import LevelSets
 from neuralgaits.records.certified import PROOF
 from neuralgaits.workflows.certify import certify
 from support.checker_case import bounds
@@ -68,12 +68,12 @@ class PushedCase(FullCase):
     """The outputs of level 5 beside those of level 4."""
 
     @cached_property
-    def sets(self) -> Sets:
+    def sets(self) -> LevelSets:
         draw = np.random.default_rng(11)
         names = self.full_model.names
         rows = tuple(DisturbedBarrier(n, *draw.uniform(0.5, 2.0, size=3).tolist()) for n in names)
         jerk = 1.0, 2.0, 3.0
-        return Sets({4: self.shape, 5: Disturbed(PUSH, PUSH, 1e-3, 0.0, *jerk, rows)})
+        return LevelSets({4: self.shape, 5: DisturbedConstants(PUSH, PUSH, 1e-3, 0.0, *jerk, rows)})
 
 
 def test_its_own_formulas_are_those_of_the_premises(proofcheck, tmp_path):

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from neuralgaits.certificate.levels.full_order.conclude import conclude_full_order
-from neuralgaits.certificate.levels.full_order.theorem import FullOrder, premises, series
+from neuralgaits.certificate.levels.full_order.theorem import FullOrderConstants, premises, series
 from neuralgaits.certificate.proof_file.theorem_tables import Theorems
 from support.checker_case import bounds
 from support.full_case import NARROW, WIDE, FullCase, in_the_ball
@@ -100,7 +100,7 @@ FITS = replace(SHAPE, barriers=())
 FACTORS = (-1.0, 0.0, 0.8, 1.4)
 
 
-def stated(case: FullCase, shape: FullOrder) -> dict:
+def stated(case: FullCase, shape: FullOrderConstants) -> dict:
     """A file that claims level 4 with these constants, and premises with bounds that are absurd."""
     table = dict(case.table)
     rows = [list(row) for row in table["program"]["constants"]]
@@ -150,7 +150,7 @@ def follows(proofcheck, tmp_path):
     return ask
 
 
-def variants(shape: FullOrder) -> Iterator[FullOrder]:
+def variants(shape: FullOrderConstants) -> Iterator[FullOrderConstants]:
     """Every constant times every factor."""
     alone = [f.name for f in fields(shape) if f.name not in ("pace", "barriers", "weights")]
     for factor in FACTORS:

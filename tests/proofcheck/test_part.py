@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from neuralgaits.certificate.proof_file.check import Report, check
+from neuralgaits.certificate.proof_file.check import CheckResult, check
 from neuralgaits.certificate.proof_file.reader import read_claims
 from support.shipped_run import SHIPPED
 
@@ -40,7 +40,7 @@ def whole() -> dict[str, Any]:
 def answers(proofcheck, whole, tmp_path):
     """Exit codes of the C++ checker, about the model and about the Program, and Python's report."""
 
-    def ask(change: Any) -> tuple[Any, Any, Report]:
+    def ask(change: Any) -> tuple[Any, Any, CheckResult]:
         table = copy.deepcopy(whole)
         change(table)
         path = tmp_path / "proof.json"

@@ -8,7 +8,7 @@ from dataclasses import replace
 import pytest
 
 from neuralgaits.errors import RunError
-from neuralgaits.records.certified import HIGHEST, Certified, Conclusion, ConditionVerdict
+from neuralgaits.records.certified import HIGHEST, CertificateRecord, Conclusion, ConditionVerdict
 from neuralgaits.records.record import build, shape_of
 from neuralgaits.records.simulated import ModelOrbit, Simulated
 from neuralgaits.records.trained import Trained, Violations
@@ -35,9 +35,9 @@ def _verdict(verdict: str, margin: float | None = None) -> ConditionVerdict:
     return ConditionVerdict(verdict, 1.0, 10, margin, None, 0)  # type: ignore[arg-type]
 
 
-def _certified(conditions: dict, levels: dict[int, str]) -> Certified:
+def _certified(conditions: dict, levels: dict[int, str]) -> CertificateRecord:
     found = (Conclusion(level, word, None) for level, word in levels.items())  # type: ignore[arg-type]
-    return Certified(
+    return CertificateRecord(
         verdict="undecided", level=3, conditions=conditions, levels=tuple(found), boxes=9, wall_s=1
     )
 
@@ -124,5 +124,5 @@ def test_a_summary_of_every_level_is_read_again():
             {"a": _verdict("proved", 0.1)}, dict.fromkeys(range(2, level + 1), "proved")
         )
         found = replace(found, level=level)
-        assert complaint(json.loads(to_json(found)), shape_of(Certified)) is None
-        assert build(Certified, json.loads(to_json(found))).proved_level == level
+        assert complaint(json.loads(to_json(found)), shape_of(CertificateRecord)) is None
+        assert build(CertificateRecord, json.loads(to_json(found))).proved_level == level

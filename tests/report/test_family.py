@@ -9,11 +9,11 @@ import pytest
 from matplotlib.colors import to_hex
 
 from neuralgaits.analysis import family_data as finding
-from neuralgaits.analysis.family import Family, Sweep
-from neuralgaits.analysis.orbit import poincare
+from neuralgaits.analysis.command_sweeps import CommandSweep, Family
+from neuralgaits.analysis.poincare_map import poincare
 from neuralgaits.analysis.run import open_run
 from neuralgaits.errors import InputError
-from neuralgaits.report import makers, told
+from neuralgaits.report import commanded_gait, makers
 from neuralgaits.report.certificate import certificate_of
 from neuralgaits.report.drawing.drawn import Drawn
 from neuralgaits.report.drawing.style import series
@@ -110,7 +110,9 @@ def test_the_caption_says_which_commands_and_claims_nothing(family):
     assert "0.55 m/s, 0.725 m/s and 0.9 m/s" in said and "exactly what was told" in said
     assert "nothing here is simulated or proved" in said
     assert "middle of its range" not in said and "No periodic orbit" not in said
-    two = Family((*family.sweeps, Sweep("slope", SWEPT, FASTER)), family.members, family.torso)
+    two = Family(
+        (*family.sweeps, CommandSweep("slope", SWEPT, FASTER)), family.members, family.torso
+    )
     assert "Every other command stays in the middle of its range." in drawing.caption(two)
 
 
@@ -124,7 +126,7 @@ def test_slopes_are_drawn_in_degrees_and_their_grounds_slope(family):
     ]
     for member, slope in zip(members, SWEPT, strict=True):
         member.touchdown[0, -1, 1] = np.tan(slope) * member.touchdown[0, -1, 0]
-    found = Family((Sweep("slope", SWEPT, FASTER),), tuple(members), family.torso)
+    found = Family((CommandSweep("slope", SWEPT, FASTER),), tuple(members), family.torso)
     speeds, _, postures = drawing.draw(found).axes
     assert drawn(np.column_stack([(-5.0, 0.0, 5.0), FASTER]), speeds)
     assert [text.get_text() for text in speeds.get_xticklabels()] == ["−5", "0", "5"]
@@ -144,7 +146,7 @@ def test_a_foothold_above_the_stance_foot_lies_on_a_ledge_of_its_own(family):
     ]
     for member in members:
         member.touchdown[0, -1, 1] = member.value
-    sweep = Sweep("step_height", np.array([-0.05, 0.0, 0.05]), FASTER)
+    sweep = CommandSweep("step_height", np.array([-0.05, 0.0, 0.05]), FASTER)
     *_, postures = drawing.draw(Family((sweep,), tuple(members), family.torso)).axes
     flat = {line[0, 1] for line in lines(postures) if len(line) == 2 and line[0, 1] == line[1, 1]}
     assert {-0.05, 0.0, 0.05} <= flat
@@ -168,7 +170,7 @@ def test_a_family_without_any_orbit_has_a_line_instead_of_a_figure(run, family, 
     monkeypatch.setattr(makers, "family_data", lambda run: without(family, 0, 1, 2))
     ((_, _, make),) = makers.OF_FAMILIES
     with pytest.raises(makers.Absent) as absent:
-        make(makers.Source(run, certificate_of(run)))
+        make(makers.FigureSource(run, certificate_of(run)))
     assert "no periodic orbit" in absent.value.reason
     assert absent.value.command.startswith("neuralgaits train amber3m")
 
@@ -177,7 +179,7 @@ def test_the_figure_is_one_of_gaits_with_commands_only(run, family, tmp_path, mo
     monkeypatch.setattr(makers, "family_data", lambda run: family)
     monkeypatch.setattr(writing, "MAKERS", ())
     (found,) = writing.figures(run, out=tmp_path / "told")
-    assert isinstance(found, Drawn) and found.name == told.FIGURE
+    assert isinstance(found, Drawn) and found.name == commanded_gait.FIGURE
     assert found.path_png.stat().st_size < 300_000 and found.path_svg.is_file()
     plain = open_run(Path(shutil.copytree(demo.FOLDER, tmp_path / "plain")))
     assert writing.figures(plain, out=tmp_path / "none") == []
@@ -205,10 +207,14 @@ def test_values_about_which_something_is_proved_are_never_rounded_outward(name):
     random = np.random.default_rng(0)
     for _ in range(200):
         low, high = np.sort(random.uniform(-0.3, 0.3, 2))
-        first, last = (number(text) for text in told.within(name, float(low), float(high)))
-        assert told.value(name, low) <= first and last <= told.value(name, high)
-        assert 0.0 < number(told.change_within(name, float(high - low)))
-        assert number(told.change_within(name, high - low)) <= told.value(name, high - low)
+        first, last = (
+            number(text) for text in commanded_gait.within(name, float(low), float(high))
+        )
+        assert commanded_gait.value(name, low) <= first and last <= commanded_gait.value(name, high)
+        assert 0.0 < number(commanded_gait.change_within(name, float(high - low)))
+        assert number(commanded_gait.change_within(name, high - low)) <= commanded_gait.value(
+            name, high - low
+        )
 
 
 def number(text):
@@ -218,7 +224,7 @@ def number(text):
 
 
 def test_values_have_their_units():
-    assert told.written("slope", np.radians(-5.0)) == "−5°"
-    assert told.written("speed", 0.55) == "0.55 m/s"
-    assert told.written("step_height", 1e-17) == "0 m"
-    assert told.written("own", 2.0) == "2"
+    assert commanded_gait.written("slope", np.radians(-5.0)) == "−5°"
+    assert commanded_gait.written("speed", 0.55) == "0.55 m/s"
+    assert commanded_gait.written("step_height", 1e-17) == "0 m"
+    assert commanded_gait.written("own", 2.0) == "2"

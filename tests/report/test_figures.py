@@ -18,10 +18,10 @@ from neuralgaits.analysis.residual_data import residual_data
 from neuralgaits.analysis.run import open_run
 from neuralgaits.analysis.walk_log import measured_walk
 from neuralgaits.cli import arguments
-from neuralgaits.cli.words import read
+from neuralgaits.cli.argv_parser import read
 from neuralgaits.errors import InputError, RunError
 from neuralgaits.gait.flow_residual import Residual
-from neuralgaits.logs.table import Log
+from neuralgaits.logs.walk_table import Log
 from neuralgaits.report.certificate import certificate_of
 from neuralgaits.report.drawing.drawn import Drawn, Missing
 from neuralgaits.report.drawing.figure import png, svg, write
@@ -36,7 +36,7 @@ from neuralgaits.report.figures import (
 )
 from neuralgaits.report.figures.full_order_set import FullOrderSet
 from neuralgaits.report.figures.return_map import Proved
-from neuralgaits.report.makers import MAKERS, Absent, Source
+from neuralgaits.report.makers import MAKERS, Absent, FigureSource
 from neuralgaits.workflows.figures import figures
 
 UNIT = re.compile(r"\[.+\]")
@@ -54,7 +54,7 @@ FULL = FullOrderSet(
 
 
 def sketches(run):
-    source = Source(run, certificate_of(run))
+    source = FigureSource(run, certificate_of(run))
     for name, _, make in MAKERS:
         try:
             yield name, *make(source)
@@ -123,7 +123,7 @@ def test_commands_of_missing_figures_are_commands(run, drawn):
             given = getattr(verb, "run", None) or getattr(verb, "resume", None)
             assert str(given) == str(run.path), "a folder with a space in its name"
     certify = read(shlex.split(missing["full-order-set"].command)[1:])
-    assert isinstance(certify, arguments.Certify) and certify.level == 4
+    assert isinstance(certify, arguments.CertifyOptions) and certify.level == 4
 
 
 def test_a_log_brings_the_walk(run, data, tmp_path):
@@ -132,7 +132,7 @@ def test_a_log_brings_the_walk(run, data, tmp_path):
     missing = entry(copy, "walk-tiles")
     assert isinstance(missing, Missing)
     simulate = read(shlex.split(missing.command)[1:])
-    assert isinstance(simulate, arguments.Simulate) and simulate.log is not None
+    assert isinstance(simulate, arguments.SimulateOptions) and simulate.log is not None
     target = simulate.log
     walk = orbit_log(copy, data)
     target.parent.mkdir()
@@ -267,7 +267,7 @@ def entry(run, name):
     """A figure's caption and drawing, or why it is missing."""
     title, make = next((title, make) for known, title, make in MAKERS if known == name)
     try:
-        return make(Source(run, certificate_of(run)))
+        return make(FigureSource(run, certificate_of(run)))
     except Absent as absent:
         return Missing(name, title, absent.reason, absent.command)
 

@@ -8,8 +8,8 @@ from scipy.integrate import solve_ivp
 
 from neuralgaits.analysis import gait_data as workflow
 from neuralgaits.analysis.gait_data import FILE, fingerprint, gait_data
-from neuralgaits.analysis.orbit import poincare
-from neuralgaits.analysis.quantities import Look, PlaneChart
+from neuralgaits.analysis.poincare_map import poincare
+from neuralgaits.analysis.point_evaluator import PlaneChart, PointEvaluator
 from neuralgaits.runs import read_arrays, write_arrays
 
 
@@ -193,7 +193,7 @@ def test_data_are_kept_and_computed_again_when_the_gait_changes(run, data, monke
 
 
 def test_what_cannot_be_traced_is_compiled():
-    look = Look(lambda z: {"part": jnp.maximum(z, 0.0), "sum": z[0] + z[1]})
+    look = PointEvaluator(lambda z: {"part": jnp.maximum(z, 0.0), "sum": z[0] + z[1]})
     z = np.array([[1.0, -2.0], [-3.0, 4.0]])
     np.testing.assert_array_equal(look(z)["part"], np.maximum(z, 0.0))
     assert list(look.only("sum")(z)) == ["sum"]

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from neuralgaits.analysis.flow import Mesh, Motion, returns, swing, to_section
-from neuralgaits.analysis.orbit import orbit_between
+from neuralgaits.analysis.flow import FlowQuantities, Mesh, returns, swing, to_section
+from neuralgaits.analysis.poincare_map import orbit_between
 
 # dz1 = 1, dz2 = z1: z2 = z2(0) + (z1^2 - z1(0)^2) / 2, and time is z1. The foot is down where
 # z1 = HEIGHT + TILT z2. The reset halves z2, adds OFFSET and goes back to z1 = START.
@@ -25,7 +25,7 @@ def after(z):
     return np.stack([np.full(len(z), START), 0.5 * z[:, 1] + OFFSET], axis=1)
 
 
-motion = Motion(rate, foot, after)
+motion = FlowQuantities(rate, foot, after)
 
 
 def landing(z1, z2):

@@ -8,10 +8,10 @@ import pytest
 from numpy.polynomial.chebyshev import chebval
 
 from neuralgaits.analysis.run import open_run
-from neuralgaits.certificate.levels.full_order.theorem import BarrierConstants, FullOrder
-from neuralgaits.certificate.levels.orbit.theorem import Orbit
+from neuralgaits.certificate.levels.full_order.theorem import BarrierConstants, FullOrderConstants
+from neuralgaits.certificate.levels.orbit.theorem import OrbitConstants
 from neuralgaits.certificate.proof_file.reader import read_claims
-from neuralgaits.certificate.reading import hashes, read_certificate
+from neuralgaits.certificate.verified_summary import hashes, read_certificate
 from neuralgaits.records.certified import Conclusion
 from neuralgaits.report import certificate as proved
 from neuralgaits.report.certificate import certificate_of
@@ -22,7 +22,7 @@ from neuralgaits.workflows import demo
 LOW, HIGH = 72.0, 84.5
 """Fences of a thin tube, zeta = z2^2 / 2: z2 from 12 to 13 kg m^2/s."""
 BARRIER = BarrierConstants("torso-lower", 1.0, 0.1, 1.0, 4.0, 0.1, 0.1, 16.0)
-FULL = FullOrder(
+FULL = FullOrderConstants(
     30.0, 0.01, 3.0, 1e-3, 0.0, 0.0, 0.0, 0.1, (1.0, 2.0), 5.0, 0.0, 0.0, 2.0, 0.0, 0.0, (BARRIER,)
 )
 PROVED = Conclusion(3, "proved", None, (), {"multiplier_at_least": 0.6, "multiplier_at_most": 0.7})
@@ -63,7 +63,7 @@ def test_the_thin_tube_is_read_at_the_hip_above_the_foot(certified):
     start, guard = (float(end) for end in certified.gait.span)
     middle, half = 0.5 * (start + guard), 0.5 * (guard - start)
     lower = (72.0 + 10.0 * middle, 10.0 * half)
-    shape = Orbit("contraction", 0.9, 1.1, lower, (HIGH,), (0.1,), (0.1,), (0.2,))
+    shape = OrbitConstants("contraction", 0.9, 1.1, lower, (HIGH,), (0.1,), (0.1,), (0.2,))
     found = proved._orbit(certified, PROVED, shape)
     assert found is not None
     assert found.z2 == pytest.approx((12.0, 13.0), rel=1e-12)
@@ -72,7 +72,7 @@ def test_the_thin_tube_is_read_at_the_hip_above_the_foot(certified):
 
 def test_walks_that_come_together_around_no_one_orbit_have_no_thin_tube(certified):
     """Level 3 of a gait that takes commands: the proof has no fences of a thin tube."""
-    shape = Orbit("any two walks", expansion=(0.1,))
+    shape = OrbitConstants("any two walks", expansion=(0.1,))
     together = Conclusion(3, "proved", None, ("converge",), {"contraction_at_most": 0.95})
     assert proved._orbit(certified, together, shape) is None
 

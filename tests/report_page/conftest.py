@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from neuralgaits.records.shown import ShownWalk
+from neuralgaits.records.report_walk import ShownWalk
 from neuralgaits.report.page.saved import Contents
 from neuralgaits.robots import load_robot
 from neuralgaits.runs import RunFolder, plain

@@ -5,12 +5,12 @@ import json
 import pytest
 
 from neuralgaits.analysis.run import open_run
-from neuralgaits.certificate.reading import read_certificate
+from neuralgaits.certificate.verified_summary import read_certificate
 from neuralgaits.errors import RunError
 from neuralgaits.report.page.closing import failures
 from neuralgaits.report.page.document import document
 from neuralgaits.runs import RunFolder
-from neuralgaits.runs.tree import write_tree
+from neuralgaits.runs.array_tree import write_tree
 from neuralgaits.workflows.export import _origin, _warnings
 from neuralgaits.workflows.report import saved_of, write_report
 

@@ -11,11 +11,12 @@ from pathlib import Path
 
 import pytest
 
-from neuralgaits.certificate.reading import hashes
-from neuralgaits.cli.words import read as read_words
-from neuralgaits.records.asked import Given
+from neuralgaits.certificate.verified_summary import hashes
+from neuralgaits.cli.argv_parser import read as read_words
+from neuralgaits.cli.argv_parser import verb_name
+from neuralgaits.records.training_config import GaitOrigin
 from neuralgaits.report.drawing.drawn import Missing
-from neuralgaits.report.page import words
+from neuralgaits.report.page import phrases
 from neuralgaits.report.page.answer import answer
 from neuralgaits.report.page.closing import failures, missing, missing_parts, reproduction
 from neuralgaits.report.page.document import document
@@ -258,8 +259,8 @@ def test_every_command_on_the_page_is_one_that_the_command_line_takes(contents, 
     for line in unescaped:
         name, *words = shlex.split(line)
         assert name == "neuralgaits"
-        verbs.append(type(read_words(words)).__name__)
-    assert verbs == ["Certify", "Train", "Certify", "Simulate", "Report"]
+        verbs.append(verb_name(type(read_words(words))))
+    assert verbs == ["certify", "train", "certify", "simulate", "report"]
 
 
 def test_a_command_repeats_the_simulation(contents, shipped):
@@ -320,7 +321,7 @@ def test_robots_that_were_drawn_are_said_to_be(contents, shipped):
 
 def test_of_a_gait_that_was_given_nothing_is_said_to_be_trained(contents, shipped):
     saved = contents().saved
-    given = replace(saved.asked, given=Given("optimise", 5, 0.7))
+    given = replace(saved.asked, given=GaitOrigin("optimise", 5, 0.7))
     broken = contents(saved=replace(saved, asked=given, certificate=None)).saved
     page = contents(saved=replace(saved, asked=given))
     whole = document(page)
@@ -471,4 +472,4 @@ def test_a_proved_table_begins_with_what_is_not_proved(contents, shipped):
     ],
 )
 def test_a_scale_has_a_unit_where_it_is_known(described, said):
-    assert words.scale(described, 1.0) == said
+    assert phrases.scale(described, 1.0) == said

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 from neuralgaits.analysis.run import open_run
+from neuralgaits.episode_rounds.episode_folder import EpisodeFolder
 from neuralgaits.report.shown_walk import STEPS, AskedWalk, _walked, asked_of
 from neuralgaits.robots import load_robot
-from neuralgaits.rounds.folder import EpisodeFolder
-from neuralgaits.simulation.setup.disturbance import Disturbance
+from neuralgaits.simulation.setup.disturbance import PlantChanges
 from neuralgaits.workflows.simulate import simulate
 from support.shipped_run import SHIPPED
 
@@ -21,7 +21,7 @@ SIMULATED = {
     "controller": "fblin",
     "start": "region",
     "push": None,
-    "disturb": vars(Disturbance(friction=0.4)),
+    "disturb": vars(PlantChanges(friction=0.4)),
     "seed": 5,
     "steps": 30,
     "fell": [False, False, True],
@@ -49,14 +49,14 @@ def test_a_process_of_its_own_and_another_simulator_are_not_repeated(shipped):
     linked = {"controller": "c", "link": {"law": "pd", "mode": "lock-step"}}
     for other in (linked, {"simulator": "drake"}):
         assert "not repeating" in _simulated(shipped, **other).origin
-    for drawn in ({"push": 4.0}, {"disturb": vars(Disturbance(encoder_noise=0.001))}):
+    for drawn in ({"push": 4.0}, {"disturb": vars(PlantChanges(encoder_noise=0.001))}):
         assert "repeats the last simulation" in _simulated(shipped, **drawn).origin
 
 
 def test_what_is_shown_is_the_walk_that_fell_and_what_it_met(shipped):
     """Its start, push, floors and noise are drawn by its number: so are those that are shown."""
     run, seed = open_run(shipped), SIMULATED["seed"]
-    disturbance = Disturbance(floor_height=0.003, encoder_noise=0.001)
+    disturbance = PlantChanges(floor_height=0.003, encoder_noise=0.001)
     done = simulate(
         run, steps=3, start="region", push=4.0, disturb=disturbance, seed=seed, episodes=3
     )
@@ -108,7 +108,7 @@ def test_without_a_simulation_the_robot_of_the_episodes_walks(tmp_path):
         "plant": load_robot("amber3m-tail"),
         "seed": 0,
         "controller": "fblin",
-        "disturb": vars(Disturbance(torso_shift_m=-0.02)),
+        "disturb": vars(PlantChanges(torso_shift_m=-0.02)),
         "logs": None,
         "rounds": 1,
         "steps": None,

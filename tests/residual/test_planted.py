@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from neuralgaits.gait.flow_residual import Residual
-from neuralgaits.residual.fit import FitConfig, Fitter, fit
+from neuralgaits.residual.fitter import FitConfig, Fitter, fit
 from neuralgaits.residual.floor import binned, floor
 from neuralgaits.residual.trajectories import largest_defects, missed, root_mean_square
 

@@ -13,7 +13,7 @@ import pytest
 from neuralgaits.errors import RobotError
 from neuralgaits.robots import registry
 from neuralgaits.robots.mjcf.loader import robot_from_text
-from neuralgaits.robots.mjcf.planarise import planarise
+from neuralgaits.robots.mjcf.planariser import planarise
 from neuralgaits.simulation.setup.plant import build
 from neuralgaits.workflows.inspect import inspect
 from support import pages, walkers

@@ -8,7 +8,7 @@ import pytest
 
 from neuralgaits.robots import load_robot
 from neuralgaits.robots.mjcf.loader import robot_from_text
-from neuralgaits.robots.mjcf.planarise import planarise
+from neuralgaits.robots.mjcf.planariser import planarise
 from neuralgaits.simulation.setup.plant import build
 from support import pages, walkers
 

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from neuralgaits.errors import InputError, RunError
-from neuralgaits.export import writing
+from neuralgaits.export import output_folder
 from neuralgaits.runs import RunFolder, atomic
 
 
@@ -134,8 +134,8 @@ def test_a_run_and_an_export_go_where_a_link_leads(tmp_path: Path, there: bool) 
     )
     assert (tmp_path / "run-far" / "config.json").is_file()
     assert run.path == tmp_path / "run"
-    writing.refuse_used(tmp_path / "c", force=False)
-    writing.publish(tmp_path / "c", {"gait.h": "new"})
+    output_folder.refuse_used(tmp_path / "c", force=False)
+    output_folder.publish(tmp_path / "c", {"gait.h": "new"})
     assert (tmp_path / "c-far" / "gait.h").read_text() == "new"
     assert (tmp_path / "run").is_symlink()
     assert (tmp_path / "c").is_symlink()
@@ -151,7 +151,7 @@ def test_a_run_and_an_export_are_not_put_onto_what_is_no_folder(
     with pytest.raises(RunError, match="expected a folder to write to, found"):
         RunFolder.refuse(tmp_path / "runs", out)
     with pytest.raises(InputError, match="expected a folder to write to, found"):
-        writing.refuse_used(out, force=True)
+        output_folder.refuse_used(out, force=True)
     assert (out.lstat().st_ino, out.lstat().st_mode) == (before.st_ino, before.st_mode)
 
 
@@ -159,14 +159,14 @@ def test_an_export_is_not_put_onto_a_fifo_and_follows_a_link(tmp_path: Path) -> 
     out = tmp_path / "c"
     out.mkdir()
     (out / "gait.h").symlink_to("../mine.h")
-    writing.publish(out, {"gait.h": "new", "gait.c": "new"})
+    output_folder.publish(out, {"gait.h": "new", "gait.c": "new"})
     assert (tmp_path / "mine.h").read_text() == "new"
     assert (out / "gait.h").is_symlink()
     os.mkfifo(out / "controller.c")
     with pytest.raises(InputError, match=r"found a FIFO at .*controller\.c"):
-        writing.refuse_used(out, force=True)
+        output_folder.refuse_used(out, force=True)
     with pytest.raises(InputError, match="found a FIFO"):
-        writing.publish(out, {"gait.h": "newer", "controller.c": "newer"})
+        output_folder.publish(out, {"gait.h": "newer", "controller.c": "newer"})
     assert (tmp_path / "mine.h").read_text() == "new"
     assert stat.S_ISFIFO((out / "controller.c").lstat().st_mode)
 

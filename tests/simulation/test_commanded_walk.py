@@ -17,9 +17,9 @@ from neuralgaits.simulation.linked.connect import connected
 from neuralgaits.simulation.live import LiveWalk
 from neuralgaits.simulation.metrics import command_errors
 from neuralgaits.simulation.native_walk import engine_of_trained
-from neuralgaits.simulation.setup.orders import Orders, orders_of
+from neuralgaits.simulation.setup.command_schedule import CommandSchedule, orders_of
 from neuralgaits.simulation.setup.starts import full_states, momentum_range
-from neuralgaits.simulation.ticks.strides import Strides
+from neuralgaits.simulation.ticks.stride_table import Strides
 from neuralgaits.simulation.walk import walk
 from neuralgaits.workflows.simulate import simulate
 from support.designs import FOOTHOLDS, LAWS, SPEED, commanded_design, family_for
@@ -67,7 +67,7 @@ def same(one, two):
 @pytest.mark.slow
 def test_a_process_is_told_what_python_is_told(run):
     """The exported controller at the other end of a wire, in lock-step."""
-    orders = Orders((SPEED,), np.array([0.725]), np.array([[0.5], [0.78], [0.9]]))
+    orders = CommandSchedule((SPEED,), np.array([0.725]), np.array([[0.5], [0.78], [0.9]]))
     settings = {"controller": "pd", "steps": 3, "longest": 900}
     here = walked(run, orders, **settings)
     design = commanded_design("amber3m", {"pd": LAWS["pd"]}, (SPEED,))
@@ -87,7 +87,7 @@ def test_a_process_is_told_what_python_is_told(run):
 def test_both_engines_walk_alike(run):
     """Under pd; under fblin in `test_floors_are_as_high_as_they_are_told`."""
     library = engine_of_trained(run, "native").library
-    orders = Orders((SPEED,), np.array([0.725]), np.array([[0.5], [0.78], [0.9]]))
+    orders = CommandSchedule((SPEED,), np.array([0.725]), np.array([[0.5], [0.78], [0.9]]))
     settings = {"controller": "pd", "steps": 3, "longest": 900}
     one, two = walked(run, orders, **settings), walked(run, orders, library=library, **settings)
     same(one, two)
@@ -202,7 +202,7 @@ def test_floors_are_as_high_as_they_are_told(amber, tmp_path):
     stones = Run(folder, amber, specs.commanded(amber, FOOTHOLDS), family)
     library = engine_of_trained(stones, "native").library
     table = np.array([[0.34, -0.004], [0.35, 0.006]])
-    orders = Orders(FOOTHOLDS, np.array([0.345, 0.0]), table)
+    orders = CommandSchedule(FOOTHOLDS, np.array([0.345, 0.0]), table)
     settings = {"controller": "fblin", "steps": 3, "record": True, "longest": 900}
     one, two = (walked(stones, orders, library=each, **settings) for each in (None, library))
     same(one, two)

@@ -1,12 +1,12 @@
 import pytest
 
 from neuralgaits.errors import InputError
-from neuralgaits.simulation.setup.disturbance import Disturbance, existing, parse
+from neuralgaits.simulation.setup.disturbance import PlantChanges, existing, parse
 from neuralgaits.simulation.setup.disturbance_set import DISTURBANCE_SET
 
 
 def test_names_and_values_are_read():
-    expected = Disturbance(friction=0.4, delay_ms=4.0, slope_deg=-2.0)
+    expected = PlantChanges(friction=0.4, delay_ms=4.0, slope_deg=-2.0)
     assert parse("friction=0.4, delay_ms=4,slope_deg=-2") == expected
     assert parse({"friction": 0.4, "delay_ms": 4, "slope_deg": -2}) == expected
     assert parse(expected) is expected
@@ -14,7 +14,7 @@ def test_names_and_values_are_read():
 
 @pytest.mark.parametrize("nothing", [None, "", {}, " , "])
 def test_nothing_disturbs_nothing(nothing):
-    assert parse(nothing) == Disturbance()
+    assert parse(nothing) == PlantChanges()
 
 
 @pytest.mark.parametrize(
@@ -42,7 +42,7 @@ def test_the_list_of_what_exists_has_units():
 
 
 def test_the_set_has_every_kind_of_disturbance_and_each_changes_one_thing():
-    usual = vars(Disturbance())
+    usual = vars(PlantChanges())
     changed = [
         {name: value for name, value in vars(entry).items() if value != usual[name]}
         for entry in DISTURBANCE_SET.values()

@@ -13,11 +13,11 @@ from pydrake.multibody.tree import JacobianWrtVariable
 
 from neuralgaits.robots import load_robot
 from neuralgaits.robots.mjcf.loader import robot_from_text
-from neuralgaits.simulation.drake.model import drake_plant
-from neuralgaits.simulation.drake.world import DrakeWorld
+from neuralgaits.simulation.drake.drake_plant import drake_plant
+from neuralgaits.simulation.drake.drake_world import DrakeWorld
 from neuralgaits.simulation.metrics import summary
 from neuralgaits.simulation.setup.course import stones_at
-from neuralgaits.simulation.setup.disturbance import Disturbance
+from neuralgaits.simulation.setup.disturbance import PlantChanges
 from neuralgaits.simulation.setup.plant import build
 from neuralgaits.simulation.walk import walk
 from support.random_biped import random_biped
@@ -25,7 +25,7 @@ from support.random_biped import random_biped
 
 def states(plant, q, dq, foot):
     """MuJoCo states of a posture, the foot of leg 0 at a place."""
-    return np.concatenate([[0.0], *plant.wires.to_mjcf(q, dq, 0, foot)])[None]
+    return np.concatenate([[0.0], *plant.state_map.to_mjcf(q, dq, 0, foot)])[None]
 
 
 @pytest.mark.parametrize("name", ["amber3m", "rabbit", (3, 2, True), (8, 2, False), (2, 3, True)])
@@ -42,7 +42,7 @@ def test_mass_matrix_bias_and_energy_are_those_of_the_closed_form(name):
     for _ in range(10):
         q, dq = random.uniform(-1.0, 1.0, n), random.normal(size=n)
         rates = np.concatenate([np.eye(n), dq[None]])
-        qpos, qvel = source.wires.to_mjcf(np.tile(q, (n + 1, 1)), rates, 0)
+        qpos, qvel = source.state_map.to_mjcf(np.tile(q, (n + 1, 1)), rates, 0)
         positions, velocities = plant.GetPositions(context), plant.GetVelocities(context)
         positions[made.positions] = qpos[-1] - made.zeros
         velocities[made.velocities] = qvel[-1]
@@ -54,7 +54,7 @@ def test_mass_matrix_bias_and_energy_are_those_of_the_closed_form(name):
         swept = plant.CalcBiasTranslationalAcceleration(
             context, JacobianWrtVariable.kV, body.body_frame(), sphere, world, world
         )
-        drift[made.velocities[source.wires.root[:2]]] = -swept[[0, 2], 0]
+        drift[made.velocities[source.state_map.root[:2]]] = -swept[[0, 2], 0]
         damping = np.zeros(len(velocities))
         for joint in map(plant.get_joint, plant.GetJointIndices()):
             if joint.num_velocities():
@@ -85,16 +85,16 @@ def test_both_feet_carry_the_weight_each_on_its_own_floor():
     world, only = DrakeWorld([plant], start), np.array([0])
     # Held still by its motors: a torso that does not move weighs what it weighs.
     for _ in range(60):
-        joints = plant.wires.sensors(*np.split(world.states[0, 1:], 2))
-        away = joints.joints - plant.wires.sensors(*np.split(start[0, 1:], 2)).joints
+        joints = plant.state_map.sensors(*np.split(world.states[0, 1:], 2))
+        away = joints.joints - plant.state_map.sensors(*np.split(start[0, 1:], 2)).joints
         torque = -2000.0 * away - 100.0 * joints.djoints
-        controls = np.zeros((1, plant.wires.nu))
-        controls[0, plant.wires.actuators] = torque / np.array(plant.wires.layout.gears)
+        controls = np.zeros((1, plant.state_map.nu))
+        controls[0, plant.state_map.actuators] = torque / np.array(plant.state_map.layout.gears)
         world.advance(only, controls, np.zeros(1))
     weight = float(robot.mass * robot.gravity)
     assert world.touch.sum() == pytest.approx(weight, rel=0.05)
     world.lay_floors(np.array([[0.0, -0.05]]))
-    world.advance(only, np.zeros((1, plant.wires.nu)), np.zeros(1))
+    world.advance(only, np.zeros((1, plant.state_map.nu)), np.zeros(1))
     assert world.touch[0, 0] > 0.0 and world.touch[0, 1] == 0.0
 
 
@@ -108,22 +108,22 @@ def test_a_foot_stands_on_a_stone_and_not_beside_it():
         start = states(plant, straddle, np.zeros(5), (0.0, float(robot.foot_radius)))
         world = DrakeWorld([plant], start)
         for _ in range(10):
-            world.advance(np.array([0]), np.zeros((1, plant.wires.nu)), np.zeros(1))
+            world.advance(np.array([0]), np.zeros((1, plant.state_map.nu)), np.zeros(1))
         assert list(world.touch[0] > 10.0) == [True, rise == 0.0]
 
 
 def test_dry_friction_holds_and_slips():
     robot = load_robot("amber3m")
-    plant = build(robot, Disturbance(joint_friction=2.0))
+    plant = build(robot, PlantChanges(joint_friction=2.0))
     start = states(plant, np.array([-0.2, 0.3, 0.2, -0.2, 0.3]), np.zeros(5), (0.0, 2.0))
     turned = []
     for torque in (1.5, 3.0):
         world = DrakeWorld([plant], start)
-        controls = np.zeros((1, plant.wires.nu))
-        controls[0, plant.wires.actuators[0, 0]] = torque
+        controls = np.zeros((1, plant.state_map.nu))
+        controls[0, plant.state_map.actuators[0, 0]] = torque
         for _ in range(50):
             world.advance(np.array([0]), controls, np.zeros(1))
-        turned.append(abs(np.split(world.states[0, 1:], 2)[1][plant.wires.joints[0, 0]]))
+        turned.append(abs(np.split(world.states[0, 1:], 2)[1][plant.state_map.joints[0, 0]]))
     # In free fall, 50 ms under 1 N m more than friction: rotor and shin, 0.46 kg m^2.
     assert turned[0] < 2e-3
     assert turned[1] == pytest.approx(0.05 * 1.0 / 0.46, rel=0.1)
@@ -139,7 +139,7 @@ def test_a_robot_that_flies_apart_has_fallen(amber, slow):
     q, dq = np.split(wild, 2)
     world = DrakeWorld([plant], states(plant, q, dq, (0.0, 0.0)))
     for _ in range(50):
-        world.advance(np.array([0]), np.zeros((1, plant.wires.nu)), np.zeros(1))
+        world.advance(np.array([0]), np.zeros((1, plant.state_map.nu)), np.zeros(1))
     assert walked.episodes.endings[0].fell and np.isnan(world.states).all()
 
 

@@ -15,7 +15,7 @@ from neuralgaits.errors import InputError
 from neuralgaits.gait import ZeroDynamics
 from neuralgaits.simulation.live import PERIOD_S, LiveWalk
 from neuralgaits.simulation.live_floor import TILT_DEG_S
-from neuralgaits.simulation.setup.disturbance import Disturbance
+from neuralgaits.simulation.setup.disturbance import PlantChanges
 from neuralgaits.simulation.setup.plant import build
 from neuralgaits.simulation.setup.push import DURATION_S
 from neuralgaits.simulation.walk import walk
@@ -58,7 +58,7 @@ def test_undisturbed_it_is_the_walk_of_an_episode_to_the_last_bit(amber, slow, l
 
 def test_a_push_changes_momentum_by_its_impulse(live):
     # In the air, with no ground to push back, and no torques.
-    live.data.qpos[live.plant.wires.root[1]] += 50.0
+    live.data.qpos[live.plant.state_map.root[1]] += 50.0
     still = momentum_x(live)
     live.push(np.array([7.0, 0.0]))
     for _ in range(round(DURATION_S / PERIOD_S)):
@@ -90,8 +90,8 @@ def test_a_jump_lands_on_the_zero_dynamics(amber, slow, live):
     for share in (0.1, 0.5, 0.9):
         z = np.array([start + share * (guard - start), 14.0 + 2.0 * share])
         live.place(np.asarray(zd.phi_inv(z)))
-        sensors = live.plant.wires.sensors(live.data.qpos, live.data.qvel)
-        foot, velocity = live.plant.wires.foot(0, sensors)
+        sensors = live.plant.state_map.sensors(live.data.qpos, live.data.qvel)
+        foot, velocity = live.plant.state_map.foot(0, sensors)
         np.testing.assert_allclose(velocity, 0.0, atol=1e-12)
         assert foot[1] == pytest.approx(float(amber.foot_radius), abs=1e-12)
         live.tick()
@@ -106,7 +106,7 @@ def test_the_floor_tilts_as_the_disturbance_says(amber, live):
     advance(live, 0.1)
     live.disturb(slope_deg=2.0)
     advance(live, 2.0 / TILT_DEG_S + 0.02)
-    expected = build(amber, Disturbance(slope_deg=2.0))
+    expected = build(amber, PlantChanges(slope_deg=2.0))
     assert live.floor.slope == expected.slope == pytest.approx(math.tan(math.radians(2.0)))
     asked = mujoco.MjData(expected.model)
     np.testing.assert_allclose(live.data.mocap_quat, asked.mocap_quat, atol=1e-12)
@@ -133,7 +133,7 @@ def test_mass_friction_and_torque_limit_change_at_once(amber, live):
     before = mujoco_state(live)
     live.disturb(mass_scale=1.2, friction=0.3, torque_limit=15.0)
     np.testing.assert_array_equal(mujoco_state(live), before)
-    expected = build(amber, Disturbance(mass_scale=1.2, friction=0.3, torque_limit=15.0)).model
+    expected = build(amber, PlantChanges(mass_scale=1.2, friction=0.3, torque_limit=15.0)).model
     np.testing.assert_array_equal(live.plant.model.body_mass, expected.body_mass)
     np.testing.assert_array_equal(live.plant.model.geom_friction, expected.geom_friction)
     torques = []

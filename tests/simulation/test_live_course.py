@@ -16,9 +16,9 @@ from neuralgaits.runs import RunFolder
 from neuralgaits.simulation.live import CHANGEABLE_ON_BLOCKS, LiveWalk
 from neuralgaits.simulation.native_walk import engine_of_trained
 from neuralgaits.simulation.setup import live_course
+from neuralgaits.simulation.setup.command_schedule import CommandSchedule
 from neuralgaits.simulation.setup.course import joined, stones_at
 from neuralgaits.simulation.setup.live_course import LiveCourse
-from neuralgaits.simulation.setup.orders import Orders
 from neuralgaits.simulation.setup.starts import full_states, momentum_range
 from neuralgaits.simulation.ticks.falls import Ending
 from neuralgaits.simulation.walk import walk
@@ -43,7 +43,7 @@ def library(run):
 
 def ground_of(run, asked, seed=2):
     return LiveCourse(
-        asked, run.robot, run.gait.policy, Orders.constant(run.trained.commands), seed
+        asked, run.robot, run.gait.policy, CommandSchedule.constant(run.trained.commands), seed
     )
 
 
@@ -146,8 +146,8 @@ def test_put_back_it_stands_on_the_first_stone_before_the_sizes_of_now(stairs):
     until_step(stairs, 1)
     stairs.resize("rise", -0.01)
     stairs.reset()
-    foot, _ = stairs.plant.wires.foot(
-        0, stairs.plant.wires.sensors(stairs.data.qpos, stairs.data.qvel)
+    foot, _ = stairs.plant.state_map.foot(
+        0, stairs.plant.state_map.sensors(stairs.data.qpos, stairs.data.qvel)
     )
     np.testing.assert_allclose(foot, [0.0, float(stairs.plant.robot.foot_radius)], atol=1e-12)
     # It begins with the step that it was begun with; then come the new ones.

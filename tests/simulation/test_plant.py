@@ -9,7 +9,7 @@ import pytest
 from neuralgaits.errors import InputError
 from neuralgaits.robots import load_robot
 from neuralgaits.robots.mjcf.loader import robot_from_text
-from neuralgaits.simulation.setup.disturbance import Disturbance
+from neuralgaits.simulation.setup.disturbance import PlantChanges
 from neuralgaits.simulation.setup.plant import SUBSTEPS, TIMESTEP_S, build
 from support.random_biped import random_biped
 
@@ -17,7 +17,7 @@ from support.random_biped import random_biped
 def standing(plant, q, level=0.0):
     """MuJoCo data with both feet of a symmetric posture on their floors, at rest."""
     data = mujoco.MjData(plant.model)
-    data.qpos[:], data.qvel[:] = plant.wires.to_mjcf(
+    data.qpos[:], data.qvel[:] = plant.state_map.to_mjcf(
         q, np.zeros_like(q), 0, (0.0, level + float(plant.robot.foot_radius))
     )
     mujoco.mj_forward(plant.model, data)
@@ -80,18 +80,18 @@ def test_steps_are_half_a_millisecond_and_two_make_a_tick(amber):
 
 
 def test_friction_of_the_contact_is_that_of_the_robot_or_the_disturbance(amber, straddle):
-    for value, disturbance in ((0.6, None), (0.25, Disturbance(friction=0.25))):
+    for value, disturbance in ((0.6, None), (0.25, PlantChanges(friction=0.25))):
         data = standing(build(amber, disturbance), straddle)
         assert data.contact[0].friction[0] == pytest.approx(value)
 
 
 def test_torque_limits_reach_plant_and_controller(amber):
-    plant = build(amber, Disturbance(torque_limit=20.0))
+    plant = build(amber, PlantChanges(torque_limit=20.0))
     np.testing.assert_array_equal(plant.torque_limit, 20.0)
     np.testing.assert_array_equal(np.abs(plant.model.actuator_ctrlrange), 20.0)
     # A limit above the robot's own changes nothing.
     np.testing.assert_array_equal(
-        build(amber, Disturbance(torque_limit=99.0)).torque_limit, amber.torque_limit
+        build(amber, PlantChanges(torque_limit=99.0)).torque_limit, amber.torque_limit
     )
 
 
@@ -103,15 +103,15 @@ def test_a_torque_limit_counts_gear_and_gain(amber):
     )
     assert motor in amber.layout.xml
     geared = robot_from_text(amber.layout.xml.replace(motor, general), "geared")
-    model = build(geared, Disturbance(torque_limit=20.0)).model
+    model = build(geared, PlantChanges(torque_limit=20.0)).model
     np.testing.assert_allclose(model.actuator("hip_left").ctrlrange, [-2.0, 2.0])
 
 
 def test_masses_scale_and_the_torso_shifts(amber):
-    heavy = build(amber, Disturbance(mass_scale=1.1)).model
+    heavy = build(amber, PlantChanges(mass_scale=1.1)).model
     assert heavy.body_subtreemass[0] == pytest.approx(1.1 * float(amber.mass))
     data = standing(build(amber), np.zeros(5))
-    shifted_plant = build(amber, Disturbance(torso_shift_m=-0.03))
+    shifted_plant = build(amber, PlantChanges(torso_shift_m=-0.03))
     shifted = standing(shifted_plant, np.zeros(5))
     torso = shifted_plant.model.body("torso")
     moved = shifted.subtree_com[torso.id] - data.subtree_com[torso.id]
@@ -121,14 +121,14 @@ def test_masses_scale_and_the_torso_shifts(amber):
 
 def test_a_shifted_torso_is_the_tail_robot(amber):
     tail = build(load_robot("amber3m-tail"))
-    shifted = build(amber, Disturbance(torso_shift_m=-0.03))
+    shifted = build(amber, PlantChanges(torso_shift_m=-0.03))
     np.testing.assert_allclose(
         tail.model.body("torso").ipos, shifted.model.body("torso").ipos, atol=1e-9
     )
 
 
 def test_a_slope_tilts_the_floor_uphill_forward(amber):
-    plant = build(amber, Disturbance(slope_deg=3.0))
+    plant = build(amber, PlantChanges(slope_deg=3.0))
     data = mujoco.MjData(plant.model)
     mujoco.mj_forward(plant.model, data)
     normal = data.geom_xmat[plant.model.geom("_floor_0").id].reshape(3, 3)[:, 2]
@@ -137,11 +137,11 @@ def test_a_slope_tilts_the_floor_uphill_forward(amber):
 
 
 def test_joint_friction_is_on_every_actuated_joint(amber):
-    model = build(amber, Disturbance(joint_friction=2.0)).model
+    model = build(amber, PlantChanges(joint_friction=2.0)).model
     assert sorted(model.dof_frictionloss) == [0.0, 0.0, 0.0, 2.0, 2.0, 2.0, 2.0]
 
 
 def test_a_torso_that_is_not_there_cannot_shift():
     legs = robot_from_text(random_biped(3, 1, torso=False), "legs")
     with pytest.raises(InputError, match="no torso to shift"):
-        build(legs, Disturbance(torso_shift_m=0.01))
+        build(legs, PlantChanges(torso_shift_m=0.01))

@@ -6,11 +6,11 @@ import pytest
 from neuralgaits import logs
 from neuralgaits.robots import load_robot
 from neuralgaits.simulation.episode_log import log_of
-from neuralgaits.simulation.setup.disturbance import Disturbance
+from neuralgaits.simulation.setup.disturbance import PlantChanges
 from neuralgaits.simulation.walk import walk
 
 STEP = 2.0 * np.pi / 4096.0
-EVERYTHING = Disturbance(
+EVERYTHING = PlantChanges(
     friction=0.5,
     torque_limit=38.0,
     delay_ms=2.0,
@@ -65,7 +65,7 @@ def test_a_log_reads_back_exactly_with_everything_disturbed_at_once(amber, slow,
 
 
 def test_angles_are_counted_and_the_plant_knows_better(amber, slow):
-    _, records = walked(amber, slow, steps=2, disturbance=Disturbance(encoder_step=STEP))
+    _, records = walked(amber, slow, steps=2, disturbance=PlantChanges(encoder_step=STEP))
     record = records[0]
     counts = record.command.q[:, 1:] / STEP
     np.testing.assert_allclose(counts, np.round(counts), atol=1e-9)
@@ -76,13 +76,13 @@ def test_angles_are_counted_and_the_plant_knows_better(amber, slow):
 
 
 def test_rounding_leaves_the_walk_where_it_was(amber, slow):
-    done, _ = walked(amber, slow, steps=6, disturbance=Disturbance(encoder_step=STEP))
+    done, _ = walked(amber, slow, steps=6, disturbance=PlantChanges(encoder_step=STEP))
     assert list(done.episodes.gauge.steps) == [6, 6]
 
 
 @pytest.mark.parametrize(
     ("plant", "disturbance"),
-    [("amber3m-tail", Disturbance(torso_shift_m=-0.04)), ("amber3m", Disturbance(friction=0.05))],
+    [("amber3m-tail", PlantChanges(torso_shift_m=-0.04)), ("amber3m", PlantChanges(friction=0.05))],
 )
 def test_falls_are_logged_to_their_end_and_their_strides_can_be_learned_from(
     amber, slow, tmp_path, plant, disturbance

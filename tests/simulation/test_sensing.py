@@ -3,17 +3,17 @@ import math
 import pytest
 
 from neuralgaits.errors import InputError
-from neuralgaits.simulation.setup.disturbance import Disturbance, parse
+from neuralgaits.simulation.setup.disturbance import PlantChanges, parse
 from neuralgaits.simulation.setup.sensing import name_of, sensed
 
 
 def test_encoders_have_the_numbers_that_are_asked_for():
-    usual = sensed(Disturbance(), "encoders")
-    assert usual == Disturbance(
+    usual = sensed(PlantChanges(), "encoders")
+    assert usual == PlantChanges(
         encoder_step=math.tau / 2**14, pitch_noise=1e-3, delay_ms=2, estimator=1
     )
     asked = sensed(parse("friction=0.4"), "encoders, bits=12,pitch_offset=-0.01,delay_ms=0")
-    assert asked == Disturbance(
+    assert asked == PlantChanges(
         encoder_step=math.tau / 2**12,
         pitch_noise=1e-3,
         pitch_offset=-0.01,
@@ -21,7 +21,7 @@ def test_encoders_have_the_numbers_that_are_asked_for():
         friction=0.4,
     )
     assert sensed(parse("delay_ms=5"), "encoders").delay_ms == 5
-    assert (name_of(asked), name_of(Disturbance())) == ("encoders", "perfect")
+    assert (name_of(asked), name_of(PlantChanges())) == ("encoders", "perfect")
 
 
 def test_perfect_sensing_leaves_a_plant_as_it_is():

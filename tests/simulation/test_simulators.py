@@ -8,7 +8,7 @@ from neuralgaits.analysis.run import open_run
 from neuralgaits.cli.main import main
 from neuralgaits.errors import InputError
 from neuralgaits.simulation.simulators import check_simulator
-from neuralgaits.simulation.trained_walks import engine_for
+from neuralgaits.simulation.trained_walks import walk_engine_for
 from support.shipped_run import SHIPPED
 
 
@@ -30,5 +30,5 @@ def test_a_simulator_that_is_not_known_is_refused():
 def test_the_compiled_loop_is_refused_where_it_cannot_walk():
     run = open_run(SHIPPED)
     with pytest.raises(InputError, match="--engine native: expected --simulator mujoco"):
-        engine_for(run, "pd", "native", "drake")
-    assert engine_for(run, "pd", None, "drake").library is None
+        walk_engine_for(run, "pd", "native", "drake")
+    assert walk_engine_for(run, "pd", None, "drake").library is None

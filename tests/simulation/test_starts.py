@@ -3,7 +3,7 @@ import numpy as np
 import pytest
 
 from neuralgaits.analysis.flow import Mesh, returns
-from neuralgaits.analysis.orbit import motion_of
+from neuralgaits.analysis.poincare_map import motion_of
 from neuralgaits.barriers import Gait, Tube
 from neuralgaits.errors import InputError
 from neuralgaits.gait import ZeroDynamics

@@ -15,8 +15,8 @@ from neuralgaits.errors import InputError
 from neuralgaits.gait.commands import Command, command_named
 from neuralgaits.runs import RunFolder
 from neuralgaits.simulation.native_walk import engine_of_trained
+from neuralgaits.simulation.setup.command_schedule import CommandSchedule
 from neuralgaits.simulation.setup.course import Course, Courses
-from neuralgaits.simulation.setup.orders import Orders
 from neuralgaits.simulation.setup.plant import build
 from neuralgaits.simulation.setup.starts import full_states, momentum_range
 from neuralgaits.simulation.setup.terrains import courses_of
@@ -43,7 +43,7 @@ def runs(amber, tmp_path_factory):
 
 
 def courses(run, asked, *, steps=STEPS, seed=0, episodes=1) -> Courses:
-    base = Orders.constant(run.trained.commands)
+    base = CommandSchedule.constant(run.trained.commands)
     steady = run.gait.policy
     return courses_of(asked, run.robot, steady, base, steps=steps, seed=seed, episodes=episodes)
 

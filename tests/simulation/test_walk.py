@@ -6,7 +6,7 @@ import pytest
 
 from neuralgaits.errors import InputError
 from neuralgaits.simulation.metrics import summary
-from neuralgaits.simulation.setup.disturbance import Disturbance
+from neuralgaits.simulation.setup.disturbance import PlantChanges
 from neuralgaits.simulation.ticks import world
 from neuralgaits.simulation.ticks.falls import Ending
 from neuralgaits.simulation.walk import walk
@@ -59,7 +59,7 @@ def test_an_episode_does_not_depend_on_its_neighbours(amber, slow, brisk):
 
 def test_a_walk_can_be_repeated_and_threads_change_nothing(amber, brisk, monkeypatch):
     policy, x = brisk
-    noisy = Disturbance(encoder_noise=1e-4, floor_height=0.002)
+    noisy = PlantChanges(encoder_noise=1e-4, floor_height=0.002)
     # Two episodes, a thread for each.
     monkeypatch.setattr(world, "_MIN_EPISODES_PER_THREAD", 1)
     runs = [
@@ -116,7 +116,7 @@ def test_a_delay_delays_the_torques(amber, brisk):
             x[None],
             controller="fblin",
             steps=1,
-            disturbance=Disturbance(delay_ms=delay),
+            disturbance=PlantChanges(delay_ms=delay),
             record=True,
         ).episodes.states
         for delay in (0, 4)

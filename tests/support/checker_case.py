@@ -26,18 +26,18 @@ from neuralgaits.barriers import (
 )
 from neuralgaits.barriers import functions as f
 from neuralgaits.barriers.conditions import FencesApart
-from neuralgaits.barriers.regions import AnyGait, CommandedGait
-from neuralgaits.certificate.levels.chart import PLAIN, Chart
-from neuralgaits.certificate.levels.orbit.theorem import Attraction, Orbit
+from neuralgaits.certificate.chart import PLANE_ONLY, Chart
+from neuralgaits.certificate.levels.level_search import LevelSets
+from neuralgaits.certificate.levels.orbit.theorem import Attraction, OrbitConstants
 from neuralgaits.certificate.levels.problems import trace_certificate
-from neuralgaits.certificate.levels.sets import Sets
-from neuralgaits.certificate.levels.walking_set.theorem import WalkingSet
+from neuralgaits.certificate.levels.walking_set.theorem import WalkingSetConstants
 from neuralgaits.certificate.proof_file.model_data import model_data
 from neuralgaits.certificate.proof_file.theorem_tables import Theorems
 from neuralgaits.certificate.traced import trace_spec
 from neuralgaits.gait import HybridInvariantPolicy, MLPPolicy, Network, Residuals
 from neuralgaits.gait.commands import Command
 from neuralgaits.gait.flow_residual import Residual
+from neuralgaits.gait.gaits import AnyGait, CommandedGait
 from neuralgaits.gait.reset_residual import ResetResidual
 from neuralgaits.programs import POINT, evaluate
 from neuralgaits.robots import load_robot
@@ -130,7 +130,7 @@ class Case:
     @property
     def chart(self) -> Chart:
         """Of what it is a function."""
-        return PLAIN
+        return PLANE_ONLY
 
     def drawn(self, shares: np.ndarray) -> np.ndarray:
         """Chart points at shares of a step, of its level and of further axes. [points, axes]."""
@@ -237,15 +237,17 @@ class SetCase(Case):
     attraction: Attraction = "contraction"
 
     @cached_property
-    def sets(self) -> Sets:
+    def sets(self) -> LevelSets:
         assert isinstance(self.gait, Gait)
         tube = self.gait.tube
         low, high = (np.asarray(side) * float(tube.unit) for side in (tube.lower, tube.upper))
         thin = [tuple((low + share * (high - low)).tolist()) for share in (0.4, 0.6)]
         rates = [tuple(row) for row in np.random.default_rng(4).normal(size=(3, 4)).tolist()]
-        pushed = WalkingSet(0.01, 0.008, 0.1, 0.8, self.disturbance, ("lean", "bent", "brisk"), ())
-        orbit = Orbit(self.attraction, 0.99, 1.01, thin[0], thin[1], *rates)
-        return Sets({2: pushed, 3: orbit})
+        pushed = WalkingSetConstants(
+            0.01, 0.008, 0.1, 0.8, self.disturbance, ("lean", "bent", "brisk"), ()
+        )
+        orbit = OrbitConstants(self.attraction, 0.99, 1.01, thin[0], thin[1], *rates)
+        return LevelSets({2: pushed, 3: orbit})
 
     @cached_property
     def spec(self):
@@ -348,14 +350,14 @@ class ToldCase(Case):
         return found.with_conditions(FencesApart("apart", "tube", 0.1))
 
     @cached_property
-    def sets(self) -> Sets:
+    def sets(self) -> LevelSets:
         """For sets around nothing in particular."""
         names = tuple(one.name for one in self.commands)
         held = ("one gain", "joint_angles rate")
-        return Sets(
+        return LevelSets(
             {
-                2: WalkingSet(0.01, 0.008, 0.1, 0.8, (0.02, 0.3), held, (), names),
-                3: Orbit("any two walks", expansion=(0.1, -0.2, 0.3)),
+                2: WalkingSetConstants(0.01, 0.008, 0.1, 0.8, (0.02, 0.3), held, (), names),
+                3: OrbitConstants("any two walks", expansion=(0.1, -0.2, 0.3)),
             }
         )
 

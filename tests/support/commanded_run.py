@@ -9,11 +9,12 @@ import numpy as np
 
 from neuralgaits.analysis.run import Run, open_run
 from neuralgaits.barriers import specs
-from neuralgaits.barriers.regions import CommandedGait, CommandedTube
 from neuralgaits.gait import HybridInvariantPolicy
 from neuralgaits.gait.commands import Command
+from neuralgaits.gait.gaits import CommandedGait
 from neuralgaits.gait.policies.commanded import CommandedPolicy
-from neuralgaits.records.asked import Asked, Range
+from neuralgaits.gait.tubes import CommandedTube
+from neuralgaits.records.training_config import Range, TrainingConfig
 from neuralgaits.runs import RunFolder
 from neuralgaits.runs.latest import finish
 from neuralgaits.runs.names import ROBOT, SPEC, WEIGHTS
@@ -54,7 +55,7 @@ def make(place: Path) -> Run:
     """A finished run of it in a new folder."""
     shipped = open_run(SHIPPED)
     spec = specs.commanded(shipped.robot, (SPEED,))
-    asked = Asked(
+    asked = TrainingConfig(
         robot=shipped.robot.name,
         spec="walking",
         seed=0,

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from neuralgaits.export import build, writing
+from neuralgaits.export import build, output_folder
 
 DOUBLE, FLOAT = (), ("-DNG_FLOAT",)
 
@@ -13,7 +13,7 @@ DOUBLE, FLOAT = (), ("-DNG_FLOAT",)
 def folder_with(path: Path, files: dict[str, str]) -> Path:
     """A folder that holds the shipped files, the harness and these."""
     path.mkdir(parents=True, exist_ok=True)
-    for name, text in (writing.shipped() | writing.harness() | files).items():
+    for name, text in (output_folder.shipped() | output_folder.harness() | files).items():
         (path / name).write_text(text)
     return path
 

@@ -4,10 +4,10 @@ import jax
 import numpy as np
 
 from neuralgaits.barriers import specs
-from neuralgaits.barriers.regions import CommandedGait
 from neuralgaits.control import PAPER, Fblin, Pd
 from neuralgaits.export.facts import Design, Origin
 from neuralgaits.gait.commands import Command
+from neuralgaits.gait.gaits import CommandedGait
 from neuralgaits.robots import load_robot
 from neuralgaits.simulation.setup.starts import momentum_range
 

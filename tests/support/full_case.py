@@ -8,8 +8,8 @@ import numpy as np
 
 from neuralgaits.barriers import Gait
 from neuralgaits.certificate.levels.full_order.model import FullOrderModel
-from neuralgaits.certificate.levels.full_order.theorem import BarrierConstants, FullOrder
-from neuralgaits.certificate.levels.sets import Sets
+from neuralgaits.certificate.levels.full_order.theorem import BarrierConstants, FullOrderConstants
+from neuralgaits.certificate.levels.level_search import LevelSets
 from neuralgaits.programs import POINT, evaluate
 from support.checker_case import SetCase
 
@@ -33,14 +33,14 @@ class FullCase(SetCase):
         return FullOrderModel(self.robot, self.gait, self.spec)
 
     @cached_property
-    def shape(self) -> FullOrder:
+    def shape(self) -> FullOrderConstants:
         draw = np.random.default_rng(9)
         rows = tuple(
             BarrierConstants(name, *draw.uniform(0.5, 2.0, size=7).tolist())
             for name in self.full_model.names
         )
         inertia, mismatch, drift, gain, landing, slope = draw.uniform(0.5, 2.0, size=6).tolist()
-        return FullOrder(
+        return FullOrderConstants(
             bandwidth=30.0,
             radius=self.radius,
             shrink=0.5,
@@ -60,8 +60,8 @@ class FullCase(SetCase):
         )
 
     @cached_property
-    def sets(self) -> Sets:
-        return Sets({4: self.shape})
+    def sets(self) -> LevelSets:
+        return LevelSets({4: self.shape})
 
     @cached_property
     def table(self) -> dict[str, Any]:

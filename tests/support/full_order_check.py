@@ -21,12 +21,12 @@ from neuralgaits.certificate.levels.full_order.model import (
     output_coordinates,
     scaled_coordinates,
 )
-from neuralgaits.certificate.levels.full_order.theorem import FENCES, FullOrder
+from neuralgaits.certificate.levels.full_order.theorem import FENCES, FullOrderConstants
 from neuralgaits.control import Fblin
 from neuralgaits.errors import InputError
 from neuralgaits.gait.full_order import FullPoint
 from neuralgaits.simulation.setup.starts import momentum_range
-from neuralgaits.simulation.ticks.tick import Record
+from neuralgaits.simulation.ticks.tick import TickRecord
 from neuralgaits.simulation.walk import walk
 from support.full_order_walk import ExactOutputs, ExactWalk, walk_exactly
 
@@ -54,7 +54,7 @@ class Edges(NamedTuple):
     """Of each barrier."""
 
     @classmethod
-    def of(cls, shape: FullOrder) -> "Edges":
+    def of(cls, shape: FullOrderConstants) -> "Edges":
         """Of a set."""
         tight = [float(tightening(barrier).upper()) for barrier in shape.barriers]
         sigma = [barrier.sigma for barrier in shape.barriers]
@@ -130,7 +130,7 @@ def walker(
 
 def check_by_force(
     run: Run,
-    shape: FullOrder,
+    shape: FullOrderConstants,
     *,
     walks: int = WALKS,
     steps: int = STEPS,
@@ -147,7 +147,7 @@ def check_by_force(
         seed: of the starts.
         walking: `walker` of this run, bandwidth and number of steps, made here if it is not given.
     """
-    began = time.perf_counter()
+    start_time = time.perf_counter()
     model, edges = model_of(run, shape.bandwidth, shape.weights), Edges.of(shape)
     z, eta = states_of(model, shape, walks, seed)
     walking = walking or walker(run, shape.bandwidth, steps, shape.weights)
@@ -163,13 +163,13 @@ def check_by_force(
         left=int(np.sum(~np.all(least >= -ROUNDING, axis=1))),
         least={name: float(part.min()) for name, part in zip(sizes, parts, strict=True)},
         foot=float(walked.foot.max()),
-        wall_s=time.perf_counter() - began,
+        wall_s=time.perf_counter() - start_time,
     )
 
 
 def check_in_mujoco(
     run: Run,
-    shape: FullOrder,
+    shape: FullOrderConstants,
     *,
     episodes: int = EPISODES,
     steps: int = MUJOCO_STEPS,
@@ -186,7 +186,7 @@ def check_in_mujoco(
     always, settled = np.ones(episodes, dtype=bool), np.ones(episodes, dtype=bool)
     ticks = np.zeros(2, dtype=int)
 
-    def watch(record: Record, active: np.ndarray) -> None:
+    def watch(record: TickRecord, active: np.ndarray) -> None:
         found = record.command
         errors = [found.q[:, 1:] - found.y_d, found.dq[:, 1:] - found.dy_d]
         here = np.asarray(inside(found.z, np.concatenate(errors, axis=1)))[active]
@@ -215,7 +215,7 @@ def check_in_mujoco(
 
 
 def states_of(
-    model: FullOrderModel, shape: FullOrder, count: int, seed: int
+    model: FullOrderModel, shape: FullOrderConstants, count: int, seed: int
 ) -> tuple[Float[np.ndarray, "B 2"], Float[np.ndarray, "B two_m"]]:
     """Random states of the set, many of them on its faces.
 
@@ -244,7 +244,7 @@ def states_of(
 
 
 def _draw(
-    model: FullOrderModel, shape: FullOrder, count: int, draw: np.random.Generator
+    model: FullOrderModel, shape: FullOrderConstants, count: int, draw: np.random.Generator
 ) -> tuple[np.ndarray, np.ndarray]:
     """Chart points and xi; the foot may still be below the ground."""
     first, last = shape.ends

@@ -1,11 +1,11 @@
 """Constants of level 4 from which the theorem follows."""
 
-from neuralgaits.certificate.levels.full_order.theorem import BarrierConstants, FullOrder
+from neuralgaits.certificate.levels.full_order.theorem import BarrierConstants, FullOrderConstants
 
 UPPER = BarrierConstants("level-upper", 1.0, 0.16, 38.0, 0.0, 0.08, 13.0, 52.0)
 FENCE = BarrierConstants("level-lower", 2.0, 0.07, 38.0, 0.0, 0.07, 13.0, 130.0)
 TORSO = BarrierConstants("torso-lower", 20.0, 0.7, 3.0, 1.4, 0.08, 0.9, 75.0)
-SHAPE = FullOrder(
+SHAPE = FullOrderConstants(
     bandwidth=30.0,
     radius=0.009,
     shrink=3.2,

@@ -15,7 +15,7 @@ from neuralgaits._quick_jit import quick_jit
 from neuralgaits._types import Array, Float, Scalar
 from neuralgaits.analysis.run import Run
 from neuralgaits.certificate.levels.full_order.model import FullOrderModel, weighted
-from neuralgaits.certificate.levels.full_order.theorem import FullOrder
+from neuralgaits.certificate.levels.full_order.theorem import FullOrderConstants
 from neuralgaits.gait.full_order import FullPoint
 from neuralgaits.robots import dynamics
 from support.full_order_check import Edges, distances_inside, model_of, states_of
@@ -42,7 +42,7 @@ class HeldWalks(NamedTuple):
 
 
 def walk_held(
-    run: Run, shape: FullOrder, hold: float, *, walks: int, ticks: int, seed: int = 0
+    run: Run, shape: FullOrderConstants, hold: float, *, walks: int, ticks: int, seed: int = 0
 ) -> HeldWalks:
     """Walk from states of the set. Args: ticks of at most `hold` seconds each."""
     model, edges = model_of(run, shape.bandwidth, shape.weights), Edges.of(shape)

@@ -6,8 +6,8 @@ import shlex
 from pathlib import Path
 
 from neuralgaits.barriers import specs
-from neuralgaits.cli.arguments import Fit, Train
-from neuralgaits.cli.words import Verb, read
+from neuralgaits.cli.arguments import FitOptions, TrainOptions
+from neuralgaits.cli.argv_parser import Verb, read
 from neuralgaits.robots import load_robot
 from neuralgaits.runs import resolve, resolve_unfinished
 
@@ -65,10 +65,10 @@ def _find(verb: Verb, made: set[Path]) -> None:
     if asked.get("run") and Path(asked["run"]) not in made:
         resolve(asked["run"])
     if asked.get("resume"):
-        if isinstance(verb, Train):
+        if isinstance(verb, TrainOptions):
             resolve_unfinished(asked["resume"])
         elif isinstance(asked["resume"], str):
             resolve(asked["resume"])
-    logs = asked["logs"] if isinstance(verb, Fit) else ()
+    logs = asked["logs"] if isinstance(verb, FitOptions) else ()
     for file in (asked.get("residual"), asked.get("file"), *logs):
         assert file is None or file in made or file.is_file(), file

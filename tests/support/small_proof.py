@@ -9,8 +9,8 @@ import numpy as np
 from flint import arb
 from safetensors.numpy import save
 
-from neuralgaits.certificate.levels.chart import PLAIN
-from neuralgaits.certificate.proof_file.check import Report, check
+from neuralgaits.certificate.chart import PLANE_ONLY
+from neuralgaits.certificate.proof_file.check import CheckResult, check
 from neuralgaits.certificate.proof_file.reader import Claims, halves, read_claims
 from neuralgaits.programs import POINT, Constant, Input, Operation, Output, Program, evaluate
 from neuralgaits.programs.algebras.ball import BallAlgebra
@@ -89,7 +89,7 @@ def proof() -> dict[str, Any]:
         "spec": {"name": "bowl", "sha256": sha256(FILES["spec.py"])},
         "program": json.loads(about.to_json()),
         "program_hash": about.hash,
-        "chart": PLAIN.table(),
+        "chart": PLANE_ONLY.table(),
         "theorems": [],
         "model": None,
         "statements": [
@@ -106,7 +106,7 @@ def write(folder: Path, table: Any) -> Path:
     return path
 
 
-def checked(folder: Path, table: Any) -> Report:
+def checked(folder: Path, table: Any) -> CheckResult:
     return check(read_claims(write(folder, table)))
 
 

@@ -15,7 +15,7 @@ from neuralgaits.cli.main import main
 from neuralgaits.engine import Processes, Serial
 from neuralgaits.errors import InputError, Interrupted
 from neuralgaits.runs import write_bytes
-from neuralgaits.sweeps import folder
+from neuralgaits.sweeps import sweep_folder
 from neuralgaits.sweeps.disturbances import disturbances_of
 from neuralgaits.workflows import sweep as workflow
 from neuralgaits.workflows.sweep import sweep
@@ -124,7 +124,7 @@ def test_a_full_disk_ends_a_sweep_that_goes_on_to_the_same_table(
         write_bytes(path, content)
 
     with monkeypatch.context() as patch:
-        patch.setattr(folder, "write_bytes", full)
+        patch.setattr(sweep_folder, "write_bytes", full)
         with pytest.raises(OSError, match="No space"):
             sweep(["amber3m"], engine=Serial(), out=out, **ASKED)
     done = sweep(engine=Serial(), out=out, resume=True).summary

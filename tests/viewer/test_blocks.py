@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from neuralgaits.viewer import page
+from neuralgaits.viewer import live_server
 from neuralgaits.viewer.blocks import Blocks, mesh
 
 TOPS = np.array([[-0.1, 0.0, 0.1, 0.0], [0.3, 0.05, 0.5, 0.05], [0.5, 0.05, 1.5, 0.15]])
@@ -33,7 +33,7 @@ def test_tops_are_where_the_course_has_them():
 
 
 def test_they_move_under_the_robot_and_are_drawn_anew_where_they_changed():
-    server = page.open_server("test")
+    server = live_server.open_server("test")
     try:
         blocks = Blocks(server)
         blocks.show(None, 1.0, 0.2)
@@ -50,5 +50,5 @@ def test_they_move_under_the_robot_and_are_drawn_anew_where_they_changed():
         assert len(left.pop("/course/0")) == 8
         assert all(len(vertices) == 0 for vertices in left.values())
     finally:
-        with page.quiet():
+        with live_server.quiet():
             server.stop()

@@ -11,10 +11,10 @@ import urllib.request
 import pytest
 
 from neuralgaits.analysis.run import open_run
-from neuralgaits.certificate.levels.chart import Chart
+from neuralgaits.certificate.chart import Chart
 from neuralgaits.certificate.proof_file.reader import read_claims
 from neuralgaits.certificate.proof_file.run_match import differences
-from neuralgaits.certificate.retrace import answer
+from neuralgaits.certificate.retrace import describe_run
 from neuralgaits.certificate.run_comparison import differences_of_program
 from neuralgaits.errors import InputError, RunError
 from neuralgaits.viewer.sureness import how_sure
@@ -29,7 +29,7 @@ def test_its_proof_is_about_its_robot_weights_and_spec():
     claims = read_claims(PROOF)
     assert differences(claims, demo.FOLDER) == []
     # The Program is what today's formulas make of the shipped weights.
-    assert differences_of_program(claims, answer(demo.FOLDER, claims.theorems)) == []
+    assert differences_of_program(claims, describe_run(demo.FOLDER, claims.theorems)) == []
     theorems = json.loads(PROOF.read_text())["theorems"]
     assert [one["level"] for one in theorems if one["claimed"]] == [2, 3]
 
@@ -44,7 +44,7 @@ def test_the_gait_that_is_told_its_speed_is_proved_for_all_of_its_range():
     assert differences(claims, demo.TOLD) == []
     assert claims.chart == Chart.of(run.trained.commands)
     assert claims.theorems.claimed == (2, 3)
-    assert differences_of_program(claims, answer(demo.TOLD, claims.theorems)) == []
+    assert differences_of_program(claims, describe_run(demo.TOLD, claims.theorems)) == []
     sure = how_sure(run)
     assert sure.certified and sure.words.startswith("Proved, to level 3")
 

@@ -6,7 +6,7 @@ import jax
 import numpy as np
 import pytest
 
-from neuralgaits.analysis.quantities import Look, quantities
+from neuralgaits.analysis.point_evaluator import PointEvaluator, quantities
 from neuralgaits.errors import InputError
 from neuralgaits.viewer.live_gait import SLOPE_DEG, LiveGait
 
@@ -18,7 +18,7 @@ def gait(shipped):
 
 @pytest.fixture(scope="module")
 def look(shipped):
-    return Look(quantities(shipped.zero_dynamics, shipped.gait, shipped.spec))
+    return PointEvaluator(quantities(shipped.zero_dynamics, shipped.gait, shipped.spec))
 
 
 def state_at(gait, phase, level):
@@ -75,9 +75,9 @@ def test_a_jump_inside_lands_where_it_was_clicked(shipped, gait):
     z = state_at(gait, 0.8, 0.9)
     assert gait.jump(z) is None
     np.testing.assert_allclose(gait.shown().z, z, atol=1e-9)
-    wires = gait.live.plant.wires
-    sensors = wires.sensors(gait.live.data.qpos, gait.live.data.qvel)
-    foot, _ = wires.foot(0, sensors)
+    state_map = gait.live.plant.state_map
+    sensors = state_map.sensors(gait.live.data.qpos, gait.live.data.qvel)
+    foot, _ = state_map.foot(0, sensors)
     hip = np.asarray(shipped.robot.hip_gradient)
     # z1 is the linearised position of the hip ahead of the foot: near the true one.
     assert sensors.base[0] - foot[0] == pytest.approx(z[0], abs=0.02)

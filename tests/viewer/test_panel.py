@@ -6,18 +6,18 @@ from typing import Any
 
 import pytest
 
-from neuralgaits.viewer import page, panel
+from neuralgaits.viewer import live_server, panel
 from neuralgaits.viewer.panel import PUSH, Panel
 from neuralgaits.viewer.player import SPEED, Picture
-from neuralgaits.viewer.walker import Limits, Told
+from neuralgaits.viewer.walker import SliderRange, SliderReach
 
-FRICTION = Limits(0.05, 1.5, 0.6)
+FRICTION = SliderReach(0.05, 1.5, 0.6)
 
 
 @pytest.fixture
 def built():
     """A panel on a server of its own, and the sliders by label."""
-    server = page.open_server("test")
+    server = live_server.open_server("test")
     player: Any = SimpleNamespace(paused=False, speed=1.0, ask=lambda wish: None)
     settings = {"friction": FRICTION}
     made = Panel(
@@ -25,7 +25,7 @@ def built():
     )
     handles: Any = server.gui._gui_input_handle_from_uuid
     yield made, {handle.label: handle for handle in handles.values() if hasattr(handle, "step")}
-    with page.quiet():
+    with live_server.quiet():
         server.stop()
 
 
@@ -83,7 +83,7 @@ def test_the_end_of_the_ground_is_said_once_each_time(built):
 
 def test_sliders_and_keys_tell_the_robot_and_lay_stones():
     """Two keys a slider, up and down by a tenth of its range, cut to it."""
-    server, asked, heard = page.open_server("test"), [], []
+    server, asked, heard = live_server.open_server("test"), [], []
     player: Any = SimpleNamespace(paused=False, speed=1.0, ask=asked.append)
     walker: Any = SimpleNamespace(
         tell=lambda name, value: heard.append(("tell", name, value)),
@@ -97,8 +97,8 @@ def test_sliders_and_keys_tell_the_robot_and_lay_stones():
             settings={},
             conditions=(),
             restarted=lambda: None,
-            commands={"speed": Told(Limits(0.5, 0.9, 0.7), "m/s")},
-            sizes={"rise": Told(Limits(-0.05, 0.05, 0.05), "m")},
+            commands={"speed": SliderRange(SliderReach(0.5, 0.9, 0.7), "m/s")},
+            sizes={"rise": SliderRange(SliderReach(-0.05, 0.05, 0.05), "m")},
         )
         keys = {handle.hotkey: handle for handle in server.gui._command_handle_from_uuid.values()}
         assert set(keys) == {"U", "J", "I", "K"}
@@ -108,7 +108,7 @@ def test_sliders_and_keys_tell_the_robot_and_lay_stones():
         for wish in asked:
             wish(walker)
     finally:
-        with page.quiet():
+        with live_server.quiet():
             server.stop()
     said = [(verb, name, round(value, 9)) for verb, name, value in dict.fromkeys(heard)]
     assert said == [
@@ -140,8 +140,8 @@ def test_the_end_of_a_walk_says_what_to_do_next(built, upright, left, words):
 )
 def test_a_number_beside_a_slider_has_room(low, high):
     """Its box holds five characters, and as many decimals as limits, first value and step need."""
-    told = {"speed": Told(Limits(low, high, 0.5 * (low + high)), "m/s")}
-    server = page.open_server("test")
+    told = {"speed": SliderRange(SliderReach(low, high, 0.5 * (low + high)), "m/s")}
+    server = live_server.open_server("test")
     player: Any = SimpleNamespace(paused=False, speed=1.0, ask=lambda wish: None)
     made: Any = {"title": "x", "settings": {}, "conditions": (), "restarted": lambda: None}
     Panel(server, player, commands=told, sizes={}, **made)
@@ -150,5 +150,5 @@ def test_a_number_beside_a_slider_has_room(low, high):
     assert slider.precision <= 4 - (low > 0.1)
     assert low - 0.01 <= slider.min < slider.value < slider.max <= high + 0.01
     assert slider.step <= (slider.max - slider.min) / 50
-    with page.quiet():
+    with live_server.quiet():
         server.stop()

@@ -73,16 +73,16 @@ def test_simulated_time_keeps_pace_with_the_clock(played):
     walker, player, pictures = played
     player.start()
     until(lambda: len(pictures) > 3)
-    began, ticks = time.perf_counter(), walker.ticks
+    start_time, ticks = time.perf_counter(), walker.ticks
     time.sleep(1.0)
-    paced = (walker.ticks - ticks) * PERIOD_S / (time.perf_counter() - began)
+    paced = (walker.ticks - ticks) * PERIOD_S / (time.perf_counter() - start_time)
     # A busy machine may play slower, but never faster.
     assert 0.3 < paced < 1.1
     player.speed = 0.25
     time.sleep(0.1)
-    began, ticks = time.perf_counter(), walker.ticks
+    start_time, ticks = time.perf_counter(), walker.ticks
     time.sleep(0.8)
-    assert (walker.ticks - ticks) * PERIOD_S / (time.perf_counter() - began) < 0.35
+    assert (walker.ticks - ticks) * PERIOD_S / (time.perf_counter() - start_time) < 0.35
     assert len(pictures) >= 0.3 * FRAMES_PER_S
 
 

@@ -7,13 +7,13 @@ import shutil
 import numpy as np
 import pytest
 
-from neuralgaits.analysis.quantities import Look, PlaneChart, quantities
+from neuralgaits.analysis.point_evaluator import PlaneChart, PointEvaluator, quantities
 from neuralgaits.analysis.run import open_run
-from neuralgaits.certificate.reading import hashes
+from neuralgaits.certificate.verified_summary import hashes
 from neuralgaits.report.figures import certificate_map
-from neuralgaits.viewer import markdown, phase_plane
+from neuralgaits.viewer import markdown, phase_board
 from neuralgaits.viewer import portrait as board
-from neuralgaits.viewer.phase_plane import portrait
+from neuralgaits.viewer.phase_board import portrait
 from neuralgaits.viewer.portrait import PROVED, REFUTED, Portrait
 from neuralgaits.viewer.sureness import how_sure
 
@@ -21,7 +21,7 @@ from neuralgaits.viewer.sureness import how_sure
 @pytest.fixture(scope="module")
 def look(shipped):
     """Compiled once for all pictures."""
-    return Look(quantities(shipped.zero_dynamics, shipped.gait, shipped.spec))
+    return PointEvaluator(quantities(shipped.zero_dynamics, shipped.gait, shipped.spec))
 
 
 @pytest.fixture(scope="module")
@@ -97,8 +97,8 @@ def known_orbit(plane, monkeypatch):
     class Path:
         z = plane.orbit[:, None]
 
-    monkeypatch.setattr(phase_plane, "sampled_map", lambda *_: Known)
-    monkeypatch.setattr(phase_plane, "cycle", lambda *_: Path)
+    monkeypatch.setattr(phase_board, "sampled_map", lambda *_: Known)
+    monkeypatch.setattr(phase_board, "cycle", lambda *_: Path)
 
 
 def test_without_a_certificate_margins_are_sampled_and_called_so(shipped, look, known_orbit):
@@ -114,7 +114,7 @@ def test_a_map_that_is_open_somewhere_is_not_called_proved(
     assert "proved margins" in plane.title
     answer = np.where(np.arange(len(plane.answer)) == 3, board.UNDECIDED, plane.answer)
     arrays = {"corners": plane.corners, "answer": answer, "margin": plane.margin}
-    monkeypatch.setattr(phase_plane, "read_arrays", lambda _: (arrays, {}))
+    monkeypatch.setattr(phase_board, "read_arrays", lambda _: (arrays, {}))
     assert "only green is proved" in portrait(shipped, look, certified=True).title
 
 

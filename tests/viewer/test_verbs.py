@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from neuralgaits.cli.arguments import Page
+from neuralgaits.cli.arguments import PageOptions
 from neuralgaits.cli.main import main
 from neuralgaits.cli.viewer_verbs import _served
 from neuralgaits.workflows.demo import FOLDER, TOLD
@@ -20,7 +20,7 @@ def served(host, wait=None):
         wait=wait or (lambda: calls.append("wait")),
         close=lambda: calls.append("close"),
     )
-    outcome = _served(live, Page(no_browser=True))
+    outcome = _served(live, PageOptions(no_browser=True))
     assert outcome.then is not None
     return outcome.show, outcome.then, calls
 

@@ -44,7 +44,7 @@ def planted_files(planted_logs, tmp_path_factory):
 @pytest.fixture(scope="session")
 def fitted(brief_run, planted_files):
     """What `fit` learned from them."""
-    from neuralgaits.residual.fit import FitConfig
+    from neuralgaits.residual.fitter import FitConfig
     from neuralgaits.workflows.fit import fit
 
     return fit(brief_run, planted_files, config=FitConfig(steps=1500))

@@ -119,9 +119,9 @@ def test_a_gait_that_breaks_conditions_is_refuted_at_a_state(poor):
 
 def test_no_time_is_undecided_and_can_be_resumed(gait, certificate, tmp_path):
     run = open_run(shutil.copytree(gait.path, tmp_path / "run"))
-    began = time.monotonic()
+    start_time = time.monotonic()
     short = certify(run, level=1, budget=1e-9)
-    assert time.monotonic() - began < 0.8 * certificate.summary["wall_s"] + 1.0
+    assert time.monotonic() - start_time < 0.8 * certificate.summary["wall_s"] + 1.0
     assert short.verdict == "undecided"
     assert "budget" in short.summary["reason"]
     assert short.summary["proof"] is None

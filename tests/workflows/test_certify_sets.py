@@ -12,7 +12,7 @@ import pytest
 from neuralgaits.analysis.run import open_run
 from neuralgaits.certificate.levels.orbit.return_map import slope, state
 from neuralgaits.certificate.levels.walking_set import margins as walking_set
-from neuralgaits.certificate.levels.walking_set.theorem import WalkingSet
+from neuralgaits.certificate.levels.walking_set.theorem import WalkingSetConstants
 from neuralgaits.errors import InputError
 from neuralgaits.workflows.certify import certify
 from neuralgaits.workflows.check_proof import check_proof
@@ -171,7 +171,7 @@ def test_too_large_a_disturbance_is_undecided(run):
 
 def test_margins_of_the_set_are_its_definitions(run):
     gait, zd = run.gait, run.zero_dynamics
-    shape = WalkingSet(1e-3, 1e-3, 0.1, 0.9, PUSH, (), ())
+    shape = WalkingSetConstants(1e-3, 1e-3, 0.1, 0.9, PUSH, (), ())
     u = jnp.array([0.4, 0.3])
     found = walking_set.margins(run.spec, gait, zd, shape, u)
     point, (start, guard) = zd.point(gait.z(u)), gait.span

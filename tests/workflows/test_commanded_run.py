@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from neuralgaits.analysis.run import PolicyOfSteps, open_run
-from neuralgaits.cli.arguments import Train
-from neuralgaits.cli.words import read
+from neuralgaits.cli.arguments import TrainOptions
+from neuralgaits.cli.argv_parser import read
 from neuralgaits.errors import InputError
-from neuralgaits.report import again
+from neuralgaits.report import repeat_commands
 from neuralgaits.robots import load_robot
 from neuralgaits.training import calibration
 from neuralgaits.workflows.certify import certify
@@ -52,10 +52,10 @@ def test_what_it_is_not_told_is_refused(made):
 
 
 def test_the_command_that_makes_it_again_tells_its_range(made):
-    line = again.training(made.folder)
+    line = repeat_commands.training(made.folder)
     assert line is not None
     verb = read(shlex.split(line)[1:])
-    assert isinstance(verb, Train) and verb.speed == "0.6:0.8"
+    assert isinstance(verb, TrainOptions) and verb.speed == "0.6:0.8"
 
 
 def test_level_4_is_refused(made):

@@ -4,10 +4,10 @@ import json
 
 import pytest
 
+from neuralgaits.episode_rounds.episode_folder import EpisodeFolder, read, write
 from neuralgaits.errors import NeuralGaitsError, RunError
 from neuralgaits.records.fitted import Logs
 from neuralgaits.robots import load_robot
-from neuralgaits.rounds.folder import EpisodeFolder, read, write
 
 ASKED = {
     "disturb": {"slope_deg": 2.0},
@@ -73,7 +73,7 @@ def test_a_start_that_was_killed_is_made_again(tmp_path, monkeypatch):
         raise SystemExit
 
     with monkeypatch.context() as patched:
-        patched.setattr("neuralgaits.rounds.folder.write", killed)
+        patched.setattr("neuralgaits.episode_rounds.episode_folder.write", killed)
         with pytest.raises(SystemExit):
             EpisodeFolder.create(asked, None, out=tmp_path / "new", root=tmp_path)
     assert EpisodeFolder.find(tmp_path / "new", tmp_path) is None

@@ -16,14 +16,14 @@ import pytest
 
 from neuralgaits import logs
 from neuralgaits.analysis.run import open_run
+from neuralgaits.episode_rounds import round_walks as episode_walks
+from neuralgaits.episode_rounds.round_walks import Field, nominal_momentum, walk_round
 from neuralgaits.errors import InputError, NeuralGaitsError, NonFiniteError, RunError
-from neuralgaits.records.fitted import Fitted, Strides
-from neuralgaits.records.walked import EpisodesDone
+from neuralgaits.records.episode_records import EpisodesDone
+from neuralgaits.records.fitted import Fitted, StrideCounts
 from neuralgaits.report.figures import rounds as figure
 from neuralgaits.robots import load_robot
-from neuralgaits.rounds import walks as episode_walks
-from neuralgaits.rounds.walks import Field, nominal_momentum, walk_round
-from neuralgaits.simulation.setup.disturbance import Disturbance
+from neuralgaits.simulation.setup.disturbance import PlantChanges
 from neuralgaits.workflows import episodes as workflow
 from neuralgaits.workflows.episodes import episodes
 from support import own_columns
@@ -33,7 +33,7 @@ pytestmark = pytest.mark.slow
 FIELDS = {"steps_walked", "speed_range_m_s", "heldout_error", "nominal_heldout_error", "loss"}
 LEARNED = Fitted(
     logs=("walk.csv",),
-    strides=Strides(train=3, heldout=1),
+    strides=StrideCounts(train=3, heldout=1),
     walked_s=3.0,
     error_bound=(0.1, 0.2),
     heldout_error=0.1,
@@ -103,7 +103,7 @@ def walked(amber, brief_run, tmp_path_factory):
             "LOGGED_S": 4.0,
         }.items():
             patch.setattr(episode_walks, name, value)
-        disturbance = Disturbance(encoder_step=0.001, rate_noise=0.001)
+        disturbance = PlantChanges(encoder_step=0.001, rate_noise=0.001)
         return walk_round(
             brief_run,
             Field(amber, disturbance, "pd"),

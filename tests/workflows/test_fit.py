@@ -11,7 +11,7 @@ import pytest
 from neuralgaits import logs
 from neuralgaits.analysis.learned import Learned
 from neuralgaits.errors import InputError, RunError
-from neuralgaits.residual.fit import FitConfig
+from neuralgaits.residual.fitter import FitConfig
 from neuralgaits.runs.names import FIT, FITTED
 from neuralgaits.workflows.fit import fit
 from support import planted_walk

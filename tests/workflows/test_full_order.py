@@ -16,13 +16,18 @@ from neuralgaits.barriers import Barrier
 from neuralgaits.certificate import retrace
 from neuralgaits.certificate.levels.full_order.conclude import conclude_full_order
 from neuralgaits.certificate.levels.full_order.find import find_full_order, grid
-from neuralgaits.certificate.levels.full_order.looks import looks_of
 from neuralgaits.certificate.levels.full_order.model import (
     BANDWIDTH,
     output_coordinates,
     scaled_coordinates,
 )
-from neuralgaits.certificate.levels.full_order.theorem import REGION, FullOrder, premises, series
+from neuralgaits.certificate.levels.full_order.sample_evaluators import looks_of
+from neuralgaits.certificate.levels.full_order.theorem import (
+    REGION,
+    FullOrderConstants,
+    premises,
+    series,
+)
 from neuralgaits.certificate.levels.premises import proved_bounds
 from neuralgaits.certificate.proof_file.check import check
 from neuralgaits.certificate.proof_file.reader import Claims, Statement, read_claims
@@ -36,7 +41,7 @@ from neuralgaits.programs.algebras.ball import BallAlgebra
 from neuralgaits.programs.prune import prune
 from neuralgaits.records.certified import PROOF, Conclusion
 from neuralgaits.workflows import certify as certifying
-from neuralgaits.workflows.certify import Certificate, certify
+from neuralgaits.workflows.certify import CertifyResult, certify
 from support.full_order_check import (
     check_by_force,
     check_in_mujoco,
@@ -52,7 +57,7 @@ pytestmark = pytest.mark.slow
 class Result:
     """Level 4 of a certificate, and the file that it stands in with the others."""
 
-    certificate: Certificate
+    certificate: CertifyResult
     file: Path
 
     @cached_property
@@ -64,7 +69,7 @@ class Result:
         return self.certificate.conclusions[-1]
 
     @property
-    def shape(self) -> FullOrder:
+    def shape(self) -> FullOrderConstants:
         assert self.claims.theorems.full is not None
         return self.claims.theorems.full
 
@@ -283,7 +288,7 @@ def test_mujoco_walks_from_the_set(trained, result):
     assert found.stayed <= found.stayed_settled
 
 
-def _with_numbers_of(program: Program, shape: FullOrder) -> Program:
+def _with_numbers_of(program: Program, shape: FullOrderConstants) -> Program:
     """The Program with another set's numbers, which are constants of their own in it."""
     numbers = {f"full.{name}": np.array(values) for name, values in series(shape).items()}
     constants = tuple(
@@ -304,7 +309,7 @@ def test_the_strips_beyond_a_step_are_looked_at(model):
 
     found = find_full_order(replace(looks, step=steeper), model.names, BANDWIDTH, 0.5)
     plain = find_full_order(looks, model.names, BANDWIDTH, 0.5)
-    assert isinstance(found, FullOrder) and isinstance(plain, FullOrder)
+    assert isinstance(found, FullOrderConstants) and isinstance(plain, FullOrderConstants)
     u = grid(np.linspace(*found.ends, 301), np.linspace(0.0, 1.0, 9))
     seen = steeper(u, np.zeros((len(u), looks.size)))
     for k, of in enumerate(found.barriers):
@@ -317,7 +322,7 @@ def test_one_file_says_what_was_proved_and_is_about_the_run(trained, result):
     assert summary.verdict == "proved"
     assert summary.full_order_proof == summary.proof == str(result.file)
     assert claims.theorems.claimed == (2, 3, 4)
-    told = retrace.answer(trained.path, claims.theorems)
+    told = retrace.describe_run(trained.path, claims.theorems)
     assert differences_of_program(claims, told) == []
     assert result.file.stat().st_size < 300_000
     # The conclusion is drawn from the file alone; its boxes are bounded again by the checker.

@@ -25,10 +25,10 @@ from neuralgaits.runs import from_json
 from neuralgaits.simulation import native_walk
 from neuralgaits.simulation.live import LiveWalk
 from neuralgaits.simulation.metrics import hip_speed_error
-from neuralgaits.simulation.native import library as native_library
+from neuralgaits.simulation.native import compiled_walk as native_library
 from neuralgaits.simulation.native import loop as native
-from neuralgaits.simulation.native.layout import address
-from neuralgaits.simulation.native.scene import scene_of
+from neuralgaits.simulation.native.native_scene import scene_of
+from neuralgaits.simulation.native.struct_layout import address
 from neuralgaits.simulation.native_walk import (
     SOURCES,
     _design,
@@ -37,7 +37,7 @@ from neuralgaits.simulation.native_walk import (
     engine_of_run,
     sources,
 )
-from neuralgaits.simulation.setup.disturbance import Disturbance, parse
+from neuralgaits.simulation.setup.disturbance import PlantChanges, parse
 from neuralgaits.simulation.setup.plant import build
 from neuralgaits.simulation.setup.push import Push
 from neuralgaits.simulation.setup.sensing import sensed
@@ -126,7 +126,7 @@ def test_estimates_are_near_what_mujoco_does(run, library):
     """Touchdowns included; with exact sensors closer, with a torso that is read askew less so."""
     errors = []
     for sensing in ("bits=32,pitch_noise=0,delay_ms=0", "bits=14", "pitch_offset=0.01"):
-        disturbance = sensed(Disturbance(), f"encoders,{sensing}")
+        disturbance = sensed(PlantChanges(), f"encoders,{sensing}")
         found = walked(run, library=library, steps=12, disturbance=disturbance)
         assert found.episodes.endings == [Ending.WALKED] * 2
         errors.append(hip_speed_error(found))

@@ -5,7 +5,7 @@ import shutil
 import numpy as np
 import pytest
 
-from neuralgaits.certificate.levels.full_order.find import ALPHAS, Looks, find_full_order
+from neuralgaits.certificate.levels.full_order.find import ALPHAS, SampleEvaluators, find_full_order
 from neuralgaits.certificate.levels.full_order.theorem import DECAY
 from neuralgaits.cli.main import main
 from neuralgaits.errors import SpecError
@@ -57,7 +57,7 @@ def test_outputs_slower_than_every_barrier_are_a_reason():
         one = np.ones(len(u))
         return {"pace": one, "inertia": one, "foot": 1.0 - u[:, 0]}
 
-    looks = Looks(look, look, 2)
+    looks = SampleEvaluators(look, look, 2)
     assert "come back too slowly" in str(find_full_order(looks, (), slow, 1.0))
 
 

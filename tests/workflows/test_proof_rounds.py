@@ -16,7 +16,7 @@ from neuralgaits.analysis.run import open_run
 from neuralgaits.certificate.proof_file.reader import read_claims
 from neuralgaits.certificate.proof_file.run_match import differences
 from neuralgaits.runs.names import WEIGHTS
-from neuralgaits.training.gradient_steps import GradientSteps
+from neuralgaits.training.training_loop import GradientSteps
 from neuralgaits.workflows.parts.proof_rounds import HISTORY, REPAIR, Watch
 from neuralgaits.workflows.train import train
 from support import small_spec
@@ -100,11 +100,11 @@ KILLED = """
 import os, signal, sys
 from pathlib import Path
 import neuralgaits as ng
-from neuralgaits.training import gradient_steps
+from neuralgaits.training import training_loop
 from neuralgaits.workflows.parts.proof_rounds import REPAIR
 
-gradient_steps.CHECKPOINT_S = 0.0
-gradient_steps.VALIDATE_EVERY = 25
+training_loop.CHECKPOINT_S = 0.0
+training_loop.VALIDATE_EVERY = 25
 out = Path(sys.argv[2])
 
 def progress(step, steps, loss):

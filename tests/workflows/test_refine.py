@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from neuralgaits.analysis.run import open_parts, open_run, untrained
-from neuralgaits.certificate import reading as certificate_reader
 from neuralgaits.certificate import retrace
-from neuralgaits.certificate.levels.full_order.theorem import BarrierConstants, FullOrder
+from neuralgaits.certificate import verified_summary as certificate_reader
+from neuralgaits.certificate.levels.full_order.theorem import BarrierConstants, FullOrderConstants
+from neuralgaits.certificate.levels.level_search import LevelSets
 from neuralgaits.certificate.levels.problems import trace_certificate
-from neuralgaits.certificate.levels.sets import Sets
 from neuralgaits.certificate.proof_file.model_data import model_data
 from neuralgaits.certificate.proof_file.theorem_tables import Theorems
 from neuralgaits.certificate.traced import trace_spec
@@ -59,7 +59,7 @@ def test_the_new_run_names_its_parent_and_carries_the_residual(refined, brief_ru
 def test_a_proof_of_level_4_is_never_about_it(refined):
     """That level is about the rigid model, and these dynamics are not."""
     fence = BarrierConstants("level-lower", 2.0, 0.07, 38.0, 0.0, 0.07, 13.0, 130.0)
-    shape = FullOrder(
+    shape = FullOrderConstants(
         30.0,
         0.01,
         3.0,
@@ -78,7 +78,7 @@ def test_a_proof_of_level_4_is_never_about_it(refined):
         (fence,),
     )
     with pytest.raises(InputError, match="carry a learned residual"):
-        retrace.answer(refined.path, Theorems.of(shape, claimed=(4,)))
+        retrace.describe_run(refined.path, Theorems.of(shape, claimed=(4,)))
     hashes = certificate_reader.hashes(refined.path)
     assert hashes[RESIDUAL] is not None
 
@@ -119,7 +119,7 @@ def test_its_program_and_its_proof_hold_the_residual(refined):
     corrected = trace_spec(spec, robot, gait, refined.residuals)
     assert refined.summary["program_hash"] == corrected.hash
     assert corrected.hash != trace_spec(spec, robot, gait).hash
-    certified = trace_certificate(spec, robot, gait, Sets(), refined.residuals)
+    certified = trace_certificate(spec, robot, gait, LevelSets(), refined.residuals)
     assert certified.hash == corrected.hash
     # A reader that derives the dynamics on its own must not take the model's for these.
     data = model_data(robot, gait, spec, corrected, refined.residuals)

@@ -60,7 +60,7 @@ def test_a_spec_that_patches_the_checker_patches_nothing(certified_own, tmp_path
 
 def test_the_spec_is_not_run_before_the_boxes_hold(certified_own, tmp_path, monkeypatch):
     run, _, table = certified_own
-    monkeypatch.setattr(retrace, "ask", lambda *_: pytest.fail("asked too early"))
+    monkeypatch.setattr(retrace, "retrace_in_subprocess", lambda *_: pytest.fail("asked too early"))
     table["statements"][0]["bounds"] = {name: 50.0 for name in table["statements"][0]["bounds"]}
     forged = tmp_path / "forged.json"
     forged.write_text(json.dumps(table))
@@ -81,7 +81,7 @@ def test_a_spec_that_ends_its_process_is_one_line(trained, tmp_path, more, error
     run = run_with(trained, tmp_path / "run", TEXT)
     replace_spec(run, TEXT + more)
     with pytest.raises(error, match=said) as refused:
-        retrace.ask(run, Theorems())
+        retrace.retrace_in_subprocess(run, Theorems())
     assert "\n" not in str(refused.value)
 
 
@@ -91,13 +91,13 @@ def test_a_spec_that_never_ends_is_one_line(trained, tmp_path, monkeypatch):
     replace_spec(run, TEXT + "\nwhile True:\n    pass\n")
     monkeypatch.setattr(retrace, "LONGEST_S", 0.01)
     with pytest.raises(RunError, match="no answer by then"):
-        retrace.ask(run, Theorems())
+        retrace.retrace_in_subprocess(run, Theorems())
 
 
 def test_an_answer_that_is_none_is_one_line(certified_own, monkeypatch):
     run, file, _ = certified_own
     for answer in ({}, {"program_hash": None}, {"program_hash": 3, "barriers": 1}):
-        monkeypatch.setattr(retrace, "ask", lambda *_, found=answer: found)
+        monkeypatch.setattr(retrace, "retrace_in_subprocess", lambda *_, found=answer: found)
         try:
             verdict = check_proof(file, run=run)["verdict"]
         except RunError as error:
@@ -111,8 +111,8 @@ def test_what_another_process_says_is_what_this_one_says(certified, tmp_path, mo
     (tmp_path / "json.py").write_text("raise SystemExit(1)")
     monkeypatch.chdir(tmp_path)
     theorems = Theorems()
-    found = retrace.ask(certified.path, theorems)
-    assert found == json.loads(json.dumps(retrace.answer(certified.path, theorems)))
+    found = retrace.retrace_in_subprocess(certified.path, theorems)
+    assert found == json.loads(json.dumps(retrace.describe_run(certified.path, theorems)))
     assert set(found["conditions"]) == {c.name for c in certified.spec.conditions}
 
 

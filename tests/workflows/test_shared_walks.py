@@ -14,8 +14,8 @@ from neuralgaits.robots import load_robot
 from neuralgaits.simulation import shared_walks
 from neuralgaits.simulation.metrics import summary
 from neuralgaits.simulation.native_walk import engine_of_trained
-from neuralgaits.simulation.setup.disturbance import Disturbance
-from neuralgaits.simulation.setup.orders import orders_of
+from neuralgaits.simulation.setup.command_schedule import orders_of
+from neuralgaits.simulation.setup.disturbance import PlantChanges
 from neuralgaits.simulation.shared_walks import SharedWalks
 from neuralgaits.simulation.trained_walks import TrainedWalks, at_first
 from neuralgaits.workflows import simulate as simulating
@@ -24,7 +24,7 @@ from support import commanded_run
 from support.shipped_run import SHIPPED
 
 TIMES = ("sim_steps_per_s", "real_time_factor")
-ROUGH = Disturbance(floor_height=0.01, encoder_noise=0.001, delay_ms=2)
+ROUGH = PlantChanges(floor_height=0.01, encoder_noise=0.001, delay_ms=2)
 
 
 @pytest.fixture(autouse=True)

@@ -11,11 +11,11 @@ import pytest
 
 import neuralgaits as ng
 from neuralgaits import _notebook
-from neuralgaits.records.certified import Certified
+from neuralgaits.records.certified import CertificateRecord
 from neuralgaits.records.simulated import Simulated
 from neuralgaits.runs.plain import plain
 from neuralgaits.simulation.walk import Walk
-from neuralgaits.workflows.certify import Certificate
+from neuralgaits.workflows.certify import CertifyResult
 from neuralgaits.workflows.simulate import Simulation
 from support.shipped_run import SHIPPED
 
@@ -27,7 +27,7 @@ def shipped():
 
 @pytest.fixture(scope="module")
 def proved():
-    return Certified.read(SHIPPED / "certificate" / "summary.json")
+    return CertificateRecord.read(SHIPPED / "certificate" / "summary.json")
 
 
 def test_a_robot_is_a_line():
@@ -75,11 +75,11 @@ def test_a_damaged_run_is_shown_all_the_same(shipped, tmp_path):
 
 
 def test_a_certificate_is_a_line_with_a_bound_that_is_true(proved):
-    said = repr(Certificate(proved))
+    said = repr(CertifyResult(proved))
     assert said.startswith("<Certificate of amber3m, spec walking: proved to level 3, ")
     shown = float(said.split("at least ")[1].split()[0])
     assert proved.least_margin - 1e-3 < shown <= proved.least_margin
-    page = Certificate(proved)._repr_html_()
+    page = CertifyResult(proved)._repr_html_()
     assert page.count("<tr>") == 1 + 3 + 5 and "level 3" in page
 
 
@@ -87,7 +87,7 @@ def test_a_certificate_that_is_undecided_names_what_is(proved):
     content = plain(dict(proved))
     content["verdict"] = "undecided"
     content["conditions"]["knee"] |= {"verdict": "undecided", "margin": None}
-    shown = Certificate(Certified.of(content))
+    shown = CertifyResult(CertificateRecord.of(content))
     assert repr(shown) == "<Certificate of amber3m, spec walking: undecided at level 3>"
     page = shown._repr_html_()
     assert page.index("knee") < page.index("flow-above-lower-fence")

@@ -146,10 +146,10 @@ KILLED = """
 import os, signal, sys
 from pathlib import Path
 import neuralgaits as ng
-from neuralgaits.training import gradient_steps
+from neuralgaits.training import training_loop
 from neuralgaits.runs.names import STATE
 
-gradient_steps.CHECKPOINT_S = 0.0
+training_loop.CHECKPOINT_S = 0.0
 out = Path(sys.argv[2])
 
 def progress(step, steps, loss):

@@ -19,7 +19,7 @@ from neuralgaits.cli.main import main
 from neuralgaits.errors import InputError, Interrupted, NonFiniteError
 from neuralgaits.runs import resolve, resolve_unfinished
 from neuralgaits.runs.names import STATE, SUMMARY
-from neuralgaits.training import gradient_steps, seed_batch
+from neuralgaits.training import seed_batch, training_loop
 from neuralgaits.training.seed_batch import SeedBatch
 from neuralgaits.training.trainer import SMALLER, Trainer
 from neuralgaits.workflows import train as train_workflow
@@ -53,7 +53,7 @@ assert len(jax.devices()) == done.summary.devices == 2, jax.devices()
 def often():
     """Looks at a training after fewer steps."""
     with pytest.MonkeyPatch.context() as patch:
-        for module in (seed_batch, gradient_steps):
+        for module in (seed_batch, training_loop):
             patch.setattr(module, "VALIDATE_EVERY", LOOK)
         yield
 
@@ -243,7 +243,7 @@ def test_a_seed_without_a_way_out_is_refused_with_its_reason(
 ):
     if way == "one program":
         request.getfixturevalue("together")
-    look, step, out = Trainer.careful, Trainer.step, way.replace(" ", "-")
+    look, step, out = Trainer.restart_with_smaller_rate, Trainer.step, way.replace(" ", "-")
     monkeypatch.setattr(
         Trainer, "careful", lambda self, kept: look(self, kept._replace(rate=np.float32(0.0)))
     )
@@ -386,7 +386,7 @@ def test_ctrl_c_between_seeds_says_what_was_refused_and_what_was_not_begun(
     amber, tmp_path, monkeypatch, stopped_after
 ):
     """Whoever goes on needs another folder; a seed that was refused is none to go on with."""
-    look, step = Trainer.careful, Trainer.step
+    look, step = Trainer.restart_with_smaller_rate, Trainer.step
     monkeypatch.setattr(
         Trainer, "careful", lambda self, kept: look(self, kept._replace(rate=np.float32(0.0)))
     )

@@ -41,8 +41,8 @@ int main(int argc, char **argv)
     scene->model = model;
     scene->step = mj_step;
     scene->config.law = &scene->law;
-    if (scene->law.within) {
-        scene->law.within = ng_clf_qp_within;
+    if (scene->law.apply_limits) {
+        scene->law.apply_limits = ng_clf_qp_apply_limits;
         scene->law.own = &scene->clf_qp;
     }
     for (int i = 0; i < starts; ++i) {

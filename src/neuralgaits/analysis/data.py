@@ -24,7 +24,7 @@ import numpy as np
 from neuralgaits._types import Float
 
 
-class Numbers(NamedTuple):
+class OrbitNumbers(NamedTuple):
     """Key figures of the periodic orbit."""
 
     z2: float
@@ -68,9 +68,9 @@ class GaitData:
         return len(self.arrays["orbit/t"]) > 0
 
     @property
-    def numbers(self) -> Numbers:
+    def numbers(self) -> OrbitNumbers:
         """Key figures of the orbit; NaN if there is none."""
-        return Numbers(*(float(value) for value in self.arrays["orbit/numbers"]))
+        return OrbitNumbers(*(float(value) for value in self.arrays["orbit/numbers"]))
 
     def bounds(self, function: str, of: str | None = None) -> list[Mapping[str, Any]]:
         """Quantities of the conditions that read a function, as in ("at_least", "torso_angle")."""

@@ -4,12 +4,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from neuralgaits.analysis.family import Family, Member, Sweep
-from neuralgaits.analysis.flow import Mesh, Motion
-from neuralgaits.analysis.orbit import cycle, motion_of, orbit_near
-from neuralgaits.analysis.quantities import Look, PlaneChart
+from neuralgaits.analysis.command_sweeps import CommandSweep, Family, Member
+from neuralgaits.analysis.flow import FlowQuantities, Mesh
+from neuralgaits.analysis.link_points import skeleton
+from neuralgaits.analysis.poincare_map import cycle, motion_of, orbit_near
+from neuralgaits.analysis.point_evaluator import PlaneChart, PointEvaluator
 from neuralgaits.analysis.run import Run
-from neuralgaits.analysis.skeleton import skeleton
 from neuralgaits.errors import InputError
 from neuralgaits.gait import Orbit
 
@@ -27,7 +27,7 @@ class _Found(NamedTuple):
     """The gait at a constant command, and its orbit."""
 
     run: Run
-    motion: Motion
+    motion: FlowQuantities
     chart: PlaneChart
     mesh: Mesh
     orbit: Orbit
@@ -53,7 +53,7 @@ def family_data(run: Run) -> Family:
                 level = found[-1].level if found else MIDDLE
                 found.append(_at(run, middle | {one.name: float(value)}, level))
             speed = np.array([each.orbit.speed_m_s for each in found])
-            sweeps.append(Sweep(one.name, values, speed))
+            sweeps.append(CommandSweep(one.name, values, speed))
             if not shown:
                 rows = (0, VALUES // 2, VALUES - 1)
                 shown = [_member(float(values[row]), found[row]) for row in rows]
@@ -80,7 +80,11 @@ def _member(value: float, found: _Found) -> Member:
     phase = np.linspace(0.0, 1.0, PHASES)
     orbit = cycle(found.motion, found.orbit, found.mesh).z[:, 0]
     zd = found.run.zero_dynamics
-    theta = Look(lambda z: {"theta": zd.point(z).theta})(orbit[-1:])["theta"] if len(orbit) else ()
+    theta = (
+        PointEvaluator(lambda z: {"theta": zd.point(z).theta})(orbit[-1:])["theta"]
+        if len(orbit)
+        else ()
+    )
     foot = np.asarray(robot.foot)
     return Member(
         value,

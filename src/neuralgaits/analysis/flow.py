@@ -33,7 +33,7 @@ ON_GROUND_M = 1e-15
 """Distance to the ground below which a foot is on it, to rounding [m]."""
 
 
-class Motion(NamedTuple):
+class FlowQuantities(NamedTuple):
     """Functions that make up the flow, kept apart: most of its steps need the rate alone."""
 
     dz: Quantity
@@ -91,7 +91,7 @@ class Returns(NamedTuple):
     """Distance between the feet at impact [m]."""
 
 
-def swing(motion: Motion, start: np.ndarray, mesh: Mesh) -> Swing:
+def swing(motion: FlowQuantities, start: np.ndarray, mesh: Mesh) -> Swing:
     """Follow states to the guard: the swing foot falls through the ground with z1 > 0.
 
     Args:
@@ -116,7 +116,7 @@ def swing(motion: Motion, start: np.ndarray, mesh: Mesh) -> Swing:
     return Swing(path[..., :2], path[..., 2], np.isfinite(path[-1, :, 0]))
 
 
-def to_section(motion: Motion, start: np.ndarray, mesh: Mesh) -> np.ndarray:
+def to_section(motion: FlowQuantities, start: np.ndarray, mesh: Mesh) -> np.ndarray:
     """Flow states forward to z1 = 0. Returns: z1, z2 and time there. [N, 3] (m, kg m^2/s, s)."""
     y = _timed(start)
     farthest = float(np.max(np.abs(y[:, 0]), initial=0.0, where=np.isfinite(y[:, 0])))
@@ -127,7 +127,7 @@ def to_section(motion: Motion, start: np.ndarray, mesh: Mesh) -> np.ndarray:
     return y
 
 
-def returns(motion: Motion, z2: np.ndarray, mesh: Mesh) -> Returns:
+def returns(motion: FlowQuantities, z2: np.ndarray, mesh: Mesh) -> Returns:
     """Apply the Poincare map once to many z2. [N]."""
     swung = swing(motion, np.stack([np.zeros(len(z2)), z2], axis=1), mesh)
     before = swung.z[-1]
@@ -141,14 +141,14 @@ def _timed(z: np.ndarray) -> np.ndarray:
     return np.column_stack([z, np.zeros(len(z))])
 
 
-def _rate(motion: Motion, y: np.ndarray) -> np.ndarray:
+def _rate(motion: FlowQuantities, y: np.ndarray) -> np.ndarray:
     """Return slopes of (z1, z2, t) in z1. [N, 3]."""
     dz = motion.dz(y[:, :2])
     pace = np.where(dz[:, 0] > SLOWEST_M_S, dz[:, 0], np.nan)
     return np.stack([np.ones(len(y)), dz[:, 1] / pace, 1.0 / pace], axis=1)
 
 
-def _step(motion: Motion, y: np.ndarray, h: np.ndarray) -> np.ndarray:
+def _step(motion: FlowQuantities, y: np.ndarray, h: np.ndarray) -> np.ndarray:
     """Take one step of length h [N] of the method of Dormand and Prince. [N, 3]."""
     slopes: list[np.ndarray] = []
 
@@ -161,12 +161,12 @@ def _step(motion: Motion, y: np.ndarray, h: np.ndarray) -> np.ndarray:
     return ahead(DOPRI5.weights)
 
 
-def _foot(motion: Motion, y: np.ndarray) -> np.ndarray:
+def _foot(motion: FlowQuantities, y: np.ndarray) -> np.ndarray:
     """Return the height of the swing foot [m]. [N]."""
     return motion.foot(y[:, :2])[:, 1]
 
 
-def _landing(motion: Motion, y: np.ndarray, step: float) -> np.ndarray:
+def _landing(motion: FlowQuantities, y: np.ndarray, step: float) -> np.ndarray:
     """Find the foot's contact within one step by the Illinois method. [N, 3]."""
     low, high = np.zeros(len(y)), np.full(len(y), step)
     at_low = np.maximum(_foot(motion, y), 0.0)

@@ -6,12 +6,12 @@ import json
 import numpy as np
 
 from neuralgaits.analysis.data import GaitData
-from neuralgaits.analysis.flow import Mesh, Motion, swing
-from neuralgaits.analysis.orbit import cycle, sampled_map
+from neuralgaits.analysis.flow import FlowQuantities, Mesh, swing
+from neuralgaits.analysis.link_points import skeleton
 from neuralgaits.analysis.phase_plane import plane
-from neuralgaits.analysis.quantities import Look, PlaneChart, quantities
+from neuralgaits.analysis.poincare_map import cycle, sampled_map
+from neuralgaits.analysis.point_evaluator import PlaneChart, PointEvaluator, quantities
 from neuralgaits.analysis.run import Run
-from neuralgaits.analysis.skeleton import skeleton
 from neuralgaits.barriers import Barrier
 from neuralgaits.errors import RunError
 from neuralgaits.runs import read_arrays, write_arrays
@@ -68,8 +68,8 @@ def _with_names(run: Run, arrays: dict[str, np.ndarray]) -> GaitData:
 
 def compute(run: Run) -> dict[str, np.ndarray]:
     """Compute all arrays of `analysis.data`. Raises: SpecError if the gait cannot be evaluated."""
-    look = Look(quantities(run.zero_dynamics, run.gait, run.spec))
-    motion = Motion(*look.each(*Motion._fields))
+    look = PointEvaluator(quantities(run.zero_dynamics, run.gait, run.spec))
+    motion = FlowQuantities(*look.each(*FlowQuantities._fields))
     tube = PlaneChart(run.gait, run.spec)
     with np.errstate(all="ignore"):
         found = _chart(look, tube) | _plane(look, tube) | _orbit(run, look, motion, tube)
@@ -85,7 +85,7 @@ def compute(run: Run) -> dict[str, np.ndarray]:
     return {name: np.asarray(array, dtype=np.float64) for name, array in found.items()}
 
 
-def _chart(look: Look, tube: PlaneChart) -> dict[str, np.ndarray]:
+def _chart(look: PointEvaluator, tube: PlaneChart) -> dict[str, np.ndarray]:
     phase, level = np.linspace(0.0, 1.0, PHASES), np.linspace(0.0, 1.0, LEVELS)
     at_phase, at_level = np.meshgrid(phase, level)
     z = tube.z(at_phase, at_level)
@@ -103,7 +103,7 @@ def _chart(look: Look, tube: PlaneChart) -> dict[str, np.ndarray]:
     }
 
 
-def _plane(look: Look, tube: PlaneChart) -> dict[str, np.ndarray]:
+def _plane(look: PointEvaluator, tube: PlaneChart) -> dict[str, np.ndarray]:
     around = plane(tube, phases=PHASES, lines=(COLUMNS, ROWS), beyond=(AROUND, AROUND))
     found = look(around.states)
     return {
@@ -116,7 +116,9 @@ def _plane(look: Look, tube: PlaneChart) -> dict[str, np.ndarray]:
     }
 
 
-def _orbit(run: Run, look: Look, motion: Motion, tube: PlaneChart) -> dict[str, np.ndarray]:
+def _orbit(
+    run: Run, look: PointEvaluator, motion: FlowQuantities, tube: PlaneChart
+) -> dict[str, np.ndarray]:
     """Return the sampled map, and one step from landing to landing; no nodes without an orbit."""
     mapped, robot = sampled_map(motion, tube), run.robot
     orbit = mapped.orbit
@@ -141,7 +143,7 @@ def _orbit(run: Run, look: Look, motion: Motion, tube: PlaneChart) -> dict[str, 
     }
 
 
-def _walks(motion: Motion, tube: PlaneChart) -> dict[str, np.ndarray]:
+def _walks(motion: FlowQuantities, tube: PlaneChart) -> dict[str, np.ndarray]:
     """Return walks that start after an impact near either fence."""
     phase, mesh = np.zeros(2), Mesh.of_gait(tube.start, tube.guard, WALK_NODES)
     state, pieces = tube.z(phase, np.array([0.05, 0.95])), []

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from neuralgaits._types import Float
-from neuralgaits.analysis.quantities import PlaneChart
+from neuralgaits.analysis.point_evaluator import PlaneChart
 
 LEAST = 0.02
 """Smallest share of the lowest fence that a grid reaches: the hip stands still at zero."""

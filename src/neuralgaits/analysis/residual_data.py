@@ -10,7 +10,7 @@ from neuralgaits import logs
 from neuralgaits.analysis.data import ResidualData
 from neuralgaits.analysis.gait_data import fingerprint, gait_data
 from neuralgaits.analysis.learned import Learned
-from neuralgaits.analysis.quantities import Look
+from neuralgaits.analysis.point_evaluator import PointEvaluator
 from neuralgaits.analysis.run import Run
 from neuralgaits.errors import InputError, RunError
 from neuralgaits.records.fitted import Logs
@@ -43,7 +43,7 @@ def residual_data(run: Run) -> ResidualData | None:
         if SHA256 in words and words.get("of") == of:
             return ResidualData(gait, arrays["epsilon"], arrays["visited"], trained)
     flow = Learned.read(path, run.robot).flow
-    look = Look(lambda z: {"epsilon": flow(z)})
+    look = PointEvaluator(lambda z: {"epsilon": flow(z)})
     z1, z2 = gait["plane/z1"], gait["plane/z2"]
     grid = np.stack(np.meshgrid(z1, z2), axis=-1)
     epsilon = look(grid.reshape(-1, 2))["epsilon"].reshape(grid.shape)

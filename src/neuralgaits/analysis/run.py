@@ -13,14 +13,14 @@ from neuralgaits import _notebook
 from neuralgaits._quick_jit import quick_filter_jit
 from neuralgaits.analysis.learned import Learned
 from neuralgaits.barriers import Gait, GaitSpec, specs
-from neuralgaits.barriers.regions import AnyGait, CommandedGait
 from neuralgaits.errors import RunError
 from neuralgaits.gait import NO_RESIDUALS, AbstractPolicy, Residuals, ZeroDynamics
 from neuralgaits.gait.commands import Command, Pair, values
+from neuralgaits.gait.gaits import AnyGait, CommandedGait
 from neuralgaits.gait.policies.commanded import CommandedPolicy
-from neuralgaits.gait.reset_residual import Reset
-from neuralgaits.records.asked import Asked, asked_of
+from neuralgaits.gait.reset_residual import ResetCorrection
 from neuralgaits.records.trained import Trained, trained_of
+from neuralgaits.records.training_config import TrainingConfig, asked_of
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.robots.mjcf.loader import robot_from_text
 from neuralgaits.runs import RunFolder, plain, resolve
@@ -104,7 +104,7 @@ class Run:
         return self.folder.path
 
     @cached_property
-    def asked(self) -> Asked:
+    def asked(self) -> TrainingConfig:
         """Settings with which the training was started."""
         return asked_of(self.folder)
 
@@ -144,7 +144,7 @@ class PolicyOfSteps:
 
     family: CommandedPolicy
     robot: PlanarBiped
-    reset_residual: Reset
+    reset_residual: ResetCorrection
 
     def at(self, from_: Mapping[str, float], to: Mapping[str, float]) -> AbstractPolicy:
         """Return the policy of one step.
@@ -164,7 +164,7 @@ def steady_gait(
     family: CommandedGait,
     robot: PlanarBiped,
     command: Mapping[str, float] | None,
-    reset_residual: Reset = None,
+    reset_residual: ResetCorrection = None,
 ) -> Gait:
     """Return the gait of a family at a constant command; None for the middle of its ranges."""
     if command is None:
@@ -172,7 +172,7 @@ def steady_gait(
     given = values(family.commands, command)
     v = [x for c, a in zip(family.commands, given, strict=True) for x in c.coordinates(a, a)]
     found = _gait_at(family, robot, np.array(v), reset_residual)
-    return jax.tree.map(np.asarray, found.following)
+    return jax.tree.map(np.asarray, found.steady_next)
 
 
 def open_run(run: "Run | str | Path") -> Run:

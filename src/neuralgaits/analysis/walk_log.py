@@ -8,8 +8,8 @@ import numpy as np
 
 from neuralgaits import logs
 from neuralgaits.analysis.data import MeasuredWalk
+from neuralgaits.analysis.link_points import skeleton
 from neuralgaits.analysis.run import Run
-from neuralgaits.analysis.skeleton import skeleton
 from neuralgaits.errors import InputError, RunError
 from neuralgaits.logs import Log
 from neuralgaits.records.fitted import Logs

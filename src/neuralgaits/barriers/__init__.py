@@ -11,8 +11,10 @@ from neuralgaits.barriers.conditions import (
     Pointwise,
     TubeWidth,
 )
-from neuralgaits.barriers.regions import Box, Gait, Tube
+from neuralgaits.barriers.regions import Box
 from neuralgaits.barriers.spec import GaitSpec, Recipe
+from neuralgaits.gait.gaits import Gait
+from neuralgaits.gait.tubes import Tube
 
 __all__ = [
     "AbstractCondition",

@@ -14,9 +14,9 @@ import numpy as np
 
 from neuralgaits._types import Array, Float, Scalar
 from neuralgaits.barriers.conditions import AbstractCondition
-from neuralgaits.barriers.regions import Gait
 from neuralgaits.errors import SpecError
 from neuralgaits.gait import Point, ZeroDynamics
+from neuralgaits.gait.gaits import Gait
 
 LEVEL = 0.5
 """Level of the tube's centre line (0 lower fence, 1 upper)."""
@@ -43,7 +43,7 @@ def middle_of(gait: Gait, zd: ZeroDynamics) -> Middle:
         gait: of one step; its command after is the constant one.
         zd: zero dynamics under it.
     """
-    steady = gait.following
+    steady = gait.steady_next
     moving = ZeroDynamics(zd.robot, steady.policy, zd.residual, zd.reset_residual)
     start, guard = steady.span
     dtype = jnp.asarray(guard).dtype

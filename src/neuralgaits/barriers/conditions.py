@@ -12,9 +12,11 @@ import jax.numpy as jnp
 
 from neuralgaits._types import Array, Float
 from neuralgaits.barriers.quantities import Quantity
-from neuralgaits.barriers.regions import LEAST_ZETA, Gait, Side
+from neuralgaits.barriers.regions import Side
 from neuralgaits.errors import SpecError
 from neuralgaits.gait import Point, ZeroDynamics
+from neuralgaits.gait.gaits import Gait
+from neuralgaits.gait.tubes import LEAST_ZETA
 
 
 @dataclass(frozen=True)
@@ -171,7 +173,7 @@ class Inlet(AbstractCondition):
     def margins(self, gait: Gait, zd: ZeroDynamics, point: Point) -> Float[Array, "..."]:
         """Return the level after the reset above 0 and below 1."""
         del zd
-        level = gait.following.level(point.z_after)
+        level = gait.steady_next.level(point.z_after)
         return level if self.side == "lower" else 1.0 - level
 
 

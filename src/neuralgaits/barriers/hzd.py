@@ -13,10 +13,11 @@ from jaxtyping import PRNGKeyArray
 
 from neuralgaits.barriers import functions as f
 from neuralgaits.barriers.conditions import Barrier, Equality, Fence, Inlet, Pointwise
-from neuralgaits.barriers.regions import Gait, Tube
 from neuralgaits.barriers.spec import GaitSpec, Init, Recipe
 from neuralgaits.barriers.walking import pendulum_height, regions_of_step, units
 from neuralgaits.gait import BezierPolicy, walking_posture
+from neuralgaits.gait.gaits import Gait
+from neuralgaits.gait.tubes import Tube
 
 if TYPE_CHECKING:
     from neuralgaits.robots import PlanarBiped

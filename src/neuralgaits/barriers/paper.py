@@ -15,10 +15,12 @@ from jaxtyping import PRNGKeyArray
 
 from neuralgaits.barriers import functions as f
 from neuralgaits.barriers.conditions import AbstractCondition, Barrier, Equality
-from neuralgaits.barriers.regions import Box, Gait, Tube
+from neuralgaits.barriers.regions import Box
 from neuralgaits.barriers.spec import GaitSpec, Init, Recipe
 from neuralgaits.errors import SpecError
 from neuralgaits.gait import MLPPolicy
+from neuralgaits.gait.gaits import Gait
+from neuralgaits.gait.tubes import Tube
 
 if TYPE_CHECKING:
     from neuralgaits.robots import PlanarBiped

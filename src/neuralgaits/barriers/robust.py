@@ -9,7 +9,7 @@ from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
 
-from neuralgaits.barriers.commanded import commanded
+from neuralgaits.barriers.commanded_spec import commanded
 from neuralgaits.barriers.conditions import AbstractCondition, Pointwise
 from neuralgaits.barriers.functions import at_most, foot_vertical_velocity
 from neuralgaits.barriers.quantities import (

@@ -9,7 +9,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from neuralgaits.barriers import functions as f
-from neuralgaits.barriers.commanded import at_speed
+from neuralgaits.barriers.commanded_spec import at_speed
 from neuralgaits.barriers.conditions import AbstractCondition, TubeWidth
 from neuralgaits.barriers.spec import GaitSpec
 from neuralgaits.barriers.walking import FLOWS, RESETS, units

@@ -11,11 +11,12 @@ from neuralgaits._types import Array, Float
 from neuralgaits.barriers.aims import AbstractAim
 from neuralgaits.barriers.conditions import AbstractCondition
 from neuralgaits.barriers.description import describe_condition
-from neuralgaits.barriers.regions import AnyGait, Box, Gait
+from neuralgaits.barriers.regions import Box
 from neuralgaits.errors import SpecError
 from neuralgaits.gait import ZeroDynamics
 from neuralgaits.gait.commands import Commands
-from neuralgaits.robots.parameters import Axis
+from neuralgaits.gait.gaits import AnyGait, Gait
+from neuralgaits.robots.parameters import ParameterAxis
 
 Init = Literal["posture", "random"]
 _FOR_COMMANDS = ("curriculum", "widened", "faster_changes", "corners", "largest_gradient", "strip")
@@ -110,7 +111,7 @@ class GaitSpec:
     weights: Mapping[str, float] = field(default_factory=dict)
     commands: Commands = ()
     aims: tuple[AbstractAim, ...] = ()
-    parameters: tuple[Axis, ...] = ()
+    parameters: tuple[ParameterAxis, ...] = ()
     ground: Mapping[str, float] = field(default_factory=dict)
 
     def __post_init__(self):

@@ -14,7 +14,7 @@ from neuralgaits.barriers import paper as _paper
 from neuralgaits.barriers import rugged as _rugged
 from neuralgaits.barriers import user_code
 from neuralgaits.barriers import walking as _walking
-from neuralgaits.barriers.commanded import at_speed, commanded
+from neuralgaits.barriers.commanded_spec import at_speed, commanded
 from neuralgaits.barriers.hzd import hzd
 from neuralgaits.barriers.paper import authors, paper, paper_walks
 from neuralgaits.barriers.robust import robust

@@ -23,11 +23,13 @@ from neuralgaits.barriers.conditions import (
     TubeWidth,
 )
 from neuralgaits.barriers.quantities import Quantity
-from neuralgaits.barriers.regions import Box, Gait, Tube
+from neuralgaits.barriers.regions import Box
 from neuralgaits.barriers.spec import GaitSpec, Init, Recipe
 from neuralgaits.errors import SpecError
 from neuralgaits.gait import HybridInvariantPolicy, MLPPolicy, walking_posture
+from neuralgaits.gait.gaits import Gait
 from neuralgaits.gait.posture import REFERENCE_LEG_M
+from neuralgaits.gait.tubes import Tube
 
 if TYPE_CHECKING:
     from neuralgaits.robots import PlanarBiped

@@ -13,10 +13,10 @@ from neuralgaits.barriers.functions import (
     impulse,
     normal_force,
 )
-from neuralgaits.barriers.regions import AnyGait
-from neuralgaits.certificate.levels.chart import MOST_AXES, PLANE
+from neuralgaits.certificate.chart import MOST_AXES, PLANE
 from neuralgaits.certificate.traced import trace_spec
 from neuralgaits.errors import InputError, NeuralGaitsError, SpecError
+from neuralgaits.gait.gaits import AnyGait
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.runs import plain
 

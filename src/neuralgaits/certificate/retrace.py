@@ -1,8 +1,8 @@
 """Trace a run's own robot, spec and weights to data that a proof of it must match.
 
-A run's spec may be code of its own, and code can reach into the program that imports it. So `ask`
-traces the spec in a process of its own, and the result is JSON: it can be wrong, but it can patch
-no checker.
+A run's spec may be code of its own, and code can reach into the program that imports it. So
+`retrace_in_subprocess` traces the spec in a process of its own, and the result is JSON: it can be
+wrong, but it can patch no checker.
 """
 
 import contextlib
@@ -15,10 +15,10 @@ from pathlib import Path
 from typing import Any
 
 from neuralgaits._own_process import command_of, environment_of
-from neuralgaits.certificate.levels.chart import PLAIN, Chart
+from neuralgaits.certificate.chart import PLANE_ONLY, Chart
 from neuralgaits.certificate.proof_file.theorem_tables import Theorems
 from neuralgaits.errors import InputError, NeuralGaitsError, RunError
-from neuralgaits.records.asked import asked_of
+from neuralgaits.records.training_config import asked_of
 from neuralgaits.runs import RunFolder, plain, write_text
 
 LONGEST_S = 1800.0
@@ -27,8 +27,10 @@ LAST_LINES = 3
 """Number of last lines of a failed process's standard error that are shown."""
 
 
-def ask(run: Path, theorems: Theorems, chart: Chart = PLAIN) -> dict[str, Any]:
-    """`answer` of a process of its own.
+def retrace_in_subprocess(
+    run: Path, theorems: Theorems, chart: Chart = PLANE_ONLY
+) -> dict[str, Any]:
+    """Have a process of its own run `describe_run`.
 
     Raises: RunError if the run cannot be opened, or its spec ends the process or never comes to an
         end; InputError likewise.
@@ -64,12 +66,12 @@ def ask(run: Path, theorems: Theorems, chart: Chart = PLAIN) -> dict[str, Any]:
     return found
 
 
-def here_if_built_in(run: Path, theorems: Theorems, chart: Chart = PLAIN) -> dict[str, Any]:
-    """Give `answer` in this process for a spec of this package, else `ask`; errors are theirs."""
+def here_if_built_in(run: Path, theorems: Theorems, chart: Chart = PLANE_ONLY) -> dict[str, Any]:
+    """Describe a run of a built-in spec in this process, any other in one of its own."""
     from neuralgaits.barriers import specs  # Brings JAX.
 
     built_in = specs.is_built_in(asked_of(RunFolder.open(run)).spec)
-    return (answer if built_in else ask)(run, theorems, chart)
+    return (describe_run if built_in else retrace_in_subprocess)(run, theorems, chart)
 
 
 def _read(file: Path) -> dict[str, Any] | None:
@@ -80,8 +82,8 @@ def _read(file: Path) -> dict[str, Any] | None:
     return found if isinstance(found, dict) else None
 
 
-def answer(run: Path, theorems: Theorems, chart: Chart = PLAIN) -> dict[str, Any]:
-    """What a proof with these theorems must be about, in this process.
+def describe_run(run: Path, theorems: Theorems, chart: Chart = PLANE_ONLY) -> dict[str, Any]:
+    """Describe what a proof with these theorems must be about, in this process.
 
     Args:
         run: its folder.
@@ -97,8 +99,8 @@ def answer(run: Path, theorems: Theorems, chart: Chart = PLAIN) -> dict[str, Any
     # These import JAX, and the run's spec.
     from neuralgaits.analysis.run import open_run
     from neuralgaits.certificate.levels.full_order.model import FullOrderModel
+    from neuralgaits.certificate.levels.level_search import LevelSets
     from neuralgaits.certificate.levels.problems import trace_certificate
-    from neuralgaits.certificate.levels.sets import Sets
     from neuralgaits.certificate.levels.walking_set.find import names_of
     from neuralgaits.certificate.proof_file.model_data import model_data
     from neuralgaits.certificate.provable import why_not_robust
@@ -128,7 +130,7 @@ def answer(run: Path, theorems: Theorems, chart: Chart = PLAIN) -> dict[str, Any
         "full_order": FullOrderModel(robot, opened.gait, spec).names if full is not None else [],
     }
     if full is None or [barrier.name for barrier in full.barriers] == found["full_order"]:
-        program = trace_certificate(spec, robot, gait, Sets(theorems.parameters), residuals)
+        program = trace_certificate(spec, robot, gait, LevelSets(theorems.parameters), residuals)
         model = model_data(robot, gait, spec, program, residuals)
         found |= {"program_hash": program.hash, "model": plain(model)}
     return found
@@ -139,10 +141,10 @@ def _errors(robot: Any, chart: Chart, told: int) -> Any:
 
     A box whose middle is not the file's robot, or that holds impossible robots, gives () as well.
     """
-    from neuralgaits.robots.parameters import Axis, box_of
+    from neuralgaits.robots.parameters import ParameterAxis, box_of
 
     errors = chart.parameters[told:]
-    axes = tuple(Axis(axis.name, axis.high) for axis in errors)
+    axes = tuple(ParameterAxis(axis.name, axis.high) for axis in errors)
     if not axes or any(axis.low != -axis.high or axis.change is not None for axis in errors):
         return ()
     with contextlib.suppress(ValueError, NeuralGaitsError):
@@ -154,7 +156,9 @@ def _errors(robot: Any, chart: Chart, told: int) -> Any:
 def _main(run: str, file: str) -> None:
     try:
         given = json.load(sys.stdin)
-        found = answer(Path(run), Theorems.read(given["theorems"]), Chart.read(given["chart"]))
+        found = describe_run(
+            Path(run), Theorems.read(given["theorems"]), Chart.read(given["chart"])
+        )
     except (NeuralGaitsError, OSError) as error:
         found = {"error": str(error)}
     write_text(Path(file), json.dumps(found))

@@ -5,8 +5,8 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from neuralgaits.certificate import retrace
-from neuralgaits.certificate.levels.chart import Chart
-from neuralgaits.certificate.proof_file.coverage import Asked
+from neuralgaits.certificate.chart import Chart
+from neuralgaits.certificate.proof_file.coverage import SpecOutline
 from neuralgaits.certificate.proof_file.reader import Claims
 from neuralgaits.errors import RunError
 
@@ -22,7 +22,7 @@ class RunComparison(NamedTuple):
     """
 
     wrong: tuple[str, ...]
-    asked: Asked
+    asked: SpecOutline
     chart: Chart
     told: tuple[str, ...]
 
@@ -38,11 +38,11 @@ def compare_with_run(claims: Claims, folder: Path, *, own_process: bool = True) 
 
     Raises: InputError if the run cannot be opened or traced.
     """
-    describe = retrace.ask if own_process else retrace.here_if_built_in
+    describe = retrace.retrace_in_subprocess if own_process else retrace.here_if_built_in
     found = describe(folder, claims.theorems, claims.chart)
     try:
         wrong = differences_of_program(claims, found)
-        asked = Asked.read(found["regions"], found["conditions"])
+        asked = SpecOutline.read(found["regions"], found["conditions"])
         chart = Chart.read(found["chart"])
     except (KeyError, TypeError, ValueError) as error:
         raise RunError(

@@ -11,15 +11,15 @@ from neuralgaits.barriers.functions import (
     output_mismatch,
     rate_mismatch,
 )
-from neuralgaits.barriers.regions import AnyGait
-from neuralgaits.certificate.levels.chart import PLANE
+from neuralgaits.certificate.chart import PLANE
 from neuralgaits.errors import SpecError
 from neuralgaits.gait import NO_RESIDUALS, Residuals, ZeroDynamics
 from neuralgaits.gait.commands import Pair, all_pairs
+from neuralgaits.gait.gaits import AnyGait
 from neuralgaits.programs import POINT, Program, evaluate
 from neuralgaits.programs.tracing.tracer import trace
 from neuralgaits.robots import PlanarBiped
-from neuralgaits.robots.parameters import Model, member, model_of, nominal
+from neuralgaits.robots.parameters import Model, model_of, nominal_robot, robot_at
 
 GUARD_LEVELS = 33
 """Number of levels of the guard at which the impact is evaluated."""
@@ -54,13 +54,13 @@ def step_at(
         step = gait
     else:
         pair = Pair(u[PLANE:end:2], u[PLANE + 1 : end : 2])
-        step = gait.of_pair(nominal(model), pair, residuals.reset, exact=True, bounded=True)
+        step = gait.of_pair(nominal_robot(model), pair, residuals.reset, exact=True, bounded=True)
         start, guard = step.span
         anchor = jnp.stack([u[0], start + u[0] * (guard - start)])
         step = eqx.tree_at(
             lambda g: g.policy.anchor, step, anchor, is_leaf=lambda leaf: leaf is None
         )
-    return step, ZeroDynamics(member(model, u[end:]), step.policy, *residuals)
+    return step, ZeroDynamics(robot_at(model, u[end:]), step.policy, *residuals)
 
 
 def after_impact(

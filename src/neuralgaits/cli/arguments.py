@@ -27,7 +27,7 @@ OwnRobot = Annotated[Positional[str | None], arg(metavar="[ROBOT]")]
 
 
 @dataclass(frozen=True)
-class Output:
+class OutputOptions:
     """Options that control how the result is shown."""
 
     json: Flag = False
@@ -37,7 +37,7 @@ class Output:
 
 
 @dataclass(frozen=True)
-class Workers:
+class WorkerOptions:
     """Options that choose where many tasks run."""
 
     workers: Annotated[int | None, arg(metavar="N")] = None
@@ -48,7 +48,7 @@ class Workers:
 
 
 @dataclass(frozen=True)
-class Train:
+class TrainOptions:
     """Train a gait for a robot."""
 
     robot: OwnRobot = None
@@ -91,11 +91,11 @@ class Train:
     resume: Annotated[str | None, arg(metavar="RUN")] = None
     """Continue an unfinished run: its folder, or latest for the last one started. All other
     settings are the run's own."""
-    output: Annotated[Output, arg(name="")] = Output()
+    output: Annotated[OutputOptions, arg(name="")] = OutputOptions()
 
 
 @dataclass(frozen=True)
-class Optimise:
+class OptimiseOptions:
     """Find a gait of least cost of transport by trajectory optimisation; needs the hzd extra."""
 
     robot: Robot
@@ -106,11 +106,11 @@ class Optimise:
     """Degree of the joints' Bezier polynomials."""
     out: Annotated[Path | None, arg(metavar="DIR")] = None
     """Run folder to make, instead of runs/ROBOT/<time>-0."""
-    output: Annotated[Output, arg(name="")] = Output()
+    output: Annotated[OutputOptions, arg(name="")] = OutputOptions()
 
 
 @dataclass(frozen=True)
-class ImportGait:
+class ImportGaitOptions:
     """Make a run of a published gait: Bezier polynomials of the joints, from a file."""
 
     file: Annotated[Positional[Path], arg(metavar="FILE.json")]
@@ -121,11 +121,11 @@ class ImportGait:
     """Name of the gait, if the file has several."""
     out: Annotated[Path | None, arg(metavar="DIR")] = None
     """Run folder to make, instead of runs/ROBOT/<time>-0."""
-    output: Annotated[Output, arg(name="")] = Output()
+    output: Annotated[OutputOptions, arg(name="")] = OutputOptions()
 
 
 @dataclass(frozen=True)
-class Simulate:
+class SimulateOptions:
     """Walk a trained gait at full order, in MuJoCo or in Drake."""
 
     run: Run
@@ -176,12 +176,12 @@ class Simulate:
     """Seed of random starts, terrain and disturbances."""
     episodes: Annotated[int, arg(metavar="N")] = 1
     """Number of walks."""
-    at_work: Annotated[Workers, arg(name="")] = Workers()
+    pool: Annotated[WorkerOptions, arg(name="")] = WorkerOptions()
     log: Annotated[Path | None, arg(metavar="FILE.csv")] = None
     """Write the first walk's log; further walks get FILE-1.csv, FILE-2.csv, ... beside it."""
     video: Annotated[Path | None, arg(metavar="FILE.mp4")] = None
     """Write a video of the first walk; needs the video extra."""
-    output: Annotated[Output, arg(name="")] = Output()
+    output: Annotated[OutputOptions, arg(name="")] = OutputOptions()
 
 
 _LEVELS = (
@@ -191,7 +191,7 @@ _LEVELS = (
 
 
 @dataclass(frozen=True)
-class Certify:
+class CertifyOptions:
     """Prove the gait's conditions for every state of their regions."""
 
     run: Run
@@ -214,12 +214,12 @@ class Certify:
     slope=-1:1 [degrees]; the run as a whole stays undecided."""
     resume: Flag = False
     """Continue with the boxes of the last certificate."""
-    at_work: Annotated[Workers, arg(name="")] = Workers()
-    output: Annotated[Output, arg(name="")] = Output()
+    pool: Annotated[WorkerOptions, arg(name="")] = WorkerOptions()
+    output: Annotated[OutputOptions, arg(name="")] = OutputOptions()
 
 
 @dataclass(frozen=True)
-class CheckProof:
+class CheckProofOptions:
     """Check a proof file again, with ball arithmetic only."""
 
     file: Annotated[Positional[Path], arg(metavar="FILE")]
@@ -227,11 +227,11 @@ class CheckProof:
     run: Annotated[str | None, arg(metavar="RUN")] = None
     """Run folder, or latest, that the proof must be about. Without it only consistency is
     checked, not which robot it is about."""
-    output: Annotated[Output, arg(name="")] = Output()
+    output: Annotated[OutputOptions, arg(name="")] = OutputOptions()
 
 
 @dataclass(frozen=True)
-class Fit:
+class FitOptions:
     """Learn what a robot does beyond its model, from logs of a run's policy."""
 
     run: Run
@@ -244,11 +244,11 @@ class Fit:
     """Optimiser of the fit; nero is the paper's."""
     seed: Annotated[int, arg(metavar="N")] = 0
     """Seed of the split of strides, initial weights and batches."""
-    output: Annotated[Output, arg(name="")] = Output()
+    output: Annotated[OutputOptions, arg(name="")] = OutputOptions()
 
 
 @dataclass(frozen=True)
-class Refine:
+class RefineOptions:
     """Continue training a run's policy, on dynamics corrected by what was learned."""
 
     run: Run
@@ -268,11 +268,11 @@ class Refine:
     """With --certify: time for proofs and further training."""
     out: Annotated[Path | None, arg(metavar="DIR")] = None
     """Run folder to make, instead of runs/ROBOT/<time>-<seed>."""
-    output: Annotated[Output, arg(name="")] = Output()
+    output: Annotated[OutputOptions, arg(name="")] = OutputOptions()
 
 
 @dataclass(frozen=True)
-class Episodes:
+class EpisodesOptions:
     """Walk, learn the model's error, refine the policy, and walk again."""
 
     robot: OwnRobot = None
@@ -296,11 +296,11 @@ class Episodes:
     """Folder to make, instead of runs/episodes/ROBOT/<time>-<seed>."""
     resume: Annotated[str | None, arg(metavar="RUN")] = None
     """Episodes to resume (their folder, or latest), or a trained run to start from."""
-    output: Annotated[Output, arg(name="")] = Output()
+    output: Annotated[OutputOptions, arg(name="")] = OutputOptions()
 
 
 @dataclass(frozen=True)
-class Sweep:
+class SweepOptions:
     """Train, prove and walk many combinations: robots, specs, speeds and seeds."""
 
     robots: Annotated[Positional[tuple[str, ...]], arg(metavar="[ROBOT...]")] = ()
@@ -324,16 +324,16 @@ class Sweep:
     of a TOML file; see the page 'From a laptop to a cluster'."""
     walks: Annotated[int | None, arg(metavar="N")] = None
     """Number of walks of 25 steps under each disturbance; 4 if not given."""
-    at_work: Annotated[Workers, arg(name="")] = Workers()
+    pool: Annotated[WorkerOptions, arg(name="")] = WorkerOptions()
     out: Annotated[Path | None, arg(metavar="DIR")] = None
     """Folder of the sweep; runs/sweeps/<time>-<first seed> if not given."""
     resume: Flag = False
     """Continue the sweep in --out, if there is one; finished rows are kept."""
-    output: Annotated[Output, arg(name="")] = Output()
+    output: Annotated[OutputOptions, arg(name="")] = OutputOptions()
 
 
 @dataclass(frozen=True)
-class Export:
+class ExportOptions:
     """Write the gait for a robot, as C or ONNX, and compare the result with Python."""
 
     run: Run
@@ -345,22 +345,22 @@ class Export:
     extra."""
     force: Flag = False
     """Replace the files of an earlier export."""
-    output: Annotated[Output, arg(name="")] = Output()
+    output: Annotated[OutputOptions, arg(name="")] = OutputOptions()
 
 
 @dataclass(frozen=True)
-class Report:
+class ReportOptions:
     """Write everything about a run into one HTML file that opens offline."""
 
     run: Run
     """Run folder, finished or not, or latest."""
     out: Annotated[Path | None, arg(metavar="FILE.html")] = None
     """The file; RUN/report.html if not given."""
-    output: Annotated[Output, arg(name="")] = Output()
+    output: Annotated[OutputOptions, arg(name="")] = OutputOptions()
 
 
 @dataclass(frozen=True)
-class Page:
+class PageOptions:
     """Address at which a live page is served."""
 
     port: Annotated[int | None, arg(metavar="N")] = None
@@ -372,7 +372,7 @@ class Page:
 
 
 @dataclass(frozen=True)
-class View:
+class ViewOptions:
     """Watch a gait walk, push it, tilt its floor, and put it into any state: a live page."""
 
     run: Run
@@ -380,22 +380,22 @@ class View:
     terrain: Annotated[str | None, arg(metavar="KIND[,NAME=VALUE...]|FILE.csv")] = None
     """Solid blocks in place of the floor, as in simulate: stones, stairs, slopes, or a file of
     stones. For a gait that takes step lengths or slopes as commands."""
-    page: Annotated[Page, arg(name="")] = Page()
-    output: Annotated[Output, arg(name="")] = Output()
+    page: Annotated[PageOptions, arg(name="")] = PageOptions()
+    output: Annotated[OutputOptions, arg(name="")] = OutputOptions()
 
 
 @dataclass(frozen=True)
-class Demo:
+class DemoOptions:
     """Watch a gait that came with the package, and its proof, on the same page: no training."""
 
     speed: Flag = False
     """Another gait: a slider commands its speed, and it is proved for the whole range."""
-    page: Annotated[Page, arg(name="")] = Page()
-    output: Annotated[Output, arg(name="")] = Output()
+    page: Annotated[PageOptions, arg(name="")] = PageOptions()
+    output: Annotated[OutputOptions, arg(name="")] = OutputOptions()
 
 
 @dataclass(frozen=True)
-class Inspect:
+class InspectOptions:
     """Show the contents of a robot file, and what is wrong with it."""
 
     robot: Robot
@@ -403,22 +403,22 @@ class Inspect:
     planarise: Annotated[Path | None, arg(metavar="OUT.xml")] = None
     """Write a copy that this program supports: flat feet become welded point feet, and elements
     that the theory ignores are removed; every change is listed."""
-    output: Annotated[Output, arg(name="")] = Output()
+    output: Annotated[OutputOptions, arg(name="")] = OutputOptions()
 
 
 @dataclass(frozen=True)
-class Robots:
+class RobotsOptions:
     """List the built-in robots and specs, or write a robot's file to start from."""
 
     robot: Annotated[Positional[str | None], arg(metavar="[ROBOT]")] = None
     """Name of the built-in robot to write; all are listed without it."""
     out: Annotated[Path | None, arg(metavar="FILE.xml")] = None
     """File to write it to."""
-    output: Annotated[Output, arg(name="")] = Output()
+    output: Annotated[OutputOptions, arg(name="")] = OutputOptions()
 
 
 @dataclass(frozen=True)
-class Doctor:
+class DoctorOptions:
     """Check this machine, with a fix for each problem."""
 
-    output: Annotated[Output, arg(name="")] = Output()
+    output: Annotated[OutputOptions, arg(name="")] = OutputOptions()

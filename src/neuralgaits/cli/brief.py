@@ -9,15 +9,15 @@ from typing import Any
 from rich.text import Text
 
 from neuralgaits._digits import at_least
-from neuralgaits.cli.tables import number, show_facts, show_sentence, verdict
-from neuralgaits.records.certified import Certified, ConditionVerdict
+from neuralgaits.cli.screen_tables import number, show_facts, show_sentence, verdict
+from neuralgaits.records.certified import CertificateRecord, ConditionVerdict
 from neuralgaits.records.checked import Checked
 from neuralgaits.records.fitted import Fitted
 from neuralgaits.records.levels import WORDS
 from neuralgaits.records.reported import Reported
 from neuralgaits.records.simulated import Simulated
 from neuralgaits.records.trained import Trained
-from neuralgaits.runs.commands import command, named
+from neuralgaits.runs.shell_words import command, named
 
 _NAMED = 3
 """Conditions that a line names before it counts."""
@@ -75,7 +75,7 @@ def brief_walks(result: Simulated) -> None:
     show_facts(facts)
 
 
-def brief_proof(result: Certified) -> None:
+def brief_proof(result: CertificateRecord) -> None:
     """Print what is proved, or which conditions are not, and where the proof is."""
     entries = result.conditions
     open_ = [name for name, one in entries.items() if not _settled(one)]

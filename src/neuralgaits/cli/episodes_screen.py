@@ -4,10 +4,10 @@ from collections.abc import Sequence
 
 from rich.text import Text
 
-from neuralgaits.cli.tables import show_facts, show_sentence, show_table
+from neuralgaits.cli.screen_tables import show_facts, show_sentence, show_table
+from neuralgaits.records.episode_records import EpisodesDone
 from neuralgaits.records.record import Pair
-from neuralgaits.records.walked import EpisodesDone
-from neuralgaits.runs.commands import command, named
+from neuralgaits.runs.shell_words import command, named
 
 _HEAD = ("round", "steps", "stay up", "0.8-1.2 z2", "speeds m/s", "in tube", "error left", "loss")
 """Columns of the table: starts at 0.8 to 1.2 times the nominal z2; held-out error relative to

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from rich.text import Text
 
 from neuralgaits._digits import at_most
-from neuralgaits.cli.tables import show_sentence, show_table
+from neuralgaits.cli.screen_tables import show_sentence, show_table
 from neuralgaits.records.exported import (
     Agreement,
     ControllerExport,

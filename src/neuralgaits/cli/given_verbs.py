@@ -4,14 +4,14 @@ from typing import Any
 
 from rich.text import Text
 
-from neuralgaits.cli.arguments import ImportGait, Optimise
+from neuralgaits.cli.arguments import ImportGaitOptions, OptimiseOptions
 from neuralgaits.cli.outcome import Outcome
-from neuralgaits.cli.tables import number, show_facts, show_sentence, show_table
+from neuralgaits.cli.screen_tables import number, show_facts, show_sentence, show_table
 from neuralgaits.records.trained import Trained
-from neuralgaits.runs.commands import command, named
+from neuralgaits.runs.shell_words import command, named
 
 
-def carry_out_optimise(verb: Optimise) -> Outcome:
+def carry_out_optimise(verb: OptimiseOptions) -> Outcome:
     """Carry out the verb `optimise`; always good."""
     from neuralgaits.cli.progress import waiting
     from neuralgaits.robots import load_robot
@@ -23,7 +23,7 @@ def carry_out_optimise(verb: Optimise) -> Outcome:
     return Outcome(run.summary, True, show_given)
 
 
-def carry_out_import(verb: ImportGait) -> Outcome:
+def carry_out_import(verb: ImportGaitOptions) -> Outcome:
     """Carry out the verb `import-gait`; always good."""
     from neuralgaits.cli.progress import waiting
     from neuralgaits.robots import load_robot

@@ -2,9 +2,9 @@
 
 from rich.text import Text
 
-from neuralgaits.cli.tables import show_facts, show_sentence, show_table
+from neuralgaits.cli.screen_tables import show_facts, show_sentence, show_table
 from neuralgaits.records.fitted import Fitted, TouchdownErrors
-from neuralgaits.runs.commands import command, named
+from neuralgaits.runs.shell_words import command, named
 
 _LANDINGS = (
     ("z1_m", "hip position z1", "m"),

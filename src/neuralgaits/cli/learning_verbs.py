@@ -5,17 +5,17 @@ from pathlib import Path
 from typing import Literal
 
 from neuralgaits.cli import episodes_screen, learning_screen, screen
-from neuralgaits.cli.arguments import Episodes, Fit, Refine
+from neuralgaits.cli.arguments import EpisodesOptions, FitOptions, RefineOptions
+from neuralgaits.cli.argv_parser import options
 from neuralgaits.cli.brief import brief_fit, brief_training
 from neuralgaits.cli.outcome import Outcome
-from neuralgaits.cli.words import options
 from neuralgaits.errors import InputError
 
 LEARNED: Literal["learned"] = "learned"
 """Word that stands for the two bounds of the run's residual."""
 
 
-def carry_out_fit(verb: Fit) -> Outcome:
+def carry_out_fit(verb: FitOptions) -> Outcome:
     """Carry out `fit`. Good if the residual beats the model alone on unseen strides."""
     from neuralgaits.cli.progress import TrainingProgress
     from neuralgaits.workflows.fit import fit
@@ -25,7 +25,7 @@ def carry_out_fit(verb: Fit) -> Outcome:
     return Outcome(done, done.better, learning_screen.show_fit, brief=brief_fit)
 
 
-def carry_out_refine(verb: Refine) -> Outcome:
+def carry_out_refine(verb: RefineOptions) -> Outcome:
     """Carry out `refine`. Undecided if a proof was requested but not found."""
     from neuralgaits.cli.progress import TrainingProgress
     from neuralgaits.workflows.parts.proof_rounds import Watch
@@ -51,7 +51,7 @@ def carry_out_refine(verb: Refine) -> Outcome:
     return Outcome(done, done.proved, screen.show_training, undecided=not done.proved, brief=shown)
 
 
-def carry_out_episodes(verb: Episodes) -> Outcome:
+def carry_out_episodes(verb: EpisodesOptions) -> Outcome:
     """Carry out `episodes`. Good unless the last policy fell."""
     from neuralgaits.cli.progress import TrainingProgress
     from neuralgaits.robots import load_robot
@@ -75,7 +75,7 @@ def carry_out_episodes(verb: Episodes) -> Outcome:
 
 def _found(resume: str, quiet: bool) -> str | Path:
     """Return the episodes to resume; print which ones `latest` means to stderr, unless `quiet`."""
-    from neuralgaits.rounds.folder import EpisodeFolder
+    from neuralgaits.episode_rounds.episode_folder import EpisodeFolder
     from neuralgaits.runs import RUNS_ROOT
     from neuralgaits.runs.latest import LATEST
 

@@ -89,8 +89,8 @@ def main(arguments: list[str]) -> int:
 
 def _answer(arguments: list[str]) -> int:
     # The parser, the workflows and JAX are imported when they are needed: --help is quick.
+    from neuralgaits.cli.argv_parser import read
     from neuralgaits.cli.usage import one_line_errors
-    from neuralgaits.cli.words import read
 
     verb = one_line_errors(read, arguments)
     from neuralgaits.cli import verbs
@@ -156,7 +156,7 @@ def _next(arguments: list[str], error: KeyboardInterrupt) -> str:
         return f"; go on with `{error.command}`{error.more}"
     if not any(verb in arguments[:2] for verb in _LONG):
         return ""
-    from neuralgaits.runs.commands import command
+    from neuralgaits.runs.shell_words import command
 
     again = f"`{command(*arguments)}`"
     if any(word.partition("=")[0] == "--resume" for word in arguments):
@@ -183,7 +183,7 @@ def _fail(message: str, error: BaseException, code: int, verbose: bool) -> int:
         traceback.print_exception(error, file=sys.stderr)
     # Lines are joined; blanks within one may be those of a quoted path.
     line = " ".join(part.strip() for part in message.splitlines() if part.strip())
-    from neuralgaits.cli.as_called import as_called
+    from neuralgaits.cli.invocation import as_called
 
     print(f"neuralgaits: {printable(as_called(line))}", file=sys.stderr)
     return code

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from neuralgaits._digits import at_least, at_most
-from neuralgaits.cli.tables import (
+from neuralgaits.cli.screen_tables import (
     ROWS,
     number,
     show_facts,
@@ -13,7 +13,12 @@ from neuralgaits.cli.tables import (
     show_table,
     verdict,
 )
-from neuralgaits.records.certified import Certified, Conclusion, ConditionVerdict, Constant
+from neuralgaits.records.certified import (
+    CertificateRecord,
+    Conclusion,
+    ConditionVerdict,
+    TheoremConstant,
+)
 from neuralgaits.records.checked import Checked
 
 _INDENT = 2
@@ -23,7 +28,7 @@ _PREMISE = "/"
 """Character in names of premises, as in orbit/inside; conditions of a spec have none."""
 
 
-def show_proof(result: Certified) -> None:
+def show_proof(result: CertificateRecord) -> None:
     """Show each condition's verdict, with its margin (in scales) or a state that violates it."""
     conditions = sorted(result.conditions.items(), key=_urgency)
     head = ("condition", "verdict", "proved", "margin", "boxes", "")
@@ -112,7 +117,7 @@ def _show_levels(levels: Sequence[Conclusion]) -> None:
         _show_constants(level.constants)
 
 
-def _show_constants(constants: Sequence[Constant]) -> None:
+def _show_constants(constants: Sequence[TheoremConstant]) -> None:
     """Show the overall constants with their meanings, then those of each barrier in columns."""
     whole = [one for one in constants if ": " not in one.name]
     rows = [(one.name, _rounded(one), one.unit, one.meaning) for one in whole]
@@ -132,7 +137,7 @@ def _show_constants(constants: Sequence[Constant]) -> None:
         )
 
 
-def _rounded(constant: Constant) -> str:
+def _rounded(constant: TheoremConstant) -> str:
     """Format a constant with four digits; a bound is rounded to the side on which it stays true."""
     rounds = {"least": at_least, "most": at_most}.get(constant.side)
     return number(constant.value) if rounds is None else rounds(constant.value, 4)

@@ -2,16 +2,16 @@
 
 from rich.text import Text
 
-from neuralgaits.cli.arguments import Report
+from neuralgaits.cli.arguments import ReportOptions
 from neuralgaits.cli.brief import brief_report
 from neuralgaits.cli.outcome import Outcome
-from neuralgaits.cli.tables import show_facts, show_sentence
+from neuralgaits.cli.screen_tables import show_facts, show_sentence
 from neuralgaits.records.reported import Reported
 
 _INDENT = 2
 
 
-def carry_out_report(verb: Report) -> Outcome:
+def carry_out_report(verb: ReportOptions) -> Outcome:
     """Carry out `report`. Good even if parts are missing: the page lists them."""
     from neuralgaits.cli.progress import waiting
     from neuralgaits.workflows.report import write_report

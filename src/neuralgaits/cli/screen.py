@@ -8,15 +8,22 @@ from typing import Any
 
 from rich.text import Text
 
-from neuralgaits.cli.tables import ROWS, number, show_facts, show_sentence, show_table, verdict
+from neuralgaits.cli.screen_tables import (
+    ROWS,
+    number,
+    show_facts,
+    show_sentence,
+    show_table,
+    verdict,
+)
 from neuralgaits.errors import RunError
-from neuralgaits.records.asked import asked_of
 from neuralgaits.records.inspected import RobotFacts
 from neuralgaits.records.installed import BuiltIn, Machine
 from neuralgaits.records.simulated import LOCKSTEP, LinkFigures, Simulated
 from neuralgaits.records.trained import Trained, TrainingProof
+from neuralgaits.records.training_config import asked_of
 from neuralgaits.runs import RunFolder
-from neuralgaits.runs.commands import command, named
+from neuralgaits.runs.shell_words import command, named
 
 
 def show_training(result: Trained) -> None:
@@ -54,7 +61,7 @@ def show_training(result: Trained) -> None:
 def _to_mend(result: Trained, worst: str) -> list[tuple[str, str]]:
     """Return what to do about failing conditions; only general advice if the run is missing."""
     # Imported here: few commands need it.
-    from neuralgaits.report import again
+    from neuralgaits.report import repeat_commands
 
     page = "the page 'It did not train: what now'"
     last = "or loosen", f'without("{worst}") in a spec of your own, see {page}'
@@ -62,12 +69,12 @@ def _to_mend(result: Trained, worst: str) -> list[tuple[str, str]]:
     try:
         folder = RunFolder.open(Path(result.run))
         commands = [
-            ("train longer", again.longer(folder)),
-            ("another seed", again.another_seed(folder)),
+            ("train longer", repeat_commands.longer(folder)),
+            ("another seed", repeat_commands.another_seed(folder)),
         ]
         if asked_of(folder).given is not None:
             # Its spec is no choice of the user's; a trained policy meets its start as it is made.
-            last = "or a network", command("train", again.robot_word(folder))
+            last = "or a network", command("train", repeat_commands.robot_word(folder))
     except RunError:
         pass
     return [*((name, line) for name, line in commands if line), last]
@@ -268,7 +275,7 @@ def _held(count: int) -> str:
 
 def _disturbed(result: Simulated) -> Iterable[tuple[str, Any]]:
     """Return the disturbances that differ from their defaults."""
-    from neuralgaits.simulation.setup.disturbance import Disturbance
+    from neuralgaits.simulation.setup.disturbance import PlantChanges
 
-    usual = vars(Disturbance())
+    usual = vars(PlantChanges())
     return [(name, value) for name, value in result.changed.items() if value != usual.get(name)]

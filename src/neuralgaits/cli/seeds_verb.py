@@ -5,11 +5,11 @@ from typing import Any
 from rich.text import Text
 
 from neuralgaits.cli.outcome import Outcome
+from neuralgaits.cli.screen_tables import ROWS, number, show_facts, show_sentence, show_table
 from neuralgaits.cli.sweep_verb import seeds_of
-from neuralgaits.cli.tables import ROWS, number, show_facts, show_sentence, show_table
 from neuralgaits.errors import InputError
 from neuralgaits.records.trained import TrainedSeed, TrainedSeeds
-from neuralgaits.runs.commands import command, named
+from neuralgaits.runs.shell_words import command, named
 
 
 def carry_out_seeds(robot: str | None, given: dict[str, Any], *, quiet: bool) -> Outcome:

@@ -4,18 +4,18 @@ from typing import Any
 
 from rich.text import Text
 
-from neuralgaits.cli.arguments import Sweep
+from neuralgaits.cli.arguments import SweepOptions
 from neuralgaits.cli.outcome import Outcome
-from neuralgaits.cli.tables import show_facts, show_sentence
+from neuralgaits.cli.screen_tables import show_facts, show_sentence
 from neuralgaits.errors import InputError
 from neuralgaits.records.swept import SweepRow, Swept
-from neuralgaits.runs.commands import command, named
+from neuralgaits.runs.shell_words import command, named
 
 _SETTINGS = ("steps", "certify", "budget", "disturbances", "walks", "out", "resume")
 _LISTS = ("specs", "controllers")
 
 
-def carry_out_sweep(verb: Sweep) -> Outcome:
+def carry_out_sweep(verb: SweepOptions) -> Outcome:
     """Carry out `sweep`. Good if every row is done; undecided if some could not be carried out."""
     given: dict[str, Any] = {name: getattr(verb, name) for name in _SETTINGS}
     for name in _LISTS:
@@ -33,8 +33,8 @@ def carry_out_sweep(verb: Sweep) -> Outcome:
         def tell(row: SweepRow, done: int, every: int) -> None:
             progress(line_of(row), done, every)
 
-        at_work = verb.at_work
-        done = sweep(verb.robots, workers=at_work.workers, ray=at_work.ray, tell=tell, **given)
+        pool = verb.pool
+        done = sweep(verb.robots, workers=pool.workers, ray=pool.ray, tell=tell, **given)
     summary = done.summary
     return Outcome(summary, not summary.failed, show_sweep, undecided=summary.lost > 0)
 

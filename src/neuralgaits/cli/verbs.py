@@ -8,24 +8,25 @@ from typing import Any
 from neuralgaits._environment import render_without_screen
 from neuralgaits.cli import brief, proof_screen, screen
 from neuralgaits.cli.arguments import (
-    Certify,
-    CheckProof,
-    Demo,
-    Doctor,
-    Episodes,
-    Export,
-    Fit,
-    ImportGait,
-    Inspect,
-    Optimise,
-    Refine,
-    Report,
-    Robots,
-    Simulate,
-    Sweep,
-    Train,
-    View,
+    CertifyOptions,
+    CheckProofOptions,
+    DemoOptions,
+    DoctorOptions,
+    EpisodesOptions,
+    ExportOptions,
+    FitOptions,
+    ImportGaitOptions,
+    InspectOptions,
+    OptimiseOptions,
+    RefineOptions,
+    ReportOptions,
+    RobotsOptions,
+    SimulateOptions,
+    SweepOptions,
+    TrainOptions,
+    ViewOptions,
 )
+from neuralgaits.cli.argv_parser import Verb, options
 from neuralgaits.cli.given_verbs import carry_out_import, carry_out_optimise
 from neuralgaits.cli.learning_verbs import (
     carry_out_episodes,
@@ -38,7 +39,6 @@ from neuralgaits.cli.report_verb import carry_out_report
 from neuralgaits.cli.seeds_verb import carry_out_seeds
 from neuralgaits.cli.sweep_verb import carry_out_sweep
 from neuralgaits.cli.viewer_verbs import carry_out_demo, carry_out_view
-from neuralgaits.cli.words import Verb, options
 from neuralgaits.errors import InputError, Interrupted
 
 _COMMANDS = {"speed": "m/s", "step_length": "m", "step_height": "m", "slope": "degrees"}
@@ -64,39 +64,39 @@ def carry_out(verb: Verb) -> Outcome:
     if not verb.output.json:
         _say_which_is_latest(verb)
     match verb:
-        case Train():
+        case TrainOptions():
             return _train(verb)
-        case Optimise():
+        case OptimiseOptions():
             return carry_out_optimise(verb)
-        case ImportGait():
+        case ImportGaitOptions():
             return carry_out_import(verb)
-        case Simulate():
+        case SimulateOptions():
             return _simulate(verb)
-        case Certify():
+        case CertifyOptions():
             return _certify(verb)
-        case CheckProof():
+        case CheckProofOptions():
             return _check_proof(verb)
-        case Fit():
+        case FitOptions():
             return carry_out_fit(verb)
-        case Refine():
+        case RefineOptions():
             return carry_out_refine(verb)
-        case Episodes():
+        case EpisodesOptions():
             return carry_out_episodes(verb)
-        case Sweep():
+        case SweepOptions():
             return carry_out_sweep(verb)
-        case Export():
+        case ExportOptions():
             return _export(verb)
-        case Report():
+        case ReportOptions():
             return carry_out_report(verb)
-        case View():
+        case ViewOptions():
             return carry_out_view(verb)
-        case Demo():
+        case DemoOptions():
             return carry_out_demo(verb)
-        case Inspect():
+        case InspectOptions():
             return _inspect(verb)
-        case Robots():
+        case RobotsOptions():
             return _robots(verb)
-        case Doctor():
+        case DoctorOptions():
             return _doctor()
 
 
@@ -108,7 +108,7 @@ def _say_which_is_latest(verb: Verb) -> None:
         print(told, file=sys.stderr)
 
 
-def _train(verb: Train) -> Outcome:
+def _train(verb: TrainOptions) -> Outcome:
     asked = {name: getattr(verb, name) for name in _TRAINING}
     given: dict[str, Any] = {
         name: value for name, value in asked.items() if value is not None and value is not False
@@ -199,7 +199,7 @@ def _unfinished(run: str, given: dict[str, Any], quiet: bool) -> Path:
     return folder.path
 
 
-def _simulate(verb: Simulate) -> Outcome:
+def _simulate(verb: SimulateOptions) -> Outcome:
     if verb.video is not None:
         # Before MuJoCo is imported, which looks at it then.
         render_without_screen()
@@ -210,8 +210,8 @@ def _simulate(verb: Simulate) -> Outcome:
         done = simulate(
             **options(verb, "parameters"),
             parameters=_box(verb.parameters),
-            workers=verb.at_work.workers,
-            ray=verb.at_work.ray,
+            workers=verb.pool.workers,
+            ray=verb.pool.ray,
         )
     notes = [done.plant_note, None if verb.output.json else done.summary.engine_note]
     for note in filter(None, notes):
@@ -220,7 +220,7 @@ def _simulate(verb: Simulate) -> Outcome:
     return Outcome(done.summary, walked, screen.show_walks, brief=brief.brief_walks)
 
 
-def _certify(verb: Certify) -> Outcome:
+def _certify(verb: CertifyOptions) -> Outcome:
     from neuralgaits.certificate.search.schedule import SearchInterrupted
     from neuralgaits.cli.progress import ProofProgress
     from neuralgaits.workflows.certify import certify
@@ -236,8 +236,8 @@ def _certify(verb: Certify) -> Outcome:
                 progress=progress,
                 within=_ranges(verb.within),
                 parameters=_box(verb.parameters),
-                workers=verb.at_work.workers,
-                ray=verb.at_work.ray,
+                workers=verb.pool.workers,
+                ray=verb.pool.ray,
                 bandwidth=verb.bandwidth,
             )
         except SearchInterrupted as stop:
@@ -261,9 +261,9 @@ def _box(text: str | None) -> dict[str, float] | None:
     return parse_box(text)
 
 
-def _resumed_proof(verb: Certify) -> str:
+def _resumed_proof(verb: CertifyOptions) -> str:
     """Return the command that resumes an interrupted search for the same statement."""
-    from neuralgaits.runs.commands import command
+    from neuralgaits.runs.shell_words import command
 
     line: list[Any] = ["certify", verb.run, "--resume"]
     given = {
@@ -273,15 +273,15 @@ def _resumed_proof(verb: Certify) -> str:
         "--parameters": verb.parameters,
         "--within": verb.within,
         "--budget": verb.budget,
-        "--workers": verb.at_work.workers,
-        "--ray": verb.at_work.ray,
+        "--workers": verb.pool.workers,
+        "--ray": verb.pool.ray,
     }
     for flag, value in given.items():
         line += [] if value is None else [flag, value]
     return command(*line)
 
 
-def _check_proof(verb: CheckProof) -> Outcome:
+def _check_proof(verb: CheckProofOptions) -> Outcome:
     from neuralgaits.cli.progress import CheckProgress
     from neuralgaits.workflows.check_proof import check_proof
 
@@ -293,7 +293,7 @@ def _check_proof(verb: CheckProof) -> Outcome:
     return Outcome(result, good, proof_screen.show_check, undecided, brief.brief_check)
 
 
-def _export(verb: Export) -> Outcome:
+def _export(verb: ExportOptions) -> Outcome:
     from neuralgaits.cli.export_screen import show_export
     from neuralgaits.cli.progress import waiting
     from neuralgaits.workflows.export import export_controller
@@ -303,7 +303,7 @@ def _export(verb: Export) -> Outcome:
     return Outcome(done.summary, done.checked, show_export, undecided=not done.checked)
 
 
-def _inspect(verb: Inspect) -> Outcome:
+def _inspect(verb: InspectOptions) -> Outcome:
     if verb.planarise is not None:
         from neuralgaits.workflows.planarise import planarise_file
 
@@ -314,7 +314,7 @@ def _inspect(verb: Inspect) -> Outcome:
     return Outcome(inspect(load_or_advise(verb.robot)), True, screen.show_robot)
 
 
-def _robots(verb: Robots) -> Outcome:
+def _robots(verb: RobotsOptions) -> Outcome:
     from neuralgaits.workflows.robots import robots, write_built_in
 
     if verb.robot is None and verb.out is not None:

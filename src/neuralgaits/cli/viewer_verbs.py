@@ -4,14 +4,14 @@ import sys
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from neuralgaits.cli.arguments import Demo, Page, View
+from neuralgaits.cli.arguments import DemoOptions, PageOptions, ViewOptions
 from neuralgaits.cli.outcome import Outcome
 
 if TYPE_CHECKING:
     from neuralgaits.workflows.view import LiveView
 
 
-def carry_out_view(verb: View) -> Outcome:
+def carry_out_view(verb: ViewOptions) -> Outcome:
     """Carry out the verb `view`; always good."""
     from neuralgaits.cli.progress import waiting
     from neuralgaits.workflows.view import view
@@ -21,7 +21,7 @@ def carry_out_view(verb: View) -> Outcome:
     return _served(live, verb.page)
 
 
-def carry_out_demo(verb: Demo) -> Outcome:
+def carry_out_demo(verb: DemoOptions) -> Outcome:
     """Carry out the verb `demo`; always good."""
     from neuralgaits.cli.progress import waiting
     from neuralgaits.workflows.demo import demo
@@ -31,13 +31,13 @@ def carry_out_demo(verb: Demo) -> Outcome:
     return _served(live, verb.page)
 
 
-def _place(page: Page) -> dict[str, Any]:
+def _place(page: PageOptions) -> dict[str, Any]:
     return {"port": page.port} if page.host is None else {"port": page.port, "host": page.host}
 
 
-def _served(live: "LiveView", page: Page) -> Outcome:
+def _served(live: "LiveView", page: PageOptions) -> Outcome:
     """Print the page's address, open the page, and serve it until Ctrl-C."""
-    from neuralgaits.viewer.page import is_loopback, show_in_browser
+    from neuralgaits.viewer.live_server import is_loopback, show_in_browser
 
     if not is_loopback(live.host):
         print(

@@ -2,9 +2,9 @@
 
 from neuralgaits.control.clf_qp import ClfQp
 from neuralgaits.control.controller import (
-    Command,
     Controller,
     ControllerState,
+    TickResult,
     start,
     step,
     tell,
@@ -19,13 +19,13 @@ __all__ = [
     "PAPER",
     "AbstractLaw",
     "ClfQp",
-    "Command",
     "Controller",
     "ControllerState",
     "Fblin",
     "Measurement",
     "Pd",
     "StanceConfig",
+    "TickResult",
     "start",
     "step",
     "tell",

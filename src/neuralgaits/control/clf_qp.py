@@ -18,7 +18,15 @@ import numpy as np
 from neuralgaits._types import Actuated, Array, Coordinates, Float, Planar, Scalar, ZeroState
 from neuralgaits.control.fblin import Fblin
 from neuralgaits.control.interior_point import QuadraticProgram, minimise
-from neuralgaits.control.law import AbstractLaw, Demand, Desired, Limited, Outputs, Reading, errors
+from neuralgaits.control.law import (
+    AbstractLaw,
+    Demand,
+    Desired,
+    Limited,
+    MeasuredState,
+    Outputs,
+    errors,
+)
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.robots.dynamics import ground_reaction_force
 from neuralgaits.robots.linear import solve
@@ -71,15 +79,15 @@ class ClfQp(AbstractLaw):
         """Return all of z, unchanged. [2]."""
         return z
 
-    def desired(self, robot: PlanarBiped, outputs: Outputs, reading: Reading) -> Desired:
+    def desired(self, robot: PlanarBiped, outputs: Outputs, reading: MeasuredState) -> Desired:
         """Return desired outputs, rates, and the terms of their accelerations, a `Desired`."""
         return self.linearising.desired(robot, outputs, reading)
 
-    def torque(self, robot: PlanarBiped, reading: Reading, desired: Desired) -> Actuated:
+    def torque(self, robot: PlanarBiped, reading: MeasuredState, desired: Desired) -> Actuated:
         """Return the linearising torques. [m] (N m)."""
         return self.linearising.torque(robot, reading, desired)
 
-    def within(self, robot: PlanarBiped, demand: Demand) -> Limited:
+    def apply_limits(self, robot: PlanarBiped, demand: Demand) -> Limited:
         """Solve the program. Returns: `Limited`."""
         torque, limit = demand.torque, demand.limit
         m, unit = robot.n - 1, jnp.max(limit)
@@ -117,7 +125,7 @@ class ClfQp(AbstractLaw):
         )
 
     def _decrease(
-        self, robot: PlanarBiped, reading: Reading, desired: Desired, free: "Accelerations"
+        self, robot: PlanarBiped, reading: MeasuredState, desired: Desired, free: "Accelerations"
     ) -> tuple[Actuated, Scalar]:
         """Return the row of V: slope @ u <= rest means that sqrt V falls fast enough."""
         w = self.bandwidth
@@ -143,7 +151,7 @@ class Accelerations(NamedTuple):
     """Change by each torque [rad/s^2 / N m]. [n, m]"""
 
 
-def accelerations(robot: PlanarBiped, reading: Reading) -> Accelerations:
+def accelerations(robot: PlanarBiped, reading: MeasuredState) -> Accelerations:
     """Accelerations of the robot pinned at its stance foot."""
     mass, bias = robot.mass_matrix(reading.q), robot.bias(reading.q, reading.dq)
     columns = jnp.concatenate([-bias[None], jnp.eye(robot.n)[1:]])

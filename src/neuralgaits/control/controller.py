@@ -12,9 +12,10 @@ import jax.numpy as jnp
 import numpy as np
 
 from neuralgaits._types import Actuated, Array, Bool, Coordinates, Float, Int, Scalar, ZeroState
-from neuralgaits.control import stance, told
-from neuralgaits.control.inverse_dynamics import settled
-from neuralgaits.control.law import AbstractLaw, Demand, Desired, Outputs, Reading
+from neuralgaits.control import command_state, stance
+from neuralgaits.control.command_state import CommandState
+from neuralgaits.control.inverse_dynamics import impact_consistent_rates
+from neuralgaits.control.law import AbstractLaw, Demand, Desired, MeasuredState, Outputs
 from neuralgaits.control.measurement import (
     Measurement,
     coordinates,
@@ -24,10 +25,9 @@ from neuralgaits.control.measurement import (
 from neuralgaits.control.momentum import zero_state
 from neuralgaits.control.saturation import ZeroStateBounds, zero_state_bounds
 from neuralgaits.control.stance import StanceConfig, StanceState
-from neuralgaits.control.told import Told
 from neuralgaits.gait import AbstractPolicy
-from neuralgaits.gait.commands import Limits
-from neuralgaits.gait.reset_residual import Reset
+from neuralgaits.gait.commands import CommandLimits
+from neuralgaits.gait.reset_residual import ResetCorrection
 from neuralgaits.robots import PlanarBiped
 
 
@@ -52,7 +52,7 @@ class Controller(eqx.Module):
     torque_limit: Float[Array, " m"]
     stance: StanceConfig = eqx.field(static=True)
     period_s: float = eqx.field(static=True)
-    reset_residual: Reset = None
+    reset_residual: ResetCorrection = None
 
     @classmethod
     def init(
@@ -65,7 +65,7 @@ class Controller(eqx.Module):
         torque_limit: Actuated | None = None,
         stance: StanceConfig | None = None,
         period_s: float = 1e-3,
-        reset_residual: Reset = None,
+        reset_residual: ResetCorrection = None,
     ) -> "Controller":
         """Build a controller, with bounds and limits taken from policy and robot.
 
@@ -79,13 +79,13 @@ class Controller(eqx.Module):
             period_s: time between two ticks (s).
             reset_residual: corrects the impact that the steps of a family begin with.
         """
-        middle = Limits.of(policy.commands).middle
-        of_middle = policy.of_step(_numbers(robot, policy, middle, reset_residual))
+        middle = CommandLimits.of(policy.commands).middle
+        of_middle = policy.from_step_parameters(_numbers(robot, policy, middle, reset_residual))
         limit = robot.torque_limit if torque_limit is None else torque_limit
         return cls(
             robot=robot,
             policy=policy,
-            law=law.fitted(robot),
+            law=law.with_gains_for(robot),
             bounds=zero_state_bounds(robot, of_middle, z2_range),
             torque_limit=np.asarray(limit, dtype=np.float64),
             stance=StanceConfig() if stance is None else stance,
@@ -93,12 +93,25 @@ class Controller(eqx.Module):
             reset_residual=reset_residual,
         )
 
+    def latch(self, told: CommandState, touchdown: Bool[Array, ""]) -> CommandState:
+        """Take over what was requested, if the tick is a touchdown. Returns: `CommandState`."""
+        commands = self.policy.commands
+        if not commands:
+            return told
+        pair = command_state.next_pair(commands, told)
+        step = self.policy.parameters_of_step(self.robot, pair, self.reset_residual)
+        after = CommandState(told.requested, pair, step)
+        return jax.tree.map(lambda new, old: jnp.where(touchdown, new, old), after, told)
+
 
 @eqx.filter_jit
 def _numbers(
-    robot: PlanarBiped, policy: AbstractPolicy, command: Float[Array, " p"], reset_residual: Reset
+    robot: PlanarBiped,
+    policy: AbstractPolicy,
+    command: Float[Array, " p"],
+    reset_residual: ResetCorrection,
 ) -> Float[Array, " s"]:
-    return told.steady(robot, policy, command, reset_residual).numbers
+    return command_state.steady(robot, policy, command, reset_residual).step_parameters
 
 
 class ControllerState(NamedTuple):
@@ -110,11 +123,11 @@ class ControllerState(NamedTuple):
     """Ticks until the policy is evaluated again."""
     held: Desired
     """Latest output of the policy."""
-    told: Told
+    told: CommandState
     """Commands, and the parameters of the step under way."""
 
 
-class Command(NamedTuple):
+class TickResult(NamedTuple):
     """Output of a tick: torques, and the measured quantities behind them."""
 
     torque: Float[Array, "2 k"]
@@ -159,25 +172,27 @@ def start(
     """
     n, policy = controller.robot.n, controller.policy
     if command is None:
-        command = Limits.of(policy.commands).middle
-    first = told.steady(controller.robot, policy, command, controller.reset_residual)
-    at_rest = Reading(jnp.zeros(n), jnp.zeros(n), jnp.zeros(2), jnp.zeros(2))
+        command = CommandLimits.of(policy.commands).middle
+    first = command_state.steady(controller.robot, policy, command, controller.reset_residual)
+    at_rest = MeasuredState(jnp.zeros(n), jnp.zeros(n), jnp.zeros(2), jnp.zeros(2))
     shapes = jax.eval_shape(_ask, controller, first, at_rest)
     held = jax.tree.map(lambda leaf: jnp.zeros(leaf.shape, leaf.dtype), shapes)
     return ControllerState(stance.start(leg), jnp.zeros((), jnp.int32), held, first)
 
 
 def tell(
-    controller: Controller, state: ControllerState, wanted: Float[Array, " p"]
+    controller: Controller, state: ControllerState, requested: Float[Array, " p"]
 ) -> ControllerState:
-    """Request other commands from the next touchdown on, see `told.tell`."""
-    return state._replace(told=told.tell(controller.policy.commands, state.told, wanted))
+    """Request other commands from the next touchdown on, see `command_state.tell`."""
+    return state._replace(
+        told=command_state.tell(controller.policy.commands, state.told, requested)
+    )
 
 
 def step(
     controller: Controller, state: ControllerState, measurement: Measurement
-) -> tuple[ControllerState, Command]:
-    """Compute one control tick. Returns: the next state, and the `Command`."""
+) -> tuple[ControllerState, TickResult]:
+    """Compute one control tick. Returns: the next state, and the `TickResult`."""
     robot, law = controller.robot, controller.law
     q_before, _ = coordinates(robot, measurement, state.stance.leg)
     standing, touchdown = stance.advance(
@@ -190,10 +205,10 @@ def step(
     )
     q, dq = coordinates(robot, measurement, standing.leg)
     foot_velocity = stance_foot_velocity(robot, q, dq, measurement)
-    reading = Reading(q, dq, *zero_state(robot, q, dq, foot_velocity))
-    now = told.latch(controller, state.told, touchdown)
-    if law.settles:
-        after = settled(robot, _outputs(controller, now), reading)
+    reading = MeasuredState(q, dq, *zero_state(robot, q, dq, foot_velocity))
+    now = controller.latch(state.told, touchdown)
+    if law.uses_impact_consistent_rates:
+        after = impact_consistent_rates(robot, _outputs(controller, now), reading)
         reading = jax.tree.map(lambda new, old: jnp.where(touchdown, new, old), after, reading)
     # After a touchdown the held outputs belong to the wrong legs.
     ask = touchdown | (state.ticks_to_policy <= 0)
@@ -202,9 +217,9 @@ def step(
     )
     remaining = jnp.where(ask, law.hold_ticks, state.ticks_to_policy) - 1
     wanted = law.torque(robot, reading, held)
-    limited = law.within(robot, Demand(reading, held, wanted, controller.torque_limit))
+    limited = law.apply_limits(robot, Demand(reading, held, wanted, controller.torque_limit))
     torque = limited.torque
-    command = Command(
+    command = TickResult(
         torque=leg_joints(robot, torque, standing.leg),
         actuated=torque,
         q=q,
@@ -222,13 +237,13 @@ def step(
     return ControllerState(standing, remaining, held, now), command
 
 
-def _ask(controller: Controller, now: Told, reading: Reading) -> Desired:
+def _ask(controller: Controller, now: CommandState, reading: MeasuredState) -> Desired:
     return controller.law.desired(controller.robot, _outputs(controller, now), reading)
 
 
-def _outputs(controller: Controller, now: Told) -> Outputs:
+def _outputs(controller: Controller, now: CommandState) -> Outputs:
     """Return the policy of the step under way, with the z that the law gives it."""
-    policy = controller.policy.of_step(now.numbers)
+    policy = controller.policy.from_step_parameters(now.step_parameters)
     bounds = controller.bounds.over(policy)
 
     def outputs(z: ZeroState) -> Actuated:

@@ -73,7 +73,7 @@ def _of_line(pole: float, period_s: float) -> tuple[float, float]:
     return 1.0 - keep**2, (1.0 - keep) ** 2 / period_s
 
 
-class Known(NamedTuple):
+class EstimatorState(NamedTuple):
     """State that an estimator keeps from tick to tick."""
 
     estimate: Measurement
@@ -84,21 +84,21 @@ class Known(NamedTuple):
     """Whether there has been a reading."""
 
 
-def start(robot: PlanarBiped) -> Known:
+def start(robot: PlanarBiped) -> EstimatorState:
     """Return the state before the first reading."""
     zero, joints = jnp.zeros(()), jnp.zeros((2, robot.n // 2))
     nothing = Measurement(zero, zero, zero, joints, joints, jnp.zeros(2), jnp.zeros(2))
-    return Known(nothing, joints, jnp.zeros((), bool))
+    return EstimatorState(nothing, joints, jnp.zeros((), bool))
 
 
 def estimate(
     estimator: Estimator,
     robot: PlanarBiped,
-    known: Known,
+    known: EstimatorState,
     reading: Measurement,
     standing: StanceState,
     period_s: float,
-) -> Known:
+) -> EstimatorState:
     """Update with a reading: all of the first one, then time, pitch, angles and force.
 
     A robot at rest has first rates of zero; a simulation that starts in mid-step gives its own.
@@ -135,8 +135,8 @@ def estimate(
     actuated = stance_joints(robot, now.rates, leg)
     dq, hip = pinned(robot, q, actuated, z[1] + period_s * dz[1], push * missed)
     now = now._replace(dpitch=pitch_rate(robot, dq, leg), hip_velocity=hip)
-    after = Known(now, known.accelerations + gains[2] * error, jnp.ones((), bool))
-    first = Known(reading, jnp.zeros_like(known.accelerations), jnp.ones((), bool))
+    after = EstimatorState(now, known.accelerations + gains[2] * error, jnp.ones((), bool))
+    first = EstimatorState(reading, jnp.zeros_like(known.accelerations), jnp.ones((), bool))
     return jax.tree.map(lambda new, old: jnp.where(known.started, new, old), after, first)
 
 

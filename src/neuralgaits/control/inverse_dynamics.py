@@ -9,7 +9,7 @@ import jax
 import jax.numpy as jnp
 
 from neuralgaits._types import Actuated, Coordinates, Scalar, ZeroState
-from neuralgaits.control.law import Desired, Outputs, Reading
+from neuralgaits.control.law import Desired, MeasuredState, Outputs
 from neuralgaits.gait.coordinates import lift
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.robots.dynamics import centre_of_mass_velocity
@@ -19,7 +19,7 @@ from neuralgaits.robots.dynamics import centre_of_mass_velocity
 SMALLEST_DENOMINATOR = 0.03
 
 
-def accelerated(robot: PlanarBiped, outputs: Outputs, reading: Reading) -> Desired:
+def accelerated(robot: PlanarBiped, outputs: Outputs, reading: MeasuredState) -> Desired:
     """Return desired outputs, rates, and the terms of their accelerations, a `Desired`."""
     z, dz = reading.z, reading.dz
     (y, d1, d2), change = jax.linearize(lambda point: _with_slopes(outputs, point), z)
@@ -31,14 +31,16 @@ def accelerated(robot: PlanarBiped, outputs: Outputs, reading: Reading) -> Desir
     return Desired(y, d1 * dz[0] + d2 * dz[1], d1, drift)
 
 
-def settled(robot: PlanarBiped, outputs: Outputs, reading: Reading) -> Reading:
+def impact_consistent_rates(
+    robot: PlanarBiped, outputs: Outputs, reading: MeasuredState
+) -> MeasuredState:
     """The state with the rates that meet the outputs at this momentum about the foot.
 
     At a touchdown joint rates, and dz1 with them, are those of an impact that is under way for
     some milliseconds yet. It has no moment about the new foot, so z2 already has its final value,
     and with the outputs' slopes it fixes the rates that a matched impact leaves.
 
-    Returns: `Reading`, its dq and dz1 replaced.
+    Returns: `MeasuredState`, its dq and dz1 replaced.
     """
     _, d1, d2 = _with_slopes(outputs, reading.z)
     dq, dz1 = _balanced(robot, reading, d1, d2 * reading.dz[1], reading.z[1])
@@ -46,7 +48,7 @@ def settled(robot: PlanarBiped, outputs: Outputs, reading: Reading) -> Reading:
 
 
 def inverse_dynamics(
-    robot: PlanarBiped, reading: Reading, slope: Actuated, known: Actuated
+    robot: PlanarBiped, reading: MeasuredState, slope: Actuated, known: Actuated
 ) -> Actuated:
     """Joint torques of ddq_a = slope ddz1 + known, without torque at the foot.
 
@@ -58,7 +60,7 @@ def inverse_dynamics(
 
 
 def consistent_acceleration(
-    robot: PlanarBiped, reading: Reading, slope: Actuated, known: Actuated
+    robot: PlanarBiped, reading: MeasuredState, slope: Actuated, known: Actuated
 ) -> Coordinates:
     """The acceleration with ddq_a = slope ddz1 + known that needs no torque at the foot.
 
@@ -69,7 +71,7 @@ def consistent_acceleration(
 
 
 def _balanced(
-    robot: PlanarBiped, reading: Reading, slope: Actuated, known: Actuated, moment: Scalar
+    robot: PlanarBiped, reading: MeasuredState, slope: Actuated, known: Actuated, moment: Scalar
 ) -> tuple[Coordinates, Scalar]:
     """Rates or accelerations x, x_a = slope x1 + known, with D x about the foot of -moment.
 

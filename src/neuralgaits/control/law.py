@@ -12,7 +12,7 @@ from neuralgaits.control.saturation import saturate
 from neuralgaits.robots import PlanarBiped
 
 
-class Reading(NamedTuple):
+class MeasuredState(NamedTuple):
     """The measured state in the coordinates of the current stance leg."""
 
     q: Coordinates
@@ -45,7 +45,7 @@ class Desired(NamedTuple):
 class Demand(NamedTuple):
     """Torques that a law requires, and the state in which it does."""
 
-    reading: Reading
+    reading: MeasuredState
     desired: Desired
     torque: Actuated
     """[N m]. [m]"""
@@ -71,13 +71,13 @@ class AbstractLaw(eqx.Module):
     hold_ticks: eqx.AbstractVar[int]
     """Control ticks between two evaluations of the policy."""
 
-    def fitted(self, robot: PlanarBiped) -> "AbstractLaw":
-        """The law for a robot: with gains that suit its inertias, if it has gains."""
+    def with_gains_for(self, robot: PlanarBiped) -> "AbstractLaw":
+        """Return the law with gains that suit a robot's inertias, if it has gains."""
         return self
 
     @property
-    def settles(self) -> bool:
-        """Whether at a touchdown it goes by the rates of `settled`, not by those measured."""
+    def uses_impact_consistent_rates(self) -> bool:
+        """Whether at a touchdown it goes by `impact_consistent_rates`, not by those measured."""
         return False
 
     @abstractmethod
@@ -85,19 +85,19 @@ class AbstractLaw(eqx.Module):
         """Return z as the policy gets it, from the measured and bounded z. [2]."""
 
     @abstractmethod
-    def desired(self, robot: PlanarBiped, outputs: Outputs, reading: Reading) -> Desired:
+    def desired(self, robot: PlanarBiped, outputs: Outputs, reading: MeasuredState) -> Desired:
         """Evaluate the policy at a reading. Returns: `Desired`."""
 
     @abstractmethod
-    def torque(self, robot: PlanarBiped, reading: Reading, desired: Desired) -> Actuated:
+    def torque(self, robot: PlanarBiped, reading: MeasuredState, desired: Desired) -> Actuated:
         """Joint torques before saturation. Returns: [m] (N m)."""
 
-    def within(self, robot: PlanarBiped, demand: Demand) -> Limited:
-        """What is done of the law's torques: they are clipped. Returns: `Limited`."""
+    def apply_limits(self, robot: PlanarBiped, demand: Demand) -> Limited:
+        """Clip the torques that the law asks for. Returns: `Limited`."""
         clipped, saturated = saturate(demand.torque, demand.limit)
         return Limited(clipped, saturated, jnp.zeros(2, bool))
 
 
-def errors(reading: Reading, desired: Desired) -> tuple[Actuated, Actuated]:
+def errors(reading: MeasuredState, desired: Desired) -> tuple[Actuated, Actuated]:
     """Output errors y = q_a - y_d and their rates. Returns: [m] (rad), [m] (rad/s)."""
     return reading.q[1:] - desired.y, reading.dq[1:] - desired.dy

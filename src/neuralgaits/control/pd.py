@@ -10,7 +10,7 @@ import numpy as np
 
 from neuralgaits._types import Actuated, ZeroState
 from neuralgaits.control.inverse_dynamics import accelerated, inverse_dynamics
-from neuralgaits.control.law import AbstractLaw, Desired, Outputs, Reading, errors
+from neuralgaits.control.law import AbstractLaw, Desired, MeasuredState, Outputs, errors
 from neuralgaits.gait.joint_inertia import joint_inertia, slowest_mode
 from neuralgaits.robots import PlanarBiped
 
@@ -48,7 +48,7 @@ class Pd(AbstractLaw):
     hold_ticks: int = eqx.field(default=2, static=True)
     measure_z2: bool = eqx.field(default=True, static=True)
 
-    def fitted(self, robot: PlanarBiped) -> "Pd":
+    def with_gains_for(self, robot: PlanarBiped) -> "Pd":
         """The same with gains for each joint of a robot."""
         if self.stiffness and self.damping:
             stiffness, damping = _each(self.stiffness, robot), _each(self.damping, robot)
@@ -59,7 +59,7 @@ class Pd(AbstractLaw):
         return replace(self, bandwidth=w, stiffness=stiffness, damping=damping)
 
     @property
-    def settles(self) -> bool:
+    def uses_impact_consistent_rates(self) -> bool:
         """Where z2 is measured: desired rates of a touchdown are held beyond it."""
         return self.measure_z2
 
@@ -67,16 +67,16 @@ class Pd(AbstractLaw):
         """All of z, or z1 with z2 = 0. Returns: [2]."""
         return z if self.measure_z2 else z * jnp.array([1.0, 0.0])
 
-    def desired(self, robot: PlanarBiped, outputs: Outputs, reading: Reading) -> Desired:
+    def desired(self, robot: PlanarBiped, outputs: Outputs, reading: MeasuredState) -> Desired:
         """Desired outputs and rates at the measured z. Returns: `Desired`."""
         if self.feed_forward:
             return accelerated(robot, outputs, reading)
         y, dy = jax.jvp(outputs, (reading.z,), (reading.dz,))
         return Desired(y, dy, jnp.zeros_like(y), jnp.zeros_like(y))
 
-    def torque(self, robot: PlanarBiped, reading: Reading, desired: Desired) -> Actuated:
+    def torque(self, robot: PlanarBiped, reading: MeasuredState, desired: Desired) -> Actuated:
         """Joint torques before saturation. Returns: [m] (N m)."""
-        law = self.fitted(robot)
+        law = self.with_gains_for(robot)
         error, rate = errors(reading, desired)
         torque = -jnp.array(law.stiffness) * error - jnp.array(law.damping) * rate
         if not self.feed_forward:

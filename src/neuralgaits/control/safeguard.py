@@ -14,7 +14,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from neuralgaits._types import Array, Bool, Float, Int, Scalar
-from neuralgaits.control.controller import Command, Controller
+from neuralgaits.control.controller import Controller, TickResult
 from neuralgaits.control.measurement import Measurement, leg_joints
 from neuralgaits.control.pd import BANDWIDTH
 from neuralgaits.gait.joint_inertia import joint_inertia
@@ -73,7 +73,7 @@ class SafeguardConfig:
     gap_s: float = 0.05
 
     @classmethod
-    def fitted(cls, robot: PlanarBiped) -> "SafeguardConfig":
+    def for_robot(cls, robot: PlanarBiped) -> "SafeguardConfig":
         """Defaults that hold with the lowest gains that `Pd` has for a joint of the robot."""
         inertia = float(np.min(joint_inertia(robot)))
         return cls(hold_stiffness=BANDWIDTH**2 * inertia, hold_damping=2.0 * BANDWIDTH * inertia)
@@ -162,7 +162,7 @@ def guard(
     config: SafeguardConfig,
     state: SafeguardState,
     measurement: Measurement,
-    command: Command,
+    command: TickResult,
 ) -> tuple[SafeguardState, Float[Array, "2 k"]]:
     """Limit a law's torques to those that may go to the motors.
 

@@ -1,23 +1,23 @@
 """Many tasks on many workers: processes of this machine, or a Ray cluster.
 
 A task is a function of settings and the contents of files that returns the contents of files. It
-sees no folder of the caller's, so it may run anywhere, twice, or again; `Engine.map` gives what
+sees no folder of the caller's, so it may run anywhere, twice, or again; `WorkerPool.map` gives what
 became of each as it comes.
 """
 
-from neuralgaits.engine.choice import engine_for
+from neuralgaits.engine.choice import worker_pool_for
 from neuralgaits.engine.processes import Processes
 from neuralgaits.engine.serial import Serial
-from neuralgaits.engine.task import Done, Engine, Failure, Files, Job, Settings
+from neuralgaits.engine.task import Done, Failure, Files, Job, Settings, WorkerPool
 
 __all__ = [
     "Done",
-    "Engine",
     "Failure",
     "Files",
     "Job",
     "Processes",
     "Serial",
     "Settings",
-    "engine_for",
+    "WorkerPool",
+    "worker_pool_for",
 ]

@@ -20,7 +20,7 @@ _SHOWN = 300
 
 def carry_out(task: str, job: Job, common: Files) -> tuple[Files, Failure | None, float]:
     """Carry out `module:function` for a job. Returns: files, reason of a failure, and seconds."""
-    began = time.perf_counter()
+    start_time = time.perf_counter()
     files: Files = {}
     failure = None
     try:
@@ -36,7 +36,7 @@ def carry_out(task: str, job: Job, common: Files) -> tuple[Files, Failure | None
             failure = Failure("refused", _line(str(error)))
         else:
             failure = Failure("defect", f"{type(error).__name__}: {_line(str(error))}{_at(error)}")
-    return files, failure, time.perf_counter() - began
+    return files, failure, time.perf_counter() - start_time
 
 
 def _found(task: str) -> Task:

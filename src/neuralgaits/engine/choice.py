@@ -3,7 +3,7 @@
 from neuralgaits._environment import cores
 from neuralgaits._settings import shortened
 from neuralgaits.engine.processes import Processes
-from neuralgaits.engine.task import Engine
+from neuralgaits.engine.task import WorkerPool
 from neuralgaits.errors import InputError
 
 MOST_WORKERS = 4096
@@ -12,7 +12,7 @@ LOCAL = "local"
 """Word in place of an address: start Ray on this machine for the duration of the command."""
 
 
-def engine_for(workers: int | None = None, ray: str | None = None) -> Engine:
+def worker_pool_for(workers: int | None = None, ray: str | None = None) -> WorkerPool:
     """Return the engine of `--workers N` or `--ray ADDRESS|local`.
 
     Args:

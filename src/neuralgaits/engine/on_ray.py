@@ -17,7 +17,7 @@ from collections.abc import Generator, Iterable
 from typing import Any
 
 from neuralgaits.engine.carry import carry_out, differing, versions
-from neuralgaits.engine.task import TRIES, Done, Engine, Failure, Files, Job, Task, name_of
+from neuralgaits.engine.task import TRIES, Done, Failure, Files, Job, Task, WorkerPool, name_of
 from neuralgaits.errors import InputError
 
 LOCAL, AUTO = "local", "auto"
@@ -29,7 +29,7 @@ _REACH_S = 5.0
 """Longest time that a head may take to answer [s]."""
 
 
-class OnRay(Engine):
+class OnRay(WorkerPool):
     """A Ray cluster.
 
     Args:
@@ -87,7 +87,7 @@ class OnRay(Engine):
     def map(
         self, task: Task, jobs: Iterable[Job], *, common: Files | None = None
     ) -> Generator[Done, None, None]:
-        """Carry out the jobs as remote Ray functions; see `Engine.map`."""
+        """Carry out the jobs as remote Ray functions; see `WorkerPool.map`."""
         ray, named, left = self._ray, name_of(task), iter(jobs)
         remote = ray.remote(num_cpus=1, max_retries=0)(_carry_out_here)
         # Put once: every node fetches it once.

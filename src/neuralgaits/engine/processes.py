@@ -16,7 +16,7 @@ from multiprocessing.process import BaseProcess
 
 from neuralgaits._environment import one_thread, prepare
 from neuralgaits.engine.carry import carry_out
-from neuralgaits.engine.task import TRIES, Done, Engine, Failure, Files, Job, Task, name_of
+from neuralgaits.engine.task import TRIES, Done, Failure, Files, Job, Task, WorkerPool, name_of
 from neuralgaits.errors import InputError
 
 _READY = "ready"
@@ -26,7 +26,7 @@ _GONE = (EOFError, ConnectionError, OSError)
 """Errors that a pipe raises when the process at its other end has died."""
 
 
-class Processes(Engine):
+class Processes(WorkerPool):
     """Processes of this machine.
 
     Args:
@@ -55,7 +55,7 @@ class Processes(Engine):
     def map(
         self, task: Task, jobs: Iterable[Job], *, common: Files | None = None
     ) -> Generator[Done, None, None]:
-        """Carry out the jobs in processes of this machine; see `Engine.map`."""
+        """Carry out the jobs in processes of this machine; see `WorkerPool.map`."""
         named, left = name_of(task), iter(jobs)
         again: deque[tuple[Job, int]] = deque()
         busy: dict[Connection, tuple[_Worker, Job, int]] = {}

@@ -3,10 +3,10 @@
 from collections.abc import Generator, Iterable
 
 from neuralgaits.engine.carry import carry_out
-from neuralgaits.engine.task import Done, Engine, Files, Job, Task, name_of
+from neuralgaits.engine.task import Done, Files, Job, Task, WorkerPool, name_of
 
 
-class Serial(Engine):
+class Serial(WorkerPool):
     """Engine without workers, in this process: a task that crashes ends it."""
 
     name = "serial"
@@ -19,7 +19,7 @@ class Serial(Engine):
     def map(
         self, task: Task, jobs: Iterable[Job], *, common: Files | None = None
     ) -> Generator[Done, None, None]:
-        """Carry out the jobs in order, in this process; see `Engine.map`."""
+        """Carry out the jobs in order, in this process; see `WorkerPool.map`."""
         named = name_of(task)
         for job in jobs:
             files, failure, wall = carry_out(named, job, common or {})

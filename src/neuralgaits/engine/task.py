@@ -56,7 +56,7 @@ class Done(NamedTuple):
     wall_s: float
 
 
-class Engine(ABC):
+class WorkerPool(ABC):
     """Interface of an engine: workers, and how tasks reach them."""
 
     name: str

@@ -62,7 +62,7 @@ class Cases:
     joints: Float[np.ndarray, "N 2 k"]
     djoints: Float[np.ndarray, "N 2 k"]
     given: Float[np.ndarray, "N p"]
-    wanted: Float[np.ndarray, "N p"]
+    requested: Float[np.ndarray, "N p"]
     before: Float[np.ndarray, "N p"]
     after: Float[np.ndarray, "N p"]
     step: Float[np.ndarray, "N s"]
@@ -212,15 +212,15 @@ def _at(
     x, outputs, slopes, step = lifted(design, chart, eta, pair)
     q, dq = np.split(x, 2, axis=1)
     foot_velocity = rng.uniform(-0.05, 0.05, (count, 2))
-    wires = StateMap.build(mujoco.MjModel.from_xml_string(robot.layout.xml), robot.layout)
-    qpos, qvel = wires.to_mjcf(q, dq, leg, (0.0, 0.0), foot_velocity)
+    state_map = StateMap.build(mujoco.MjModel.from_xml_string(robot.layout.xml), robot.layout)
+    qpos, qvel = state_map.to_mjcf(q, dq, leg, (0.0, 0.0), foot_velocity)
     stands = np.arange(2) == leg[:, None]
     swinging = rng.uniform(0.0, 0.5, (count, 1)) * (rng.uniform(size=(count, 1)) < 0.3)
     force = weight * np.where(stands, rng.uniform(0.3, 1.5, (count, 1)), swinging)
     time_us = rng.integers(0, 2**31, count)
     blend_s = np.where(rng.uniform(size=count) < 0.7, 0.0, 0.25)
     rate_limit = np.where(rng.uniform(size=count) < 0.5, NO_RATE_LIMIT, 1e4)
-    joints = qpos[:, wires.joints]
+    joints = qpos[:, state_map.joints]
     away = rng.uniform(-0.05, 0.05, (count, 2, k))
     signs, offsets = (
         np.array(robot.layout.leg_joint_signs),
@@ -239,18 +239,18 @@ def _at(
         airborne=np.zeros(count),
         fault=np.zeros(count, dtype=int),
         time_us=time_us,
-        pitch=single(qpos[:, wires.root[2]]),
-        dpitch=single(qvel[:, wires.root[2]]),
+        pitch=single(qpos[:, state_map.root[2]]),
+        dpitch=single(qvel[:, state_map.root[2]]),
         held_y=single(outputs + rng.uniform(-0.01, 0.01, outputs.shape)),
         held_dy=single(dq[:, 1:] + rng.uniform(-0.1, 0.1, outputs.shape)),
         held_slope=single(slopes),
         held_drift=single(rng.uniform(-20.0, 20.0, outputs.shape)),
         posture=single(signs * joints + offsets + away),
         torque=single(rng.uniform(-1.0, 1.0, (count, 2, k)) * np.min(limit)),
-        base_velocity=single(qvel[:, wires.root[:2]]),
+        base_velocity=single(qvel[:, state_map.root[:2]]),
         force=single(force),
         joints=single(joints),
-        djoints=single(qvel[:, wires.joints]),
+        djoints=single(qvel[:, state_map.joints]),
         before=np.asarray(pair.before),
         after=np.asarray(pair.after),
         step=single(step),

@@ -15,7 +15,7 @@ from neuralgaits.export.facts import Design
 from neuralgaits.export.float_bound import largest_errors
 from neuralgaits.export.programs import Part
 from neuralgaits.export.reference import Reference, Results, policy_path, results_of
-from neuralgaits.records.exported import Agreement, FloatBound, Limits
+from neuralgaits.records.exported import Agreement, ExportTolerance, FloatBound
 from neuralgaits.records.simulated import Percentiles
 
 STATES = 100_000
@@ -57,14 +57,14 @@ class Questions:
     policy: Float[np.ndarray, "N 4 m"]
 
 
-def limits(design: Design, precision: str) -> Limits:
+def limits(design: Design, precision: str) -> ExportTolerance:
     """Return the largest errors that a build may have."""
     network = getattr(design.gait.policy, "network", None)
     widths = [len(bias) for bias in network.biases[:-1]] if network is not None else [0]
     if precision == "double":
-        return Limits(1e-12, 1e-12)
+        return ExportTolerance(1e-12, 1e-12)
     torque = _STEP_TORQUE if design.commands else 5e-5
-    return Limits(2e-6 if max(widths) <= _WIDE else 1e-5, torque)
+    return ExportTolerance(2e-6 if max(widths) <= _WIDE else 1e-5, torque)
 
 
 def questions(design: Design, reference: Reference, states: int = STATES) -> Questions:
@@ -191,7 +191,7 @@ def _same_decisions(design: Design, asked: Questions, found: Results) -> None:
 def _same_steps(design: Design, asked: Questions, found: Results, precision: str) -> None:
     """Require equal commands and numbers of the step after a tick. Raises: MismatchError."""
     expected, going = asked.ticks, asked.ticks.fault == 0
-    for name in ("wanted", "before", "after", "step") if design.commands else ():
+    for name in ("requested", "before", "after", "step") if design.commands else ():
         one, other = (getattr(results, name)[going] for results in (found, expected))
         unit = np.maximum(np.ptp(other, axis=0), _SMALLEST_RANGE)
         distance = float(np.max(np.abs(one - other) / unit))

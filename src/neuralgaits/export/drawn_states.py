@@ -6,11 +6,11 @@ import numpy as np
 
 from neuralgaits._quick_jit import quick_filter_jit
 from neuralgaits._types import Array, Float
-from neuralgaits.barriers.regions import AnyGait
 from neuralgaits.export.facts import Design
 from neuralgaits.gait import AbstractPolicy, ZeroDynamics
-from neuralgaits.gait.commands import Command, Limits, Pair, coordinates_of
-from neuralgaits.gait.reset_residual import Reset
+from neuralgaits.gait.commands import Command, CommandLimits, Pair, coordinates_of
+from neuralgaits.gait.gaits import AnyGait
+from neuralgaits.gait.reset_residual import ResetCorrection
 from neuralgaits.robots import PlanarBiped
 
 _AT_ONCE = 2048
@@ -44,17 +44,17 @@ def _numbers(design: Design, pair: Pair) -> Float[np.ndarray, "N s"]:
 
 @quick_filter_jit
 def _of_steps(
-    policy: AbstractPolicy, robot: PlanarBiped, residual: Reset, pairs: Pair
+    policy: AbstractPolicy, robot: PlanarBiped, residual: ResetCorrection, pairs: Pair
 ) -> Float[Array, "N s"]:
     """Return the numbers of a fixed count of steps, so that the code is compiled once."""
-    return jax.vmap(lambda told: policy.step_numbers(robot, told, residual))(pairs)
+    return jax.vmap(lambda told: policy.parameters_of_step(robot, told, residual))(pairs)
 
 
 def drawn_commands(
     design: Design, count: int, rng: np.random.Generator
 ) -> tuple[Pair, dict[str, np.ndarray]]:
     """Draw admissible pairs of commands, wishes, and commands before a tick, some out or NaN."""
-    limits = Limits.of(design.commands)
+    limits = CommandLimits.of(design.commands)
     shape, width = (count, len(design.commands)), limits.high - limits.low
     before = rng.uniform(limits.low, limits.high, shape)
     after = before + rng.uniform(-1.0, 1.0, shape) * limits.change
@@ -64,7 +64,7 @@ def drawn_commands(
     wanted = rng.uniform(limits.low, limits.high, shape)
     return Pair(single(before), single(after)), {
         "given": single(given),
-        "wanted": single(wanted),
+        "requested": single(wanted),
     }
 
 
@@ -93,7 +93,7 @@ def _lift(
     gait: AnyGait,
     commands: tuple[Command, ...],
     robot: PlanarBiped,
-    residual: Reset,
+    residual: ResetCorrection,
     cases: list[np.ndarray],
 ) -> tuple[Array, Array, Array, Array]:
     """Lift a fixed count of cases, so that the code is compiled once.
@@ -110,7 +110,7 @@ def _lift(
         zeta = jnp.maximum(low + u[1] * (high - low), 1e-3 * high)
         z = jnp.stack([start + u[0] * (guard - start), jnp.sqrt(2.0 * zeta)])
         y, slope = jax.jvp(here.policy, (z,), (jnp.array([1.0, 0.0]),))
-        numbers = gait.policy.step_numbers(robot, told, residual)
+        numbers = gait.policy.parameters_of_step(robot, told, residual)
         return ZeroDynamics(robot, here.policy).phi_inv(z, error), y, slope, numbers
 
     return jax.vmap(lift)(*cases)

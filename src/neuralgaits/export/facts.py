@@ -8,12 +8,12 @@ import numpy as np
 
 from neuralgaits._quick_jit import quick_filter_jit
 from neuralgaits._types import Actuated, Float
-from neuralgaits.barriers.regions import AnyGait
 from neuralgaits.control import AbstractLaw, Controller
 from neuralgaits.control.measurement import leg_joints
 from neuralgaits.control.safeguard import SafeguardConfig
 from neuralgaits.gait.commands import Commands
-from neuralgaits.gait.reset_residual import Reset
+from neuralgaits.gait.gaits import AnyGait
+from neuralgaits.gait.reset_residual import ResetCorrection
 from neuralgaits.robots import PlanarBiped
 
 _by_leg = quick_filter_jit(leg_joints)
@@ -67,7 +67,7 @@ class Design:
         z2_range: tuple[float, float],
         origin: Origin,
         safeguard: SafeguardConfig | None = None,
-        reset_residual: Reset = None,
+        reset_residual: ResetCorrection = None,
     ) -> "Design":
         """Return the design of a gait under some laws.
 
@@ -86,7 +86,7 @@ class Design:
             )
             for name, law in laws.items()
         }
-        return cls(robot, gait, controllers, safeguard or SafeguardConfig.fitted(robot), origin)
+        return cls(robot, gait, controllers, safeguard or SafeguardConfig.for_robot(robot), origin)
 
     @property
     def controller(self) -> Controller:

@@ -112,8 +112,8 @@ def _latency(policy: Policy, given: Given) -> Percentiles:
     times = np.empty(_TIMED_CALLS)
     for i in range(_TIMED_CALLS):
         row = {name: values[i % len(values)] for name, values in given.items()}
-        began = perf_counter_ns()
+        start_time = perf_counter_ns()
         policy(row)
-        times[i] = perf_counter_ns() - began
+        times[i] = perf_counter_ns() - start_time
     p50, p99 = np.percentile(times, [50, 99]) * 1e-3
     return Percentiles(float(p50), float(p99))

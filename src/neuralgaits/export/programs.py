@@ -17,7 +17,7 @@ from neuralgaits.control.momentum import zero_state
 from neuralgaits.errors import SpecError
 from neuralgaits.gait import AbstractPolicy
 from neuralgaits.gait.commands import Pair
-from neuralgaits.gait.reset_residual import Reset
+from neuralgaits.gait.reset_residual import ResetCorrection
 from neuralgaits.programs import Program
 from neuralgaits.programs.tracing.tracer import trace
 from neuralgaits.robots import PlanarBiped
@@ -78,7 +78,7 @@ def path(policy: AbstractPolicy) -> Callable[..., dict[str, Array]]:
 
 
 def _of(policy: AbstractPolicy, step: Float[Array, " s"] | None) -> AbstractPolicy:
-    return policy if step is None else policy.of_step(step)
+    return policy if step is None else policy.from_step_parameters(step)
 
 
 def _step(policy: AbstractPolicy) -> dict[str, tuple[int, ...]]:
@@ -98,7 +98,9 @@ def policy_rate(policy: AbstractPolicy) -> Part:
     )
 
 
-def policy_in_one(robot: PlanarBiped, policy: AbstractPolicy, reset_residual: Reset) -> Part:
+def policy_in_one(
+    robot: PlanarBiped, policy: AbstractPolicy, reset_residual: ResetCorrection
+) -> Part:
     """Return the Program as one function of z, dz and, for a family, its commands, without memory.
 
     Raises: SpecError naming the primitive of a policy that cannot be traced.
@@ -115,14 +117,16 @@ def policy_in_one(robot: PlanarBiped, policy: AbstractPolicy, reset_residual: Re
     return part._replace(program=_policy(compute, shapes, policy))
 
 
-def policy_step(robot: PlanarBiped, policy: AbstractPolicy, reset_residual: Reset) -> Part:
+def policy_step(
+    robot: PlanarBiped, policy: AbstractPolicy, reset_residual: ResetCorrection
+) -> Part:
     """Return the Program for the numbers that a family computes once a step.
 
     Raises: SpecError naming the primitive of a policy that cannot be traced.
     """
 
     def compute(before: Float[Array, " p"], after: Float[Array, " p"]) -> dict[str, Array]:
-        return {"step": policy.step_numbers(robot, Pair(before, after), reset_residual)}
+        return {"step": policy.parameters_of_step(robot, Pair(before, after), reset_residual)}
 
     shape = (len(policy.commands),)
     return Part(
@@ -133,7 +137,9 @@ def policy_step(robot: PlanarBiped, policy: AbstractPolicy, reset_residual: Rese
     )
 
 
-def parts(robot: PlanarBiped, policy: AbstractPolicy, reset_residual: Reset = None) -> list[Part]:
+def parts(
+    robot: PlanarBiped, policy: AbstractPolicy, reset_residual: ResetCorrection = None
+) -> list[Part]:
     """Return every Program of a controller.
 
     Raises: SpecError naming the primitive of a policy that cannot be traced.

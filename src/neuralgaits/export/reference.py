@@ -10,12 +10,12 @@ import numpy as np
 from neuralgaits._quick_jit import quick_filter_jit, quick_jit
 from neuralgaits._types import Array
 from neuralgaits.control import ControllerState, step, tell
+from neuralgaits.control.command_state import CommandState
 from neuralgaits.control.controller import Controller
 from neuralgaits.control.law import Desired
 from neuralgaits.control.measurement import Measurement
 from neuralgaits.control.safeguard import Fault, SafeguardConfig, SafeguardState, check, guard
 from neuralgaits.control.stance import StanceState
-from neuralgaits.control.told import Told
 from neuralgaits.export.cases import NEVER, Cases
 from neuralgaits.export.facts import Design
 from neuralgaits.export.programs import path
@@ -42,7 +42,7 @@ class Results(NamedTuple):
     actuated: np.ndarray
     torque: np.ndarray
     motors: np.ndarray
-    wanted: np.ndarray
+    requested: np.ndarray
     before: np.ndarray
     after: np.ndarray
     step: np.ndarray
@@ -120,7 +120,7 @@ def _ticks(
             StanceState(case["leg"].astype(jnp.int32), case["since"]),
             case["ticks"].astype(jnp.int32),
             Desired(case["held_y"], case["held_dy"], case["held_slope"], case["held_drift"]),
-            Told(case["wanted"], Pair(case["before"], case["after"]), case["step"]),
+            CommandState(case["requested"], Pair(case["before"], case["after"]), case["step"]),
         )
         state = tell(controller, state, case["given"])
         safe = SafeguardState(
@@ -166,8 +166,8 @@ def _tick(
         actuated=command.actuated,
         torque=torque,
         motors=torque,
-        wanted=after.told.wanted,
+        requested=after.told.requested,
         before=after.told.pair.before,
         after=after.told.pair.after,
-        step=after.told.numbers,
+        step=after.told.step_parameters,
     )

@@ -7,7 +7,7 @@ from neuralgaits.export.cases import NEVER, Cases, of_guard, of_region
 from neuralgaits.export.drawn_states import steady_steps
 from neuralgaits.export.facts import Design
 from neuralgaits.export.reference import Reference, Results
-from neuralgaits.programs.c99.tables import literal
+from neuralgaits.programs.c99.constant_arrays import literal
 
 _FROM_REGION, _FROM_GUARD, _SEED = 12, 6, 20220117
 
@@ -64,7 +64,7 @@ def _told(design: Design, cases: Cases) -> dict[str, np.ndarray]:
     first = cases.before
     # A table of C has no NaN.
     given = np.where(np.isnan(cases.given), first, cases.given)
-    steady = {"wanted": first, "after": first, "step": steady_steps(design, first)}
+    steady = {"requested": first, "after": first, "step": steady_steps(design, first)}
     return steady | {"given": given}
 
 

@@ -9,9 +9,9 @@ from neuralgaits.control import AbstractLaw, Fblin, Pd
 from neuralgaits.export import statement
 from neuralgaits.export.facts import Design
 from neuralgaits.export.programs import Part, parts
+from neuralgaits.programs.c99.c_writer import Emitted
+from neuralgaits.programs.c99.constant_arrays import Tables, braces, literal
 from neuralgaits.programs.c99.function import emit
-from neuralgaits.programs.c99.tables import Tables, braces, literal
-from neuralgaits.programs.c99.writer import Emitted
 
 _PLAIN = frozenset(string.ascii_letters + string.digits + " _-.,:;+/()[]")
 """Characters that are safe in a string of C, whatever comes before and after."""
@@ -117,7 +117,7 @@ def _law(name: str, law: AbstractLaw) -> str:
             f".damping = {braces(np.array(law.damping))}",
             f".model = {int(law.feed_forward)}",
             f".measure_z2 = {int(law.measure_z2)}",
-            f".settles = {int(law.settles)}",
+            f".uses_impact_consistent_rates = {int(law.uses_impact_consistent_rates)}",
         ]
     elif isinstance(law, Fblin):
         values += [".model = 1", f".bandwidth = {literal(law.bandwidth)}", ".measure_z2 = 1"]

@@ -11,7 +11,7 @@ from neuralgaits.control.safeguard import joint_ranges, torque_rate
 from neuralgaits.control.saturation import Z1_MARGIN
 from neuralgaits.errors import InputError
 from neuralgaits.export.facts import Design
-from neuralgaits.gait.commands import Command, Limits
+from neuralgaits.gait.commands import Command, CommandLimits
 
 
 class Number(NamedTuple):
@@ -179,7 +179,7 @@ def arrays(design: Design) -> list[Array]:
     ]
     if design.commands:
         units = ", ".join(f"{c.name} [{c.unit}]" for c in design.commands)
-        limits = Limits.of(design.commands)._asdict()
+        limits = CommandLimits.of(design.commands)._asdict()
         rows += [(f"command_{name}", value, units) for name, value in limits.items()]
     return [Array(name, np.asarray(value, dtype=np.float64), unit) for name, value, unit in rows]
 

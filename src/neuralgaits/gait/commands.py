@@ -143,7 +143,7 @@ def all_pairs(commands: Commands, count: int) -> Float[np.ndarray, "N k"]:
     return np.hstack(parts) if parts else np.zeros((1, 0))
 
 
-class Limits(NamedTuple):
+class CommandLimits(NamedTuple):
     """Limits on the commands, by their order. [p] each, in their units."""
 
     low: Float[np.ndarray, " p"]
@@ -152,7 +152,7 @@ class Limits(NamedTuple):
     """Largest change from one step to the next; the whole range if any value may follow any."""
 
     @classmethod
-    def of(cls, commands: Commands) -> "Limits":
+    def of(cls, commands: Commands) -> "CommandLimits":
         """Return the limits of some commands."""
         low, high = (np.array([getattr(c, n) for c in commands], float) for n in ("low", "high"))
         change = [

@@ -18,7 +18,7 @@ from neuralgaits.gait.policy import (
     output_jet_and_change,
     refuse_other_joints,
 )
-from neuralgaits.gait.reset_residual import Reset, rates_after
+from neuralgaits.gait.reset_residual import ResetCorrection, rates_after
 from neuralgaits.robots import Impact, PlanarBiped, dynamics
 from neuralgaits.robots import impact as impacts
 
@@ -43,7 +43,7 @@ class Point:
         policy: AbstractPolicy,
         residual,
         z: ZeroState,
-        reset_residual: Reset = None,
+        reset_residual: ResetCorrection = None,
     ):
         """Fix robot, policy, optional residuals (of the flow: a function z -> [2]) and state."""
         self.robot = robot
@@ -275,5 +275,5 @@ class Point:
     @cached_property
     def after(self) -> "Point":
         """The point of the zero dynamics manifold above `z_after`, outputs re-zeroed."""
-        policy = self.policy.following
+        policy = self.policy.steady_next
         return Point(self.robot, policy, self.residual, self.z_after, self.reset_residual)

@@ -14,7 +14,7 @@ from neuralgaits.errors import InputError
 from neuralgaits.gait.activations import logistic
 from neuralgaits.gait.commands import Commands, Pair, Step
 from neuralgaits.gait.network import Network, movable, scaled_inputs
-from neuralgaits.gait.reset_residual import Reset
+from neuralgaits.gait.reset_residual import ResetCorrection
 
 if TYPE_CHECKING:
     from neuralgaits.robots import PlanarBiped
@@ -41,7 +41,7 @@ class AbstractPolicy(eqx.Module):
         return None
 
     @property
-    def following(self) -> "AbstractPolicy":
+    def steady_next(self) -> "AbstractPolicy":
         """The policy of the next step, if the command stays: itself, for one that takes none."""
         return self
 
@@ -50,7 +50,9 @@ class AbstractPolicy(eqx.Module):
     def z1_range(self) -> tuple[Scalar, Scalar]:
         """z1 at the start of a step and at the guard (m)."""
 
-    def matched(self, robot: "PlanarBiped", reset_residual: Reset = None) -> "AbstractPolicy":
+    def match_impact(
+        self, robot: "PlanarBiped", reset_residual: ResetCorrection = None
+    ) -> "AbstractPolicy":
         """The same policy with everything that follows from robot and parameters recomputed.
 
         Itself, for one of which nothing does: free ones, and families, each of whose policies is
@@ -65,7 +67,12 @@ class AbstractPolicy(eqx.Module):
         return self
 
     def at(
-        self, robot: "PlanarBiped", pair: Pair, reset_residual: Reset = None, *, exact: bool = False
+        self,
+        robot: "PlanarBiped",
+        pair: Pair,
+        reset_residual: ResetCorrection = None,
+        *,
+        exact: bool = False,
     ) -> "AbstractPolicy":
         """The policy of a step between two commands: itself, for one that takes none.
 
@@ -83,10 +90,10 @@ class AbstractPolicy(eqx.Module):
         """Length of the vector of parameters of a step; 0 for one policy of every step."""
         return 0
 
-    def step_numbers(
-        self, robot: "PlanarBiped", pair: Pair, reset_residual: Reset = None
+    def parameters_of_step(
+        self, robot: "PlanarBiped", pair: Pair, reset_residual: ResetCorrection = None
     ) -> Float[Array, " s"]:
-        """Return the parameters of a step between two commands, computed once a step. [step_size].
+        """Return the parameters of a step between two commands,  once a step. [step_size].
 
         Args:
             robot: whose impact it is matched to.
@@ -96,9 +103,9 @@ class AbstractPolicy(eqx.Module):
         del robot, pair, reset_residual
         return jnp.zeros(0)
 
-    def of_step(self, numbers: Float[Array, " s"]) -> "AbstractPolicy":
-        """The policy of the step with these numbers: itself, for one that has none."""
-        del numbers
+    def from_step_parameters(self, step_parameters: Float[Array, " s"]) -> "AbstractPolicy":
+        """Put together the policy of a step; itself, for one without parameters."""
+        del step_parameters
         return self
 
     @abstractmethod

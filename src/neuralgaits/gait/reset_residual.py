@@ -44,7 +44,7 @@ class AbstractResetResidual(eqx.Module):
         """State before the impact at which a policy is matched to it. [2]."""
 
 
-Reset = AbstractResetResidual | None
+ResetCorrection = AbstractResetResidual | None
 """Residual that corrects the reset map; None for no correction."""
 
 
@@ -87,7 +87,7 @@ class Residuals(NamedTuple):
 
     flow: Callable[[ZeroState], ZeroState] | None = None
     """Correction of dz: z -> [2] (m/s, N m)."""
-    reset: Reset = None
+    reset: ResetCorrection = None
     """Correction of the state after an impact."""
 
 

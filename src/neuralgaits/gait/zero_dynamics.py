@@ -13,7 +13,7 @@ from neuralgaits._types import Array, Float, FullState, Scalar, ZeroState
 from neuralgaits.gait.coordinates import lift, zero_coordinates
 from neuralgaits.gait.point import Point
 from neuralgaits.gait.policy import AbstractPolicy, OutputJet, output_jet, refuse_other_joints
-from neuralgaits.gait.reset_residual import Reset
+from neuralgaits.gait.reset_residual import ResetCorrection
 from neuralgaits.robots import PlanarBiped, dynamics
 from neuralgaits.robots.checks import vector
 
@@ -34,7 +34,7 @@ class ZeroDynamics(eqx.Module):
     robot: PlanarBiped
     policy: AbstractPolicy
     residual: Callable[[ZeroState], ZeroState] | None = None
-    reset_residual: Reset = None
+    reset_residual: ResetCorrection = None
 
     def point(self, z: ZeroState) -> Point:
         """Everything on the zero dynamics manifold at z, evaluated on demand."""

@@ -16,12 +16,12 @@ from neuralgaits.gym_env.body import PERIOD_S, Body, Joints
 from neuralgaits.gym_env.first_states import FirstStates
 from neuralgaits.gym_env.reward import Reward, reward_of
 from neuralgaits.robots import PlanarBiped, load_robot
-from neuralgaits.simulation.setup.disturbance import Disturbance, parse
+from neuralgaits.simulation.setup.disturbance import PlantChanges, parse
 from neuralgaits.simulation.setup.plant import build
 from neuralgaits.simulation.ticks.falls import Ending
 
 Action = Literal["target", "torque"]
-Disturbed = str | Mapping[str, float] | Disturbance
+Disturbed = str | Mapping[str, float] | PlantChanges
 TICKS = 20
 """Control ticks of a decision: 50 decisions a second."""
 SLOWEST = 0.5
@@ -90,7 +90,7 @@ class BipedEnv(gymnasium.Env):
         self._speed = _range("speed", speed, 0.0, _SPEED)
         self._push = _range("push", push, -1e3, 1e3)
         self._reward, self._ticks, self._torques = reward_of(reward), ticks, action == "torque"
-        if disturb is None or isinstance(disturb, str | Mapping | Disturbance):
+        if disturb is None or isinstance(disturb, str | Mapping | PlantChanges):
             disturb = [disturb]
         disturbances = [parse(one) for one in disturb]
         if any(one.estimator or one.pitch_noise or one.pitch_offset for one in disturbances):
@@ -106,7 +106,7 @@ class BipedEnv(gymnasium.Env):
             self._plants = [build(self.robot, one) for one in disturbances]
             self.body = Body(self.robot, self._plants[0])
             self._first = FirstStates(self.robot)
-            law, posture = Pd().fitted(self.robot), walking_posture(self.robot)
+            law, posture = Pd().with_gains_for(self.robot), walking_posture(self.robot)
         self._stiffness = self.body.by_joint(np.asarray(law.stiffness))
         self._damping = self.body.by_joint(np.asarray(law.damping))
         self._low = self.body.by_joint(posture.lower)

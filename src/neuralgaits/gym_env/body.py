@@ -55,7 +55,7 @@ class Body:
         self._stance = StanceConfig()
         self.weight = float(robot.mass * robot.gravity)
         # Once each: the hip of a robot without a torso is in the rows of both legs.
-        actuators = plant.wires.actuators.ravel()
+        actuators = plant.state_map.actuators.ravel()
         self._kept = np.sort(np.unique(actuators, return_index=True)[1])
         by_leg = leg_joints(robot, np.arange(robot.n - 1.0), np.asarray(0))
         self._order = np.asarray(by_leg).ravel()[self._kept].astype(int)
@@ -63,15 +63,15 @@ class Body:
         self._take(plant)
 
     def _take(self, plant: Plant) -> None:
-        self.plant, wires = plant, plant.wires
+        self.plant, state_map = plant, plant.state_map
         self.data = mujoco.MjData(plant.model)
-        self._addresses = wires.joints.ravel()[self._kept]
-        self._motors = wires.actuators.ravel()[self._kept]
-        self._signs = np.array(wires.layout.leg_joint_signs).ravel()[self._kept]
-        self._offsets = np.array(wires.layout.leg_joint_offsets).ravel()[self._kept]
-        self._gears = np.array(wires.layout.gears).ravel()[self._kept]
+        self._addresses = state_map.joints.ravel()[self._kept]
+        self._motors = state_map.actuators.ravel()[self._kept]
+        self._signs = np.array(state_map.layout.leg_joint_signs).ravel()[self._kept]
+        self._offsets = np.array(state_map.layout.leg_joint_offsets).ravel()[self._kept]
+        self._gears = np.array(state_map.layout.gears).ravel()[self._kept]
         self.limit = self.by_joint(np.minimum(self._robot.torque_limit, plant.torque_limit))
-        self._feet = [plant.model.geom(name).id for name in wires.layout.feet]
+        self._feet = [plant.model.geom(name).id for name in state_map.layout.feet]
         self._touch = [int(plant.model.sensor(f"_touch_{leg}").adr[0]) for leg in (0, 1)]
 
     @property
@@ -107,7 +107,9 @@ class Body:
             self._take(plant)
         mujoco.mj_resetData(plant.model, self.data)
         lift = float(plant.robot.foot_radius) * np.hypot(1.0, plant.slope)
-        self.data.qpos[:], self.data.qvel[:] = plant.wires.to_mjcf(q, dq, leg, (0.0, float(lift)))
+        self.data.qpos[:], self.data.qvel[:] = plant.state_map.to_mjcf(
+            q, dq, leg, (0.0, float(lift))
+        )
         mujoco.mj_forward(plant.model, self.data)
         disturbance = plant.disturbance
         self._rng = np.random.default_rng([seed, 0, 3])
@@ -127,7 +129,7 @@ class Body:
         data.ctrl[self._motors] = torque / self._gears
         if self._push.force:
             force = self._push.at(data.time, np.array([self._landed]), np.array([self.steps]))
-            data.qfrc_applied[plant.wires.root[0]] = force[0]
+            data.qfrc_applied[plant.state_map.root[0]] = force[0]
         rates = self._signs * data.qvel[self._addresses]
         # As in `simulate`, where every tick is a rollout of its own: the same walk to a bit.
         data.qacc_warmstart[:] = 0.0
@@ -166,12 +168,12 @@ class Body:
 
     @property
     def _sensors(self) -> Sensors:
-        return self.plant.wires.sensors(self.data.qpos, self.data.qvel)
+        return self.plant.state_map.sensors(self.data.qpos, self.data.qvel)
 
     @property
     def hip(self) -> Float[np.ndarray, "2"]:
         """Return the position of the hip in the world, (x, z) (m). [2]."""
-        sensors, layout = self._sensors, self.plant.wires.layout
+        sensors, layout = self._sensors, self.plant.state_map.layout
         return sensors.base + layout.hip_arm(sensors.pitch - layout.root_angle, np)[0]
 
     @property
@@ -204,7 +206,7 @@ class Body:
         (x, z) (m/s); normal force on foot 0 and 1 in weights. [2 m + 6]
         """
         sensors = self._sensors
-        layout = self.plant.wires.layout
+        layout = self.plant.state_map.layout
         swept = layout.hip_arm(sensors.pitch - layout.root_angle, np)[1]
         angles, rates = self._measured_joints()
         return np.concatenate(

@@ -22,7 +22,7 @@ from neuralgaits._names import meant
 from neuralgaits._types import Float
 from neuralgaits.errors import InputError
 from neuralgaits.gait import BezierPolicy
-from neuralgaits.records.asked import HIGHEST_DEGREE
+from neuralgaits.records.training_config import HIGHEST_DEGREE
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.runs import object_from_json, to_json
 

@@ -14,7 +14,7 @@ from neuralgaits.errors import ConvergenceError, InputError
 from neuralgaits.gait.posture import posture_path, walking_posture
 from neuralgaits.hzd.collocation import nodes
 from neuralgaits.hzd.gait_file import GivenGait
-from neuralgaits.hzd.problem import LEAST_ZETA, Problem, problem
+from neuralgaits.hzd.nonlinear_program import LEAST_ZETA, NonlinearProgram, problem
 from neuralgaits.hzd.transcription import transcribe
 from neuralgaits.robots import PlanarBiped
 
@@ -42,8 +42,8 @@ GRID = 33
 """Hip positions at which inverse kinematics gives a posture to start from."""
 
 
-class Found(NamedTuple):
-    """A gait that was optimised."""
+class OptimisedGait(NamedTuple):
+    """Gait that an optimisation found."""
 
     gait: GivenGait
     iterations: int
@@ -69,15 +69,15 @@ class Optimiser:
         self._robot, self._degree, self._mesh = robot, degree, nodes(NODES)
         step = transcribe(casadi, robot, specs.load(SPEC, robot), degree)
         self._unit = step.unit
-        self._problem: Problem = problem(casadi, robot, step, self._mesh, degree)
+        self._problem: NonlinearProgram = problem(casadi, robot, step, self._mesh, degree)
         self._solver: Any = casadi.nlpsol("gait", "ipopt", self._problem.symbols, OPTIONS)
 
-    def at(self, speed: float) -> Found:
+    def at(self, speed: float) -> OptimisedGait:
         """Return the gait of least cost of transport at a mean speed (m/s).
 
         Raises: ConvergenceError if IPOPT ends without one.
         """
-        began, x, count = time.perf_counter(), self._start(speed), 0
+        start_time, x, count = time.perf_counter(), self._start(speed), 0
         low, high = self._problem.x_bounds
         least, most = self._problem.g_bounds
         for smoothing in SMOOTHING_W:
@@ -93,7 +93,7 @@ class Optimiser:
         rows = (self._robot.n - 1) * (self._degree + 1)
         start, end = x[rows : rows + 2].tolist()
         gait = GivenGait(x[:rows].reshape(-1, self._degree + 1), (start, end))
-        return Found(gait, count, time.perf_counter() - began)
+        return OptimisedGait(gait, count, time.perf_counter() - start_time)
 
     def _start(self, speed: float) -> Float[np.ndarray, " n"]:
         """Return a rough step by inverse kinematics, as fast as a linear inverted pendulum."""

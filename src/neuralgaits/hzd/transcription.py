@@ -22,7 +22,7 @@ from neuralgaits.programs.tracing.tracer import trace
 from neuralgaits.robots import PlanarBiped
 
 
-class Step(NamedTuple):
+class StepFunctions(NamedTuple):
     """Functions of (coefficients, ends, phase, zeta) to columns, by name.
 
     Attributes:
@@ -32,13 +32,13 @@ class Step(NamedTuple):
         unit: unit of zeta [(kg m^2/s)^2].
     """
 
-    along: "Named"
-    end: "Named"
+    along: "NamedFunction"
+    end: "NamedFunction"
     asked: Mapping[str, tuple[float, float]]
     unit: float
 
 
-class Named(NamedTuple):
+class NamedFunction(NamedTuple):
     """A function of CasADi whose results have names."""
 
     function: Any
@@ -49,7 +49,7 @@ class Named(NamedTuple):
         return dict(zip(self.names, self.function(*arguments), strict=True))
 
 
-def transcribe(casadi: Any, robot: PlanarBiped, spec: GaitSpec, degree: int) -> Step:
+def transcribe(casadi: Any, robot: PlanarBiped, spec: GaitSpec, degree: int) -> StepFunctions:
     """Trace the robot's step and make it functions of symbols.
 
     Args:
@@ -101,12 +101,14 @@ def transcribe(casadi: Any, robot: PlanarBiped, spec: GaitSpec, degree: int) -> 
         }
 
     first, last = (_function(casadi, trace(part, shapes), shapes) for part in (along, end))
-    return Step(first, last, asked, unit)
+    return StepFunctions(first, last, asked, unit)
 
 
-def _function(casadi: Any, program: Program, shapes: Mapping[str, tuple[int, ...]]) -> Named:
+def _function(
+    casadi: Any, program: Program, shapes: Mapping[str, tuple[int, ...]]
+) -> NamedFunction:
     symbols = {name: casadi.SX.sym(name, int(np.prod(shape))) for name, shape in shapes.items()}
     found = evaluate(program, symbols, SymbolAlgebra(casadi))
     ordered = [symbols[name] for name in ("rows", "ends", "phase", "zeta")]
     dense = [casadi.densify(value) for value in found.values()]
-    return Named(casadi.Function("step", ordered, dense), tuple(found))
+    return NamedFunction(casadi.Function("step", ordered, dense), tuple(found))

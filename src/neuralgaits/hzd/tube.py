@@ -14,12 +14,12 @@ import numpy as np
 from numpy.polynomial import chebyshev
 
 from neuralgaits._types import Float
-from neuralgaits.analysis.quantities import Look, quantities
+from neuralgaits.analysis.point_evaluator import PointEvaluator, quantities
 from neuralgaits.barriers import Fence, Gait, GaitSpec, Inlet
 from neuralgaits.barriers.hzd import FENCE_DEGREE, empty_tube
-from neuralgaits.barriers.regions import Tube
 from neuralgaits.gait import ZeroDynamics
-from neuralgaits.hzd.steady import Steady
+from neuralgaits.gait.tubes import Tube
+from neuralgaits.hzd.given_orbit import Steady
 
 KEPT = 0.25
 """Share of its margin on the orbit that each condition keeps on the fences."""
@@ -70,7 +70,9 @@ def _room(zd: ZeroDynamics, spec: GaitSpec, any_tube: Tube, walk: Steady) -> Cal
     Conditions on the fences themselves are left out, because the fences are made for them.
     """
     asked = tuple(c for c in spec.conditions if not isinstance(c, Fence | Inlet))
-    look = Look(quantities(zd, Gait(zd.policy, any_tube), replace(spec, conditions=asked)))
+    look = PointEvaluator(
+        quantities(zd, Gait(zd.policy, any_tube), replace(spec, conditions=asked))
+    )
     places = [
         (c.name, [(box.low[0], box.high[0]) for box in spec.regions[c.region]]) for c in asked
     ]

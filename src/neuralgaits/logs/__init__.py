@@ -1,17 +1,17 @@
 """Walking logs: files in and out, and the strides, windows and touchdowns that are learned from."""
 
-from neuralgaits.logs.formats.reading import Reading, read, read_all
+from neuralgaits.logs.formats.log_reader import CleanedLog, read, read_all
 from neuralgaits.logs.formats.si import write
 from neuralgaits.logs.strides import SETTLING_S, Cut, Split, State, Stride, cut, split
-from neuralgaits.logs.table import Log
 from neuralgaits.logs.touchdowns import Touchdowns, touchdowns
+from neuralgaits.logs.walk_table import Log
 from neuralgaits.logs.windows import Windows, windows
 
 __all__ = [
     "SETTLING_S",
+    "CleanedLog",
     "Cut",
     "Log",
-    "Reading",
     "Split",
     "State",
     "Stride",

@@ -8,7 +8,7 @@ both further than a robot moves in that time and a multiple of the log's own noi
 import numpy as np
 
 from neuralgaits._types import Bool, Float
-from neuralgaits.logs.table import Log
+from neuralgaits.logs.walk_table import Log
 
 NEIGHBOURS = 3
 """Number of neighbouring rows on either side."""

@@ -19,7 +19,7 @@ from neuralgaits.barriers.conditions import AbstractCondition, Barrier, Pointwis
 from neuralgaits.gait import Point
 from neuralgaits.gait.coordinates import zero_coordinates
 from neuralgaits.logs.strides import SETTLING_S
-from neuralgaits.logs.table import Log
+from neuralgaits.logs.walk_table import Log
 from neuralgaits.robots import PlanarBiped
 
 MEASURED = ("q", "dq", "dz", "torque")

@@ -12,7 +12,7 @@ import numpy as np
 
 from neuralgaits._types import Bool, Float, Int
 from neuralgaits.errors import InputError
-from neuralgaits.logs.table import Log
+from neuralgaits.logs.walk_table import Log
 from neuralgaits.logs.zero_states import zero_states
 from neuralgaits.robots import PlanarBiped
 

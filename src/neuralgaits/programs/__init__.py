@@ -4,7 +4,7 @@ Importing this room imports no JAX; tracing does: `from neuralgaits.programs.tra
 trace`.
 """
 
-from neuralgaits.programs.algebras.point import POINT, PointAlgebra
+from neuralgaits.programs.algebras.point_algebra import POINT, PointAlgebra
 from neuralgaits.programs.evaluation import Algebra, evaluate, fold
 from neuralgaits.programs.program import Constant, Input, Operation, Output, Program
 

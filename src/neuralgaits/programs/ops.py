@@ -19,8 +19,8 @@ ANY = -1
 
 
 @dataclass(frozen=True)
-class Kind:
-    """One operation.
+class OperationKind:
+    """Kind of operation of a Program.
 
     Attributes:
         name: in a Program.
@@ -38,34 +38,34 @@ class Kind:
 
 
 _TABLE = (
-    Kind("move", (ANY,), "y_i = concatenate(a, b, ...)[index_i]", elementwise=False),
-    Kind("add", (2,), "y_i = a_i + b_i", commutative=True),
-    Kind("sub", (2,), "y_i = a_i - b_i"),
-    Kind("mul", (2,), "y_i = a_i b_i", commutative=True),
-    Kind("div", (2,), "y_i = a_i / b_i"),
-    Kind("neg", (1,), "y_i = -a_i"),
-    Kind("square", (1,), "y_i = a_i^2"),
-    Kind("sum", (1,), "y_i = sum_j a_ij, a as [n, size(a)/n]", elementwise=False),
-    Kind(
+    OperationKind("move", (ANY,), "y_i = concatenate(a, b, ...)[index_i]", elementwise=False),
+    OperationKind("add", (2,), "y_i = a_i + b_i", commutative=True),
+    OperationKind("sub", (2,), "y_i = a_i - b_i"),
+    OperationKind("mul", (2,), "y_i = a_i b_i", commutative=True),
+    OperationKind("div", (2,), "y_i = a_i / b_i"),
+    OperationKind("neg", (1,), "y_i = -a_i"),
+    OperationKind("square", (1,), "y_i = a_i^2"),
+    OperationKind("sum", (1,), "y_i = sum_j a_ij, a as [n, size(a)/n]", elementwise=False),
+    OperationKind(
         "affine",
         (2, 3),
         "y_ij = sum_k a_ik b_kj + c_i, a constant, y as [n/columns, columns]",
         elementwise=False,
     ),
-    Kind(
+    OperationKind(
         "inner",
         (2,),
         "y_i = sum_j a_ij b_ij, a and b as [n, size(a)/n]",
         elementwise=False,
         commutative=True,
     ),
-    Kind("sqrt", (1,), "y_i = sqrt(a_i)"),
-    Kind("exp", (1,), "y_i = exp(a_i)"),
-    Kind("log1p", (1,), "y_i = log(1 + a_i)"),
-    Kind("sin", (1,), "y_i = sin(a_i)"),
-    Kind("cos", (1,), "y_i = cos(a_i)"),
-    Kind("tanh", (1,), "y_i = tanh(a_i)"),
-    Kind("logistic", (1,), "y_i = 1 / (1 + exp(-a_i))"),
+    OperationKind("sqrt", (1,), "y_i = sqrt(a_i)"),
+    OperationKind("exp", (1,), "y_i = exp(a_i)"),
+    OperationKind("log1p", (1,), "y_i = log(1 + a_i)"),
+    OperationKind("sin", (1,), "y_i = sin(a_i)"),
+    OperationKind("cos", (1,), "y_i = cos(a_i)"),
+    OperationKind("tanh", (1,), "y_i = tanh(a_i)"),
+    OperationKind("logistic", (1,), "y_i = 1 / (1 + exp(-a_i))"),
 )
 
 KINDS = MappingProxyType({kind.name: kind for kind in _TABLE})

@@ -76,7 +76,7 @@ class ConditionVerdict:
 
 
 @dataclass(frozen=True)
-class Constant:
+class TheoremConstant:
     """Constant of a theorem, for a report.
 
     Attributes:
@@ -110,7 +110,7 @@ class Conclusion:
     reason: str | None
     words: Texts = ()
     figures: Annotated[Mapping[str, float], table_of(may(NUMBER))] = field(default_factory=dict)
-    constants: tuple[Constant, ...] = ()
+    constants: tuple[TheoremConstant, ...] = ()
 
     @property
     def proved(self) -> bool:
@@ -119,7 +119,7 @@ class Conclusion:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Certified(Record):
+class CertificateRecord(Record):
     """Proved results about a run's conditions, and their consequences for its walks.
 
     Attributes:

@@ -8,7 +8,7 @@ from neuralgaits.records.simulated import Percentiles
 
 
 @dataclass(frozen=True)
-class Limits:
+class ExportTolerance:
     """Limits on the difference between C and Python.
 
     Attributes:
@@ -152,7 +152,7 @@ class ControllerExport(Exported):
     """
 
     states: int
-    limits: Mapping[str, Limits]
+    limits: Mapping[str, ExportTolerance]
     float_bound: FloatBound
     sizes: Mapping[str, Memory]
     builds: tuple[Build, ...]

@@ -7,7 +7,7 @@ from neuralgaits.records.record import Count, Pair, Record, Texts
 
 
 @dataclass(frozen=True)
-class Landing:
+class ResetErrors:
     """Root mean square errors of the reset map. Units are in the names."""
 
     z1_m: float
@@ -21,12 +21,12 @@ class TouchdownErrors:
     """Errors at held-out touchdowns. Attributes: before, after: without and with the residual."""
 
     count: int
-    before: Landing | None
-    after: Landing | None
+    before: ResetErrors | None
+    after: ResetErrors | None
 
 
 @dataclass(frozen=True, kw_only=True)
-class Strides:
+class StrideCounts:
     """Numbers of strides in the training, validation and test sets."""
 
     train: Count
@@ -76,7 +76,7 @@ class Fitted(Record):
     seed: int = 0
     steps: int = 0
     windows: int = 0
-    strides: Strides
+    strides: StrideCounts
     walked_s: float
     left_out: Mapping[str, int] = field(default_factory=dict)
     bound: Pair = (0.0, 0.0)

@@ -1,7 +1,7 @@
 """Statements of a certificate in words for a reader who does not know its terms."""
 
 from neuralgaits._digits import at_least
-from neuralgaits.records.certified import FULL_ORDER, HIGHEST, Certified, Verdict
+from neuralgaits.records.certified import FULL_ORDER, HIGHEST, CertificateRecord, Verdict
 from neuralgaits.records.levels import FOR_EVER, WORDS
 
 LEVELS = {number: words.states for number, words in WORDS.items()}
@@ -78,7 +78,7 @@ def assumptions(level: int, robots: str | None = None) -> tuple[str, ...]:
     return found if level == FULL_ORDER else (*found, f"at level {HIGHEST}: {_BOUNDED}")
 
 
-def states(level: int, told: bool, found: Certified | None = None) -> str:
+def states(level: int, told: bool, found: CertificateRecord | None = None) -> str:
     """Return the statement of a level about a gait.
 
     Args:
@@ -94,13 +94,13 @@ def states(level: int, told: bool, found: Certified | None = None) -> str:
     return (_TOLD if told else LEVELS)[level]
 
 
-def _uneven(said: str, found: Certified) -> str:
+def _uneven(said: str, found: CertificateRecord) -> str:
     """Complete a statement by the walks that it compares and the robots that have the orbit."""
     of_one, own = (" of one robot", ", of each robot its own") if found.robots else ("", "")
     return said.format(of_one=of_one, own=own)
 
 
-def proved(found: Certified, told: bool) -> str:
+def proved(found: CertificateRecord, told: bool) -> str:
     """Describe the proof, level by level up to the highest; level 1 must be proved.
 
     Args:
@@ -120,6 +120,7 @@ def proved(found: Certified, told: bool) -> str:
         robots += f", on every floor with {found.ground}"
     more = ""
     if found.robots:
+        # The search ends where the sign is known: see docs/robust.md.
         # The search ends where the sign is known: see docs/proof_files.md.
         more = (
             " For so many robots the search ends as soon as something is to spare, and does not "
@@ -132,7 +133,7 @@ def proved(found: Certified, told: bool) -> str:
     )
 
 
-def not_proved(found: Certified) -> str:
+def not_proved(found: CertificateRecord) -> str:
     """Describe which conditions are refuted, and which are undecided."""
     told, count = [], len(found.conditions)
     words_of: tuple[tuple[Verdict, str], ...] = (
@@ -150,6 +151,6 @@ def left_open(level: int, robots: str | None = None) -> str:
     return f"The proof assumes that {'; '.join(assumptions(level, robots))}."
 
 
-def _least(found: Certified) -> str:
+def _least(found: CertificateRecord) -> str:
     least = found.least_margin
     return "–" if least is None else f"{at_least(100.0 * least, 2)} %"

@@ -7,7 +7,7 @@ from neuralgaits.records.record import Record
 
 
 @dataclass(frozen=True)
-class Named:
+class CatalogueEntry:
     """A built-in robot or spec, and a line about it."""
 
     name: str
@@ -21,8 +21,8 @@ class BuiltIn(Record):
     Attributes: written: file that a robot was written to; None if none was.
     """
 
-    robots: tuple[Named, ...]
-    specs: tuple[Named, ...]
+    robots: tuple[CatalogueEntry, ...]
+    specs: tuple[CatalogueEntry, ...]
     written: str | None = None
 
 

@@ -12,8 +12,8 @@ from types import NoneType, UnionType
 from typing import Annotated, Any, Literal, Self, Union, get_args, get_origin, get_type_hints
 
 from neuralgaits.runs import shape as shapes
+from neuralgaits.runs.json_files import read_object, refuse_misshapen
 from neuralgaits.runs.plain import plain
-from neuralgaits.runs.reading import read_object, refuse_misshapen
 
 Count = Annotated[int, shapes.COUNT]
 Texts = tuple[str, ...]

@@ -4,9 +4,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Annotated, Literal
 
-from neuralgaits.records.asked import Seed, Steps
 from neuralgaits.records.certified import LEVELS, Verdict
 from neuralgaits.records.record import Count, Disturb, Record, Texts
+from neuralgaits.records.training_config import Seed, Steps
 from neuralgaits.runs.shape import NUMBER, list_of, may, one_of, whole
 
 FORMAT = 1

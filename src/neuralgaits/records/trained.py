@@ -8,10 +8,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from neuralgaits.errors import RunError
-from neuralgaits.records.asked import Range, Seed
 from neuralgaits.records.record import Count, Pair, Record, Texts
-from neuralgaits.runs.commands import resuming
+from neuralgaits.records.training_config import Range, Seed
 from neuralgaits.runs.names import SUMMARY
+from neuralgaits.runs.shell_words import resuming
 
 
 @dataclass(frozen=True)

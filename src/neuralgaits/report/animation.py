@@ -33,7 +33,7 @@ _STICK_COLOURS = ((0.27, 0.31, 0.37), (0.95, 0.55, 0.16), (0.10, 0.42, 0.75))
 """Colours of root, first leg and second leg: those of the built-in robots."""
 
 
-class Motion(NamedTuple):
+class BodyMotion(NamedTuple):
     """Poses of a robot's b bodies over T states; world and floors are left out."""
 
     poses: Float[np.ndarray, "T b 3"]
@@ -46,7 +46,7 @@ class Motion(NamedTuple):
     """Linear momentum of the robot [kg m/s], (x, z)."""
 
 
-def motion(model: mujoco.MjModel, states: Float[np.ndarray, "T s"]) -> Motion:
+def motion(model: mujoco.MjModel, states: Float[np.ndarray, "T s"]) -> BodyMotion:
     """Convert MuJoCo states (time, qpos, qvel) into a planar robot's poses at each state."""
     data, own = mujoco.MjData(model), _bodies(model)
     places, turns, momenta = [], [], []
@@ -62,7 +62,7 @@ def motion(model: mujoco.MjModel, states: Float[np.ndarray, "T s"]) -> Motion:
         momenta.append(data.subtree_linvel[0][[0, 2]] * model.body_subtreemass[0])
     angles = np.unwrap([_turn(turns[0], now) for now in turns], axis=0)
     poses = np.concatenate([places, angles[..., None]], axis=2)
-    return Motion(poses, data.xpos[own, 1], turns[0], np.array(momenta))
+    return BodyMotion(poses, data.xpos[own, 1], turns[0], np.array(momenta))
 
 
 def ground_force(
@@ -82,7 +82,7 @@ def ground_force(
 
 def shapes(
     model: mujoco.MjModel,
-    moved: Motion,
+    moved: BodyMotion,
     feet: Sequence[str],
     leg_length: float,
 ) -> list[dict[str, Any]]:
@@ -105,7 +105,7 @@ def shapes(
     return found
 
 
-def contacts(model: mujoco.MjModel, moved: Motion, feet: Sequence[str]) -> list[dict[str, Any]]:
+def contacts(model: mujoco.MjModel, moved: BodyMotion, feet: Sequence[str]) -> list[dict[str, Any]]:
     """Return the centre and radius of each foot's sphere in its body, where ground forces act."""
     found = []
     for name in feet:
@@ -137,7 +137,7 @@ def _rgba(model: mujoco.MjModel, geom: int) -> np.ndarray:
     return model.mat_rgba[material] if material >= 0 else model.geom_rgba[geom]
 
 
-def _shape(model: mujoco.MjModel, geom: int, moved: Motion) -> dict[str, Any]:
+def _shape(model: mujoco.MjModel, geom: int, moved: BodyMotion) -> dict[str, Any]:
     kind = _KINDS.get(mujoco.mjtGeom(model.geom_type[geom]))
     size, centre = model.geom_size[geom], np.zeros(3)
     if kind is None:
@@ -154,7 +154,7 @@ def _shape(model: mujoco.MjModel, geom: int, moved: Motion) -> dict[str, Any]:
 def _placed(
     model: mujoco.MjModel,
     body: int,
-    moved: Motion,
+    moved: BodyMotion,
     kind: str,
     size: np.ndarray,
     pos: np.ndarray,
@@ -175,7 +175,7 @@ def _placed(
 
 
 def _sticks(
-    model: mujoco.MjModel, moved: Motion, feet: Sequence[int], leg_length: float
+    model: mujoco.MjModel, moved: BodyMotion, feet: Sequence[int], leg_length: float
 ) -> list[dict[str, Any]]:
     """Return a capsule from each body's origin to those of its children, and to its foot."""
     ends = [

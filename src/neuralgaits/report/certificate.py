@@ -7,11 +7,11 @@ import numpy as np
 from numpy.polynomial.chebyshev import chebval
 
 from neuralgaits.analysis.run import Run
-from neuralgaits.certificate.levels.full_order.theorem import FullOrder
-from neuralgaits.certificate.levels.orbit.theorem import Orbit
-from neuralgaits.certificate.reading import CertificateReading, read_certificate
-from neuralgaits.records.asked import Range
+from neuralgaits.certificate.levels.full_order.theorem import FullOrderConstants
+from neuralgaits.certificate.levels.orbit.theorem import OrbitConstants
+from neuralgaits.certificate.verified_summary import CertificateReading, read_certificate
 from neuralgaits.records.certified import Conclusion
+from neuralgaits.records.training_config import Range
 from neuralgaits.report.figures.full_order_set import FullOrderSet
 from neuralgaits.report.figures.return_map import Proved
 from neuralgaits.report.page.saved import ProvedOfSome
@@ -91,7 +91,7 @@ def part_of(found: CertificateReading) -> ProvedOfSome | None:
     return ProvedOfSome(ranges, len(part.conditions), level)
 
 
-def _orbit(run: Run, level: Conclusion | None, orbit: Orbit | None) -> Proved | None:
+def _orbit(run: Run, level: Conclusion | None, orbit: OrbitConstants | None) -> Proved | None:
     """Return the proved tube around the orbit at z1 = 0, with the bounds of the return map."""
     if level is None or not level.proved or orbit is None or not orbit.lower:
         # Of a gait that takes commands: walks come together, around no one orbit.
@@ -104,7 +104,7 @@ def _orbit(run: Run, level: Conclusion | None, orbit: Orbit | None) -> Proved | 
     return Proved((low, high), multiplier, figures.get("contraction_at_most"))
 
 
-def _full(level: Conclusion | None, shape: FullOrder | None) -> FullOrderSet | None:
+def _full(level: Conclusion | None, shape: FullOrderConstants | None) -> FullOrderSet | None:
     if level is None or not level.proved or shape is None:
         return None
     return FullOrderSet(

@@ -17,18 +17,18 @@ import numpy as np
 from neuralgaits._quick_jit import quick_jit
 from neuralgaits.analysis.run import Run
 from neuralgaits.control.laws import LAWS
+from neuralgaits.episode_rounds.episode_folder import EpisodeFolder
 from neuralgaits.errors import InputError, NeuralGaitsError, RunError
-from neuralgaits.records.shown import FILE, ShownWalk
+from neuralgaits.records.report_walk import FILE, ShownWalk
 from neuralgaits.records.simulated import MUJOCO, SUMMARY, Simulated
 from neuralgaits.report import animation
-from neuralgaits.report.again import plant_word
+from neuralgaits.report.repeat_commands import plant_word
 from neuralgaits.robots import PlanarBiped, load_robot
-from neuralgaits.rounds.folder import EpisodeFolder
 from neuralgaits.runs import plain
 from neuralgaits.runs.names import WEIGHTS
 from neuralgaits.simulation.native_walk import engine_of_trained
-from neuralgaits.simulation.setup.disturbance import Disturbance
-from neuralgaits.simulation.setup.orders import Orders
+from neuralgaits.simulation.setup.command_schedule import CommandSchedule
+from neuralgaits.simulation.setup.disturbance import PlantChanges
 from neuralgaits.simulation.setup.plant import SUBSTEPS, TIMESTEP_S
 from neuralgaits.simulation.trained_walks import TrainedWalks
 from neuralgaits.simulation.walk import Walk
@@ -64,7 +64,7 @@ class AskedWalk:
     steps: int = STEPS
     start: str = "centre"
     push: float = 0.0
-    disturbance: Disturbance = field(default_factory=Disturbance)
+    disturbance: PlantChanges = field(default_factory=PlantChanges)
     seed: int = 0
     episode: int = 0
     origin: str = "starts in the middle of the gait's region"
@@ -100,7 +100,7 @@ def asked_of(run: Run) -> AskedWalk:
         law = done.controller if done.link is None else done.link.law
         steps = done.steps
         shown = steps if fallen or push else min(STEPS, steps)
-        disturbance, episode = Disturbance(**done.disturb), fallen[0] if fallen else 0
+        disturbance, episode = PlantChanges(**done.disturb), fallen[0] if fallen else 0
         other = done.link is not None or law not in LAWS or done.commands is not None
         other = other or done.simulator != MUJOCO
         if done.terrain is not None:
@@ -147,7 +147,7 @@ def _of_episodes(run: Run) -> AskedWalk:
         return AskedWalk(
             plant=folder.plant,
             law=folder.config.controller,
-            disturbance=Disturbance(**(folder.config.disturb or {})),
+            disturbance=PlantChanges(**(folder.config.disturb or {})),
             origin="starts in the middle of the gait's region, on the robot of its episodes",
         )
     except (KeyError, TypeError, NeuralGaitsError):
@@ -178,7 +178,7 @@ def _walked(run: Run, asked: AskedWalk) -> Walk:
         push=asked.push,
         disturbance=asked.disturbance,
         seed=asked.seed,
-        orders=Orders.constant(()),
+        orders=CommandSchedule.constant(()),
     )
     return walks.walk(asked.episode, 1, record=True)
 
@@ -222,7 +222,7 @@ def _shown(run: Run, asked: AskedWalk, walked: Walk, key: str) -> ShownWalk:
         disturb={
             name: value
             for name, value in vars(asked.disturbance).items()
-            if value != getattr(Disturbance(), name)
+            if value != getattr(PlantChanges(), name)
         },
         seed=asked.seed,
         steps_asked=asked.steps,

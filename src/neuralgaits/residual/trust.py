@@ -4,7 +4,7 @@ import numpy as np
 
 from neuralgaits.gait import ZeroDynamics
 from neuralgaits.logs import Touchdowns
-from neuralgaits.records.fitted import Landing, TouchdownErrors
+from neuralgaits.records.fitted import ResetErrors, TouchdownErrors
 from neuralgaits.residual.reset import Landings, ResetResidual, landings
 
 
@@ -31,10 +31,10 @@ def landing_errors(
     )
 
 
-def _sizes(missed: Landings) -> Landing:
+def _sizes(missed: Landings) -> ResetErrors:
     m = missed.eta.shape[1] // 2
     outputs, rates = missed.eta[:, :m], missed.eta[:, m:]
-    return Landing(
+    return ResetErrors(
         z1_m=_rms(missed.z[:, 0]),
         z2_kg_m2_s=_rms(missed.z[:, 1]),
         output_rad=_rms(np.linalg.norm(outputs, axis=1)),

@@ -26,7 +26,7 @@ _SIDES = ("along", "across")
 _RELATIVE = "(relative error)"
 
 
-class Axis(NamedTuple):
+class ParameterAxis(NamedTuple):
     """One parameter: the quantity whose error it is, and its half width."""
 
     name: str
@@ -67,10 +67,10 @@ def _plain_names(names: list[str], kind: str) -> list[str]:
     return [f"{kind} {i + 1}" for i in range(len(names))]
 
 
-def axes_of(robot: PlanarBiped, box: Box) -> tuple[Axis, ...]:
+def axes_of(robot: PlanarBiped, box: Box) -> tuple[ParameterAxis, ...]:
     """Return the parameters of a box, in the order of the axes of its family."""
     box, types = checked_box(box), _types(robot)
-    return tuple(Axis(name, box[kind]) for kind, name in _names(types) if kind in box)
+    return tuple(ParameterAxis(name, box[kind]) for kind, name in _names(types) if kind in box)
 
 
 def _names(types: _Types) -> Iterator[tuple[str, str]]:
@@ -98,7 +98,7 @@ def kinds_of(robot: PlanarBiped, names: tuple[str, ...]) -> tuple[str, ...]:
     return kinds
 
 
-def box_of(robot: PlanarBiped, axes: tuple[Axis, ...]) -> dict[str, float]:
+def box_of(robot: PlanarBiped, axes: tuple[ParameterAxis, ...]) -> dict[str, float]:
     """Return the box that has these axes. Raises: ValueError if there is none."""
     kinds = kinds_of(robot, tuple(axis.name for axis in axes))
     known = {name: kind for kind, name in _names(_types(robot))}
@@ -207,19 +207,19 @@ Model = PlanarBiped | RobotFamily
 """A robot, or those of a box around it."""
 
 
-def model_of(robot: PlanarBiped, axes: tuple[Axis, ...]) -> Model:
+def model_of(robot: PlanarBiped, axes: tuple[ParameterAxis, ...]) -> Model:
     """Return the family that has these parameters; the robot itself without any."""
     if not axes:
         return robot
     return RobotFamily.of(robot, kinds_of(robot, tuple(axis.name for axis in axes)))
 
 
-def nominal(model: Model) -> PlanarBiped:
+def nominal_robot(model: Model) -> PlanarBiped:
     """The robot of the file, which is all that a policy knows."""
     return model.nominal if isinstance(model, RobotFamily) else model
 
 
-def member(model: Model, p: Float[Array, " k"]) -> PlanarBiped:
+def robot_at(model: Model, p: Float[Array, " k"]) -> PlanarBiped:
     """The robot with these errors. [0] for a model that is one robot."""
     return model.at(p) if isinstance(model, RobotFamily) else model
 

@@ -13,7 +13,7 @@ from neuralgaits.runs.latest import RUNS_ROOT, finish, resolve, resolve_unfinish
 from neuralgaits.runs.plain import from_json, object_from_json, plain, to_json
 
 if TYPE_CHECKING:
-    from neuralgaits.runs.tree import read_tree, write_tree
+    from neuralgaits.runs.array_tree import read_tree, write_tree
 
 __all__ = [
     "FORMAT",
@@ -39,6 +39,6 @@ def __getattr__(name: str) -> Any:
     """Import names that need JAX. Raises: AttributeError for any other name."""
     if name not in ("read_tree", "write_tree"):
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    from neuralgaits.runs import tree
+    from neuralgaits.runs import array_tree
 
-    return getattr(tree, name)
+    return getattr(array_tree, name)

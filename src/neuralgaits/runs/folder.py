@@ -18,12 +18,12 @@ from neuralgaits.errors import RunError
 from neuralgaits.runs import packed
 from neuralgaits.runs.atomic import refuse_unwritable, write_bytes, write_text
 from neuralgaits.runs.claim import claimed, refuse_taken
-from neuralgaits.runs.commands import LATEST
-from neuralgaits.runs.metrics import Row, from_csv, to_csv
+from neuralgaits.runs.json_files import read_object, refuse_misshapen
+from neuralgaits.runs.metrics_table import Row, from_csv, to_csv
 from neuralgaits.runs.names import CONFIG, METRICS, NAN_STATE, SUMMARY
 from neuralgaits.runs.plain import to_json
-from neuralgaits.runs.reading import read_object, refuse_misshapen
 from neuralgaits.runs.shape import TEXT, may, table_of
+from neuralgaits.runs.shell_words import LATEST
 
 FORMAT = 1
 """Version of the layout and meaning of a run folder; other versions are refused."""
@@ -184,13 +184,13 @@ class RunFolder:
     def write_tree(self, file: str, tree: Any) -> None:
         """Save a pytree's arrays, whole or not at all. See `runs.tree`."""
         # Imports JAX, which most readers of a run do without.
-        from neuralgaits.runs.tree import write_tree
+        from neuralgaits.runs.array_tree import write_tree
 
         write_tree(self.path / file, tree)
 
     def read_tree(self, file: str, like: Tree) -> Tree:
         """Read arrays into the structure of `like`. Raises: RunError if they do not fit."""
-        from neuralgaits.runs.tree import read_tree
+        from neuralgaits.runs.array_tree import read_tree
 
         return read_tree(self.path / file, like)
 

@@ -12,8 +12,8 @@ from typing import Any
 
 from neuralgaits.errors import RunError
 from neuralgaits.runs.atomic import write_bytes
-from neuralgaits.runs.commands import LATEST, command, resuming
 from neuralgaits.runs.folder import CONFIG, NAN_STATE, SUMMARY, RunFolder
+from neuralgaits.runs.shell_words import LATEST, command, resuming
 
 RUNS_ROOT = Path("runs")
 SEEDS = "seeds"
@@ -97,8 +97,8 @@ def about_latest(root: Path = RUNS_ROOT) -> str | None:
     except RunError:
         return None
     told = f"latest is {folder.path}, robot {folder.config.get('robot')}"
-    began = _started_ns(folder.path)
-    later = [path for path in _unfinished(root) if _started_ns(path) > began]
+    start_time = _started_ns(folder.path)
+    later = [path for path in _unfinished(root) if _started_ns(path) > start_time]
     if not later:
         return told
     last = max(later, key=_started_ns)

@@ -4,10 +4,10 @@ import numpy as np
 
 from neuralgaits.logs import Log
 from neuralgaits.robots import PlanarBiped
-from neuralgaits.simulation.ticks.tick import Record
+from neuralgaits.simulation.ticks.tick import TickRecord
 
 
-def log_of(robot: PlanarBiped, record: Record, source: str) -> Log:
+def log_of(robot: PlanarBiped, record: TickRecord, source: str) -> Log:
     """Return the log of a recorded episode.
 
     Args:

@@ -18,20 +18,20 @@ from neuralgaits._types import Float
 from neuralgaits.control import AbstractLaw, Controller
 from neuralgaits.errors import InputError
 from neuralgaits.gait import AbstractPolicy
-from neuralgaits.gait.commands import Limits, values
-from neuralgaits.gait.reset_residual import Reset
+from neuralgaits.gait.commands import CommandLimits, values
+from neuralgaits.gait.reset_residual import ResetCorrection
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.simulation.live_floor import Floor
 from neuralgaits.simulation.live_tick import JaxTick, LiveTick, NativeTick
-from neuralgaits.simulation.native.library import Library
+from neuralgaits.simulation.native.compiled_walk import Library
 from neuralgaits.simulation.setup.course import Course
-from neuralgaits.simulation.setup.disturbance import Disturbance
+from neuralgaits.simulation.setup.disturbance import PlantChanges
 from neuralgaits.simulation.setup.live_course import LiveCourse
 from neuralgaits.simulation.setup.plant import SUBSTEPS, TIMESTEP_S, build
 from neuralgaits.simulation.setup.push import DURATION_S
 from neuralgaits.simulation.setup.terrain_kinds import Size
 from neuralgaits.simulation.ticks.falls import Ending, FallConfig
-from neuralgaits.simulation.ticks.tick import Record, Verdict
+from neuralgaits.simulation.ticks.tick import TickRecord, Verdict
 
 PERIOD_S = SUBSTEPS * TIMESTEP_S
 """Time of one tick [s]."""
@@ -66,7 +66,7 @@ class LiveWalk:
         z2_range: tuple[float, float] | None = None,
         falls: FallConfig | None = None,
         library: Library | None = None,
-        reset_residual: Reset = None,
+        reset_residual: ResetCorrection = None,
         ground: LiveCourse | None = None,
     ):
         """Put the robot on its left foot at x = 0.
@@ -102,7 +102,7 @@ class LiveWalk:
         self._commands = policy.commands
         falls = FallConfig() if falls is None else falls
         self._limit = np.asarray(controller.torque_limit)
-        middle = Limits.of(self._commands).middle
+        middle = CommandLimits.of(self._commands).middle
         self._first = middle if ground is None else np.array(ground.courses.orders.first)
         self._tick: LiveTick = (
             JaxTick(self.plant, controller, falls, self._first)
@@ -146,7 +146,7 @@ class LiveWalk:
         return Ending.RUNNING if self.verdict is None else Ending(int(self.verdict.ending[0]))
 
     @property
-    def record(self) -> Record | None:
+    def record(self) -> TickRecord | None:
         """Record of the last tick, with a leading axis of one; None before it."""
         return self._tick.record
 
@@ -158,7 +158,7 @@ class LiveWalk:
     @property
     def hip(self) -> Float[np.ndarray, "2"]:
         """Return the pitch axis of the root, (x, z) (m). [2]."""
-        return self.plant.wires.sensors(self.data.qpos, self.data.qvel).base
+        return self.plant.state_map.sensors(self.data.qpos, self.data.qvel).base
 
     def tick(self) -> bool:
         """Advance one control tick. Returns: False, with no change, once the robot has fallen."""
@@ -173,7 +173,7 @@ class LiveWalk:
         if self._ground is not None and self._walk_on(self._ground, verdict):
             return True
         self.data.ctrl[:] = verdict.controls[0]
-        self.data.qfrc_applied[self.plant.wires.root[:2]] = self.pushing
+        self.data.qfrc_applied[self.plant.state_map.root[:2]] = self.pushing
         # As in an episode, where every tick is a rollout of its own: the walk is the same to a bit.
         self.data.qacc_warmstart[:] = 0.0
         for _ in range(SUBSTEPS):
@@ -209,7 +209,7 @@ class LiveWalk:
         return False
 
     def disturb(self, **changes: float | None) -> None:
-        """Change the plant under the walking robot; see `Disturbance` and `CHANGEABLE`.
+        """Change the plant under the walking robot; see `PlantChanges` and `CHANGEABLE`.
 
         The floor turns about the stance foot, at `TILT_DEG_S`; the rest changes at once.
         Raises: InputError for a disturbance that cannot change now or is out of its range.
@@ -227,7 +227,7 @@ class LiveWalk:
         self._ground.resize(name, size, steps)
         self._rebuild(self.plant.disturbance)
 
-    def _rebuild(self, disturbance: Disturbance) -> None:
+    def _rebuild(self, disturbance: PlantChanges) -> None:
         """Continue in a plant that is compiled anew."""
         plant = build(self._robot, disturbance, self.course)
         fresh = mujoco.MjData(plant.model)
@@ -273,8 +273,8 @@ class LiveWalk:
             self._rebuild(self.plant.disturbance)
             self._stand(x, 0.0)
             return
-        wires = self.plant.wires
-        base = float(wires.sensors(*wires.to_mjcf(x[:n], x[n:], 0)).base[0])
+        state_map = self.plant.state_map
+        base = float(state_map.sensors(*state_map.to_mjcf(x[:n], x[n:], 0)).base[0])
         self._stand(x, float(self.hip[0]) - base)
 
     def reset(self) -> None:
@@ -286,7 +286,7 @@ class LiveWalk:
         q, dq = np.split(x, 2)
         lift = float(self._robot.foot_radius) * math.hypot(1.0, self.floor.slope)
         foot = (foot_x, self.floor.height(foot_x) + lift)
-        self.data.qpos[:], self.data.qvel[:] = self.plant.wires.to_mjcf(q, dq, 0, foot)
+        self.data.qpos[:], self.data.qvel[:] = self.plant.state_map.to_mjcf(q, dq, 0, foot)
         for name in ("ctrl", "qfrc_applied", "sensordata"):
             getattr(self.data, name)[:] = 0.0
         self.verdict = None
@@ -301,8 +301,8 @@ class LiveWalk:
         if self.floor.slope == self.plant.slope:
             return
         leg = 0 if self.verdict is None else int(self.verdict.leg[0])
-        wires = self.plant.wires
-        foot, _ = wires.foot(leg, wires.sensors(self.data.qpos, self.data.qvel))
+        state_map = self.plant.state_map
+        foot, _ = state_map.foot(leg, state_map.sensors(self.data.qpos, self.data.qvel))
         radius, passed = float(self._robot.foot_radius), _TILT_TICKS * PERIOD_S
         self._lay(self.floor.turned(self.plant.slope, float(foot[0]), radius, passed))
 

@@ -10,17 +10,17 @@ import numpy as np
 from neuralgaits._types import Float
 from neuralgaits.control import Controller
 from neuralgaits.errors import InputError
-from neuralgaits.simulation.native.layout import pointer
-from neuralgaits.simulation.native.library import Library
+from neuralgaits.simulation.native.compiled_walk import Library
+from neuralgaits.simulation.native.native_scene import scene_of
 from neuralgaits.simulation.native.records import record_of
-from neuralgaits.simulation.native.scene import scene_of
+from neuralgaits.simulation.native.struct_layout import pointer
 from neuralgaits.simulation.setup.plant import Plant
 from neuralgaits.simulation.setup.push import Push
 from neuralgaits.simulation.ticks.batch import Batch, compile_batch, numbers, pack
 from neuralgaits.simulation.ticks.falls import FallConfig
 from neuralgaits.simulation.ticks.scene import PlantReading, Scene
-from neuralgaits.simulation.ticks.strides import width
-from neuralgaits.simulation.ticks.tick import Record, Verdict
+from neuralgaits.simulation.ticks.stride_table import width
+from neuralgaits.simulation.ticks.tick import TickRecord, Verdict
 
 ENDLESS = int(np.iinfo(np.int32).max)
 """Number of steps of a walk without end."""
@@ -54,7 +54,7 @@ class LiveTick(ABC):
 
     @property
     @abstractmethod
-    def record(self) -> Record | None:
+    def record(self) -> TickRecord | None:
         """Record of the last tick, with a leading axis of one; None before it."""
 
 
@@ -72,7 +72,7 @@ class JaxTick(LiveTick):
         gap_depth = np.inf if plant.course is None else plant.course.gap_depth
         self._scene = Scene.of(plant, controller, ENDLESS, falls, first, gap_depth)
         self._batch: Batch | None = None
-        self._noise = np.zeros((1, 2, 1 + plant.wires.joints.size))
+        self._noise = np.zeros((1, 2, 1 + plant.state_map.joints.size))
         self._wanted = np.array(self._scene.first)
         self.restart()
 
@@ -113,7 +113,7 @@ class JaxTick(LiveTick):
         return self._batch.verdict_of(judged)
 
     @property
-    def record(self) -> Record | None:
+    def record(self) -> TickRecord | None:
         """Record of the last tick; None before it."""
         if self._found is None or self._batch is None:
             return None
@@ -191,6 +191,6 @@ class NativeTick(LiveTick):
         )
 
     @property
-    def record(self) -> Record | None:
+    def record(self) -> TickRecord | None:
         """Record of the last tick; None before it."""
         return record_of(self._row, self._plant.robot) if self._walk.ticks else None

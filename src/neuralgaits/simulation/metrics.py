@@ -10,7 +10,7 @@ from neuralgaits.records.simulated import CommandError, ModelOrbit, Relaxed, Wal
 from neuralgaits.simulation.setup.course import Courses
 from neuralgaits.simulation.setup.plant import SUBSTEPS, TIMESTEP_S
 from neuralgaits.simulation.ticks.gauge import START_UP_STEPS
-from neuralgaits.simulation.ticks.strides import Strides
+from neuralgaits.simulation.ticks.stride_table import Strides
 from neuralgaits.simulation.walk import Walk
 
 

@@ -20,17 +20,17 @@ import mujoco
 
 from neuralgaits._cache import cache_folder
 from neuralgaits.analysis.run import Run
-from neuralgaits.barriers.regions import AnyGait
 from neuralgaits.control import Controller
 from neuralgaits.control.laws import EXPORTED
 from neuralgaits.errors import InputError, SpecError
-from neuralgaits.export import writing
+from neuralgaits.export import output_folder
 from neuralgaits.export.facts import Design, Origin
 from neuralgaits.export.programs import ground
 from neuralgaits.export.source import gait_files
-from neuralgaits.gait.reset_residual import Reset
+from neuralgaits.gait.gaits import AnyGait
+from neuralgaits.gait.reset_residual import ResetCorrection
 from neuralgaits.robots import PlanarBiped
-from neuralgaits.simulation.native.library import Library, NativeError
+from neuralgaits.simulation.native.compiled_walk import Library, NativeError
 from neuralgaits.simulation.setup.starts import momentum_range
 
 Choice = Literal["native", "jax"]
@@ -49,7 +49,7 @@ NO_COMPILER = "there is no C compiler: install gcc or clang, or pip install 'neu
 
 
 @dataclass(frozen=True)
-class Engine:
+class WalkEngine:
     """The loop that runs a walk: compiled code or JAX.
 
     Attributes:
@@ -66,8 +66,8 @@ def engine_of(
     gait: AnyGait,
     z2_range: tuple[float, float],
     choice: Choice | None = None,
-    reset_residual: Reset = None,
-) -> Engine:
+    reset_residual: ResetCorrection = None,
+) -> WalkEngine:
     """Choose the loop that walks a gait.
 
     Args:
@@ -82,22 +82,22 @@ def engine_of(
     if choice not in (None, "native", "jax"):
         raise InputError(f"engine: expected native or jax, found {choice!r}")
     if choice == "jax":
-        return Engine(None, None)
+        return WalkEngine(None, None)
     try:
         design = _design(robot, gait, z2_range, reset_residual)
         return _engine(sources(design), design.controller)
     except NativeError as error:
         if choice == "native":
             raise InputError(f"--engine native: expected a compiled walk, but {error}") from None
-        return Engine(None, f"walking with JAX, many times slower, because {error}")
+        return WalkEngine(None, f"walking with JAX, many times slower, because {error}")
 
 
-def engine_of_run(run: Run, choice: Choice | None = None) -> Engine:
+def engine_of_run(run: Run, choice: Choice | None = None) -> WalkEngine:
     """Choose the loop for the gait of a run; for a family, the gait at the run's command."""
     return engine_of(run.robot, run.gait, momentum_range(run.gait), choice)
 
 
-def engine_of_trained(run: Run, choice: Choice | None = None) -> Engine:
+def engine_of_trained(run: Run, choice: Choice | None = None) -> WalkEngine:
     """Choose the loop for all gaits of a run; a family takes its commands."""
     trained, reset = run.trained, run.residuals.reset
     return engine_of(run.robot, trained, momentum_range(trained), choice, reset)
@@ -117,7 +117,10 @@ def compiler() -> list[str] | None:
 
 
 def _design(
-    robot: PlanarBiped, gait: AnyGait, z2_range: tuple[float, float], reset_residual: Reset = None
+    robot: PlanarBiped,
+    gait: AnyGait,
+    z2_range: tuple[float, float],
+    reset_residual: ResetCorrection = None,
 ) -> Design:
     # Hashes are for those who get a controller; here the text itself is what is hashed.
     origin = Origin(_UNKNOWN, _UNKNOWN, None, None, "walk", "-")
@@ -130,13 +133,13 @@ def sources(design: Design) -> dict[str, str]:
         own = gait_files(design, (ground(design.robot),))
     except SpecError as error:
         raise NativeError(f"C cannot express its policy ({error})") from None
-    shipped = writing.shipped()
+    shipped = output_folder.shipped()
     folder = resources.files("neuralgaits.simulation.native") / "c"
     loop = {name: (folder / name).read_text(encoding="utf-8") for name in _LOOP}
     return own | loop | {name: shipped[name] for name in _SHIPPED}
 
 
-def _engine(texts: Mapping[str, str], controller: Controller) -> Engine:
+def _engine(texts: Mapping[str, str], controller: Controller) -> WalkEngine:
     """Return the walk of these sources, compiled now or before. Raises: NativeError."""
     command = compiler()
     if command is None:
@@ -145,12 +148,12 @@ def _engine(texts: Mapping[str, str], controller: Controller) -> Engine:
     # One that is kept and does not load is damaged, and made anew.
     with contextlib.suppress(NativeError):
         if kept.is_file():
-            return Engine(Library(kept, controller), None)
+            return WalkEngine(Library(kept, controller), None)
     try:
         kept.parent.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryDirectory(prefix="compiling-", dir=kept.parent) as place:
             os.replace(_compile(command, Path(place), texts), kept)
-        return Engine(Library(kept, controller), None)
+        return WalkEngine(Library(kept, controller), None)
     except OSError as error:
         note = (
             f"compiled the walk for this command alone, because {kept.parent} cannot be written "
@@ -159,7 +162,7 @@ def _engine(texts: Mapping[str, str], controller: Controller) -> Engine:
         # A folder each: what is loaded under one name is not loaded again.
         _own_folders.append(tempfile.TemporaryDirectory(prefix="neuralgaits-"))
         made = _compile(command, Path(_own_folders[-1].name), texts)
-        return Engine(Library(made, controller), note)
+        return WalkEngine(Library(made, controller), note)
 
 
 def _place(command: Sequence[str], texts: Mapping[str, str]) -> Path:

@@ -13,22 +13,22 @@ from typing import Any
 import safetensors.numpy
 
 from neuralgaits.analysis.run import open_run
-from neuralgaits.engine import Engine, Files, Job, Settings
+from neuralgaits.engine import Files, Job, Settings, WorkerPool
 from neuralgaits.errors import InputError
 from neuralgaits.robots.mjcf.loader import robot_from_text
 from neuralgaits.runs import plain
 from neuralgaits.runs.arrays import packed
 from neuralgaits.runs.names import CONFIG, SUMMARY
 from neuralgaits.simulation.native_walk import Choice
-from neuralgaits.simulation.setup.disturbance import Disturbance
+from neuralgaits.simulation.setup.command_schedule import RANDOM, orders_of
+from neuralgaits.simulation.setup.disturbance import PlantChanges
 from neuralgaits.simulation.setup.drawn_robots import DrawnRobots
-from neuralgaits.simulation.setup.orders import RANDOM, orders_of
 from neuralgaits.simulation.trained_walks import (
     TrainedWalks,
     at_first,
-    engine_for,
     from_arrays,
     to_arrays,
+    walk_engine_for,
 )
 from neuralgaits.simulation.walk import Walk
 
@@ -53,11 +53,11 @@ class SharedWalks:
     command: Mapping[str, float] | None
     commands: str | None
 
-    def on(self, engine: Engine, episodes: int) -> Walk:
+    def on(self, engine: WorkerPool, episodes: int) -> Walk:
         """Walk all episodes. Raises: InputError if some could not be walked."""
         # One step tells plant and law, and leaves the compiled walk where workers here find it.
         whole = replace(self.walks, steps=1).walk(0, 1)
-        began = time.perf_counter()
+        start_time = time.perf_counter()
         count = max(1, min(_MOST_OF_A_PART, STEPS_OF_A_PART // self.walks.steps))
         found: dict[str, Any] = {}
         with closing(
@@ -71,7 +71,7 @@ class SharedWalks:
                     )
                 found[one.name] = safetensors.numpy.load(one.files[_ARRAYS])
         parts = [found[job.name] for job in self._jobs(episodes, count)]
-        merged = from_arrays(parts, time.perf_counter() - began)
+        merged = from_arrays(parts, time.perf_counter() - start_time)
         if not merged.strides:
             merged = merged._replace(strides=whole.episodes.strides[:0])
         return replace(whole, episodes=merged)
@@ -147,13 +147,13 @@ def _opened(about: str, files: tuple[tuple[str, bytes], ...]) -> TrainedWalks:
         plant = robot_from_text(contents[_PLANT].decode(), told["plant"])
     return TrainedWalks(
         run=run,
-        library=engine_for(run, told["controller"], told["engine"], told["simulator"]).library,
+        library=walk_engine_for(run, told["controller"], told["engine"], told["simulator"]).library,
         plant=plant,
         controller=told["controller"],
         steps=told["steps"],
         start=told["start"],
         push=told["push"],
-        disturbance=Disturbance(**told["disturb"]),
+        disturbance=PlantChanges(**told["disturb"]),
         seed=told["seed"],
         orders=orders,
         drawn=None if box is None else DrawnRobots(run.robot, box, told["seed"]),

@@ -35,7 +35,7 @@ def world_of(
         threads: threads of MuJoCo; Drake has one.
     """
     if simulator == DRAKE:
-        from neuralgaits.simulation.drake.world import DrakeWorld
+        from neuralgaits.simulation.drake.drake_world import DrakeWorld
 
         return DrakeWorld(plants, states)
     models = None if len(plants) == 1 else [own.model for own in plants]

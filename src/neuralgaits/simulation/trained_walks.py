@@ -14,19 +14,19 @@ from neuralgaits.control.laws import law_named
 from neuralgaits.errors import InputError
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.simulation.linked.remote import Remote
-from neuralgaits.simulation.native.library import Library
-from neuralgaits.simulation.native.scene import knows
-from neuralgaits.simulation.native_walk import Choice, Engine, engine_of_trained
+from neuralgaits.simulation.native.compiled_walk import Library
+from neuralgaits.simulation.native.native_scene import knows
+from neuralgaits.simulation.native_walk import Choice, WalkEngine, engine_of_trained
+from neuralgaits.simulation.setup.command_schedule import CommandSchedule
 from neuralgaits.simulation.setup.course import Courses
-from neuralgaits.simulation.setup.disturbance import Disturbance
+from neuralgaits.simulation.setup.disturbance import PlantChanges
 from neuralgaits.simulation.setup.drawn_robots import DrawnRobots
-from neuralgaits.simulation.setup.orders import Orders
 from neuralgaits.simulation.setup.starts import full_states, momentum_range
 from neuralgaits.simulation.simulators import MUJOCO, Simulator
 from neuralgaits.simulation.ticks.falls import Ending
 from neuralgaits.simulation.ticks.gauge import Extremes, Gauge, Milestone
-from neuralgaits.simulation.ticks.lockstep import Episodes
-from neuralgaits.simulation.ticks.strides import Strides
+from neuralgaits.simulation.ticks.lockstep import EpisodeBatch
+from neuralgaits.simulation.ticks.stride_table import Strides
 from neuralgaits.simulation.walk import Walk, walk
 
 
@@ -54,9 +54,9 @@ class TrainedWalks:
     steps: int
     start: str
     push: float
-    disturbance: Disturbance
+    disturbance: PlantChanges
     seed: int
-    orders: Orders
+    orders: CommandSchedule
     courses: Courses | None = None
     drawn: DrawnRobots | None = None
     threads: int | None = None
@@ -116,12 +116,12 @@ def at_first(run: Run, first: Any) -> Run:
     return run.at(**dict(zip((c.name for c in commands), map(float, first), strict=True)))
 
 
-def engine_for(
+def walk_engine_for(
     run: Run,
     controller: str | AbstractLaw,
     choice: Choice | None,
     simulator: Simulator = MUJOCO,
-) -> Engine:
+) -> WalkEngine:
     """Return the loop that walks a run under a law.
 
     Raises: InputError if native was required and cannot be used.
@@ -133,7 +133,7 @@ def engine_for(
                 f"--engine native: expected --simulator {MUJOCO}, found {simulator}, which the "
                 "loop in JAX walks: leave --engine out"
             )
-        return Engine(None, None)
+        return WalkEngine(None, None)
     if knows(law):
         return engine_of_trained(run, choice)
     if choice == "native":
@@ -141,7 +141,7 @@ def engine_for(
             "--engine native: expected pd, fblin, paper or clf-qp, found a law of type "
             f"{type(law).__name__}"
         )
-    return Engine(None, None)
+    return WalkEngine(None, None)
 
 
 def to_arrays(walked: Walk) -> dict[str, np.ndarray]:
@@ -162,7 +162,7 @@ def to_arrays(walked: Walk) -> dict[str, np.ndarray]:
     return arrays
 
 
-def from_arrays(parts: list[dict[str, np.ndarray]], wall_s: float) -> Episodes:
+def from_arrays(parts: list[dict[str, np.ndarray]], wall_s: float) -> EpisodeBatch:
     """Join the results of walks in parts, in order.
 
     Args:
@@ -182,7 +182,7 @@ def from_arrays(parts: list[dict[str, np.ndarray]], wall_s: float) -> Episodes:
         ends = np.cumsum(whole["strides"])
         columns = [np.split(whole[f"strides.{name}"], ends[:-1]) for name in Strides._fields]
         strides = [Strides(*one) for one in zip(*columns, strict=True)]
-    return Episodes(
+    return EpisodeBatch(
         [Ending(value) for value in whole["endings"].tolist()],
         Gauge(*(figure(name) for name in Gauge._fields)),
         None,

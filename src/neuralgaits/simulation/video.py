@@ -17,7 +17,7 @@ import numpy as np
 
 from neuralgaits._types import Float
 from neuralgaits.errors import InputError
-from neuralgaits.robots.bones import THICKNESS, Bone, bones
+from neuralgaits.robots.link_rods import THICKNESS, Bone, bones
 from neuralgaits.runs import write_bytes
 from neuralgaits.simulation.setup.plant import SECOND_FLOOR_GROUP, SUBSTEPS, TIMESTEP_S, Plant
 

@@ -16,16 +16,16 @@ from neuralgaits.control.laws import law_named
 from neuralgaits.errors import InputError
 from neuralgaits.gait import AbstractPolicy
 from neuralgaits.gait.commands import Commands, place_of
-from neuralgaits.gait.reset_residual import Reset
+from neuralgaits.gait.reset_residual import ResetCorrection
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.simulation.linked.remote import Remote
 from neuralgaits.simulation.native import loop as native
-from neuralgaits.simulation.native.library import Library
-from neuralgaits.simulation.native.scene import knows
+from neuralgaits.simulation.native.compiled_walk import Library
+from neuralgaits.simulation.native.native_scene import knows
+from neuralgaits.simulation.setup.command_schedule import CommandSchedule
 from neuralgaits.simulation.setup.course import Courses
-from neuralgaits.simulation.setup.disturbance import Disturbance
-from neuralgaits.simulation.setup.given import Given
-from neuralgaits.simulation.setup.orders import Orders
+from neuralgaits.simulation.setup.disturbance import PlantChanges
+from neuralgaits.simulation.setup.episode_inputs import EpisodeInputs
 from neuralgaits.simulation.setup.plant import SUBSTEPS, TIMESTEP_S, Plant, build
 from neuralgaits.simulation.setup.push import Push
 from neuralgaits.simulation.setup.terrain import Terrain
@@ -33,7 +33,7 @@ from neuralgaits.simulation.simulators import MUJOCO, Simulator, check_simulator
 from neuralgaits.simulation.ticks import lockstep
 from neuralgaits.simulation.ticks.batch import compile_batch
 from neuralgaits.simulation.ticks.falls import FallConfig
-from neuralgaits.simulation.ticks.lockstep import Episodes, Watch
+from neuralgaits.simulation.ticks.lockstep import EpisodeBatch, Watch
 from neuralgaits.simulation.ticks.scene import Scene
 
 
@@ -57,7 +57,7 @@ class Walk:
     law: AbstractLaw
     engine: str
     simulator: Simulator
-    episodes: Episodes
+    episodes: EpisodeBatch
     commands: Commands = ()
     courses: Courses | None = None
 
@@ -72,7 +72,7 @@ def walk(
     controller: str | AbstractLaw = "pd",
     steps: int = 50,
     z2_range: tuple[float, float] | None = None,
-    disturbance: Disturbance | None = None,
+    disturbance: PlantChanges | None = None,
     push: float = 0.0,
     seed: int = 0,
     falls: FallConfig | None = None,
@@ -82,8 +82,8 @@ def walk(
     threads: int | None = None,
     remote: Remote | None = None,
     library: Library | None = None,
-    orders: Orders | None = None,
-    reset_residual: Reset = None,
+    orders: CommandSchedule | None = None,
+    reset_residual: ResetCorrection = None,
     courses: Courses | None = None,
     first: int = 0,
     simulator: Simulator = MUJOCO,
@@ -142,10 +142,10 @@ def walk(
     falls = FallConfig() if falls is None else falls
     if courses is not None:
         orders = courses.orders
-    orders = Orders.constant(each[0].commands) if orders is None else orders
+    orders = CommandSchedule.constant(each[0].commands) if orders is None else orders
     height = place_of(orders.commands, "step_height")
     told = None if height is None or courses is not None else float(orders.first[height])
-    given = Given(
+    given = EpisodeInputs(
         Terrain(field.disturbance.floor_height, seed, count, told, first),
         Push(push, steps, seed, count, first),
         orders,
@@ -190,7 +190,7 @@ def _controller(
     law: AbstractLaw,
     field: Plant,
     z2_range: tuple[float, float] | None,
-    reset_residual: Reset,
+    reset_residual: ResetCorrection,
 ) -> Controller:
     return Controller.init(
         robot,
@@ -204,7 +204,7 @@ def _controller(
 
 
 def _plants(
-    robot: PlanarBiped, disturbance: Disturbance | None, courses: Courses | None
+    robot: PlanarBiped, disturbance: PlantChanges | None, courses: Courses | None
 ) -> list[Plant]:
     """Return the plant of all episodes, or that of each on its course."""
     if courses is None:
@@ -226,7 +226,7 @@ def plant_states(plant: Plant, starts: Float[np.ndarray, "B two_n"]) -> np.ndarr
     q, dq = np.split(starts, 2, axis=1)
     # On a slope the sphere touches beside its lowest point.
     height = plant.robot.foot_radius * np.sqrt(1.0 + plant.slope**2)
-    qpos, qvel = plant.wires.to_mjcf(q, dq, 0, (0.0, float(height)))
+    qpos, qvel = plant.state_map.to_mjcf(q, dq, 0, (0.0, float(height)))
     return np.concatenate([np.zeros((len(starts), 1)), qpos, qvel], axis=1)
 
 

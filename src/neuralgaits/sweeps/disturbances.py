@@ -14,7 +14,7 @@ from typing import Any
 from neuralgaits.errors import InputError, reason
 from neuralgaits.records.swept import UNDISTURBED
 from neuralgaits.runs import plain
-from neuralgaits.simulation.setup.disturbance import Disturbance, parse
+from neuralgaits.simulation.setup.disturbance import PlantChanges, parse
 from neuralgaits.simulation.setup.disturbance_set import DISTURBANCE_SET
 
 STANDARD = "standard"
@@ -41,8 +41,8 @@ def disturbances_of(asked: str | Path | Mapping[str, Any]) -> dict[str, dict[str
     return {name: plain(vars(_parsed(name, one))) for name, one in found.items()}
 
 
-def _parsed(name: str, one: Any) -> Disturbance:
-    if not isinstance(one, str | Mapping | Disturbance):
+def _parsed(name: str, one: Any) -> PlantChanges:
+    if not isinstance(one, str | Mapping | PlantChanges):
         raise InputError(
             f"disturbance {name!r}: expected a table of names and numbers, found {one!r}"
         )

@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from neuralgaits.barriers import specs as known_specs
-from neuralgaits.barriers.commanded import commands_of
+from neuralgaits.barriers.commanded_spec import commands_of
 from neuralgaits.robots import load_robot
 from neuralgaits.robots.mjcf.loader import robot_text
 from neuralgaits.sweeps.grid import refuse_same, speed_of

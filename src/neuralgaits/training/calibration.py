@@ -11,10 +11,10 @@ from numpy.polynomial import polynomial
 
 from neuralgaits._quick_jit import quick_filter_jit
 from neuralgaits._types import Array, Float
-from neuralgaits.analysis.orbit import poincare
-from neuralgaits.barriers.regions import CommandedGait
+from neuralgaits.analysis.poincare_map import poincare
 from neuralgaits.gait import Residuals, ZeroDynamics
 from neuralgaits.gait.commands import CURVE_TERMS, Number, plain_curves
+from neuralgaits.gait.gaits import CommandedGait
 from neuralgaits.robots import PlanarBiped
 
 KNOTS = 9
@@ -64,4 +64,4 @@ def _speed(
 
 @quick_filter_jit
 def _steady(gait: CommandedGait, robot: PlanarBiped, v: Float[Array, " k"], residuals: Residuals):
-    return gait.at(robot, v, residuals.reset).following
+    return gait.at(robot, v, residuals.reset).steady_next

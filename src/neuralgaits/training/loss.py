@@ -14,14 +14,14 @@ import numpy as np
 from neuralgaits._types import Array, Bool, Float, Scalar
 from neuralgaits.barriers import Barrier, GaitSpec
 from neuralgaits.barriers.aims import middle_of
-from neuralgaits.barriers.regions import AnyGait
 from neuralgaits.gait import NO_RESIDUALS, Residuals, ZeroDynamics
-from neuralgaits.robots.parameters import Model, member, nominal
-from neuralgaits.training.pushes import Pushed
+from neuralgaits.gait.gaits import AnyGait
+from neuralgaits.robots.parameters import Model, nominal_robot, robot_at
+from neuralgaits.training.disturbance_corners import DisturbedResidual
 from neuralgaits.training.sampling import Sampler, contains
 
 
-class Layout(NamedTuple):
+class MarginLayout(NamedTuple):
     """Table of the margin columns and sample rows of each condition.
 
     Attributes:
@@ -53,14 +53,14 @@ class Loss(NamedTuple):
     """Mean squared torque in the recipe's unit, weight included."""
 
 
-def lay_out(spec: GaitSpec, robot: Model, gait: AnyGait, sampler: Sampler) -> Layout:
+def lay_out(spec: GaitSpec, robot: Model, gait: AnyGait, sampler: Sampler) -> MarginLayout:
     """Evaluate the conditions once and tabulate their shapes."""
     asked = spec.trained_for
 
     def margins(u):
         at = spec.parted(u)
-        step = gait.at(nominal(robot), at.told)
-        zd = ZeroDynamics(member(robot, at.errors), step.policy)
+        step = gait.at(nominal_robot(robot), at.told)
+        zd = ZeroDynamics(robot_at(robot, at.errors), step.policy)
         point = zd.point(step.z(at.plane))
         return {c.name: c.margins(step, zd, point) for c in asked}
 
@@ -85,7 +85,7 @@ def lay_out(spec: GaitSpec, robot: Model, gait: AnyGait, sampler: Sampler) -> La
     counts[: aimed.start, int(ends[first]) :] = False
     absolute = np.array([c.absolute_loss for c in asked])
     weight = np.array([spec.weights.get(c.name, 1.0) for c in asked])
-    return Layout(columns, scale, counts, mean_of, absolute, weight, aimed)
+    return MarginLayout(columns, scale, counts, mean_of, absolute, weight, aimed)
 
 
 def _aims_rows(spec: GaitSpec, sampler: Sampler) -> slice:
@@ -120,10 +120,10 @@ def margin_matrix(
 
     def at(sample, push):
         flow, reset = residuals
-        moved = flow if push is None else Pushed(flow, push)
+        moved = flow if push is None else DisturbedResidual(flow, push)
         at = spec.parted(sample)
-        step = gait.at(nominal(robot), at.told, reset)
-        zd = ZeroDynamics(member(robot, at.errors), step.policy, moved, reset)
+        step = gait.at(nominal_robot(robot), at.told, reset)
+        zd = ZeroDynamics(robot_at(robot, at.errors), step.policy, moved, reset)
         return step, zd, zd.point(step.z(at.plane))
 
     def one(sample, push):
@@ -159,7 +159,7 @@ def margin_matrix(
 
 def barrier_loss(
     spec: GaitSpec,
-    layout: Layout,
+    layout: MarginLayout,
     margins: Float[Array, "N K"],
     torque: Float[Array, "N m"],
 ) -> Loss:
@@ -196,7 +196,7 @@ def barrier_loss(
 
 
 def _with_absolute(
-    spec: GaitSpec, layout: Layout, margins: Float[Array, "N K"], terms: Float[Array, " C"]
+    spec: GaitSpec, layout: MarginLayout, margins: Float[Array, "N K"], terms: Float[Array, " C"]
 ) -> Float[Array, " C"]:
     """Replace the terms of equalities under absolute loss by their mean error norm."""
     terms = jnp.asarray(terms)

@@ -14,7 +14,7 @@ from jaxtyping import PRNGKeyArray
 
 from neuralgaits._types import Array, Bool, Float
 from neuralgaits.barriers import Box, GaitSpec
-from neuralgaits.training.loss import Layout
+from neuralgaits.training.loss import MarginLayout
 from neuralgaits.training.sampling import contains
 
 ROWS = 64
@@ -40,7 +40,7 @@ class Extra(NamedTuple):
     counts: Bool[Array, "E K"]
 
     @staticmethod
-    def shapes(layout: Layout) -> "Extra":
+    def shapes(layout: MarginLayout) -> "Extra":
         """Return shapes and types in place of the arrays."""
         corner = jax.ShapeDtypeStruct((ROWS, 2), jnp.float64)
         counts = jax.ShapeDtypeStruct((ROWS, len(layout.scale)), jnp.bool_)
@@ -51,7 +51,7 @@ class Extra(NamedTuple):
         cls,
         boxes: Mapping[str, Boxes],
         spec: GaitSpec,
-        layout: Layout,
+        layout: MarginLayout,
         before: "Extra | None" = None,
     ) -> "Extra":
         """Return rows for boxes: the same number for each region, evenly picked among its boxes.
@@ -95,7 +95,7 @@ def with_extra(
 
 
 def _row(
-    region: str, box: Box, spec: GaitSpec, layout: Layout
+    region: str, box: Box, spec: GaitSpec, layout: MarginLayout
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return a box of a region, widened within the region, and the columns it counts for."""
     root = next(root for root in spec.regions[region] if contains([root], [box]))

@@ -21,10 +21,9 @@ from jax.sharding import Mesh, NamedSharding, PartitionSpec
 
 from neuralgaits._types import Array
 from neuralgaits.analysis.run import Run
-from neuralgaits.barriers.regions import AnyGait
 from neuralgaits.errors import NonFiniteError
+from neuralgaits.gait.gaits import AnyGait
 from neuralgaits.runs.names import STATE
-from neuralgaits.training.gradient_steps import AT_ONCE_S, CHECKPOINT_S, GradientSteps, Progress
 from neuralgaits.training.loss import Loss
 from neuralgaits.training.session import start_of
 from neuralgaits.training.trainer import (
@@ -34,6 +33,7 @@ from neuralgaits.training.trainer import (
     Trainer,
     TrainState,
 )
+from neuralgaits.training.training_loop import AT_ONCE_S, CHECKPOINT_S, GradientSteps, Progress
 
 Row = TypeVar("Row")
 Tree = TypeVar("Tree")
@@ -42,8 +42,8 @@ SAVING_SHARE = 0.03
 
 
 @dataclass(eq=False)
-class OneOfMany:
-    """One seed of a batch.
+class SeedRun:
+    """Run of one seed of a batch.
 
     Attributes:
         run: unfinished; its gait is the untrained one.
@@ -84,14 +84,14 @@ class SeedBatch:
 
     trainer: Trainer
     size: int
-    members: list[OneOfMany] = field(default_factory=list)
+    members: list[SeedRun] = field(default_factory=list)
     compile_s: float = 0.0
     _over: OverSeeds | None = None
     _keys: Any = None
     _count: int = 1
     """Number of steps taken in one call."""
 
-    def train(self, runs: Sequence[Run], progress: Progress | None) -> list[OneOfMany]:
+    def train(self, runs: Sequence[Run], progress: Progress | None) -> list[SeedRun]:
         """Take all steps of at most `size` runs.
 
         Args:
@@ -112,24 +112,24 @@ class SeedBatch:
     def report(self, gaits: Sequence[AnyGait], *, seed: int) -> list[FreshMargins]:
         """Return `Trainer.report` of one gait for each seed."""
         found = zip(*self._look(_stack(self._filled(list(gaits))), seed, 0.0), strict=True)
-        fresh = [self.trainer.fresh(float(loss), margins) for loss, margins in found]
+        fresh = [self.trainer.margins_by_condition(float(loss), margins) for loss, margins in found]
         return fresh[: len(gaits)]
 
-    def _begun(self, run: Run) -> OneOfMany:
+    def _begun(self, run: Run) -> SeedRun:
         trainer = self.trainer.of_seed(run.asked.seed, run.trained)
         state = jax.tree.map(np.asarray, start_of(run, trainer))
-        return OneOfMany(run, GradientSteps(run.folder, run.spec, None), state, state)
+        return SeedRun(run, GradientSteps(run.folder, run.spec, None), state, state)
 
     def _compile(self) -> float:
         """Compile both programs, at once where there are two cores; results are thrown away."""
-        began = time.perf_counter()
+        start_time = time.perf_counter()
         self._over = self.trainer.over_seeds()
         with ThreadPoolExecutor(1) as beside:
             states = self._stacked([one.state for one in self.members])
             looked = beside.submit(self._validation_losses, states.parameters)
             self._advance(states, 1)
             looked.result()
-        return time.perf_counter() - began
+        return time.perf_counter() - start_time
 
     def _take(self, progress: Progress | None) -> None:
         saved, saving = time.perf_counter(), 0.0
@@ -147,10 +147,10 @@ class SeedBatch:
                 saved = time.perf_counter()
                 saving = saved - now
 
-    def _goes_on(self, one: OneOfMany) -> bool:
+    def _goes_on(self, one: SeedRun) -> bool:
         return one.refused is None and not self.trainer.done(one.state)
 
-    def _block(self, going: Sequence[OneOfMany]) -> Loss:
+    def _block(self, going: Sequence[SeedRun]) -> Loss:
         """Take steps until some seed is due for validation. Returns: losses of all seeds."""
         firsts = [int(one.state.step) for one in going]
         ahead = min(
@@ -159,11 +159,11 @@ class SeedBatch:
         )
         stacked, loss = self._stacked([one.state for one in self.members]), None
         while ahead:
-            began, now = time.perf_counter(), min(self._count, ahead)
+            start_time, now = time.perf_counter(), min(self._count, ahead)
             stacked, loss = self._advance(stacked, now)
             ahead -= now
             # As many at once as a user who stops it can wait for.
-            each = (time.perf_counter() - began) / now
+            each = (time.perf_counter() - start_time) / now
             self._count = max(1, round(AT_ONCE_S / each))
         states, losses = jax.tree.map(np.asarray, (stacked, loss))
         for number, one in enumerate(self.members):
@@ -172,7 +172,7 @@ class SeedBatch:
                 one.state = _row(states, number)
         return losses
 
-    def _look_at(self, going: Sequence[OneOfMany], losses: Loss) -> None:
+    def _look_at(self, going: Sequence[SeedRun], losses: Loss) -> None:
         """Keep the best weights of each seed that is due, or step back after NaN."""
         looked: list[tuple[int, Loss]] = []
         for number, one in enumerate(self.members):
@@ -183,7 +183,7 @@ class SeedBatch:
             if np.isfinite(loss.total) and np.isfinite(one.state.parameters).all():
                 looked.append((number, loss))
                 continue
-            smaller = self.trainer.careful(one.kept)
+            smaller = self.trainer.restart_with_smaller_rate(one.kept)
             if smaller is None:
                 one.refused = self._refused(number)
             else:
@@ -194,7 +194,7 @@ class SeedBatch:
         found = self._validation_losses(self._put(np.stack(self._filled(parameters))))
         for number, loss in looked:
             one = self.members[number]
-            state = self.trainer.better(one.state, float(found[number]))
+            state = self.trainer.keep_if_best(one.state, float(found[number]))
             one.state = one.kept = jax.tree.map(np.asarray, state)
             one.steps.rows.append(one.steps.row(int(state.step), loss, state))
 

@@ -7,11 +7,11 @@ from typing import NamedTuple
 import jax
 
 from neuralgaits.analysis.run import Run
-from neuralgaits.barriers.regions import AnyGait, Gait
+from neuralgaits.gait.gaits import AnyGait, Gait
 from neuralgaits.runs.names import START, STATE
-from neuralgaits.training.gradient_steps import GradientSteps, Progress
 from neuralgaits.training.posture_start import start_from_posture
 from neuralgaits.training.trainer import Trainer, TrainState
+from neuralgaits.training.training_loop import GradientSteps, Progress
 
 
 class Session(NamedTuple):

@@ -20,21 +20,21 @@ from jax.flatten_util import ravel_pytree
 from neuralgaits._quick_jit import quick_filter_jit, quick_jit
 from neuralgaits._types import Array, Float
 from neuralgaits.barriers import GaitSpec, Recipe
-from neuralgaits.barriers.regions import AnyGait
 from neuralgaits.errors import InputError
 from neuralgaits.gait import NO_RESIDUALS, Residuals
-from neuralgaits.gait.reset_residual import Reset
+from neuralgaits.gait.gaits import AnyGait
+from neuralgaits.gait.reset_residual import ResetCorrection
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.robots.parameters import model_of
-from neuralgaits.training.compiled import VALIDATION_SAMPLES, make_evaluate, make_steps
+from neuralgaits.training.disturbance_corners import DisturbanceBox
+from neuralgaits.training.gradient_step import VALIDATION_SAMPLES, make_evaluate, make_steps
 from neuralgaits.training.learning_rate import schedule, width_factor
 from neuralgaits.training.loss import (
-    Layout,
     Loss,
+    MarginLayout,
     lay_out,
 )
 from neuralgaits.training.precision import cast, cast_named
-from neuralgaits.training.pushes import Disturbance
 from neuralgaits.training.repair import Boxes, Extra
 from neuralgaits.training.sampling import Sampler
 
@@ -109,7 +109,7 @@ class Trainer:
     sampler: Sampler
     validation: Sampler
     residuals: Residuals
-    disturbance: Disturbance
+    disturbance: DisturbanceBox
     _steps: Callable
     _look: Callable
     _step: Callable
@@ -117,9 +117,9 @@ class Trainer:
     _unflatten: Callable
     _optimizer: optax.GradientTransformation
     _template: AnyGait
-    _light: tuple
-    _layout: Layout
-    _validation_layout: Layout
+    _float32_parts: tuple
+    _layout: MarginLayout
+    _validation_layout: MarginLayout
     extra: Extra | None = None
     round: int = 0
 
@@ -133,7 +133,7 @@ class Trainer:
         steps: int,
         seed: int,
         residuals: Residuals = NO_RESIDUALS,
-        disturbance: Disturbance = None,
+        disturbance: DisturbanceBox = None,
         rate: float = 1.0,
     ) -> "Trainer":
         """Lay out samples and margins and prepare the jitted functions.
@@ -166,14 +166,14 @@ class Trainer:
         trained, fixed = eqx.partition(template, template.trainable())
         _, unflatten = ravel_pytree(cast(trained, jnp.float32))
         optimizer = _optimizer(recipe, steps, rate * width_factor(spec, template))
-        light = (
+        float32_parts = (
             cast(model, np.float32),
             cast_named(layout, np.float32),
             cast_named(sampler, np.float32),
             cast(fixed, np.float32),
             cast(residuals, np.float32),
         )
-        taken = make_steps(spec, light, disturbance, unflatten, optimizer, steps)
+        taken = make_steps(spec, float32_parts, disturbance, unflatten, optimizer, steps)
         checked = lay_out(spec, model, template, validation)
         look = make_evaluate(spec, model, validation, checked, residuals, disturbance)
         return cls(
@@ -192,22 +192,22 @@ class Trainer:
             _unflatten=unflatten,
             _optimizer=optimizer,
             _template=template,
-            _light=light,
+            _float32_parts=float32_parts,
             _layout=layout,
             _validation_layout=checked,
         )
 
     def repairing(self, steps: int) -> "Trainer":
-        """Return a trainer that goes on from a trained gait, `steps` steps a round; see `on`."""
+        """Return a trainer for repair rounds of a trained gait, `steps` steps each."""
         factor = REPAIR_RATE * width_factor(self.spec, self._template)
         optimizer = _optimizer(self.spec.recipe, steps, factor)
-        parts = self.spec, self._light, self.disturbance, self._unflatten
+        parts = self.spec, self._float32_parts, self.disturbance, self._unflatten
         taken = make_steps(*parts, optimizer)
         compiled = quick_jit(taken)
         return replace(self, steps=steps, _steps=taken, _step=compiled, _optimizer=optimizer)
 
-    def on(self, extra: Extra, number: int) -> "Trainer":
-        """The trainer of one round: these boxes get samples too. Nothing is compiled again."""
+    def for_repair_round(self, extra: Extra, number: int) -> "Trainer":
+        """Return the trainer of one round: these boxes get samples too. Nothing is compiled."""
         return replace(self, extra=extra, round=number)
 
     def extra_of(self, boxes: Mapping[str, Boxes], before: Extra | None = None) -> Extra:
@@ -227,8 +227,8 @@ class Trainer:
         rate = jnp.ones((), jnp.float32)
         return TrainState(start, flat, self._optimizer.init(flat), flat, worst, rate)
 
-    def careful(self, kept: TrainState) -> TrainState | None:
-        """Where to go on if the steps after a state turned to NaN: its best weights, smaller steps.
+    def restart_with_smaller_rate(self, kept: TrainState) -> TrainState | None:
+        """Go back to the best weights, with smaller steps, where a state turned to NaN.
 
         Returns: None if its steps are as small as makes sense.
         """
@@ -265,10 +265,10 @@ class Trainer:
         """Keep the parameters if their loss on the validation samples is the lowest so far."""
         gait = self.gait(state.parameters)
         result, _ = self._evaluate(gait, jax.random.key(0), self.extra, jnp.ones(()))
-        return self.better(state, float(result.total))
+        return self.keep_if_best(state, float(result.total))
 
-    def better(self, state: TrainState, loss: float) -> TrainState:
-        """The same, the parameters having this loss on the validation samples."""
+    def keep_if_best(self, state: TrainState, loss: float) -> TrainState:
+        """Keep the parameters if this loss on the validation samples is the lowest so far."""
         if loss < float(state.best_loss):
             return state._replace(best=state.parameters, best_loss=jnp.asarray(loss, jnp.float64))
         return state
@@ -277,7 +277,7 @@ class Trainer:
         """Return the gait with these parameters, in float64 and matched to the robot."""
         trained = cast(self._unflatten(parameters), np.float64)
         gait = eqx.combine(trained, self._template)
-        return _matched(gait, self.robot, self.residuals.reset)
+        return _match_impact(gait, self.robot, self.residuals.reset)
 
     def report(self, gait: AnyGait, *, seed: int) -> FreshMargins:
         """Return loss and margins on samples inside the regions (`VALIDATION_SAMPLES` x batch).
@@ -285,10 +285,10 @@ class Trainer:
         Samples of extra boxes count for the loss alone.
         """
         loss, margins = self._evaluate(gait, jax.random.key(seed), self.extra, jnp.zeros(()))
-        return self.fresh(float(loss.total), np.asarray(margins))
+        return self.margins_by_condition(float(loss.total), np.asarray(margins))
 
-    def fresh(self, loss: float, margins: Float[np.ndarray, "N K"]) -> FreshMargins:
-        """What a look found, by condition."""
+    def margins_by_condition(self, loss: float, margins: Float[np.ndarray, "N K"]) -> FreshMargins:
+        """Sort margins by condition."""
         rows = self._validation_layout.counts
         margins = margins[: len(rows)]
         named = {
@@ -305,7 +305,7 @@ class Trainer:
         def gaits(parameters, template, robot):
             def one(mine):
                 double = jax.tree.map(lambda leaf: leaf.astype(float), self._unflatten(mine))
-                return eqx.combine(double, template).matched(robot, self.residuals.reset)
+                return eqx.combine(double, template).match_impact(robot, self.residuals.reset)
 
             return eqx.filter_vmap(one)(parameters)
 
@@ -347,5 +347,5 @@ def _optimizer(recipe: Recipe, steps: int, factor: float) -> optax.GradientTrans
 
 
 @quick_filter_jit
-def _matched(gait: AnyGait, robot: PlanarBiped, reset_residual: Reset) -> AnyGait:
-    return gait.matched(robot, reset_residual)
+def _match_impact(gait: AnyGait, robot: PlanarBiped, reset_residual: ResetCorrection) -> AnyGait:
+    return gait.match_impact(robot, reset_residual)

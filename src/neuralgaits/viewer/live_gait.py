@@ -6,18 +6,18 @@ from collections.abc import Mapping
 import numpy as np
 
 from neuralgaits._types import Float
-from neuralgaits.analysis.quantities import ENDS, Look, PlaneChart
+from neuralgaits.analysis.point_evaluator import ENDS, PlaneChart, PointEvaluator
 from neuralgaits.analysis.run import Run
 from neuralgaits.control.laws import LAWS
 from neuralgaits.errors import InputError
 from neuralgaits.simulation.live import PERIOD_S, LiveWalk
 from neuralgaits.simulation.native_walk import engine_of_trained
+from neuralgaits.simulation.setup.command_schedule import CommandSchedule
 from neuralgaits.simulation.setup.live_course import LiveCourse
-from neuralgaits.simulation.setup.orders import Orders
 from neuralgaits.simulation.setup.starts import momentum_range
-from neuralgaits.simulation.setup.terrain_kinds import told_by
+from neuralgaits.simulation.setup.terrain_kinds import commands_from_terrain
 from neuralgaits.simulation.ticks.falls import Ending
-from neuralgaits.viewer.walker import Limits, Margins, Shown, Told
+from neuralgaits.viewer.walker import Margins, Shown, SliderRange, SliderReach
 
 CONTROLLER = "pd"
 """Control law of the robot: the default of `simulate`."""
@@ -53,7 +53,7 @@ class LiveGait:
         ground = None
         self._on = terrain
         if terrain is not None:
-            base = Orders.constant(run.trained.commands)
+            base = CommandSchedule.constant(run.trained.commands)
             ground = LiveCourse(terrain, run.robot, run.gait.policy, base)
             names = (c.name for c in run.trained.commands)
             first = map(float, ground.courses.orders.first)
@@ -61,7 +61,7 @@ class LiveGait:
         self.run = run
         self.chart = PlaneChart(run.gait, run.spec)
         zd = run.zero_dynamics
-        self._onto = Look(lambda z: {"x": zd.phi_inv(z)})
+        self._onto = PointEvaluator(lambda z: {"x": zd.phi_inv(z)})
         phase, level = (np.array([value]) for value in MIDDLE)
         self._middle = self.chart.z(phase, level)[0]
         self.live = LiveWalk(
@@ -75,39 +75,41 @@ class LiveGait:
             ground=ground,
         )
         self._first = self.live.told
-        self._look: Look | None = None
+        self._look: PointEvaluator | None = None
         self._z = self._middle
 
-    def look_with(self, look: Look) -> None:
+    def look_with(self, look: PointEvaluator) -> None:
         """Enable live evaluation of margins by this evaluator."""
         self._look = look
 
     @property
-    def settings(self) -> Mapping[str, Limits]:
+    def settings(self) -> Mapping[str, SliderReach]:
         """Return the settings of the plant that can be changed, with their limits."""
         robot = self.run.robot
         friction, torque = float(robot.friction), float(np.max(robot.torque_limit))
-        turns = {"slope_deg": Limits(*SLOPE_DEG, 0.0)} if self._on is None else {}
+        turns = {"slope_deg": SliderReach(*SLOPE_DEG, 0.0)} if self._on is None else {}
         return turns | {
-            "friction": Limits(FRICTION[0], max(FRICTION[1], friction), friction),
-            "mass_scale": Limits(*MASS_SCALE, 1.0),
-            "torque_limit": Limits(_LEAST_TORQUE * torque, torque, torque),
+            "friction": SliderReach(FRICTION[0], max(FRICTION[1], friction), friction),
+            "mass_scale": SliderReach(*MASS_SCALE, 1.0),
+            "torque_limit": SliderReach(_LEAST_TORQUE * torque, torque, torque),
         }
 
     @property
-    def commands(self) -> Mapping[str, Told]:
+    def commands(self) -> Mapping[str, SliderRange]:
         """Return the commands that a visitor may give at each touchdown, with their ranges."""
-        own = () if self._on is None else told_by(self._on)
+        own = () if self._on is None else commands_from_terrain(self._on)
         return {
-            c.name: Told(Limits(c.low, c.high, 0.5 * (c.low + c.high)), c.unit)
+            c.name: SliderRange(SliderReach(c.low, c.high, 0.5 * (c.low + c.high)), c.unit)
             for c in self.run.trained.commands
             if c.name not in own
         }
 
     @property
-    def sizes(self) -> Mapping[str, Told]:
+    def sizes(self) -> Mapping[str, SliderRange]:
         """Return the sizes of the blocks ahead that a visitor may change, with their ranges."""
-        return {name: Told(Limits(*size), "m") for name, size in self.live.sizes.items()}
+        return {
+            name: SliderRange(SliderReach(*size), "m") for name, size in self.live.sizes.items()
+        }
 
     def resize(self, name: str, size: float) -> None:
         """Change a size of the blocks that the robot has not seen yet (m)."""
@@ -129,7 +131,7 @@ class LiveGait:
         record, verdict = live.record, live.verdict
         if record is not None:
             self._z = np.asarray(record.command.z)[0]
-        sensors = live.plant.wires.sensors(live.data.qpos, live.data.qvel)
+        sensors = live.plant.state_map.sensors(live.data.qpos, live.data.qvel)
         ending: Ending = live.ending
         return Shown(
             time=live.time,

@@ -12,9 +12,9 @@ import viser
 from neuralgaits.viewer import bars, scheme
 from neuralgaits.viewer.player import SPEED, Picture, Player
 from neuralgaits.viewer.readouts import ended, few_digits, notch
-from neuralgaits.viewer.walker import Limits, Told, Walker
+from neuralgaits.viewer.walker import SliderRange, SliderReach, Walker
 
-PUSH = Limits(0.0, 40.0, 8.0)
+PUSH = SliderReach(0.0, 40.0, 8.0)
 """Impulse of a push [N s]."""
 WAYS = {
     "back": (-1.0, 0.0),
@@ -54,11 +54,11 @@ class Panel:
         player: Player,
         *,
         title: str,
-        settings: Mapping[str, Limits],
+        settings: Mapping[str, SliderReach],
         conditions: Sequence[str],
         restarted: Callable[[], None],
-        commands: Mapping[str, Told] | None = None,
-        sizes: Mapping[str, Told] | None = None,
+        commands: Mapping[str, SliderRange] | None = None,
+        sizes: Mapping[str, SliderRange] | None = None,
     ):
         """Build the panel.
 
@@ -76,8 +76,8 @@ class Panel:
         self._player, self._conditions, self._restarted = player, conditions, restarted
         self._answer, self._answer_left, self._count = "", 0, 0
         self._laps = 0
-        self._sliders: dict[str, tuple[viser.GuiSliderHandle, Limits]] = {}
-        self._limited: list[tuple[viser.GuiSliderHandle, Limits]] = []
+        self._sliders: dict[str, tuple[viser.GuiSliderHandle, SliderReach]] = {}
+        self._limited: list[tuple[viser.GuiSliderHandle, SliderReach]] = []
         gui = server.gui
         gui.add_html(scheme.FOLLOW)
         gui.add_markdown(title)
@@ -189,7 +189,7 @@ class Panel:
         self,
         gui: viser.GuiApi,
         title: str,
-        told: Mapping[str, Told],
+        told: Mapping[str, SliderRange],
         hint: str,
         tell: Callable[[Walker, str, float], None],
     ) -> None:
@@ -212,7 +212,7 @@ class Panel:
                     step = way * _A_KEY * (limits.high - limits.low)
                     gui.add_command(word, hotkey=key).on_trigger(partial(ask, step=step))
 
-    def _add_plant(self, gui: viser.GuiApi, settings: Mapping[str, Limits]) -> None:
+    def _add_plant(self, gui: viser.GuiApi, settings: Mapping[str, SliderReach]) -> None:
         with gui.add_folder("Robot and floor"):
             for name, limits in settings.items():
                 label, step, hint = _SETTINGS[name]
@@ -228,7 +228,7 @@ class Panel:
                 self._set(name)
 
     def _slider(
-        self, gui: viser.GuiApi, label: str, limits: Limits, step: float, hint: str
+        self, gui: viser.GuiApi, label: str, limits: SliderReach, step: float, hint: str
     ) -> viser.GuiSliderHandle:
         low, high, first = map(few_digits, (limits.low, limits.high, limits.first))
         slider = gui.add_slider(label, low, high, step, first, hint=hint)
@@ -278,7 +278,7 @@ class Panel:
         return picture.pace < 0.9 * self._player.speed
 
 
-def _moved(slider: viser.GuiSliderHandle, limits: Limits, step: float) -> float | None:
+def _moved(slider: viser.GuiSliderHandle, limits: SliderReach, step: float) -> float | None:
     """Return a slider's number, after moving it by a step; None if it is no number."""
     value = limits.clip(slider.value)
     if value is not None and step:

@@ -10,13 +10,13 @@ import time
 from collections.abc import Callable
 from typing import NamedTuple
 
-from neuralgaits.viewer.walker import Limits, Margins, Shown, Walker
+from neuralgaits.viewer.walker import Margins, Shown, SliderReach, Walker
 
 FRAMES_PER_S = 40.0
 """Target number of pictures a second."""
 MARGINS_PER_S = 5.0
 """Updates of the bars a second."""
-SPEED = Limits(0.1, 2.0, 1.0)
+SPEED = SliderReach(0.1, 2.0, 1.0)
 """Range of the playback speed, simulated seconds a second."""
 STEP_S = 0.02
 """Simulated time of a single step [s]."""

@@ -2,7 +2,7 @@
 
 import math
 
-from neuralgaits.viewer.walker import Limits, Shown
+from neuralgaits.viewer.walker import Shown, SliderReach
 
 _NOTCHES = 70
 """Steps of a command's slider: half a centimetre a second over the usual range of speeds."""
@@ -23,7 +23,7 @@ def ended(shown: Shown, left: float | None) -> str:
     return text + ("; push it forward where it slows down." if shown.upright else ".")
 
 
-def notch(limits: Limits) -> float:
+def notch(limits: SliderReach) -> float:
     """Return the step of a slider: 1, 2 or 5 times a power of ten, about a share of its range.
 
     Other steps have more digits than the number beside the slider has room for.

@@ -18,7 +18,7 @@ from mjviser import ViserMujocoScene
 
 from neuralgaits._types import Float
 from neuralgaits.robots import PlanarBiped
-from neuralgaits.robots.bones import THICKNESS, bones
+from neuralgaits.robots.link_rods import THICKNESS, bones
 from neuralgaits.viewer.blocks import Blocks
 from neuralgaits.viewer.framing import Framing
 from neuralgaits.viewer.portrait import HEIGHT_PX, WIDTH_PX, Portrait

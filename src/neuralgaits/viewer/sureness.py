@@ -3,11 +3,11 @@
 from typing import NamedTuple
 
 from neuralgaits.analysis.run import Run
-from neuralgaits.certificate.reading import ProvedPart, read_certificate
+from neuralgaits.certificate.verified_summary import ProvedPart, read_certificate
 from neuralgaits.records import in_plain_words
-from neuralgaits.records.certified import PROOF, Certified
+from neuralgaits.records.certified import PROOF, CertificateRecord
 from neuralgaits.runs import packed
-from neuralgaits.runs.commands import command, named
+from neuralgaits.runs.shell_words import command, named
 from neuralgaits.viewer import markdown
 
 
@@ -64,7 +64,7 @@ def _of_part(part: ProvedPart, count: int) -> str:
     return f"**Proved of some commands only: {where}.** There {told}. Of others nothing is proved."
 
 
-def _lines(run: Run, answer: Certified, part: ProvedPart | None) -> list[str]:
+def _lines(run: Run, answer: CertificateRecord, part: ProvedPart | None) -> list[str]:
     """Return the report's words, and how they relate to the simulation on the page."""
     level = answer.proved_level
     told = in_plain_words.proved(answer, bool(run.asked.commands)) if level else _not_proved(answer)
@@ -90,13 +90,13 @@ def _lines(run: Run, answer: Certified, part: ProvedPart | None) -> list[str]:
     return lines
 
 
-def _not_proved(answer: Certified) -> str:
+def _not_proved(answer: CertificateRecord) -> str:
     return (
         f"Not proved: {answer.verdict} at level {answer.level}. {in_plain_words.not_proved(answer)}"
     )
 
 
-def _theorem(answer: Certified) -> str:
+def _theorem(answer: CertificateRecord) -> str:
     """Return the levels' statements from the proof file, as a list."""
     return "\n".join(
         f"- Level {entry.level}: {markdown.text(sentence)}."

@@ -50,7 +50,7 @@ class Margins(NamedTuple):
     state."""
 
 
-class Limits(NamedTuple):
+class SliderReach(NamedTuple):
     """Range of a slider, and its initial value."""
 
     low: float
@@ -65,10 +65,10 @@ class Limits(NamedTuple):
         return min(max(number, self.low), self.high) if np.isfinite(number) else None
 
 
-class Told(NamedTuple):
+class SliderRange(NamedTuple):
     """A command that a visitor may give."""
 
-    limits: Limits
+    limits: SliderReach
     """Range of the command, and its initial value."""
     unit: str
     """Unit of the command's values."""

@@ -13,8 +13,14 @@ from neuralgaits import _notebook
 from neuralgaits._digits import at_least
 from neuralgaits._settings import check_bandwidth, check_budget, check_disturbance
 from neuralgaits.analysis.run import Run, open_run
+from neuralgaits.certificate.certificate_files import (
+    hashes_with,
+    refuse_unwritable_certificate,
+    write_certificate,
+)
 from neuralgaits.certificate.levels.conditions import verdicts as level_one
-from neuralgaits.certificate.levels.ladder import conclude
+from neuralgaits.certificate.levels.level_search import FULL_ORDER_LEVEL, LevelSets, find_sets
+from neuralgaits.certificate.levels.levels import conclude
 from neuralgaits.certificate.levels.premises import proved_bounds
 from neuralgaits.certificate.levels.problems import (
     condition_boxes,
@@ -23,11 +29,10 @@ from neuralgaits.certificate.levels.problems import (
     premise_problems,
     trace_certificate,
 )
-from neuralgaits.certificate.levels.sets import FULL_ORDER_LEVEL, Sets, find_sets
 from neuralgaits.certificate.proof_file.model_data import model_data
-from neuralgaits.certificate.proof_file.of_run import proof_of
+from neuralgaits.certificate.proof_file.proof_from_run import proof_of
 from neuralgaits.certificate.proof_file.theorem_tables import Theorems
-from neuralgaits.certificate.proof_file.writer import Statement, prove
+from neuralgaits.certificate.proof_file.writer import StatementRecord, prove
 from neuralgaits.certificate.scope import LEVEL, Scope
 from neuralgaits.certificate.search.branch_and_bound import BoundAll, Search
 from neuralgaits.certificate.search.checkpoint import load, save
@@ -39,18 +44,13 @@ from neuralgaits.certificate.search.schedule import (
     explore,
 )
 from neuralgaits.certificate.search.shared_bounds import SharedBounds
-from neuralgaits.certificate.writing import (
-    hashes_with,
-    refuse_unwritable_certificate,
-    write_certificate,
-)
-from neuralgaits.engine import engine_for
+from neuralgaits.engine import worker_pool_for
 from neuralgaits.errors import InputError, SpecError
 from neuralgaits.programs import Program
 from neuralgaits.records import certified
 from neuralgaits.records.certified import (
     LEVELS,
-    Certified,
+    CertificateRecord,
     Conclusion,
     ConditionVerdict,
     Verdict,
@@ -64,10 +64,10 @@ MORE = "--resume goes on, with a --budget for as long as that lasts"
 
 
 @dataclass(frozen=True)
-class Certificate:
+class CertifyResult:
     """Result of a proof. Attributes: summary: what `certify --json` prints."""
 
-    summary: Certified
+    summary: CertificateRecord
 
     def __repr__(self) -> str:
         """Summarise in one line: subject, verdict, proved level and least margin."""
@@ -118,7 +118,7 @@ class _Task:
 
     run: Run
     scope: Scope
-    sets: Sets
+    sets: LevelSets
     program: Program
 
 
@@ -135,7 +135,7 @@ def certify(
     workers: int | None = None,
     ray: str | None = None,
     bandwidth: float | None = None,
-) -> Certificate:
+) -> CertifyResult:
     """Prove every condition of a run's spec on its region, and what follows for trajectories.
 
     Args:
@@ -160,11 +160,11 @@ def certify(
         bandwidth: double pole of the outputs [rad/s] at levels 4 and 5; level 4 is then about the
             largest set that the search yields. None for that of `control.Fblin`, and the usual set.
 
-    Returns: `Certificate`. Proof, summary, boxes and map are in the run's folder.
+    Returns: `CertifyResult`. Proof, summary, boxes and map are in the run's folder.
     Raises: InputError on bad settings; RunError if there are no boxes to resume from;
         SearchInterrupted for KeyboardInterrupt, with the results so far in the folder.
     """
-    began = time.perf_counter()
+    start_time = time.perf_counter()
     level = LEVEL if level is None else level
     _refuse(level, disturbance, bandwidth)
     check_budget(budget)
@@ -180,7 +180,7 @@ def certify(
     except SpecError as error:
         # A proof of what could be traced once would be taken for a proof of this run.
         nothing = level_one.not_looked_at(spec)
-        return _finish(trained, scope, nothing, [], began, {}, reason=str(error))
+        return _finish(trained, scope, nothing, [], start_time, {}, reason=str(error))
     task = _Task(trained, scope, sets, program)
     problems = [
         *condition_problems(spec, program, scope.chart),
@@ -202,10 +202,10 @@ def certify(
                 bound_all=bound_all,
             )
     except SearchInterrupted as stop:
-        _written(task, problems, stop.states, began, "interrupted")
+        _written(task, problems, stop.states, start_time, "interrupted")
         raise
     ended = None if time.monotonic() < deadline else f"the budget of {budget} s is spent"
-    return _written(task, problems, states, began, ended)
+    return _written(task, problems, states, start_time, ended)
 
 
 @contextmanager
@@ -214,8 +214,8 @@ def _bounding(workers: int | None, ray: str | None) -> Iterator[BoundAll | None]
     if workers is None and ray is None:
         yield None
         return
-    with engine_for(workers, ray) as at_work:
-        yield SharedBounds(at_work)
+    with worker_pool_for(workers, ray) as pool:
+        yield SharedBounds(pool)
 
 
 def _refuse(level: int, disturbance: tuple[float, float], bandwidth: float | None) -> None:
@@ -243,9 +243,9 @@ def _written(
     task: _Task,
     problems: Sequence[Problem],
     states: Sequence[Search],
-    began: float,
+    start_time: float,
     ended: str | None,
-) -> Certificate:
+) -> CertifyResult:
     """Save everything and return the verdicts; `ended` says why a search stopped early."""
     run, scope = task.run, task.scope
     searched = list(zip(problems, states, strict=True))
@@ -275,7 +275,7 @@ def _written(
         scope,
         verdicts,
         conclusions,
-        began,
+        start_time,
         files,
         reason=reason,
         boxes=box_count(states),
@@ -284,7 +284,7 @@ def _written(
 
 
 def _proof(
-    task: _Task, statements: tuple[Statement, ...], conclusions: Sequence[Conclusion]
+    task: _Task, statements: tuple[StatementRecord, ...], conclusions: Sequence[Conclusion]
 ) -> bytes:
     """Return the content of the proof file."""
     run, program = task.run, task.program
@@ -303,7 +303,7 @@ def _map(task: _Task, searched: Sequence[level_one.Searched]) -> dict[str, bytes
     return map_files(task.run, [problem for problem, _ in own], [state for _, state in own])
 
 
-def _conclusions(task: _Task, statements: Sequence[Statement]) -> list[Conclusion]:
+def _conclusions(task: _Task, statements: Sequence[StatementRecord]) -> list[Conclusion]:
     """Return the conclusions of the requested levels above 1."""
     sets, scope = task.sets, task.scope
     boxes = condition_boxes(scope.spec)
@@ -320,16 +320,16 @@ def _finish(
     scope: Scope,
     verdicts: Mapping[str, ConditionVerdict],
     conclusions: Sequence[Conclusion],
-    began: float,
+    start_time: float,
     files: Mapping[str, bytes],
     *,
     boxes: int = 0,
     reason: str | None = None,
     full_order: bool = False,
-) -> Certificate:
+) -> CertifyResult:
     """Write the certificate: `files` by name and the summary; files of an older one are removed."""
     proof = str(run.path / certified.PROOF) if certified.PROOF in files else None
-    summary = Certified(
+    summary = CertificateRecord(
         run=str(run.path),
         robot=run.asked.robot,
         spec=run.asked.spec,
@@ -338,7 +338,7 @@ def _finish(
         conditions=verdicts,
         levels=tuple(conclusions),
         sha256=hashes_with(run.path, files),
-        wall_s=time.perf_counter() - began,
+        wall_s=time.perf_counter() - start_time,
         boxes=boxes,
         within=scope.within,
         parameters=dict(scope.box),
@@ -349,4 +349,4 @@ def _finish(
     )
     summary = replace(summary, verdict=summary.of_all)
     write_certificate(run.path, files, to_json(summary).encode())
-    return Certificate(summary)
+    return CertifyResult(summary)

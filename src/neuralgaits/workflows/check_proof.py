@@ -15,7 +15,7 @@ from neuralgaits.certificate.proof_file.check import (
     ASSUMPTIONS,
     DERIVED_ELSEWHERE,
     OWN_SPEC,
-    Report,
+    CheckResult,
     all_in_words,
     check,
     tied,
@@ -27,9 +27,9 @@ from neuralgaits.errors import RunError
 from neuralgaits.records.certified import PROOF
 from neuralgaits.records.checked import Checked
 from neuralgaits.runs import packed, resolve
-from neuralgaits.runs.commands import LATEST, command, named
 from neuralgaits.runs.folder import CONFIG
 from neuralgaits.runs.latest import through_latest
+from neuralgaits.runs.shell_words import LATEST, command, named
 
 Progress = Callable[[int, int], None]
 
@@ -52,7 +52,7 @@ def check_proof(
         weights_sha256.
     Raises: InputError in one line if the file is no proof file; RunError if the run does not exist.
     """
-    began = time.perf_counter()
+    start_time = time.perf_counter()
     file = proof_file_at(file)
     claims = read_claims(file)
     folder = None if run is None else resolve(run).path
@@ -71,7 +71,7 @@ def check_proof(
         spec=claims.spec[0],
         weights_sha256=claims.weights_sha256,
         assumptions=assumed,
-        wall_s=time.perf_counter() - began,
+        wall_s=time.perf_counter() - start_time,
         **found,
     )
 
@@ -95,7 +95,7 @@ def proof_file_at(place: str | Path) -> Path:
     return proof
 
 
-def against(claims: Claims, folder: Path, report: Report) -> Report:
+def against(claims: Claims, folder: Path, report: CheckResult) -> CheckResult:
     """Compare a file whose statements hold with a run, and report whether it is about that run.
 
     Raises: InputError if the run cannot be opened or traced.
@@ -107,7 +107,7 @@ def against(claims: Claims, folder: Path, report: Report) -> Report:
     return report if claims.chart == found.chart else _of_part(report, claims)
 
 
-def _of_part(report: Report, claims: Claims) -> Report:
+def _of_part(report: CheckResult, claims: Claims) -> CheckResult:
     """Return the report about a file that covers only a part of the run's commands."""
     axes = " and ".join(claims.chart.intervals())
     reason = f"every statement holds, for {axes} only: part of what the gait is told"
@@ -117,6 +117,6 @@ def _of_part(report: Report, claims: Claims) -> Report:
     return replace(report, verdict="undecided", reason=reason, levels=levels)
 
 
-def _rejected(claims: Claims, wrong: list[str]) -> Report:
+def _rejected(claims: Claims, wrong: list[str]) -> CheckResult:
     """Return the report about a file that is not about the run."""
-    return Report("rejected", "; ".join(wrong), all_in_words(claims), (), (), 0)
+    return CheckResult("rejected", "; ".join(wrong), all_in_words(claims), (), (), 0)

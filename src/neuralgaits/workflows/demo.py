@@ -3,9 +3,9 @@
 from pathlib import Path
 
 from neuralgaits.errors import RunError
-from neuralgaits.runs.commands import LATEST, command
 from neuralgaits.runs.names import ROBOT
-from neuralgaits.viewer import page
+from neuralgaits.runs.shell_words import LATEST, command
+from neuralgaits.viewer import live_server
 from neuralgaits.workflows.view import LiveView, view
 
 FOLDER = Path(__file__).parents[1] / "demo_run"
@@ -14,7 +14,9 @@ TOLD = FOLDER.with_name("demo_speed_run")
 """Shipped run folder of a gait that takes speed commands; its proof is compressed."""
 
 
-def demo(*, speed: bool = False, host: str = page.LOOPBACK, port: int | None = None) -> LiveView:
+def demo(
+    *, speed: bool = False, host: str = live_server.LOOPBACK, port: int | None = None
+) -> LiveView:
     """Serve a live page of a shipped run; see `view`. With `speed`, its gait takes commands."""
     folder = TOLD if speed else FOLDER
     if not (folder / ROBOT).is_file():

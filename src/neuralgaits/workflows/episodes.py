@@ -15,20 +15,20 @@ from neuralgaits._printable import printable
 from neuralgaits._settings import check_rounds, check_seed
 from neuralgaits.analysis.run import Run, open_run
 from neuralgaits.control.laws import law_named
+from neuralgaits.episode_rounds.episode_folder import EpisodeFolder, read, write
+from neuralgaits.episode_rounds.round_walks import Field, logged_round, nominal_momentum, walk_round
 from neuralgaits.errors import InputError, Interrupted, NonFiniteError
 from neuralgaits.logs import read_all
+from neuralgaits.records.episode_records import SUMMARY, EpisodesDone, Round, WalkedRound
 from neuralgaits.records.fitted import Fitted
-from neuralgaits.records.walked import SUMMARY, EpisodesDone, Round, WalkedRound
 from neuralgaits.report.figures.rounds import draw_file
 from neuralgaits.robots import PlanarBiped, load_robot
-from neuralgaits.rounds.folder import EpisodeFolder, read, write
-from neuralgaits.rounds.walks import Field, logged_round, nominal_momentum, walk_round
 from neuralgaits.runs import RUNS_ROOT, plain
 from neuralgaits.runs.atomic import refuse_unwritable
-from neuralgaits.runs.commands import command, named
 from neuralgaits.runs.names import CONFIG, FIT
-from neuralgaits.simulation.setup.disturbance import Disturbance, parse
-from neuralgaits.training.gradient_steps import Progress
+from neuralgaits.runs.shell_words import command, named
+from neuralgaits.simulation.setup.disturbance import PlantChanges, parse
+from neuralgaits.training.training_loop import Progress
 from neuralgaits.workflows.fit import fit
 from neuralgaits.workflows.refine import refine
 from neuralgaits.workflows.train import train
@@ -76,7 +76,7 @@ def episodes(
     robot: PlanarBiped | None = None,
     *,
     plant: PlanarBiped | str | Path | None = None,
-    disturb: str | Mapping[str, float] | Disturbance | None = None,
+    disturb: str | Mapping[str, float] | PlantChanges | None = None,
     controller: str | None = None,
     logs: str | Path | None = None,
     columns: str | Path | None = None,
@@ -111,7 +111,7 @@ def episodes(
 
     Raises: InputError or RunError with one line; Interrupted for KeyboardInterrupt.
     """
-    began = time.perf_counter()
+    start_time = time.perf_counter()
     check_rounds(rounds)
     asked = {
         "robot": robot,
@@ -144,7 +144,7 @@ def episodes(
         waiting_for=stopped.waiting_for,
         diverged=stopped.diverged,
         figure=str(folder.path / FIGURE),
-        wall_s=time.perf_counter() - began,
+        wall_s=time.perf_counter() - start_time,
     )
     write(folder.path / SUMMARY, summary)
     draw_file(summary, folder.path / FIGURE)
@@ -156,7 +156,7 @@ def _begin(
 ) -> EpisodeFolder:
     """Check the settings, and make the folder."""
     usual: dict[str, Any] = {
-        "disturb": plain(vars(Disturbance())),
+        "disturb": plain(vars(PlantChanges())),
         "controller": "pd",
         "rounds": 2,
         "seed": 0,
@@ -297,7 +297,7 @@ class _Session:
             assert config.logs is not None  # There is a plant, or there are logs.
             found = logged_round(run, logs_of(Path(config.logs), number), config.columns)
         else:
-            field = Field(plant, Disturbance(**(config.disturb or {})), config.controller)
+            field = Field(plant, PlantChanges(**(config.disturb or {})), config.controller)
             found = walk_round(
                 run, field, momentum=momentum, seed=config.seed, folder=self.folder.logs(number)
             )

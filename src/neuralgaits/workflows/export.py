@@ -7,10 +7,10 @@ from pathlib import Path
 
 from neuralgaits._version import __version__
 from neuralgaits.analysis.run import Run, open_run
-from neuralgaits.certificate.reading import CertificateReading, read_certificate
+from neuralgaits.certificate.verified_summary import CertificateReading, read_certificate
 from neuralgaits.control.laws import EXPORTED
 from neuralgaits.errors import InputError
-from neuralgaits.export import build, writing
+from neuralgaits.export import build, output_folder
 from neuralgaits.export.c_check import check_controller
 from neuralgaits.export.compare import STATES
 from neuralgaits.export.facts import Design, Origin
@@ -28,7 +28,7 @@ NO_EXTRA = (
     "expected the packages onnx and onnxruntime for --format onnx, found no {}: "
     "pip install 'neuralgaits[onnx]'"
 )
-Told = Callable[..., Exported]
+RecordFactory = Callable[..., Exported]
 """Makes a record of what is known of files, once it is said where they are."""
 
 
@@ -68,7 +68,7 @@ def export_controller(
     if format not in WRITERS:
         raise InputError(f"unknown format {format!r}: expected one of {', '.join(WRITERS)}")
     trained, folder = open_run(run), Path(out)
-    writing.refuse_used(folder, force=force)
+    output_folder.refuse_used(folder, force=force)
     certificate = read_certificate(trained.folder)
     design = design_of(trained, certificate)
     files, told = WRITERS[format](design, states)
@@ -77,7 +77,7 @@ def export_controller(
             run=str(trained.path),
             format=format,
             out=str(folder),
-            files=tuple(writing.publish(folder, files)),
+            files=tuple(output_folder.publish(folder, files)),
             laws=tuple(design.controllers),
             warnings=tuple(_warnings(certificate)),
         )
@@ -143,18 +143,18 @@ def _warnings(found: CertificateReading) -> list[str]:
     return warnings
 
 
-def _c(design: Design, states: int) -> tuple[dict[str, str], Told]:
+def _c(design: Design, states: int) -> tuple[dict[str, str], RecordFactory]:
     """Return the files of the controller, and the factory of its record."""
     reference = Reference(design)
-    files = writing.shipped() | controller_files(design, reference)
+    files = output_folder.shipped() | controller_files(design, reference)
     compilers = build.compilers()
     if not compilers:
         return files, partial(UncheckedExport, reason=NO_COMPILER)
-    with writing.scratch(files | writing.harness()) as place:
+    with output_folder.scratch(files | output_folder.harness()) as place:
         return files, check_controller(design, reference, place, compilers, states)
 
 
-def _onnx(design: Design, states: int) -> tuple[dict[str, bytes], Told]:
+def _onnx(design: Design, states: int) -> tuple[dict[str, bytes], RecordFactory]:
     """Return the models of the policy, and the factory of their record.
 
     Raises: InputError without the extra.
@@ -168,7 +168,7 @@ def _onnx(design: Design, states: int) -> tuple[dict[str, bytes], Told]:
     return files, check_models(design, files, states)
 
 
-WRITERS: dict[str, Callable[[Design, int], tuple[Mapping[str, str | bytes], Told]]] = {
+WRITERS: dict[str, Callable[[Design, int], tuple[Mapping[str, str | bytes], RecordFactory]]] = {
     "c": _c,
     "onnx": _onnx,
 }

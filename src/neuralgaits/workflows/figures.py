@@ -3,13 +3,13 @@
 from pathlib import Path
 
 from neuralgaits.analysis.run import Run, open_run
-from neuralgaits.certificate.reading import CertificateReading
+from neuralgaits.certificate.verified_summary import CertificateReading
 from neuralgaits.errors import InputError
 from neuralgaits.report.certificate import certificate_of
 from neuralgaits.report.drawing.drawn import Drawn, Missing
 from neuralgaits.report.drawing.figure import paths_of
-from neuralgaits.report.drawing.two_pens import Sheet, second_pen, write_all
-from neuralgaits.report.makers import MAKERS, OF_FAMILIES, OF_TRAINING, Absent, Source
+from neuralgaits.report.drawing.parallel_figures import FigureFile, second_pen, write_all
+from neuralgaits.report.makers import MAKERS, OF_FAMILIES, OF_TRAINING, Absent, FigureSource
 from neuralgaits.runs.atomic import refuse_unwritable
 
 FOLDER = "figures"
@@ -42,7 +42,7 @@ def draw(
     if run.asked.as_given is not None:
         makers = [one for one in makers if one[0] not in OF_TRAINING]
     refuse_unwritable(*(path for name, *_ in makers for path in paths_of(folder, name)))
-    source = Source(run, certificate_of(run, certificate))
+    source = FigureSource(run, certificate_of(run, certificate))
     found: list[tuple[str, str] | Missing] = []
     sheets = []
     with second_pen() as pen:
@@ -53,7 +53,7 @@ def draw(
                 found.append(Missing(name, title, absent.reason, absent.command))
                 continue
             found.append((title, caption))
-            sheets.append(Sheet(figure, folder, name))
+            sheets.append(FigureFile(figure, folder, name))
         files = zip(sheets, write_all(sheets, pen), strict=True)
     drawn: list[Drawn | Missing] = []
     for entry in found:

@@ -17,9 +17,9 @@ from neuralgaits.errors import InputError
 from neuralgaits.gait import ZeroDynamics
 from neuralgaits.gait.flow_residual import Residual
 from neuralgaits.logs import Split, Stride, Windows
-from neuralgaits.records.fitted import Fitted, Strides
-from neuralgaits.residual.fit import FitConfig, Fitter, Optimizer, Progress
-from neuralgaits.residual.fit import fit as fit_flow
+from neuralgaits.records.fitted import Fitted, StrideCounts
+from neuralgaits.residual.fitter import FitConfig, Fitter, Optimizer, Progress
+from neuralgaits.residual.fitter import fit as fit_flow
 from neuralgaits.residual.floor import floor
 from neuralgaits.residual.reset import fit_reset
 from neuralgaits.residual.trajectories import largest_defects, missed, root_mean_square
@@ -76,7 +76,7 @@ def fit(
     Returns: `Fit`. Residual and summary are in the run's folder.
     Raises: InputError with file, row, column and remedy; then nothing is written.
     """
-    began = time.perf_counter()
+    start_time = time.perf_counter()
     config = FitConfig(optimizer=optimizer) if config is None else config
     check_seed(seed)
     trained = open_run(run)
@@ -109,14 +109,14 @@ def fit(
         seed=seed,
         steps=int(state.step),
         windows=len(train.z),
-        strides=Strides(**{name: len(part) for name, part in parts._asdict().items()}),
+        strides=StrideCounts(**{name: len(part) for name, part in parts._asdict().items()}),
         walked_s=float(sum(log.t[-1] - log.t[0] for log in read)),
         left_out=left_out | cut.left_out | {"short strides": short},
         bound=_pair(flow.bound),
         error_bound=_pair(learned.error_bound),
         **_errors(zd, flow, config, parts, scale),
         touchdowns=landing_errors(corrected, reset, walks.touchdowns(parts.heldout, zd)),
-        wall_s=time.perf_counter() - began,
+        wall_s=time.perf_counter() - start_time,
     )
     trained.folder.write_json(FIT, summary)
     return Fit(path, learned, summary)

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from neuralgaits.analysis.run import Run
 from neuralgaits.hzd.gait_file import read_gait
-from neuralgaits.records.asked import Given
+from neuralgaits.records.training_config import GaitOrigin
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.runs import RUNS_ROOT
 from neuralgaits.workflows.parts.given_run import given_run
@@ -30,7 +30,7 @@ def import_gait(
 
     Raises: InputError on a file for another robot, or a gait without an attracting orbit.
     """
-    began = time.perf_counter()
+    start_time = time.perf_counter()
     gait = read_gait(Path(file), robot, name)
-    given = Given("import-gait", gait.degree)
-    return given_run(robot, gait, given, began=began, out=out, root=root)
+    given = GaitOrigin("import-gait", gait.degree)
+    return given_run(robot, gait, given, start_time=start_time, out=out, root=root)

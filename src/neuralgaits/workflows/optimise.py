@@ -7,7 +7,7 @@ from neuralgaits.analysis.run import Run
 from neuralgaits.errors import InputError
 from neuralgaits.gait.commands import FASTEST
 from neuralgaits.hzd.solver import DEGREE, Optimiser
-from neuralgaits.records.asked import HIGHEST_DEGREE, Given
+from neuralgaits.records.training_config import HIGHEST_DEGREE, GaitOrigin
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.runs import RUNS_ROOT, RunFolder
 from neuralgaits.workflows.parts.given_run import given_run
@@ -39,7 +39,7 @@ def optimise(
     Raises: InputError without CasADi (extra `hzd`) or on bad settings; ConvergenceError if the
         solver finds no gait.
     """
-    began = time.perf_counter()
+    start_time = time.perf_counter()
     if not speed > 0.0:
         raise InputError(f"expected --speed above 0 m/s, found {speed:g}")
     if speed > FASTEST:
@@ -50,7 +50,7 @@ def optimise(
         )
     RunFolder.refuse(root, None if out is None else Path(out))
     found = Optimiser(robot, degree).at(speed)
-    given = Given("optimise", degree, speed)
+    given = GaitOrigin("optimise", degree, speed)
     return given_run(
-        robot, found.gait, given, solve_s=found.solve_s, began=began, out=out, root=root
+        robot, found.gait, given, solve_s=found.solve_s, start_time=start_time, out=out, root=root
     )

@@ -7,9 +7,9 @@ from neuralgaits.errors import RobotError
 from neuralgaits.records.inspected import RobotFacts
 from neuralgaits.robots import PlanarBiped, load_robot, registry
 from neuralgaits.robots.mjcf.loader import robot_text
-from neuralgaits.robots.mjcf.planarise import planarise
+from neuralgaits.robots.mjcf.planariser import planarise
 from neuralgaits.runs.atomic import write_new
-from neuralgaits.runs.commands import command
+from neuralgaits.runs.shell_words import command
 from neuralgaits.workflows.inspect import inspect
 
 

@@ -14,11 +14,11 @@ from neuralgaits._settings import (
 from neuralgaits.analysis.learned import Learned
 from neuralgaits.analysis.run import Run, open_run
 from neuralgaits.errors import InputError, RunError
-from neuralgaits.records.asked import Proving
+from neuralgaits.records.training_config import Proving
 from neuralgaits.runs import RUNS_ROOT, RunFolder
-from neuralgaits.runs.commands import learning
 from neuralgaits.runs.names import FITTED, RESIDUAL, ROBOT, SPEC, START, WEIGHTS
-from neuralgaits.training.gradient_steps import Progress
+from neuralgaits.runs.shell_words import learning
+from neuralgaits.training.training_loop import Progress
 from neuralgaits.workflows.parts.proof_rounds import Watch
 from neuralgaits.workflows.train import train_to_the_end
 
@@ -64,7 +64,7 @@ def refine(
     Raises: InputError on bad settings or a residual that does not fit; NonFiniteError if the loss
         turned to NaN.
     """
-    began = time.perf_counter()
+    start_time = time.perf_counter()
     parent = open_run(run)
     if parent.spec.parameters:
         raise InputError(
@@ -105,4 +105,4 @@ def refine(
         config, copies, name=parent.robot.name, seed=seed, root=root, out=place
     )
     child = Run(folder, parent.robot, parent.spec, parent.trained)
-    return train_to_the_end(child, progress=progress, watch=watch, root=root, began=began)
+    return train_to_the_end(child, progress=progress, watch=watch, root=root, start_time=start_time)

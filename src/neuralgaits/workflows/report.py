@@ -8,11 +8,11 @@ from neuralgaits._printable import printable
 from neuralgaits.analysis import gait_data
 from neuralgaits.analysis.run import Run, open_run
 from neuralgaits.certificate.proof_file.check import ASSUMPTIONS
-from neuralgaits.certificate.reading import CertificateReading, read_certificate
+from neuralgaits.certificate.verified_summary import CertificateReading, read_certificate
 from neuralgaits.errors import InputError, RunError
-from neuralgaits.records import shown
+from neuralgaits.records import report_walk
+from neuralgaits.records.report_walk import ShownWalk
 from neuralgaits.records.reported import Lack, Reported
-from neuralgaits.records.shown import ShownWalk
 from neuralgaits.report.certificate import part_of
 from neuralgaits.report.drawing.drawn import Drawn, Missing
 from neuralgaits.report.page.closing import missing_parts
@@ -56,7 +56,7 @@ def write_report(run: Run | str | Path, *, out: str | Path | None = None) -> Rep
     """
     folder = run.folder if isinstance(run, Run) else resolve(run, finished=False)
     path = folder.path / FILE if out is None else Path(out)
-    refuse_unwritable(path, *(folder.path / file for file in (gait_data.FILE, shown.FILE)))
+    refuse_unwritable(path, *(folder.path / file for file in (gait_data.FILE, report_walk.FILE)))
     certificate = read_certificate(folder)
     saved = saved_of(folder, certificate)
     robot = robot_from_text(folder.copy(ROBOT), saved.asked.robot)

@@ -5,18 +5,18 @@ from pathlib import Path
 
 from neuralgaits.barriers import specs
 from neuralgaits.errors import InputError
-from neuralgaits.records.installed import BuiltIn, Named
+from neuralgaits.records.installed import BuiltIn, CatalogueEntry
 from neuralgaits.robots import registry
 from neuralgaits.robots.mjcf.loader import robot_text
 from neuralgaits.runs.atomic import write_new
-from neuralgaits.runs.commands import command
+from neuralgaits.runs.shell_words import command
 
 
 def robots() -> BuiltIn:
     """List the built-in robots and specs by name."""
     return BuiltIn(
-        robots=tuple(Named(name, registry.describe(name)) for name in registry.built_in()),
-        specs=tuple(Named(name, about) for name, about in specs.DESCRIPTIONS.items()),
+        robots=tuple(CatalogueEntry(name, registry.describe(name)) for name in registry.built_in()),
+        specs=tuple(CatalogueEntry(name, about) for name, about in specs.DESCRIPTIONS.items()),
     )
 
 
@@ -34,5 +34,5 @@ def write_built_in(name: str, out: Path | None) -> BuiltIn:
         line = command("robots", name, "--out", f"{name}.xml")
         raise InputError(f"expected a file to write {name} to, found none: write `{line}`")
     write_new(out, text)
-    one = Named(name, registry.describe(name))
+    one = CatalogueEntry(name, registry.describe(name))
     return replace(robots(), robots=(one,), specs=(), written=str(out))

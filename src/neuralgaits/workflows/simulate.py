@@ -12,7 +12,7 @@ from neuralgaits import logs
 from neuralgaits._settings import check_walks
 from neuralgaits.analysis.run import Run, open_run
 from neuralgaits.control import AbstractLaw
-from neuralgaits.engine import engine_for as engine_of_workers
+from neuralgaits.engine import worker_pool_for as engine_of_workers
 from neuralgaits.errors import InputError
 from neuralgaits.records.simulated import PLANT, SUMMARY, Simulated, WalkSettings
 from neuralgaits.robots import load_robot, registry
@@ -21,7 +21,8 @@ from neuralgaits.runs.atomic import refuse_unwritable
 from neuralgaits.runs.folder import file_hashes
 from neuralgaits.runs.names import ROBOT, WEIGHTS
 from neuralgaits.simulation import video as films
-from neuralgaits.simulation.asked_together import (
+from neuralgaits.simulation.episode_log import log_of
+from neuralgaits.simulation.incompatible_settings import (
     REMOTE,
     about_other_robot,
     drawn_robots,
@@ -29,21 +30,20 @@ from neuralgaits.simulation.asked_together import (
     refuse_beside_terrain,
     refuse_shared,
 )
-from neuralgaits.simulation.episode_log import log_of
 from neuralgaits.simulation.linked.config import LinkConfig
 from neuralgaits.simulation.linked.connect import connected
 from neuralgaits.simulation.metrics import summary
-from neuralgaits.simulation.native_walk import Choice, Engine
-from neuralgaits.simulation.setup.disturbance import Disturbance, parse
+from neuralgaits.simulation.native_walk import Choice, WalkEngine
+from neuralgaits.simulation.setup.command_schedule import on_slope, orders_of
+from neuralgaits.simulation.setup.disturbance import PlantChanges, parse
 from neuralgaits.simulation.setup.drawn_robots import DrawnRobots
-from neuralgaits.simulation.setup.orders import on_slope, orders_of
 from neuralgaits.simulation.setup.sensing import name_of, sensed
 from neuralgaits.simulation.setup.starts import periodic_orbit
-from neuralgaits.simulation.setup.terrain_kinds import told_by
+from neuralgaits.simulation.setup.terrain_kinds import commands_from_terrain
 from neuralgaits.simulation.setup.terrains import courses_of
 from neuralgaits.simulation.shared_walks import SharedWalks
 from neuralgaits.simulation.simulators import MUJOCO, Simulator, check_simulator
-from neuralgaits.simulation.trained_walks import TrainedWalks, at_first, engine_for
+from neuralgaits.simulation.trained_walks import TrainedWalks, at_first, walk_engine_for
 from neuralgaits.simulation.walk import Walk
 from neuralgaits.workflows.export import design_of
 
@@ -88,7 +88,7 @@ def simulate(
     steps: int = 50,
     start: str = "centre",
     push: float | None = None,
-    disturb: str | dict[str, float] | Disturbance | None = None,
+    disturb: str | dict[str, float] | PlantChanges | None = None,
     sensing: str | None = None,
     seed: int = 0,
     episodes: int = 1,
@@ -174,14 +174,14 @@ def simulate(
         courses = courses_of(
             str(terrain), robot, gait.policy, orders, steps=steps, seed=seed, episodes=episodes
         )
-        own = told_by(str(terrain))
+        own = commands_from_terrain(str(terrain))
         kept = {name: value for name, value in (trained.command or {}).items() if name not in own}
         trained = at_first(trained, courses.orders.first)
         gait = trained.gait
-    walks = _engine(trained, controller, engine, simulator)
-    course = TrainedWalks(
+    loop = _engine(trained, controller, engine, simulator)
+    walks = TrainedWalks(
         run=trained,
-        library=walks.library,
+        library=loop.library,
         plant=None if plant is None else load_robot(plant),
         controller=controller if wire is None else wire.law,
         steps=steps,
@@ -198,13 +198,13 @@ def simulate(
     record, longest = video is not None, _ALL if files else 0
     if wire is not None:
         with connected(design_of(trained), wire, episodes, seed) as remote:
-            walked = course.walk(0, episodes, record=record, longest=longest, remote=remote)
+            walked = walks.walk(0, episodes, record=record, longest=longest, remote=remote)
     elif shared:
-        parts = SharedWalks(course, engine, kept, _text(commands))
-        with engine_of_workers(workers, ray) as at_work:
-            walked = parts.on(at_work, episodes)
+        parts = SharedWalks(walks, engine, kept, _text(commands))
+        with engine_of_workers(workers, ray) as pool:
+            walked = parts.on(pool, episodes)
     else:
-        walked = course.walk(0, episodes, record=record, longest=longest)
+        walked = walks.walk(0, episodes, record=record, longest=longest)
     settings = WalkSettings(
         run=str(trained.path),
         plant=walked.plant.robot.name,
@@ -217,7 +217,7 @@ def simulate(
         sensing=name_of(walked.plant.disturbance),
         seed=seed,
         engine=walked.engine,
-        engine_note=walks.note,
+        engine_note=loop.note,
         simulator=walked.simulator,
         steps=steps,
         logs=tuple(str(file) for file in files),
@@ -249,16 +249,16 @@ def _errors(drawn: DrawnRobots, episodes: int) -> dict[str, tuple[float, ...]]:
 
 def _engine(
     trained: Run, controller: str | AbstractLaw, choice: Choice | None, simulator: Simulator
-) -> Engine:
+) -> WalkEngine:
     """Choose the engine. Raises: InputError if native code was requested but is not possible."""
     if controller != REMOTE:
-        return engine_for(trained, controller, choice, simulator)
+        return walk_engine_for(trained, controller, choice, simulator)
     if choice == "native":
         raise InputError(
             f"--engine native: expected pd, fblin, paper or clf-qp, found {REMOTE}, which is a "
             "process of its own: leave --engine out, or --controller"
         )
-    return Engine(None, None)
+    return WalkEngine(None, None)
 
 
 def _kept_plant(trained: Run, plant: str | Path | None, walked: Walk) -> str | None:

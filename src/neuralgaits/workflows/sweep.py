@@ -12,9 +12,9 @@ from pathlib import Path
 from typing import Any
 
 from neuralgaits._settings import check_budget, check_seeds, check_steps
-from neuralgaits.barriers.commanded import Interval
+from neuralgaits.barriers.commanded_spec import Interval
 from neuralgaits.control.laws import law_named
-from neuralgaits.engine import Done, Engine, Job, engine_for
+from neuralgaits.engine import Done, Job, WorkerPool, worker_pool_for
 from neuralgaits.errors import InputError, Interrupted
 from neuralgaits.records.certified import HIGHEST, LEVELS
 from neuralgaits.records.swept import (
@@ -28,16 +28,16 @@ from neuralgaits.records.swept import (
     SweepRow,
     Swept,
 )
-from neuralgaits.report.sweep.page import page
+from neuralgaits.report.sweep.sweep_page import page
 from neuralgaits.runs import RUNS_ROOT, plain, to_json, write_text
 from neuralgaits.runs.atomic import refuse_unwritable
-from neuralgaits.runs.commands import command, named
 from neuralgaits.runs.names import ROBOT, SPEC
+from neuralgaits.runs.shell_words import command, named
 from neuralgaits.sweeps.disturbances import STANDARD, disturbances_of
-from neuralgaits.sweeps.folder import SweepFolder, sha256
 from neuralgaits.sweeps.grid import Combination, combinations, count, refuse_same
 from neuralgaits.sweeps.inputs import inputs_of, robot_file, spec_file
-from neuralgaits.sweeps.table import to_csv
+from neuralgaits.sweeps.sweep_folder import SweepFolder, sha256
+from neuralgaits.sweeps.sweep_table import to_csv
 from neuralgaits.workflows.parts.sweep_row import carry_out, row_of
 
 WALKS, WALK_STEPS = 4, 25
@@ -78,7 +78,7 @@ def sweep(
     walks: int | None = None,
     workers: int | None = None,
     ray: str | None = None,
-    engine: Engine | None = None,
+    engine: WorkerPool | None = None,
     out: str | Path | None = None,
     resume: bool = False,
     tell: Tell | None = None,
@@ -111,17 +111,17 @@ def sweep(
     Raises: InputError or RunError with one line; Interrupted for KeyboardInterrupt, with every
         finished row in the folder.
     """
-    began = time.perf_counter()
+    start_time = time.perf_counter()
     given = _given(specs, speeds, seeds, steps, certify, budget, controllers, disturbances, walks)
     make = _folder(robots, given, out, resume, root)
     # Before a folder is made, so that an engine that cannot be had leaves none.
-    with engine or engine_for(workers, ray) as at_work, make().alone() as folder:
+    with engine or worker_pool_for(workers, ray) as pool, make().alone() as folder:
         refuse_unwritable(*(folder.path / file for file in (TABLE, PAGE, SUMMARY)))
         every = list(combinations(folder.asked))
         before = sum(folder.has(one.name) for one in every)
         jobs = (_job(folder, one) for one in every if not folder.has(one.name))
         try:
-            with closing(at_work.map(carry_out, jobs)) as done:
+            with closing(pool.map(carry_out, jobs)) as done:
                 for number, row in enumerate(_kept(folder, done, every), before + 1):
                     if tell is not None:
                         tell(row, number, len(every))
@@ -137,9 +137,9 @@ def sweep(
             before=before,
             table=str(folder.path / TABLE),
             page=str(folder.path / PAGE),
-            engine=at_work.name,
-            workers=at_work.workers,
-            wall_s=time.perf_counter() - began,
+            engine=pool.name,
+            workers=pool.workers,
+            wall_s=time.perf_counter() - start_time,
         )
         write_text(folder.path / PAGE, page(folder.asked, rows, summary))
         write_text(folder.path / SUMMARY, to_json(summary))

@@ -8,26 +8,26 @@ from pathlib import Path
 
 import numpy as np
 
-from neuralgaits.analysis.orbit import poincare
+from neuralgaits.analysis.poincare_map import poincare
 from neuralgaits.analysis.run import Run, open_parts, untrained
 from neuralgaits.analysis.walking_speeds import speed_doubt
 from neuralgaits.barriers import GaitSpec
-from neuralgaits.barriers.commanded import Interval
-from neuralgaits.barriers.regions import CommandedGait
+from neuralgaits.barriers.commanded_spec import Interval
 from neuralgaits.barriers.spec import Init
 from neuralgaits.certificate.traced import after_impact, trace_spec
 from neuralgaits.errors import InputError, Interrupted, RunError
-from neuralgaits.records.asked import asked_of
+from neuralgaits.gait.gaits import CommandedGait
 from neuralgaits.records.trained import Trained, TrainingProof, Violations
+from neuralgaits.records.training_config import asked_of
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.runs import RUNS_ROOT, RunFolder, finish, resolve_unfinished
 from neuralgaits.runs.atomic import refuse_unwritable
-from neuralgaits.runs.commands import LATEST, command, resuming
 from neuralgaits.runs.names import ROBOT, STATE, SUMMARY, WEIGHTS
+from neuralgaits.runs.shell_words import LATEST, command, resuming
 from neuralgaits.training.calibration import calibrated
-from neuralgaits.training.gradient_steps import Progress
 from neuralgaits.training.session import take_all_steps
 from neuralgaits.training.trainer import FreshMargins, Trainer, TrainState
+from neuralgaits.training.training_loop import Progress
 from neuralgaits.workflows.parts.new_training import new_training
 from neuralgaits.workflows.parts.proof_rounds import ProofRounds, Watch
 
@@ -88,7 +88,7 @@ def train(
     Raises: InputError on bad settings; NonFiniteError if the loss turned to NaN; Interrupted
         for KeyboardInterrupt.
     """
-    began = time.perf_counter()
+    start_time = time.perf_counter()
     if resume is not None:
         folder, robot, loaded = _resumed(resume, robot, root)
         run = Run(folder, robot, loaded, untrained(folder, loaded))
@@ -118,7 +118,7 @@ def train(
         if doubt is not None and watch is not None and watch.doubted is not None:
             watch.doubted(doubt)
         run = asked.begun(root, place)
-    return train_to_the_end(run, progress=progress, watch=watch, root=root, began=began)
+    return train_to_the_end(run, progress=progress, watch=watch, root=root, start_time=start_time)
 
 
 def train_to_the_end(
@@ -127,7 +127,7 @@ def train_to_the_end(
     progress: Progress | None,
     watch: Watch | None,
     root: Path,
-    began: float,
+    start_time: float,
     trainer: Trainer | None = None,
 ) -> Run:
     """Train from the last checkpoint, or from a run's untrained gait, and finish its folder.
@@ -137,7 +137,7 @@ def train_to_the_end(
         progress: as in `train`.
         watch: as in `train`.
         root: folder of the runs.
-        began: start time of the command, or of this seed of many (s, of `time.perf_counter`).
+        start_time: start time of the command, or of this seed of many (s, of `time.perf_counter`).
         trainer: as in `take_all_steps`.
 
     Raises: NonFiniteError; Interrupted for KeyboardInterrupt.
@@ -162,7 +162,7 @@ def train_to_the_end(
             state=session.state,
             compile_s=session.compile_s,
             train_s=session.train_s,
-            began=began,
+            start_time=start_time,
             proof=proof,
         )
         finish(run.folder, found, root)
@@ -179,7 +179,7 @@ def summary_of(
     state: TrainState,
     compile_s: float,
     train_s: float,
-    began: float,
+    start_time: float,
     proof: TrainingProof | None = None,
 ) -> Trained:
     """Return the summary of a training, with the hash of its conditions as a Program.
@@ -192,7 +192,7 @@ def summary_of(
         state: training state at the last gradient step.
         compile_s: duration of compiling (s).
         train_s: duration of the gradient steps (s).
-        began: start time of the command, or of this seed of many (s, of `time.perf_counter`).
+        start_time: start time of the command, or of this seed of many (s, of `time.perf_counter`).
         proof: result of the requested proof; None without one.
     """
     asked = run.asked
@@ -222,7 +222,7 @@ def summary_of(
         step_size=round(float(state.rate), 6),
         compile_s=compile_s,
         train_s=train_s,
-        wall_s=time.perf_counter() - began,
+        wall_s=time.perf_counter() - start_time,
     )
 
 

@@ -11,7 +11,7 @@ from neuralgaits._settings import check_seeds
 from neuralgaits.analysis.run import Run
 from neuralgaits.analysis.walking_speeds import speed_doubt
 from neuralgaits.barriers import GaitSpec
-from neuralgaits.barriers.commanded import Interval
+from neuralgaits.barriers.commanded_spec import Interval
 from neuralgaits.barriers.spec import Init
 from neuralgaits.errors import Interrupted
 from neuralgaits.records.trained import TrainedSeed, TrainedSeeds
@@ -19,9 +19,9 @@ from neuralgaits.robots import PlanarBiped
 from neuralgaits.runs import RUNS_ROOT, to_json, write_text
 from neuralgaits.runs.atomic import refuse_unwritable
 from neuralgaits.runs.claim import claim, filled
-from neuralgaits.runs.commands import LATEST, command, resuming
 from neuralgaits.runs.latest import SEEDS, name_latest
-from neuralgaits.training.gradient_steps import Progress
+from neuralgaits.runs.shell_words import LATEST, command, resuming
+from neuralgaits.training.training_loop import Progress
 from neuralgaits.workflows.parts.many_seeds import ManySeeds
 from neuralgaits.workflows.parts.new_training import new_training
 from neuralgaits.workflows.parts.seed_batches import SeedBatches
@@ -93,7 +93,7 @@ def train_seeds(
 
     Raises: InputError on bad settings; Interrupted for KeyboardInterrupt.
     """
-    began = time.perf_counter()
+    start_time = time.perf_counter()
     check_seeds(seeds)
     first = new_training(
         robot,
@@ -125,7 +125,7 @@ def train_seeds(
         if len(many.done) + len(many.refused) < len(numbers):
             raise _stopped(many, numbers) from stop
         # It came behind the last step of all.
-    summary = _summary(many, numbers, time.perf_counter() - began)
+    summary = _summary(many, numbers, time.perf_counter() - start_time)
     write_text(path / SUMMARY, to_json(summary))
     runs = tuple(many.done[number] for number in numbers if number in many.done)
     if runs:

@@ -7,13 +7,13 @@ from typing import Any
 import numpy as np
 import viser
 
-from neuralgaits.analysis.quantities import Look, quantities
+from neuralgaits.analysis.point_evaluator import PointEvaluator, quantities
 from neuralgaits.analysis.run import Run, open_run
 from neuralgaits.errors import SpecError
-from neuralgaits.viewer import markdown, page
+from neuralgaits.viewer import live_server, markdown
 from neuralgaits.viewer.live_gait import LiveGait
 from neuralgaits.viewer.panel import Panel
-from neuralgaits.viewer.phase_plane import portrait
+from neuralgaits.viewer.phase_board import portrait
 from neuralgaits.viewer.player import Picture, Player
 from neuralgaits.viewer.stage import Stage
 from neuralgaits.viewer.walker import Walker
@@ -35,10 +35,10 @@ class LiveView:
         self._terrain = terrain
         self._closed = threading.Event()
         self._showing = threading.Lock()
-        self._server = page.open_server(f"Neural Gaits: {run.robot.name}", host, port)
+        self._server = live_server.open_server(f"Neural Gaits: {run.robot.name}", host, port)
         try:
             self.host, self.port = host, self._server.get_port()
-            self.url = page.url(host, self.port)
+            self.url = live_server.url(host, self.port)
             self.gait = LiveGait(run, terrain)
             self._run = self.gait.run
             self.player = Player(self.gait, self._show)
@@ -69,7 +69,7 @@ class LiveView:
             self._closed.set()
         if hasattr(self, "player"):
             self.player.stop()
-        with page.quiet():
+        with live_server.quiet():
             self._server.stop()
 
     def ready(self, timeout: float | None = None) -> bool:
@@ -104,7 +104,7 @@ class LiveView:
 
         try:
             run = self._run
-            look = Look(quantities(run.zero_dynamics, run.gait, run.spec))
+            look = PointEvaluator(quantities(run.zero_dynamics, run.gait, run.spec))
             self.gait.look_with(look)
             sure = how_sure(run)
             plane = portrait(run, look, certified=sure.certified and sure.map_fits)
@@ -138,7 +138,7 @@ class LiveView:
 def view(
     run: Run | str | Path,
     *,
-    host: str = page.LOOPBACK,
+    host: str = live_server.LOOPBACK,
     port: int | None = None,
     terrain: str | Path | None = None,
 ) -> LiveView:
@@ -154,5 +154,5 @@ def view(
         context manager.
     Raises: InputError, RobotError or RunError with one line.
     """
-    page.refuse_no_port(port)
+    live_server.refuse_no_port(port)
     return LiveView(open_run(run), host, port, None if terrain is None else str(terrain))

@@ -133,7 +133,7 @@ from pathlib import Path
 import neuralgaits.programs.tracing.tracer as tracer
 import neuralgaits.certificate.traced as traced
 import neuralgaits.certificate.levels.problems as problems
-import neuralgaits.certificate.levels.sets as sets
+import neuralgaits.certificate.levels.level_search as sets
 from neuralgaits.programs import Program
 
 table = json.loads(Path({proof!r}).read_text())["program"]

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from neuralgaits.certificate.levels.chart import Corner
+from neuralgaits.certificate.chart import Corner
 from neuralgaits.programs import Constant, Output, Program
 from support.forgeries.base import Table
 

@@ -11,9 +11,9 @@ from unittest import mock
 import jax
 import numpy as np
 
-from neuralgaits.certificate import reading, retrace
+from neuralgaits.certificate import retrace, verified_summary
+from neuralgaits.certificate.chart import PLANE_ONLY, Chart
 from neuralgaits.certificate.levels import problems
-from neuralgaits.certificate.levels.chart import PLAIN, Chart
 from neuralgaits.certificate.proof_file import reader as claims
 from neuralgaits.certificate.proof_file import shared_check
 from neuralgaits.certificate.proof_file.statement_check import StatementCheck
@@ -57,7 +57,9 @@ def statements_taken_as_checked(known: Container[str] | None = None) -> Iterator
         stack.enter_context(mock.patch.object(StatementCheck, "of", of))
         stack.enter_context(mock.patch.object(shared_check, "cores", lambda: 1))
         if known is None:
-            stack.enter_context(mock.patch.object(reading, "first_broken_bound", lambda _: None))
+            stack.enter_context(
+                mock.patch.object(verified_summary, "first_broken_bound", lambda _: None)
+            )
         yield
 
 
@@ -70,7 +72,7 @@ def traced_once(known: Traced) -> Iterator[None]:
     """
     with ExitStack() as stack:
         stack.enter_context(programs_read_once(known))
-        stack.enter_context(mock.patch.object(retrace, "ask", _here))
+        stack.enter_context(mock.patch.object(retrace, "retrace_in_subprocess", _here))
         trace = _once(problems.trace_certificate, known)
         stack.enter_context(mock.patch.object(problems, "trace_certificate", trace))
         yield
@@ -87,10 +89,10 @@ def _stated(program: Program, statement: claims.Statement) -> str:
     return f"{program.hash} {statement}"
 
 
-def _here(run: Path, theorems: Theorems, chart: Chart = PLAIN) -> dict[str, Any]:
-    """What `retrace.ask` gets from a process of its own."""
+def _here(run: Path, theorems: Theorems, chart: Chart = PLANE_ONLY) -> dict[str, Any]:
+    """What `retrace.retrace_in_subprocess` gets from a process of its own."""
     try:
-        return json.loads(json.dumps(retrace.answer(run, theorems, chart)))
+        return json.loads(json.dumps(retrace.describe_run(run, theorems, chart)))
     except (NeuralGaitsError, OSError) as error:
         raise InputError(str(error)) from None
 

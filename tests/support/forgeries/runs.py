@@ -12,8 +12,8 @@ from neuralgaits.certificate.levels.full_order.theorem import (
     BarrierConstants,
     labelled_premises,
 )
+from neuralgaits.certificate.levels.level_search import LevelSets
 from neuralgaits.certificate.levels.problems import trace_certificate
-from neuralgaits.certificate.levels.sets import Sets
 from neuralgaits.certificate.proof_file.theorem_tables import Theorems
 from neuralgaits.runs import plain
 from neuralgaits.workflows.certify import certify
@@ -100,7 +100,7 @@ def full_order_table(run: Run) -> Table:
     shape = replace(SHAPE, barriers=tuple(_constants(name) for name in barriers))
     below = Theorems.read(table["theorems"])
     theorems = Theorems({**below.parameters, 4: shape}, (*below.claimed, 4))
-    program = trace_certificate(run.spec, run.robot, run.gait, Sets(theorems.parameters))
+    program = trace_certificate(run.spec, run.robot, run.gait, LevelSets(theorems.parameters))
     table["statements"] += [
         claim(name, root(low, high), region=label, bound=1e-9)
         for label, name, low, high in labelled_premises(shape)

@@ -18,14 +18,15 @@ from neuralgaits.analysis import run as runs
 from neuralgaits.analysis.learned import Learned
 from neuralgaits.analysis.run import asked_of, open_run, untrained
 from neuralgaits.barriers import specs
-from neuralgaits.certificate import reading
+from neuralgaits.certificate import verified_summary
 from neuralgaits.certificate.proof_file.check import check, in_words
 from neuralgaits.certificate.proof_file.reader import InconsistentError, read_claims
 from neuralgaits.certificate.proof_file.run_match import differences
-from neuralgaits.certificate.reading import read_certificate
 from neuralgaits.certificate.search.checkpoint import load, open_boxes
+from neuralgaits.certificate.verified_summary import read_certificate
+from neuralgaits.episode_rounds.episode_folder import EpisodeFolder
 from neuralgaits.errors import InputError, RunError
-from neuralgaits.records.shown import FILE, ShownWalk
+from neuralgaits.records.report_walk import FILE, ShownWalk
 from neuralgaits.report import makers, shown_walk
 from neuralgaits.report.certificate import certificate_of
 from neuralgaits.report.page.closing import missing_parts
@@ -33,7 +34,6 @@ from neuralgaits.report.page.document import document
 from neuralgaits.report.page.saved import Contents
 from neuralgaits.robots import load_robot
 from neuralgaits.robots.mjcf.loader import robot_from_text
-from neuralgaits.rounds.folder import EpisodeFolder
 from neuralgaits.runs import read_arrays, resolve, to_json
 from neuralgaits.runs.names import ROBOT, STATE
 from neuralgaits.viewer.sureness import how_sure
@@ -137,7 +137,7 @@ def pictures(*names: str, rare: bool = False) -> Reader:
 
     def draw(place: Place, path: Path) -> None:
         run = open_run(place.root / RUN)
-        source = makers.Source(run, certificate_of(run))
+        source = makers.FigureSource(run, certificate_of(run))
         if rare:
             _ = source.walk
         if "residual-field" in names:
@@ -181,7 +181,7 @@ def remember() -> None:
     robot = functools.lru_cache(64)(robot_from_text)
     claims = functools.lru_cache(64)(lambda path, content: read_claims(path))
     runs.robot_from_text = report.robot_from_text = robot
-    reading.read_claims = lambda path: claims(path, path.read_bytes())
+    verified_summary.read_claims = lambda path: claims(path, path.read_bytes())
 
 
 def resume_training(place: Place, path: Path) -> None:

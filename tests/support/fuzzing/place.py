@@ -9,12 +9,12 @@ from functools import cached_property
 from pathlib import Path
 
 from neuralgaits.analysis.run import Run, open_run
+from neuralgaits.certificate.levels.level_search import find_sets
 from neuralgaits.certificate.levels.problems import (
     condition_problems,
     premise_problems,
     trace_certificate,
 )
-from neuralgaits.certificate.levels.sets import find_sets
 from neuralgaits.certificate.search.problem import Problem
 from neuralgaits.robots import PlanarBiped, load_robot, registry
 from neuralgaits.training import Trainer, TrainState

@@ -62,9 +62,9 @@ def work(folder: Path, run: Path, episodes: Path | None, block: Block) -> None:
     tell.write('"ready"\n')
     for number in range(block.first, block.last):
         tell.write(f"{number}\n")
-        began = time.process_time()
+        start_time = time.process_time()
         answer = carry(place, block.kind, number)
-        found = vars(answer) | {"s": time.process_time() - began}
+        found = vars(answer) | {"s": time.process_time() - start_time}
         tell.write(json.dumps(found) + "\n")
 
 
@@ -110,11 +110,11 @@ class Patience:
 
     def __init__(self, pid: int, limit_s: float):
         self.pid, self.limit_s = pid, limit_s
-        self.began, self.used = time.monotonic(), self._used()
+        self.start_time, self.used = time.monotonic(), self._used()
 
     def spent(self) -> bool:
         """Whether it has been silent for too long; one that only sleeps, by the clock."""
-        if time.monotonic() - self.began > SLOWER * self.limit_s:
+        if time.monotonic() - self.start_time > SLOWER * self.limit_s:
             return True
         return self._used() - self.used > self.limit_s
 

@@ -9,8 +9,8 @@ from neuralgaits.analysis.learned import Learned
 from neuralgaits.barriers import specs
 from neuralgaits.cli.learning_verbs import disturbance_bounds
 from neuralgaits.cli.verbs import _widths
+from neuralgaits.episode_rounds.episode_folder import EpisodeFolder
 from neuralgaits.robots import load_robot
-from neuralgaits.rounds.folder import EpisodeFolder
 from neuralgaits.runs import resolve, resolve_unfinished
 from neuralgaits.simulation.linked.config import parse_link
 from neuralgaits.simulation.setup.disturbance import parse

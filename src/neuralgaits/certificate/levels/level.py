@@ -1,14 +1,14 @@
 """Definition of a level above 1 for readers of a proof: parameters, premises, conclusion.
 
 The search for its parameters, and its premises as functions of a gait, are in its entry of
-`sets.SOUGHT`. Needs no JAX.
+`level_search.LEVEL_SEARCHES`. Needs no JAX.
 """
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from neuralgaits.certificate.levels.chart import Chart, Corner
+from neuralgaits.certificate.chart import Chart, Corner
 from neuralgaits.certificate.levels.premises import Bounds, Boxes
 from neuralgaits.records.certified import Conclusion
 

@@ -11,7 +11,7 @@ from typing import Literal, NamedTuple, Protocol
 import numpy as np
 from flint import arb
 
-from neuralgaits.certificate.levels.chart import PLANE, Corner
+from neuralgaits.certificate.chart import PLANE, Corner
 
 Boxes = Sequence[tuple[str, Corner, Corner]]
 """(condition, low, high) of the boxes of a spec's conditions."""

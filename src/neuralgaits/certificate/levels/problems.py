@@ -7,19 +7,19 @@ import numpy as np
 
 from neuralgaits._types import Array, Float
 from neuralgaits.barriers import Gait, GaitSpec
-from neuralgaits.barriers.regions import AnyGait
-from neuralgaits.certificate.levels.chart import PLAIN, PLANE, Chart, Corner
+from neuralgaits.certificate.chart import PLANE, PLANE_ONLY, Chart, Corner
 from neuralgaits.certificate.levels.disturbed.theorem import REGION as DISTURBED
 from neuralgaits.certificate.levels.full_order.model import size_of
 from neuralgaits.certificate.levels.full_order.theorem import REGION as FULL_ORDER
-from neuralgaits.certificate.levels.ladder import LEVELS, labelled_premises, refusals
-from neuralgaits.certificate.levels.sets import SOUGHT, Margins, Sets, one_step
+from neuralgaits.certificate.levels.level_search import LEVEL_SEARCHES, LevelSets, Margins, one_step
+from neuralgaits.certificate.levels.levels import LEVELS, labelled_premises, refusals
 from neuralgaits.certificate.levels.walking_set.theorem import SET
 from neuralgaits.certificate.search.branch_and_bound import Confirm
 from neuralgaits.certificate.search.problem import Problem
 from neuralgaits.certificate.traced import step_at
 from neuralgaits.errors import SpecError
 from neuralgaits.gait import NO_RESIDUALS, Residuals, ZeroDynamics
+from neuralgaits.gait.gaits import AnyGait
 from neuralgaits.programs import Program
 from neuralgaits.programs.prune import prune
 from neuralgaits.programs.tracing.tracer import trace
@@ -32,7 +32,7 @@ CLAIMED = 0.4
 TIGHT = {SET: Problem.tight, FULL_ORDER: 0.25, DISTURBED: 0.0}
 """Share of the smallest margin seen that is proved, by label. Level 4 reports its slack, and each
 further box costs; for the others only the sign matters."""
-APART = {
+BOUND_SEPARATELY = {
     "full/contact": "forces",
     "full/torque": "forces",
     "disturbed/contact": "forces",
@@ -54,7 +54,7 @@ def trace_certificate(
     spec: GaitSpec,
     robot: PlanarBiped,
     gait: AnyGait,
-    sets: Sets,
+    sets: LevelSets,
     residuals: Residuals = NO_RESIDUALS,
 ) -> Program:
     """Trace the margins of the spec's conditions and the sets, as one Program of chart point u.
@@ -81,7 +81,7 @@ def trace_certificate(
     return trace(margins, inputs, parameters=parameters | _named(sets))
 
 
-def _named(sets: Sets) -> dict[str, dict[str, np.ndarray]]:
+def _named(sets: LevelSets) -> dict[str, dict[str, np.ndarray]]:
     """Return the parameters of the sets, by the names of the Program's constants."""
     known = sets.parameters
     return {
@@ -94,12 +94,17 @@ def _named(sets: Sets) -> dict[str, dict[str, np.ndarray]]:
 
 
 def set_margins(
-    spec: GaitSpec, gait: Gait, zd: ZeroDynamics, sets: Sets, u: Float[Array, " n"], xi: Any = None
+    spec: GaitSpec,
+    gait: Gait,
+    zd: ZeroDynamics,
+    sets: LevelSets,
+    u: Float[Array, " n"],
+    xi: Any = None,
 ) -> Margins:
     """Return margins of the sets at one chart point and one xi, by output name."""
     found = {}
     for number in sets.parameters:
-        found |= SOUGHT[number].margins(spec, gait, zd, sets.parameters, u, xi)
+        found |= LEVEL_SEARCHES[number].margins(spec, gait, zd, sets.parameters, u, xi)
     return found
 
 
@@ -112,7 +117,9 @@ def condition_boxes(spec: GaitSpec) -> list[tuple[str, Corner, Corner]]:
     ]
 
 
-def condition_problems(spec: GaitSpec, program: Program, chart: Chart = PLAIN) -> list[Problem]:
+def condition_problems(
+    spec: GaitSpec, program: Program, chart: Chart = PLANE_ONLY
+) -> list[Problem]:
     """Return one problem for each box of each region; in more axes, one for each condition.
 
     In many axes there are many boxes, and the boxes of one condition do not help another.
@@ -132,7 +139,7 @@ def condition_problems(spec: GaitSpec, program: Program, chart: Chart = PLAIN) -
                     names,
                     scales,
                     part,
-                    near=chart.near,
+                    coupled_axes=chart.coupled_axes,
                     **how,
                 )
                 for box in boxes
@@ -140,7 +147,7 @@ def condition_problems(spec: GaitSpec, program: Program, chart: Chart = PLAIN) -
     return problems
 
 
-def confirmer(spec: GaitSpec, gait: AnyGait, zd: ZeroDynamics, sets: Sets) -> Confirm:
+def confirmer(spec: GaitSpec, gait: AnyGait, zd: ZeroDynamics, sets: LevelSets) -> Confirm:
     """Return a function that evaluates margins in Python, in float64, at a point with xi = 0."""
     conditions = {condition.name: condition for condition in spec.conditions}
     at = one_step(gait, zd, spec.parameters)
@@ -163,14 +170,14 @@ def confirmer(spec: GaitSpec, gait: AnyGait, zd: ZeroDynamics, sets: Sets) -> Co
 
 
 def premise_problems(
-    spec: GaitSpec, sets: Sets, program: Program, chart: Chart = PLAIN
+    spec: GaitSpec, sets: LevelSets, program: Program, chart: Chart = PLANE_ONLY
 ) -> list[Problem]:
     """Return root boxes of the levels above 1 with the outputs that must hold on each."""
     scales = {condition.name: float(condition.scale) for condition in spec.conditions}
     roots: dict[tuple[str, str, Corner, Corner], list[str]] = {}
     found = labelled_premises(sets.parameters, condition_boxes(spec))
     for region, name, low, high in found:
-        kind = APART.get(name.split(" ")[0], "")
+        kind = BOUND_SEPARATELY.get(name.split(" ")[0], "")
         if chart.parameters:
             kind = name
         names = roots.setdefault((region, kind, low, high), [])
@@ -184,7 +191,7 @@ def premise_problems(
             tuple(scales.get(name, 1.0) for name in names),
             prune(program, names),
             least=tuple(sets.least.get(name, 0.0) for name in names),
-            near=chart.near,
+            coupled_axes=chart.coupled_axes,
             **(_sign_only(spec) if chart.parameters else _how_near(region)),
         )
         for (region, _, low, high), names in roots.items()
@@ -193,7 +200,7 @@ def premise_problems(
 
 def _sign_only(spec: GaitSpec) -> dict[str, Any]:
     """Return options for many axes: prove the sign, and halve the robot's parameters last."""
-    return {**SIGN_ONLY, "late": len(spec.parameters)}
+    return {**SIGN_ONLY, "weak_axes": len(spec.parameters)}
 
 
 def _how_near(label: str) -> dict[str, Any]:

@@ -10,15 +10,15 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 from neuralgaits._digits import at_least, at_most
-from neuralgaits.certificate.levels.chart import PLANE
-from neuralgaits.certificate.levels.ladder import conclude
+from neuralgaits.certificate.chart import PLANE
+from neuralgaits.certificate.levels.levels import conclude
 from neuralgaits.certificate.levels.premises import level_one_boxes, proved_bounds
+from neuralgaits.certificate.proof_file.command_ranges import why_part
 from neuralgaits.certificate.proof_file.consistency import inconsistencies
-from neuralgaits.certificate.proof_file.coverage import Asked, unstated, why_incomplete
+from neuralgaits.certificate.proof_file.coverage import SpecOutline, unstated, why_incomplete
 from neuralgaits.certificate.proof_file.reader import FIBRE, Claims, InconsistentError, Statement
 from neuralgaits.certificate.proof_file.shared_check import bound_all
 from neuralgaits.certificate.proof_file.theorem_tables import BY_NUMBER
-from neuralgaits.certificate.proof_file.told_ranges import why_part
 from neuralgaits.records.certified import Conclusion
 
 Verdict = Literal["proved", "consistent", "rejected", "undecided"]
@@ -60,7 +60,7 @@ ASSUMPTIONS = (
 
 
 @dataclass(frozen=True)
-class Report:
+class CheckResult:
     """Result of the check of a proof file.
 
     Attributes:
@@ -82,14 +82,14 @@ class Report:
     holds: bool = False
 
 
-def check(claims: Claims, progress: Progress | None = None) -> Report:
+def check(claims: Claims, progress: Progress | None = None) -> CheckResult:
     """Check every statement of a proof file; stop at the first that is wrong.
 
     Args:
         claims: result of `read_claims`.
         progress: called with (leaves done, leaves) now and then.
     """
-    report = Report(
+    report = CheckResult(
         verdict="consistent",
         reason=NOT_TIED,
         statements=all_in_words(claims),
@@ -110,7 +110,7 @@ def check(claims: Claims, progress: Progress | None = None) -> Report:
     return _concluded(claims, report)
 
 
-def tied(report: Report, claims: Claims, asked: Asked) -> Report:
+def tied(report: CheckResult, claims: Claims, asked: SpecOutline) -> CheckResult:
     """Return a report once the Program is known to be a run's: proved, or with the obstacle.
 
     Args:
@@ -148,11 +148,11 @@ def _unclaimed(claims: Claims) -> tuple[str, ...]:
     return tuple(o.name for o in claims.program.outputs if o.name not in claimed)
 
 
-def _not_on_all(claims: Claims, asked: Asked) -> tuple[str, ...]:
+def _not_on_all(claims: Claims, asked: SpecOutline) -> tuple[str, ...]:
     return tuple(dict.fromkeys(name for name, *_ in unstated(claims.statements, asked)))
 
 
-def _concluded(claims: Claims, report: Report) -> Report:
+def _concluded(claims: Claims, report: CheckResult) -> CheckResult:
     """Draw the conclusions that the file claims from its statements, all of which hold by now."""
     theorems, asked = claims.theorems, claims.asked
     boxes = level_one_boxes(claims.statements) if asked is None else asked.boxes()

@@ -4,14 +4,14 @@ The check of a file and the reader of a run's certificate use this list and no o
 page, figures and export. Needs no JAX.
 """
 
-from neuralgaits.certificate.levels.ladder import refusals
-from neuralgaits.certificate.proof_file.coverage import Asked, contradictions
+from neuralgaits.certificate.levels.levels import refusals
+from neuralgaits.certificate.proof_file.command_ranges import OTHER_CHART, is_beyond
+from neuralgaits.certificate.proof_file.coverage import SpecOutline, contradictions
 from neuralgaits.certificate.proof_file.reader import Claims
 from neuralgaits.certificate.proof_file.theorem_tables import BY_NUMBER
-from neuralgaits.certificate.proof_file.told_ranges import OTHER_CHART, is_beyond
 
 
-def inconsistencies(claims: Claims, asked: Asked | None) -> list[str]:
+def inconsistencies(claims: Claims, asked: SpecOutline | None) -> list[str]:
     """List the contradictions in a proof file, one sentence each.
 
     Args:

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple, Protocol
 
 from neuralgaits._names import why_no_name
-from neuralgaits.certificate.levels.chart import PLANE, Corner
-from neuralgaits.certificate.levels.ladder import labelled_premises
+from neuralgaits.certificate.chart import PLANE, Corner
+from neuralgaits.certificate.levels.levels import labelled_premises
 from neuralgaits.certificate.levels.premises import Claim
 from neuralgaits.certificate.proof_file.json_fields import box_of, number_of, text_of
 from neuralgaits.certificate.proof_file.limits import MOST_BOXES, limit
@@ -22,7 +22,7 @@ SHOWN = 3
 """Largest number of wrong boxes or names that a message gives."""
 
 
-class AskedCondition(NamedTuple):
+class ConditionOutline(NamedTuple):
     """A condition of a spec.
 
     Attributes:
@@ -37,8 +37,8 @@ class AskedCondition(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Asked:
-    """Regions and conditions of a spec, as data.
+class SpecOutline:
+    """Outline of a spec: its regions and conditions, as data.
 
     Attributes:
         regions: boxes by name.
@@ -46,10 +46,10 @@ class Asked:
     """
 
     regions: Mapping[str, tuple[tuple[Corner, Corner], ...]]
-    conditions: Mapping[str, AskedCondition]
+    conditions: Mapping[str, ConditionOutline]
 
     @classmethod
-    def read(cls, regions: Any, conditions: Any, *, decimals: bool = True) -> "Asked":
+    def read(cls, regions: Any, conditions: Any, *, decimals: bool = True) -> "SpecOutline":
         """Read regions and conditions from a run's config or, without decimals, a proof's model.
 
         Raises: ValueError.
@@ -93,7 +93,7 @@ def _box(table: Any, decimals: bool) -> tuple[Corner, Corner]:
     return low, high
 
 
-def _condition(name: str, row: Any, regions: Mapping[str, Any]) -> AskedCondition:
+def _condition(name: str, row: Any, regions: Mapping[str, Any]) -> ConditionOutline:
     if not isinstance(row, dict) or not {"region", "scale"} <= set(row):
         raise ValueError(f"the condition {name}, which has no region or no scale")
     region, scale = text_of(row["region"], "a region"), number_of(row["scale"], "scales")
@@ -101,11 +101,11 @@ def _condition(name: str, row: Any, regions: Mapping[str, Any]) -> AskedConditio
         raise ValueError(f"the condition {name} on the region {region!r}, which is none")
     if not scale > 0.0:
         raise ValueError(f"{scale!r} among the scales, for {name}")
-    return AskedCondition(region, scale, text_of(row.get("kind", "user"), "a kind"))
+    return ConditionOutline(region, scale, text_of(row.get("kind", "user"), "a kind"))
 
 
-class Stated(Claim, Protocol):
-    """A statement of a proof file."""
+class LabelledClaim(Claim, Protocol):
+    """Claim of a proof file with the label of its region."""
 
     @property
     def region(self) -> str:
@@ -113,7 +113,7 @@ class Stated(Claim, Protocol):
         ...
 
 
-def stated_roots(statements: Iterable[Stated]) -> Iterator[tuple[Root, Stated]]:
+def stated_roots(statements: Iterable[LabelledClaim]) -> Iterator[tuple[Root, LabelledClaim]]:
     """Return every output and root box that a statement is about, with the statement."""
     for statement in statements:
         for name in statement.scales:
@@ -121,7 +121,7 @@ def stated_roots(statements: Iterable[Stated]) -> Iterator[tuple[Root, Stated]]:
 
 
 def contradictions(
-    statements: Sequence[Stated], theorems: Theorems, asked: Asked | None
+    statements: Sequence[LabelledClaim], theorems: Theorems, asked: SpecOutline | None
 ) -> list[str]:
     """List statements that no spec and no theorem requires in this form, one sentence each.
 
@@ -149,7 +149,7 @@ def contradictions(
     return wrong
 
 
-def _labels(theorems: Theorems, asked: Asked | None) -> dict[Root, str]:
+def _labels(theorems: Theorems, asked: SpecOutline | None) -> dict[Root, str]:
     """Return the label of each required output on each of its boxes."""
     boxes = [] if asked is None else asked.boxes()
     found: dict[Root, str] = {}
@@ -161,7 +161,7 @@ def _labels(theorems: Theorems, asked: Asked | None) -> dict[Root, str]:
     return found
 
 
-def _barriers_that_are_none(theorems: Theorems, asked: Asked | None) -> list[str]:
+def _barriers_that_are_none(theorems: Theorems, asked: SpecOutline | None) -> list[str]:
     if asked is None or theorems.walking is None:
         return []
     shape = theorems.walking
@@ -175,7 +175,7 @@ def premise_names(theorems: Theorems) -> set[str]:
     return {name for _, name, *_ in labelled_premises(theorems.parameters, [])}
 
 
-def unstated(statements: Sequence[Stated], asked: Asked) -> list[Root]:
+def unstated(statements: Sequence[LabelledClaim], asked: SpecOutline) -> list[Root]:
     """Return the boxes of conditions that no statement is about."""
     found = {root for root, _ in stated_roots(statements)}
     return [root for root in asked.boxes() if root not in found]

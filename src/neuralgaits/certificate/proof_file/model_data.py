@@ -11,13 +11,14 @@ from typing import Any
 import numpy as np
 
 from neuralgaits.barriers import GaitSpec
-from neuralgaits.barriers.regions import AnyGait, CommandedTube
 from neuralgaits.gait import NO_RESIDUALS, HybridInvariantPolicy, MLPPolicy, Residuals
 from neuralgaits.gait.commands import Command
 from neuralgaits.gait.flow_residual import Residual
+from neuralgaits.gait.gaits import AnyGait
 from neuralgaits.gait.policies.commanded import CommandedPolicy
 from neuralgaits.gait.policy import AbstractPolicy
 from neuralgaits.gait.reset_residual import ResetResidual
+from neuralgaits.gait.tubes import CommandedTube
 from neuralgaits.programs import Program
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.robots.derive import LegData, TorsoData

@@ -12,8 +12,9 @@ from typing import Any
 import numpy as np
 
 from neuralgaits._names import LONGEST_NAME, why_no_name
-from neuralgaits.certificate.levels.chart import Chart, Corner, Near, asked_for
-from neuralgaits.certificate.proof_file.coverage import Asked, premise_names
+from neuralgaits.certificate.chart import Chart, Corner, CoupledAxes, asked_for
+from neuralgaits.certificate.proof_file.command_ranges import ModelCommand, command_ranges
+from neuralgaits.certificate.proof_file.coverage import SpecOutline, premise_names
 from neuralgaits.certificate.proof_file.json_fields import (
     box_of,
     exactly,
@@ -30,7 +31,6 @@ from neuralgaits.certificate.proof_file.limits import (
 from neuralgaits.certificate.proof_file.program_field import FIBRE
 from neuralgaits.certificate.proof_file.program_field import program_of as _program
 from neuralgaits.certificate.proof_file.theorem_tables import Theorems
-from neuralgaits.certificate.proof_file.told_ranges import CommandRange, command_ranges
 from neuralgaits.errors import InputError, reason
 from neuralgaits.programs.program import Program
 from neuralgaits.programs.prune import reading
@@ -68,7 +68,7 @@ class Statement:
         degree: degree of the Taylor models, 1 or 2.
         low, high: corners of the root box. [n] each
         tree: depth first: the axis that is halved, lower half first, or `-` for a leaf.
-        near: axes of the chart that are near each other; the statement leaves out other points.
+        coupled_axes: axes of the chart  near each other; the statement leaves out other points.
     """
 
     conditions: tuple[str, ...]
@@ -79,7 +79,7 @@ class Statement:
     low: Corner
     high: Corner
     tree: str
-    near: tuple[Near, ...] = ()
+    coupled_axes: tuple[CoupledAxes, ...] = ()
 
     def leaves(self) -> Corners:
         """Return boxes that cover the part of the root box that the statement is about.
@@ -106,7 +106,7 @@ class Statement:
         if next(signs, None) is not None:
             raise InconsistentError(f"the tree of {self.region} goes on after its last leaf")
         low, high = np.array(lows), np.array(highs)
-        asked = asked_for(self.near, low, high)
+        asked = asked_for(self.coupled_axes, low, high)
         return low[asked], high[asked]
 
 
@@ -136,8 +136,8 @@ class Claims:
     statements: tuple[Statement, ...]
     theorems: Theorems
     model: dict[str, Any] | None
-    asked: Asked | None
-    commands: tuple[CommandRange, ...] = ()
+    asked: SpecOutline | None
+    commands: tuple[ModelCommand, ...] = ()
 
     @cached_property
     def off_zero(self) -> set[str]:
@@ -217,8 +217,8 @@ def _refuse_names(outputs: set[str], premises: set[str]) -> None:
             raise ValueError(f"an output of the Program named {why}")
 
 
-def _asked(model: dict[str, Any], outputs: set[str]) -> Asked:
-    asked = Asked.read(model.get("regions"), model.get("conditions"), decimals=False)
+def _asked(model: dict[str, Any], outputs: set[str]) -> SpecOutline:
+    asked = SpecOutline.read(model.get("regions"), model.get("conditions"), decimals=False)
     own = {name for name in outputs if "/" not in name}
     if odd := sorted(own ^ set(asked.conditions)):
         raise ValueError(f"{odd[0]}, which only one of model and Program has")
@@ -250,7 +250,7 @@ def _statement(entry: Any, outputs: set[str], chart: Chart) -> Statement:
         low=low,
         high=high,
         tree=tree,
-        near=chart.near,
+        coupled_axes=chart.coupled_axes,
     )
 
 

@@ -9,7 +9,7 @@ import itertools
 import numpy as np
 
 from neuralgaits._types import Float
-from neuralgaits.certificate.levels.chart import Corner, asked_for
+from neuralgaits.certificate.chart import Corner, asked_for
 from neuralgaits.certificate.proof_file.reader import FIBRE, Claims, Statement
 from neuralgaits.programs import POINT, evaluate
 from neuralgaits.programs.prune import prune
@@ -66,10 +66,10 @@ def _points(statement: Statement) -> Float[np.ndarray, "points n"]:
     corners = itertools.islice(itertools.product((0.0, 1.0), repeat=len(low)), MOST_CORNERS)
     shares = np.concatenate([np.array(list(corners)), np.full((1, len(low)), 0.5), random])
     # Where two axes have to be near each other, half of the points have the same value of both.
-    for near in statement.near:
+    for near in statement.coupled_axes:
         shares[::2, near.second] = shares[::2, near.first]
     points = np.clip(low + (high - low) * shares, low, high)
-    return points[asked_for(statement.near, points, points)]
+    return points[asked_for(statement.coupled_axes, points, points)]
 
 
 def _in_ball(count: int, size: int) -> Float[np.ndarray, "points size"]:

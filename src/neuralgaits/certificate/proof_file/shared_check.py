@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 
 from neuralgaits._environment import cores
 from neuralgaits._own_process import command_of, environment_of
-from neuralgaits.certificate.levels.chart import Near
+from neuralgaits.certificate.chart import CoupledAxes
 from neuralgaits.certificate.proof_file.reader import Corners, Statement
 from neuralgaits.certificate.proof_file.statement_check import BATCH, StatementCheck, Verdict
 from neuralgaits.programs.program import Program
@@ -37,22 +37,22 @@ class Piece(NamedTuple):
     leaves: int
 
 
-class Found(NamedTuple):
-    """What bounding a piece gave, and how many boxes it took."""
+class PieceResult(NamedTuple):
+    """Verdict on a piece, and how many boxes it took."""
 
     verdict: Verdict
     reason: str | None
     boxes: int
 
 
-class Bounder:
+class PieceBounder:
     """A callable that bounds pieces in this process."""
 
     def __init__(self, program: Program, statements: Sequence[Statement], trees: Sequence[Corners]):
         self._program, self._statements, self._trees = program, statements, trees
         self._known: dict[int, StatementCheck] = {}
 
-    def __call__(self, piece: Piece) -> Found:
+    def __call__(self, piece: Piece) -> PieceResult:
         """Bound the leaves of one piece, up to the first that fails."""
         number = piece.statement
         if number not in self._known:
@@ -66,7 +66,7 @@ class Bounder:
             pass
         if checker.verdict != "holds":
             self._known = {}
-        return Found(checker.verdict, checker.reason, checker.boxes - before)
+        return PieceResult(checker.verdict, checker.reason, checker.boxes - before)
 
 
 def pieces_of(trees: Sequence[Corners]) -> list[Piece]:
@@ -83,7 +83,7 @@ def bound_all(
     statements: Sequence[Statement],
     trees: Sequence[Corners],
     progress: Callable[[int, int], None] | None = None,
-) -> Found:
+) -> PieceResult:
     """Bound every leaf, up to the first piece that is rejected.
 
     Args:
@@ -94,10 +94,10 @@ def bound_all(
 
     Returns: that all hold; or the first that is rejected; or, without one, the first undecided.
     """
-    pieces, here = pieces_of(trees), Bounder(program, statements, trees)
+    pieces, here = pieces_of(trees), PieceBounder(program, statements, trees)
     total = sum(piece.leaves for piece in pieces)
     count = min(cores(), MOST_PROCESSES) if total > FEW else 1
-    answer, boxes, done = Found("holds", None, 0), 0, 0
+    answer, boxes, done = PieceResult("holds", None, 0), 0, 0
     with contextlib.ExitStack() as stack:
         beside = [
             stack.enter_context(contextlib.closing(Beside(program, statements, k, count)))
@@ -115,8 +115,8 @@ def bound_all(
 
 
 def _in_order(
-    pieces: Sequence[Piece], here: Bounder, beside: Sequence["Beside"]
-) -> Iterator[Found]:
+    pieces: Sequence[Piece], here: PieceBounder, beside: Sequence["Beside"]
+) -> Iterator[PieceResult]:
     """Yield the result of each piece in order; bound own pieces ahead while waiting for others."""
     count, own = 1 + len(beside), {}
     mine = iter(range(0, len(pieces), count))
@@ -142,7 +142,7 @@ class Beside:
     """
 
     def __init__(self, program: Program, statements: Sequence[Statement], turn: int, count: int):
-        self.found: list[Found] = []
+        self.found: list[PieceResult] = []
         rows = [asdict(statement) for statement in statements]
         task = {"program": program.to_json(), "statements": rows, "turn": turn, "count": count}
         self._process = None
@@ -182,21 +182,21 @@ class Beside:
             process.stdin.write(task)
             process.stdin.close()
             for line in process.stdout:
-                self.found.append(Found(*json.loads(line)))
+                self.found.append(PieceResult(*json.loads(line)))
 
 
-def _bound_share(task: dict[str, Any]) -> Iterator[Found]:
+def _bound_share(task: dict[str, Any]) -> Iterator[PieceResult]:
     """Yield another process's results, up to its first piece that is rejected."""
     statements = [
         Statement(
             **row
             | {name: tuple(row[name]) for name in ("conditions", "low", "high")}
-            | {"near": tuple(Near(*pair) for pair in row["near"])}
+            | {"coupled_axes": tuple(CoupledAxes(*pair) for pair in row["coupled_axes"])}
         )
         for row in task["statements"]
     ]
     trees = [statement.leaves() for statement in statements]
-    here = Bounder(Program.from_json(task["program"]), statements, trees)
+    here = PieceBounder(Program.from_json(task["program"]), statements, trees)
     for piece in itertools.islice(pieces_of(trees), task["turn"], None, task["count"]):
         found = here(piece)
         yield found

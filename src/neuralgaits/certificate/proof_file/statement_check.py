@@ -13,7 +13,7 @@ from typing import Any, Literal
 import numpy as np
 from flint import arb
 
-from neuralgaits.certificate.levels.chart import asked_for
+from neuralgaits.certificate.chart import asked_for
 from neuralgaits.certificate.proof_file.reader import Corners, Statement, halves
 from neuralgaits.programs.algebras.ball import BallAlgebra
 from neuralgaits.programs.evaluation import evaluate, fold
@@ -100,7 +100,7 @@ class StatementCheck:
             axis = max(self.wide, key=lambda axis: (b - a)[axis] / size[axis])
             parts += halves(tuple(a.tolist()), tuple(b.tolist()), axis)
         lows, highs = (np.array([part[end] for part in parts]) for end in (0, 1))
-        asked = asked_for(self.statement.near, lows, highs)
+        asked = asked_for(self.statement.coupled_axes, lows, highs)
         return lows[asked], highs[asked]
 
     def _ranges(self, low: np.ndarray, high: np.ndarray) -> dict[str, np.ndarray]:
@@ -126,7 +126,7 @@ class StatementCheck:
         ]
         points = np.concatenate([low + (high - low) * share for share in shares])
         points = np.clip(points, self.statement.low, self.statement.high)
-        points = points[asked_for(self.statement.near, points, points)]
+        points = points[asked_for(self.statement.coupled_axes, points, points)]
         if not len(points):
             return None
         for name, values in self._ranges(points, points).items():

@@ -9,11 +9,11 @@ from types import MappingProxyType
 from typing import Any, Literal, NamedTuple, TypeVar, get_args, get_origin
 
 from neuralgaits._digits import from_hex
-from neuralgaits.certificate.levels.full_order.theorem import FullOrder
-from neuralgaits.certificate.levels.ladder import LEVELS
+from neuralgaits.certificate.levels.full_order.theorem import FullOrderConstants
 from neuralgaits.certificate.levels.level import Level, Parameters
-from neuralgaits.certificate.levels.orbit.theorem import Orbit
-from neuralgaits.certificate.levels.walking_set.theorem import WalkingSet
+from neuralgaits.certificate.levels.levels import LEVELS
+from neuralgaits.certificate.levels.orbit.theorem import OrbitConstants
+from neuralgaits.certificate.levels.walking_set.theorem import WalkingSetConstants
 from neuralgaits.certificate.proof_file.limits import MOST_NAMES, MOST_SERIES, limit
 
 BY_NUMBER: Mapping[int, Level] = {level.number: level for level in LEVELS}
@@ -42,17 +42,17 @@ class Theorems(NamedTuple):
         return cls(known, claimed)
 
     @property
-    def walking(self) -> WalkingSet | None:
+    def walking(self) -> WalkingSetConstants | None:
         """Parameters of level 2; None without."""
         return self.parameters.get(2)
 
     @property
-    def orbit(self) -> Orbit | None:
+    def orbit(self) -> OrbitConstants | None:
         """Parameters of level 3; None without."""
         return self.parameters.get(3)
 
     @property
-    def full(self) -> FullOrder | None:
+    def full(self) -> FullOrderConstants | None:
         """Parameters of level 4; None without."""
         return self.parameters.get(4)
 

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from neuralgaits.certificate.levels.chart import Chart
+from neuralgaits.certificate.chart import Chart
 from neuralgaits.certificate.search.box_tree import BoxTree
 from neuralgaits.certificate.search.branch_and_bound import Search
 from neuralgaits.certificate.search.halving import LEAF, to_text
@@ -28,7 +28,7 @@ SIMILAR = 4.0
 
 
 @dataclass(frozen=True)
-class Statement:
+class StatementRecord:
     """A statement: every element of every condition is at least bound x scale on the root box.
 
     Attributes:
@@ -76,7 +76,7 @@ class Proof:
     weights_sha256: str
     program: Program
     chart: Chart
-    statements: tuple[Statement, ...]
+    statements: tuple[StatementRecord, ...]
     theorems: tuple[Mapping[str, Any], ...] = ()
     model: Mapping[str, Any] | None = None
 
@@ -104,7 +104,7 @@ class Proof:
         return f'{text.removesuffix("}").rstrip()},\n "program": {program}\n}}\n'.encode()
 
 
-def prove(problem: Problem, state: Search) -> list[Statement]:
+def prove(problem: Problem, state: Search) -> list[StatementRecord]:
     """Return the statements that a search has proved, with the smallest trees for them.
 
     Conditions that need about as many boxes share a statement: a reader then shares most of the
@@ -120,13 +120,13 @@ def prove(problem: Problem, state: Search) -> list[Statement]:
     return [_statement(problem, tree, columns) for _, columns in sorted(groups.items())]
 
 
-def _statement(problem: Problem, tree: BoxTree, columns: list[int]) -> Statement:
+def _statement(problem: Problem, tree: BoxTree, columns: list[int]) -> StatementRecord:
     """Return the statement about some columns, all proved on every leaf."""
     margins = problem.claimed * tree.lower[tree.is_leaf][:, columns].min(axis=0)
     enough = np.all(tree.lower[:, columns] >= margins, axis=1)
     bounds = margins + np.array(problem.least or [0.0] * len(problem.names))[columns]
     names = tuple(problem.names[column] for column in columns)
-    return Statement(
+    return StatementRecord(
         names,
         problem.region,
         {name: problem.scales[column] for name, column in zip(names, columns, strict=True)},
@@ -138,7 +138,7 @@ def _statement(problem: Problem, tree: BoxTree, columns: list[int]) -> Statement
     )
 
 
-def _row(statement: Statement) -> dict[str, Any]:
+def _row(statement: StatementRecord) -> dict[str, Any]:
     return {
         "conditions": list(statement.conditions),
         "region": statement.region,

@@ -69,7 +69,7 @@ def start(problem: Problem, confirm: Confirm) -> Search:
     """Bound the first boxes, large and small, and evaluate points."""
     state = Search.untouched(problem)
     tree = state.tree
-    early = [axis for axis in tree.axes if axis < len(problem.low) - problem.late] or tree.axes
+    early = [axis for axis in tree.axes if axis < len(problem.low) - problem.weak_axes] or tree.axes
     for depth in range(min(START_CUTS * len(early), MOST_AT_START)):
         parents = np.flatnonzero(tree.depth == depth)
         axis = np.full(len(parents), early[depth % len(early)])
@@ -82,7 +82,7 @@ def start(problem: Problem, confirm: Confirm) -> Search:
         tree = tree.with_bounds(batch, *_of_asked(problem, low, high, problem.bounds(low, high)))
     points = problem.grid(POINTS)
     state = _look(problem, replace(state, tree=tree), points, confirm)
-    for _ in range(CORNER_ROUNDS if problem.late else 0):
+    for _ in range(CORNER_ROUNDS if problem.weak_axes else 0):
         points = problem.worse(points)
         state = _look(problem, state, points, confirm)
     return state
@@ -144,7 +144,7 @@ def missing(problem: Problem, state: Search, phase: Phase) -> Float[np.ndarray, 
     # The statement of level 1 is g >= b s: first with b = 0, then with b near the smallest seen.
     if phase == "decide":
         # With late axes there is no map of the boxes around a point that breaks a condition.
-        shown = 0 if problem.late else MAP_DEPTH
+        shown = 0 if problem.weak_axes else MAP_DEPTH
         targets, depth = np.zeros(len(problem.names)), np.where(refuted, shown, MAX_DEPTH)
     else:
         targets, depth = np.where(decided, np.maximum(worth, 0.0), -np.inf), TIGHTEN_DEPTH
@@ -219,7 +219,7 @@ def _measured(
     low, high = tree.low[boxes], tree.high[boxes]
     centre, short = low + (high - low) * 0.5, lacking[np.searchsorted(work, boxes)] > 0.0
     least, alone = problem.values(centre), np.full(low.shape, -np.inf)
-    late = list(range(low.shape[1] - problem.late, low.shape[1]))
+    late = list(range(low.shape[1] - problem.weak_axes, low.shape[1]))
     looks = [[axis, *late] if late and axis not in late else [axis] for axis in tree.axes]
     if late:
         looks.insert(0, late)

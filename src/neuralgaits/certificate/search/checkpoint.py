@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from neuralgaits.certificate.levels.chart import Corner
+from neuralgaits.certificate.chart import Corner
 from neuralgaits.certificate.search.box_tree import BoxTree
 from neuralgaits.certificate.search.branch_and_bound import Search
 from neuralgaits.certificate.search.halving import halves
@@ -155,7 +155,7 @@ def fingerprint(problem: Problem) -> str:
             problem.names,
             problem.degree,
             problem.program.hash,
-            problem.near,
+            problem.coupled_axes,
         ]
     )
     return hashlib.sha256(text.encode()).hexdigest()

@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from neuralgaits._types import Float
-from neuralgaits.certificate.levels.chart import Near
+from neuralgaits.certificate.chart import CoupledAxes
 from neuralgaits.certificate.search.halving import Corners, PerCondition, wide_axes
 from neuralgaits.programs import POINT, Program, evaluate, fold
 from neuralgaits.programs.algebras.taylor import TaylorAlgebra
@@ -49,8 +49,10 @@ class Problem:
             and bounds them in another arithmetic, perhaps less tightly.
         tight: share of the smallest margin seen that is worth proving once it is known not to be
             negative: the rest would cost more boxes. 0 if its size is worth none.
-        late: how many axes, the last ones, have little influence; only their ends are evaluated.
-        near: axes that are near each other; points with larger differences are left out.
+        weak_axes: how many axes, the last ones, have little influence: only their ends are
+            evaluated.
+        coupled_axes: axes whose values must be near each other; points with larger differences are
+            left out.
     """
 
     region: str
@@ -63,8 +65,8 @@ class Problem:
     least: tuple[float, ...] = ()
     claimed: float = 0.99
     tight: float = 0.95
-    late: int = 0
-    near: tuple[Near, ...] = ()
+    weak_axes: int = 0
+    coupled_axes: tuple[CoupledAxes, ...] = ()
 
     @property
     def compiled(self) -> bool:
@@ -109,7 +111,7 @@ class Problem:
     def asked(self, low: Corners, high: Corners) -> np.ndarray:
         """Return which boxes have a point that conditions apply to. A reader checks again. [B]."""
         apart = np.zeros(len(low), dtype=bool)
-        for one, other, change in self.near:
+        for one, other, change in self.coupled_axes:
             gap = np.maximum(low[:, one] - high[:, other], low[:, other] - high[:, one])
             apart |= gap > change
         return ~apart
@@ -120,7 +122,7 @@ class Problem:
         On late axes each point has ends of its own, drawn at random: all combinations would be too
         many.
         """
-        early = len(self.low) - self.late
+        early = len(self.low) - self.weak_axes
         wide = [axis for axis in wide_axes(np.array(self.low), np.array(self.high)) if axis < early]
         size = min(max(round(points ** (1.0 / max(len(wide), 1))), 3), MOST_ALONG)
         lines = [
@@ -130,10 +132,10 @@ class Problem:
             )
         ]
         found = np.stack(np.meshgrid(*lines, indexing="ij"), axis=-1).reshape(-1, len(lines))
-        if not self.late:
+        if not self.weak_axes:
             return found
         found = np.tile(found, (max(points // len(found), 1), 1))
-        upper = np.random.default_rng(0).random((len(found), self.late)) < 0.5
+        upper = np.random.default_rng(0).random((len(found), self.weak_axes)) < 0.5
         ends = np.where(upper, self.high[early:], self.low[early:])
         return np.hstack([found, ends])
 
@@ -143,15 +145,15 @@ class Problem:
         At the point where it is smallest each late axis is moved to either end by itself; the
         better ends of all axes together then replace those of every point. Q = P C.
         """
-        early, found = len(self.low) - self.late, []
+        early, found = len(self.low) - self.weak_axes, []
         values = self.values(points)
         for column in range(len(self.names)):
             known = np.where(np.isnan(values[:, column]), np.inf, values[:, column])
             at = points[int(np.argmin(known))]
-            moved = np.tile(at, (2 * self.late, 1))
-            axes = early + np.arange(self.late)
-            moved[2 * np.arange(self.late), axes] = np.array(self.low)[early:]
-            moved[2 * np.arange(self.late) + 1, axes] = np.array(self.high)[early:]
+            moved = np.tile(at, (2 * self.weak_axes, 1))
+            axes = early + np.arange(self.weak_axes)
+            moved[2 * np.arange(self.weak_axes), axes] = np.array(self.low)[early:]
+            moved[2 * np.arange(self.weak_axes) + 1, axes] = np.array(self.high)[early:]
             ends = self.values(moved)[:, column].reshape(-1, 2)
             better = np.where(ends[:, 0] < ends[:, 1], self.low[early:], self.high[early:])
             everywhere = points.copy()

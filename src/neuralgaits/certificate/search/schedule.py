@@ -107,7 +107,7 @@ def _explore(
             keep(number, start(problem, confirm))
     phases: list[Phase] = ["decide", "tighten"]
     for phase in phases:
-        room = _Room(problems, current, phase, deadline)
+        room = _BoxBudget(problems, current, phase, deadline)
         left, wide_turn = list(range(len(problems))), TURN_BOXES
         while left and time.monotonic() < deadline:
             for number in left:
@@ -127,7 +127,7 @@ def _explore(
             left = [n for n in left if len(to_split(problems[n], current[n], phase, room.of(n)))]
 
 
-class _Room:
+class _BoxBudget:
     """Numbers of boxes that roots may have.
 
     In the plane each has its share. In more axes some need a thousand times as many as others, so
@@ -145,7 +145,7 @@ class _Room:
         self._current = current
         self._bytes = [Search.untouched(problem).tree.nbytes for problem in problems]
         self._wide = any(len(problem.low) > PLANE for problem in problems)
-        self._late = [problem.late > 0 for problem in problems]
+        self._late = [problem.weak_axes > 0 for problem in problems]
         room = int((WIDE_MEMORY_BYTES if any(self._late) else MEMORY_BYTES) / sum(self._bytes))
         more = TIGHTEN_BOXES
         if phase == "decide":

@@ -12,9 +12,9 @@ from functools import lru_cache
 
 import numpy as np
 
-from neuralgaits.certificate.levels.chart import Near
+from neuralgaits.certificate.chart import CoupledAxes
 from neuralgaits.certificate.search.problem import Bounds, Boxes, Problem
-from neuralgaits.engine import Engine, Files, Job, Settings
+from neuralgaits.engine import Files, Job, Settings, WorkerPool
 from neuralgaits.programs import Program
 
 _PROBLEM, _LOW, _HIGH, _LOWER, _UPPER = "problem.json", "low", "high", "lower", "upper"
@@ -26,7 +26,7 @@ _TUPLES = ("low", "high", "names", "scales", "least")
 class SharedBounds:
     """A function that gets bounds from the workers of an engine."""
 
-    def __init__(self, engine: Engine):
+    def __init__(self, engine: WorkerPool):
         self._engine = engine
 
     def __call__(self, problem: Problem, batches: Sequence[Boxes]) -> Generator[Bounds, None, None]:
@@ -111,5 +111,5 @@ def from_json(text: str) -> Problem:
     """Read a problem that `to_json` wrote."""
     values = json.loads(text)
     values |= {name: tuple(values[name]) for name in _TUPLES}
-    values["near"] = tuple(Near(*pair) for pair in values["near"])
+    values["coupled_axes"] = tuple(CoupledAxes(*pair) for pair in values["coupled_axes"])
     return Problem(**values | {"program": Program.from_json(values["program"])})

@@ -68,7 +68,7 @@ static void read_case(const double *in, ng_case *one)
 #if NG_COMMANDS
     ng_real given[NG_COMMANDS];
     in = take(in, given, NG_COMMANDS);
-    in = take(in, state->wanted, NG_COMMANDS);
+    in = take(in, state->requested, NG_COMMANDS);
     in = take(in, state->before, NG_COMMANDS);
     in = take(in, state->after, NG_COMMANDS);
     take(in, state->step, NG_STEP);
@@ -103,7 +103,7 @@ static void write_result(const ng_state *state, const ng_command *command, doubl
     out = give(&command->torque[0][0], out, JOINTS);
     out = give(&motors[0][0], out, JOINTS);
 #if NG_COMMANDS
-    out = give(state->wanted, out, NG_COMMANDS);
+    out = give(state->requested, out, NG_COMMANDS);
     out = give(state->before, out, NG_COMMANDS);
     out = give(state->after, out, NG_COMMANDS);
     give(state->step, out, NG_STEP);

@@ -78,7 +78,7 @@ static void latch(ng_state *state)
     for (int i = 0; i < NG_COMMANDS; ++i) {
         const ng_real last = state->after[i], change = ng_command_change[i];
         state->before[i] = last;
-        state->after[i] = ng_clamp(state->wanted[i], last - change, last + change);
+        state->after[i] = ng_clamp(state->requested[i], last - change, last + change);
     }
     ng_policy_step(state->after, state->before, state->step);
 }
@@ -166,8 +166,8 @@ static ng_real balanced(const ng_real mass[NG_COORDINATES * NG_COORDINATES], ng_
  * The rates that meet the outputs at this momentum: those measured at a touchdown are of an
  * impact that is under way, while z2 already is what it will be.
  */
-static void settle(const ng_state *state, const ng_real q[NG_COORDINATES], const ng_real z[2],
-                   ng_real dz2, ng_real dq[NG_COORDINATES])
+static void impact_consistent_rates(const ng_state *state, const ng_real q[NG_COORDINATES],
+                                    const ng_real z[2], ng_real dz2, ng_real dq[NG_COORDINATES])
 {
     ng_real at[2], first[2], second[2], y[NG_ACTUATED];
     ng_real mass[NG_COORDINATES * NG_COORDINATES], bias[NG_COORDINATES];
@@ -372,9 +372,9 @@ static void follow(const ng_config *config, ng_state *state, const ng_measuremen
     for (int i = 0; i < NG_COORDINATES; ++i) {
         measured[i] = command->dq[i];
     }
-    if (command->touchdown && law->settles) {
+    if (command->touchdown && law->uses_impact_consistent_rates) {
         ng_real pinned_z[2]; /* not what is measured */
-        settle(state, command->q, command->z, dz[1], command->dq);
+        impact_consistent_rates(state, command->q, command->z, dz[1], command->dq);
         ng_zero_state(command->dq, reading->hip_velocity, command->q, ddz2, dz, pinned_z);
     }
     /* After a touchdown the held outputs belong to the wrong legs. */
@@ -385,8 +385,9 @@ static void follow(const ng_config *config, ng_state *state, const ng_measuremen
     state->ticks_to_policy -= 1;
     torques(law, command->q, command->dq, &state->held, command->actuated);
     command->relaxed[0] = command->relaxed[1] = 0;
-    command->saturated = law->within ? law->within(config, &state->held, command)
-                                     : saturate(config, command->actuated);
+    command->saturated = law->apply_limits
+                             ? law->apply_limits(config, &state->held, command)
+                             : saturate(config, command->actuated);
     for (int i = 0; i < NG_COORDINATES; ++i) {
         command->dq[i] = measured[i];
     }
@@ -442,8 +443,8 @@ void ng_start(ng_state *state, int leg)
     state->since_touchdown = NG_NEVER;
 #if NG_COMMANDS
     for (int i = 0; i < NG_COMMANDS; ++i) {
-        state->wanted[i] = NG(0.5) * (ng_command_low[i] + ng_command_high[i]);
-        state->before[i] = state->after[i] = state->wanted[i];
+        state->requested[i] = NG(0.5) * (ng_command_low[i] + ng_command_high[i]);
+        state->before[i] = state->after[i] = state->requested[i];
     }
     ng_policy_step(state->after, state->before, state->step);
 #endif
@@ -455,7 +456,7 @@ void ng_start_at(ng_state *state, int leg, const ng_real command[NG_COMMANDS])
     ng_start(state, leg);
     ng_tell(state, command);
     for (int i = 0; i < NG_COMMANDS; ++i) {
-        state->before[i] = state->after[i] = state->wanted[i];
+        state->before[i] = state->after[i] = state->requested[i];
     }
     ng_policy_step(state->after, state->before, state->step);
 }
@@ -466,7 +467,7 @@ int ng_tell(ng_state *state, const ng_real command[NG_COMMANDS])
     for (int i = 0; i < NG_COMMANDS; ++i) {
         const ng_real given = command[i];
         if (given == given) {
-            state->wanted[i] = ng_clamp(given, ng_command_low[i], ng_command_high[i]);
+            state->requested[i] = ng_clamp(given, ng_command_low[i], ng_command_high[i]);
         }
         refused += !(given >= ng_command_low[i] && given <= ng_command_high[i]);
     }

@@ -22,7 +22,7 @@ typedef struct ng_command ng_command;
  * What a host may do in place of clipping: from the state and the law's torques in the command to
  * torques within limits. Returns whether any is at its limit.
  */
-typedef int ng_within(const ng_config *config, const ng_desired *wanted, ng_command *command);
+typedef int ng_apply_limits(const ng_config *config, const ng_desired *wanted, ng_command *command);
 
 /*
  * How torques follow from what the policy wants:
@@ -37,8 +37,8 @@ typedef struct ng_law {
     ng_real bandwidth;  /* w: 0 leaves errors to stiffness and damping [rad/s] */
     int hold_ticks;     /* ticks between two questions to the policy */
     int measure_z2;     /* 0: the policy is told z2 = 0 */
-    int settles;        /* 1: at a touchdown rates are those of z2, not those measured */
-    ng_within *within;  /* in place of clipping, or 0 */
+    int uses_impact_consistent_rates; /* 1: at a touchdown rates are those of z2, not measured */
+    ng_apply_limits *apply_limits;    /* in place of clipping, or 0 */
     const void *own;    /* what that knows */
 } ng_law;
 
@@ -120,7 +120,7 @@ typedef struct {
     ng_real airborne;                       /* time since a foot felt the ground [s] */
     ng_fault fault;
 #if NG_COMMANDS
-    ng_real wanted[NG_COMMANDS];            /* wish for the steps to come, see ng_tell */
+    ng_real requested[NG_COMMANDS];         /* wish for the steps to come, see ng_tell */
     ng_real before[NG_COMMANDS];            /* what the step before was told */
     ng_real after[NG_COMMANDS];             /* what this step is told */
     ng_real step[NG_STEP];                  /* what follows from both; computed at touchdowns */
@@ -140,7 +140,7 @@ struct ng_command {
     ng_real since_touchdown;                /* [s] */
     int touchdown;                          /* whether the stance leg has just changed */
     int saturated;                          /* whether any torque of the law was clipped */
-    int relaxed[2];                         /* of a law that has `within`: what it gave up */
+    int relaxed[2];                         /* what a law that has `apply_limits` gave up */
     ng_fault fault;
 };
 

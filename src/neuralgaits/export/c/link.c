@@ -123,9 +123,9 @@ static int tick(session *s, const unsigned char *packet)
     at = get(at, &encoders.joints[0][0], JOINTS);
     at = get(at, &encoders.djoints[0][0], JOINTS);
 #if NG_COMMANDS
-    ng_real wanted[NG_COMMANDS];
-    get(at, wanted, NG_COMMANDS);
-    ng_tell(&s->state, wanted);
+    ng_real requested[NG_COMMANDS];
+    get(at, requested, NG_COMMANDS);
+    ng_tell(&s->state, requested);
 #else
     (void)at;
 #endif

@@ -38,10 +38,10 @@ from neuralgaits.gait.policies.step_ends import (
     on_foothold_exactly,
     start_after,
 )
-from neuralgaits.gait.policies.step_policy import NumberedStep
+from neuralgaits.gait.policies.step_policy import TabulatedStep
 from neuralgaits.gait.policy import NetworkPolicy
 from neuralgaits.gait.posture import Posture, frame_of, walking_posture
-from neuralgaits.gait.reset_residual import Reset
+from neuralgaits.gait.reset_residual import ResetCorrection
 from neuralgaits.robots.dynamics import swing_foot
 
 if TYPE_CHECKING:
@@ -183,7 +183,7 @@ class CommandedPolicy(NetworkPolicy):
         self,
         robot: "PlanarBiped",
         pair: Pair,
-        reset_residual: Reset = None,
+        reset_residual: ResetCorrection = None,
         *,
         exact: bool = False,
         bounded: bool = False,
@@ -221,26 +221,26 @@ class CommandedPolicy(NetworkPolicy):
         """Length of the vector of parameters of a step."""
         return 2 + 4 * len(self.lower) + len(self.network.biases[0])
 
-    def step_numbers(
-        self, robot: "PlanarBiped", pair: Pair, reset_residual: Reset = None
+    def parameters_of_step(
+        self, robot: "PlanarBiped", pair: Pair, reset_residual: ResetCorrection = None
     ) -> Float[Array, " s"]:
-        """`StepPolicy.numbers` of the exact policy of a step, see `at`."""
-        return self.at(robot, pair, reset_residual, exact=True).numbers
+        """Compute the `StepPolicy.step_parameters` of the exact policy of a step, see `at`."""
+        return self.at(robot, pair, reset_residual, exact=True).step_parameters
 
-    def of_step(self, numbers: Float[Array, " s"]) -> NumberedStep:
-        """The policy of the step with these numbers."""
+    def from_step_parameters(self, step_parameters: Float[Array, " s"]) -> TabulatedStep:
+        """Put together the policy of the step with these parameters."""
         weights, biases = self.network.weights, self.network.biases
         m = len(self.lower)
-        return NumberedStep(
+        return TabulatedStep(
             network=Network(
                 (weights[0][:, :2], *weights[1:]),
-                (numbers[2 + 4 * m :], *biases[1:]),
+                (step_parameters[2 + 4 * m :], *biases[1:]),
                 self.network.activation,
             ),
             **frame_of(self),
-            z_start=numbers[0],
-            z_guard=numbers[1],
-            cubic=numbers[2 : 2 + 4 * m].reshape(4, m),
+            z_start=step_parameters[0],
+            z_guard=step_parameters[1],
+            cubic=step_parameters[2 : 2 + 4 * m].reshape(4, m),
             z2_dependence=self.z2_dependence,
         )
 

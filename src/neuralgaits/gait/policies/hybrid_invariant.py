@@ -29,7 +29,7 @@ from neuralgaits.gait.policies.step_ends import (
 )
 from neuralgaits.gait.policies.step_policy import StepPolicy
 from neuralgaits.gait.posture import Posture, frame_of, walking_posture
-from neuralgaits.gait.reset_residual import Reset
+from neuralgaits.gait.reset_residual import ResetCorrection
 
 if TYPE_CHECKING:
     from neuralgaits.robots import PlanarBiped
@@ -129,12 +129,12 @@ class HybridInvariantPolicy(StepPolicy):
         return self.told
 
     @property
-    def following(self) -> "HybridInvariantPolicy":
+    def steady_next(self) -> "HybridInvariantPolicy":
         """The policy of the next step, if the command stays."""
         return self if self.then is None else self.then
 
-    def matched(
-        self, robot: "PlanarBiped", reset_residual: Reset = None
+    def match_impact(
+        self, robot: "PlanarBiped", reset_residual: ResetCorrection = None
     ) -> "HybridInvariantPolicy":
         """Recompute start of the step and cubic from the robot's impact at the guard."""
         outputs = inside(self.guard_outputs, self.lower, self.upper)
@@ -188,4 +188,4 @@ class HybridInvariantPolicy(StepPolicy):
 
 @eqx.filter_jit
 def _match(policy: HybridInvariantPolicy, robot: "PlanarBiped") -> HybridInvariantPolicy:
-    return policy.matched(robot)
+    return policy.match_impact(robot)

@@ -14,7 +14,7 @@ import numpy as np
 from neuralgaits._types import Actuated, Array, Coordinates, Float, Planar, Scalar
 from neuralgaits.gait.coordinates import lift
 from neuralgaits.gait.posture import hip_indices
-from neuralgaits.gait.reset_residual import Reset, rates_after
+from neuralgaits.gait.reset_residual import ResetCorrection, rates_after
 from neuralgaits.robots.dynamics import angular_momentum, hip_position, swing_foot
 
 if TYPE_CHECKING:
@@ -160,7 +160,7 @@ def _twice_arctan(x: Scalar) -> Scalar:
     return 8.0 * x * (1.0 - square * series)
 
 
-def start_after(robot: "PlanarBiped", guard: Guard, reset_residual: Reset) -> Start:
+def start_after(robot: "PlanarBiped", guard: Guard, reset_residual: ResetCorrection) -> Start:
     """Return the start of the step that follows a guard, by the real impact, legs relabelled."""
     q = lift(robot, jnp.asarray(guard.z1), guard.outputs)
     dq = lift(robot, jnp.ones_like(q[0]), jnp.asarray(guard.slopes))
@@ -203,7 +203,7 @@ def _solved(columns: list[Float[Array, " k"]], right: Float[Array, " k"]) -> Flo
 
 
 def _after_impact(
-    robot: "PlanarBiped", q: Coordinates, dq: Coordinates, reset_residual: Reset
+    robot: "PlanarBiped", q: Coordinates, dq: Coordinates, reset_residual: ResetCorrection
 ) -> "Impact":
     after = robot.impact(q, dq)
     if reset_residual is None:

@@ -53,22 +53,22 @@ class StepPolicy(NetworkPolicy):
         return self.z_start, self.z_guard
 
     @property
-    def numbers(self) -> Float[Array, " s"]:
-        """What a tick needs of this step: z_start, z_guard, cubic, first bias. [2 + 4 m + h]."""
+    def step_parameters(self) -> Float[Array, " s"]:
+        """Parameters of this step: z_start, z_guard, cubic, first bias. [2 + 4 m + h]."""
         ends = jnp.stack([self.z_start, self.z_guard])
         return jnp.concatenate([ends, self.cubic.reshape(-1), self.network.biases[0]])
 
 
-class NumberedStep(StepPolicy):
-    """A policy of one step, put together from its numbers: all that a tick evaluates."""
+class TabulatedStep(StepPolicy):
+    """Policy of one step, put together from its parameters: all that a tick evaluates."""
 
     z2_dependence: bool = eqx.field(static=True, default=True)
 
     @property
     def step_size(self) -> int:
         """Length of the vector of parameters of the step."""
-        return len(self.numbers)
+        return len(self.step_parameters)
 
-    def trainable(self) -> "NumberedStep":
+    def trainable(self) -> "TabulatedStep":
         """Raise NotImplementedError, because a step is computed and not trained."""
         raise NotImplementedError("a step is computed, not trained")

@@ -12,7 +12,7 @@ from neuralgaits._types import Float
 from neuralgaits.errors import InputError
 from neuralgaits.logs.formats.sheet import REPAIR, Text, sheet_of
 from neuralgaits.logs.labels import Labels
-from neuralgaits.logs.table import Log
+from neuralgaits.logs.walk_table import Log
 from neuralgaits.robots import PlanarBiped
 
 _PHASE = ("t", "tau", "switchBack", "tau_d", "tau_a", "stance")

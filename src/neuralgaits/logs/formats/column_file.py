@@ -33,7 +33,7 @@ _SETTINGS = ("column", "unit", "sign", "offset")
 
 
 @dataclass(frozen=True)
-class Source:
+class ColumnSource:
     """Source of a quantity: sign * (column - offset), in its unit.
 
     Attributes:
@@ -65,7 +65,7 @@ class ColumnFile:
     """
 
     path: Path
-    sources: Mapping[str, Source]
+    sources: Mapping[str, ColumnSource]
 
     def has(self, table: str) -> bool:
         """Return whether the file has a quantity, or a table of them."""
@@ -89,7 +89,7 @@ def read_columns(path: str | Path, robot: PlanarBiped) -> ColumnFile:
     path = Path(path)
     content = _content(path)
     tables = _tables(robot)
-    sources: dict[str, Source] = {}
+    sources: dict[str, ColumnSource] = {}
     for key, value in content.items():
         if key in PLAIN:
             sources[key] = _source(path, key, value, PLAIN[key])
@@ -163,7 +163,7 @@ def _refuse_name(
 
 def _refuse_missing(
     path: Path,
-    sources: Mapping[str, Source],
+    sources: Mapping[str, ColumnSource],
     tables: Mapping[str, tuple[tuple[str, ...], Dimension]],
 ) -> None:
     whole = ("torques", "desired", "desired_rates", "hip_velocity")
@@ -187,7 +187,7 @@ def _example(key: str) -> str:
     return f"{line} under [{table}]" if table else line
 
 
-def _source(path: Path, key: str, entry: Any, dimension: Dimension) -> Source:
+def _source(path: Path, key: str, entry: Any, dimension: Dimension) -> ColumnSource:
     where = f"columns {path}, {key}"
     example = f'{{column = "NAME", unit = "{dimension.si}"}}'
     if not isinstance(entry, dict):
@@ -221,7 +221,7 @@ def _source(path: Path, key: str, entry: Any, dimension: Dimension) -> Source:
             "number in the column's unit"
         )
     factor = None if unit is None else dimension.units[unit]
-    return Source(key, column, factor, float(sign), float(offset))
+    return ColumnSource(key, column, factor, float(sign), float(offset))
 
 
 def _unit(found: Any, dimension: Dimension) -> str:

@@ -11,18 +11,18 @@ import numpy as np
 from neuralgaits._types import Bool, Float, Int
 from neuralgaits.errors import InputError
 from neuralgaits.gait import AbstractPolicy
-from neuralgaits.logs.checks import check_times
 from neuralgaits.logs.contacts import UNKNOWN, stance_legs
 from neuralgaits.logs.formats.column_file import PAGE, ColumnFile
-from neuralgaits.logs.formats.own_sheet import Numbers, numbers
+from neuralgaits.logs.formats.own_sheet import SheetArrays, numbers
 from neuralgaits.logs.formats.own_words import both_contacts, computed, labels_of
 from neuralgaits.logs.formats.sheet import Text
 from neuralgaits.logs.labels import Labels
 from neuralgaits.logs.outliers import ANGLE_RAD, stand_out
 from neuralgaits.logs.rates import half_window, noise, rates
-from neuralgaits.logs.sensed import Sensed, asked, feet_apart, stance_first, states
+from neuralgaits.logs.row_checks import check_times
+from neuralgaits.logs.sensor_readings import SensorReadings, asked, feet_apart, stance_first, states
 from neuralgaits.logs.strides import GAP_PERIODS, GAP_S, SETTLING_S
-from neuralgaits.logs.table import Log
+from neuralgaits.logs.walk_table import Log
 from neuralgaits.robots import PlanarBiped
 
 AGREEING = 0.5
@@ -65,7 +65,7 @@ def read(
             f"or mend the contacts in {columns.path}"
         )
     leg, shape = stance[good], (-1, *found.angles.shape[1:])
-    sensed = Sensed(
+    sensed = SensorReadings(
         found.pitch[good],
         turned[good, 0],
         found.angles[good],
@@ -115,7 +115,7 @@ def _flat(by_leg: Float[np.ndarray, "k 2 j"]) -> Float[np.ndarray, "k two_j"]:
 
 
 def _stance(
-    source: str, robot: PlanarBiped, columns: ColumnFile, found: Numbers
+    source: str, robot: PlanarBiped, columns: ColumnFile, found: SheetArrays
 ) -> Int[np.ndarray, " k"]:
     """Find the stance leg, UNKNOWN at first. Raises: InputError if the contacts show none."""
     contact = found.contact

@@ -16,7 +16,7 @@ _Found = dict[str, Float[np.ndarray, " k"]]
 """Quantities by their key in the file of columns."""
 
 
-class Numbers(NamedTuple):
+class SheetArrays(NamedTuple):
     """Contents of a file with k rows; NaN where it has no value. j joints a leg.
 
     Legs are in the order of the robot file, joints from the lowest up.
@@ -46,7 +46,7 @@ class Numbers(NamedTuple):
     """Contact flags of both feet."""
 
 
-def numbers(text: Text, robot: PlanarBiped, columns: ColumnFile) -> Numbers:
+def numbers(text: Text, robot: PlanarBiped, columns: ColumnFile) -> SheetArrays:
     """Read the numbers of a file.
 
     Raises: InputError for a missing column, a broken row, and a contact that is neither 0 nor 1.
@@ -64,7 +64,7 @@ def numbers(text: Text, robot: PlanarBiped, columns: ColumnFile) -> Numbers:
 
     contact = [_contact(text, columns, found, rows, robot, foot) for foot in layout.feet]
     along, up = (found.get(f"hip_velocity.{way}") for way in ("x", "z"))
-    return Numbers(
+    return SheetArrays(
         t=found["time"],
         rows=rows,
         pitch=layout.pitch_sign * found["pitch"] + layout.root_angle,

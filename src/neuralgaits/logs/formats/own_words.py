@@ -1,6 +1,6 @@
 """Names of a robot's own log quantities for messages, and notes on the computed ones."""
 
-from neuralgaits.logs.formats.column_file import ColumnFile, Source, joints_of
+from neuralgaits.logs.formats.column_file import ColumnFile, ColumnSource, joints_of
 from neuralgaits.logs.labels import Labels
 from neuralgaits.logs.rates import HALF_WINDOWS_S
 from neuralgaits.robots import PlanarBiped
@@ -36,7 +36,7 @@ def labels_of(robot: PlanarBiped, columns: ColumnFile) -> Labels:
     first, second = robot.layout.leg_joints
 
     def said(table: str, joint: str) -> str:
-        source: Source | None = columns.sources.get(f"{table}.{joint}")
+        source: ColumnSource | None = columns.sources.get(f"{table}.{joint}")
         if source is not None:
             return source.column
         own = {"rates": "joints", "desired_rates": "desired"}.get(table)

@@ -14,7 +14,7 @@ from neuralgaits.errors import InputError
 from neuralgaits.logs.formats.column_file import PAGE
 from neuralgaits.logs.formats.sheet import Text, sheet_of
 from neuralgaits.logs.labels import Labels, same_for_both_legs
-from neuralgaits.logs.table import Column, Log, columns
+from neuralgaits.logs.walk_table import Column, Log, columns
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.runs import write_text
 

@@ -20,7 +20,13 @@ import numpy as np
 
 from neuralgaits.programs.algebras import expansions
 from neuralgaits.programs.algebras.expansions import SLACK, Expansion
-from neuralgaits.programs.algebras.taylor_model import Layout, Taylor, products, rounded, together
+from neuralgaits.programs.algebras.taylor_model import (
+    CoefficientLayout,
+    Taylor,
+    products,
+    rounded,
+    together,
+)
 from neuralgaits.programs.evaluation import Algebra
 from neuralgaits.programs.ops import rule
 from neuralgaits.programs.program import Program, box_and_ball
@@ -45,7 +51,7 @@ class TaylorAlgebra(Algebra[Taylor]):
         box, ball = box_and_ball(program, inputs)
         centre, half = (np.asarray(part, dtype=np.float64).T for part in inputs[box.name])
         axes, batch = centre.shape
-        layout = Layout(self.degree, axes)
+        layout = CoefficientLayout(self.degree, axes)
         poly = np.zeros((layout.slope.start, axes, batch))
         poly[0] = centre
         poly[np.arange(1, axes + 1), np.arange(axes)] = half
@@ -58,7 +64,9 @@ class TaylorAlgebra(Algebra[Taylor]):
 
     def constant(self, array: np.ndarray) -> Taylor:
         """Return exactly these doubles, on every box."""
-        return Taylor(array[None, :, None], np.zeros((array.size, 1)), Layout(self.degree, 0))
+        return Taylor(
+            array[None, :, None], np.zeros((array.size, 1)), CoefficientLayout(self.degree, 0)
+        )
 
     def move(self, operands: Sequence[Taylor], index: np.ndarray) -> Taylor:
         """Gather elements, which is exact."""

@@ -26,7 +26,7 @@ def terms(degree: int, axes: int) -> int:
     return 1 + axes if degree == 1 else (axes + 1) * (axes + 2) // 2
 
 
-class Layout(NamedTuple):
+class CoefficientLayout(NamedTuple):
     """Order of coefficients: 1, e_1 .. e_n, e_i e_j for i <= j in lexical order, then xi.
 
     Attributes:
@@ -74,7 +74,7 @@ class Taylor:
 
     poly: Float[np.ndarray, "k n B"]
     radius: Bounds
-    layout: Layout
+    layout: CoefficientLayout
 
     @property
     def centre(self) -> Bounds:
@@ -125,7 +125,7 @@ class Taylor:
 
 
 def rounded(
-    poly: np.ndarray, radius: np.ndarray, layout: Layout, more: np.ndarray | float = 0.0
+    poly: np.ndarray, radius: np.ndarray, layout: CoefficientLayout, more: np.ndarray | float = 0.0
 ) -> Taylor:
     """The model an operation gives, its remainder grown by what the operation may have rounded.
 

@@ -9,7 +9,7 @@ import numpy as np
 from neuralgaits._environment import cores
 from neuralgaits._types import Float
 from neuralgaits.programs.algebras.taylor_model import Taylor
-from neuralgaits.programs.native.library import library
+from neuralgaits.programs.native.compiled_rules import library
 from neuralgaits.programs.program import Operation, Program
 
 KINDS = (
@@ -104,7 +104,7 @@ def _encode(program: Program, names: Sequence[str], folded: Mapping[int, Taylor]
     outputs = {output.name: output.value for output in program.outputs}
     wanted = [outputs[name] for name in names]
     last = _last_uses(program, wanted)
-    room, sizes = _Room(program.sizes[0]), program.sizes
+    room, sizes = _Workspace(program.sizes[0]), program.sizes
     table, index = [], []
     for number, operation in enumerate(program.operations, start=program.first_operation):
         if not program.varies[number] or number not in last:
@@ -152,7 +152,7 @@ def _last_uses(program: Program, wanted: Sequence[int]) -> dict[int, int]:
     return last
 
 
-class _Room:
+class _Workspace:
     """Places in the workspace: the first gap that is large enough."""
 
     def __init__(self, taken: int):

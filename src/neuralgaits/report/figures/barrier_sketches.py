@@ -9,8 +9,8 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Polygon, Wedge
 
 from neuralgaits.analysis.data import GaitData
-from neuralgaits.analysis.skeleton import hip_index
-from neuralgaits.report.drawing import skeleton
+from neuralgaits.analysis.link_points import hip_index
+from neuralgaits.report.drawing import robot_drawing
 from neuralgaits.report.drawing.style import (
     BLACK,
     BLUE,
@@ -47,7 +47,7 @@ def draw(data: GaitData) -> Figure:
 
 def _torso(axes: Axes, data: GaitData) -> None:
     points = data["orbit/skeleton"][_row(data, 0.2)]
-    skeleton.draw(axes, points, data.torso)
+    robot_drawing.draw(axes, points, data.torso)
     low, high = _limits(data, "torso_angle")
     panel(axes, "a", "torso" if data.torso else "pose at mid-step")
     if data.torso:
@@ -195,7 +195,7 @@ def _joints(axes: Axes, data: GaitData) -> None:
     points, torso = data["orbit/skeleton"][row], data.torso
     hip_row = hip_index(len(points), torso)
     hip, tall = points[hip_row], float(points[:, 1].max())
-    skeleton.draw(axes, points, torso)
+    robot_drawing.draw(axes, points, torso)
     path = data["orbit/skeleton"][:, hip_row]
     axes.plot(*path.T, ":", color=BLACK, linewidth=1.2, label="path of the hip")
     slowest = _limits(data, "forward_rate")[0]

@@ -8,9 +8,9 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from neuralgaits.analysis.family import Family, Member, Sweep
-from neuralgaits.report import told
-from neuralgaits.report.drawing import skeleton
+from neuralgaits.analysis.command_sweeps import CommandSweep, Family, Member
+from neuralgaits.report import commanded_gait
+from neuralgaits.report.drawing import robot_drawing
 from neuralgaits.report.drawing.style import (
     BLACK,
     GREY,
@@ -35,16 +35,17 @@ LEDGE = 0.045
 def caption(family: Family) -> str:
     """Return the figure's caption, with the commands that have no orbit."""
     first = family.sweeps[0]
-    shown = [told.written(first.name, member.value) for member in family.members]
+    shown = [commanded_gait.written(first.name, member.value) for member in family.members]
     text = (
         "The periodic orbits at commands that stay, computed from the model: nothing here is "
         "simulated or proved. a) The mean speed at which each orbit walks forward"
     )
     if any(sweep.name == "speed" for sweep in family.sweeps):
         text += "; on the dashed line it would be exactly what was told"
+    name = commanded_gait.words(first.name).short
     text += (
         f". b) The tubes, the states that the gait is made for, tinted, and one step of the orbit, "
-        f"at {told.words(first.name).short} {', '.join(shown[:-1])} and {shown[-1]}. c) The "
+        f"at {name} {', '.join(shown[:-1])} and {shown[-1]}. c) The "
         "posture in which these steps end, over each other, with a mark at the next foothold."
     )
     if len(family.sweeps) > 1:
@@ -54,10 +55,15 @@ def caption(family: Family) -> str:
     return text
 
 
+def _label(name: str, value: float) -> str:
+    """A command and its value, for a legend."""
+    return f"{commanded_gait.words(name).short} {commanded_gait.written(name, value)}"
+
+
 def _absent(family: Family) -> list[str]:
     """Return the commands without an orbit, in words."""
     return [
-        f"{told.words(sweep.name).short} {told.written(sweep.name, value)}"
+        _label(sweep.name, value)
         for sweep in family.sweeps
         for value in sweep.values[~np.isfinite(sweep.speed)]
     ]
@@ -85,16 +91,16 @@ def draw(family: Family) -> Figure:
     return figure
 
 
-def _speeds(axes: Axes, sweep: Sweep, members: tuple[Member, ...]) -> None:
+def _speeds(axes: Axes, sweep: CommandSweep, members: tuple[Member, ...]) -> None:
     """Plot the orbits' mean speed over a command, and mark the members of the other panels."""
-    x = np.array([told.value(sweep.name, value) for value in sweep.values])
+    x = np.array([commanded_gait.value(sweep.name, value) for value in sweep.values])
     if sweep.name == "speed":
         axes.plot(x[[0, -1]], x[[0, -1]], color=GREY, linestyle="--", linewidth=1.0)
     axes.plot(x, sweep.speed, color=BLACK, marker=".", ms=5, linewidth=1.2)
     for number, member in enumerate(members):
         at = int(np.argmin(np.abs(sweep.values - member.value)))
         axes.plot(x[at], sweep.speed[at], marker(number), color=series(number)["color"], ms=8)
-    name = told.words(sweep.name)
+    name = commanded_gait.words(sweep.name)
     axes.set_xlabel(f"{name.short}, told [{name.unit or '-'}]")
     axes.set_ylabel("walked [m/s]")
     low, high = axes.get_ylim()
@@ -104,8 +110,8 @@ def _speeds(axes: Axes, sweep: Sweep, members: tuple[Member, ...]) -> None:
     axes.set_xlim(*(x[[0, -1]] + np.ptp(x) * np.array([-0.1, 0.1])))
     ends_and_middle = sweep.values[0], sweep.values.mean(), sweep.values[-1]
     axes.set_xticks(
-        [told.value(sweep.name, value) for value in ends_and_middle],
-        [told.number(sweep.name, value) for value in ends_and_middle],
+        [commanded_gait.value(sweep.name, value) for value in ends_and_middle],
+        [commanded_gait.number(sweep.name, value) for value in ends_and_middle],
     )
     if not np.isfinite(sweep.speed).any():
         _say(axes, "no periodic orbit")
@@ -148,7 +154,7 @@ def _postures(axes: Axes, family: Family) -> None:
             elif not level:
                 ledge = foot[0] + np.array([-LEDGE, LEDGE])
                 axes.plot(ledge, [foot[1]] * 2, color=colour, linewidth=1.6, zorder=1)
-            skeleton.draw(axes, pose, family.torso, colour=colour)
+            robot_drawing.draw(axes, pose, family.torso, colour=colour)
             axes.plot(*foot, marker(number), color=colour, ms=8, zorder=5)
     axes.set_aspect("equal")
     axes.set_xlim(*ends)
@@ -169,7 +175,7 @@ def _legend(family: Family) -> list:
             linewidth=2.4,
             marker=marker(number),
             ms=8,
-            label=f"{told.words(name).short} {told.written(name, member.value)}",
+            label=_label(name, member.value),
             **series(number),
         )
         for number, member in enumerate(family.members)

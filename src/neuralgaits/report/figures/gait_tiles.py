@@ -4,7 +4,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from neuralgaits._types import Float
-from neuralgaits.report.drawing import skeleton
+from neuralgaits.report.drawing import robot_drawing
 from neuralgaits.report.drawing.style import GREY, new_figure, styled
 
 TITLE, MEASURED_TITLE = "The gait", "The gait in simulation"
@@ -50,7 +50,7 @@ def draw(
             # Where the swing foot has been.
             way = points[chosen[0] : row + 1, -1] - points[chosen[0] : row + 1, 0]
             axes.plot(way[:, 0] + shift, way[:, 1], ":", color=GREY, linewidth=1.0)
-        skeleton.draw(axes, poses[number], torso, shift=shift)
+        robot_drawing.draw(axes, poses[number], torso, shift=shift)
         axes.text(
             shift + 0.5 * (low + high),
             -0.1 * tall,

@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from neuralgaits.records.walked import EpisodesDone, Round
+from neuralgaits.records.episode_records import EpisodesDone, Round
 from neuralgaits.report.drawing.figure import png
 from neuralgaits.report.drawing.style import BLUE, GREEN, GREY, ORANGE, new_figure, styled
 from neuralgaits.runs import write_bytes

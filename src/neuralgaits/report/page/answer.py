@@ -1,9 +1,9 @@
 """The first paragraphs of the page: how the robot walks, why it stays up, what is proved."""
 
 from neuralgaits.records import in_plain_words
-from neuralgaits.records.shown import ShownWalk
+from neuralgaits.records.report_walk import ShownWalk
 from neuralgaits.records.simulated import Simulated
-from neuralgaits.report.page import words
+from neuralgaits.report.page import phrases
 from neuralgaits.report.page.markup import Html, join, number, paragraph, tag
 from neuralgaits.report.page.saved import Contents, Saved
 from neuralgaits.runs.names import RESIDUAL
@@ -73,7 +73,7 @@ def _walked(saved: Saved, shown: ShownWalk | None) -> str:
 
 
 def _where(done: Simulated) -> str:
-    changed = words.changes(done.changed)
+    changed = phrases.changes(done.changed)
     if done.drawn_from is not None:
         changed.insert(0, f"each walk of another robot, drawn from the box {done.drawn_from}")
     if done.push:
@@ -125,7 +125,7 @@ def _why(saved: Saved) -> str:
             "ends with a touchdown inside, so the next step can be taken, and so on."
         )
     described = saved.asked.conditions
-    asked = ", ".join(words.gist([one.data for one in described]))
+    asked = ", ".join(phrases.gist([one.data for one in described]))
     listed = f" ({asked})" if asked else ""
     if saved.asked.as_given is not None:
         return common + (

@@ -6,16 +6,16 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 from neuralgaits.records import in_plain_words
-from neuralgaits.records.certified import Certified
+from neuralgaits.records.certified import CertificateRecord
 from neuralgaits.records.in_plain_words import ORBIT
-from neuralgaits.report import again
+from neuralgaits.report import repeat_commands
+from neuralgaits.report.commanded_gait import FIGURE as FAMILY
 from neuralgaits.report.drawing.drawn import Drawn, Missing
 from neuralgaits.report.page import markup as html
-from neuralgaits.report.page import words
+from neuralgaits.report.page import phrases
 from neuralgaits.report.page.markup import Html
 from neuralgaits.report.page.saved import Contents, Saved
-from neuralgaits.report.told import FIGURE as FAMILY
-from neuralgaits.runs.commands import command, named, resuming
+from neuralgaits.runs.shell_words import command, named, resuming
 
 _NAMED = 3
 """Number of failing conditions that are named; the table has the rest."""
@@ -91,7 +91,7 @@ def missing_parts(contents: Contents) -> Iterator[tuple[str, str]]:
     """Yield each missing part in words, with the command that makes it."""
     saved = contents.saved
     if saved.nan is not None:
-        line = again.another_seed(saved.folder)
+        line = repeat_commands.another_seed(saved.folder)
         if line is not None:
             yield (
                 "a training that does not end in NaN: a formula mended, or another seed",
@@ -108,9 +108,9 @@ def missing_parts(contents: Contents) -> Iterator[tuple[str, str]]:
         names = ", ".join(saved.failing[:_NAMED]) + (", …" if len(saved.failing) > _NAMED else "")
         what = f"a gait that can be proved: some states break {names}, which"
         if saved.asked.as_given is None:
-            yield f"{what} more steps may mend", again.longer(saved.folder)
+            yield f"{what} more steps may mend", repeat_commands.longer(saved.folder)
         else:
-            anew = command("train", again.robot_word(saved.folder))
+            anew = command("train", repeat_commands.robot_word(saved.folder))
             yield f"{what} one that is trained need not", anew
     elif unprovable:
         pass
@@ -118,7 +118,7 @@ def missing_parts(contents: Contents) -> Iterator[tuple[str, str]]:
         yield "a certificate", command("certify", saved.name)
     elif (level := saved.certificate.proved_level) < _last_level(saved, saved.certificate):
         other = _other_box(saved, saved.certificate)
-        line = again.certifying(saved.folder.path, level + 1, parameters=other)
+        line = repeat_commands.certifying(saved.folder.path, level + 1, parameters=other)
         stated = in_plain_words.states(level + 1, bool(saved.asked.commands), saved.certificate)
         yield f"level {level + 1}: {stated}", line
     for figure in contents.figures:
@@ -128,12 +128,12 @@ def missing_parts(contents: Contents) -> Iterator[tuple[str, str]]:
             yield f"figure “{figure.title}”: {figure.reason}", figure.command
 
 
-def _other_box(saved: Saved, found: Certified) -> Mapping[str, float] | None:
+def _other_box(saved: Saved, found: CertificateRecord) -> Mapping[str, float] | None:
     """Return the box that a proof is about; None if it is the box that the run is meant for."""
     return None if found.parameters == saved.asked.parameters else found.parameters
 
 
-def _last_level(saved: Saved, found: Certified) -> int:
+def _last_level(saved: Saved, found: CertificateRecord) -> int:
     """Return the highest level that can be requested for the same box; above 3 it is one robot."""
     return min(saved.asked.last_level, ORBIT) if found.parameters else saved.asked.last_level
 
@@ -144,14 +144,14 @@ def reproduction(contents: Contents) -> Html:
     folder, path = saved.folder, saved.folder.path
     # Beside the run: its robot and spec are read from its own copies.
     copy = Path(os.path.normpath(path / ".." / f"{path.resolve().name}-again"))
-    trained = again.training(saved.folder, copy)
+    trained = repeat_commands.training(saved.folder, copy)
     lines = ["" if trained is None else trained]
     if saved.certificate is not None:
         level = saved.certificate.level
         within, other = saved.certificate.within, _other_box(saved, saved.certificate)
-        lines.append(again.certifying(copy, level, saved.disturbance, within, other))
+        lines.append(repeat_commands.certifying(copy, level, saved.disturbance, within, other))
     if saved.simulation is not None:
-        lines.append(again.simulating(saved.folder, saved.simulation, copy) or "")
+        lines.append(repeat_commands.simulating(saved.folder, saved.simulation, copy) or "")
     lines.append(command("report", named(copy)))
     versions = list(folder.written_by.items())
     hashes = [
@@ -181,7 +181,10 @@ def _commands(saved: Saved, trained: str | None, lines: list[str]) -> list[Html]
         "this run, which must be new."
     )
     done = saved.simulation
-    if done is not None and again.simulating(saved.folder, done, saved.folder.path) is None:
+    if (
+        done is not None
+        and repeat_commands.simulating(saved.folder, done, saved.folder.path) is None
+    ):
         said += (
             f" The simulation is left out: the run has kept no file of its plant, {done.plant}, "
             f"or of its controller, {done.controller}."
@@ -217,6 +220,6 @@ def glossary() -> Html:
     """Return the glossary of ten terms."""
     entries = html.join(
         html.join([html.tag("dt", term), html.tag("dd", meaning)])
-        for term, meaning in words.GLOSSARY
+        for term, meaning in phrases.GLOSSARY
     )
     return html.section("words", "Ten words", html.tag("dl", entries))

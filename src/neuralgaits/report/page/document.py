@@ -5,14 +5,14 @@ from pathlib import Path
 from neuralgaits.report.drawing.drawn import Drawn
 from neuralgaits.report.page.answer import answer, title
 from neuralgaits.report.page.closing import failures, figures, glossary, missing, reproduction
-from neuralgaits.report.page.family import family
+from neuralgaits.report.page.command_family import family
+from neuralgaits.report.page.html_shell import inline_image, whole
 from neuralgaits.report.page.learning import learning
 from neuralgaits.report.page.markup import Html, tag
 from neuralgaits.report.page.proof import certificate
 from neuralgaits.report.page.saved import Contents
 from neuralgaits.report.page.training import heading, training
 from neuralgaits.report.page.walking import animation, simulations
-from neuralgaits.report.page.whole import inline_image, whole
 
 MOST_BYTES = 5_000_000
 """Largest size of the whole file [bytes]."""

@@ -1,8 +1,8 @@
 """The part of the page about the learned residual and the episodes."""
 
+from neuralgaits.records.episode_records import EpisodesDone
 from neuralgaits.records.fitted import Fitted
-from neuralgaits.records.walked import EpisodesDone
-from neuralgaits.report.page import words
+from neuralgaits.report.page import phrases
 from neuralgaits.report.page.markup import Html, facts, number, paragraph, section, table
 from neuralgaits.report.page.saved import Saved
 from neuralgaits.runs.names import RESIDUAL
@@ -62,7 +62,7 @@ def _rounds(saved: Saved, found: EpisodesDone) -> list[Html]:
         name = f"{entry.round} (this run)" if own else str(entry.round)
         rows.append((name, span, stayed, number(entry.speed_m_s), number(entry.loss)))
     where = found.plant or f"a robot with logs in {found.logs}"
-    changed = ", ".join(["", *words.changes(found.disturb)])
+    changed = ", ".join(["", *phrases.changes(found.disturb)])
     said = (
         f"The model is {found.robot}; what walks is {where}{changed}. "
         "In each round the policy walks, what the model missed is learned from the logs, and the "

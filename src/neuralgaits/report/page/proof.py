@@ -8,18 +8,18 @@ from neuralgaits.records.certified import (
     LEVELS,
     PROOF,
     SUMMARY,
-    Certified,
+    CertificateRecord,
     Conclusion,
-    Constant,
+    TheoremConstant,
 )
 from neuralgaits.records.levels import HIGHEST_OF_MANY
 from neuralgaits.report.page import markup as html
-from neuralgaits.report.page import words
+from neuralgaits.report.page import phrases
 from neuralgaits.report.page.markup import Html
 from neuralgaits.report.page.saved import Contents, Saved
 from neuralgaits.report.page.training import TIGHTEST
 from neuralgaits.runs import packed
-from neuralgaits.runs.commands import command, named, quoted
+from neuralgaits.runs.shell_words import command, named, quoted
 
 _LEVEL_FIGURES = {
     "step_time_at_most_s": ("a step takes at most", "s"),
@@ -84,7 +84,7 @@ def _absent(saved: Saved) -> Html:
     )
 
 
-def _ladder(found: Certified, told: bool) -> Html:
+def _ladder(found: CertificateRecord, told: bool) -> Html:
     """Return the table of levels; `told` says whether the gait takes commands."""
     answers = {1: found.of_conditions} | {entry.level: entry.verdict for entry in found.levels}
     if told or found.parameters:
@@ -93,7 +93,7 @@ def _ladder(found: Certified, told: bool) -> Html:
         (
             level,
             in_plain_words.states(level, told, found),
-            words.verdict(answers.get(level, "not asked")),
+            phrases.verdict(answers.get(level, "not asked")),
         )
         for level in LEVELS
     ]
@@ -125,14 +125,14 @@ def _level(entry: Conclusion) -> Html:
     )
 
 
-def _rounded(constant: Constant) -> str:
+def _rounded(constant: TheoremConstant) -> str:
     """Format a constant; a bound is rounded to the side on which it stays true."""
     if constant.side == "exact":
         return html.number(constant.value)
     return html.bound(constant.value, above=constant.side == "most")
 
 
-def _conditions(found: Certified) -> Html:
+def _conditions(found: CertificateRecord) -> Html:
     rows = []
     tightness = {"refuted": 0, "undecided": 1}
     ordered = sorted(
@@ -153,7 +153,7 @@ def _conditions(found: Certified) -> Html:
         share = f"{int(1e4 * entry.proved_fraction) / 100:g} %"
         margin, boxes = html.bound(entry.margin), html.number(entry.boxes)
         rows.append(
-            (html.tag("b", name), words.verdict(entry.verdict), margin, share, boxes, detail)
+            (html.tag("b", name), phrases.verdict(entry.verdict), margin, share, boxes, detail)
         )
     head = ("condition", "verdict", "margin at least", "of its region", "boxes", "")
     failed = sum(
@@ -171,7 +171,7 @@ def _conditions(found: Certified) -> Html:
     return html.join(parts)
 
 
-def _files(saved: Saved, found: Certified) -> list[Html]:
+def _files(saved: Saved, found: CertificateRecord) -> list[Html]:
     if PROOF not in saved.hashes:
         return [html.paragraph("There is no proof file: nothing was proved that could be checked.")]
     rows = [(html.tag("code", PROOF), html.tag("code", saved.hashes[PROOF]))]

@@ -6,23 +6,23 @@ from pathlib import Path
 from typing import TypeVar
 
 from neuralgaits.errors import RunError
-from neuralgaits.records import walked
-from neuralgaits.records.asked import Asked, Range, asked_of
-from neuralgaits.records.certified import PROOF, SUMMARY, Certified, ConditionVerdict
+from neuralgaits.records import episode_records
+from neuralgaits.records.certified import PROOF, SUMMARY, CertificateRecord, ConditionVerdict
+from neuralgaits.records.episode_records import EpisodesDone, WalkedRound
 from neuralgaits.records.fitted import Fitted
 from neuralgaits.records.inspected import RobotFacts
 from neuralgaits.records.record import Record
-from neuralgaits.records.shown import ShownWalk
+from neuralgaits.records.report_walk import ShownWalk
 from neuralgaits.records.simulated import SUMMARY as WALK
 from neuralgaits.records.simulated import Simulated
 from neuralgaits.records.trained import EndedInNan, Trained, Violations, trained_of
-from neuralgaits.records.walked import EpisodesDone, WalkedRound
+from neuralgaits.records.training_config import Range, TrainingConfig, asked_of
 from neuralgaits.report.drawing.drawn import Drawn, Missing
 from neuralgaits.runs import RunFolder
-from neuralgaits.runs.commands import command, learning, named
 from neuralgaits.runs.folder import file_hashes
 from neuralgaits.runs.names import FIT as LEARNING
 from neuralgaits.runs.names import FITTED, NAN, RESIDUAL, ROBOT, SPEC, START, WEIGHTS
+from neuralgaits.runs.shell_words import command, learning, named
 
 Kind = TypeVar("Kind", bound=Record)
 _HASHED = (
@@ -72,10 +72,10 @@ class Saved:
     """
 
     folder: RunFolder
-    asked: Asked
+    asked: TrainingConfig
     summary: Trained | None
     metrics: list[dict[str, float]]
-    certificate: Certified | None
+    certificate: CertificateRecord | None
     disturbance: tuple[float, ...]
     simulation: Simulated | None
     residual: Fitted | None
@@ -142,7 +142,7 @@ class Contents:
 
 def read(
     folder: RunFolder,
-    certificate: Certified | None,
+    certificate: CertificateRecord | None,
     no_certificate: str | None = None,
     disturbance: tuple[float, ...] = (),
     of_some: ProvedOfSome | None = None,
@@ -172,8 +172,8 @@ def read(
     except RunError as error:
         metrics, damaged["metrics.csv"] = [], str(error)
     above = folder.path.resolve().parent
-    begun = (above / walked.ASKED).is_file()
-    rounds = part(walked.SUMMARY, EpisodesDone, above) if begun else None
+    begun = (above / episode_records.ASKED).is_file()
+    rounds = part(episode_records.SUMMARY, EpisodesDone, above) if begun else None
     found = file_hashes(folder.path, _HASHED)
     hashes = {file: digest for file, digest in found.items() if digest is not None}
     if no_certificate is not None:
@@ -201,7 +201,7 @@ def read(
         disturbance=disturbance,
         simulation=simulation,
         residual=learned,
-        walks=part(f"{walked.WALKS}/{walked.SUMMARY}", WalkedRound),
+        walks=part(f"{episode_records.WALKS}/{episode_records.SUMMARY}", WalkedRound),
         episodes=rounds,
         hashes=hashes,
         nan=_nan(part(NAN, EndedInNan)) if folder.ended_in_nan else None,

@@ -4,16 +4,16 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from neuralgaits.records.asked import Given, Stated
 from neuralgaits.records.certified import box_in_words
 from neuralgaits.records.inspected import RobotFacts
 from neuralgaits.records.trained import Trained, Violations
-from neuralgaits.report import again
+from neuralgaits.records.training_config import ConditionRecord, GaitOrigin
+from neuralgaits.report import repeat_commands
 from neuralgaits.report.page import markup as html
-from neuralgaits.report.page import words
+from neuralgaits.report.page import phrases
 from neuralgaits.report.page.markup import Html
 from neuralgaits.report.page.saved import Contents, Saved
-from neuralgaits.runs.commands import resuming
+from neuralgaits.runs.shell_words import resuming
 
 
 def training(contents: Contents) -> Html:
@@ -66,7 +66,7 @@ def _state(saved: Saved) -> Html:
     return html.paragraph(f"{said}.")
 
 
-def _not_trained(given: Given, summary: Trained) -> str:
+def _not_trained(given: GaitOrigin, summary: Trained) -> str:
     """Describe the origin of a gait that was not trained."""
     made = (
         f"optimised for the least cost of transport at {html.number(given.speed)} m/s"
@@ -86,7 +86,7 @@ def _ended_in_nan(saved: Saved) -> Html:
         f"{saved.nan} It is no use to go on: the same steps would meet it again. Other random "
         "numbers may not"
     )
-    line = again.another_seed(saved.folder)
+    line = repeat_commands.another_seed(saved.folder)
     told = (
         [html.paragraph(f"{said}:"), html.shell([line])] if line else [html.paragraph(f"{said}.")]
     )
@@ -202,7 +202,7 @@ def _table(caption: str, rows: list[tuple[Any, ...]]) -> Html:
     return html.table(caption, head, rows, numbers="  nn", cards=True)
 
 
-def _explained(asked: list[Stated]) -> str:
+def _explained(asked: list[ConditionRecord]) -> str:
     """Explain the terms of the table, only those that occur in it."""
     said = (
         "A margin is how far a condition is from failing. It is counted in scales: a scale is a "
@@ -220,17 +220,17 @@ def _explained(asked: list[Stated]) -> str:
 def _told(entry: Mapping[str, Any]) -> str:
     """Describe a condition in words, even one from another version."""
     try:
-        return words.condition(entry)
+        return phrases.condition(entry)
     except (AttributeError, KeyError, TypeError):
         return "described in a way that this version does not know"
 
 
-def _row(one: Stated, measured: Violations | None) -> tuple[Any, ...]:
-    size = words.scale(one.data, one.scale or 1.0)
+def _row(one: ConditionRecord, measured: Violations | None) -> tuple[Any, ...]:
+    size = phrases.scale(one.data, one.scale or 1.0)
     name = html.join(
         [html.tag("b", one.name), Html("<br>"), html.tag("span", _told(one.data), class_="quiet")]
     )
-    where = words.region(one.region)
+    where = phrases.region(one.region)
     if measured is None:
         return name, where, "–", size
     least = measured.min_margin

@@ -2,14 +2,14 @@
 
 import json
 
-from neuralgaits.records.shown import ShownWalk
+from neuralgaits.records.report_walk import ShownWalk
 from neuralgaits.records.simulated import Simulated
 from neuralgaits.report.page import markup as html
-from neuralgaits.report.page import words
+from neuralgaits.report.page import phrases
 from neuralgaits.report.page.markup import Html
 from neuralgaits.report.page.saved import Contents, Saved
 from neuralgaits.runs import plain
-from neuralgaits.runs.commands import command
+from neuralgaits.runs.shell_words import command
 
 _SPEEDS = (0.1, 0.25, 0.5, 1.0, 2.0)
 
@@ -99,7 +99,7 @@ def _beside(walk: ShownWalk) -> str:
     told = []
     if walk.plant != walk.robot:
         told.append(f"the robot that walks is {walk.plant}, the model is {walk.robot}")
-    if changed := words.changes(walk.disturb):
+    if changed := phrases.changes(walk.disturb):
         told.append(f"changed in the simulation: {', '.join(changed)}")
     if walk.push_n_s:
         told.append(f"a push of {html.number(walk.push_n_s)} N s")
@@ -152,7 +152,7 @@ def simulations(saved: Saved) -> Html:
         rows.append(("multiplier of the model's orbit", told))
         rows.append(("length of a step on that orbit", f"{html.number(orbit.step_length_m)} m"))
     drawn = [] if done.drawn_from is None else [f"robots drawn from the box {done.drawn_from}"]
-    changed = ", ".join([*drawn, *words.changes(done.changed)]) or "nothing"
+    changed = ", ".join([*drawn, *phrases.changes(done.changed)]) or "nothing"
     push = f", push {html.number(done.push)} N s" if done.push else ""
     ground = "" if done.terrain is None else f", terrain {done.terrain}"
     off = done.foothold_error_m

@@ -22,7 +22,7 @@ from pydrake.math import RigidTransform, RotationMatrix
 from pydrake.multibody.plant import CoulombFriction
 from pydrake.multibody.tree import PrismaticJoint, SpatialInertia
 
-from neuralgaits.simulation.drake.tree import Tree, pose
+from neuralgaits.simulation.drake.drake_tree import Tree, pose
 from neuralgaits.simulation.setup.plant import Plant
 
 _LOCKED_KG = 1.0
@@ -52,7 +52,7 @@ class ContactConfig:
 
 
 @dataclass(frozen=True, eq=False)
-class Ground:
+class ContactBodies:
     """Feet and floors in a Drake plant.
 
     Attributes:
@@ -66,7 +66,7 @@ class Ground:
 
 def add_ground(
     plant: Any, scene_graph: Any, source: Plant, tree: Tree, config: ContactConfig
-) -> Ground:
+) -> ContactBodies:
     """Give each foot its sphere and its own floor, or give both the blocks of a course.
 
     Args:
@@ -114,7 +114,7 @@ def add_ground(
         apart.ExcludeBetween(GeometrySet(spheres[:1]), GeometrySet(planes[1:]))
         apart.ExcludeBetween(GeometrySet(spheres[1:]), GeometrySet(planes[:1]))
     scene_graph.collision_filter_manager().Apply(apart)
-    return Ground(tuple(bodies), tuple(floors))
+    return ContactBodies(tuple(bodies), tuple(floors))
 
 
 def _add_blocks(plant: Any, model: mujoco.MjModel, material: ProximityProperties) -> None:

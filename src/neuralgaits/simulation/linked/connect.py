@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 from neuralgaits.errors import InputError
-from neuralgaits.export import build, writing
+from neuralgaits.export import build, output_folder
 from neuralgaits.export.facts import Design
 from neuralgaits.export.source import gait_files
 from neuralgaits.simulation.linked.config import LinkConfig
@@ -28,8 +28,8 @@ def connected(design: Design, config: LinkConfig, episodes: int, seed: int) -> I
     compilers = build.compilers()
     if not compilers:
         raise InputError("expected a C compiler for --controller c, found none: install gcc")
-    files = writing.shipped() | gait_files(design)
-    with writing.scratch(files) as folder:
+    files = output_folder.shipped() | gait_files(design)
+    with output_folder.scratch(files) as folder:
         program = build.build(compilers[0], folder, "controller", SOURCES, build.PLAIN)
         with Remote(program, list(design.controllers), config, episodes, seed) as remote:
             yield remote

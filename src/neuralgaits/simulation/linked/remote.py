@@ -17,7 +17,7 @@ from jax.flatten_util import ravel_pytree
 
 from neuralgaits._quick_jit import quick_jit
 from neuralgaits._types import Array, Float
-from neuralgaits.control import Command
+from neuralgaits.control import TickResult
 from neuralgaits.control.measurement import Measurement, coordinates, stance_joints
 from neuralgaits.errors import InputError
 from neuralgaits.records.simulated import LOCKSTEP, LinkFigures, LinkTimes
@@ -26,7 +26,7 @@ from neuralgaits.simulation.linked.channel import Channel
 from neuralgaits.simulation.linked.config import LinkConfig
 from neuralgaits.simulation.linked.wire import (
     Answer,
-    Link,
+    ControllerLink,
     pack_reading,
     sequence_of,
     unpack_answer,
@@ -71,7 +71,7 @@ class Remote:
             )
         self._config, self._law = config, laws.index(config.law)
         log = Path(config.log) if config.log else None
-        self._links = [Link(program, log if i == 0 else None) for i in range(episodes)]
+        self._links = [ControllerLink(program, log if i == 0 else None) for i in range(episodes)]
         jitter = round(config.jitter_ms)
         self._up = [Channel[bytes](config.loss, jitter, (seed, i, 4)) for i in range(episodes)]
         self._down = [Channel[Answer](config.loss, jitter, (seed, i, 5)) for i in range(episodes)]
@@ -229,14 +229,14 @@ def _compiled(scene: Scene) -> tuple[Callable[..., Any], Callable[..., Any]]:
     leg_joints, m = robot.n // 2, robot.n - 1
     _, carry_of = ravel_pytree(begin(scene, jnp.zeros((), jnp.int32)))
 
-    def command_of(row: jax.Array, seen: Measurement) -> Command:
+    def command_of(row: jax.Array, seen: Measurement) -> TickResult:
         leg, (touchdown, saturated) = row[0].astype(jnp.int32), row[1:3] > 0.5
         sizes = (2 * leg_joints, 2 * leg_joints, m, m, m, 2, 2 * len(scene.first), 2)
         ends = np.cumsum(sizes)
         _, torque, _, y_d, dy_d, z, told, times = jnp.split(row[3:], ends[:-1])
         torque = torque.reshape(2, leg_joints)
         q, dq = coordinates(robot, seen, leg)
-        return Command(
+        return TickResult(
             torque=torque,
             actuated=stance_joints(robot, torque, leg),
             q=q,
@@ -256,7 +256,7 @@ def _compiled(scene: Scene) -> tuple[Callable[..., Any], Callable[..., Any]]:
     @jax.vmap
     def look(packed: jax.Array) -> tuple[Measurement, Array]:
         reading = scene.reading(packed)
-        return sense(scene, reading).seen, reading.wanted
+        return sense(scene, reading).seen, reading.requested
 
     @quick_jit
     @jax.vmap

@@ -88,7 +88,7 @@ def unpack_answer(packet: bytes) -> Answer | None:
     )
 
 
-class Link:
+class ControllerLink:
     """A controller process and the socket to it. Use as a context."""
 
     def __init__(self, program: Path, log: Path | None = None):
@@ -117,7 +117,7 @@ class Link:
         self._selector = selectors.DefaultSelector()
         self._selector.register(self._socket, selectors.EVENT_READ)
 
-    def __enter__(self) -> "Link":
+    def __enter__(self) -> "ControllerLink":
         """Return the link for a `with` block."""
         return self
 

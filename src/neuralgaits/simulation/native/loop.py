@@ -21,17 +21,17 @@ import numpy as np
 from neuralgaits._types import Float
 from neuralgaits.control import Controller
 from neuralgaits.errors import InputError, NonFiniteError
-from neuralgaits.simulation.native.layout import pointer
-from neuralgaits.simulation.native.library import Library
+from neuralgaits.simulation.native.compiled_walk import Library
+from neuralgaits.simulation.native.native_scene import scene_of
 from neuralgaits.simulation.native.records import record_of
-from neuralgaits.simulation.native.scene import scene_of
-from neuralgaits.simulation.setup.given import Given
-from neuralgaits.simulation.setup.orders import Orders
+from neuralgaits.simulation.native.struct_layout import pointer
+from neuralgaits.simulation.setup.command_schedule import CommandSchedule
+from neuralgaits.simulation.setup.episode_inputs import EpisodeInputs
 from neuralgaits.simulation.setup.plant import Plant
 from neuralgaits.simulation.ticks.falls import Ending, FallConfig
 from neuralgaits.simulation.ticks.gauge import Extremes, Gauge, Milestone
-from neuralgaits.simulation.ticks.lockstep import Episodes
-from neuralgaits.simulation.ticks.strides import Strides, width
+from neuralgaits.simulation.ticks.lockstep import EpisodeBatch
+from neuralgaits.simulation.ticks.stride_table import Strides, width
 
 _CHUNK = 4096
 """Ticks between two checks whether to continue: a few tens of milliseconds."""
@@ -62,13 +62,13 @@ def run(
     plant: Plant,
     controller: Controller,
     states: Float[np.ndarray, "B s"],
-    given: Given,
+    given: EpisodeInputs,
     *,
     steps: int,
     falls: FallConfig,
     threads: int,
     plants: Sequence[Plant] = (),
-) -> Episodes:
+) -> EpisodeBatch:
     """Run every episode to its end, as `lockstep.run` does.
 
     Args:
@@ -101,17 +101,17 @@ def run(
             local.data = mujoco.MjData(plant.model)
         return _episode(library, scene, plant, local.data, given, states, episode, stop)
 
-    began = clock.perf_counter()
+    start_time = clock.perf_counter()
     with ThreadPoolExecutor(max(1, min(threads, len(states)))) as pool:
         try:
             kept = list(pool.map(one, range(len(states))))
         except BaseException:
             stop.set()
             raise
-    wall = clock.perf_counter() - began
+    wall = clock.perf_counter() - start_time
     whole = kept[0]
     rows = np.concatenate(whole.records) if given.record else None
-    return Episodes(
+    return EpisodeBatch(
         [Ending(found.walk.ending) for found in kept],
         _gauge([found.walk for found in kept]),
         None if rows is None else record_of(rows, plant.robot),
@@ -131,7 +131,7 @@ def _episode(
     scene: Any,
     plant: Plant,
     data: mujoco.MjData,
-    given: Given,
+    given: EpisodeInputs,
     states: Float[np.ndarray, "B s"],
     episode: int,
     stop: threading.Event,
@@ -161,7 +161,7 @@ def _episode(
     walk.push_start = begin
     kept = _Kept(walk)
     draws = np.random.default_rng([given.seed, given.first + episode, 3])
-    shape = (2, 1 + plant.wires.joints.size)
+    shape = (2, 1 + plant.state_map.joints.size)
     if given.noisy:
         # The loop in JAX spends one tick's draws on being compiled.
         draws.standard_normal(shape)
@@ -201,7 +201,7 @@ def _episode(
 class _Orders:
     """Commands for the touchdowns of one chunk, in sufficient number."""
 
-    def __init__(self, orders: Orders, episode: int):
+    def __init__(self, orders: CommandSchedule, episode: int):
         self._rest = orders.of(episode)
         self._rows = np.zeros((0, len(orders.commands)))
 

@@ -1,4 +1,4 @@
-"""Convert records of compiled walks to `Record`, which all other code reads."""
+"""Convert records of compiled walks to `TickRecord`, which all other code reads."""
 
 import jax
 import jax.numpy as jnp
@@ -6,17 +6,17 @@ import numpy as np
 
 from neuralgaits._quick_jit import quick_filter_jit
 from neuralgaits._types import Array
-from neuralgaits.control import Command, Measurement
+from neuralgaits.control import Measurement, TickResult
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.simulation.ticks.sensors import true_z
-from neuralgaits.simulation.ticks.tick import Record
+from neuralgaits.simulation.ticks.tick import TickRecord
 
 NEVER_S = 1e30
 """Value of NG_NEVER: time since a touchdown while there is none [s]."""
 
 
-def record_of(rows: np.ndarray, plant_robot: PlanarBiped) -> Record:
-    """Return a `Record` with a leading axis of ticks.
+def record_of(rows: np.ndarray, plant_robot: PlanarBiped) -> TickRecord:
+    """Return a `TickRecord` with a leading axis of ticks.
 
     Args:
         rows: rows of `ng_record`. [T]
@@ -24,7 +24,7 @@ def record_of(rows: np.ndarray, plant_robot: PlanarBiped) -> Record:
     """
     leg = rows["leg"].astype(np.int32)
     since = rows["since_touchdown"]
-    command = Command(
+    command = TickResult(
         torque=rows["torque"],
         actuated=rows["actuated"],
         q=rows["q"],
@@ -42,7 +42,7 @@ def record_of(rows: np.ndarray, plant_robot: PlanarBiped) -> Record:
     names = ("time", "pitch", "dpitch", "angles", "rates", "hip_velocity", "normal_force")
     truth = Measurement(*(rows[name] for name in names))
     z = np.asarray(_plant_z(plant_robot, _padded(truth), _padded(leg)))[: len(rows)]
-    return Record(rows["time"], command, rows["pitch"], rows["dpitch"], z)
+    return TickRecord(rows["time"], command, rows["pitch"], rows["dpitch"], z)
 
 
 @quick_filter_jit

@@ -10,7 +10,7 @@ import numpy as np
 
 from neuralgaits._types import Bool, Float, Int
 from neuralgaits.gait.commands import place_of
-from neuralgaits.simulation.setup.orders import Orders
+from neuralgaits.simulation.setup.command_schedule import CommandSchedule
 
 GAP_DEPTH_M = 0.03
 """Depth below the stones before and behind it at which a foot has missed them [m]."""
@@ -75,7 +75,7 @@ class Courses:
     """
 
     each: tuple[Course, ...]
-    orders: Orders
+    orders: CommandSchedule
     foot_radius: float
 
     @property

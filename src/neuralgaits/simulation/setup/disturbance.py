@@ -15,7 +15,7 @@ def _quantity(default: float | None, lowest: float, highest: float, meaning: str
 
 
 @dataclass(frozen=True)
-class Disturbance:
+class PlantChanges:
     """Differences of the plant from its robot file; the defaults are no difference.
 
     Attributes:
@@ -86,21 +86,21 @@ class Disturbance:
 
 def existing() -> str:
     """Return every name with its meaning, for messages and help."""
-    return "; ".join(f"{entry.name}: {entry.metadata['meaning']}" for entry in fields(Disturbance))
+    return "; ".join(f"{entry.name}: {entry.metadata['meaning']}" for entry in fields(PlantChanges))
 
 
-def parse(disturb: "str | Mapping[str, float] | Disturbance | None") -> Disturbance:
+def parse(disturb: "str | Mapping[str, float] | PlantChanges | None") -> PlantChanges:
     """Read `NAME=VALUE,...`, or a mapping of names to values.
 
     Raises: InputError for a name that does not exist, a value that is no number, out of its
     range or given twice; the message lists all names.
     """
-    if isinstance(disturb, Disturbance):
+    if isinstance(disturb, PlantChanges):
         return disturb
     if not disturb:
-        return Disturbance()
+        return PlantChanges()
     pairs = _pairs(disturb) if isinstance(disturb, str) else list(disturb.items())
-    known = {entry.name for entry in fields(Disturbance)}
+    known = {entry.name for entry in fields(PlantChanges)}
     values: dict[str, float] = {}
     for name, text in pairs:
         if name not in known:
@@ -115,7 +115,7 @@ def parse(disturb: "str | Mapping[str, float] | Disturbance | None") -> Disturba
             values[name] = float(text)
         except (TypeError, ValueError):
             raise InputError(f"disturbance {name}: expected a number, found {text!r}") from None
-    return Disturbance(**values)
+    return PlantChanges(**values)
 
 
 def _pairs(text: str) -> list[tuple[str, str]]:

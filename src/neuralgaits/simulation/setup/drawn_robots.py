@@ -10,7 +10,7 @@ from neuralgaits.errors import InputError
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.robots.parameter_box import checked_box
 from neuralgaits.robots.parameters import RobotFamily, axes_of, in_its_file
-from neuralgaits.simulation.setup.disturbance import Disturbance
+from neuralgaits.simulation.setup.disturbance import PlantChanges
 
 _STREAM = 0x0B0C5
 """Number of this file's stream of random numbers."""
@@ -51,14 +51,14 @@ class DrawnRobots:
         family = RobotFamily.of(self.robot, tuple(checked_box(self.box)))
         return [in_its_file(family, errors) for errors in self.errors(first, count)]
 
-    def on_its_floor(self, disturbance: Disturbance) -> Disturbance:
+    def on_its_floor(self, disturbance: PlantChanges) -> PlantChanges:
         """Return a disturbance with the floor of the box: least friction, footholds up and down.
 
         Raises: InputError if both set the floor.
         """
         named = {"floor": "floor_height", "friction": "friction"}
         found = {named[kind]: self.box[kind] for kind in named if kind in self.box}
-        default = Disturbance()
+        default = PlantChanges()
         for kind in named.values():
             if kind in found and getattr(disturbance, kind) != getattr(default, kind):
                 raise InputError(

@@ -6,8 +6,8 @@ from dataclasses import replace
 from neuralgaits.errors import InputError
 from neuralgaits.gait import AbstractPolicy
 from neuralgaits.robots import PlanarBiped
+from neuralgaits.simulation.setup.command_schedule import CommandSchedule
 from neuralgaits.simulation.setup.course import Course, Courses, joined
-from neuralgaits.simulation.setup.orders import Orders
 from neuralgaits.simulation.setup.terrain_kinds import Size, endless, resized, sizes_of
 from neuralgaits.simulation.setup.terrains import courses_of
 
@@ -25,7 +25,12 @@ class LiveCourse:
     """
 
     def __init__(
-        self, asked: str, robot: PlanarBiped, steady: AbstractPolicy, base: Orders, seed: int = 0
+        self,
+        asked: str,
+        robot: PlanarBiped,
+        steady: AbstractPolicy,
+        base: CommandSchedule,
+        seed: int = 0,
     ):
         """Lay the first length; see `terrains.courses_of`. Raises: InputError with one line."""
         self._asked, self._robot, self._steady, self._base = asked, robot, steady, base

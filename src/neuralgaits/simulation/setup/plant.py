@@ -19,7 +19,7 @@ from neuralgaits.errors import InputError, RobotError
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.robots.mjcf_state import StateMap
 from neuralgaits.simulation.setup.course import Course
-from neuralgaits.simulation.setup.disturbance import Disturbance
+from neuralgaits.simulation.setup.disturbance import PlantChanges
 
 TIMESTEP_S = 5e-4
 SUBSTEPS = 2
@@ -54,7 +54,7 @@ class Plant:
         robot: robot of the file, without the disturbances.
         model: compiled model, with two floor planes on mocap bodies 0 and 1, or a course's blocks.
         disturbance: changes to the robot.
-        wires: places of the robot's coordinates in the model.
+        state_map: places of the robot's coordinates in the model.
         torque_limit: limits of the actuated coordinates as disturbed [N m]. [m]
         slope: rise of the floor per metre forward.
         course: course of blocks; None for floors.
@@ -62,8 +62,8 @@ class Plant:
 
     robot: PlanarBiped
     model: mujoco.MjModel
-    disturbance: Disturbance
-    wires: StateMap
+    disturbance: PlantChanges
+    state_map: StateMap
     torque_limit: Float[np.ndarray, " m"]
     slope: float
     course: Course | None = None
@@ -81,13 +81,13 @@ class Plant:
 
 
 def build(
-    robot: PlanarBiped, disturbance: Disturbance | None = None, course: Course | None = None
+    robot: PlanarBiped, disturbance: PlantChanges | None = None, course: Course | None = None
 ) -> Plant:
     """Compile the plant of a robot, on floors, or on the blocks of a course.
 
     Raises: RobotError if MuJoCo refuses the file, InputError if a disturbance does not apply.
     """
-    disturbance = Disturbance() if disturbance is None else disturbance
+    disturbance = PlantChanges() if disturbance is None else disturbance
     layout = robot.layout
     slope = math.tan(math.radians(disturbance.slope_deg))
     try:
@@ -112,7 +112,7 @@ def build(
         robot=robot,
         model=model,
         disturbance=disturbance,
-        wires=StateMap.build(model, layout),
+        state_map=StateMap.build(model, layout),
         torque_limit=limit,
         slope=slope,
         course=course,
@@ -123,7 +123,7 @@ def _add_floors(
     spec: mujoco.MjSpec,
     geometry: mujoco.MjModel,
     robot: PlanarBiped,
-    disturbance: Disturbance,
+    disturbance: PlantChanges,
     course: Course | None,
 ) -> None:
     """Give each foot a plane, take every other contact away, and put sensors on the feet.
@@ -197,7 +197,7 @@ def _planes(spec: mujoco.MjSpec):
     return (geom for geom in spec.geoms if geom.type == mujoco.mjtGeom.mjGEOM_PLANE)
 
 
-def _disturb(model: mujoco.MjModel, robot: PlanarBiped, disturbance: Disturbance) -> None:
+def _disturb(model: mujoco.MjModel, robot: PlanarBiped, disturbance: PlantChanges) -> None:
     layout = robot.layout
     joints = sorted({name for leg in layout.leg_joints for name in leg})
     friction = robot.friction if disturbance.friction is None else disturbance.friction

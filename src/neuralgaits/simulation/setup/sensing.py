@@ -4,7 +4,7 @@ import math
 from dataclasses import replace
 
 from neuralgaits.errors import InputError
-from neuralgaits.simulation.setup.disturbance import Disturbance
+from neuralgaits.simulation.setup.disturbance import PlantChanges
 
 PERFECT, ENCODERS = "perfect", "encoders"
 BITS = 14
@@ -18,7 +18,7 @@ _NAMES = ("bits", "pitch_noise", "pitch_offset", "delay_ms")
 """Names of settings that `encoders` takes."""
 
 
-def sensed(disturbance: Disturbance, sensing: str | None) -> Disturbance:
+def sensed(disturbance: PlantChanges, sensing: str | None) -> PlantChanges:
     """Return a plant's disturbance with the requested sensors; None changes nothing.
 
     A disturbance that `sensing` does not name stays, such as a longer delay.
@@ -39,7 +39,7 @@ def sensed(disturbance: Disturbance, sensing: str | None) -> Disturbance:
         return replace(disturbance, estimator=0.0)
     given = _read(settings)
     wanted = {"bits": BITS, "pitch_noise": PITCH_NOISE, "delay_ms": DELAY_MS} | given
-    usual, values = Disturbance(), {"estimator": 1.0}
+    usual, values = PlantChanges(), {"estimator": 1.0}
     for name, value in wanted.items():
         field = "encoder_step" if name == "bits" else name
         if getattr(disturbance, field) == getattr(usual, field):
@@ -52,7 +52,7 @@ def sensed(disturbance: Disturbance, sensing: str | None) -> Disturbance:
     return replace(disturbance, **values)
 
 
-def name_of(disturbance: Disturbance) -> str:
+def name_of(disturbance: PlantChanges) -> str:
     """Return the name of the sensing of a disturbed plant."""
     return ENCODERS if disturbance.estimator else PERFECT
 

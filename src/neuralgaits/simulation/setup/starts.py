@@ -6,12 +6,12 @@ import numpy as np
 
 from neuralgaits._quick_jit import quick_filter_jit
 from neuralgaits._types import Array, Float
-from neuralgaits.analysis.orbit import poincare
+from neuralgaits.analysis.poincare_map import poincare
 from neuralgaits.barriers import Gait
-from neuralgaits.barriers.regions import AnyGait, CommandedGait
 from neuralgaits.errors import InputError
 from neuralgaits.gait import Orbit, ZeroDynamics
-from neuralgaits.gait.commands import Commands, Limits, Pair
+from neuralgaits.gait.commands import CommandLimits, Commands, Pair
+from neuralgaits.gait.gaits import AnyGait, CommandedGait
 
 KINDS = ("centre", "region", "fixed-point")
 # Phases at which the fences are read to find the momenta of a tube.
@@ -78,7 +78,7 @@ def momentum_range(gait: AnyGait) -> tuple[float, float]:
 
 def _pairs(commands: Commands) -> Pair:
     """Return a grid of the pairs of commands that may follow each other. [N, p] each."""
-    limits = Limits.of(commands)
+    limits = CommandLimits.of(commands)
     ends = np.linspace(0.0, 1.0, max(2, round(_PAIRS ** (0.5 / len(commands)))))
     grid = np.stack(np.meshgrid(*[ends] * (2 * len(commands))), axis=-1)
     first, change = np.split(grid.reshape(-1, 2 * len(commands)), 2, axis=1)

@@ -11,7 +11,7 @@ from neuralgaits.gait.commands import Commands, command_named, place_of
 
 
 @dataclass(frozen=True)
-class Kind:
+class TerrainKind:
     """A kind of ground.
 
     Attributes:
@@ -35,19 +35,19 @@ class Size(NamedTuple):
 
 
 KINDS = {
-    "stones": Kind(("step_length",), {"width": "of a stone [m], 0.1 if not given"}),
-    "stairs": Kind(
+    "stones": TerrainKind(("step_length",), {"width": "of a stone [m], 0.1 if not given"}),
+    "stairs": TerrainKind(
         ("step_length", "step_height"),
         {
             "rise": "of a step [m], negative for down, the gait's highest if not given",
             "run": "depth of a step [m], the middle of the gait's lengths if not given",
         },
     ),
-    "slopes": Kind(("slope",), {"length": "mean length of a slope [m], 1 if not given"}),
+    "slopes": TerrainKind(("slope",), {"length": "mean length of a slope [m], 1 if not given"}),
 }
 
 
-def told_by(asked: str) -> tuple[str, ...]:
+def commands_from_terrain(asked: str) -> tuple[str, ...]:
     """Commands that the ground gives, so that nobody else can."""
     kind, _ = kind_of(asked)
     return ("slope",) if kind == "slopes" else ("step_length", "step_height", "slope")
@@ -128,7 +128,7 @@ def kind_of(asked: str) -> tuple[str | None, dict[str, float]]:
     return kind, found
 
 
-def check_told(what: str, kind: Kind, commands: Commands) -> None:
+def check_told(what: str, kind: TerrainKind, commands: Commands) -> None:
     """Refuse a gait without the commands that the ground needs. Raises: InputError."""
     missing = [name for name in kind.asks if place_of(commands, name) is None]
     if missing:

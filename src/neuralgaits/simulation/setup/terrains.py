@@ -16,13 +16,13 @@ from neuralgaits.gait.commands import Commands, command_named, place_of
 from neuralgaits.gait.coordinates import lift
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.robots.dynamics import swing_foot
+from neuralgaits.simulation.setup.command_schedule import CommandSchedule
 from neuralgaits.simulation.setup.course import Course, Courses, stones_at
-from neuralgaits.simulation.setup.orders import Orders
 from neuralgaits.simulation.setup.stones_file import ROUNDING_M, stones_of_file
 from neuralgaits.simulation.setup.terrain_kinds import KINDS, check_told, kind_of, sizes_of
 
 _STREAM = 7
-"""Number of this file's stream of random numbers; see `orders`."""
+"""Number of this file's stream of random numbers; see `command_schedule`."""
 _SPARE = 2
 """Number of stones beyond the last one of the walk, so that there is one ahead."""
 _RUN_UP_M = 1.0
@@ -37,7 +37,7 @@ def courses_of(
     asked: str,
     robot: PlanarBiped,
     steady: AbstractPolicy,
-    base: Orders,
+    base: CommandSchedule,
     *,
     steps: int,
     seed: int,
@@ -79,7 +79,9 @@ def _step_length(robot: PlanarBiped, steady: AbstractPolicy) -> float:
     return float(swing_foot(robot, lift(robot, z1, outputs))[0])
 
 
-def _first_told(commands: Commands, base: Orders, course: Course) -> Float[np.ndarray, " p"]:
+def _first_told(
+    commands: Commands, base: CommandSchedule, course: Course
+) -> Float[np.ndarray, " p"]:
     """Return the commands of the first step: to the first stone; on the level without stones."""
     first = np.array(base.first)
     length, height = course.seen[1] - course.seen[0] if course.stones else (None, None)

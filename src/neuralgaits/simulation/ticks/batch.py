@@ -35,7 +35,7 @@ class Batch(NamedTuple):
     verdict_of: "Unpack"
     """Function from packed verdicts to a `Verdict` with a leading axis."""
     record_of: "Unpack"
-    """Function from packed records to a `Record` with a leading axis."""
+    """Function from packed records to a `TickRecord` with a leading axis."""
 
 
 class Unpack:

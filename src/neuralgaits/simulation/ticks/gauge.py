@@ -10,7 +10,7 @@ import jax
 import jax.numpy as jnp
 
 from neuralgaits._types import Actuated, Array, Float, Int, Scalar
-from neuralgaits.control import Command
+from neuralgaits.control import TickResult
 
 _Figures = TypeVar("_Figures")
 
@@ -99,7 +99,7 @@ class Gauge(NamedTuple):
 
 def update(
     gauge: Gauge,
-    command: Command,
+    command: TickResult,
     *,
     time: Scalar,
     hip: Scalar,
@@ -141,7 +141,7 @@ def update(
     )
 
 
-def _extremes(command: Command, normal_force: Float[Array, "2"]) -> Extremes:
+def _extremes(command: TickResult, normal_force: Float[Array, "2"]) -> Extremes:
     """Return the extremes of one tick."""
     settled = command.since_touchdown >= SETTLING_S
 

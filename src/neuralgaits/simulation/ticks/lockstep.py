@@ -11,28 +11,28 @@ from typing import NamedTuple
 import numpy as np
 
 from neuralgaits._types import Float, Int
+from neuralgaits.simulation.setup.command_schedule import CommandSchedule
 from neuralgaits.simulation.setup.course import Courses
-from neuralgaits.simulation.setup.given import Given
-from neuralgaits.simulation.setup.orders import Orders
+from neuralgaits.simulation.setup.episode_inputs import EpisodeInputs
 from neuralgaits.simulation.setup.plant import SUBSTEPS, TIMESTEP_S, Plant
 from neuralgaits.simulation.ticks.batch import Batch, pack
 from neuralgaits.simulation.ticks.falls import Ending
 from neuralgaits.simulation.ticks.gauge import Gauge
 from neuralgaits.simulation.ticks.recorder import Recorder
 from neuralgaits.simulation.ticks.scene import PlantReading
-from neuralgaits.simulation.ticks.strides import Strides, width
-from neuralgaits.simulation.ticks.tick import Record, Verdict
+from neuralgaits.simulation.ticks.stride_table import Strides, width
+from neuralgaits.simulation.ticks.tick import TickRecord, Verdict
 from neuralgaits.simulation.ticks.world import World
 
 
-class Episodes(NamedTuple):
+class EpisodeBatch(NamedTuple):
     """Results of a batch of episodes."""
 
     endings: list[Ending]
     """Ending of each episode."""
     gauge: Gauge
     """Running figures at each episode's last tick, with a leading axis of episodes."""
-    record: Record | None
+    record: TickRecord | None
     """Record of episode 0, with a leading axis of ticks, if it was requested."""
     states: Float[np.ndarray, "T s"]
     """MuJoCo states of episode 0, one a tick, if they were requested."""
@@ -42,13 +42,13 @@ class Episodes(NamedTuple):
     """Number of MuJoCo steps of all episodes together."""
     wall_s: float
     """Time of the loop, without compilation [s]."""
-    records: list[Record]
+    records: list[TickRecord]
     """Records of every episode, for the requested number of ticks, with a leading axis of ticks."""
     strides: list[Strides]
     """Touchdowns of every episode, as tables."""
 
 
-Watch = Callable[[Record, Int[np.ndarray, " a"]], None]
+Watch = Callable[[TickRecord, Int[np.ndarray, " a"]], None]
 """Callback with (records of a tick, with a leading axis of all episodes; numbers of those still
 running)."""
 
@@ -77,9 +77,9 @@ def run(
     plant: Plant,
     batch: Batch,
     world: World,
-    given: Given,
+    given: EpisodeInputs,
     watch: Watch | None = None,
-) -> Episodes:
+) -> EpisodeBatch:
     """Run every episode to its end.
 
     Args:
@@ -89,25 +89,25 @@ def run(
         given: inputs of the episodes.
         watch: called after each control tick.
 
-    Returns: `Episodes`.
+    Returns: `EpisodeBatch`.
     """
     count, first = len(world.states), given.first
     terrain, courses, orders = given.terrain, given.courses, given.orders
-    shape = (2, 1 + plant.wires.joints.size)
+    shape = (2, 1 + plant.state_map.joints.size)
     noise = Noise(shape, given.seed, count, silent=not given.noisy, first=first)
-    late = _Late(plant.delay_ticks, count, plant.wires.nu)
+    late = _Late(plant.delay_ticks, count, plant.state_map.nu)
     time, plant_steps = 0.0, 0
     levels_now = terrain.levels if courses is None else courses.first_levels()
     carry, endings = batch.carry, np.zeros(count, dtype=int)
     kept = np.array(carry)
     records, seen, levels = [], [], []
     recorder = Recorder(given.longest) if given.longest else None
-    told = _Told(orders, range(first, first + count), courses)
+    told = _CommandFeed(orders, range(first, first + count), courses)
     strides: list[list[np.ndarray]] = [[] for _ in range(count)]
     # The first call compiles; its result is thrown away.
     reading = _reading(world, levels_now, noise, told)
     batch.tick(batch.arrays, carry, reading)
-    began = clock.perf_counter()
+    start_time = clock.perf_counter()
     active = np.arange(count)
     while active.size:
         reading = _reading(world, levels_now, noise, told)
@@ -140,8 +140,8 @@ def run(
         if active.size:
             world.advance(active, controls, force)
             plant_steps += SUBSTEPS * active.size
-    wall = clock.perf_counter() - began
-    return Episodes(
+    wall = clock.perf_counter() - start_time
+    return EpisodeBatch(
         [Ending(value) for value in endings],
         batch.carry_of(kept).gauge,
         batch.record_of(np.array(records)) if given.record else None,
@@ -158,29 +158,29 @@ def run(
 
 
 def _reading(
-    world: World, levels: Float[np.ndarray, "B 2"], noise: Noise, told: "_Told"
+    world: World, levels: Float[np.ndarray, "B 2"], noise: Noise, told: "_CommandFeed"
 ) -> Float[np.ndarray, "B r"]:
     """Return the present inputs of the tick, packed."""
-    return pack(PlantReading(world.states, world.touch, levels, noise.next(), told.wanted))
+    return pack(PlantReading(world.states, world.touch, levels, noise.next(), told.requested))
 
 
-class _Told:
-    """What the next touchdown of every episode is to latch."""
+class _CommandFeed:
+    """Commands that the next touchdown of every episode latches."""
 
-    def __init__(self, orders: Orders, episodes: range, courses: Courses | None):
+    def __init__(self, orders: CommandSchedule, episodes: range, courses: Courses | None):
         self._courses = courses
         self._orders = [orders.of(i) for i in episodes]
         first = [next(rows) for rows in self._orders]
-        self.wanted = np.array(first, dtype=np.float64).reshape(len(episodes), -1)
+        self.requested = np.array(first, dtype=np.float64).reshape(len(episodes), -1)
 
     def advance(self, verdict: Verdict) -> None:
         """Advance to the next command after a latch; on a course, look ahead again."""
         if self._courses is not None:
-            for i, wanted in enumerate(self.wanted):
+            for i, wanted in enumerate(self.requested):
                 self._courses.look(wanted, i, int(verdict.steps[i]), np.asarray(verdict.feet[i, 1]))
-        elif self.wanted.size:
+        elif self.requested.size:
             for i in np.flatnonzero(verdict.touchdown):
-                self.wanted[i] = next(self._orders[i])
+                self.requested[i] = next(self._orders[i])
 
 
 class _Late:

@@ -4,7 +4,7 @@ import jax
 import numpy as np
 
 from neuralgaits._types import Int
-from neuralgaits.simulation.ticks.tick import Record
+from neuralgaits.simulation.ticks.tick import TickRecord
 
 
 class Recorder:
@@ -13,16 +13,16 @@ class Recorder:
     def __init__(self, longest: int):
         """Keep the first `longest` ticks of each episode."""
         self._longest = longest
-        self._ticks: list[Record] = []
+        self._ticks: list[TickRecord] = []
         self._active: list[Int[np.ndarray, " a"]] = []
 
-    def __call__(self, record: Record, active: Int[np.ndarray, " a"]) -> None:
+    def __call__(self, record: TickRecord, active: Int[np.ndarray, " a"]) -> None:
         """Keep one tick of all episodes; `active` are those that are still running."""
         if len(self._ticks) < self._longest:
             self._ticks.append(record)
             self._active.append(active)
 
-    def record(self, episode: int) -> Record:
+    def record(self, episode: int) -> TickRecord:
         """Return the record of one episode up to its end; leaves have a leading axis of ticks."""
         ran = [tick for tick, who in zip(self._ticks, self._active, strict=True) if episode in who]
         return jax.tree.map(lambda *leaves: np.stack([leaf[episode] for leaf in leaves]), *ran)

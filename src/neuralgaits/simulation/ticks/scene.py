@@ -10,7 +10,7 @@ from neuralgaits.control import (
     Controller,
 )
 from neuralgaits.control.estimator import Estimator
-from neuralgaits.gait.commands import Limits
+from neuralgaits.gait.commands import CommandLimits
 from neuralgaits.robots import MjcfLayout, PlanarBiped
 from neuralgaits.robots.mjcf_state import StateMap
 from neuralgaits.simulation.setup.plant import Plant
@@ -28,7 +28,7 @@ class PlantReading(NamedTuple):
     """Floor level under each foot at x = 0 [m]; on a course, of the foothold each had last."""
     noise: Float[Array, "2 j"]
     """Standard normal noise of angles and rates: pitch first, then the joints of both legs."""
-    wanted: Float[Array, " p"]
+    requested: Float[Array, " p"]
     """Commands that the next touchdown latches."""
 
 
@@ -83,8 +83,8 @@ class Scene(eqx.Module):
     ) -> "Scene":
         """Return the scene of a plant and a controller; `first` is the middle if None."""
         if first is None:
-            first = Limits.of(controller.policy.commands).middle
-        wires, disturbance = plant.wires, plant.disturbance
+            first = CommandLimits.of(controller.policy.commands).middle
+        state_map, disturbance = plant.state_map, plant.disturbance
         return cls(
             controller=controller,
             plant_robot=plant.robot,
@@ -97,9 +97,13 @@ class Scene(eqx.Module):
             steps=np.asarray(steps, dtype=np.int32),
             first=first,
             gap_depth=np.asarray(gap_depth),
-            layout=wires.layout,
-            sizes=(wires.nq, wires.nu),
-            addresses=(_frozen(wires.root), _frozen(wires.joints), _frozen(wires.actuators)),
+            layout=state_map.layout,
+            sizes=(state_map.nq, state_map.nu),
+            addresses=(
+                _frozen(state_map.root),
+                _frozen(state_map.joints),
+                _frozen(state_map.actuators),
+            ),
             falls=falls,
             on_course=plant.course is not None,
             estimator=Estimator() if disturbance.estimator else None,
@@ -107,7 +111,7 @@ class Scene(eqx.Module):
         )
 
     @property
-    def wires(self) -> StateMap:
+    def state_map(self) -> StateMap:
         """Where the robot's coordinates live in the plant."""
         return StateMap(self.layout, *self.sizes, *(np.array(part) for part in self.addresses))
 

@@ -16,7 +16,7 @@ from neuralgaits.simulation.ticks.scene import PlantReading, Scene
 from neuralgaits.simulation.ticks.wiring import measure
 
 
-class Sensed(NamedTuple):
+class TrueAndMeasured(NamedTuple):
     """True quantities of the plant, and their measurement."""
 
     truth: Measurement
@@ -27,17 +27,17 @@ class Sensed(NamedTuple):
     """Hip position in the world, (x, z) [m]."""
 
 
-def sense(scene: Scene, reading: PlantReading) -> Sensed:
+def sense(scene: Scene, reading: PlantReading) -> TrueAndMeasured:
     """Read the sensors of one episode."""
-    wires = scene.wires
+    state_map = scene.state_map
     time, qpos, qvel = reading.state[0], *jnp.split(reading.state[1:], 2)
     # Written for NumPy, but with nothing that JAX arrays cannot do.
-    sensors = wires.sensors(cast(np.ndarray, qpos), cast(np.ndarray, qvel))
-    arm, swept = wires.layout.hip_arm(sensors.pitch - wires.layout.root_angle, jnp)
+    sensors = state_map.sensors(cast(np.ndarray, qpos), cast(np.ndarray, qvel))
+    arm, swept = state_map.layout.hip_arm(sensors.pitch - state_map.layout.root_angle, jnp)
     truth = measure(sensors, swept, time, reading.touch)
     shifted = truth._replace(pitch=truth.pitch + scene.pitch_offset)
     seen = _rounded(_noisy(shifted, reading.noise, scene.noise), scene.encoder_step)
-    return Sensed(truth, seen, sensors.base + arm)
+    return TrueAndMeasured(truth, seen, sensors.base + arm)
 
 
 def _noisy(

@@ -10,14 +10,14 @@ import jax.numpy as jnp
 
 from neuralgaits._types import Array, Bool, Float, Int, Scalar, ZeroState
 from neuralgaits.control import (
-    Command,
     ControllerState,
     Measurement,
+    TickResult,
     start,
     step,
     tell,
 )
-from neuralgaits.control.estimator import Estimator, Known, estimate
+from neuralgaits.control.estimator import Estimator, EstimatorState, estimate
 from neuralgaits.control.estimator import start as nothing_known
 from neuralgaits.gait.commands import place_of
 from neuralgaits.robots.dynamics import hip_position, swing_foot
@@ -36,7 +36,7 @@ class Carry(NamedTuple):
     gauge: Gauge
     age: Scalar
     """Time since the last touchdown, or since the start of the episode [s]."""
-    known: Known | None = None
+    known: EstimatorState | None = None
     """State of an estimator of rates; None without one."""
     believed: Float[Array, " d"] | None = None
     """The estimator's last hip speeds, newest first: the number of ticks of delay, plus one
@@ -68,11 +68,11 @@ class Verdict(NamedTuple):
     """Commanded height of the next foothold [m]; 0 without a command."""
 
 
-class Record(NamedTuple):
+class TickRecord(NamedTuple):
     """Quantities of a tick that a log has."""
 
     time: Scalar
-    command: Command
+    command: TickResult
     pitch: Scalar
     dpitch: Scalar
     z_plant: ZeroState
@@ -88,12 +88,12 @@ def begin(scene: Scene, leg: Int[Array, ""]) -> Carry:
     return first._replace(known=known, believed=jnp.zeros(scene.delay_ticks + 1))
 
 
-def tick(scene: Scene, carry: Carry, reading: PlantReading) -> tuple[Carry, Verdict, Record]:
+def tick(scene: Scene, carry: Carry, reading: PlantReading) -> tuple[Carry, Verdict, TickRecord]:
     """Compute one tick of one episode. Returns: the next carry, the verdict, and the record."""
     seen = sense(scene, reading).seen
     if scene.estimator is not None:
         carry, seen = _estimated(scene, scene.estimator, carry, seen)
-    state = tell(scene.controller, carry.controller, reading.wanted)
+    state = tell(scene.controller, carry.controller, reading.requested)
     state, command = step(scene.controller, state, seen)
     return account(scene, carry, reading, state, command)
 
@@ -112,13 +112,13 @@ def _estimated(
 
 
 def account(
-    scene: Scene, carry: Carry, reading: PlantReading, state: ControllerState, command: Command
-) -> tuple[Carry, Verdict, Record]:
+    scene: Scene, carry: Carry, reading: PlantReading, state: ControllerState, command: TickResult
+) -> tuple[Carry, Verdict, TickRecord]:
     """Judge and record an episode's tick under a command from any controller.
 
     Returns: the next carry, the verdict, and the record.
     """
-    controller, wires = scene.controller, scene.wires
+    controller, state_map = scene.controller, scene.state_map
     robot, period = controller.robot, controller.period_s
     truth, _, hip = sense(scene, reading)
     time = truth.time
@@ -157,7 +157,7 @@ def account(
     return (
         carry._replace(controller=state, gauge=gauge, age=age),
         Verdict(
-            controls=controls(wires, command.torque),
+            controls=controls(state_map, command.torque),
             ending=verdict,
             touchdown=command.touchdown,
             steps=gauge.steps,
@@ -168,7 +168,7 @@ def account(
             feet=feet,
             rise=rise,
         ),
-        Record(
+        TickRecord(
             time,
             command,
             truth.pitch,

@@ -33,7 +33,7 @@ def measure(
     )
 
 
-def controls(wires: StateMap, torque: Float[Array, "2 k"]) -> Float[Array, " u"]:
+def controls(state_map: StateMap, torque: Float[Array, "2 k"]) -> Float[Array, " u"]:
     """Return actuator controls that put these torques on the joints. Returns: [nu]."""
-    empty = jnp.zeros(wires.nu, dtype=torque.dtype)
-    return empty.at[wires.actuators].set(torque / np.array(wires.layout.gears))
+    empty = jnp.zeros(state_map.nu, dtype=torque.dtype)
+    return empty.at[state_map.actuators].set(torque / np.array(state_map.layout.gears))

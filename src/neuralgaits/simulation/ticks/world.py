@@ -103,7 +103,7 @@ class MujocoWorld(World):
         """Step the active episodes through one control tick."""
         model, count = self._plant.model, active.size
         self._inputs[:, :, : model.nu] = controls[:, None]
-        self._inputs[:, :, model.nu + self._plant.wires.root[0]] = force[:, None]
+        self._inputs[:, :, model.nu + self._plant.state_map.root[0]] = force[:, None]
         everyone = count == len(self._states)
         out, sensed = self._out[:count], self._sensed[:count]
         self._pool.rollout(

@@ -11,11 +11,11 @@ from neuralgaits.certificate.traced import after_impact, trace_spec
 from neuralgaits.errors import ConvergenceError, InputError, NeuralGaitsError
 from neuralgaits.gait import ZeroDynamics
 from neuralgaits.hzd.gait_file import GivenGait, write_gait
-from neuralgaits.hzd.steady import Steady, steady
+from neuralgaits.hzd.given_orbit import Steady, steady
 from neuralgaits.hzd.tube import fit_tube
 from neuralgaits.programs import POINT, Program, evaluate
-from neuralgaits.records.asked import Asked, Given
 from neuralgaits.records.trained import Trained, Violations
+from neuralgaits.records.training_config import GaitOrigin, TrainingConfig
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.runs import RunFolder, finish
 from neuralgaits.runs.names import GAIT, ROBOT, SPEC, WEIGHTS
@@ -30,10 +30,10 @@ _NO_SOLUTION = "its zero dynamics have no finite solution"
 def given_run(
     robot: PlanarBiped,
     gait: GivenGait,
-    given: Given,
+    given: GaitOrigin,
     *,
     solve_s: float = 0.0,
-    began: float,
+    start_time: float,
     out: str | Path | None,
     root: Path,
 ) -> Run:
@@ -44,7 +44,7 @@ def given_run(
         gait: its outputs.
         given: origin of the outputs.
         solve_s: duration of an optimisation (s).
-        began: start time of the command (s, of `time.perf_counter`).
+        start_time: start time of the command (s, of `time.perf_counter`).
         out: the run folder; a new one below `root` if None.
         root: folder of the runs.
 
@@ -72,7 +72,7 @@ def given_run(
         raise _refusal(robot, given, f"its orbit has {found}", said)
     spec = specs.load(specs.GIVEN, robot, degree=gait.degree)
     made = Gait(zd.policy, fit_tube(zd, spec, walk))
-    asked = Asked(
+    asked = TrainingConfig(
         robot=robot.name,
         spec=spec.name,
         seed=0,
@@ -92,11 +92,11 @@ def given_run(
     folder = RunFolder.create(asked, copies, name=robot.name, seed=0, root=root, out=place)
     folder.write_tree(WEIGHTS, made)
     run = Run(folder, robot, spec, made)
-    finish(folder, _summary(run, walk, solve_s, began), root)
+    finish(folder, _summary(run, walk, solve_s, start_time), root)
     return run
 
 
-def _refusal(robot: PlanarBiped, given: Given, found: str, said: str) -> NeuralGaitsError:
+def _refusal(robot: PlanarBiped, given: GaitOrigin, found: str, said: str) -> NeuralGaitsError:
     """Return the error for a gait without an attracting orbit, imported or optimised.
 
     Args:
@@ -114,7 +114,7 @@ def _refusal(robot: PlanarBiped, given: Given, found: str, said: str) -> NeuralG
     return InputError(said)
 
 
-def _summary(run: Run, walk: Steady, solve_s: float, began: float) -> Trained:
+def _summary(run: Run, walk: Steady, solve_s: float, start_time: float) -> Trained:
     """Return the summary of the gait: its orbit, and its conditions on samples of the tube."""
     program = trace_spec(run.spec, run.robot, run.gait)
     return Trained(
@@ -130,7 +130,7 @@ def _summary(run: Run, walk: Steady, solve_s: float, began: float) -> Trained:
         cost_of_transport=walk.cost_of_transport,
         multiplier=walk.multiplier,
         train_s=solve_s,
-        wall_s=time.perf_counter() - began,
+        wall_s=time.perf_counter() - start_time,
     )
 
 

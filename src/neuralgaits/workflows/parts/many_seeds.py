@@ -5,8 +5,8 @@ from pathlib import Path
 
 from neuralgaits.analysis.run import Run
 from neuralgaits.errors import NeuralGaitsError
-from neuralgaits.training.gradient_steps import Progress
 from neuralgaits.training.trainer import Trainer
+from neuralgaits.training.training_loop import Progress
 from neuralgaits.workflows.parts.new_training import NewTraining
 
 

@@ -9,13 +9,13 @@ import jax
 from neuralgaits._settings import check_proof_budget, check_seed, check_steps, check_widths
 from neuralgaits.analysis.run import Run
 from neuralgaits.barriers import GaitSpec, specs, user_code
-from neuralgaits.barriers.commanded import Interval, commands_of
-from neuralgaits.barriers.regions import AnyGait
+from neuralgaits.barriers.commanded_spec import Interval, commands_of
 from neuralgaits.barriers.spec import Init
 from neuralgaits.certificate.provable import refuse_many_axes, refuse_untraceable, why_not_provable
 from neuralgaits.errors import InputError
 from neuralgaits.gait.commands import Commands
-from neuralgaits.records.asked import Asked, Proving, Range
+from neuralgaits.gait.gaits import AnyGait
+from neuralgaits.records.training_config import Proving, Range, TrainingConfig
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.robots.parameter_box import checked_box
 from neuralgaits.runs import RunFolder
@@ -37,7 +37,7 @@ class NewTraining:
     robot: PlanarBiped
     spec: GaitSpec
     gait: AnyGait
-    asked: Asked
+    asked: TrainingConfig
     copies: Mapping[str, str]
 
     def of_seed(self, seed: int) -> "NewTraining":
@@ -102,7 +102,7 @@ def new_training(
     unprovable = why_not_provable(gait)
     if certify:
         _refuse_proof(loaded, unprovable)
-    config = Asked(
+    config = TrainingConfig(
         robot=robot.name,
         spec=spec if isinstance(spec, str) else spec.name,
         seed=seed,

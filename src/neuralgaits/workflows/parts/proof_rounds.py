@@ -18,15 +18,15 @@ import numpy as np
 from neuralgaits._types import Array
 from neuralgaits.analysis.run import Run
 from neuralgaits.barriers import GaitSpec
-from neuralgaits.barriers.regions import AnyGait
 from neuralgaits.certificate.search.checkpoint import OpenBoxes, open_boxes
+from neuralgaits.gait.gaits import AnyGait
 from neuralgaits.records.certified import FOLDER
 from neuralgaits.records.trained import ProofHistory, ProofRound, TrainingProof
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.runs import RunFolder
 from neuralgaits.runs.names import WEIGHTS
 from neuralgaits.training import Boxes, Extra, Trainer, TrainState
-from neuralgaits.training.gradient_steps import GradientSteps
+from neuralgaits.training.training_loop import GradientSteps
 from neuralgaits.workflows.certify import certify
 
 ROUNDS = 10
@@ -86,8 +86,8 @@ class ProofRounds:
 
         Returns: the gait last certified, and its entry in the run's summary.
         """
-        began = time.monotonic()
-        deadline = began + (np.inf if budget is None else budget)
+        start_time = time.monotonic()
+        deadline = start_time + (np.inf if budget is None else budget)
         repairer = trainer.repairing(max(round(SHARE * self.spec.recipe.steps), 1))
         state = self._under_way(repairer, gait)
         history = self._rounds_before(state)
@@ -110,7 +110,7 @@ class ProofRounds:
             extra = jax.tree.map(jnp.asarray, extra)
             state = RepairState(jnp.asarray(number + 1, jnp.int32), extra, repairer.init(gait))
             self.folder.write_tree(REPAIR, state)
-        return gait, self._summary(history, trainer.steps, time.monotonic() - began)
+        return gait, self._summary(history, trainer.steps, time.monotonic() - start_time)
 
     def _under_way(self, repairer: Trainer, gait: AnyGait) -> RepairState | None:
         """Return the state of the repair in which a run was killed; None if there is none."""
@@ -138,7 +138,7 @@ class ProofRounds:
             self.folder.write_tree(REPAIR, state._replace(training=training))
 
         self.steps.forget_after(before + int(state.training.step))
-        trainer = repairer.on(state.extra, number)
+        trainer = repairer.for_repair_round(state.extra, number)
         return self.steps.take(trainer, state.training, save, before=before, deadline=deadline)
 
     def _certify(

@@ -9,13 +9,13 @@ from functools import partial
 
 import jax
 
-from neuralgaits.barriers.regions import AnyGait, CommandedGait
 from neuralgaits.errors import NeuralGaitsError, is_full
+from neuralgaits.gait.gaits import AnyGait, CommandedGait
 from neuralgaits.runs import finish
 from neuralgaits.runs.names import WEIGHTS
 from neuralgaits.training.calibration import calibrated
-from neuralgaits.training.gradient_steps import Progress
-from neuralgaits.training.seed_batch import OneOfMany, SeedBatch
+from neuralgaits.training.seed_batch import SeedBatch, SeedRun
+from neuralgaits.training.training_loop import Progress
 from neuralgaits.workflows.parts.many_seeds import ManySeeds
 from neuralgaits.workflows.train import FRESH_SAMPLES_SEED, summary_of
 
@@ -45,14 +45,14 @@ class SeedBatches(ManySeeds):
             if progress is not None:
                 progress(steps * before + step, steps * count, loss)
 
-        began = time.perf_counter()
+        start_time = time.perf_counter()
         members = self._batch.train(runs, tell)
-        train_s = time.perf_counter() - began - self._batch.compile_s
+        train_s = time.perf_counter() - start_time - self._batch.compile_s
         self.compile_s += self._batch.compile_s
         self.train_s += train_s
-        self._finish(members, began, train_s)
+        self._finish(members, start_time, train_s)
 
-    def _finish(self, members: Sequence[OneOfMany], began: float, train_s: float) -> None:
+    def _finish(self, members: Sequence[SeedRun], start_time: float, train_s: float) -> None:
         """Evaluate each gait on fresh samples, and finish its folder."""
         batch = self._batch
         report = partial(batch.report, seed=FRESH_SAMPLES_SEED)
@@ -79,13 +79,13 @@ class SeedBatches(ManySeeds):
                     state=one.state,
                     compile_s=batch.compile_s,
                     train_s=train_s,
-                    began=began,
+                    start_time=start_time,
                 )
                 finish(run.folder, found, self.root)
                 self.done[one.seed] = run
 
     @contextmanager
-    def _refusal(self, one: OneOfMany) -> Iterator[None]:
+    def _refusal(self, one: SeedRun) -> Iterator[None]:
         """Record the error of a refused seed, so that the others continue."""
         try:
             yield

@@ -13,8 +13,8 @@ from contextlib import suppress
 from neuralgaits._environment import cores
 from neuralgaits.analysis.run import Run
 from neuralgaits.errors import NeuralGaitsError, is_full
-from neuralgaits.training.gradient_steps import Progress
 from neuralgaits.training.session import compile_steps
+from neuralgaits.training.training_loop import Progress
 from neuralgaits.workflows.parts.many_seeds import ManySeeds
 from neuralgaits.workflows.train import train_to_the_end
 
@@ -32,12 +32,12 @@ class SideBySide(ManySeeds):
 
     def train(self, numbers: range, progress: Progress | None) -> None:
         """Train seeds in parallel; see `ManySeeds.train`."""
-        began, self._lock = time.perf_counter(), threading.Lock()
+        start_time, self._lock = time.perf_counter(), threading.Lock()
         # Threads that meet in a call compile it twice.
         compile_steps(self.trainer, self.trainer.init(self.first.gait))
         compiled = time.perf_counter()
-        self.compile_s = compiled - began
-        left, told = iter(numbers), _Told(progress, self.first.asked.steps, len(numbers))
+        self.compile_s = compiled - start_time
+        left, told = iter(numbers), _SeedProgress(progress, self.first.asked.steps, len(numbers))
         pool = ThreadPoolExecutor(self.size)
         threads = [pool.submit(self._work, left, told) for _ in range(self.size)]
         try:
@@ -50,7 +50,7 @@ class SideBySide(ManySeeds):
         _raise_of(threads)
         self.train_s = time.perf_counter() - compiled
 
-    def _work(self, left: Iterator[int], told: "_Told") -> None:
+    def _work(self, left: Iterator[int], told: "_SeedProgress") -> None:
         """Train one seed after another, until none is left."""
         try:
             while (run := self._next(left)) is not None:
@@ -64,8 +64,8 @@ class SideBySide(ManySeeds):
             number = None if self._stopped else next(left, None)
             return None if number is None else self.begin(number)
 
-    def _train(self, run: Run, told: "_Told") -> None:
-        seed, began = run.asked.seed, time.perf_counter()
+    def _train(self, run: Run, told: "_SeedProgress") -> None:
+        seed, start_time = run.asked.seed, time.perf_counter()
         trainer = self.trainer.of_seed(seed, run.trained)
 
         def tell(step: int, _: int, loss: float) -> None:
@@ -80,7 +80,12 @@ class SideBySide(ManySeeds):
 
         try:
             self.done[seed] = train_to_the_end(
-                run, progress=tell, watch=None, root=self.root, began=began, trainer=trainer
+                run,
+                progress=tell,
+                watch=None,
+                root=self.root,
+                start_time=start_time,
+                trainer=trainer,
             )
         except NeuralGaitsError as error:
             if is_full(error):
@@ -90,8 +95,8 @@ class SideBySide(ManySeeds):
                 told.refused(seed)
 
 
-class _Told:
-    """What is told of all seeds: the sum of their steps, and the mean of their last losses."""
+class _SeedProgress:
+    """Progress of all seeds: the sum of their steps, and the mean of their last losses."""
 
     def __init__(self, progress: Progress | None, steps: int, seeds: int):
         self.progress, self.every, self.seeds = progress, steps, seeds

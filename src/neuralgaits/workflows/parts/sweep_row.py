@@ -19,8 +19,8 @@ from neuralgaits.runs import to_json
 from neuralgaits.runs.names import ROBOT, SPEC
 from neuralgaits.simulation.metrics import summary
 from neuralgaits.simulation.native_walk import engine_of_trained
-from neuralgaits.simulation.setup.disturbance import Disturbance
-from neuralgaits.simulation.setup.orders import on_slope, orders_of
+from neuralgaits.simulation.setup.command_schedule import on_slope, orders_of
+from neuralgaits.simulation.setup.disturbance import PlantChanges
 from neuralgaits.simulation.trained_walks import TrainedWalks, at_first
 from neuralgaits.sweeps.grid import speed_of
 from neuralgaits.workflows.certify import certify
@@ -88,11 +88,11 @@ class _Row:
         return SweepRow(**self.known, wall_s=RowTimes(**self.times))
 
     def _timed(self, part: str, do: Callable[[], Any]) -> Any:
-        began = time.perf_counter()
+        start_time = time.perf_counter()
         try:
             return do()
         finally:
-            self.times[part] = time.perf_counter() - began
+            self.times[part] = time.perf_counter() - start_time
 
     def _train(self) -> Run:
         settings = self.settings
@@ -139,7 +139,7 @@ class _Row:
             steps=settings["walk_steps"],
             start=START,
             push=0.0,
-            disturbance=Disturbance(),
+            disturbance=PlantChanges(),
             seed=settings["seed"],
             orders=orders,
             threads=1,
@@ -148,7 +148,7 @@ class _Row:
         for controller in settings["controllers"]:
             under = replace(course, controller=controller)
             for name, given in ((UNDISTURBED, {}), *settings["disturbances"].items()):
-                disturbance = on_slope(Disturbance(**given), orders)
+                disturbance = on_slope(PlantChanges(**given), orders)
                 one = replace(under, disturbance=disturbance).walk(0, settings["walks"])
                 walked.append(_walks(controller, name, summary(one)))
         self.known["walks"] = tuple(walked)

@@ -6,8 +6,8 @@ from dataclasses import replace
 import numpy as np
 
 from neuralgaits.barriers import GaitSpec
-from neuralgaits.certificate.levels.chart import PLANE, Chart
-from neuralgaits.certificate.proof_file.writer import Statement
+from neuralgaits.certificate.chart import PLANE, Chart
+from neuralgaits.certificate.proof_file.writer import StatementRecord
 from neuralgaits.certificate.search.branch_and_bound import Search
 from neuralgaits.certificate.search.problem import Problem
 from neuralgaits.records.certified import ConditionVerdict, Verdict
@@ -19,7 +19,7 @@ Verdicts = dict[str, ConditionVerdict]
 
 
 def verdicts(
-    spec: GaitSpec, searched: Sequence[Searched], statements: Sequence[Statement]
+    spec: GaitSpec, searched: Sequence[Searched], statements: Sequence[StatementRecord]
 ) -> Verdicts:
     """Return the verdict on every condition of a spec.
 

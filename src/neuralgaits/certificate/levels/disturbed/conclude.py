@@ -5,7 +5,7 @@ The argument is in docs/level5_proof.md. Needs no JAX.
 
 from flint import arb, fmpq
 
-from neuralgaits.certificate.levels.disturbed.theorem import Disturbed, premises
+from neuralgaits.certificate.levels.disturbed.theorem import DisturbedConstants, premises
 from neuralgaits.certificate.levels.full_order.inequalities import (
     Inequality,
     bound_at,
@@ -17,18 +17,20 @@ from neuralgaits.certificate.levels.full_order.inequalities import (
 from neuralgaits.certificate.levels.full_order.theorem import (
     STIFF,
     BarrierConstants,
-    FullOrder,
+    FullOrderConstants,
     joints_of,
     lyapunov_rate,
     weighting,
 )
 from neuralgaits.certificate.levels.premises import Bounds, above, below, first_missing
-from neuralgaits.records.certified import Conclusion, Constant
+from neuralgaits.records.certified import Conclusion, TheoremConstant
 
 LEVEL = 5
 
 
-def conclude_disturbed(full: FullOrder, shape: Disturbed, bounds: Bounds) -> Conclusion:
+def conclude_disturbed(
+    full: FullOrderConstants, shape: DisturbedConstants, bounds: Bounds
+) -> Conclusion:
     """Conclude that D is invariant under errors of the outputs' acceleration and held torques.
 
     Args:
@@ -48,7 +50,7 @@ def conclude_disturbed(full: FullOrder, shape: Disturbed, bounds: Bounds) -> Con
     return Conclusion(LEVEL, "proved", None, _words(full, shape), figures, known)
 
 
-def inequalities(full: FullOrder, shape: Disturbed) -> list[Inequality]:
+def inequalities(full: FullOrderConstants, shape: DisturbedConstants) -> list[Inequality]:
     """Return every inequality that the constants must satisfy."""
     zero, gamma, push = arb(0), _rate(full), arb(shape.push[0])
     left = _slower(full, shape)
@@ -75,7 +77,7 @@ def inequalities(full: FullOrder, shape: Disturbed) -> list[Inequality]:
     return found + (_of_hold(full, shape, gamma) if shape.hold != 0.0 else [])
 
 
-def _of_hold(full: FullOrder, shape: Disturbed, gamma: arb) -> list[Inequality]:
+def _of_hold(full: FullOrderConstants, shape: DisturbedConstants, gamma: arb) -> list[Inequality]:
     """Return inequalities by which a hold's error stays under peak and, in the mean, under push."""
     zero, hold, error = arb(0), arb(shape.hold), arb(shape.error)
     mean = hold / 2 * (1 + gamma * hold / 8)
@@ -99,7 +101,7 @@ def _of_hold(full: FullOrder, shape: Disturbed, gamma: arb) -> list[Inequality]:
     ]
 
 
-def growth(full: FullOrder, shape: Disturbed) -> tuple[arb, arb]:
+def growth(full: FullOrderConstants, shape: DisturbedConstants) -> tuple[arb, arb]:
     """Return (first, second): under held torques |S e| grows by at most first + second R.
 
     R is the bound on sqrt(V) [rad/s^3, rad/s^3 per rad].
@@ -112,12 +114,12 @@ def growth(full: FullOrder, shape: Disturbed) -> tuple[arb, arb]:
     return still, earlier * (arb(2).sqrt() * w**3 + abs(arb(shape.jerk_slope)))
 
 
-def most_push(full: FullOrder, shape: Disturbed) -> arb:
+def most_push(full: FullOrderConstants, shape: DisturbedConstants) -> arb:
     """Bound |S e| in the mean over a hold, anywhere in the set."""
     return arb(shape.push[0]) + arb(shape.push[1]) * arb(full.radius)
 
 
-def _slower(full: FullOrder, shape: Disturbed) -> arb:
+def _slower(full: FullOrderConstants, shape: DisturbedConstants) -> arb:
     """Return gamma less the part that pushes growing with V take: gamma' of inequality 1 [1/s]."""
     return _rate(full) - 2 * factor(full) * arb(shape.push[1])
 
@@ -130,8 +132,8 @@ def _not_above(claim: str, left: float, right: float) -> Inequality:
 
 
 def _of_barrier(
-    full: FullOrder,
-    shape: Disturbed,
+    full: FullOrderConstants,
+    shape: DisturbedConstants,
     name: str,
     alpha: float,
     weight: float,
@@ -163,77 +165,81 @@ def _of_barrier(
     return [*first, split, Inequality(claim, needed, arb(lost))]
 
 
-def factor(full: FullOrder) -> arb:
+def factor(full: FullOrderConstants) -> arb:
     """Return the b of V' <= -gamma V + 2 b sqrt(V) |S e| [s]."""
     stiff = arb(fmpq(STIFF.numerator, STIFF.denominator))
     return (1 + stiff**2).sqrt() / arb(full.bandwidth)
 
 
-def constants(full: FullOrder, shape: Disturbed) -> list[Constant]:
+def constants(full: FullOrderConstants, shape: DisturbedConstants) -> list[TheoremConstant]:
     """Return every constant that level 5 adds."""
     always, loop = _always(full, shape), step_factor(full)
     # Errors up to the push are borne where sqrt(V) is small, too.
     kept = 2 * factor(full) * always / _rate(full)
     found = [
-        Constant("push", below(always), "rad/s^2", "every e with |S e| up to this", "least"),
-        Constant(
+        TheoremConstant("push", below(always), "rad/s^2", "every e with |S e| up to this", "least"),
+        TheoremConstant(
             "push of any joints", below(always / _size_of_norm(full)), "rad/s^2",
             "every e with |e| up to this has |S e| up to the push", "least",
         ),
-        Constant("b", above(factor(full)), "s", "V' <= -gamma V + 2 b sqrt(V) |S e|", "most"),
+        TheoremConstant(
+            "b", above(factor(full)), "s", "V' <= -gamma V + 2 b sqrt(V) |S e|", "most",
+        ),
     ]  # fmt: skip
     if shape.hold != 0.0:
         found += _of_holds(full, shape)
     words = "under such e sqrt(V) falls to this between impacts"
-    found.append(Constant("kept", above(kept), "rad", words, "most"))
+    found.append(TheoremConstant("kept", above(kept), "rad", words, "most"))
     if loop < 1:
         end = (mismatch(full) + abs(arb(full.gain)) * kept) / (1 - loop)
         words = "under such e what sqrt(V+) falls to, step by step"
-        found.append(Constant("r_end", above(end), "rad", words, "most"))
+        found.append(TheoremConstant("r_end", above(end), "rad", words, "most"))
     for its in shape.barriers:
-        found.append(Constant(f"{its.name}: alpha", its.alpha, "1/s", "gain, disturbed"))
-        found.append(Constant(f"{its.name}: lost", its.lost, "h/s", "of dh/dt + alpha h"))
+        found.append(TheoremConstant(f"{its.name}: alpha", its.alpha, "1/s", "gain, disturbed"))
+        found.append(TheoremConstant(f"{its.name}: lost", its.lost, "h/s", "of dh/dt + alpha h"))
     return found
 
 
-def _of_holds(full: FullOrder, shape: Disturbed) -> list[Constant]:
+def _of_holds(full: FullOrderConstants, shape: DisturbedConstants) -> list[TheoremConstant]:
     still, slope = growth(full, shape)
     radius = arb(full.radius)
     return [
-        Constant("hold", shape.hold, "s", "torques may be held for this long", "least"),
-        Constant("error", shape.error, "rad/s^2", "|S e| up to this when they are set", "least"),
-        Constant(
+        TheoremConstant("hold", shape.hold, "s", "torques may be held for this long", "least"),
+        TheoremConstant(
+            "error", shape.error, "rad/s^2", "|S e| up to this when they are set", "least",
+        ),
+        TheoremConstant(
             "peak", above(arb(shape.peak[0]) + arb(shape.peak[1]) * radius), "rad/s^2",
             "|S e| up to this leaves forces and torques", "most",
         ),
-        Constant(
+        TheoremConstant(
             "growth", above(still + slope * radius), "rad/s^3",
             "|S e| grows by no more while torques are held", "most",
         ),
-        Constant("jerk", abs(shape.jerk), "rad/s^3", "|S d3y| of held torques, nothing off"),
-        Constant("jerk slope", abs(shape.jerk_slope), "rad/s^3/rad", "its slope in xi"),
-        Constant("jerk push", abs(shape.jerk_push), "1/s", "its slope in S e"),
+        TheoremConstant("jerk", abs(shape.jerk), "rad/s^3", "|S d3y| of held torques, nothing off"),
+        TheoremConstant("jerk slope", abs(shape.jerk_slope), "rad/s^3/rad", "its slope in xi"),
+        TheoremConstant("jerk push", abs(shape.jerk_push), "1/s", "its slope in S e"),
     ]  # fmt: skip
 
 
-def _always(full: FullOrder, shape: Disturbed) -> arb:
+def _always(full: FullOrderConstants, shape: DisturbedConstants) -> arb:
     """Return the |S e| up to which any error is tolerated anywhere in the set."""
     return arb(shape.push[0]) + arb(shape.push[1]) * arb(full.least_radius)
 
 
-def _size_of_norm(full: FullOrder) -> arb:
+def _size_of_norm(full: FullOrderConstants) -> arb:
     """Return the Frobenius norm of S, which bounds its largest singular value."""
     if not full.weights:
         return arb(1)
     return sum((arb(w) ** 2 for w in full.weights), arb(0)).sqrt()
 
 
-def _rate(full: FullOrder) -> arb:
+def _rate(full: FullOrderConstants) -> arb:
     rate = lyapunov_rate(full.bandwidth)
     return arb(fmpq(rate.numerator, rate.denominator))
 
 
-def _words(full: FullOrder, shape: Disturbed) -> tuple[str, ...]:
+def _words(full: FullOrderConstants, shape: DisturbedConstants) -> tuple[str, ...]:
     size = short = "|e|"
     if full.weights:
         short = "|S e|"

@@ -7,12 +7,12 @@ import numpy as np
 
 from neuralgaits._digits import at_least, at_most
 from neuralgaits.certificate.levels.disturbed.conclude import factor, inequalities
-from neuralgaits.certificate.levels.disturbed.theorem import Disturbed, DisturbedBarrier
-from neuralgaits.certificate.levels.full_order.find import Looks, grid
+from neuralgaits.certificate.levels.disturbed.theorem import DisturbedBarrier, DisturbedConstants
+from neuralgaits.certificate.levels.full_order.find import SampleEvaluators, grid
 from neuralgaits.certificate.levels.full_order.held import JERK_PUSH, JERK_SLOPE, Held, Jerk
 from neuralgaits.certificate.levels.full_order.inequalities import obstacle
 from neuralgaits.certificate.levels.full_order.norm import GAINS, LONGEST
-from neuralgaits.certificate.levels.full_order.theorem import FullOrder, lyapunov_rate
+from neuralgaits.certificate.levels.full_order.theorem import FullOrderConstants, lyapunov_rate
 
 HALVINGS = 20
 """Halvings of the interval that holds the longest hold or the largest push."""
@@ -28,7 +28,9 @@ STILL = 1.03
 """Jerk of the outputs at eta = 0, as a multiple of the largest value seen."""
 
 
-def find_disturbed(looks: Looks, full: FullOrder, error: float = 0.0) -> Disturbed | str:
+def find_disturbed(
+    looks: SampleEvaluators, full: FullOrderConstants, error: float = 0.0
+) -> DisturbedConstants | str:
     """Return the longest hold and the largest push that points allow in the set.
 
     Returns a sentence with the reason if there are none.
@@ -56,7 +58,7 @@ def find_disturbed(looks: Looks, full: FullOrder, error: float = 0.0) -> Disturb
     if barriers is None or not extra + held.push[0] > 0.0:
         return "a barrier leaves no room for any disturbance"
     its = seen.jerk
-    shape = Disturbed(found.push, found.peak, hold, error, *its, barriers)
+    shape = DisturbedConstants(found.push, found.peak, hold, error, *its, barriers)
     broken = [obstacle(step) for step in inequalities(full, shape) if not step.holds]
     return "; ".join(broken) if broken else shape
 
@@ -90,7 +92,7 @@ class _Forces(NamedTuple):
 class _Seen:
     """Effect of pushes on barriers, contact and torques at points, and growth of held errors."""
 
-    def __init__(self, looks: Looks, full: FullOrder, u: np.ndarray):
+    def __init__(self, looks: SampleEvaluators, full: FullOrderConstants, u: np.ndarray):
         self.full, self.gamma = full, float(lyapunov_rate(full.bandwidth))
         self.factor = float(factor(full).upper())
         step = looks.step(u, np.zeros((len(u), looks.size)))

@@ -10,25 +10,29 @@ import jax.numpy as jnp
 import numpy as np
 
 from neuralgaits._types import Array, Float, Scalar
-from neuralgaits.certificate.levels.disturbed.theorem import OF_BARRIER, Disturbed, series
-from neuralgaits.certificate.levels.full_order.margins import Numbers
+from neuralgaits.certificate.levels.disturbed.theorem import OF_BARRIER, DisturbedConstants, series
+from neuralgaits.certificate.levels.full_order.margins import TheoremArrays
 from neuralgaits.certificate.levels.full_order.model import (
     FullOrderModel,
     Outputs,
     Quantities,
     weighted,
 )
-from neuralgaits.certificate.levels.full_order.theorem import FullOrder
+from neuralgaits.certificate.levels.full_order.theorem import FullOrderConstants
 from neuralgaits.gait.full_order import held_jerk
 
 FORCES = ("contact", "torque")
 
 
 def margins(
-    model: FullOrderModel, full: FullOrder, shape: Disturbed, u: Float[Array, "2"], xi: Outputs
+    model: FullOrderModel,
+    full: FullOrderConstants,
+    shape: DisturbedConstants,
+    u: Float[Array, "2"],
+    xi: Outputs,
 ) -> Quantities:
     """Return all margins of the theorem at one chart point and one xi of the unit ball."""
-    its = Numbers.of(full, model.names)
+    its = TheoremArrays.of(full, model.names)
     model = its.model(model)
     parts = {name: jnp.asarray(np.array(values)) for name, values in series(shape).items()}
     rows = parts["barriers"].reshape(-1, len(OF_BARRIER))

@@ -9,8 +9,8 @@ in e, too. The argument is in docs/level5_proof.md. Needs no JAX.
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from neuralgaits.certificate.levels.chart import Corner
-from neuralgaits.certificate.levels.full_order.theorem import FullOrder
+from neuralgaits.certificate.chart import Corner
+from neuralgaits.certificate.levels.full_order.theorem import FullOrderConstants
 from neuralgaits.certificate.levels.premises import Premise
 
 REGION = "disturbed"
@@ -37,7 +37,7 @@ class DisturbedBarrier:
 
 
 @dataclass(frozen=True)
-class Disturbed:
+class DisturbedConstants:
     """Constants that level 5 adds to those of level 4.
 
     Errors may be as large as first + second times the bound on sqrt(V), which falls along the step.
@@ -64,7 +64,7 @@ class Disturbed:
     barriers: tuple[DisturbedBarrier, ...]
 
 
-def series(shape: Disturbed) -> dict[str, tuple[float, ...]]:
+def series(shape: DisturbedConstants) -> dict[str, tuple[float, ...]]:
     """Return the lists of numbers that margins read, named like the Program's constants."""
     rows = tuple(getattr(barrier, name) for barrier in shape.barriers for name in OF_BARRIER)
     found = {"peak": shape.peak, "barriers": rows}
@@ -72,7 +72,7 @@ def series(shape: Disturbed) -> dict[str, tuple[float, ...]]:
     return found | ({"jerk": jerk} if shape.hold != 0.0 else {})
 
 
-def premises(full: FullOrder, shape: Disturbed) -> list[Premise]:
+def premises(full: FullOrderConstants, shape: DisturbedConstants) -> list[Premise]:
     """Return the premises of level 5 beside level 4, all of them on level 4's tube."""
     first, last = full.ends
     tube = (first, 0.0), (last, 1.0)
@@ -88,7 +88,7 @@ def premises(full: FullOrder, shape: Disturbed) -> list[Premise]:
 
 
 def labelled_premises(
-    full: FullOrder, shape: Disturbed
+    full: FullOrderConstants, shape: DisturbedConstants
 ) -> Iterator[tuple[str, str, Corner, Corner]]:
     """Return (label, output, low, high) of all premises."""
     for output, low, high, _ in premises(full, shape):

@@ -6,7 +6,7 @@ The arithmetic is in `inequalities`. Needs no JAX.
 from neuralgaits.certificate.levels.full_order.inequalities import inequalities, is_norm, obstacle
 from neuralgaits.certificate.levels.full_order.theorem import (
     FENCES,
-    FullOrder,
+    FullOrderConstants,
     decays,
     premises,
 )
@@ -19,7 +19,7 @@ SHOWN = 4
 """Largest number of unproved premises that are named."""
 
 
-def conclude_full_order(shape: FullOrder, bounds: Bounds) -> Conclusion:
+def conclude_full_order(shape: FullOrderConstants, bounds: Bounds) -> Conclusion:
     """Conclude that D is forward invariant, between impacts and across them.
 
     Args:
@@ -43,7 +43,7 @@ def conclude_full_order(shape: FullOrder, bounds: Bounds) -> Conclusion:
     return Conclusion(LEVEL, "proved", None, in_words(shape), figures, known)
 
 
-def _missing(shape: FullOrder, bounds: Bounds) -> list[str]:
+def _missing(shape: FullOrderConstants, bounds: Bounds) -> list[str]:
     """Name the premises without a sufficient bound, in words."""
     found = []
     for output, low, high, sign in premises(shape):

@@ -14,12 +14,12 @@ from neuralgaits._types import Float
 from neuralgaits.certificate.levels.full_order.norm import IMPACT, Plan, doubled, in_norm
 from neuralgaits.certificate.levels.full_order.theorem import (
     BarrierConstants,
-    FullOrder,
+    FullOrderConstants,
     lyapunov_rate,
 )
 
 Samples = Mapping[str, np.ndarray]
-Look = Callable[[Float[np.ndarray, "n 2"], Float[np.ndarray, "n k"]], Samples]
+SampleEvaluator = Callable[[Float[np.ndarray, "n 2"], Float[np.ndarray, "n k"]], Samples]
 """Chart points [n, 2] and xi [n, 2m] to quantities [n, k] and their slopes in xi [n, k, 2m]."""
 
 PHASES, LEVELS = 81, 9
@@ -42,7 +42,7 @@ ALPHAS = (0.25, 0.5, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 12.0, 15.0, 20.0)
 
 
 @dataclass(frozen=True)
-class Looks:
+class SampleEvaluators:
     """Functions that the finder of the full-order theorem evaluates.
 
     Attributes:
@@ -52,17 +52,17 @@ class Looks:
         size: number of elements of xi.
     """
 
-    step: Look
-    guard: Look
+    step: SampleEvaluator
+    guard: SampleEvaluator
     size: int
     pushed: Callable[[Float[np.ndarray, "n 2"]], Samples] | None = None
 
-    def in_norm(self, matrix: np.ndarray) -> "Looks":
+    def in_norm(self, matrix: np.ndarray) -> "SampleEvaluators":
         """Return these functions with xi and pushes in the norm of S."""
         inverse = np.linalg.inv(matrix)
         back, pushed = doubled(inverse).T, self.pushed
 
-        def seen(look: Look) -> Look:
+        def seen(look: SampleEvaluator) -> SampleEvaluator:
             return lambda u, xi: in_norm(look(u, xi @ back), matrix)
 
         def seen_off(u: Float[np.ndarray, "n 2"]) -> Samples:
@@ -79,8 +79,12 @@ class Looks:
 
 
 def find_full_order(
-    looks: Looks, names: Sequence[str], bandwidth: float, share: float, plan: Plan | None = None
-) -> FullOrder | str:
+    looks: SampleEvaluators,
+    names: Sequence[str],
+    bandwidth: float,
+    share: float,
+    plan: Plan | None = None,
+) -> FullOrderConstants | str:
     """Return constants of the theorem, or a sentence with the reason why there are none.
 
     Args:
@@ -123,7 +127,7 @@ def find_full_order(
     strips = grid(np.array([-start_strip, -0.5 * start_strip, 1.0 + strip]), levels)
     there = looks.step(strips, np.zeros((len(strips), looks.size)))
     seen = {name: np.concatenate([values, there[name]]) for name, values in seen.items()}
-    return FullOrder(
+    return FullOrderConstants(
         bandwidth=bandwidth,
         radius=radius,
         shrink=shrink,
@@ -159,7 +163,7 @@ class _Impacts:
     @classmethod
     def look(
         cls,
-        looks: Looks,
+        looks: SampleEvaluators,
         levels: np.ndarray,
         crossing: float,
         strip: float,
@@ -239,7 +243,7 @@ def _fastest(
     return most, shrink
 
 
-def _crossing(looks: Looks, levels: np.ndarray) -> float | None:
+def _crossing(looks: SampleEvaluators, levels: np.ndarray) -> float | None:
     """Return the narrowest strip around phase 1 with the foot up before it and down behind it."""
     for width in CROSSINGS:
         before, behind = (grid(np.array([1.0 + side * width]), levels) for side in (-1, 1))
@@ -267,7 +271,9 @@ def _radius(seen: Samples, phase: np.ndarray, shrink: float) -> tuple[float, flo
     return float(min(everywhere, best[0])), float(best[1])
 
 
-def _guard_strip(looks: Looks, levels: np.ndarray, crossing: float, bound: float) -> float | None:
+def _guard_strip(
+    looks: SampleEvaluators, levels: np.ndarray, crossing: float, bound: float
+) -> float | None:
     """Return the half width of the strip that holds the guard for all outputs in the set."""
     line = grid(np.array([1.0]), levels)
     seen = looks.guard(line, np.zeros((len(line), looks.size)))

@@ -1,8 +1,8 @@
 """Inequalities between the constants of the full-order theorem (level 4), in balls.
 
-Every inequality is between numbers of `FullOrder`, whose meaning the premises prove. An inequality
-holds only if it is certain; one that does not is reported with both of its sides. The argument is
-in docs/full_order_proof.md. Needs no JAX.
+Every inequality is between numbers of `FullOrderConstants`, whose meaning the premises prove. An
+inequality holds only if it is certain; one that does not is reported with both of its sides. The
+argument is in docs/full_order_proof.md. Needs no JAX.
 """
 
 import math
@@ -12,7 +12,7 @@ from flint import arb, fmpq
 
 from neuralgaits.certificate.levels.full_order.theorem import (
     BarrierConstants,
-    FullOrder,
+    FullOrderConstants,
     joints_of,
     lyapunov_rate,
     weighting,
@@ -32,7 +32,7 @@ class Inequality(NamedTuple):
         return bool(self.left < self.right)
 
 
-def inequalities(shape: FullOrder) -> list[Inequality]:
+def inequalities(shape: FullOrderConstants) -> list[Inequality]:
     """Return every inequality that the constants must satisfy."""
     gamma, zero = _gamma(shape), arb(0)
     least, most = map(arb, shape.pace)
@@ -90,7 +90,7 @@ def obstacle(step: Inequality) -> str:
     return f"{step.claim}: {left} against {right}"
 
 
-def is_norm(shape: FullOrder) -> bool:
+def is_norm(shape: FullOrderConstants) -> bool:
     """Return whether S of V = |S dy/w|^2 + ... is an upper triangular matrix with an inverse."""
     joints = joints_of(shape.weights)
     if joints is None:
@@ -101,13 +101,15 @@ def is_norm(shape: FullOrder) -> bool:
     )
 
 
-def bound_at(shape: FullOrder, phase: arb) -> arb:
+def bound_at(shape: FullOrderConstants, phase: arb) -> arb:
     """Bound sqrt(V) in D at a phase."""
     floor = arb(shape.least_radius)
     return floor + (arb(shape.radius) - floor) * (-arb(shape.shrink) * phase**2).exp()
 
 
-def _of_barrier(shape: FullOrder, barrier: BarrierConstants, gamma: arb) -> list[Inequality]:
+def _of_barrier(
+    shape: FullOrderConstants, barrier: BarrierConstants, gamma: arb
+) -> list[Inequality]:
     name, zero = barrier.name, arb(0)
     alpha, sigma = arb(barrier.alpha), arb(barrier.sigma)
     if not sigma > 0:
@@ -140,23 +142,23 @@ def tightening(barrier: BarrierConstants) -> arb:
     return arb(barrier.reading) ** 2 / (4 * arb(barrier.sigma))
 
 
-def inlet(shape: FullOrder, barrier: BarrierConstants) -> arb:
+def inlet(shape: FullOrderConstants, barrier: BarrierConstants) -> arb:
     """Bound h - t from below after any impact of the set."""
     moved = _size(barrier.reset_slope) * arb(shape.guard_radius)
     return arb(barrier.reset) - moved - tightening(barrier)
 
 
-def _gamma(shape: FullOrder) -> arb:
+def _gamma(shape: FullOrderConstants) -> arb:
     rate = lyapunov_rate(shape.bandwidth)
     return arb(fmpq(rate.numerator, rate.denominator))
 
 
-def after_impact(shape: FullOrder) -> arb:
+def after_impact(shape: FullOrderConstants) -> arb:
     """Bound sqrt(V) after any impact of the set."""
     return mismatch(shape) + _size(shape.gain) * arb(shape.guard_radius)
 
 
-def mismatch(shape: FullOrder) -> arb:
+def mismatch(shape: FullOrderConstants) -> arb:
     """Return sqrt(v_sym), the bound on sqrt(V) after an impact from eta = 0."""
     near, far = map(arb, shape.crossings)
     return _size(shape.mismatch) + _size(shape.drift) * (1 - near).max(far - 1)
@@ -167,17 +169,17 @@ def _size(bound: float) -> arb:
     return abs(arb(bound))
 
 
-def least_time(shape: FullOrder) -> arb:
+def least_time(shape: FullOrderConstants) -> arb:
     """Bound the time of a step from below, from the start's strip to the guard's [s]."""
     return (arb(shape.guard_from) - arb(shape.start_strip)) / arb(shape.pace[1])
 
 
-def step_factor(shape: FullOrder) -> arb:
+def step_factor(shape: FullOrderConstants) -> arb:
     """Return the factor of r+ = sqrt(v_sym) + factor r, from one impact to the next."""
     return _size(shape.gain) * (-_gamma(shape) * least_time(shape) / 2).exp()
 
 
-def r_end(shape: FullOrder) -> arb:
+def r_end(shape: FullOrderConstants) -> arb:
     """Return the limit of r+ = sqrt(v_sym) + factor r, or the bound after one impact if less."""
     factor = step_factor(shape)
     limit = mismatch(shape) / (1 - factor)

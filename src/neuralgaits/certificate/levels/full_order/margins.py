@@ -23,7 +23,7 @@ from neuralgaits.certificate.levels.full_order.model import (
 from neuralgaits.certificate.levels.full_order.theorem import (
     FENCES,
     OF_BARRIER,
-    FullOrder,
+    FullOrderConstants,
     constants_of_set,
     series,
 )
@@ -31,10 +31,10 @@ from neuralgaits.gait.full_order import FullPoint
 
 
 def margins(
-    model: FullOrderModel, shape: FullOrder, u: Float[Array, "2"], xi: Outputs
+    model: FullOrderModel, shape: FullOrderConstants, u: Float[Array, "2"], xi: Outputs
 ) -> Quantities:
     """Return all margins of the theorem at one chart point and one xi of the unit ball."""
-    its = Numbers.of(shape, model.names)
+    its = TheoremArrays.of(shape, model.names)
     xi, model = xi[: model.size], its.model(model)
     bound = its.bound(u[0])
     return (
@@ -45,7 +45,7 @@ def margins(
     )
 
 
-class Numbers(NamedTuple):
+class TheoremArrays(NamedTuple):
     """Constants of the theorem as elements of arrays, so that a Program names each of them."""
 
     set: Mapping[str, Scalar]
@@ -54,7 +54,7 @@ class Numbers(NamedTuple):
     weights: Weights
 
     @classmethod
-    def of(cls, shape: FullOrder, names: Sequence[str]) -> "Numbers":
+    def of(cls, shape: FullOrderConstants, names: Sequence[str]) -> "TheoremArrays":
         """Return the numbers of a set whose barriers have these names, those of the model."""
         parts = {name: jnp.asarray(np.array(values)) for name, values in series(shape).items()}
         rows = parts["barriers"].reshape(-1, len(OF_BARRIER))
@@ -79,7 +79,7 @@ class Numbers(NamedTuple):
         return self.set["floor"] + (self.set["radius"] - self.set["floor"]) * shape
 
 
-def _step_margins(model: FullOrderModel, its: Numbers, point: FullPoint) -> Quantities:
+def _step_margins(model: FullOrderModel, its: TheoremArrays, point: FullPoint) -> Quantities:
     """Return margins between impacts: the robot walks on within its contact and torque limits."""
     found = model.in_step(point)
     least, most = its.set["slowest"], its.set["fastest"]
@@ -95,7 +95,7 @@ def _step_margins(model: FullOrderModel, its: Numbers, point: FullPoint) -> Quan
 
 
 def _decay_margins(
-    model: FullOrderModel, its: Numbers, u: Float[Array, "2"], xi: Outputs
+    model: FullOrderModel, its: TheoremArrays, u: Float[Array, "2"], xi: Outputs
 ) -> Quantities:
     """Return margins between impacts that keep h - t - sigma V from becoming negative."""
     centre = model.point(u, jnp.zeros_like(xi))
@@ -114,7 +114,7 @@ def _decay_margins(
 
 
 def _guard_margins(
-    model: FullOrderModel, its: Numbers, u: Float[Array, "2"], xi: Outputs
+    model: FullOrderModel, its: TheoremArrays, u: Float[Array, "2"], xi: Outputs
 ) -> Quantities:
     """Return margins in the guard's strip: one crossing, and bounds on an impact's effect."""
     point = model.point(u, xi)
@@ -136,7 +136,9 @@ def _guard_margins(
     return found
 
 
-def _crossing_margins(model: FullOrderModel, its: Numbers, u: Float[Array, "2"]) -> Quantities:
+def _crossing_margins(
+    model: FullOrderModel, its: TheoremArrays, u: Float[Array, "2"]
+) -> Quantities:
     """Return margins of the state after an impact from eta = 0."""
     impact, drift = model.at_crossing(u)
     landing, after = impact["landing"], impact["after"]

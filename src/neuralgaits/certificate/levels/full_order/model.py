@@ -25,7 +25,7 @@ Vector = Float[Array, " _"]
 Outputs = Float[Array, " two_m"]
 Quantities = dict[str, Float[Array, "..."]]
 Weights = Sequence[float] | Vector
-"""Weights of a norm, as in `FullOrder.weights`."""
+"""Weights of a norm, as in `FullOrderConstants.weights`."""
 
 
 def weighted(weights: Weights, x: Vector) -> Vector:

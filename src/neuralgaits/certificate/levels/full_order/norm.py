@@ -97,7 +97,7 @@ class Plan(NamedTuple):
 
     @property
     def weights(self) -> tuple[float, ...]:
-        """Return S in the form of `FullOrder.weights`."""
+        """Return S in the form of `FullOrderConstants.weights`."""
         size = len(self.matrix)
         return tuple(float(self.matrix[i, j]) for i in range(size) for j in range(i, size))
 

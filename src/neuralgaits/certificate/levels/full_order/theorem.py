@@ -6,9 +6,9 @@ Outputs obey eta' = A eta exactly; V = |xi|^2 decays at least at the rate gamma.
 
 its barriers h_i being the level above the lower fence, the level below the upper fence, and the
 spec's own barrier functions, tightened by t_i because outputs off zero change their readings. Each
-number of `FullOrder` is a claim; the premises, outputs of the Program that must not be negative,
-prove it. `inequalities` does the arithmetic from the constants to the theorem, in balls. The
-argument is in docs/full_order_proof.md. Needs no JAX.
+number of `FullOrderConstants` is a claim; the premises, outputs of the Program that must not be
+negative, prove it. `inequalities` does the arithmetic from the constants to the theorem, in balls.
+The argument is in docs/full_order_proof.md. Needs no JAX.
 """
 
 import math
@@ -16,7 +16,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
-from neuralgaits.certificate.levels.chart import Chart, Corner
+from neuralgaits.certificate.chart import Chart, Corner
 from neuralgaits.certificate.levels.premises import Premise
 
 FENCES = LOWER, UPPER = "level-lower", "level-upper"
@@ -60,7 +60,7 @@ class BarrierConstants:
 
 
 @dataclass(frozen=True)
-class FullOrder:
+class FullOrderConstants:
     """The set D and every constant of the theorem.
 
     Attributes:
@@ -129,7 +129,7 @@ def refusal(chart: Chart, floor: float) -> str | None:
     return None
 
 
-def constants_of_set(shape: FullOrder) -> dict[str, float]:
+def constants_of_set(shape: FullOrderConstants) -> dict[str, float]:
     """Return the set's numbers that margins read, by name."""
     alone = "bandwidth radius shrink guard_radius inertia mismatch drift gain landing landing_slope"
     least, most = shape.pace
@@ -138,7 +138,7 @@ def constants_of_set(shape: FullOrder) -> dict[str, float]:
     return found | ({"floor": shape.least_radius} if shape.least_radius != 0.0 else {})
 
 
-def series(shape: FullOrder) -> dict[str, tuple[float, ...]]:
+def series(shape: FullOrderConstants) -> dict[str, tuple[float, ...]]:
     """Return all numbers that margins read, as lists named like the Program's constants."""
     rows = tuple(getattr(barrier, name) for barrier in shape.barriers for name in OF_BARRIER)
     found = {"set": tuple(constants_of_set(shape).values()), "barriers": rows}
@@ -190,7 +190,7 @@ def decays(bandwidth: float) -> bool:
     return positive and q11 >= 0 and q22 >= 0 and q11 * q22 >= q12 * q12
 
 
-def premises(shape: FullOrder) -> list[Premise]:
+def premises(shape: FullOrderConstants) -> list[Premise]:
     """Return the premises of level 4."""
     first, last = shape.ends
     before, (near, far) = shape.guard_from, shape.crossings
@@ -230,7 +230,7 @@ def premises(shape: FullOrder) -> list[Premise]:
     return found
 
 
-def labelled_premises(shape: FullOrder) -> Iterator[tuple[str, str, Corner, Corner]]:
+def labelled_premises(shape: FullOrderConstants) -> Iterator[tuple[str, str, Corner, Corner]]:
     """Return (label, output, low, high) of every premise of level 4."""
     for output, low, high, _ in premises(shape):
         yield REGION, output, low, high

@@ -16,44 +16,60 @@ from neuralgaits.certificate.levels.full_order.inequalities import (
 from neuralgaits.certificate.levels.full_order.theorem import (
     STIFF,
     BarrierConstants,
-    FullOrder,
+    FullOrderConstants,
     joints_of,
     lyapunov_rate,
     premises,
     weighting,
 )
 from neuralgaits.certificate.levels.premises import Bounds, above, below
-from neuralgaits.records.certified import Constant
+from neuralgaits.records.certified import TheoremConstant
 
 _LEAST, _MOST = ("gamma", "radius", "epsilon", "most sigma"), ("step factor", "r_end", "t")
 """Constants that are bounds from below and from above, where their meaning does not say it."""
 
 
-def constants(shape: FullOrder, bounds: Bounds | None = None) -> list[Constant]:
+def constants(shape: FullOrderConstants, bounds: Bounds | None = None) -> list[TheoremConstant]:
     """Return every constant of the theorem, and proved bounds on contact, torques and foot in D."""
     w, rate = shape.bandwidth, float(lyapunov_rate(shape.bandwidth))
     after = above(after_impact(shape))
     found = [
-        Constant("w", w, "rad/s", "double pole of the outputs, critically damped"),
-        Constant("P stiffness", float(STIFF) ** 2, "1", "V = sum (dy/w)^2 + this (y + dy/w)^2"),
-        Constant("gamma", rate, "1/s", "V' <= -gamma V"),
-        Constant("radius", shape.radius, "rad", "sqrt(V) in the set, at the start of a step"),
-        Constant("shrink", shape.shrink, "1", f"at later phases: {_bound_in_words()}"),
-        Constant("least radius", shape.least_radius, "rad", "what the bound on sqrt(V) shrinks to"),
-        Constant("guard radius", shape.guard_radius, "rad", "sqrt(V) before an impact, at most"),
-        Constant("least pace", shape.pace[0], "1/s", "rate of the phase, at least"),
-        Constant("most pace", shape.pace[1], "1/s", "rate of the phase, at most"),
-        Constant("T_min", below(least_time(shape)), "s", "time of a step, at least"),
-        Constant("inertia", shape.inertia, "kg m", "-J.s, at least"),
-        Constant("sqrt v_sym", above(mismatch(shape)), "rad", "sqrt(V+) after eta = 0, at most"),
-        Constant("L_D", shape.gain, "1", "growth of sqrt(V) across an impact, at most"),
-        Constant("r_bar", after, "rad", "sqrt(V+) after any impact of the set, at most"),
-        Constant("step factor", above(step_factor(shape)), "1", "L_D exp(-gamma T_min / 2)"),
-        Constant("r_end", above(r_end(shape)), "rad", "what sqrt(V+) falls to, step by step"),
-        Constant("L_z", shape.landing_slope, "1/rad", "d phase+ / d sqrt(V), at most"),
-        Constant("start strip", shape.start_strip, "phase", "the set begins so far before phase 0"),
-        Constant("guard strip", shape.guard_strip, "phase", "the guard is met so near to phase 1"),
-        Constant("foot rises", shape.risen, "phase", "until here it rises; then it is up"),
+        TheoremConstant("w", w, "rad/s", "double pole of the outputs, critically damped"),
+        TheoremConstant(
+            "P stiffness", float(STIFF) ** 2, "1", "V = sum (dy/w)^2 + this (y + dy/w)^2"
+        ),
+        TheoremConstant("gamma", rate, "1/s", "V' <= -gamma V"),
+        TheoremConstant(
+            "radius", shape.radius, "rad", "sqrt(V) in the set, at the start of a step"
+        ),
+        TheoremConstant("shrink", shape.shrink, "1", f"at later phases: {_bound_in_words()}"),
+        TheoremConstant(
+            "least radius", shape.least_radius, "rad", "what the bound on sqrt(V) shrinks to"
+        ),
+        TheoremConstant(
+            "guard radius", shape.guard_radius, "rad", "sqrt(V) before an impact, at most"
+        ),
+        TheoremConstant("least pace", shape.pace[0], "1/s", "rate of the phase, at least"),
+        TheoremConstant("most pace", shape.pace[1], "1/s", "rate of the phase, at most"),
+        TheoremConstant("T_min", below(least_time(shape)), "s", "time of a step, at least"),
+        TheoremConstant("inertia", shape.inertia, "kg m", "-J.s, at least"),
+        TheoremConstant(
+            "sqrt v_sym", above(mismatch(shape)), "rad", "sqrt(V+) after eta = 0, at most"
+        ),
+        TheoremConstant("L_D", shape.gain, "1", "growth of sqrt(V) across an impact, at most"),
+        TheoremConstant("r_bar", after, "rad", "sqrt(V+) after any impact of the set, at most"),
+        TheoremConstant("step factor", above(step_factor(shape)), "1", "L_D exp(-gamma T_min / 2)"),
+        TheoremConstant(
+            "r_end", above(r_end(shape)), "rad", "what sqrt(V+) falls to, step by step"
+        ),
+        TheoremConstant("L_z", shape.landing_slope, "1/rad", "d phase+ / d sqrt(V), at most"),
+        TheoremConstant(
+            "start strip", shape.start_strip, "phase", "the set begins so far before phase 0"
+        ),
+        TheoremConstant(
+            "guard strip", shape.guard_strip, "phase", "the guard is met so near to phase 1"
+        ),
+        TheoremConstant("foot rises", shape.risen, "phase", "until here it rises; then it is up"),
     ]
     for barrier in shape.barriers:
         found += _constants_of(shape, barrier, after)
@@ -61,7 +77,7 @@ def constants(shape: FullOrder, bounds: Bounds | None = None) -> list[Constant]:
     return [_sided(constant) for constant in found]
 
 
-def _sided(constant: Constant) -> Constant:
+def _sided(constant: TheoremConstant) -> TheoremConstant:
     """Add the side on which a constant is a bound, from its meaning or its name."""
     if constant.meaning.endswith("at least"):
         return replace(constant, side="least")
@@ -73,7 +89,7 @@ def _sided(constant: Constant) -> Constant:
     return replace(constant, side="most") if name in _MOST else constant
 
 
-def _slacks(shape: FullOrder, bounds: Bounds) -> list[Constant]:
+def _slacks(shape: FullOrderConstants, bounds: Bounds) -> list[TheoremConstant]:
     """Return proved bounds of the premises that are inequalities of the robot, everywhere in D."""
     named = {
         "full/contact": ("contact slack", "weights", "normal force, both sides of the cone"),
@@ -84,39 +100,55 @@ def _slacks(shape: FullOrder, bounds: Bounds) -> list[Constant]:
         "full/impulse": ("impulse slack", "N s", "normal impulse, both sides of the cone"),
     }
     return [
-        Constant(name, bounds[output, low, high], unit, f"{meaning}, at least")
+        TheoremConstant(name, bounds[output, low, high], unit, f"{meaning}, at least")
         for output, low, high, _ in premises(shape)
         if (output, low, high) in bounds and output in named
         for name, unit, meaning in [named[output]]
     ]
 
 
-def _constants_of(shape: FullOrder, barrier: BarrierConstants, after: float) -> list[Constant]:
+def _constants_of(
+    shape: FullOrderConstants, barrier: BarrierConstants, after: float
+) -> list[TheoremConstant]:
     name, unit = barrier.name, "1" if barrier.reading == 0.0 else "rad"
     least = above(arb(barrier.epsilon)) if barrier.sigma <= 0.0 else barrier.epsilon
     found = [
-        Constant(f"{name}: alpha", barrier.alpha, "1/s", "h' + alpha h >= epsilon at eta = 0"),
-        Constant(f"{name}: epsilon", least, f"{unit}/s", "h' + alpha h >= epsilon at eta = 0"),
-        Constant(f"{name}: c_P", barrier.coupling, f"{unit}/(s rad)", "|d h'/d sqrt(V)|, at most"),
-        Constant(f"{name}: sigma", barrier.sigma, f"{unit}/rad^2", "the set has h - t >= sigma V"),
-        Constant(f"{name}: l_P", barrier.reading, f"{unit}/rad", "|d h/d sqrt(V)| on the robot"),
-        Constant(f"{name}: h(z+)", barrier.reset, unit, "after an impact from eta = 0, at least"),
-        Constant(f"{name}: L_h", barrier.reset_slope, f"{unit}/rad", "d h(z+)/d sqrt(V), at most"),
+        TheoremConstant(
+            f"{name}: alpha", barrier.alpha, "1/s", "h' + alpha h >= epsilon at eta = 0"
+        ),
+        TheoremConstant(
+            f"{name}: epsilon", least, f"{unit}/s", "h' + alpha h >= epsilon at eta = 0"
+        ),
+        TheoremConstant(
+            f"{name}: c_P", barrier.coupling, f"{unit}/(s rad)", "|d h'/d sqrt(V)|, at most"
+        ),
+        TheoremConstant(
+            f"{name}: sigma", barrier.sigma, f"{unit}/rad^2", "the set has h - t >= sigma V"
+        ),
+        TheoremConstant(
+            f"{name}: l_P", barrier.reading, f"{unit}/rad", "|d h/d sqrt(V)| on the robot"
+        ),
+        TheoremConstant(
+            f"{name}: h(z+)", barrier.reset, unit, "after an impact from eta = 0, at least"
+        ),
+        TheoremConstant(
+            f"{name}: L_h", barrier.reset_slope, f"{unit}/rad", "d h(z+)/d sqrt(V), at most"
+        ),
     ]
     if barrier.sigma > 0.0 and after > 0.0:
         room = below(inlet(shape, barrier) / arb(after) ** 2)
         # Exactly nothing where outputs do not move it.
         tightened = above(tightening(barrier)) if barrier.reading != 0.0 else 0.0
         found += [
-            Constant(f"{name}: t", tightened, unit, "tightening, l_P^2/(4 sigma)"),
-            Constant(
+            TheoremConstant(f"{name}: t", tightened, unit, "tightening, l_P^2/(4 sigma)"),
+            TheoremConstant(
                 f"{name}: most sigma", room, f"{unit}/rad^2", "what the inlet leaves room for"
             ),
         ]
     return found
 
 
-def in_words(shape: FullOrder) -> tuple[str, ...]:
+def in_words(shape: FullOrderConstants) -> tuple[str, ...]:
     """Return the theorem in sentences: the set, its invariance, and what holds in it."""
     first, last = shape.ends
     names = [barrier.name for barrier in shape.barriers]
@@ -136,7 +168,7 @@ def in_words(shape: FullOrder) -> tuple[str, ...]:
     )
 
 
-def _bound_in_words(shape: FullOrder | None = None) -> str:
+def _bound_in_words(shape: FullOrderConstants | None = None) -> str:
     """Describe the bound on sqrt(V) along the phase."""
     if shape is None:
         return "floor + (radius - floor) exp(-shrink phase^2)"
@@ -146,7 +178,7 @@ def _bound_in_words(shape: FullOrder | None = None) -> str:
     return f"{floor!r} + ({radius!r} - {floor!r}) exp(-{shrink!r} phase^2)"
 
 
-def _outputs_in_words(shape: FullOrder) -> str:
+def _outputs_in_words(shape: FullOrderConstants) -> str:
     if not shape.weights:
         return "the outputs"
     rows = weighting(shape.weights, joints_of(shape.weights) or 0)

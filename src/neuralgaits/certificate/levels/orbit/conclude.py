@@ -9,13 +9,13 @@ from collections.abc import Sequence
 from flint import arb
 
 from neuralgaits._digits import at_least, at_most
-from neuralgaits.certificate.levels.orbit.theorem import Orbit, orbit_premises
+from neuralgaits.certificate.levels.orbit.theorem import OrbitConstants, orbit_premises
 from neuralgaits.certificate.levels.premises import Bounds, above, below, first_missing
-from neuralgaits.certificate.levels.walking_set.theorem import WalkingSet
+from neuralgaits.certificate.levels.walking_set.theorem import WalkingSetConstants
 from neuralgaits.records.certified import Conclusion
 
 
-def attraction(shape: WalkingSet, orbit: Orbit, bounds: Bounds) -> Conclusion:
+def attraction(shape: WalkingSetConstants, orbit: OrbitConstants, bounds: Bounds) -> Conclusion:
     """Conclude that one enclosed periodic orbit attracts the walking set; rests on level 2.
 
     Args:
@@ -94,7 +94,9 @@ def attraction(shape: WalkingSet, orbit: Orbit, bounds: Bounds) -> Conclusion:
     return Conclusion(3, "proved", None, words, figures)
 
 
-def _contraction_alone(shape: WalkingSet, orbit: Orbit, bounds: Bounds) -> Conclusion:
+def _contraction_alone(
+    shape: WalkingSetConstants, orbit: OrbitConstants, bounds: Bounds
+) -> Conclusion:
     """Conclude that one attracting orbit exists, without an enclosure of it.
 
     On T the return map of the section at mid-step is defined, and maps that interval into itself.
@@ -120,7 +122,7 @@ def _contraction_alone(shape: WalkingSet, orbit: Orbit, bounds: Bounds) -> Concl
     return Conclusion(3, "proved", None, words, figures)
 
 
-def _any_two_walks(shape: WalkingSet, orbit: Orbit, bounds: Bounds) -> Conclusion:
+def _any_two_walks(shape: WalkingSetConstants, orbit: OrbitConstants, bounds: Bounds) -> Conclusion:
     """Conclude that walks under the same commands converge.
 
     Along a step the series bounds how fast the zeta of two of them part. A reset carries a
@@ -151,13 +153,13 @@ def _any_two_walks(shape: WalkingSet, orbit: Orbit, bounds: Bounds) -> Conclusio
     return Conclusion(3, "proved", None, words, figures)
 
 
-def _over(shape: WalkingSet) -> arb:
+def _over(shape: WalkingSetConstants) -> arb:
     """Return by how many phases a step may be longer or shorter than 1."""
     behind, before = arb(shape.ends[1]) - 1, 1 - arb(1.0 - shape.guard_strip)
     return arb(shape.start_strip) + behind.max(before)
 
 
-def _end(orbit: Orbit, shape: WalkingSet) -> arb:
+def _end(orbit: OrbitConstants, shape: WalkingSetConstants) -> arb:
     """Bound the expansion series anywhere in T, and so on the strips.
 
     Where |x| <= X and X >= 1, no Chebyshev polynomial is larger than at X.
@@ -169,7 +171,7 @@ def _end(orbit: Orbit, shape: WalkingSet) -> arb:
     return worst
 
 
-def _half_width(orbit: Orbit, phase: float) -> arb:
+def _half_width(orbit: OrbitConstants, phase: float) -> arb:
     """Return the thin tube's half width [unit of zeta]; every nested tube is a multiple of it."""
     x = 2 * arb(phase) - 1
     return (_value(orbit.upper, x) - _value(orbit.lower, x)) / 2

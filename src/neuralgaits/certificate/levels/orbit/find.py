@@ -12,12 +12,10 @@ import numpy as np
 from numpy.polynomial import chebyshev
 
 from neuralgaits._types import Float
-from neuralgaits.certificate.levels.orbit.theorem import Attraction, Orbit
-from neuralgaits.certificate.levels.walking_set.find import CLEAR, STRIPS
-from neuralgaits.certificate.levels.walking_set.theorem import WalkingSet
+from neuralgaits.certificate.levels.orbit.theorem import Attraction, OrbitConstants
+from neuralgaits.certificate.levels.walking_set.find import CLEAR, STRIPS, Evaluator
+from neuralgaits.certificate.levels.walking_set.theorem import WalkingSetConstants
 
-Look = Callable[[Float[np.ndarray, "n 2"]], Mapping[str, np.ndarray]]
-"""Points (phase, level) [n, 2] to slope and expansion, foot, foot_rate, pace, after and gain."""
 Fences = Callable[[np.ndarray], Float[np.ndarray, "n 2"]]
 """Function from phases to zeta on both fences, in the tube's unit."""
 
@@ -42,7 +40,7 @@ COMFORT = 0.95
 """Largest contraction seen at points that leaves room for a bound on it."""
 
 
-class Found(NamedTuple):
+class OrbitProposal(NamedTuple):
     """An orbit to be proved.
 
     Attributes:
@@ -50,11 +48,13 @@ class Found(NamedTuple):
         least: what the outputs that enclose constants must reach.
     """
 
-    orbit: Orbit
+    orbit: OrbitConstants
     least: Mapping[str, float]
 
 
-def find_orbit(look: Look, fences: Fences, unit: float, shape: WalkingSet) -> Found | str:
+def find_orbit(
+    look: Evaluator, fences: Fences, unit: float, shape: WalkingSetConstants
+) -> OrbitProposal | str:
     """Return a thin tube and bounds, or a sentence with the reason why there are none.
 
     Args:
@@ -79,7 +79,7 @@ def find_orbit(look: Look, fences: Fences, unit: float, shape: WalkingSet) -> Fo
     error = THIN_ROOM + np.max(np.abs(parting - _at(middle, nodes)))
     shift = np.eye(1, BOUND_DEGREE + 1)[0] * error
     ends = [_Curve(curve.series + side * width, curve.guard) for side in (-1.0, 0.0, 1.0)]
-    orbit = Orbit(
+    orbit = OrbitConstants(
         thin.attraction,
         *_crossing(look, fences, ends, float(curve.guard[0, 0])),
         lower=_numbers(unit * (curve.series - width)),
@@ -95,10 +95,10 @@ def find_orbit(look: Look, fences: Fences, unit: float, shape: WalkingSet) -> Fo
         "orbit/reset-gain-low": gain - 0.5 * THIN_ROOM * abs(gain),
         "orbit/reset-gain-high": -gain - 0.5 * THIN_ROOM * abs(gain),
     }
-    return Found(orbit, least)
+    return OrbitProposal(orbit, least)
 
 
-def find_contraction(look: Look, shape: WalkingSet) -> Found | str:
+def find_contraction(look: Evaluator, shape: WalkingSetConstants) -> OrbitProposal | str:
     """Return bounds on how walks part, or a sentence with the reason why there are none.
 
     Args:
@@ -122,7 +122,7 @@ def find_contraction(look: Look, shape: WalkingSet) -> Found | str:
     series[0] += (0.6 if shape.told else 0.3) * room
     least = {"orbit/gain": -gain * float(np.exp(0.2 * room))}
     if not shape.told:
-        return Found(Orbit("contraction alone", expansion=_numbers(series)), least)
+        return OrbitProposal(OrbitConstants("contraction alone", expansion=_numbers(series)), least)
     first = look(np.stack([np.zeros_like(levels), levels], axis=1))
     moved = float(np.abs(guard["moved_z1"]).max())
     along = float(np.abs(first["slope"] / first["stride"]).max())
@@ -130,7 +130,7 @@ def find_contraction(look: Look, shape: WalkingSet) -> Found | str:
         "orbit/moved": -moved * 2.0 - 0.01 * gain / along,
         "orbit/along": -along * 2.0,
     }
-    return Found(Orbit("any two walks", expansion=_numbers(series)), least)
+    return OrbitProposal(OrbitConstants("any two walks", expansion=_numbers(series)), least)
 
 
 class _Thin(NamedTuple):
@@ -139,7 +139,7 @@ class _Thin(NamedTuple):
     Attributes:
         half: half width in units of zeta.
         spare: least slack of its fences, zeta in units per phase.
-        attraction: see `Orbit`.
+        attraction: see `OrbitConstants`.
         bound: series above dF/dzeta on the walking set.
         largest: number above |rho| on its guard.
     """
@@ -152,7 +152,7 @@ class _Thin(NamedTuple):
 
 
 def _thin(
-    look: Look, fences: Fences, unit: float, shape: WalkingSet, curve: "_Curve"
+    look: Evaluator, fences: Fences, unit: float, shape: WalkingSetConstants, curve: "_Curve"
 ) -> _Thin | str:
     """Return the thin tube's shape: as wide at each phase as neighbours part, and a little more."""
     nodes = _nodes(shape, len(curve.series) - 1)
@@ -180,7 +180,7 @@ def _thin(
 
 
 def _secants(
-    look: Look, fences: Fences, unit: float, curve: "_Curve", nodes: np.ndarray
+    look: Evaluator, fences: Fences, unit: float, curve: "_Curve", nodes: np.ndarray
 ) -> np.ndarray:
     """Return the fastest rate, over the levels, at which a trajectory parts from the orbit."""
     on_orbit = curve.points(fences, nodes)
@@ -207,7 +207,7 @@ class _Curve(NamedTuple):
 
 
 def _crossing(
-    look: Look, fences: Fences, curves: Sequence[_Curve], middle: float
+    look: Evaluator, fences: Fences, curves: Sequence[_Curve], middle: float
 ) -> tuple[float, float]:
     """Return the phases just before and behind the ground contact of all of some curves."""
     for width in STRIPS:
@@ -219,13 +219,15 @@ def _crossing(
     return middle - 2.0 * width, middle + 2.0 * width
 
 
-def _nodes(shape: WalkingSet, degree: int) -> np.ndarray:
+def _nodes(shape: WalkingSetConstants, degree: int) -> np.ndarray:
     """Return the phases at which a series is fitted, the strips included."""
     first, last = shape.ends
     return first + 0.5 * (last - first) * (chebyshev.chebpts1(2 * degree + 1) + 1.0)
 
 
-def _defect(look: Look, fences: Fences, unit: float, curve: _Curve, shape: WalkingSet) -> float:
+def _defect(
+    look: Evaluator, fences: Fences, unit: float, curve: _Curve, shape: WalkingSetConstants
+) -> float:
     """Return how far a curve is from a solution, at the worst of many phases."""
     phases = np.linspace(*shape.ends, 301)
     slope = look(curve.points(fences, phases))["slope"] / unit
@@ -233,7 +235,7 @@ def _defect(look: Look, fences: Fences, unit: float, curve: _Curve, shape: Walki
     return float(np.max(np.abs(slope - along)))
 
 
-def _bounds(look: Look, shape: WalkingSet, guard: float) -> tuple[np.ndarray, float]:
+def _bounds(look: Evaluator, shape: WalkingSetConstants, guard: float) -> tuple[np.ndarray, float]:
     """Return series above dF/dzeta on the walking set, and a number above |rho| on its guard."""
     levels, phases = np.linspace(0.0, 1.0, 33), np.linspace(*shape.ends, 121)
     grid = np.stack(np.meshgrid(phases, levels, indexing="ij"), axis=-1)
@@ -245,7 +247,7 @@ def _bounds(look: Look, shape: WalkingSet, guard: float) -> tuple[np.ndarray, fl
 
 
 def _periodic(
-    look: Look, fences: Fences, unit: float, nodes: np.ndarray, degree: int
+    look: Evaluator, fences: Fences, unit: float, nodes: np.ndarray, degree: int
 ) -> _Curve | None:
     """Iterate the curve: integrate F along it, reset, start again there, until it stays.
 

@@ -10,14 +10,14 @@ import numpy as np
 
 from neuralgaits._types import Array, Float, Scalar
 from neuralgaits.barriers import Gait, Tube
-from neuralgaits.barriers.regions import chebyshev
-from neuralgaits.certificate.levels.chart import PLANE
+from neuralgaits.certificate.chart import PLANE
 from neuralgaits.certificate.levels.orbit.return_map import expansion, landing, slope, state
-from neuralgaits.certificate.levels.orbit.theorem import Orbit
+from neuralgaits.certificate.levels.orbit.theorem import OrbitConstants
 from neuralgaits.gait import ZeroDynamics
+from neuralgaits.gait.tubes import chebyshev
 
 
-def thin_gait(gait: Gait, orbit: Orbit) -> Gait:
+def thin_gait(gait: Gait, orbit: OrbitConstants) -> Gait:
     """Return the gait with the thin tube around its orbit."""
     tube = Tube(
         np.array(orbit.lower),
@@ -30,7 +30,7 @@ def thin_gait(gait: Gait, orbit: Orbit) -> Gait:
 
 
 def margins(
-    gait: Gait, zd: ZeroDynamics, orbit: Orbit, u: Float[Array, " n"]
+    gait: Gait, zd: ZeroDynamics, orbit: OrbitConstants, u: Float[Array, " n"]
 ) -> dict[str, Float[Array, "..."]]:
     """Return margins at one point of the walking set's chart or of the thin tube's.
 
@@ -80,7 +80,7 @@ def margins(
 
 
 def _any_two_walks(
-    gait: Gait, zd: ZeroDynamics, orbit: Orbit, u: Float[Array, " n"]
+    gait: Gait, zd: ZeroDynamics, orbit: OrbitConstants, u: Float[Array, " n"]
 ) -> dict[str, Float[Array, "..."]]:
     """Return how walks part along a step and across its reset, independent of the next command."""
     u = u[:PLANE]

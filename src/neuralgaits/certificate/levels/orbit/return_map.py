@@ -62,7 +62,7 @@ def _next(gait: Gait, zd: ZeroDynamics) -> ZeroDynamics:
     """Return the zero dynamics of the next step under an unchanged command."""
     if gait.next_tube is None:
         return zd
-    return ZeroDynamics(zd.robot, gait.policy.following, zd.residual, zd.reset_residual)
+    return ZeroDynamics(zd.robot, gait.policy.steady_next, zd.residual, zd.reset_residual)
 
 
 def landing(gait: Gait, zd: ZeroDynamics, u: Float[Array, "2"]) -> Landing:
@@ -74,7 +74,7 @@ def landing(gait: Gait, zd: ZeroDynamics, u: Float[Array, "2"]) -> Landing:
     def ends(phase, zeta):
         point = zd.point(state(gait, phase, zeta))
         after = point.z_after
-        then = gait.following.phase(after[0])
+        then = gait.steady_next.phase(after[0])
         return point.foot_above_ground, then, 0.5 * after[1] * after[1]
 
     zeta = 0.5 * gait.z(u)[1] ** 2
@@ -82,12 +82,12 @@ def landing(gait: Gait, zd: ZeroDynamics, u: Float[Array, "2"]) -> Landing:
     (_, phase, after), by_phase = jax.jvp(ends, here, (one, zero))
     by_zeta = jax.jvp(ends, here, (zero, one))[1]
     before = slope(gait, zd.point(state(gait, *here)))
-    behind = slope(gait.following, _next(gait, zd).point(state(gait.following, phase, after)))
+    behind = slope(gait.steady_next, _next(gait, zd).point(state(gait.steady_next, phase, after)))
     # A neighbour at zeta + 1 meets the guard later by `later` phases, and `off` away from here.
     later = -by_zeta[0] / (by_phase[0] + by_zeta[0] * before)
     off = 1.0 + before * later
     moved_phase = by_phase[1] * later + by_zeta[1] * off
     moved_zeta = by_phase[2] * later + by_zeta[2] * off
-    start, guard = gait.following.span
+    start, guard = gait.steady_next.span
     moved_z1 = moved_phase * (guard - start)
     return Landing(phase, after, moved_zeta - behind * moved_phase, moved_zeta, moved_z1)

@@ -4,9 +4,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Literal
 
-from neuralgaits.certificate.levels.chart import Corner
+from neuralgaits.certificate.chart import Corner
 from neuralgaits.certificate.levels.premises import Premise
-from neuralgaits.certificate.levels.walking_set.theorem import WalkingSet
+from neuralgaits.certificate.levels.walking_set.theorem import WalkingSetConstants
 
 Attraction = Literal["contraction", "nested tubes", "contraction alone", "any two walks"]
 """Reason why the orbit attracts all of the walking set: see `conclude`. The last two enclose no
@@ -20,7 +20,7 @@ _OF_RETURN_MAP = ("orbit/expansion", "orbit/gain", "orbit/moved", "orbit/along")
 
 
 @dataclass(frozen=True)
-class Orbit:
+class OrbitConstants:
     """A thin tube around the periodic orbit, and bounds on how trajectories part.
 
     Series are Chebyshev coefficients over the phase mapped to [-1, 1].
@@ -53,7 +53,7 @@ class Orbit:
         return bool(self.expansion) and all(thin)
 
 
-def orbit_premises(shape: WalkingSet, orbit: Orbit) -> list[Premise]:
+def orbit_premises(shape: WalkingSetConstants, orbit: OrbitConstants) -> list[Premise]:
     """Return the premises of level 3 beside those of level 2."""
     if orbit.attraction == "any two walks":
         return _of_any_two_walks(shape)
@@ -91,7 +91,7 @@ def orbit_premises(shape: WalkingSet, orbit: Orbit) -> list[Premise]:
     ]
 
 
-def _of_any_two_walks(shape: WalkingSet) -> list[Premise]:
+def _of_any_two_walks(shape: WalkingSetConstants) -> list[Premise]:
     """Return the premises that bound how walks part in a step and a reset, for all commands."""
     first, last = shape.ends
     strip = (1.0 - shape.guard_strip, 0.0), (last, 1.0)
@@ -103,7 +103,9 @@ def _of_any_two_walks(shape: WalkingSet) -> list[Premise]:
     ]
 
 
-def labelled_premises(shape: WalkingSet, orbit: Orbit) -> Iterator[tuple[str, str, Corner, Corner]]:
+def labelled_premises(
+    shape: WalkingSetConstants, orbit: OrbitConstants
+) -> Iterator[tuple[str, str, Corner, Corner]]:
     """Return (label, output, low, high) of all premises of level 3 beside level 2."""
     for output, low, high, _ in orbit_premises(shape, orbit):
         yield RETURN_MAP if output in _OF_RETURN_MAP else ORBIT, output, low, high

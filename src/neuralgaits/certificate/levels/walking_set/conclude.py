@@ -7,7 +7,7 @@ from flint import arb
 
 from neuralgaits.certificate.levels.premises import Bounds, Boxes, Premise, above, first_missing
 from neuralgaits.certificate.levels.walking_set.theorem import (
-    WalkingSet,
+    WalkingSetConstants,
     off_the_line,
     safe_premises,
     strips,
@@ -17,7 +17,7 @@ from neuralgaits.certificate.levels.walking_set.words import walking_words
 from neuralgaits.records.certified import Conclusion
 
 
-def walking(shape: WalkingSet, boxes: Boxes, bounds: Bounds) -> Conclusion:
+def walking(shape: WalkingSetConstants, boxes: Boxes, bounds: Bounds) -> Conclusion:
     """Conclude that the walking set is forward invariant, and safe.
 
     Args:
@@ -67,7 +67,7 @@ def walking(shape: WalkingSet, boxes: Boxes, bounds: Bounds) -> Conclusion:
     return Conclusion(2, "proved", None, words, figures)
 
 
-def _why_not_inside(shape: WalkingSet, bounds: Bounds) -> str | None:
+def _why_not_inside(shape: WalkingSetConstants, bounds: Bounds) -> str | None:
     """Explain where a reset may land outside T; None if it cannot.
 
     For a gait with commands, a reset lands at a distance d from the start of the next step, and

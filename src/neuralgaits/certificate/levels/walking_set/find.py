@@ -10,11 +10,12 @@ import numpy as np
 from neuralgaits._digits import at_most
 from neuralgaits._types import Float
 from neuralgaits.barriers import Barrier, DiscreteBarrier, GaitSpec, Pointwise
-from neuralgaits.certificate.levels.walking_set.theorem import OFF_THE_LINE, WalkingSet
+from neuralgaits.certificate.levels.walking_set.theorem import OFF_THE_LINE, WalkingSetConstants
 from neuralgaits.gait.commands import all_pairs
 
-Look = Callable[[Float[np.ndarray, "n 2"]], Mapping[str, np.ndarray]]
-"""Chart points [n, 2] to "foot" [m], "foot_rate" [m/s] and "after" (phase, zeta) [n, 2]."""
+Evaluator = Callable[[Float[np.ndarray, "n 2"]], Mapping[str, np.ndarray]]
+"""Chart points [n, 2] to quantities by name: "foot" [m], "foot_rate" [m/s], "slope", "expansion",
+"pace", "gain" and "after" (phase, zeta) [n, 2]."""
 
 PHASES, LEVELS = 241, 33
 STRIPS = (1e-9, 1e-7, 1e-5, 1e-4, 3e-4, 1e-3, 3e-3, 6e-3, 0.01, 0.02, 0.03)
@@ -44,8 +45,11 @@ SHARE = 0.5
 
 
 def find_set(
-    spec: GaitSpec, look: Look, disturbance: tuple[float, float] = (0.0, 0.0), floor: float = 0.0
-) -> WalkingSet | str:
+    spec: GaitSpec,
+    look: Evaluator,
+    disturbance: tuple[float, float] = (0.0, 0.0),
+    floor: float = 0.0,
+) -> WalkingSetConstants | str:
     """Return the walking set's parameters, or a sentence with the reason why there are none.
 
     For a gait with commands they are those of the worst pair that is evaluated.
@@ -81,7 +85,7 @@ def find_set(
     falling = fastest <= SHARE * fastest[-1]
     risen = phases[np.argmin(rising) - 1]
     fall = phases[count - np.argmin(falling[::-1])]
-    return WalkingSet(
+    return WalkingSetConstants(
         start_strip=start_strip,
         guard_strip=strip,
         risen=float(risen),
@@ -103,7 +107,9 @@ def names_of(spec: GaitSpec) -> tuple[tuple[str, ...], tuple[str, ...]]:
     )
 
 
-def least_of_inlet(spec: GaitSpec, look: Look, shape: WalkingSet) -> Mapping[str, float]:
+def least_of_inlet(
+    spec: GaitSpec, look: Evaluator, shape: WalkingSetConstants
+) -> Mapping[str, float]:
     """Return the lower bounds that outputs which enclose constants must reach."""
     if not shape.told:
         return {"set/reset-phase": -shape.start_strip, **dict.fromkeys(OFF_THE_LINE, shape.floor)}
@@ -121,7 +127,7 @@ def least_of_inlet(spec: GaitSpec, look: Look, shape: WalkingSet) -> Mapping[str
     }
 
 
-def over_all(spec: GaitSpec, look: Look) -> Look:
+def over_all(spec: GaitSpec, look: Evaluator) -> Evaluator:
     """Return a function to evaluate (phase, level) for many commands and some robots of the box.
 
     The robots are the nominal one and some corners, each with all pairs of commands.
@@ -135,7 +141,7 @@ def over_all(spec: GaitSpec, look: Look) -> Look:
     return _with_each(both, look)
 
 
-def _with_each(values: np.ndarray, look: Look) -> Look:
+def _with_each(values: np.ndarray, look: Evaluator) -> Evaluator:
     """Return a function to evaluate (phase, level) with each row of values of other axes [V, k]."""
 
     def over(u: np.ndarray) -> Mapping[str, np.ndarray]:
@@ -148,7 +154,7 @@ def _with_each(values: np.ndarray, look: Look) -> Look:
 
 
 def _guard_strip(
-    look: Look, levels: np.ndarray, clear: float, widths: Sequence[float]
+    look: Evaluator, levels: np.ndarray, clear: float, widths: Sequence[float]
 ) -> float | None:
     """Return a strip around phase 1 with the foot above ground before it and below behind."""
     for number, width in enumerate(widths):

@@ -16,14 +16,14 @@ import jax.numpy as jnp
 from neuralgaits._types import Array, Float, Scalar, ZeroState
 from neuralgaits.barriers import Barrier, Gait, GaitSpec
 from neuralgaits.barriers.functions import transversal_inertia
-from neuralgaits.certificate.levels.chart import PLANE
-from neuralgaits.certificate.levels.walking_set.theorem import WalkingSet
+from neuralgaits.certificate.chart import PLANE
+from neuralgaits.certificate.levels.walking_set.theorem import WalkingSetConstants
 from neuralgaits.gait import AbstractPolicy, HybridInvariantPolicy, Point, ZeroDynamics
 from neuralgaits.gait.policies.step_ends import END_POINT_MARGIN
 
 
 def margins(
-    spec: GaitSpec, gait: Gait, zd: ZeroDynamics, shape: WalkingSet, u: Float[Array, " n"]
+    spec: GaitSpec, gait: Gait, zd: ZeroDynamics, shape: WalkingSetConstants, u: Float[Array, " n"]
 ) -> dict[str, Float[Array, "..."]]:
     """Return margins of the walking set at one chart point, by output name.
 
@@ -76,7 +76,7 @@ def _reset(gait: Gait, point: Point) -> dict[str, Float[Array, "..."]]:
 
 def _inlet(gait: Gait, point: Point, phase: Scalar) -> dict[str, Float[Array, "..."]]:
     """Return margins of a reset into the next step's tube, independent of its command."""
-    then, start, guard = gait.following, *gait.span
+    then, start, guard = gait.steady_next, *gait.span
     ahead = point.z_after[0] - then.span[0]
     low, high = then.tube.fences(0.0)
     level = (0.5 * point.z_after[1] * point.z_after[1] - low) / (high - low)

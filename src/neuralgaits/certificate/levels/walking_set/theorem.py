@@ -4,7 +4,7 @@ import itertools
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from neuralgaits.certificate.levels.chart import Corner
+from neuralgaits.certificate.chart import Corner
 from neuralgaits.certificate.levels.premises import Boxes, Premise
 
 STRIPS, SET = "strips", "walking set"
@@ -15,7 +15,7 @@ OFF_THE_LINE = "set/foot-above", "set/foot-below"
 
 
 @dataclass(frozen=True)
-class WalkingSet:
+class WalkingSetConstants:
     """The set T of `walking_set` and where its premises hold.
 
     Attributes:
@@ -52,7 +52,7 @@ class WalkingSet:
         return -self.start_strip, 1.0 + self.guard_strip
 
 
-def walking_premises(shape: WalkingSet) -> list[Premise]:
+def walking_premises(shape: WalkingSetConstants) -> list[Premise]:
     """Return premises of level 2 about the set itself; for the spec's conditions see `strips`."""
     first, last = shape.ends
     before, inside = 1.0 - shape.guard_strip, (shape.risen, shape.falling)
@@ -78,9 +78,9 @@ def walking_premises(shape: WalkingSet) -> list[Premise]:
         *(_inlet(shape) if shape.told else _reset(shape)),
     ]
     for name in shape.barriers:
-        # C6, after the reset: h >= 0.
         # Where a step is told commands, nothing that is read behind a reset may depend on those
         # that come next: the function is asked on the strip that every reset lands in.
+        # C6, after the reset: h >= 0.
         after = (f"set/value {name}", *shape.start) if shape.told else (f"set/after {name}", *strip)
         found.append(Premise(*after, sign="not negative"))
         if any(shape.disturbance):
@@ -88,7 +88,7 @@ def walking_premises(shape: WalkingSet) -> list[Premise]:
     return found
 
 
-def _reset(shape: WalkingSet) -> list[Premise]:
+def _reset(shape: WalkingSetConstants) -> list[Premise]:
     """Return premises for the place where a reset lands, in the chart of the only tube."""
     strip = (1.0 - shape.guard_strip, 0.0), (shape.ends[1], 1.0)
     return [
@@ -97,7 +97,7 @@ def _reset(shape: WalkingSet) -> list[Premise]:
     ]
 
 
-def _inlet(shape: WalkingSet) -> list[Premise]:
+def _inlet(shape: WalkingSetConstants) -> list[Premise]:
     """Return premises for a reset into the tube of the next step, whatever its command is.
 
     At phase 0 the tube depends only on the command before, which is known. A reset lands a little
@@ -116,12 +116,12 @@ def _inlet(shape: WalkingSet) -> list[Premise]:
     ]
 
 
-def off_the_line(shape: WalkingSet) -> list[Premise]:
+def off_the_line(shape: WalkingSetConstants) -> list[Premise]:
     """Return the premises of `walking_premises` whose bounds must exceed the floor's, and not 0."""
     return [p for p in walking_premises(shape) if p.output in OFF_THE_LINE]
 
 
-def safe_premises(shape: WalkingSet) -> list[Premise]:
+def safe_premises(shape: WalkingSetConstants) -> list[Premise]:
     """Return premises by which all of T is safe; without them only its safe part is invariant."""
     first, last = shape.ends
     whole = (first, 0.0), (last, 1.0)
@@ -130,7 +130,7 @@ def safe_premises(shape: WalkingSet) -> list[Premise]:
 
 
 def strips(
-    shape: WalkingSet, boxes: Sequence[tuple[str, Corner, Corner]]
+    shape: WalkingSetConstants, boxes: Sequence[tuple[str, Corner, Corner]]
 ) -> Iterator[tuple[str, Corner, Corner]]:
     """Return the boxes of the carried conditions beyond phases 0 and 1.
 
@@ -154,7 +154,9 @@ def strips(
             yield name, (1.0, low[1]), (1.0 + shape.guard_strip, high[1])
 
 
-def labelled_premises(shape: WalkingSet, boxes: Boxes) -> Iterator[tuple[str, str, Corner, Corner]]:
+def labelled_premises(
+    shape: WalkingSetConstants, boxes: Boxes
+) -> Iterator[tuple[str, str, Corner, Corner]]:
     """Return (label, output, low, high) of all premises of level 2 beside level 1.
 
     Args:

@@ -3,12 +3,12 @@
 from collections.abc import Iterator, Sequence
 
 from neuralgaits._digits import at_most
-from neuralgaits.certificate.levels.chart import Corner
-from neuralgaits.certificate.levels.walking_set.theorem import WalkingSet, cover_the_tube
+from neuralgaits.certificate.chart import Corner
+from neuralgaits.certificate.levels.walking_set.theorem import WalkingSetConstants, cover_the_tube
 
 
 def walking_words(
-    shape: WalkingSet,
+    shape: WalkingSetConstants,
     boxes: Sequence[tuple[str, Corner, Corner]],
     step_time_s: float,
     safe_from_the_start: bool,
@@ -48,7 +48,7 @@ def walking_words(
 
 
 def _conditions(
-    shape: WalkingSet, boxes: Sequence[tuple[str, Corner, Corner]], meant: str
+    shape: WalkingSetConstants, boxes: Sequence[tuple[str, Corner, Corner]], meant: str
 ) -> Iterator[str]:
     """State which conditions hold along all of a trajectory, and which only on their regions."""
     stated: dict[str, list[tuple[Corner, Corner]]] = {}

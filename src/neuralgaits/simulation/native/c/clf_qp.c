@@ -241,7 +241,7 @@ static void forces(const ng_command *command, double table[N][N + COLUMNS],
     }
 }
 
-int ng_clf_qp_within(const ng_config *config, const ng_desired *wanted, ng_command *command)
+int ng_clf_qp_apply_limits(const ng_config *config, const ng_desired *wanted, ng_command *command)
 {
     const ng_clf_qp *own = config->law->own;
     double table[N][N + COLUMNS], row[M], force[2][COLUMNS], unit = 0.0;

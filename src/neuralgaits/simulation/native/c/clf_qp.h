@@ -1,6 +1,6 @@
 /*
  * A quadratic program in place of clipping: neuralgaits.control.clf_qp and .interior_point again,
- * number for number but for rounding. For ng_law's `within`, whose `own` is an ng_clf_qp.
+ * number for number but for rounding. For ng_law's `apply_limits`, whose `own` is an ng_clf_qp.
  */
 #ifndef NG_CLF_QP_H
 #define NG_CLF_QP_H
@@ -20,6 +20,6 @@ typedef struct {
 } ng_clf_qp;
 
 /* Torques within limits in place of those in command->actuated. Returns whether any is at one. */
-int ng_clf_qp_within(const ng_config *config, const ng_desired *wanted, ng_command *command);
+int ng_clf_qp_apply_limits(const ng_config *config, const ng_desired *wanted, ng_command *command);
 
 #endif

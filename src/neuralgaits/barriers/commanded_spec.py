@@ -1,0 +1,248 @@
+"""The default spec for a gait with commands: the walk of `walking`, over their whole range.
+
+Conditions are those of the plain gait, at every pair of commands that may follow each other.
+"""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from functools import partial
+from types import MappingProxyType
+from typing import TYPE_CHECKING, NamedTuple
+
+import equinox as eqx
+import numpy as np
+from jaxtyping import PRNGKeyArray
+
+from neuralgaits.barriers.aims import AbstractAim, MeanSpeed, MiddleFollowed, MiddleReturns
+from neuralgaits.barriers.conditions import FencesApart
+from neuralgaits.barriers.regions import Box
+from neuralgaits.barriers.spec import GaitSpec, Init
+from neuralgaits.barriers.walking import RESETS, pendulum_height, start_tube, walking
+from neuralgaits.errors import SpecError
+from neuralgaits.gait import walking_posture
+from neuralgaits.gait.commands import FASTEST, Command, Commands, command_named, factors
+from neuralgaits.gait.gaits import CommandedGait, Gait
+from neuralgaits.gait.policies.commanded import CommandedPolicy
+from neuralgaits.gait.tubes import CommandedTube
+
+if TYPE_CHECKING:
+    from neuralgaits.robots import PlanarBiped
+
+SPEED_CHANGE = 0.12
+"""Largest change of speed a step, as a share of its range: a return map that contracts by 0.7 lets
+a tube follow a change of about 0.4 of its width a step."""
+START_WIDTH, SIDES = 0.17, (-1.0, 1.0)
+"""Half width of the first tube, in shares of the speed."""
+MIDDLE = Box((0.0, 0.5), (1.0, 0.5))
+"""Rows at which aims are evaluated: any will do, since an aim reads the whole middle."""
+SLOWEST = 0.4
+"""Least rate of z1 anywhere in a tube, as a share of the lowest requested mean speed."""
+
+
+class ForCommand(NamedTuple):
+    """Requirements of one command on the training.
+
+    Attributes:
+        weights: of conditions that give way first; for several commands, the last one's.
+        effort: of the recipe; for several commands, the least.
+        steps: gradient steps; for several commands, the most.
+    """
+
+    weights: Mapping[str, float] = MappingProxyType({})
+    effort: float = 0.3
+    steps: int = 5000
+
+
+FOR_COMMANDS = {
+    # Tubes that are to fit many speeds give way at a lower fence that falls to zero; those that
+    # are to take little torque, at all fences.
+    "speed": ForCommand(
+        {
+            "forward": 5.0,
+            "flow-above-lower-fence": 3.0,
+            "flow-below-upper-fence": 2.0,
+            "tube-width": 2.0,
+            **dict.fromkeys(RESETS, 3.0),
+        },
+        effort=4.0,
+        steps=6500,
+    ),
+    # Where any foothold may follow any, the reset gives way, and a foot that leaves the longest and
+    # highest step for the shortest does not rise.
+    "step_length": ForCommand(dict.fromkeys((*RESETS, "foot-rises"), 2.0)),
+}
+FENCES = "fence-lower", "fence-upper"
+"""Regions with twice the samples: a violation missed there is missed next to the start of a step,
+where the network has no effect."""
+SHORTEST = 0.9
+"""Least step length, as a share of the shortest requested: footholds are met exactly."""
+APART = 0.1
+"""Scale of how far the fences are from zero and from each other, in the unit of zeta."""
+MORE_SAMPLES, LEARNING_RATE = 2, 3e-3
+
+
+Interval = tuple[float, float]
+"""Lower and upper end of a range."""
+_LARGEST_CHANGES = {"speed": SPEED_CHANGE, "slope": SPEED_CHANGE}
+"""Largest changes as shares of the range; footholds may follow each other freely."""
+
+
+def commands_of(**ranges: Interval | None) -> Commands:
+    """Create commands of this package with their usual largest changes.
+
+    Args:
+        ranges: by name; those that are None are left out.
+    """
+    found = []
+    for name, interval in ranges.items():
+        if interval is not None:
+            low, high = interval
+            share = _LARGEST_CHANGES.get(name)
+            # Few digits: it stands, exactly, in statements that people read.
+            change = None if share is None else float(f"{share * abs(high - low):.6g}")
+            found.append(Command(name, low, high, change or None))
+    return tuple(found)
+
+
+def commanded(robot: "PlanarBiped", commands: Commands, *, z2_dependence: bool = True) -> GaitSpec:
+    """Return the default specification of a gait that takes `commands`.
+
+    Args:
+        robot: with knees.
+        commands: at least one.
+        z2_dependence: of `CommandedPolicy`.
+    """
+    lowest = {command.name: command.low for command in commands}
+    plain = walking(
+        robot,
+        forward=SLOWEST * lowest["speed"] if "speed" in lowest else None,
+        shortest=SHORTEST * lowest["step_length"] if "step_length" in lowest else None,
+        highest=_highest(commands),
+    )
+    aims = _middle_aims()
+    if any(c.name == "speed" for c in commands):
+        aims = (*aims, MeanSpeed("mean-speed", "middle", 0.015, 0.015))
+    samples = {name: MORE_SAMPLES * count for name, count in plain.recipe.samples.items()}
+    asked = [FOR_COMMANDS.get(command.name, ForCommand()) for command in commands]
+    weights = {name: value for one in asked for name, value in one.weights.items()}
+    recipe = replace(
+        plain.recipe,
+        steps=max(one.steps for one in asked),
+        samples=samples | {"middle": 24} | {name: 2 * samples[name] for name in FENCES},
+        learning_rate=LEARNING_RATE,
+        effort=min(one.effort for one in asked),
+        curriculum=0.5,
+        corners=0.35,
+        worst_weight=0.3,
+        widened=0.1,
+        faster_changes=0.3,
+        largest_gradient=5.0,
+    )
+    return replace(
+        plain.with_conditions(FencesApart("fences-apart", "fence-lower", APART)),
+        regions=dict(plain.regions) | {"middle": (MIDDLE,)},
+        new_gait=partial(_new_gait, robot, commands, z2_dependence=z2_dependence),
+        recipe=recipe,
+        commands=commands,
+        aims=aims,
+        weights=dict(plain.weights) | weights,
+    )
+
+
+def _highest(commands: Commands) -> float:
+    """Return the largest difference in height of two successive footholds (m)."""
+    height = command_named(commands, "step_height")
+    return 0.0 if height is None else max(-height.low, height.high)
+
+
+def at_speed(robot: "PlanarBiped", speed: float) -> GaitSpec:
+    """Return the default specification of a gait that walks at one mean speed.
+
+    Args:
+        robot: with knees.
+        speed: mean, over a step (m/s).
+    """
+    if not speed > 0.0:
+        raise SpecError(f"expected a speed above 0 m/s, found {speed:g}")
+    if speed > FASTEST:
+        raise SpecError(f"expected a speed of at most {FASTEST:g} m/s, found {speed:g}")
+    plain = walking(robot, forward=SLOWEST * speed)
+    recipe = replace(plain.recipe, samples=dict(plain.recipe.samples) | {"middle": 1})
+    return replace(
+        plain,
+        regions=dict(plain.regions) | {"middle": (MIDDLE,)},
+        new_gait=partial(_new_gait_at, robot, speed),
+        recipe=recipe,
+        aims=(*_middle_aims(), MeanSpeed("mean-speed", "middle", 0.015, 0.015, speed)),
+    )
+
+
+def _middle_aims() -> tuple[AbstractAim, ...]:
+    """Return the aims that keep the orbit, and so its speed, in the middle of its tube."""
+    return (
+        MiddleFollowed("middle-followed", "middle", 0.12, 0.12),
+        MiddleReturns("middle-returns", "middle", 0.03, 0.03),
+    )
+
+
+def _new_gait_at(
+    robot: "PlanarBiped",
+    speed: float,
+    key: PRNGKeyArray,
+    init: Init,
+    hidden: tuple[int, ...] | None,
+) -> Gait:
+    gait = walking(robot).new_gait(key, init, hidden)
+    assert isinstance(gait, Gait)
+    lower, upper = np.array(gait.tube.lower), np.array(gait.tube.upper)
+    lower[0], upper[0] = (_energy(robot, side, speed**2) for side in SIDES)
+    return eqx.tree_at(lambda g: (g.tube.lower, g.tube.upper), gait, (lower, upper))
+
+
+def _new_gait(
+    robot: "PlanarBiped",
+    commands: Commands,
+    key: PRNGKeyArray,
+    init: Init,
+    hidden: tuple[int, ...] | None,
+    *,
+    z2_dependence: bool,
+) -> CommandedGait:
+    policy = CommandedPolicy.init(
+        robot, commands, key=key, hidden=hidden or (32, 32), z2_dependence=z2_dependence
+    )
+    if init == "random":
+        full = 10.0 * policy.network.weights[-1]
+        policy = eqx.tree_at(
+            lambda p: p.network.weights, policy, (*policy.network.weights[:-1], full)
+        )
+    guard = walking_posture(robot).z_guard
+    tube = CommandedTube.around(start_tube(robot, None, (-guard, guard)), commands)
+    for i, command in enumerate(commands):
+        if command.name == "speed":
+            tube = _faster(robot, tube, i, command)
+    return CommandedGait(policy, tube)
+
+
+def _faster(robot: "PlanarBiped", tube: CommandedTube, i: int, command: Command) -> CommandedTube:
+    """Return fences of a linear inverted pendulum whose mean speed is about the commanded one."""
+    middle, half = 0.5 * (command.low + command.high), 0.5 * (command.high - command.low)
+    terms = factors(len(tube.told))
+    series = []
+    for side, fence in zip(SIDES, (tube.lower, tube.upper), strict=True):
+        share, new = (1.0 + side * START_WIDTH) ** 2, np.array(fence)
+        new[0, 0] = _energy(robot, side, middle**2)
+        new[terms.index((i,)), 0] = share * 2.0 * middle * half
+        new[terms.index((i, i)), 0] = share * half**2
+        series.append(new)
+    return eqx.tree_at(lambda t: (t.lower, t.upper), tube, tuple(series))
+
+
+def _energy(robot: "PlanarBiped", side: float, mean_square: float) -> float:
+    """Coefficient of T_0 of a fence around a walk with this mean squared speed (m^2/s^2).
+
+    A parabola is its energy plus (g/h) z1^2: a third of that at the guard in the mean, half in T_0.
+    """
+    guard = walking_posture(robot).z_guard
+    swung = float(robot.gravity) / pendulum_height(robot) * guard**2
+    return (1.0 + side * START_WIDTH) ** 2 * mean_square - swung / 3.0 + 0.5 * swung

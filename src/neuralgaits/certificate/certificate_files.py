@@ -1,0 +1,43 @@
+"""Write a certificate's files together: new ones replace all of the old ones.
+
+The summary carries the sha256 of the others and is renamed last. So a command that fails leaves the
+old certificate, and one that is killed between two renames leaves files that `reading` does not
+accept as a certificate.
+"""
+
+import hashlib
+from collections.abc import Mapping
+from pathlib import Path
+
+from neuralgaits.certificate.verified_summary import hashes
+from neuralgaits.records.certified import PROOF, SUMMARY
+from neuralgaits.runs import packed
+from neuralgaits.runs.atomic import refuse_unwritable, write_together
+from neuralgaits.runs.names import MAP, MAP_FIGURE
+
+FILES = (PROOF, MAP, MAP_FIGURE)
+"""Files of a certificate beside its summary."""
+
+
+def refuse_unwritable_certificate(run: Path) -> None:
+    """Refuse a run whose certificate cannot be written, before the search. Raises: InputError."""
+    refuse_unwritable(*(run / name for name in (*FILES, SUMMARY)))
+
+
+def hashes_with(run: Path, files: Mapping[str, bytes]) -> dict[str, str | None]:
+    """Return the sha256 of a certificate's files, if it consists of these."""
+    made = {
+        name: hashlib.sha256(files[name]).hexdigest() if name in files else None for name in FILES
+    }
+    return {name: made.get(name, digest) for name, digest in hashes(run).items()}
+
+
+def write_certificate(run: Path, files: Mapping[str, bytes], summary: bytes) -> None:
+    """Replace a run's certificate by these files, by name, and its summary.
+
+    Raises: OSError if the system refuses; the old certificate is unchanged then.
+    """
+    gone = {run / name: None for name in FILES if name not in files}
+    if (run / packed.packed(Path(PROOF))).exists():
+        gone[run / packed.packed(Path(PROOF))] = None
+    write_together({run / name: files[name] for name in files} | {run / SUMMARY: summary} | gone)

@@ -1,0 +1,212 @@
+"""Functions that the finder of level 4 evaluates, and the choice of the set."""
+
+from collections.abc import Callable, Mapping
+
+import jax
+import numpy as np
+
+from neuralgaits.certificate.chart import PLANE, Corner
+from neuralgaits.certificate.levels.full_order.find import (
+    SampleEvaluator,
+    SampleEvaluators,
+    find_full_order,
+    grid,
+)
+from neuralgaits.certificate.levels.full_order.inequalities import inequalities, obstacle
+from neuralgaits.certificate.levels.full_order.margins import margins
+from neuralgaits.certificate.levels.full_order.model import FullOrderModel
+from neuralgaits.certificate.levels.full_order.norm import Plan, Seen, find_plan, find_widest
+from neuralgaits.certificate.levels.full_order.theorem import (
+    FullOrderConstants,
+    premises,
+    weighting,
+)
+from neuralgaits.certificate.search.problem import Problem
+from neuralgaits.gait.full_order import held_jerk
+from neuralgaits.programs import POINT, evaluate, fold
+from neuralgaits.programs.prune import prune, reading
+from neuralgaits.programs.tracing.tracer import trace
+
+PLANNED = (0.8, 0.6, 0.5, 0.4, 0.3, 0.2)
+"""Shares of the planned push that are tried in turn."""
+SMALL = 1.0 / 200.0
+"""Half width of boxes on which premises are tried before any search, in sides of the root."""
+WIDEST = tuple(np.round(np.arange(1.0, 0.14, -0.05), 2).tolist())
+"""Shares of the widest set that are tried in turn."""
+SMALLER = 1.0 / 800.0
+"""Half width of boxes for the widest set, in sides of the root; its size costs more boxes."""
+RISEN = 0.06
+"""Phase until which the foot is assumed to rise; then it is assumed to be up."""
+SHARES = (0.6, 0.3, 0.1)
+"""Shares of the largest radius seen at points that are tried in turn."""
+
+
+def set_of(
+    model: FullOrderModel, pushed: bool = False, widest: bool = False
+) -> FullOrderConstants | str:
+    """Return the largest set tried whose constants fit together, or a sentence with the reason.
+
+    Args:
+        model: model of the gait.
+        pushed: try sets for a disturbance first (level 5), in a norm of their own and with a floor.
+        widest: try the largest set first, in a norm of its own, and accept more boxes.
+
+    Raises: SpecError if a barrier of the spec or the policy cannot be traced.
+    """
+    looks, reason, w = looks_of(model), "", float(model.bandwidth)
+    seen = what_is_seen(looks) if pushed or widest else None
+    small, smaller = (SMALLER, WIDEST) if widest else (SMALL, PLANNED)
+    plan = None
+    if seen is not None:
+        plan = find_plan(seen, w) if pushed else find_widest(seen, w)
+    tries: list[tuple[float, Plan | None]] = []
+    tries += [(1.0, plan.smaller(share)) for share in smaller] if plan else []
+    tries += [(share, None) for share in SHARES]
+    for share, planned in tries:
+        if planned is not None and planned.radius == 0.0:
+            continue
+        shape = find_full_order(looks, model.names, w, share, planned)
+        if isinstance(shape, str):
+            if planned is None:
+                return reason or shape
+            continue
+        broken = [obstacle(step) for step in inequalities(shape) if not step.holds]
+        if not broken and (planned is None or bounded(model, shape, small)):
+            return shape
+        if planned is not None:
+            continue
+        reason = reason or "; ".join(broken)
+    return reason
+
+
+def looks_in(model: FullOrderModel, shape: FullOrderConstants) -> SampleEvaluators:
+    """Return the functions to evaluate in the norm of a set. Raises: SpecError."""
+    plain, joints = looks_of(model), model.size // 2
+    return plain.in_norm(np.array(weighting(shape.weights, joints)))
+
+
+def bounded(model: FullOrderModel, shape: FullOrderConstants, small: float = SMALL) -> bool:
+    """Return whether premises hold on small boxes.
+
+    Outputs are never cut, so smaller boxes gain little.
+
+    Args:
+        model: model of the gait.
+        shape: set of the gait.
+        small: half width of the boxes, in sides of the root.
+    """
+    program = trace(
+        lambda u, xi: margins(model, shape, u, xi), {"u": (PLANE,), "xi": (model.size,)}
+    )
+    roots: dict[tuple[Corner, Corner], list[str]] = {}
+    off_zero = reading(program, "xi")
+    for output, low, high, _ in premises(shape):
+        if output in off_zero:
+            roots.setdefault((low, high), []).append(output)
+    for (low, high), names in roots.items():
+        ends = np.array(low), np.array(high)
+        half = small * (ends[1] - ends[0])
+        share = grid(np.linspace(0.0, 1.0, 25), np.linspace(0.0, 1.0, 3))
+        at = ends[0] + half + (ends[1] - ends[0] - 2.0 * half) * share
+        scales = (1.0,) * len(names)
+        problem = Problem("", low, high, tuple(names), scales, prune(program, names))
+        if not (problem.bounds(at - half, at + half)[0] >= 0.0).all():
+            return False
+    return True
+
+
+def looks_of(model: FullOrderModel) -> SampleEvaluators:
+    """Return the functions that the finder evaluates. Raises: SpecError if one cannot be traced."""
+
+    def step(u, xi):
+        def moving(at):
+            point = model.point(u, at)
+            rest = {"rate": model.rates(point), "reading": model.readings(point)}
+            return model.in_step(point) | rest
+
+        found, slopes = moving(xi), jax.jacfwd(moving)(xi)
+        found |= {f"{name}/slope": d for name, d in slopes.items()}
+        return found | {"h": model.barriers(model.gait.z(u))}
+
+    def guard(u, xi):
+        slopes = model.guard_slopes(u, xi)
+        found = model.at_impact(model.point(u, xi))
+        found |= {f"{name}/slope": d for name, d in slopes.along.items()}
+        found |= {"fall": slopes.fall, "foot/slope": slopes.foot}
+        return found | {"drift": model.at_crossing(u)[1]}
+
+    def pushed(u, xi):
+        m = model.size // 2
+
+        def forces(push):
+            found = model.in_step(model.point(u, xi[:-m], push))
+            return {"contact": found["contact"], "torque": found["torque"]}
+
+        def jerk(off):
+            return held_jerk(model.point(u, off[:-m], off[-m:]))
+
+        found = {f"{name}/push": d for name, d in jax.jacfwd(forces)(xi[-m:]).items()}
+        slopes = jax.jacfwd(jerk)(xi)
+        found |= {"jerk/slope": slopes[:, :-m], "jerk/push": slopes[:, -m:]}
+        return found | {"jerk": jerk(xi)}
+
+    size = model.size
+    off = _look(pushed, size + size // 2)
+    return SampleEvaluators(
+        _look(step, size),
+        _look(guard, size),
+        size,
+        lambda u: off(u, np.zeros((len(u), size + size // 2))),
+    )
+
+
+def what_is_seen(looks: SampleEvaluators) -> Seen | None:
+    """Evaluate the points that a search for a norm needs; None if the gait has no set at all."""
+    levels = np.linspace(0.0, 1.0, 5)
+    u = grid(np.linspace(0.0, 1.0, 31), levels)
+    impact = grid(np.array([1.0]), levels)
+    assert looks.pushed is not None
+    step, off = looks.step(u, np.zeros((len(u), looks.size))), looks.pushed(u)
+    guard = looks.guard(impact, np.zeros((len(impact), looks.size)))
+    if step["pace"].min() <= 0.0 or step["inertia"].min() <= 0.0:
+        return None
+    phase = u[:, 0]
+    apart = {"foot-rate": phase <= RISEN, "foot": (phase > RISEN) & (phase < 0.995)}
+    names = ("contact", "torque", *apart)
+    value = [np.where(apart[n][:, None], step[n], np.inf) if n in apart else step[n] for n in names]
+    pushes = [off[f"{n}/push"] for n in names[:2]]
+    pushes.append(np.zeros((len(u), 2, looks.size // 2)))
+    joints = looks.size // 2
+    # d torque / d acceleration, in units of the limits: the second half of the torque's slacks.
+    inertia = off["torque/push"][:, joints:].mean(axis=0)
+    inertia = 0.5 * (inertia + inertia.T)
+    if not np.linalg.eigvalsh(inertia).min() > 0.0:
+        inertia = np.eye(joints)
+    return Seen(
+        slack=(
+            np.concatenate(value, axis=1),
+            np.concatenate([step[f"{n}/slope"] for n in names], axis=1),
+            np.concatenate(pushes, axis=1),
+        ),
+        rate=(step["rate"], step["rate/slope"]),
+        h=step["h"],
+        reading=step["reading/slope"],
+        jerk=(off["jerk"], off["jerk/slope"], off["jerk/push"]),
+        after=guard["after/slope"],
+        reset=guard["reset/slope"],
+        inlet=guard["reset"].min(axis=0),
+        phase=phase,
+        pace=float(step["pace"].max()),
+        inertia=inertia,
+    )
+
+
+def _look(function: Callable, size: int) -> SampleEvaluator:
+    program = trace(function, {"u": (2,), "xi": (size,)})
+    folded = fold(program, POINT)
+
+    def look(u: np.ndarray, xi: np.ndarray) -> Mapping[str, np.ndarray]:
+        with np.errstate(all="ignore"):
+            return evaluate(program, {"u": u, "xi": xi}, POINT, folded)
+
+    return look

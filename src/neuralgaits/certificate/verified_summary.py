@@ -1,0 +1,287 @@
+"""Read a run's certificate as far as its proof files confirm it, for pages and figures.
+
+`certify` writes `certificate/summary.json`, but the file may be another run's, or older than the
+weights beside it. So only those of its results count that the run's proof files state as well:
+their statements have to be about the run's own files and cover its spec, and the levels are
+concluded again from them. The boxes are not bounded again here: `check-proof` does.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from neuralgaits.certificate.friction_requirement import friction_needed
+from neuralgaits.certificate.levels.levels import conclude
+from neuralgaits.certificate.levels.premises import proved_bounds
+from neuralgaits.certificate.proof_file.consistency import inconsistencies
+from neuralgaits.certificate.proof_file.coverage import SpecOutline, stated_roots, unstated
+from neuralgaits.certificate.proof_file.reader import Claims, read_claims
+from neuralgaits.certificate.proof_file.run_match import ROBOT, SPEC, WEIGHTS, differences
+from neuralgaits.certificate.proof_file.sampled_bounds import first_broken_bound
+from neuralgaits.certificate.run_comparison import RunComparison, compare_with_run
+from neuralgaits.errors import InputError
+from neuralgaits.records.certified import (
+    PROOF,
+    SUMMARY,
+    CertificateRecord,
+    Conclusion,
+    ConditionVerdict,
+    Verdict,
+)
+from neuralgaits.records.levels import HIGHEST_OF_MANY
+from neuralgaits.records.record import build, shape_of
+from neuralgaits.records.training_config import asked_of
+from neuralgaits.runs import RunFolder, from_json, packed
+from neuralgaits.runs.folder import file_hashes
+from neuralgaits.runs.names import MAP, RESIDUAL
+from neuralgaits.runs.shape import complaint
+
+FILES = (ROBOT, SPEC, WEIGHTS, RESIDUAL, PROOF)
+"""Files that a certificate is about or rests on."""
+WALKING = 2
+"""Number of the level of walking sets."""
+DAMAGED = f"{SUMMARY} is damaged or of another version"
+
+
+class ProvedPart(NamedTuple):
+    """Proved results for some of the commands that a gait takes, and for no others.
+
+    Attributes:
+        told: these commands, one phrase each.
+        conditions: those that are proved on all of their region.
+        levels: levels above 1 that follow.
+    """
+
+    told: tuple[str, ...]
+    conditions: tuple[str, ...]
+    levels: tuple[Conclusion, ...]
+
+
+class CertificateReading(NamedTuple):
+    """Confirmed claims about a run, or the reason why there are none.
+
+    Attributes:
+        summary: summary of `certify`, with margins and levels of the proof files; None if the run
+            has no certificate of its own.
+        reason: why there is none; None if there is, or if `certify` was never called.
+        proof: the proof file.
+        map_fits: whether the map of boxes is the one that was made with them.
+        part: results of a proof about some commands only; `summary` then has no proved result.
+    """
+
+    summary: CertificateRecord | None = None
+    reason: str | None = None
+    proof: Claims | None = None
+    map_fits: bool = False
+    part: ProvedPart | None = None
+
+
+class _Unfit(Exception):
+    """Raised when a certificate contradicts its run. The message gives the contradiction."""
+
+
+def hashes(run: Path) -> dict[str, str | None]:
+    """Return the sha256 of each file that a certificate is about; None for an unreadable file."""
+    return file_hashes(run, (*FILES, MAP))
+
+
+def read_certificate(folder: RunFolder) -> CertificateReading:
+    """Read a run's certificate and compare it with its proof files and with the run."""
+    path = folder.path / SUMMARY
+    if not path.is_file():
+        return CertificateReading()
+    try:
+        summary = from_json(path.read_bytes())
+        if wrong := complaint(summary, shape_of(CertificateRecord)):
+            return CertificateReading(reason=f"{DAMAGED}, {wrong}")
+        return _read(folder, build(CertificateRecord, summary))
+    except _Unfit as error:
+        return CertificateReading(reason=str(error))
+    except (OSError, ValueError, AttributeError, KeyError, TypeError):
+        return CertificateReading(reason=DAMAGED)
+
+
+def _read(folder: RunFolder, summary: CertificateRecord) -> CertificateReading:
+    """Read a certificate. Raises: _Unfit, or any Python error on malformed data."""
+    run = folder.path
+    found = hashes(run)
+    if more := [n for n in summary.sha256 if n not in found and summary.sha256[n] is not None]:
+        raise _Unfit(f"{SUMMARY} is about another file too, {more[0]}, as in earlier versions")
+    for name in FILES:
+        digest = found[name]
+        if unreadable := packed.why_unreadable(run / name):
+            raise _Unfit(f"certificate cannot be read: {unreadable}")
+        if summary.sha256.get(name) != digest:
+            raise _Unfit(
+                f"{SUMMARY} is about another {name} than the run's"
+                if digest is not None
+                else f"{name} is missing"
+            )
+    _refuse_disorder(summary)
+    described = asked_of(folder).described
+    if set(summary.conditions) != {row["name"] for row in described["conditions"]}:
+        raise _Unfit(f"{SUMMARY} is about other conditions than the run's")
+    proof, own = _claims(run)
+    stated = {kind: half for kind, half in summary.parameters.items() if kind != "friction"}
+    if proof is not None and own is not None and _box(run, proof, own.told) != stated:
+        raise _Unfit(f"{SUMMARY} is about another box of robots than {PROOF}")
+    _refuse_ground(summary, proof, described)
+    # Nothing is said of a floor where the level that speaks of it is not claimed.
+    if proof is None or WALKING not in proof.theorems.claimed:
+        without = {kind: half for kind, half in summary.parameters.items() if kind != "floor"}
+        summary = replace(summary, parameters=without)
+    part = None if proof is None or own is None else _part(summary, proof, own)
+    summary = replace(
+        summary,
+        conditions=dict(_conditions(summary, proof, own, part)),
+        levels=tuple(_levels(summary, proof, own)),
+    )
+    summary = replace(summary, verdict=_verdict(summary))
+    map_fits = found[MAP] is not None and summary.sha256.get(MAP) == found[MAP]
+    return CertificateReading(summary, None, proof, map_fits, part)
+
+
+def _refuse_disorder(summary: CertificateRecord) -> None:
+    """Raise _Unfit if levels do not rise by one, from 2 to no more than was requested."""
+    numbers = [entry.level for entry in summary.levels]
+    if numbers != list(range(2, 2 + len(numbers))) or max(numbers, default=1) > summary.level:
+        raise _Unfit(f"{SUMMARY} is about levels {numbers} where level {summary.level} was asked")
+
+
+def _refuse_ground(
+    summary: CertificateRecord, proof: Claims | None, described: Mapping[str, Any]
+) -> None:
+    """Raise _Unfit if the proof does not cover the summary's box of robots or floors."""
+    claimed = () if proof is None else proof.theorems.claimed
+    if summary.parameters and max(claimed, default=0) > HIGHEST_OF_MANY:
+        raise _Unfit(f"{SUMMARY} states a box of robots of level {max(claimed)}, which is of one")
+    least = summary.parameters.get("friction")
+    if least is None:
+        return
+    if not friction_needed(described) <= least:
+        raise _Unfit(f"{SUMMARY} is about less friction than its conditions ask for")
+
+
+def _part(summary: CertificateRecord, proof: Claims, own: RunComparison) -> ProvedPart | None:
+    """Return a proof's results for some of the commands; None if it is about all of them.
+
+    Raises: _Unfit if the summary calls anything proved of all of them.
+    """
+    if proof.chart == own.chart:
+        return None
+    called = [name for name, row in summary.conditions.items() if row.verdict == "proved"]
+    called += [f"level {entry.level}" for entry in summary.levels if entry.proved]
+    if called:
+        raise _Unfit(f"{SUMMARY} calls {called[0]} proved, and {PROOF} is about some commands only")
+    left = {name for name, *_ in unstated(proof.statements, own.asked)}
+    conditions = tuple(name for name in own.asked.conditions if name not in left)
+    levels = () if left else tuple(_concluded(proof, own.asked))
+    return ProvedPart(proof.chart.sequences(own.told) or (), conditions, levels)
+
+
+def _box(run: Path, proof: Claims, told: Sequence[str]) -> dict[str, float]:
+    """Return the box of robots of a proof, from the names and widths of its axes."""
+    walking = proof.theorems.walking
+    errors = proof.chart.behind(len(told)).parameters
+    floor = {} if walking is None or not walking.floor else {"floor": walking.floor}
+    if not errors:
+        return floor
+    from neuralgaits.robots import load_robot  # Brings JAX.
+    from neuralgaits.robots.parameters import ParameterAxis, box_of
+
+    axes = tuple(ParameterAxis(one.name, one.high) for one in errors)
+    return box_of(load_robot(run / ROBOT), axes) | floor
+
+
+def _claims(run: Path) -> tuple[Claims, RunComparison] | tuple[None, None]:
+    """Return the claims of a proof about the run's own files, with the statements of its spec.
+
+    Raises: _Unfit if it contradicts itself, is about another run, or states more than a few
+        evaluations of its Program give.
+    """
+    if not packed.is_there(run / PROOF):
+        return None, None
+    try:
+        claims = read_claims(run / PROOF)
+        wrong = differences(claims, run)
+    except InputError as error:
+        raise _Unfit(f"{PROOF} is damaged or of another version: {error}") from None
+    full = claims.theorems.full is not None
+    rigid = claims.model is not None and "residuals" not in claims.model
+    if (run / RESIDUAL).is_file() and (full or rigid):
+        wrong.append("it is about the rigid model, and the run's dynamics carry a residual")
+    if not wrong:
+        wrong = inconsistencies(claims, claims.asked)
+    if wrong:
+        raise _Unfit(f"{PROOF} is not about this run: {wrong[0]}")
+    try:
+        own = compare_with_run(claims, run, own_process=False)
+    except InputError as error:
+        raise _Unfit(f"{PROOF} could not be compared with the run: {error}") from None
+    if wrong := [*own.wrong, *inconsistencies(claims, own.asked)]:
+        raise _Unfit(f"{PROOF} is not about this run: {wrong[0]}")
+    if broken := first_broken_bound(claims):
+        raise _Unfit(f"{PROOF} states what is not so: {broken}")
+    return claims, own
+
+
+def _conditions(
+    summary: CertificateRecord,
+    proof: Claims | None,
+    own: RunComparison | None,
+    part: ProvedPart | None,
+) -> Iterator[tuple[str, ConditionVerdict]]:
+    """Return verdicts on conditions; a proved one has a statement on each box of its region."""
+    stated = {} if proof is None else dict(stated_roots(proof.statements))
+    boxes = [] if own is None else own.asked.boxes()
+    in_part = () if part is None else part.conditions
+    for name, row in summary.conditions.items():
+        bounds = [
+            stated[box].bounds[name] if box in stated else None for box in boxes if box[0] == name
+        ]
+        every = bool(bounds) and None not in bounds
+        if row.verdict == "proved":
+            if not every:
+                raise _Unfit(f"{SUMMARY} calls {name} proved, and {PROOF} has no such statement")
+            yield name, replace(row, margin=min(bound for bound in bounds if bound is not None))
+        elif row.in_part and name not in in_part:
+            raise _Unfit(f"{SUMMARY} calls {name} proved in part, and {PROOF} does not")
+        else:
+            yield name, replace(row, margin=None)
+
+
+def _levels(
+    summary: CertificateRecord, proof: Claims | None, own: RunComparison | None
+) -> Iterator[Conclusion]:
+    """Return levels above 1; each proved level is claimed by the proof file and follows from it."""
+    concluded = [] if proof is None or own is None else _concluded(proof, own.asked)
+    found = {one.level: one for one in concluded}
+    below = True
+    for entry in summary.levels:
+        # Level 4 rests on no other; level 3 on level 2.
+        if entry.level == 3 and not below and entry.proved:
+            raise _Unfit(f"{SUMMARY} calls level 3 proved, and level 2 not")
+        below = below and entry.proved
+        if not entry.proved:
+            yield replace(entry, words=(), figures={})
+        elif entry.level in found:
+            yield found[entry.level]
+        else:
+            raise _Unfit(f"{SUMMARY} calls level {entry.level} proved, and no proof file claims it")
+
+
+def _verdict(summary: CertificateRecord) -> Verdict:
+    """Return the overall verdict: proved if every condition and every requested level is."""
+    whole = [entry.level for entry in summary.levels] == list(range(2, summary.level + 1))
+    return "undecided" if summary.of_all == "proved" and not whole else summary.of_all
+
+
+def _concluded(claims: Claims, asked: SpecOutline) -> list[Conclusion]:
+    """Return the conclusions that a file claims and that follow from its statements."""
+    theorems, bounds = claims.theorems, proved_bounds(claims.statements)
+    try:
+        found = conclude(theorems.parameters, asked.boxes(), bounds, claims.chart)
+    except (OverflowError, ZeroDivisionError):
+        return []
+    return [one for one in found if one.level in theorems.claimed and one.proved]

@@ -1,0 +1,35 @@
+"""Commands printed for a person, in the form in which this process was called, ready to copy."""
+
+import re
+import shutil
+import sys
+from pathlib import Path
+
+from neuralgaits.runs.shell_words import PROGRAM, quoted
+
+_OWN = re.compile(rf"(^|`|&& ){PROGRAM} (?=[a-z-])", re.MULTILINE)
+_PIP = re.compile(r"(?<![\w./-])pip install '")
+
+
+def as_called(text: str) -> str:
+    """Replace commands of this program and of pip in a text by forms that can be typed here.
+
+    A program that the shell finds by its name keeps the name. One that was called by its path, as
+    `.venv/bin/neuralgaits`, gets that path, and pip gets the path next to it.
+    """
+    called = Path(sys.argv[0])
+    if called.name != PROGRAM or not called.is_file():
+        return text
+    found = shutil.which(PROGRAM)
+    if found is not None and Path(found).samefile(called):
+        return text
+    pip = called.with_name("pip")
+    text = _OWN.sub(lambda at: f"{at[1]}{quoted(_typed(called))} ", text)
+    if pip.is_file():
+        text = _PIP.sub(lambda _: f"{quoted(_typed(pip))} install '", text)
+    return text
+
+
+def _typed(path: Path) -> str:
+    """Return a path that a shell can run; a bare name would be searched among the programs."""
+    return str(path) if len(path.parts) > 1 else f"./{path}"

@@ -1,0 +1,52 @@
+"""What a controller is told: commands, latched at touchdowns, and what a step computes from them.
+
+A command outside its range is clamped, one that is no number leaves the last wish as it was, and
+a change faster than the gait can follow is spread over steps.
+"""
+
+from typing import NamedTuple
+
+import jax.numpy as jnp
+
+from neuralgaits._types import Array, Float
+from neuralgaits.gait import AbstractPolicy
+from neuralgaits.gait.commands import CommandLimits, Commands, Pair
+from neuralgaits.gait.reset_residual import ResetCorrection
+from neuralgaits.robots import PlanarBiped
+
+
+class CommandState(NamedTuple):
+    """Commands by their order, in their units; all of it empty for a gait that takes none."""
+
+    requested: Float[Array, " p"]
+    """What is wished for: the next touchdown goes there, as far as one step may change."""
+    pair: Pair
+    """Of the step under way."""
+    step_parameters: Float[Array, " s"]
+    """What follows from that pair, see `AbstractPolicy.parameters_of_step`."""
+
+
+def steady(
+    robot: PlanarBiped,
+    policy: AbstractPolicy,
+    command: Float[Array, " p"],
+    reset_residual: ResetCorrection = None,
+) -> CommandState:
+    """A command that has been the same for long."""
+    one = jnp.asarray(command, dtype=float)
+    pair = Pair(one, one)
+    return CommandState(one, pair, policy.parameters_of_step(robot, pair, reset_residual))
+
+
+def tell(commands: Commands, told: CommandState, requested: Float[Array, " p"]) -> CommandState:
+    """Wish for other values from the next touchdown on: clamped, the last one in place of NaN."""
+    limits = CommandLimits.of(commands)
+    inside = jnp.clip(requested, limits.low, limits.high)
+    return told._replace(requested=jnp.where(jnp.isnan(requested), told.requested, inside))
+
+
+def next_pair(commands: Commands, told: CommandState) -> Pair:
+    """The pair of the step that begins at a touchdown."""
+    change = CommandLimits.of(commands).change
+    last = told.pair.after
+    return Pair(last, jnp.clip(told.requested, last - change, last + change))

@@ -1,0 +1,150 @@
+"""A gait: a policy and the tube of the zero dynamics that it is meant for, or a family of both."""
+
+import equinox as eqx
+import jax.numpy as jnp
+
+from neuralgaits._types import Array, Float, Scalar, ZeroState
+from neuralgaits.gait.commands import Commands, Pair, pair_at
+from neuralgaits.gait.network import movable
+from neuralgaits.gait.policies.commanded import CommandedPolicy
+from neuralgaits.gait.policy import AbstractPolicy
+from neuralgaits.gait.reset_residual import ResetCorrection
+from neuralgaits.gait.tubes import CommandedTube, Number, Tube
+from neuralgaits.robots import PlanarBiped
+
+CommandPoint = Float[Array, " k"]
+"""A point of the commands' axes, see `Command.axes`."""
+
+
+class Gait(eqx.Module):
+    """What is trained: a policy and the tube of the zero dynamics it is meant for.
+
+    Attributes:
+        policy: of one step, or of every step where there are no commands.
+        tube: of that step.
+        next_tube: of the step after it if its command stays; None for the same.
+    """
+
+    policy: AbstractPolicy
+    tube: Tube
+    next_tube: Tube | None = None
+
+    @property
+    def commands(self) -> Commands:
+        """What the gait is told at each touchdown: nothing."""
+        return ()
+
+    def at(
+        self,
+        robot: PlanarBiped,
+        v: CommandPoint,
+        reset_residual: ResetCorrection = None,
+        *,
+        exact: bool = False,
+    ) -> "Gait":
+        """The gait of one step: itself. See `CommandedGait.at`."""
+        del robot, v, reset_residual, exact
+        return self
+
+    @property
+    def steady_next(self) -> "Gait":
+        """The gait of the next step, if the command stays."""
+        if self.next_tube is None:
+            return self
+        return Gait(self.policy.steady_next, self.next_tube, self.next_tube)
+
+    @property
+    def span(self) -> tuple[Number, Number]:
+        """z1 at phase 0 and at phase 1 (m)."""
+        if self.tube.span is None:
+            return self.policy.z1_range
+        return self.tube.span[0], self.tube.span[1]
+
+    def phase(self, z1: Scalar) -> Scalar:
+        """Phase of the step at hip position z1."""
+        anchor = getattr(self.policy, "anchor", None)
+        start, guard = self.span
+        if anchor is not None:
+            return anchor[0] + (z1 - anchor[1]) / (guard - start)
+        return (z1 - start) / (guard - start)
+
+    def z(self, u: Float[Array, "2"]) -> ZeroState:
+        """Chart: zero dynamics state at (phase, level). Returns: [2] (m, kg m^2/s)."""
+        start, guard = self.span
+        low, high = self.tube.fences(u[0])
+        zeta = low + u[1] * (high - low)
+        return jnp.stack([start + u[0] * (guard - start), jnp.sqrt(2.0 * zeta)])
+
+    def level(self, z: ZeroState) -> Scalar:
+        """Level of a state between the fences: 0 on the lower, 1 on the upper."""
+        low, high = self.tube.fences(self.phase(z[0]))
+        return (0.5 * z[1] * z[1] - low) / (high - low)
+
+    def match_impact(self, robot: PlanarBiped, reset_residual: ResetCorrection = None) -> "Gait":
+        """Recompute everything that follows from robot and parameters."""
+        return Gait(self.policy.match_impact(robot, reset_residual), self.tube, self.next_tube)
+
+    def trainable(self) -> "Gait":
+        """A tree of booleans: True where training may move a leaf."""
+        fences = movable(self.tube, lambda t: (t.lower, t.upper) if t.trained else ())
+        return Gait(self.policy.trainable(), fences)
+
+
+class CommandedGait(eqx.Module):
+    """A family of gaits, one for each pair of commands of a step."""
+
+    policy: CommandedPolicy
+    tube: CommandedTube
+
+    @property
+    def commands(self) -> Commands:
+        """What the gait is told at each touchdown."""
+        return self.policy.commands
+
+    def at(
+        self,
+        robot: PlanarBiped,
+        v: CommandPoint,
+        reset_residual: ResetCorrection = None,
+        *,
+        exact: bool = False,
+    ) -> Gait:
+        """The gait of one step.
+
+        Args:
+            robot: whose impact it is matched to.
+            v: point of the commands' axes, see `Command.axes`.
+            reset_residual: corrects that impact.
+            exact: of `AbstractPolicy.at`.
+        """
+        return self.of_pair(robot, pair_at(self.commands, v), reset_residual, exact=exact)
+
+    def of_pair(
+        self,
+        robot: PlanarBiped,
+        pair: Pair,
+        reset_residual: ResetCorrection = None,
+        *,
+        exact: bool = False,
+        bounded: bool = False,
+    ) -> Gait:
+        """The gait of a step with these commands; the rest as in `CommandedPolicy.at`."""
+        policy = self.policy.at(robot, pair, reset_residual, exact=exact, bounded=bounded)
+        places = Pair(*map(self.policy.scaled, pair))
+        tube, then = (self.tube.at(each, exact=exact) for each in (places, places.steady))
+        return Gait(policy, tube, then)
+
+    def match_impact(
+        self, robot: PlanarBiped, reset_residual: ResetCorrection = None
+    ) -> "CommandedGait":
+        """The family itself: each of its gaits is matched when it is asked for."""
+        del robot, reset_residual
+        return self
+
+    def trainable(self) -> "CommandedGait":
+        """A tree of booleans: True where training may move a leaf."""
+        fences = movable(self.tube, lambda t: (t.lower, t.upper))
+        return CommandedGait(self.policy.trainable(), fences)
+
+
+AnyGait = Gait | CommandedGait

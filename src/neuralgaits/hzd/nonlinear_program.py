@@ -1,0 +1,116 @@
+"""Optimisation of a gait as a nonlinear program.
+
+The unknowns are the control points of the outputs, z1 at both ends of the step, and zeta = z2^2 / 2
+at the nodes. The objective is the mechanical cost of transport. Equations: zeta follows the zero
+dynamics at every node; the foot is on the ground at the end; the plastic impact with exchanged legs
+leaves outputs and their rates on the curves, z1 and zeta where the step began; and the mean speed
+is the requested one. Inequalities are the conditions of a spec, on their regions. Source of the
+method: Westervelt et al. (2007), chapter 6; Hereid et al. (2018).
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from neuralgaits._types import Float
+from neuralgaits.hzd.collocation import Nodes
+from neuralgaits.hzd.transcription import StepFunctions
+from neuralgaits.robots import PlanarBiped
+
+AIM = 0.02
+"""Margin that each condition keeps at the nodes, in scales, so that it holds between them, too."""
+FOOT_SCALE, RATE_SCALE = 0.1, 10.0
+"""Sizes of the foot's height [m] and of rates [rad/s] in the equations, so that all are alike."""
+SHORTEST, LONGEST = 0.05, 0.45
+"""Shortest and longest distance of z1 at either end of the step from the middle, in leg lengths."""
+MOST_KEPT = 0.95
+"""Largest share of zeta that an impact may leave: on outputs of z1 alone that is the slope of the
+Poincare map, which must be below one for an attracting orbit."""
+LEAST_ZETA, MOST_ZETA = 1e-2, 10.0
+"""Bounds of zeta, in its unit."""
+_OF_END = ("foot", "z1", "zeta", "outputs", "rates")
+
+
+class NonlinearProgram(NamedTuple):
+    """A nonlinear program: unknowns x, parameters (speed [m/s], smoothing [W]), bounds.
+
+    Attributes:
+        symbols: input of CasADi's solver.
+        x_bounds, g_bounds: lower and upper, of unknowns and of constraints.
+    """
+
+    symbols: dict[str, Any]
+    x_bounds: tuple[Float[np.ndarray, " n"], Float[np.ndarray, " n"]]
+    g_bounds: tuple[Float[np.ndarray, " k"], Float[np.ndarray, " k"]]
+
+
+def problem(
+    casadi: Any, robot: PlanarBiped, step: StepFunctions, mesh: Nodes, degree: int
+) -> NonlinearProgram:
+    """Build the nonlinear program.
+
+    Args:
+        casadi: the module.
+        robot: the biped.
+        step: formulas of its step.
+        mesh: nodes of the collocation.
+        degree: degree of the polynomials.
+    """
+    m, count = robot.n - 1, len(mesh.phases)
+    rows, ends = casadi.SX.sym("rows", m * (degree + 1)), casadi.SX.sym("ends", 2)
+    zeta, told = casadi.SX.sym("zeta", count), casadi.SX.sym("told", 2)
+    speed, smoothing = told[0], told[1]
+    equal, held, slopes, paces, powers = [], [], [], [], []
+    for k, phase in enumerate(mesh.phases):
+        found = step.along(rows, ends, phase, zeta[k])
+        slopes.append(found["slope"])
+        paces.append(found["pace"])
+        # |x| has no slope at 0, and most optima have powers there.
+        smooth = casadi.sqrt(found["power"] ** 2 + smoothing**2) - smoothing
+        powers.append(casadi.sum1(smooth))
+        held += [found[name] for name, (a, b) in step.asked.items() if a <= phase <= b]
+    slope, pace, power = (casadi.vertcat(*each) for each in (slopes, paces, powers))
+    followed = zeta - zeta[0] - casadi.DM(mesh.integrals) @ slope
+    equal.append(followed[1:])
+    weights = casadi.DM(mesh.weights)
+    end = step.end(rows, ends, 1.0, zeta[count - 1])
+    held += [value for name, value in end.items() if name not in _OF_END]
+    held.append(MOST_KEPT - end["zeta"] / zeta[count - 1])
+    length, height = end["foot"][0], end["foot"][1]
+    equal += [
+        height / FOOT_SCALE,
+        end["z1"] - ends[0],
+        end["zeta"] - zeta[0],
+        end["outputs"],
+        end["rates"] / RATE_SCALE,
+        length - speed * casadi.dot(weights, pace),
+    ]
+    weight = float(robot.mass * robot.gravity)
+    cost = casadi.dot(weights, pace * power) / (weight * length)
+    equations, margins = (casadi.vertcat(*map(casadi.vec, each)) for each in (equal, held))
+    none, many = np.zeros(equations.shape[0]), margins.shape[0]
+    symbols = {
+        "x": casadi.vertcat(rows, ends, zeta),
+        "p": told,
+        "f": cost,
+        "g": casadi.vertcat(equations, margins),
+    }
+    g_bounds = (
+        np.concatenate([none, np.full(many, AIM)]),
+        np.concatenate([none, np.full(many, np.inf)]),
+    )
+    return NonlinearProgram(symbols, _bounds(robot, count, degree), g_bounds)
+
+
+def _bounds(
+    robot: PlanarBiped, count: int, degree: int
+) -> tuple[Float[np.ndarray, " n"], Float[np.ndarray, " n"]]:
+    """Return bounds on control points: a curve stays in their hull, so in the joints' ranges."""
+    leg, ranges = robot.leg_length, (robot.joint_lower, robot.joint_upper)
+    ends = ([-LONGEST * leg, SHORTEST * leg], [-SHORTEST * leg, LONGEST * leg])
+    zetas = (np.full(count, LEAST_ZETA), np.full(count, MOST_ZETA))
+    low, high = (
+        np.concatenate([np.repeat(np.asarray(joint), degree + 1), end, zeta])
+        for joint, end, zeta in zip(ranges, ends, zetas, strict=True)
+    )
+    return low, high

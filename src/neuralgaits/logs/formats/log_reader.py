@@ -1,0 +1,136 @@
+"""Read a log file of any format, checked, without its bad rows."""
+
+from collections.abc import Sequence
+from itertools import combinations
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from neuralgaits.errors import InputError
+from neuralgaits.gait import AbstractPolicy
+from neuralgaits.logs.formats import amber3m as amber3m_format
+from neuralgaits.logs.formats import mapped as mapped_format
+from neuralgaits.logs.formats import si as si_format
+from neuralgaits.logs.formats.column_file import PAGE, ColumnFile, read_columns
+from neuralgaits.logs.formats.sheet import Text, text_of
+from neuralgaits.logs.labels import Labels
+from neuralgaits.logs.outliers import outliers
+from neuralgaits.logs.row_checks import check
+from neuralgaits.logs.walk_table import Log
+from neuralgaits.robots import PlanarBiped
+
+JITTER = 1.5
+"""Largest distance of neighbouring rows in sample periods: clocks jitter."""
+SAME_RAD = 1e-6
+"""Angles of two walks that agree to this are one walk: a simulation repeats itself to rounding."""
+
+
+class CleanedLog(NamedTuple):
+    """Good rows of a log, and what was left out."""
+
+    log: Log
+    """Good rows of the log."""
+    left_out: dict[str, int]
+    """Rows that are missing in it or were left out, by reason."""
+
+
+def read(
+    path: str | Path,
+    robot: PlanarBiped,
+    *,
+    columns: str | Path | ColumnFile | None = None,
+    policy: AbstractPolicy | None = None,
+) -> CleanedLog:
+    """Read a log of a robot.
+
+    Args:
+        path: of a CSV file: the project's own format, or that of the AMBER-3M robot, or with
+            `columns` any other.
+        robot: the run's own model, whose joints and z the log must have.
+        columns: file that describes the columns of a robot's own log: see `column_file`.
+        policy: that walked; it gives the desired outputs that a robot's own log lacks.
+
+    Raises: InputError in one line that names file, row, column and remedy.
+    """
+    path = Path(path)
+    text = text_of(path)
+    if columns is not None:
+        file = columns if isinstance(columns, ColumnFile) else read_columns(columns, robot)
+        log, labels = mapped_format.read(text, robot, file, policy)
+        try:
+            good = check(log, robot, labels)
+        except InputError as error:
+            raise InputError(
+                f"{error} (these are numbers after unit, sign and offset of {file.path}: mend them "
+                "there)"
+            ) from None
+    else:
+        log, labels = _of_known_format(text, robot)
+        good = check(log, robot, labels)
+    spikes = outliers(log) & good
+    if not (log.stance[1:] != log.stance[:-1]).any():
+        raise InputError(
+            f"log {path}, row {log.rows[-1]}, column {labels['stance'][0]}: expected at least one "
+            f"complete stride, found leg {log.stance[0]} standing throughout: log until after a "
+            "touchdown"
+        )
+    left_out = {"missing": _missing(log), "outliers": int(np.count_nonzero(~good | spikes))}
+    return CleanedLog(log.only(good & ~spikes), left_out)
+
+
+def _of_known_format(text: Text, robot: PlanarBiped) -> tuple[Log, Labels]:
+    if si_format.recognised(text):
+        return si_format.read(text, robot)
+    if amber3m_format.recognised(text):
+        return amber3m_format.read(text, robot)
+    raise InputError(
+        f"log {text.path}, row 1: expected columns name[unit] as in t[s],stance[-],..., or the "
+        f"{len(amber3m_format.COLUMNS)} columns of the AMBER-3M robot, found "
+        f"{','.join(text.header)[:60] or f'{text.width} columns without names'!r}, without "
+        f"{si_format.missing(text, robot)}: say with --columns FILE what the columns are, or add "
+        f"these; {PAGE} has the table of columns and such a file"
+    )
+
+
+def read_all(
+    paths: Sequence[str | Path],
+    robot: PlanarBiped,
+    *,
+    columns: str | Path | None = None,
+    policy: AbstractPolicy | None = None,
+) -> tuple[list[Log], dict[str, int]]:
+    """Read several logs. Returns: the logs, and the rows left out of all of them by reason.
+
+    Args:
+        paths: at least one.
+        robot: the run's own model.
+        columns: file that describes their columns; as for `read`.
+        policy: that walked; as for `read`.
+
+    Raises: InputError as `read` does, if there is no path, and for a walk that is given twice: its
+        strides would be learned from and reported on at once.
+    """
+    if not paths:
+        raise InputError("logs: expected at least one CSV file, found none: name them")
+    file = None if columns is None else read_columns(columns, robot)
+    readings = [read(path, robot, columns=file, policy=policy) for path in paths]
+    for (one, _), (other, _) in combinations(readings, 2):
+        if _is_same_walk(one, other):
+            raise InputError(
+                f"log {other.source}: expected every walk once, found that of {one.source} again: "
+                "leave one of the two out, and simulate with --start region for different walks"
+            )
+    reasons = readings[0].left_out
+    total = {reason: sum(each.left_out[reason] for each in readings) for reason in reasons}
+    return [each.log for each in readings], total
+
+
+def _is_same_walk(one: Log, other: Log) -> bool:
+    return len(one) == len(other) and float(np.abs(one.q - other.q).max()) < SAME_RAD
+
+
+def _missing(log: Log) -> int:
+    """Count the rows that are missing in the gaps."""
+    steps = np.diff(log.t) / log.period_s
+    return int(np.sum(np.round(steps[steps > JITTER]) - 1))

@@ -1,0 +1,285 @@
+"""Checks that a log is plausible: times, ranges, units, and the robot it is from.
+
+A fault in the whole log is refused in one line; single rows that cannot be true are outliers,
+which are reported, and which the caller may leave out.
+"""
+
+from collections.abc import Iterator
+from typing import NamedTuple, NoReturn
+
+import numpy as np
+
+from neuralgaits._types import Bool, Float, Int
+from neuralgaits.errors import InputError
+from neuralgaits.logs.labels import Labels
+from neuralgaits.logs.walk_table import Log
+from neuralgaits.logs.zero_states import foot_heights, zero_states
+from neuralgaits.robots import PlanarBiped
+
+PERIODS_S = (1e-4, 1.05e-2)
+"""Limits on the sample period of a walking robot's log: learning uses a sample every 10 ms [s]."""
+LONGEST_PAUSE_S = 60.0
+"""Longest pause in a recording [s]: rows further apart are two recordings, or a clock that was
+set."""
+JOINT_SLACK_RAD = 0.1
+"""Reach of joints past their range [rad]: stops give way, and encoders have offsets."""
+FASTEST_RAD_S = 40.0
+"""Fastest joint rate of a walking robot, a fall included: eight times AMBER-3M's motors."""
+FASTEST_DESIRED_RAD_S = 100.0
+"""Largest desired rate: the authors' own controller stops beyond it."""
+LARGEST_TORQUE = 10.0
+"""Commanded torques before saturation stay below this many torque limits."""
+FASTEST_FALL = 3.0
+"""|z2| stays below this many mass * leg length * sqrt(g leg length)."""
+OUTLIER_SHARE = 0.01
+"""Largest share of rows out of range: with more, the column is wrong, not the row."""
+OUTLIER_RUN = 5
+"""Number of bad rows one after another from which they are no outliers."""
+BASELINE_S = 0.02
+"""Time over which angles are compared with rates: over one row encoder noise would hide them."""
+RATE_RATIO = (0.4, 2.5)
+"""Change of an angle over the rate beside it: 1 but for noise."""
+SLOWEST_RAD_S = 0.2
+"""Least rate at which a joint says anything about units: below, it is at rest, or noise."""
+Z1_TOLERANCE_M = 1e-3
+Z2_TOLERANCE = 0.02
+"""Tolerance as a share of the median |z2|: contact creep leaves 0.4 %, another torso's mass 3 %."""
+PITCH_TOLERANCE_RAD = 0.1
+"""Largest difference of pitch and joint angles, from offsets and noise."""
+SMALLEST_TORQUE = 1e-3
+"""Least torque that a walking robot commands somewhere, as a share of mass * g * leg length."""
+LOWEST_FOOT = -0.005
+"""Usual lower limit of the swing foot's height over the stance foot, in leg lengths."""
+UPRIGHT_Z1 = 0.4
+"""Distance of the hip from above the foot beyond which the robot falls, in leg lengths."""
+
+
+class _Range(NamedTuple):
+    name: str
+    values: Float[np.ndarray, " k"]
+    low: float
+    high: float
+    unit: str
+
+
+def check(log: Log, robot: PlanarBiped, labels: Labels) -> Bool[np.ndarray, " k"]:
+    """Refuse a log that cannot be used. Returns: which rows are within all ranges, [k].
+
+    Raises: InputError naming file, row, column and remedy.
+    """
+    check_times(log.t, log.rows, log.source, labels["t"][0])
+    good = np.ones(len(log), dtype=bool)
+    refused = []
+    for part in _ranges(log, robot):
+        bad = ~((part.values >= part.low) & (part.values <= part.high))
+        good &= ~bad
+        if _are_many(bad):
+            refused.append((part, np.flatnonzero(bad)))
+    if refused:
+        _refuse(log, labels, *min(refused, key=lambda found: found[1][0]))
+    _check_rates(log, labels, good)
+    _check_torques(log, robot, labels)
+    _check_stance(log, robot, labels, good)
+    _check_pitch(log, robot, labels, good)
+    _check_model(log, robot, good)
+    return good
+
+
+def _where(log: Log, labels: Labels, row: int, name: str) -> str:
+    column = labels.get(name, (name, name))[log.stance[row]]
+    return f"log {log.source}, row {log.rows[row]}, column {column}"
+
+
+def check_times(
+    t: Float[np.ndarray, " k"], rows: Int[np.ndarray, " k"], source: str, column: str
+) -> None:
+    """Refuse times that are not those of one recording of a walk.
+
+    Args:
+        t: times (s). [k]
+        rows: their rows in the file. [k]
+        source: the file.
+        column: of the times.
+
+    Raises: InputError naming file, row, column and remedy.
+    """
+    if len(t) < 2:
+        raise InputError(f"log {source}: expected a walk, found {len(t)} rows: walk longer")
+
+    def where(row: int) -> str:
+        return f"log {source}, row {rows[row]}, column {column}"
+
+    steps = np.diff(t)
+    back = np.flatnonzero(steps <= 0.0)
+    if back.size:
+        row = int(back[0]) + 1
+        what = "the same time again" if steps[back[0]] == 0.0 else "a step back"
+        raise InputError(
+            f"{where(row)}: expected a time after {t[row - 1]:.6g} s, found {t[row]:.6g} s, "
+            f"{what}: delete repeated rows, and split the file where a new recording begins"
+        )
+    shortest, longest = PERIODS_S
+    period = float(np.median(steps))
+    if not shortest <= period <= longest:
+        off = "seconds where milliseconds belong" if period < shortest else "milliseconds"
+        raise InputError(
+            f"{where(1)}: expected rows {1e3 * shortest:g} to {1e3 * longest:g} ms apart, found "
+            f"{1e3 * period:g} ms: convert the times if they are {off}, or log faster"
+        )
+    pauses = np.flatnonzero(steps > LONGEST_PAUSE_S)
+    if pauses.size:
+        row = int(pauses[0]) + 1
+        raise InputError(
+            f"{where(row)}: expected a time at most {LONGEST_PAUSE_S:g} s after "
+            f"{t[row - 1]:.6g} s, found {t[row]:.6g} s: split the file where a new recording begins"
+        )
+
+
+def _ranges(log: Log, robot: PlanarBiped) -> Iterator[_Range]:
+    turn, fastest = np.pi, FASTEST_DESIRED_RAD_S
+    for i, name in enumerate(log.joint_names[1:]):
+        low = float(robot.joint_lower[i]) - JOINT_SLACK_RAD
+        high = float(robot.joint_upper[i]) + JOINT_SLACK_RAD
+        most = LARGEST_TORQUE * float(robot.torque_limit[i])
+        yield _Range(f"q_{name}", log.q[:, i + 1], low, high, "rad")
+        yield _Range(f"dq_{name}", log.dq[:, i + 1], -FASTEST_RAD_S, FASTEST_RAD_S, "rad/s")
+        yield _Range(f"qd_{name}", log.qd[:, i], -turn, turn, "rad")
+        yield _Range(f"dqd_{name}", log.dqd[:, i], -fastest, fastest, "rad/s")
+        yield _Range(f"tau_{name}", log.tau[:, i], -most, most, "N m")
+    yield _Range("pitch", log.pitch, -turn, turn, "rad")
+    yield _Range("dpitch", log.dpitch, -FASTEST_RAD_S, FASTEST_RAD_S, "rad/s")
+    # Last: some robots' files leave this one to follow from the others.
+    first = log.joint_names[0]
+    yield _Range(f"q_{first}", log.q[:, 0], -turn, turn, "rad")
+    yield _Range(f"dq_{first}", log.dq[:, 0], -FASTEST_RAD_S, FASTEST_RAD_S, "rad/s")
+    if log.z is not None:
+        reach = float(np.abs(robot.hip_gradient).sum()) * turn
+        length = robot.leg_length
+        fall = FASTEST_FALL * float(robot.mass) * length * np.sqrt(float(robot.gravity) * length)
+        yield _Range("z1", log.z[:, 0], -reach, reach, "m")
+        yield _Range("z2", log.z[:, 1], -fall, fall, "kg m^2/s")
+
+
+def _are_many(bad: Bool[np.ndarray, " k"]) -> bool:
+    """Return whether these rows are too many to be outliers."""
+    rows = np.flatnonzero(bad)
+    if not rows.size:
+        return False
+    return rows.size > max(1, OUTLIER_SHARE * len(bad)) or _longest_run(rows) > OUTLIER_RUN
+
+
+def _refuse(log: Log, labels: Labels, part: _Range, rows: Int[np.ndarray, " b"]) -> NoReturn:
+    first = int(rows[0])
+    raise InputError(
+        f"{_where(log, labels, first, part.name)}: expected {part.low:.3g} to {part.high:.3g} "
+        f"{part.unit}, found {part.values[first]:.4g} there and {rows.size - 1} more such rows: "
+        f"convert the column to {part.unit}, or give a log of this robot"
+    )
+
+
+def _longest_run(rows: Int[np.ndarray, " b"]) -> int:
+    """Return the length of the longest run of consecutive numbers."""
+    ends = np.flatnonzero(np.diff(rows, append=rows[-1] + 2) != 1)
+    return int(np.max(np.diff(ends, prepend=-1)))
+
+
+def _check_rates(log: Log, labels: Labels, good: Bool[np.ndarray, " k"]) -> None:
+    """Check that angles change at the rates beside them: else times, angles or rates are off."""
+    ahead = max(1, round(BASELINE_S / log.period_s))
+    span = log.t[ahead:] - log.t[:-ahead]
+    stays = good[ahead:] & good[:-ahead] & (log.stance[ahead:] == log.stance[:-ahead])
+    stays &= span < 2.0 * BASELINE_S
+    if not stays.any():
+        return
+    names, angles, rates = _turning(log)
+    # What is out of range would drown the sum.
+    rates = np.where(good[:, None], rates, 0.0)
+    area = 0.5 * np.diff(log.t)[:, None] * (rates[1:] + rates[:-1])
+    travelled = np.concatenate([np.zeros((1, area.shape[1])), np.cumsum(area, axis=0)])
+    slope = (angles[ahead:] - angles[:-ahead])[stays] / span[stays, None]
+    rate = (travelled[ahead:] - travelled[:-ahead])[stays] / span[stays, None]
+    # Medians: a glitch in the middle of a span counts for nothing.
+    fast_slope, fast_rate = (np.median(np.abs(part), axis=0) for part in (slope, rate))
+    lowest, highest = RATE_RATIO
+    for i, name in enumerate(names):
+        if max(fast_slope[i], fast_rate[i]) < SLOWEST_RAD_S:
+            continue
+        ratio = float(fast_slope[i]) / max(float(fast_rate[i]), 1e-12)
+        same_way = np.median(np.sign(slope[:, i] * rate[:, i])) > 0.0
+        if not (lowest <= ratio <= highest and same_way):
+            raise InputError(
+                f"{_where(log, labels, 1, name)}: expected the rate at which the angle "
+                f"changes, found angles that change {ratio if same_way else -ratio:.3g} times as "
+                "fast: bring times, angles and rates to s, rad and rad/s"
+            )
+
+
+def _turning(log: Log) -> tuple[list[str], Float[np.ndarray, "k c"], Float[np.ndarray, "k c"]]:
+    """Select columns of rates, with the angles that change so (rad) and the rates (rad/s)."""
+    measured, desired = log.joint_names, log.joint_names[1:]
+    names = [*(f"dq_{name}" for name in measured), *(f"dqd_{name}" for name in desired), "dpitch"]
+    angles = np.column_stack([log.q, log.qd, log.pitch])
+    return names, angles, np.column_stack([log.dq, log.dqd, log.dpitch])
+
+
+def _check_torques(log: Log, robot: PlanarBiped, labels: Labels) -> None:
+    """Check torques for a wrong unit: in kN m they are in range, but too small to walk with."""
+    largest = float(np.abs(log.tau).max())
+    weight = float(robot.mass * robot.gravity) * float(robot.leg_length)
+    if 0.0 < largest < SMALLEST_TORQUE * weight:
+        name = f"tau_{log.joint_names[1]}"
+        raise InputError(
+            f"{_where(log, labels, 0, name)}: expected torques of more than "
+            f"{SMALLEST_TORQUE * weight:.3g} N m, found none above {largest:.3g}: convert the "
+            "torques to N m"
+        )
+
+
+def _check_stance(
+    log: Log, robot: PlanarBiped, labels: Labels, good: Bool[np.ndarray, " k"]
+) -> None:
+    """Check that the stance leg is the one with the lower foot."""
+    upright = good & (np.abs(log.q @ robot.hip_gradient) < UPRIGHT_Z1 * float(robot.leg_length))
+    if not upright.any():
+        return
+    height = float(np.median(foot_heights(robot, log.q[upright])))
+    if height < LOWEST_FOOT * float(robot.leg_length):
+        raise InputError(
+            f"{_where(log, labels, 0, 'stance')}: expected the leg whose foot is on the ground, "
+            f"found the other foot {-1e3 * height:.3g} mm below it in the median: exchange the "
+            "legs"
+        )
+
+
+def _check_pitch(
+    log: Log, robot: PlanarBiped, labels: Labels, good: Bool[np.ndarray, " k"]
+) -> None:
+    """Check that pitch and coordinates agree on the lean of the torso."""
+    if robot.torso is None or not good.any():
+        return
+    error = np.abs(log.q @ robot.link_angles[robot.torso] - log.pitch)[good]
+    if np.median(error) > PITCH_TOLERANCE_RAD:
+        raise InputError(
+            f"{_where(log, labels, int(np.flatnonzero(good)[0]), 'pitch')}: expected the sum of "
+            f"the coordinates up to the torso within {PITCH_TOLERANCE_RAD:g} rad, found a column "
+            f"that differs by {np.median(error):.3g} rad in the median: convert it to rad"
+        )
+
+
+def _check_model(log: Log, robot: PlanarBiped, good: Bool[np.ndarray, " k"]) -> None:
+    """Check that z follows from the run's own model, which tells its robot from others."""
+    if log.z is None or not good.any():
+        return
+    z = zero_states(robot, log.q[good], log.dq[good])
+    error = np.median(np.abs(z - log.z[good]), axis=0)
+    usual = float(np.median(np.abs(z[:, 1])))
+    for found, allowed, name in (
+        (error[0], Z1_TOLERANCE_M, "z1[m]"),
+        (error[1], Z2_TOLERANCE * usual, "z2[kg m^2/s]"),
+    ):
+        if found > allowed:
+            raise InputError(
+                f"log {log.source}, row {log.rows[np.flatnonzero(good)[0]]}, column {name}: "
+                f"expected z of robot {robot.name} within {allowed:.3g}, found columns that "
+                f"differ by {found:.3g} in the median: give a log of a run on this robot"
+            )

@@ -1,0 +1,158 @@
+"""States computed from the sensors of many rows by the run's model: q, dq, z, desired outputs."""
+
+from typing import NamedTuple
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from neuralgaits._quick_jit import quick_filter_jit
+from neuralgaits._types import Actuated, Array, Float, Int, ZeroState
+from neuralgaits.control import Measurement
+from neuralgaits.control.law import MeasuredState
+from neuralgaits.control.measurement import coordinates, stance_foot_velocity, stance_joints
+from neuralgaits.control.momentum import zero_state
+from neuralgaits.control.pd import Pd
+from neuralgaits.control.saturation import ZeroStateBounds, zero_state_bounds
+from neuralgaits.gait import AbstractPolicy
+from neuralgaits.logs.zero_states import in_blocks
+from neuralgaits.robots import PlanarBiped
+
+
+class SensorReadings(NamedTuple):
+    """Readings of k rows, signs and zeros those of `control.Measurement`."""
+
+    pitch: Float[np.ndarray, " k"]
+    """Up-angle of the root link [rad]."""
+    dpitch: Float[np.ndarray, " k"]
+    """[rad/s]."""
+    angles: Float[np.ndarray, "k 2 j"]
+    """Joint angles per leg [rad]."""
+    rates: Float[np.ndarray, "k 2 j"]
+    """[rad/s]."""
+
+
+class States(NamedTuple):
+    """States of k rows, in coordinates of the stance leg."""
+
+    q: Float[np.ndarray, "k n"]
+    dq: Float[np.ndarray, "k n"]
+    z: Float[np.ndarray, "k 2"]
+    """(m, kg m^2/s)."""
+    dz: Float[np.ndarray, "k 2"]
+    """(m/s, N m)."""
+
+
+def feet_apart(
+    robot: PlanarBiped, pitch: Float[np.ndarray, " k"], angles: Float[np.ndarray, "k 2 j"]
+) -> Float[np.ndarray, " k"]:
+    """Return how far the foot of leg 1 is ahead of that of leg 0 (m). [k]."""
+    return in_blocks(_feet_apart, robot, np.column_stack([pitch, _flat(angles)]))
+
+
+def states(
+    robot: PlanarBiped,
+    stance: Int[np.ndarray, " k"],
+    sensed: SensorReadings,
+    hip_velocity: Float[np.ndarray, "k 2"] | None,
+) -> States:
+    """Compute the states of rows; without the hip's velocity (m/s) the stance foot is at rest."""
+    pinned = np.full(len(stance), hip_velocity is None)
+    velocity = np.zeros((len(stance), 2)) if hip_velocity is None else hip_velocity
+    parts = (stance, pinned, sensed.pitch, sensed.dpitch, _flat(sensed.angles))
+    x = np.column_stack([*parts, _flat(sensed.rates), velocity]).astype(np.float64)
+    n = robot.n
+    return States(*np.split(in_blocks(_states, robot, x), [n, 2 * n, 2 * n + 2], axis=1))
+
+
+def stance_first(
+    robot: PlanarBiped, stance: Int[np.ndarray, " k"], by_leg: Float[np.ndarray, "k 2 j"]
+) -> Float[np.ndarray, "k m"]:
+    """Reorder values of joints by leg to the order of the actuated coordinates. [k, m]."""
+    return in_blocks(_stance_first, robot, np.column_stack([stance, _flat(by_leg)]))
+
+
+def asked(
+    robot: PlanarBiped, policy: AbstractPolicy, of: States
+) -> tuple[Float[np.ndarray, "k m"], Float[np.ndarray, "k m"]]:
+    """Compute desired outputs and their rates as the joint PD of `simulate` does.
+
+    Far from the momenta of a walk they level off, as they do in the controller.
+
+    Returns: [k, m] (rad), [k, m] (rad/s).
+    """
+    asking = _Asking(robot, policy, zero_state_bounds(robot, policy))
+    found = in_blocks(_asked, asking, np.concatenate([*of], axis=1))
+    m = robot.n - 1
+    return found[:, :m], found[:, m:]
+
+
+def _flat(by_leg: Float[np.ndarray, "k 2 j"]) -> Float[np.ndarray, "k two_j"]:
+    return by_leg.reshape(len(by_leg), -1)
+
+
+def _reading(robot: PlanarBiped, row: Array) -> Measurement:
+    """Return a measurement from pitch, its rate, angles and rates by leg, and hip velocity."""
+    angles, rates = jnp.split(row[2:-2].reshape(2, 2, robot.n // 2), 2)
+    return Measurement(
+        time=jnp.zeros(()),
+        pitch=row[0],
+        dpitch=row[1],
+        angles=angles[0],
+        rates=rates[0],
+        hip_velocity=row[-2:],
+        normal_force=jnp.zeros(2),
+    )
+
+
+@quick_filter_jit
+def _feet_apart(robot: PlanarBiped, rows: Float[Array, "b c"]) -> Float[Array, " b"]:
+    def one(row: Array) -> Array:
+        pitch, angles = row[:1], row[1:]
+        still = [jnp.zeros(1), angles, jnp.zeros_like(angles), jnp.zeros(2)]
+        reading = _reading(robot, jnp.concatenate([pitch, *still]))
+        return robot.swing_foot(coordinates(robot, reading, jnp.zeros((), int))[0])[0]
+
+    return jax.vmap(one)(rows)
+
+
+@quick_filter_jit
+def _states(robot: PlanarBiped, rows: Float[Array, "b c"]) -> Float[Array, "b d"]:
+    def one(row: Array) -> Array:
+        reading = _reading(robot, row[2:])
+        q, dq = coordinates(robot, reading, row[0].astype(int))
+        moving = stance_foot_velocity(robot, q, dq, reading)
+        z, dz = zero_state(robot, q, dq, jnp.where(row[1] > 0.0, 0.0, moving))
+        return jnp.concatenate([q, dq, z, dz])
+
+    return jax.vmap(one)(rows)
+
+
+@quick_filter_jit
+def _stance_first(robot: PlanarBiped, rows: Float[Array, "b c"]) -> Float[Array, "b m"]:
+    def one(row: Array) -> Array:
+        return stance_joints(robot, row[1:].reshape(2, -1), row[0].astype(int))
+
+    return jax.vmap(one)(rows)
+
+
+class _Asking(eqx.Module):
+    robot: PlanarBiped
+    policy: AbstractPolicy
+    bounds: ZeroStateBounds
+
+
+@quick_filter_jit
+def _asked(asking: _Asking, rows: Float[Array, "b c"]) -> Float[Array, "b two_m"]:
+    n = asking.robot.n
+
+    def outputs(z: ZeroState) -> Actuated:
+        return asking.policy(asking.bounds(z))
+
+    def one(row: Array) -> Array:
+        reading = MeasuredState(*jnp.split(row, [n, 2 * n, 2 * n + 2]))
+        desired = Pd().desired(asking.robot, outputs, reading)
+        return jnp.concatenate([desired.y, desired.dy])
+
+    return jax.vmap(one)(rows)

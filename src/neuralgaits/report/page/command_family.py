@@ -1,0 +1,126 @@
+"""The part of the page about commands: those that the gait takes, and what is proved for them."""
+
+from collections.abc import Iterator, Mapping
+
+from neuralgaits.records import in_plain_words
+from neuralgaits.records.training_config import Range
+from neuralgaits.report import commanded_gait
+from neuralgaits.report.drawing.drawn import Drawn
+from neuralgaits.report.page.markup import Html, captioned, paragraph, section, table, tag
+from neuralgaits.report.page.saved import Contents, ProvedOfSome, Saved
+
+OTHERS = "Other figures of the gait as it is designed show the one in the middle of every range."
+
+
+def family(contents: Contents, pictures: Mapping[str, Html]) -> Iterator[Html]:
+    """Yield the section on the gait's commands and its figure; nothing for a gait without commands.
+
+    Args:
+        contents: contents of the page.
+        pictures: an image element for each drawn figure, by name.
+    """
+    commands = contents.saved.asked.commands
+    if not commands:
+        return
+    yield section(
+        "told",
+        "What it is told",
+        paragraph(_told(commands)),
+        _ranges(commands),
+        paragraph(*_proved(contents.saved)),
+        *_figure(contents, pictures),
+        paragraph(OTHERS, class_="quiet"),
+    )
+
+
+def _told(commands: Mapping[str, Range]) -> str:
+    what = " and ".join(commanded_gait.words(name).whole for name in commands)
+    said = (
+        f"At each touchdown this robot is told something about its next step: {what}. One network "
+        "serves all of it. It also knows what was told for the step before, because that decides "
+        "in which posture this one begins. What is out of range is taken as the nearest value in it"
+    )
+    spread = any(one.largest_change is not None for one in commands.values())
+    return f"{said}, and too large a change is spread over several steps." if spread else f"{said}."
+
+
+def _ranges(commands: Mapping[str, Range]) -> Html:
+    rows = [
+        (
+            commanded_gait.words(name).short,
+            commanded_gait.written(name, one.low),
+            commanded_gait.written(name, one.high),
+            "any"
+            if one.largest_change is None
+            else commanded_gait.written(name, one.largest_change),
+        )
+        for name, one in commands.items()
+    ]
+    head = ("what is told", "from", "to", "change a step, at most")
+    return table("What the gait can be told", head, rows, numbers=" nnn", cards=True)
+
+
+def _proved(saved: Saved) -> Iterator[Html | str]:
+    """Yield for which commands something is proved, and what it states."""
+    found, link = saved.certificate, tag("a", "The certificate", href="#certificate")
+    if found is None:
+        yield "Nothing is proved for any of these commands."
+        return
+    if saved.of_some is not None:
+        yield from _of_some(saved.of_some, len(found.conditions))
+        return
+    if not saved.proved_level:
+        count = sum(entry.verdict == "proved" for entry in found.conditions.values())
+        yield (
+            f"{count} of {len(found.conditions)} conditions are proved for all of these commands. "
+        )
+        yield link
+        yield " names the others."
+        return
+    yield tag("b", f"Proved for all of these commands, to level {saved.proved_level}: ")
+    yield f"{_statements(saved.proved_level)}. "
+    yield link
+    yield " has the statements, and what they assume."
+
+
+def _of_some(part: ProvedOfSome, count: int) -> Iterator[Html | str]:
+    if not part.conditions:
+        yield "Nothing is proved for any of these commands."
+        return
+    ranges = "; ".join(_range(name, one) for name, one in part.ranges.items())
+    where = f": {ranges}" if ranges else ", of which the proof file has the pairs"
+    yield tag("b", f"Proved for some of these commands only{where}. ")
+    yield "There "
+    if part.level:
+        yield _statements(part.level)
+    else:
+        yield f"{part.conditions} of {count} conditions hold at every state of their regions"
+    yield ". Of all other commands nothing is proved."
+
+
+def _range(name: str, one: Range) -> str:
+    """Describe commands with a proof; rounding never widens their range."""
+    low, high = commanded_gait.within(name, one.low, one.high)
+    change = "any after any"
+    if one.largest_change is not None:
+        change = (
+            f"changing by at most {commanded_gait.change_within(name, one.largest_change)} a step"
+        )
+    return f"{commanded_gait.words(name).short} from {low} to {high}, {change}"
+
+
+def _statements(level: int) -> str:
+    return "; ".join(in_plain_words.states(one, told=True) for one in range(1, level + 1))
+
+
+def _figure(contents: Contents, pictures: Mapping[str, Html]) -> Iterator[Html]:
+    """Yield the figure, or one line that says why it is missing."""
+    for figure in contents.figures:
+        if figure.name != commanded_gait.FIGURE:
+            continue
+        if isinstance(figure, Drawn):
+            yield captioned(figure.title, figure.caption, pictures[figure.name])
+        else:
+            link = tag("a", "What is missing", href="#missing")
+            said = f"Orbits and postures are not drawn: {figure.reason}. "
+            yield paragraph(said, link, " has the command.", class_="quiet")

@@ -1,0 +1,164 @@
+"""Refuse settings of a walk that exclude each other, each pair with one line.
+
+`simulate` calls this before anything is compiled.
+"""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from neuralgaits.control import AbstractLaw
+from neuralgaits.control.laws import EXPORTED
+from neuralgaits.errors import InputError
+from neuralgaits.robots import PlanarBiped
+from neuralgaits.robots.parameter_box import checked_box
+from neuralgaits.simulation.linked.config import LinkConfig, parse_link
+from neuralgaits.simulation.setup.command_schedule import parsed
+from neuralgaits.simulation.setup.disturbance import PlantChanges
+from neuralgaits.simulation.setup.drawn_robots import DrawnRobots
+from neuralgaits.simulation.setup.terrain_kinds import commands_from_terrain
+
+OTHER_ROBOT = 0.25
+"""Largest difference of a plant's mass or leg length, as a share, before it is another robot."""
+REMOTE = "c"
+"""Name of the controller that runs in a process of its own."""
+
+
+def drawn_robots(
+    robot: PlanarBiped,
+    parameters: Mapping[str, float] | None,
+    seed: int,
+    plant: str | Path | None,
+    terrain: str | Path | None,
+    controller: str | AbstractLaw,
+) -> DrawnRobots | None:
+    """Return robots of a box; None without a box. Raises: InputError if others are to walk."""
+    box = checked_box(parameters or {})
+    if not box:
+        return None
+    others = {"--plant": plant, "--terrain": terrain}
+    given = [name for name, value in others.items() if value is not None]
+    if controller == REMOTE:
+        given.append(f"--controller {REMOTE}")
+    if given:
+        raise InputError(
+            f"expected --parameters without {given[0]}, found both: robots are drawn around the "
+            "run's own, and walk on its floor; leave one out"
+        )
+    return DrawnRobots(robot, box, seed)
+
+
+def refuse_shared(
+    controller: str | AbstractLaw,
+    log: str | Path | None,
+    film: str | Path | None,
+    terrain: str | Path | None,
+) -> None:
+    """Refuse options that only work in this process. Raises: InputError."""
+    if not isinstance(controller, str) or controller == REMOTE:
+        raise InputError(
+            "expected controller pd, fblin, paper or clf-qp with --workers or --ray, found "
+            f"{_name(controller)}: leave --workers and --ray out, or --controller"
+        )
+    if log is not None or film is not None:
+        raise InputError(
+            "expected --workers or --ray without --log and --video, found them together: walk the "
+            "one that is to be kept by itself"
+        )
+    if terrain is not None:
+        raise InputError(
+            "expected --terrain without --workers or --ray, found them together: leave these out"
+        )
+
+
+def about_other_robot(robot: PlanarBiped, plant: PlanarBiped) -> str | None:
+    """State that a plant is another robot than the one that a gait was trained for.
+
+    Args:
+        robot: robot of the gait.
+        plant: robot that walks, with as many links.
+
+    Returns: one line; None for the same robot with slightly other numbers.
+    """
+    pairs = {
+        "mass": (float(robot.mass), float(plant.mass), "kg"),
+        "leg length": (robot.leg_length, plant.leg_length, "m"),
+    }
+    found = [
+        f"{what} {theirs:.3g} instead of {ours:.3g} {unit}"
+        for what, (ours, theirs, unit) in pairs.items()
+        if abs(theirs - ours) > OTHER_ROBOT * ours
+    ]
+    joints, others = robot.layout.leg_joints, plant.layout.leg_joints
+    if joints != others:
+        found.insert(0, f"joints {', '.join(others[0])} instead of {', '.join(joints[0])}")
+    if not found:
+        return None
+    return (
+        f"plant {plant.name} is another robot than {robot.name}, which the gait was trained for: "
+        f"{'; '.join(found)}; without --plant it walks on its own"
+    )
+
+
+def link_of(
+    link: str | Mapping[str, Any] | LinkConfig | None,
+    controller: str | AbstractLaw,
+    disturbance: PlantChanges,
+) -> LinkConfig | None:
+    """Return the settings of the link to a controller's process; None without one."""
+    if controller != REMOTE:
+        if link is None:
+            return None
+        if disturbance.estimator:
+            raise InputError(
+                f"--link needs --controller {REMOTE}, which does not support --sensing encoders: "
+                f"walk with encoders by leaving --link out, or write --controller {REMOTE} --link "
+                "NAME=VALUE without --sensing"
+            )
+        raise InputError(
+            f"expected --link with --controller {REMOTE} only, found {link!r} with "
+            f"{_name(controller)}: {_linked(controller)}, or leave --link out"
+        )
+    if disturbance.estimator:
+        without = " and without --link" if link is not None else ""
+        raise InputError(
+            f"--controller {REMOTE} does not support --sensing encoders, its readings carry rates "
+            f"and velocity: walk with --controller pd --sensing encoders{without}, which estimates "
+            f"them in the same C, or keep --controller {REMOTE} without --sensing"
+        )
+    return parse_link(link)
+
+
+def _linked(controller: str | AbstractLaw) -> str:
+    """Return the words of a command line that walks a law in a process of its own."""
+    law = f"law={controller}," if controller in EXPORTED else ""
+    return f"write --controller {REMOTE} --link {law}lockstep=1"
+
+
+def _name(controller: str | AbstractLaw) -> str:
+    return controller if isinstance(controller, str) else type(controller).__name__
+
+
+def refuse_beside_terrain(
+    terrain: str,
+    command: str | Mapping[str, float] | None,
+    commands: str | Path | None,
+    disturbance: PlantChanges,
+) -> None:
+    """Refuse options that exclude a terrain. Raises: InputError."""
+    if commands is not None:
+        raise InputError(
+            "expected --terrain or --commands, found both: the robot is told what it sees"
+        )
+    given = parsed(command) if isinstance(command, str) else command or {}
+    taken = [name for name in given if name in commands_from_terrain(terrain)]
+    if taken:
+        raise InputError(
+            f"expected --command without {taken[0]} on a terrain, found {taken[0]}: there the "
+            "robot is told what it sees; leave it out"
+        )
+    if disturbance.slope_deg or disturbance.floor_height:
+        raise InputError(
+            "expected a terrain or a floor that is disturbed, found both: leave out slope_deg and "
+            "floor_height"
+        )

@@ -1,0 +1,126 @@
+"""Constants of a simulation for compiled walks: `ng_scene` of `c/walk.h`."""
+
+import ctypes
+from ctypes import POINTER
+from typing import Any
+
+import numpy as np
+
+from neuralgaits.control import AbstractLaw, ClfQp, Controller, Fblin, Pd
+from neuralgaits.errors import InputError
+from neuralgaits.gait.commands import place_of
+from neuralgaits.simulation.native.compiled_walk import Library
+from neuralgaits.simulation.native.struct_layout import StructLayout
+from neuralgaits.simulation.setup.plant import SUBSTEPS, Plant
+from neuralgaits.simulation.setup.push import DURATION_S, Push
+from neuralgaits.simulation.setup.terrain import ROOM_UNDER_FOOT
+from neuralgaits.simulation.ticks.falls import FallConfig
+from neuralgaits.simulation.ticks.gauge import SETTLING_S, START_UP_STEPS
+
+_LONGEST_US = 0xFFFFFFFF
+
+
+def knows(law: AbstractLaw) -> bool:
+    """Return whether compiled controllers have this law."""
+    return type(law) in (Pd, Fblin, ClfQp)
+
+
+def scene_of(
+    library: Library,
+    plant: Plant,
+    controller: Controller,
+    steps: int,
+    falls: FallConfig,
+    push: Push,
+) -> Any:
+    """Return `ng_scene` of a plant and a controller."""
+    state_map, layout, robot = plant.state_map, plant.state_map.layout, controller.robot
+    types, disturbance = library.layout, plant.disturbance
+    leg_length = float(np.sum(robot.hip))
+    scene = types.scene()
+    scene.model, scene.step = plant.model._address, library.mj_step
+    for name, values in (
+        ("root", state_map.root),
+        ("joints", state_map.joints),
+        ("motors", state_map.actuators),
+        ("root_to_hip", layout.root_to_hip),
+        ("root_origin", layout.root_origin),
+        ("joint_sign", layout.leg_joint_signs),
+        ("joint_offset", layout.leg_joint_offsets),
+        ("gear", layout.gears),
+    ):
+        _fill(getattr(scene, name), values)
+    scene.pitch_sign, scene.root_angle = layout.pitch_sign, layout.root_angle
+    scene.angle_noise, scene.rate_noise = disturbance.encoder_noise, disturbance.rate_noise
+    scene.pitch_noise, scene.pitch_offset = disturbance.noise_of_pitch, disturbance.pitch_offset
+    scene.estimator = int(disturbance.estimator)
+    scene.encoder_step = disturbance.encoder_step
+    scene.delay_ticks, scene.substeps = plant.delay_ticks, SUBSTEPS
+    scene.slope, scene.room_under_foot = plant.slope, ROOM_UNDER_FOOT
+    scene.foot_radius = float(plant.robot.foot_radius)
+    _set_ground(scene, plant, controller)
+    scene.push_force, scene.push_s, scene.push_after = push.force, DURATION_S, push.steps_before
+    scene.steps = min(steps, np.iinfo(np.int32).max)
+    scene.lowest_hip = falls.hip_share * leg_length
+    scene.largest_pitch = np.inf if robot.torso is None else falls.torso_rad
+    scene.patience_s = falls.stall * float(np.sqrt(leg_length / robot.gravity))
+    scene.start_up_steps, scene.settling_s = START_UP_STEPS, SETTLING_S
+    _set_law(scene.law, controller.law)
+    if isinstance(controller.law, ClfQp):
+        _set_program(library, scene, controller)
+    _set_config(scene, types, controller)
+    return scene
+
+
+def _set_ground(scene: Any, plant: Plant, controller: Controller) -> None:
+    """Set the blocks, if there are any, and mark the commands that the ground gives."""
+    course = plant.course
+    scene.gap_depth = np.inf if course is None else course.gap_depth
+    scene.course, scene.stones = int(course is not None), int(course is not None and course.stones)
+    for name in ("length", "height", "slope"):
+        command = name if name == "slope" else f"step_{name}"
+        at = place_of(controller.policy.commands, command)
+        setattr(scene, f"told_{name}", 0 if at is None else at + 1)
+
+
+def _set_law(law: Any, wanted: AbstractLaw) -> None:
+    law.name, law.hold_ticks = b"", int(wanted.hold_ticks)
+    if isinstance(wanted, Pd):
+        law.model, law.measure_z2 = int(wanted.feed_forward), int(wanted.measure_z2)
+        law.uses_impact_consistent_rates = int(wanted.uses_impact_consistent_rates)
+        _fill(law.stiffness, wanted.stiffness)
+        _fill(law.damping, wanted.damping)
+    elif isinstance(wanted, Fblin | ClfQp):
+        law.model, law.measure_z2, law.bandwidth = 1, 1, float(wanted.bandwidth)
+    else:
+        raise InputError(f"expected a law of this package, found {type(wanted).__name__}")
+
+
+def _set_program(library: Library, scene: Any, controller: Controller) -> None:
+    """Set the quadratic program of a law that has one in place of clipping."""
+    law, own = controller.law, scene.clf_qp
+    for name in ("bandwidth", "price", "contact_price", "least_normal"):
+        setattr(own, name, float(getattr(law, name)))
+    own.friction = float(controller.robot.friction)
+    scene.law.apply_limits = library.clf_qp
+    scene.law.own = ctypes.addressof(scene) + library.layout.scene.clf_qp.offset
+
+
+def _set_config(scene: Any, types: StructLayout, controller: Controller) -> None:
+    """Set the robot's own limits and no others: a simulation shows the law by itself."""
+    config = scene.config
+    config.law = ctypes.cast(ctypes.addressof(scene) + types.scene.law.offset, POINTER(types.law))
+    _fill(config.torque_limit, controller.torque_limit)
+    for name in ("torque_rate", "largest_pitch", "angle_margin", "largest_rate", "largest_speed"):
+        setattr(config, name, np.inf)
+    config.largest_force = config.airborne_s = np.inf
+    config.gap_us = _LONGEST_US
+
+
+def _fill(array: Any, values: Any) -> None:
+    """Copy numbers of any nesting into a ctypes array."""
+    for at, value in enumerate(values):
+        if isinstance(array[at], ctypes.Array):
+            _fill(array[at], value)
+        else:
+            array[at] = value

@@ -1,0 +1,35 @@
+"""Inputs of a batch of episodes beside robot and control, for every loop."""
+
+from dataclasses import dataclass
+
+from neuralgaits.simulation.setup.command_schedule import CommandSchedule
+from neuralgaits.simulation.setup.course import Courses
+from neuralgaits.simulation.setup.push import Push
+from neuralgaits.simulation.setup.terrain import Terrain
+
+
+@dataclass(frozen=True)
+class EpisodeInputs:
+    """Inputs of all episodes: floors, pushes, commands and noise.
+
+    Attributes:
+        terrain: floor levels, before the first tick.
+        push: of each robot, at the pitch axis of its root; likewise.
+        orders: what each touchdown is to latch.
+        courses: that they walk on in place of floors, and are told by; None for floors.
+        seed: of the noise of the sensors.
+        noisy: whether they have noise.
+        first: number of the first episode, on which what is random depends.
+        record: keep records and states of episode 0.
+        longest: keep records of the first so many ticks of every episode.
+    """
+
+    terrain: Terrain
+    push: Push
+    orders: CommandSchedule
+    courses: Courses | None
+    seed: int
+    noisy: bool
+    first: int
+    record: bool = False
+    longest: int = 0

@@ -1,0 +1,184 @@
+"""A sweep on disk: its settings, and a run folder for each row.
+
+sweep.json      the settings            inputs/            robots, and specs of files
+rows/NAME/      the run of a row, which every other verb opens, with row.json
+failed/NAME.json                        rows that could not be carried out
+table.csv, sweep.html, summary.json     the results
+"""
+
+import contextlib
+import hashlib
+import json
+import os
+import shutil
+import tempfile
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from neuralgaits.engine import Files
+from neuralgaits.errors import InputError, RunError
+from neuralgaits.records.episode_records import Versioned
+from neuralgaits.records.swept import ASKED, FORMAT, ROW, SweepAsked, SweepRow
+from neuralgaits.runs import plain, to_json, write_bytes, write_text
+from neuralgaits.runs.atomic import destination
+from neuralgaits.runs.claim import claimed
+
+HOME = "sweeps"
+"""Name of the sweeps' folder below the root of the runs."""
+INPUTS, ROWS, FAILED = "inputs", "rows", "failed"
+_LOCK = ".lock"
+_UNFINISHED = "."
+"""Prefix of the names of rows that are still being written."""
+_SHOWN = 80
+"""Largest number of characters of a setting that a message shows."""
+
+
+@dataclass(frozen=True)
+class SweepFolder:
+    """A sweep that has been started. Attributes: path: its folder; asked: its settings."""
+
+    path: Path
+    asked: SweepAsked
+
+    @classmethod
+    def create(
+        cls, asked: SweepAsked, inputs: Files, *, out: Path | None, root: Path
+    ) -> "SweepFolder":
+        """Make a folder; `sweep.json` is written last. Raises: RunError if `out` is not empty."""
+        seed, what = asked.seeds[0], "the sweep"
+        with claimed(out, root, HOME, seed, what=what, config=ASKED) as path:
+            for name, content in inputs.items():
+                write_bytes(path / INPUTS / name, content)
+            write_text(path / ASKED, to_json(asked))
+        return cls(path, asked)
+
+    @classmethod
+    def there(cls, path: Path) -> bool:
+        """Return whether a folder holds a sweep."""
+        return (path / ASKED).is_file()
+
+    @classmethod
+    def open(cls, path: Path) -> "SweepFolder":
+        """Open a sweep. Raises: RunError if there is none, or one of another version."""
+        if not cls.there(path):
+            raise RunError(
+                f"expected {ASKED} in {path}, found none: there is no sweep to go on with; leave "
+                "--resume out"
+            )
+        found = Versioned.read(path / ASKED).format
+        if found != FORMAT:
+            raise RunError(
+                f"expected a sweep of format {FORMAT}, found {found!r} in {path}: sweep anew"
+            )
+        return cls(path, SweepAsked.read(path / ASKED))
+
+    def input(self, name: str) -> bytes:
+        """Return an input file of the sweep. Raises: RunError if the file has changed since."""
+        path = self.path / INPUTS / name
+        content = path.read_bytes() if path.is_file() else b""
+        if sha256(content) != self.asked.sha256[name]:
+            raise RunError(
+                f"expected {path} as it was when the sweep began, found another sha256: restore it"
+            )
+        return content
+
+    @contextlib.contextmanager
+    def alone(self) -> Iterator["SweepFolder"]:
+        """Reserve the folder for one command, and drop rows that are half written or failed.
+
+        A command that is killed releases it. Raises: InputError if another command holds it.
+        """
+        with self._locked():
+            self._clear()
+            yield self
+
+    @contextlib.contextmanager
+    def _locked(self) -> Iterator[None]:
+        try:
+            import fcntl
+        except ImportError:
+            yield
+            return
+        with destination(self.path / _LOCK).open("a") as lock:
+            try:
+                fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except OSError:
+                raise InputError(
+                    f"expected nobody else at work on {self.path}, found another sweep that is: "
+                    "wait for it, or give another --out"
+                ) from None
+            yield
+
+    def _clear(self) -> None:
+        """Delete rows that are half written, and failed rows, which are tried again."""
+        for path in (self.path / ROWS).glob(f"{_UNFINISHED}*"):
+            shutil.rmtree(path, ignore_errors=True)
+        shutil.rmtree(self.path / FAILED, ignore_errors=True)
+
+    def refuse_other(self, given: Mapping[str, Any]) -> None:
+        """Refuse settings that differ from those of the sweep. Raises: InputError."""
+        for name, value in given.items():
+            asked = getattr(self.asked, name)
+            if plain(asked) != plain(value):
+                raise InputError(
+                    f"expected the {name} that the sweep in {self.path} was asked, "
+                    f"{_short(asked)}, found {_short(value)}: leave them out, or sweep into "
+                    "another --out"
+                )
+
+    def place(self, name: str) -> Path:
+        """Return the run folder of a row."""
+        return self.path / ROWS / name
+
+    def has(self, name: str) -> bool:
+        """Return whether a row is complete in the folder."""
+        return (self.place(name) / ROW).is_file()
+
+    def row(self, name: str) -> SweepRow | None:
+        """Read a row that is done or failed; None if it is still to be done. Raises: RunError."""
+        failed = self.path / FAILED / f"{name}.json"
+        for path in (self.place(name) / ROW, failed):
+            if path.is_file():
+                return SweepRow.read(path)
+        return None
+
+    def rows(self, names: Iterable[str]) -> list[SweepRow]:
+        """Read all rows, in the order of `names`. Raises: RunError if one is missing."""
+        found = [(name, self.row(name)) for name in names]
+        for name, row in found:
+            if row is None:
+                raise RunError(
+                    f"expected the row {name} in {self.path}, found none: it was taken away; "
+                    "--resume makes it again"
+                )
+        return [row for _, row in found if row is not None]
+
+    def keep(self, row: SweepRow, files: Mapping[str, bytes]) -> None:
+        """Put a row into the folder with all its files, or not at all."""
+        if not row.final:
+            write_text(self.path / FAILED / f"{row.name}.json", to_json(row))
+            return
+        rows = self.path / ROWS
+        rows.mkdir(parents=True, exist_ok=True)
+        place = Path(tempfile.mkdtemp(dir=rows, prefix=_UNFINISHED))
+        try:
+            for name, content in files.items():
+                write_bytes(place / name, content)
+            write_text(place / ROW, to_json(row))
+            # mkdtemp keeps others out; a run is as readable as any folder of its user.
+            place.chmod(rows.stat().st_mode)
+            os.replace(place, self.place(row.name))
+        except BaseException:
+            shutil.rmtree(place, ignore_errors=True)
+            raise
+
+
+def sha256(content: bytes) -> str:
+    """Return the SHA-256 of a file's content, in hexadecimal digits."""
+    return hashlib.sha256(content).hexdigest()
+
+
+def _short(value: Any) -> str:
+    return json.dumps(plain(value), ensure_ascii=False)[:_SHOWN]

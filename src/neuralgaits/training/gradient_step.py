@@ -1,0 +1,112 @@
+"""Plain functions that a trainer compiles: gradient steps in one loop, evaluation of a gait."""
+
+from collections.abc import Callable
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import optax
+
+from neuralgaits.barriers import GaitSpec
+from neuralgaits.gait import Residuals
+from neuralgaits.robots.parameters import Model, nominal_robot
+from neuralgaits.training.disturbance_corners import DisturbanceBox, pushes_of
+from neuralgaits.training.loss import Loss, MarginLayout, barrier_loss, margin_matrix
+from neuralgaits.training.repair import with_extra
+from neuralgaits.training.sampling import Sampler
+
+VALIDATION_SAMPLES = 8
+"""Number of validation samples for each training sample."""
+
+
+def make_steps(
+    spec: GaitSpec,
+    float32_parts,
+    disturbance: DisturbanceBox,
+    unflatten,
+    optimizer,
+    steps_in_all: int = 0,
+) -> Callable:
+    """Return the function that takes gradient steps in one loop.
+
+    Args:
+        spec: conditions and recipe.
+        float32_parts: robot, layout, sampler, untrained leaves and residuals, in single precision.
+        disturbance: bounds of dz's disturbance under which conditions must hold (m/s, N m).
+        unflatten: flat parameters to the trained leaves.
+        optimizer: an optax optimizer.
+        steps_in_all: total of which the recipe's curriculum is a share; 0 for none.
+
+    Returns: (parameters, optimiser state, key, first step, count, share of the step size, extra)
+        to parameters, state and the `Loss` of the last step before it was taken.
+    """
+    robot, layout, sampler, fixed, residuals = float32_parts
+    growth = spec.recipe.curriculum * steps_in_all
+
+    def grown(index):
+        return jnp.minimum(1.0, (index + 1.0) / growth) if growth else 1.0
+
+    def loss(parameters, u, counts, pushes):
+        gait = eqx.combine(unflatten(parameters), fixed).match_impact(
+            nominal_robot(robot), residuals.reset
+        )
+        margins, torque = margin_matrix(spec, robot, gait, u, residuals, pushes, layout.aimed)
+        result = barrier_loss(spec, layout._replace(counts=counts), margins, torque)
+        return result.total, result
+
+    def step(parameters, state, key, index, rate, extra):
+        key = jax.random.fold_in(key, index)
+        drawn = sampler.draw(key, grown(index))
+        u, counts = with_extra(extra, 1, drawn, layout.counts, key)
+        gradient_of = jax.value_and_grad(loss, has_aux=True)
+        u, pushes = u.astype(jnp.float32), pushes_of(disturbance, key, len(u), jnp.float32)
+        (_, result), gradient = gradient_of(parameters, u, counts, pushes)
+        update, after = optimizer.update(gradient, state, parameters)
+        moved = optax.apply_updates(parameters, rate * update)
+        if not spec.commands:
+            return moved, after, result
+        # A fence that crosses another at some rare pair of commands must not end it all.
+        good = jnp.all(jnp.isfinite(jnp.asarray(moved)))
+        kept = jax.tree.map(
+            lambda new, old: jnp.where(good, new, old), (moved, after), (parameters, state)
+        )
+        return *kept, result
+
+    def steps(parameters, state, key, first, count, rate, extra):
+        # A step runs for a millisecond or two: calling it from Python took a third of the time.
+        single = parameters.dtype
+
+        def body(done, before):
+            parameters, state, _ = before
+            parameters, state, found = step(parameters, state, key, first + done, rate, extra)
+            # A float64 constant in a condition of one's own makes the loss float64.
+            same = jax.tree.map(lambda value: value.astype(single), found)
+            return parameters, state, same
+
+        zero = jnp.zeros((), single)
+        start = Loss(zero, jnp.zeros(len(spec.trained_for), single), zero)
+        return jax.lax.fori_loop(0, count, body, (parameters, state, start))
+
+    return steps
+
+
+def make_evaluate(
+    spec: GaitSpec,
+    robot: Model,
+    sampler: Sampler,
+    layout: MarginLayout,
+    residuals: Residuals,
+    disturbance: DisturbanceBox,
+) -> Callable:
+    """Return the function that evaluates a gait on validation samples.
+
+    Returns: (gait, key, extra, share of the disturbance) to `Loss` and margins [N, K].
+    """
+
+    def evaluate(gait, key, extra, share):
+        u, counts = with_extra(extra, VALIDATION_SAMPLES, sampler.draw(key), layout.counts, key)
+        pushes = pushes_of(disturbance, key, len(u), u.dtype, share)
+        margins, torque = margin_matrix(spec, robot, gait, u, residuals, pushes, layout.aimed)
+        return barrier_loss(spec, layout._replace(counts=counts), margins, torque), margins
+
+    return evaluate

@@ -1,0 +1,375 @@
+"""No word is broken and no line too long, whatever the width; long tables end in a sentence."""
+
+import pytest
+from rich.text import Text
+
+from neuralgaits.cli import (
+    brief,
+    episodes_screen,
+    export_screen,
+    learning_screen,
+    proof_screen,
+    report_verb,
+    screen,
+)
+from neuralgaits.cli.screen_tables import ROWS, show_facts, show_sentence, show_table
+from neuralgaits.records.certified import CertificateRecord
+from neuralgaits.records.checked import Checked
+from neuralgaits.records.episode_records import EpisodesDone
+from neuralgaits.records.exported import ControllerExport
+from neuralgaits.records.fitted import Fitted
+from neuralgaits.records.inspected import RobotFacts
+from neuralgaits.records.installed import BuiltIn, Machine
+from neuralgaits.records.reported import Reported
+from neuralgaits.records.simulated import Simulated
+from neuralgaits.records.trained import Trained
+
+Captured = pytest.CaptureFixture[str]
+Environment = pytest.MonkeyPatch
+PATH = "/home/somebody/walking-robots/runs/amber3m/20260101T120000Z-0/certificate/full-order.json"
+CONDITIONS = 27
+
+
+def _entry(k: int, verdict: str = "proved") -> dict:
+    point = {"u": [0.5, 0.5], "z": [-0.0123456, 17.1234], "margin": -0.0123}
+    return {
+        "verdict": verdict,
+        "proved_fraction": 1.0 if verdict == "proved" else 0.98765,
+        "boxes": 1000 + k,
+        "undecided_boxes": 12345,
+        "margin": None if verdict == "refuted" else 0.01 * (CONDITIONS - k),
+        "counterexample": point if verdict == "refuted" else None,
+    }
+
+
+def _constant(name: str) -> dict:
+    return {
+        "name": name,
+        "value": 0.123456,
+        "unit": "rad/rad^2",
+        "meaning": "what it stands for, " * 4,
+        "side": "most" if name.endswith("radius") else "exact",
+    }
+
+
+LEVEL = {
+    "level": 4,
+    "verdict": "proved",
+    "reason": None,
+    "words": ["every trajectory that starts in the set stays in the set between impacts " * 3],
+    "constants": [
+        *(_constant(name) for name in ("radius", "guard radius")),
+        *(_constant(f"barrier-{k}: {name}") for k in range(6) for name in ("sigma", "h(z+)")),
+    ],
+}
+PROOF = {
+    "verdict": "proved",
+    "level": 4,
+    "levels": [LEVEL],
+    "boxes": 15703,
+    "wall_s": 17.6,
+    "proof": PATH,
+    "map": PATH,
+    "conditions": {f"a-condition-of-the-spec-{k}": _entry(k) for k in range(CONDITIONS)},
+}
+REFUTED = PROOF | {
+    "verdict": "refuted",
+    "conditions": PROOF["conditions"] | {"worst": _entry(0, "refuted")},
+    "levels": [],
+}
+UNDECIDED = PROOF | {
+    "verdict": "undecided",
+    "reason": "the budget of 1 s is spent",
+    "levels": [LEVEL | {"verdict": "undecided", "reason": "a constant does not fit"}],
+}
+WALKED = {
+    **{"plant": "amber3m", "controller": "pd", "start": "centre", "seed": 0, "episodes": 3},
+    **{"steps_walked": [50, 6, 8], "fell": [False, True, True], "poincare": None, "steps": 50},
+    **{"fall_reasons": [None, "hip too low", "hip too low"], "push": 64.0},
+    "speed_m_s": 0.7,
+}
+CHECK = {
+    "proof": PATH,
+    "run": None,
+    "verdict": "proved",
+    "reason": None,
+    "robot": "amber3m",
+    "spec": "walking",
+    "weights_sha256": "0123456789abcdef",
+    "statements": ["knee: the margin is at least 0.43811547903026754 of its scale 0.5 at every "
+                   "phase in [0.0, 1.0] and level in [0.0, 1.0] (region tube)"] * 2
+    + ["orbit/inside: the margin is at least 0.16880007440590805"] * 30,
+    "levels": [LEVEL],
+    "unclaimed": ["a-condition"] * 20,
+    "assumptions": ["the model is the rigid-body zero dynamics, " * 4],
+    "boxes": 4402,
+    "wall_s": 13.0,
+}  # fmt: skip
+TRAINED = {
+    "run": PATH,
+    "robot": "amber3m",
+    "spec": "walking",
+    "steps": 400,
+    "loss": 0.007855,
+    "wall_s": 23.0,
+    "compile_s": 18.0,
+    "conditions": {
+        f"a-condition-of-the-spec-{k}": {
+            "mean_violation": 0.01 * k,
+            "max_violation": 0.1 * k,
+            "min_margin": -0.1 * k,
+            "scale": 2.0,
+        }
+        for k in range(CONDITIONS)
+    },
+}
+ROUND = {
+    "round": 10,
+    "steps_walked": [3, 200],
+    "share_that_walks": 0.5,
+    "share_of_speeds": 0.5,
+    "speed_range_m_s": [0.35, 0.96],
+    "barriers": {"tube": 0.98, "all": 0.9, "conditions": {}},
+    "heldout_error": 0.01,
+    "nominal_heldout_error": 0.1,
+    "binned_floor": None,
+    "loss": 0.012345,
+    "reason": "logs: expected at least 3 strides that can be learned from, found 1: walk longer",
+}
+ROUNDS = {
+    "robot": "amber3m",
+    "plant": None,
+    "controller": "pd",
+    "logs": PATH,
+    "rounds": [ROUND] * 3,
+    "figure": PATH,
+    "run": PATH,
+    "episodes": PATH,
+    "diverged": None,
+    "waiting_for": PATH,
+}
+TOUCHDOWN = {"z1_m": 0.00412, "z2_kg_m2_s": 0.512, "output_rad": 0.00712, "rate_rad_s": 0.612}
+FIT = {
+    "run": PATH,
+    "logs": [PATH],
+    "residual": PATH,
+    "train_error": 0.00412,
+    "nominal_train_error": 0.0512,
+    "heldout_error": 0.00512,
+    "nominal_heldout_error": 0.0412,
+    "binned_floor": 0.00612,
+    "touchdowns": {"count": 6, "before": TOUCHDOWN, "after": TOUCHDOWN},
+    "error_bound": [0.0123, 0.223],
+    "bound": [0.0323, 8.53],
+    "strides": {"train": 2500, "validation": 600, "heldout": 600},
+    "left_out": {"missing values": 12, "outliers": 345, "settling after touchdown": 74000},
+    "walked_s": 31.25,
+    "wall_s": 17.2,
+}
+TIMES = {name: {"p50": 1.234, "p99": 12.34} for name in ("policy", "pd", "fblin", "paper")}
+BUILD = {
+    "precision": "double",
+    "compiler": "clang",
+    "flags": "-O2 -march=native",
+    "agreement": {
+        "output": 1.2e-15,
+        "rate": 3.4e-15,
+        "slope": 3.4e-15,
+        "torque": 1.2e-15,
+        "absolute": 1e-14,
+    },
+    "latency_us": TIMES,
+}
+EXPORT = {
+    "run": PATH,
+    "format": "c",
+    "files": ["gait.c"] * 9,
+    "out": PATH,
+    "checked": True,
+    "states": 101700,
+    "builds": [BUILD] * 4,
+    "laws": ["pd", "fblin", "paper"],
+    "warnings": ["this gait is refuted: knee is broken at z1 = 0.0125 m, z2 = 14.25 kg m^2/s"],
+    "limits": {},
+    "sizes": {
+        "float": {"flash_bytes": 31234, "ram_bytes": 1234, "stack_bytes": 234, "structs": {}}
+    },
+    "float_bound": {"output": 1.2e-5, "rate": 1.2e-5},
+}
+REPORT = {
+    "run": PATH,
+    "report": PATH,
+    "figures": ["a"] * 11,
+    "bytes": 1_234_567,
+    "damaged": {"metrics.csv": "expected the columns step, loss and the like, found others " * 3},
+    "missing": [{"what": "level 4", "command": f"neuralgaits certify {PATH} --level 4"}] * 2,
+}
+READY = {"ok": True, "needed": False, "found": "MUJOCO_GL=default: renders", "fix": None}
+DOCTOR = {
+    "ok": True,
+    "neuralgaits": "0.1",
+    **dict.fromkeys(("python", "device", "x64", "opengl", "video"), READY),
+    "compiler": {"ok": False, "needed": False, "found": "none", "fix": "apt-get install gcc " * 4},
+    **dict.fromkeys(("hzd", "drake", "onnx", "gym", "ray"), READY),
+}
+ROBOTS = {
+    "robots": [{"name": "amber3m-paper", "about": "nominal model of the paper, without " * 4}],
+    "specs": [],
+}
+INSPECTED = {
+    "robot": "walker2d",
+    "links": [
+        {
+            "name": "stance_lower_leg",
+            "length_m": 0.557,
+            "inertia_kg_m2": 0.2036971,
+            "body": "lower_leg_left",
+            "mass_kg": 5.94812,
+            "centre_of_mass_m": [0.173912, 0.0532411],
+        },
+        {
+            "name": "torso",
+            "length_m": None,
+            "inertia_kg_m2": 0.07,
+            "body": "torso",
+            "mass_kg": 3.7,
+            "centre_of_mass_m": [0.2, -0.01],
+        },
+    ],
+    "actuators": [
+        {
+            "joint": "stance_lower_leg_joint",
+            "torque_limit_nm": 100.0,
+            "lower_rad": 0.0,
+            "upper_rad": 2.618,
+            "armature_kg_m2": 0.01,
+            "damping_nms_rad": 0.1,
+            "file_joint": "lower_leg_joint_left",
+            "file_motor": "lower_leg_motor_left",
+        }
+    ],
+    "coordinates": ["stance_lower_leg", "stance_knee"],
+    "mass_kg": 23.7,
+    "underactuation": 1,
+    "torso": "torso",
+    "stance_foot": "foot_point",
+    "swing_foot": "foot_left_point",
+    "hip_height_m": 1.007,
+    "foot_radius_m": 0.003,
+    "friction": 1.9,
+    "gravity_m_s2": 9.81,
+    "written": PATH,
+    "changes": ["ankle foot_joint: removed, flat foot foot is welded to leg, " * 3],
+}
+SCREENS = {
+    "proof": (proof_screen.show_proof, CertificateRecord.of(PROOF)),
+    "check": (proof_screen.show_check, Checked.of(CHECK)),
+    "training": (screen.show_training, Trained.of(TRAINED)),
+    "episodes": (episodes_screen.show_episodes, EpisodesDone.of(ROUNDS)),
+    "fit": (learning_screen.show_fit, Fitted.of(FIT)),
+    "export": (export_screen.show_export, ControllerExport.of(EXPORT)),
+    "report": (report_verb.show_report, Reported.of(REPORT)),
+    "doctor": (screen.show_findings, Machine.of(DOCTOR)),
+    "robots": (screen.show_names, BuiltIn.of(ROBOTS)),
+    "robot-file": (screen.show_written, BuiltIn.of({**ROBOTS, "written": PATH})),
+    "inspect": (screen.show_robot, RobotFacts.of(INSPECTED)),
+    "planarise": (screen.show_planarised, RobotFacts.of(INSPECTED)),
+}
+BRIEF = {
+    "proof": (brief.brief_proof, CertificateRecord.of(PROOF)),
+    "proof that is refuted": (brief.brief_proof, CertificateRecord.of(REFUTED)),
+    "proof that is undecided": (brief.brief_proof, CertificateRecord.of(UNDECIDED)),
+    "check": (brief.brief_check, Checked.of(CHECK)),
+    "training": (brief.brief_training, Trained.of(TRAINED | {"conditions": {}})),
+    "fit": (brief.brief_fit, Fitted.of(FIT)),
+    "report": (brief.brief_report, Reported.of(REPORT)),
+    "walks": (brief.brief_walks, Simulated.of(WALKED)),
+}
+SCREENS |= {f"brief {name}": shown for name, shown in BRIEF.items()}
+MOST_LINES = 6
+
+
+@pytest.mark.parametrize("name", BRIEF)
+def test_a_command_ends_with_at_most_six_lines(
+    name: str, capsys: Captured, monkeypatch: Environment
+) -> None:
+    out = _shown(f"brief {name}", 2000, capsys, monkeypatch)
+    assert 2 <= len(out.splitlines()) <= MOST_LINES
+
+
+def test_what_is_refuted_is_shown_with_its_state(
+    capsys: Captured, monkeypatch: Environment
+) -> None:
+    lines = _shown("brief proof that is refuted", 2000, capsys, monkeypatch).splitlines()
+    assert lines[0].startswith("refuted at level 1")
+    assert any(line.startswith("broken") and "z = (" in line for line in lines)
+    assert not any(line.startswith("next") for line in lines)
+
+
+def _shown(name: str, columns: int, capsys: Captured, monkeypatch: Environment) -> str:
+    monkeypatch.setenv("COLUMNS", str(columns))
+    show, result = SCREENS[name]
+    show(result)
+    return capsys.readouterr().out
+
+
+@pytest.mark.parametrize("name", SCREENS)
+def test_80_columns_hold_every_word(name: str, capsys: Captured, monkeypatch: Environment) -> None:
+    """The same words as on a screen without an edge, and lines that fit or are one word."""
+    narrow = _shown(name, 80, capsys, monkeypatch)
+    wide = _shown(name, 2000, capsys, monkeypatch)
+    assert sorted(narrow.split()) == sorted(wide.split())
+    # A path does not fit; it stands on a line of its own, with its label if that came first.
+    assert all(len(line) <= 80 or PATH in line for line in narrow.splitlines())
+
+
+@pytest.mark.parametrize("name", SCREENS)
+def test_40_columns_break_no_word(name: str, capsys: Captured, monkeypatch: Environment) -> None:
+    """Tables that do not fit become lists, in which the heads come again."""
+    narrow = {word.rstrip(":") for word in _shown(name, 40, capsys, monkeypatch).split()}
+    wide = {word.rstrip(":") for word in _shown(name, 2000, capsys, monkeypatch).split()}
+    assert narrow == wide
+
+
+def test_what_is_urgent_stands_first_and_the_rest_is_a_sentence(
+    capsys: Captured, monkeypatch: Environment
+) -> None:
+    monkeypatch.setenv("COLUMNS", "200")
+    conditions = dict(PROOF["conditions"])
+    conditions |= {"worst": _entry(0, "refuted"), "open": _entry(0, "undecided")}
+    proof_screen.show_proof(CertificateRecord.of(PROOF | {"conditions": conditions, "levels": []}))
+    lines = capsys.readouterr().out.splitlines()
+    assert {lines[1].split()[0], lines[2].split()[0]} == {"worst", "open"}
+    # By margin: condition 26 has the smallest.
+    assert [line.split()[0] for line in lines[3 : ROWS + 1]] == [
+        f"a-condition-of-the-spec-{k}" for k in range(CONDITIONS - 1, CONDITIONS - ROWS + 1, -1)
+    ]
+    # 27 + 2 conditions, 12 shown: of the other 17 the smallest margin is that of condition 16.
+    assert "17 more" in lines[ROWS + 1] and "margins of 0.11 or more" in lines[ROWS + 1]
+
+
+def test_open_conditions_are_never_counted_as_proved(capsys: Captured) -> None:
+    conditions = {f"c{k}": _entry(k, "undecided") for k in range(20)} | {"p": _entry(0)}
+    proof_screen.show_proof(CertificateRecord.of(PROOF | {"conditions": conditions, "levels": []}))
+    assert "and 9 more, 8 of them not proved; --json has all" in capsys.readouterr().out
+
+
+def test_violations_left_out_are_smaller(capsys: Captured) -> None:
+    screen.show_training(Trained.of(TRAINED))
+    out = capsys.readouterr().out
+    # Condition 0 is not broken; 26 down to 15 are shown; 14 is the worst of the rest.
+    assert "26 of 27 conditions fail" in out
+    assert "and 14 more, by 1.4 at most" in out
+
+
+def test_a_sentence_hangs(capsys: Captured, monkeypatch: Environment) -> None:
+    monkeypatch.setenv("COLUMNS", "20")
+    show_sentence(Text("proved", "green"), " at level one of four", indent=2, hang=2)
+    assert capsys.readouterr().out == "  proved at level\n    one of four\n"
+    show_facts([("run", "a-path-of-more-than-20-columns"), ("", "x")])
+    assert capsys.readouterr().out == "run\n     a-path-of-more-than-20-columns\n     x\n"
+
+
+def test_a_table_without_rows_is_nothing(capsys: Captured) -> None:
+    show_table(("a", "b"), [])
+    assert capsys.readouterr().out == ""

@@ -1,0 +1,70 @@
+"""Plain words exist for everything that the package itself defines."""
+
+import inspect as introspection
+
+import pytest
+
+from neuralgaits.barriers import functions, specs
+from neuralgaits.records import in_plain_words
+from neuralgaits.report.page import phrases
+from neuralgaits.robots import load_robot
+from neuralgaits.simulation.setup.disturbance import PlantChanges
+
+
+@pytest.mark.parametrize("name", sorted(specs.DESCRIPTIONS))
+def test_every_condition_of_a_built_in_spec_has_words(name):
+    for condition in specs.load(name, load_robot("amber3m")).describe()["conditions"]:
+        said = phrases.condition(condition)
+        assert "written by the user" not in said and "_" not in said, condition["name"]
+        assert not said.startswith(("at least", "at most")), condition["name"]
+        assert phrases.region(condition["region"])
+
+
+def test_every_quantity_has_words_and_a_unit():
+    plain = [
+        name
+        for name, value in vars(functions).items()
+        if introspection.isfunction(value) and value.__module__ == functions.__name__
+    ]
+    assert len(plain) > 15
+    for name in plain:
+        inner = {"function": "at_least", "of": {"function": name}, "bound": 0.5}
+        said = phrases.quantity(inner)
+        assert said.endswith(("m", "s", "rad", "N", "m²", "rad²", "kg m²/s", "m²/s²")), said
+        assert name not in said.split(" ≥")[0].split() or "_" not in name
+
+
+def test_a_barrier_says_how_fast_it_may_be_approached():
+    inner = {"function": "at_most", "of": {"function": "torso_angle"}, "bound": 0.08}
+    said = phrases.condition({"kind": "Barrier", "quantity": inner, "alpha": [4.0, 9.0]})
+    assert "≤ 0.08 rad" in said and "4 or 9 1/s" in said
+
+
+def test_a_users_own_condition_is_named_and_not_explained():
+    assert "mine" in phrases.condition({"user": "mine", "name": "x"})
+    inner = {"function": "at_least", "of": {"user": "my_quantity"}, "bound": 1.0}
+    assert "my_quantity" in phrases.condition({"kind": "Pointwise", "quantity": inner})
+
+
+def test_the_gist_of_a_spec_names_only_what_it_asks_for():
+    robot = load_robot("amber3m")
+    asked = phrases.gist(specs.load("walking", robot).describe()["conditions"])
+    assert "ground that only pushes" in asked and len(asked) == len(set(asked))
+    papers = phrases.gist(specs.load("paper", robot).describe()["conditions"])
+    # The paper bounds no contact force.
+    assert papers and not {"ground that only pushes", "feet that do not slip"} & set(papers)
+
+
+def test_every_disturbance_has_words():
+    changed = {name: 0.5 for name in vars(PlantChanges())}
+    said = phrases.changes(changed)
+    assert len(said) == len(changed) and not any("_" in entry for entry in said)
+    assert phrases.changes(vars(PlantChanges())) == []
+    assert phrases.disturbances(vars(PlantChanges())) == {}
+
+
+def test_ten_words_and_five_levels():
+    assert len(phrases.GLOSSARY) == 10
+    assert set(in_plain_words.LEVELS) == set(in_plain_words.PROVED) == {1, 2, 3, 4, 5}
+    assert "linearisation" in " ".join(in_plain_words.assumptions(4))
+    assert "linearisation" not in " ".join(in_plain_words.assumptions(3))
