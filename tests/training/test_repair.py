@@ -96,15 +96,19 @@ def test_a_repair_lowers_the_violation_where_it_looks(trainer, gait, spec):
         state = trained.init(gait)
         while not trained.done(state):
             state, _ = trained.step(state)
-        return repairer.on(extra, 1).report(repairer.gait(state.parameters), seed=0).loss
+        return (
+            repairer.for_repair_round(extra, 1).report(repairer.gait(state.parameters), seed=0).loss
+        )
 
-    assert loss_there(repairer.on(extra, 1)) < loss_there(repairer)
+    assert loss_there(repairer.for_repair_round(extra, 1)) < loss_there(repairer)
 
 
 def test_rounds_have_samples_of_their_own(trainer, gait):
     repairer = trainer.repairing(40)
     extra = repairer.extra_of(OPEN)
-    states = [repairer.on(extra, number).step(repairer.init(gait))[1] for number in (1, 2)]
+    states = [
+        repairer.for_repair_round(extra, number).step(repairer.init(gait))[1] for number in (1, 2)
+    ]
     assert float(states[0].total) != float(states[1].total)
-    again = repairer.on(extra, 1).step(repairer.init(gait))[1]
+    again = repairer.for_repair_round(extra, 1).step(repairer.init(gait))[1]
     assert float(again.total) == float(states[0].total)

@@ -76,7 +76,7 @@ class SearchTarget:
 
 
 class LevelSearch(NamedTuple):
-    """Search for the set of a level of `ladder.LEVELS`, and its premises.
+    """Search for the set of a level of `levels.LEVELS`, and its premises.
 
     Attributes:
         find: of a subject and the parameters below: parameters, and what outputs that enclose
