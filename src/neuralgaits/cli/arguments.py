@@ -64,8 +64,8 @@ class TrainOptions:
     """Seed of initial weights and samples; 0 if not given."""
     seeds: Annotated[str | None, arg(metavar="A:B")] = None
     """Train seeds A, A+1, ... up to B-1 in one command, each with the same result as alone: one
-    run folder each, in --out or runs/seeds/ROBOT/<time>-A; see the page 'From a laptop to a
-    cluster'."""
+    run folder each, in --out or runs/seeds/ROBOT/<time>-A; see the page
+    'From a laptop to a cluster'."""
     steps: Annotated[int | None, arg(metavar="N")] = None
     """Gradient steps; the spec's own number if not given."""
     speed: Annotated[str | None, arg(metavar="V|A:B")] = None
