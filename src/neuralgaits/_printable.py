@@ -7,6 +7,7 @@ error handler `PRINTABLE`; functions that open a file use the path itself.
 
 import codecs
 import os
+import unicodedata
 
 PRINTABLE = "neuralgaits-printable"
 """Name of the error handler, for `str.encode` and for streams."""
@@ -28,6 +29,13 @@ def printable(text: str | os.PathLike[str]) -> str:
         return whole.encode("utf-8", "surrogateescape").decode("utf-8", "backslashreplace")
     except UnicodeEncodeError:  # A half that stands for no byte.
         return whole.encode("utf-8", "backslashreplace").decode()
+
+
+def visible(text: str) -> str:
+    """Return a text without characters that move a cursor or turn the direction of others."""
+    return "".join(
+        repr(c)[1:-1] if unicodedata.category(c) in ("Cc", "Cf", "Zl", "Zp") else c for c in text
+    )
 
 
 def _escaped(error: UnicodeError) -> tuple[bytes, int]:

@@ -69,6 +69,6 @@ def test_a_damaged_one_is_refused_in_one_line(run, damage):
 
 
 def test_one_that_holds_too_much_is_refused(run, monkeypatch):
-    monkeypatch.setattr(packed, "LARGEST_BYTES", 10_000)
-    with pytest.raises(InputError, match="holds more than 10000 bytes"):
+    monkeypatch.setattr(packed, "LARGEST_BYTES", 50_000)
+    with pytest.raises(InputError, match="holds more than 50000 bytes"):
         read_claims(run / PROOF)

@@ -123,6 +123,8 @@ def _read(folder: RunFolder, summary: CertificateRecord) -> CertificateReading:
     if set(summary.conditions) != {row["name"] for row in described["conditions"]}:
         raise _Unfit(f"{SUMMARY} is about other conditions than the run's")
     proof, own = _claims(run)
+    if summary.within is not None and not described.get("commands"):
+        raise _Unfit(f"{SUMMARY} is about ranges of commands, and the run's gait takes none")
     stated = {kind: half for kind, half in summary.parameters.items() if kind != "friction"}
     if proof is not None and own is not None and _box(run, proof, own.told) != stated:
         raise _Unfit(f"{SUMMARY} is about another box of robots than {PROOF}")

@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import NoReturn
 
 from neuralgaits._environment import prepare
-from neuralgaits._printable import PRINTABLE, printable
+from neuralgaits._printable import PRINTABLE, printable, visible
 from neuralgaits.errors import (
     ConvergenceError,
     Interrupted,
@@ -185,5 +185,5 @@ def _fail(message: str, error: BaseException, code: int, verbose: bool) -> int:
     line = " ".join(part.strip() for part in message.splitlines() if part.strip())
     from neuralgaits.cli.invocation import as_called
 
-    print(f"neuralgaits: {printable(as_called(line))}", file=sys.stderr)
+    print(f"neuralgaits: {visible(printable(as_called(line)))}", file=sys.stderr)
     return code

@@ -8,6 +8,7 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
+from neuralgaits._printable import visible
 from neuralgaits.cli.invocation import as_called
 from neuralgaits.runs.shell_words import PROGRAM
 
@@ -101,7 +102,7 @@ def number(value: Any) -> str:
         return f"{value:.4g}"
     if isinstance(value, list | tuple):
         return ", ".join(number(item) for item in value)
-    return "-" if value is None else str(value)
+    return "-" if value is None else visible(str(value))
 
 
 def verdict(word: str) -> Text:

@@ -189,7 +189,8 @@ def _proof(design: Design) -> str:
     if origin.proof_sha256 is None:
         return "none"
     about = "of gait and model, not of this code"
-    return f"sha256 {origin.proof_sha256}, {origin.proof_verdict}: {about}"
+    stated = f"stated {origin.proof_verdict}; check-proof bounds its boxes again"
+    return f"sha256 {origin.proof_sha256}, {stated}: {about}"
 
 
 def _joints(design: Design) -> list[str]:

@@ -18,6 +18,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from neuralgaits._inputs import refuse_unreadable
 from neuralgaits._names import meant
 from neuralgaits._types import Float
 from neuralgaits.errors import InputError
@@ -117,6 +118,7 @@ def read_gait(file: Path, robot: PlanarBiped, name: str | None = None) -> GivenG
 
 
 def _read(file: Path) -> Mapping[str, Any]:
+    refuse_unreadable(file)
     try:
         return object_from_json(file.read_bytes())
     except ValueError as error:

@@ -46,6 +46,14 @@ _TICKS = "control in ticks of a computer"
 _OTHER_TICKS = "ticks of a computer that are further apart than is stated or miss a touchdown"
 
 
+AS_STATED = (
+    "This is what the proof file states. For this page the conditions were derived again from the "
+    "run's files and are those of the proof, and its bounds were compared with values at a few "
+    "hundred points. Only check-proof bounds every box again."
+)
+"""What a page says of a proof that it has not checked box by box."""
+
+
 def not_claimed(level: int | None) -> str:
     """List the effects that a proof up to this level does not cover, in plain words."""
     ticks = _OTHER_TICKS if level == 5 else _TICKS

@@ -4,9 +4,11 @@ import gzip
 import zlib
 from pathlib import Path
 
-LARGEST_BYTES = 2**26
-"""Largest size that is unpacked, since a small packed file may hold any amount; the largest proof
-so far is a tenth of this."""
+from neuralgaits._inputs import MOST_BYTES, refuse_unreadable
+from neuralgaits.errors import InputError
+
+LARGEST_BYTES = MOST_BYTES
+"""Largest content that is read: a small packed file may hold any amount."""
 _SUFFIX = ".gz"
 
 
@@ -31,6 +33,10 @@ def content(path: Path) -> bytes:
     Raises: OSError if there is none, or if it is damaged.
     """
     lies = place(path)
+    try:
+        refuse_unreadable(lies, LARGEST_BYTES)
+    except InputError as error:
+        raise OSError(str(error)) from None
     if lies.suffix != _SUFFIX:
         return lies.read_bytes()
     try:

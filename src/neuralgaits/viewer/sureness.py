@@ -77,6 +77,7 @@ def _lines(run: Run, answer: CertificateRecord, part: ProvedPart | None) -> list
         "it: it may fall."
     )
     if level:
+        lines.append(markdown.text(in_plain_words.AS_STATED))
         claims = f"It claims nothing about {in_plain_words.not_claimed(level)}."
         rests = markdown.text(f"{in_plain_words.left_open(level, answer.robots)} {claims} {seen}")
         lines.append(f"**What that leaves open.** {rests}")
@@ -86,7 +87,7 @@ def _lines(run: Run, answer: CertificateRecord, part: ProvedPart | None) -> list
         check = command(
             "check-proof", named(packed.place(run.path / PROOF)), "--run", named(run.path)
         )
-        lines.append(f"{markdown.code(check)} checks the proof file again.")
+        lines.append(f"{markdown.code(check)} checks every box of it.")
     return lines
 
 

@@ -23,6 +23,7 @@ from neuralgaits.robots.mjcf.loader import robot_from_text
 from neuralgaits.runs import RunFolder, resolve, write_text
 from neuralgaits.runs.atomic import refuse_unwritable
 from neuralgaits.runs.names import ROBOT
+from neuralgaits.runs.outputs import refuse_outputs
 from neuralgaits.workflows.figures import draw
 from neuralgaits.workflows.inspect import inspect
 
@@ -56,7 +57,8 @@ def write_report(run: Run | str | Path, *, out: str | Path | None = None) -> Rep
     """
     folder = run.folder if isinstance(run, Run) else resolve(run, finished=False)
     path = folder.path / FILE if out is None else Path(out)
-    refuse_unwritable(path, *(folder.path / file for file in (gait_data.FILE, report_walk.FILE)))
+    refuse_outputs([path])
+    refuse_unwritable(*(folder.path / file for file in (gait_data.FILE, report_walk.FILE)))
     certificate = read_certificate(folder)
     saved = saved_of(folder, certificate)
     robot = robot_from_text(folder.copy(ROBOT), saved.asked.robot)

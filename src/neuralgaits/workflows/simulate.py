@@ -20,6 +20,7 @@ from neuralgaits.runs import write_text
 from neuralgaits.runs.atomic import refuse_unwritable
 from neuralgaits.runs.folder import file_hashes
 from neuralgaits.runs.names import ROBOT, WEIGHTS
+from neuralgaits.runs.outputs import refuse_outputs
 from neuralgaits.simulation import video as films
 from neuralgaits.simulation.episode_log import log_of
 from neuralgaits.simulation.incompatible_settings import (
@@ -159,10 +160,11 @@ def simulate(
     else:
         refuse_beside_terrain(str(terrain), command, commands, disturbance)
     files = [] if log is None else log_files(Path(log), episodes)
-    refuse_unwritable(*files, *(trained.path / file for file in (SUMMARY, PLANT)))
-    if video is not None:
-        refuse_unwritable(Path(video))
-        films.check(Path(video))
+    refuse_unwritable(*(trained.path / file for file in (SUMMARY, PLANT)))
+    films_of = [] if video is None else [Path(video)]
+    refuse_outputs([*files, *films_of], map(Path, filter(None, (plant, commands, terrain))))
+    for film in films_of:
+        films.check(film)
     trained = at_first(trained, orders.first)
     robot, gait = trained.robot, trained.gait
     wire = link_of(link, controller, disturbance)

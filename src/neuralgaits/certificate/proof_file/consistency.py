@@ -9,6 +9,7 @@ from neuralgaits.certificate.proof_file.command_ranges import OTHER_CHART, is_be
 from neuralgaits.certificate.proof_file.coverage import SpecOutline, contradictions
 from neuralgaits.certificate.proof_file.reader import Claims
 from neuralgaits.certificate.proof_file.theorem_tables import BY_NUMBER
+from neuralgaits.certificate.proof_file.tree_text import why_no_tree
 
 
 def inconsistencies(claims: Claims, asked: SpecOutline | None) -> list[str]:
@@ -27,6 +28,7 @@ def inconsistencies(claims: Claims, asked: SpecOutline | None) -> list[str]:
     wrong = contradictions(claims.statements, claims.theorems, asked)
     if is_beyond(claims.chart, claims.commands):
         wrong.append(OTHER_CHART)
+    wrong += filter(None, map(why_no_tree, claims.statements))
     wrong += _levels_without_subject(claims)
     wrong += _parameters_that_differ(claims)
     return wrong

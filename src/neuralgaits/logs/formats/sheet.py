@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
+from neuralgaits._inputs import MOST_LOG_BYTES, refuse_unreadable
 from neuralgaits._types import Float, Int
 from neuralgaits.errors import InputError, reason
 
@@ -51,6 +52,7 @@ class Text:
 
 def text_of(path: Path) -> Text:
     """Read the cells of a file. Raises: InputError if there is no text to read."""
+    refuse_unreadable(path, MOST_LOG_BYTES)
     try:
         with path.open(newline="", encoding="utf-8-sig") as file:
             reader = csv.reader(file, skipinitialspace=True)

@@ -151,11 +151,7 @@ def _how_sure(saved: Saved) -> str:
         told = in_plain_words.not_proved(certificate)
         return f"Not proved. {told} {_sampled(saved)} Samples are evidence only."
     proved = in_plain_words.proved(certificate, bool(saved.asked.commands))
-    return (
-        f"{proved}{_borne(saved)} This is what the proof file states. For this page the conditions "
-        "were derived again from the run's files and are those of the proof, and its bounds were "
-        "compared with values at a few hundred points. Only check-proof bounds every box again."
-    )
+    return f"{proved}{_borne(saved)} {in_plain_words.AS_STATED}"
 
 
 def _borne(saved: Saved) -> str:

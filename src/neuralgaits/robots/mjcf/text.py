@@ -9,6 +9,7 @@ import os
 from pathlib import Path
 from xml.etree import ElementTree
 
+from neuralgaits._inputs import refuse_unreadable
 from neuralgaits._printable import printable
 from neuralgaits.errors import RobotError, reason
 
@@ -31,6 +32,7 @@ def standalone_text(path: Path) -> str:
 
 
 def _read(path: Path) -> str:
+    refuse_unreadable(path)
     try:
         return path.read_text(encoding="utf-8")
     except FileNotFoundError:

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
+from neuralgaits._inputs import refuse_unreadable
 from neuralgaits._types import Float
 from neuralgaits.errors import InputError
 from neuralgaits.gait.commands import CommandLimits, Commands, place_of, values
@@ -140,6 +141,7 @@ def parsed(text: str) -> dict[str, float]:
 
 def _rows(commands: Commands, path: Path) -> Float[np.ndarray, "K p"]:
     """Return the commands of a file, in their order."""
+    refuse_unreadable(path)
     try:
         with path.open(newline="", encoding="utf-8") as file:
             lines = [line for line in csv.reader(file) if any(word.strip() for word in line)]

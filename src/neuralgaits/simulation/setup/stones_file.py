@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from neuralgaits._inputs import refuse_unreadable
 from neuralgaits._types import Float
 from neuralgaits.errors import InputError
 from neuralgaits.gait.commands import Commands, command_named
@@ -27,6 +28,7 @@ def stones_of_file(path: Path, commands: Commands, steps: int) -> Course:
 
     Raises: InputError with one line.
     """
+    refuse_unreadable(path)
     try:
         with path.open(newline="", encoding="utf-8") as file:
             lines = [line for line in csv.reader(file) if any(word.strip() for word in line)]

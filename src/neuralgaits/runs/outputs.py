@@ -1,0 +1,64 @@
+"""Outputs that a user names, looked at before anything is computed.
+
+An output may replace a file of an earlier command, and never what this command reads, another of
+its outputs, or a file that a run rests on.
+"""
+
+import os
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+from neuralgaits.errors import InputError
+from neuralgaits.runs import names
+from neuralgaits.runs.atomic import destination, refuse_unwritable
+
+OWN_FILES = frozenset(
+    {
+        *(names.CONFIG, names.SUMMARY, names.METRICS, names.NAN, names.NAN_STATE),
+        *(names.ROBOT, names.SPEC, names.WEIGHTS, names.STATE, names.START, names.RESIDUAL),
+        *(names.GAIT, names.FITTED, names.FIT, names.MAP),
+        *("certificate/proof.json", "certificate/proof.json.gz", "certificate/summary.json"),
+    }
+)
+"""Files that a run or its certificate rests on, as paths in its folder."""
+
+
+def refuse_outputs(outputs: Sequence[Path], inputs: Iterable[Path] = ()) -> None:
+    """Refuse outputs that cannot be written, or that would replace what is still needed.
+
+    Args:
+        outputs: files that a command writes where its user says.
+        inputs: files that it reads.
+
+    Raises: InputError in one line.
+    """
+    refuse_unwritable(*outputs)
+    read = [path for path in inputs if path.exists()]
+    for number, path in enumerate(outputs):
+        place = destination(path)
+        if own := _file_of_run(place):
+            raise InputError(
+                f"expected a file to write, found {path}, which is {own} of a run: name another"
+            )
+        if any(_same(place, other) for other in read):
+            raise InputError(
+                f"expected a file to write, found {path}, which this command reads: name another"
+            )
+        if any(_same(place, destination(other)) for other in outputs[:number]):
+            raise InputError(f"expected a file for each output, found {path} twice: name another")
+
+
+def _file_of_run(place: Path) -> str | None:
+    """Return what file of a run lies at a place, as its path in the run; None if it is none."""
+    for folder in place.parents:
+        inside = place.relative_to(folder).as_posix()
+        if inside in OWN_FILES and (folder / names.CONFIG).is_file():
+            return inside
+    return None
+
+
+def _same(place: Path, other: Path) -> bool:
+    """Whether two paths are one file, by name or as hard links."""
+    if place == Path(os.path.realpath(other)):
+        return True
+    return place.exists() and other.exists() and os.path.samefile(place, other)
