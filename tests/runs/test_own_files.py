@@ -1,4 +1,4 @@
-"""An output never replaces what a command reads, its other output, or a file that a run rests on."""
+"""An output never replaces an input, another output, or a file that a run rests on."""
 
 import os
 import shutil
@@ -71,7 +71,7 @@ def test_a_fifo_is_not_waited_for(run, capfd, line):
     fifo = run.parent / "pipe"
     os.mkfifo(fifo)
     words = {"X": str(fifo), "RUN": str(run)}
-    assert main([words.get(word, word) for word in line]) == 2
+    assert main([words[word] if word in words else word for word in line]) == 2
     assert "found a FIFO" in capfd.readouterr().err
 
 

@@ -249,6 +249,19 @@ altered("premises with more to spare",
         proof=_bounds(lambda name, bound: bound + 99.0 * name.startswith("set/")))  # fmt: skip
 altered("a better return map",
         proof=_bounds(lambda name, bound: bound + 9.0 * (name == "orbit/gain")))  # fmt: skip
+
+
+def _trees(text: str) -> Change:
+    def edit(table: Table) -> None:
+        for statement in table["statements"]:
+            statement["tree"] = text
+
+    return edit
+
+
+altered("trees that end too early", proof=_trees("0-"))
+altered("trees that go on", proof=_trees("--------"))
+altered("trees along an axis that is none", proof=_trees("5--"))
 altered("a Program that says 1", proof=constantly)
 altered("a Program with one output more", proof=lambda t: more_outputs(t, {"sure": "knee"}))
 
