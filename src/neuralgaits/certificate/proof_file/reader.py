@@ -68,7 +68,8 @@ class Statement:
         degree: degree of the Taylor models, 1 or 2.
         low, high: corners of the root box. [n] each
         tree: depth first: the axis that is halved, lower half first, or `-` for a leaf.
-        coupled_axes: axes of the chart  near each other; the statement leaves out other points.
+        coupled_axes: axes of the chart whose values must be near each other; the statement leaves
+            out other points.
     """
 
     conditions: tuple[str, ...]
