@@ -1,4 +1,6 @@
-"""What a controller is told: commands, latched at touchdowns, and what a step computes from them.
+"""Commands of a controller, and the parameters that a step computes from them.
+
+`Controller.latch` takes the commands over at each touchdown.
 
 A command outside its range is clamped, one that is no number leaves the last wish as it was, and
 a change faster than the gait can follow is spread over steps.
