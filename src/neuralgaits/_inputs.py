@@ -13,23 +13,21 @@ MOST_BYTES = 2**26
 """Largest file that is read whole; the largest proof so far is a tenth of this."""
 MOST_LOG_BYTES = 2**31
 """Largest log: days of walking."""
-_KINDS = (
-    (stat.S_ISDIR, "a folder"),
-    (stat.S_ISFIFO, "a FIFO"),
-    (stat.S_ISSOCK, "a socket"),
-)
+_KINDS = ((stat.S_ISFIFO, "a FIFO"), (stat.S_ISSOCK, "a socket"))
 
 
 def refuse_unreadable(path: Path, most: int = MOST_BYTES) -> None:
     """Refuse what lies at a path if it is no regular file, or larger than `most` bytes.
 
-    A path where nothing lies is left to whoever opens it.
+    A folder, and a path where nothing lies or none can, is left to whoever opens it.
 
     Raises: InputError in one line.
     """
     try:
         found = os.stat(path)
-    except OSError:
+    except (OSError, ValueError):
+        return
+    if stat.S_ISDIR(found.st_mode):
         return
     if not stat.S_ISREG(found.st_mode):
         kind = next((kind for is_one, kind in _KINDS if is_one(found.st_mode)), "a device")

@@ -75,7 +75,7 @@ def test_outputs_too_slow_for_any_norm_are_told_by_the_inequality_that_breaks(tr
 
 @pytest.mark.parametrize(
     ("bandwidth", "level", "words"),
-    [(0.0, 4, "above 0 rad/s"), (float("nan"), 4, "above 0 rad/s"), (20.0, 3, "--level")],
+    [(0.0, 4, "of 1 to 1000 rad/s"), (float("nan"), 4, "of 1 to 1000 rad/s"), (20.0, 3, "--level")],
 )
 def test_bandwidths_that_make_no_statement_are_refused(trained, bandwidth, level, words):
     with pytest.raises(InputError, match=words):

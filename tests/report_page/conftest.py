@@ -28,7 +28,7 @@ def contents(shipped):
     def make(folder: Path = shipped, **changed) -> Contents:
         robot = inspect(load_robot("amber3m"))
         given = {
-            "saved": saved_of(RunFolder.open(folder)),
+            "saved": changed.pop("saved", None) or saved_of(RunFolder.open(folder)),
             "robot": robot,
             "walk": None,
             "no_walk": "not walked",

@@ -245,7 +245,9 @@ def test_a_seed_without_a_way_out_is_refused_with_its_reason(
         request.getfixturevalue("together")
     look, step, out = Trainer.restart_with_smaller_rate, Trainer.step, way.replace(" ", "-")
     monkeypatch.setattr(
-        Trainer, "careful", lambda self, kept: look(self, kept._replace(rate=np.float32(0.0)))
+        Trainer,
+        "restart_with_smaller_rate",
+        lambda self, kept: look(self, kept._replace(rate=np.float32(0.0))),
     )
     begun = SeedBatch._begun
 
@@ -388,7 +390,9 @@ def test_ctrl_c_between_seeds_says_what_was_refused_and_what_was_not_begun(
     """Whoever goes on needs another folder; a seed that was refused is none to go on with."""
     look, step = Trainer.restart_with_smaller_rate, Trainer.step
     monkeypatch.setattr(
-        Trainer, "careful", lambda self, kept: look(self, kept._replace(rate=np.float32(0.0)))
+        Trainer,
+        "restart_with_smaller_rate",
+        lambda self, kept: look(self, kept._replace(rate=np.float32(0.0))),
     )
 
     def nan_of_first(self, state, count=1):
