@@ -2,10 +2,13 @@
 
 `.venv/bin/python tools/make_demo.py` replaces src/neuralgaits/demo_run; a minute or two.
 With `--speed` it replaces demo_speed_run, the gait that is told its speed: millions of boxes, some
-five minutes more, in a proof that is packed.
+five minutes more, in a proof that is packed. With `--again` the weights stay: the copy of the spec
+is made anew, and so is the proof.
 """
 
 import gzip
+import hashlib
+import json
 import os
 import shutil
 import sys
@@ -38,13 +41,17 @@ LARGEST_BYTES = 500_000
 def main() -> None:
     """Train and prove in a folder of its own: paths in the run's summaries are then relative."""
     prepare()
-    told = "--speed" in sys.argv[1:]
+    told, again = ("--speed" in sys.argv[1:]), ("--again" in sys.argv[1:])
     name = TOLD if told else NAME
     target = Path(__file__).resolve().parents[1] / "src" / "neuralgaits" / name
     with tempfile.TemporaryDirectory() as folder:
         os.chdir(folder)
         run = Path(name)
-        _make(run, SPEED if told else None)
+        if again:
+            _copy(target, run)
+        else:
+            _train(run, SPEED if told else None)
+        _prove(run)
         shutil.rmtree(target, ignore_errors=True)
         for file in KEPT:
             if not (run / file).is_file():
@@ -57,12 +64,29 @@ def main() -> None:
                 packed(target / file).write_bytes(gzip.compress(content, 9, mtime=0))
 
 
-def _make(run: Path, speed: tuple[float, float] | None) -> None:
+def _train(run: Path, speed: tuple[float, float] | None) -> None:
     from neuralgaits.robots import load_robot
-    from neuralgaits.workflows.certify import certify
     from neuralgaits.workflows.train import train
 
     train(load_robot(ROBOT), seed=SEED, speed=speed, out=run, root=Path("runs"))
+
+
+def _copy(target: Path, run: Path) -> None:
+    """Copy the run that is there, with the spec's source as it is now."""
+    from neuralgaits.barriers import specs
+    from neuralgaits.runs.plain import to_json
+
+    shutil.copytree(target, run, ignore=shutil.ignore_patterns("certificate"))
+    config = json.loads((run / "config.json").read_text(encoding="utf-8"))
+    source = specs.source_path(config["spec"]).read_bytes()
+    (run / "spec.py").write_bytes(source)
+    config["copies"]["spec.py"] = hashlib.sha256(source).hexdigest()
+    (run / "config.json").write_text(to_json(config), encoding="utf-8")
+
+
+def _prove(run: Path) -> None:
+    from neuralgaits.workflows.certify import certify
+
     proof = certify(run, level=LEVEL)
     if proof.verdict != "proved":
         raise SystemExit(f"expected a proof to level {LEVEL}, found it {proof.verdict}")

@@ -1,8 +1,8 @@
-"""The default spec: what makes a gait physically walk, and provable.
+"""The default spec: conditions that make a gait physically walk, and provable.
 
-Lengths scale with the leg length l, speeds with sqrt(g l), forces with m g, torques in the
-margins with the robot's own limits. The numbers were found by trials on AMBER-3M (leg 0.8731 m)
-and stand here as that robot's values.
+Lengths scale with the leg length l, speeds with sqrt(g l), forces with m g, torques in the margins
+with the robot's own limits. The numbers come from trials on AMBER-3M (leg 0.8731 m) and are that
+robot's values.
 """
 
 from functools import partial
@@ -23,11 +23,13 @@ from neuralgaits.barriers.conditions import (
     TubeWidth,
 )
 from neuralgaits.barriers.quantities import Quantity
-from neuralgaits.barriers.regions import Box, Gait, Tube
+from neuralgaits.barriers.regions import Box
 from neuralgaits.barriers.spec import GaitSpec, Init, Recipe
 from neuralgaits.errors import SpecError
 from neuralgaits.gait import HybridInvariantPolicy, MLPPolicy, walking_posture
+from neuralgaits.gait.gaits import Gait
 from neuralgaits.gait.posture import REFERENCE_LEG_M
+from neuralgaits.gait.tubes import Tube
 
 if TYPE_CHECKING:
     from neuralgaits.robots import PlanarBiped
@@ -36,10 +38,13 @@ LIFT_OFF, LANDING = 0.15, 0.85
 """Phases between which the swing foot must be clear of the ground."""
 TORQUE_SHARE = 0.927
 """Share of the torque limit the zero dynamics may use: 38 of 41 N m on AMBER-3M."""
+FLOWS = "flow-above-lower-fence", "flow-below-upper-fence"
+RESETS = "reset-above-lower-fence", "reset-below-upper-fence"
+"""Names of the conditions of the fences: along the flow, and across the impact."""
 CLEARANCE = 0.02
 """Height of the arc that the swing foot stays above, of the reference robot [m]."""
 OVER_EDGES = 0.005
-"""Height above the edge of a stair, likewise [m]."""
+"""Height above the edge of a stair, of the reference robot [m]."""
 LEAST_BEND = 0.05
 """Bend of a knee away from straight that is always kept [rad]."""
 START_ENERGIES = (0.23, 0.57)
@@ -47,7 +52,7 @@ START_ENERGIES = (0.23, 0.57)
 
 
 class Units(NamedTuple):
-    """What one unit of the reference robot is on this robot."""
+    """Values on this robot of one unit of the reference robot."""
 
     length: float
     speed: float
@@ -58,7 +63,7 @@ class Units(NamedTuple):
 
 
 def units(robot: "PlanarBiped") -> Units:
-    """Ratios to the reference robot, and weight and mass (N, kg)."""
+    """Return the ratios to the reference robot, and weight and mass (N, kg)."""
     length = robot.leg_length / REFERENCE_LEG_M
     mass, gravity = float(robot.mass), float(robot.gravity)
     pace = (length * gravity / 9.81) ** 0.5
@@ -66,12 +71,12 @@ def units(robot: "PlanarBiped") -> Units:
 
 
 def pendulum_height(robot: "PlanarBiped") -> float:
-    """Height h of the orbital energy: 1.03 straight legs [m]."""
+    """Return the height h of the orbital energy: 1.03 straight legs [m]."""
     return 1.03 * robot.leg_length
 
 
 def regions_of_step(lift_off: float, landing: float) -> dict[str, tuple[Box, ...]]:
-    """Regions of the tube, in phase and level, of which conditions of a step speak.
+    """Return the regions of the tube, in phase and level, that conditions of a step refer to.
 
     Args:
         lift_off: phase up to which the swing foot may be on the ground.
@@ -104,7 +109,7 @@ def walking(
         policy: "hybrid-invariant" (default), or "mlp" for a free network, which must then
             learn to match outputs and rates through the impact.
         forward: least rate of z1 (m/s), None for one that fits the robot.
-        shortest: least step length (m); likewise.
+        shortest: least step length (m), None for one that fits the robot.
         highest: largest difference in height of two footholds that follow each other (m).
     """
     if policy not in ("hybrid-invariant", "mlp"):
@@ -159,7 +164,7 @@ def _box(phases: tuple[float, float], levels: tuple[float, float]) -> Box:
 
 
 def start_tube(robot: "PlanarBiped", span, start) -> Tube:
-    """The tube that training starts from: `Tube.between_energies` of START_ENERGIES."""
+    """Return the tube that training starts from: `Tube.between_energies` of START_ENERGIES."""
     unit = units(robot)
     return Tube.between_energies(
         robot,
@@ -216,7 +221,7 @@ more than half of what their motors feel; the walkers of reinforcement learning 
 
 
 def _stance(robot: "PlanarBiped", forward: float | None) -> list[AbstractCondition]:
-    """Torso, contact forces, torques, joint rates and knees on the whole tube."""
+    """Conditions on the whole tube: torso, contact forces, torques, joint rates and knees."""
     unit = units(robot)
     # Without rotors to speak of, joints are faster after an impact, and hips slower in mid-step.
     rotor = float(np.mean(robot.armature[1:])) / (unit.mass_kg * robot.leg_length**2)
@@ -255,18 +260,18 @@ def _stance(robot: "PlanarBiped", forward: float | None) -> list[AbstractConditi
 
 
 def _inertia(unit: Units, reference: float) -> float:
-    """A value of |J . s| [kg m], from the reference robot's (21.56 kg)."""
+    """Return a value of |J . s| [kg m], scaled from the reference robot's (21.56 kg)."""
     return reference * unit.mass_kg * unit.length / 21.5562
 
 
 def _knees(robot: "PlanarBiped") -> np.ndarray:
-    """Indices of the actuated joints whose range excludes one side: knees."""
+    """Return the indices of the knees: actuated joints whose range excludes one side."""
     one_sided = (robot.joint_lower >= -0.1) | (robot.joint_upper <= 0.1)
     return np.flatnonzero(one_sided)
 
 
 def _knee_bend(robot: "PlanarBiped") -> Quantity:
-    """How much further than LEAST_BEND each knee is bent away from straight [rad]."""
+    """Build the quantity by which each knee is bent beyond LEAST_BEND [rad]."""
     knees = _knees(robot)
     forward = robot.joint_upper[knees] > -robot.joint_lower[knees]
     sides = np.where(forward, 1.0, -1.0)
@@ -274,7 +279,7 @@ def _knee_bend(robot: "PlanarBiped") -> Quantity:
 
 
 def _swing_foot(robot: "PlanarBiped", highest: float) -> list[AbstractCondition]:
-    """Rise, clear, fall: the swing foot touches the ground only at the guard."""
+    """Conditions of the swing foot: rise, clear, fall; it touches the ground only at the guard."""
     unit = units(robot)
     # Without rotor inertia no gait was found that lifts off faster.
     rise = (0.1 if np.any(robot.armature > 0) else 0.05) * unit.speed
@@ -290,7 +295,7 @@ def _swing_foot(robot: "PlanarBiped", highest: float) -> list[AbstractCondition]
 
 
 def _clearance(unit: Units, highest: float) -> float:
-    """Of an arc over the line between footholds, so that it is above the edges of stairs [m].
+    """Return the height over the line of footholds of an arc that clears edges of stairs [m].
 
     An edge is half a rise above that line, and half-way between two stairs: met at about three
     quarters of a step, where the arc has three quarters of its height.
@@ -299,7 +304,7 @@ def _clearance(unit: Units, highest: float) -> float:
 
 
 def _tube() -> list[AbstractCondition]:
-    """The flow stays between the fences, and so does the reset; the tube is wide."""
+    """Conditions of the tube: flow and reset stay between the fences, and the tube is wide."""
     return [
         Fence("flow-above-lower-fence", "fence-lower", 1.0, "lower"),
         Fence("flow-below-upper-fence", "fence-upper", 1.0, "upper"),
@@ -310,7 +315,7 @@ def _tube() -> list[AbstractCondition]:
 
 
 def _guard(robot: "PlanarBiped", shortest: float | None) -> list[AbstractCondition]:
-    """A clean impact: long enough a step, a foot that lands, one that leaves, no slip."""
+    """Conditions of a clean impact: step length, a foot that lands, one that leaves, no slip."""
     unit = units(robot)
     push = unit.mass_kg * unit.speed / 21.5562
     step, speed = 0.3 * unit.length, 0.1 * unit.speed
@@ -328,7 +333,7 @@ def _guard(robot: "PlanarBiped", shortest: float | None) -> list[AbstractConditi
 
 
 def _match(robot: "PlanarBiped") -> list[AbstractCondition]:
-    """What a free policy must learn: match outputs, rates and position through the impact."""
+    """Return conditions of a free policy: match outputs, rates and position through the impact."""
     unit = units(robot)
     length = unit.length
     guard = walking_posture(robot).z_guard
