@@ -156,7 +156,7 @@ def certify(
             as undecided.
         parameters: levels 1 to 3 are proved for every robot of this box, half widths by kind (see
             `robots.parameter_box`); None for that of the run, empty for the robot of the file
-                alone.
+            alone.
         bandwidth: double pole of the outputs [rad/s] at levels 4 and 5; level 4 is then about the
             largest set that the search yields. None for that of `control.Fblin`, and the usual set.
 

@@ -112,7 +112,7 @@ def simulate(
         plant: robot to simulate, by name or path; that of the run if None.
         controller: `pd`, `fblin`, `paper` (the PD of the paper's deployment), `clf-qp` (see
             docs/control.md), a law, or `c`: the exported controller, compiled, as a separate
-                process.
+            process.
         steps: walking steps of each episode.
         start: `centre` of the gait's region, `region` (random in it), or `fixed-point`.
         push: impulse of one forward push at the root's pitch axis, which is the hip in every
