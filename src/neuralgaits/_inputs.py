@@ -13,7 +13,16 @@ MOST_BYTES = 2**26
 """Largest file that is read whole; the largest proof so far is a tenth of this."""
 MOST_LOG_BYTES = 2**31
 """Largest log: days of walking."""
-_KINDS = ((stat.S_ISFIFO, "a FIFO"), (stat.S_ISSOCK, "a socket"))
+_KINDS = (
+    (stat.S_ISDIR, "a folder"),
+    (stat.S_ISFIFO, "a FIFO"),
+    (stat.S_ISSOCK, "a socket"),
+)
+
+
+def kind_of(mode: int) -> str:
+    """Return what lies at a path that is no regular file, by its `st_mode`."""
+    return next((kind for is_one, kind in _KINDS if is_one(mode)), "a device")
 
 
 def refuse_unreadable(path: Path, most: int = MOST_BYTES) -> None:
@@ -30,7 +39,7 @@ def refuse_unreadable(path: Path, most: int = MOST_BYTES) -> None:
     if stat.S_ISDIR(found.st_mode):
         return
     if not stat.S_ISREG(found.st_mode):
-        kind = next((kind for is_one, kind in _KINDS if is_one(found.st_mode)), "a device")
+        kind = kind_of(found.st_mode)
         raise InputError(f"expected a file to read, found {kind} at {path}: name a regular file")
     if found.st_size > most:
         raise InputError(

@@ -10,7 +10,7 @@ from rich.text import Text
 
 from neuralgaits._digits import at_least
 from neuralgaits.cli.screen_tables import number, show_facts, show_sentence, verdict
-from neuralgaits.records.certified import CertificateRecord, ConditionVerdict
+from neuralgaits.records.certified import CertificateRecord
 from neuralgaits.records.checked import Checked
 from neuralgaits.records.fitted import Fitted
 from neuralgaits.records.levels import WORDS
@@ -26,9 +26,9 @@ _MORE = "-v prints more"
 
 def brief_training(result: Trained) -> None:
     """Print whether a training's conditions hold on fresh samples, and what to do next."""
-    count, broken = len(result.conditions), result.broken
+    assert not result.broken  # A training that failed is shown whole.
+    count = len(result.conditions)
     show_sentence(Text("trained", "green"), f": all {count} conditions hold on fresh samples")
-    assert not broken  # A training that failed is shown whole.
     facts: list[tuple[str, Any]] = []
     if result.certificate is not None:
         margin = result.certificate.smallest_margin
@@ -78,7 +78,7 @@ def brief_walks(result: Simulated) -> None:
 def brief_proof(result: CertificateRecord) -> None:
     """Print what is proved, or which conditions are not, and where the proof is."""
     entries = result.conditions
-    open_ = [name for name, one in entries.items() if not _settled(one)]
+    open_ = [name for name, one in entries.items() if not one.settled]
     about = "".join(f", {part}" for part in (result.robots, result.ground) if part)
     level, least = result.proved_level, result.least_margin
     margins = "" if least is None else f", margins of {at_least(least, 4)} or more"
@@ -163,10 +163,6 @@ def brief_report(result: Reported) -> None:
     show_facts(facts)
     if result.missing:
         show_sentence(f"{len(result.missing)} optional parts are not made yet; -v lists them")
-
-
-def _settled(entry: ConditionVerdict) -> bool:
-    return entry.verdict == "proved" or entry.in_part
 
 
 def _list(names: Sequence[str]) -> str:

@@ -35,7 +35,7 @@ def show_proof(result: CertificateRecord) -> None:
     show_table(head, [_row(name, entry) for name, entry in conditions[:ROWS]])
     others = [entry for _, entry in conditions[ROWS:]]
     if others:
-        left = sum(not _settled(entry) for entry in others)
+        left = sum(not entry.settled for entry in others)
         least = min((entry.margin for entry in others if entry.margin is not None), default=None)
         what = f"{left} of them not proved"
         if not left:
@@ -64,11 +64,7 @@ def show_proof(result: CertificateRecord) -> None:
 def _urgency(item: tuple[str, ConditionVerdict]) -> tuple[bool, float]:
     """Sort key: unproved conditions first, then the smallest margin."""
     _, entry = item
-    return _settled(entry), math.inf if entry.margin is None else entry.margin
-
-
-def _settled(entry: ConditionVerdict) -> bool:
-    return entry.verdict == "proved" or entry.in_part
+    return entry.settled, math.inf if entry.margin is None else entry.margin
 
 
 def _row(name: str, entry: ConditionVerdict) -> tuple[Any, ...]:

@@ -49,7 +49,7 @@ class Pd(AbstractLaw):
     measure_z2: bool = eqx.field(default=True, static=True)
 
     def with_gains_for(self, robot: PlanarBiped) -> "Pd":
-        """The same with gains for each joint of a robot."""
+        """Return this law with gains for each joint of a robot."""
         if self.stiffness and self.damping:
             stiffness, damping = _each(self.stiffness, robot), _each(self.damping, robot)
             return replace(self, stiffness=stiffness, damping=damping)

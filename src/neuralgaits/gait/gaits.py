@@ -17,7 +17,7 @@ CommandPoint = Float[Array, " k"]
 
 
 class Gait(eqx.Module):
-    """What is trained: a policy and the tube of the zero dynamics it is meant for.
+    """A trained gait: a policy and the tube of the zero dynamics that it is meant for.
 
     Attributes:
         policy: of one step, or of every step where there are no commands.
@@ -31,7 +31,7 @@ class Gait(eqx.Module):
 
     @property
     def commands(self) -> Commands:
-        """What the gait is told at each touchdown: nothing."""
+        """Commands of the gait: none."""
         return ()
 
     def at(
@@ -98,7 +98,7 @@ class CommandedGait(eqx.Module):
 
     @property
     def commands(self) -> Commands:
-        """What the gait is told at each touchdown."""
+        """Commands of the gait, latched at each touchdown."""
         return self.policy.commands
 
     def at(

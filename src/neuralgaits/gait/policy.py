@@ -53,7 +53,7 @@ class AbstractPolicy(eqx.Module):
     def match_impact(
         self, robot: "PlanarBiped", reset_residual: ResetCorrection = None
     ) -> "AbstractPolicy":
-        """The same policy with everything that follows from robot and parameters recomputed.
+        """Return the policy with everything that follows from robot and parameters recomputed.
 
         Itself, for one of which nothing does: free ones, and families, each of whose policies is
         matched when it is asked for. Training calls it before every evaluation, and once more at
@@ -93,7 +93,7 @@ class AbstractPolicy(eqx.Module):
     def parameters_of_step(
         self, robot: "PlanarBiped", pair: Pair, reset_residual: ResetCorrection = None
     ) -> Float[Array, " s"]:
-        """Return the parameters of a step between two commands,  once a step. [step_size].
+        """Return the parameters of a step between two commands, once a step. [step_size].
 
         Args:
             robot: whose impact it is matched to.

@@ -142,7 +142,7 @@ class CommandedTube(eqx.Module):
 
     @classmethod
     def around(cls, tube: Tube, commands: Commands) -> "CommandedTube":
-        """The same tube for every command."""
+        """Return a family that has one tube for every command."""
         count = len(factors(len(commands)))
         lower, upper = (
             np.concatenate([np.asarray(s)[None], np.zeros((count - 1, len(s)))])

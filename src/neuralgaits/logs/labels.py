@@ -7,7 +7,7 @@ knee while the left leg is in stance.
 from collections.abc import Mapping
 
 Labels = Mapping[str, tuple[str, str]]
-"""Map from  names of `table.s` to the file's s: while leg 0 is in stance, and
+"""Map from names of `table.s` to the file's s: while leg 0 is in stance, and
 while leg 1 is."""
 
 

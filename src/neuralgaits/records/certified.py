@@ -74,6 +74,11 @@ class ConditionVerdict:
         whole = self.proved_fraction == 1.0 and self.undecided_boxes == 0
         return self.verdict == "undecided" and whole
 
+    @property
+    def settled(self) -> bool:
+        """Whether it is proved, of everything or of the part that was requested."""
+        return self.verdict == "proved" or self.in_part
+
 
 @dataclass(frozen=True)
 class TheoremConstant:

@@ -16,6 +16,7 @@ import threading
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
+from neuralgaits._inputs import kind_of
 from neuralgaits._printable import PRINTABLE
 from neuralgaits.errors import InputError, reason
 
@@ -28,11 +29,6 @@ _STREAMS = Path("/proc")
 _LONGEST_PREFIX = 40
 """Characters of a file's name in that of its temporary: a name may be as long as the system
 allows."""
-_KINDS = (
-    (stat.S_ISDIR, "a folder"),
-    (stat.S_ISFIFO, "a FIFO"),
-    (stat.S_ISSOCK, "a socket"),
-)
 _OTHER = "name a regular file"
 
 
@@ -55,7 +51,7 @@ def destination(path: Path) -> Path:
     with contextlib.suppress(FileNotFoundError):
         mode = os.stat(place).st_mode
         if not stat.S_ISREG(mode):
-            found = next((kind for is_one, kind in _KINDS if is_one(mode)), "a device")
+            found = kind_of(mode)
             raise InputError(f"expected a file to write, found {found} at {path}: {_OTHER}")
     return place
 
