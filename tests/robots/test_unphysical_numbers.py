@@ -125,3 +125,9 @@ def test_files_that_include_one_another_in_a_long_row_are_refused(tmp_path):
     (tmp_path / "300.xml").write_text("<mujoco/>")
     with pytest.raises(RobotError, match="in one another"):
         load_robot(tmp_path / "0.xml")
+
+
+@pytest.mark.parametrize("behind", ["\n<mujoco/>", "<!-- \x01 -->"], ids=["root", "control"])
+def test_text_that_only_mujoco_reads_is_refused(behind):
+    with pytest.raises(RobotError, match=r"not well-formed XML .*: mend that line"):
+        robot_from_text(AMBER + behind, "amber3m")

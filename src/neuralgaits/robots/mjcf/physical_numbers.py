@@ -140,10 +140,16 @@ def refuse_odd_keyframes(text: str, model: mujoco.MjModel) -> None:
         text: MJCF that compiles.
         model: compiled from it.
 
-    Raises: RobotError naming the keyframe and how many numbers it must have.
+    Raises: RobotError naming the keyframe and how many numbers it must have, or the line that
+    is no XML: MuJoCo's own reader accepts some of those.
     """
-    keys = ElementTree.fromstring(text).iterfind("keyframe/key")
-    for number, key in enumerate(keys):
+    try:
+        root = ElementTree.fromstring(text)
+    except ElementTree.ParseError as error:
+        raise RobotError(
+            f"the robot file is not well-formed XML ({error}): mend that line"
+        ) from None
+    for number, key in enumerate(root.iterfind("keyframe/key")):
         label = key.get("name") or f"number {number}"
         for attribute, count in _OF_KEY.items():
             expected = int(getattr(model, count))
