@@ -51,12 +51,7 @@ def read(
     source = str(text.path)
     check_times(found.t, found.rows, source, columns.sources["time"].column)
     stance = _stance(source, robot, columns, found)
-    turning = _Turning.of(found.t, stance)
-    encoders = np.column_stack([found.pitch, _flat(found.angles)])
-    turned = turning.filled(np.column_stack([found.dpitch, _flat(found.rates)]), encoders)
-    wanted, wanted_rates = _flat(found.desired), _flat(found.desired_rates)
-    if columns.has("desired"):
-        wanted_rates = turning.filled(wanted_rates, wanted)
+    turned, wanted_rates = _rates(found, stance, columns)
     # A piece too short for a rate is a gap like the others.
     good = (stance != UNKNOWN) & np.isfinite(turned).all(axis=1)
     if not good.any():
@@ -74,8 +69,8 @@ def read(
     velocity = None if found.hip_velocity is None else found.hip_velocity[good]
     state = states(robot, leg, sensed, velocity)
     if policy is None or columns.has("desired"):
-        given = [stance_first(robot, leg, p[good].reshape(shape)) for p in (wanted, wanted_rates)]
-        qd, dqd = given
+        wanted = _flat(found.desired), wanted_rates
+        qd, dqd = (stance_first(robot, leg, part[good].reshape(shape)) for part in wanted)
     else:
         qd, dqd = asked(robot, policy, state)
     log = Log(
@@ -112,6 +107,19 @@ def _refuse_unknown_wishes(text: Text, columns: ColumnFile, policy: AbstractPoli
 
 def _flat(by_leg: Float[np.ndarray, "k 2 j"]) -> Float[np.ndarray, "k two_j"]:
     return by_leg.reshape(len(by_leg), -1)
+
+
+def _rates(
+    found: SheetArrays, stance: Int[np.ndarray, " k"], columns: ColumnFile
+) -> tuple[Float[np.ndarray, "k c"], Float[np.ndarray, "k two_j"]]:
+    """Return the rates of pitch and angles, and of the desired angles, computed where absent."""
+    turning = _Turning.of(found.t, stance)
+    encoders = np.column_stack([found.pitch, _flat(found.angles)])
+    turned = turning.filled(np.column_stack([found.dpitch, _flat(found.rates)]), encoders)
+    wanted_rates = _flat(found.desired_rates)
+    if columns.has("desired"):
+        wanted_rates = turning.filled(wanted_rates, _flat(found.desired))
+    return turned, wanted_rates
 
 
 def _stance(

@@ -30,59 +30,44 @@ def attraction(shape: WalkingSetConstants, orbit: OrbitConstants, bounds: Bounds
         return _any_two_walks(shape, orbit, bounds)
     if missing is None and orbit.attraction == "contraction alone":
         return _contraction_alone(shape, orbit, bounds)
-    first, last = shape.ends
     if missing is None and shape.floor:
         missing = "an orbit is enclosed for footholds as meant only"
-    if missing is None and not shape.falling < orbit.guard_from < orbit.guard_to <= last:
+    if missing is None and not (shape.falling < orbit.guard_from < orbit.guard_to <= shape.ends[1]):
         missing = "the thin tube's guard is not where the foot falls"
     if missing is not None:
         return Conclusion(3, "undecided", missing, (), {})
-    strip = (1.0 - shape.guard_strip, 0.0), (last, 1.0)
+    return _enclosed_orbit(shape, orbit, bounds)
+
+
+def _enclosed_orbit(
+    shape: WalkingSetConstants, orbit: OrbitConstants, bounds: Bounds
+) -> Conclusion:
+    """Conclude that one orbit, inside the thin tube, attracts the walking set."""
+    first, last = shape.ends
     thin = (orbit.guard_from, 0.0), (orbit.guard_to, 1.0)
-    gain = -bounds["orbit/gain", *strip]
     gains = bounds["orbit/reset-gain-low", *thin], -bounds["orbit/reset-gain-high", *thin]
     width = -bounds["orbit/width", (first, 0.0), (last, 0.0)]
-    over = _over(shape)
-    contraction = arb(gain) * (_integral(orbit.expansion) + over * _end(orbit, shape)).exp()
-    low = arb(gains[0]) * (_integral(orbit.slowest) - over * _end(orbit, shape)).exp()
-    high = arb(gains[1]) * (_integral(orbit.fastest) + over * _end(orbit, shape)).exp()
+    over = _over(shape) * _end(orbit, shape)
+    low = arb(gains[0]) * (_integral(orbit.slowest) - over).exp()
+    high = arb(gains[1]) * (_integral(orbit.fastest) + over).exp()
     middle = [(2 * _value(s, arb(0))).sqrt() for s in (orbit.lower, orbit.upper)]
+    approach, why, doubt = _approach(shape, orbit, bounds, high)
     figures = {
-        "contraction_at_most": above(contraction),
+        "contraction_at_most": approach["contraction_at_most"],
         "multiplier_at_least": below(low),
         "multiplier_at_most": above(high),
         "z2_at_mid_step_at_least": below(middle[0]),
         "z2_at_mid_step_at_most": above(middle[1]),
         "z2_width_at_most": width,
+        **approach,
     }
-    if orbit.attraction == "nested tubes":
-        shrinking = arb(gain) * (2 * over * _end(orbit, shape)).exp()
-        shrinking *= _half_width(orbit, 1.0 - shape.guard_strip)
-        shrinking /= _half_width(orbit, shape.start_strip)
-        figures["tubes_shrink_by_at_most"] = above(shrinking)
-        why = (
-            "outside a thin tube around the orbit every trajectory gets nearer to it from phase "
-            f"{shape.start_strip!r} to {1.0 - shape.guard_strip!r}, and across the impact gets to "
-            f"{at_most(above(shrinking), 4)} of its distance or less; inside it the return map "
-            f"contracts to {at_most(above(high), 4)} or less"
-        )
-        if not shrinking < 1:
-            reason = f"tubes around the orbit may widen by {above(shrinking):.4g} at the impact"
-            return Conclusion(3, "undecided", reason, (), figures)
-    else:
-        why = (
-            "the return map of the section at mid-step contracts to "
-            f"{at_most(above(contraction), 4)} or less on all of T"
-        )
-        if not contraction < 1:
-            reason = f"the return map is not shown to contract: |P'| <= {above(contraction):.4g}"
-            return Conclusion(3, "undecided", reason, (), figures)
-    if not middle[0] < middle[1]:
+    if doubt is None and not middle[0] < middle[1]:
         # Margins in its widths are bounded, so that these have one sign at every phase.
-        return Conclusion(3, "undecided", "the thin tube is upside down", (), figures)
-    if not (low > 0 and high < 1):
-        reason = f"the multiplier is enclosed in [{below(low):.4g}, {above(high):.4g}] only"
-        return Conclusion(3, "undecided", reason, (), figures)
+        doubt = "the thin tube is upside down"
+    if doubt is None and not (low > 0 and high < 1):
+        doubt = f"the multiplier is enclosed in [{below(low):.4g}, {above(high):.4g}] only"
+    if doubt is not None:
+        return Conclusion(3, "undecided", doubt, (), figures)
     least, most = below(middle[0]), above(middle[1])
     words = (
         f"{why}: there is one periodic orbit, and every trajectory of the undisturbed system in T "
@@ -92,6 +77,38 @@ def attraction(shape: WalkingSetConstants, orbit: OrbitConstants, bounds: Bounds
         f"its multiplier is in [{at_least(below(low), 4)}, {at_most(above(high), 4)}]",
     )
     return Conclusion(3, "proved", None, words, figures)
+
+
+def _approach(
+    shape: WalkingSetConstants, orbit: OrbitConstants, bounds: Bounds, high: arb
+) -> tuple[dict[str, float], str, str | None]:
+    """Bound how trajectories of the walking set approach the orbit.
+
+    Returns: figures; why they approach it; a reason if that is not shown.
+    """
+    gain = -bounds["orbit/gain", (1.0 - shape.guard_strip, 0.0), (shape.ends[1], 1.0)]
+    over = _over(shape) * _end(orbit, shape)
+    contraction = arb(gain) * (_integral(orbit.expansion) + over).exp()
+    figures = {"contraction_at_most": above(contraction)}
+    if orbit.attraction != "nested tubes":
+        why = (
+            "the return map of the section at mid-step contracts to "
+            f"{at_most(above(contraction), 4)} or less on all of T"
+        )
+        doubt = f"the return map is not shown to contract: |P'| <= {above(contraction):.4g}"
+        return figures, why, None if contraction < 1 else doubt
+    shrinking = arb(gain) * (2 * over).exp()
+    shrinking *= _half_width(orbit, 1.0 - shape.guard_strip)
+    shrinking /= _half_width(orbit, shape.start_strip)
+    figures["tubes_shrink_by_at_most"] = above(shrinking)
+    why = (
+        "outside a thin tube around the orbit every trajectory gets nearer to it from phase "
+        f"{shape.start_strip!r} to {1.0 - shape.guard_strip!r}, and across the impact gets to "
+        f"{at_most(above(shrinking), 4)} of its distance or less; inside it the return map "
+        f"contracts to {at_most(above(high), 4)} or less"
+    )
+    doubt = f"tubes around the orbit may widen by {above(shrinking):.4g} at the impact"
+    return figures, why, None if shrinking < 1 else doubt
 
 
 def _contraction_alone(
