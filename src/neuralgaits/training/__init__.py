@@ -4,7 +4,8 @@ from neuralgaits.training.loss import Loss, barrier_loss, lay_out, margin_matrix
 from neuralgaits.training.posture_start import start_from_posture
 from neuralgaits.training.repair import Boxes, Extra
 from neuralgaits.training.sampling import Sampler
-from neuralgaits.training.trainer import VALIDATE_EVERY, Trainer, TrainState
+from neuralgaits.training.train_state import TrainState
+from neuralgaits.training.trainer import VALIDATE_EVERY, Trainer
 
 __all__ = [
     "VALIDATE_EVERY",

@@ -65,12 +65,7 @@ def make_steps(
         moved = optax.apply_updates(parameters, rate * update)
         if not spec.commands:
             return moved, after, result
-        # A fence that crosses another at some rare pair of commands must not end it all.
-        good = jnp.all(jnp.isfinite(jnp.asarray(moved)))
-        kept = jax.tree.map(
-            lambda new, old: jnp.where(good, new, old), (moved, after), (parameters, state)
-        )
-        return *kept, result
+        return *_if_finite((moved, after), (parameters, state)), result
 
     def steps(parameters, state, key, first, count, rate, extra):
         # A step runs for a millisecond or two: calling it from Python took a third of the time.
@@ -88,6 +83,15 @@ def make_steps(
         return jax.lax.fori_loop(0, count, body, (parameters, state, start))
 
     return steps
+
+
+def _if_finite(new: tuple, old: tuple) -> tuple:
+    """Return new parameters and state, or the old ones if the parameters turned to NaN.
+
+    A fence that crosses another at some rare pair of commands must not end a training.
+    """
+    good = jnp.all(jnp.isfinite(jnp.asarray(new[0])))
+    return jax.tree.map(lambda after, before: jnp.where(good, after, before), new, old)
 
 
 def make_evaluate(

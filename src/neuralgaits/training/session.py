@@ -10,7 +10,8 @@ from neuralgaits.analysis.run import Run
 from neuralgaits.gait.gaits import AnyGait, Gait
 from neuralgaits.runs.names import START, STATE
 from neuralgaits.training.posture_start import start_from_posture
-from neuralgaits.training.trainer import Trainer, TrainState
+from neuralgaits.training.train_state import TrainState
+from neuralgaits.training.trainer import Trainer
 from neuralgaits.training.training_loop import GradientSteps, Progress
 
 

@@ -8,7 +8,6 @@ float64 and matched to the robot once more.
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any, NamedTuple
 
 import equinox as eqx
 import jax
@@ -37,6 +36,7 @@ from neuralgaits.training.loss import (
 from neuralgaits.training.precision import cast, cast_named
 from neuralgaits.training.repair import Boxes, Extra
 from neuralgaits.training.sampling import Sampler
+from neuralgaits.training.train_state import FreshMargins, OverSeeds, TrainState
 
 VALIDATE_EVERY = 100
 """Gradient steps between two evaluations of the fixed validation samples."""
@@ -44,43 +44,6 @@ REPAIR_RATE = 0.5
 """Share of the recipe's learning rate in further training: the gait is nearly there."""
 SMALLER, CAREFUL = 0.3, 3
 """Factor on the size of steps after NaN, and how often it may be applied."""
-
-
-class TrainState(NamedTuple):
-    """Everything a training needs to continue. Arrays only."""
-
-    step: Array
-    """Number of gradient steps done. int32 scalar."""
-    parameters: Float[Array, " P"]
-    """Current trainable parameters, flat. float32."""
-    optimizer: Any
-    """State of the optimiser, as a tree."""
-    best: Float[Array, " P"]
-    """Parameters with the lowest validation loss so far."""
-    best_loss: Array
-    """Lowest validation loss so far. float64 scalar."""
-    rate: Array
-    """Share of the recipe's step size; less than 1 after steps that turned to NaN. float32."""
-
-
-class OverSeeds(NamedTuple):
-    """Steps and evaluations of many trainings as one program each; axis 0 is that of seeds."""
-
-    step: Callable
-    """Function from (parameters, optimiser states, keys, first steps, one count for all, rates) to
-    parameters, states and `Loss`."""
-    gaits: Callable
-    """Function from (parameters) to the gaits with these, see `Trainer.gait`."""
-    look: Callable
-    """Function from (gaits, key, share of the disturbance) to `Loss` and margins. [S, N, K]"""
-
-
-class FreshMargins(NamedTuple):
-    """Margins of conditions on fresh samples, inside the regions, in float64."""
-
-    loss: float
-    margins: dict[str, Float[np.ndarray, "N k"]]
-    """Margins of each condition on the samples of its region, in its own units."""
 
 
 @dataclass(frozen=True)
@@ -148,24 +111,12 @@ class Trainer:
             disturbance: bounds of dz's disturbance under which conditions must hold (m/s, N m).
             rate: factor on the recipe's learning rate.
         """
-        recipe = spec.recipe
         model = model_of(robot, spec.parameters)
-        halves = tuple(axis.half for axis in spec.parameters)
-        plan = partial(Sampler.plan, spec.regions, commands=spec.commands, parameters=halves)
-        sampler = plan(
-            recipe.samples,
-            recipe.overshoot,
-            corners=recipe.corners,
-            widened=recipe.widened,
-            faster_changes=recipe.faster_changes,
-            strip=recipe.strip,
-        )
-        more = {name: VALIDATION_SAMPLES * count for name, count in recipe.samples.items()}
-        validation = plan(more)
+        sampler, validation = _samplers(spec)
         layout = lay_out(spec, model, template, sampler)
         trained, fixed = eqx.partition(template, template.trainable())
         _, unflatten = ravel_pytree(cast(trained, jnp.float32))
-        optimizer = _optimizer(recipe, steps, rate * width_factor(spec, template))
+        optimizer = _optimizer(spec.recipe, steps, rate * width_factor(spec, template))
         float32_parts = (
             cast(model, np.float32),
             cast_named(layout, np.float32),
@@ -336,6 +287,23 @@ class Trainer:
     def done(self, state: TrainState) -> bool:
         """Return whether all steps are done."""
         return int(state.step) >= self.steps
+
+
+def _samplers(spec: GaitSpec) -> tuple[Sampler, Sampler]:
+    """Return the samplers of a step and of the validation."""
+    recipe = spec.recipe
+    halves = tuple(axis.half for axis in spec.parameters)
+    plan = partial(Sampler.plan, spec.regions, commands=spec.commands, parameters=halves)
+    sampler = plan(
+        recipe.samples,
+        recipe.overshoot,
+        corners=recipe.corners,
+        widened=recipe.widened,
+        faster_changes=recipe.faster_changes,
+        strip=recipe.strip,
+    )
+    more = {name: VALIDATION_SAMPLES * count for name, count in recipe.samples.items()}
+    return sampler, plan(more)
 
 
 def _optimizer(recipe: Recipe, steps: int, factor: float) -> optax.GradientTransformation:

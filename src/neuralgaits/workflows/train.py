@@ -26,7 +26,8 @@ from neuralgaits.runs.names import ROBOT, STATE, SUMMARY, WEIGHTS
 from neuralgaits.runs.shell_words import LATEST, command, resuming
 from neuralgaits.training.calibration import calibrated
 from neuralgaits.training.session import take_all_steps
-from neuralgaits.training.trainer import FreshMargins, Trainer, TrainState
+from neuralgaits.training.train_state import FreshMargins, TrainState
+from neuralgaits.training.trainer import Trainer
 from neuralgaits.training.training_loop import Progress
 from neuralgaits.workflows.parts.new_training import new_training
 from neuralgaits.workflows.parts.proof_rounds import ProofRounds, Watch

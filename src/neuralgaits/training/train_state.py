@@ -1,0 +1,45 @@
+"""State of a training, and what its steps and evaluations return."""
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from neuralgaits._types import Array, Float
+
+
+class TrainState(NamedTuple):
+    """Everything a training needs to continue. Arrays only."""
+
+    step: Array
+    """Number of gradient steps done. int32 scalar."""
+    parameters: Float[Array, " P"]
+    """Current trainable parameters, flat. float32."""
+    optimizer: Any
+    """State of the optimiser, as a tree."""
+    best: Float[Array, " P"]
+    """Parameters with the lowest validation loss so far."""
+    best_loss: Array
+    """Lowest validation loss so far. float64 scalar."""
+    rate: Array
+    """Share of the recipe's step size; less than 1 after steps that turned to NaN. float32."""
+
+
+class OverSeeds(NamedTuple):
+    """Steps and evaluations of many trainings as one program each; axis 0 is that of seeds."""
+
+    step: Callable
+    """Function from (parameters, optimiser states, keys, first steps, one count for all, rates) to
+    parameters, states and `Loss`."""
+    gaits: Callable
+    """Function from (parameters) to the gaits with these, see `Trainer.gait`."""
+    look: Callable
+    """Function from (gaits, key, share of the disturbance) to `Loss` and margins. [S, N, K]"""
+
+
+class FreshMargins(NamedTuple):
+    """Margins of conditions on fresh samples, inside the regions, in float64."""
+
+    loss: float
+    margins: dict[str, Float[np.ndarray, "N k"]]
+    """Margins of each condition on the samples of its region, in its own units."""
