@@ -15,13 +15,14 @@ from flint import arb
 from neuralgaits.barriers import Barrier
 from neuralgaits.certificate import retrace
 from neuralgaits.certificate.levels.full_order.conclude import conclude_full_order
-from neuralgaits.certificate.levels.full_order.find import find_full_order, grid
+from neuralgaits.certificate.levels.full_order.find import find_full_order
 from neuralgaits.certificate.levels.full_order.model import (
     BANDWIDTH,
     output_coordinates,
     scaled_coordinates,
 )
 from neuralgaits.certificate.levels.full_order.sample_evaluators import looks_of
+from neuralgaits.certificate.levels.full_order.samples import grid
 from neuralgaits.certificate.levels.full_order.theorem import (
     REGION,
     FullOrderConstants,

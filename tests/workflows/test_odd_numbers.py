@@ -5,7 +5,8 @@ import shutil
 import numpy as np
 import pytest
 
-from neuralgaits.certificate.levels.full_order.find import ALPHAS, SampleEvaluators, find_full_order
+from neuralgaits.certificate.levels.full_order.find import ALPHAS, find_full_order
+from neuralgaits.certificate.levels.full_order.samples import SampleEvaluators
 from neuralgaits.certificate.levels.full_order.theorem import DECAY
 from neuralgaits.cli.main import main
 from neuralgaits.errors import SpecError

@@ -8,10 +8,10 @@ import numpy as np
 from neuralgaits._digits import at_least, at_most
 from neuralgaits.certificate.levels.disturbed.conclude import factor, inequalities
 from neuralgaits.certificate.levels.disturbed.theorem import DisturbedBarrier, DisturbedConstants
-from neuralgaits.certificate.levels.full_order.find import SampleEvaluators, grid
 from neuralgaits.certificate.levels.full_order.held import JERK_PUSH, JERK_SLOPE, Held, Jerk
 from neuralgaits.certificate.levels.full_order.inequalities import obstacle
 from neuralgaits.certificate.levels.full_order.norm import GAINS, LONGEST
+from neuralgaits.certificate.levels.full_order.samples import SampleEvaluators, grid
 from neuralgaits.certificate.levels.full_order.theorem import FullOrderConstants, lyapunov_rate
 
 HALVINGS = 20

@@ -4,23 +4,25 @@ Nothing here is trusted: a bad choice makes a premise fail, not a false one hold
 """
 
 import math
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from neuralgaits._digits import at_least, at_most
-from neuralgaits._types import Float
-from neuralgaits.certificate.levels.full_order.norm import IMPACT, Plan, doubled, in_norm
+from neuralgaits.certificate.levels.full_order.norm import IMPACT, Plan
+from neuralgaits.certificate.levels.full_order.samples import (
+    SampleEvaluators,
+    Samples,
+    grid,
+    slope_norms,
+    sphere,
+)
 from neuralgaits.certificate.levels.full_order.theorem import (
     BarrierConstants,
     FullOrderConstants,
     lyapunov_rate,
 )
-
-Samples = Mapping[str, np.ndarray]
-SampleEvaluator = Callable[[Float[np.ndarray, "n 2"], Float[np.ndarray, "n k"]], Samples]
-"""Chart points [n, 2] and xi [n, 2m] to quantities [n, k] and their slopes in xi [n, k, 2m]."""
 
 PHASES, LEVELS = 81, 9
 CROSSINGS = (1e-9, 1e-8, 1e-7, 1e-5, 1e-4, 3e-4, 1e-3, 3e-3, 6e-3, 0.01, 0.02, 0.03)
@@ -39,43 +41,6 @@ DIGITS = 4
 """Significant digits of numbers that a statement gives exactly, for people to read."""
 ALPHAS = (0.25, 0.5, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 12.0, 15.0, 20.0)
 """Barrier gains that are tried [1/s]."""
-
-
-@dataclass(frozen=True)
-class SampleEvaluators:
-    """Functions that the finder of the full-order theorem evaluates.
-
-    Attributes:
-        step: pace, inertia, foot, foot-rate, contact, torque, rate, reading, h, with slopes.
-        guard: foot, after, landing, reset, with slopes along the guard;
-            fall, foot/slope: those of the foot height in phase and xi; drift: of after in phase.
-        size: number of elements of xi.
-    """
-
-    step: SampleEvaluator
-    guard: SampleEvaluator
-    size: int
-    pushed: Callable[[Float[np.ndarray, "n 2"]], Samples] | None = None
-
-    def in_norm(self, matrix: np.ndarray) -> "SampleEvaluators":
-        """Return these functions with xi and pushes in the norm of S."""
-        inverse = np.linalg.inv(matrix)
-        back, pushed = doubled(inverse).T, self.pushed
-
-        def seen(look: SampleEvaluator) -> SampleEvaluator:
-            return lambda u, xi: in_norm(look(u, xi @ back), matrix)
-
-        def seen_off(u: Float[np.ndarray, "n 2"]) -> Samples:
-            assert pushed is not None
-            found = dict(pushed(u))
-            found |= {n: d @ inverse for n, d in found.items() if n.endswith("/push")}
-            found["jerk/slope"] = found["jerk/slope"] @ doubled(inverse)
-            for name in ("jerk/slope", "jerk/push"):
-                found[name] = matrix @ found[name]
-            return found | {"jerk": found["jerk"] @ matrix.T}
-
-        off = None if pushed is None else seen_off
-        return replace(self, step=seen(self.step), guard=seen(self.guard), pushed=off)
 
 
 def find_full_order(
@@ -123,10 +88,10 @@ def find_full_order(
     impacts = _Impacts.look(looks, levels, crossing, strip, guard_radius, ample)
     landing = impacts.landing + impacts.landing_slope * guard_radius
     start_strip = float(at_most(1.2 * landing, DIGITS))
-    # Where the fences converge, h falls steeply: a barrier may be tightest before phase 0.
-    strips = grid(np.array([-start_strip, -0.5 * start_strip, 1.0 + strip]), levels)
-    there = looks.step(strips, np.zeros((len(strips), looks.size)))
-    seen = {name: np.concatenate([values, there[name]]) for name, values in seen.items()}
+    seen = _with_strips(seen, looks, levels, start_strip, strip)
+    barriers = tuple(
+        _barrier(k, name, seen, impacts, gamma, radius, plan) for k, name in enumerate(names)
+    )
     return FullOrderConstants(
         bandwidth=bandwidth,
         radius=radius,
@@ -143,9 +108,7 @@ def find_full_order(
         gain=impacts.gain,
         landing=impacts.landing,
         landing_slope=impacts.landing_slope,
-        barriers=tuple(
-            _barrier(k, name, seen, impacts, gamma, radius, plan) for k, name in enumerate(names)
-        ),
+        barriers=barriers,
         least_radius=floor,
         weights=plan.weights if plan else (),
     )
@@ -176,7 +139,7 @@ class _Impacts:
         return cls(
             looks.guard(line, np.zeros((len(line), looks.size))),
             looks.guard(near, np.zeros((len(near), looks.size))),
-            looks.guard(edge, _sphere(len(edge), looks.size, radius)),
+            looks.guard(edge, sphere(len(edge), looks.size, radius)),
             ample,
         )
 
@@ -199,23 +162,19 @@ class _Impacts:
 
     @property
     def landing_slope(self) -> float:
-        return AMPLE * float(_norms(self.rim, "landing").max())
+        return AMPLE * float(slope_norms(self.rim, "landing").max())
 
 
-def grid(phases: np.ndarray, levels: np.ndarray) -> np.ndarray:
-    """Return all pairs of these phases and levels. [n, 2]."""
-    return np.stack(np.meshgrid(phases, levels, indexing="ij"), axis=-1).reshape(-1, 2)
+def _with_strips(
+    seen: Samples, looks: SampleEvaluators, levels: np.ndarray, start: float, guard: float
+) -> dict[str, np.ndarray]:
+    """Add points of the strips before phase 0 and beyond phase 1 to those seen.
 
-
-def _sphere(count: int, size: int, radius: float) -> np.ndarray:
-    """Return points on the sphere of a radius. [count, size]."""
-    draw = np.random.default_rng(0).normal(size=(count, size))
-    return radius * draw / np.linalg.norm(draw, axis=1, keepdims=True)
-
-
-def _norms(seen: Samples, name: str) -> np.ndarray:
-    """Return the length of the slope of each element. [n, k]."""
-    return np.linalg.norm(seen[f"{name}/slope"], axis=2)
+    Where the fences converge, h falls steeply: a barrier may be tightest before phase 0.
+    """
+    strips = grid(np.array([-start, -0.5 * start, 1.0 + guard]), levels)
+    there = looks.step(strips, np.zeros((len(strips), looks.size)))
+    return {name: np.concatenate([values, there[name]]) for name, values in seen.items()}
 
 
 def _at(radius: float, floor: float, shrink: float, phase: float) -> float:
@@ -227,7 +186,7 @@ def _over(
 ) -> np.ndarray:
     """Return a quantity plus a generous bound on the effect of outputs of a radius. [n]."""
     bound = floor + (radius - floor) * np.exp(-shrink * phase**2)
-    reach = ABOVE * bound * _norms(seen, name)[:, 0]
+    reach = ABOVE * bound * slope_norms(seen, name)[:, 0]
     return (1.02 if radius > 0.0 else 1.0) * seen[name][:, 0] + reach
 
 
@@ -259,7 +218,7 @@ def _radius(seen: Samples, phase: np.ndarray, shrink: float) -> tuple[float, flo
     grow = np.exp(shrink * phase**2)
 
     def limit(name: str) -> np.ndarray:
-        return (seen[name] / _norms(seen, name)).min(axis=1) * grow
+        return (seen[name] / slope_norms(seen, name)).min(axis=1) * grow
 
     everywhere = min(limit("contact").min(), limit("torque").min())
     everywhere = min(everywhere, 0.5 * limit("inertia").min(), 0.8 * limit("pace").min())
@@ -293,8 +252,8 @@ def _barrier(
 ) -> BarrierConstants:
     """Return the constants of one barrier with the gain that needs the least sigma."""
     above = ABOVE if plan is None else 1.2
-    coupling = above * float(_norms(step, "rate")[:, k].max())
-    reading = float(at_most(above * float(_norms(step, "reading")[:, k].max()), DIGITS))
+    coupling = above * float(slope_norms(step, "rate")[:, k].max())
+    reading = float(at_most(above * float(slope_norms(step, "reading")[:, k].max()), DIGITS))
     best = None
     for alpha in (a for a in ALPHAS if a < gamma):
         worst = float((step["rate"][:, k] + alpha * step["h"][:, k]).min())
@@ -319,6 +278,6 @@ def _barrier(
         coupling=coupling,
         reading=reading,
         reset=lowest - 0.02 * abs(lowest) - 1e-9,
-        reset_slope=impacts.ample * float(_norms(impacts.rim, "reset")[:, k].max()),
+        reset_slope=impacts.ample * float(slope_norms(impacts.rim, "reset")[:, k].max()),
         sigma=sigma,
     )

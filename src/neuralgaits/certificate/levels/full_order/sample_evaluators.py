@@ -6,16 +6,16 @@ import jax
 import numpy as np
 
 from neuralgaits.certificate.chart import PLANE, Corner
-from neuralgaits.certificate.levels.full_order.find import (
-    SampleEvaluator,
-    SampleEvaluators,
-    find_full_order,
-    grid,
-)
+from neuralgaits.certificate.levels.full_order.find import find_full_order
 from neuralgaits.certificate.levels.full_order.inequalities import inequalities, obstacle
 from neuralgaits.certificate.levels.full_order.margins import margins
 from neuralgaits.certificate.levels.full_order.model import FullOrderModel
 from neuralgaits.certificate.levels.full_order.norm import Plan, Seen, find_plan, find_widest
+from neuralgaits.certificate.levels.full_order.samples import (
+    SampleEvaluator,
+    SampleEvaluators,
+    grid,
+)
 from neuralgaits.certificate.levels.full_order.theorem import (
     FullOrderConstants,
     premises,
