@@ -49,7 +49,7 @@ def test_what_a_quadratic_program_gave_up_is_said(capsys: pytest.CaptureFixture[
     assert shown.relaxed is not None and shown.relaxed.contact == 0.5
     screen.show_walks(shown)
     out = " ".join(capsys.readouterr().out.split())
-    assert "slower than asked at 1.23% of ticks" in out and "does not give at 50.00%" in out
+    assert "slower than commanded at 1.23% of ticks" in out and "does not give at 50.00%" in out
 
 
 def test_why_it_fell_and_what_was_changed(capsys: pytest.CaptureFixture[str]) -> None:

@@ -1,4 +1,4 @@
-"""A chart that is a part of what the gait is told: neither checker calls that proved."""
+"""A chart that is a part of the gait's commands: neither checker calls that proved."""
 
 import copy
 import gzip
@@ -15,7 +15,7 @@ from support.shipped_run import SHIPPED
 PACKED = SHIPPED.with_name("demo_speed_run") / "certificate" / "proof.json.gz"
 SHORT = 100
 """Signs of a tree that is soon bounded."""
-PART = "part of what the gait is told"
+PART = "part of the gait's commands"
 
 
 @pytest.fixture(scope="module")
@@ -106,11 +106,11 @@ def test_a_chart_of_more_is_rejected(answers, name):
     own, program, report = answers(BEYOND[name])
     assert own.returncode == program.returncode == 1 and report.verdict == "rejected"
     for said in (own.stdout, program.stdout, str(report.reason)):
-        assert "the file's chart is not that of what its gait is told" in said
+        assert "the file's chart is not that of its gait's commands" in said
 
 
 def test_axes_of_other_commands_are_no_proof(answers):
     own, program, report = answers(lambda table: _command(table).update(name="pace"))
     assert own.returncode == program.returncode == 3 and report.verdict == "undecided"
-    assert "without the axes of what the gait is told" in program.stdout
-    assert "without the axes of what the gait is told" in str(report.reason)
+    assert "without the axes of the gait's commands" in program.stdout
+    assert "without the axes of the gait's commands" in str(report.reason)

@@ -120,7 +120,7 @@ def test_no_part_of_the_page_speaks_of_one_orbit_of_a_gait_with_many(commanded):
     page = commanded(certificate=certified(*CONDITIONS, levels=(2, 3)))
     for part in (answer(page), certificate(page), said(page)):
         assert "one motion that repeats" not in part and "one periodic orbit" not in part
-        assert "told the same" in part
+        assert "under the same commands" in part
     assert "from what it is told and two numbers" in answer(page)
     open_ = commanded(certificate=replace(certified(*CONDITIONS, levels=(2,)), level=2))
     (third,) = [what for what, _ in missing_parts(open_) if what.startswith("level 3")]

@@ -60,8 +60,8 @@ def test_the_page_is_closed_when_it_is_left():
     [
         (["view", "no-such-run"], "expected a run folder at no-such-run, found nothing"),
         (["view"], "RUN"),
-        (["view", str(FOLDER), "--terrain", "stones"], "found one that is told none: train one"),
-        (["view", str(TOLD), "--terrain", "stairs"], "told step_length and step_height on stairs"),
+        (["view", str(FOLDER), "--terrain", "stones"], "found one that takes none: train one"),
+        (["view", str(TOLD), "--terrain", "stairs"], "takes step_length and step_height on stairs"),
         (["view", str(TOLD), "--terrain", "slopes"], "train one with --slope A:B"),
         (["view", str(TOLD), "--terrain", "hills"], "no such kind and no such file"),
         (["demo", "--port", "0"], "--port from 1 to 65535"),

@@ -616,7 +616,7 @@ bool no_farther(const Axis& axis, const Command& c) {
 // or a part of it, which is then said. Whether its first axes are those of the commands.
 bool compare_ranges(const vector<Command>& commands, ProofFile& file) {
   if (!begins_with(file.chart, commands)) {
-    file.part = "every statement holds, on a chart without the axes of what the gait is told";
+    file.part = "every statement holds, on a chart without the axes of the gait's commands";
     return false;
   }
   bool part = false;
@@ -626,13 +626,13 @@ bool compare_ranges(const vector<Command>& commands, ProofFile& file) {
     for (const bool after : {false, true}) {
       const Axis& axis = file.chart[2 + 2 * i + after];
       if (axis.low < c.low || axis.high > c.high || (after && !no_farther(axis, c)))
-        throw Inconsistent{"the file's chart is not that of what its gait is told"};
+        throw Inconsistent{"the file's chart is not that of its gait's commands"};
       part = part || axis.low != c.low || axis.high != c.high ||
              axis.change != (after ? c.change : HUGE_VAL);
       words += (words.empty() ? "" : " and ") + axis_words(axis, axis.low, axis.high);
     }
   }
-  if (part) file.part = "every statement holds, for " + words + " only: part of what the gait is told";
+  if (part) file.part = "every statement holds, for " + words + " only: part of the gait's commands";
   return true;
 }
 

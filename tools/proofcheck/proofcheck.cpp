@@ -38,7 +38,7 @@
 // or the file contradicts itself, or claims what does not follow), 2 not a proof file, 3 undecided (a
 // user's own condition, policy or residual, a chart with axes beside phase, level and commands, boxes
 // that do not reach their bounds, a condition that is not claimed on all of its region, or a chart that
-// is a part of what the gait is told), 70 the
+// is a part of the gait's commands), 70 the
 // rounding does not work. Boxes are bounded with models of second degree whatever degree the finder
 // used.
 //
@@ -289,7 +289,7 @@ int check(const ProofFile& file, size_t threads) {
   if (worst.verdict == proved)
     for (const auto& [level, words] : levels) {
       say("level " + std::to_string(level) + " " + good(file) +
-          (file.part.empty() ? "" : ", for a part of what the gait is told"));
+          (file.part.empty() ? "" : ", for a part of the gait's commands"));
       for (const string& line : words) say("  " + line);
       // Axes of commands come first, and the theorems speak of them.
       const size_t first = 2 + (file.theorems.walking ? 2 * file.theorems.walking->told.size() : 0);

@@ -280,7 +280,7 @@ vector<Command> commands_of(const Json& list) {
       if (other.name == c.name) refuse("two commands named " + c.name);
     found.push_back(c);
   }
-  if (found.empty()) refuse("a gait that is told commands, without any");
+  if (found.empty()) refuse("a gait that takes commands, without any");
   return found;
 }
 

@@ -122,7 +122,8 @@ class MeanSpeed(AbstractAim):
             step = middle.gait.policy.step
             if step is None:
                 raise SpecError(
-                    f"aim {self.name!r}: expected a speed, or a gait told one, found none"
+                    f"aim {self.name!r}: expected a speed, or a gait that takes one as a "
+                    "command, found none"
                 )
             asked = step["speed"][1]
         return middle.speed / asked - 1.0

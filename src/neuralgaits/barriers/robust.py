@@ -59,7 +59,7 @@ def robust(robot: "PlanarBiped", box: Box, commands: Commands = ()) -> GaitSpec:
         if "floor" in box:
             raise SpecError(
                 "expected a gait without commands with a floor of unknown height, found one that "
-                f"is told {', '.join(c.name for c in commands)}: leave floor or these out"
+                f"takes {', '.join(c.name for c in commands)}: leave floor or these out"
             )
         plain = commanded(robot, commands, z2_dependence=False)
         recipe, new_gait = plain.recipe, plain.new_gait

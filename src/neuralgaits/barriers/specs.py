@@ -56,7 +56,7 @@ _BUILT_IN = {
 DESCRIPTIONS = {
     "walking": "default: walks physically, provable; hybrid invariance by construction",
     "walking-mlp": "the same for a free network, which learns to match through the impact",
-    "rugged": "faster, with lifted feet: for pushes, slopes and floors it is not told of",
+    "rugged": "faster, with lifted feet: for pushes, slopes and floors that it does not know of",
     "paper": "Table 1 of the paper, the paper's optimiser settings (ReLU, not provable)",
     "paper-walks": "Table 1, and the least that makes it walk (ReLU, not provable)",
     "authors": "conditions and schedule of the authors' code (ReLU, not provable)",

@@ -50,7 +50,9 @@ def compare_with_run(claims: Claims, folder: Path, *, own_process: bool = True) 
             f"({error!r}): its spec meddles with the process that traces it"
         ) from None
     if not wrong and not chart.holds(claims.chart):
-        wrong = ["the file's chart is not that of what the run's gait is told, and of its robots"]
+        wrong = [
+            "the file's chart is not that of the commands of the run's gait, and of its robots"
+        ]
     return RunComparison(tuple(wrong), asked, chart, tuple(found["told"]))
 
 

@@ -80,8 +80,8 @@ def _box(run: Run, parameters: Mapping[str, float] | None) -> Mapping[str, float
         )
     if "floor" in box and spec.commands:
         raise InputError(
-            "expected a gait without commands with a floor of unknown height, found one that is "
-            f"told {', '.join(c.name for c in spec.commands)}: leave floor out"
+            "expected a gait without commands with a floor of unknown height, found one that "
+            f"takes {', '.join(c.name for c in spec.commands)}: leave floor out"
         )
     axes = axes_of(run.robot, box)
     if not axes:

@@ -128,9 +128,9 @@ def show_walks(result: Simulated) -> None:
         )
     if (given_up := result.relaxed) is not None:
         show_sentence(
-            f"within limits of torque and friction, outputs could come back slower than asked at "
-            f"{given_up.decrease:.2%} of ticks, and forces were asked that the floor does not give "
-            f"at {given_up.contact:.2%}"
+            "within limits of torque and friction, outputs could come back slower than commanded "
+            f"at {given_up.decrease:.2%} of ticks, and forces were asked that the floor does not "
+            f"give at {given_up.contact:.2%}"
         )
     missed = [
         (name, number(error.mean), number(error.worst))

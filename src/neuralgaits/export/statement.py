@@ -174,7 +174,7 @@ def arrays(design: Design) -> list[Array]:
         (
             "z_margin",
             bounds.margin,
-            "what it is told levels off within this much more (m, kg m^2/s)",
+            "its commands level off within this much more (m, kg m^2/s)",
         ),
     ]
     if design.commands:

@@ -43,17 +43,17 @@ WORDS = {
         states="every trajectory that starts in the walking set walks for ever",
         means=f"{FOR_EVER}.",
         states_told="from every state of the walking set the zero dynamics walk for ever, however "
-        "what they are told changes within its bounds",
-        means_told=f"{FOR_EVER}, whatever it is told within its bounds.",
+        "their commands change within their bounds",
+        means_told=f"{FOR_EVER}, whatever its commands are within their bounds.",
     ),
     3: LevelWords(
         about="orbit",
         asks="and that one orbit attracts all of it",
         states="one periodic orbit attracts the whole walking set",
         means=f"{FOR_EVER}, and comes nearer and nearer to one motion that repeats.",
-        states_told="any two walks in the walking set that are told the same come together",
-        means_told=f"{FOR_EVER}, whatever it is told within its bounds, and walks that are told "
-        "the same come nearer and nearer to each other.",
+        states_told="any two walks in the walking set under the same commands come together",
+        means_told=f"{FOR_EVER}, whatever its commands are within their bounds, and walks under "
+        "the same commands come nearer and nearer to each other.",
     ),
     4: LevelWords(
         about="full order",

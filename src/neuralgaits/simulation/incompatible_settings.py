@@ -148,7 +148,7 @@ def refuse_beside_terrain(
     """Refuse options that exclude a terrain. Raises: InputError."""
     if commands is not None:
         raise InputError(
-            "expected --terrain or --commands, found both: the robot is told what it sees"
+            "expected --terrain or --commands, found both: what the robot sees sets its commands"
         )
     given = parsed(command) if isinstance(command, str) else command or {}
     taken = [name for name in given if name in commands_from_terrain(terrain)]

@@ -263,7 +263,7 @@ def _written(
     if scope.box:
         reason = level_one.worst_robot(verdicts, scope.chart) or reason
     if scope.part is not None:
-        only = f"proved is what is said of {scope.part}: part of what the gait is told"
+        only = f"proved is what is said of {scope.part}: part of the gait's commands"
         verdicts = {name: level_one.of_a_part(entry) for name, entry in verdicts.items()}
         conclusions = [
             replace(one, verdict="undecided", reason=only) if one.proved else one

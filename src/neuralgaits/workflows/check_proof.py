@@ -110,7 +110,7 @@ def against(claims: Claims, folder: Path, report: CheckResult) -> CheckResult:
 def _of_part(report: CheckResult, claims: Claims) -> CheckResult:
     """Return the report about a file that covers only a part of the run's commands."""
     axes = " and ".join(claims.chart.intervals())
-    reason = f"every statement holds, for {axes} only: part of what the gait is told"
+    reason = f"every statement holds, for {axes} only: part of the gait's commands"
     levels = tuple(replace(one, verdict="consistent") for one in report.levels)
     if report.verdict != "proved":
         return replace(report, levels=levels)

@@ -13,7 +13,7 @@ from neuralgaits.certificate.chart import Chart
 from neuralgaits.certificate.proof_file.json_fields import exactly
 from neuralgaits.certificate.proof_file.limits import MOST_COMMANDS, limit
 
-OTHER_CHART = "the file's chart is not that of what its gait is told"
+OTHER_CHART = "the file's chart is not that of its gait's commands"
 
 
 class ModelCommand(NamedTuple):
@@ -34,7 +34,7 @@ def command_ranges(model: Mapping[str, Any]) -> tuple[ModelCommand, ...]:
         return ()
     rows = policy["commands"]
     if not isinstance(rows, list) or not rows:
-        raise ValueError("a gait that is told commands, without any")
+        raise ValueError("a gait that takes commands, without any")
     limit(len(rows), MOST_COMMANDS, "commands")
     found = tuple(map(_command, rows))
     if len({one.name for one in found}) < len(found):
@@ -68,12 +68,12 @@ def is_beyond(chart: Chart, commands: Sequence[ModelCommand]) -> bool:
 def why_part(chart: Chart, commands: Sequence[ModelCommand]) -> str | None:
     """Describe the part of the commands that a chart covers; None if it covers all of them."""
     if not _alike(chart, commands):
-        return "every statement holds, on a chart without the axes of what the gait is told"
+        return "every statement holds, on a chart without the axes of the gait's commands"
     first = chart.of_commands(len(commands))
     if first == Chart.of(commands):
         return None
     axes = " and ".join(first.intervals())
-    return f"every statement holds, for {axes} only: part of what the gait is told"
+    return f"every statement holds, for {axes} only: part of the gait's commands"
 
 
 def _alike(chart: Chart, commands: Sequence[ModelCommand]) -> bool:

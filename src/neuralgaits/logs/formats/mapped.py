@@ -98,7 +98,7 @@ def _refuse_unknown_wishes(text: Text, columns: ColumnFile, policy: AbstractPoli
     """Refuse a log without desired outputs unless they follow from a policy without commands."""
     if columns.has("desired") or (policy is not None and policy.step is None):
         return
-    why = "no policy is given" if policy is None else "its policy is told commands"
+    why = "no policy is given" if policy is None else "its policy takes commands"
     raise InputError(
         f"log {text.path}: expected desired joint angles, found no table [desired] in "
         f"{columns.path}, and {why}: name their columns there; see {PAGE}"

@@ -135,6 +135,6 @@ def check_told(what: str, kind: TerrainKind, commands: Commands) -> None:
         flags = " ".join(f"--{name.replace('_', '-')} A:B" for name in kind.asks)
         taken = ", ".join(c.name for c in commands) or "none"
         raise InputError(
-            f"expected a gait that is told {' and '.join(kind.asks)} on {what}, found one that is "
-            f"told {taken}: train one with {flags}"
+            f"expected a gait that takes {' and '.join(kind.asks)} on {what}, found one that "
+            f"takes {taken}: train one with {flags}"
         )

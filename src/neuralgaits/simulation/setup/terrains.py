@@ -93,8 +93,8 @@ def _first_told(
         c = commands[at]
         if not c.low - ROUNDING_M <= value <= c.high + ROUNDING_M:
             raise InputError(
-                f"expected a gait that may be told {name} {value:g} {c.unit} on this terrain, "
-                f"found one that is told {c.low:g} to {c.high:g}"
+                f"expected a gait that takes {name} {value:g} {c.unit} on this terrain, "
+                f"found one that takes {c.low:g} to {c.high:g}"
             )
         first[at] = np.clip(value, c.low, c.high)
     return first

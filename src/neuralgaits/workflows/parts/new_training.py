@@ -124,8 +124,8 @@ def _refuse_proof(spec: GaitSpec, unprovable: str | None) -> None:
     """Refuse a gait that cannot be trained until it is proved. Raises: InputError."""
     if spec.commands:
         raise InputError(
-            "expected a gait without commands to train until it is proved, found one that is "
-            f"told {', '.join(c.name for c in spec.commands)}: its proof takes many minutes; "
+            "expected a gait without commands to train until it is proved, found one that "
+            f"takes {', '.join(c.name for c in spec.commands)}: its proof takes many minutes; "
             "train without --certify, then certify the run"
         )
     if spec.parameters:

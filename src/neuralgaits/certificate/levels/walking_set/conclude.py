@@ -87,5 +87,5 @@ def _why_not_inside(shape: WalkingSetConstants, bounds: Bounds) -> str | None:
         return outside
     moved = -arb(bounds["set/steepness", *around]) * arb(shape.start_strip)
     if not arb(bounds["set/inlet", *strip]) > moved:
-        return "a reset may land outside the fences of a step that is told another command"
+        return "a reset may land outside the fences of a step under another command"
     return None
