@@ -74,7 +74,7 @@ def test_a_gait_that_is_told_nothing_has_no_such_part(contents):
     page = contents()
     assert list(family(page, {})) == []
     whole = document(page)
-    assert "What it is told" not in whole and 'id="told"' not in whole
+    assert "Its commands" not in whole and 'id="told"' not in whole
 
 
 def test_what_is_told_stands_there_with_its_range_and_its_change(commanded):
@@ -121,10 +121,10 @@ def test_no_part_of_the_page_speaks_of_one_orbit_of_a_gait_with_many(commanded):
     for part in (answer(page), certificate(page), said(page)):
         assert "one motion that repeats" not in part and "one periodic orbit" not in part
         assert "under the same commands" in part
-    assert "from what it is told and two numbers" in answer(page)
+    assert "from its commands and two numbers" in answer(page)
     open_ = commanded(certificate=replace(certified(*CONDITIONS, levels=(2,)), level=2))
     (third,) = [what for what, _ in missing_parts(open_) if what.startswith("level 3")]
-    assert "told the same" in third
+    assert "under the same commands" in third
 
 
 def test_conditions_of_which_some_are_open_are_counted(commanded):

@@ -34,7 +34,7 @@ _KEY = (
 
 _NONE = (
     '<div style="font-size:12px;padding:2px 10px 6px">No margins at present: they are still being '
-    "computed, the robot is told something else than the gait on the board, or its state is far "
+    "computed, the robot gets another command than the gait on the board, or its state is far "
     "outside of the region.</div>"
 )
 

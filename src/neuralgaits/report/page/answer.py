@@ -102,7 +102,7 @@ def _counted(done: Simulated) -> str:
 
 
 def _why(saved: Saved) -> str:
-    numbers = "what it is told and two numbers" if saved.asked.commands else "two numbers alone"
+    numbers = "its commands and two numbers" if saved.asked.commands else "two numbers alone"
     known = (
         f"{numbers}: how far the hip is ahead of the foot on the ground, and with how much "
         "momentum the body turns over that foot"

@@ -24,7 +24,7 @@ def family(contents: Contents, pictures: Mapping[str, Html]) -> Iterator[Html]:
         return
     yield section(
         "told",
-        "What it is told",
+        "Its commands",
         paragraph(_told(commands)),
         _ranges(commands),
         paragraph(*_proved(contents.saved)),
@@ -36,8 +36,8 @@ def family(contents: Contents, pictures: Mapping[str, Html]) -> Iterator[Html]:
 def _told(commands: Mapping[str, Range]) -> str:
     what = " and ".join(commanded_gait.words(name).whole for name in commands)
     said = (
-        f"At each touchdown this robot is told something about its next step: {what}. One network "
-        "serves all of it. It also knows what was told for the step before, because that decides "
+        f"At each touchdown this robot gets commands for its next step: {what}. One network "
+        "serves all of them. It also knows the commands of the step before, because that decides "
         "in which posture this one begins. What is out of range is taken as the nearest value in it"
     )
     spread = any(one.largest_change is not None for one in commands.values())
@@ -56,8 +56,8 @@ def _ranges(commands: Mapping[str, Range]) -> Html:
         )
         for name, one in commands.items()
     ]
-    head = ("what is told", "from", "to", "change a step, at most")
-    return table("What the gait can be told", head, rows, numbers=" nnn", cards=True)
+    head = ("command", "from", "to", "change a step, at most")
+    return table("Commands of the gait", head, rows, numbers=" nnn", cards=True)
 
 
 def _proved(saved: Saved) -> Iterator[Html | str]:

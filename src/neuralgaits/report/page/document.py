@@ -23,7 +23,7 @@ _CONTENTS = (
     ("answer", "The answer"),
     ("walk", "The walk"),
     ("training", "What was made"),
-    ("told", "What it is told"),
+    ("told", "Its commands"),
     ("figures", "Figures"),
     ("certificate", "The certificate"),
     ("simulations", "Simulations"),

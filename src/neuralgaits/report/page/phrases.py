@@ -38,7 +38,7 @@ _SIDES = {"lower": "slow", "upper": "fast"}
 GLOSSARY = (
     (
         "Zero dynamics",
-        "what is left of the robot's motion when every motor does exactly what it is told: how "
+        "what is left of the robot's motion when every joint follows its reference exactly: how "
         "the body falls forward over the foot on the ground. No motor acts on it directly. It is "
         "two numbers: z1, how far the hip is ahead of the foot, and z2, the angular momentum over "
         "it.",
