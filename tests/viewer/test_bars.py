@@ -22,7 +22,7 @@ def test_bars_have_the_length_of_their_margins():
 def test_a_page_without_numbers_says_why():
     margins = Margins(np.full(2, np.nan), np.zeros(2, dtype=bool))
     page = bars.render(["one", "two"], margins)
-    assert "told something else than the gait on the board" in page
+    assert "gets another command than the gait on the board" in page
     assert "–" not in page and "height:9px" not in page
 
 
