@@ -15,6 +15,7 @@ import mujoco
 import numpy as np
 import pytest
 
+from neuralgaits._compiler import Compiler
 from neuralgaits.analysis.run import open_run
 from neuralgaits.cli.main import main
 from neuralgaits.control import Controller, Pd
@@ -32,7 +33,6 @@ from neuralgaits.simulation.native.struct_layout import address
 from neuralgaits.simulation.native_walk import (
     SOURCES,
     _design,
-    compiler,
     engine_of,
     engine_of_run,
     sources,
@@ -393,8 +393,8 @@ def test_a_live_walk_is_that_of_the_reference(run, library):
 @pytest.mark.parametrize("law", ["pd", "clf-qp"])
 def test_nothing_is_read_or_written_that_is_not_ours(run, library, tmp_path, law):
     """The loop as a program of its own, under the sanitizers of addresses and of behaviour."""
-    command = compiler()
-    assert command is not None
+    compiler = Compiler.for_c()
+    assert compiler is not None
     plant = build(run.robot, parse(f"{PLANTS['uneven']},{PLANTS['noisy']},delay_ms=2"))
     starts = full_states(run.zero_dynamics, run.gait, "region", seed=0, episodes=3)
     limits = {"z2_range": momentum_range(run.gait), "period_s": 1e-3}
@@ -412,10 +412,7 @@ def test_nothing_is_read_or_written_that_is_not_ours(run, library, tmp_path, law
     files += [str(Path(__file__).parent / "walk_main.c"), "-o", str(tmp_path / "walk_main")]
     linked = ["-I", str(tmp_path), "-isystem", str(folder / "include")]
     linked += [str(loaded), f"-Wl,-rpath,{folder}", "-lm"]
-    subprocess.run(
-        [*command, "-std=gnu99", "-O0", "-g1", "-Werror", *flags, *files, *linked],
-        check=True,
-    )
+    compiler.run(["-std=gnu99", "-O0", "-g1", "-Werror", *flags, *files, *linked])
     done = subprocess.run(
         [str(tmp_path / name) for name in ("walk_main", "model.mjb", "scene", "starts")] + ["3"],
         capture_output=True,

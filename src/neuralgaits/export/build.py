@@ -1,11 +1,12 @@
 """Compile the controller and inspect the result."""
 
 import re
-import shutil
 import subprocess
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from neuralgaits._compiler import Compiler, CompilerError, run_tool
 from neuralgaits.errors import MismatchError
 
 COMPILERS = ("gcc", "clang")
@@ -17,7 +18,7 @@ PRECISIONS = {"double": (), "float": ("-DNG_FLOAT",)}
 CORE = ("gait.c", "controller.c", "estimator.c")
 """Files that run on the robot, without the self-test."""
 CHECKED = (*CORE, "selftest.c", "check.c")
-_TIMEOUT_S = 300.0
+_RUN_S = 300.0
 _FREESTANDING = frozenset(("memcpy", "memset", "memmove"))
 """Functions that a C compiler may call by itself, even without a library."""
 
@@ -42,7 +43,7 @@ class Inspection:
 
 def compilers() -> list[str]:
     """Return those of COMPILERS that this machine has."""
-    return [name for name in COMPILERS if shutil.which(name)]
+    return [name for name in COMPILERS if Compiler((name,)).path]
 
 
 def build(
@@ -109,7 +110,7 @@ def deepest(graph: str) -> int:
 def run(program: Path, *arguments: str) -> bytes:
     """Run a compiled program and return its output. Raises: MismatchError if it fails."""
     done = subprocess.run(
-        [str(program), *arguments], capture_output=True, timeout=_TIMEOUT_S, check=False
+        [str(program), *arguments], capture_output=True, timeout=_RUN_S, check=False
     )
     if done.returncode != 0:
         said = (done.stderr or done.stdout).decode(errors="replace").strip().splitlines()
@@ -120,19 +121,12 @@ def run(program: Path, *arguments: str) -> bytes:
     return done.stdout
 
 
-def _run(command: list[str]) -> str:
-    done = subprocess.run(
-        command,
-        capture_output=True,
-        encoding="utf-8",
-        errors="replace",
-        timeout=_TIMEOUT_S,
-        check=False,
-    )
-    if done.returncode != 0:
-        lines = [line for line in done.stderr.splitlines() if "error" in line] or ["silent"]
+def _run(command: Sequence[str]) -> str:
+    """Run a compiler, or a tool that reads what it made. Raises: MismatchError if it fails."""
+    try:
+        return run_tool(command)
+    except CompilerError as error:
         raise MismatchError(
-            f"{command[0]}: expected C that compiles without warnings, found {lines[0][:300]}: "
-            "report it"
-        )
-    return done.stdout
+            f"{command[0]}: expected C that compiles without warnings, found "
+            f"{error.complaint[:300]}: report it"
+        ) from None

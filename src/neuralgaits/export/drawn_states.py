@@ -4,6 +4,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from neuralgaits._blocks import in_blocks
 from neuralgaits._quick_jit import quick_filter_jit
 from neuralgaits._types import Array, Float
 from neuralgaits.export.facts import Design
@@ -79,13 +80,11 @@ def lifted(
     Returns: [N, 2n], [N, m], [N, m], [N, s].
     """
     robot, residual = design.robot, design.controller.reset_residual
-    given, parts = (chart, eta, *pair), []
-    for start in range(0, len(chart), _AT_ONCE):
-        some = [np.asarray(side[start : start + _AT_ONCE]) for side in given]
-        chosen = [np.resize(side, (_AT_ONCE, *side.shape[1:])) for side in some]
-        found = _lift(design.gait, design.commands, robot, residual, chosen)
-        parts.append([np.asarray(part)[: len(some[0])] for part in found])
-    return tuple(np.concatenate(part) for part in zip(*parts, strict=True))  # type: ignore[return-value]
+
+    def lift(*cases: np.ndarray) -> tuple[Array, Array, Array, Array]:
+        return _lift(design.gait, design.commands, robot, residual, list(cases))
+
+    return in_blocks(lift, _AT_ONCE, chart, eta, *map(np.asarray, pair))
 
 
 @quick_filter_jit

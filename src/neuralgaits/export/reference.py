@@ -1,12 +1,14 @@
 """Run the Python controller on the cases: the reference side of every comparison."""
 
 from dataclasses import fields, replace
+from functools import partial
 from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 
+from neuralgaits._blocks import in_blocks
 from neuralgaits._quick_jit import quick_filter_jit, quick_jit
 from neuralgaits._types import Array
 from neuralgaits.control import ControllerState, step, tell
@@ -73,21 +75,21 @@ class Reference:
         parts, order = [], []
         for number, controller in enumerate(self._design.controllers.values()):
             which = np.flatnonzero(cases.law == number)
-            for start in range(0, which.size, _ROWS):
-                chosen = which[start : start + _ROWS]
-                order.append(chosen)
-                some = cases.take(np.resize(chosen, _ROWS))
-                parts.append(self._some(controller, some, chosen.size))
+            if which.size:
+                order.append(which)
+                parts.append(in_blocks(partial(self._some, controller, cases), _ROWS, which))
         back = np.argsort(np.concatenate(order))
         return Results(*(np.concatenate(columns)[back] for columns in zip(*parts, strict=True)))
 
-    def _some(self, controller: Controller, cases: Cases, wanted: int) -> Results:
-        arrays = {field.name: getattr(cases, field.name) for field in fields(cases)}
+    def _some(self, controller: Controller, cases: Cases, which: np.ndarray) -> Results:
+        """Run some of the cases, as many as the code is compiled for."""
+        some = cases.take(which)
+        arrays = {field.name: getattr(some, field.name) for field in fields(some)}
         safeguard = self._design.safeguard
-        found = _ticks(controller, safeguard, arrays, cases.measurement(self._design))
-        rows = {name: np.asarray(column)[:wanted] for name, column in found.items()}
+        found = _ticks(controller, safeguard, arrays, some.measurement(self._design))
+        rows = {name: np.asarray(column) for name, column in found.items()}
         result = Results(**{name: column.astype(np.float64) for name, column in rows.items()})
-        torque = result.torque.reshape(wanted, -1)
+        torque = result.torque.reshape(len(which), -1)
         gears = np.reshape(self._design.robot.layout.gears, -1)
         return result._replace(torque=torque, motors=torque / gears)
 

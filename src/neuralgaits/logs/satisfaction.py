@@ -5,13 +5,14 @@ neither contact forces nor impulses. A barrier holds in a row if h >= 0 there.
 """
 
 from collections.abc import Sequence
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 
+from neuralgaits._blocks import in_blocks
 from neuralgaits._quick_jit import quick_filter_jit
 from neuralgaits._types import Actuated, Array, Bool, Coordinates, Float
 from neuralgaits.barriers import Gait, GaitSpec
@@ -69,9 +70,7 @@ def satisfaction(
     if not len(rows):
         return Satisfaction(0, 0.0, 0.0, {})
     judge = _judge_of(tuple(conditions))
-    padded = np.concatenate([rows, np.repeat(rows[-1:], -len(rows) % BLOCK, axis=0)])
-    found = [judge(robot, gait, part) for part in padded.reshape(-1, BLOCK, rows.shape[1])]
-    charts, held = (np.concatenate(part)[: len(rows)] for part in zip(*found, strict=True))
+    charts, held = in_blocks(partial(judge, robot, gait), BLOCK, rows)
     phase, level = charts.T
     inside = (phase >= 0.0) & (phase <= 1.0) & (level >= 0.0) & (level <= 1.0)
     shares, good = {}, inside.copy()

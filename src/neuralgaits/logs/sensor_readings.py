@@ -1,5 +1,6 @@
 """States computed from the sensors of many rows by the run's model: q, dq, z, desired outputs."""
 
+from functools import partial
 from typing import NamedTuple
 
 import equinox as eqx
@@ -7,6 +8,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from neuralgaits._blocks import in_blocks
 from neuralgaits._quick_jit import quick_filter_jit
 from neuralgaits._types import Actuated, Array, Float, Int, ZeroState
 from neuralgaits.control import Measurement
@@ -16,7 +18,7 @@ from neuralgaits.control.momentum import zero_state
 from neuralgaits.control.pd import Pd
 from neuralgaits.control.saturation import ZeroStateBounds, zero_state_bounds
 from neuralgaits.gait import AbstractPolicy
-from neuralgaits.logs.zero_states import in_blocks
+from neuralgaits.logs.zero_states import BLOCK
 from neuralgaits.robots import PlanarBiped
 
 
@@ -48,7 +50,7 @@ def feet_apart(
     robot: PlanarBiped, pitch: Float[np.ndarray, " k"], angles: Float[np.ndarray, "k 2 j"]
 ) -> Float[np.ndarray, " k"]:
     """Return how far the foot of leg 1 is ahead of that of leg 0 (m). [k]."""
-    return in_blocks(_feet_apart, robot, np.column_stack([pitch, _flat(angles)]))
+    return in_blocks(partial(_feet_apart, robot), BLOCK, np.column_stack([pitch, _flat(angles)]))
 
 
 def states(
@@ -63,14 +65,15 @@ def states(
     parts = (stance, pinned, sensed.pitch, sensed.dpitch, _flat(sensed.angles))
     x = np.column_stack([*parts, _flat(sensed.rates), velocity]).astype(np.float64)
     n = robot.n
-    return States(*np.split(in_blocks(_states, robot, x), [n, 2 * n, 2 * n + 2], axis=1))
+    found = in_blocks(partial(_states, robot), BLOCK, x)
+    return States(*np.split(found, [n, 2 * n, 2 * n + 2], axis=1))
 
 
 def stance_first(
     robot: PlanarBiped, stance: Int[np.ndarray, " k"], by_leg: Float[np.ndarray, "k 2 j"]
 ) -> Float[np.ndarray, "k m"]:
     """Reorder values of joints by leg to the order of the actuated coordinates. [k, m]."""
-    return in_blocks(_stance_first, robot, np.column_stack([stance, _flat(by_leg)]))
+    return in_blocks(partial(_stance_first, robot), BLOCK, np.column_stack([stance, _flat(by_leg)]))
 
 
 def asked(
@@ -83,7 +86,7 @@ def asked(
     Returns: [k, m] (rad), [k, m] (rad/s).
     """
     asking = _Asking(robot, policy, zero_state_bounds(robot, policy))
-    found = in_blocks(_asked, asking, np.concatenate([*of], axis=1))
+    found = in_blocks(partial(_asked, asking), BLOCK, np.concatenate([*of], axis=1))
     m = robot.n - 1
     return found[:, :m], found[:, m:]
 

@@ -4,13 +4,14 @@ A walk has few touchdowns, so the correction is affine in z before the impact, i
 Slopes are shrunk as if one more touchdown had shown that there are none.
 """
 
-from collections.abc import Callable
+from functools import partial
 from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 
+from neuralgaits._blocks import in_blocks
 from neuralgaits._quick_jit import quick_filter_jit
 from neuralgaits._types import Array, Float
 from neuralgaits.gait import ZeroDynamics
@@ -44,7 +45,7 @@ def landings(zd: ZeroDynamics, seen: Touchdowns) -> Landings:
     # None as a correction of zero: one compilation for both.
     reset = zd.reset_residual or ResetResidual.like(zd.robot.n - 1)
     whole = ZeroDynamics(zd.robot, zd.policy, zd.residual, reset)
-    z, eta = _in_blocks(_predicted, whole, seen.z_before, seen.after_s)
+    z, eta = in_blocks(partial(_predicted, whole), BLOCK, seen.z_before, seen.after_s)
     return Landings(seen.z_after - z, seen.eta_after - eta)
 
 
@@ -62,7 +63,7 @@ def fit_reset(zd: ZeroDynamics, seen: Touchdowns) -> ResetResidual | None:
         return None
     plain = ZeroDynamics(zd.robot, zd.policy, zd.residual)
     missed = landings(plain, seen).z
-    (wanted,) = _in_blocks(_wanted, plain, seen.z_before, missed, seen.eta_after)
+    wanted = in_blocks(partial(_wanted, plain), BLOCK, seen.z_before, missed, seen.eta_after)
     bound = np.maximum(BOUND_FACTOR * np.abs(wanted).max(axis=0), LEAST_BOUND)
     targets = np.arctanh(wanted / bound)
     centre, spread = seen.z_before.mean(axis=0), seen.z_before.std(axis=0)
@@ -72,19 +73,6 @@ def fit_reset(zd: ZeroDynamics, seen: Touchdowns) -> ResetResidual | None:
     shrunk = inputs.T @ inputs + SHRINKAGE * np.eye(2)
     weight = np.linalg.solve(shrunk, inputs.T @ (targets - offset)).T
     return ResetResidual(weight, offset, scale, centre / scale, bound)
-
-
-def _in_blocks(
-    function: Callable[..., tuple[Array, ...]], zd: ZeroDynamics, *inputs: np.ndarray
-) -> tuple[np.ndarray, ...]:
-    """Evaluate N rows of all inputs in blocks, the last row filling up the last block."""
-    count = len(inputs[0])
-    padded = [np.concatenate([a, np.repeat(a[-1:], -count % BLOCK, axis=0)]) for a in inputs]
-    parts = [
-        function(zd, *(a[first : first + BLOCK] for a in padded))
-        for first in range(0, len(padded[0]), BLOCK)
-    ]
-    return tuple(np.concatenate(part)[:count] for part in zip(*parts, strict=True))
 
 
 def _predict(
@@ -107,7 +95,7 @@ def _want(
     z: Float[Array, "N 2"],
     missed: Float[Array, "N 2"],
     eta: Float[Array, "N two_m"],
-) -> tuple[Float[Array, "N k"]]:
+) -> Float[Array, "N k"]:
     """Return corrections that would have met each landing. [N, 1 + m]."""
     m = zd.robot.n - 1
 
@@ -119,7 +107,7 @@ def _want(
         rates = zd.phi_inv(z_after, still)[-m:] - point.impact.dq[1:]
         return jnp.concatenate([missed[1:], rates]) / z[1]
 
-    return (jax.vmap(one)(z, missed, eta),)
+    return jax.vmap(one)(z, missed, eta)
 
 
 _predicted = quick_filter_jit(_predict)

@@ -1,10 +1,12 @@
 """Errors of predicted trajectories against measured ones, window by window."""
 
+from functools import partial
 from typing import NamedTuple
 
 import jax
 import numpy as np
 
+from neuralgaits._blocks import in_blocks
 from neuralgaits._quick_jit import quick_filter_jit
 from neuralgaits._types import Array, Float
 from neuralgaits.gait import ZeroDynamics
@@ -33,13 +35,8 @@ def missed(zd: ZeroDynamics, residual: Rate, windows: Windows) -> Missed:
         windows: measured windows.
     """
     model = ZeroDynamics(zd.robot, zd.policy)
-    count = len(windows.z)
-    t, z = _padded(windows.t, count), _padded(windows.z, count)
-    found = [
-        np.asarray(_shot(model, residual, t[i : i + BLOCK], z[i : i + BLOCK, 0]))
-        for i in range(0, len(t), BLOCK)
-    ]
-    errors = windows.z[:, 1:] - np.concatenate(found)[:count]
+    predicted = in_blocks(partial(_shot, model, residual), BLOCK, windows.t, windows.z[:, 0])
+    errors = windows.z[:, 1:] - predicted
     spans = windows.t[:, 1:2] - windows.t[:, 0:1]
     return Missed(errors, errors[:, 0] / spans)
 
@@ -52,11 +49,6 @@ def root_mean_square(errors: Float[np.ndarray, "N k 2"], scale: Float[np.ndarray
 def largest_defects(found: Missed) -> Float[np.ndarray, "2"]:
     """Return the largest missing rate over any first interval (m/s, N m)."""
     return np.abs(found.defects).max(axis=0)
-
-
-def _padded(array: np.ndarray, count: int) -> np.ndarray:
-    """Fill whole blocks by repeating the last window."""
-    return np.concatenate([array, np.repeat(array[-1:], -count % BLOCK, axis=0)])
 
 
 def _shoot_block(

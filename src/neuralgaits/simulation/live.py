@@ -7,7 +7,6 @@ clocks, threads or screens: time passes only in `tick`.
 # pyright: reportAttributeAccessIssue=false
 # MuJoCo ships no type stubs.
 
-import math
 from collections.abc import Mapping
 from dataclasses import replace
 
@@ -18,23 +17,21 @@ from neuralgaits._types import Float
 from neuralgaits.control import AbstractLaw, Controller
 from neuralgaits.errors import InputError
 from neuralgaits.gait import AbstractPolicy
-from neuralgaits.gait.commands import CommandLimits, values
 from neuralgaits.gait.reset_residual import ResetCorrection
 from neuralgaits.robots import PlanarBiped
+from neuralgaits.simulation.live_commands import LiveCommands
 from neuralgaits.simulation.live_floor import Floor
-from neuralgaits.simulation.live_tick import JaxTick, LiveTick, NativeTick
+from neuralgaits.simulation.live_push import PERIOD_S, LivePush
+from neuralgaits.simulation.live_tick import tick_of
 from neuralgaits.simulation.native.compiled_walk import Library
 from neuralgaits.simulation.setup.course import Course
 from neuralgaits.simulation.setup.disturbance import PlantChanges
 from neuralgaits.simulation.setup.live_course import LiveCourse
-from neuralgaits.simulation.setup.plant import SUBSTEPS, TIMESTEP_S, build
-from neuralgaits.simulation.setup.push import DURATION_S
+from neuralgaits.simulation.setup.plant import SUBSTEPS, build
 from neuralgaits.simulation.setup.terrain_kinds import Size
 from neuralgaits.simulation.ticks.falls import Ending, FallConfig
 from neuralgaits.simulation.ticks.tick import TickRecord, Verdict
 
-PERIOD_S = SUBSTEPS * TIMESTEP_S
-"""Time of one tick [s]."""
 CHANGEABLE = ("friction", "torque_limit", "slope_deg", "mass_scale")
 """Disturbances that may change while the robot walks."""
 CHANGEABLE_ON_BLOCKS = ("friction", "torque_limit", "mass_scale")
@@ -51,7 +48,6 @@ class LiveWalk:
         data: MuJoCo's state of the plant.
         floor: floor under the feet.
         verdict: verdict of the last tick; None before the first.
-        impulse_given: impulse of all pushes so far, along x and z (N s). [2]
         laps: touchdowns of each walk to the end of a course; the robot is then put back to the
             beginning.
     """
@@ -88,7 +84,6 @@ class LiveWalk:
         self.data = mujoco.MjData(self.plant.model)
         self.floor = Floor(0.0, 0.0)
         self.verdict: Verdict | None = None
-        self.impulse_given = np.zeros(2)
         self.laps: tuple[int, ...] = ()
         self._robot = robot
         controller = Controller.init(
@@ -99,21 +94,14 @@ class LiveWalk:
             period_s=PERIOD_S,
             reset_residual=reset_residual,
         )
-        self._commands = policy.commands
-        falls = FallConfig() if falls is None else falls
         self._limit = np.asarray(controller.torque_limit)
-        middle = CommandLimits.of(self._commands).middle
-        self._first = middle if ground is None else np.array(ground.courses.orders.first)
-        self._tick: LiveTick = (
-            JaxTick(self.plant, controller, falls, self._first)
-            if library is None
-            else NativeTick(library, self.plant, controller, falls, self._first)
-        )
-        self._wanted = np.array(self._first)
+        orders = None if ground is None else ground.courses.orders
+        self._commands = LiveCommands(policy.commands, orders)
+        falls = FallConfig() if falls is None else falls
+        self._tick = tick_of(library, self.plant, controller, falls, self._commands.first)
         self._levels = np.zeros((1, 2))
         self._ticks = 0
-        self._push_ticks = 0
-        self._force = np.zeros(2)
+        self._push = LivePush()
         self._start = np.asarray(start, dtype=np.float64)
         self._stand(self._start, 0.0)
 
@@ -153,7 +141,12 @@ class LiveWalk:
     @property
     def pushing(self) -> Float[np.ndarray, "2"]:
         """Return the force of the present push, along x and z (N); zero without one. [2]."""
-        return self._force if self._push_ticks else np.zeros(2)
+        return self._push.force
+
+    @property
+    def impulse_given(self) -> Float[np.ndarray, "2"]:
+        """Return the impulse of all pushes so far, along x and z (N s). [2]."""
+        return self._push.impulse_given
 
     @property
     def hip(self) -> Float[np.ndarray, "2"]:
@@ -178,9 +171,7 @@ class LiveWalk:
         self.data.qacc_warmstart[:] = 0.0
         for _ in range(SUBSTEPS):
             mujoco.mj_step(self.plant.model, self.data)
-        if self._push_ticks:
-            self._push_ticks -= 1
-            self.impulse_given += PERIOD_S * self._force
+        self._push.advance()
         return True
 
     def push(self, impulse: Float[np.ndarray, "2"]) -> None:
@@ -188,11 +179,7 @@ class LiveWalk:
 
         The rest of an earlier push is dropped. Raises: InputError if it is not finite.
         """
-        impulse = np.asarray(impulse, dtype=np.float64)
-        if impulse.shape != (2,) or not np.all(np.isfinite(impulse)):
-            raise InputError(f"push: expected a finite impulse along x and z, found {impulse}")
-        self._push_ticks = round(DURATION_S / PERIOD_S)
-        self._force = impulse / (self._push_ticks * PERIOD_S)
+        self._push.begin(impulse)
 
     def _walk_on(self, ground: LiveCourse, verdict: Verdict) -> bool:
         """Update the commands from the ground. Returns: whether the course ended and began anew."""
@@ -202,8 +189,8 @@ class LiveWalk:
             ground.draw_anew()
             self.reset()
             return True
-        ground.courses.look(self._wanted, 0, steps, feet[0, 1])
-        self._tick.tell(self._wanted)
+        ground.courses.look(self._commands.requested, 0, steps, feet[0, 1])
+        self._tick.tell(self._commands.requested)
         down, leg = np.asarray(verdict.touchdown), np.asarray(verdict.leg)
         ground.courses.stand(self._levels, down, leg, feet)
         return False
@@ -244,18 +231,14 @@ class LiveWalk:
         A change that is too fast for one step is spread over several.
         Raises: InputError for another name, or a value outside of its range.
         """
-        # What the ground says may be out of range: it is clamped where it is latched.
-        known = dict(zip((c.name for c in self._commands), self._first.tolist(), strict=True))
-        checked = values(self._commands, known | commands)
-        given = [name in commands for name in known]
-        self._wanted[given] = checked[given]
-        self._tick.tell(self._wanted)
+        self._commands.request(commands)
+        self._tick.tell(self._commands.requested)
 
     @property
     def told(self) -> Float[np.ndarray, "2 p"]:
         """Return the commands of the step before and of this one. [2, p]."""
         if self.record is None:
-            return np.stack([self._first, self._first])
+            return np.stack([self._commands.first] * 2)
         return np.asarray(self.record.command.told)[0]
 
     def place(self, x: Float[np.ndarray, " two_n"]) -> None:
@@ -284,14 +267,13 @@ class LiveWalk:
     def _stand(self, x: Float[np.ndarray, " two_n"], foot_x: float) -> None:
         """Put the stance foot onto the floor at `foot_x` (m), and clear the controller's memory."""
         q, dq = np.split(x, 2)
-        lift = float(self._robot.foot_radius) * math.hypot(1.0, self.floor.slope)
-        foot = (foot_x, self.floor.height(foot_x) + lift)
+        foot = (foot_x, self.floor.resting(foot_x, float(self._robot.foot_radius)))
         self.data.qpos[:], self.data.qvel[:] = self.plant.state_map.to_mjcf(q, dq, 0, foot)
         for name in ("ctrl", "qfrc_applied", "sensordata"):
             getattr(self.data, name)[:] = 0.0
         self.verdict = None
         self._tick.restart()
-        self._push_ticks = 0
+        self._push.drop()
         if self._ground is not None:
             self._levels[:] = self._ground.courses.first_levels()
         self._lay(self.floor)
@@ -312,6 +294,5 @@ class LiveWalk:
         if self._ground is None:
             self._levels[:] = floor.level
             self.data.mocap_pos[:] = self.plant.floor_positions(self._levels).reshape(-1, 3)
-            half = 0.5 * math.atan(floor.slope)
-            self.data.mocap_quat[:] = (math.cos(half), 0.0, -math.sin(half), 0.0)
+            self.data.mocap_quat[:] = floor.quaternion
         self._tick.change(self.plant, self._limit, floor.slope)

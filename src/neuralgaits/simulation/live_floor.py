@@ -19,6 +19,16 @@ class Floor(NamedTuple):
         """Return the height of the floor at x (m)."""
         return self.level + self.slope * x
 
+    def resting(self, x: float, radius: float) -> float:
+        """Return the height of the middle of a sphere that rests on the floor above x (m)."""
+        return self.height(x) + radius * math.hypot(1.0, self.slope)
+
+    @property
+    def quaternion(self) -> tuple[float, float, float, float]:
+        """Return the rotation of a level plane onto the floor, (w, x, y, z)."""
+        half = 0.5 * math.atan(self.slope)
+        return math.cos(half), 0.0, -math.sin(half), 0.0
+
     def turned(self, wanted: float, foot: float, radius: float, passed: float) -> "Floor":
         """Return the floor turned about the standing foot for a time, towards a slope.
 

@@ -194,3 +194,19 @@ class NativeTick(LiveTick):
     def record(self) -> TickRecord | None:
         """Record of the last tick; None before it."""
         return record_of(self._row, self._plant.robot) if self._walk.ticks else None
+
+
+def tick_of(
+    library: Library | None,
+    plant: Plant,
+    controller: Controller,
+    falls: FallConfig,
+    first: Float[np.ndarray, " p"],
+) -> LiveTick:
+    """Return the compiled tick of a library, or that in JAX without one.
+
+    `first` has the commands of the first step. [p]
+    """
+    if library is None:
+        return JaxTick(plant, controller, falls, first)
+    return NativeTick(library, plant, controller, falls, first)

@@ -3,9 +3,6 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import equinox as eqx
-import jax
-import jax.numpy as jnp
 import numpy as np
 
 from neuralgaits._environment import cores
@@ -18,8 +15,8 @@ from neuralgaits.gait import AbstractPolicy
 from neuralgaits.gait.commands import Commands, place_of
 from neuralgaits.gait.reset_residual import ResetCorrection
 from neuralgaits.robots import PlanarBiped
+from neuralgaits.simulation.episode_loop import EpisodeLoop
 from neuralgaits.simulation.linked.remote import Remote
-from neuralgaits.simulation.native import loop as native
 from neuralgaits.simulation.native.compiled_walk import Library
 from neuralgaits.simulation.native.native_scene import knows
 from neuralgaits.simulation.setup.command_schedule import CommandSchedule
@@ -29,12 +26,9 @@ from neuralgaits.simulation.setup.episode_inputs import EpisodeInputs
 from neuralgaits.simulation.setup.plant import SUBSTEPS, TIMESTEP_S, Plant, build
 from neuralgaits.simulation.setup.push import Push
 from neuralgaits.simulation.setup.terrain import Terrain
-from neuralgaits.simulation.simulators import MUJOCO, Simulator, check_simulator, world_of
-from neuralgaits.simulation.ticks import lockstep
-from neuralgaits.simulation.ticks.batch import compile_batch
+from neuralgaits.simulation.simulators import MUJOCO, Simulator, check_simulator
 from neuralgaits.simulation.ticks.falls import FallConfig
 from neuralgaits.simulation.ticks.lockstep import EpisodeBatch, Watch
-from neuralgaits.simulation.ticks.scene import Scene
 
 
 @dataclass(frozen=True)
@@ -120,68 +114,63 @@ def walk(
     Raises: InputError if settings do not fit, or Drake is not installed.
     """
     starts = _checked_starts(robot, starts)
-    count = len(starts)
     for one in (plant, *(robots or ())):
         _check_same_joints(robot, one)
     _positive_whole("steps", steps)
+    _finite_impulse(push)
+    check_simulator(simulator)
+    law, count = law_named(controller), len(starts)
     shared = isinstance(policies, AbstractPolicy)
     each = [policies] if shared else _as_many(policies, count)
-    if not np.isfinite(push):
-        raise InputError(f"push: expected a finite impulse in N s, found {push}")
-    law = law_named(controller)
-    check_simulator(simulator)
     if robots is None:
         plants = _plants(robot if plant is None else plant, disturbance, courses)
     else:
         plants = [build(one, disturbance) for one in robots]
-    field = plants[0]
-    controllers = [
-        _controller(robot, policy, law, field, z2_range, reset_residual) for policy in each
-    ]
-    one = controllers[0] if shared else _stacked(controllers)
-    falls = FallConfig() if falls is None else falls
-    if courses is not None:
-        orders = courses.orders
-    orders = CommandSchedule.constant(each[0].commands) if orders is None else orders
-    height = place_of(orders.commands, "step_height")
-    told = None if height is None or courses is not None else float(orders.first[height])
-    given = EpisodeInputs(
-        Terrain(field.disturbance.floor_height, seed, count, told, first),
-        Push(push, steps, seed, count, first),
-        orders,
-        courses,
-        seed=seed,
-        noisy=not _silent(field),
-        first=first,
-        record=record,
-        longest=longest,
+    one_plant = plants[0]
+    orders = _orders(each[0].commands, orders, courses)
+    told = None if courses is not None else _told_height(orders)
+    loop = EpisodeLoop(
+        plants,
+        [_controller(robot, policy, law, one_plant, z2_range, reset_residual) for policy in each],
+        shared,
+        plant_states(one_plant, starts),
+        EpisodeInputs(
+            Terrain(one_plant.disturbance.floor_height, seed, count, told, first),
+            Push(push, steps, seed, count, first),
+            orders,
+            courses,
+            seed=seed,
+            noisy=not _silent(one_plant),
+            first=first,
+            record=record,
+            longest=longest,
+        ),
+        steps,
+        FallConfig() if falls is None else falls,
+        cores() if threads is None else threads,
     )
-    threads = cores() if threads is None else threads
-    states = plant_states(field, starts)
     compiled = shared and remote is None and watch is None and simulator == MUJOCO and knows(law)
     if library is not None and compiled:
-        engine = "native"
-        episodes = native.run(
-            library,
-            field,
-            one,
-            states,
-            given,
-            steps=steps,
-            falls=falls,
-            threads=threads,
-            plants=plants,
-        )
+        engine, episodes = "native", loop.run_native(library)
     else:
-        engine = "jax"
-        gap_depth = np.inf if courses is None else courses.gap_depth
-        scene = Scene.of(field, one, steps, falls, orders.first, gap_depth)
-        batch = compile_batch(scene, np.zeros(count, dtype=np.int32), shared=shared)
-        if remote is not None:
-            batch = remote.batch(scene, batch)
-        world = world_of(simulator, plants, states, threads)
-        episodes = lockstep.run(field, batch, world, given, watch)
-    return Walk(robot, field, one.law, engine, simulator, episodes, orders.commands, courses)
+        engine, episodes = "jax", loop.run_jax(simulator, watch, remote)
+    law = loop.controllers[0].law
+    return Walk(robot, one_plant, law, engine, simulator, episodes, orders.commands, courses)
+
+
+def _orders(
+    commands: Commands, orders: CommandSchedule | None, courses: Courses | None
+) -> CommandSchedule:
+    """Return the commands of the episodes: those of courses come before those that are given."""
+    if courses is not None:
+        return courses.orders
+    return CommandSchedule.constant(commands) if orders is None else orders
+
+
+def _told_height(orders: CommandSchedule) -> float | None:
+    """Return the first commanded height of a foothold (m); None without such a command."""
+    height = place_of(orders.commands, "step_height")
+    return None if height is None else float(orders.first[height])
 
 
 def _controller(
@@ -230,21 +219,6 @@ def plant_states(plant: Plant, starts: Float[np.ndarray, "B two_n"]) -> np.ndarr
     return np.concatenate([np.zeros((len(starts), 1)), qpos, qvel], axis=1)
 
 
-def _stacked(controllers: list[Controller]) -> Controller:
-    """Stack one controller whose policy and bounds have a leading axis of episodes."""
-
-    def stack(*leaves):
-        return jnp.stack([jnp.asarray(leaf) for leaf in leaves])
-
-    parts = [(c.policy, c.bounds) for c in controllers]
-    if len({str(jax.tree.structure(part)) for part in parts}) > 1:
-        raise InputError("policies of different structure cannot walk in one batch: split them")
-    arrays = [eqx.filter(part, eqx.is_array) for part in parts]
-    stacked = jax.tree.map(stack, *arrays)
-    own = eqx.combine(stacked, eqx.filter(parts[0], eqx.is_array, inverse=True))
-    return eqx.tree_at(lambda c: (c.policy, c.bounds), controllers[0], own)
-
-
 def _checked_starts(robot: PlanarBiped, starts: Array) -> Float[np.ndarray, "B two_n"]:
     array = np.asarray(starts, dtype=np.float64)
     if array.ndim != 2 or array.shape[1] != 2 * robot.n or not len(array):
@@ -274,3 +248,8 @@ def _positive_whole(name: str, value: int) -> None:
     if not isinstance(value, int | np.integer) or value < 1:
         raise InputError(f"{name}: expected a whole number of at least 1, found {value!r}")
     check_walked(name, int(value))
+
+
+def _finite_impulse(push: float) -> None:
+    if not np.isfinite(push):
+        raise InputError(f"push: expected a finite impulse in N s, found {push}")

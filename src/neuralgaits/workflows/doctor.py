@@ -3,10 +3,10 @@
 import importlib.util
 import os
 import platform
-import shutil
 import subprocess
 import sys
 
+from neuralgaits._compiler import Compiler
 from neuralgaits._version import __version__
 from neuralgaits.records.installed import Finding, Machine
 
@@ -105,6 +105,7 @@ def _extra(name: str, module: str, package: str, what: str) -> Finding:
 
 
 def _compiler() -> Finding:
-    path = next((found for name in ("cc", "gcc", "clang") if (found := shutil.which(name))), None)
+    compiler = Compiler.for_c()
+    path = None if compiler is None else compiler.path
     fix = "for walks at MuJoCo's own speed, install gcc or clang, or what the extra `compiler` has"
     return _finding(path is not None, path or "no C compiler", fix, needed=False)

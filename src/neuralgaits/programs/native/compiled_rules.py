@@ -6,17 +6,13 @@ at hand. NEURALGAITS_ENGINE=numpy selects them.
 
 import contextlib
 import ctypes
-import hashlib
 import os
 import platform
-import shutil
-import subprocess
-import tempfile
 from functools import cache
 from importlib import resources
-from pathlib import Path
 
 from neuralgaits._cache import cache_folder
+from neuralgaits._compiler import Compiler, CompilerError, SharedLibrary
 
 SOURCE = "bounder.cpp"
 FLAGS = (
@@ -24,37 +20,27 @@ FLAGS = (
     *("-fPIC", "-shared", "-pthread"),
 )
 COMPILERS = ("g++", "clang++", "c++")
-COMPILE_S = 300.0
 ENGINE = "NEURALGAITS_ENGINE"
 
 
 @cache
 def library(axes: int) -> ctypes.CDLL | None:
     """Return the rules in so many axes; None where they cannot be compiled or are not wanted."""
-    compiler = next(filter(None, map(shutil.which, COMPILERS)), None)
+    compiler = Compiler.first_of(COMPILERS)
     if compiler is None or os.environ.get(ENGINE) == "numpy":
         return None
-    folder = resources.files("neuralgaits.programs.native")
-    source = folder.joinpath(SOURCE).read_text(encoding="utf-8")
-    text = "\n".join([source, *FLAGS, compiler, platform.machine(), platform.node(), str(axes)])
-    name = f"bounder-{hashlib.sha256(text.encode()).hexdigest()[:24]}.so"
-    with contextlib.suppress(OSError, subprocess.SubprocessError):
-        file = cache_folder() / name
-        if not file.is_file():
-            file.parent.mkdir(parents=True, exist_ok=True)
-            _compile(compiler, source, axes, file)
-        return _declared(ctypes.CDLL(str(file)))
+    source = resources.files("neuralgaits.programs.native").joinpath(SOURCE)
+    rules = SharedLibrary(
+        "bounder",
+        {SOURCE: source.read_text(encoding="utf-8")},
+        (SOURCE,),
+        (*FLAGS, f"-DNG_AXES={axes}"),
+        # Code for this processor need not run on another machine that has the same cache.
+        depends_on=(platform.node(),),
+    )
+    with contextlib.suppress(OSError, CompilerError):
+        return _declared(ctypes.CDLL(str(compiler.kept(rules, cache_folder()))))
     return None
-
-
-def _compile(compiler: str, source: str, axes: int, file: Path) -> None:
-    """Compile the rules. Raises: OSError or SubprocessError if it does not work."""
-    with tempfile.TemporaryDirectory(dir=file.parent) as folder:
-        text, made = Path(folder) / SOURCE, Path(folder) / file.name
-        text.write_text(source, encoding="utf-8")
-        command = [compiler, *FLAGS, f"-DNG_AXES={axes}", str(text), "-o", str(made)]
-        subprocess.run(command, check=True, capture_output=True, timeout=COMPILE_S)
-        made.replace(file)
 
 
 def _declared(found: ctypes.CDLL) -> ctypes.CDLL:

@@ -47,16 +47,6 @@ def _with_its_own(scene: Any, plant: Plant) -> Any:
     return own
 
 
-class _Kept:
-    """End of one episode, and its records."""
-
-    def __init__(self, walk: Any):
-        self.walk = walk
-        self.records: list[np.ndarray] = []
-        self.states: list[np.ndarray] = []
-        self.strides: list[np.ndarray] = []
-
-
 def run(
     library: Library,
     plant: Plant,
@@ -88,114 +78,139 @@ def run(
         raise InputError("expected the compiled walk of this controller, found another one's")
     scene = scene_of(library, plant, controller, steps, falls, given.push)
     scene.uneven = int(given.terrain.uneven)
+    own_plants = len(plants) == len(states)
     local, stop = threading.local(), threading.Event()
 
-    def one(episode: int) -> _Kept:
-        if len(plants) == len(states):
-            own = plants[episode]
-            its = _with_its_own(scene, own)
-            return _episode(
-                library, its, own, mujoco.MjData(own.model), given, states, episode, stop
-            )
-        if not hasattr(local, "data"):
-            local.data = mujoco.MjData(plant.model)
-        return _episode(library, scene, plant, local.data, given, states, episode, stop)
+    def one(episode: int) -> _Episode:
+        its_plant = plants[episode] if own_plants else plant
+        its_scene = _with_its_own(scene, its_plant) if own_plants else scene
+        if own_plants or not hasattr(local, "data"):
+            local.data = mujoco.MjData(its_plant.model)
+        _put(local.data, its_plant, states[episode])
+        found = _Episode(library, its_plant, given, episode)
+        found.run(its_scene, local.data, stop)
+        return found
 
     start_time = clock.perf_counter()
     with ThreadPoolExecutor(max(1, min(threads, len(states)))) as pool:
         try:
-            kept = list(pool.map(one, range(len(states))))
+            episodes = list(pool.map(one, range(len(states))))
         except BaseException:
             stop.set()
             raise
-    wall = clock.perf_counter() - start_time
-    whole = kept[0]
-    rows = np.concatenate(whole.records) if given.record else None
-    return EpisodeBatch(
-        [Ending(found.walk.ending) for found in kept],
-        _gauge([found.walk for found in kept]),
-        None if rows is None else record_of(rows, plant.robot),
-        np.concatenate(whole.states) if given.record else np.array([]),
-        rows["floor"] if rows is not None else np.array([]),
-        sum(found.walk.plant_steps for found in kept),
-        wall,
-        [record_of(np.concatenate(found.records)[: given.longest], plant.robot) for found in kept]
-        if given.longest
-        else [],
-        [Strides.of_rows(np.concatenate(found.strides)) for found in kept],
-    )
+    return _batch(episodes, plant, given, clock.perf_counter() - start_time)
 
 
-def _episode(
-    library: Library,
-    scene: Any,
-    plant: Plant,
-    data: mujoco.MjData,
-    given: EpisodeInputs,
-    states: Float[np.ndarray, "B s"],
-    episode: int,
-    stop: threading.Event,
-) -> _Kept:
-    """Run one episode from its start to its end."""
-    model, layout = plant.model, library.layout
-    mujoco.mj_resetData(model, data)
-    start = states[episode]
-    data.time = start[0]
-    data.qpos[:], data.qvel[:] = np.split(start[1:], 2)
-    walk = layout.walk()
-    first = np.array(given.orders.first, dtype=np.float64)
-    library.start(byref(walk), 0, pointer(first))
-    if given.terrain.told is not None:
-        walk.next_rise, walk.rise_pending = given.terrain.told, 1
-    if given.courses is not None:
-        walk.floor[:] = given.courses.first_levels()[episode]
-        seen = np.ascontiguousarray(given.courses.each[episode].seen)
-        walk.seen, walk.seen_rows = pointer(seen), len(seen)
-        walk.told[:] = given.orders.first
-    rises, told = np.zeros(0), _Orders(given.orders, given.first + episode)
-    late = np.zeros((plant.delay_ticks + 1, model.nu))
-    walk.late = pointer(late)
-    believed = np.zeros(plant.delay_ticks + 1)
-    walk.believed = pointer(believed)
-    walk.push_wait, begin = given.push.moments(episode)
-    walk.push_start = begin
-    kept = _Kept(walk)
-    draws = np.random.default_rng([given.seed, given.first + episode, 3])
-    shape = (2, 1 + plant.state_map.joints.size)
-    if given.noisy:
-        # The loop in JAX spends one tick's draws on being compiled.
-        draws.standard_normal(shape)
-    whole = given.record and episode == 0
-    while walk.ending == Ending.RUNNING and not stop.is_set():
-        wanted = whole or walk.ticks < given.longest
-        left = rises[walk.rises_used :]
-        if given.terrain.uneven and len(left) < _TOUCHDOWNS:
-            rises = np.concatenate([left, given.terrain.rises(episode, 2 * _TOUCHDOWNS)])
-            walk.rises, walk.rises_used = pointer(rises), 0
-        told.lay(walk)
+def _put(data: mujoco.MjData, plant: Plant, state: Float[np.ndarray, " s"]) -> None:
+    """Put a plant into a state (time, qpos, qvel)."""
+    mujoco.mj_resetData(plant.model, data)
+    data.time = state[0]
+    data.qpos[:], data.qvel[:] = np.split(state[1:], 2)
+
+
+class _Episode:
+    """One episode: its walk in C, the arrays that the walk points to, and the rows that it leaves.
+
+    Attributes:
+        walk: `ng_walk`.
+        records: rows of `ng_record` of each chunk that is recorded.
+        states: MuJoCo states of each chunk, one a tick, if they were requested.
+        strides: touchdowns of each chunk.
+    """
+
+    def __init__(self, library: Library, plant: Plant, given: EpisodeInputs, episode: int):
+        """Begin the walk of an episode on leg 0, at its first command."""
+        self.walk = walk = library.layout.walk()
+        self.records: list[np.ndarray] = []
+        self.states: list[np.ndarray] = []
+        self.strides: list[np.ndarray] = []
+        self._library, self._given, self._episode = library, given, episode
+        self._number = given.first + episode
+        first = np.array(given.orders.first, dtype=np.float64)
+        library.start(byref(walk), 0, pointer(first))
+        self._orders = _Orders(given.orders, self._number)
+        self._rises = np.zeros(0)
+        self._meet_ground()
+        self._late = np.zeros((plant.delay_ticks + 1, plant.model.nu))
+        self._believed = np.zeros(plant.delay_ticks + 1)
+        walk.late, walk.believed = pointer(self._late), pointer(self._believed)
+        walk.push_wait, walk.push_start = given.push.moments(episode)
+        self._draws = np.random.default_rng([given.seed, self._number, 3])
+        self._sensors = (2, 1 + plant.state_map.joints.size)
+        self._state_size = 1 + plant.model.nq + plant.model.nv
+        if given.noisy:
+            # The loop in JAX spends one tick's draws on being compiled.
+            self._draws.standard_normal(self._sensors)
+
+    def run(self, scene: Any, data: mujoco.MjData, stop: threading.Event) -> None:
+        """Walk from the state of `data` to the end, or until `stop` is set.
+
+        Raises: NonFiniteError if MuJoCo gives up.
+        """
+        while self.walk.ending == Ending.RUNNING and not stop.is_set():
+            self._lay_floors()
+            self._orders.lay(self.walk)
+            self._run_chunk(scene, data)
+            if self.walk.ending == _REFUSED:
+                text = self._library.complaint().decode(errors="replace")
+                raise NonFiniteError(f"MuJoCo gave up in episode {self._number}: {text}")
+
+    def _meet_ground(self) -> None:
+        """Set what is known of the ground before the first step."""
+        walk, given = self.walk, self._given
+        if given.terrain.told is not None:
+            walk.next_rise, walk.rise_pending = given.terrain.told, 1
+        if given.courses is not None:
+            walk.floor[:] = given.courses.first_levels()[self._episode]
+            self._seen = np.ascontiguousarray(given.courses.each[self._episode].seen)
+            walk.seen, walk.seen_rows = pointer(self._seen), len(self._seen)
+            walk.told[:] = given.orders.first
+
+    def _lay_floors(self) -> None:
+        """Provide the floors of a chunk before it runs, where floors are uneven."""
+        walk, terrain = self.walk, self._given.terrain
+        left = self._rises[walk.rises_used :]
+        if terrain.uneven and len(left) < _TOUCHDOWNS:
+            self._rises = np.concatenate([left, terrain.rises(self._episode, 2 * _TOUCHDOWNS)])
+            walk.rises, walk.rises_used = pointer(self._rises), 0
+
+    def _run_chunk(self, scene: Any, data: mujoco.MjData) -> None:
+        """Run one chunk and keep its rows."""
+        walk, given, library = self.walk, self._given, self._library
+        whole = given.record and self._episode == 0
+        recorded = whole or walk.ticks < given.longest
         strides = np.zeros((_TOUCHDOWNS, width(len(given.orders.commands))))
         walk.strides, walk.strides_used = pointer(strides), 0
-        noise = draws.standard_normal((_CHUNK, *shape)) if given.noisy else None
-        records = np.zeros(_CHUNK, layout.record) if wanted else None
-        passed = np.zeros((_CHUNK, len(start))) if whole else None
-        done = library.run(
-            byref(scene),
-            byref(walk),
-            data._address,
-            _CHUNK,
-            pointer(noise),
-            pointer(records),
-            pointer(passed),
-        )
-        if walk.ending == _REFUSED:
-            text = library.complaint().decode(errors="replace")
-            raise NonFiniteError(f"MuJoCo gave up in episode {given.first + episode}: {text}")
-        kept.strides.append(strides[: walk.strides_used])
+        noise = self._draws.standard_normal((_CHUNK, *self._sensors)) if given.noisy else None
+        records = np.zeros(_CHUNK, library.layout.record) if recorded else None
+        states = np.zeros((_CHUNK, self._state_size)) if whole else None
+        rows = (pointer(noise), pointer(records), pointer(states))
+        done = library.run(byref(scene), byref(walk), data._address, _CHUNK, *rows)
+        self.strides.append(strides[: walk.strides_used])
         if records is not None:
-            kept.records.append(records[:done])
-        if passed is not None:
-            kept.states.append(passed[:done])
-    return kept
+            self.records.append(records[:done])
+        if states is not None:
+            self.states.append(states[:done])
+
+
+def _batch(
+    episodes: Sequence[_Episode], plant: Plant, given: EpisodeInputs, wall_s: float
+) -> EpisodeBatch:
+    """Return the results of episodes that have ended."""
+    walks, robot, longest = [one.walk for one in episodes], plant.robot, given.longest
+    rows = np.concatenate(episodes[0].records) if given.record else None
+    begun = [np.concatenate(one.records)[:longest] for one in episodes] if longest else []
+    return EpisodeBatch(
+        endings=[Ending(walk.ending) for walk in walks],
+        gauge=_gauge(walks),
+        record=None if rows is None else record_of(rows, robot),
+        states=np.concatenate(episodes[0].states) if given.record else np.array([]),
+        floors=rows["floor"] if rows is not None else np.array([]),
+        plant_steps=sum(walk.plant_steps for walk in walks),
+        wall_s=wall_s,
+        records=[record_of(each, robot) for each in begun],
+        strides=[Strides.of_rows(np.concatenate(one.strides)) for one in episodes],
+    )
 
 
 class _Orders:

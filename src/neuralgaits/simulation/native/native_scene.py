@@ -1,7 +1,6 @@
 """Constants of a simulation for compiled walks: `ng_scene` of `c/walk.h`."""
 
 import ctypes
-from ctypes import POINTER
 from typing import Any
 
 import numpy as np
@@ -109,7 +108,7 @@ def _set_program(library: Library, scene: Any, controller: Controller) -> None:
 def _set_config(scene: Any, types: StructLayout, controller: Controller) -> None:
     """Set the robot's own limits and no others: a simulation shows the law by itself."""
     config = scene.config
-    config.law = ctypes.cast(ctypes.addressof(scene) + types.scene.law.offset, POINTER(types.law))
+    config.law = ctypes.addressof(scene) + types.scene.law.offset
     _fill(config.torque_limit, controller.torque_limit)
     for name in ("torque_rate", "largest_pitch", "angle_margin", "largest_rate", "largest_speed"):
         setattr(config, name, np.inf)

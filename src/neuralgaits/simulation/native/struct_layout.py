@@ -1,16 +1,30 @@
 """Structures of `c/walk.h` for one robot: ctypes for shared data, NumPy for records.
 
-Sizes are compared with the library's own when it is loaded, so the two cannot drift apart.
+The headers are read, so that each structure is written once. Sizes are compared with the library's
+own when it is loaded.
 """
 
 import ctypes
-from ctypes import POINTER, Structure, c_char_p, c_double, c_int, c_uint32, c_void_p
-from functools import lru_cache
+import re
+from collections.abc import Iterator, Mapping
+from ctypes import Structure, c_char_p, c_double, c_int, c_uint32, c_void_p
+from functools import cache, lru_cache
+from importlib import resources
 from typing import Any, NamedTuple
 
 import numpy as np
 
-_Fields = list[tuple[str, Any]]
+from neuralgaits.export import output_folder
+
+_OF_THE_CONTROLLER = ("controller.h", "estimator.h")
+_OF_THE_LOOP = ("clf_qp.h", "walk.h")
+_PLAIN = {"int": c_int, "uint32_t": c_uint32, "double": c_double, "ng_real": c_double}
+_COMMENT = re.compile(r"/\*.*?\*/", re.DOTALL)
+_WITH_COMMANDS = re.compile(r"^#if NG_COMMANDS$.*?^#endif", re.DOTALL | re.MULTILINE)
+_DIRECTIVE = re.compile(r"^\s*#.*$", re.MULTILINE)
+_TYPE = re.compile(r"\b(struct|enum)\b\s*(\w*)\s*\{([^}]*)\}\s*(\w*)\s*;")
+_FUNCTION = re.compile(r"\(\*(\w+)\)\(")
+_VARIABLE = re.compile(r"(\*?)\s*(\w+)((?:\[\w+\])*)")
 
 
 class StructLayout(NamedTuple):
@@ -20,29 +34,8 @@ class StructLayout(NamedTuple):
     """Type of the C structure `ng_scene`."""
     walk: type[Structure]
     """Type of the C structure `ng_walk`."""
-    law: type[Structure]
-    """Type of the C structure `ng_law`."""
     record: np.dtype
     """Type of the C structure `ng_record`."""
-
-
-def _structure(name: str, fields: _Fields) -> type[Structure]:
-    return type(name, (Structure,), {"_fields_": fields})
-
-
-def _reals(*names: str) -> _Fields:
-    return [(name, c_double) for name in names]
-
-
-def _told(commands: int) -> _Fields:
-    """Return the fields of a walk's coming commands."""
-    return [
-        ("orders", c_void_p),
-        ("orders_used", c_int),
-        ("seen", c_void_p),
-        ("seen_rows", c_int),
-        ("told", c_double * commands),
-    ]
 
 
 @lru_cache
@@ -55,159 +48,60 @@ def layout_of(leg_joints: int, actuated: int, commands: int = 0, step: int = 0) 
         commands: number of the gait's commands.
         step: how many numbers the gait computes once a step.
     """
-    m, n = actuated, actuated + 1
-    by_leg, pair, of_joints = c_double * leg_joints * 2, c_double * 2, c_double * m
-    places, told = c_int * leg_joints * 2, c_double * commands
-    law = _structure(
-        "ng_law",
-        [
-            ("name", c_char_p),
-            ("stiffness", of_joints),
-            ("damping", of_joints),
-            ("model", c_int),
-            ("bandwidth", c_double),
-            ("hold_ticks", c_int),
-            ("measure_z2", c_int),
-            ("uses_impact_consistent_rates", c_int),
-            ("apply_limits", c_void_p),
-            ("own", c_void_p),
-        ],
-    )
-    clf_qp = _structure(
-        "ng_clf_qp",
-        _reals("bandwidth", "price", "contact_price", "friction", "least_normal"),
-    )
-    config = _structure(
-        "ng_config",
-        [
-            ("law", POINTER(law)),
-            ("torque_limit", of_joints),
-            *_reals("torque_rate", "blend_s", "hold_stiffness", "hold_damping", "largest_pitch"),
-            *_reals("angle_margin", "largest_rate", "largest_speed", "largest_force"),
-            *_reals("contact_force", "airborne_s"),
-            ("gap_us", c_uint32),
-        ],
-    )
-    held = _structure("ng_desired", [(name, of_joints) for name in ("y", "dy", "slope", "drift")])
-    state = _structure(
-        "ng_state",
-        [
-            ("leg", c_int),
-            ("since_touchdown", c_double),
-            ("ticks_to_policy", c_int),
-            ("held", held),
-            ("running", c_int),
-            ("last_us", c_uint32),
-            ("elapsed", c_double),
-            ("posture", by_leg),
-            ("torque", by_leg),
-            ("airborne", c_double),
-            ("fault", c_int),
-            *((name, told) for name in ("requested", "before", "after") if commands),
-            *([("step", c_double * step)] if commands else []),
-        ],
-    )
-    measurement = _structure(
-        "ng_measurement",
-        [
-            ("time_us", c_uint32),
-            *_reals("pitch", "dpitch"),
-            *((name, by_leg) for name in ("angles", "rates")),
-            *((name, pair) for name in ("hip_velocity", "normal_force")),
-        ],
-    )
-    estimator = _structure(
-        "ng_estimator",
-        [("started", c_int), ("estimate", measurement), ("accelerations", by_leg)],
-    )
-    scene = _structure(
-        "ng_scene",
-        [
-            ("model", c_void_p),
-            ("step", c_void_p),
-            ("root", c_int * 3),
-            ("joints", places),
-            ("motors", places),
-            *_reals("pitch_sign", "root_angle"),
-            ("root_to_hip", pair),
-            ("root_origin", pair),
-            ("joint_sign", by_leg),
-            ("joint_offset", by_leg),
-            ("gear", by_leg),
-            *_reals("angle_noise", "rate_noise", "pitch_noise", "pitch_offset"),
-            ("estimator", c_int),
-            ("encoder_step", c_double),
-            ("delay_ticks", c_int),
-            ("substeps", c_int),
-            ("slope", c_double),
-            ("uneven", c_int),
-            ("told_height", c_int),
-            ("room_under_foot", c_double),
-            *((name, c_int) for name in ("course", "stones", "told_length", "told_slope")),
-            *_reals("gap_depth", "foot_radius", "push_force", "push_s"),
-            ("push_after", c_int),
-            ("steps", c_int),
-            *_reals("lowest_hip", "largest_pitch", "patience_s"),
-            ("start_up_steps", c_int),
-            ("settling_s", c_double),
-            ("law", law),
-            ("clf_qp", clf_qp),
-            ("config", config),
-        ],
-    )
-    extremes = _structure(
-        "ng_extremes",
-        _reals("output_error", "settled_torque", "torque", "joint_rate", "normal_force"),
-    )
-    milestone = _structure("ng_milestone", _reals("time", "hip", "energy"))
-    walk = _structure(
-        "ng_walk",
-        [
-            ("controller", state),
-            ("estimator", estimator),
-            ("time_us", c_uint32),
-            *_reals("age", "clock"),
-            ("touch", pair),
-            ("floor", pair),
-            ("feet", pair * 2),
-            ("rises", c_void_p),
-            ("rises_used", c_int),
-            ("rise_pending", c_int),
-            *_reals("next_rise", "push_start", "push_wait"),
-            ("late", c_void_p),
-            ("believed", c_void_p),
-            ("speed_error", c_double),
-            ("strides", c_void_p),
-            ("strides_used", c_int),
-            *(_told(commands) if commands else []),
-            *((name, c_int) for name in ("ticks", "steps", "saturated")),
-            ("relaxed", c_int * 2),
-            *((name, c_int) for name in ("ending", "plant_steps")),
-            *_reals("energy", "peak_torque"),
-            ("first", milestone),
-            ("last", milestone),
-            ("steady", extremes),
-            ("running", extremes),
-        ],
-    )
-    shapes: list[tuple[str, tuple[int, ...]]] = [
-        ("time", ()),
-        ("torque", (2, leg_joints)),
-        ("actuated", (m,)),
-        *((name, (n,)) for name in ("q", "dq")),
-        *((name, (m,)) for name in ("y_d", "dy_d")),
-        ("z", (2,)),
-        *((name, ()) for name in ("leg", "since_touchdown", "touchdown", "saturated")),
-        ("relaxed", (2,)),
-        *((name, ()) for name in ("pitch", "dpitch")),
-        *((name, (2, leg_joints)) for name in ("angles", "rates")),
-        *((name, (2,)) for name in ("hip_velocity", "normal_force", "floor")),
-        ("clearance", ()),
-        ("feet", (2, 2)),
-        *([("told", (2, commands))] if commands else []),
-    ]
-    record = np.dtype([(name, np.float64, shape) for name, shape in shapes])
-    return StructLayout(scene, walk, law, record)
+    sizes = {
+        "NG_LEGS": 2,
+        "NG_LEG_JOINTS": leg_joints,
+        "NG_ACTUATED": actuated,
+        "NG_COORDINATES": actuated + 1,
+        "NG_COMMANDS": commands,
+        "NG_STEP": step,
+    }
+    text = _headers()
+    if not commands:
+        text = _WITH_COMMANDS.sub("", text)
+    types: dict[str, Any] = dict(_PLAIN)
+    for kind, tag, body, name in _TYPE.findall(_DIRECTIVE.sub("", text)):
+        if kind == "enum":
+            types[name] = c_int
+        else:
+            fields = list(_fields(body, types, sizes))
+            types[name or tag] = type(name or tag, (Structure,), {"_fields_": fields})
+    return StructLayout(types["ng_scene"], types["ng_walk"], np.dtype(types["ng_record"]))
+
+
+@cache
+def _headers() -> str:
+    """Return the headers that declare the structures, without comments."""
+    shipped = output_folder.shipped()
+    folder = resources.files("neuralgaits.simulation.native") / "c"
+    texts = [shipped[name] for name in _OF_THE_CONTROLLER]
+    texts += [(folder / name).read_text(encoding="utf-8") for name in _OF_THE_LOOP]
+    return _COMMENT.sub("", "\n".join(texts))
+
+
+def _fields(
+    body: str, types: Mapping[str, Any], sizes: Mapping[str, int]
+) -> Iterator[tuple[str, Any]]:
+    """Yield name and type of each field of a structure.
+
+    Args:
+        body: text between the braces.
+        types: types by their names in C.
+        sizes: sizes of arrays by their names in C.
+    """
+    for declaration in filter(None, map(str.strip, body.split(";"))):
+        if function := _FUNCTION.search(declaration):
+            yield function[1], c_void_p
+            continue
+        kind, variables = declaration.removeprefix("const ").split(maxsplit=1)
+        for star, name, lengths in _VARIABLE.findall(variables):
+            if star:
+                yield name, c_char_p if kind == "char" else c_void_p
+                continue
+            own = types[kind]
+            for length in reversed(re.findall(r"\w+", lengths)):
+                own = own * (sizes[length] if length in sizes else int(length))
+            yield name, own
 
 
 def pointer(array: np.ndarray | None) -> c_void_p:

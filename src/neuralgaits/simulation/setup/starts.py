@@ -1,9 +1,12 @@
 """Starts of episodes: on the zero dynamics manifold of a gait, standing on leg 0."""
 
+from functools import partial
+
 import jax
 import jax.numpy as jnp
 import numpy as np
 
+from neuralgaits._blocks import in_blocks
 from neuralgaits._quick_jit import quick_filter_jit
 from neuralgaits._types import Array, Float
 from neuralgaits.analysis.poincare_map import poincare
@@ -52,9 +55,7 @@ def full_states(
     else:
         raise InputError(f"unknown start {kind!r}: expected one of {', '.join(KINDS)}")
     # In equal parts, so that a state does not depend on how many others there are.
-    spare = np.full((-len(charts) % _TOGETHER, 2), 0.5)
-    parts = np.concatenate([charts, spare]).reshape(-1, _TOGETHER, 2)
-    return np.concatenate([_lifted(zd, gait, part) for part in parts])[: len(charts)]
+    return in_blocks(partial(_lifted, zd, gait), _TOGETHER, charts)
 
 
 def periodic_orbit(zd: ZeroDynamics, gait: Gait) -> Orbit:

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from neuralgaits._types import Float, Int
+from neuralgaits._types import Array, Float, Int
 from neuralgaits.simulation.setup.command_schedule import CommandSchedule
 from neuralgaits.simulation.setup.course import Courses
 from neuralgaits.simulation.setup.episode_inputs import EpisodeInputs
@@ -92,69 +92,107 @@ def run(
     Returns: `EpisodeBatch`.
     """
     count, first = len(world.states), given.first
-    terrain, courses, orders = given.terrain, given.courses, given.orders
+    terrain, courses = given.terrain, given.courses
     shape = (2, 1 + plant.state_map.joints.size)
     noise = Noise(shape, given.seed, count, silent=not given.noisy, first=first)
     late = _Late(plant.delay_ticks, count, plant.state_map.nu)
-    time, plant_steps = 0.0, 0
-    levels_now = terrain.levels if courses is None else courses.first_levels()
-    carry, endings = batch.carry, np.zeros(count, dtype=int)
-    kept = np.array(carry)
-    records, seen, levels = [], [], []
-    recorder = Recorder(given.longest) if given.longest else None
-    told = _CommandFeed(orders, range(first, first + count), courses)
-    strides: list[list[np.ndarray]] = [[] for _ in range(count)]
+    told = _CommandFeed(given.orders, range(first, first + count), courses)
+    levels = terrain.levels if courses is None else courses.first_levels()
+    results = _Results(batch, given, count)
+    carry, time, plant_steps = batch.carry, 0.0, 0
     # The first call compiles; its result is thrown away.
-    reading = _reading(world, levels_now, noise, told)
-    batch.tick(batch.arrays, carry, reading)
+    batch.tick(batch.arrays, carry, _reading(world, levels, noise, told))
     start_time = clock.perf_counter()
-    active = np.arange(count)
-    while active.size:
-        reading = _reading(world, levels_now, noise, told)
-        carry, packed, found = batch.tick(batch.arrays, carry, reading)
+    while results.active.size:
+        reading = _reading(world, levels, noise, told)
+        carry, packed, record = batch.tick(batch.arrays, carry, reading)
         verdict = batch.verdict_of(packed)
-        for i in active[verdict.touchdown[active]]:
-            strides[i].append(verdict.stride[i])
         told.advance(verdict)
-        if recorder is not None:
-            recorder(batch.record_of(found), active)
         if watch is not None:
-            watch(batch.record_of(found), active)
-        if given.record and endings[0] == Ending.RUNNING:
-            records.append(np.asarray(found)[0])
-            seen.append(world.states[0].copy())
-            levels.append(levels_now[0].copy())
-        ended = active[verdict.ending[active] != Ending.RUNNING]
-        if ended.size:
-            endings[ended] = verdict.ending[ended]
-            kept[ended] = np.asarray(carry)[ended]
-            active = np.flatnonzero(endings == Ending.RUNNING)
+            watch(batch.record_of(record), results.active)
+        results.add(carry, verdict, record, world.states[0], levels[0])
         force = given.push.at(time, verdict.touchdown, verdict.steps)
         place = (verdict.touchdown, verdict.leg, verdict.z1, verdict.clearance)
         if courses is not None:
-            courses.stand(levels_now, verdict.touchdown, verdict.leg, verdict.feet)
+            courses.stand(levels, verdict.touchdown, verdict.leg, verdict.feet)
         elif terrain.advance(*place, verdict.rise):
             world.lay_floors(terrain.levels)
         controls = late.due(verdict.controls)
         time += SUBSTEPS * TIMESTEP_S
-        if active.size:
-            world.advance(active, controls, force)
-            plant_steps += SUBSTEPS * active.size
-    wall = clock.perf_counter() - start_time
-    return EpisodeBatch(
-        [Ending(value) for value in endings],
-        batch.carry_of(kept).gauge,
-        batch.record_of(np.array(records)) if given.record else None,
-        np.array(seen),
-        np.array(levels),
-        plant_steps,
-        wall,
-        [] if recorder is None else [recorder.record(i) for i in range(count)],
-        [
-            Strides.of_rows(np.reshape(rows, (len(rows), width(len(orders.commands)))))
-            for rows in strides
-        ],
-    )
+        if results.active.size:
+            world.advance(results.active, controls, force)
+            plant_steps += SUBSTEPS * results.active.size
+    return results.whole(plant_steps, clock.perf_counter() - start_time)
+
+
+class _Results:
+    """Results of a batch, collected tick by tick.
+
+    Attributes:
+        active: numbers of the episodes that are still running. [a]
+    """
+
+    def __init__(self, batch: Batch, given: EpisodeInputs, count: int):
+        self.active = np.arange(count)
+        self._batch, self._given = batch, given
+        self._endings = np.zeros(count, dtype=int)
+        self._carries = np.array(batch.carry)
+        self._strides: list[list[np.ndarray]] = [[] for _ in range(count)]
+        self._recorder = Recorder(given.longest) if given.longest else None
+        # Of episode 0, one a tick.
+        self._rows: list[np.ndarray] = []
+        self._states: list[np.ndarray] = []
+        self._floors: list[np.ndarray] = []
+
+    def add(
+        self,
+        carry: Array,
+        verdict: Verdict,
+        record: Array,
+        state: Float[np.ndarray, " s"],
+        levels: Float[np.ndarray, "2"],
+    ) -> None:
+        """Add a tick of the episodes that are running; some of them may end with it.
+
+        Args:
+            carry: carries after the tick, packed. [B, c]
+            verdict: verdicts, with a leading axis of episodes.
+            record: records, packed. [B, r]
+            state: MuJoCo state of episode 0 at the tick.
+            levels: floor levels of episode 0 at the tick (m).
+        """
+        active = self.active
+        for i in active[verdict.touchdown[active]]:
+            self._strides[i].append(verdict.stride[i])
+        if self._recorder is not None:
+            self._recorder(self._batch.record_of(record), active)
+        if self._given.record and self._endings[0] == Ending.RUNNING:
+            self._rows.append(np.asarray(record)[0])
+            self._states.append(state.copy())
+            self._floors.append(levels.copy())
+        ended = active[verdict.ending[active] != Ending.RUNNING]
+        if ended.size:
+            self._endings[ended] = verdict.ending[ended]
+            self._carries[ended] = np.asarray(carry)[ended]
+            self.active = np.flatnonzero(self._endings == Ending.RUNNING)
+
+    def whole(self, plant_steps: int, wall_s: float) -> EpisodeBatch:
+        """Return the results once every episode has ended."""
+        batch, recorder, count = self._batch, self._recorder, len(self._endings)
+        columns = width(len(self._given.orders.commands))
+        return EpisodeBatch(
+            endings=[Ending(value) for value in self._endings],
+            gauge=batch.carry_of(self._carries).gauge,
+            record=batch.record_of(np.array(self._rows)) if self._given.record else None,
+            states=np.array(self._states),
+            floors=np.array(self._floors),
+            plant_steps=plant_steps,
+            wall_s=wall_s,
+            records=[] if recorder is None else [recorder.record(i) for i in range(count)],
+            strides=[
+                Strides.of_rows(np.reshape(rows, (len(rows), columns))) for rows in self._strides
+            ],
+        )
 
 
 def _reading(

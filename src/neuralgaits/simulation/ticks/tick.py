@@ -118,63 +118,100 @@ def account(
 
     Returns: the next carry, the verdict, and the record.
     """
-    controller, state_map = scene.controller, scene.state_map
-    robot, period = controller.robot, controller.period_s
     truth, _, hip = sense(scene, reading)
-    time = truth.time
+    period = scene.controller.period_s
     age = jnp.where(command.touchdown, 0.0, carry.age + period)
     gauge = gauges.update(
         carry.gauge,
         command,
-        time=time,
+        time=truth.time,
         hip=hip[0],
         normal_force=reading.touch,
         period_s=period,
         speed_error=_speed_error(carry, truth),
     )
-    ahead, up = swing_foot(robot, command.q)
-    stance = hip - hip_position(robot, command.q)
-    feet = jnp.stack([stance, stance + jnp.stack([ahead, up])])
-    height = place_of(controller.policy.commands, "step_height")
-    rise = jnp.zeros(()) if height is None else command.told[1, height]
-    floor = reading.floor[command.leg]
-    if scene.on_course:
-        # What stands there now has not been heard of yet.
-        floor = jnp.where(command.touchdown, stance[1] - scene.plant_robot.foot_radius, floor)
-    verdict = ending(
-        scene.falls,
-        robot,
-        hip_height=hip[1] - floor - scene.slope * hip[0],
-        pitch=truth.pitch,
-        since_touchdown=age,
-        steps_left=scene.steps - gauge.steps,
-        in_gap=_in_gap(scene, feet, floor, reading.floor[1 - command.leg], rise),
-        finite=jnp.all(jnp.isfinite(reading.state)) & jnp.all(jnp.isfinite(command.torque)),
-    )
+    place = _place(scene, command, hip)
+    ahead, up = place.step
     # At a touchdown the swing foot is the old stance foot.
-    numbers = jnp.stack([time, hip[0], -ahead, -up, stance[0]])
+    numbers = jnp.stack([truth.time, hip[0], -ahead, -up, place.feet[0, 0]])
     stride = jnp.concatenate([numbers, command.told[0]])
+    z_plant = true_z(scene.plant_robot, truth, command.leg)
     return (
         carry._replace(controller=state, gauge=gauge, age=age),
         Verdict(
-            controls=controls(state_map, command.torque),
-            ending=verdict,
+            controls=controls(scene.state_map, command.torque),
+            ending=_ending(scene, reading, command, place, truth.pitch, age, gauge.steps),
             touchdown=command.touchdown,
             steps=gauge.steps,
             leg=command.leg,
             z1=command.z[0],
             clearance=up - scene.slope * ahead,
             stride=jnp.where(command.touchdown, stride, 0.0),
-            feet=feet,
-            rise=rise,
+            feet=place.feet,
+            rise=place.rise,
         ),
-        TickRecord(
-            time,
-            command,
-            truth.pitch,
-            truth.dpitch,
-            true_z(scene.plant_robot, truth, command.leg),
-        ),
+        TickRecord(truth.time, command, truth.pitch, truth.dpitch, z_plant),
+    )
+
+
+class _Place(NamedTuple):
+    """Place of the robot in the world."""
+
+    hip: Float[Array, "2"]
+    """Hip, (x, z) [m]."""
+    step: tuple[Scalar, Scalar]
+    """Swing foot from the stance foot, (x, z) [m]."""
+    feet: Float[Array, "2 2"]
+    """Stance foot and swing foot, (x, z) of their spheres [m]."""
+    rise: Scalar
+    """Commanded height of the next foothold [m]; 0 without a command."""
+
+
+def _place(scene: Scene, command: TickResult, hip: Float[Array, "2"]) -> _Place:
+    controller = scene.controller
+    ahead, up = swing_foot(controller.robot, command.q)
+    stance = hip - hip_position(controller.robot, command.q)
+    feet = jnp.stack([stance, stance + jnp.stack([ahead, up])])
+    height = place_of(controller.policy.commands, "step_height")
+    rise = jnp.zeros(()) if height is None else command.told[1, height]
+    return _Place(hip, (ahead, up), feet, rise)
+
+
+def _ending(
+    scene: Scene,
+    reading: PlantReading,
+    command: TickResult,
+    place: _Place,
+    pitch: Scalar,
+    age: Scalar,
+    steps: Int[Array, ""],
+) -> Int[Array, ""]:
+    """Return the state of an episode after a tick, an `Ending`.
+
+    Args:
+        scene: scene of the episode.
+        reading: the tick's reading of the plant.
+        command: the tick's result.
+        place: place of the robot.
+        pitch: true pitch (rad).
+        age: time since the last touchdown (s).
+        steps: number of touchdowns so far.
+    """
+    hip, feet = place.hip, place.feet
+    floor = reading.floor[command.leg]
+    if scene.on_course:
+        # What stands there now has not been heard of yet.
+        under = feet[0, 1] - scene.plant_robot.foot_radius
+        floor = jnp.where(command.touchdown, under, floor)
+    return ending(
+        scene.falls,
+        scene.controller.robot,
+        hip_height=hip[1] - floor - scene.slope * hip[0],
+        pitch=pitch,
+        since_touchdown=age,
+        steps_left=scene.steps - steps,
+        in_gap=_in_gap(scene, feet, floor, reading.floor[1 - command.leg], place.rise),
+        finite=jnp.all(jnp.isfinite(reading.state)) & jnp.all(jnp.isfinite(command.torque)),
     )
 
 
