@@ -22,7 +22,7 @@ from neuralgaits._types import Array
 from neuralgaits.analysis.run import Run
 from neuralgaits.barriers import Gait
 from neuralgaits.control import AbstractLaw, ClfQp
-from neuralgaits.control.laws import LAWS
+from neuralgaits.control.laws import law_named
 from neuralgaits.records.simulated import WalkFigures
 from neuralgaits.simulation.live import LiveWalk
 from neuralgaits.simulation.metrics import summary
@@ -147,7 +147,7 @@ def tick_times(run: Run, law: str, torque_limit: float = LIMIT, ticks: int = TIC
     live = LiveWalk(
         run.robot,
         run.gait.policy,
-        LAWS[law],
+        law_named(law),
         start,
         z2_range=momentum_range(run.gait),
         library=library,

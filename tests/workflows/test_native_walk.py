@@ -19,7 +19,7 @@ from neuralgaits._compiler import Compiler
 from neuralgaits.analysis.run import open_run
 from neuralgaits.cli.main import main
 from neuralgaits.control import Controller, Pd
-from neuralgaits.control.laws import LAWS
+from neuralgaits.control.laws import law_named
 from neuralgaits.errors import InputError, NonFiniteError
 from neuralgaits.robots import load_robot
 from neuralgaits.runs import from_json
@@ -365,7 +365,9 @@ def test_a_live_walk_is_that_of_the_reference(run, library):
     start = full_states(run.zero_dynamics, run.gait, "region", seed=0, episodes=2)
     z2_range = momentum_range(run.gait)
     one, two = (
-        LiveWalk(run.robot, run.gait.policy, LAWS["pd"], start[0], z2_range=z2_range, library=given)
+        LiveWalk(
+            run.robot, run.gait.policy, law_named("pd"), start[0], z2_range=z2_range, library=given
+        )
         for given in (None, library)
     )
     lives = one, two
@@ -398,7 +400,7 @@ def test_nothing_is_read_or_written_that_is_not_ours(run, library, tmp_path, law
     plant = build(run.robot, parse(f"{PLANTS['uneven']},{PLANTS['noisy']},delay_ms=2"))
     starts = full_states(run.zero_dynamics, run.gait, "region", seed=0, episodes=3)
     limits = {"z2_range": momentum_range(run.gait), "period_s": 1e-3}
-    controller = Controller.init(run.robot, run.gait.policy, LAWS[law], **limits)
+    controller = Controller.init(run.robot, run.gait.policy, law_named(law), **limits)
     scene = scene_of(library, plant, controller, 7, FallConfig(), Push(5.0, 7, 0, 3))
     scene.uneven = 1
     mujoco.mj_saveModel(plant.model, str(tmp_path / "model.mjb"))

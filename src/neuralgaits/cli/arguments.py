@@ -2,11 +2,12 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import tyro
 from tyro.conf import Positional
 
+from neuralgaits._control_laws import CONTROL_LAWS
 from neuralgaits.records.levels import WORDS
 
 
@@ -19,6 +20,10 @@ def _default(label: str) -> str:
     return "" if label in ("None", "False") else f"(default: {label})"
 
 
+if TYPE_CHECKING:
+    Controller = str
+else:
+    Controller = Literal[(*CONTROL_LAWS, "c")]
 Flag = Annotated[bool, arg()]
 Robot = Annotated[Positional[str], arg(metavar="ROBOT")]
 Run = Annotated[Positional[str], arg(metavar="RUN")]
@@ -132,7 +137,7 @@ class SimulateOptions:
     """Run folder, or latest."""
     plant: Annotated[str | None, arg(metavar="ROBOT")] = None
     """Robot to simulate; the one trained for if not given."""
-    controller: Literal["pd", "fblin", "paper", "clf-qp", "c"] = "pd"
+    controller: Controller = "pd"
     """Joint PD, input-output linearisation, the PD of the paper (soft, z2 = 0), a quadratic program
     with a control Lyapunov function within limits of torque and friction, or the exported
     controller as a process of its own."""

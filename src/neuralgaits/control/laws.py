@@ -1,21 +1,29 @@
-"""Table of control laws by name."""
+"""Control laws by the names that `_control_laws` lists."""
 
-from neuralgaits.control.clf_qp import ClfQp
-from neuralgaits.control.fblin import Fblin
+from functools import cache
+from importlib import import_module
+
+from neuralgaits._control_laws import CONTROL_LAWS
 from neuralgaits.control.law import AbstractLaw
-from neuralgaits.control.pd import PAPER, Pd
 from neuralgaits.errors import InputError
-
-EXPORTED = {"pd": Pd(), "fblin": Fblin(), "paper": PAPER}
-"""Laws of exported controllers: `paper` is the PD of the paper's deployment."""
-LAWS = {**EXPORTED, "clf-qp": ClfQp()}
-"""Laws that a walk can use."""
 
 
 def law_named(controller: str | AbstractLaw) -> AbstractLaw:
-    """A control law by name, or the law itself. Raises: InputError listing the names."""
+    """Return a control law by name, or the law itself. Raises: InputError listing the names."""
     if isinstance(controller, AbstractLaw):
         return controller
-    if controller not in LAWS:
-        raise InputError(f"unknown controller {controller!r}: expected one of {', '.join(LAWS)}")
-    return LAWS[controller]
+    if controller not in CONTROL_LAWS:
+        names = ", ".join(CONTROL_LAWS)
+        raise InputError(f"unknown controller {controller!r}: expected one of {names}")
+    return _at(CONTROL_LAWS[controller].place)
+
+
+@cache
+def _at(place: str) -> AbstractLaw:
+    module, _, name = place.partition(":")
+    found = getattr(import_module(module), name)
+    return found() if isinstance(found, type) else found
+
+
+EXPORTED = {name: law_named(name) for name, entry in CONTROL_LAWS.items() if entry.exported}
+"""Laws of exported controllers."""

@@ -2,8 +2,9 @@
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, fields
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Self
 
+from neuralgaits._control_laws import LawName
 from neuralgaits._settings import MOST_ROUNDS
 from neuralgaits.records.fitted import Fitted, TouchdownErrors
 from neuralgaits.records.record import Count, Disturb, Pair, Record, Texts
@@ -43,7 +44,7 @@ class EpisodesAsked(Record):
     robot: str
     plant: str | None
     disturb: Disturb | None
-    controller: Literal["pd", "fblin", "paper", "clf-qp"]
+    controller: LawName
     logs: str | None
     rounds: Annotated[int, whole(1, MOST_ROUNDS)]
     seed: Seed

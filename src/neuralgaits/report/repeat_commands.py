@@ -9,8 +9,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from neuralgaits._control_laws import CONTROL_LAWS
 from neuralgaits.barriers import specs
-from neuralgaits.control.laws import LAWS
 from neuralgaits.records.simulated import LOCKSTEP, MUJOCO, LinkFigures, Simulated
 from neuralgaits.records.training_config import GaitOrigin, TrainingConfig, asked_of
 from neuralgaits.report.page import phrases
@@ -20,7 +20,7 @@ from neuralgaits.runs.names import GAIT, RESIDUAL, ROBOT, SPEC
 from neuralgaits.runs.shell_words import command, named
 from neuralgaits.simulation.incompatible_settings import REMOTE
 
-CONTROLLERS = *LAWS, REMOTE
+CONTROLLERS = *CONTROL_LAWS, REMOTE
 
 
 def robot_word(folder: RunFolder) -> str:

@@ -14,9 +14,9 @@ from typing import Any
 import jax
 import numpy as np
 
+from neuralgaits._control_laws import CONTROL_LAWS
 from neuralgaits._quick_jit import quick_jit
 from neuralgaits.analysis.run import Run
-from neuralgaits.control.laws import LAWS
 from neuralgaits.episode_rounds.episode_folder import EpisodeFolder
 from neuralgaits.errors import InputError, NeuralGaitsError, RunError
 from neuralgaits.records.report_walk import FILE, ShownWalk
@@ -101,7 +101,7 @@ def asked_of(run: Run) -> AskedWalk:
         steps = done.steps
         shown = steps if fallen or push else min(STEPS, steps)
         disturbance, episode = PlantChanges(**done.disturb), fallen[0] if fallen else 0
-        other = done.link is not None or law not in LAWS or done.commands is not None
+        other = done.link is not None or law not in CONTROL_LAWS or done.commands is not None
         other = other or done.simulator != MUJOCO
         if done.terrain is not None:
             origin = "walks on level ground, unlike the last simulation of this run"
@@ -115,7 +115,7 @@ def asked_of(run: Run) -> AskedWalk:
             origin = "repeats the last simulation of this run"
         return AskedWalk(
             plant=_plant(run, done),
-            law=law if law in LAWS else "pd",
+            law=law if law in CONTROL_LAWS else "pd",
             steps=shown,
             start=done.start,
             push=push,

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from neuralgaits._control_laws import names_of_laws
 from neuralgaits.control import AbstractLaw
 from neuralgaits.control.laws import EXPORTED
 from neuralgaits.errors import InputError
@@ -57,7 +58,7 @@ def refuse_shared(
     """Refuse options that only work in this process. Raises: InputError."""
     if not isinstance(controller, str) or controller == REMOTE:
         raise InputError(
-            "expected controller pd, fblin, paper or clf-qp with --workers or --ray, found "
+            f"expected controller {names_of_laws()} with --workers or --ray, found "
             f"{_name(controller)}: leave --workers and --ray out, or --controller"
         )
     if log is not None or film is not None:

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from neuralgaits._control_laws import names_of_laws
 from neuralgaits.analysis.run import Run
 from neuralgaits.control import AbstractLaw
 from neuralgaits.control.laws import law_named
@@ -138,8 +139,7 @@ def walk_engine_for(
         return engine_of_trained(run, choice)
     if choice == "native":
         raise InputError(
-            "--engine native: expected pd, fblin, paper or clf-qp, found a law of type "
-            f"{type(law).__name__}"
+            f"--engine native: expected {names_of_laws()}, found a law of type {type(law).__name__}"
         )
     return WalkEngine(None, None)
 

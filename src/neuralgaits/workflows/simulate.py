@@ -9,6 +9,7 @@ import jax
 import numpy as np
 
 from neuralgaits import logs
+from neuralgaits._control_laws import names_of_laws
 from neuralgaits._settings import check_walks
 from neuralgaits.analysis.run import Run, open_run
 from neuralgaits.control import AbstractLaw
@@ -257,7 +258,7 @@ def _engine(
         return walk_engine_for(trained, controller, choice, simulator)
     if choice == "native":
         raise InputError(
-            f"--engine native: expected pd, fblin, paper or clf-qp, found {REMOTE}, which is a "
+            f"--engine native: expected {names_of_laws()}, found {REMOTE}, which is a "
             "process of its own: leave --engine out, or --controller"
         )
     return WalkEngine(None, None)

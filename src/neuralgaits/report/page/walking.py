@@ -2,6 +2,7 @@
 
 import json
 
+from neuralgaits._control_laws import CONTROL_LAWS
 from neuralgaits.records.report_walk import ShownWalk
 from neuralgaits.records.simulated import Simulated
 from neuralgaits.report.page import markup as html
@@ -77,12 +78,8 @@ def data(walk: ShownWalk) -> Html:
 
 def _said(walk: ShownWalk) -> str:
     """Describe the walk, and say that it is a simulation, not a playback of the plan."""
-    law = {
-        "pd": "joint PD control",
-        "fblin": "input-output linearisation",
-        "clf-qp": "a quadratic program with a control Lyapunov function",
-    }
-    control = law.get(walk.controller, f"controller {walk.controller}")
+    law = CONTROL_LAWS.get(walk.controller)
+    control = f"controller {walk.controller}" if law is None else law.words
     said = (
         f"Recorded from a MuJoCo simulation of the whole robot under {control}, with contact, "
         f"impacts and torque limits: not a playback of the plan. It {walk.origin}"

@@ -1,0 +1,29 @@
+"""A new control law is a file and an entry: it walks, and pages and refusals know its name."""
+
+import shutil
+
+import pytest
+
+from neuralgaits._control_laws import CONTROL_LAWS, ControlLaw
+from neuralgaits.errors import InputError
+from neuralgaits.workflows.report import write_report
+from neuralgaits.workflows.simulate import simulate
+from support.shipped_run import SHIPPED
+
+
+@pytest.fixture
+def soft(monkeypatch):
+    entry = ControlLaw("a PD of half the strength", "support.soft_law:Soft")
+    monkeypatch.setitem(CONTROL_LAWS, "soft", entry)
+
+
+def test_a_law_of_one_file_and_one_entry_walks_and_is_named(soft, tmp_path):
+    run = shutil.copytree(SHIPPED, tmp_path / "run")
+    done = simulate(run, controller="soft", steps=1)
+    assert (done.summary.controller, done.summary.engine) == ("soft", "jax")
+    write_report(run, out=tmp_path / "report.html")
+    assert "under a PD of half the strength" in (tmp_path / "report.html").read_text()
+    with pytest.raises(InputError, match="expected one of pd, fblin, paper, clf-qp, soft"):
+        simulate(run, controller="hard", steps=1)
+    with pytest.raises(InputError, match="expected pd, fblin, paper, clf-qp or soft, found c"):
+        simulate(run, controller="c", engine="native", steps=1)

@@ -1,0 +1,22 @@
+"""A control law that the package does not have: half of the torques of its PD."""
+
+from neuralgaits.control import AbstractLaw, Pd
+
+
+class Soft(AbstractLaw):
+    """Joint PD with half of its torques."""
+
+    hold_ticks: int = 2
+    pd: Pd = Pd()
+
+    def with_gains_for(self, robot):
+        return Soft(self.hold_ticks, self.pd.with_gains_for(robot))
+
+    def told(self, z):
+        return self.pd.told(z)
+
+    def desired(self, robot, outputs, reading):
+        return self.pd.desired(robot, outputs, reading)
+
+    def torque(self, robot, reading, desired):
+        return 0.5 * self.pd.torque(robot, reading, desired)
