@@ -30,7 +30,7 @@ from ppo_row import row as row_of_seeds
 from ppo_row import which
 
 from neuralgaits.analysis.run import Run, open_run
-from neuralgaits.certificate.verified_summary import read_certificate
+from neuralgaits.certificate.run_certificate.verified_summary import read_certificate
 from neuralgaits.errors import NeuralGaitsError
 from neuralgaits.simulation.setup.disturbance_set import DISTURBANCE_SET
 from neuralgaits.workflows.certify import certify

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from neuralgaits.certificate.certificate_files import hashes_with, write_certificate
-from neuralgaits.certificate.verified_summary import read_certificate
+from neuralgaits.certificate.run_certificate.certificate_files import hashes_with, write_certificate
+from neuralgaits.certificate.run_certificate.verified_summary import read_certificate
 from neuralgaits.records.certified import PROOF, SUMMARY
 from neuralgaits.runs import RunFolder
 from neuralgaits.runs.names import MAP, MAP_FIGURE

@@ -29,9 +29,9 @@ from neuralgaits.certificate.levels.walking_set.theorem import (
     walking_premises,
 )
 from neuralgaits.certificate.proof_file.theorem_tables import Theorems
-from neuralgaits.certificate.run_comparison import RunComparison
-from neuralgaits.certificate.scope import commands_within
-from neuralgaits.certificate.verified_summary import _part, _Unfit
+from neuralgaits.certificate.run_certificate.run_comparison import RunComparison
+from neuralgaits.certificate.run_certificate.scope import commands_within
+from neuralgaits.certificate.run_certificate.verified_summary import _part, _Unfit
 from neuralgaits.errors import InputError
 from neuralgaits.gait.commands import Command, Pair
 from neuralgaits.programs import POINT, evaluate

@@ -5,8 +5,8 @@ import shutil
 
 import pytest
 
-from neuralgaits.certificate import retrace
 from neuralgaits.certificate.levels.walking_set.theorem import cover_the_tube
+from neuralgaits.certificate.run_certificate import retrace
 from neuralgaits.workflows.certify import certify
 from neuralgaits.workflows.check_proof import check_proof
 from support.own_spec import BREAKS, HOLDS, opened

@@ -13,10 +13,10 @@ import numpy as np
 import pytest
 
 from neuralgaits.analysis.run import open_run
-from neuralgaits.certificate import retrace
 from neuralgaits.certificate.proof_file import check as checker
 from neuralgaits.certificate.proof_file.consistency import inconsistencies
 from neuralgaits.certificate.proof_file.reader import read_claims
+from neuralgaits.certificate.run_certificate import retrace
 from neuralgaits.errors import InputError
 from neuralgaits.workflows.certify import certify
 from neuralgaits.workflows.check_proof import check_proof

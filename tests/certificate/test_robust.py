@@ -16,7 +16,6 @@ from neuralgaits.analysis.run import open_run
 from neuralgaits.barriers import Box, Gait, specs
 from neuralgaits.barriers.commanded_spec import commands_of
 from neuralgaits.certificate.chart import MOST_AXES, Chart
-from neuralgaits.certificate.friction_requirement import friction_needed
 from neuralgaits.certificate.levels.level_search import LevelSets, fences_of, find_sets, look_at
 from neuralgaits.certificate.levels.levels import conclude
 from neuralgaits.certificate.levels.orbit import margins as orbit_margins
@@ -25,15 +24,16 @@ from neuralgaits.certificate.levels.problems import trace_certificate
 from neuralgaits.certificate.levels.walking_set.find import find_set
 from neuralgaits.certificate.levels.walking_set.theorem import WalkingSetConstants, walking_premises
 from neuralgaits.certificate.proof_file.reader import Statement
+from neuralgaits.certificate.run_certificate.friction_requirement import friction_needed
+from neuralgaits.certificate.run_certificate.verified_summary import read_certificate
 from neuralgaits.certificate.search.box_tree import BoxTree
 from neuralgaits.certificate.search.halving import to_text
 from neuralgaits.certificate.traced import step_at
-from neuralgaits.certificate.verified_summary import read_certificate
 from neuralgaits.errors import InputError, SpecError
 from neuralgaits.gait import HybridInvariantPolicy, ZeroDynamics
 from neuralgaits.programs import POINT, evaluate
 from neuralgaits.records.certified import box_in_words
-from neuralgaits.report import repeat_commands
+from neuralgaits.report.page import repeat_commands
 from neuralgaits.robots import load_robot
 from neuralgaits.robots.dynamics import angular_momentum
 from neuralgaits.robots.parameter_box import parse_box

@@ -16,7 +16,7 @@ from neuralgaits.certificate.levels.problems import trace_certificate
 from neuralgaits.certificate.proof_file.consistency import inconsistencies
 from neuralgaits.certificate.proof_file.reader import read_claims
 from neuralgaits.certificate.proof_file.theorem_tables import Theorems
-from neuralgaits.certificate.verified_summary import hashes, read_certificate
+from neuralgaits.certificate.run_certificate.verified_summary import hashes, read_certificate
 from neuralgaits.errors import SpecError
 from neuralgaits.export.source import gait_files
 from neuralgaits.records.levels import HIGHEST_OF_MANY, WORDS

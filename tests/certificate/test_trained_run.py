@@ -5,8 +5,8 @@ from typing import Any
 
 import pytest
 
-from neuralgaits.certificate import retrace
 from neuralgaits.certificate.chart import PLANE_ONLY
+from neuralgaits.certificate.run_certificate import retrace
 from neuralgaits.certificate.traced import trace_spec
 from neuralgaits.programs import Program
 from neuralgaits.programs.prune import prune

@@ -15,7 +15,7 @@ from neuralgaits.cli.arguments import CertifyOptions, TrainOptions
 from neuralgaits.cli.argv_parser import read, verb_name
 from neuralgaits.cli.main import main
 from neuralgaits.records.simulated import SUMMARY, Simulated
-from neuralgaits.report.repeat_commands import certifying, simulating
+from neuralgaits.report.page.repeat_commands import certifying, simulating
 from neuralgaits.robots import registry
 from neuralgaits.runs import RunFolder
 from neuralgaits.viewer.sureness import how_sure
@@ -158,7 +158,7 @@ def test_an_own_robot_with_a_built_in_name_is_its_own_file(own, at):
     shutil.copytree(place.run, copy)
     config = json.loads((copy / "config.json").read_text()) | {"robot": "amber3m"}
     (copy / "config.json").write_text(json.dumps(config))
-    from neuralgaits.report.repeat_commands import robot_word
+    from neuralgaits.report.page.repeat_commands import robot_word
 
     assert robot_word(RunFolder.open(copy)) == str(copy / "robot.xml")
 

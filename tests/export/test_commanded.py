@@ -13,7 +13,7 @@ from neuralgaits.export.reference import Reference
 from neuralgaits.export.selftest import selftest_file
 from neuralgaits.export.source import gait_files
 from neuralgaits.programs import evaluate
-from neuralgaits.programs.algebras.point_algebra import POINT
+from neuralgaits.programs.point_algebra import POINT
 from support.compiled import folder_with
 from support.designs import FOOTHOLDS, LAWS, SPEED, commanded_design
 

@@ -7,7 +7,7 @@ import subprocess
 import pytest
 
 from neuralgaits.analysis.run import open_run
-from neuralgaits.certificate.verified_summary import read_certificate
+from neuralgaits.certificate.run_certificate.verified_summary import read_certificate
 from neuralgaits.cli.export_screen import show_export
 from neuralgaits.errors import InputError, MismatchError, RunError, SpecError
 from neuralgaits.export import build

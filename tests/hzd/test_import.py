@@ -11,7 +11,7 @@ from neuralgaits.gait import BezierPolicy, ZeroDynamics
 from neuralgaits.hzd.gait_file import read_gait
 from neuralgaits.hzd.given_orbit import steady
 from neuralgaits.records.training_config import GaitOrigin
-from neuralgaits.report import repeat_commands
+from neuralgaits.report.page import repeat_commands
 from neuralgaits.report.page.document import document
 from neuralgaits.report.page.saved import Contents
 from neuralgaits.training.precision import cast

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from neuralgaits.certificate.levels.orbit.conclude import attraction
-from neuralgaits.certificate.levels.premises import proved_bounds
+from neuralgaits.certificate.premises import proved_bounds
 from neuralgaits.certificate.proof_file.reader import read_claims
 from neuralgaits.programs import POINT, Program, evaluate
 from neuralgaits.records.certified import Conclusion

@@ -13,8 +13,9 @@ from neuralgaits.analysis.command_sweeps import CommandSweep, Family
 from neuralgaits.analysis.poincare_map import poincare
 from neuralgaits.analysis.run import open_run
 from neuralgaits.errors import InputError
-from neuralgaits.report import commanded_gait, makers
+from neuralgaits.report import makers
 from neuralgaits.report.certificate import certificate_of
+from neuralgaits.report.drawing import commanded_gait
 from neuralgaits.report.drawing.drawn import Drawn
 from neuralgaits.report.drawing.style import series
 from neuralgaits.report.figures import family as drawing

@@ -11,7 +11,7 @@ from neuralgaits.analysis.run import open_run
 from neuralgaits.certificate.levels.full_order.theorem import BarrierConstants, FullOrderConstants
 from neuralgaits.certificate.levels.orbit.theorem import OrbitConstants
 from neuralgaits.certificate.proof_file.reader import read_claims
-from neuralgaits.certificate.verified_summary import hashes, read_certificate
+from neuralgaits.certificate.run_certificate.verified_summary import hashes, read_certificate
 from neuralgaits.records.certified import Conclusion
 from neuralgaits.report import certificate as proved
 from neuralgaits.report.certificate import certificate_of

@@ -8,12 +8,12 @@ from typing import Any
 import pytest
 
 from neuralgaits.certificate.chart import Axis, Chart
-from neuralgaits.certificate.verified_summary import CertificateReading, ProvedPart
+from neuralgaits.certificate.run_certificate.verified_summary import CertificateReading, ProvedPart
 from neuralgaits.gait.commands import Command
 from neuralgaits.records.certified import CertificateRecord, Conclusion, ConditionVerdict
 from neuralgaits.records.training_config import Range
 from neuralgaits.report.certificate import part_of
-from neuralgaits.report.commanded_gait import FIGURE
+from neuralgaits.report.drawing.commanded_gait import FIGURE
 from neuralgaits.report.drawing.drawn import Drawn, Missing
 from neuralgaits.report.page.answer import answer
 from neuralgaits.report.page.closing import figures, missing_parts

@@ -5,7 +5,7 @@ import json
 import pytest
 
 from neuralgaits.analysis.run import open_run
-from neuralgaits.certificate.verified_summary import read_certificate
+from neuralgaits.certificate.run_certificate.verified_summary import read_certificate
 from neuralgaits.errors import RunError
 from neuralgaits.report.page.closing import failures
 from neuralgaits.report.page.document import document

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from neuralgaits.certificate.verified_summary import hashes
+from neuralgaits.certificate.run_certificate.verified_summary import hashes
 from neuralgaits.cli.argv_parser import read as read_words
 from neuralgaits.cli.argv_parser import verb_name
 from neuralgaits.records.training_config import GaitOrigin

@@ -7,7 +7,7 @@ import shutil
 import pytest
 
 from neuralgaits.certificate.proof_file.reader import read_claims
-from neuralgaits.certificate.verified_summary import read_certificate
+from neuralgaits.certificate.run_certificate.verified_summary import read_certificate
 from neuralgaits.errors import InputError
 from neuralgaits.records.certified import PROOF, SUMMARY
 from neuralgaits.runs import RunFolder, packed

@@ -14,8 +14,8 @@ from neuralgaits.analysis.run import open_run
 from neuralgaits.certificate.chart import Chart
 from neuralgaits.certificate.proof_file.reader import read_claims
 from neuralgaits.certificate.proof_file.run_match import differences
-from neuralgaits.certificate.retrace import describe_run
-from neuralgaits.certificate.run_comparison import differences_of_program
+from neuralgaits.certificate.run_certificate.retrace import describe_run
+from neuralgaits.certificate.run_certificate.run_comparison import differences_of_program
 from neuralgaits.errors import InputError, RunError
 from neuralgaits.viewer.sureness import how_sure
 from neuralgaits.workflows import demo

@@ -9,7 +9,7 @@ import pytest
 
 from neuralgaits.analysis.point_evaluator import PlaneChart, PointEvaluator, quantities
 from neuralgaits.analysis.run import open_run
-from neuralgaits.certificate.verified_summary import hashes
+from neuralgaits.certificate.run_certificate.verified_summary import hashes
 from neuralgaits.report.figures import certificate_map
 from neuralgaits.viewer import markdown, phase_board
 from neuralgaits.viewer import portrait as board

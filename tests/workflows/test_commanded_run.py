@@ -9,7 +9,7 @@ from neuralgaits.analysis.run import PolicyOfSteps, open_run
 from neuralgaits.cli.arguments import TrainOptions
 from neuralgaits.cli.argv_parser import read
 from neuralgaits.errors import InputError
-from neuralgaits.report import repeat_commands
+from neuralgaits.report.page import repeat_commands
 from neuralgaits.robots import load_robot
 from neuralgaits.training import calibration
 from neuralgaits.workflows.certify import certify

@@ -13,7 +13,6 @@ import pytest
 from flint import arb
 
 from neuralgaits.barriers import Barrier
-from neuralgaits.certificate import retrace
 from neuralgaits.certificate.levels.full_order.conclude import conclude_full_order
 from neuralgaits.certificate.levels.full_order.find import find_full_order
 from neuralgaits.certificate.levels.full_order.model import (
@@ -29,12 +28,13 @@ from neuralgaits.certificate.levels.full_order.theorem import (
     premises,
     series,
 )
-from neuralgaits.certificate.levels.premises import proved_bounds
+from neuralgaits.certificate.premises import proved_bounds
 from neuralgaits.certificate.proof_file.check import check
 from neuralgaits.certificate.proof_file.reader import Claims, Statement, read_claims
 from neuralgaits.certificate.proof_file.statement_check import StatementCheck
 from neuralgaits.certificate.proof_file.theorem_tables import Theorems
-from neuralgaits.certificate.run_comparison import differences_of_program
+from neuralgaits.certificate.run_certificate import retrace
+from neuralgaits.certificate.run_certificate.run_comparison import differences_of_program
 from neuralgaits.certificate.search.schedule import SearchInterrupted
 from neuralgaits.gait.full_order import FullPoint
 from neuralgaits.programs import POINT, Program, evaluate

@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 
 from neuralgaits.analysis.run import open_parts, open_run, untrained
-from neuralgaits.certificate import retrace
-from neuralgaits.certificate import verified_summary as certificate_reader
 from neuralgaits.certificate.levels.full_order.theorem import BarrierConstants, FullOrderConstants
 from neuralgaits.certificate.levels.level_search import LevelSets
 from neuralgaits.certificate.levels.problems import trace_certificate
 from neuralgaits.certificate.proof_file.model_data import model_data
 from neuralgaits.certificate.proof_file.theorem_tables import Theorems
+from neuralgaits.certificate.run_certificate import retrace
+from neuralgaits.certificate.run_certificate import verified_summary as certificate_reader
 from neuralgaits.certificate.traced import trace_spec
 from neuralgaits.errors import InputError, RunError
 from neuralgaits.gait import ZeroDynamics

@@ -6,9 +6,9 @@ import sys
 
 import pytest
 
-from neuralgaits.certificate import retrace
 from neuralgaits.certificate.proof_file import statement_check
 from neuralgaits.certificate.proof_file.theorem_tables import Theorems
+from neuralgaits.certificate.run_certificate import retrace
 from neuralgaits.errors import InputError, RunError
 from neuralgaits.workflows.certify import certify
 from neuralgaits.workflows.check_proof import check_proof

@@ -61,7 +61,7 @@ def show_training(result: Trained) -> None:
 def _to_mend(result: Trained, worst: str) -> list[tuple[str, str]]:
     """Return what to do about failing conditions; only general advice if the run is missing."""
     # Imported here: few commands need it.
-    from neuralgaits.report import repeat_commands
+    from neuralgaits.report.page import repeat_commands
 
     page = "the page 'It did not train: what now'"
     last = "or loosen", f'without("{worst}") in a spec of your own, see {page}'

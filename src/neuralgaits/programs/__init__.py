@@ -4,8 +4,8 @@ Importing this room imports no JAX; tracing does: `from neuralgaits.programs.tra
 trace`.
 """
 
-from neuralgaits.programs.algebras.point_algebra import POINT, PointAlgebra
 from neuralgaits.programs.evaluation import Algebra, evaluate, fold
+from neuralgaits.programs.point_algebra import POINT, PointAlgebra
 from neuralgaits.programs.program import Constant, Input, Operation, Output, Program
 
 __all__ = [

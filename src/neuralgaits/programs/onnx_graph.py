@@ -12,9 +12,9 @@ import numpy as np
 from onnx import GraphProto, NodeProto, TensorProto, ValueInfoProto, helper, numpy_helper
 
 from neuralgaits.errors import SpecError
-from neuralgaits.programs.algebras.point_algebra import POINT
 from neuralgaits.programs.evaluation import evaluate, fold
 from neuralgaits.programs.ops import rule
+from neuralgaits.programs.point_algebra import POINT
 from neuralgaits.programs.program import Input, Output, Program
 
 OPERATOR_SET = 17

@@ -9,7 +9,10 @@ from numpy.polynomial.chebyshev import chebval
 from neuralgaits.analysis.run import Run
 from neuralgaits.certificate.levels.full_order.theorem import FullOrderConstants
 from neuralgaits.certificate.levels.orbit.theorem import OrbitConstants
-from neuralgaits.certificate.verified_summary import CertificateReading, read_certificate
+from neuralgaits.certificate.run_certificate.verified_summary import (
+    CertificateReading,
+    read_certificate,
+)
 from neuralgaits.records.certified import Conclusion
 from neuralgaits.records.training_config import Range
 from neuralgaits.report.figures.full_order_set import FullOrderSet

@@ -16,8 +16,8 @@ from neuralgaits.analysis.walk_log import measured_walk
 from neuralgaits.errors import RunError
 from neuralgaits.records.episode_records import ASKED, SUMMARY, EpisodesDone
 from neuralgaits.records.simulated import LOG
-from neuralgaits.report import commanded_gait, repeat_commands
 from neuralgaits.report.certificate import ProvedOfGait
+from neuralgaits.report.drawing import commanded_gait
 from neuralgaits.report.figures import (
     barrier_sketches,
     certificate_map,
@@ -33,6 +33,7 @@ from neuralgaits.report.figures import (
     rounds,
     stride,
 )
+from neuralgaits.report.page import repeat_commands
 from neuralgaits.runs.names import MAP
 from neuralgaits.runs.shell_words import command, learning, named
 

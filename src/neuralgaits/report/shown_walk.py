@@ -22,7 +22,7 @@ from neuralgaits.errors import InputError, NeuralGaitsError, RunError
 from neuralgaits.records.report_walk import FILE, ShownWalk
 from neuralgaits.records.simulated import MUJOCO, SUMMARY, Simulated
 from neuralgaits.report import animation
-from neuralgaits.report.repeat_commands import plant_word
+from neuralgaits.report.page.repeat_commands import plant_word
 from neuralgaits.robots import PlanarBiped, load_robot
 from neuralgaits.runs import plain
 from neuralgaits.runs.names import WEIGHTS

@@ -3,7 +3,7 @@
 from typing import NamedTuple
 
 from neuralgaits.analysis.run import Run
-from neuralgaits.certificate.verified_summary import ProvedPart, read_certificate
+from neuralgaits.certificate.run_certificate.verified_summary import ProvedPart, read_certificate
 from neuralgaits.records import in_plain_words
 from neuralgaits.records.certified import PROOF, CertificateRecord
 from neuralgaits.runs import packed

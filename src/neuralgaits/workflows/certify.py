@@ -13,15 +13,9 @@ from neuralgaits import _notebook
 from neuralgaits._digits import at_least
 from neuralgaits._settings import check_bandwidth, check_budget, check_disturbance
 from neuralgaits.analysis.run import Run, open_run
-from neuralgaits.certificate.certificate_files import (
-    hashes_with,
-    refuse_unwritable_certificate,
-    write_certificate,
-)
 from neuralgaits.certificate.levels.conditions import verdicts as level_one
 from neuralgaits.certificate.levels.level_search import FULL_ORDER_LEVEL, LevelSets, find_sets
 from neuralgaits.certificate.levels.levels import conclude
-from neuralgaits.certificate.levels.premises import proved_bounds
 from neuralgaits.certificate.levels.problems import (
     condition_boxes,
     condition_problems,
@@ -29,11 +23,17 @@ from neuralgaits.certificate.levels.problems import (
     premise_problems,
     trace_certificate,
 )
+from neuralgaits.certificate.premises import proved_bounds
 from neuralgaits.certificate.proof_file.model_data import model_data
 from neuralgaits.certificate.proof_file.proof_from_run import proof_of
 from neuralgaits.certificate.proof_file.theorem_tables import Theorems
 from neuralgaits.certificate.proof_file.writer import StatementRecord, prove
-from neuralgaits.certificate.scope import LEVEL, Scope
+from neuralgaits.certificate.run_certificate.certificate_files import (
+    hashes_with,
+    refuse_unwritable_certificate,
+    write_certificate,
+)
+from neuralgaits.certificate.run_certificate.scope import LEVEL, Scope
 from neuralgaits.certificate.search.branch_and_bound import BoundAll, Search
 from neuralgaits.certificate.search.checkpoint import load, save
 from neuralgaits.certificate.search.problem import Problem

@@ -22,7 +22,7 @@ from neuralgaits.certificate.proof_file.check import (
 )
 from neuralgaits.certificate.proof_file.reader import Claims, read_claims
 from neuralgaits.certificate.proof_file.run_match import differences
-from neuralgaits.certificate.run_comparison import compare_with_run
+from neuralgaits.certificate.run_certificate.run_comparison import compare_with_run
 from neuralgaits.errors import RunError
 from neuralgaits.records.certified import PROOF
 from neuralgaits.records.checked import Checked

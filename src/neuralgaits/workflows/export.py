@@ -7,7 +7,10 @@ from pathlib import Path
 
 from neuralgaits._version import __version__
 from neuralgaits.analysis.run import Run, open_run
-from neuralgaits.certificate.verified_summary import CertificateReading, read_certificate
+from neuralgaits.certificate.run_certificate.verified_summary import (
+    CertificateReading,
+    read_certificate,
+)
 from neuralgaits.control.laws import EXPORTED
 from neuralgaits.errors import InputError
 from neuralgaits.export import build, output_folder

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from neuralgaits.analysis.run import Run, open_run
-from neuralgaits.certificate.verified_summary import CertificateReading
+from neuralgaits.certificate.run_certificate.verified_summary import CertificateReading
 from neuralgaits.errors import InputError
 from neuralgaits.report.certificate import certificate_of
 from neuralgaits.report.drawing.drawn import Drawn, Missing

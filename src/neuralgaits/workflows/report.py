@@ -8,7 +8,10 @@ from neuralgaits._printable import printable
 from neuralgaits.analysis import gait_data
 from neuralgaits.analysis.run import Run, open_run
 from neuralgaits.certificate.proof_file.check import ASSUMPTIONS
-from neuralgaits.certificate.verified_summary import CertificateReading, read_certificate
+from neuralgaits.certificate.run_certificate.verified_summary import (
+    CertificateReading,
+    read_certificate,
+)
 from neuralgaits.errors import InputError, RunError
 from neuralgaits.records import report_walk
 from neuralgaits.records.report_walk import ShownWalk

@@ -11,13 +11,13 @@ from unittest import mock
 import jax
 import numpy as np
 
-from neuralgaits.certificate import retrace, verified_summary
 from neuralgaits.certificate.chart import PLANE_ONLY, Chart
 from neuralgaits.certificate.levels import problems
 from neuralgaits.certificate.proof_file import reader as claims
 from neuralgaits.certificate.proof_file import shared_check
 from neuralgaits.certificate.proof_file.statement_check import StatementCheck
 from neuralgaits.certificate.proof_file.theorem_tables import Theorems
+from neuralgaits.certificate.run_certificate import retrace, verified_summary
 from neuralgaits.errors import InputError, NeuralGaitsError
 from neuralgaits.programs import Program
 

@@ -18,12 +18,12 @@ from neuralgaits.analysis import run as runs
 from neuralgaits.analysis.learned import Learned
 from neuralgaits.analysis.run import asked_of, open_run, untrained
 from neuralgaits.barriers import specs
-from neuralgaits.certificate import verified_summary
 from neuralgaits.certificate.proof_file.check import check, in_words
 from neuralgaits.certificate.proof_file.reader import InconsistentError, read_claims
 from neuralgaits.certificate.proof_file.run_match import differences
+from neuralgaits.certificate.run_certificate import verified_summary
+from neuralgaits.certificate.run_certificate.verified_summary import read_certificate
 from neuralgaits.certificate.search.checkpoint import load, open_boxes
-from neuralgaits.certificate.verified_summary import read_certificate
 from neuralgaits.episode_rounds.episode_folder import EpisodeFolder
 from neuralgaits.errors import InputError, RunError
 from neuralgaits.records.report_walk import FILE, ShownWalk

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from neuralgaits.certificate.chart import Chart, Corner
-from neuralgaits.certificate.levels.premises import Bounds, Boxes
+from neuralgaits.certificate.premises import Bounds, Boxes
 from neuralgaits.records.certified import Conclusion
 
 Parameters = Mapping[int, Any]

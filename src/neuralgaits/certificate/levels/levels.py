@@ -12,9 +12,9 @@ from neuralgaits.certificate.levels.full_order.conclude import conclude_full_ord
 from neuralgaits.certificate.levels.level import Level, Parameters
 from neuralgaits.certificate.levels.orbit import theorem as orbit
 from neuralgaits.certificate.levels.orbit.conclude import attraction
-from neuralgaits.certificate.levels.premises import Bounds, Boxes
 from neuralgaits.certificate.levels.walking_set import theorem as walking_set
 from neuralgaits.certificate.levels.walking_set.conclude import walking
+from neuralgaits.certificate.premises import Bounds, Boxes
 from neuralgaits.records.certified import Conclusion
 
 

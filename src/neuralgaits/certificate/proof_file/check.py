@@ -12,7 +12,7 @@ from typing import Literal
 from neuralgaits._digits import at_least, at_most
 from neuralgaits.certificate.chart import PLANE
 from neuralgaits.certificate.levels.levels import conclude
-from neuralgaits.certificate.levels.premises import level_one_boxes, proved_bounds
+from neuralgaits.certificate.premises import level_one_boxes, proved_bounds
 from neuralgaits.certificate.proof_file.command_ranges import why_part
 from neuralgaits.certificate.proof_file.consistency import inconsistencies
 from neuralgaits.certificate.proof_file.coverage import SpecOutline, unstated, why_incomplete

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple, Protocol
 from neuralgaits._names import why_no_name
 from neuralgaits.certificate.chart import PLANE, Corner
 from neuralgaits.certificate.levels.levels import labelled_premises
-from neuralgaits.certificate.levels.premises import Claim
+from neuralgaits.certificate.premises import Claim
 from neuralgaits.certificate.proof_file.json_fields import box_of, number_of, text_of
 from neuralgaits.certificate.proof_file.limits import MOST_BOXES, limit
 from neuralgaits.certificate.proof_file.theorem_tables import Theorems

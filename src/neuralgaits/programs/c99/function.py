@@ -13,12 +13,12 @@ from typing import Any
 import numpy as np
 
 from neuralgaits.errors import SpecError
-from neuralgaits.programs.algebras.point_algebra import POINT
 from neuralgaits.programs.c99.c_writer import Emitted, Writer
 from neuralgaits.programs.c99.constant_arrays import Tables, identifier
 from neuralgaits.programs.c99.nodes import LOOPED, Node
 from neuralgaits.programs.c99.operation_layout import lay_out
 from neuralgaits.programs.evaluation import Algebra, evaluate, fold
+from neuralgaits.programs.point_algebra import POINT
 from neuralgaits.programs.program import Program
 
 

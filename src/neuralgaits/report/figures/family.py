@@ -9,8 +9,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from neuralgaits.analysis.command_sweeps import CommandSweep, Family, Member
-from neuralgaits.report import commanded_gait
-from neuralgaits.report.drawing import robot_drawing
+from neuralgaits.report.drawing import commanded_gait, robot_drawing
 from neuralgaits.report.drawing.style import (
     BLACK,
     GREY,

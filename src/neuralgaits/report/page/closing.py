@@ -8,11 +8,10 @@ from pathlib import Path
 from neuralgaits.records import in_plain_words
 from neuralgaits.records.certified import CertificateRecord
 from neuralgaits.records.in_plain_words import ORBIT
-from neuralgaits.report import repeat_commands
-from neuralgaits.report.commanded_gait import FIGURE as FAMILY
+from neuralgaits.report.drawing.commanded_gait import FIGURE as FAMILY
 from neuralgaits.report.drawing.drawn import Drawn, Missing
 from neuralgaits.report.page import markup as html
-from neuralgaits.report.page import phrases
+from neuralgaits.report.page import phrases, repeat_commands
 from neuralgaits.report.page.markup import Html
 from neuralgaits.report.page.saved import Contents, Saved
 from neuralgaits.runs.shell_words import command, named, resuming

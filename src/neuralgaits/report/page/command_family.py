@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping
 
 from neuralgaits.records import in_plain_words
 from neuralgaits.records.training_config import Range
-from neuralgaits.report import commanded_gait
+from neuralgaits.report.drawing import commanded_gait
 from neuralgaits.report.drawing.drawn import Drawn
 from neuralgaits.report.page.markup import Html, captioned, paragraph, section, table, tag
 from neuralgaits.report.page.saved import Contents, ProvedOfSome, Saved

@@ -8,9 +8,8 @@ from neuralgaits.records.certified import box_in_words
 from neuralgaits.records.inspected import RobotFacts
 from neuralgaits.records.trained import Trained, Violations
 from neuralgaits.records.training_config import ConditionRecord, GaitOrigin
-from neuralgaits.report import repeat_commands
 from neuralgaits.report.page import markup as html
-from neuralgaits.report.page import phrases
+from neuralgaits.report.page import phrases, repeat_commands
 from neuralgaits.report.page.markup import Html
 from neuralgaits.report.page.saved import Contents, Saved
 from neuralgaits.runs.shell_words import resuming

@@ -22,7 +22,7 @@ from neuralgaits.certificate.levels.full_order.theorem import (
     lyapunov_rate,
     weighting,
 )
-from neuralgaits.certificate.levels.premises import Bounds, above, below, first_missing
+from neuralgaits.certificate.premises import Bounds, above, below, first_missing
 from neuralgaits.records.certified import Conclusion, TheoremConstant
 
 LEVEL = 5

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 from neuralgaits.certificate.chart import Corner
 from neuralgaits.certificate.levels.full_order.theorem import FullOrderConstants
-from neuralgaits.certificate.levels.premises import Premise
+from neuralgaits.certificate.premises import Premise
 
 REGION = "disturbed"
 """Label of the statements that level 5 rests on beside those of level 4."""

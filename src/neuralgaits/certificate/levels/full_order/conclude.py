@@ -11,7 +11,7 @@ from neuralgaits.certificate.levels.full_order.theorem import (
     premises,
 )
 from neuralgaits.certificate.levels.full_order.words import constants, in_words
-from neuralgaits.certificate.levels.premises import Bounds
+from neuralgaits.certificate.premises import Bounds
 from neuralgaits.records.certified import Conclusion
 
 LEVEL = 4

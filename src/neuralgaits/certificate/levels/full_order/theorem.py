@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from neuralgaits.certificate.chart import Chart, Corner
-from neuralgaits.certificate.levels.premises import Premise
+from neuralgaits.certificate.premises import Premise
 
 FENCES = LOWER, UPPER = "level-lower", "level-upper"
 """Names of the two fences as barriers, which read z alone."""

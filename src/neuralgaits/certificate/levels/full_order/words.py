@@ -22,7 +22,7 @@ from neuralgaits.certificate.levels.full_order.theorem import (
     premises,
     weighting,
 )
-from neuralgaits.certificate.levels.premises import Bounds, above, below
+from neuralgaits.certificate.premises import Bounds, above, below
 from neuralgaits.records.certified import TheoremConstant
 
 _LEAST, _MOST = ("gamma", "radius", "epsilon", "most sigma"), ("step factor", "r_end", "t")

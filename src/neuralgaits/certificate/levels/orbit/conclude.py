@@ -10,8 +10,8 @@ from flint import arb
 
 from neuralgaits._digits import at_least, at_most
 from neuralgaits.certificate.levels.orbit.theorem import OrbitConstants, orbit_premises
-from neuralgaits.certificate.levels.premises import Bounds, above, below, first_missing
 from neuralgaits.certificate.levels.walking_set.theorem import WalkingSetConstants
+from neuralgaits.certificate.premises import Bounds, above, below, first_missing
 from neuralgaits.records.certified import Conclusion
 
 

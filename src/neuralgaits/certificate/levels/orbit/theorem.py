@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from typing import Literal
 
 from neuralgaits.certificate.chart import Corner
-from neuralgaits.certificate.levels.premises import Premise
 from neuralgaits.certificate.levels.walking_set.theorem import WalkingSetConstants
+from neuralgaits.certificate.premises import Premise
 
 Attraction = Literal["contraction", "nested tubes", "contraction alone", "any two walks"]
 """Reason why the orbit attracts all of the walking set: see `conclude`. The last two enclose no

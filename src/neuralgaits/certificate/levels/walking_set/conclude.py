@@ -5,7 +5,6 @@ The argument is in docs/walking_set.md; a comparison holds only if it is certain
 
 from flint import arb
 
-from neuralgaits.certificate.levels.premises import Bounds, Boxes, Premise, above, first_missing
 from neuralgaits.certificate.levels.walking_set.theorem import (
     WalkingSetConstants,
     off_the_line,
@@ -14,6 +13,7 @@ from neuralgaits.certificate.levels.walking_set.theorem import (
     walking_premises,
 )
 from neuralgaits.certificate.levels.walking_set.words import walking_words
+from neuralgaits.certificate.premises import Bounds, Boxes, Premise, above, first_missing
 from neuralgaits.records.certified import Conclusion
 
 

@@ -5,7 +5,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from neuralgaits.certificate.chart import Corner
-from neuralgaits.certificate.levels.premises import Boxes, Premise
+from neuralgaits.certificate.premises import Boxes, Premise
 
 STRIPS, SET = "strips", "walking set"
 """Labels of level 2's statements, in place of the region that a spec's statements have."""

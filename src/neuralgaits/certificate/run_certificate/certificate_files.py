@@ -9,7 +9,7 @@ import hashlib
 from collections.abc import Mapping
 from pathlib import Path
 
-from neuralgaits.certificate.verified_summary import hashes
+from neuralgaits.certificate.run_certificate.verified_summary import hashes
 from neuralgaits.records.certified import PROOF, SUMMARY
 from neuralgaits.runs import packed
 from neuralgaits.runs.atomic import refuse_unwritable, write_together

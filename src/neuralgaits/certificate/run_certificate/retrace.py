@@ -39,7 +39,7 @@ def retrace_in_subprocess(
         file = Path(folder) / "answer.json"
         try:
             done = subprocess.run(
-                command_of("neuralgaits.certificate.retrace", str(run), str(file)),
+                command_of("neuralgaits.certificate.run_certificate.retrace", str(run), str(file)),
                 input=json.dumps({"theorems": theorems.tables(), "chart": chart.table()}),
                 stdout=subprocess.DEVNULL,
                 stderr=subprocess.PIPE,

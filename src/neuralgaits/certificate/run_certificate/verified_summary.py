@@ -11,15 +11,15 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from neuralgaits.certificate.friction_requirement import friction_needed
 from neuralgaits.certificate.levels.levels import conclude
-from neuralgaits.certificate.levels.premises import proved_bounds
+from neuralgaits.certificate.premises import proved_bounds
 from neuralgaits.certificate.proof_file.consistency import inconsistencies
 from neuralgaits.certificate.proof_file.coverage import SpecOutline, stated_roots, unstated
 from neuralgaits.certificate.proof_file.reader import Claims, read_claims
 from neuralgaits.certificate.proof_file.run_match import ROBOT, SPEC, WEIGHTS, differences
 from neuralgaits.certificate.proof_file.sampled_bounds import first_broken_bound
-from neuralgaits.certificate.run_comparison import RunComparison, compare_with_run
+from neuralgaits.certificate.run_certificate.friction_requirement import friction_needed
+from neuralgaits.certificate.run_certificate.run_comparison import RunComparison, compare_with_run
 from neuralgaits.errors import InputError
 from neuralgaits.records.certified import (
     PROOF,

@@ -8,8 +8,8 @@ import numpy as np
 from neuralgaits.analysis.run import Run
 from neuralgaits.barriers import GaitSpec
 from neuralgaits.certificate.chart import Chart
-from neuralgaits.certificate.friction_requirement import friction_needed
 from neuralgaits.certificate.provable import refuse_many_axes, why_not_robust
+from neuralgaits.certificate.run_certificate.friction_requirement import friction_needed
 from neuralgaits.errors import InputError
 from neuralgaits.gait.commands import Command
 from neuralgaits.records.levels import HIGHEST_OF_MANY

@@ -4,10 +4,10 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from neuralgaits.certificate import retrace
 from neuralgaits.certificate.chart import Chart
 from neuralgaits.certificate.proof_file.coverage import SpecOutline
 from neuralgaits.certificate.proof_file.reader import Claims
+from neuralgaits.certificate.run_certificate import retrace
 from neuralgaits.errors import RunError
 
 
