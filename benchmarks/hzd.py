@@ -18,8 +18,8 @@ from neuralgaits.hzd.solver import DEGREE, Optimiser
 from neuralgaits.records.training_config import GaitOrigin
 from neuralgaits.robots import load_robot
 from neuralgaits.workflows.certify import certify
+from neuralgaits.workflows.given_run import given_run
 from neuralgaits.workflows.import_gait import import_gait
-from neuralgaits.workflows.parts.given_run import given_run
 from neuralgaits.workflows.simulate import simulate
 
 PUBLISHED = Path(__file__).parents[1] / "examples" / "gaits" / "amber3m.json"

@@ -36,8 +36,8 @@ from neuralgaits.records.certified import box_in_words
 from neuralgaits.report.page import repeat_commands
 from neuralgaits.robots import load_robot
 from neuralgaits.robots.dynamics import angular_momentum
+from neuralgaits.robots.mjcf.parameters import RobotFamily
 from neuralgaits.robots.parameter_box import parse_box
-from neuralgaits.robots.parameters import RobotFamily
 from neuralgaits.runs import RunFolder
 from neuralgaits.workflows.certify import certify
 from neuralgaits.workflows.check_proof import check_proof

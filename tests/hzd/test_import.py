@@ -16,9 +16,9 @@ from neuralgaits.report.page.document import document
 from neuralgaits.report.page.saved import Contents
 from neuralgaits.training.precision import cast
 from neuralgaits.workflows.certify import certify
+from neuralgaits.workflows.given_run import given_run
 from neuralgaits.workflows.import_gait import import_gait
 from neuralgaits.workflows.inspect import inspect
-from neuralgaits.workflows.parts.given_run import given_run
 from neuralgaits.workflows.report import saved_of
 from support import published_gaits
 

@@ -9,7 +9,7 @@ from neuralgaits.hzd import solver
 from neuralgaits.hzd.collocation import nodes
 from neuralgaits.hzd.given_orbit import steady
 from neuralgaits.records.training_config import GaitOrigin
-from neuralgaits.workflows.parts.given_run import given_run
+from neuralgaits.workflows.given_run import given_run
 from support import published_gaits
 
 

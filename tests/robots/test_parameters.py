@@ -7,14 +7,14 @@ import pytest
 from neuralgaits.errors import InputError
 from neuralgaits.robots import load_robot
 from neuralgaits.robots.mjcf.loader import robot_from_text
-from neuralgaits.robots.parameter_box import parse_box
-from neuralgaits.robots.parameters import (
+from neuralgaits.robots.mjcf.parameters import (
     RobotFamily,
     axes_of,
     box_of,
     in_its_file,
     kinds_of,
 )
+from neuralgaits.robots.parameter_box import parse_box
 from support.edited_robot import edited
 from support.family_member import in_float64
 from support.random_biped import random_biped

@@ -6,7 +6,7 @@ import numpy as np
 
 from neuralgaits._types import Float
 from neuralgaits.robots import PlanarBiped
-from neuralgaits.robots.parameters import RobotFamily
+from neuralgaits.robots.mjcf.parameters import RobotFamily
 
 
 def in_float64(family: RobotFamily, p: Float[np.ndarray, " k"]) -> PlanarBiped:

@@ -17,7 +17,7 @@ from neuralgaits.certificate.proof_file.reader import read_claims
 from neuralgaits.certificate.proof_file.run_match import differences
 from neuralgaits.runs.names import WEIGHTS
 from neuralgaits.training.training_loop import GradientSteps
-from neuralgaits.workflows.parts.proof_rounds import HISTORY, REPAIR, Watch
+from neuralgaits.workflows.proof_rounds import HISTORY, REPAIR, Watch
 from neuralgaits.workflows.train import train
 from support import small_spec
 
@@ -101,7 +101,7 @@ import os, signal, sys
 from pathlib import Path
 import neuralgaits as ng
 from neuralgaits.training import training_loop
-from neuralgaits.workflows.parts.proof_rounds import REPAIR
+from neuralgaits.workflows.proof_rounds import REPAIR
 
 training_loop.CHECKPOINT_S = 0.0
 training_loop.VALIDATE_EVERY = 25

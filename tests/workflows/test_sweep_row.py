@@ -7,8 +7,8 @@ import pytest
 from neuralgaits.analysis.run import open_run
 from neuralgaits.errors import NonFiniteError
 from neuralgaits.robots.mjcf.loader import robot_text
+from neuralgaits.workflows import sweep_row
 from neuralgaits.workflows.check_proof import check_proof
-from neuralgaits.workflows.parts import sweep_row
 from support import brief_spec
 
 

@@ -22,10 +22,10 @@ from neuralgaits.runs.names import STATE, SUMMARY
 from neuralgaits.training import seed_batch, training_loop
 from neuralgaits.training.seed_batch import SeedBatch
 from neuralgaits.training.trainer import SMALLER, Trainer
+from neuralgaits.workflows import seed_batches, side_by_side
 from neuralgaits.workflows import train as train_workflow
 from neuralgaits.workflows import train_seeds as workflow
-from neuralgaits.workflows.parts import seed_batches, side_by_side
-from neuralgaits.workflows.parts.seed_batches import batch_size
+from neuralgaits.workflows.seed_batches import batch_size
 from neuralgaits.workflows.train import train
 from neuralgaits.workflows.train_seeds import train_seeds
 from support import small_spec

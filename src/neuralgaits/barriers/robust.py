@@ -23,8 +23,8 @@ from neuralgaits.barriers.walking import RESETS, new_hybrid_invariant, units, wa
 from neuralgaits.errors import SpecError
 from neuralgaits.gait.commands import Commands
 from neuralgaits.gait.posture import REFERENCE_LEG_M
+from neuralgaits.robots.mjcf.parameters import axes_of
 from neuralgaits.robots.parameter_box import GROUND, Box, checked_box
-from neuralgaits.robots.parameters import axes_of
 
 if TYPE_CHECKING:
     from neuralgaits.robots import PlanarBiped

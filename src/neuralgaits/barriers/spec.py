@@ -15,8 +15,8 @@ from neuralgaits.barriers.regions import Box
 from neuralgaits.errors import SpecError
 from neuralgaits.gait import ZeroDynamics
 from neuralgaits.gait.commands import Commands
-from neuralgaits.gait.gaits import AnyGait, Gait
-from neuralgaits.robots.parameters import ParameterAxis
+from neuralgaits.gait.policies.gaits import AnyGait, Gait
+from neuralgaits.robots.mjcf.parameters import ParameterAxis
 
 Init = Literal["posture", "random"]
 _FOR_COMMANDS = ("curriculum", "widened", "faster_changes", "corners", "largest_gradient", "strip")

@@ -15,11 +15,11 @@ from neuralgaits.certificate.chart import PLANE
 from neuralgaits.errors import SpecError
 from neuralgaits.gait import NO_RESIDUALS, Residuals, ZeroDynamics
 from neuralgaits.gait.commands import Pair, all_pairs
-from neuralgaits.gait.gaits import AnyGait
+from neuralgaits.gait.policies.gaits import AnyGait
 from neuralgaits.programs import POINT, Program, evaluate
 from neuralgaits.programs.tracing.tracer import trace
 from neuralgaits.robots import PlanarBiped
-from neuralgaits.robots.parameters import Model, model_of, nominal_robot, robot_at
+from neuralgaits.robots.mjcf.parameters import Model, model_of, nominal_robot, robot_at
 
 GUARD_LEVELS = 33
 """Number of levels of the guard at which the impact is evaluated."""

@@ -28,7 +28,7 @@ def carry_out_fit(verb: FitOptions) -> Outcome:
 def carry_out_refine(verb: RefineOptions) -> Outcome:
     """Carry out `refine`. Undecided if a proof was requested but not found."""
     from neuralgaits.cli.progress import TrainingProgress
-    from neuralgaits.workflows.parts.proof_rounds import Watch
+    from neuralgaits.workflows.proof_rounds import Watch
     from neuralgaits.workflows.refine import refine
 
     given = verb.disturbance

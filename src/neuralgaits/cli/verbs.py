@@ -127,8 +127,8 @@ def _train(verb: TrainOptions) -> Outcome:
     if "seeds" in given:
         return carry_out_seeds(verb.robot, given, quiet=verb.output.json)
     from neuralgaits.cli.progress import TrainingProgress
-    from neuralgaits.workflows.parts.proof_rounds import Watch
     from neuralgaits.workflows.planarise import load_or_advise
+    from neuralgaits.workflows.proof_rounds import Watch
     from neuralgaits.workflows.train import train
 
     robot = None if verb.robot is None else load_or_advise(verb.robot)

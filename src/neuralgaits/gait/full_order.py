@@ -14,8 +14,8 @@ import jax.numpy as jnp
 from neuralgaits._types import Actuated, Array, Coordinates, Float, Scalar, ZeroState
 from neuralgaits.gait.coordinates import lift
 from neuralgaits.gait.point import Point
-from neuralgaits.gait.policies.third_order import ThirdOrderPolicy
 from neuralgaits.gait.policy import AbstractPolicy
+from neuralgaits.gait.third_order import ThirdOrderPolicy
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.robots.linear import solve
 

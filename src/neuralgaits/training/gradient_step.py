@@ -9,7 +9,7 @@ import optax
 
 from neuralgaits.barriers import GaitSpec
 from neuralgaits.gait import Residuals
-from neuralgaits.robots.parameters import Model, nominal_robot
+from neuralgaits.robots.mjcf.parameters import Model, nominal_robot
 from neuralgaits.training.disturbance_corners import DisturbanceBox, pushes_of
 from neuralgaits.training.loss import Loss, MarginLayout, barrier_loss, margin_matrix
 from neuralgaits.training.repair import with_extra

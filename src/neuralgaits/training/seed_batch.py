@@ -1,7 +1,7 @@
 """Train many seeds as one compiled program: a stack of states, one for each run on disk.
 
 This is how accelerators train them; a processor takes them side by side, see
-`workflows/parts/side_by_side.py`. The loop over gradient steps is that of a single training under
+`workflows/side_by_side.py`. The loop over gradient steps is that of a single training under
 `vmap`, and the decisions between them (the best weights, smaller steps after NaN) are made seed by
 seed by the same functions. So a seed gets the same result as alone, up to the rounding of sums in
 single precision.
@@ -22,7 +22,7 @@ from jax.sharding import Mesh, NamedSharding, PartitionSpec
 from neuralgaits._types import Array
 from neuralgaits.analysis.run import Run
 from neuralgaits.errors import NonFiniteError
-from neuralgaits.gait.gaits import AnyGait
+from neuralgaits.gait.policies.gaits import AnyGait
 from neuralgaits.runs.names import STATE
 from neuralgaits.training.loss import Loss
 from neuralgaits.training.session import start_of

@@ -21,10 +21,10 @@ from neuralgaits._types import Array, Float
 from neuralgaits.barriers import GaitSpec, Recipe
 from neuralgaits.errors import InputError
 from neuralgaits.gait import NO_RESIDUALS, Residuals
-from neuralgaits.gait.gaits import AnyGait
+from neuralgaits.gait.policies.gaits import AnyGait
 from neuralgaits.gait.reset_residual import ResetCorrection
 from neuralgaits.robots import PlanarBiped
-from neuralgaits.robots.parameters import model_of
+from neuralgaits.robots.mjcf.parameters import model_of
 from neuralgaits.training.disturbance_corners import DisturbanceBox
 from neuralgaits.training.gradient_step import VALIDATION_SAMPLES, make_evaluate, make_steps
 from neuralgaits.training.learning_rate import schedule, width_factor

@@ -8,7 +8,7 @@ from neuralgaits.hzd.gait_file import read_gait
 from neuralgaits.records.training_config import GaitOrigin
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.runs import RUNS_ROOT
-from neuralgaits.workflows.parts.given_run import given_run
+from neuralgaits.workflows.given_run import given_run
 
 
 def import_gait(

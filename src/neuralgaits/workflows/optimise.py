@@ -10,7 +10,7 @@ from neuralgaits.hzd.solver import DEGREE, Optimiser
 from neuralgaits.records.training_config import HIGHEST_DEGREE, GaitOrigin
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.runs import RUNS_ROOT, RunFolder
-from neuralgaits.workflows.parts.given_run import given_run
+from neuralgaits.workflows.given_run import given_run
 
 LOWEST_DEGREE = 3
 """Least degree: the impact fixes the rates at both ends, so lower degrees leave no freedom."""

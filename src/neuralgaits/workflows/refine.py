@@ -19,7 +19,7 @@ from neuralgaits.runs import RUNS_ROOT, RunFolder
 from neuralgaits.runs.names import FITTED, RESIDUAL, ROBOT, SPEC, START, WEIGHTS
 from neuralgaits.runs.shell_words import learning
 from neuralgaits.training.training_loop import Progress
-from neuralgaits.workflows.parts.proof_rounds import Watch
+from neuralgaits.workflows.proof_rounds import Watch
 from neuralgaits.workflows.train import train_to_the_end
 
 STEPS_SHARE = 0.7

@@ -38,7 +38,7 @@ from neuralgaits.sweeps.grid import Combination, combinations, count, refuse_sam
 from neuralgaits.sweeps.inputs import inputs_of, robot_file, spec_file
 from neuralgaits.sweeps.sweep_folder import SweepFolder, sha256
 from neuralgaits.sweeps.sweep_table import to_csv
-from neuralgaits.workflows.parts.sweep_row import carry_out, row_of
+from neuralgaits.workflows.sweep_row import carry_out, row_of
 
 WALKS, WALK_STEPS = 4, 25
 """Walks under each disturbance, from random states of the region, and the steps requested of

@@ -16,7 +16,7 @@ from neuralgaits.barriers.commanded_spec import Interval
 from neuralgaits.barriers.spec import Init
 from neuralgaits.certificate.traced import after_impact, trace_spec
 from neuralgaits.errors import InputError, Interrupted, RunError
-from neuralgaits.gait.gaits import CommandedGait
+from neuralgaits.gait.policies.gaits import CommandedGait
 from neuralgaits.records.trained import Trained, TrainingProof, Violations
 from neuralgaits.records.training_config import asked_of
 from neuralgaits.robots import PlanarBiped
@@ -29,8 +29,8 @@ from neuralgaits.training.session import take_all_steps
 from neuralgaits.training.train_state import FreshMargins, TrainState
 from neuralgaits.training.trainer import Trainer
 from neuralgaits.training.training_loop import Progress
-from neuralgaits.workflows.parts.new_training import new_training
-from neuralgaits.workflows.parts.proof_rounds import ProofRounds, Watch
+from neuralgaits.workflows.new_training import new_training
+from neuralgaits.workflows.proof_rounds import ProofRounds, Watch
 
 FRESH_SAMPLES_SEED = 2**31
 """Seed of the samples on which the summary is measured; no run can have it."""

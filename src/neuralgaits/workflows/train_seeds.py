@@ -22,10 +22,10 @@ from neuralgaits.runs.claim import claim, filled
 from neuralgaits.runs.latest import SEEDS, name_latest
 from neuralgaits.runs.shell_words import LATEST, command, resuming
 from neuralgaits.training.training_loop import Progress
-from neuralgaits.workflows.parts.many_seeds import ManySeeds
-from neuralgaits.workflows.parts.new_training import new_training
-from neuralgaits.workflows.parts.seed_batches import SeedBatches
-from neuralgaits.workflows.parts.side_by_side import SideBySide
+from neuralgaits.workflows.many_seeds import ManySeeds
+from neuralgaits.workflows.new_training import new_training
+from neuralgaits.workflows.seed_batches import SeedBatches
+from neuralgaits.workflows.side_by_side import SideBySide
 
 SUMMARY = "seeds.json"
 """Name of the table of seeds, in the folder that holds their runs."""

@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
+from neuralgaits._printable import PRINTABLE
 from neuralgaits.cli.main import main
 from support.fuzzing.doors import inputs
 from support.fuzzing.formats import altered
@@ -15,8 +16,8 @@ from support.fuzzing.paths import WORDS_OF_PATHS, odd_path, placed, remove_odd
 from support.fuzzing.place import FILES, RUN, Place
 
 CODES = (0, 1, 2, 3)
-UTF8, EVERY, ESCAPED = "utf-8", "", "backslashreplace"
-"""Encoding of a process's streams, their line ends kept, and what stderr does with the rest."""
+UTF8, EVERY = "utf-8", ""
+"""Encoding of a process's streams, their line ends kept."""
 ODD_ONE = 5
 """One command in so many is about a path of any bytes."""
 Words = Callable[[str], list[str]]
@@ -99,12 +100,10 @@ def _captured() -> Iterator[list[str]]:
     """What is printed on stdout and stderr, by C libraries too, in the list afterwards."""
     found: list[str] = []
     kept = [os.dup(1), os.dup(2)]
-    # As the streams of a process are: what cannot be written is an error on stdout alone.
+    # As `cli.main.run` sets up the streams of its process.
     with (
-        tempfile.TemporaryFile("w+", encoding=UTF8, newline=EVERY) as out,
-        tempfile.TemporaryFile(
-            "w+", encoding="utf-8", newline="", errors="backslashreplace"
-        ) as err,
+        tempfile.TemporaryFile("w+", encoding=UTF8, newline=EVERY, errors=PRINTABLE) as out,
+        tempfile.TemporaryFile("w+", encoding=UTF8, newline=EVERY, errors=PRINTABLE) as err,
     ):
         try:
             for number, file in ((1, out), (2, err)):

@@ -19,13 +19,13 @@ from neuralgaits.certificate.search.problem import Problem
 from neuralgaits.certificate.traced import step_at
 from neuralgaits.errors import SpecError
 from neuralgaits.gait import NO_RESIDUALS, Residuals, ZeroDynamics
-from neuralgaits.gait.gaits import AnyGait
+from neuralgaits.gait.policies.gaits import AnyGait
 from neuralgaits.programs import Program
 from neuralgaits.programs.prune import prune
 from neuralgaits.programs.tracing.tracer import trace
 from neuralgaits.records.certified import Counterexample
 from neuralgaits.robots import PlanarBiped
-from neuralgaits.robots.parameters import model_of
+from neuralgaits.robots.mjcf.parameters import model_of
 
 CLAIMED = 0.4
 """Claimed share of a margin whose size does not matter: fewer boxes to check."""

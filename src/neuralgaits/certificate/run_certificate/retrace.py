@@ -141,7 +141,7 @@ def _errors(robot: Any, chart: Chart, told: int) -> Any:
 
     A box whose middle is not the file's robot, or that holds impossible robots, gives () as well.
     """
-    from neuralgaits.robots.parameters import ParameterAxis, box_of
+    from neuralgaits.robots.mjcf.parameters import ParameterAxis, box_of
 
     errors = chart.parameters[told:]
     axes = tuple(ParameterAxis(axis.name, axis.high) for axis in errors)

@@ -13,8 +13,8 @@ from neuralgaits.certificate.run_certificate.friction_requirement import frictio
 from neuralgaits.errors import InputError
 from neuralgaits.gait.commands import Command
 from neuralgaits.records.levels import HIGHEST_OF_MANY
+from neuralgaits.robots.mjcf.parameters import axes_of, box_of
 from neuralgaits.robots.parameter_box import checked_box
-from neuralgaits.robots.parameters import axes_of, box_of
 
 LEVEL = HIGHEST_OF_MANY
 """Level that is proved if none is requested."""

@@ -190,7 +190,7 @@ def _box(run: Path, proof: Claims, told: Sequence[str]) -> dict[str, float]:
     if not errors:
         return floor
     from neuralgaits.robots import load_robot  # Brings JAX.
-    from neuralgaits.robots.parameters import ParameterAxis, box_of
+    from neuralgaits.robots.mjcf.parameters import ParameterAxis, box_of
 
     axes = tuple(ParameterAxis(one.name, one.high) for one in errors)
     return box_of(load_robot(run / ROBOT), axes) | floor

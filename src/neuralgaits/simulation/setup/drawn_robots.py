@@ -8,8 +8,8 @@ import numpy as np
 from neuralgaits._types import Float
 from neuralgaits.errors import InputError
 from neuralgaits.robots import PlanarBiped
+from neuralgaits.robots.mjcf.parameters import RobotFamily, axes_of, in_its_file
 from neuralgaits.robots.parameter_box import checked_box
-from neuralgaits.robots.parameters import RobotFamily, axes_of, in_its_file
 from neuralgaits.simulation.setup.disturbance import PlantChanges
 
 _STREAM = 0x0B0C5

@@ -10,13 +10,13 @@ from functools import partial
 import jax
 
 from neuralgaits.errors import NeuralGaitsError, is_full
-from neuralgaits.gait.gaits import AnyGait, CommandedGait
+from neuralgaits.gait.policies.gaits import AnyGait, CommandedGait
 from neuralgaits.runs import finish
 from neuralgaits.runs.names import WEIGHTS
 from neuralgaits.training.calibration import calibrated
 from neuralgaits.training.seed_batch import SeedBatch, SeedRun
 from neuralgaits.training.training_loop import Progress
-from neuralgaits.workflows.parts.many_seeds import ManySeeds
+from neuralgaits.workflows.many_seeds import ManySeeds
 from neuralgaits.workflows.train import FRESH_SAMPLES_SEED, summary_of
 
 AT_ONCE = 32

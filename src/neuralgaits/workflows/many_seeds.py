@@ -7,7 +7,7 @@ from neuralgaits.analysis.run import Run
 from neuralgaits.errors import NeuralGaitsError
 from neuralgaits.training.trainer import Trainer
 from neuralgaits.training.training_loop import Progress
-from neuralgaits.workflows.parts.new_training import NewTraining
+from neuralgaits.workflows.new_training import NewTraining
 
 
 class ManySeeds(ABC):

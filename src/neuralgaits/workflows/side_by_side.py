@@ -15,7 +15,7 @@ from neuralgaits.analysis.run import Run
 from neuralgaits.errors import NeuralGaitsError, is_full
 from neuralgaits.training.session import compile_steps
 from neuralgaits.training.training_loop import Progress
-from neuralgaits.workflows.parts.many_seeds import ManySeeds
+from neuralgaits.workflows.many_seeds import ManySeeds
 from neuralgaits.workflows.train import train_to_the_end
 
 

@@ -1,1 +1,0 @@
-"""Shared parts of several verbs, and the parts of a sweep's rows."""
