@@ -12,10 +12,11 @@ from neuralgaits.certificate.chart import Axis, Chart
 from neuralgaits.certificate.proof_file import statement_check
 from neuralgaits.certificate.proof_file.check import check
 from neuralgaits.certificate.proof_file.reader import read_claims
-from neuralgaits.certificate.proof_file.writer import Proof, StatementRecord, prove
+from neuralgaits.certificate.proof_file.writer import Proof, prove
 from neuralgaits.certificate.search import branch_and_bound
 from neuralgaits.certificate.search.problem import Problem
 from neuralgaits.certificate.search.schedule import explore
+from neuralgaits.certificate.search.statement_record import StatementRecord
 from neuralgaits.errors import InputError
 from neuralgaits.programs.tracing.tracer import trace
 from neuralgaits.records.certified import Counterexample

@@ -27,7 +27,7 @@ from neuralgaits.certificate.premises import proved_bounds
 from neuralgaits.certificate.proof_file.model_data import model_data
 from neuralgaits.certificate.proof_file.proof_from_run import proof_of
 from neuralgaits.certificate.proof_file.theorem_tables import Theorems
-from neuralgaits.certificate.proof_file.writer import StatementRecord, prove
+from neuralgaits.certificate.proof_file.writer import prove
 from neuralgaits.certificate.run_certificate.certificate_files import (
     hashes_with,
     refuse_unwritable_certificate,
@@ -44,6 +44,7 @@ from neuralgaits.certificate.search.schedule import (
     explore,
 )
 from neuralgaits.certificate.search.shared_bounds import SharedBounds
+from neuralgaits.certificate.search.statement_record import StatementRecord
 from neuralgaits.engine import worker_pool_for
 from neuralgaits.errors import InputError, SpecError
 from neuralgaits.programs import Program

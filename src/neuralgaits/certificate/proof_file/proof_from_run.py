@@ -7,7 +7,8 @@ from typing import Any
 from neuralgaits.analysis.run import Run
 from neuralgaits.certificate.chart import Chart
 from neuralgaits.certificate.proof_file.theorem_tables import Theorems
-from neuralgaits.certificate.proof_file.writer import Proof, StatementRecord
+from neuralgaits.certificate.proof_file.writer import Proof
+from neuralgaits.certificate.search.statement_record import StatementRecord
 from neuralgaits.programs import Program
 from neuralgaits.runs.names import ROBOT, SPEC, WEIGHTS
 

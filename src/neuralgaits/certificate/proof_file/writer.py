@@ -16,8 +16,9 @@ import numpy as np
 from neuralgaits.certificate.chart import Chart
 from neuralgaits.certificate.search.box_tree import BoxTree
 from neuralgaits.certificate.search.branch_and_bound import Search
-from neuralgaits.certificate.search.halving import LEAF, to_text
+from neuralgaits.certificate.search.halving import to_text
 from neuralgaits.certificate.search.problem import Problem
+from neuralgaits.certificate.search.statement_record import StatementRecord
 from neuralgaits.programs import Program
 from neuralgaits.runs import write_bytes
 
@@ -25,34 +26,6 @@ FORMAT = 3
 KIND = "neuralgaits certificate"
 SIMILAR = 4.0
 """Largest ratio, roughly, of the numbers of boxes of two conditions in one statement."""
-
-
-@dataclass(frozen=True)
-class StatementRecord:
-    """A statement: every element of every condition is at least bound x scale on the root box.
-
-    Attributes:
-        conditions: outputs of the Program.
-        region: the box's name in the spec.
-        scales, bounds: by condition; the bound of a spec's condition is not negative.
-        degree: degree of the Taylor models of the search.
-        low, high: corners of the root in the chart. [n]
-        tree: see `search.halving`.
-    """
-
-    conditions: tuple[str, ...]
-    region: str
-    scales: Mapping[str, float]
-    bounds: Mapping[str, float]
-    degree: int
-    low: tuple[float, ...]
-    high: tuple[float, ...]
-    tree: str
-
-    @property
-    def boxes(self) -> int:
-        """Number of leaves of the tree."""
-        return self.tree.count(LEAF)
 
 
 @dataclass(frozen=True)

@@ -7,9 +7,9 @@ import numpy as np
 
 from neuralgaits.barriers import GaitSpec
 from neuralgaits.certificate.chart import PLANE, Chart
-from neuralgaits.certificate.proof_file.writer import StatementRecord
 from neuralgaits.certificate.search.branch_and_bound import Search
 from neuralgaits.certificate.search.problem import Problem
+from neuralgaits.certificate.search.statement_record import StatementRecord
 from neuralgaits.records.certified import ConditionVerdict, Verdict
 
 Searched = tuple[Problem, Search]
