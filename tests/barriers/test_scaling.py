@@ -12,7 +12,7 @@ import pytest
 
 from neuralgaits.barriers import specs
 from neuralgaits.gait import ZeroDynamics
-from neuralgaits.gait.policies.gaits import Gait
+from neuralgaits.gait.gaits import Gait
 from neuralgaits.robots.mjcf.loader import robot_from_text
 
 POINTS = np.random.default_rng(2).uniform(size=(12, 2))

@@ -13,7 +13,7 @@ from neuralgaits.barriers.walking import LANDING, LIFT_OFF
 from neuralgaits.errors import SpecError
 from neuralgaits.gait import HybridInvariantPolicy, MLPPolicy
 from neuralgaits.gait.commands import Command
-from neuralgaits.gait.policies.gaits import Gait
+from neuralgaits.gait.gaits import Gait
 from neuralgaits.robots.mjcf.loader import robot_from_text
 from support.random_biped import random_biped
 

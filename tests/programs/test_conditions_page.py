@@ -10,7 +10,7 @@ import pytest
 from neuralgaits.barriers import functions, quantities, specs
 from neuralgaits.errors import SpecError
 from neuralgaits.gait import ZeroDynamics
-from neuralgaits.gait.policies.gaits import Gait
+from neuralgaits.gait.gaits import Gait
 from neuralgaits.programs import ops
 from neuralgaits.programs.tracing.tracer import trace
 from neuralgaits.robots import load_robot

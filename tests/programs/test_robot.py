@@ -5,7 +5,7 @@ import pytest
 
 from neuralgaits.barriers import specs
 from neuralgaits.gait import ZeroDynamics
-from neuralgaits.gait.policies.gaits import Gait
+from neuralgaits.gait.gaits import Gait
 from neuralgaits.programs.tracing.tracer import trace
 from neuralgaits.robots import load_robot
 

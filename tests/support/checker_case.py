@@ -37,7 +37,7 @@ from neuralgaits.certificate.traced import trace_spec
 from neuralgaits.gait import HybridInvariantPolicy, MLPPolicy, Network, Residuals
 from neuralgaits.gait.commands import Command
 from neuralgaits.gait.flow_residual import Residual
-from neuralgaits.gait.policies.gaits import AnyGait, CommandedGait
+from neuralgaits.gait.policies.commanded_gait import AnyGait, CommandedGait
 from neuralgaits.gait.reset_residual import ResetResidual
 from neuralgaits.programs import POINT, evaluate
 from neuralgaits.robots import load_robot

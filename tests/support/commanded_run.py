@@ -12,7 +12,7 @@ from neuralgaits.barriers import specs
 from neuralgaits.gait import HybridInvariantPolicy
 from neuralgaits.gait.commands import Command
 from neuralgaits.gait.policies.commanded import CommandedPolicy
-from neuralgaits.gait.policies.gaits import CommandedGait
+from neuralgaits.gait.policies.commanded_gait import CommandedGait
 from neuralgaits.gait.tubes import CommandedTube
 from neuralgaits.records.training_config import Range, TrainingConfig
 from neuralgaits.runs import RunFolder

@@ -7,7 +7,7 @@ from neuralgaits.barriers import specs
 from neuralgaits.control import PAPER, Fblin, Pd
 from neuralgaits.export.facts import Design, Origin
 from neuralgaits.gait.commands import Command
-from neuralgaits.gait.policies.gaits import CommandedGait
+from neuralgaits.gait.policies.commanded_gait import CommandedGait
 from neuralgaits.robots import load_robot
 from neuralgaits.simulation.setup.starts import momentum_range
 

@@ -17,7 +17,7 @@ from neuralgaits.errors import RunError
 from neuralgaits.gait import NO_RESIDUALS, AbstractPolicy, Residuals, ZeroDynamics
 from neuralgaits.gait.commands import Command, Pair, values
 from neuralgaits.gait.policies.commanded import CommandedPolicy
-from neuralgaits.gait.policies.gaits import AnyGait, CommandedGait
+from neuralgaits.gait.policies.commanded_gait import AnyGait, CommandedGait
 from neuralgaits.gait.reset_residual import ResetCorrection
 from neuralgaits.records.trained import Trained, trained_of
 from neuralgaits.records.training_config import TrainingConfig, asked_of

@@ -13,7 +13,7 @@ from neuralgaits.barriers.conditions import (
 )
 from neuralgaits.barriers.regions import Box
 from neuralgaits.barriers.spec import GaitSpec, Recipe
-from neuralgaits.gait.policies.gaits import Gait
+from neuralgaits.gait.gaits import Gait
 from neuralgaits.gait.tubes import Tube
 
 __all__ = [

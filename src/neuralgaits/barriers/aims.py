@@ -16,7 +16,7 @@ from neuralgaits._types import Array, Float, Scalar
 from neuralgaits.barriers.conditions import AbstractCondition
 from neuralgaits.errors import SpecError
 from neuralgaits.gait import Point, ZeroDynamics
-from neuralgaits.gait.policies.gaits import Gait
+from neuralgaits.gait.gaits import Gait
 
 LEVEL = 0.5
 """Level of the tube's centre line (0 lower fence, 1 upper)."""

@@ -21,8 +21,9 @@ from neuralgaits.barriers.walking import RESETS, pendulum_height, start_tube, wa
 from neuralgaits.errors import SpecError
 from neuralgaits.gait import walking_posture
 from neuralgaits.gait.commands import FASTEST, Command, Commands, command_named, factors
+from neuralgaits.gait.gaits import Gait
 from neuralgaits.gait.policies.commanded import CommandedPolicy
-from neuralgaits.gait.policies.gaits import CommandedGait, Gait
+from neuralgaits.gait.policies.commanded_gait import CommandedGait
 from neuralgaits.gait.tubes import CommandedTube
 
 if TYPE_CHECKING:

@@ -15,7 +15,7 @@ from neuralgaits.barriers.quantities import Quantity
 from neuralgaits.barriers.regions import Side
 from neuralgaits.errors import SpecError
 from neuralgaits.gait import Point, ZeroDynamics
-from neuralgaits.gait.policies.gaits import Gait
+from neuralgaits.gait.gaits import Gait
 from neuralgaits.gait.tubes import LEAST_ZETA
 
 

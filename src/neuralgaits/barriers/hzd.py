@@ -16,7 +16,7 @@ from neuralgaits.barriers.conditions import Barrier, Equality, Fence, Inlet, Poi
 from neuralgaits.barriers.spec import GaitSpec, Init, Recipe
 from neuralgaits.barriers.walking import pendulum_height, regions_of_step, units
 from neuralgaits.gait import BezierPolicy, walking_posture
-from neuralgaits.gait.policies.gaits import Gait
+from neuralgaits.gait.gaits import Gait
 from neuralgaits.gait.tubes import Tube
 
 if TYPE_CHECKING:

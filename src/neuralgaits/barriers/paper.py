@@ -19,7 +19,7 @@ from neuralgaits.barriers.regions import Box
 from neuralgaits.barriers.spec import GaitSpec, Init, Recipe
 from neuralgaits.errors import SpecError
 from neuralgaits.gait import MLPPolicy
-from neuralgaits.gait.policies.gaits import Gait
+from neuralgaits.gait.gaits import Gait
 from neuralgaits.gait.tubes import Tube
 
 if TYPE_CHECKING:

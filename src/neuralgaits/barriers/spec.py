@@ -15,7 +15,8 @@ from neuralgaits.barriers.regions import Box
 from neuralgaits.errors import SpecError
 from neuralgaits.gait import ZeroDynamics
 from neuralgaits.gait.commands import Commands
-from neuralgaits.gait.policies.gaits import AnyGait, Gait
+from neuralgaits.gait.gaits import Gait
+from neuralgaits.gait.policies.commanded_gait import AnyGait
 from neuralgaits.robots.mjcf.parameters import ParameterAxis
 
 Init = Literal["posture", "random"]

@@ -27,7 +27,7 @@ from neuralgaits.barriers.regions import Box
 from neuralgaits.barriers.spec import GaitSpec, Init, Recipe
 from neuralgaits.errors import SpecError
 from neuralgaits.gait import HybridInvariantPolicy, MLPPolicy, walking_posture
-from neuralgaits.gait.policies.gaits import Gait
+from neuralgaits.gait.gaits import Gait
 from neuralgaits.gait.posture import REFERENCE_LEG_M
 from neuralgaits.gait.tubes import Tube
 

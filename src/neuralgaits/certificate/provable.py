@@ -16,7 +16,7 @@ from neuralgaits.barriers.functions import (
 from neuralgaits.certificate.chart import MOST_AXES, PLANE
 from neuralgaits.certificate.traced import trace_spec
 from neuralgaits.errors import InputError, NeuralGaitsError, SpecError
-from neuralgaits.gait.policies.gaits import AnyGait
+from neuralgaits.gait.policies.commanded_gait import AnyGait
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.runs import plain
 

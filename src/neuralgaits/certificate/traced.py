@@ -15,7 +15,7 @@ from neuralgaits.certificate.chart import PLANE
 from neuralgaits.errors import SpecError
 from neuralgaits.gait import NO_RESIDUALS, Residuals, ZeroDynamics
 from neuralgaits.gait.commands import Pair, all_pairs
-from neuralgaits.gait.policies.gaits import AnyGait
+from neuralgaits.gait.policies.commanded_gait import AnyGait
 from neuralgaits.programs import POINT, Program, evaluate
 from neuralgaits.programs.tracing.tracer import trace
 from neuralgaits.robots import PlanarBiped

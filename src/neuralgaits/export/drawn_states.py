@@ -10,7 +10,7 @@ from neuralgaits._types import Array, Float
 from neuralgaits.export.facts import Design
 from neuralgaits.gait import AbstractPolicy, ZeroDynamics
 from neuralgaits.gait.commands import Command, CommandLimits, Pair, coordinates_of
-from neuralgaits.gait.policies.gaits import AnyGait
+from neuralgaits.gait.policies.commanded_gait import AnyGait
 from neuralgaits.gait.reset_residual import ResetCorrection
 from neuralgaits.robots import PlanarBiped
 

@@ -12,7 +12,7 @@ from neuralgaits.control import AbstractLaw, Controller
 from neuralgaits.control.measurement import leg_joints
 from neuralgaits.control.safeguard import SafeguardConfig
 from neuralgaits.gait.commands import Commands
-from neuralgaits.gait.policies.gaits import AnyGait
+from neuralgaits.gait.policies.commanded_gait import AnyGait
 from neuralgaits.gait.reset_residual import ResetCorrection
 from neuralgaits.robots import PlanarBiped
 

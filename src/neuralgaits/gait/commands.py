@@ -27,6 +27,9 @@ LEAST_WIDTH = 1e-6
 MOST_OF_ANY = 1e6
 """Largest value of a command, by name or of any other, in its unit."""
 
+CommandPoint = Float[Array, " k"]
+"""A point of the commands' axes, see `Command.axes`."""
+
 
 Number = float | Scalar
 

@@ -19,7 +19,7 @@ from neuralgaits.export import output_folder
 from neuralgaits.export.facts import Design, Origin
 from neuralgaits.export.programs import ground
 from neuralgaits.export.source import gait_files
-from neuralgaits.gait.policies.gaits import AnyGait
+from neuralgaits.gait.policies.commanded_gait import AnyGait
 from neuralgaits.gait.reset_residual import ResetCorrection
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.simulation.native.compiled_walk import Library, NativeError

@@ -14,7 +14,7 @@ from neuralgaits._types import Array, Float
 from neuralgaits.analysis.poincare_map import poincare
 from neuralgaits.gait import Residuals, ZeroDynamics
 from neuralgaits.gait.commands import CURVE_TERMS, Number, plain_curves
-from neuralgaits.gait.policies.gaits import CommandedGait
+from neuralgaits.gait.policies.commanded_gait import CommandedGait
 from neuralgaits.robots import PlanarBiped
 
 KNOTS = 9

@@ -4,7 +4,7 @@ import jax
 import optax
 
 from neuralgaits.barriers import GaitSpec, Recipe
-from neuralgaits.gait.policies.gaits import AnyGait
+from neuralgaits.gait.policies.commanded_gait import AnyGait
 
 
 def schedule(recipe: Recipe, steps: int) -> optax.Schedule:

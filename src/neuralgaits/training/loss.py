@@ -15,7 +15,7 @@ from neuralgaits._types import Array, Bool, Float, Scalar
 from neuralgaits.barriers import Barrier, GaitSpec
 from neuralgaits.barriers.aims import middle_of
 from neuralgaits.gait import NO_RESIDUALS, Residuals, ZeroDynamics
-from neuralgaits.gait.policies.gaits import AnyGait
+from neuralgaits.gait.policies.commanded_gait import AnyGait
 from neuralgaits.robots.mjcf.parameters import Model, nominal_robot, robot_at
 from neuralgaits.training.disturbance_corners import DisturbedResidual
 from neuralgaits.training.sampling import Sampler, contains

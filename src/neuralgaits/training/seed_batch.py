@@ -22,7 +22,7 @@ from jax.sharding import Mesh, NamedSharding, PartitionSpec
 from neuralgaits._types import Array
 from neuralgaits.analysis.run import Run
 from neuralgaits.errors import NonFiniteError
-from neuralgaits.gait.policies.gaits import AnyGait
+from neuralgaits.gait.policies.commanded_gait import AnyGait
 from neuralgaits.runs.names import STATE
 from neuralgaits.training.loss import Loss
 from neuralgaits.training.session import start_of

@@ -7,7 +7,8 @@ from typing import NamedTuple
 import jax
 
 from neuralgaits.analysis.run import Run
-from neuralgaits.gait.policies.gaits import AnyGait, Gait
+from neuralgaits.gait.gaits import Gait
+from neuralgaits.gait.policies.commanded_gait import AnyGait
 from neuralgaits.runs.names import START, STATE
 from neuralgaits.training.posture_start import start_from_posture
 from neuralgaits.training.train_state import TrainState

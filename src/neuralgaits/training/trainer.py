@@ -21,7 +21,7 @@ from neuralgaits._types import Array, Float
 from neuralgaits.barriers import GaitSpec, Recipe
 from neuralgaits.errors import InputError
 from neuralgaits.gait import NO_RESIDUALS, Residuals
-from neuralgaits.gait.policies.gaits import AnyGait
+from neuralgaits.gait.policies.commanded_gait import AnyGait
 from neuralgaits.gait.reset_residual import ResetCorrection
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.robots.mjcf.parameters import model_of

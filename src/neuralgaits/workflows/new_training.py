@@ -14,7 +14,7 @@ from neuralgaits.barriers.spec import Init
 from neuralgaits.certificate.provable import refuse_many_axes, refuse_untraceable, why_not_provable
 from neuralgaits.errors import InputError
 from neuralgaits.gait.commands import Commands
-from neuralgaits.gait.policies.gaits import AnyGait
+from neuralgaits.gait.policies.commanded_gait import AnyGait
 from neuralgaits.records.training_config import Proving, Range, TrainingConfig
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.robots.parameter_box import checked_box

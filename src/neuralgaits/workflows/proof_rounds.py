@@ -19,7 +19,7 @@ from neuralgaits._types import Array
 from neuralgaits.analysis.run import Run
 from neuralgaits.barriers import GaitSpec
 from neuralgaits.certificate.search.checkpoint import OpenBoxes, open_boxes
-from neuralgaits.gait.policies.gaits import AnyGait
+from neuralgaits.gait.policies.commanded_gait import AnyGait
 from neuralgaits.records.certified import FOLDER
 from neuralgaits.records.trained import ProofHistory, ProofRound, TrainingProof
 from neuralgaits.robots import PlanarBiped

@@ -10,7 +10,7 @@ from functools import partial
 import jax
 
 from neuralgaits.errors import NeuralGaitsError, is_full
-from neuralgaits.gait.policies.gaits import AnyGait, CommandedGait
+from neuralgaits.gait.policies.commanded_gait import AnyGait, CommandedGait
 from neuralgaits.runs import finish
 from neuralgaits.runs.names import WEIGHTS
 from neuralgaits.training.calibration import calibrated

@@ -16,7 +16,7 @@ from neuralgaits.barriers.commanded_spec import Interval
 from neuralgaits.barriers.spec import Init
 from neuralgaits.certificate.traced import after_impact, trace_spec
 from neuralgaits.errors import InputError, Interrupted, RunError
-from neuralgaits.gait.policies.gaits import CommandedGait
+from neuralgaits.gait.policies.commanded_gait import CommandedGait
 from neuralgaits.records.trained import Trained, TrainingProof, Violations
 from neuralgaits.records.training_config import asked_of
 from neuralgaits.robots import PlanarBiped

@@ -36,7 +36,7 @@ from neuralgaits.certificate.levels.walking_set.find import (
 from neuralgaits.certificate.traced import step_at
 from neuralgaits.errors import SpecError
 from neuralgaits.gait import Residuals, ZeroDynamics
-from neuralgaits.gait.policies.gaits import AnyGait
+from neuralgaits.gait.policies.commanded_gait import AnyGait
 from neuralgaits.programs import POINT, evaluate, fold
 from neuralgaits.programs.tracing.tracer import trace
 from neuralgaits.robots.mjcf.parameters import ParameterAxis, model_of

@@ -19,7 +19,7 @@ from neuralgaits.certificate.search.problem import Problem
 from neuralgaits.certificate.traced import step_at
 from neuralgaits.errors import SpecError
 from neuralgaits.gait import NO_RESIDUALS, Residuals, ZeroDynamics
-from neuralgaits.gait.policies.gaits import AnyGait
+from neuralgaits.gait.policies.commanded_gait import AnyGait
 from neuralgaits.programs import Program
 from neuralgaits.programs.prune import prune
 from neuralgaits.programs.tracing.tracer import trace

@@ -15,7 +15,7 @@ from neuralgaits.gait import NO_RESIDUALS, HybridInvariantPolicy, MLPPolicy, Res
 from neuralgaits.gait.commands import Command
 from neuralgaits.gait.flow_residual import Residual
 from neuralgaits.gait.policies.commanded import CommandedPolicy
-from neuralgaits.gait.policies.gaits import AnyGait
+from neuralgaits.gait.policies.commanded_gait import AnyGait
 from neuralgaits.gait.policy import AbstractPolicy
 from neuralgaits.gait.reset_residual import ResetResidual
 from neuralgaits.gait.tubes import CommandedTube

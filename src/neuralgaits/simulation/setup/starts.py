@@ -14,7 +14,7 @@ from neuralgaits.barriers import Gait
 from neuralgaits.errors import InputError
 from neuralgaits.gait import Orbit, ZeroDynamics
 from neuralgaits.gait.commands import CommandLimits, Commands, Pair
-from neuralgaits.gait.policies.gaits import AnyGait, CommandedGait
+from neuralgaits.gait.policies.commanded_gait import AnyGait, CommandedGait
 
 KINDS = ("centre", "region", "fixed-point")
 # Phases at which the fences are read to find the momenta of a tube.
