@@ -12,7 +12,7 @@ from PIL import Image
 
 from neuralgaits.analysis.family_data import family_data
 from neuralgaits.analysis.run import open_run
-from neuralgaits.report.drawing.commanded_gait import FIGURE
+from neuralgaits.report.drawing.command_words import FIGURE
 from neuralgaits.report.drawing.figure import png
 from neuralgaits.report.figures import family
 from neuralgaits.workflows import demo

@@ -15,7 +15,7 @@ from neuralgaits.analysis.run import open_run
 from neuralgaits.errors import InputError
 from neuralgaits.report import makers
 from neuralgaits.report.certificate import certificate_of
-from neuralgaits.report.drawing import commanded_gait
+from neuralgaits.report.drawing import command_words
 from neuralgaits.report.drawing.drawn import Drawn
 from neuralgaits.report.drawing.style import series
 from neuralgaits.report.figures import family as drawing
@@ -180,7 +180,7 @@ def test_the_figure_is_one_of_gaits_with_commands_only(run, family, tmp_path, mo
     monkeypatch.setattr(makers, "family_data", lambda run: family)
     monkeypatch.setattr(writing, "MAKERS", ())
     (found,) = writing.figures(run, out=tmp_path / "told")
-    assert isinstance(found, Drawn) and found.name == commanded_gait.FIGURE
+    assert isinstance(found, Drawn) and found.name == command_words.FIGURE
     assert found.path_png.stat().st_size < 300_000 and found.path_svg.is_file()
     plain = open_run(Path(shutil.copytree(demo.FOLDER, tmp_path / "plain")))
     assert writing.figures(plain, out=tmp_path / "none") == []
@@ -208,12 +208,10 @@ def test_values_about_which_something_is_proved_are_never_rounded_outward(name):
     random = np.random.default_rng(0)
     for _ in range(200):
         low, high = np.sort(random.uniform(-0.3, 0.3, 2))
-        first, last = (
-            number(text) for text in commanded_gait.within(name, float(low), float(high))
-        )
-        assert commanded_gait.value(name, low) <= first and last <= commanded_gait.value(name, high)
-        assert 0.0 < number(commanded_gait.change_within(name, float(high - low)))
-        assert number(commanded_gait.change_within(name, high - low)) <= commanded_gait.value(
+        first, last = (number(text) for text in command_words.within(name, float(low), float(high)))
+        assert command_words.value(name, low) <= first and last <= command_words.value(name, high)
+        assert 0.0 < number(command_words.change_within(name, float(high - low)))
+        assert number(command_words.change_within(name, high - low)) <= command_words.value(
             name, high - low
         )
 
@@ -225,7 +223,7 @@ def number(text):
 
 
 def test_values_have_their_units():
-    assert commanded_gait.written("slope", np.radians(-5.0)) == "−5°"
-    assert commanded_gait.written("speed", 0.55) == "0.55 m/s"
-    assert commanded_gait.written("step_height", 1e-17) == "0 m"
-    assert commanded_gait.written("own", 2.0) == "2"
+    assert command_words.written("slope", np.radians(-5.0)) == "−5°"
+    assert command_words.written("speed", 0.55) == "0.55 m/s"
+    assert command_words.written("step_height", 1e-17) == "0 m"
+    assert command_words.written("own", 2.0) == "2"

@@ -13,7 +13,7 @@ from neuralgaits.gait.commands import Command
 from neuralgaits.records.certified import CertificateRecord, Conclusion, ConditionVerdict
 from neuralgaits.records.training_config import Range
 from neuralgaits.report.certificate import part_of
-from neuralgaits.report.drawing.commanded_gait import FIGURE
+from neuralgaits.report.drawing.command_words import FIGURE
 from neuralgaits.report.drawing.drawn import Drawn, Missing
 from neuralgaits.report.page.answer import answer
 from neuralgaits.report.page.closing import figures, missing_parts

@@ -113,6 +113,11 @@ def load(
         return commanded(robot, commands) if commands else at_speed(robot, float(speed or 0.0))
     if name in _BUILT_IN:
         return _BUILT_IN[name](robot)
+    return _from_file(name, robot)
+
+
+def _from_file(name: str, robot: "PlanarBiped") -> GaitSpec:
+    """Return the spec at FILE.py:NAME. Raises: SpecError if there is none."""
     path, separator, attribute = name.rpartition(":")
     if not separator and name.endswith(".py"):
         raise SpecError(

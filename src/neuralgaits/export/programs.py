@@ -158,10 +158,6 @@ def parts(
     def feet(q: Coordinates) -> dict[str, Array]:
         return {"foot": swing_foot(robot, q), "hip": hip_position(robot, q)}
 
-    def standing(q: Coordinates, actuated: Actuated, z2: Scalar, extra: Scalar) -> dict[str, Array]:
-        dq, hip = pinned(robot, q, actuated, z2, extra)
-        return {"dq": dq, "hip": hip}
-
     of_state = {"q": (n,), "dq": (n,)}
     once = [policy_step(robot, policy, reset_residual)] if policy.step_size else []
     return [
@@ -187,18 +183,29 @@ def parts(
             "Swing foot and hip from the stance foot, (x, z) [m].",
             trace(feet, {"q": (n,)}, parameters=robot),
         ),
-        Part(
-            "ng_pinned",
-            "All rates dq [rad/s] and the hip's velocity (x, z) [m/s] on a foot that stands still, "
-            "of those of the actuated joints and the momentum z2 [kg m^2/s]; `extra` is added to "
-            "the first [rad/s].",
-            trace(
-                standing,
-                {"q": (n,), "actuated": (n - 1,), "z2": (), "extra": ()},
-                parameters=robot,
-            ),
-        ),
+        pinned_rates(robot),
     ]
+
+
+def pinned_rates(robot: PlanarBiped) -> Part:
+    """Return the Program of all rates on a foot that stands still."""
+
+    def standing(q: Coordinates, actuated: Actuated, z2: Scalar, extra: Scalar) -> dict[str, Array]:
+        dq, hip = pinned(robot, q, actuated, z2, extra)
+        return {"dq": dq, "hip": hip}
+
+    n = robot.n
+    return Part(
+        "ng_pinned",
+        "All rates dq [rad/s] and the hip's velocity (x, z) [m/s] on a foot that stands still, "
+        "of those of the actuated joints and the momentum z2 [kg m^2/s]; `extra` is added to "
+        "the first [rad/s].",
+        trace(
+            standing,
+            {"q": (n,), "actuated": (n - 1,), "z2": (), "extra": ()},
+            parameters=robot,
+        ),
+    )
 
 
 def ground(robot: PlanarBiped) -> Part:

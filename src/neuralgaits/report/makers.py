@@ -17,7 +17,7 @@ from neuralgaits.errors import RunError
 from neuralgaits.records.episode_records import ASKED, SUMMARY, EpisodesDone
 from neuralgaits.records.simulated import LOG
 from neuralgaits.report.certificate import ProvedOfGait
-from neuralgaits.report.drawing import commanded_gait
+from neuralgaits.report.drawing import command_words
 from neuralgaits.report.figures import (
     barrier_sketches,
     certificate_map,
@@ -222,5 +222,5 @@ MAKERS: tuple[Maker, ...] = (
 OF_TRAINING = ("loss",)
 """Names of the figures that a gait without training does not have; none of them counts as
 missing."""
-OF_FAMILIES: tuple[Maker, ...] = ((commanded_gait.FIGURE, family.TITLE, _family),)
+OF_FAMILIES: tuple[Maker, ...] = ((command_words.FIGURE, family.TITLE, _family),)
 """Figures of gaits that take commands; for other gaits they do not count as missing."""

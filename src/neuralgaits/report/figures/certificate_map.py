@@ -73,30 +73,10 @@ def draw(
     """
     figure = new_figure(5.4)
     axes = figure.add_subplot()
-    proved = np.flatnonzero(answer == PROVED)
-    # The least margin on top: regions overlap, and the picture shows the worst.
-    proved = proved[np.argsort(-margin[proved], kind="stable")]
     # Curves (fences, guard) have no area: their edge carries the colour.
     curve = _is_curve(corners)
     width = np.where(curve, 3.0, 0.25)
-    top = float(np.max(margin[proved][~curve[proved]], initial=1e-6))
-    boxes = PolyCollection(
-        list(corners[proved]), array=margin[proved], cmap=_GREENS, edgecolors="face"
-    )
-    # Thousands of boxes: a picture of them is smaller than their corners.
-    boxes.set_rasterized(True)
-    boxes.set(clim=(0.0, top), linewidths=width[proved])
-    axes.add_collection(boxes)
-    outlines = proved[~curve[proved]]
-    axes.add_collection(
-        PolyCollection(
-            list(corners[outlines]),
-            facecolors="none",
-            edgecolors="#00441b30",
-            linewidths=0.3,
-            rasterized=True,
-        )
-    )
+    boxes = _proved(axes, corners, margin, np.flatnonzero(answer == PROVED), curve, width)
     for state, colour, hatch in _NOT_PROVED:
         chosen = answer == state
         axes.add_collection(
@@ -116,6 +96,38 @@ def draw(
     figure.colorbar(boxes, ax=axes, label="least proved margin of the box [scale of its condition]")
     _legend(axes, answer, len(counterexamples))
     return figure
+
+
+def _proved(
+    axes,
+    corners: np.ndarray,
+    margin: np.ndarray,
+    proved: np.ndarray,
+    curve: np.ndarray,
+    width: np.ndarray,
+) -> PolyCollection:
+    """Draw the proved boxes, whose numbers are given, and return them."""
+    # The least margin on top: regions overlap, and the picture shows the worst.
+    proved = proved[np.argsort(-margin[proved], kind="stable")]
+    top = float(np.max(margin[proved][~curve[proved]], initial=1e-6))
+    boxes = PolyCollection(
+        list(corners[proved]), array=margin[proved], cmap=_GREENS, edgecolors="face"
+    )
+    # Thousands of boxes: a picture of them is smaller than their corners.
+    boxes.set_rasterized(True)
+    boxes.set(clim=(0.0, top), linewidths=width[proved])
+    axes.add_collection(boxes)
+    outlines = proved[~curve[proved]]
+    axes.add_collection(
+        PolyCollection(
+            list(corners[outlines]),
+            facecolors="none",
+            edgecolors="#00441b30",
+            linewidths=0.3,
+            rasterized=True,
+        )
+    )
+    return boxes
 
 
 def _legend(axes, answer: np.ndarray, points: int) -> None:

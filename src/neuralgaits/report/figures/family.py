@@ -9,7 +9,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from neuralgaits.analysis.command_sweeps import CommandSweep, Family, Member
-from neuralgaits.report.drawing import commanded_gait, robot_drawing
+from neuralgaits.report.drawing import command_words, robot_drawing
 from neuralgaits.report.drawing.style import (
     BLACK,
     GREY,
@@ -34,14 +34,14 @@ LEDGE = 0.045
 def caption(family: Family) -> str:
     """Return the figure's caption, with the commands that have no orbit."""
     first = family.sweeps[0]
-    shown = [commanded_gait.written(first.name, member.value) for member in family.members]
+    shown = [command_words.written(first.name, member.value) for member in family.members]
     text = (
         "The periodic orbits at commands that stay, computed from the model: nothing here is "
         "simulated or proved. a) The mean speed at which each orbit walks forward"
     )
     if any(sweep.name == "speed" for sweep in family.sweeps):
         text += "; on the dashed line it would be exactly what was told"
-    name = commanded_gait.words(first.name).short
+    name = command_words.words(first.name).short
     text += (
         f". b) The tubes, the states that the gait is made for, tinted, and one step of the orbit, "
         f"at {name} {', '.join(shown[:-1])} and {shown[-1]}. c) The "
@@ -56,7 +56,7 @@ def caption(family: Family) -> str:
 
 def _label(name: str, value: float) -> str:
     """A command and its value, for a legend."""
-    return f"{commanded_gait.words(name).short} {commanded_gait.written(name, value)}"
+    return f"{command_words.words(name).short} {command_words.written(name, value)}"
 
 
 def _absent(family: Family) -> list[str]:
@@ -92,14 +92,14 @@ def draw(family: Family) -> Figure:
 
 def _speeds(axes: Axes, sweep: CommandSweep, members: tuple[Member, ...]) -> None:
     """Plot the orbits' mean speed over a command, and mark the members of the other panels."""
-    x = np.array([commanded_gait.value(sweep.name, value) for value in sweep.values])
+    x = np.array([command_words.value(sweep.name, value) for value in sweep.values])
     if sweep.name == "speed":
         axes.plot(x[[0, -1]], x[[0, -1]], color=GREY, linestyle="--", linewidth=1.0)
     axes.plot(x, sweep.speed, color=BLACK, marker=".", ms=5, linewidth=1.2)
     for number, member in enumerate(members):
         at = int(np.argmin(np.abs(sweep.values - member.value)))
         axes.plot(x[at], sweep.speed[at], marker(number), color=series(number)["color"], ms=8)
-    name = commanded_gait.words(sweep.name)
+    name = command_words.words(sweep.name)
     axes.set_xlabel(f"{name.short}, told [{name.unit or '-'}]")
     axes.set_ylabel("walked [m/s]")
     low, high = axes.get_ylim()
@@ -109,8 +109,8 @@ def _speeds(axes: Axes, sweep: CommandSweep, members: tuple[Member, ...]) -> Non
     axes.set_xlim(*(x[[0, -1]] + np.ptp(x) * np.array([-0.1, 0.1])))
     ends_and_middle = sweep.values[0], sweep.values.mean(), sweep.values[-1]
     axes.set_xticks(
-        [commanded_gait.value(sweep.name, value) for value in ends_and_middle],
-        [commanded_gait.number(sweep.name, value) for value in ends_and_middle],
+        [command_words.value(sweep.name, value) for value in ends_and_middle],
+        [command_words.number(sweep.name, value) for value in ends_and_middle],
     )
     if not np.isfinite(sweep.speed).any():
         _say(axes, "no periodic orbit")

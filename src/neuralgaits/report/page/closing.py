@@ -8,7 +8,7 @@ from pathlib import Path
 from neuralgaits.records import in_plain_words
 from neuralgaits.records.certified import CertificateRecord
 from neuralgaits.records.in_plain_words import ORBIT
-from neuralgaits.report.drawing.commanded_gait import FIGURE as FAMILY
+from neuralgaits.report.drawing.command_words import FIGURE as FAMILY
 from neuralgaits.report.drawing.drawn import Drawn, Missing
 from neuralgaits.report.page import markup as html
 from neuralgaits.report.page import phrases, repeat_commands

@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping
 
 from neuralgaits.records import in_plain_words
 from neuralgaits.records.training_config import Range
-from neuralgaits.report.drawing import commanded_gait
+from neuralgaits.report.drawing import command_words
 from neuralgaits.report.drawing.drawn import Drawn
 from neuralgaits.report.page.markup import Html, captioned, paragraph, section, table, tag
 from neuralgaits.report.page.saved import Contents, ProvedOfSome, Saved
@@ -34,7 +34,7 @@ def family(contents: Contents, pictures: Mapping[str, Html]) -> Iterator[Html]:
 
 
 def _told(commands: Mapping[str, Range]) -> str:
-    what = " and ".join(commanded_gait.words(name).whole for name in commands)
+    what = " and ".join(command_words.words(name).whole for name in commands)
     said = (
         f"At each touchdown this robot gets commands for its next step: {what}. One network "
         "serves all of them. It also knows the commands of the step before, because that decides "
@@ -47,12 +47,12 @@ def _told(commands: Mapping[str, Range]) -> str:
 def _ranges(commands: Mapping[str, Range]) -> Html:
     rows = [
         (
-            commanded_gait.words(name).short,
-            commanded_gait.written(name, one.low),
-            commanded_gait.written(name, one.high),
+            command_words.words(name).short,
+            command_words.written(name, one.low),
+            command_words.written(name, one.high),
             "any"
             if one.largest_change is None
-            else commanded_gait.written(name, one.largest_change),
+            else command_words.written(name, one.largest_change),
         )
         for name, one in commands.items()
     ]
@@ -100,13 +100,13 @@ def _of_some(part: ProvedOfSome, count: int) -> Iterator[Html | str]:
 
 def _range(name: str, one: Range) -> str:
     """Describe commands with a proof; rounding never widens their range."""
-    low, high = commanded_gait.within(name, one.low, one.high)
+    low, high = command_words.within(name, one.low, one.high)
     change = "any after any"
     if one.largest_change is not None:
         change = (
-            f"changing by at most {commanded_gait.change_within(name, one.largest_change)} a step"
+            f"changing by at most {command_words.change_within(name, one.largest_change)} a step"
         )
-    return f"{commanded_gait.words(name).short} from {low} to {high}, {change}"
+    return f"{command_words.words(name).short} from {low} to {high}, {change}"
 
 
 def _statements(level: int) -> str:
@@ -116,7 +116,7 @@ def _statements(level: int) -> str:
 def _figure(contents: Contents, pictures: Mapping[str, Html]) -> Iterator[Html]:
     """Yield the figure, or one line that says why it is missing."""
     for figure in contents.figures:
-        if figure.name != commanded_gait.FIGURE:
+        if figure.name != command_words.FIGURE:
             continue
         if isinstance(figure, Drawn):
             yield captioned(figure.title, figure.caption, pictures[figure.name])

@@ -174,8 +174,7 @@ def read(
     above = folder.path.resolve().parent
     begun = (above / episode_records.ASKED).is_file()
     rounds = part(episode_records.SUMMARY, EpisodesDone, above) if begun else None
-    found = file_hashes(folder.path, _HASHED)
-    hashes = {file: digest for file, digest in found.items() if digest is not None}
+    hashes = _hashes(folder)
     if no_certificate is not None:
         again = f"prove it again with `{command('certify', named(folder.path))}`"
         damaged[SUMMARY] = f"{no_certificate}: {again}"
@@ -186,12 +185,10 @@ def read(
             f"{LEARNING} is about another residual.safetensors than the run's: learn it again with "
             f"`{learning(folder.path)}`"
         )
-    for file, digest in ({} if simulation is None else simulation.sha256).items():
-        if digest != hashes.get(file):
-            again = command("simulate", named(folder.path))
-            simulation = None
-            damaged[WALK] = f"{WALK} is about another {file} than the run's: walk with `{again}`"
-            break
+    other = _other_file({} if simulation is None else simulation.sha256, hashes)
+    if other is not None:
+        simulation, again = None, command("simulate", named(folder.path))
+        damaged[WALK] = f"{WALK} is about another {other} than the run's: walk with `{again}`"
     return Saved(
         folder=folder,
         asked=asked_of(folder),
@@ -208,6 +205,17 @@ def read(
         damaged=damaged,
         of_some=of_some,
     )
+
+
+def _hashes(folder: RunFolder) -> dict[str, str]:
+    """Return the sha256 of the run's files that are there."""
+    found = file_hashes(folder.path, _HASHED)
+    return {file: digest for file, digest in found.items() if digest is not None}
+
+
+def _other_file(walked: Mapping[str, str | None], hashes: Mapping[str, str]) -> str | None:
+    """Return the first file of the run that is not the one that was walked with."""
+    return next((file for file, digest in walked.items() if digest != hashes.get(file)), None)
 
 
 def _learned(folder: RunFolder) -> Iterable[str | None]:
