@@ -14,6 +14,8 @@ MOST_PUSH = 10_000.0
 BANDWIDTHS = 1.0, 1000.0
 """Limits on the double pole of the outputs [rad/s]: slower ones outlast a step, and a controller
 at 1 kHz has none that are faster."""
+MOST_SEEDS = 10_000
+"""Limit on the seeds of one command, each of which is a training."""
 MOST_ROUNDS = 100
 """Limit on the rounds of `episodes`: a larger number is a slip of the finger, or damage."""
 
@@ -43,6 +45,8 @@ def check_seeds(seeds: tuple[int, int]) -> None:
         raise InputError(f"expected seeds A:B with A < B, found {first}:{end}")
     check_seed(first)
     check_seed(end - 1)
+    if end - first > MOST_SEEDS:
+        raise InputError(f"expected at most {MOST_SEEDS} seeds, found {end - first}")
 
 
 def check_steps(steps: int | None) -> None:

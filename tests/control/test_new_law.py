@@ -5,7 +5,9 @@ import shutil
 import pytest
 
 from neuralgaits._control_laws import CONTROL_LAWS, ControlLaw
+from neuralgaits.control.laws import law_named
 from neuralgaits.errors import InputError
+from neuralgaits.simulation.native.native_scene import knows
 from neuralgaits.workflows.report import write_report
 from neuralgaits.workflows.simulate import simulate
 from support.shipped_run import SHIPPED
@@ -25,5 +27,11 @@ def test_a_law_of_one_file_and_one_entry_walks_and_is_named(soft, tmp_path):
     assert "under a PD of half the strength" in (tmp_path / "report.html").read_text()
     with pytest.raises(InputError, match="expected one of pd, fblin, paper, clf-qp, soft"):
         simulate(run, controller="hard", steps=1)
-    with pytest.raises(InputError, match="expected pd, fblin, paper, clf-qp or soft, found c"):
-        simulate(run, controller="c", engine="native", steps=1)
+    for name, found in (("c", "c,"), ("soft", "a law of type Soft")):
+        with pytest.raises(InputError, match=f"expected pd, fblin, paper or clf-qp, found {found}"):
+            simulate(run, controller=name, engine="native", steps=1)
+
+
+def test_compiled_laws_are_those_that_the_compiled_walk_knows(soft):
+    for name, entry in CONTROL_LAWS.items():
+        assert knows(law_named(name)) is entry.compiled

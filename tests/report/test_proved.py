@@ -11,7 +11,11 @@ from neuralgaits.analysis.run import open_run
 from neuralgaits.certificate.levels.full_order.theorem import BarrierConstants, FullOrderConstants
 from neuralgaits.certificate.levels.orbit.theorem import OrbitConstants
 from neuralgaits.certificate.proof_file.reader import read_claims
-from neuralgaits.certificate.run_certificate.verified_summary import hashes, read_certificate
+from neuralgaits.certificate.run_certificate.verified_summary import (
+    UNCHECKED,
+    hashes,
+    read_certificate,
+)
 from neuralgaits.records.certified import Conclusion
 from neuralgaits.report import certificate as proved
 from neuralgaits.report.certificate import certificate_of
@@ -267,7 +271,7 @@ def test_a_level_that_is_open_is_not_claimed_nor_those_above(certified):
     change(certified, "summary.json", opened)
     found = certificate_of(certified)
     assert (found.level, found.orbit, found.full) == (2, None, None)
-    assert found.no_full == "time was up"
+    assert found.no_full == f"{UNCHECKED} “time was up”"
 
 
 @pytest.mark.parametrize("content", ["{}", '{"conditions": []}', "not json", "[1]", "[" * 99_999])

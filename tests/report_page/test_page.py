@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from neuralgaits.certificate.run_certificate.verified_summary import hashes
+from neuralgaits.certificate.run_certificate.verified_summary import UNCHECKED, hashes
 from neuralgaits.cli.argv_parser import read as read_words
 from neuralgaits.cli.argv_parser import verb_name
 from neuralgaits.records.training_config import GaitOrigin
@@ -118,7 +118,7 @@ def test_an_undecided_level_is_not_proved_and_says_why(contents, shipped):
     _change(shipped, "certificate/summary.json", undecided)
     page = contents(shipped)
     assert page.saved.proved_level == 1
-    assert "Level 2 is undecided: fences meet." in failures(page)
+    assert f"Level 2 is undecided: {UNCHECKED} “fences meet”." in failures(page)
     (what,) = [what for what, _ in missing_parts(page) if what.startswith("level")]
     assert what.startswith("level 2")
 

@@ -131,3 +131,37 @@ def test_files_that_include_one_another_in_a_long_row_are_refused(tmp_path):
 def test_text_that_only_mujoco_reads_is_refused(behind):
     with pytest.raises(RobotError, match=r"not well-formed XML .*: mend that line"):
         robot_from_text(AMBER + behind, "amber3m")
+
+
+COUNTS = {
+    "elements of users": ('<size nuser_body="2000000000"/>', "<size nuser_body> asks for 2e+09"),
+    "copies": (
+        '<worldbody><replicate count="1000000"><geom size=".1"/></replicate></worldbody>',
+        "<replicate> asks for 1e",
+    ),
+    "copies of copies": (
+        '<worldbody><replicate count="100"><replicate count="100"><geom size=".1"/></replicate>'
+        "</replicate></worldbody>",
+        "<replicate> asks for 10000 copies: expected at most 1000",
+    ),
+    "heights": (
+        '<asset><hfield name="h" nrow="100000" ncol="100000" size="1 1 1 1"/></asset>',
+        "<hfield> asks for 1e",
+    ),
+    "pixels": (
+        '<asset><texture name="t" builtin="flat" width="100000" height="100000"/></asset>',
+        "<texture> asks for 1e",
+    ),
+}
+
+
+@pytest.mark.parametrize("case", COUNTS)
+def test_counts_are_refused_before_mujoco_takes_them(case, monkeypatch):
+    added, said = COUNTS[case]
+
+    def compiled(text):
+        raise AssertionError("MuJoCo was asked to compile it")
+
+    monkeypatch.setattr("mujoco.MjModel.from_xml_string", compiled)
+    with pytest.raises(RobotError, match=re.escape(said)):
+        robot_from_text(AMBER.replace("</mujoco>", f"{added}</mujoco>"), "amber3m")

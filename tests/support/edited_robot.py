@@ -1,7 +1,7 @@
 """A robot file with other masses, centres of mass, inertias and rotors, written into its text.
 
-It shares nothing with `robots.parameters`: numbers of <inertial> and <joint> are changed, and the
-file is loaded like any other.
+It shares nothing with `robots.mjcf.parameters`: numbers of <inertial> and <joint> are changed, and
+the file is loaded like any other.
 """
 
 from collections.abc import Mapping

@@ -433,6 +433,7 @@ def test_batches_are_few_and_even():
     [
         (["--seeds", "0-4"], "expected --seeds A:B or one seed, found '0-4'"),
         (["--seeds", "4:4"], "expected seeds A:B with A < B, found 4:4"),
+        (["--seeds", "0:1000000000"], "expected at most 10000 seeds, found 1000000000"),
         (["--seeds", f"0:{2**31 + 1}"], "expected a seed from 0 to 2147483647"),
         (["--seeds", "0:4", "--seed", "3"], "expected --seed N or --seeds A:B, found both"),
         (["--seeds", "0:4", "--certify"], "expected --seeds without --certify, found both"),

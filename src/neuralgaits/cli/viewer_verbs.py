@@ -55,6 +55,6 @@ def _served(live: "LiveView", page: PageOptions) -> Outcome:
 
     def show(result: Mapping[str, Any]) -> None:
         what = "" if opened else " (open it in a browser)"
-        print(f"walks at {result['url']}{what}; Ctrl-C ends it", flush=True)
+        print(f"live page at {result['url']}{what}; Ctrl-C ends it", flush=True)
 
     return Outcome(live.summary, True, show, then=stay)

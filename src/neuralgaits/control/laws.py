@@ -25,5 +25,6 @@ def _at(place: str) -> AbstractLaw:
     return found() if isinstance(found, type) else found
 
 
-EXPORTED = {name: law_named(name) for name, entry in CONTROL_LAWS.items() if entry.exported}
-"""Laws of exported controllers."""
+def exported_laws() -> dict[str, AbstractLaw]:
+    """Return the laws of exported controllers, by name."""
+    return {name: law_named(name) for name, entry in CONTROL_LAWS.items() if entry.exported}

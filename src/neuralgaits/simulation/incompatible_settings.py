@@ -9,7 +9,7 @@ from typing import Any
 
 from neuralgaits._control_laws import names_of_laws
 from neuralgaits.control import AbstractLaw
-from neuralgaits.control.laws import EXPORTED
+from neuralgaits.control.laws import exported_laws
 from neuralgaits.errors import InputError
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.robots.parameter_box import checked_box
@@ -132,7 +132,7 @@ def link_of(
 
 def _linked(controller: str | AbstractLaw) -> str:
     """Return the words of a command line that walks a law in a process of its own."""
-    law = f"law={controller}," if controller in EXPORTED else ""
+    law = f"law={controller}," if controller in exported_laws() else ""
     return f"write --controller {REMOTE} --link {law}lockstep=1"
 
 

@@ -13,7 +13,7 @@ from neuralgaits._cache import cache_folder
 from neuralgaits._compiler import Compiler, CompilerError, SharedLibrary
 from neuralgaits.analysis.run import Run
 from neuralgaits.control import Controller
-from neuralgaits.control.laws import EXPORTED
+from neuralgaits.control.laws import exported_laws
 from neuralgaits.errors import InputError, SpecError
 from neuralgaits.export import output_folder
 from neuralgaits.export.facts import Design, Origin
@@ -100,7 +100,7 @@ def _design(
 ) -> Design:
     # Hashes are for those who get a controller; here the text itself is what is hashed.
     origin = Origin(_UNKNOWN, _UNKNOWN, None, None, "walk", "-")
-    return Design.of(robot, gait, EXPORTED, z2_range, origin, reset_residual=reset_residual)
+    return Design.of(robot, gait, exported_laws(), z2_range, origin, reset_residual=reset_residual)
 
 
 def sources(design: Design) -> dict[str, str]:

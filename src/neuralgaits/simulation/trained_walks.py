@@ -139,7 +139,8 @@ def walk_engine_for(
         return engine_of_trained(run, choice)
     if choice == "native":
         raise InputError(
-            f"--engine native: expected {names_of_laws()}, found a law of type {type(law).__name__}"
+            f"--engine native: expected {names_of_laws(compiled=True)}, found a law of type "
+            f"{type(law).__name__}"
         )
     return WalkEngine(None, None)
 

@@ -130,11 +130,13 @@ def walk(
     orders = _orders(each[0].commands, orders, courses)
     told = None if courses is not None else _told_height(orders)
     loop = EpisodeLoop(
-        plants,
-        [_controller(robot, policy, law, one_plant, z2_range, reset_residual) for policy in each],
-        shared,
-        plant_states(one_plant, starts),
-        EpisodeInputs(
+        plants=plants,
+        controllers=[
+            _controller(robot, policy, law, one_plant, z2_range, reset_residual) for policy in each
+        ],
+        shared=shared,
+        states=plant_states(one_plant, starts),
+        given=EpisodeInputs(
             Terrain(one_plant.disturbance.floor_height, seed, count, told, first),
             Push(push, steps, seed, count, first),
             orders,
@@ -145,9 +147,9 @@ def walk(
             record=record,
             longest=longest,
         ),
-        steps,
-        FallConfig() if falls is None else falls,
-        cores() if threads is None else threads,
+        steps=steps,
+        falls=FallConfig() if falls is None else falls,
+        threads=cores() if threads is None else threads,
     )
     compiled = shared and remote is None and watch is None and simulator == MUJOCO and knows(law)
     if library is not None and compiled:

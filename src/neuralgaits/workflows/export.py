@@ -11,7 +11,7 @@ from neuralgaits.certificate.run_certificate.verified_summary import (
     CertificateReading,
     read_certificate,
 )
-from neuralgaits.control.laws import EXPORTED
+from neuralgaits.control.laws import exported_laws
 from neuralgaits.errors import InputError
 from neuralgaits.export import build, output_folder
 from neuralgaits.export.c_check import check_controller
@@ -99,7 +99,7 @@ def design_of(trained: Run, certificate: CertificateReading | None = None) -> De
     return Design.of(
         trained.robot,
         gait,
-        EXPORTED,
+        exported_laws(),
         momentum_range(gait),
         _origin(trained, certificate),
         reset_residual=trained.residuals.reset,

@@ -258,7 +258,7 @@ def _engine(
         return walk_engine_for(trained, controller, choice, simulator)
     if choice == "native":
         raise InputError(
-            f"--engine native: expected {names_of_laws()}, found {REMOTE}, which is a "
+            f"--engine native: expected {names_of_laws(compiled=True)}, found {REMOTE}, which is a "
             "process of its own: leave --engine out, or --controller"
         )
     return WalkEngine(None, None)

@@ -21,7 +21,7 @@ from neuralgaits.errors import InputError, NeuralGaitsError, RunError
 from neuralgaits.records.training_config import asked_of
 from neuralgaits.runs import RunFolder, plain, write_text
 
-LONGEST_S = 1800.0
+LONGEST_S = 300.0
 """Longest time for tracing a spec [s]; the largest takes seconds."""
 LAST_LINES = 3
 """Number of last lines of a failed process's standard error that are shown."""

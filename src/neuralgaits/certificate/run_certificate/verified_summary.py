@@ -42,6 +42,7 @@ FILES = (ROBOT, SPEC, WEIGHTS, RESIDUAL, PROOF)
 WALKING = 2
 """Number of the level of walking sets."""
 DAMAGED = f"{SUMMARY} is damaged or of another version"
+UNCHECKED = f"{SUMMARY} has as its reason, which is not checked:"
 
 
 class ProvedPart(NamedTuple):
@@ -266,7 +267,9 @@ def _levels(
             raise _Unfit(f"{SUMMARY} calls level 3 proved, and level 2 not")
         below = below and entry.proved
         if not entry.proved:
-            yield replace(entry, words=(), figures={})
+            # Nothing bears out why a search has ended: a page must not say it as its own.
+            said = None if entry.reason is None else f"{UNCHECKED} “{entry.reason}”"
+            yield replace(entry, words=(), figures={}, reason=said)
         elif entry.level in found:
             yield found[entry.level]
         else:

@@ -21,6 +21,7 @@ from neuralgaits.robots import derive, registry
 from neuralgaits.robots.biped import PlanarBiped
 from neuralgaits.robots.constants import MjcfLayout
 from neuralgaits.robots.mjcf.actuation import refuse_other_actuators
+from neuralgaits.robots.mjcf.counts import refuse_large_counts
 from neuralgaits.robots.mjcf.ignored_physics import refuse_ignored_physics
 from neuralgaits.robots.mjcf.legs import LegJoint, leg_data, leg_joints, link_directions, up_angle
 from neuralgaits.robots.mjcf.link_names import coordinate_names, paired_names, role_names
@@ -144,6 +145,7 @@ def compile_text(text: str, name: str) -> mujoco.MjModel:
 
     Raises: RobotError with MuJoCo's reason, warnings included, and the remedy.
     """
+    refuse_large_counts(text)
     warnings: list[str] = []
     # Unasked, MuJoCo prints its warnings, and logs them to a file in the caller's folder.
     mujoco.set_mju_user_warning(warnings.append)
@@ -152,7 +154,7 @@ def compile_text(text: str, name: str) -> mujoco.MjModel:
         if warnings:
             raise ValueError("; ".join(warnings))
         return model
-    except (ValueError, mujoco.FatalError) as error:
+    except (ValueError, RuntimeError, MemoryError, mujoco.FatalError) as error:
         reason = " ".join(str(error).split())
         remedy = "mend the file"
         if "opening file" in reason:

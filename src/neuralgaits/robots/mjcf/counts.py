@@ -1,0 +1,58 @@
+"""Refusal of counts in a robot file that would take MuJoCo minutes, or all memory, to compile.
+
+MuJoCo takes them as they are. They are looked at in the text, before it does.
+"""
+
+import math
+from xml.etree import ElementTree
+
+from neuralgaits.errors import RobotError
+
+MOST_COPIES = 1000
+"""Largest number of copies that a file may make of anything, copies of copies counted."""
+MOST_VALUES = 10**8
+"""Largest number of values of one asset: pixels of a texture, heights of a field."""
+MOST_OF_SIZE = 10**4
+"""Largest number in <size>, but for its memory."""
+_COPIES = {"replicate": "count", "composite": "count", "flexcomp": "count"}
+_ASSETS = {"hfield": ("nrow", "ncol"), "texture": ("width", "height")}
+
+
+def refuse_large_counts(text: str) -> None:
+    """Check the counts of MJCF text.
+
+    Raises: RobotError naming the element and the largest count that it may have.
+    """
+    try:
+        root = ElementTree.fromstring(text)
+    except ElementTree.ParseError:
+        # Whoever compiles the text says what is wrong with it.
+        return
+    # Each with the copies that the elements around it make: nesting multiplies them.
+    left = [(root, 1)]
+    while left:
+        element, copies = left.pop()
+        tag = str(element.tag)
+        if tag in _COPIES:
+            copies *= _product(element.get(_COPIES[tag], "1"))
+            _refuse(tag, copies, MOST_COPIES, "copies")
+        if tag in _ASSETS:
+            sides = " ".join(element.get(name, "1") for name in _ASSETS[tag])
+            _refuse(tag, _product(sides), MOST_VALUES, "values")
+        if tag == "size":
+            for name in set(element.attrib) - {"memory"}:
+                _refuse(f"size {name}", _product(element.attrib[name]), MOST_OF_SIZE, "elements")
+        left += [(child, copies) for child in element]
+
+
+def _product(text: str) -> float:
+    """Multiply the numbers of an attribute; 1 for what is none, which MuJoCo refuses."""
+    try:
+        return math.prod(max(1.0, float(word)) for word in text.split())
+    except ValueError:
+        return 1.0
+
+
+def _refuse(what: str, found: float, most: int, of: str) -> None:
+    if not found <= most:
+        raise RobotError(f"<{what}> asks for {found:g} {of}: expected at most {most}; write fewer")
