@@ -8,7 +8,7 @@ further back than `amber3m-tail` has it [m].
 
 import os
 from dataclasses import replace
-from typing import Any
+from typing import Any, Literal
 
 from common import ROOT, show, trained
 from plants import TAIL, fallen
@@ -23,7 +23,9 @@ FLOOR_STEPS = 50
 """Steps of a walk on a disturbed plant."""
 
 
-def rounds_of(robot: str, plant: str, controller: str, disturb: dict[str, float]) -> Episodes:
+def rounds_of(
+    robot: str, plant: str, controller: Literal["pd", "fblin"], disturb: dict[str, float]
+) -> Episodes:
     """Two rounds, made now or by an earlier benchmark."""
     shift = disturb.get("torso_shift_m", 0.0)
     out = ROOT / f"episodes-{robot}-{plant}-{controller}{shift:+.3f}"

@@ -33,12 +33,12 @@ from neuralgaits.errors import InputError, SpecError
 from neuralgaits.gait import HybridInvariantPolicy, ZeroDynamics
 from neuralgaits.programs import POINT, evaluate
 from neuralgaits.records.certified import box_in_words
-from neuralgaits.report.page import repeat_commands
 from neuralgaits.robots import load_robot
 from neuralgaits.robots.dynamics import angular_momentum
 from neuralgaits.robots.mjcf.parameters import RobotFamily
 from neuralgaits.robots.parameter_box import parse_box
 from neuralgaits.runs import RunFolder
+from neuralgaits.settings.forms import box_word
 from neuralgaits.workflows.certify import certify
 from neuralgaits.workflows.check_proof import check_proof
 from support.edited_robot import edited
@@ -252,8 +252,8 @@ def test_walks_over_any_footholds_stay_in_the_set_and_converge(trained):
 
 def test_a_page_gives_the_box_back_exactly():
     box = {"mass": 0.1 / 3.0, "com": 1e-5, "rotor": 0.05, "floor": 0.1 / 30.0, "friction": 0.45}
-    assert parse_box(repeat_commands.box(box)) == box
-    assert repeat_commands.box({}) == "none"
+    assert parse_box(box_word(box)) == box
+    assert box_word({}) == "none"
 
 
 def test_what_follows_names_the_box(amber):

@@ -46,7 +46,7 @@ def done(monkeypatch):
         share = rounds[-1]["share_that_walks"]
 
         def episodes(robot, **settings):
-            asked.update(settings, robot=robot.name)
+            asked.update(settings, robot=robot)
             return SimpleNamespace(summary=summary, walks=None if share is None else share >= 0.9)
 
         monkeypatch.setattr(workflow, "episodes", episodes)
@@ -71,7 +71,7 @@ def test_a_policy_that_walks_is_0_and_every_round_has_a_line(done, capfd):
     assert "round 1: nothing learned: logs: expected at least 3 strides" in out
     assert (asked["robot"], asked["rounds"]) == ("amber3m", 1)
     assert asked["disturb"] == "torso_shift_m=-0.02"
-    assert "controller" not in asked
+    assert asked["controller"] is None
 
 
 def test_a_policy_that_falls_is_1_and_json_is_the_summary(done, capfd):

@@ -10,7 +10,6 @@ from pathlib import Path
 import pytest
 
 from neuralgaits.analysis.run import open_run
-from neuralgaits.cli import verbs
 from neuralgaits.cli.arguments import CertifyOptions, TrainOptions
 from neuralgaits.cli.argv_parser import read, verb_name
 from neuralgaits.cli.main import main
@@ -148,7 +147,7 @@ def test_commands_about_a_run_of_a_built_in_robot(built_in, at, capfd, monkeypat
     check(on_screen(place.screens))
     check(on_page(f"<code>{how_sure(open_run(run)).words}</code>"))
     repeated = next(line for line in lines if "--disturb friction=0.9" in line)
-    assert "--plant amber3m-tail" in repeated and "--push -1" in repeated
+    assert "--plant amber3m-tail" in repeated and "--push=-1.0" in repeated
 
 
 def test_an_own_robot_with_a_built_in_name_is_its_own_file(own, at):
@@ -193,7 +192,8 @@ def test_a_proof_of_narrower_ranges_is_asked_for_again():
     line = certifying(Path("a run"), 2, (), within)
     verb = read(shlex.split(line)[1:])
     assert isinstance(verb, CertifyOptions)
-    asked = verbs._ranges(verb.within)
+    asked = verb.within
+    assert asked is not None
     assert set(asked) == set(within)
     for name, ends in within.items():
         assert asked[name] == pytest.approx(ends)

@@ -5,6 +5,7 @@ import shlex
 import shutil
 import xml.etree.ElementTree as ElementTree
 from dataclasses import replace
+from pathlib import Path
 
 import matplotlib as mpl
 import numpy as np
@@ -133,7 +134,7 @@ def test_a_log_brings_the_walk(run, data, tmp_path):
     assert isinstance(missing, Missing)
     simulate = read(shlex.split(missing.command)[1:])
     assert isinstance(simulate, arguments.SimulateOptions) and simulate.log is not None
-    target = simulate.log
+    target = Path(simulate.log)
     walk = orbit_log(copy, data)
     target.parent.mkdir()
     logs.write(target, walk)

@@ -55,7 +55,7 @@ def test_the_command_that_makes_it_again_tells_its_range(made):
     line = repeat_commands.training(made.folder)
     assert line is not None
     verb = read(shlex.split(line)[1:])
-    assert isinstance(verb, TrainOptions) and verb.speed == "0.6:0.8"
+    assert isinstance(verb, TrainOptions) and verb.speed == (0.6, 0.8)
 
 
 def test_level_4_is_refused(made):

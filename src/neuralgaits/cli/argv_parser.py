@@ -1,11 +1,7 @@
 """Parser of the command line: words become a verb with its settings."""
 
-import ast
-import inspect
-import itertools
 import re
 import typing
-from collections.abc import Iterator
 from dataclasses import fields, is_dataclass
 from typing import Annotated, Any
 
@@ -14,6 +10,7 @@ import tyro
 from neuralgaits._version import __version__
 from neuralgaits.cli import arguments as of
 from neuralgaits.cli.misspelt import refuse_misspelt
+from neuralgaits.settings.options import arg, descriptions
 
 Verb = (
     of.TrainOptions
@@ -69,7 +66,7 @@ def read(arguments: list[str]) -> Verb:
         prog="neuralgaits",
         description="Neural walking gaits from barrier conditions on the zero dynamics.",
         args=words,
-        config=(tyro.conf.FlagCreatePairsOff,),
+        config=(tyro.conf.FlagCreatePairsOff, tyro.conf.SuppressFixed),
     )
 
 
@@ -78,36 +75,24 @@ def _let_help_flow(settings: type) -> None:
 
     tyro keeps a break before an indented line, and lines of an attribute's docstring are indented.
     """
-    said = dict(_said(settings))
+    said = descriptions(settings)
     hints = typing.get_type_hints(settings, include_extras=True)
     for name, hint in hints.items():
         kind = typing.get_args(hint)[0] if typing.get_origin(hint) is Annotated else hint
         if is_dataclass(kind):
             _let_help_flow(typing.cast(type, kind))
         elif text := said.get(name):
-            settings.__annotations__[name] = Annotated[hint, of.arg(help=" ".join(text.split()))]
+            settings.__annotations__[name] = Annotated[hint, arg(help=text)]
 
 
-def _said(settings: type) -> Iterator[tuple[str, str]]:
-    """Yield the fields of a class with the docstrings that follow them."""
-    [found] = ast.parse(inspect.getsource(settings)).body
-    assert isinstance(found, ast.ClassDef)
-    for field, text in itertools.pairwise(found.body):
-        match field, text:
-            case (
-                ast.AnnAssign(target=ast.Name(id=name)),
-                ast.Expr(value=ast.Constant(value=str(docstring))),
-            ):
-                yield name, docstring
-
-
-def options(verb: Any, *left_out: str) -> dict[str, Any]:
-    """Return the settings of a verb by name; the names are those of its workflow's arguments.
+def given(verb: Any, settings: type, **others: Any) -> dict[str, Any]:
+    """Return what a verb was given, as arguments of its workflow.
 
     Args:
         verb: verb that `read` returned.
-        left_out: names of settings to leave out. Those about output and workers are always left
-            out.
+        settings: class of the settings that the workflow takes.
+        others: settings that only Python has, and those in another form.
     """
-    others = {"output", "pool", *left_out}
-    return {one.name: getattr(verb, one.name) for one in fields(verb) if one.name not in others}
+    own = {one.name for one in fields(verb)}
+    taken = (one.name for one in fields(settings) if one.name in own)
+    return {name: getattr(verb, name) for name in taken} | others

@@ -5,33 +5,31 @@ from typing import Any
 from rich.text import Text
 
 from neuralgaits.cli.arguments import ImportGaitOptions, OptimiseOptions
+from neuralgaits.cli.argv_parser import given
 from neuralgaits.cli.outcome import Outcome
 from neuralgaits.cli.screen_tables import number, show_facts, show_sentence, show_table
 from neuralgaits.records.trained import Trained
 from neuralgaits.runs.shell_words import command, named
+from neuralgaits.settings import ImportGaitSettings, OptimiseSettings
 
 
 def carry_out_optimise(verb: OptimiseOptions) -> Outcome:
     """Carry out the verb `optimise`; always good."""
     from neuralgaits.cli.progress import waiting
-    from neuralgaits.robots import load_robot
     from neuralgaits.workflows.optimise import optimise
 
-    robot = load_robot(verb.robot)
     with waiting("looking for a gait", quiet=verb.output.json):
-        run = optimise(robot, verb.speed, degree=verb.degree, out=verb.out)
+        run = optimise(**given(verb, OptimiseSettings))
     return Outcome(run.summary, True, show_given)
 
 
 def carry_out_import(verb: ImportGaitOptions) -> Outcome:
     """Carry out the verb `import-gait`; always good."""
     from neuralgaits.cli.progress import waiting
-    from neuralgaits.robots import load_robot
     from neuralgaits.workflows.import_gait import import_gait
 
-    robot = load_robot(verb.robot)
     with waiting("looking for its orbit", quiet=verb.output.json):
-        run = import_gait(verb.file, robot, name=verb.name, out=verb.out)
+        run = import_gait(**given(verb, ImportGaitSettings))
     return Outcome(run.summary, True, show_given)
 
 

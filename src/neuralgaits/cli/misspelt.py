@@ -9,13 +9,11 @@ import typing
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Annotated, Any, Literal
 
-from tyro.conf import Positional
-
 from neuralgaits._names import meant
 from neuralgaits.errors import InputError
+from neuralgaits.settings.options import ONLY_PYTHON, POSITIONAL
 
 _NUMBERS = {float: "a number", int: "a whole number"}
-_POSITIONAL = typing.get_args(Positional[int])[1]
 _HELP, _VERBOSE = ("-h", "--help"), "-v"
 _COMMANDED = {
     "simulate": ("--command", "command a gait", "{}"),
@@ -181,6 +179,8 @@ def _settings(settings: type) -> Iterator[tuple[str, _Setting, bool]]:
     hints = typing.get_type_hints(settings, include_extras=True)
     for field in dataclasses.fields(settings):
         hint, marks = _unwrapped(hints[field.name])
+        if ONLY_PYTHON in marks:
+            continue
         if dataclasses.is_dataclass(hint):
             yield from _settings(typing.cast(type, hint))
             continue
@@ -189,7 +189,7 @@ def _settings(settings: type) -> Iterator[tuple[str, _Setting, bool]]:
         metavar = next((one.metavar for one in marks if getattr(one, "metavar", None)), "VALUE")
         required = field.default is field.default_factory is dataclasses.MISSING
         many = typing.get_origin(hint) is tuple
-        yield field.name, _Setting(choices or kind, metavar, required, many), _POSITIONAL in marks
+        yield field.name, _Setting(choices or kind, metavar, required, many), POSITIONAL in marks
 
 
 def _unwrapped(hint: Any) -> tuple[Any, tuple[Any, ...]]:

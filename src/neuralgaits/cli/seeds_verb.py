@@ -1,50 +1,45 @@
 """`train --seeds`: its settings, and its output."""
 
-from typing import Any
-
 from rich.text import Text
 
+from neuralgaits.cli.arguments import TrainOptions
+from neuralgaits.cli.argv_parser import given
 from neuralgaits.cli.outcome import Outcome
 from neuralgaits.cli.screen_tables import ROWS, number, show_facts, show_sentence, show_table
-from neuralgaits.cli.sweep_verb import seeds_of
 from neuralgaits.errors import InputError
 from neuralgaits.records.trained import TrainedSeed, TrainedSeeds
 from neuralgaits.runs.shell_words import command, named
+from neuralgaits.settings import TrainSeedsSettings
 
 
-def carry_out_seeds(robot: str | None, given: dict[str, Any], *, quiet: bool) -> Outcome:
+def carry_out_seeds(verb: TrainOptions) -> Outcome:
     """Train many seeds. Good if none is refused.
-
-    Args:
-        robot: name or path of the robot.
-        given: settings of `train_seeds` on the command line; `seeds` as A:B.
-        quiet: show no progress.
 
     Raises: InputError.
     """
-    if "seed" in given:
+    assert verb.seeds is not None
+    seeds = f"{verb.seeds[0]}:{verb.seeds[1]}"
+    if verb.seed is not None:
         raise InputError(
-            f"expected --seed N or --seeds A:B, found both: for one seed, leave out --seeds "
-            f"{given['seeds']}"
+            f"expected --seed N or --seeds A:B, found both: for one seed, leave out --seeds {seeds}"
         )
-    for name in ("certify", "budget"):
-        if name in given:
+    for name in ("certify", "budget", "resume"):
+        if getattr(verb, name):
             raise InputError(
                 f"expected --seeds without --{name}, found both: train first, then certify each "
                 "run, or sweep with --certify LEVEL"
             )
-    if robot is None:
+    if verb.robot is None:
         raise InputError(
             "expected ROBOT with --seeds, found none: name one, as in "
-            f"`{command('train', 'amber3m', '--seeds', given['seeds'])}`"
+            f"`{command('train', 'amber3m', '--seeds', seeds)}`"
         )
-    settings: dict[str, Any] = given | {"seeds": seeds_of(given["seeds"])}
     from neuralgaits.cli.progress import TrainingProgress
-    from neuralgaits.robots import load_robot
     from neuralgaits.workflows.train_seeds import train_seeds
 
-    with TrainingProgress(quiet=quiet) as progress:
-        done = train_seeds(load_robot(robot), progress=progress, doubted=progress.say, **settings)
+    with TrainingProgress(quiet=verb.output.json) as progress:
+        others = {"progress": progress, "doubted": progress.say}
+        done = train_seeds(**given(verb, TrainSeedsSettings, **others))
     return Outcome(done.summary, not done.summary.refused, show_seeds)
 
 

@@ -1,7 +1,7 @@
 """Choose the engine that a command runs its tasks on."""
 
+from neuralgaits._checks import shortened
 from neuralgaits._environment import cores
-from neuralgaits._settings import shortened
 from neuralgaits.engine.processes import Processes
 from neuralgaits.engine.task import WorkerPool
 from neuralgaits.errors import InputError

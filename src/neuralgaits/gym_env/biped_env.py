@@ -78,28 +78,12 @@ class BipedEnv(gymnasium.Env):
 
         Raises: InputError, RobotError with one line.
         """
-        if action not in get_args(Action):
-            raise InputError(
-                f"action: expected one of {', '.join(get_args(Action))}, found {action!r}"
-            )
-        if render_mode is not None:
-            raise InputError(f"render_mode: expected None, found {render_mode!r}: it draws nothing")
-        if not isinstance(ticks, int) or not 1 <= ticks <= 1000:
-            raise InputError(f"ticks: expected a whole number from 1 to 1000, found {ticks!r}")
+        _refuse_impossible(action, render_mode, ticks)
         self.render_mode = render_mode
         self._speed = _range("speed", speed, 0.0, _SPEED)
         self._push = _range("push", push, -1e3, 1e3)
         self._reward, self._ticks, self._torques = reward_of(reward), ticks, action == "torque"
-        if disturb is None or isinstance(disturb, str | Mapping | PlantChanges):
-            disturb = [disturb]
-        disturbances = [parse(one) for one in disturb]
-        if any(one.estimator or one.pitch_noise or one.pitch_offset for one in disturbances):
-            raise InputError(
-                "disturb: expected no estimator, pitch_noise or pitch_offset, found one: what "
-                "acts here is no controller of this package; leave it out"
-            )
-        if not disturbances:
-            raise InputError("disturb: expected at least one disturbance to draw, found none")
+        disturbances = _disturbances(disturb)
         # A robot's numbers are double precision, whatever a learner has told JAX.
         with jax.enable_x64(True):
             self.robot = load_robot(robot) if isinstance(robot, str) else robot
@@ -116,11 +100,7 @@ class BipedEnv(gymnasium.Env):
         self._middle = self.body.by_joint(0.5 * (q + self.robot.relabel @ q)[1:])
         m = self.body.joints
         self.action_space = spaces.Box(-1.0, 1.0, (m,), np.float32)
-        sizes = [_ANGLE, _RATE] + [_ANGLE] * m + [_RATE] * m + [_VELOCITY] * 2
-        high = np.array([*sizes, _FORCE, _FORCE, 1.0, _TIME, _SPEED], dtype=np.float32)
-        low = -high
-        low[[-5, -4, -2, -1]] = 0.0
-        self.observation_space = spaces.Box(low, high, dtype=np.float32)
+        self.observation_space = _observations(m)
         self._asked = self._speed[0]
         self._before = np.zeros(m)
 
@@ -235,3 +215,37 @@ def _range(name: str, given: Any, lowest: float, highest: float) -> tuple[float,
             f"found {given!r}"
         )
     return float(values[0]), float(values[-1])
+
+
+def _refuse_impossible(action: str, render_mode: str | None, ticks: int) -> None:
+    """Refuse settings of an environment. Raises: InputError."""
+    if action not in get_args(Action):
+        raise InputError(f"action: expected one of {', '.join(get_args(Action))}, found {action!r}")
+    if render_mode is not None:
+        raise InputError(f"render_mode: expected None, found {render_mode!r}: it draws nothing")
+    if not isinstance(ticks, int) or not 1 <= ticks <= 1000:
+        raise InputError(f"ticks: expected a whole number from 1 to 1000, found {ticks!r}")
+
+
+def _disturbances(disturb: Disturbed | Sequence[Disturbed | None] | None) -> list[PlantChanges]:
+    """Return the disturbances that episodes draw from. Raises: InputError."""
+    if disturb is None or isinstance(disturb, str | Mapping | PlantChanges):
+        disturb = [disturb]
+    found = [parse(one) for one in disturb]
+    if any(one.estimator or one.pitch_noise or one.pitch_offset for one in found):
+        raise InputError(
+            "disturb: expected no estimator, pitch_noise or pitch_offset, found one: what "
+            "acts here is no controller of this package; leave it out"
+        )
+    if not found:
+        raise InputError("disturb: expected at least one disturbance to draw, found none")
+    return found
+
+
+def _observations(m: int) -> spaces.Box:
+    """Return the space of observations of a robot with m motors."""
+    sizes = [_ANGLE, _RATE] + [_ANGLE] * m + [_RATE] * m + [_VELOCITY] * 2
+    high = np.array([*sizes, _FORCE, _FORCE, 1.0, _TIME, _SPEED], dtype=np.float32)
+    low = -high
+    low[[-5, -4, -2, -1]] = 0.0
+    return spaces.Box(low, high, dtype=np.float32)

@@ -4,8 +4,8 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, fields
 from typing import Annotated, Any, Self
 
+from neuralgaits._checks import MOST_ROUNDS
 from neuralgaits._control_laws import LawName
-from neuralgaits._settings import MOST_ROUNDS
 from neuralgaits.records.fitted import Fitted, TouchdownErrors
 from neuralgaits.records.record import Count, Disturb, Pair, Record, Texts
 from neuralgaits.records.trained import Trained

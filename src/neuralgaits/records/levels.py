@@ -80,3 +80,5 @@ WORDS = {
 """Words by the number of the level."""
 HIGHEST_OF_MANY = max(number for number, words in WORDS.items() if not words.one_gait)
 """Highest level that covers gaits with commands, and boxes of robots or floors."""
+FULL_ORDER_LEVEL = 4
+"""First level about the full state of the robot, with outputs off zero."""

@@ -29,7 +29,7 @@ def drawn_robots(
     robot: PlanarBiped,
     parameters: Mapping[str, float] | None,
     seed: int,
-    plant: str | Path | None,
+    plant: PlanarBiped | str | Path | None,
     terrain: str | Path | None,
     controller: str | AbstractLaw,
 ) -> DrawnRobots | None:

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from neuralgaits._checks import check_walked
 from neuralgaits._environment import cores
-from neuralgaits._settings import check_walked
 from neuralgaits._types import Array, Float
 from neuralgaits.control import AbstractLaw, Controller
 from neuralgaits.control.laws import law_named

@@ -11,10 +11,9 @@ from threadpoolctl import threadpool_limits
 
 from neuralgaits import _notebook
 from neuralgaits._digits import at_least
-from neuralgaits._settings import check_bandwidth, check_budget, check_disturbance
 from neuralgaits.analysis.run import Run, open_run
 from neuralgaits.certificate.levels.conditions import verdicts as level_one
-from neuralgaits.certificate.levels.level_search import FULL_ORDER_LEVEL, LevelSets, find_sets
+from neuralgaits.certificate.levels.level_search import LevelSets, find_sets
 from neuralgaits.certificate.levels.levels import conclude
 from neuralgaits.certificate.levels.problems import (
     condition_boxes,
@@ -33,12 +32,11 @@ from neuralgaits.certificate.run_certificate.certificate_files import (
     refuse_unwritable_certificate,
     write_certificate,
 )
-from neuralgaits.certificate.run_certificate.scope import LEVEL, Scope
+from neuralgaits.certificate.run_certificate.scope import Scope
 from neuralgaits.certificate.search.branch_and_bound import BoundAll, Search
 from neuralgaits.certificate.search.checkpoint import load, save
 from neuralgaits.certificate.search.problem import Problem
 from neuralgaits.certificate.search.schedule import (
-    Progress,
     SearchInterrupted,
     box_count,
     explore,
@@ -50,7 +48,6 @@ from neuralgaits.errors import InputError, SpecError
 from neuralgaits.programs import Program
 from neuralgaits.records import certified
 from neuralgaits.records.certified import (
-    LEVELS,
     CertificateRecord,
     Conclusion,
     ConditionVerdict,
@@ -58,6 +55,8 @@ from neuralgaits.records.certified import (
 )
 from neuralgaits.runs.names import MAP, MAP_FIGURE
 from neuralgaits.runs.plain import to_json
+from neuralgaits.settings import CertifySettings, called_with
+from neuralgaits.settings.forms import LEARNED
 
 _TIGHTEST = 5
 """Number of conditions that a notebook shows."""
@@ -123,60 +122,29 @@ class _Task:
     program: Program
 
 
-def certify(
-    run: Run | str | Path,
-    *,
-    level: int | None = None,
-    disturbance: tuple[float, float] = (0.0, 0.0),
-    budget: float | None = None,
-    resume: bool = False,
-    progress: Progress | None = None,
-    within: Mapping[str, tuple[float, float]] | None = None,
-    parameters: Mapping[str, float] | None = None,
-    workers: int | None = None,
-    ray: str | None = None,
-    bandwidth: float | None = None,
-) -> CertifyResult:
+@called_with(CertifySettings)
+def certify(settings: CertifySettings) -> CertifyResult:
     """Prove every condition of a run's spec on its region, and what follows for trajectories.
 
-    Args:
-        run: a run, its folder, or `latest`.
-        level: 1: every condition holds on its region, or a state that violates it is returned; 2:
-            the walking set is also invariant; 3: one orbit attracts all of it; 4: the robot walks
-            on at full order, with nonzero outputs, in continuous time; 5: also under inexact
-            torques, up to a bound that the search determines. None for 3, the highest with
-            parameters or commands.
-        disturbance: bounds on the disturbance of dz at level 2 (m/s, N m).
-        budget: seconds after which the search stops; the result so far is kept and reported.
-        resume: continue with the boxes of the run's last certificate.
-        progress: called with (proved share, boxes) now and then.
-        workers: number of processes on this machine that bound boxes, in place of this one; in a
-            script, call this below `if __name__ == "__main__":`.
-        ray: `local`, `auto` or HOST:PORT of a Ray cluster that bounds boxes.
-        within: narrower ranges of commands, by name: the proof is about those, and the run counts
-            as undecided.
-        parameters: levels 1 to 3 are proved for every robot of this box, half widths by kind (see
-            `robots.parameter_box`); None for that of the run, empty for the robot of the file
-            alone.
-        bandwidth: double pole of the outputs [rad/s] at levels 4 and 5; level 4 is then about the
-            largest set that the search yields. None for that of `control.Fblin`, and the usual set.
+    The run may be an open one. A disturbance is a pair of bounds, `within` maps commands to
+    ranges in SI units, and a box of robots maps kinds to half widths; an empty one means the
+    robot of the file alone.
 
     Returns: `CertifyResult`. Proof, summary, boxes and map are in the run's folder.
     Raises: InputError on bad settings; RunError if there are no boxes to resume from;
         SearchInterrupted for KeyboardInterrupt, with the results so far in the folder.
     """
     start_time = time.perf_counter()
-    level = LEVEL if level is None else level
-    _refuse(level, disturbance, bandwidth)
-    check_budget(budget)
+    level, budget = settings.highest, settings.budget
+    trained = open_run(settings.run)
+    disturbance = _bounds(settings.disturbance, trained)
     deadline = time.monotonic() + (np.inf if budget is None else budget)
-    trained = open_run(run)
-    scope = Scope.of(trained, level, within, parameters)
+    scope = Scope.of(trained, level, settings.within, settings.parameters)
     spec, gait, zd = scope.spec, trained.trained, trained.zero_dynamics
     refuse_unwritable_certificate(trained.path)
     try:
         floor = scope.box.get("floor", 0.0)
-        sets = find_sets(scope.narrowed, gait, zd, level, disturbance, floor, bandwidth)
+        sets = find_sets(scope.narrowed, gait, zd, level, disturbance, floor, settings.bandwidth)
         program = trace_certificate(spec, trained.robot, gait, sets, trained.residuals)
     except SpecError as error:
         # A proof of what could be traced once would be taken for a proof of this run.
@@ -189,17 +157,17 @@ def certify(
     ]
     confirm = confirmer(spec, gait, zd, sets)
     before = [
-        load(_boxes_file(trained, k), problem) if resume else None
+        load(_boxes_file(trained, k), problem) if settings.resume else None
         for k, problem in enumerate(problems)
     ]
     try:
-        with threadpool_limits(1), _bounding(workers, ray) as bound_all:
+        with threadpool_limits(1), _bounding(settings.workers, settings.ray) as bound_all:
             states = explore(
                 problems,
                 before,
                 confirm,
                 deadline=deadline,
-                progress=progress,
+                progress=settings.progress,
                 bound_all=bound_all,
             )
     except SearchInterrupted as stop:
@@ -219,21 +187,19 @@ def _bounding(workers: int | None, ray: str | None) -> Iterator[BoundAll | None]
         yield SharedBounds(pool)
 
 
-def _refuse(level: int, disturbance: tuple[float, float], bandwidth: float | None) -> None:
-    """Refuse a level, disturbance or bandwidth that makes no statement. Raises: InputError."""
-    if level not in LEVELS:
-        *below, highest = (f"{number} ({about})" for number, about in LEVELS.items())
-        raise InputError(f"expected level {', '.join(below)} or {highest}, found {level}")
-    check_disturbance(disturbance)
-    if any(disturbance) and level < 2:
-        raise InputError("expected level 2 or more with a disturbance, found 1: raise --level")
-    if bandwidth is None:
-        return
-    check_bandwidth(bandwidth)
-    if level < FULL_ORDER_LEVEL:
+def _bounds(given: tuple[float, float] | str | None, run: Run) -> tuple[float, float]:
+    """Return the bounds of a disturbance, or those that a run has learned. Raises: InputError."""
+    if given is None:
+        return 0.0, 0.0
+    if not isinstance(given, str):
+        return given
+    if run.learned is None:
         raise InputError(
-            f"expected level {FULL_ORDER_LEVEL} or 5 with a bandwidth, found {level}: raise --level"
+            f"expected --disturbance {LEARNED} for a run with a residual, found one without in "
+            f"{run.path}: refine a run first, or write A,B"
         )
+    first, second = run.learned.error_bound
+    return float(first), float(second)
 
 
 def _boxes_file(run: Run, number: int) -> Path:

@@ -7,7 +7,6 @@ statements are about these conditions; each of the spec's boxes must have one.
 """
 
 import time
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -30,21 +29,12 @@ from neuralgaits.runs import packed, resolve
 from neuralgaits.runs.folder import CONFIG
 from neuralgaits.runs.latest import through_latest
 from neuralgaits.runs.shell_words import LATEST, command, named
+from neuralgaits.settings import CheckProofSettings, called_with
 
-Progress = Callable[[int, int], None]
 
-
-def check_proof(
-    file: str | Path, *, run: str | Path | None = None, progress: Progress | None = None
-) -> Checked:
+@called_with(CheckProofSettings)
+def check_proof(settings: CheckProofSettings) -> Checked:
     """Check a proof file.
-
-    Args:
-        file: the proof file, or a run folder or `latest` that has one; `runs/latest` in a path
-            means the run that it names.
-        run: a run folder or `latest`, which the proof must be about. The run's own spec is
-            code, which a separate process executes.
-        progress: called with (leaves done, leaves) now and then.
 
     Returns: `Checked`, a mapping of what `check-proof --json` prints: verdict ("proved" with a run,
         "consistent" without; "rejected" or "undecided"), reason (None if proved), statements (in
@@ -53,11 +43,11 @@ def check_proof(
     Raises: InputError in one line if the file is no proof file; RunError if the run does not exist.
     """
     start_time = time.perf_counter()
-    file = proof_file_at(file)
+    file = proof_file_at(settings.file)
     claims = read_claims(file)
-    folder = None if run is None else resolve(run).path
+    folder = None if settings.run is None else resolve(settings.run).path
     wrong = [] if folder is None else differences(claims, folder)
-    report = _rejected(claims, wrong) if wrong else check(claims, progress)
+    report = _rejected(claims, wrong) if wrong else check(claims, settings.progress)
     own_spec = ()
     if folder is not None and report.holds:
         report = against(claims, folder, report)
@@ -66,7 +56,7 @@ def check_proof(
     found = {name: value for name, value in vars(report).items() if name != "holds"}
     return Checked(
         proof=str(file),
-        run=None if run is None else str(run),
+        run=None if settings.run is None else str(settings.run),
         robot=claims.robot[0],
         spec=claims.spec[0],
         weights_sha256=claims.weights_sha256,

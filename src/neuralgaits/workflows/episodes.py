@@ -6,13 +6,13 @@ whose file exists is not repeated, so interrupted episodes resume where they sto
 
 import shutil
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from neuralgaits._checks import check_seed
 from neuralgaits._printable import printable
-from neuralgaits._settings import check_rounds, check_seed
 from neuralgaits.analysis.run import Run, open_run
 from neuralgaits.control.laws import law_named
 from neuralgaits.episode_rounds.episode_folder import EpisodeFolder, read, write
@@ -22,14 +22,16 @@ from neuralgaits.logs import read_all
 from neuralgaits.records.episode_records import SUMMARY, EpisodesDone, Round, WalkedRound
 from neuralgaits.records.fitted import Fitted
 from neuralgaits.report.figures.rounds import draw_file
-from neuralgaits.robots import PlanarBiped, load_robot
-from neuralgaits.runs import RUNS_ROOT, plain
+from neuralgaits.robots import PlanarBiped
+from neuralgaits.runs import plain
 from neuralgaits.runs.atomic import refuse_unwritable
 from neuralgaits.runs.names import CONFIG, FIT
 from neuralgaits.runs.shell_words import command, named
+from neuralgaits.settings import EpisodesSettings, called_with
 from neuralgaits.simulation.setup.disturbance import PlantChanges, parse
 from neuralgaits.training.training_loop import Progress
 from neuralgaits.workflows.fit import fit
+from neuralgaits.workflows.planarise import robot_from
 from neuralgaits.workflows.refine import refine
 from neuralgaits.workflows.train import train
 
@@ -72,65 +74,22 @@ class Episodes:
         return None if share is None else share >= ENOUGH
 
 
-def episodes(
-    robot: PlanarBiped | None = None,
-    *,
-    plant: PlanarBiped | str | Path | None = None,
-    disturb: str | Mapping[str, float] | PlantChanges | None = None,
-    controller: str | None = None,
-    logs: str | Path | None = None,
-    columns: str | Path | None = None,
-    rounds: int | None = None,
-    seed: int | None = None,
-    resume: str | Path | None = None,
-    out: str | Path | None = None,
-    steps: int | None = None,
-    progress: Progress | None = None,
-    tell: Tell | None = None,
-    root: Path = RUNS_ROOT,
-) -> Episodes:
+@called_with(EpisodesSettings)
+def episodes(settings: EpisodesSettings) -> Episodes:
     """Train on the model, then learn and refine for some rounds.
-
-    Args:
-        robot: the model; optional with `resume`, since resumed episodes have their own.
-        plant: robot that walks, in simulation.
-        disturb: disturbance of the plant, see `simulation.setup.disturbance`.
-        controller: `pd` (if None) or `fblin`, with the nominal model.
-        logs: folder of a real robot's logs in place of a plant: `round-0/*.csv`, and so on. The
-            rounds stop at the first missing logs, and continue once those exist.
-        columns: with `logs`: file that describes their columns, see docs/logs.md.
-        rounds: number of rounds of learning and refining; 2 if None.
-        seed: seed of everything random; 0 if None.
-        resume: episodes to resume (their folder, or `latest`) under their own settings, or a
-            trained run to start from.
-        out: folder to make; `runs/episodes/ROBOT/<UTC time>-<seed>` if None.
-        steps: gradient steps of training and of each refinement; those of the recipe if None.
-        progress: called with (step, steps, loss) now and then.
-        tell: called when a stage of a round begins.
-        root: folder of the runs.
 
     Raises: InputError or RunError with one line; Interrupted for KeyboardInterrupt.
     """
     start_time = time.perf_counter()
-    check_rounds(rounds)
-    asked = {
-        "robot": robot,
-        "plant": load_robot(plant) if isinstance(plant, str | Path) else plant,
-        "disturb": None if disturb is None else plain(vars(parse(disturb))),
-        "controller": controller,
-        "logs": None if logs is None else str(Path(logs).absolute()),
-        "columns": None if columns is None else str(Path(columns).absolute()),
-        "rounds": rounds,
-        "seed": seed,
-        "steps": steps,
-    }
+    asked, resume, root = _asked(settings), settings.resume, settings.root
     old = None if resume is None else EpisodeFolder.find(resume, root)
     if old is None:
-        folder = _begin(asked, resume, out=out, root=root)
+        folder = _begin(asked, resume, out=settings.out, root=root)
     else:
-        folder = old.gone_on_with(asked, out)
+        folder = old.gone_on_with(asked, settings.out)
     refuse_unwritable(folder.path / SUMMARY, folder.path / FIGURE)
-    session = _Session(folder, progress, tell or (lambda number, what: None), root)
+    tell = settings.tell or (lambda number, what: None)
+    session = _Session(folder, settings.progress, tell, root)
     try:
         entries, run, stopped = session.run()
     except KeyboardInterrupt as stop:
@@ -149,6 +108,22 @@ def episodes(
     write(folder.path / SUMMARY, summary)
     draw_file(summary, folder.path / FIGURE)
     return Episodes(folder.path, run, summary)
+
+
+def _asked(settings: EpisodesSettings) -> dict[str, Any]:
+    """Return the settings that the folder's config records; None for what was not given."""
+    disturb, logs, columns = settings.disturb, settings.logs, settings.columns
+    return {
+        "robot": None if settings.robot is None else robot_from(settings.robot),
+        "plant": None if settings.plant is None else robot_from(settings.plant),
+        "disturb": None if disturb is None else plain(vars(parse(disturb))),
+        "controller": settings.controller,
+        "logs": None if logs is None else str(Path(logs).absolute()),
+        "columns": None if columns is None else str(Path(columns).absolute()),
+        "rounds": settings.rounds,
+        "seed": settings.seed,
+        "steps": settings.steps,
+    }
 
 
 def _begin(

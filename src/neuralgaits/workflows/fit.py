@@ -9,7 +9,6 @@ from pathlib import Path
 import numpy as np
 
 from neuralgaits import logs as walks
-from neuralgaits._settings import check_seed
 from neuralgaits._types import Array, Float
 from neuralgaits.analysis.learned import Learned
 from neuralgaits.analysis.run import Run, open_run
@@ -18,7 +17,7 @@ from neuralgaits.gait import ZeroDynamics
 from neuralgaits.gait.flow_residual import Residual
 from neuralgaits.logs import Split, Stride, Windows
 from neuralgaits.records.fitted import Fitted, StrideCounts
-from neuralgaits.residual.fitter import FitConfig, Fitter, Optimizer, Progress
+from neuralgaits.residual.fitter import FitConfig, Fitter
 from neuralgaits.residual.fitter import fit as fit_flow
 from neuralgaits.residual.floor import floor
 from neuralgaits.residual.reset import fit_reset
@@ -26,6 +25,7 @@ from neuralgaits.residual.trajectories import largest_defects, missed, root_mean
 from neuralgaits.residual.trust import landing_errors
 from neuralgaits.runs.atomic import refuse_unwritable
 from neuralgaits.runs.names import FIT, FITTED
+from neuralgaits.settings import FitSettings, called_with
 
 SAMPLES, STEP_S = 3, 0.01
 """Samples and spacing [s] of the windows that are learned from (as in the paper's code)."""
@@ -48,38 +48,20 @@ class Fit:
     summary: Fitted
 
 
-def fit(
-    run: Run | str | Path,
-    logs: Sequence[str | Path],
-    *,
-    columns: str | Path | None = None,
-    optimizer: Optimizer = "adam",
-    seed: int = 0,
-    config: FitConfig | None = None,
-    progress: Progress | None = None,
-) -> Fit:
+@called_with(FitSettings)
+def fit(settings: FitSettings) -> Fit:
     """Learn residuals of the flow and of the reset map from logs of a run's policy.
 
     Strides are split into training, validation and test sets before windows are cut. The residual
     is relative to the rigid model; a residual that the run was trained with is ignored.
 
-    Args:
-        run: run whose policy walked, its folder, or `latest`.
-        logs: CSV files.
-        columns: file that describes the columns of a robot's own logs, see docs/logs.md; None for
-            logs in the project's format or that of AMBER-3M.
-        optimizer: adam, adamw or nero.
-        seed: seed of the split, the weights and the batches.
-        config: further settings of the fit; they take precedence over `optimizer`.
-        progress: called with (step, steps, validation loss) now and then.
-
     Returns: `Fit`. Residual and summary are in the run's folder.
     Raises: InputError with file, row, column and remedy; then nothing is written.
     """
     start_time = time.perf_counter()
-    config = FitConfig(optimizer=optimizer) if config is None else config
-    check_seed(seed)
-    trained = open_run(run)
+    config = settings.config or FitConfig(optimizer=settings.optimizer)
+    logs, columns, seed = settings.logs, settings.columns, settings.seed
+    trained = open_run(settings.run)
     refuse_unwritable(trained.path / FITTED, trained.path / FIT)
     policy = trained.gait.policy
     read, left_out = walks.read_all(logs, trained.robot, columns=columns, policy=policy)
@@ -90,7 +72,7 @@ def fit(
     scale = _scale(trained, long)
     train, validation = _windows(parts.train), _windows(parts.validation)
     fitter = Fitter.build(zd, train, validation, scale, config=config, seed=seed)
-    flow, state = fit_flow(fitter, progress)
+    flow, state = fit_flow(fitter, settings.progress)
     corrected = ZeroDynamics(zd.robot, zd.policy, flow)
     reset = fit_reset(corrected, walks.touchdowns([*parts.train, *parts.validation], zd))
     # Pairs of samples reach further into a stride's end than the windows of the fit.

@@ -51,25 +51,7 @@ def given_run(
     Raises: InputError if no orbit attracts, ConvergenceError if an optimisation led to such a gait.
     """
     zd = ZeroDynamics(robot, gait.policy)
-    try:
-        walk = steady(zd)
-    except (ArithmeticError, np.linalg.LinAlgError):
-        walk = _NO_SOLUTION
-    if not isinstance(walk, str) and not all(np.isfinite(part).all() for part in walk):
-        walk = _NO_SOLUTION
-    if isinstance(walk, str):
-        said = (
-            f"expected a gait with a periodic orbit on {robot.name}, found that {walk}: check "
-            "the joints' convention, and whether it is this robot's"
-        )
-        raise _refusal(robot, given, walk, said)
-    if not 0.0 < walk.multiplier < 1.0:
-        found = f"a Poincare multiplier of {walk.multiplier:.4g}"
-        said = (
-            f"expected an orbit that attracts, found {found}: no tube around it is kept; give a "
-            "gait that is stable without feedback along z"
-        )
-        raise _refusal(robot, given, f"its orbit has {found}", said)
+    walk = _attracting_orbit(zd, given)
     spec = specs.load(specs.GIVEN, robot, degree=gait.degree)
     made = Gait(zd.policy, fit_tube(zd, spec, walk))
     asked = TrainingConfig(
@@ -94,6 +76,31 @@ def given_run(
     run = Run(folder, robot, spec, made)
     finish(folder, _summary(run, walk, solve_s, start_time), root)
     return run
+
+
+def _attracting_orbit(zd: ZeroDynamics, given: GaitOrigin) -> Steady:
+    """Return the periodic orbit of a gait. Raises: as `given_run`, if none attracts."""
+    robot = zd.robot
+    try:
+        walk = steady(zd)
+    except (ArithmeticError, np.linalg.LinAlgError):
+        walk = _NO_SOLUTION
+    if not isinstance(walk, str) and not all(np.isfinite(part).all() for part in walk):
+        walk = _NO_SOLUTION
+    if isinstance(walk, str):
+        said = (
+            f"expected a gait with a periodic orbit on {robot.name}, found that {walk}: check "
+            "the joints' convention, and whether it is this robot's"
+        )
+        raise _refusal(robot, given, walk, said)
+    if not 0.0 < walk.multiplier < 1.0:
+        found = f"a Poincare multiplier of {walk.multiplier:.4g}"
+        said = (
+            f"expected an orbit that attracts, found {found}: no tube around it is kept; give a "
+            "gait that is stable without feedback along z"
+        )
+        raise _refusal(robot, given, f"its orbit has {found}", said)
+    return walk
 
 
 def _refusal(robot: PlanarBiped, given: GaitOrigin, found: str, said: str) -> NeuralGaitsError:

@@ -6,10 +6,9 @@ from pathlib import Path
 
 import jax
 
-from neuralgaits._settings import check_proof_budget, check_seed, check_steps, check_widths
 from neuralgaits.analysis.run import Run
 from neuralgaits.barriers import GaitSpec, specs, user_code
-from neuralgaits.barriers.commanded_spec import Interval, commands_of
+from neuralgaits.barriers.commanded_spec import commands_of
 from neuralgaits.barriers.spec import Init
 from neuralgaits.certificate.provable import refuse_many_axes, refuse_untraceable, why_not_provable
 from neuralgaits.errors import InputError
@@ -20,6 +19,7 @@ from neuralgaits.robots import PlanarBiped
 from neuralgaits.robots.parameter_box import checked_box
 from neuralgaits.runs import RunFolder
 from neuralgaits.runs.names import ROBOT, SPEC
+from neuralgaits.settings import GaitSettings
 
 
 @dataclass(frozen=True)
@@ -59,42 +59,34 @@ class NewTraining:
 
 def new_training(
     robot: PlanarBiped,
-    spec: str | GaitSpec,
-    *,
+    settings: GaitSettings,
     seed: int,
-    init: Init,
-    hidden: tuple[int, ...] | None,
-    steps: int | None,
-    speed: float | Interval | None,
-    step_length: Interval | None,
-    step_height: Interval | None,
-    slope: Interval | None,
-    parameters: Mapping[str, float] | None,
+    *,
     certify: bool = False,
     budget: float | None = None,
 ) -> NewTraining:
-    """Check the settings, see `workflows.train`, and make the untrained gait.
+    """Check the settings against each other, and make the untrained gait.
 
-    Raises: InputError on invalid settings, alone or in combination.
+    Args:
+        robot: robot that the settings name.
+        settings: settings of the gait.
+        seed: seed of weights and samples.
+        certify: prove the conditions after training.
+        budget: seconds for that; None for no limit.
+
+    Raises: InputError on invalid combinations of settings.
     """
-    _check(seed, init, hidden, steps)
-    check_proof_budget(certify, budget)
-    one, spread = (None, speed) if isinstance(speed, tuple) else (speed, None)
-    told = commands_of(speed=spread, step_length=step_length, step_height=step_height, slope=slope)
-    if one is not None and told:
-        raise InputError(
-            "expected one speed, or a range of it beside other commands, found --speed "
-            f"{one:g} with {', '.join(c.name for c in told)}: give --speed LOW:HIGH"
-        )
-    if (told or one is not None or parameters) and not isinstance(spec, str):
+    spec = "walking" if settings.spec is None else settings.spec
+    init, steps = settings.init or "posture", settings.steps
+    one, told, box = _meant_for(settings)
+    if (told or one is not None or box) and not isinstance(spec, str):
         raise InputError(
             "expected a spec by name with a speed, commands or parameters, found a GaitSpec: "
             "build it with specs.commanded or specs.robust"
         )
-    box = checked_box(parameters or {})
     loaded = specs.load(spec, robot, told, one, box) if isinstance(spec, str) else spec
     refuse_many_axes(loaded)
-    gait = _new_gait(loaded, seed, init, hidden)
+    gait = _new_gait(loaded, seed, init, settings.hidden)
     if not (isinstance(spec, str) and spec in specs.DESCRIPTIONS):
         # The built-in ones are traced by the tests.
         file = specs.source_path(spec) if isinstance(spec, str) else None
@@ -118,6 +110,24 @@ def new_training(
     )
     copies = {ROBOT: robot.layout.xml, SPEC: _source(spec)}
     return NewTraining(robot, loaded, gait, config, copies)
+
+
+def _meant_for(settings: GaitSettings) -> tuple[float | None, Commands, dict[str, float]]:
+    """Return the one speed (m/s), the commands and the box of robots that a gait is meant for."""
+    speed = settings.speed
+    one, spread = (None, speed) if isinstance(speed, tuple) else (speed, None)
+    told = commands_of(
+        speed=spread,
+        step_length=settings.step_length,
+        step_height=settings.step_height,
+        slope=settings.slope,
+    )
+    if one is not None and told:
+        raise InputError(
+            "expected one speed, or a range of it beside other commands, found --speed "
+            f"{one:g} with {', '.join(c.name for c in told)}: give --speed LOW:HIGH"
+        )
+    return one, told, checked_box(settings.parameters or {})
 
 
 def _refuse_proof(spec: GaitSpec, unprovable: str | None) -> None:
@@ -145,14 +155,6 @@ def ranges_of(commands: Commands) -> dict[str, Range]:
 def _new_gait(spec: GaitSpec, seed: int, init: Init, hidden: tuple[int, ...] | None) -> AnyGait:
     with user_code.blamed():
         return spec.new_gait(jax.random.key(seed), init, hidden)
-
-
-def _check(seed: int, init: str, hidden: tuple[int, ...] | None, steps: int | None) -> None:
-    check_seed(seed)
-    if init not in ("posture", "random"):
-        raise InputError(f"expected init posture or random, found {init!r}")
-    check_widths(hidden)
-    check_steps(steps)
 
 
 def _widths(gait: AnyGait) -> tuple[int, ...] | None:

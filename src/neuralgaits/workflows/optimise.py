@@ -6,40 +6,30 @@ from pathlib import Path
 from neuralgaits.analysis.run import Run
 from neuralgaits.errors import InputError
 from neuralgaits.gait.commands import FASTEST
-from neuralgaits.hzd.solver import DEGREE, Optimiser
+from neuralgaits.hzd.solver import Optimiser
 from neuralgaits.records.training_config import HIGHEST_DEGREE, GaitOrigin
-from neuralgaits.robots import PlanarBiped
-from neuralgaits.runs import RUNS_ROOT, RunFolder
+from neuralgaits.runs import RunFolder
+from neuralgaits.settings import OptimiseSettings, called_with
 from neuralgaits.workflows.given_run import given_run
+from neuralgaits.workflows.planarise import robot_from
 
 LOWEST_DEGREE = 3
 """Least degree: the impact fixes the rates at both ends, so lower degrees leave no freedom."""
 
 
-def optimise(
-    robot: PlanarBiped,
-    speed: float,
-    *,
-    degree: int = DEGREE,
-    out: str | Path | None = None,
-    root: Path = RUNS_ROOT,
-) -> Run:
+@called_with(OptimiseSettings)
+def optimise(settings: OptimiseSettings) -> Run:
     """Make a run of the gait with the least mechanical cost of transport at a speed.
 
     The conditions of spec `walking` hold along its orbit: contact, friction, torques, joint rates
     and ranges, clearance of the swing foot, a clean impact.
 
-    Args:
-        robot: robot of `load_robot`.
-        speed: mean speed over a step (m/s).
-        degree: degree of the polynomials.
-        out: the run folder; `runs/ROBOT/<UTC time>-<seed>` if None.
-        root: folder of the runs.
-
     Raises: InputError without CasADi (extra `hzd`) or on bad settings; ConvergenceError if the
         solver finds no gait.
     """
     start_time = time.perf_counter()
+    robot, speed, degree = robot_from(settings.robot), settings.speed, settings.degree
+    out, root = settings.out, settings.root
     if not speed > 0.0:
         raise InputError(f"expected --speed above 0 m/s, found {speed:g}")
     if speed > FASTEST:

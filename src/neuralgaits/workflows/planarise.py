@@ -3,7 +3,7 @@
 from dataclasses import replace
 from pathlib import Path
 
-from neuralgaits.errors import RobotError
+from neuralgaits.errors import InputError, RobotError
 from neuralgaits.records.inspected import RobotFacts
 from neuralgaits.robots import PlanarBiped, load_robot, registry
 from neuralgaits.robots.mjcf.loader import robot_text
@@ -31,11 +31,18 @@ def planarise_file(source: str | Path, out: Path) -> RobotFacts:
     return replace(inspect(load_robot(out)), written=str(out), changes=changes)
 
 
-def load_or_advise(source: str | Path) -> PlanarBiped:
-    """Load a robot; the error for a file that `planarise_file` could fix says so.
+def robot_from(source: PlanarBiped | str | Path | None) -> PlanarBiped:
+    """Return a robot, loaded if it is named; the error for a file names a fix, if there is one.
 
-    Raises: RobotError, as `load_robot`.
+    Raises: RobotError, as `load_robot`; InputError if there is none.
     """
+    if source is None:
+        raise InputError(
+            "expected ROBOT, found none: name one, as in "
+            f"`{command('train', 'amber3m')}`, or a run to go on with by --resume RUN"
+        )
+    if isinstance(source, PlanarBiped):
+        return source
     try:
         return load_robot(source)
     except RobotError as error:

@@ -7,8 +7,6 @@ the folder are always those that the certificate in the folder is about.
 
 import time
 from collections import Counter
-from collections.abc import Callable
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import jax
@@ -25,6 +23,7 @@ from neuralgaits.records.trained import ProofHistory, ProofRound, TrainingProof
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.runs import RunFolder
 from neuralgaits.runs.names import WEIGHTS
+from neuralgaits.settings import Watch
 from neuralgaits.training import Boxes, Extra, Trainer, TrainState
 from neuralgaits.training.training_loop import GradientSteps
 from neuralgaits.workflows.certify import certify
@@ -34,21 +33,6 @@ ROUNDS = 10
 SHARE = 0.25
 """Gradient steps of a repair, as a share of those of the recipe."""
 REPAIR, HISTORY = "repair.safetensors", "rounds.json"
-
-
-@dataclass(frozen=True)
-class Watch:
-    """Callbacks that report the progress of a training.
-
-    Attributes:
-        proved: called with the proved share so far, and the number of boxes.
-        ended: called after each round of proof and repair.
-        doubted: called before the training with one line, if no gait at that speed is likely.
-    """
-
-    proved: Callable[[float, int], None] | None = None
-    ended: Callable[[ProofRound], None] | None = None
-    doubted: Callable[[str], None] | None = None
 
 
 class RepairState(NamedTuple):

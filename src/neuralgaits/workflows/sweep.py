@@ -5,18 +5,16 @@ a complete run folder; a stopped sweep resumes with the missing rows.
 """
 
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import closing
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from neuralgaits._settings import check_budget, check_seeds, check_steps
 from neuralgaits.barriers.commanded_spec import Interval
 from neuralgaits.control.laws import law_named
-from neuralgaits.engine import Done, Job, WorkerPool, worker_pool_for
+from neuralgaits.engine import Done, Job, worker_pool_for
 from neuralgaits.errors import InputError, Interrupted
-from neuralgaits.records.certified import HIGHEST, LEVELS
 from neuralgaits.records.swept import (
     FORMAT,
     PAGE,
@@ -29,10 +27,11 @@ from neuralgaits.records.swept import (
     Swept,
 )
 from neuralgaits.report.sweep.sweep_page import page
-from neuralgaits.runs import RUNS_ROOT, plain, to_json, write_text
+from neuralgaits.runs import plain, to_json, write_text
 from neuralgaits.runs.atomic import refuse_unwritable
 from neuralgaits.runs.names import ROBOT, SPEC
 from neuralgaits.runs.shell_words import command, named
+from neuralgaits.settings import SweepSettings, called_with
 from neuralgaits.sweeps.disturbances import STANDARD, disturbances_of
 from neuralgaits.sweeps.grid import Combination, combinations, count, refuse_same
 from neuralgaits.sweeps.inputs import inputs_of, robot_file, spec_file
@@ -45,8 +44,6 @@ WALKS, WALK_STEPS = 4, 25
 each."""
 MOST_ROWS = 1_000_000
 """Most rows of a sweep; a larger number is taken for a typing error."""
-Tell = Callable[[SweepRow, int, int], None]
-"""Callback that gets a finished row, the number of finished rows, and that of all rows."""
 
 
 @dataclass(frozen=True)
@@ -64,58 +61,21 @@ class Sweep:
     summary: Swept
 
 
-def sweep(
-    robots: Sequence[str | Path] = (),
-    *,
-    specs: Sequence[str] | None = None,
-    speeds: Sequence[float | Interval | None] | None = None,
-    seeds: tuple[int, int] | None = None,
-    steps: int | None = None,
-    certify: int | None = None,
-    budget: float | None = None,
-    controllers: Sequence[str] | None = None,
-    disturbances: str | Path | Mapping[str, Any] | None = None,
-    walks: int | None = None,
-    workers: int | None = None,
-    ray: str | None = None,
-    engine: WorkerPool | None = None,
-    out: str | Path | None = None,
-    resume: bool = False,
-    tell: Tell | None = None,
-    root: Path = RUNS_ROOT,
-) -> Sweep:
+@called_with(SweepSettings)
+def sweep(settings: SweepSettings) -> Sweep:
     """Train, prove and walk every combination.
 
-    Args:
-        robots: names or paths.
-        specs: as in `train`; `walking` if None.
-        speeds: as in `train`: None for no requested speed, a speed, or a range (m/s).
-        seeds: first seed, and the one after the last; seed 0 alone if None.
-        steps: gradient steps of each training; those of the recipe if None.
-        certify: level to prove; None for no proof.
-        budget: seconds for each proof; with a budget, the result depends on the machine.
-        controllers: names of the control laws to walk with; `pd` if None.
-        disturbances: `standard` (if None), `none`, a TOML file, or a mapping of names to
-            disturbances; see `sweeps.disturbances`.
-        walks: number of walks under each disturbance; 4 if None.
-        workers: number of processes on this machine, one for each core if None; in a script, call
-            this below `if __name__ == "__main__":`.
-        ray: `local`, `auto` or HOST:PORT of a Ray cluster, in place of processes.
-        engine: engine to use instead of those two.
-        out: folder of the sweep; `runs/sweeps/<UTC time>-<first seed>` if None.
-        resume: continue the sweep in `out`, if there is one. Other settings must equal those of the
-            sweep.
-        tell: called when a row is finished.
-        root: folder of the runs.
+    A speed is None for no requested speed, a number, or a range (m/s). Disturbances may be a
+    mapping of names to disturbances.
 
     Raises: InputError or RunError with one line; Interrupted for KeyboardInterrupt, with every
         finished row in the folder.
     """
     start_time = time.perf_counter()
-    given = _given(specs, speeds, seeds, steps, certify, budget, controllers, disturbances, walks)
-    make = _folder(robots, given, out, resume, root)
+    workers, ray, tell = settings.workers, settings.ray, settings.tell
+    make = _folder(settings)
     # Before a folder is made, so that an engine that cannot be had leaves none.
-    with engine or worker_pool_for(workers, ray) as pool, make().alone() as folder:
+    with settings.engine or worker_pool_for(workers, ray) as pool, make().alone() as folder:
         refuse_unwritable(*(folder.path / file for file in (TABLE, PAGE, SUMMARY)))
         every = list(combinations(folder.asked))
         before = sum(folder.has(one.name) for one in every)
@@ -146,40 +106,23 @@ def sweep(
     return Sweep(folder.path, rows, summary)
 
 
-def _given(
-    specs: Sequence[str] | None,
-    speeds: Sequence[float | Interval | None] | None,
-    seeds: tuple[int, int] | None,
-    steps: int | None,
-    certify: int | None,
-    budget: float | None,
-    controllers: Sequence[str] | None,
-    disturbances: str | Path | Mapping[str, Any] | None,
-    walks: int | None,
-) -> dict[str, Any]:
-    """Return the settings of a `SweepAsked` that are not None, checked as far as possible."""
-    if seeds is not None:
-        check_seeds(seeds)
-    check_steps(steps)
-    check_budget(budget)
-    if certify is not None and certify not in LEVELS:
-        raise InputError(f"expected --certify 1 to {HIGHEST}, found {certify}")
-    if walks is not None and walks < 1:
-        raise InputError(f"expected at least 1 walk, found {walks}")
+def _given(settings: SweepSettings) -> dict[str, Any]:
+    """Return the settings of a `SweepAsked` that are given, checked as far as possible."""
+    controllers, speeds = settings.controllers, settings.speeds
     for controller in controllers or ():
         law_named(controller)
     refuse_same("controllers", controllers or ())
-    told = None if disturbances is None else disturbances_of(disturbances)
+    told = settings.disturbances
     asked = {
-        "specs": None if specs is None else tuple(specs),
+        "specs": None if settings.specs is None else tuple(settings.specs),
         "speeds": None if speeds is None else tuple(_spread(speed) for speed in speeds),
-        "seeds": seeds,
-        "steps": steps,
-        "certify": certify,
-        "budget": budget,
+        "seeds": settings.seeds,
+        "steps": settings.steps,
+        "certify": settings.certify,
+        "budget": settings.budget,
         "controllers": None if controllers is None else tuple(controllers),
-        "disturbances": told,
-        "walks": walks,
+        "disturbances": None if told is None else disturbances_of(told),
+        "walks": settings.walks,
     }
     return {name: value for name, value in asked.items() if value is not None}
 
@@ -190,17 +133,12 @@ def _spread(speed: float | Interval | None) -> Speed:
     return tuple(map(float, speed)) if isinstance(speed, tuple) else (float(speed),)
 
 
-def _folder(
-    robots: Sequence[str | Path],
-    given: Mapping[str, Any],
-    out: str | Path | None,
-    resume: bool,
-    root: Path,
-) -> Callable[[], SweepFolder]:
+def _folder(asked_for: SweepSettings) -> Callable[[], SweepFolder]:
     """Return the function that opens the existing sweep or makes a new one, after all checks."""
+    given, out, resume = _given(asked_for), asked_for.out, asked_for.resume
     if resume and out is None:
         raise InputError("expected --out DIR with --resume, found none: name the sweep's folder")
-    names = tuple(map(str, robots))
+    names = tuple(map(str, asked_for.robots))
     if resume and out is not None and (SweepFolder.there(Path(out)) or not names):
         folder = SweepFolder.open(Path(out))
         folder.refuse_other({"robots": names} | dict(given) if names else given)
@@ -237,7 +175,7 @@ def _folder(
     if (rows := count(asked)) > MOST_ROWS:
         raise InputError(f"expected at most {MOST_ROWS} rows, found {rows}: take fewer seeds")
     place = None if out is None else Path(out)
-    return lambda: SweepFolder.create(asked, inputs, out=place, root=root)
+    return lambda: SweepFolder.create(asked, inputs, out=place, root=asked_for.root)
 
 
 def _job(folder: SweepFolder, one: Combination) -> Job:

@@ -1,7 +1,6 @@
 """Train a gait and leave a run folder that can be resumed, checked and simulated."""
 
 import time
-from collections.abc import Mapping
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -12,77 +11,37 @@ from neuralgaits.analysis.poincare_map import poincare
 from neuralgaits.analysis.run import Run, open_parts, untrained
 from neuralgaits.analysis.walking_speeds import speed_doubt
 from neuralgaits.barriers import GaitSpec
-from neuralgaits.barriers.commanded_spec import Interval
-from neuralgaits.barriers.spec import Init
 from neuralgaits.certificate.traced import after_impact, trace_spec
-from neuralgaits.errors import InputError, Interrupted, RunError
+from neuralgaits.errors import Interrupted, RunError
 from neuralgaits.gait.policies.commanded_gait import CommandedGait
 from neuralgaits.records.trained import Trained, TrainingProof, Violations
 from neuralgaits.records.training_config import asked_of
 from neuralgaits.robots import PlanarBiped
-from neuralgaits.runs import RUNS_ROOT, RunFolder, finish, resolve_unfinished
+from neuralgaits.runs import RunFolder, finish, resolve_unfinished
 from neuralgaits.runs.atomic import refuse_unwritable
 from neuralgaits.runs.names import ROBOT, STATE, SUMMARY, WEIGHTS
-from neuralgaits.runs.shell_words import LATEST, command, resuming
+from neuralgaits.runs.shell_words import LATEST, resuming
+from neuralgaits.settings import TrainSettings, Watch, called_with
 from neuralgaits.training.calibration import calibrated
 from neuralgaits.training.session import take_all_steps
 from neuralgaits.training.train_state import FreshMargins, TrainState
 from neuralgaits.training.trainer import Trainer
 from neuralgaits.training.training_loop import Progress
 from neuralgaits.workflows.new_training import new_training
-from neuralgaits.workflows.proof_rounds import ProofRounds, Watch
+from neuralgaits.workflows.planarise import robot_from
+from neuralgaits.workflows.proof_rounds import ProofRounds
 
 FRESH_SAMPLES_SEED = 2**31
 """Seed of the samples on which the summary is measured; no run can have it."""
 
 
-def train(
-    robot: PlanarBiped | None = None,
-    spec: str | GaitSpec = "walking",
-    *,
-    seed: int = 0,
-    init: Init = "posture",
-    hidden: tuple[int, ...] | None = None,
-    steps: int | None = None,
-    out: str | Path | None = None,
-    resume: str | Path | None = None,
-    certify: bool = False,
-    budget: float | None = None,
-    speed: float | Interval | None = None,
-    step_length: Interval | None = None,
-    step_height: Interval | None = None,
-    slope: Interval | None = None,
-    parameters: Mapping[str, float] | None = None,
-    progress: Progress | None = None,
-    watch: Watch | None = None,
-    root: Path = RUNS_ROOT,
-) -> Run:
+@called_with(TrainSettings)
+def train(settings: TrainSettings) -> Run:
     """Train a policy for a robot.
 
-    Args:
-        robot: robot of `load_robot`; optional with `resume`, since the run has its own.
-        spec: name from `specs.DESCRIPTIONS`, FILE.py:NAME, or a `GaitSpec`. A run of a `GaitSpec`
-            that no file defines can be opened again only if a built-in of its name has the
-            same conditions.
-        seed: seed of weights and samples.
-        init: "posture" or "random".
-        hidden: widths of the hidden layers; those of the spec if None.
-        steps: gradient steps; those of the recipe if None.
-        out: the run folder; `runs/ROBOT/<UTC time>-<seed>` if None.
-        resume: continue this run, or the `latest` unfinished one; other settings come from it.
-        certify: prove the conditions (level 1) after training; if that fails, continue training
-            with samples of the boxes that are left, until the proof succeeds.
-        budget: seconds for proofs and further training; None for no limit.
-        speed: mean speed (m/s), or a range of speeds that one policy is commanded at each
-            touchdown.
-        step_length: range of the commanded distances of footholds (m).
-        step_height: range of the commanded heights of footholds above the stance foot (m).
-        slope: range of the commanded slopes of the ground (rad).
-        parameters: box of robots that the gait is meant for, half widths by kind: shares of the
-            file's mass, inertia and rotor, metres of com.
-        progress: called with (step, steps, loss) now and then.
-        watch: callbacks about the progress of the proof, and about a speed that is likely too hard.
-        root: folder of the runs.
+    The robot may be one of `load_robot`, the spec a `GaitSpec`: its run can be opened again only
+    if a file defines it, or if a built-in of its name has the same conditions. Ranges are pairs
+    in SI units, slopes in radians; a box of robots maps kinds to half widths.
 
     Returns: `Run`.
 
@@ -90,36 +49,23 @@ def train(
         for KeyboardInterrupt.
     """
     start_time = time.perf_counter()
-    if resume is not None:
-        folder, robot, loaded = _resumed(resume, robot, root)
+    watch, root = settings.watch, settings.root
+    if settings.resume is not None:
+        robot = None if settings.robot is None else robot_from(settings.robot)
+        folder, robot, loaded = _resumed(settings.resume, robot, root)
         run = Run(folder, robot, loaded, untrained(folder, loaded))
-    elif robot is None:
-        raise InputError(
-            "expected ROBOT, found none: name one, as in "
-            f"`{command('train', 'amber3m')}`, or a run to go on with by --resume RUN"
-        )
     else:
-        place = None if out is None else Path(out)
-        asked = new_training(
-            robot,
-            spec,
-            seed=seed,
-            init=init,
-            hidden=hidden,
-            steps=steps,
-            certify=certify,
-            budget=budget,
-            speed=speed,
-            step_length=step_length,
-            step_height=step_height,
-            slope=slope,
-            parameters=parameters,
-        )
-        doubt = speed_doubt(robot, speed)
+        robot = robot_from(settings.robot)
+        place = None if settings.out is None else Path(settings.out)
+        certify, budget = settings.certify, settings.budget
+        new = new_training(robot, settings, settings.seed or 0, certify=certify, budget=budget)
+        doubt = speed_doubt(robot, settings.speed)
         if doubt is not None and watch is not None and watch.doubted is not None:
             watch.doubted(doubt)
-        run = asked.begun(root, place)
-    return train_to_the_end(run, progress=progress, watch=watch, root=root, start_time=start_time)
+        run = new.begun(root, place)
+    return train_to_the_end(
+        run, progress=settings.progress, watch=watch, root=root, start_time=start_time
+    )
 
 
 def train_to_the_end(

@@ -1,29 +1,24 @@
 """Train many seeds in one command, and leave an ordinary run folder for each."""
 
 import time
-from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
 import jax
 
-from neuralgaits._settings import check_seeds
 from neuralgaits.analysis.run import Run
 from neuralgaits.analysis.walking_speeds import speed_doubt
-from neuralgaits.barriers import GaitSpec
-from neuralgaits.barriers.commanded_spec import Interval
-from neuralgaits.barriers.spec import Init
 from neuralgaits.errors import Interrupted
 from neuralgaits.records.trained import TrainedSeed, TrainedSeeds
-from neuralgaits.robots import PlanarBiped
-from neuralgaits.runs import RUNS_ROOT, to_json, write_text
+from neuralgaits.runs import to_json, write_text
 from neuralgaits.runs.atomic import refuse_unwritable
 from neuralgaits.runs.claim import claim, filled
 from neuralgaits.runs.latest import SEEDS, name_latest
 from neuralgaits.runs.shell_words import LATEST, command, resuming
-from neuralgaits.training.training_loop import Progress
+from neuralgaits.settings import TrainSeedsSettings, called_with
 from neuralgaits.workflows.many_seeds import ManySeeds
 from neuralgaits.workflows.new_training import new_training
+from neuralgaits.workflows.planarise import robot_from
 from neuralgaits.workflows.seed_batches import SeedBatches
 from neuralgaits.workflows.side_by_side import SideBySide
 
@@ -46,47 +41,13 @@ class Seeds:
     summary: TrainedSeeds
 
 
-def train_seeds(
-    robot: PlanarBiped,
-    spec: str | GaitSpec = "walking",
-    *,
-    seeds: tuple[int, int],
-    init: Init = "posture",
-    hidden: tuple[int, ...] | None = None,
-    steps: int | None = None,
-    out: str | Path | None = None,
-    speed: float | Interval | None = None,
-    step_length: Interval | None = None,
-    step_height: Interval | None = None,
-    slope: Interval | None = None,
-    parameters: Mapping[str, float] | None = None,
-    progress: Progress | None = None,
-    doubted: Callable[[str], None] | None = None,
-    root: Path = RUNS_ROOT,
-) -> Seeds:
+@called_with(TrainSeedsSettings)
+def train_seeds(settings: TrainSeedsSettings) -> Seeds:
     """Train a policy for each of many seeds, with programs that are compiled once.
 
     On a processor, each seed reaches the same weights as `train`, bit for bit. Accelerators train
-    batches of seeds as one program, and reach the same weights up to rounding.
-
-    Args:
-        robot: robot of `load_robot`.
-        spec: as in `train`, like all following arguments except `seeds`, `out` and `progress`.
-        seeds: first seed, and the one after the last.
-        init: "posture" or "random".
-        hidden: widths of the hidden layers; those of the spec if None.
-        steps: gradient steps of each seed; those of the recipe if None.
-        out: folder that holds a run folder for each seed, named after its number;
-            `runs/seeds/ROBOT/<UTC time>-<first seed>` if None.
-        speed: mean speed (m/s), or a range of commanded speeds.
-        step_length: range of the commanded distances of footholds (m).
-        step_height: range of the commanded heights of footholds above the stance foot (m).
-        slope: range of the commanded slopes of the ground (rad).
-        parameters: box of robots that the gaits are meant for.
-        progress: called with (steps of all seeds done, in all, mean loss) now and then, from one
-            thread at a time, which need not be the caller's.
-        doubted: called with one line, before the training, if no gait at that speed is likely.
-        root: folder of the runs.
+    batches of seeds as one program, and reach the same weights up to rounding. Settings are those
+    of `train`.
 
     Returns: `Seeds`; a seed whose training ends in NaN, or that a later stage refuses, is in
         `summary.refused`.
@@ -94,33 +55,20 @@ def train_seeds(
     Raises: InputError on bad settings; Interrupted for KeyboardInterrupt.
     """
     start_time = time.perf_counter()
-    check_seeds(seeds)
-    first = new_training(
-        robot,
-        spec,
-        seed=seeds[0],
-        init=init,
-        hidden=hidden,
-        steps=steps,
-        speed=speed,
-        step_length=step_length,
-        step_height=step_height,
-        slope=slope,
-        parameters=parameters,
-    )
-    place = None if out is None else Path(out)
-    numbers = range(*seeds)
+    robot, numbers, root = robot_from(settings.robot), range(*settings.seeds), settings.root
+    first = new_training(robot, settings, numbers[0])
+    place = None if settings.out is None else Path(settings.out)
     refuse_unwritable(root / LATEST)
-    path = claim(place, root / SEEDS, robot.name, seeds[0], what="the runs", config=SUMMARY)
+    path = claim(place, root / SEEDS, robot.name, numbers[0], what="the runs", config=SUMMARY)
     # Runs are finished or gone on with one by one: nothing in here is replaced from now on.
     filled(path)
     way = SeedBatches if as_one_program() else SideBySide
-    doubt = speed_doubt(robot, speed)
-    if doubt is not None and doubted is not None:
-        doubted(doubt)
+    doubt = speed_doubt(robot, settings.speed)
+    if doubt is not None and settings.doubted is not None:
+        settings.doubted(doubt)
     many = way(first, path, root, len(numbers))
     try:
-        many.train(numbers, progress)
+        many.train(numbers, settings.progress)
     except KeyboardInterrupt as stop:
         if len(many.done) + len(many.refused) < len(numbers):
             raise _stopped(many, numbers) from stop

@@ -8,17 +8,16 @@ from neuralgaits import logs
 from neuralgaits.analysis.learned import Learned
 from neuralgaits.barriers import specs
 from neuralgaits.certificate.proof_file.reader import read_claims
-from neuralgaits.cli.learning_verbs import disturbance_bounds
-from neuralgaits.cli.verbs import _widths
 from neuralgaits.episode_rounds.episode_folder import EpisodeFolder
 from neuralgaits.robots import load_robot
 from neuralgaits.runs import resolve, resolve_unfinished
+from neuralgaits.settings import forms
 from neuralgaits.simulation.linked.config import parse_link
 from neuralgaits.simulation.setup.disturbance import parse
 from neuralgaits.workflows.check_proof import proof_file_at
 from support.fuzzing.alter import ODD, Draw, altered_bytes
 from support.fuzzing.doors import Reader
-from support.fuzzing.place import RUN, Place
+from support.fuzzing.place import Place
 
 WORDS = (
     *("amber3m", "rabbit", "walking", "paper", "latest", "files/amber3m.xml", "files/brief.py"),
@@ -68,9 +67,9 @@ READERS: tuple[Reader, ...] = (
     _reads(lambda place, text: Learned.read(Path(text), place.robot)),
     _reads(lambda place, text: parse(text)),
     _reads(lambda place, text: parse_link(text)),
-    _reads(lambda place, text: disturbance_bounds(text, str(place.root / RUN))),
+    _reads(lambda place, text: forms.disturbance(text)),
     # The path and the text only: a run's whole proof takes its ten seconds, rightly.
     _reads(lambda place, text: read_claims(proof_file_at(text))),
     _reads(lambda place, text: logs.read(text, place.robot)),
-    _reads(lambda place, text: _widths(text)),
+    _reads(lambda place, text: forms.widths(text)),
 )

@@ -39,10 +39,9 @@ from neuralgaits.gait import Residuals, ZeroDynamics
 from neuralgaits.gait.policies.commanded_gait import AnyGait
 from neuralgaits.programs import POINT, evaluate, fold
 from neuralgaits.programs.tracing.tracer import trace
+from neuralgaits.records.levels import FULL_ORDER_LEVEL
 from neuralgaits.robots.mjcf.parameters import ParameterAxis, model_of
 
-FULL_ORDER_LEVEL = 4
-"""Level whose set the level above it uses."""
 Errors = tuple[ParameterAxis, ...]
 """Parameters of the robot, as in `GaitSpec.parameters`."""
 Margins = dict[str, Float[Array, "..."]]

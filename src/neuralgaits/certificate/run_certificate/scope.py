@@ -16,9 +16,6 @@ from neuralgaits.records.levels import HIGHEST_OF_MANY
 from neuralgaits.robots.mjcf.parameters import axes_of, box_of
 from neuralgaits.robots.parameter_box import checked_box
 
-LEVEL = HIGHEST_OF_MANY
-"""Level that is proved if none is requested."""
-
 Ranges = Mapping[str, tuple[float, float]]
 """Ranges (low, high) of commands, by name."""
 

@@ -4,22 +4,33 @@ Robots and specs are named here and nowhere else: by a built-in's name if the ru
 built-in, else by the run's own copy, since the original file may have changed or moved.
 """
 
-import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, ParamSpec
 
 from neuralgaits._control_laws import CONTROL_LAWS
 from neuralgaits.barriers import specs
-from neuralgaits.records.simulated import LOCKSTEP, MUJOCO, LinkFigures, Simulated
+from neuralgaits.errors import InputError
+from neuralgaits.records.simulated import LOCKSTEP, LinkFigures, Simulated
 from neuralgaits.records.training_config import GaitOrigin, TrainingConfig, asked_of
 from neuralgaits.report.page import phrases
 from neuralgaits.robots import registry
 from neuralgaits.runs import RunFolder
 from neuralgaits.runs.names import GAIT, RESIDUAL, ROBOT, SPEC
 from neuralgaits.runs.shell_words import command, named
+from neuralgaits.settings import (
+    CertifySettings,
+    ImportGaitSettings,
+    OptimiseSettings,
+    RefineSettings,
+    SimulateSettings,
+    TrainSettings,
+)
+from neuralgaits.settings.forms import command_word
+from neuralgaits.settings.options import words_of
 from neuralgaits.simulation.incompatible_settings import REMOTE
 
+P = ParamSpec("P")
 CONTROLLERS = *CONTROL_LAWS, REMOTE
 
 
@@ -57,38 +68,64 @@ def training(
         a gait that was not trained, the command ignores steps and seed.
     """
     asked, spec = asked_of(folder), spec_word(folder)
+    if asked.as_given is not None:
+        return _given(folder, asked.as_given, out)
+    proving = asked.certify
+    usual: dict[str, Any] = {
+        "seed": asked.seed if seed is None else seed,
+        "steps": asked.steps if steps is None else steps,
+        "certify": proving is not None,
+        "budget": None if proving is None else proving.budget_s,
+        "out": out,
+    }
     if asked.parent is not None:
         parent = _parent(folder, asked.parent)
         if parent is None:
             return None
-        line = ["refine", named(parent), "--residual", named(folder.path / RESIDUAL)]
-        if asked.disturbance and any(asked.disturbance):
-            line += ["--disturbance", ",".join(repr(bound) for bound in asked.disturbance)]
-    elif asked.as_given is not None:
-        return command(
-            *_given(folder, asked.as_given), *([] if out is None else ["--out", named(out)])
+        disturbance = asked.disturbance if any(asked.disturbance or ()) else None
+        residual = folder.path / RESIDUAL
+        return _line(
+            "refine", RefineSettings, parent, residual=residual, disturbance=disturbance, **usual
         )
-    elif spec is None:
+    if spec is None:
         return None
-    else:
-        line = ["train", robot_word(folder), "--spec", spec, "--init", asked.init]
-        if asked.hidden:
-            line += ["--hidden", ",".join(str(width) for width in asked.hidden)]
-        line += _told(asked)
-    line += ["--seed", str(asked.seed if seed is None else seed)]
-    line += ["--steps", str(asked.steps if steps is None else steps)]
-    if asked.certify is not None:
-        budget = asked.certify.budget_s
-        line += ["--certify", *([] if budget is None else ["--budget", str(budget)])]
-    return command(*line, *([] if out is None else ["--out", named(out)]))
+    return _line(
+        "train",
+        TrainSettings,
+        robot_word(folder),
+        spec,
+        init=asked.init,
+        hidden=asked.hidden or None,
+        parameters=asked.parameters or None,
+        **_meant_for(asked),
+        **usual,
+    )
 
 
-def _given(folder: RunFolder, given: GaitOrigin) -> list[str]:
-    """Return the words that recreate a run whose gait was not trained."""
+def _line(verb: str, kind: Callable[P, Any], *args: P.args, **kwargs: P.kwargs) -> str | None:
+    """Return the command with these settings; None if a damaged file has impossible ones."""
+    try:
+        return command(verb, *words_of(kind(*args, **kwargs)))
+    except InputError:
+        return None
+
+
+def _meant_for(asked: TrainingConfig) -> dict[str, Any]:
+    """Return the settings of a commanded speed, or of ranges of commands."""
+    if asked.speed is not None:
+        return {"speed": asked.speed}
+    return {name: (told.low, told.high) for name, told in asked.commands.items()}
+
+
+def _given(folder: RunFolder, given: GaitOrigin, out: Path | None) -> str:
+    """Return the command that recreates a run whose gait was not trained."""
     robot = robot_word(folder)
     if given.by == "optimise":
-        return ["optimise", robot, f"--speed={given.speed!r}", "--degree", str(given.degree)]
-    return ["import-gait", named(folder.path / GAIT), "--robot", robot]
+        assert given.speed is not None
+        again = OptimiseSettings(robot, given.speed, degree=given.degree, out=out)
+        return command("optimise", *words_of(again))
+    imported = ImportGaitSettings(folder.path / GAIT, robot, out=out)
+    return command("import-gait", *words_of(imported))
 
 
 def another_seed(folder: RunFolder) -> str | None:
@@ -103,33 +140,10 @@ def longer(folder: RunFolder) -> str:
     return training(folder, steps=twice) or command(*anew, "--steps", twice)
 
 
-def _told(asked: TrainingConfig) -> list[str]:
-    """Return the flags of a commanded speed, of ranges of commands, or of a box of robots."""
-    if asked.speed is not None:
-        return [f"--speed={asked.speed!r}"]
-    words = [] if not asked.parameters else ["--parameters", box(asked.parameters)]
-    for name, told in asked.commands.items():
-        ends = (_typed(name, x) for x in (told.low, told.high))
-        words.append(f"--{name.replace('_', '-')}={':'.join(repr(float(x)) for x in ends)}")
-    return words
-
-
-def _typed(name: str, value: float) -> float:
-    """Convert a command to the unit of the command line: a slope to degrees."""
-    return math.degrees(value) if name == "slope" else value
-
-
 def _parent(folder: RunFolder, told: str) -> Path | None:
     """Find the parent run at its recorded path, or beside this run; None if it is in neither."""
     places = Path(told), folder.path.resolve().parent / Path(told).name
     return next((place for place in places if (place / "config.json").is_file()), None)
-
-
-def box(parameters: Mapping[str, float]) -> str:
-    """Write a box of robots as the command line takes it, every number exactly; `none` if empty."""
-    units = {"com": "m", "floor": "m"}
-    sizes = (f"{name}={half!r}{units.get(name, '')}" for name, half in parameters.items())
-    return ",".join(sizes) or "none"
 
 
 def certifying(
@@ -148,18 +162,14 @@ def certifying(
         within: narrower ranges of its commands; the full ranges if None.
         parameters: box of robots; that of the run if None.
     """
-    line: list[Any] = ["certify", named(run), "--level", level]
-    if disturbance:
-        line += ["--disturbance", ",".join(repr(bound) for bound in disturbance)]
-    if within:
-        ranges = (
-            f"{name}={':'.join(repr(_typed(name, end)) for end in ends)}"
-            for name, ends in within.items()
-        )
-        line += ["--within", ",".join(ranges)]
-    if parameters is not None:
-        line += ["--parameters", box(parameters)]
-    return command(*line)
+    given = CertifySettings(
+        run,
+        level=level,
+        disturbance=(disturbance[0], disturbance[1]) if disturbance else None,
+        within=within or None,
+        parameters=parameters,
+    )
+    return command("certify", *words_of(given))
 
 
 def simulating(folder: RunFolder, done: Simulated, run: Path) -> str | None:
@@ -175,28 +185,24 @@ def simulating(folder: RunFolder, done: Simulated, run: Path) -> str | None:
     plant = plant_word(folder, done)
     if done.controller not in CONTROLLERS or plant is None:
         return None
-    line: list[Any] = ["simulate", named(run), *(["--plant", plant] if plant else [])]
-    line += ["--controller", done.controller, "--steps", 50 if done.steps is None else done.steps]
-    if done.link is not None:
-        line += ["--link", _link(done.link)]
-    if done.simulator != MUJOCO:
-        line += ["--simulator", done.simulator]
-    line += ["--start", done.start, "--seed", done.seed, "--episodes", done.episodes]
-    if done.push:
-        line += ["--push", done.push]
-    if done.command:
-        told = (f"{name}={_typed(name, value)!r}" for name, value in done.command.items())
-        line += ["--command", ",".join(told)]
-    if done.commands is not None:
-        line += ["--commands", done.commands]
-    if done.parameters:
-        line += ["--parameters", box(done.parameters)]
-    if done.terrain is not None:
-        line += ["--terrain", done.terrain]
     changed = phrases.disturbances(done.changed)
-    if changed:
-        line += ["--disturb", ",".join(f"{name}={value!r}" for name, value in changed.items())]
-    return command(*line)
+    given: dict[str, Any] = {
+        "plant": plant or None,
+        "controller": done.controller,
+        "steps": 50 if done.steps is None else done.steps,
+        "link": None if done.link is None else _link(done.link),
+        "simulator": done.simulator,
+        "start": done.start,
+        "seed": done.seed,
+        "episodes": done.episodes,
+        "push": done.push or None,
+        "command": command_word(done.command) if done.command else None,
+        "commands": done.commands,
+        "parameters": done.parameters or None,
+        "terrain": done.terrain,
+        "disturb": ",".join(f"{name}={value!r}" for name, value in changed.items()) or None,
+    }
+    return _line("simulate", SimulateSettings, run, **given)
 
 
 def plant_word(folder: RunFolder, done: Simulated) -> str | None:

@@ -167,10 +167,6 @@ def read(
             damaged[file] = str(error)
             return None
 
-    try:
-        metrics = folder.read_metrics()
-    except RunError as error:
-        metrics, damaged["metrics.csv"] = [], str(error)
     above = folder.path.resolve().parent
     begun = (above / episode_records.ASKED).is_file()
     rounds = part(episode_records.SUMMARY, EpisodesDone, above) if begun else None
@@ -179,25 +175,17 @@ def read(
         again = f"prove it again with `{command('certify', named(folder.path))}`"
         damaged[SUMMARY] = f"{no_certificate}: {again}"
     learned, simulation = part(LEARNING, Fitted), part(WALK, Simulated)
-    if learned is not None and learned.residual_sha256 not in (None, *_learned(folder)):
-        learned = None
-        damaged[LEARNING] = (
-            f"{LEARNING} is about another residual.safetensors than the run's: learn it again with "
-            f"`{learning(folder.path)}`"
-        )
-    other = _other_file({} if simulation is None else simulation.sha256, hashes)
-    if other is not None:
-        simulation, again = None, command("simulate", named(folder.path))
-        damaged[WALK] = f"{WALK} is about another {other} than the run's: walk with `{again}`"
+    outdated = _outdated(folder, learned, simulation, hashes)
+    damaged |= outdated
     return Saved(
         folder=folder,
         asked=asked_of(folder),
         summary=trained_of(folder.path) if folder.finished else None,
-        metrics=metrics,
+        metrics=_metrics(folder, damaged),
         certificate=certificate,
         disturbance=disturbance,
-        simulation=simulation,
-        residual=learned,
+        simulation=None if WALK in outdated else simulation,
+        residual=None if LEARNING in outdated else learned,
         walks=part(f"{episode_records.WALKS}/{episode_records.SUMMARY}", WalkedRound),
         episodes=rounds,
         hashes=hashes,
@@ -205,6 +193,35 @@ def read(
         damaged=damaged,
         of_some=of_some,
     )
+
+
+def _metrics(folder: RunFolder, damaged: dict[str, str]) -> list[dict[str, float]]:
+    """Return the rows of the training's metrics; none if the file is damaged, which is noted."""
+    try:
+        return folder.read_metrics()
+    except RunError as error:
+        damaged["metrics.csv"] = str(error)
+        return []
+
+
+def _outdated(
+    folder: RunFolder,
+    learned: Fitted | None,
+    simulation: Simulated | None,
+    hashes: Mapping[str, str],
+) -> dict[str, str]:
+    """Return the parts that are about other files than the run's, with what to do."""
+    found: dict[str, str] = {}
+    if learned is not None and learned.residual_sha256 not in (None, *_learned(folder)):
+        found[LEARNING] = (
+            f"{LEARNING} is about another residual.safetensors than the run's: learn it again with "
+            f"`{learning(folder.path)}`"
+        )
+    other = _other_file({} if simulation is None else simulation.sha256, hashes)
+    if other is not None:
+        again = command("simulate", named(folder.path))
+        found[WALK] = f"{WALK} is about another {other} than the run's: walk with `{again}`"
+    return found
 
 
 def _hashes(folder: RunFolder) -> dict[str, str]:

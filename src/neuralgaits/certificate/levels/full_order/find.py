@@ -63,17 +63,9 @@ def find_full_order(
     levels = np.linspace(0.0, 1.0, LEVELS)
     u = grid(np.linspace(0.0, 1.0, PHASES), levels)
     seen = looks.step(u, np.zeros((len(u), looks.size)))
-    if seen["pace"].min() <= 0.0 or seen["inertia"].min() <= 0.0:
-        return "the hip does not move forward everywhere in the tube"
-    crossing = _crossing(looks, levels)
-    if crossing is None:
-        return (
-            "the swing foot does not go through the ground everywhere within "
-            f"{CROSSINGS[-1]} phases of the guard"
-        )
-    gamma = float(lyapunov_rate(bandwidth))
-    if gamma <= min(ALPHAS):
-        return f"outputs with a double pole at {bandwidth:g} rad/s come back too slowly"
+    crossing, gamma = _crossing(looks, levels), float(lyapunov_rate(bandwidth))
+    if (reason := _no_set(seen, crossing, gamma, bandwidth)) is not None or crossing is None:
+        return str(reason)
     limit, risen = _radius(seen, u[:, 0], gamma / (4.0 * ABOVE * seen["pace"].max()))
     radius = float(at_least(plan.radius if plan else min(share * limit, LARGEST), DIGITS))
     floor = float(at_most(plan.floor, DIGITS)) if plan else 0.0
@@ -112,6 +104,20 @@ def find_full_order(
         least_radius=floor,
         weights=plan.weights if plan else (),
     )
+
+
+def _no_set(seen: Samples, crossing: float | None, gamma: float, bandwidth: float) -> str | None:
+    """Return why no set can be found, whatever its size; None if one may be."""
+    if seen["pace"].min() <= 0.0 or seen["inertia"].min() <= 0.0:
+        return "the hip does not move forward everywhere in the tube"
+    if crossing is None:
+        return (
+            "the swing foot does not go through the ground everywhere within "
+            f"{CROSSINGS[-1]} phases of the guard"
+        )
+    if gamma <= min(ALPHAS):
+        return f"outputs with a double pole at {bandwidth:g} rad/s come back too slowly"
+    return None
 
 
 @dataclass(frozen=True)

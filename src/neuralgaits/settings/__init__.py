@@ -1,0 +1,32 @@
+"""Settings of the verbs: one class each, which the command line and the Python call both read."""
+
+from neuralgaits.settings.certify_settings import CertifySettings, CheckProofSettings
+from neuralgaits.settings.learn_settings import EpisodesSettings, FitSettings, RefineSettings
+from neuralgaits.settings.options import called_with
+from neuralgaits.settings.shared_options import Watch
+from neuralgaits.settings.simulate_settings import SimulateSettings
+from neuralgaits.settings.sweep_settings import SweepSettings
+from neuralgaits.settings.train_settings import (
+    GaitSettings,
+    ImportGaitSettings,
+    OptimiseSettings,
+    TrainSeedsSettings,
+    TrainSettings,
+)
+
+__all__ = [
+    "CertifySettings",
+    "CheckProofSettings",
+    "EpisodesSettings",
+    "FitSettings",
+    "GaitSettings",
+    "ImportGaitSettings",
+    "OptimiseSettings",
+    "RefineSettings",
+    "SimulateSettings",
+    "SweepSettings",
+    "TrainSeedsSettings",
+    "TrainSettings",
+    "Watch",
+    "called_with",
+]

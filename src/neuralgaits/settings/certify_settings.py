@@ -1,0 +1,106 @@
+"""Settings of the verbs `certify` and `check-proof`."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import KW_ONLY, dataclass
+from pathlib import Path
+from typing import Annotated
+
+from tyro.conf import Fixed, Positional
+
+from neuralgaits._checks import check_bandwidth, check_budget, check_disturbance
+from neuralgaits.errors import InputError
+from neuralgaits.records.certified import LEVELS
+from neuralgaits.records.levels import FULL_ORDER_LEVEL, HIGHEST_OF_MANY, WORDS
+from neuralgaits.settings import forms
+from neuralgaits.settings.forms import Interval
+from neuralgaits.settings.options import arg, option
+from neuralgaits.settings.shared_options import (
+    AnyName,
+    Disturbance,
+    Flag,
+    Ray,
+    Run,
+    Seconds,
+    Workers,
+)
+
+_LEVELS = (
+    f"What to prove; {', '.join(f'{n}: {words.asks}' for n, words in WORDS.items())}. 3 if not "
+    "given, which is the most with parameters."
+)
+
+_Box = Annotated[
+    Mapping[str, float] | None, option("NAME=SIZE,...|none", forms.box_or_none, forms.box_word)
+]
+_Ranges = Annotated[
+    Mapping[str, Interval] | None, option("NAME=LOW:HIGH,...", forms.ranges, forms.ranges_word)
+]
+
+
+@dataclass(frozen=True)
+class CertifySettings:
+    """Settings of `certify`."""
+
+    run: Run
+    """Run folder, or latest."""
+    _: KW_ONLY
+    level: Annotated[int | None, arg(metavar="N", help=_LEVELS)] = None
+    disturbance: Disturbance = None
+    """Bounds on the disturbance of dz at level 2 (m/s, N m), none if not given; learned: the
+    remaining error of the run's residual."""
+    parameters: _Box = None
+    """Box of robots to prove levels 1 to 3 for, as in mass=2%,com=5mm,inertia=5%,floor=5mm; that
+    of the run if not given; none: the robot of the file alone, on its floor."""
+    bandwidth: Annotated[float | None, arg(metavar="RAD/S")] = None
+    """Double pole w of the outputs at levels 4 and 5: that of fblin, 30, if not given. If given,
+    --level 4 is about the largest set that the search yields, in a norm of its own: 20 suits
+    AMBER-3M."""
+    budget: Seconds = None
+    """Stop after this time; the result so far is kept."""
+    within: _Ranges = None
+    """For a gait that takes commands, prove these ranges only, as in speed=0.70:0.72 or
+    slope=-1:1 [degrees]; the run as a whole stays undecided."""
+    resume: Flag = False
+    """Continue with the boxes of the last certificate."""
+    workers: Workers = None
+    ray: Ray = None
+    progress: Fixed[Callable[[float, int], None] | None] = None
+    """Called with (proved share, boxes) now and then."""
+
+    def __post_init__(self) -> None:
+        check_budget(self.budget)
+        level, disturbance = self.highest, self.disturbance
+        if level not in LEVELS:
+            *below, most = (f"{number} ({about})" for number, about in LEVELS.items())
+            raise InputError(f"expected level {', '.join(below)} or {most}, found {level}")
+        if isinstance(disturbance, tuple):
+            check_disturbance(disturbance)
+        if any(disturbance or ()) and level < 2:
+            raise InputError("expected level 2 or more with a disturbance, found 1: raise --level")
+        if self.bandwidth is None:
+            return
+        check_bandwidth(self.bandwidth)
+        if level < FULL_ORDER_LEVEL:
+            raise InputError(
+                f"expected level {FULL_ORDER_LEVEL} or 5 with a bandwidth, found {level}: raise "
+                "--level"
+            )
+
+    @property
+    def highest(self) -> int:
+        """Highest level to prove."""
+        return HIGHEST_OF_MANY if self.level is None else self.level
+
+
+@dataclass(frozen=True)
+class CheckProofSettings:
+    """Settings of `check-proof`."""
+
+    file: Annotated[Positional[Path], arg(metavar="FILE")]
+    """Proof file, or the run folder that has one, or latest."""
+    _: KW_ONLY
+    run: Annotated[AnyName | None, arg(metavar="RUN")] = None
+    """Run folder, or latest, that the proof must be about. Without it only consistency is
+    checked, not which robot it is about."""
+    progress: Fixed[Callable[[int, int], None] | None] = None
+    """Called with (boxes checked, boxes in all) now and then."""

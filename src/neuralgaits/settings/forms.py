@@ -1,0 +1,207 @@
+"""Forms of values on the command line: each is read from one word, or refused in one line."""
+
+import math
+from collections.abc import Iterable, Mapping
+from typing import Literal
+
+from neuralgaits.errors import InputError
+
+COMMAND_UNITS = {"speed": "m/s", "step_length": "m", "step_height": "m", "slope": "degrees"}
+"""Commands of a gait, with their units on the command line."""
+LEARNED: Literal["learned"] = "learned"
+"""Word that stands for the two bounds of the run's residual."""
+Interval = tuple[float, float]
+
+
+def speed(text: str) -> float | Interval:
+    """Read `V` or `LOW:HIGH` in m/s. Raises: InputError."""
+    values = _numbers("speed", "a number or LOW:HIGH", text, (1, 2))
+    return values[0] if len(values) == 1 else (values[0], values[1])
+
+
+def step_length(text: str) -> Interval:
+    """Read `LOW:HIGH` in m. Raises: InputError."""
+    return _interval("step_length", text)
+
+
+def step_height(text: str) -> Interval:
+    """Read `LOW:HIGH` in m. Raises: InputError."""
+    return _interval("step_height", text)
+
+
+def slope(text: str) -> Interval:
+    """Read `LOW:HIGH` in degrees. Returns: radians. Raises: InputError."""
+    low, high = _interval("slope", text)
+    return math.radians(low), math.radians(high)
+
+
+def _interval(name: str, text: str) -> Interval:
+    low, high = _numbers(name, "LOW:HIGH", text, (2,))
+    return low, high
+
+
+def _numbers(name: str, form: str, text: str, counts: tuple[int, ...]) -> list[float]:
+    try:
+        values = [float(part) for part in text.split(":")]
+    except ValueError:
+        values = []
+    if len(values) not in counts or not all(map(math.isfinite, values)):
+        flag = f"--{name.replace('_', '-')}"
+        raise InputError(f"{flag}: expected {form} in {COMMAND_UNITS[name]}, found {text!r}")
+    return values
+
+
+def ranges(text: str) -> dict[str, Interval]:
+    """Read `NAME=LOW:HIGH,...` as ranges; degrees become radians. Raises: InputError."""
+    found: dict[str, Interval] = {}
+    for part in text.split(","):
+        name, _, ends = (word.strip() for word in part.partition("="))
+        try:
+            low, high = (float(end) for end in ends.split(":"))
+        except ValueError:
+            low = high = math.nan
+        if not name or name in found or not math.isfinite(high - low):
+            raise InputError(
+                f"expected --within as NAME=LOW:HIGH,... with each name once, found {text!r}: "
+                "write speed=0.70:0.72"
+            )
+        found[name] = (math.radians(low), math.radians(high)) if name == "slope" else (low, high)
+    return found
+
+
+def widths(text: str) -> tuple[int, ...]:
+    """Read `N,N` as layer widths. Raises: InputError unless every N is a positive whole number."""
+    words = [word.strip() for word in text.split(",")]
+    if not all(word.isdecimal() and int(word) > 0 for word in words):
+        raise InputError(
+            f"expected --hidden as positive whole numbers N,N, found {text!r}: write 32,32"
+        )
+    return tuple(int(word) for word in words)
+
+
+def box(text: str) -> dict[str, float]:
+    """Read a box of robots, `mass=2%,com=5mm`. Raises: InputError."""
+    from neuralgaits.robots.parameter_box import parse_box
+
+    return parse_box(text)
+
+
+def box_or_none(text: str) -> dict[str, float]:
+    """Read a box of robots, which is empty for `none`. Raises: InputError."""
+    return {} if text == "none" else box(text)
+
+
+def disturbance(text: str) -> tuple[float, float] | Literal["learned"]:
+    """Read two bounds `A,B` (m/s, N m), or `learned`. Raises: InputError."""
+    if text == LEARNED:
+        return LEARNED
+    try:
+        first, second = (float(word) for word in text.split(","))
+    except ValueError:
+        raise InputError(
+            f"expected --disturbance as two numbers A,B (m/s, N m) or {LEARNED}, found {text!r}: "
+            "write 0.01,0.3"
+        ) from None
+    return first, second
+
+
+def seeds(text: str) -> tuple[int, int]:
+    """Read `A:B`, or one seed, as the first seed and the one after the last. Raises: InputError."""
+    words = text.split(":")
+    if len(words) > 2 or not all(word.isdecimal() for word in words):
+        raise InputError(f"expected --seeds A:B or one seed, found {text!r}: write 0:20")
+    first = int(words[0])
+    return first, int(words[1]) if len(words) == 2 else first + 1
+
+
+def specs(text: str) -> list[str]:
+    """Read names of specs with commas between them. Raises: InputError."""
+    return _list("specs", text)
+
+
+def controllers(text: str) -> list[str]:
+    """Read names of control laws with commas between them. Raises: InputError."""
+    return _list("controllers", text)
+
+
+def speeds(text: str) -> list[float | Interval]:
+    """Read speeds or ranges of them, `V|A:B,...` in m/s. Raises: InputError."""
+    return [_one_of_speeds(word) for word in _list("speeds", text)]
+
+
+def _one_of_speeds(text: str) -> float | Interval:
+    try:
+        values = [float(part) for part in text.split(":")]
+    except ValueError:
+        values = []
+    if len(values) not in (1, 2):
+        raise InputError(f"--speeds: expected numbers or LOW:HIGH in m/s, found {text!r}")
+    return values[0] if len(values) == 1 else (values[0], values[1])
+
+
+def _list(name: str, text: str) -> list[str]:
+    words = [word.strip() for word in text.split(",")]
+    if not all(words):
+        raise InputError(f"expected --{name} as A,B,..., found {text!r}: a name is missing")
+    return words
+
+
+def speed_word(value: float | Interval) -> str:
+    """Write what `speed` reads."""
+    return interval_word(value) if isinstance(value, tuple) else repr(value)
+
+
+def interval_word(ends: Interval) -> str:
+    """Write two numbers as `LOW:HIGH`, exactly."""
+    return ":".join(repr(float(end)) for end in ends)
+
+
+def slope_word(ends: Interval) -> str:
+    """Write what `slope` reads: degrees for radians."""
+    return interval_word((math.degrees(ends[0]), math.degrees(ends[1])))
+
+
+def ranges_word(values: Mapping[str, Interval]) -> str:
+    """Write what `ranges` reads."""
+    words = {
+        name: slope_word(ends) if name == "slope" else interval_word(ends)
+        for name, ends in values.items()
+    }
+    return ",".join(f"{name}={word}" for name, word in words.items())
+
+
+def numbers_word(values: Iterable[float]) -> str:
+    """Write numbers with commas between them, exactly."""
+    return ",".join(map(repr, values))
+
+
+def disturbance_word(bounds: tuple[float, float] | str) -> str:
+    """Write what `disturbance` reads."""
+    return bounds if isinstance(bounds, str) else numbers_word(bounds)
+
+
+def seeds_word(ends: tuple[int, int]) -> str:
+    """Write what `seeds` reads."""
+    return f"{ends[0]}:{ends[1]}"
+
+
+def speeds_word(values: Iterable[float | Interval]) -> str:
+    """Write what `speeds` reads."""
+    return ",".join(map(speed_word, values))
+
+
+def command_value(name: str, value: float) -> float:
+    """Convert a command to the unit of the command line: a slope to degrees."""
+    return math.degrees(value) if name == "slope" else value
+
+
+def command_word(values: Mapping[str, float]) -> str:
+    """Write a constant command, in the units of the command line."""
+    return ",".join(f"{name}={command_value(name, value)!r}" for name, value in values.items())
+
+
+def box_word(parameters: Mapping[str, float]) -> str:
+    """Write a box of robots, every number exactly; `none` if it is empty."""
+    units = {"com": "m", "floor": "m"}
+    sizes = (f"{name}={half!r}{units.get(name, '')}" for name, half in parameters.items())
+    return ",".join(sizes) or "none"

@@ -1,0 +1,162 @@
+"""What a class of settings is made of, and how a function takes its fields as arguments."""
+
+import ast
+import inspect
+import itertools
+import typing
+from collections.abc import Callable, Iterator
+from dataclasses import fields
+from functools import wraps
+from pathlib import Path
+from typing import Annotated, Any, ParamSpec, TypeVar
+
+import tyro
+from tyro.conf import Fixed, Positional
+from tyro.constructors import PrimitiveConstructorSpec
+
+from neuralgaits.runs.shell_words import named
+
+POSITIONAL: Any = typing.get_args(Positional[int])[1]
+ONLY_PYTHON: Any = typing.get_args(Fixed[int])[1]
+"""Marks of words without a flag, and of settings that the command line does not have."""
+P = ParamSpec("P")
+Settings = TypeVar("Settings")
+Result = TypeVar("Result")
+
+
+def arg(**settings: Any) -> Any:
+    """Return `tyro.conf.arg` whose help omits a default of None or False."""
+    return tyro.conf.arg(help_behavior_hint=_default, **settings)
+
+
+def _default(label: str) -> str:
+    return "" if label in ("", "None", "False") else f"(default: {label})"
+
+
+def option(metavar: str, read: Callable[[str], Any], write: Callable[[Any], str]) -> Any:
+    """Return the mark of a setting that has a form of its own on the command line.
+
+    Args:
+        metavar: the form, for the help.
+        read: reads one word of the command line; raises InputError.
+        write: writes a value as `read` reads it, every number exactly.
+    """
+    return PrimitiveConstructorSpec(
+        nargs=1,
+        metavar=metavar,
+        instance_from_str=lambda words: read(words[0]),
+        is_instance=lambda value: True,
+        str_from_instance=lambda value: [str(value) if value is None else write(value)],
+    )
+
+
+def called_with(
+    settings: Callable[P, Settings],
+) -> Callable[[Callable[[Settings], Result]], Callable[P, Result]]:
+    """Give a function of one settings object the arguments of its class.
+
+    Signature and docstring list these arguments, so that they are written once.
+    """
+
+    def decorate(carry_out: Callable[[Settings], Result]) -> Callable[P, Result]:
+        @wraps(carry_out)
+        def verb(*args: P.args, **kwargs: P.kwargs) -> Result:
+            return carry_out(settings(*args, **kwargs))
+
+        kind = typing.cast(type, settings)
+        verb.__doc__ = _with_arguments(inspect.getdoc(carry_out) or "", descriptions(kind))
+        result = inspect.signature(carry_out).return_annotation
+        shown = [one.replace(annotation=plain(one)) for one in _parameters(kind)]
+        verb.__dict__["__signature__"] = inspect.Signature(shown, return_annotation=result)
+        return verb
+
+    return decorate
+
+
+def _parameters(settings: type) -> list[inspect.Parameter]:
+    return list(inspect.signature(settings).parameters.values())
+
+
+def plain(parameter: inspect.Parameter) -> Any:
+    """Return the type of a parameter without the marks for the command line."""
+    hint = parameter.annotation
+    return typing.get_args(hint)[0] if typing.get_origin(hint) is Annotated else hint
+
+
+def marks_of(settings: type) -> dict[str, tuple[Any, ...]]:
+    """Return the marks of each field that the command line has; `ONLY_PYTHON` has no others."""
+    hints = typing.get_type_hints(settings, include_extras=True)
+    marks = {field.name: _marks(hints[field.name]) for field in fields(settings)}
+    return {name: those for name, those in marks.items() if ONLY_PYTHON not in those}
+
+
+def _marks(hint: Any) -> tuple[Any, ...]:
+    return hint.__metadata__ if typing.get_origin(hint) is Annotated else ()
+
+
+def words_of(settings: Any, kind: type | None = None) -> list[str]:
+    """Return settings as words of the command line, without those that have their usual value.
+
+    Args:
+        settings: object with the settings.
+        kind: class whose fields to write; that of the object if None.
+    """
+    kind = kind or type(settings)
+    marks, alone, options = marks_of(kind), list[str](), list[str]()
+    for field in fields(kind):
+        value = getattr(settings, field.name)
+        if field.name not in marks or value is None or value == field.default:
+            continue
+        flag = f"--{field.name.replace('_', '-')}"
+        if POSITIONAL in marks[field.name]:
+            many = value if isinstance(value, tuple) else (value,)
+            alone += [_word(one, marks[field.name]) for one in many]
+            continue
+        word = _word(value, marks[field.name])
+        if value is True:
+            options.append(flag)
+        else:
+            # A word that begins like a flag is part of its own.
+            options += [f"{flag}={word}"] if word.startswith("-") else [flag, word]
+    return [*alone, *options]
+
+
+def _word(value: Any, marks: tuple[Any, ...]) -> str:
+    for mark in marks:
+        if isinstance(mark, PrimitiveConstructorSpec):
+            return mark.str_from_instance(value)[0]
+    if isinstance(value, Path):
+        return named(value)
+    return repr(value) if isinstance(value, float) else str(value)
+
+
+def descriptions(settings: type) -> dict[str, str]:
+    """Return what a class of settings says about each field: the text behind it, on one line."""
+    said = {name: text for one in reversed(settings.__mro__[:-1]) for name, text in _said(one)}
+    hints = typing.get_type_hints(settings, include_extras=True)
+    for name, hint in hints.items():
+        for mark in typing.get_args(hint)[1:]:
+            if text := getattr(mark, "help", None):
+                said.setdefault(name, text)
+    order = [field.name for field in fields(settings)]
+    return {name: " ".join(said[name].split()) for name in order if name in said}
+
+
+def _said(settings: type) -> Iterator[tuple[str, str]]:
+    """Yield the fields of a class with the docstrings that follow them."""
+    [found] = ast.parse(inspect.getsource(settings)).body
+    assert isinstance(found, ast.ClassDef)
+    for field, text in itertools.pairwise(found.body):
+        match field, text:
+            case (
+                ast.AnnAssign(target=ast.Name(id=name)),
+                ast.Expr(value=ast.Constant(value=str(docstring))),
+            ):
+                yield name, docstring
+
+
+def _with_arguments(doc: str, arguments: dict[str, str]) -> str:
+    """Return a docstring with a section about its arguments behind its first part."""
+    head, blank, tail = doc.partition("\n\nReturns:")
+    listed = "\n".join(f"    {name}: {text}" for name, text in arguments.items())
+    return f"{head}\n\nArgs:\n{listed}{blank}{tail}"

@@ -1,0 +1,109 @@
+"""Settings that several verbs have, and the types of Python callers.
+
+The command line reads words, a Python caller may also pass objects: each type stands here twice, as
+the caller's for a type checker, and as the word's at run time.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Literal
+
+from tyro.conf import Fixed, Positional
+
+from neuralgaits._control_laws import CONTROL_LAWS
+from neuralgaits.records.trained import ProofRound
+from neuralgaits.settings import forms
+from neuralgaits.settings.forms import Interval
+from neuralgaits.settings.options import arg, option
+
+if TYPE_CHECKING:
+    from neuralgaits.analysis.run import Run as OpenRun
+    from neuralgaits.barriers import GaitSpec
+    from neuralgaits.control import AbstractLaw
+    from neuralgaits.robots import PlanarBiped
+    from neuralgaits.simulation.linked.config import LinkConfig
+    from neuralgaits.simulation.setup.disturbance import PlantChanges
+
+    AnyRun = OpenRun | str | Path
+    AnyRobot = PlanarBiped | str | Path
+    AnySpec = GaitSpec | str
+    AnyPath = str | Path
+    AnyName = str | Path
+    Paths = Sequence[str | Path]
+    Names = Sequence[str]
+    Controller = str | AbstractLaw
+    Disturb = str | Mapping[str, float] | PlantChanges
+    Link = str | Mapping[str, Any] | LinkConfig
+    Command = str | Mapping[str, float]
+else:
+    AnyRun = AnyRobot = AnySpec = AnyName = Disturb = Link = Command = str
+    AnyPath = Path
+    Paths = tuple[Path, ...]
+    Names = tuple[str, ...]
+    Controller = Literal[(*CONTROL_LAWS, "c")]
+
+Flag = Annotated[bool, arg()]
+Run = Annotated[Positional[AnyRun], arg(metavar="RUN")]
+Robot = Annotated[Positional[AnyRobot], arg(metavar="ROBOT")]
+OwnRobot = Annotated[Positional[AnyRobot | None], arg(metavar="[ROBOT]")]
+"""Optional robot; a resumed run has its own."""
+Spec = Annotated[AnySpec | None, arg(metavar="SPEC")]
+Init = Annotated[Literal["posture", "random"] | None, arg(metavar="{posture,random}")]
+Widths = Annotated[tuple[int, ...] | None, option("N,N", forms.widths, forms.numbers_word)]
+Number = Annotated[int | None, arg(metavar="N")]
+Seconds = Annotated[float | None, arg(metavar="SECONDS")]
+Seeds = Annotated[tuple[int, int] | None, option("A:B", forms.seeds, forms.seeds_word)]
+Speed = Annotated[float | Interval | None, option("V|A:B", forms.speed, forms.speed_word)]
+StepLength = Annotated[Interval | None, option("A:B", forms.step_length, forms.interval_word)]
+StepHeight = Annotated[Interval | None, option("A:B", forms.step_height, forms.interval_word)]
+Slope = Annotated[Interval | None, option("A:B", forms.slope, forms.slope_word)]
+Box = Annotated[Mapping[str, float] | None, option("NAME=SIZE,...", forms.box, forms.box_word)]
+Disturbance = Annotated[
+    tuple[float, float] | Literal["learned"] | None,
+    option("A,B|learned", forms.disturbance, forms.disturbance_word),
+]
+Words = Annotated[str | None, arg(metavar="NAME=VALUE,...")]
+Folder = Annotated[AnyPath | None, arg(metavar="DIR")]
+Columns = Annotated[AnyPath | None, arg(metavar="FILE.toml")]
+Terrain = Annotated[AnyName | None, arg(metavar="KIND[,NAME=VALUE...]|FILE.csv")]
+Workers = Annotated[
+    int | None,
+    arg(
+        metavar="N",
+        help="Number of processes on this machine, one thread each. A script calls this below "
+        '`if __name__ == "__main__":`.',
+    ),
+]
+Ray = Annotated[
+    str | None,
+    arg(
+        metavar="ADDRESS|local",
+        help="A Ray cluster instead: HOST:PORT of its head, auto on a machine that is part of one, "
+        "or local for one of this machine; needs the ray extra.",
+    ),
+]
+Progress = Fixed[Callable[[int, int, float], None] | None]
+"""Callback with (steps done, steps in all, loss)."""
+Root = Annotated[Fixed[Path], arg(help="Folder of the runs.")]
+
+
+@dataclass(frozen=True)
+class Watch:
+    """Callbacks that report the progress of a training.
+
+    Attributes:
+        proved: called with the proved share so far, and the number of boxes.
+        ended: called after each round of proof and repair.
+        doubted: called before the training with one line, if no gait at that speed is likely.
+    """
+
+    proved: Callable[[float, int], None] | None = None
+    ended: Callable[[ProofRound], None] | None = None
+    doubted: Callable[[str], None] | None = None
+
+
+if TYPE_CHECKING:
+    AnyWatch = Watch | None
+else:
+    AnyWatch = Any

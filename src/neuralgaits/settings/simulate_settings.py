@@ -1,0 +1,85 @@
+"""Settings of the verb `simulate`."""
+
+from dataclasses import KW_ONLY, dataclass
+from typing import Annotated, Literal
+
+from neuralgaits._checks import check_walks
+from neuralgaits.settings.options import arg
+from neuralgaits.settings.shared_options import (
+    AnyName,
+    AnyPath,
+    AnyRobot,
+    Box,
+    Command,
+    Controller,
+    Disturb,
+    Link,
+    Ray,
+    Run,
+    Terrain,
+    Workers,
+)
+
+
+@dataclass(frozen=True)
+class SimulateSettings:
+    """Settings of `simulate`."""
+
+    run: Run
+    """Run folder, or latest."""
+    _: KW_ONLY
+    plant: Annotated[AnyRobot | None, arg(metavar="ROBOT")] = None
+    """Robot to simulate; the one trained for if not given."""
+    controller: Controller = "pd"
+    """Joint PD, input-output linearisation, the PD of the paper (soft, z2 = 0), a quadratic program
+    with a control Lyapunov function within limits of torque and friction, or the exported
+    controller as a process of its own."""
+    link: Annotated[Link | None, arg(metavar="NAME=VALUE,...")] = None
+    """Settings of the connection to controller c, as in
+    law=fblin,lockstep=1,loss=0.01,jitter_ms=2."""
+    steps: Annotated[int, arg(metavar="N")] = 50
+    """Number of walking steps in each episode."""
+    engine: Annotated[Literal["native", "jax"] | None, arg(metavar="{native,jax}")] = None
+    """Compiled code, or JAX, which is the reference and many times slower; native if not given
+    and if there is a C compiler."""
+    simulator: Literal["mujoco", "drake"] = "mujoco"
+    """Simulator of the plant: MuJoCo, or Drake with its own dynamics and contact, to see whether
+    the two agree; needs the drake extra."""
+    start: Literal["centre", "region", "fixed-point"] = "centre"
+    """Initial states: middle of the region, random in it, or on the periodic orbit."""
+    push: Annotated[float | None, arg(metavar="NS")] = None
+    """Impulse of a forward push [N s], over 0.1 s, within half a second of touchdown 5; the result
+    says how many walks it ended."""
+    disturb: Annotated[Disturb | None, arg(metavar="NAME=VALUE,...")] = None
+    """Differences between plant and model, as in friction=0.4,delay_ms=4."""
+    sensing: Annotated[str | None, arg(metavar="perfect|encoders[,NAME=VALUE...]")] = None
+    """Measurements of the controller: perfect (the plant's own rates and hip velocity), or
+    encoders (only angles, pitch and contact), as in
+    encoders,bits=14,pitch_noise=0.001,delay_ms=2, which are the defaults; perfect if not
+    given."""
+    parameters: Box = None
+    """Walk another robot each time, drawn from this box around the run's own, as in
+    mass=2%,com=5mm,inertia=5%; with floor=5mm and friction=0.5 on such a floor."""
+    command: Annotated[Command | None, arg(metavar="NAME=VALUE,...")] = None
+    """Constant command of a gait that takes commands, as in speed=0.7 or slope=3 [degrees]; the
+    middle of its ranges if not given."""
+    commands: Annotated[AnyName | None, arg(metavar="FILE.csv|random")] = None
+    """Command for each step: a file with a row a step, step,speed[m/s],..., or new random
+    commands at each touchdown."""
+    terrain: Terrain = None
+    """Solid blocks in place of the floor, seen by the robot one step ahead: stones, stairs or
+    slopes, as in stones,width=0.1 or stairs,rise=-0.05, or a row a stone,
+    stone,x[m],z[m],width[m]. For a gait that takes step lengths or slopes as commands."""
+    seed: Annotated[int, arg(metavar="N")] = 0
+    """Seed of random starts, terrain and disturbances."""
+    episodes: Annotated[int, arg(metavar="N")] = 1
+    """Number of walks."""
+    workers: Workers = None
+    ray: Ray = None
+    log: Annotated[AnyPath | None, arg(metavar="FILE.csv")] = None
+    """Write the first walk's log; further walks get FILE-1.csv, FILE-2.csv, ... beside it."""
+    video: Annotated[AnyPath | None, arg(metavar="FILE.mp4")] = None
+    """Write a video of the first walk; needs the video extra."""
+
+    def __post_init__(self) -> None:
+        check_walks(self.episodes, self.seed, self.push)

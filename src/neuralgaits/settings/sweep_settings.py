@@ -1,0 +1,96 @@
+"""Settings of the verb `sweep`."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import KW_ONLY, dataclass
+from typing import TYPE_CHECKING, Annotated, Any
+
+from tyro.conf import Fixed, Positional
+
+from neuralgaits._checks import check_budget, check_seeds, check_steps
+from neuralgaits.errors import InputError
+from neuralgaits.records.certified import HIGHEST, LEVELS
+from neuralgaits.records.swept import SweepRow
+from neuralgaits.runs import RUNS_ROOT
+from neuralgaits.settings import forms
+from neuralgaits.settings.forms import Interval
+from neuralgaits.settings.options import arg, option
+from neuralgaits.settings.shared_options import (
+    AnyName,
+    Flag,
+    Folder,
+    Names,
+    Number,
+    Ray,
+    Root,
+    Seconds,
+    Seeds,
+    Workers,
+)
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from neuralgaits.engine import WorkerPool
+
+    Robots = Sequence[str | Path]
+    Disturbances = AnyName | Mapping[str, Any]
+else:
+    WorkerPool = Any
+    Robots = Names
+    Disturbances = str
+
+_Specs = Annotated[Sequence[str] | None, option("S,...", forms.specs, ",".join)]
+_Controllers = Annotated[Sequence[str] | None, option("C,...", forms.controllers, ",".join)]
+_Speeds = Annotated[
+    Sequence[float | Interval | None] | None,
+    option("V|A:B,...", forms.speeds, forms.speeds_word),
+]
+
+
+@dataclass(frozen=True)
+class SweepSettings:
+    """Settings of `sweep`."""
+
+    robots: Annotated[Positional[Robots], arg(metavar="[ROBOT...]")] = ()
+    """Names of built-in robots, or paths of MJCF files; the sweep's own with --resume."""
+    _: KW_ONLY
+    specs: _Specs = None
+    """Specs, as for train; walking if not given."""
+    speeds: _Speeds = None
+    """Speeds to walk at [m/s], or ranges of them, as for train --speed."""
+    seeds: Seeds = None
+    """Seeds A, A+1, ... up to B-1, or one; 0 if not given."""
+    steps: Number = None
+    """Gradient steps of each training; the spec's own number if not given."""
+    certify: Annotated[int | None, arg(metavar="LEVEL")] = None
+    """Prove each run up to this level; no proof if not given."""
+    budget: Seconds = None
+    """With --certify: time for each proof. The result then depends on the machine."""
+    controllers: _Controllers = None
+    """Control laws to walk with: pd (if not given), fblin, paper, clf-qp."""
+    disturbances: Annotated[Disturbances | None, arg(metavar="FILE|standard|none")] = None
+    """Disturbances to walk under, besides none: the standard eighteen (if not given), or those
+    of a TOML file; see the page 'From a laptop to a cluster'."""
+    walks: Number = None
+    """Number of walks of 25 steps under each disturbance; 4 if not given."""
+    workers: Workers = None
+    ray: Ray = None
+    out: Folder = None
+    """Folder of the sweep; runs/sweeps/<time>-<first seed> if not given."""
+    resume: Flag = False
+    """Continue the sweep in --out, if there is one; finished rows are kept."""
+    engine: Fixed[WorkerPool | None] = None
+    """Engine to use instead of processes and Ray."""
+    tell: Fixed[Callable[[SweepRow, int, int], None] | None] = None
+    """Called with a finished row, the number of finished rows, and that of all rows."""
+    root: Root = RUNS_ROOT
+
+    def __post_init__(self) -> None:
+        if self.seeds is not None:
+            check_seeds(self.seeds)
+        check_steps(self.steps)
+        check_budget(self.budget)
+        if self.certify is not None and self.certify not in LEVELS:
+            raise InputError(f"expected --certify 1 to {HIGHEST}, found {self.certify}")
+        if self.walks is not None and self.walks < 1:
+            raise InputError(f"expected at least 1 walk, found {self.walks}")

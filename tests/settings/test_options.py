@@ -1,0 +1,133 @@
+"""A setting is written once: command line, Python call and printed command follow."""
+
+import inspect
+import math
+from dataclasses import KW_ONLY, dataclass, replace
+from pathlib import Path
+from typing import Annotated, Any
+
+import pytest
+import tyro
+
+import neuralgaits
+from neuralgaits import settings as of
+from neuralgaits.cli.argv_parser import _VERBS, given, read
+from neuralgaits.errors import InputError
+from neuralgaits.settings.options import arg, called_with, descriptions, marks_of, words_of
+
+CALLED: dict[str, tuple[str, type]] = {
+    "train": ("train", of.TrainSettings),
+    "optimise": ("optimise", of.OptimiseSettings),
+    "import-gait": ("import_gait", of.ImportGaitSettings),
+    "simulate": ("simulate", of.SimulateSettings),
+    "certify": ("certify", of.CertifySettings),
+    "check-proof": ("check_proof", of.CheckProofSettings),
+    "fit": ("fit", of.FitSettings),
+    "refine": ("refine", of.RefineSettings),
+    "episodes": ("episodes", of.EpisodesSettings),
+    "sweep": ("sweep", of.SweepSettings),
+}
+WALKED = of.SimulateSettings(
+    "a run",
+    plant="my robot.xml",
+    controller="fblin",
+    steps=7,
+    push=-1.5,
+    disturb="friction=0.4",
+    parameters={"mass": 0.1 / 3.0, "floor": 0.005},
+    command="speed=0.7",
+    terrain="stones,width=0.1",
+    log=Path("walk.csv"),
+    workers=2,
+)
+TOLD: tuple[tuple[str, Any], ...] = (
+    (
+        "train",
+        of.TrainSettings("amber3m", "rugged", seed=3, hidden=(8, 4), certify=True, budget=2.5),
+    ),
+    ("train", of.TrainSettings("amber3m", speed=0.1 / 0.3, slope=(-math.radians(5.0), 0.1))),
+    ("train", of.TrainSettings("amber3m", speed=(0.6, 0.8), step_height=(-0.02, 0.02))),
+    ("train", of.TrainSettings(resume="latest")),
+    ("simulate", WALKED),
+    ("certify", of.CertifySettings("latest", level=5, bandwidth=50.0)),
+    ("certify", of.CertifySettings("latest", disturbance=(0.01, 0.3), parameters={}, resume=True)),
+    ("certify", of.CertifySettings("r", disturbance="learned", within={"speed": (0.7, 0.72)})),
+    ("check-proof", of.CheckProofSettings(Path("a b.json"), run="latest")),
+    ("fit", of.FitSettings("latest", (Path("a.csv"), Path("b c.csv")), optimizer="nero")),
+    ("refine", of.RefineSettings("latest", residual=Path("r.safetensors"), steps=5)),
+    ("episodes", of.EpisodesSettings("amber3m", plant="rabbit", rounds=1, controller="fblin")),
+    ("sweep", of.SweepSettings(("amber3m", "rabbit"), speeds=[0.7, (0.6, 0.8)], seeds=(0, 3))),
+    ("optimise", of.OptimiseSettings("amber3m", 0.7, degree=6)),
+    ("import-gait", of.ImportGaitSettings(Path("gait.json"), "rabbit", name="slow")),
+)
+
+
+@pytest.mark.parametrize("verb", CALLED)
+def test_the_python_call_takes_what_the_command_line_takes(verb: str) -> None:
+    function, kind = CALLED[verb]
+    called = inspect.signature(getattr(neuralgaits, function)).parameters
+    assert list(called) == list(inspect.signature(kind).parameters)
+    typed = marks_of(_VERBS[verb])
+    assert set(marks_of(kind)) == set(typed) - {"output", "seeds" if verb == "train" else ""}
+    # And says what each is, in the words of the help.
+    said = descriptions(kind)
+    assert set(said) == set(called)
+    doc = inspect.getdoc(getattr(neuralgaits, function)) or ""
+    assert all(text in doc for text in said.values())
+
+
+@pytest.mark.parametrize(("verb", "settings"), TOLD, ids=[verb for verb, _ in TOLD])
+def test_printed_words_are_read_back_exactly(verb: str, settings: Any) -> None:
+    typed = read([verb, *words_of(settings)])
+    again = type(settings)(**given(typed, type(settings)))
+    if getattr(settings, "slope", None):
+        # Degrees and back: to the last digit but one.
+        assert again.slope == pytest.approx(settings.slope, rel=1e-15)
+        again = replace(again, slope=settings.slope)
+    assert again == settings
+
+
+@dataclass(frozen=True)
+class Painting:
+    """Settings of a verb that nobody has."""
+
+    robot: Annotated[tyro.conf.Positional[str], arg(metavar="ROBOT")]
+    """Robot to paint."""
+    _: KW_ONLY
+    shade: Annotated[int, arg(metavar="N")] = 3
+    """Darkness
+    of the paint."""
+
+    def __post_init__(self) -> None:
+        if self.shade > 9:
+            raise InputError(f"expected a shade of at most 9, found {self.shade}")
+
+
+def test_a_new_option_is_one_field(capsys: pytest.CaptureFixture[str]) -> None:
+    @called_with(Painting)
+    def paint(settings: Painting) -> str:
+        """Paint a robot.
+
+        Returns: colour.
+        """
+        return f"{settings.robot} in {settings.shade}"
+
+    assert paint("amber3m", shade=4) == "amber3m in 4"
+    assert str(inspect.signature(paint)) == "(robot: str, *, shade: int = 3) -> str"
+    assert "shade: Darkness of the paint." in str(paint.__doc__)
+    assert tyro.cli(Painting, args=words_of(Painting("amber3m", shade=4))).shade == 4
+    assert words_of(Painting("amber3m")) == ["amber3m"]
+    with pytest.raises(InputError, match="at most 9"):
+        tyro.cli(Painting, args=["amber3m", "--shade", "10"])
+    with pytest.raises(SystemExit):
+        tyro.cli(Painting, args=["--help"])
+    assert "--shade N" in capsys.readouterr().out
+
+
+def test_settings_that_exclude_each_other_are_refused_where_they_are_defined() -> None:
+    with pytest.raises(InputError, match="--resume alone, found it with --certify, --budget"):
+        of.TrainSettings(resume="latest", certify=True, budget=3.0)
+    with pytest.raises(InputError, match="level 4 or 5 with a bandwidth, found 3"):
+        of.CertifySettings("latest", bandwidth=20.0)
+    with pytest.raises(InputError, match="level 2 or more with a disturbance"):
+        of.CertifySettings("latest", level=1, disturbance="learned")
