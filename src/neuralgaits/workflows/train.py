@@ -1,5 +1,6 @@
 """Train a gait and leave a run folder that can be resumed, checked and simulated."""
 
+import math
 import time
 from collections.abc import Mapping
 from dataclasses import replace
@@ -15,7 +16,7 @@ from neuralgaits.barriers import GaitSpec
 from neuralgaits.barriers.commanded_spec import Interval
 from neuralgaits.barriers.spec import Init
 from neuralgaits.certificate.traced import after_impact, trace_spec
-from neuralgaits.errors import InputError, Interrupted, RunError
+from neuralgaits.errors import InputError, Interrupted, NonFiniteError, RunError
 from neuralgaits.gait.policies.commanded_gait import CommandedGait
 from neuralgaits.records.trained import Trained, TrainingProof, Violations
 from neuralgaits.records.training_config import asked_of
@@ -86,8 +87,8 @@ def train(
 
     Returns: `Run`.
 
-    Raises: InputError on bad settings; NonFiniteError if the loss turned to NaN; Interrupted
-        for KeyboardInterrupt.
+    Raises: InputError on bad settings; NonFiniteError if the loss or a margin is not finite;
+        Interrupted for KeyboardInterrupt.
     """
     start_time = time.perf_counter()
     if resume is not None:
@@ -195,6 +196,8 @@ def summary_of(
         train_s: duration of the gradient steps (s).
         start_time: start time of the command, or of this seed of many (s, of `time.perf_counter`).
         proof: result of the requested proof; None without one.
+
+    Raises: NonFiniteError if its loss or a margin is NaN or infinity.
     """
     asked = run.asked
     aims = {aim.name: violations(aimed.margins[aim.name], aim.scale) for aim in run.spec.aims}
@@ -205,7 +208,7 @@ def summary_of(
     program = None
     if asked.not_provable_because is None:
         program = trace_spec(run.spec, run.robot, run.trained, run.residuals)
-    return Trained(
+    done = Trained(
         run=str(run.path),
         robot=asked.robot,
         spec=asked.spec,
@@ -225,6 +228,8 @@ def summary_of(
         train_s=train_s,
         wall_s=time.perf_counter() - start_time,
     )
+    refuse_non_finite(done)
+    return done
 
 
 def _orbit_speeds(run: Run) -> tuple[float, float] | None:
@@ -238,6 +243,23 @@ def _orbit_speeds(run: Run) -> tuple[float, float] | None:
         there = run.at(**(middle | {"speed": speed}))
         found.append(poincare(there.zero_dynamics, there.gait.z(np.array([0.5, 0.5]))).speed_m_s)
     return (found[0], found[1]) if np.isfinite(found).all() else None
+
+
+def refuse_non_finite(done: Trained) -> None:
+    """Refuse a trained gait with a loss, margin or error that is NaN or infinity.
+
+    Raises: NonFiniteError, which names all of them.
+    """
+    numbers = {"loss": math.inf if done.loss is None else done.loss}
+    numbers |= {name: one.min_margin for name, one in {**done.conditions, **done.aims}.items()}
+    numbers |= done.after_impact or {}
+    bad = [name for name, number in numbers.items() if not math.isfinite(number)]
+    if bad:
+        raise NonFiniteError(
+            f"expected a trained gait with a finite loss and margins, found NaN or infinity in "
+            f"{', '.join(bad)}: train again with narrower ranges of commands or parameters, if "
+            f"there are any, or with another --seed; {done.run} stays unfinished"
+        )
 
 
 def violations(margins: np.ndarray, scale: float) -> Violations:
