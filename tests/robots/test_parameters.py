@@ -119,6 +119,8 @@ def test_a_box_is_read_in_its_units():
     [
         ("", "found none"),
         ("mass", "NAME=SIZE"),
+        (",", "nothing before or after a comma"),
+        ("mass=2%,", "nothing before or after a comma"),
         ("mas=2%", "did you mean mass"),
         ("mass=2mm", "in %"),
         ("com=2%", "in mm or cm or m"),

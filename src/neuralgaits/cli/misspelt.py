@@ -133,6 +133,8 @@ def _option(verb: str, word: str, options: Mapping[str, _Setting], left: Iterato
         value = next(left, "--")
         if value.startswith("--"):
             raise InputError(f"{name}: expected {one.expected}, found none")
+    if not value.strip():
+        raise InputError(f"{name}: expected {one.expected}, found {value!r}")
     if isinstance(one.kind, tuple):
         if value not in one.kind:
             hint = meant(value, one.kind)

@@ -5,6 +5,7 @@ import re
 from collections.abc import Mapping
 
 from neuralgaits._names import meant
+from neuralgaits._settings import listed
 from neuralgaits.errors import InputError
 
 Box = Mapping[str, float]
@@ -36,8 +37,10 @@ def parse_box(text: str) -> dict[str, float]:
 
     Raises: InputError on unknown names, on values that are none, and on units that do not fit.
     """
+    if not text.strip():
+        raise InputError("--parameters: expected NAME=SIZE,... as in mass=2%,com=5mm, found none")
     box: dict[str, float] = {}
-    for part in filter(None, (part.strip() for part in text.split(","))):
+    for part in listed("--parameters", text):
         name, equals, value = (piece.strip() for piece in part.partition("="))
         if not equals:
             raise InputError(
@@ -47,8 +50,6 @@ def parse_box(text: str) -> dict[str, float]:
         if name in box:
             raise InputError(f"--parameters: expected {name} once, found it twice")
         box[name] = _size(name, value)
-    if not box:
-        raise InputError("--parameters: expected NAME=SIZE,... as in mass=2%,com=5mm, found none")
     return checked_box(box)
 
 
