@@ -16,6 +16,7 @@ from neuralgaits import errors
 from neuralgaits._cache import cache_folder
 from neuralgaits.cli import argv_parser, misspelt, verbs
 from neuralgaits.cli import main as entry
+from neuralgaits.cli.arguments import ReportOptions
 from neuralgaits.cli.main import main
 from neuralgaits.cli.outcome import Outcome
 from neuralgaits.runs import RUNS_ROOT, RunFolder, finish
@@ -77,6 +78,20 @@ def _only_line(capfd: Captured) -> str:
             "--steps: expected a whole number, found none",
         ),
         (["simulate", "latest", "--disturb"], "--disturb: expected a value, found none\n"),
+        (
+            ["certify", "r", "--level", "٣"],
+            "--level: expected the digits 0 to 9, found '٣': write 3",
+        ),
+        (["view", "latest", "--port=８０８０"], "expected the digits 0 to 9, found '８０８０'"),
+        (
+            ["simulate", "r", "--push", "１.5"],
+            "expected the digits 0 to 9, found '１.5': write 1.5",
+        ),
+        (["train", "amber3m", "--speed", "0.5:٠.9"], "found '٠.9': write 0.9"),
+        (["train", "amber3m", "--seeds", "0:٣"], "found '٣': write 3"),
+        (["train", "amber3m", "--hidden", "32,٣٢"], "found '٣٢': write 32"),
+        (["simulate", "r", "--disturb", "friction=٠.5"], "found '٠.5': write 0.5"),
+        (["certify", "r", "--within", "speed=0.7:०.8"], "found '०.8': write 0.8"),
         (["simulate", "latest", "--disturb="], "--disturb: expected a value, found ''\n"),
         (["simulate", "latest", "--link", " "], "--link: expected a value, found ' '\n"),
         (["sweep", "amber3m", "--specs", ""], "--specs: expected a value, found ''\n"),
@@ -358,3 +373,11 @@ def test_settings_are_named_as_the_arguments_of_the_workflow(
     given = argv_parser.options(argv_parser.read(line.split()), *left_out)
     inspect.signature(workflow).bind(**given)
     assert not {"output", "at_work", *left_out} & set(given)
+
+
+def test_names_and_paths_may_have_any_digits(capfd: Captured) -> None:
+    """Words that are no numbers, and a folder whose name is one."""
+    for words in (["train", "amber3m", "--spec", "gang٣.py:f"], ["report", "٣"]):
+        assert main(words) == 2
+        assert "digits 0 to 9" not in _only_line(capfd)
+    misspelt.refuse_misspelt(["report", "latest", "--out", "٣"], {"report": ReportOptions})
