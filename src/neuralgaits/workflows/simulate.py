@@ -163,7 +163,8 @@ def simulate(
     files = [] if log is None else log_files(Path(log), episodes)
     refuse_unwritable(*(trained.path / file for file in (SUMMARY, PLANT)))
     films_of = [] if video is None else [Path(video)]
-    refuse_outputs([*files, *films_of], map(Path, filter(None, (plant, commands, terrain))))
+    read = map(Path, filter(None, (plant, commands, terrain)))
+    refuse_outputs([*files, *films_of], read, run=trained.path)
     for film in films_of:
         films.check(film)
     trained = at_first(trained, orders.first)
