@@ -11,7 +11,7 @@ import numpy as np
 
 from neuralgaits.analysis.poincare_map import poincare
 from neuralgaits.analysis.run import Run, open_parts, untrained
-from neuralgaits.analysis.walking_speeds import speed_doubt
+from neuralgaits.analysis.walking_speeds import gait_doubt
 from neuralgaits.barriers import GaitSpec
 from neuralgaits.barriers.commanded_spec import Interval
 from neuralgaits.barriers.spec import Init
@@ -116,7 +116,7 @@ def train(
             slope=slope,
             parameters=parameters,
         )
-        doubt = speed_doubt(robot, speed)
+        doubt = gait_doubt(robot, speed, step_length)
         if doubt is not None and watch is not None and watch.doubted is not None:
             watch.doubted(doubt)
         run = asked.begun(root, place)
@@ -257,8 +257,8 @@ def refuse_non_finite(done: Trained) -> None:
     if bad:
         raise NonFiniteError(
             f"expected a trained gait with a finite loss and margins, found NaN or infinity in "
-            f"{', '.join(bad)}: train again with narrower ranges of commands or parameters, if "
-            f"there are any, or with another --seed; {done.run} stays unfinished"
+            f"{', '.join(bad)}: train again with more --steps, with narrower ranges of commands "
+            f"or parameters, or with another --seed; {done.run} stays unfinished"
         )
 
 

@@ -9,7 +9,7 @@ import jax
 
 from neuralgaits._settings import check_seeds
 from neuralgaits.analysis.run import Run
-from neuralgaits.analysis.walking_speeds import speed_doubt
+from neuralgaits.analysis.walking_speeds import gait_doubt
 from neuralgaits.barriers import GaitSpec
 from neuralgaits.barriers.commanded_spec import Interval
 from neuralgaits.barriers.spec import Init
@@ -85,7 +85,7 @@ def train_seeds(
         parameters: box of robots that the gaits are meant for.
         progress: called with (steps of all seeds done, in all, mean loss) now and then, from one
             thread at a time, which need not be the caller's.
-        doubted: called with one line, before the training, if no gait at that speed is likely.
+        doubted: called with one line, before the training, if no such gait is likely.
         root: folder of the runs.
 
     Returns: `Seeds`; a seed whose training ends in NaN, or that a later stage refuses, is in
@@ -115,7 +115,7 @@ def train_seeds(
     # Runs are finished or gone on with one by one: nothing in here is replaced from now on.
     filled(path)
     way = SeedBatches if as_one_program() else SideBySide
-    doubt = speed_doubt(robot, speed)
+    doubt = gait_doubt(robot, speed, step_length)
     if doubt is not None and doubted is not None:
         doubted(doubt)
     many = way(first, path, root, len(numbers))
