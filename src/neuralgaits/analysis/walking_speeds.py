@@ -1,4 +1,4 @@
-"""Speeds and step lengths at which a robot may be able to walk, from its legs and motors, before any training.
+"""Speeds and step lengths that legs and motors may allow, from the robot's file alone.
 
 Nothing here is a proof: a doubt is worth a line before half a minute of training.
 """
