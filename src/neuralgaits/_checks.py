@@ -20,6 +20,20 @@ MOST_ROUNDS = 100
 """Limit on the rounds of `episodes`: a larger number is a slip of the finger, or damage."""
 
 
+def listed(what: str, text: str) -> list[str]:
+    """Split a list at its commas, without the blanks around its parts.
+
+    Raises: InputError, which begins with `what`, if a part is empty: some word is missing.
+    """
+    parts = [part.strip() for part in text.split(",")]
+    if not all(parts):
+        raise InputError(
+            f"{what}: expected NAME=VALUE,..., found {text!r} with nothing before or after a "
+            "comma: drop the comma, or write what is missing"
+        )
+    return parts
+
+
 def shortened(count: int) -> str:
     """Write a whole number for a message in a few characters, however long it is."""
     text = str(count)

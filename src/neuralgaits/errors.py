@@ -30,6 +30,10 @@ class RunError(InputError):
     """A run folder is missing, half-written, from another version, or inconsistent."""
 
 
+class TimeLimitError(RunError):
+    """Code of a run, which a process of its own executes, did not end within its time limit."""
+
+
 class MismatchError(NeuralGaitsError):
     """Exported code does not compile, or does not do what Python does."""
 

@@ -7,7 +7,12 @@ import sys
 import pytest
 
 from neuralgaits._environment import render_without_screen
-from neuralgaits.analysis.walking_speeds import fastest_by_gravity, fastest_by_torque, speed_doubt
+from neuralgaits.analysis.walking_speeds import (
+    fastest_by_gravity,
+    fastest_by_torque,
+    length_doubt,
+    speed_doubt,
+)
 from neuralgaits.cli import screen
 from neuralgaits.cli.main import main
 from neuralgaits.control import Fblin
@@ -93,6 +98,13 @@ def test_a_speed_beyond_legs_is_doubted_before_training():
     assert ratio == pytest.approx((9.81 / 1.62) ** 0.5)
 
 
+def test_steps_as_long_as_usual_are_not_doubted():
+    robot = load_robot("amber3m")
+    for usual in (None, (0.3, 0.4), (0.3, robot.leg_length)):
+        assert length_doubt(robot, usual) is None
+    assert length_doubt(robot, (0.3, 1.01 * robot.leg_length)) is not None
+
+
 def test_a_speed_beyond_motors_is_doubted_before_training():
     robot = load_robot("amber3m")
     weak = robot_from_text(robot.layout.xml.replace('"-41 41"', '"-0.41 0.41"'), "weak")
@@ -103,16 +115,23 @@ def test_a_speed_beyond_motors_is_doubted_before_training():
 
 
 @pytest.mark.parametrize("more", [[], ["--seeds", "0:2"]], ids=["one seed", "two seeds"])
-def test_the_doubt_is_a_line_before_training(tmp_path, capfd, monkeypatch, more):
+@pytest.mark.parametrize(
+    ("asked", "doubt"),
+    [
+        (["--speed", "5"], "no gait at 5 m/s is likely"),
+        (["--step-length", "0.3:1.6"], "no gait with steps of 1.6 m is likely for amber3m"),
+    ],
+)
+def test_the_doubt_is_a_line_before_training(tmp_path, capfd, monkeypatch, more, asked, doubt):
     def stop(*_, **__):
         raise InputError("expected no training here")
 
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(train, "train_to_the_end", stop)
     monkeypatch.setattr(train_seeds.SideBySide, "train", stop)
-    assert main(["train", "amber3m", "--speed", "5", *more]) == 2
+    assert main(["train", "amber3m", *asked, *more]) == 2
     first, last = capfd.readouterr().err.splitlines()
-    assert "no gait at 5 m/s is likely" in first and "no training here" in last
+    assert doubt in first and "no training here" in last
 
 
 def test_a_speed_that_is_refused_is_not_doubted_too(tmp_path, capfd, monkeypatch):

@@ -202,6 +202,11 @@ def test_the_channel_delays_and_loses_as_told():
         ("loss=0.9", r"expected 0 to 0.5"),
         ("jitter_ms=0.5", r"whole milliseconds"),
         ("lockstep", r"NAME=VALUE"),
+        ("lockstep=7", r"lockstep: expected 0 or 1, found 7"),
+        ("lockstep=0.5", r"lockstep: expected 0 or 1"),
+        ("lockstep=nan", r"lockstep: expected 0 or 1"),
+        ("loss=0.1,loss=0.2", r"loss is given twice"),
+        ("loss=0.1,", r"nothing before or after a comma"),
     ],
 )
 def test_bad_link_settings_are_one_line(text, message):

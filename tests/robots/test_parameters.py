@@ -119,6 +119,8 @@ def test_a_box_is_read_in_its_units():
     [
         ("", "found none"),
         ("mass", "NAME=SIZE"),
+        (",", "nothing before or after a comma"),
+        ("mass=2%,", "nothing before or after a comma"),
         ("mas=2%", "did you mean mass"),
         ("mass=2mm", "in %"),
         ("com=2%", "in mm or cm or m"),
@@ -133,6 +135,9 @@ def test_a_box_is_read_in_its_units():
         ("mass=0%", "above 0"),
         ("mass=1%,mass=2%", "twice"),
         ("mass=120%", "zero or negative"),
+        ("mass=99.9999%", "mass of at most 50 %, found 99.9999 %: .* 0.0001 % of it"),
+        ("inertia=51%", "inertia of at most 50 %"),
+        ("rotor=0.6", "whose rotor inertia is far from the file's, down to 40 %"),
         ("mass=1e999", "above 0"),
         ("mass=..", "a number for mass"),
     ],

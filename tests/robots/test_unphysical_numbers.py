@@ -87,6 +87,46 @@ def test_a_keyframe_lists_every_coordinate(case):
     assert re.search(words, refusal(with_attributes(start, attributes)))
 
 
+TORSO = '<inertial pos="0 0 0.21483" mass="13"'
+WELDED = '<body name="pack"><inertial pos="0 0 0" {}/></body>'
+
+
+@pytest.mark.parametrize(
+    ("attributes", "words"),
+    [
+        ('mass="-1" diaginertia="0.1 0.1 0.1"', "body pack has mass -1"),
+        ('mass="1" diaginertia="0.1 -0.1 0.1"', "body pack has diaginertia -0.1"),
+        ('mass="nan" diaginertia="0.1 0.1 0.1"', "body pack has mass nan"),
+    ],
+)
+def test_a_welded_body_of_negative_mass_is_refused(attributes, words):
+    """MuJoCo would compile it, with zeros in their place: only bodies that move must be heavy."""
+    text = AMBER.replace(TORSO, WELDED.format(attributes) + TORSO)
+    assert f"{words}: expected 0 or more" in refusal(text)
+
+
+@pytest.mark.parametrize(
+    ("edit", "words"),
+    [
+        ('mass="-13"', "body torso has mass -13: expected 0 or more; mend that number"),
+        ('mass="0"', "mass and inertia of moving bodies must be larger"),
+        ('diaginertia="-1 -1 -1"', "body torso has diaginertia -1"),
+        ('diaginertia="0 0 0"', "mass and inertia of moving bodies must be larger"),
+    ],
+)
+def test_a_link_without_mass_or_inertia_is_refused(edit, words):
+    assert words in refusal(with_attributes(TORSO.split(" mass")[0], edit))
+    bound = with_attributes(TORSO.split(" mass")[0], edit).replace(
+        "<compiler", '<compiler boundmass="0.01" boundinertia="0.01"'
+    )
+    assert ("-" not in edit) or words in refusal(bound)
+
+
+def test_a_geom_of_negative_density_is_refused():
+    text = AMBER.replace(TORSO, '<geom name="pack" size="0.1" density="-1"/>' + TORSO)
+    assert "geom pack has density -1: expected 0 or more" in refusal(text)
+
+
 def test_usual_numbers_are_taken():
     for start, attributes in (
         (FOOT, 'margin="0.001"'),

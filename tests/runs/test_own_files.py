@@ -7,7 +7,7 @@ import pytest
 
 from neuralgaits.cli.main import main
 from neuralgaits.errors import InputError
-from neuralgaits.runs.outputs import OWN_FILES, refuse_outputs
+from neuralgaits.runs.outputs import OWN_FILES, refuse_folder_of_run, refuse_outputs
 from neuralgaits.workflows import demo
 
 
@@ -30,6 +30,43 @@ def test_a_link_to_a_file_of_a_run_is_that_file(run):
         refuse_outputs([run / "report.html"])
 
 
+@pytest.mark.parametrize("name", sorted(OWN_FILES))
+def test_a_second_name_of_a_file_of_the_run_is_that_file(run, name):
+    """As a symbolic link to it is: the name that is written would be another file afterwards."""
+    (run / name).parent.mkdir(exist_ok=True)
+    (run / name).touch()
+    other = run.parent / "walk.csv"
+    other.hardlink_to(run / name)
+    with pytest.raises(InputError, match=f"which is {name} of a run: name another"):
+        refuse_outputs([other], run=run)
+
+
+def test_a_second_name_of_any_other_file_is_written(run):
+    (run.parent / "old.csv").write_text("old")
+    (run.parent / "walk.csv").hardlink_to(run.parent / "old.csv")
+    refuse_outputs([run.parent / "walk.csv"], run=run)
+
+
+@pytest.mark.parametrize("inside", [".", "certificate", "residual"])
+def test_a_folder_with_files_of_a_run_is_no_output(run, capfd, inside):
+    before = {path: path.read_bytes() for path in run.rglob("*") if path.is_file()}
+    (run.parent / "link").symlink_to(run)
+    for folder in (run, run.parent / "link"):
+        assert main(["export", str(run), "--out", str(folder / inside), "--force"]) == 2
+        [line] = capfd.readouterr().err.splitlines()
+        assert "which has files of the run run: name another, such as run/export" in line
+    assert {path: path.read_bytes() for path in run.rglob("*") if path.is_file()} == before
+
+
+def test_a_folder_of_its_own_in_a_run_is_an_output(run):
+    """And one with a config.json that is of no run."""
+    refuse_folder_of_run(run / "export")
+    project = run.parent / "firmware"
+    project.mkdir()
+    (project / "config.json").write_text("{}")
+    refuse_folder_of_run(project)
+
+
 def test_inputs_and_other_outputs_are_no_outputs(tmp_path):
     robot, copy = tmp_path / "robot.xml", tmp_path / "copy.xml"
     robot.write_text("<mujoco/>")
@@ -48,10 +85,13 @@ def test_inputs_and_other_outputs_are_no_outputs(tmp_path):
         ("simulate", "RUN", "--steps", "1", "--log", "RUN/certificate/proof.json"),
         ("simulate", "RUN", "--steps", "1", "--plant", "RUN/../my.xml", "--log", "RUN/../my.xml"),
         ("report", "RUN", "--out", "RUN/config.json"),
+        ("simulate", "RUN", "--steps", "1", "--log", "RUN/../second.csv"),
+        ("report", "RUN", "--out", "RUN/../second.csv"),
     ],
 )
 def test_commands_refuse_them_before_they_begin(run, capfd, line):
     shutil.copyfile(run / "robot.xml", run.parent / "my.xml")
+    (run.parent / "second.csv").hardlink_to(run / "metrics.csv")
     before = {path: path.read_bytes() for path in run.parent.rglob("*") if path.is_file()}
     assert main([word.replace("RUN", str(run)) for word in line]) == 2
     assert capfd.readouterr().err.count("\n") == 1

@@ -39,6 +39,8 @@ def test_perfect_sensing_leaves_a_plant_as_it_is():
         ("", "encoders,bits", "expected NAME=VALUE after encoders, found 'bits'"),
         ("", "encoders,gyro=1", "unknown sensing 'gyro': expected one of bits"),
         ("", "encoders,bits=12,bits=13", "bits is given twice"),
+        ("", "encoders,", "nothing before or after a comma"),
+        ("", "encoders,,bits=12", "nothing before or after a comma"),
         ("", "encoders,bits=many", "bits: expected a number, found 'many'"),
         ("", "encoders,bits=0", "whole number from 1 to 32, found 0"),
         ("", "encoders,bits=13.5", "whole number from 1 to 32, found 13.5"),

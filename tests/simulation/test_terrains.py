@@ -197,6 +197,7 @@ def test_a_file_may_begin_anywhere(runs, tmp_path):
     [
         ("footholds", {"terrain": "stoness"}, "no such kind and no such file"),
         ("footholds", {"terrain": "stones,width"}, "NAME=VALUE, each name once"),
+        ("footholds", {"terrain": "stones,"}, "nothing before or after a comma"),
         ("footholds", {"terrain": "stones,width=nan"}, "found 'width=nan'"),
         ("footholds", {"terrain": "stones,depth=1"}, "width: of a stone"),
         ("footholds", {"terrain": "stones,width=0.5"}, "expected width between"),

@@ -1,6 +1,8 @@
 """A run's own spec is code: it is traced in another process, after the boxes, and patches none."""
 
+import hashlib
 import json
+import shutil
 import subprocess
 import sys
 
@@ -9,7 +11,9 @@ import pytest
 from neuralgaits.certificate.proof_file import statement_check
 from neuralgaits.certificate.proof_file.theorem_tables import Theorems
 from neuralgaits.certificate.run_certificate import retrace
+from neuralgaits.cli.main import main
 from neuralgaits.errors import InputError, RunError
+from neuralgaits.runs import RunFolder
 from neuralgaits.workflows.certify import certify
 from neuralgaits.workflows.check_proof import check_proof
 from support.own_spec import HOLDS, SPEC, replace_spec, run_with
@@ -30,11 +34,19 @@ def patching(trained, tmp_path_factory):
     """A run of a spec that holds, with its proof; then the spec is made to patch the checker."""
     run = run_with(trained, tmp_path_factory.mktemp("own") / "run", TEXT)
     certify(run, level=1)
-    file = run / "certificate" / "proof.json"
-    table = json.loads(file.read_text())
-    table["spec"]["sha256"] = replace_spec(run, TEXT + PATCH)
+    return run, altered_proof(run, TEXT + PATCH)
+
+
+def altered_proof(run, text):
+    """Replace a run's spec, and let proof and summary be about it. Returns: the proof."""
+    file, summary = run / "certificate" / "proof.json", run / "certificate" / "summary.json"
+    table, told = json.loads(file.read_text()), json.loads(summary.read_text())
+    table["spec"]["sha256"] = replace_spec(run, text)
     file.write_text(json.dumps(table))
-    return run, file
+    told["sha256"]["spec.py"] = table["spec"]["sha256"]
+    told["sha256"]["certificate/proof.json"] = hashlib.sha256(file.read_bytes()).hexdigest()
+    summary.write_text(json.dumps(told))
+    return file
 
 
 @pytest.fixture
@@ -92,6 +104,61 @@ def test_a_spec_that_never_ends_is_one_line(trained, tmp_path, monkeypatch):
     monkeypatch.setattr(retrace, "LONGEST_S", 0.01)
     with pytest.raises(RunError, match="no answer by then"):
         retrace.retrace_in_subprocess(run, Theorems())
+
+
+ENDLESS = {
+    "import": "\nwhile True:\n    pass\n",
+    "barrier": """
+def endless(p):
+    while True:
+        pass
+
+plain = mine
+
+def mine(robot):
+    spec = plain(robot)
+    first = replace(spec.conditions[0], function=endless)
+    return replace(spec, conditions=(first, *spec.conditions[1:]))
+""",
+}
+
+
+@pytest.mark.parametrize("more", ENDLESS.values(), ids=list(ENDLESS))
+@pytest.mark.parametrize("verb", ["report RUN", "check-proof --run RUN RUN"])
+def test_a_spec_that_never_ends_ends_no_verb(patching, tmp_path, monkeypatch, capfd, more, verb):
+    """With a proof that is about the run otherwise: its spec is traced within a limit."""
+    run = tmp_path / "run"
+    shutil.copytree(patching[0], run)
+    altered_proof(run, TEXT + more)
+    monkeypatch.setattr(retrace, "LONGEST_S", 0.01)
+    assert main(verb.replace("RUN", str(run)).split()) == 2
+    assert "no answer by then: look in its spec.py" in capfd.readouterr().err.splitlines()[-1]
+
+
+@pytest.mark.parametrize(
+    ("more", "said"),
+    [(ENDLESS["import"], "no answer by then"), ("\nimport os\nos._exit(0)\n", "no answer")],
+    ids=["never ends", "leaves at once"],
+)
+def test_a_report_without_a_certificate_has_the_limit_too(
+    trained, tmp_path, monkeypatch, capfd, more, said
+):
+    run = run_with(trained, tmp_path / "run", TEXT)
+    replace_spec(run, TEXT + more)
+    if "while" in more:
+        monkeypatch.setattr(retrace, "LONGEST_S", 0.01)
+    assert main(["report", str(run)]) == 2
+    [line] = capfd.readouterr().err.splitlines()
+    assert said in line
+    assert not (run / "report.html").exists()
+
+
+def test_a_spec_that_ends_is_not_refused(trained, tmp_path):
+    """Nor one that cannot be traced, whose fault the caller meets again."""
+    run = run_with(trained, tmp_path / "run", TEXT)
+    retrace.refuse_endless(RunFolder.open(run))
+    replace_spec(run, TEXT + "\n1 / 0\n")
+    retrace.refuse_endless(RunFolder.open(run))
 
 
 def test_an_answer_that_is_none_is_one_line(certified_own, monkeypatch):

@@ -2,10 +2,12 @@
 
 import csv
 import json
+import math
 import os
 import signal
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import jax
@@ -21,10 +23,11 @@ from neuralgaits.certificate.traced import trace_spec
 from neuralgaits.cli.screen import show_training
 from neuralgaits.errors import InputError, Interrupted, NonFiniteError, RunError, SpecError
 from neuralgaits.programs import POINT, evaluate
-from neuralgaits.records.trained import trained_of
+from neuralgaits.records.trained import Violations, trained_of
 from neuralgaits.runs.folder import NAN_STATE
-from neuralgaits.runs.names import ROBOT, SPEC, STATE, WEIGHTS
+from neuralgaits.runs.names import ROBOT, SPEC, STATE, SUMMARY, WEIGHTS
 from neuralgaits.training.trainer import CAREFUL, SMALLER
+from neuralgaits.workflows import train as workflow
 from neuralgaits.workflows.report import write_report
 from neuralgaits.workflows.train import train
 from support import small_spec
@@ -324,3 +327,26 @@ def _its_report_says_so(run, found):
     assert f"<li>{told}" in page
     (entry,) = written.summary["missing"]
     assert "--seed 1 " in entry["command"] and "--resume" not in entry["command"]
+
+
+@pytest.mark.parametrize("number", [float("nan"), float("inf")])
+def test_a_gait_that_is_not_finite_leaves_no_summary(amber, tmp_path, monkeypatch, number):
+    """Gradient steps may stay finite where a margin of the trained gait on fresh samples is not."""
+    monkeypatch.setattr(workflow, "after_impact", lambda *_: {"foot_height_m": number})
+    out = tmp_path / "run"
+    with pytest.raises(
+        NonFiniteError, match=r"found NaN or infinity in foot_height_m: train"
+    ) as no:
+        train(amber, f"{SMALL}:small", steps=2, out=out, root=tmp_path)
+    assert str(out) in str(no.value) and "\n" not in str(no.value)
+    assert not (out / SUMMARY).exists()
+
+
+@pytest.mark.parametrize("field", ["loss", "conditions", "aims"])
+def test_every_number_of_a_trained_gait_is_finite(trained, field):
+    bad = Violations(math.nan, math.nan, math.nan, 1.0)
+    done = trained_of(trained.path)
+    workflow.refuse_non_finite(done)
+    altered = replace(done, **{field: None if field == "loss" else {"foot": bad}})
+    with pytest.raises(NonFiniteError, match="in loss" if field == "loss" else "in foot"):
+        workflow.refuse_non_finite(altered)

@@ -1,4 +1,4 @@
-"""Speeds at which a robot may be able to walk, from its legs and motors, before any training.
+"""Speeds and step lengths that legs and motors may allow, from the robot's file alone.
 
 Nothing here is a proof: a doubt is worth a line before half a minute of training.
 """
@@ -69,6 +69,30 @@ def speed_doubt(robot: PlanarBiped, speed: float | tuple[float, float] | None) -
         f"no gait at {highest:g} m/s is likely for {robot.name}, training goes on all the same: "
         f"{why}; ask for less than {most:.2g} m/s"
     )
+
+
+def length_doubt(robot: PlanarBiped, step_length: tuple[float, float] | None) -> str | None:
+    """Say why a robot is not likely to walk with steps as long as these (m).
+
+    Returns: one line with a length to request; None if there is no objection.
+    """
+    longest = LONGEST_STEP * robot.leg_length
+    if step_length is None or not max(step_length) > longest:
+        return None
+    return (
+        f"no gait with steps of {max(step_length):g} m is likely for {robot.name}, training goes "
+        f"on all the same: legs of {robot.leg_length:.2f} m are then more than 60 degrees apart; "
+        f"ask for less than {longest:.2g} m"
+    )
+
+
+def gait_doubt(
+    robot: PlanarBiped,
+    speed: float | tuple[float, float] | None,
+    step_length: tuple[float, float] | None,
+) -> str | None:
+    """Return the doubt about a speed, or else the one about step lengths; None without either."""
+    return speed_doubt(robot, speed) or length_doubt(robot, step_length)
 
 
 def _swing_hip(robot: PlanarBiped) -> int:

@@ -18,12 +18,12 @@ from neuralgaits.barriers.conditions import FencesApart
 from neuralgaits.barriers.regions import Box
 from neuralgaits.barriers.spec import GaitSpec, Init
 from neuralgaits.barriers.walking import RESETS, pendulum_height, start_tube, walking
-from neuralgaits.errors import SpecError
 from neuralgaits.gait import walking_posture
-from neuralgaits.gait.commands import FASTEST, Command, Commands, command_named, factors
+from neuralgaits.gait.commands import Command, Commands, command_named, factors
 from neuralgaits.gait.gaits import Gait
 from neuralgaits.gait.policies.commanded import CommandedPolicy
 from neuralgaits.gait.policies.commanded_gait import CommandedGait
+from neuralgaits.gait.reach import refuse_speed, refuse_unreachable
 from neuralgaits.gait.tubes import CommandedTube
 
 if TYPE_CHECKING:
@@ -112,7 +112,10 @@ def commanded(robot: "PlanarBiped", commands: Commands, *, z2_dependence: bool =
         robot: with knees.
         commands: at least one.
         z2_dependence: of `CommandedPolicy`.
+
+    Raises: SpecError if a range has steps that the robot cannot take at all.
     """
+    refuse_unreachable(robot, commands)
     lowest = {command.name: command.low for command in commands}
     plain = walking(
         robot,
@@ -162,11 +165,10 @@ def at_speed(robot: "PlanarBiped", speed: float) -> GaitSpec:
     Args:
         robot: with knees.
         speed: mean, over a step (m/s).
+
+    Raises: SpecError if no robot with these legs walks so fast.
     """
-    if not speed > 0.0:
-        raise SpecError(f"expected a speed above 0 m/s, found {speed:g}")
-    if speed > FASTEST:
-        raise SpecError(f"expected a speed of at most {FASTEST:g} m/s, found {speed:g}")
+    refuse_speed(robot, speed)
     plain = walking(robot, forward=SLOWEST * speed)
     recipe = replace(plain.recipe, samples=dict(plain.recipe.samples) | {"middle": 1})
     return replace(

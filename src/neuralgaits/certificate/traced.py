@@ -89,5 +89,7 @@ def after_impact(
     guard = np.stack([np.ones(GUARD_LEVELS), np.linspace(0.0, 1.0, GUARD_LEVELS)], axis=1)
     pairs = all_pairs(gait.commands, 2)
     guard = np.concatenate([np.hstack([guard, np.tile(v, (GUARD_LEVELS, 1))]) for v in pairs])
-    values = evaluate(program, {"u": guard}, POINT)
+    # Commands at which the robot has no such posture give NaN, which the caller judges.
+    with np.errstate(invalid="ignore"):
+        values = evaluate(program, {"u": guard}, POINT)
     return {name: float(np.max(np.abs(value))) for name, value in values.items()}

@@ -4,9 +4,11 @@ The parser would also refuse them, but with the help of every verb that has a si
 """
 
 import dataclasses
+import re
 import types
 import typing
 from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
 from typing import Annotated, Any, Literal
 
 from neuralgaits._names import meant
@@ -131,6 +133,10 @@ def _option(verb: str, word: str, options: Mapping[str, _Setting], left: Iterato
         value = next(left, "--")
         if value.startswith("--"):
             raise InputError(f"{name}: expected {one.expected}, found none")
+    if not value.strip():
+        raise InputError(f"{name}: expected {one.expected}, found {value!r}")
+    if one.kind is not Path:
+        _refuse_foreign_digits(name, value)
     if isinstance(one.kind, tuple):
         if value not in one.kind:
             hint = meant(value, one.kind)
@@ -143,6 +149,22 @@ def _option(verb: str, word: str, options: Mapping[str, _Setting], left: Iterato
         except ValueError:
             raise InputError(f"{name}: expected {one.expected}, found {value!r}") from None
     return name
+
+
+def _refuse_foreign_digits(name: str, value: str) -> None:
+    """Refuse numbers in other digits than 0 to 9, which Python reads too. Raises: InputError.
+
+    A value may be a list of numbers, of NAME=NUMBER or of NUMBER:NUMBER. A word that is no number
+    may have any character.
+    """
+    for part in re.split("[,:=]", value):
+        if part.isascii():
+            continue
+        try:
+            number = float(part)
+        except ValueError:
+            continue
+        raise InputError(f"{name}: expected the digits 0 to 9, found {part!r}: write {number:g}")
 
 
 def _refuse_count(verb: str, alone: Sequence[str], positional: Sequence[_Setting]) -> None:

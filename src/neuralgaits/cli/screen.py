@@ -219,8 +219,10 @@ def show_robot(result: RobotFacts) -> None:
             for motor in result.actuators
         ],
     )
-    apart = ("links", "actuators", "written", "changes")
+    apart = ("links", "actuators", "left_out", "written", "changes")
     show_facts(item for item in result.items() if item[0] not in apart)
+    for line in result.left_out:
+        show_sentence(Text("left out", "yellow"), f": {line}")
 
 
 def _centre(place: tuple[float, float]) -> str:

@@ -15,6 +15,7 @@ from neuralgaits.runs.atomic import (
     write_bytes,
     write_together,
 )
+from neuralgaits.runs.outputs import refuse_folder_of_run
 
 _EXPORTER_ONLY = frozenset(("check.c",))
 _SUFFIXES = (".c", ".h", ".onnx")
@@ -38,8 +39,12 @@ def harness() -> dict[str, str]:
 
 
 def refuse_used(out: Path, *, force: bool) -> None:
-    """Check the output folder. Raises: InputError if it is no folder, or not empty."""
+    """Check the output folder.
+
+    Raises: InputError if it is no folder, not empty, or a run's own with or without `force`.
+    """
     place = folder_destination(out)
+    refuse_folder_of_run(out)
     if not force and place.is_dir() and any(place.iterdir()):
         raise InputError(
             f"expected an empty folder at {out}, found files in it: name another, or --force to "

@@ -53,6 +53,7 @@ class RobotFacts(Record):
         torso, stance_foot, swing_foot: names; None without a torso.
         hip_height_m: hip height on a straight leg, from the centre of the foot sphere.
         friction: friction coefficient of the feet [1].
+        left_out: obstacles in the file that neither the model nor a simulation has, in one line.
         written: file of the changed copy, which this record describes; None if there is none.
         changes: changes in that copy, one line each.
     """
@@ -70,5 +71,6 @@ class RobotFacts(Record):
     foot_radius_m: float
     friction: float
     gravity_m_s2: float
+    left_out: Texts = ()
     written: str | None = None
     changes: Texts = ()

@@ -4,6 +4,7 @@ import math
 import re
 from collections.abc import Mapping
 
+from neuralgaits._checks import listed
 from neuralgaits._names import meant
 from neuralgaits.errors import InputError
 
@@ -28,6 +29,9 @@ _MOST = {
 }
 """Largest size, unit and hint for each kind that is no share: no foot here is half a metre off the
 step, and hardly a pair of materials has more friction."""
+MOST_SHARE = 0.5
+"""Largest share of a file's value: no robot's mass is known worse than to a half of it, and with
+errors near the whole of it the box holds robots of no mass."""
 _NUMBER = re.compile(r"([0-9.]+(?:[eE][-+]?[0-9]+)?)\s*([a-zA-Z%]*)")
 
 
@@ -36,8 +40,10 @@ def parse_box(text: str) -> dict[str, float]:
 
     Raises: InputError on unknown names, on values that are none, and on units that do not fit.
     """
+    if not text.strip():
+        raise InputError("--parameters: expected NAME=SIZE,... as in mass=2%,com=5mm, found none")
     box: dict[str, float] = {}
-    for part in filter(None, (part.strip() for part in text.split(","))):
+    for part in listed("--parameters", text):
         name, equals, value = (piece.strip() for piece in part.partition("="))
         if not equals:
             raise InputError(
@@ -47,8 +53,6 @@ def parse_box(text: str) -> dict[str, float]:
         if name in box:
             raise InputError(f"--parameters: expected {name} once, found it twice")
         box[name] = _size(name, value)
-    if not box:
-        raise InputError("--parameters: expected NAME=SIZE,... as in mass=2%,com=5mm, found none")
     return checked_box(box)
 
 
@@ -81,10 +85,10 @@ def _refuse_unknown(name: object) -> None:
 
 
 def checked_box(box: Box) -> dict[str, float]:
-    """Return a box in the order of `UNITS`, after checking that all its robots are possible.
+    """Return a box in the order of `UNITS`, after checking that all its robots are plausible.
 
     Raises: InputError on unknown names, on sizes that are not numbers or not positive, and on
-    boxes with negative masses.
+    boxes with robots far from the file's.
     """
     for name, half in box.items():
         _refuse_unknown(name)
@@ -96,10 +100,12 @@ def checked_box(box: Box) -> dict[str, float]:
                 f"--parameters: expected {name} of at most {most:g}{unit}, found {half:g}{unit}: "
                 f"{meant_so}"
             )
-        if name not in _MOST and half >= 1.0:
+        if name not in _MOST and half > MOST_SHARE:
             what = {"rotor": "rotor inertia"}.get(name, name)
+            far = f"far from the file's, down to {100.0 * (1.0 - half):.4g} % of it"
+            found = "zero or negative" if half >= 1.0 else far
             raise InputError(
-                f"--parameters: expected {name} below 100 %, found {100.0 * half:g} %: the box "
-                f"would hold robots whose {what} is zero or negative"
+                f"--parameters: expected {name} of at most {100.0 * MOST_SHARE:g} %, found "
+                f"{100.0 * half:.10g} %: the box would hold robots whose {what} is {found}"
             )
     return {name: float(box[name]) for name in UNITS if name in box}

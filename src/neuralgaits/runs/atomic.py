@@ -4,7 +4,7 @@ An output is a regular file. A symbolic link is followed: its target is made or 
 link stays. A path that is no regular file (a folder, a device, a FIFO, a socket, an open stream as
 /dev/stdout) is refused, never written to and never replaced. A file that is replaced keeps its
 permissions, and its owner where the system allows it; another name of it, a hard link, keeps the
-old content.
+old content. `runs.outputs` refuses a second name of a run's own file.
 """
 
 import contextlib

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from neuralgaits.errors import InputError
 from neuralgaits.runs import names
-from neuralgaits.runs.atomic import destination, refuse_unwritable
+from neuralgaits.runs.atomic import destination, folder_destination, refuse_unwritable
 
 OWN_FILES = frozenset(
     {
@@ -23,12 +23,15 @@ OWN_FILES = frozenset(
 """Files that a run or its certificate rests on, as paths in its folder."""
 
 
-def refuse_outputs(outputs: Sequence[Path], inputs: Iterable[Path] = ()) -> None:
+def refuse_outputs(
+    outputs: Sequence[Path], inputs: Iterable[Path] = (), *, run: Path | None = None
+) -> None:
     """Refuse outputs that cannot be written, or that would replace what is still needed.
 
     Args:
         outputs: files that a command writes where its user says.
         inputs: files that it reads.
+        run: folder of the run that it is about, whose files may have other names: hard links.
 
     Raises: InputError in one line.
     """
@@ -36,7 +39,7 @@ def refuse_outputs(outputs: Sequence[Path], inputs: Iterable[Path] = ()) -> None
     read = [path for path in inputs if path.exists()]
     for number, path in enumerate(outputs):
         place = destination(path)
-        if own := _file_of_run(place):
+        if own := _file_of_run(place, run):
             raise InputError(
                 f"expected a file to write, found {path}, which is {own} of a run: name another"
             )
@@ -48,8 +51,29 @@ def refuse_outputs(outputs: Sequence[Path], inputs: Iterable[Path] = ()) -> None
             raise InputError(f"expected a file for each output, found {path} twice: name another")
 
 
-def _file_of_run(place: Path) -> str | None:
+def refuse_folder_of_run(path: Path) -> None:
+    """Refuse a run folder, and a folder of a run with files that the run rests on, as an output.
+
+    Raises: InputError in one line.
+    """
+    place = folder_destination(path)
+    for folder in (place, *place.parents):
+        if not all((folder / name).is_file() for name in (names.CONFIG, names.ROBOT)):
+            continue
+        inside = "" if folder == place else f"{place.relative_to(folder).as_posix()}/"
+        if any(own.startswith(inside) for own in OWN_FILES):
+            raise InputError(
+                f"expected a folder to write to, found {path}, which has files of the run "
+                f"{folder.name}: name another, such as {folder.name}/export"
+            )
+
+
+def _file_of_run(place: Path, run: Path | None) -> str | None:
     """Return what file of a run lies at a place, as its path in the run; None if it is none."""
+    if run is not None and place.exists() and place.stat().st_nlink > 1:
+        for own in sorted(OWN_FILES):
+            if _same(place, run / own):
+                return own
     for folder in place.parents:
         inside = place.relative_to(folder).as_posix()
         if inside in OWN_FILES and (folder / names.CONFIG).is_file():

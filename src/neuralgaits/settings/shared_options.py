@@ -95,7 +95,7 @@ class Watch:
     Attributes:
         proved: called with the proved share so far, and the number of boxes.
         ended: called after each round of proof and repair.
-        doubted: called before the training with one line, if no gait at that speed is likely.
+        doubted: called before the training with one line, if no such gait is likely.
     """
 
     proved: Callable[[float, int], None] | None = None

@@ -5,6 +5,7 @@ import numpy as np
 from neuralgaits.records.inspected import LinkFacts, MotorFacts, RobotFacts
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.robots.mjcf.loader import bodies_from_text, links_from_text
+from neuralgaits.robots.mjcf.world_geoms import obstacles_left_out
 
 
 def inspect(robot: PlanarBiped) -> RobotFacts:
@@ -29,6 +30,7 @@ def inspect(robot: PlanarBiped) -> RobotFacts:
         foot_radius_m=float(robot.foot_radius),
         friction=float(robot.friction),
         gravity_m_s2=float(robot.gravity),
+        left_out=obstacles_left_out(layout.xml, robot.name),
     )
 
 

@@ -6,6 +6,7 @@ from pathlib import Path
 from neuralgaits.analysis.run import Run
 from neuralgaits.errors import InputError
 from neuralgaits.gait.commands import FASTEST
+from neuralgaits.gait.reach import refuse_speed
 from neuralgaits.hzd.solver import Optimiser
 from neuralgaits.records.training_config import HIGHEST_DEGREE, GaitOrigin
 from neuralgaits.runs import RunFolder
@@ -34,6 +35,7 @@ def optimise(settings: OptimiseSettings) -> Run:
         raise InputError(f"expected --speed above 0 m/s, found {speed:g}")
     if speed > FASTEST:
         raise InputError(f"expected --speed of at most {FASTEST:g} m/s, found {speed:g}")
+    refuse_speed(robot, speed)
     if not LOWEST_DEGREE <= degree <= HIGHEST_DEGREE:
         raise InputError(
             f"expected --degree from {LOWEST_DEGREE} to {HIGHEST_DEGREE}, found {degree}"

@@ -8,6 +8,7 @@ from neuralgaits._printable import printable
 from neuralgaits.analysis import gait_data
 from neuralgaits.analysis.run import Run, open_run
 from neuralgaits.certificate.proof_file.check import ASSUMPTIONS
+from neuralgaits.certificate.run_certificate.retrace import refuse_endless
 from neuralgaits.certificate.run_certificate.verified_summary import (
     CertificateReading,
     read_certificate,
@@ -55,14 +56,17 @@ def write_report(run: Run | str | Path, *, out: str | Path | None = None) -> Rep
         run: a run, its folder, or `latest`.
         out: the file; `report.html` in the run if None.
 
-    Raises: RunError if the run does not exist or is damaged; InputError if the file cannot be
-        written.
+    Raises: RunError if the run does not exist or is damaged, TimeLimitError if its own spec does
+        not come to an end; InputError if the file cannot be written.
     """
     folder = run.folder if isinstance(run, Run) else resolve(run, finished=False)
     path = folder.path / FILE if out is None else Path(out)
-    refuse_outputs([path])
+    refuse_outputs([path], run=folder.path)
     refuse_unwritable(*(folder.path / file for file in (gait_data.FILE, report_walk.FILE)))
     certificate = read_certificate(folder)
+    if folder.finished and certificate.proof is None and not isinstance(run, Run):
+        # No other process has traced its spec: before this one imports it, one does.
+        refuse_endless(folder)
     saved = saved_of(folder, certificate)
     robot = robot_from_text(folder.copy(ROBOT), saved.asked.robot)
     with ThreadPoolExecutor(1) as beside:

@@ -154,7 +154,7 @@ def _planned(settings: SimulateSettings) -> _Plan:
     refuse_unwritable(*(run.path / file for file in (SUMMARY, PLANT)))
     videos = [] if settings.video is None else [Path(settings.video)]
     inputs = [Path(given) for given in (plant, commands, terrain) if isinstance(given, str | Path)]
-    refuse_outputs([*files, *videos], inputs)
+    refuse_outputs([*files, *videos], inputs, run=run.path)
     for video in videos:
         films.check(video)
     wire = link_of(settings.link, controller, disturbance)

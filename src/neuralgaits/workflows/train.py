@@ -1,5 +1,6 @@
 """Train a gait and leave a run folder that can be resumed, checked and simulated."""
 
+import math
 import time
 from dataclasses import replace
 from functools import partial
@@ -9,10 +10,10 @@ import numpy as np
 
 from neuralgaits.analysis.poincare_map import poincare
 from neuralgaits.analysis.run import Run, open_parts, untrained
-from neuralgaits.analysis.walking_speeds import speed_doubt
+from neuralgaits.analysis.walking_speeds import gait_doubt
 from neuralgaits.barriers import GaitSpec
 from neuralgaits.certificate.traced import after_impact, trace_spec
-from neuralgaits.errors import Interrupted, RunError
+from neuralgaits.errors import Interrupted, NonFiniteError, RunError
 from neuralgaits.gait.policies.commanded_gait import CommandedGait
 from neuralgaits.records.trained import Trained, TrainingProof, Violations
 from neuralgaits.records.training_config import asked_of
@@ -45,8 +46,8 @@ def train(settings: TrainSettings) -> Run:
 
     Returns: `Run`.
 
-    Raises: InputError on bad settings; NonFiniteError if the loss turned to NaN; Interrupted
-        for KeyboardInterrupt.
+    Raises: InputError on bad settings; NonFiniteError if the loss or a margin is not finite;
+        Interrupted for KeyboardInterrupt.
     """
     start_time = time.perf_counter()
     watch, root = settings.watch, settings.root
@@ -59,7 +60,7 @@ def train(settings: TrainSettings) -> Run:
         place = None if settings.out is None else Path(settings.out)
         certify, budget = settings.certify, settings.budget
         new = new_training(robot, settings, settings.seed or 0, certify=certify, budget=budget)
-        doubt = speed_doubt(robot, settings.speed)
+        doubt = gait_doubt(robot, settings.speed, settings.step_length)
         if doubt is not None and watch is not None and watch.doubted is not None:
             watch.doubted(doubt)
         run = new.begun(root, place)
@@ -141,6 +142,8 @@ def summary_of(
         train_s: duration of the gradient steps (s).
         start_time: start time of the command, or of this seed of many (s, of `time.perf_counter`).
         proof: result of the requested proof; None without one.
+
+    Raises: NonFiniteError if its loss or a margin is NaN or infinity.
     """
     asked = run.asked
     aims = {aim.name: violations(aimed.margins[aim.name], aim.scale) for aim in run.spec.aims}
@@ -151,7 +154,7 @@ def summary_of(
     program = None
     if asked.not_provable_because is None:
         program = trace_spec(run.spec, run.robot, run.trained, run.residuals)
-    return Trained(
+    done = Trained(
         run=str(run.path),
         robot=asked.robot,
         spec=asked.spec,
@@ -171,6 +174,8 @@ def summary_of(
         train_s=train_s,
         wall_s=time.perf_counter() - start_time,
     )
+    refuse_non_finite(done)
+    return done
 
 
 def _orbit_speeds(run: Run) -> tuple[float, float] | None:
@@ -184,6 +189,23 @@ def _orbit_speeds(run: Run) -> tuple[float, float] | None:
         there = run.at(**(middle | {"speed": speed}))
         found.append(poincare(there.zero_dynamics, there.gait.z(np.array([0.5, 0.5]))).speed_m_s)
     return (found[0], found[1]) if np.isfinite(found).all() else None
+
+
+def refuse_non_finite(done: Trained) -> None:
+    """Refuse a trained gait with a loss, margin or error that is NaN or infinity.
+
+    Raises: NonFiniteError, which names all of them.
+    """
+    numbers = {"loss": math.inf if done.loss is None else done.loss}
+    numbers |= {name: one.min_margin for name, one in {**done.conditions, **done.aims}.items()}
+    numbers |= done.after_impact or {}
+    bad = [name for name, number in numbers.items() if not math.isfinite(number)]
+    if bad:
+        raise NonFiniteError(
+            f"expected a trained gait with a finite loss and margins, found NaN or infinity in "
+            f"{', '.join(bad)}: train again with more --steps, with narrower ranges of commands "
+            f"or parameters, or with another --seed; {done.run} stays unfinished"
+        )
 
 
 def violations(margins: np.ndarray, scale: float) -> Violations:

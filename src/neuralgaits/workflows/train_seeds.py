@@ -7,7 +7,7 @@ from pathlib import Path
 import jax
 
 from neuralgaits.analysis.run import Run
-from neuralgaits.analysis.walking_speeds import speed_doubt
+from neuralgaits.analysis.walking_speeds import gait_doubt
 from neuralgaits.errors import Interrupted
 from neuralgaits.records.trained import TrainedSeed, TrainedSeeds
 from neuralgaits.runs import to_json, write_text
@@ -63,7 +63,7 @@ def train_seeds(settings: TrainSeedsSettings) -> Seeds:
     # Runs are finished or gone on with one by one: nothing in here is replaced from now on.
     filled(path)
     way = SeedBatches if as_one_program() else SideBySide
-    doubt = speed_doubt(robot, settings.speed)
+    doubt = gait_doubt(robot, settings.speed, settings.step_length)
     if doubt is not None and settings.doubted is not None:
         settings.doubted(doubt)
     many = way(first, path, root, len(numbers))

@@ -17,7 +17,7 @@ from typing import Any
 from neuralgaits._own_process import command_of, environment_of
 from neuralgaits.certificate.chart import PLANE_ONLY, Chart
 from neuralgaits.certificate.proof_file.theorem_tables import Theorems
-from neuralgaits.errors import InputError, NeuralGaitsError, RunError
+from neuralgaits.errors import InputError, NeuralGaitsError, RunError, TimeLimitError
 from neuralgaits.records.training_config import asked_of
 from neuralgaits.runs import RunFolder, plain, write_text
 
@@ -32,8 +32,8 @@ def retrace_in_subprocess(
 ) -> dict[str, Any]:
     """Have a process of its own run `describe_run`.
 
-    Raises: RunError if the run cannot be opened, or its spec ends the process or never comes to an
-        end; InputError likewise.
+    Raises: TimeLimitError if the spec does not come to an end within `LONGEST_S`; RunError if it
+        ends the process; InputError if the run cannot be opened or traced.
     """
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "answer.json"
@@ -50,7 +50,7 @@ def retrace_in_subprocess(
                 timeout=LONGEST_S,
             )
         except subprocess.TimeoutExpired:
-            raise RunError(
+            raise TimeLimitError(
                 f"expected the conditions of {run} to be traced within {LONGEST_S:g} s, found no "
                 "answer by then: look in its spec.py for what never ends"
             ) from None
@@ -64,6 +64,22 @@ def retrace_in_subprocess(
     if "error" in found:
         raise InputError(str(found["error"]))
     return found
+
+
+def refuse_endless(folder: RunFolder) -> None:
+    """Have a process of its own open and trace a run of a user's spec, before this one opens it.
+
+    Raises: TimeLimitError if the spec does not come to an end; RunError if it ends the process.
+        All other faults are left to the caller, who meets them again.
+    """
+    if ".py:" not in asked_of(folder).spec:
+        return
+    try:
+        retrace_in_subprocess(folder.path, Theorems())
+    except RunError:
+        raise
+    except InputError:
+        pass
 
 
 def here_if_built_in(run: Path, theorems: Theorems, chart: Chart = PLANE_ONLY) -> dict[str, Any]:

@@ -20,7 +20,7 @@ from neuralgaits.certificate.proof_file.run_match import ROBOT, SPEC, WEIGHTS, d
 from neuralgaits.certificate.proof_file.sampled_bounds import first_broken_bound
 from neuralgaits.certificate.run_certificate.friction_requirement import friction_needed
 from neuralgaits.certificate.run_certificate.run_comparison import RunComparison, compare_with_run
-from neuralgaits.errors import InputError
+from neuralgaits.errors import InputError, TimeLimitError
 from neuralgaits.records.certified import (
     PROOF,
     SUMMARY,
@@ -88,7 +88,10 @@ def hashes(run: Path) -> dict[str, str | None]:
 
 
 def read_certificate(folder: RunFolder) -> CertificateReading:
-    """Read a run's certificate and compare it with its proof files and with the run."""
+    """Read a run's certificate and compare it with its proof files and with the run.
+
+    Raises: TimeLimitError if the run's own spec does not come to an end.
+    """
     path = folder.path / SUMMARY
     if not path.is_file():
         return CertificateReading()
@@ -220,6 +223,8 @@ def _claims(run: Path) -> tuple[Claims, RunComparison] | tuple[None, None]:
         raise _Unfit(f"{PROOF} is not about this run: {wrong[0]}")
     try:
         own = compare_with_run(claims, run, own_process=False)
+    except TimeLimitError:
+        raise
     except InputError as error:
         raise _Unfit(f"{PROOF} could not be compared with the run: {error}") from None
     if wrong := [*own.wrong, *inconsistencies(claims, own.asked)]:

@@ -25,7 +25,11 @@ from neuralgaits.robots.mjcf.counts import refuse_large_counts
 from neuralgaits.robots.mjcf.ignored_physics import refuse_ignored_physics
 from neuralgaits.robots.mjcf.legs import LegJoint, leg_data, leg_joints, link_directions, up_angle
 from neuralgaits.robots.mjcf.link_names import coordinate_names, paired_names, role_names
-from neuralgaits.robots.mjcf.physical_numbers import refuse_odd_keyframes, refuse_unphysical
+from neuralgaits.robots.mjcf.physical_numbers import (
+    refuse_negative_mass,
+    refuse_odd_keyframes,
+    refuse_unphysical,
+)
 from neuralgaits.robots.mjcf.planar_tree import PlanarTree, read_tree
 from neuralgaits.robots.mjcf.skeleton import Skeleton, read_skeleton
 from neuralgaits.robots.mjcf.text import standalone_text
@@ -146,6 +150,7 @@ def compile_text(text: str, name: str) -> mujoco.MjModel:
     Raises: RobotError with MuJoCo's reason, warnings included, and the remedy.
     """
     refuse_large_counts(text)
+    refuse_negative_mass(text)
     warnings: list[str] = []
     # Unasked, MuJoCo prints its warnings, and logs them to a file in the caller's folder.
     mujoco.set_mju_user_warning(warnings.append)

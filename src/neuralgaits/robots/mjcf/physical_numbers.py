@@ -23,6 +23,9 @@ POSITIVE = ("length", "mass", "torque_limit", "foot_radius", "friction")
 NOT_NEGATIVE = ("inertia", "armature", "damping")
 """Quantities of a leg, by their names in `derive.LegData`."""
 
+MASSES = {"inertial": ("mass", "diaginertia"), "geom": ("mass", "density")}
+"""Attributes of elements that are negative for no body. MuJoCo takes some as zero, without a word:
+those of bodies that do not move by themselves."""
 _FIELDS = {
     "body": ("pos", "quat", "ipos", "iquat", "mass", "inertia"),
     "jnt": ("pos", "axis", "range", "actfrcrange", "margin", "solref", "solimp"),
@@ -71,6 +74,36 @@ def refuse_unphysical(model: mujoco.MjModel) -> None:
             f"impratio of <option> is {model.opt.impratio:g}, expected a number above 0: leave it "
             "out"
         )
+
+
+def refuse_negative_mass(text: str) -> None:
+    """Check masses, inertias and densities of MJCF text, also those that MuJoCo would change.
+
+    Raises: RobotError naming the body or geom, and the number.
+    """
+    try:
+        root = ElementTree.fromstring(text)
+    except ElementTree.ParseError:
+        # Whoever compiles the text says what is wrong with it.
+        return
+    for parent in root.iter():
+        for element in parent:
+            for name in MASSES.get(str(element.tag), ()):
+                for number in _numbers(element.get(name, "")):
+                    if not number >= 0.0:
+                        owner = parent if element.tag == "inertial" else element
+                        raise RobotError(
+                            f"{owner.tag} {owner.get('name', 'without a name')} has {name} "
+                            f"{number:g}: expected 0 or more; mend that number"
+                        )
+
+
+def _numbers(text: str) -> list[float]:
+    """Read the numbers of an attribute; none of what is no number, which MuJoCo refuses."""
+    try:
+        return [float(word) for word in text.split()]
+    except ValueError:
+        return []
 
 
 def refuse_quantity(name: str, words: str, value: float, where: str) -> None:

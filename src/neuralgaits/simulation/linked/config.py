@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from typing import Any
 
+from neuralgaits._checks import listed
 from neuralgaits.errors import InputError
 
 
@@ -56,15 +57,22 @@ def parse_link(text: "str | Mapping[str, Any] | LinkConfig | None") -> LinkConfi
             number = value if known[name] is str else float(value)
         except ValueError:
             raise InputError(f"link {name}: expected a number, found {value!r}") from None
-        values[name] = bool(number) if name == "lockstep" else number
+        if name == "lockstep":
+            if number not in (0.0, 1.0):
+                raise InputError(f"link lockstep: expected 0 or 1, found {value}")
+            number = bool(number)
+        values[name] = number
     return LinkConfig(**values)
 
 
 def _pairs(text: str) -> dict[str, str]:
-    pairs = {}
-    for part in text.split(","):
+    pairs: dict[str, str] = {}
+    for part in listed("link", text):
         name, equals, value = part.partition("=")
         if not equals:
             raise InputError(f"link: expected NAME=VALUE,..., found {part!r}")
-        pairs[name.strip()] = value.strip()
+        name = name.strip()
+        if name in pairs:
+            raise InputError(f"link {name} is given twice: give it once")
+        pairs[name] = value.strip()
     return pairs

@@ -5,6 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from typing import Any
 
+from neuralgaits._checks import listed
 from neuralgaits._names import meant
 from neuralgaits.errors import InputError
 
@@ -120,7 +121,7 @@ def parse(disturb: "str | Mapping[str, float] | PlantChanges | None") -> PlantCh
 
 def _pairs(text: str) -> list[tuple[str, str]]:
     pairs = []
-    for part in filter(None, (part.strip() for part in text.split(","))):
+    for part in listed("disturbances", text):
         name, equals, value = part.partition("=")
         if not equals:
             raise InputError(f"disturbances: expected NAME=VALUE,..., found {part!r}")

@@ -3,6 +3,7 @@
 import math
 from dataclasses import replace
 
+from neuralgaits._checks import listed
 from neuralgaits.errors import InputError
 from neuralgaits.simulation.setup.disturbance import PlantChanges
 
@@ -27,9 +28,10 @@ def sensed(disturbance: PlantChanges, sensing: str | None) -> PlantChanges:
     """
     if sensing is None:
         return disturbance
-    kind, *settings = (part.strip() for part in sensing.split(","))
+    kind = sensing.partition(",")[0].strip()
     if kind not in (PERFECT, ENCODERS):
         raise InputError(f"sensing: expected {PERFECT} or {ENCODERS}, found {kind!r}")
+    settings = listed("sensing", sensing)[1:]
     if kind == PERFECT:
         if settings:
             raise InputError(
@@ -59,7 +61,7 @@ def name_of(disturbance: PlantChanges) -> str:
 
 def _read(settings: list[str]) -> dict[str, float]:
     values: dict[str, float] = {}
-    for setting in filter(None, settings):
+    for setting in settings:
         name, equals, text = (part.strip() for part in setting.partition("="))
         if not equals:
             raise InputError(f"sensing: expected NAME=VALUE after {ENCODERS}, found {setting!r}")

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
 
+from neuralgaits._checks import listed
 from neuralgaits.errors import InputError
 from neuralgaits.gait.commands import Commands, command_named, place_of
 
@@ -102,7 +103,7 @@ def _ranges(kind: str, commands: Commands) -> dict[str, Size]:
 
 def kind_of(asked: str) -> tuple[str | None, dict[str, float]]:
     """Return kind and given sizes of a ground; None for a file. Raises: InputError."""
-    kind, *given = (part.strip() for part in asked.split(","))
+    kind = asked.partition(",")[0].strip()
     if kind not in KINDS:
         if Path(asked).is_file():
             return None, {}
@@ -112,7 +113,7 @@ def kind_of(asked: str) -> tuple[str | None, dict[str, float]]:
         )
     found: dict[str, float] = {}
     known = KINDS[kind].settings
-    for part in given:
+    for part in listed("--terrain", asked)[1:]:
         name, _, text = (word.strip() for word in part.partition("="))
         try:
             value = float(text)

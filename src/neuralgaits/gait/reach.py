@@ -1,0 +1,102 @@
+"""Ranges of commands that no robot with such legs can follow, refused before any training."""
+
+import itertools
+import math
+from typing import TYPE_CHECKING
+
+from neuralgaits.errors import SpecError
+from neuralgaits.gait.commands import FASTEST, Commands, command_named
+from neuralgaits.gait.posture import GUARD
+
+if TYPE_CHECKING:
+    from neuralgaits.robots import PlanarBiped
+
+MOST_FROUDE = 4.0
+"""Limit on v^2 / (g L). At 1 the feet of stiff legs leave the floor; at 4 a walk at twice that
+speed would need a floor that pulls with three times the weight."""
+FRICTION = 0.45
+"""Friction of the floor in the conditions of the walk: feet slip on a steeper slope."""
+
+
+def refuse_unreachable(robot: "PlanarBiped", commands: Commands) -> None:
+    """Refuse ranges of commands with steps that the robot cannot take at all.
+
+    Args:
+        robot: the biped, whose legs and gravity set the limits.
+        commands: commands of the gait; those without a meaning in this package are left alone.
+
+    Raises: SpecError with one line about the first impossible range.
+    """
+    speed, length = (command_named(commands, name) for name in ("speed", "step_length"))
+    if speed is not None:
+        refuse_speed(robot, speed.low)
+        refuse_speed(robot, speed.high)
+    if length is not None and not length.low > 0.0:
+        raise SpecError(
+            f"command step_length: expected lengths above 0 m, found {length.low:g}:"
+            f"{length.high:g}: begin the range at {0.1 * robot.leg_length:.2g} or more"
+        )
+    _refuse_steep(commands)
+    _refuse_high(robot, commands)
+    _refuse_far(robot, commands)
+
+
+def refuse_speed(robot: "PlanarBiped", speed: float) -> None:
+    """Refuse a mean speed (m/s) at which the robot cannot walk. Raises: SpecError."""
+    if not speed > 0.0:
+        raise SpecError(f"expected a speed above 0 m/s, found {speed:g}")
+    if speed > FASTEST:
+        raise SpecError(f"expected a speed of at most {FASTEST:g} m/s, found {speed:g}")
+    most = math.sqrt(MOST_FROUDE * float(robot.gravity) * robot.leg_length)
+    if speed > most:
+        raise SpecError(
+            f"expected a speed of at most {most:.3g} m/s for legs of {robot.leg_length:.2f} m, "
+            f"which is twice that at which feet leave the floor, found {speed:g}: ask for "
+            f"less than {0.5 * most:.2g}"
+        )
+
+
+def _refuse_steep(commands: Commands) -> None:
+    slope = command_named(commands, "slope")
+    if slope is None:
+        return
+    steepest = max(abs(slope.low), abs(slope.high))
+    if not math.tan(steepest) < FRICTION:
+        most, found = math.degrees(math.atan(FRICTION)), math.degrees(steepest)
+        raise SpecError(
+            f"command slope: expected slopes below {most:.3g} degrees, where feet slip at the "
+            f"friction of {FRICTION:g} that the conditions allow, found {found:.3g}: ask for less"
+        )
+
+
+def _refuse_high(robot: "PlanarBiped", commands: Commands) -> None:
+    height = command_named(commands, "step_height")
+    if height is None:
+        return
+    highest = max(abs(height.low), abs(height.high))
+    if not highest < robot.leg_length:
+        raise SpecError(
+            f"command step_height: expected heights below the legs' length of "
+            f"{robot.leg_length:.2f} m, found {height.low:g}:{height.high:g}: ask for less"
+        )
+
+
+def _refuse_far(robot: "PlanarBiped", commands: Commands) -> None:
+    """Refuse footholds further from each other than two straight legs reach."""
+    ends: dict[str, tuple[float, ...]] = {
+        "step_length": (2.0 * GUARD * robot.leg_length,),
+        "step_height": (0.0,),
+        "slope": (0.0,),
+    }
+    for name in ends:
+        if (command := command_named(commands, name)) is not None:
+            ends[name] = (command.low, command.high)
+    corners = itertools.product(*ends.values())
+    farthest = max(math.hypot(long, high + math.tan(slope) * long) for long, high, slope in corners)
+    most = 2.0 * robot.leg_length
+    if not farthest < most:
+        names = [name for name in ends if command_named(commands, name) is not None]
+        raise SpecError(
+            f"command {', '.join(names)}: expected footholds less than {most:.3g} m apart, twice "
+            f"the legs' length, found {farthest:.3g} m: ask for shorter steps"
+        )

@@ -1,0 +1,67 @@
+"""Ranges of commands that no robot with such legs can follow are refused before training."""
+
+import math
+
+import pytest
+
+from neuralgaits.barriers import specs
+from neuralgaits.barriers.commanded_spec import commands_of
+from neuralgaits.cli.main import main
+from neuralgaits.errors import SpecError
+from neuralgaits.gait.reach import FRICTION, refuse_unreachable
+from neuralgaits.robots import load_robot
+
+STEEPEST = math.atan(FRICTION)
+
+
+@pytest.fixture(scope="module")
+def amber():
+    return load_robot("amber3m")
+
+
+@pytest.mark.parametrize(
+    ("words", "found"),
+    [
+        ("--step-length 0:99", "lengths above 0 m, found 0:99"),
+        ("--step-length 0:0.3", "lengths above 0 m, found 0:0.3"),
+        ("--step-length=-0.1:0.3", "lengths above 0 m"),
+        ("--step-length 0.3:1.8", "less than 1.75 m apart"),
+        ("--step-length 0.3:1.7 --step-height=-0.5:0.5", "less than 1.75 m apart"),
+        ("--step-height=-5:5", "heights below the legs' length of 0.87 m"),
+        ("--slope=-30:30", "slopes below 24.2 degrees"),
+        ("--speed 50", "a speed of at most 5.85 m/s for legs of 0.87 m"),
+        ("--speed 0.5:50", "a speed of at most 5.85 m/s"),
+        ("--speed 0:0.5", "a speed above 0 m/s, found 0"),
+        ("--speed=-0.5:0.5", "a speed above 0 m/s"),
+        ("--seeds 0:2 --step-length 0:99", "lengths above 0 m"),
+    ],
+)
+def test_an_impossible_range_is_one_line(tmp_path, monkeypatch, capfd, words, found):
+    monkeypatch.chdir(tmp_path)
+    assert main(["train", "amber3m", *words.split()]) == 2
+    [line] = capfd.readouterr().err.splitlines()
+    assert found in line
+    assert not (tmp_path / "runs").exists()
+
+
+def test_limits_are_those_of_the_legs(amber):
+    """A robot with shorter legs takes shorter steps."""
+    far = commands_of(step_length=(0.3, 1.5))
+    refuse_unreachable(amber, far)
+    small = load_robot("rabbit")
+    assert small.leg_length < amber.leg_length
+    beyond = commands_of(step_length=(0.3, 2.0 * small.leg_length))
+    with pytest.raises(SpecError, match="apart"):
+        refuse_unreachable(small, beyond)
+    refuse_unreachable(amber, beyond)
+
+
+def test_usual_ranges_pass(amber):
+    usual = {
+        "speed": (0.55, 0.9),
+        "step_length": (0.3, 0.4),
+        "step_height": (-0.05, 0.05),
+        "slope": (-0.9 * STEEPEST, 0.9 * STEEPEST),
+    }
+    refuse_unreachable(amber, commands_of(**usual))
+    specs.commanded(amber, commands_of(speed=usual["speed"]))
