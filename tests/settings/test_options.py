@@ -11,9 +11,10 @@ import tyro
 
 import neuralgaits
 from neuralgaits import settings as of
+from neuralgaits._called_with import called_with, descriptions
 from neuralgaits.cli.argv_parser import _VERBS, given, read
 from neuralgaits.errors import InputError
-from neuralgaits.settings.options import arg, called_with, descriptions, marks_of, words_of
+from neuralgaits.settings.options import arg, marks_of, words_of
 
 CALLED: dict[str, tuple[str, type]] = {
     "train": ("train", of.TrainSettings),

@@ -10,8 +10,7 @@ from neuralgaits.barriers import Recipe
 from neuralgaits.gait import posture_path
 from neuralgaits.runs import read_tree, write_tree
 from neuralgaits.training import start_from_posture
-from neuralgaits.training.learning_rate import width_factor
-from neuralgaits.training.trainer import _optimizer
+from neuralgaits.training.learning_rate import optimizer_of, width_factor
 from support.small_spec import REGIONS
 
 
@@ -120,7 +119,7 @@ def test_the_learning_rate(milestones, warmup):
         milestones=milestones,
         warmup=warmup,
     )
-    optimizer = _optimizer(recipe, 50, 0.5)
+    optimizer = optimizer_of(recipe, 50, 0.5)
     gradient, place = jnp.ones(1), jnp.zeros(1)
     state, moves = optimizer.init(place), []
     for _ in range(50):

@@ -7,10 +7,11 @@ from typing import Annotated, Any
 
 import tyro
 
+from neuralgaits._called_with import descriptions
 from neuralgaits._version import __version__
 from neuralgaits.cli import arguments as of
 from neuralgaits.cli.misspelt import refuse_misspelt
-from neuralgaits.settings.options import arg, descriptions
+from neuralgaits.settings.options import arg
 
 Verb = (
     of.TrainOptions

@@ -149,6 +149,18 @@ def _walk(
     return summary(walked), [log_of(run.robot, record, "walk") for record in records]
 
 
+def logs_of(logs: Path, number: int) -> list[Path]:
+    """Return the logs of a round. Raises: InputError if there are none."""
+    place = logs / f"round-{number}"
+    if number == 0 and not place.is_dir():
+        place = logs
+    files = sorted(place.glob("*.csv"))
+    if not files:
+        found = "none" if place.is_dir() else "no such folder"
+        raise InputError(f"expected logs *.csv in {place}, found {found}: put the robot's there")
+    return files
+
+
 def logged_round(run: Run, files: Sequence[Path], columns: str | Path | None = None) -> WalkedRound:
     """Summarise a robot's own logs as a round: each file counts as one walk, falls are unknown.
 

@@ -1,8 +1,8 @@
 """Settings of the verbs: one class each, which the command line and the Python call both read."""
 
+from neuralgaits._called_with import called_with
 from neuralgaits.settings.certify_settings import CertifySettings, CheckProofSettings
 from neuralgaits.settings.learn_settings import EpisodesSettings, FitSettings, RefineSettings
-from neuralgaits.settings.options import called_with
 from neuralgaits.settings.shared_options import Watch
 from neuralgaits.settings.simulate_settings import SimulateSettings
 from neuralgaits.settings.sweep_settings import SweepSettings

@@ -1,14 +1,10 @@
-"""What a class of settings is made of, and how a function takes its fields as arguments."""
+"""Marks of the fields of a class of settings, and the words of a command line that give them."""
 
-import ast
-import inspect
-import itertools
 import typing
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import fields
-from functools import wraps
 from pathlib import Path
-from typing import Annotated, Any, ParamSpec, TypeVar
+from typing import Annotated, Any
 
 import tyro
 from tyro.conf import Fixed, Positional
@@ -19,9 +15,6 @@ from neuralgaits.runs.shell_words import named
 POSITIONAL: Any = typing.get_args(Positional[int])[1]
 ONLY_PYTHON: Any = typing.get_args(Fixed[int])[1]
 """Marks of words without a flag, and of settings that the command line does not have."""
-P = ParamSpec("P")
-Settings = TypeVar("Settings")
-Result = TypeVar("Result")
 
 
 def arg(**settings: Any) -> Any:
@@ -48,39 +41,6 @@ def option(metavar: str, read: Callable[[str], Any], write: Callable[[Any], str]
         is_instance=lambda value: True,
         str_from_instance=lambda value: [str(value) if value is None else write(value)],
     )
-
-
-def called_with(
-    settings: Callable[P, Settings],
-) -> Callable[[Callable[[Settings], Result]], Callable[P, Result]]:
-    """Give a function of one settings object the arguments of its class.
-
-    Signature and docstring list these arguments, so that they are written once.
-    """
-
-    def decorate(carry_out: Callable[[Settings], Result]) -> Callable[P, Result]:
-        @wraps(carry_out)
-        def verb(*args: P.args, **kwargs: P.kwargs) -> Result:
-            return carry_out(settings(*args, **kwargs))
-
-        kind = typing.cast(type, settings)
-        verb.__doc__ = _with_arguments(inspect.getdoc(carry_out) or "", descriptions(kind))
-        result = inspect.signature(carry_out).return_annotation
-        shown = [one.replace(annotation=plain(one)) for one in _parameters(kind)]
-        verb.__dict__["__signature__"] = inspect.Signature(shown, return_annotation=result)
-        return verb
-
-    return decorate
-
-
-def _parameters(settings: type) -> list[inspect.Parameter]:
-    return list(inspect.signature(settings).parameters.values())
-
-
-def plain(parameter: inspect.Parameter) -> Any:
-    """Return the type of a parameter without the marks for the command line."""
-    hint = parameter.annotation
-    return typing.get_args(hint)[0] if typing.get_origin(hint) is Annotated else hint
 
 
 def marks_of(settings: type) -> dict[str, tuple[Any, ...]]:
@@ -128,35 +88,3 @@ def _word(value: Any, marks: tuple[Any, ...]) -> str:
     if isinstance(value, Path):
         return named(value)
     return repr(value) if isinstance(value, float) else str(value)
-
-
-def descriptions(settings: type) -> dict[str, str]:
-    """Return what a class of settings says about each field: the text behind it, on one line."""
-    said = {name: text for one in reversed(settings.__mro__[:-1]) for name, text in _said(one)}
-    hints = typing.get_type_hints(settings, include_extras=True)
-    for name, hint in hints.items():
-        for mark in typing.get_args(hint)[1:]:
-            if text := getattr(mark, "help", None):
-                said.setdefault(name, text)
-    order = [field.name for field in fields(settings)]
-    return {name: " ".join(said[name].split()) for name in order if name in said}
-
-
-def _said(settings: type) -> Iterator[tuple[str, str]]:
-    """Yield the fields of a class with the docstrings that follow them."""
-    [found] = ast.parse(inspect.getsource(settings)).body
-    assert isinstance(found, ast.ClassDef)
-    for field, text in itertools.pairwise(found.body):
-        match field, text:
-            case (
-                ast.AnnAssign(target=ast.Name(id=name)),
-                ast.Expr(value=ast.Constant(value=str(docstring))),
-            ):
-                yield name, docstring
-
-
-def _with_arguments(doc: str, arguments: dict[str, str]) -> str:
-    """Return a docstring with a section about its arguments behind its first part."""
-    head, blank, tail = doc.partition("\n\nReturns:")
-    listed = "\n".join(f"    {name}: {text}" for name, text in arguments.items())
-    return f"{head}\n\nArgs:\n{listed}{blank}{tail}"

@@ -1,10 +1,11 @@
 """Walk at full order: robot, policies and starts in, results of each episode out."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import KW_ONLY, dataclass
 
 import numpy as np
 
+from neuralgaits._called_with import called_with
 from neuralgaits._checks import check_walked
 from neuralgaits._environment import cores
 from neuralgaits._types import Array, Float
@@ -56,108 +57,121 @@ class Walk:
     courses: Courses | None = None
 
 
-def walk(
-    robot: PlanarBiped,
-    policies: AbstractPolicy | Sequence[AbstractPolicy],
-    starts: Float[np.ndarray, "B two_n"],
-    *,
-    plant: PlanarBiped | None = None,
-    robots: Sequence[PlanarBiped] | None = None,
-    controller: str | AbstractLaw = "pd",
-    steps: int = 50,
-    z2_range: tuple[float, float] | None = None,
-    disturbance: PlantChanges | None = None,
-    push: float = 0.0,
-    seed: int = 0,
-    falls: FallConfig | None = None,
-    record: bool = False,
-    longest: int = 0,
-    watch: Watch | None = None,
-    threads: int | None = None,
-    remote: Remote | None = None,
-    library: Library | None = None,
-    orders: CommandSchedule | None = None,
-    reset_residual: ResetCorrection = None,
-    courses: Courses | None = None,
-    first: int = 0,
-    simulator: Simulator = MUJOCO,
-) -> Walk:
+@dataclass(frozen=True)
+class WalkInputs:
+    """Everything that a walk is given."""
+
+    robot: PlanarBiped
+    """The controller's model."""
+    policies: AbstractPolicy | Sequence[AbstractPolicy]
+    """One for all episodes, or one of the same structure for each."""
+    starts: Float[np.ndarray, "B two_n"]
+    """Full states x = (q, dq), standing on leg 0 (rad, rad/s). [B, 2n]"""
+    _: KW_ONLY
+    plant: PlanarBiped | None = None
+    """Robot to simulate, `robot` if None; it must have the same joints."""
+    robots: Sequence[PlanarBiped] | None = None
+    """Robots in its place, one for each episode, of the same joints and feet; without courses."""
+    controller: str | AbstractLaw = "pd"
+    """`pd`, `fblin`, `paper`, `clf-qp`, or a law."""
+    steps: int = 50
+    """Number of walking steps of an episode."""
+    z2_range: tuple[float, float] | None = None
+    """Momenta of the policies' training (kg m^2/s); wide bounds if None."""
+    disturbance: PlantChanges | None = None
+    """Disturbance of the plant."""
+    push: float = 0.0
+    """Forward impulse at the pitch axis of the root (N s); see `simulation.setup.push`."""
+    seed: int = 0
+    """Seed of everything random."""
+    falls: FallConfig | None = None
+    """Thresholds of a fall."""
+    record: bool = False
+    """Keep records and states of episode 0."""
+    longest: int = 0
+    """Keep records of the first so many ticks of every episode."""
+    watch: Watch | None = None
+    """Called after each control tick, see `lockstep`."""
+    threads: int | None = None
+    """Threads that step MuJoCo, all cores if None."""
+    remote: Remote | None = None
+    """Controller processes in place of the law; all episodes then share a policy."""
+    library: Library | None = None
+    """Library compiled for this robot and one policy, which then walks natively; else the loop is
+    in JAX, as with `remote`, `watch`, Drake, or a law that is not of this package."""
+    orders: CommandSchedule | None = None
+    """Commands of policies that take some; the middle of the ranges if None."""
+    reset_residual: ResetCorrection = None
+    """Corrects the impact that their steps begin with."""
+    courses: Courses | None = None
+    """Courses of blocks in place of floors, one for each episode; they give the orders."""
+    first: int = 0
+    """Number of the first episode, on which random numbers depend."""
+    simulator: Simulator = MUJOCO
+    """`drake` in MuJoCo's place; needs the extra of that name."""
+
+    def __post_init__(self) -> None:
+        for one in (self.plant, *(self.robots or ())):
+            _check_same_joints(self.robot, one)
+        _positive_whole("steps", self.steps)
+        _finite_impulse(self.push)
+        check_simulator(self.simulator)
+
+
+@called_with(WalkInputs)
+def walk(given: WalkInputs) -> Walk:
     """Walk from each start.
 
-    Args:
-        robot: the controller's model.
-        policies: one for all episodes, or one of the same structure for each.
-        starts: full states x = (q, dq), standing on leg 0 (rad, rad/s). [B, 2n]
-        plant: robot to simulate, `robot` if None; it must have the same joints.
-        robots: robots in its place, one for each episode, of the same joints and feet; without
-            courses.
-        controller: `pd`, `fblin`, `paper`, `clf-qp`, or a law.
-        steps: number of walking steps of an episode.
-        z2_range: momenta of the policies' training (kg m^2/s); wide bounds if None.
-        disturbance: disturbance of the plant.
-        push: forward impulse at the pitch axis of the root (N s); see `simulation.setup.push`.
-        seed: seed of everything random.
-        falls: thresholds of a fall.
-        record: keep records and states of episode 0.
-        longest: keep records of the first so many ticks of every episode.
-        watch: called after each control tick, see `lockstep`.
-        threads: threads that step MuJoCo, all cores if None.
-        remote: controller processes in place of the law; all episodes then share a policy.
-        library: library compiled for this robot and one policy, which then walks natively; else the
-            loop is in JAX, as with `remote`, `watch`, Drake, or a law that is not of this package.
-        orders: commands of policies that take some; the middle of the ranges if None.
-        reset_residual: corrects the impact that their steps begin with.
-        courses: courses of blocks in place of floors, one for each episode; they give the orders.
-        first: number of the first episode, on which random numbers depend.
-        simulator: `drake` in MuJoCo's place; needs the extra of that name.
-
+    Returns: `Walk`.
     Raises: InputError if settings do not fit, or Drake is not installed.
     """
-    starts = _checked_starts(robot, starts)
-    for one in (plant, *(robots or ())):
-        _check_same_joints(robot, one)
-    _positive_whole("steps", steps)
-    _finite_impulse(push)
-    check_simulator(simulator)
-    law, count = law_named(controller), len(starts)
+    robot, policies, disturbance = given.robot, given.policies, given.disturbance
+    starts = _checked_starts(robot, given.starts)
+    law, count = law_named(given.controller), len(starts)
     shared = isinstance(policies, AbstractPolicy)
     each = [policies] if shared else _as_many(policies, count)
-    if robots is None:
-        plants = _plants(robot if plant is None else plant, disturbance, courses)
+    if given.robots is None:
+        plants = _plants(given.plant or robot, disturbance, given.courses)
     else:
-        plants = [build(one, disturbance) for one in robots]
-    one_plant = plants[0]
-    orders = _orders(each[0].commands, orders, courses)
-    told = None if courses is not None else _told_height(orders)
+        plants = [build(one, disturbance) for one in given.robots]
+    controllers = [_controller(given, policy, law, plants[0]) for policy in each]
+    orders = _orders(each[0].commands, given.orders, given.courses)
     loop = EpisodeLoop(
         plants=plants,
-        controllers=[
-            _controller(robot, policy, law, one_plant, z2_range, reset_residual) for policy in each
-        ],
+        controllers=controllers,
         shared=shared,
-        states=plant_states(one_plant, starts),
-        given=EpisodeInputs(
-            Terrain(one_plant.disturbance.floor_height, seed, count, told, first),
-            Push(push, steps, seed, count, first),
-            orders,
-            courses,
-            seed=seed,
-            noisy=not _silent(one_plant),
-            first=first,
-            record=record,
-            longest=longest,
-        ),
-        steps=steps,
-        falls=FallConfig() if falls is None else falls,
-        threads=cores() if threads is None else threads,
+        states=plant_states(plants[0], starts),
+        given=_inputs(given, plants[0], orders, count),
+        steps=given.steps,
+        falls=given.falls or FallConfig(),
+        threads=cores() if given.threads is None else given.threads,
     )
-    compiled = shared and remote is None and watch is None and simulator == MUJOCO and knows(law)
-    if library is not None and compiled:
-        engine, episodes = "native", loop.run_native(library)
+    alone = given.remote is None and given.watch is None and given.simulator == MUJOCO
+    if given.library is not None and shared and alone and knows(law):
+        engine, episodes = "native", loop.run_native(given.library)
     else:
-        engine, episodes = "jax", loop.run_jax(simulator, watch, remote)
+        engine, episodes = "jax", loop.run_jax(given.simulator, given.watch, given.remote)
     law = loop.controllers[0].law
-    return Walk(robot, one_plant, law, engine, simulator, episodes, orders.commands, courses)
+    return Walk(
+        robot, plants[0], law, engine, given.simulator, episodes, orders.commands, given.courses
+    )
+
+
+def _inputs(given: WalkInputs, plant: Plant, orders: CommandSchedule, count: int) -> EpisodeInputs:
+    """Return what the episodes meet: ground, pushes, commands, noise."""
+    seed, first, courses = given.seed, given.first, given.courses
+    told = None if courses is not None else _told_height(orders)
+    return EpisodeInputs(
+        Terrain(plant.disturbance.floor_height, seed, count, told, first),
+        Push(given.push, given.steps, seed, count, first),
+        orders,
+        courses,
+        seed=seed,
+        noisy=not _silent(plant),
+        first=first,
+        record=given.record,
+        longest=given.longest,
+    )
 
 
 def _orders(
@@ -176,21 +190,16 @@ def _told_height(orders: CommandSchedule) -> float | None:
 
 
 def _controller(
-    robot: PlanarBiped,
-    policy: AbstractPolicy,
-    law: AbstractLaw,
-    field: Plant,
-    z2_range: tuple[float, float] | None,
-    reset_residual: ResetCorrection,
+    given: WalkInputs, policy: AbstractPolicy, law: AbstractLaw, plant: Plant
 ) -> Controller:
     return Controller.init(
-        robot,
+        given.robot,
         policy,
         law,
-        z2_range=z2_range,
-        torque_limit=np.minimum(robot.torque_limit, field.torque_limit),
+        z2_range=given.z2_range,
+        torque_limit=np.minimum(given.robot.torque_limit, plant.torque_limit),
         period_s=SUBSTEPS * TIMESTEP_S,
-        reset_residual=reset_residual,
+        reset_residual=given.reset_residual,
     )
 
 

@@ -1,4 +1,6 @@
-"""Learning rate: its schedule during training, and its scale for a wider network."""
+"""Optimiser and learning rate: the schedule during training, and the scale for a wider network."""
+
+from dataclasses import replace
 
 import jax
 import optax
@@ -22,6 +24,21 @@ def schedule(recipe: Recipe, steps: int) -> optax.Schedule:
         later = optax.piecewise_constant_schedule(rate, drops)
     rise = optax.linear_schedule(0.0, rate, max(warmup, 1))
     return optax.join_schedules([rise, later], [warmup]) if warmup else later
+
+
+def optimizer_of(recipe: Recipe, steps: int, factor: float) -> optax.GradientTransformation:
+    """Return the optimiser of a training: AdamW, with clipped gradients if the recipe says so.
+
+    Args:
+        recipe: rate, decay of weights and largest gradient.
+        steps: gradient steps in all.
+        factor: share of the recipe's rate.
+    """
+    rate = replace(recipe, learning_rate=factor * recipe.learning_rate)
+    steps_of = optax.adamw(schedule(rate, steps), weight_decay=recipe.weight_decay)
+    if recipe.largest_gradient is None:
+        return steps_of
+    return optax.chain(optax.clip_by_global_norm(recipe.largest_gradient), steps_of)
 
 
 def width_factor(spec: GaitSpec, gait: AnyGait) -> float:

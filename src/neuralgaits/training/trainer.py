@@ -18,7 +18,7 @@ from jax.flatten_util import ravel_pytree
 
 from neuralgaits._quick_jit import quick_filter_jit, quick_jit
 from neuralgaits._types import Array, Float
-from neuralgaits.barriers import GaitSpec, Recipe
+from neuralgaits.barriers import GaitSpec
 from neuralgaits.errors import InputError
 from neuralgaits.gait import NO_RESIDUALS, Residuals
 from neuralgaits.gait.policies.commanded_gait import AnyGait
@@ -27,7 +27,7 @@ from neuralgaits.robots import PlanarBiped
 from neuralgaits.robots.mjcf.parameters import model_of
 from neuralgaits.training.disturbance_corners import DisturbanceBox
 from neuralgaits.training.gradient_step import VALIDATION_SAMPLES, make_evaluate, make_steps
-from neuralgaits.training.learning_rate import schedule, width_factor
+from neuralgaits.training.learning_rate import optimizer_of, width_factor
 from neuralgaits.training.loss import (
     Loss,
     MarginLayout,
@@ -116,7 +116,7 @@ class Trainer:
         layout = lay_out(spec, model, template, sampler)
         trained, fixed = eqx.partition(template, template.trainable())
         _, unflatten = ravel_pytree(cast(trained, jnp.float32))
-        optimizer = _optimizer(spec.recipe, steps, rate * width_factor(spec, template))
+        optimizer = optimizer_of(spec.recipe, steps, rate * width_factor(spec, template))
         float32_parts = (
             cast(model, np.float32),
             cast_named(layout, np.float32),
@@ -151,7 +151,7 @@ class Trainer:
     def repairing(self, steps: int) -> "Trainer":
         """Return a trainer for repair rounds of a trained gait, `steps` steps each."""
         factor = REPAIR_RATE * width_factor(self.spec, self._template)
-        optimizer = _optimizer(self.spec.recipe, steps, factor)
+        optimizer = optimizer_of(self.spec.recipe, steps, factor)
         parts = self.spec, self._float32_parts, self.disturbance, self._unflatten
         taken = make_steps(*parts, optimizer)
         compiled = quick_jit(taken)
@@ -304,14 +304,6 @@ def _samplers(spec: GaitSpec) -> tuple[Sampler, Sampler]:
     )
     more = {name: VALIDATION_SAMPLES * count for name, count in recipe.samples.items()}
     return sampler, plan(more)
-
-
-def _optimizer(recipe: Recipe, steps: int, factor: float) -> optax.GradientTransformation:
-    rate = replace(recipe, learning_rate=factor * recipe.learning_rate)
-    steps_of = optax.adamw(schedule(rate, steps), weight_decay=recipe.weight_decay)
-    if recipe.largest_gradient is None:
-        return steps_of
-    return optax.chain(optax.clip_by_global_norm(recipe.largest_gradient), steps_of)
 
 
 @quick_filter_jit

@@ -11,7 +11,7 @@ import viser
 
 from neuralgaits.viewer import bars, scheme
 from neuralgaits.viewer.player import SPEED, Picture, Player
-from neuralgaits.viewer.readouts import ended, few_digits, notch
+from neuralgaits.viewer.readouts import SETTING_WORDS, ended, few_digits, notch
 from neuralgaits.viewer.walker import SliderRange, SliderReach, Walker
 
 PUSH = SliderReach(0.0, 40.0, 8.0)
@@ -24,12 +24,6 @@ WAYS = {
 }
 """Directions of a push along x and z."""
 AFTER_FALL = {"wait for Reset": None, "reset after 2 s": 2.0, "reset after 5 s": 5.0}
-_SETTINGS = {
-    "slope_deg": ("slope [deg]", 0.5, "uphill positive; the floor turns about the stance foot"),
-    "friction": ("friction", 0.01, "sliding coefficient between feet and floor"),
-    "mass_scale": ("mass ×", 0.01, "factor on all masses and inertias; the controller is not told"),
-    "torque_limit": ("torque [N m]", 0.5, "limit of every joint; the controller knows it"),
-}
 Key = Literal["U", "J", "I", "K", "O", "L"]
 KEYS: tuple[tuple[Key, Key], ...] = (("U", "J"), ("I", "K"), ("O", "L"))
 """Keys that move a slider up and down, for the sliders of commands and stones in their order."""
@@ -215,7 +209,7 @@ class Panel:
     def _add_plant(self, gui: viser.GuiApi, settings: Mapping[str, SliderReach]) -> None:
         with gui.add_folder("Robot and floor"):
             for name, limits in settings.items():
-                label, step, hint = _SETTINGS[name]
+                label, step, hint = SETTING_WORDS[name]
                 slider = self._slider(gui, label, limits, step, hint)
                 self._sliders[name] = (slider, limits)
                 slider.on_update(lambda _event, name=name: self._set(name))

@@ -4,6 +4,13 @@ import math
 
 from neuralgaits.viewer.walker import Shown, SliderReach
 
+SETTING_WORDS = {
+    "slope_deg": ("slope [deg]", 0.5, "uphill positive; the floor turns about the stance foot"),
+    "friction": ("friction", 0.01, "sliding coefficient between feet and floor"),
+    "mass_scale": ("mass ×", 0.01, "factor on all masses and inertias; the controller is not told"),
+    "torque_limit": ("torque [N m]", 0.5, "limit of every joint; the controller knows it"),
+}
+"""Words, notch and explanation of the sliders of a plant's settings."""
 _NOTCHES = 70
 """Steps of a command's slider: half a centimetre a second over the usual range of speeds."""
 _DIGITS = 3

@@ -9,8 +9,6 @@ from pathlib import Path
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from neuralgaits import _notebook
-from neuralgaits._digits import at_least
 from neuralgaits.analysis.run import Run, open_run
 from neuralgaits.certificate.levels.conditions import verdicts as level_one
 from neuralgaits.certificate.levels.level_search import LevelSets, find_sets
@@ -51,65 +49,14 @@ from neuralgaits.records.certified import (
     CertificateRecord,
     Conclusion,
     ConditionVerdict,
-    Verdict,
 )
 from neuralgaits.runs.names import MAP, MAP_FIGURE
 from neuralgaits.runs.plain import to_json
 from neuralgaits.settings import CertifySettings, called_with
 from neuralgaits.settings.forms import LEARNED
+from neuralgaits.workflows.certify_result import CertifyResult
 
-_TIGHTEST = 5
-"""Number of conditions that a notebook shows."""
 MORE = "--resume goes on, with a --budget for as long as that lasts"
-
-
-@dataclass(frozen=True)
-class CertifyResult:
-    """Result of a proof. Attributes: summary: what `certify --json` prints."""
-
-    summary: CertificateRecord
-
-    def __repr__(self) -> str:
-        """Summarise in one line: subject, verdict, proved level and least margin."""
-        found = self.summary
-        about = f"{found.robot}, spec {found.spec}"
-        level, least = found.proved_level, found.least_margin
-        said = [] if found.verdict == "proved" else [f"{found.verdict} at level {found.level}"]
-        if level and least is not None:
-            # Rounded down, so that it stays a bound.
-            said += [f"proved to level {level}", f"margins at least {at_least(least, 3)} scales"]
-        return f"<Certificate of {about}: {', '.join(said)}>"
-
-    def _repr_html_(self) -> str:
-        """Return a table for a notebook: each level, then the conditions with the least margins."""
-        found = self.summary
-        rows = [("level 1", found.of_conditions, "")]
-        rows += [(f"level {one.level}", one.verdict, one.reason or "") for one in self.conclusions]
-        order = {"refuted": 0, "undecided": 1}
-        listed = sorted(
-            self.conditions.items(),
-            key=lambda row: (order.get(row[1].verdict, 2), row[1].margin or 0.0),
-        )
-        rows += [
-            (name, one.verdict, "" if one.margin is None else f"at least {at_least(one.margin, 3)}")
-            for name, one in listed[:_TIGHTEST]
-        ]
-        return _notebook.table(repr(self)[1:-1], rows, ("", "verdict", "margin, in scales"))
-
-    @property
-    def verdict(self) -> Verdict:
-        """Overall verdict: refuted if a condition is, proved if all conditions and levels are."""
-        return self.summary.verdict
-
-    @property
-    def conditions(self) -> Mapping[str, ConditionVerdict]:
-        """Verdict on each condition (level 1)."""
-        return self.summary.conditions
-
-    @property
-    def conclusions(self) -> Sequence[Conclusion]:
-        """Conclusions of the requested levels above 1."""
-        return self.summary.levels
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,13 @@ from neuralgaits._printable import printable
 from neuralgaits.analysis.run import Run, open_run
 from neuralgaits.control.laws import law_named
 from neuralgaits.episode_rounds.episode_folder import EpisodeFolder, read, write
-from neuralgaits.episode_rounds.round_walks import Field, logged_round, nominal_momentum, walk_round
+from neuralgaits.episode_rounds.round_walks import (
+    Field,
+    logged_round,
+    logs_of,
+    nominal_momentum,
+    walk_round,
+)
 from neuralgaits.errors import InputError, Interrupted, NonFiniteError
 from neuralgaits.logs import read_all
 from neuralgaits.records.episode_records import SUMMARY, EpisodesDone, Round, WalkedRound
@@ -190,18 +196,6 @@ def _start(run: str | Path, robot: PlanarBiped | None) -> Run:
             f"{start.path}: name its robot"
         )
     return start
-
-
-def logs_of(logs: Path, number: int) -> list[Path]:
-    """Return the logs of a round. Raises: InputError if there are none."""
-    place = logs / f"round-{number}"
-    if number == 0 and not place.is_dir():
-        place = logs
-    files = sorted(place.glob("*.csv"))
-    if not files:
-        found = "none" if place.is_dir() else "no such folder"
-        raise InputError(f"expected logs *.csv in {place}, found {found}: put the robot's there")
-    return files
 
 
 @dataclass(frozen=True)

@@ -41,6 +41,10 @@ DIGITS = 4
 """Significant digits of numbers that a statement gives exactly, for people to read."""
 ALPHAS = (0.25, 0.5, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 12.0, 15.0, 20.0)
 """Barrier gains that are tried [1/s]."""
+_NO_CROSSING = (
+    "the swing foot does not go through the ground everywhere within "
+    f"{CROSSINGS[-1]} phases of the guard"
+)
 
 
 def find_full_order(
@@ -64,13 +68,14 @@ def find_full_order(
     u = grid(np.linspace(0.0, 1.0, PHASES), levels)
     seen = looks.step(u, np.zeros((len(u), looks.size)))
     crossing, gamma = _crossing(looks, levels), float(lyapunov_rate(bandwidth))
-    if (reason := _no_set(seen, crossing, gamma, bandwidth)) is not None or crossing is None:
-        return str(reason)
+    reason = _no_set(seen, gamma, bandwidth)
+    if reason is not None or crossing is None:
+        return reason or _NO_CROSSING
     limit, risen = _radius(seen, u[:, 0], gamma / (4.0 * ABOVE * seen["pace"].max()))
     radius = float(at_least(plan.radius if plan else min(share * limit, LARGEST), DIGITS))
     floor = float(at_most(plan.floor, DIGITS)) if plan else 0.0
-    slower = plan.slower if plan else 1.0
-    most, shrink = _fastest(seen, u[:, 0], radius, floor, slower * gamma)
+    rate = plan.slower * gamma if plan else gamma
+    most, shrink = _fastest(seen, u[:, 0], radius, floor, rate)
     slowest = _over(seen, "pace", u[:, 0], -radius, -floor, shrink).min()
     strip = _guard_strip(looks, levels, crossing, _at(radius, floor, shrink, 0.98))
     if slowest <= 0.0 or strip is None:
@@ -106,15 +111,10 @@ def find_full_order(
     )
 
 
-def _no_set(seen: Samples, crossing: float | None, gamma: float, bandwidth: float) -> str | None:
+def _no_set(seen: Samples, gamma: float, bandwidth: float) -> str | None:
     """Return why no set can be found, whatever its size; None if one may be."""
     if seen["pace"].min() <= 0.0 or seen["inertia"].min() <= 0.0:
         return "the hip does not move forward everywhere in the tube"
-    if crossing is None:
-        return (
-            "the swing foot does not go through the ground everywhere within "
-            f"{CROSSINGS[-1]} phases of the guard"
-        )
     if gamma <= min(ALPHAS):
         return f"outputs with a double pole at {bandwidth:g} rad/s come back too slowly"
     return None

@@ -7,7 +7,7 @@ Nothing here is trusted.
 """
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -289,18 +289,3 @@ def _size(rows: np.ndarray) -> np.ndarray:
 def _frobenius(matrices: np.ndarray) -> float:
     """Return the largest Frobenius norm of some matrices."""
     return float(np.sqrt((matrices**2).sum(axis=(-2, -1)).max()))
-
-
-def in_norm(samples: Mapping[str, np.ndarray], matrix: np.ndarray) -> dict[str, np.ndarray]:
-    """Convert samples from plain coordinates to those of a norm; slopes are in S xi then."""
-    both, back = doubled(matrix), doubled(np.linalg.inv(matrix))
-    found = dict(samples)
-    for name in samples:
-        if name.endswith("/slope"):
-            found[name] = samples[name] @ back
-    for name in ("after", "drift"):
-        if name in samples:
-            found[name] = samples[name] @ both.T
-    if "after/slope" in samples:
-        found["after/slope"] = both @ found["after/slope"]
-    return found

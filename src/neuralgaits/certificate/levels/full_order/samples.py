@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from neuralgaits._types import Float
-from neuralgaits.certificate.levels.full_order.norm import doubled, in_norm
+from neuralgaits.certificate.levels.full_order.norm import doubled
 
 Samples = Mapping[str, np.ndarray]
 SampleEvaluator = Callable[[Float[np.ndarray, "n 2"], Float[np.ndarray, "n k"]], Samples]
@@ -64,3 +64,18 @@ def sphere(count: int, size: int, radius: float) -> np.ndarray:
 def slope_norms(seen: Samples, name: str) -> np.ndarray:
     """Return the length of the slope of each element. [n, k]."""
     return np.linalg.norm(seen[f"{name}/slope"], axis=2)
+
+
+def in_norm(samples: Mapping[str, np.ndarray], matrix: np.ndarray) -> dict[str, np.ndarray]:
+    """Convert samples from plain coordinates to those of a norm; slopes are in S xi then."""
+    both, back = doubled(matrix), doubled(np.linalg.inv(matrix))
+    found = dict(samples)
+    for name in samples:
+        if name.endswith("/slope"):
+            found[name] = samples[name] @ back
+    for name in ("after", "drift"):
+        if name in samples:
+            found[name] = samples[name] @ both.T
+    if "after/slope" in samples:
+        found["after/slope"] = both @ found["after/slope"]
+    return found
