@@ -79,6 +79,23 @@ def cache_is_measured_once():
 
 
 @pytest.fixture(scope="session")
+def runs_traced_once():
+    """What proofs are compared with, of each run once for all tests that read the same bytes."""
+    from neuralgaits.certificate.run_certificate import run_comparison
+    from support.traced_once import TracedOnce
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(run_comparison, "retrace", traced := TracedOnce())
+        yield traced
+
+
+@pytest.fixture(autouse=True)
+def trust_in_what_was_traced(request: pytest.FixtureRequest, runs_traced_once):
+    """A test that patches the program traces its runs itself."""
+    runs_traced_once.trusted = "monkeypatch" not in request.fixturenames
+
+
+@pytest.fixture(scope="session")
 def made_once(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str, Maker], Path]:
     """A folder by its name, which the first worker to ask makes and the others wait for."""
     base = tmp_path_factory.getbasetemp()
