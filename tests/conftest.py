@@ -137,14 +137,25 @@ def trained(made_once):
 @pytest.fixture(scope="session")
 def certified(trained, made_once):
     """A copy of it, proved to level 3, shared by all workers: nobody changes it."""
+    return _proved(trained, made_once, 3)
+
+
+@pytest.fixture(scope="session")
+def certified_5(trained, made_once):
+    """A copy of it, proved to level 5, shared by all workers: nobody changes it."""
+    return _proved(trained, made_once, 5)
+
+
+def _proved(trained, made_once: Callable[[str, Maker], Path], level: int):
     from neuralgaits.analysis.run import open_run
     from neuralgaits.workflows.certify import certify
 
     def make(run: Path) -> None:
         shutil.copytree(trained.path, run)
-        certify(run, level=3)
+        done = certify(run, level=level)
+        assert done.verdict == "proved", done.conclusions[-1].reason
 
-    return open_run(made_once("certified", make))
+    return open_run(made_once(f"certified-{level}", make))
 
 
 @pytest.fixture(scope="session")
