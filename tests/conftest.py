@@ -84,15 +84,18 @@ def runs_traced_once():
     from neuralgaits.certificate.run_certificate import run_comparison
     from support.traced_once import TracedOnce
 
+    traced = TracedOnce()
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(run_comparison, "retrace", traced := TracedOnce())
+        patch.setattr(run_comparison, "retrace", traced)
+        for name in ("setattr", "delattr", "setitem", "delitem"):
+            patch.setattr(pytest.MonkeyPatch, name, traced.distrusting(name))
         yield traced
 
 
 @pytest.fixture(autouse=True)
-def trust_in_what_was_traced(request: pytest.FixtureRequest, runs_traced_once):
-    """A test that patches the program traces its runs itself."""
-    runs_traced_once.trusted = "monkeypatch" not in request.fixturenames
+def trust_in_what_was_traced(runs_traced_once):
+    """Until a test patches the program: from then on it traces its runs itself."""
+    runs_traced_once.trusted = True
 
 
 @pytest.fixture(scope="session")

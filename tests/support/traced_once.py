@@ -1,10 +1,14 @@
 """Runs are traced once for all tests of a process that read the same bytes."""
 
+import functools
 import hashlib
 import json
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
+
+import pytest
 
 from neuralgaits.certificate.chart import PLANE_ONLY, Chart
 from neuralgaits.certificate.proof_file.theorem_tables import Theorems
@@ -44,6 +48,17 @@ class TracedOnce:
     ) -> dict[str, Any]:
         """Return what the function of this name in `retrace` does."""
         return self._once("here_if_built_in", run, theorems, chart)
+
+    def distrusting(self, name: str) -> Callable[..., None]:
+        """Return the method of `pytest.MonkeyPatch` of this name, after which no run is trusted."""
+        change = getattr(pytest.MonkeyPatch, name)
+
+        @functools.wraps(change)
+        def changed(*given: Any, **how: Any) -> None:
+            self.trusted = False
+            change(*given, **how)
+
+        return changed
 
     def _once(self, name: str, run: Path, theorems: Theorems, chart: Chart) -> dict[str, Any]:
         trace = getattr(retrace, name)
