@@ -1,5 +1,6 @@
 """Strict numerics for every test, and one core each: pytest-xdist already uses them all."""
 
+import functools
 import gc
 import os
 import shutil
@@ -78,6 +79,44 @@ def cache_is_measured_once():
         yield
 
 
+@pytest.fixture(scope="session", autouse=True)
+def dialects_are_loaded_once():
+    """JAX loads all dialects of its compiler for each function that it compiles: once is enough.
+
+    For most functions that takes a tenth of the time.
+    """
+    try:
+        from jax._src.interpreters import mlir
+
+        context = functools.cache(mlir.make_ir_context)
+    except (ImportError, AttributeError):
+        yield  # As above.
+        return
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(mlir, "make_ir_context", context)
+        yield
+
+
+@pytest.fixture(scope="session")
+def runs_traced_once():
+    """What proofs are compared with, of each run once for all tests that read the same bytes."""
+    from neuralgaits.certificate.run_certificate import run_comparison
+    from support.traced_once import TracedOnce
+
+    traced = TracedOnce()
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(run_comparison, "retrace", traced)
+        for name in ("setattr", "delattr", "setitem", "delitem"):
+            patch.setattr(pytest.MonkeyPatch, name, traced.distrusting(name))
+        yield traced
+
+
+@pytest.fixture(autouse=True)
+def trust_in_what_was_traced(runs_traced_once):
+    """Until a test patches the program: from then on it traces its runs itself."""
+    runs_traced_once.trusted = True
+
+
 @pytest.fixture(scope="session")
 def made_once(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str, Maker], Path]:
     """A folder by its name, which the first worker to ask makes and the others wait for."""
@@ -120,14 +159,25 @@ def trained(made_once):
 @pytest.fixture(scope="session")
 def certified(trained, made_once):
     """A copy of it, proved to level 3, shared by all workers: nobody changes it."""
+    return _proved(trained, made_once, 3)
+
+
+@pytest.fixture(scope="session")
+def certified_5(trained, made_once):
+    """A copy of it, proved to level 5, shared by all workers: nobody changes it."""
+    return _proved(trained, made_once, 5)
+
+
+def _proved(trained, made_once: Callable[[str, Maker], Path], level: int):
     from neuralgaits.analysis.run import open_run
     from neuralgaits.workflows.certify import certify
 
     def make(run: Path) -> None:
         shutil.copytree(trained.path, run)
-        certify(run, level=3)
+        done = certify(run, level=level)
+        assert done.verdict == "proved", done.conclusions[-1].reason
 
-    return open_run(made_once("certified", make))
+    return open_run(made_once(f"certified-{level}", make))
 
 
 @pytest.fixture(scope="session")

@@ -19,6 +19,7 @@ from neuralgaits.certificate.proof_file.theorem_tables import Theorems
 from neuralgaits.certificate.run_certificate.verified_summary import hashes, read_certificate
 from neuralgaits.errors import SpecError
 from neuralgaits.export.source import gait_files
+from neuralgaits.records.certified import PROOF
 from neuralgaits.records.levels import HIGHEST_OF_MANY, WORDS
 from neuralgaits.report.certificate import certificate_of
 from neuralgaits.runs import RunFolder
@@ -93,18 +94,11 @@ def test_no_page_figure_or_export_shows_an_altered_parameter(forged):
 
 
 @pytest.fixture(scope="module")
-def highest():
-    """Level 5 with held torques, of the demo's gait: parameters and Program."""
-    run = open_run(demo.FOLDER)
-    zd = run.zero_dynamics
-    sets = find_sets(run.spec, run.gait, zd, 5, (0.0, 0.0), bandwidth=50.0)
-    assert not sets.reasons
-    program = trace_certificate(run.spec, run.robot, run.gait, sets)
-    claims = read_claims(demo.FOLDER / "certificate" / "proof.json")
-    theorems = Theorems(sets.parameters, (4, 5))
-    return replace(
-        claims, theorems=theorems, program=program, program_hash=program.hash, statements=()
-    )
+def highest(certified_5):
+    """Level 5 with held torques, of the default gait: parameters and Program."""
+    claims = read_claims(certified_5.path / PROOF)
+    theorems = Theorems(claims.theorems.parameters, (4, 5))
+    return replace(claims, theorems=theorems, statements=())
 
 
 def follow(theorems: Theorems) -> set[int]:
@@ -114,6 +108,7 @@ def follow(theorems: Theorems) -> set[int]:
     return {one.level for one in conclude(known, [], bounds) if one.proved}
 
 
+@pytest.mark.slow
 def test_an_altered_parameter_of_levels_4_and_5_makes_no_stronger_theorem(highest):
     """It is no constant of the Program, or moves a box that the file has no statement of.
 
@@ -140,6 +135,7 @@ def test_an_altered_parameter_of_levels_4_and_5_makes_no_stronger_theorem(highes
     assert all("sigma" in place for level, place in left if level == 4)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("axes", [(Axis("speed before", 0.5, 0.9),), (Axis("mass", -0.1, 0.1),)])
 def test_full_order_is_about_one_gait_of_one_robot(highest, axes):
     chart = Chart(axes)
@@ -152,6 +148,7 @@ def test_full_order_is_about_one_gait_of_one_robot(highest, axes):
     assert "one gait of one robot" in str(answers[4].reason)
 
 
+@pytest.mark.slow
 def test_levels_and_their_words_are_about_the_same_gaits(highest):
     chart = Chart((Axis("speed before", 0.5, 0.9), Axis("speed after", 0.5, 0.9)))
     refused = refusals(highest.theorems.parameters, chart)
@@ -159,12 +156,14 @@ def test_levels_and_their_words_are_about_the_same_gaits(highest):
     assert HIGHEST_OF_MANY == min(refused) - 1
 
 
+@pytest.mark.slow
 def test_full_order_is_not_about_footholds_of_unknown_height(highest):
     known = dict(highest.theorems.parameters)
     known[2] = replace(known[2], floor=0.01)
     assert set(refusals(known, PLANE_ONLY)) == {4, 5}
 
 
+@pytest.mark.slow
 def test_full_order_is_not_traced_for_a_gait_with_commands(highest):
     run = open_run(demo.TOLD)
     sets = find_sets(run.spec, run.trained, run.zero_dynamics, 1, (0.0, 0.0))

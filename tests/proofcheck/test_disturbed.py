@@ -1,7 +1,6 @@
 """Level 5 of the default gait, derived by the C++ checker from the robot's own numbers."""
 
 import json
-import shutil
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -12,7 +11,6 @@ from neuralgaits.certificate.levels.disturbed.margins import FORCES
 from neuralgaits.certificate.levels.disturbed.theorem import DisturbedBarrier, DisturbedConstants
 from neuralgaits.certificate.levels.level_search import LevelSets
 from neuralgaits.records.certified import PROOF
-from neuralgaits.workflows.certify import certify
 from support.checker_case import bounds
 from support.full_case import NARROW, WIDE, FullCase, in_the_ball
 
@@ -23,11 +21,8 @@ HELD = ("disturbed/jerk", "disturbed/jerk-slope", "disturbed/jerk-push")
 
 
 @pytest.fixture(scope="module")
-def file(trained, tmp_path_factory):
-    folder = shutil.copytree(trained.path, tmp_path_factory.mktemp("level-5") / "run")
-    done = certify(folder, level=5)
-    assert done.verdict == "proved", done.conclusions[-1].reason
-    return folder / PROOF
+def file(certified_5):
+    return certified_5.path / PROOF
 
 
 def test_every_premise_is_derived(proofcheck, file):

@@ -23,6 +23,8 @@ from support.full_order_check import Edges, distances_inside, model_of, states_o
 STEPS_OF_TICK, SECANTS = 2, 8
 """Of the classical fourth-order method, and to a touchdown."""
 State = Float[Array, " two_n"]
+States = Float[Array, "walks two_n"]
+Torque = Float[Array, " m"]
 
 
 class HeldWalks(NamedTuple):
@@ -51,7 +53,7 @@ def walk_held(
 
     @quick_jit
     def ticked(x):
-        return jax.vmap(lambda x: _ticked(run, model, edges, x, hold))(x)
+        return _ticked(run, model, edges, x, hold)
 
     x, inside = starts, np.ones(walks, dtype=bool)
     error, slack, touchdowns = 0.0, np.inf, np.zeros(walks, dtype=int)
@@ -71,41 +73,65 @@ class _Seen(NamedTuple):
 
 
 def _ticked(
-    run: Run, model: FullOrderModel, edges: Edges, x: State, hold: float
-) -> tuple[State, _Seen]:
-    """One hold, or as much of it as there is before a touchdown, and what is then."""
-    robot, zd, n = run.robot, run.zero_dynamics, run.robot.n
-    torque = _point(run, model, x).torque
+    run: Run, model: FullOrderModel, edges: Edges, x: States, hold: float
+) -> tuple[States, _Seen]:
+    """One hold of each walk, or as much of it as there is before a touchdown, and what is then."""
+    zd, n = run.zero_dynamics, run.robot.n
+    torque = jax.vmap(lambda x: _point(run, model, x).torque)(x)
+    whole = jax.vmap(lambda x, torque: _moved(run, x, torque, hold))(x, torque)
+    phase = jax.vmap(lambda x: run.gait.phase(zd.phi(x)[1][0]))(whole)
+    foot = jax.vmap(lambda x: dynamics.swing_foot(run.robot, x[:n])[1])(whole)
+    landed = (foot < 0.0) & (phase > 0.5)
+    # Where a step ends takes far longer than a hold: it is looked for where some walk lands.
+    touched = jax.lax.cond(
+        landed.any(),
+        lambda: jax.vmap(lambda x, torque: _touchdown(run, x, torque, hold))(x, torque),
+        lambda: whole,
+    )
+    end = jnp.where(landed[:, None], touched, whole)
+    seen = jax.vmap(lambda end, torque, landed: _seen(run, model, edges, end, torque, landed))
+    return seen(end, torque, landed)
 
-    def moved(time):
-        def rate(x):
-            return jnp.concatenate([x[n:], dynamics.acceleration(robot, x[:n], x[n:], torque)])
 
-        def step(x, _):
-            h = time / STEPS_OF_TICK
-            a = rate(x)
-            b = rate(x + 0.5 * h * a)
-            c = rate(x + 0.5 * h * b)
-            d = rate(x + h * c)
-            return x + h / 6.0 * (a + 2.0 * b + 2.0 * c + d), None
+def _moved(run: Run, x: State, torque: Torque, time: Scalar | float) -> State:
+    """The state after a time under held torques."""
+    robot, n = run.robot, run.robot.n
 
-        return jax.lax.scan(step, x, None, length=STEPS_OF_TICK)[0]
+    def rate(x):
+        return jnp.concatenate([x[n:], dynamics.acceleration(robot, x[:n], x[n:], torque)])
 
-    def foot(x):
-        return dynamics.swing_foot(robot, x[:n])[1]
+    def step(x, _):
+        h = time / STEPS_OF_TICK
+        a = rate(x)
+        b = rate(x + 0.5 * h * a)
+        c = rate(x + 0.5 * h * b)
+        d = rate(x + h * c)
+        return x + h / 6.0 * (a + 2.0 * b + 2.0 * c + d), None
 
-    whole = moved(hold)
-    phase = run.gait.phase(zd.phi(whole)[1][0])
-    landed = (foot(whole) < 0.0) & (phase > 0.5)
+    return jax.lax.scan(step, x, None, length=STEPS_OF_TICK)[0]
+
+
+def _touchdown(run: Run, x: State, torque: Torque, hold: float) -> State:
+    """The state in which the swing foot is on the ground, for a walk that lands within a hold."""
+
+    def foot(time):
+        return dynamics.swing_foot(run.robot, _moved(run, x, torque, time)[: run.robot.n])[1]
 
     def secant(carry, _):
         early, late = carry
-        first, second = foot(moved(early)), foot(moved(late))
+        first, second = foot(early), foot(late)
         apart = jnp.where(second == first, 1.0, second - first)
         return (late, late - second * jnp.where(second == first, 0.0, (late - early) / apart)), None
 
     (_, time), _ = jax.lax.scan(secant, (0.0 * hold, jnp.asarray(hold)), None, length=SECANTS)
-    end = jnp.where(landed, moved(time), whole)
+    return _moved(run, x, torque, time)
+
+
+def _seen(
+    run: Run, model: FullOrderModel, edges: Edges, end: State, torque: Torque, landed: Scalar
+) -> tuple[State, _Seen]:
+    """The state that a walk goes on from, and what is at the end of a hold."""
+    robot, n = run.robot, run.robot.n
     point = _point(run, model, end, torque)
     lack = point.output_acceleration + model.bandwidth**2 * point.output
     error = jnp.linalg.norm(

@@ -1,0 +1,98 @@
+"""What tests share of a run is a function of its bytes."""
+
+import contextlib
+import json
+import shutil
+
+import pytest
+
+from neuralgaits.certificate.chart import Axis, Chart
+from neuralgaits.certificate.levels import problems
+from neuralgaits.certificate.proof_file.reader import read_claims
+from neuralgaits.certificate.proof_file.theorem_tables import Theorems
+from neuralgaits.certificate.run_certificate import retrace, run_comparison
+from neuralgaits.certificate.run_certificate.verified_summary import read_certificate
+from neuralgaits.errors import RunError
+from neuralgaits.records.certified import PROOF
+from neuralgaits.runs import RunFolder
+from support.shipped_run import SHIPPED
+from support.traced_once import TracedOnce
+
+
+@pytest.fixture
+def run(tmp_path):
+    return shutil.copytree(SHIPPED, tmp_path / "run")
+
+
+@pytest.fixture
+def about():
+    """Theorems and chart of the shipped proof."""
+    claims = read_claims(SHIPPED / PROOF)
+    return claims.theorems, claims.chart
+
+
+@pytest.fixture
+def no_trace(monkeypatch):
+    """Tracing takes half a second: which runs are traced is seen without."""
+    monkeypatch.setattr(retrace, "describe_run", lambda *_: {"told": []})
+
+
+def test_a_copy_is_traced_once_and_each_reader_has_its_own(run, about):
+    shared = TracedOnce()
+    first = shared.here_if_built_in(SHIPPED, *about)
+    assert first == json.loads(json.dumps(retrace.describe_run(SHIPPED, *about)))
+    first["told"].append("spoilt")
+    second = shared.here_if_built_in(run, *about)
+    assert second["told"] == [] and shared.traced == 1
+
+
+@pytest.mark.usefixtures("no_trace")
+def test_other_theorems_and_another_chart_are_traced(run, about):
+    theorems, chart = about
+    shared = TracedOnce()
+    for others in (theorems, theorems._replace(claimed=()), Theorems()):
+        for axes in (chart, Chart((Axis("mass", -0.1, 0.1),))):
+            shared.here_if_built_in(run, others, axes)
+    assert shared.traced == 6
+
+
+@pytest.mark.usefixtures("no_trace")
+@pytest.mark.parametrize("file", ["config.json", "robot.xml", "policy.safetensors", "spec.py"])
+def test_a_run_of_another_byte_is_traced(run, about, file):
+    shared = TracedOnce()
+    shared.here_if_built_in(run, *about)
+    path = run / file
+    path.write_bytes(path.read_bytes() + b" ")
+    with contextlib.suppress(RunError):
+        shared.here_if_built_in(run, *about)
+    assert shared.traced == 2
+
+
+@pytest.mark.usefixtures("no_trace")
+def test_a_patched_program_traces_each_run(run, about, monkeypatch):
+    shared = TracedOnce()
+    known = shared.here_if_built_in(run, *about)
+    with monkeypatch.context() as patch:
+        patch.setattr(retrace, "here_if_built_in", lambda *_: {"patched": True})
+        assert shared.here_if_built_in(run, *about) == {"patched": True}
+    shared.trusted = False
+    assert shared.here_if_built_in(run, *about) == known
+    assert shared.traced == 3
+
+
+def test_what_reads_certificates_shares_it(run, runs_traced_once):
+    assert run_comparison.retrace is runs_traced_once and runs_traced_once.trusted
+    read_certificate(RunFolder.open(SHIPPED))
+    before = runs_traced_once.traced
+    assert read_certificate(RunFolder.open(run)).reason is None
+    assert runs_traced_once.traced == before
+
+
+def test_a_test_that_patches_traces_its_own(run, runs_traced_once, monkeypatch):
+    read_certificate(RunFolder.open(SHIPPED))
+    before = runs_traced_once.traced
+    assert read_certificate(RunFolder.open(run)).reason is None
+    assert runs_traced_once.trusted and runs_traced_once.traced == before
+    monkeypatch.setattr(problems, "step_at", problems.step_at)
+    assert read_certificate(RunFolder.open(run)).reason is None
+    assert not runs_traced_once.trusted and runs_traced_once.traced == before + 1

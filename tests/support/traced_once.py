@@ -1,0 +1,91 @@
+"""Runs are traced once for all tests of a process that read the same bytes."""
+
+import functools
+import hashlib
+import json
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from neuralgaits.certificate.chart import PLANE_ONLY, Chart
+from neuralgaits.certificate.proof_file.theorem_tables import Theorems
+from neuralgaits.certificate.run_certificate import retrace
+
+_PROBLEMS = "neuralgaits.certificate.levels.problems"
+Key = tuple[str, ...]
+
+
+class TracedOnce:
+    """What a proof is compared with, as `retrace` finds it, kept by content.
+
+    A result is a function of the files in the run's folder (but for those of the certificate, which
+    is compared with it), of the theorems and of the chart. Where a byte of any of these is changed,
+    the run is traced again. A result is kept as JSON, and each caller reads it anew. Errors are not
+    kept.
+
+    Attributes:
+        trusted: whether the program is as it was written. If not, each run is traced.
+        traced: count of runs that were traced.
+    """
+
+    def __init__(self) -> None:
+        """Start with no result."""
+        self.trusted = True
+        self.traced = 0
+        self._known: dict[Key, str] = {}
+
+    def retrace_in_subprocess(
+        self, run: Path, theorems: Theorems, chart: Chart = PLANE_ONLY
+    ) -> dict[str, Any]:
+        """Return what the function of this name in `retrace` does."""
+        return self._once("retrace_in_subprocess", run, theorems, chart)
+
+    def here_if_built_in(
+        self, run: Path, theorems: Theorems, chart: Chart = PLANE_ONLY
+    ) -> dict[str, Any]:
+        """Return what the function of this name in `retrace` does."""
+        return self._once("here_if_built_in", run, theorems, chart)
+
+    def distrusting(self, name: str) -> Callable[..., None]:
+        """Return the method of `pytest.MonkeyPatch` of this name, after which no run is trusted."""
+        change = getattr(pytest.MonkeyPatch, name)
+
+        @functools.wraps(change)
+        def changed(*given: Any, **how: Any) -> None:
+            self.trusted = False
+            change(*given, **how)
+
+        return changed
+
+    def _once(self, name: str, run: Path, theorems: Theorems, chart: Chart) -> dict[str, Any]:
+        trace = getattr(retrace, name)
+        if not self.trusted or _replaced():
+            self.traced += 1
+            return trace(run, theorems, chart)
+        key = name, json.dumps([theorems.tables(), chart.table()]), *_contents(run)
+        if key not in self._known:
+            self.traced += 1
+            self._known[key] = json.dumps(trace(run, theorems, chart))
+        return json.loads(self._known[key])
+
+
+def _contents(run: Path) -> Key:
+    """Return name and sha256 of every file of a run that is none of its certificate's."""
+    files = sorted(path for path in run.rglob("*") if path.is_file())
+    return tuple(
+        f"{path.relative_to(run)} {hashlib.sha256(path.read_bytes()).hexdigest()}"
+        for path in files
+        if path.parent != run / "certificate"
+    )
+
+
+def _replaced() -> bool:
+    """Whether a test has put a function of its own in place of one that traces."""
+    places = [(retrace, name) for name in ("retrace_in_subprocess", "here_if_built_in")]
+    if _PROBLEMS in sys.modules:  # It brings JAX: until it is imported, nobody has replaced it.
+        places.append((sys.modules[_PROBLEMS], "trace_certificate"))
+    found = [(module, name, getattr(module, name)) for module, name in places]
+    return any((one.__module__, one.__name__) != (module.__name__, n) for module, n, one in found)
