@@ -83,12 +83,9 @@ def find_full_order(
     guard_radius = _at(radius, floor, shrink, 1.0 - strip) * (1.0 + 1e-12)
     ample = AMPLE if plan is None else IMPACT
     impacts = _Impacts.look(looks, levels, crossing, strip, guard_radius, ample)
-    landing = impacts.landing + impacts.landing_slope * guard_radius
-    start_strip = float(at_most(1.2 * landing, DIGITS))
+    start_strip = float(at_most(1.2 * impacts.landing_at(guard_radius), DIGITS))
     seen = _with_strips(seen, looks, levels, start_strip, strip)
-    barriers = tuple(
-        _barrier(k, name, seen, impacts, gamma, radius, plan) for k, name in enumerate(names)
-    )
+    found = [_barrier(k, name, seen, impacts, gamma, radius, plan) for k, name in enumerate(names)]
     return FullOrderConstants(
         bandwidth=bandwidth,
         radius=radius,
@@ -105,7 +102,7 @@ def find_full_order(
         gain=impacts.gain,
         landing=impacts.landing,
         landing_slope=impacts.landing_slope,
-        barriers=barriers,
+        barriers=tuple(found),
         least_radius=floor,
         weights=plan.weights if plan else (),
     )
@@ -169,6 +166,10 @@ class _Impacts:
     @property
     def landing_slope(self) -> float:
         return AMPLE * float(slope_norms(self.rim, "landing").max())
+
+    def landing_at(self, radius: float) -> float:
+        """Return the bound on the landing for outputs of this size."""
+        return self.landing + self.landing_slope * radius
 
 
 def _with_strips(
