@@ -435,7 +435,7 @@ def test_the_tightest_conditions_are_shown_and_the_others_folded(contents, shipp
     """The five with the smallest margins in scales; every one that is broken."""
     page = training(contents(shipped))
     shown, rest = page.split("<details>")
-    assert "The 5 tightest of 27 conditions" in shown and "22 others" in rest
+    assert "The 5 tightest of 27 conditions" in shown and "22 more" in rest
     summary = json.loads((shipped / "summary.json").read_text())["conditions"]
     ordered = sorted(summary, key=lambda name: summary[name]["min_margin"])
     assert re.findall(r"<b>([^<]+)</b>", shown) == ordered[:5]
@@ -473,3 +473,11 @@ def test_a_proved_table_begins_with_what_is_not_proved(contents, shipped):
 )
 def test_a_scale_has_a_unit_where_it_is_known(described, said):
     assert phrases.scale(described, 1.0) == said
+
+
+def test_a_robot_that_moves_comes_first_and_without_one_the_answer_does(contents, walk):
+    with_walk, without = document(contents(walk=walk)), document(contents())
+    assert with_walk.index('id="walk"') < with_walk.index('id="answer"')
+    assert without.index('id="answer"') < without.index('id="walk"')
+    for page in (with_walk, without):
+        assert page.count('href="#walk"') == page.count(' id="walk"') == 1

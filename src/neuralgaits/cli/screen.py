@@ -117,7 +117,7 @@ def show_walks(result: Simulated) -> None:
             ("length of a step, model", orbit.step_length_m, "m"),
             ("Poincaré multiplier, model", orbit.multiplier, ""),
         ]
-    figures.append(("simulated seconds a second", result.real_time_factor, ""))
+    figures.append(("speed, × real time", result.real_time_factor, ""))
     rows = [(said, f"{number(v)} {unit}".rstrip()) for said, v, unit in figures if v is not None]
     show_table(("figure", "value"), rows)
     share = result.saturated_fraction

@@ -80,7 +80,7 @@ def _lines(run: Run, answer: CertificateRecord, part: ProvedPart | None) -> list
         lines.append(markdown.text(in_plain_words.AS_STATED))
         claims = f"It claims nothing about {in_plain_words.not_claimed(level)}."
         rests = markdown.text(f"{in_plain_words.left_open(level, answer.robots)} {claims} {seen}")
-        lines.append(f"**What that leaves open.** {rests}")
+        lines.append(f"**What is not covered.** {rests}")
     else:
         lines.append(seen)
     if answer.proof:

@@ -18,7 +18,7 @@ from neuralgaits.runs import read_arrays
 TITLE = "What is proved, where"
 CAPTION = (
     "Every box is a set of states on which all conditions that apply there were bounded at once. "
-    "Green boxes are proved, the darker the further from a limit; orange ones are open, red ones "
+    "Green boxes are proved, the stronger the further from a limit; orange ones are open, red ones "
     "broken. A green box speaks of every state in it: none lies between samples. The map is "
     "certify's own word: the proof file has its boxes, and no picture of them."
 )

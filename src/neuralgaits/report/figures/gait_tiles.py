@@ -10,7 +10,8 @@ from neuralgaits.report.drawing.style import GREY, new_figure, styled
 TITLE, MEASURED_TITLE = "The gait", "The gait in simulation"
 CAPTION = (
     "One step of the periodic gait, from the moment a foot lands to the moment the other one does. "
-    "The dark leg stands, the light leg swings forward; what is written below is how high."
+    "The grey leg swings forward, the other one stands. Below are the time and the height of the "
+    "swinging foot."
 )
 TILES = 7
 

@@ -12,9 +12,9 @@ from neuralgaits.report.figures.phase_portrait import X_LABEL, Y_LABEL
 
 TITLE = "Where it is tight"
 CAPTION = (
-    "The tube, coloured by the margin of the condition that is nearest to its limit there (left: "
-    "light is tight) and by which condition that is (right), as found on a grid of states. The "
-    "gait has least to spare where it is lightest."
+    "The tube, coloured by the margin of the condition that is nearest to its limit there (left; "
+    "the cross marks the smallest) and by which condition that is (right), as found on a grid of "
+    "states."
 )
 _MAP = LinearSegmentedColormap.from_list("room", ["#f4faff", "#9ecae1", "#08306b"])
 _BROKEN = LinearSegmentedColormap.from_list("broken", ["#7f2704", "#fdae6b"])

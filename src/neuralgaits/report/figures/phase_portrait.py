@@ -53,7 +53,7 @@ def caption(data: GaitData, walk: MeasuredWalk | None, level: int, told: bool = 
         text += f"No such walk that begins in {where} leaves it: that is proved"
     else:
         text += "The gait is made for the blue tube; that nothing leaves it is not proved"
-    return text + (f". Black dots were measured ({walk.source})." if walk else ".")
+    return text + (f". Dots were measured ({walk.source})." if walk else ".")
 
 
 @styled

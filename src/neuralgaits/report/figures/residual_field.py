@@ -25,7 +25,7 @@ def caption(data: ResidualData) -> str:
         else "The policy of this run has not been trained with it yet."
     )
     dots = (
-        " Black dots are the states that were seen; elsewhere the correction is a guess."
+        " Dots are the states that were seen; elsewhere the correction is a guess."
         if len(data.visited)
         else ""
     )

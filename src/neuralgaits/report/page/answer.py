@@ -18,7 +18,7 @@ def answer(contents: Contents) -> Html:
         _part("How sure we are.", _how_sure(saved)),
     ]
     if saved.proved_level:
-        parts.append(_part("What that leaves open.", _left_open(saved)))
+        parts.append(_part("What is not covered.", _left_open(saved)))
     return tag("div", *parts, class_="answer", id="answer")
 
 

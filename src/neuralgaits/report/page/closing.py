@@ -200,14 +200,15 @@ def figures(contents: Contents, pictures: Mapping[str, Html]) -> Html:
     """
     # What is told has a part of its own, with its figure.
     here = [figure for figure in contents.figures if figure.name != FAMILY]
-    parts = [
+    drawn = [
         html.captioned(figure.title, figure.caption, pictures[figure.name])
         for figure in here
         if isinstance(figure, Drawn)
     ]
+    parts = [html.tag("div", *drawn, class_="figures wide")] if drawn else []
     absent = [figure.title for figure in here if isinstance(figure, Missing)]
     if absent:
-        said = f"Not drawn, because what they show is not there: {'; '.join(absent)}. "
+        said = f"Optional, not made yet: {'; '.join(absent)}. "
         link = html.tag("a", "What is missing", href="#missing")
         parts.append(html.paragraph(said, link, " has the commands.", class_="quiet"))
     if not parts:

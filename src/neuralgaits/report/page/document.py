@@ -20,8 +20,8 @@ _SVG_BYTES = 300_000
 """Size above which a drawing is shown as its PNG file, if that is smaller [bytes]."""
 _SCRIPTS = ("hints.js", "scene.js", "player.js")
 _CONTENTS = (
-    ("answer", "The answer"),
     ("walk", "The walk"),
+    ("answer", "The answer"),
     ("training", "What was made"),
     ("told", "Its commands"),
     ("figures", "Figures"),
@@ -40,7 +40,7 @@ def document(contents: Contents) -> str:
     pictures = {
         figure.name: _picture(figure) for figure in contents.figures if isinstance(figure, Drawn)
     }
-    parts = [animation(contents), training(contents)]
+    walk, parts = animation(contents), [training(contents)]
     if contents.saved.summary is not None:
         parts += [
             *family(contents, pictures),
@@ -50,11 +50,13 @@ def document(contents: Contents) -> str:
             learning(contents.saved),
         ]
     parts += [failures(contents), missing(contents), reproduction(contents), glossary()]
-    header = tag(
-        "header", title(contents.saved), answer(contents), _list_of_contents(contents, parts)
-    )
+    # A robot that moves comes first; without one the answer does.
+    first = [walk, answer(contents)] if contents.walk else [answer(contents), walk]
+    contained = _list_of_contents(contents, [*first, *parts])
+    header = tag("header", title(contents.saved))
     name = f"A walking gait for {contents.saved.robot}"
-    return whole(name, header, tag("main", *parts), "the files of the run", _SCRIPTS)
+    main = tag("main", *first, contained, *parts)
+    return whole(name, header, main, "the files of the run", _SCRIPTS)
 
 
 def _list_of_contents(contents: Contents, parts: list[Html]) -> Html:
@@ -62,7 +64,7 @@ def _list_of_contents(contents: Contents, parts: list[Html]) -> Html:
     links = [
         tag("li", tag("a", own.get(name, words), href=f"#{name}"))
         for name, words in _CONTENTS
-        if name == "answer" or f'<h2 id="{name}">' in present
+        if f' id="{name}"' in present
     ]
     return tag("nav", tag("ul", *links), aria_label="Contents")
 

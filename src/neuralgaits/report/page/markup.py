@@ -124,7 +124,8 @@ def facts(caption: str, rows: Iterable[tuple[Any, Any]]) -> Html:
         for name, value in rows
         if value is not None
     ]
-    return scrolling(caption, tag("table", tag("caption", caption), tag("tbody", *body)))
+    whole = tag("table", tag("caption", caption), tag("tbody", *body), class_="facts")
+    return scrolling(caption, whole)
 
 
 def shell(lines: Iterable[str]) -> Html:

@@ -166,7 +166,7 @@ def _conditions(found: CertificateRecord) -> Html:
     )
     parts = [html.table(caption, head, rows[:shown], numbers="  nnn", cards=True)]
     if rest := rows[shown:]:
-        told = f"{len(rest)} others, with more room"
+        told = f"{len(rest)} more, none with a smaller margin"
         parts.append(html.folded(told, html.table(told, head, rest, numbers="  nnn", cards=True)))
     return html.join(parts)
 

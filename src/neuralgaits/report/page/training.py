@@ -187,7 +187,11 @@ def _conditions(saved: Saved) -> list[Html]:
         caption = f"The {len(rows[:shown])} tightest of {len(rows)} conditions"
         tables.append(_table(f"{caption} of spec {saved.asked.spec}", rows[:shown]))
     if rest := rows[shown:]:
-        count = f"{len(rest)} others, with more room" if shown else f"All {len(rest)} conditions"
+        count = (
+            f"{len(rest)} more, none with a smaller margin"
+            if shown
+            else f"All {len(rest)} conditions"
+        )
         tables.append(html.folded(count, _table(f"{count}: spec {saved.asked.spec}", rest)))
     return [html.paragraph(said), html.paragraph(_explained(ordered)), *tables]
 

@@ -21,7 +21,23 @@ def animation(contents: Contents) -> Html:
     if walk is None:
         missing = html.tag("div", html.paragraph(contents.no_walk or ""), class_="missing")
         return html.section("walk", "The walk", missing)
-    pictures = html.tag(
+    return html.tag(
+        "section",
+        _pictures(),
+        _controls(walk),
+        html.paragraph(_said(walk)),
+        html.paragraph(differs) if (differs := _beside(walk)) else "",
+        html.folded("What the pictures show, and how to turn them", *_explained(walk)),
+        html.tag("noscript", html.paragraph("The animation needs JavaScript; the rest does not.")),
+        data(walk),
+        id="walk",
+        aria_label="The walk",
+    )
+
+
+def _pictures() -> Html:
+    """Return the canvases of the robot and of the moving point."""
+    return html.tag(
         "div",
         html.tag(
             "div",
@@ -40,33 +56,29 @@ def animation(contents: Contents) -> Html:
             role="img",
             aria_label="Moving point in the plane of z1 and z2, inside the region of the gait.",
         ),
-        class_="player",
+        class_="player wide",
     )
-    return html.section(
-        "walk",
-        "The walk",
-        html.paragraph(_said(walk)),
-        pictures,
-        _controls(walk),
+
+
+def _explained(walk: ShownWalk) -> list[Html]:
+    """Explain both pictures and the ways to turn the robot."""
+    force = (
+        " The arrow is the force of the ground on the standing foot, the mean over "
+        f"{html.number(walk.frame_s)} s."
+        if walk.force_n
+        else ""
+    )
+    return [
         html.paragraph(
-            "Drag to turn, wheel or pinch to zoom; with the keyboard, arrows and + −. First the "
-            "robot",
-            " and the force of the ground on its standing foot (the mean over "
-            f"{html.number(walk.frame_s)} s)"
-            if walk.force_n
-            else "",
-            ". Beside or below it the same moment as a point of the zero dynamics, the two numbers "
-            "that no motor acts on. The green area is the gait's region. Along a step the point "
-            "moves to the right; at touchdown it jumps back to the left, and the next step begins.",
-            class_="quiet",
+            "Drag the robot to turn it. Zoom with the wheel or by pinching. The keyboard's arrows, "
+            f"+ and − do the same.{force}"
         ),
         html.paragraph(
-            _beside(walk),
-            class_="quiet",
+            "The chart shows the same moment as a point of the zero dynamics, the two numbers that "
+            "no motor acts on. The green area is the gait's region. Along a step the point moves "
+            "to the right; at touchdown it jumps back to the left, and the next step begins."
         ),
-        html.tag("noscript", html.paragraph("The animation needs JavaScript; the rest does not.")),
-        data(walk),
-    )
+    ]
 
 
 def data(walk: ShownWalk) -> Html:

@@ -1,4 +1,5 @@
-// Says of a table or figure that it can be moved sideways, as long as some of it is cut.
+// Says of a table or figure that it can be moved sideways, as long as some of it is cut; enlarges
+// figures; and lets commands break between their words only.
 "use strict";
 
 function watchWidth(box) {
@@ -14,4 +15,29 @@ function watchWidth(box) {
   box.addEventListener("scroll", look, { passive: true });
 }
 
+function addEnlarge(figure) {
+  const box = figure.querySelector(".scroll"), button = document.createElement("button");
+  const turn = () => {
+    const large = box.classList.toggle("large");
+    button.textContent = large ? "Smaller" : "Enlarge";
+    button.setAttribute("aria-label", `${button.textContent}: ${box.getAttribute("aria-label")}`);
+  };
+  button.type = "button"; button.className = "enlarge";
+  button.addEventListener("click", turn);
+  figure.querySelector("figcaption").prepend(button);
+  turn(); turn();
+}
+
+function keepWords(code) {
+  const words = code.textContent.split(/(\s+)/).map((word, i) => {
+    if (i % 2) return word;
+    const kept = document.createElement("span");
+    kept.className = "word"; kept.textContent = word;
+    return kept;
+  });
+  code.replaceChildren(...words);
+}
+
 document.querySelectorAll(".scroll").forEach(watchWidth);
+document.querySelectorAll("figure").forEach(addEnlarge);
+document.querySelectorAll("pre code, td code").forEach(keepWords);
