@@ -5,6 +5,7 @@ import time
 import numpy as np
 import pytest
 
+from neuralgaits.viewer import page_style
 from neuralgaits.workflows.demo import demo
 
 WIDTH, HEIGHT = 1100, 640
@@ -32,6 +33,27 @@ def page(live, browser):
     opened.close()
     assert errors == []
     assert elsewhere == []
+
+
+def test_on_a_phone_the_controls_leave_the_upper_half_to_the_robot(live, browser):
+    opened = browser.new_page(viewport={"width": 390, "height": 844})
+    opened.goto(live.url)
+    opened.get_by_text("Walks ·").wait_for(timeout=60_000)
+    sheet = opened.locator(".mantine-Paper-root").filter(has_text="Pause").bounding_box()
+    opened.close()
+    assert (sheet["x"], sheet["width"]) == (0.0, 390.0)
+    assert sheet["y"] >= page_style.SCENE_SHARE * 844 - 1.0
+
+
+def test_the_answer_and_its_limits_are_in_view_without_a_click(page):
+    page.get_by_text("The proof file states level 3 of 5.").wait_for(timeout=60_000)
+    for words in ("Proved, to level 3 of 5", "What is not covered."):
+        page.get_by_text(words).first.wait_for(state="visible", timeout=60_000)
+    # A long path breaks before the edge of the panel.
+    right = page.get_by_text("neuralgaits check-proof").evaluate(
+        "(one) => Math.max(...[...one.getClientRects()].map((box) => box.right))"
+    )
+    assert right <= WIDTH
 
 
 def until(condition, seconds=30.0):
@@ -72,7 +94,7 @@ def test_a_number_beyond_the_slider_reaches_nothing_and_does_not_stay(live, page
     box.press("Enter")
     until(lambda: float(box.input_value()) == limits.high)
     assert limits.low <= live.gait.live.plant.disturbance.slope_deg <= limits.high
-    page.get_by_role("button", name="As the model has it").click()
+    page.get_by_role("button", name="Restore robot and floor").click()
     until(lambda: live.gait.live.plant.disturbance.slope_deg == 0.0)
 
 

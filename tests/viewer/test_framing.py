@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 import viser
 
+from neuralgaits.viewer import page_style
 from neuralgaits.viewer.framing import FOV, Framing
 
 TOP, WIDE = 3.6, 2.6
@@ -33,7 +34,7 @@ def test_all_of_the_scene_is_in_view(window):
             across, up = seen(pose, window, (x, z))
             assert 0.0 < across < 1.0
             # Controls lie over the lower part of a phone's window.
-            assert (0.58 if window[0] < 600 else 0.0) < up < 1.0
+            assert (page_style.SCENE_SHARE if window[0] < 600 else 0.0) < up < 1.0
 
 
 def test_a_window_of_unknown_size_has_the_usual_view():

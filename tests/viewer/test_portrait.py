@@ -9,13 +9,17 @@ import pytest
 
 from neuralgaits.analysis.point_evaluator import PlaneChart, PointEvaluator, quantities
 from neuralgaits.analysis.run import open_run
-from neuralgaits.certificate.run_certificate.verified_summary import hashes
+from neuralgaits.certificate.run_certificate.verified_summary import (
+    ProvedPart,
+    hashes,
+    read_certificate,
+)
 from neuralgaits.report.figures import certificate_map
 from neuralgaits.viewer import markdown, phase_board
 from neuralgaits.viewer import portrait as board
 from neuralgaits.viewer.phase_board import portrait
 from neuralgaits.viewer.portrait import PROVED, REFUTED, Portrait
-from neuralgaits.viewer.sureness import how_sure
+from neuralgaits.viewer.sureness import _verdict, how_sure
 
 
 @pytest.fixture(scope="module")
@@ -29,9 +33,24 @@ def plane(shipped, look):
     return portrait(shipped, look, certified=True)
 
 
+LIGHT, DARK = 255.0, 20.0
+"""Grounds of viser's pages."""
+
+
+def on_ground(drawn, ground):
+    """What is seen of a picture whose ground is transparent."""
+    share = drawn[..., 3:] / 255.0
+    return share * drawn[..., :3] + (1.0 - share) * ground
+
+
 @pytest.fixture(scope="module")
-def picture(plane):
-    return plane.draw().astype(int)
+def drawn(plane):
+    return plane.draw().astype(float)
+
+
+@pytest.fixture(scope="module", params=[LIGHT, DARK], ids=["light", "dark"])
+def picture(request, drawn):
+    return on_ground(drawn, request.param)
 
 
 def colour_at(picture, portrait, z):
@@ -64,11 +83,30 @@ def test_a_proved_state_is_green_and_a_state_outside_is_not(shipped, plane, pict
 
 def test_fences_are_where_their_states_are(plane, picture):
     height, width, _ = picture.shape
+    ink = np.array([int(board._INK[at : at + 2], 16) for at in (1, 3, 5)])
     for fence in plane.fence_z2:
         z = np.array([plane.fence_z1[30], fence[30]])
         across, up = plane.place(z)
         row, column = round((1.0 - up) * height), round(across * width)
-        assert picture[row - 2 : row + 3, column].sum(axis=-1).min() < 200
+        assert np.abs(picture[row - 2 : row + 3, column] - ink).max(axis=-1).min() < 6
+
+
+def luminance(colour):
+    """Relative luminance of red, green, blue in 0..255. Source: WCAG 2.2."""
+    parts = np.asarray(colour) / 255.0
+    linear = np.where(parts <= 0.04045, parts / 12.92, ((parts + 0.055) / 1.055) ** 2.4)
+    return float(linear @ [0.2126, 0.7152, 0.0722])
+
+
+@pytest.mark.parametrize("ground", [LIGHT, DARK])
+def test_words_and_lines_stand_out_from_a_light_ground_and_from_a_dark_one(drawn, ground):
+    # Its corners are the page's own.
+    assert drawn[0, 0, 3] == drawn[-1, -1, 3] == 0.0
+    for ink in (board._INK, board._GUARD, board._FLOW):
+        colour = [int(ink[at : at + 2], 16) for at in (1, 3, 5)]
+        low, high = sorted((luminance(colour), luminance([ground] * 3)))
+        # Contrast of large text and of lines. Source: WCAG 2.2, 1.4.3 and 1.4.11.
+        assert (high + 0.05) / (low + 0.05) >= 3.0
 
 
 def test_the_orbit_lies_inside_and_closes(shipped, plane):
@@ -133,7 +171,7 @@ def test_a_broken_region_is_red():
         margin=np.array([-0.5]),
         title="broken",
     )
-    red, green, _ = colour_at(bad.draw().astype(int), bad, [0.45, 1.55])
+    red, green, _ = colour_at(on_ground(bad.draw().astype(float), LIGHT), bad, [0.45, 1.55])
     assert red > green + 60
 
 
@@ -141,6 +179,7 @@ def test_the_words_claim_what_the_certificate_says(shipped):
     sure = how_sure(shipped)
     assert sure.certified
     assert sure.words.startswith("Proved, to level 3 of 5: ")
+    assert sure.verdict.startswith("The proof file states level 3 of 5. You watch a simulation")
     assert "may fall" in sure.words
     # Exact bounds stand in the theorem's own words, which are folded away.
     assert re.search(r"\de-\d", sure.words) is None
@@ -155,6 +194,7 @@ def test_words_of_a_run_without_a_proof_claim_nothing(shipped, tmp_path):
     (folder / "certificate" / "proof.json").unlink()
     lost = how_sure(open_run(folder))
     assert not lost.certified and "no certificate of this gait" in lost.words
+    assert lost.verdict.startswith("There is no certificate of this gait. ")
     # Nothing was proved that a file could hold: undecided, and no other gait's.
     open_conditions = {
         name: entry | {"verdict": "undecided", "margin": None}
@@ -165,6 +205,7 @@ def test_words_of_a_run_without_a_proof_claim_nothing(shipped, tmp_path):
     undecided = how_sure(open_run(folder))
     assert undecided.certified and "Not proved: undecided at level 3" in undecided.words
     assert "at every state" not in undecided.words
+    assert undecided.verdict.startswith("Not proved: undecided at level 3. ")
     assert r"27 of 27 conditions undecided \(torso-lower, " in undecided.words
     # A summary alone proves nothing, whatever it says.
     forged = json.loads((shipped.path / "certificate" / "summary.json").read_text())
@@ -186,3 +227,10 @@ def test_words_of_a_run_are_no_markup(shipped, tmp_path):
     assert "iframe" not in words or re.search(r"(?<!\\)[<*\[]", words.replace("**", "")) is None
     assert "\n#" not in words
     assert markdown.code("a`<b>\n\n# c") == "`a'<b> # c`"
+
+
+def test_the_verdict_of_a_proof_about_some_commands_names_no_level(shipped):
+    found = read_certificate(shipped.folder)
+    part = ProvedPart(told=("speed 0.5 to 0.6 m/s",), conditions=("knee",), levels=())
+    assert found.summary is not None
+    assert _verdict(found.summary, part) == "The proof file is about some commands only: see below."

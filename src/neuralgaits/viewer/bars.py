@@ -26,9 +26,9 @@ _ROW = (
     '{ink}">{value}</span></div>'
 )
 _KEY = (
-    '<div style="opacity:.7;margin-top:5px;line-height:1.35">Share of the condition\'s scale that '
-    "is left at the robot's z; below 0 it is broken. Pale: outside of the condition's region, "
-    "read where it begins.</div>"
+    '<div style="opacity:.7;margin-top:5px;line-height:1.35">Remaining margin at the robot\'s z, '
+    "in scales of the condition; below 0 it is violated. Pale: z is outside of the region where "
+    "the condition must hold, and the margin is read near it.</div>"
 )
 
 
@@ -56,7 +56,7 @@ def _row(name: str, value: float, inside: bool) -> str:
         colour = _BROKEN if value < 0.0 else _TIGHT if value < TIGHT else _GOOD
         # A broken condition shows how far, in red.
         width, text = 100.0 * min(abs(value) / FULL, 1.0), f"{value:.2f}"
-    hint = "in its region" if inside else "outside its region: read where it begins"
+    hint = "z is in its region" if inside else "z is outside of its region: read near it"
     return _ROW.format(
         name=html.escape(name),
         hint=hint,

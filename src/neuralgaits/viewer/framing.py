@@ -6,12 +6,11 @@ from collections.abc import Sequence
 import numpy as np
 import viser
 
+from neuralgaits.viewer import page_style
+
 FOV = math.radians(40.0)
 _USUAL_ASPECT = 1.2
 """Aspect ratio, width by height, assumed for a window whose size is unknown."""
-_PHONE_PX, _PHONE_SHARE = 600, 0.4
-"""Width below which the controls cover the lower part of a window, and the share left above
-them."""
 _SAME_M = 1e-3
 """Largest distance of two camera positions that count as equal [m]: they arrive in single
 precision."""
@@ -35,7 +34,7 @@ class Framing:
         """Return the pose for a window in pixels; for the usual one if its size is unknown."""
         known = width > 0 and height > 0
         aspect = width / height if known else _USUAL_ASPECT
-        share = _PHONE_SHARE if known and width < _PHONE_PX else 1.0
+        share = page_style.SCENE_SHARE if known and width <= page_style.PHONE_PX else 1.0
         middle = 0.45 * self.top
         tall = max(self.top / share, self.wide / aspect)
         away = 0.5 * tall / math.tan(0.5 * FOV)

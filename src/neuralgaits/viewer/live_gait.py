@@ -202,7 +202,7 @@ class LiveGait:
         if not (0.0 <= phase <= 1.0 and 0.0 <= level <= 1.0 and z[1] > 0.0):
             return (
                 f"z = ({z[0]:.3f} m, {z[1]:.1f} kg m²/s) is outside of the region: "
-                "click between the two black fences."
+                "click between the two thick curves."
             )
         if not self._restart(z):
             return "The policy has no pose for that state."

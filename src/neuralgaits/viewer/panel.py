@@ -1,6 +1,5 @@
 """The controls beside the scene. A visitor sets numbers within limits, or presses buttons."""
 
-import html
 import time
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
@@ -9,16 +8,16 @@ from typing import Literal
 import numpy as np
 import viser
 
-from neuralgaits.viewer import bars, scheme
+from neuralgaits.viewer import bars, page_style, scheme
 from neuralgaits.viewer.player import SPEED, Picture, Player
-from neuralgaits.viewer.readouts import SETTING_WORDS, ended, few_digits, notch
+from neuralgaits.viewer.readouts import SETTING_WORDS, ended, few_digits, line, notch, note
 from neuralgaits.viewer.walker import SliderRange, SliderReach, Walker
 
 PUSH = SliderReach(0.0, 40.0, 8.0)
 """Impulse of a push [N s]."""
 WAYS = {
-    "back": (-1.0, 0.0),
-    "forward": (1.0, 0.0),
+    "◄ back": (-1.0, 0.0),
+    "forward ►": (1.0, 0.0),
     "up": (0.0, 1.0),
     "down": (0.0, -1.0),
 }
@@ -73,9 +72,10 @@ class Panel:
         self._sliders: dict[str, tuple[viser.GuiSliderHandle, SliderReach]] = {}
         self._limited: list[tuple[viser.GuiSliderHandle, SliderReach]] = []
         gui = server.gui
-        gui.add_html(scheme.FOLLOW)
+        gui.add_html(scheme.FOLLOW + page_style.STYLE)
         gui.add_markdown(title)
-        self._status = gui.add_html(_line("getting ready: compiling the controller", _QUIET))
+        self._verdict = gui.add_html(note("reading the certificate"))
+        self._status = gui.add_html(line("getting ready: compiling the controller", _QUIET))
         self._add_time(gui)
         self._keys = iter(KEYS)
         if commands:
@@ -87,8 +87,8 @@ class Panel:
         self._add_push(gui)
         self._add_plant(gui, settings)
         with gui.add_folder("Margins at the robot's state"):
-            self._bars = gui.add_html(_note("no margins yet"))
-        with gui.add_folder("How sure we are", expand_by_default=False):
+            self._bars = gui.add_html(note("no margins yet"))
+        with gui.add_folder("How sure we are"):
             self._sure = gui.add_markdown("reading the certificate")
             self._theorem = gui.add_folder(
                 "The theorem in its own words", expand_by_default=False, visible=False
@@ -113,22 +113,31 @@ class Panel:
         """Show a message for a while."""
         self._answer, self._answer_left = answer, _ANSWER_FRAMES
 
-    def tell_how_sure(self, words: str, theorem: str = "") -> None:
-        """Show the evidence for the gait, in Markdown, with the theorem's own words folded."""
+    def tell_how_sure(self, verdict: str, words: str, theorem: str = "") -> None:
+        """Show the evidence for the gait.
+
+        Args:
+            verdict: one line, which stays in view.
+            words: the evidence in Markdown.
+            theorem: the theorem's own words in Markdown, which are folded.
+        """
+        self._verdict.content = note(verdict)
         self._sure.content = words
         self._statements.content = theorem
         self._theorem.visible = bool(theorem)
 
     def explain_margins(self, why: str) -> None:
-        """Show why there are no bars."""
+        """Show why there are no bars; the certificate is not read either."""
         self._conditions = ()
-        self._bars.content = _note(why)
+        self._verdict.content = note("The certificate was not read.")
+        self._sure.content = "The certificate was not read."
+        self._bars.content = note(why)
 
     def _add_time(self, gui: viser.GuiApi) -> None:
         player = self._player
         pause = gui.add_button("Pause", icon=viser.Icon.PLAYER_PAUSE)
         row = gui.add_button_group("time", ("Step 20 ms", "Reset"))
-        speed = self._slider(gui, "playback ×", SPEED, 0.1, "simulated seconds a second")
+        speed = self._slider(gui, "playback ×", SPEED, 0.1, "speed, × real time")
 
         def named() -> None:
             pause.label = "Go on" if player.paused else "Pause"
@@ -213,7 +222,7 @@ class Panel:
                 slider = self._slider(gui, label, limits, step, hint)
                 self._sliders[name] = (slider, limits)
                 slider.on_update(lambda _event, name=name: self._set(name))
-            usual = gui.add_button("As the model has it", icon=viser.Icon.RESTORE)
+            usual = gui.add_button("Restore robot and floor", icon=viser.Icon.RESTORE)
 
         @usual.on_click
         def _(_event: object) -> None:
@@ -251,13 +260,13 @@ class Panel:
         shown = picture.shown
         facts = f"{shown.steps} steps · {shown.speed:.2f} m/s · {shown.time:.1f} s"
         if shown.fall is not None:
-            lines = _line(ended(shown, picture.reset_in), _BAD, strong=True)
+            lines = line(ended(shown, picture.reset_in), _BAD, strong=True)
         elif picture.paused:
-            lines = _line(f"Paused · {facts}", _QUIET)
+            lines = line(f"Paused · {facts}", _QUIET)
         else:
             slow = f" · plays at ×{picture.pace:.2f}" if self._lags(picture) else ""
-            lines = _line(f"Walks · {facts}{slow}", _GOOD)
-        said = _line(self._answer, _SAID) if self._answer_left else ""
+            lines = line(f"Walks · {facts}{slow}", _GOOD)
+        said = line(self._answer, _SAID) if self._answer_left else ""
         return lines + said
 
     def _of_lap(self, picture: Picture) -> str | None:
@@ -286,15 +295,3 @@ def _tell(walker: Walker, name: str, value: float) -> None:
 
 def _resize(walker: Walker, name: str, value: float) -> None:
     walker.resize(name, value)
-
-
-def _line(text: str, colour: str, *, strong: bool = False) -> str:
-    weight = 700 if strong else 500
-    return (
-        f'<div style="padding:3px 10px;font-size:13px;line-height:1.35;font-weight:{weight};'
-        f'{colour}">{html.escape(text)}</div>'
-    )
-
-
-def _note(text: str) -> str:
-    return f'<div style="padding:2px 10px 6px;font-size:12px">{html.escape(text)}</div>'

@@ -1,4 +1,7 @@
-"""Phase portrait of the zero dynamics as a picture in which each pixel is a state."""
+"""Phase portrait of the zero dynamics as a picture in which each pixel is a state.
+
+Its ground is transparent, and its inks can be read on a light page and on a dark one.
+"""
 
 from dataclasses import dataclass
 
@@ -10,9 +13,9 @@ WIDTH_PX, HEIGHT_PX, DPI = 1320, 760, 150
 """Size and resolution of the picture."""
 _LEFT, _RIGHT, _BOTTOM, _TOP = 0.08, 0.99, 0.145, 0.895
 """Edges of the plane, as shares of the picture."""
-_GREENS = ("#e3f2e1", "#a5d6a0", "#4f9d63")
-_OPEN, _BROKEN = "#fdc788", "#d0664c"
-_FLOW, _INK, _ORBIT, _GUARD = "#5b6770", "#1f2a33", "#0b57a4", "#7a3e9d"
+_GREENS = ("#b5dcb8", "#7fc18c", "#3d8c57")
+_OPEN, _BROKEN = "#f0a040", "#d0664c"
+_FLOW, _INK, _ORBIT, _GUARD = "#848c95", "#767d86", "#1a63b8", "#a066c4"
 PROVED, UNDECIDED, REFUTED = 0, 1, 2
 """Answers about a box, as in a certificate's map."""
 
@@ -68,13 +71,15 @@ class Portrait:
         return np.clip(z, self.low, self.high)
 
     def draw(self) -> np.ndarray:
-        """Draw the picture. [HEIGHT_PX, WIDTH_PX, 3]."""
+        """Draw the picture: red, green, blue and opacity. [HEIGHT_PX, WIDTH_PX, 4]."""
         # Half a second of imports that the first frame does not wait for.
         from matplotlib.backends.backend_agg import FigureCanvasAgg
         from matplotlib.figure import Figure
 
-        figure = Figure(figsize=(WIDTH_PX / DPI, HEIGHT_PX / DPI), dpi=DPI)
-        axes = figure.add_axes((_LEFT, _BOTTOM, _RIGHT - _LEFT, _TOP - _BOTTOM))
+        size = WIDTH_PX / DPI, HEIGHT_PX / DPI
+        figure = Figure(figsize=size, dpi=DPI, facecolor="none")
+        place = _LEFT, _BOTTOM, _RIGHT - _LEFT, _TOP - _BOTTOM
+        axes = figure.add_axes(place, facecolor="none")
         self._draw_boxes(axes)
         speed = np.where(np.isfinite(self.dz), self.dz, 0.0)
         axes.streamplot(
@@ -103,7 +108,7 @@ class Portrait:
         self._label(axes)
         canvas = FigureCanvasAgg(figure)
         canvas.draw()
-        return np.array(canvas.buffer_rgba())[..., :3]
+        return np.array(canvas.buffer_rgba())
 
     def _draw_boxes(self, axes) -> None:
         from matplotlib.collections import PolyCollection
@@ -127,10 +132,18 @@ class Portrait:
 
     def _label(self, axes) -> None:
         axes.set(xlim=(self.z1[0], self.z1[-1]), ylim=(self.z2[0], self.z2[-1]))
-        axes.set_xlabel("z1, hip ahead of the stance foot [m]", fontsize=12, labelpad=2)
-        axes.set_ylabel("z2, angular momentum [kg m²/s]", fontsize=12, labelpad=2)
-        axes.tick_params(labelsize=10)
-        axes.set_title(self.title, fontsize=12.5, color=_INK, pad=8)
+        axes.set_xlabel(
+            "z1, hip ahead of the stance foot [m]", fontsize=12, labelpad=2, weight="bold"
+        )
+        axes.set_ylabel("z2, angular momentum [kg m²/s]", fontsize=12, labelpad=2, weight="bold")
+        axes.tick_params(labelsize=10, colors=_INK)
+        axes.xaxis.label.set_color(_INK)
+        axes.yaxis.label.set_color(_INK)
+        for spine in axes.spines.values():
+            spine.set_color(_INK)
+        axes.set_title(self.title, fontsize=12.5, color=_INK, pad=8, weight="bold")
+        for tick in (*axes.get_xticklabels(), *axes.get_yticklabels()):
+            tick.set_fontweight("bold")
         for end, word in ((0, "after\nimpact"), (-1, "guard")):
             x, y = self.fence_z1[end], self.fence_z2[1, end]
             axes.annotate(
@@ -140,6 +153,7 @@ class Portrait:
                 textcoords="offset points",
                 ha="center",
                 fontsize=10.5,
+                weight="bold",
                 color=_GUARD,
             )
 

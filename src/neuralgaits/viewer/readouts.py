@@ -1,5 +1,6 @@
 """Text of numbers and endings beside the scene."""
 
+import html
 import math
 
 from neuralgaits.viewer.walker import Shown, SliderReach
@@ -43,3 +44,17 @@ def notch(limits: SliderReach) -> float:
 def few_digits(value: float) -> float:
     """Round a number to the digits that a slider shows."""
     return float(f"{value:.{_DIGITS}g}")
+
+
+def line(text: str, colour: str, *, strong: bool = False) -> str:
+    """Return HTML of a line in a colour, which is CSS."""
+    weight = 700 if strong else 500
+    return (
+        f'<div style="padding:3px 10px;font-size:13px;line-height:1.35;font-weight:{weight};'
+        f'{colour}">{html.escape(text)}</div>'
+    )
+
+
+def note(text: str) -> str:
+    """Return HTML of a small line."""
+    return f'<div style="padding:2px 10px 6px;font-size:12px">{html.escape(text)}</div>'

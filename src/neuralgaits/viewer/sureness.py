@@ -5,7 +5,7 @@ from typing import NamedTuple
 from neuralgaits.analysis.run import Run
 from neuralgaits.certificate.run_certificate.verified_summary import ProvedPart, read_certificate
 from neuralgaits.records import in_plain_words
-from neuralgaits.records.certified import PROOF, CertificateRecord
+from neuralgaits.records.certified import HIGHEST, PROOF, CertificateRecord
 from neuralgaits.runs import packed
 from neuralgaits.runs.shell_words import command, named
 from neuralgaits.viewer import markdown
@@ -16,12 +16,17 @@ class Sureness(NamedTuple):
 
     certified: bool
     """Whether there is a certificate of exactly this gait."""
+    verdict: str
+    """The answer in one line."""
     words: str
     """Summary in Markdown."""
     map_fits: bool = False
     """Whether the map of boxes was made with the proof."""
     theorem: str = ""
     """Statements of the proof file, word by word, in Markdown; empty if there are none."""
+
+
+_SIMULATED = "You watch a simulation: the robot may fall."
 
 
 def how_sure(run: Run) -> Sureness:
@@ -35,16 +40,29 @@ def how_sure(run: Run) -> Sureness:
         seen = "Training looked" if run.asked.as_given is None else "What is known of it looks"
         return Sureness(
             False,
+            f"Nothing is proved of this gait. {_SIMULATED}",
             f"**Nothing is proved of this gait.** {seen} at samples. {again} looks for a proof.",
         )
     if found.summary is None:
         return Sureness(
             False,
+            f"There is no certificate of this gait. {_SIMULATED}",
             f"**There is no certificate of this gait**: {markdown.text(str(found.reason))}. "
             f"{again} looks for a new one.",
         )
     told = "\n\n".join(_lines(run, found.summary, found.part))
-    return Sureness(True, told, found.map_fits, _theorem(found.summary))
+    verdict = f"{_verdict(found.summary, found.part)} {_SIMULATED}"
+    return Sureness(True, verdict, told, found.map_fits, _theorem(found.summary))
+
+
+def _verdict(answer: CertificateRecord, part: ProvedPart | None) -> str:
+    """Say in a few words which level the proof file states, and of what."""
+    if part is not None and part.conditions:
+        return "The proof file is about some commands only: see below."
+    if not answer.proved_level:
+        return f"Not proved: {answer.verdict} at level {answer.level}."
+    robots = ", for a box of robots" if answer.robots else ""
+    return f"The proof file states level {answer.proved_level} of {HIGHEST}{robots}."
 
 
 _OF_PART = {

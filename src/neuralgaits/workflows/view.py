@@ -110,7 +110,7 @@ class LiveView:
             plane = portrait(run, look, certified=sure.certified and sure.map_fits)
             with self._showing:
                 if not self._closed.is_set():
-                    self._panel.tell_how_sure(sure.words, sure.theorem)
+                    self._panel.tell_how_sure(sure.verdict, sure.words, sure.theorem)
                     self._stage.hang(plane, self._clicked)
         except SpecError as error:
             with self._showing:
