@@ -116,7 +116,7 @@ def reset(data: GaitData) -> Figure:
     _stage(left, points[-1])
     robot_drawing.draw(left, points[-1], data.torso)
     robot_drawing.draw(left, points[0], data.torso, shift=1.0)
-    left.text(0.0, -0.12, "before: dark leg\nstands", ha="center", va="top", fontsize=9)
+    left.text(0.0, -0.12, "before: the grey\nleg swings", ha="center", va="top", fontsize=9)
     left.text(
         1.0 - 0.5 * step, -0.12, "after: the other\none does", ha="center", va="top", fontsize=9
     )

@@ -1,12 +1,19 @@
+# pyright: reportAttributeAccessIssue=false
+# MuJoCo ships no type stubs.
+
 import importlib.util
 import os
 import warnings
+from xml.etree import ElementTree
 
 import mujoco
+import numpy as np
 import pytest
 
 from neuralgaits.errors import InputError
+from neuralgaits.robots.mjcf.loader import robot_from_text
 from neuralgaits.simulation import video
+from neuralgaits.simulation.setup.plant import build
 from neuralgaits.simulation.walk import walk
 
 
@@ -47,3 +54,41 @@ def test_a_walk_becomes_a_video_or_one_clear_line(amber, slow, tmp_path):
     else:
         assert path.stat().st_size > 1000
         assert os.listdir(tmp_path) == ["walk.mp4"]
+
+
+def plain_plant(amber):
+    """A plant whose file names no colour of its floor, no light and no camera."""
+    root = ElementTree.fromstring(amber.layout.xml)
+    for parent in list(root.iter()):
+        for child in list(parent):
+            if child.tag in ("light", "camera", "asset"):
+                parent.remove(child)
+    for geom in root.iter("geom"):
+        geom.attrib.pop("material", None)
+        geom.attrib.pop("rgba", None)
+    return build(robot_from_text(ElementTree.tostring(root, encoding="unicode"), "plain"))
+
+
+def test_a_floor_without_a_colour_is_light_and_one_with_a_colour_keeps_it(amber, monkeypatch):
+    monkeypatch.setattr(mujoco, "Renderer", lambda *_, **__: None)
+    for plant, lit in ((plain_plant(amber), True), (build(amber), False)):
+        model = plant.model
+        before = model.geom_rgba.copy()
+        video._renderer(model)
+        floors = model.geom_type == mujoco.mjtGeom.mjGEOM_PLANE
+        assert np.any(floors) and np.all(model.geom_rgba[~floors] == before[~floors])
+        assert np.all(model.geom_rgba[floors] > 0.9) == lit
+        assert np.any(model.geom_rgba != before) == lit
+
+
+def test_a_robot_without_a_camera_fills_most_of_the_height(amber):
+    plant = plain_plant(amber)
+    data = mujoco.MjData(plant.model)
+    mujoco.mj_forward(plant.model, data)
+    camera = video._camera(plant, data)
+    seen = 2.0 * camera.distance * np.tan(np.radians(0.5 * plant.model.vis.global_.fovy))
+    leg = plant.robot.leg_length
+    low, high = camera.lookat[2] - 0.5 * seen, camera.lookat[2] + 0.5 * seen
+    # From below the feet to above a torso as long as the leg.
+    assert low < 0.0 and high > 1.95 * leg
+    assert seen < 2.6 * leg

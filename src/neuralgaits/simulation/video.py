@@ -27,6 +27,9 @@ SIZE = (480, 640)
 _SUFFIX = ".mp4"
 _SKY = np.array([222, 231, 240], dtype=np.uint8)
 """Colour behind a robot whose file has no sky."""
+_UNPAINTED, _FLOOR = np.array([0.5, 0.5, 0.5, 1.0]), np.array([0.93, 0.95, 0.97, 1.0])
+"""MuJoCo's colour of a shape whose file names none, and the film's colour of such a floor: lit by
+few lights, the first is nearly black."""
 
 
 def check(path: Path) -> None:
@@ -159,8 +162,8 @@ def _camera(plant: Plant, data):
     height = plant.robot.leg_length
     root = int(plant.model.joint(plant.robot.layout.root_joints[2]).bodyid[0])
     level = 0.0 if plant.course is None else plant.course.height(float(data.xpos[root][0]))
-    camera.lookat[:] = (data.xpos[root][0], 0.0, level + 0.7 * height)
-    camera.distance, camera.azimuth, camera.elevation = 4.0 * height, 90.0, -8.0
+    camera.lookat[:] = (data.xpos[root][0], 0.0, level + 0.78 * height)
+    camera.distance, camera.azimuth, camera.elevation = 3.0 * height, 90.0, -8.0
     return camera
 
 
@@ -168,7 +171,10 @@ def _renderer(model):
     height, width = SIZE
     if not model.nlight:
         # A file without lights is lit from the camera, brightly enough to see it.
-        model.vis.headlight.ambient[:], model.vis.headlight.diffuse[:] = 0.4, 0.6
+        model.vis.headlight.ambient[:], model.vis.headlight.diffuse[:] = 0.75, 0.4
+    planes = (model.geom_type == mujoco.mjtGeom.mjGEOM_PLANE) & (model.geom_matid < 0)
+    plain = planes & np.isclose(model.geom_rgba, _UNPAINTED).all(axis=1)
+    model.geom_rgba[plain] = _FLOOR
     # A robot file that says nothing about its off-screen buffer gets one that is large enough.
     visual = model.vis.global_
     visual.offheight, visual.offwidth = max(height, visual.offheight), max(width, visual.offwidth)
