@@ -42,7 +42,8 @@ def fields(lines: list[str]) -> list[str]:
     out: list[str] = []
     inside = ""
     for line in lines:
-        line = line.replace("|", r"\|")
+        # A pattern of file names is no emphasis.
+        line = line.replace("|", r"\|").replace("/*.", r"/\*.")
         section = _SECTION.match(line)
         if line == "Attributes:":
             inside, line = "attributes", ":Attributes:"

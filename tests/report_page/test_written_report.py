@@ -273,7 +273,8 @@ def test_charts_stand_beside_each_other_on_a_desk_and_fit_a_telephone(opened):
     assert len({left for left, _ in wide}) == 2
     assert min(right - left for left, right in wide) > 600
     assert len({left for left, _ in narrow}) == 1
-    assert all(0 <= left < right <= 390 for left, right in narrow)
+    # As wide as the text, which leaves the same margin on either side.
+    assert {(left, 390 - right) for left, right in narrow} == {(18, 18)}
 
 
 def test_a_chart_is_enlarged_and_made_smaller_again(opened):
