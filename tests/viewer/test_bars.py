@@ -31,3 +31,10 @@ def test_names_of_a_users_conditions_are_text():
     page = bars.render(["<script>alert(1)</script>"], margins)
     assert "<script" not in page
     assert "&lt;script&gt;" in page
+
+
+def test_whoever_points_at_a_bar_reads_what_its_condition_states():
+    margins = Margins(np.array([1.0, 1.0]), np.array([True, False]))
+    page = bars.render(["one", "two"], margins, {"one": 'torso < "upright"'})
+    assert 'title="torso &lt; &quot;upright&quot;; z is in its region"' in page
+    assert 'title="z is outside of its region: read near it"' in page

@@ -1,7 +1,7 @@
 """Margins of conditions as bars, in plain HTML without scripts."""
 
 import html
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -39,18 +39,24 @@ _NONE = (
 )
 
 
-def render(names: Sequence[str], margins: Margins) -> str:
-    """Return bars of all conditions in the spec's order; a sentence if no margin is a number."""
+def render(names: Sequence[str], margins: Margins, words: Mapping[str, str] | None = None) -> str:
+    """Return bars of all conditions; a sentence if no margin is a number.
+
+    Args:
+        names: names of the conditions, in the order of the margins.
+        margins: their margins.
+        words: what they state, by name, for whoever points at a bar.
+    """
     if not np.isfinite(margins.values).any():
         return _NONE
     rows = [
-        _row(name, float(value), bool(inside))
+        _row(name, float(value), bool(inside), (words or {}).get(name, ""))
         for name, value, inside in zip(names, margins.values, margins.inside, strict=True)
     ]
     return f'<div style="font-size:11.5px;padding:2px 10px 8px">{"".join(rows)}{_KEY}</div>'
 
 
-def _row(name: str, value: float, inside: bool) -> str:
+def _row(name: str, value: float, inside: bool, words: str) -> str:
     colour, width, text = _FADED, 0.0, "–"
     if np.isfinite(value):
         colour = _BROKEN if value < 0.0 else _TIGHT if value < TIGHT else _GOOD
@@ -59,7 +65,7 @@ def _row(name: str, value: float, inside: bool) -> str:
     hint = "z is in its region" if inside else "z is outside of its region: read near it"
     return _ROW.format(
         name=html.escape(name),
-        hint=hint,
+        hint=html.escape(f"{words}; {hint}" if words else hint),
         colour=colour,
         ink=scheme.colour(colour, _BRIGHT[colour]),
         width=width,

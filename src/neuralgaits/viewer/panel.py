@@ -48,7 +48,7 @@ class Panel:
         *,
         title: str,
         settings: Mapping[str, SliderReach],
-        conditions: Sequence[str],
+        conditions: Sequence[str] | Mapping[str, str],
         restarted: Callable[[], None],
         commands: Mapping[str, SliderRange] | None = None,
         sizes: Mapping[str, SliderRange] | None = None,
@@ -60,13 +60,14 @@ class Panel:
             player: player that the controls act on.
             title: one line of Markdown.
             settings: limits of the plant's adjustable settings, by name.
-            conditions: names of the conditions, in the order of the margins; empty if there are
-                none.
+            conditions: names of the conditions, in the order of the margins, or what they state
+                by name; empty if there are none.
             restarted: called in the player's thread after the robot was put back.
             commands: ranges of the commands that the gait takes at each touchdown, by name.
             sizes: ranges of the sizes of the blocks ahead, by name.
         """
-        self._player, self._conditions, self._restarted = player, conditions, restarted
+        self._player, self._conditions, self._restarted = player, tuple(conditions), restarted
+        self._words = conditions if isinstance(conditions, Mapping) else {}
         self._answer, self._answer_left, self._count = "", 0, 0
         self._laps = 0
         self._sliders: dict[str, tuple[viser.GuiSliderHandle, SliderReach]] = {}
@@ -103,7 +104,7 @@ class Panel:
         if answer is not None:
             self.say(answer)
         if picture.margins is not None and self._conditions:
-            self._bars.content = bars.render(self._conditions, picture.margins)
+            self._bars.content = bars.render(self._conditions, picture.margins, self._words)
         if self._count % _STATUS_EVERY == 0 or answer is not None:
             self._status.content = self._lines(picture)
         self._answer_left = max(0, self._answer_left - 1)

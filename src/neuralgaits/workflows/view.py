@@ -10,6 +10,7 @@ import viser
 from neuralgaits.analysis.point_evaluator import PointEvaluator, quantities
 from neuralgaits.analysis.run import Run, open_run
 from neuralgaits.errors import SpecError
+from neuralgaits.report.page.phrases import any_condition
 from neuralgaits.viewer import live_server, markdown
 from neuralgaits.viewer.live_gait import LiveGait
 from neuralgaits.viewer.panel import Panel
@@ -85,13 +86,14 @@ class LiveView:
 
     def _build_panel(self) -> Panel:
         asked = self._run.asked
+        words = {one.name: any_condition(one.data) for one in asked.conditions}
         return Panel(
             self._server,
             self.player,
             title=f"**{markdown.text(asked.robot)}**, spec {markdown.code(asked.spec)}, "
             f"seed {markdown.text(str(asked.seed))}",
             settings=self.gait.settings,
-            conditions=[condition.name for condition in self._run.spec.conditions],
+            conditions={one.name: words.get(one.name, "") for one in self._run.spec.conditions},
             restarted=self._stage.restart,
             commands=self.gait.commands,
             sizes=self.gait.sizes,

@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from neuralgaits.barriers.quantities import GISTS, WORDS
-from neuralgaits.report.page.markup import Html, number, tag
+from neuralgaits.report.page.markup import Html, join, number, tag
 
 _INLET = "a next step that begins in range"
 _REGIONS = {
@@ -95,6 +95,20 @@ def verdict(word: str) -> Html:
 def region(name: str) -> str:
     """Return in words where a condition must hold."""
     return _REGIONS.get(name, name)
+
+
+def named(name: str, words: str) -> Html:
+    """Return a condition in words, with its name below."""
+    code = tag("code", name, class_="quiet")
+    return join([tag("span", words), Html("<br>"), code]) if words else code
+
+
+def any_condition(described: Mapping[str, Any]) -> str:
+    """Return a condition as a sentence, even one from another version."""
+    try:
+        return condition(described)
+    except (AttributeError, KeyError, TypeError):
+        return "described in a way that this version does not know"
 
 
 def condition(described: Mapping[str, Any]) -> str:

@@ -53,7 +53,7 @@ def certificate(contents: Contents) -> Html:
         _ladder(found, bool(saved.asked.commands)),
         *(_level(entry) for entry in found.levels),
         html.tag("h3", "Condition by condition (level 1)"),
-        _conditions(found),
+        _conditions(saved, found),
         html.tag("h3", "What it assumes"),
         html.items(in_plain_words.assumptions(found.level, found.robots)),
         html.paragraph(f"It claims nothing about {in_plain_words.not_claimed(found.level)}."),
@@ -132,7 +132,8 @@ def _rounded(constant: TheoremConstant) -> str:
     return html.bound(constant.value, above=constant.side == "most")
 
 
-def _conditions(found: CertificateRecord) -> Html:
+def _conditions(saved: Saved, found: CertificateRecord) -> Html:
+    words = {one.name: phrases.any_condition(one.data) for one in saved.asked.conditions}
     rows = []
     tightness = {"refuted": 0, "undecided": 1}
     ordered = sorted(
@@ -152,20 +153,19 @@ def _conditions(found: CertificateRecord) -> Html:
             detail = "proved in this part" if entry.in_part else left
         share = f"{int(1e4 * entry.proved_fraction) / 100:g} %"
         margin, boxes = html.bound(entry.margin), html.number(entry.boxes)
-        rows.append(
-            (html.tag("b", name), phrases.verdict(entry.verdict), margin, share, boxes, detail)
-        )
+        shown = phrases.named(name, words.get(name, ""))
+        rows.append((shown, phrases.verdict(entry.verdict), margin, share, boxes, detail))
     head = ("condition", "verdict", "margin at least", "of its region", "boxes", "")
     failed = sum(
         entry.verdict != "proved" and not entry.in_part for entry in found.conditions.values()
     )
-    shown = max(TIGHTEST, failed)
+    first = max(TIGHTEST, failed)
     caption = (
         "Margins in scales, as above; every state of a condition's region has at least its. Shares "
         "and boxes are as certify counted them: no proof file states them"
     )
-    parts = [html.table(caption, head, rows[:shown], numbers="  nnn", cards=True)]
-    if rest := rows[shown:]:
+    parts = [html.table(caption, head, rows[:first], numbers="  nnn", cards=True)]
+    if rest := rows[first:]:
         told = f"{len(rest)} more, none with a smaller margin"
         parts.append(html.folded(told, html.table(told, head, rest, numbers="  nnn", cards=True)))
     return html.join(parts)

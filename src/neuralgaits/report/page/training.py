@@ -1,7 +1,6 @@
 """The part of the page about training: robot, spec, conditions with their numbers."""
 
 import math
-from collections.abc import Mapping
 from typing import Any
 
 from neuralgaits.records.certified import box_in_words
@@ -220,19 +219,9 @@ def _explained(asked: list[ConditionRecord]) -> str:
     return said
 
 
-def _told(entry: Mapping[str, Any]) -> str:
-    """Describe a condition in words, even one from another version."""
-    try:
-        return phrases.condition(entry)
-    except (AttributeError, KeyError, TypeError):
-        return "described in a way that this version does not know"
-
-
 def _row(one: ConditionRecord, measured: Violations | None) -> tuple[Any, ...]:
     size = phrases.scale(one.data, one.scale or 1.0)
-    name = html.join(
-        [html.tag("b", one.name), Html("<br>"), html.tag("span", _told(one.data), class_="quiet")]
-    )
+    name = phrases.named(one.name, phrases.any_condition(one.data))
     where = phrases.region(one.region)
     if measured is None:
         return name, where, "–", size
