@@ -125,6 +125,29 @@ def test_a_new_option_is_one_field(capsys: pytest.CaptureFixture[str]) -> None:
     assert "--shade N" in capsys.readouterr().out
 
 
+def test_a_python_caller_may_write_what_the_command_line_reads() -> None:
+    taken: list[of.TrainSettings] = []
+
+    @called_with(of.TrainSettings)
+    def train(settings: of.TrainSettings) -> None:
+        taken.append(settings)
+
+    train("amber3m", parameters="mass=2%", hidden="8,8", slope="-5:5", speed="0.6:0.7")  # type: ignore[arg-type]
+    [found] = taken
+    assert (found.robot, found.parameters, found.hidden) == ("amber3m", {"mass": 0.02}, (8, 8))
+    assert found.slope == (math.radians(-5.0), math.radians(5.0)) and found.speed == (0.6, 0.7)
+    with pytest.raises(InputError, match="LOW:HIGH in degrees, found '5'"):
+        train("amber3m", slope="5")  # type: ignore[arg-type]
+    with pytest.raises(TypeError, match=r"train\(\) got .* 'step'; did you mean steps\?"):
+        train("amber3m", step=3)  # type: ignore[call-arg]
+    shown = str(inspect.signature(neuralgaits.simulate))
+    assert shown.startswith(
+        "(run: Run | str | Path, *, plant: PlanarBiped | str | Path | None = None"
+    )
+    assert "controller: str | AbstractLaw = 'pd'" in shown
+    assert max(len(line) for line in str(neuralgaits.simulate.__doc__).splitlines()) <= 100
+
+
 def test_settings_that_exclude_each_other_are_refused_where_they_are_defined() -> None:
     with pytest.raises(InputError, match="--resume alone, found it with --certify, --budget"):
         of.TrainSettings(resume="latest", certify=True, budget=3.0)

@@ -56,7 +56,7 @@ class CertifySettings:
     --level 4 is about the largest set that the search yields, in a norm of its own: 20 suits
     AMBER-3M."""
     budget: Seconds = None
-    """Stop after this time; the result so far is kept."""
+    """Stop after this time [s]; the result so far is kept."""
     within: _Ranges = None
     """For a gait that takes commands, prove these ranges only, as in speed=0.70:0.72 or
     slope=-1:1 [degrees]; the run as a whole stays undecided."""

@@ -17,16 +17,16 @@ from neuralgaits.settings.options import arg
 from neuralgaits.settings.shared_options import (
     AnyName,
     AnyPath,
-    AnyRobot,
     AnyWatch,
+    Changes,
     Columns,
-    Disturb,
     Disturbance,
     Flag,
     Folder,
     Number,
     OwnRobot,
     Paths,
+    Plant,
     Progress,
     Root,
     Run,
@@ -82,7 +82,7 @@ class RefineSettings:
     certify: Flag = False
     """Prove the conditions (level 1) on the corrected dynamics, as train --certify does."""
     budget: Seconds = None
-    """With --certify: time for proofs and further training."""
+    """With --certify: time for proofs and further training [s]."""
     out: Folder = None
     """Run folder to make, instead of runs/ROBOT/<time>-<seed>."""
     progress: Progress = None
@@ -105,9 +105,9 @@ class EpisodesSettings:
     """The model: name of a built-in robot, or path of an MJCF file; the run's own with
     --resume."""
     _: KW_ONLY
-    plant: Annotated[AnyRobot | None, arg(metavar="ROBOT")] = None
+    plant: Plant = None
     """Robot that walks, in simulation."""
-    disturb: Annotated[Disturb | None, arg(metavar="NAME=VALUE,...")] = None
+    disturb: Changes = None
     """Further differences between plant and model, as in torso_shift_m=-0.02."""
     controller: Annotated[Literal["pd", "fblin"] | None, arg(metavar="{pd,fblin}")] = None
     """Joint PD (if not given), or input-output linearisation with the model."""

@@ -8,12 +8,12 @@ from neuralgaits.settings.options import arg
 from neuralgaits.settings.shared_options import (
     AnyName,
     AnyPath,
-    AnyRobot,
     Box,
-    Command,
-    Controller,
-    Disturb,
-    Link,
+    Changes,
+    Connection,
+    Constant,
+    Law,
+    Plant,
     Ray,
     Run,
     Terrain,
@@ -28,13 +28,13 @@ class SimulateSettings:
     run: Run
     """Run folder, or latest."""
     _: KW_ONLY
-    plant: Annotated[AnyRobot | None, arg(metavar="ROBOT")] = None
+    plant: Plant = None
     """Robot to simulate; the one trained for if not given."""
-    controller: Controller = "pd"
+    controller: Law = "pd"
     """Joint PD, input-output linearisation, the PD of the paper (soft, z2 = 0), a quadratic program
     with a control Lyapunov function within limits of torque and friction, or the exported
     controller as a process of its own."""
-    link: Annotated[Link | None, arg(metavar="NAME=VALUE,...")] = None
+    link: Connection = None
     """Settings of the connection to controller c, as in
     law=fblin,lockstep=1,loss=0.01,jitter_ms=2."""
     steps: Annotated[int, arg(metavar="N")] = 50
@@ -50,7 +50,7 @@ class SimulateSettings:
     push: Annotated[float | None, arg(metavar="NS")] = None
     """Impulse of a forward push [N s], over 0.1 s, within half a second of touchdown 5; the result
     says how many walks it ended."""
-    disturb: Annotated[Disturb | None, arg(metavar="NAME=VALUE,...")] = None
+    disturb: Changes = None
     """Differences between plant and model, as in friction=0.4,delay_ms=4."""
     sensing: Annotated[str | None, arg(metavar="perfect|encoders[,NAME=VALUE...]")] = None
     """Measurements of the controller: perfect (the plant's own rates and hip velocity), or
@@ -60,9 +60,9 @@ class SimulateSettings:
     parameters: Box = None
     """Walk another robot each time, drawn from this box around the run's own, as in
     mass=2%,com=5mm,inertia=5%; with floor=5mm and friction=0.5 on such a floor."""
-    command: Annotated[Command | None, arg(metavar="NAME=VALUE,...")] = None
+    command: Constant = None
     """Constant command of a gait that takes commands, as in speed=0.7 or slope=3 [degrees]; the
-    middle of its ranges if not given."""
+    middle of its ranges if not given. A mapping in Python is in SI units."""
     commands: Annotated[AnyName | None, arg(metavar="FILE.csv|random")] = None
     """Command for each step: a file with a row a step, step,speed[m/s],..., or new random
     commands at each touchdown."""

@@ -65,7 +65,7 @@ class SweepSettings:
     certify: Annotated[int | None, arg(metavar="LEVEL")] = None
     """Prove each run up to this level; no proof if not given."""
     budget: Seconds = None
-    """With --certify: time for each proof. The result then depends on the machine."""
+    """With --certify: time for each proof [s]. The result then depends on the machine."""
     controllers: _Controllers = None
     """Control laws to walk with: pd (if not given), fblin, paper, clf-qp."""
     disturbances: Annotated[Disturbances | None, arg(metavar="FILE|standard|none")] = None

@@ -10,6 +10,7 @@ from typing import Annotated
 
 from tyro.conf import Fixed, Positional
 
+from neuralgaits._called_with import PythonType
 from neuralgaits._checks import (
     check_proof_budget,
     check_seed,
@@ -67,7 +68,8 @@ class GaitSettings:
     step_height: StepHeight = None
     """Range of commanded heights of the next foothold [m], as in --step-height=-0.02:0.02."""
     slope: Slope = None
-    """Range of commanded slopes of the ground [degrees], as in --slope=-5:5."""
+    """Range of commanded slopes of the ground, as in --slope=-5:5 [degrees]; a pair of numbers in
+    Python is in radians."""
     parameters: Box = None
     """Box of robots that one policy must walk on, as in mass=2%,com=5mm,inertia=5%,rotor=5%:
     errors of every link's mass, centre of mass and inertia, and of every rotor; and of the floor:
@@ -90,7 +92,7 @@ class TrainSettings(GaitSettings):
     """Prove the conditions (level 1) after training; if that fails, continue training with
     samples of the boxes that are left, until the proof succeeds."""
     budget: Seconds = None
-    """With --certify: time for proofs and further training."""
+    """With --certify: time for proofs and further training [s]."""
     out: Folder = None
     """Run folder to make, instead of runs/ROBOT/<time>-<seed>."""
     resume: Annotated[AnyName | None, arg(metavar="RUN")] = None
@@ -166,7 +168,7 @@ class ImportGaitSettings:
 
     file: Annotated[Positional[Path], arg(metavar="FILE.json")]
     """Joints, control points [rad] and phase, in the format of docs/optimise.md."""
-    robot: Annotated[AnyRobot, arg(metavar="ROBOT")]
+    robot: Annotated[AnyRobot, arg(metavar="ROBOT"), PythonType("PlanarBiped | str | Path")]
     """Robot that walks the gait: name of a built-in robot, or path of an MJCF file."""
     _: KW_ONLY
     name: Annotated[str | None, arg(metavar="NAME")] = None
