@@ -52,9 +52,15 @@ def called_with(
 
 @dataclass(frozen=True)
 class PythonType:
-    """Mark of a field whose type is wider for a Python caller. Attributes: words: that type."""
+    """Mark of a field whose type is wider for a Python caller.
+
+    Attributes:
+        words: that type.
+        kinds: its classes; empty if whatever uses the value judges it.
+    """
 
     words: str
+    kinds: tuple[type, ...] = ()
 
     def __repr__(self) -> str:
         return self.words
@@ -122,6 +128,8 @@ def _said(settings: type) -> Iterator[tuple[str, str]]:
 def _with_arguments(doc: str, arguments: dict[str, str]) -> str:
     """Return a docstring with a section about its arguments behind its first part."""
     head, blank, tail = doc.partition("\n\nReturns:")
-    wrapped = TextWrapper(96, initial_indent="    ", subsequent_indent="        ")
+    wrapped = TextWrapper(
+        96, initial_indent="    ", subsequent_indent="        ", break_on_hyphens=False
+    )
     listed = "\n".join(wrapped.fill(f"{name}: {text}") for name, text in arguments.items())
     return f"{head}\n\nArgs:\n{listed}{blank}{tail}"

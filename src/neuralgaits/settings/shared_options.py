@@ -44,6 +44,8 @@ else:
     Names = tuple[str, ...]
     Controller = Literal[(*CONTROL_LAWS, "c")]
 
+A_PATH = PythonType("str | Path | None", (str, Path))
+SOME_PATHS = PythonType("Sequence[str | Path]", (list, tuple))
 Flag = Annotated[bool, arg()]
 Run = Annotated[Positional[AnyRun], arg(metavar="RUN"), PythonType("Run | str | Path")]
 Robot = Annotated[
@@ -81,10 +83,11 @@ Changes = Annotated[
 Connection = Annotated[
     Link | None, _NAMED_VALUES, PythonType("str | Mapping[str, Any] | LinkConfig | None")
 ]
-Constant = Annotated[Command | None, _NAMED_VALUES, PythonType("str | Mapping[str, float] | None")]
-Folder = Annotated[AnyPath | None, arg(metavar="DIR")]
-Columns = Annotated[AnyPath | None, arg(metavar="FILE.toml")]
-Terrain = Annotated[AnyName | None, arg(metavar="KIND[,NAME=VALUE...]|FILE.csv")]
+_A_COMMAND = PythonType("str | Mapping[str, float] | None", (str, Mapping))
+Constant = Annotated[Command | None, _NAMED_VALUES, _A_COMMAND]
+Folder = Annotated[AnyPath | None, arg(metavar="DIR"), A_PATH]
+Columns = Annotated[AnyPath | None, arg(metavar="FILE.toml"), A_PATH]
+Terrain = Annotated[AnyName | None, arg(metavar="KIND[,NAME=VALUE...]|FILE.csv"), A_PATH]
 Workers = Annotated[
     int | None,
     arg(

@@ -4,8 +4,9 @@ from dataclasses import KW_ONLY, dataclass
 from typing import Annotated, Literal
 
 from neuralgaits._checks import check_walks
-from neuralgaits.settings.options import arg
+from neuralgaits.settings.options import Settings, arg
 from neuralgaits.settings.shared_options import (
+    A_PATH,
     AnyName,
     AnyPath,
     Box,
@@ -22,7 +23,7 @@ from neuralgaits.settings.shared_options import (
 
 
 @dataclass(frozen=True)
-class SimulateSettings:
+class SimulateSettings(Settings):
     """Settings of `simulate`."""
 
     run: Run
@@ -63,7 +64,7 @@ class SimulateSettings:
     command: Constant = None
     """Constant command of a gait that takes commands, as in speed=0.7 or slope=3 [degrees]; the
     middle of its ranges if not given. A mapping in Python is in SI units."""
-    commands: Annotated[AnyName | None, arg(metavar="FILE.csv|random")] = None
+    commands: Annotated[AnyName | None, arg(metavar="FILE.csv|random"), A_PATH] = None
     """Command for each step: a file with a row a step, step,speed[m/s],..., or new random
     commands at each touchdown."""
     terrain: Terrain = None
@@ -76,10 +77,11 @@ class SimulateSettings:
     """Number of walks."""
     workers: Workers = None
     ray: Ray = None
-    log: Annotated[AnyPath | None, arg(metavar="FILE.csv")] = None
+    log: Annotated[AnyPath | None, arg(metavar="FILE.csv"), A_PATH] = None
     """Write the first walk's log; further walks get FILE-1.csv, FILE-2.csv, ... beside it."""
-    video: Annotated[AnyPath | None, arg(metavar="FILE.mp4")] = None
+    video: Annotated[AnyPath | None, arg(metavar="FILE.mp4"), A_PATH] = None
     """Write a video of the first walk; needs the video extra."""
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         check_walks(self.episodes, self.seed, self.push)

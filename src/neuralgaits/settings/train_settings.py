@@ -20,8 +20,9 @@ from neuralgaits._checks import (
 )
 from neuralgaits.errors import InputError
 from neuralgaits.runs import RUNS_ROOT
-from neuralgaits.settings.options import arg
+from neuralgaits.settings.options import Settings, arg
 from neuralgaits.settings.shared_options import (
+    A_PATH,
     AnyName,
     AnyRobot,
     AnyWatch,
@@ -45,7 +46,7 @@ from neuralgaits.settings.shared_options import (
 
 
 @dataclass(frozen=True)
-class GaitSettings:
+class GaitSettings(Settings):
     """Settings of an untrained gait: everything but its seed."""
 
     robot: OwnRobot = None
@@ -76,6 +77,7 @@ class GaitSettings:
     floor=5mm, footholds higher or lower than intended, and friction=0.5, the least coefficient."""
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         if self.init not in (None, "posture", "random"):
             raise InputError(f"expected init posture or random, found {self.init!r}")
         check_widths(self.hidden)
@@ -95,7 +97,7 @@ class TrainSettings(GaitSettings):
     """With --certify: time for proofs and further training [s]."""
     out: Folder = None
     """Run folder to make, instead of runs/ROBOT/<time>-<seed>."""
-    resume: Annotated[AnyName | None, arg(metavar="RUN")] = None
+    resume: Annotated[AnyName | None, arg(metavar="RUN"), A_PATH] = None
     """Continue an unfinished run: its folder, or latest for the last one started. All other
     settings are the run's own."""
     progress: Progress = None
@@ -147,7 +149,7 @@ class TrainSeedsSettings(GaitSettings):
 
 
 @dataclass(frozen=True)
-class OptimiseSettings:
+class OptimiseSettings(Settings):
     """Settings of `optimise`."""
 
     robot: Robot
@@ -163,7 +165,7 @@ class OptimiseSettings:
 
 
 @dataclass(frozen=True)
-class ImportGaitSettings:
+class ImportGaitSettings(Settings):
     """Settings of `import-gait`."""
 
     file: Annotated[Positional[Path], arg(metavar="FILE.json")]

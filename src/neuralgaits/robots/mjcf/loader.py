@@ -18,6 +18,7 @@ import jax
 import mujoco
 import numpy as np
 
+from neuralgaits._inputs import refuse_no_path
 from neuralgaits._names import meant
 from neuralgaits._printable import printable
 from neuralgaits.errors import InputError, RobotError
@@ -158,6 +159,7 @@ def robot_text(name_or_path: str | Path) -> tuple[str, str]:
 
     Raises: RobotError if there is no such robot, or the file cannot be read.
     """
+    refuse_no_path("a robot by name, by path or as load_robot returns it", name_or_path)
     name = str(name_or_path)
     if name in registry.built_in():
         return registry.model_file(name).read_text(encoding="utf-8"), name
