@@ -101,8 +101,14 @@ def _in_words(hint: Any) -> str:
     """Return a type as a Python caller writes it, without None."""
     union = typing.get_origin(hint) in (typing.Union, types.UnionType)
     kinds = typing.get_args(hint) if union else (hint,)
-    words = (inspect.formatannotation(one) for one in kinds if one is not types.NoneType)
+    words = (_one_in_words(one) for one in kinds if one is not types.NoneType)
     return " or ".join(re.sub(r"\b(typing|collections\.abc|pathlib)\.", "", one) for one in words)
+
+
+def _one_in_words(kind: Any) -> str:
+    if typing.get_origin(kind) is typing.Literal:
+        return f"one of {', '.join(map(str, typing.get_args(kind)))}"
+    return inspect.formatannotation(kind)
 
 
 def words_of(settings: Any, kind: type | None = None) -> list[str]:
