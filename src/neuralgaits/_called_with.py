@@ -4,10 +4,13 @@ import ast
 import inspect
 import itertools
 import typing
-from collections.abc import Callable, Iterator
-from dataclasses import fields
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, fields
 from functools import wraps
+from textwrap import TextWrapper
 from typing import Annotated, Any, ParamSpec, TypeVar
+
+from neuralgaits._names import meant
 
 P = ParamSpec("P")
 Given = TypeVar("Given")
@@ -19,28 +22,78 @@ def called_with(
 ) -> Callable[[Callable[[Given], Result]], Callable[P, Result]]:
     """Give a function of one object the arguments of its class.
 
-    Signature and docstring list these arguments, so that they are written once.
+    Signature and docstring list these arguments, so that they are written once. A text is read as
+    the command line reads it, where that has a form of its own for a setting.
     """
 
     def decorate(carry_out: Callable[[Given], Result]) -> Callable[P, Result]:
+        made = inspect.signature(kind)
+        readers = {name: _reader(one.annotation) for name, one in made.parameters.items()}
+
         @wraps(carry_out)
         def verb(*args: P.args, **kwargs: P.kwargs) -> Result:
-            return carry_out(kind(*args, **kwargs))
+            _refuse_unknown(carry_out.__name__, kwargs, made.parameters)
+            given = made.bind(*args, **kwargs).arguments
+            for name, value in given.items():
+                if isinstance(value, str) and (read := readers[name]) is not None:
+                    given[name] = read([value])
+            make: Callable[..., Given] = kind
+            return carry_out(make(**given))
 
         said = descriptions(typing.cast(type, kind))
         verb.__doc__ = _with_arguments(inspect.getdoc(carry_out) or "", said)
         result = inspect.signature(carry_out).return_annotation
-        parameters = inspect.signature(kind).parameters.values()
-        shown = [one.replace(annotation=_unmarked(one.annotation)) for one in parameters]
+        shown = [one.replace(annotation=_shown(one.annotation)) for one in made.parameters.values()]
         verb.__dict__["__signature__"] = inspect.Signature(shown, return_annotation=result)
         return verb
 
     return decorate
 
 
-def _unmarked(hint: Any) -> Any:
-    """Return a type without the marks for the command line."""
-    return typing.get_args(hint)[0] if typing.get_origin(hint) is Annotated else hint
+@dataclass(frozen=True)
+class PythonType:
+    """Mark of a field whose type is wider for a Python caller.
+
+    Attributes:
+        words: that type.
+        kinds: its classes; empty if whatever uses the value judges it.
+    """
+
+    words: str
+    kinds: tuple[type, ...] = ()
+
+    def __repr__(self) -> str:
+        return self.words
+
+
+def _shown(hint: Any) -> Any:
+    """Return the type of a field for a Python caller, without the marks for the command line."""
+    marks = _marks(hint)
+    wider = next((mark for mark in marks if isinstance(mark, PythonType)), None)
+    return wider or (typing.get_args(hint)[0] if marks else hint)
+
+
+def _marks(hint: Any) -> tuple[Any, ...]:
+    return hint.__metadata__ if typing.get_origin(hint) is Annotated else ()
+
+
+def _reader(hint: Any) -> Callable[[list[str]], Any] | None:
+    """Return the function that reads a field's words of the command line; None for a plain type."""
+    return next((mark.instance_from_str for mark in _marks(hint) if _reads(mark)), None)
+
+
+def _reads(mark: Any) -> bool:
+    return hasattr(mark, "instance_from_str")
+
+
+def _refuse_unknown(name: str, given: Mapping[str, Any], known: Mapping[str, Any]) -> None:
+    """Refuse a keyword that a function does not take. Raises: TypeError."""
+    for word in given:
+        if word not in known:
+            hint = meant(word, known)
+            raise TypeError(
+                f"{name}() got an unexpected keyword argument {word!r}{hint and f'; {hint}'}"
+            )
 
 
 def descriptions(settings: type) -> dict[str, str]:
@@ -75,5 +128,8 @@ def _said(settings: type) -> Iterator[tuple[str, str]]:
 def _with_arguments(doc: str, arguments: dict[str, str]) -> str:
     """Return a docstring with a section about its arguments behind its first part."""
     head, blank, tail = doc.partition("\n\nReturns:")
-    listed = "\n".join(f"    {name}: {text}" for name, text in arguments.items())
+    wrapped = TextWrapper(
+        96, initial_indent="    ", subsequent_indent="        ", break_on_hyphens=False
+    )
+    listed = "\n".join(wrapped.fill(f"{name}: {text}") for name, text in arguments.items())
     return f"{head}\n\nArgs:\n{listed}{blank}{tail}"

@@ -5,7 +5,10 @@ Opening a FIFO waits for ever, and a device or a file of gigabytes fills the mem
 
 import os
 import stat
+import sys
+import tomllib
 from pathlib import Path
+from typing import Any
 
 from neuralgaits.errors import InputError
 
@@ -23,6 +26,12 @@ _KINDS = (
 def kind_of(mode: int) -> str:
     """Return what lies at a path that is no regular file, by its `st_mode`."""
     return next((kind for is_one, kind in _KINDS if is_one(mode)), "a device")
+
+
+def refuse_no_path(what: str, value: object) -> None:
+    """Refuse what cannot be a path. Raises: InputError in one line."""
+    if not isinstance(value, str | Path):
+        raise InputError(f"expected {what}, found {value!r:.60}")
 
 
 def refuse_unreadable(path: Path, most: int = MOST_BYTES) -> None:
@@ -46,3 +55,25 @@ def refuse_unreadable(path: Path, most: int = MOST_BYTES) -> None:
             f"expected a file of at most {most} bytes, found {found.st_size} at {path}: is it the "
             "right file?"
         )
+
+
+def toml_of(path: Path) -> dict[str, Any]:
+    """Return the tables of a TOML file.
+
+    Raises: OSError; ValueError on what is no TOML, or has values that nothing here can use.
+    """
+    try:
+        found = tomllib.loads(path.read_bytes().decode("utf-8"))
+        _refuse_huge(found)
+    except RecursionError:
+        raise ValueError("values nested too deeply") from None
+    return found
+
+
+def _refuse_huge(value: Any) -> None:
+    """Refuse whole numbers that no float holds. Raises: ValueError."""
+    if isinstance(value, dict | list):
+        for one in value.values() if isinstance(value, dict) else value:
+            _refuse_huge(one)
+    elif isinstance(value, int) and abs(value) > sys.float_info.max:
+        raise ValueError("a number that is too large")

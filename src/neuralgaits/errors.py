@@ -6,8 +6,8 @@ A message is one line and says what was expected, what was found, and what to do
 import errno
 import os
 
-_FULL = (errno.ENOSPC, errno.EDQUOT)
-"""Error numbers with which a system reports a full disk, or a full quota of one user."""
+_FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
+"""Error numbers with which a system reports a full disk, a full quota or a limit of one user."""
 
 
 class NeuralGaitsError(Exception):

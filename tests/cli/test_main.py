@@ -252,6 +252,13 @@ def test_every_option_of_every_verb_is_known_to_the_speller() -> None:
     assert "--robot" not in options
 
 
+def test_help_is_a_word_too(capfd: Captured) -> None:
+    assert main(["help", "simulate"]) == 0
+    assert "Walk a trained gait at full order" in capfd.readouterr().out
+    assert main(["help"]) == 0
+    assert "check-proof" in capfd.readouterr().out
+
+
 def test_version(capfd: Captured) -> None:
     assert main(["--version"]) == 0
     assert capfd.readouterr().out == f"neuralgaits {neuralgaits.__version__}\n"

@@ -3,7 +3,9 @@
 import json
 import shutil
 import subprocess
+from dataclasses import replace
 
+import jax
 import pytest
 
 from neuralgaits.analysis.run import open_run
@@ -97,6 +99,14 @@ def test_hashes_are_those_of_the_run(exported, trained):
     text = (out / "gait.h").read_text()
     for name in ("robot.xml", "policy.safetensors"):
         assert hashlib.sha256((trained.path / name).read_bytes()).hexdigest() in text
+
+
+@pytest.mark.parametrize("factor", [0.0, 1e300])
+def test_weights_that_no_controller_can_use_are_refused(trained, factor, tmp_path, recwarn):
+    spoilt = jax.tree.map(lambda leaf: factor * leaf, trained.trained)
+    with pytest.raises(InputError, match=r"expected (finite numbers|weights and momenta)"):
+        export_controller(replace(trained, trained=spoilt), tmp_path / "c", states=STATES)
+    assert not list(tmp_path.iterdir()) and not recwarn.list
 
 
 def test_a_used_folder_is_refused_without_force(exported, trained, monkeypatch):

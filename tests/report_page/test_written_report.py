@@ -222,6 +222,8 @@ def test_without_webgl_the_page_says_so_and_goes_on(browser, written):
 def test_a_place_that_cannot_be_written_is_refused_before_work(shipped, tmp_path):
     with pytest.raises(InputError, match=r"found a folder at .*: name a regular file"):
         write_report(shipped, out=tmp_path)
+    with pytest.raises(InputError, match=r"a file \*\.html, found .*page\.pdf"):
+        write_report(shipped, out=tmp_path / "page.pdf")
     (tmp_path / "file").write_text("")
     with pytest.raises(InputError, match=r"expected a file that can be written"):
         write_report(shipped, out=tmp_path / "file" / "page.html")

@@ -9,6 +9,7 @@ import pytest
 
 from neuralgaits.errors import InputError, NeuralGaitsError, RobotError
 from neuralgaits.robots import load_robot
+from neuralgaits.robots.mjcf import loader
 from neuralgaits.robots.mjcf.loader import robot_from_text
 from support.random_biped import random_biped
 
@@ -310,3 +311,39 @@ def test_what_mujoco_warns_of_is_refused_and_not_printed(tmp_path, monkeypatch, 
 def test_a_path_that_no_file_can_have(path: str) -> None:
     with pytest.raises(RobotError, match="cannot read"):
         load_robot(path)
+
+
+@pytest.fixture
+def compiled(monkeypatch):
+    """Texts that MuJoCo compiles; of one that names files, AMBER-3M."""
+    seen = []
+
+    def compile_text(text, name):
+        seen.append(text)
+        return whole(AMBER if "file=" in text else text, name)
+
+    whole = loader.compile_text
+    monkeypatch.setattr(loader, "compile_text", compile_text)
+    return seen
+
+
+def test_a_text_is_compiled_once_for_all_that_is_read_of_it(compiled):
+    text = f"{AMBER}<!-- compiled once -->"
+    first, second = (robot_from_text(text, "amber3m") for _ in range(2))
+    leg, _ = loader.links_from_text(text, "amber3m")
+    loader.bodies_from_text(text, "amber3m")
+    assert compiled == [text]
+    # What one reader changes, no other sees.
+    first.inertia[:] = 0.0
+    with pytest.raises(ValueError, match="read-only"):
+        leg.inertia[:] = 0.0
+    assert np.all(second.inertia > 0.0)
+    assert np.all(robot_from_text(text, "amber3m").inertia > 0.0)
+
+
+def test_files_that_a_text_names_may_change_between_two_readings(compiled):
+    text = AMBER.replace("<worldbody>", '<asset><mesh file="foot.stl"/></asset><worldbody>', 1)
+    assert text != AMBER
+    for _ in range(2):
+        robot_from_text(text, "amber3m")
+    assert compiled == [text, text]

@@ -2,10 +2,12 @@
 
 import inspect
 import math
+from collections.abc import Callable
 from dataclasses import KW_ONLY, dataclass, replace
 from pathlib import Path
 from typing import Annotated, Any
 
+import numpy as np
 import pytest
 import tyro
 
@@ -28,6 +30,7 @@ CALLED: dict[str, tuple[str, type]] = {
     "episodes": ("episodes", of.EpisodesSettings),
     "sweep": ("sweep", of.SweepSettings),
 }
+ANY: Any = neuralgaits
 WALKED = of.SimulateSettings(
     "a run",
     plant="my robot.xml",
@@ -73,7 +76,7 @@ def test_the_python_call_takes_what_the_command_line_takes(verb: str) -> None:
     # And says what each is, in the words of the help.
     said = descriptions(kind)
     assert set(said) == set(called)
-    doc = inspect.getdoc(getattr(neuralgaits, function)) or ""
+    doc = " ".join((inspect.getdoc(getattr(neuralgaits, function)) or "").split())
     assert all(text in doc for text in said.values())
 
 
@@ -123,6 +126,76 @@ def test_a_new_option_is_one_field(capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit):
         tyro.cli(Painting, args=["--help"])
     assert "--shade N" in capsys.readouterr().out
+
+
+def test_a_python_caller_may_write_what_the_command_line_reads() -> None:
+    taken: list[of.TrainSettings] = []
+
+    @called_with(of.TrainSettings)
+    def called(settings: of.TrainSettings) -> None:
+        taken.append(settings)
+
+    train: Any = called
+
+    train("amber3m", parameters="mass=2%", hidden="8,8", slope="-5:5", speed="0.6:0.7")
+    [found] = taken
+    assert (found.robot, found.parameters, found.hidden) == ("amber3m", {"mass": 0.02}, (8, 8))
+    assert found.slope == (math.radians(-5.0), math.radians(5.0)) and found.speed == (0.6, 0.7)
+    with pytest.raises(InputError, match="LOW:HIGH in degrees, found '5'"):
+        train("amber3m", slope="5")
+    with pytest.raises(TypeError, match=r"called\(\) got .* 'step'; did you mean steps\?"):
+        train("amber3m", step=3)
+    shown = str(inspect.signature(neuralgaits.simulate))
+    assert shown.startswith(
+        "(run: Run | str | Path, *, plant: PlanarBiped | str | Path | None = None"
+    )
+    assert "controller: str | AbstractLaw = 'pd'" in shown
+    assert max(len(line) for line in str(neuralgaits.simulate.__doc__).splitlines()) <= 100
+
+
+@pytest.mark.parametrize(
+    ("call", "found"),
+    [
+        (lambda: ANY.train(3), "a robot by name, by path .* found 3"),
+        (lambda: ANY.train("amber3m", 3), "spec: expected .* found 3"),
+        (lambda: ANY.train("amber3m", seed=True), "seed: expected int, found True"),
+        (lambda: ANY.train("amber3m", steps=1.5), "steps: expected int, found 1.5"),
+        (lambda: ANY.train("amber3m", speed=(1, 2, 3)), "speed: expected float"),
+        (lambda: ANY.train("amber3m", certify="yes"), "certify: expected bool"),
+        (lambda: ANY.train("amber3m", hidden=(32.5,)), "hidden: expected tuple"),
+        (lambda: ANY.train("amber3m", out=3), "out: expected str . Path"),
+        (lambda: ANY.simulate(None), "a run, its folder or .latest., found None"),
+        (lambda: ANY.simulate("r", push="3"), "push: expected float, found '3'"),
+        (lambda: ANY.simulate("r", command=3), "command: expected str . Mapping"),
+        (lambda: ANY.certify("r", level="3"), "level: expected int, found '3'"),
+        (lambda: ANY.certify("r", level=2.0), "level: expected int, found 2.0"),
+        (lambda: ANY.certify("r", disturbance=(1,)), "disturbance: expected tuple"),
+        (lambda: ANY.certify("r", within={"speed": 1}), "within: expected Mapping"),
+        (lambda: ANY.certify("r", within=[]), "within: expected Mapping"),
+        (lambda: ANY.fit("r", "walk.csv"), "logs: expected"),
+        (lambda: ANY.sweep("amber3m"), "robots: expected"),
+        (lambda: ANY.sweep(["amber3m"], seeds=(0,)), "seeds: expected tuple"),
+        (lambda: ANY.sweep(["amber3m"], walks=10**400), "expected at most 1000000"),
+        (lambda: ANY.train_seeds("amber3m", seeds=3), "seeds: expected tuple"),
+        (lambda: ANY.open_run(3), "a run, its folder"),
+        (lambda: ANY.load_robot(b"x"), "a robot by name"),
+    ],
+)
+def test_values_of_other_types_are_refused_in_a_line(
+    call: Callable[[], Any], found: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(InputError, match=found):
+        call()
+    assert not list(tmp_path.iterdir())
+
+
+def test_numpys_numbers_and_lists_are_taken() -> None:
+    settings: Any = of
+    found = settings.TrainSettings("amber3m", seed=np.int64(3), speed=[0.6, 0.7])
+    assert (found.seed, found.speed) == (3, (0.6, 0.7)) and type(found.seed) is int
+    assert settings.SimulateSettings("r", push=np.float64(2.0), steps=np.int32(5)).steps == 5
+    assert settings.SimulateSettings("r", push=3).push == 3
 
 
 def test_settings_that_exclude_each_other_are_refused_where_they_are_defined() -> None:

@@ -1,4 +1,7 @@
+from typing import Any
+
 import jax.numpy as jnp
+import numpy as np
 import pytest
 
 from neuralgaits.simulation.ticks.falls import Ending, FallConfig, ending
@@ -28,9 +31,11 @@ UPRIGHT = {
     ],
 )
 def test_verdicts(amber, change, expected):
-    state = {name: jnp.asarray(value) for name, value in (UPRIGHT | change).items()}
-    verdict = Ending(int(ending(FallConfig(), amber, **state)))
-    assert verdict == expected
+    state: dict[str, Any] = UPRIGHT | change
+    traced = {name: jnp.asarray(value) for name, value in state.items()}
+    verdict = Ending(int(ending(FallConfig(), amber, **traced)))
+    # Environments judge in NumPy, by the same rules.
+    assert verdict == expected == Ending(int(ending(FallConfig(), amber, **state, xp=np)))
     assert verdict.fell == (expected > Ending.WALKED)
     assert (verdict.reason is not None) == verdict.fell
     # It stands where neither hip, torso nor foot is where a fall puts it.

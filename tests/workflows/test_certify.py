@@ -136,8 +136,29 @@ def test_no_time_is_undecided_and_can_be_resumed(gait, certificate, tmp_path):
     assert done.summary["conditions"]["torque-lower"]["boxes"] == whole["boxes"]
 
 
-def test_an_interrupted_search_keeps_what_it_has(gait, certificate, tmp_path):
+def test_a_search_that_came_to_less_leaves_the_proof_that_is_there(gait, certificate, tmp_path):
     run = open_run(shutil.copytree(gait.path, tmp_path / "run"))
+    files = {path: path.read_bytes() for path in _certificate_files(run)}
+    assert any(path.name == "proof.json" for path in files)
+    short = certify(run, level=2, budget=1e-9)
+    assert (short.verdict, short.summary["proof"]) == ("undecided", None)
+    assert short.summary["reason"].endswith("from before is kept, which proves level 1")
+    assert {path: path.read_bytes() for path in _certificate_files(run)} == files
+    # One that the run does not bear out is no reason to keep it.
+    (run.path / "certificate" / "proof.json").write_bytes(b"{}")
+    again = certify(run, level=2, budget=1e-9)
+    assert "kept" not in again.summary["reason"]
+    assert not (run.path / "certificate" / "proof.json").exists()
+
+
+def _certificate_files(run):
+    kept = ("summary.json", "proof.json", "map.safetensors")
+    return [path for path in sorted((run.path / "certificate").iterdir()) if path.name in kept]
+
+
+def test_an_interrupted_search_keeps_what_it_has(gait, certificate, tmp_path):
+    bare = shutil.ignore_patterns("certificate")
+    run = open_run(shutil.copytree(gait.path, tmp_path / "run", ignore=bare))
     shares = []
 
     def ctrl_c(share, boxes):

@@ -147,7 +147,10 @@ def test_a_walk_that_is_none_of_the_gait_is_not_asked_to_be_longer(
 
 @pytest.mark.parametrize(
     ("words", "found"),
-    [({"optimizer": "sgd"}, "unknown optimizer 'sgd'"), ({"seed": -1}, "expected a seed from 0")],
+    [
+        ({"optimizer": "sgd"}, "one of adam, adamw, nero, found 'sgd'"),
+        ({"seed": -1}, "expected a seed from 0"),
+    ],
 )
 def test_bad_settings(brief_run, planted_files, words, found):
     with pytest.raises(InputError, match=found):

@@ -3,10 +3,7 @@
 import errno
 import json
 import os
-import subprocess
-import sys
 from dataclasses import replace
-from pathlib import Path
 
 import equinox as eqx
 import jax
@@ -19,13 +16,10 @@ from neuralgaits.cli.main import main
 from neuralgaits.errors import InputError, Interrupted, NonFiniteError
 from neuralgaits.runs import resolve, resolve_unfinished
 from neuralgaits.runs.names import STATE, SUMMARY
-from neuralgaits.training import seed_batch, training_loop
-from neuralgaits.training.seed_batch import SeedBatch
+from neuralgaits.training import training_loop
 from neuralgaits.training.trainer import SMALLER, Trainer
-from neuralgaits.workflows import seed_batches, side_by_side
+from neuralgaits.workflows import side_by_side
 from neuralgaits.workflows import train as train_workflow
-from neuralgaits.workflows import train_seeds as workflow
-from neuralgaits.workflows.seed_batches import batch_size
 from neuralgaits.workflows.train import train
 from neuralgaits.workflows.train_seeds import train_seeds
 from support import small_spec
@@ -33,28 +27,13 @@ from support import small_spec
 SMALL = f"{small_spec.__file__}:small"
 STEPS, LOOK = 25, 10
 """Gradient steps, and how many are between two looks here: so there are three."""
-SHARDED = """
-import sys
-from pathlib import Path
-
-import jax
-
-from neuralgaits.robots import load_robot
-from neuralgaits.workflows.train_seeds import train_seeds
-
-spec, out = sys.argv[1], Path(sys.argv[2])
-robot = load_robot("amber3m")
-done = train_seeds(robot, spec, seeds=(3, 6), steps=20, out=out, root=out.parent)
-assert len(jax.devices()) == done.summary.devices == 2, jax.devices()
-"""
 
 
 @pytest.fixture(scope="module", autouse=True)
 def often():
     """Looks at a training after fewer steps."""
     with pytest.MonkeyPatch.context() as patch:
-        for module in (seed_batch, training_loop):
-            patch.setattr(module, "VALIDATE_EVERY", LOOK)
+        patch.setattr(training_loop, "VALIDATE_EVERY", LOOK)
         yield
 
 
@@ -89,48 +68,6 @@ def three(often, amber, root, told):
         )
 
 
-@pytest.fixture
-def together(monkeypatch):
-    """Two seeds of a batch as one program, as on an accelerator."""
-    monkeypatch.setattr(workflow, "as_one_program", lambda: True)
-    monkeypatch.setattr(seed_batches, "AT_ONCE", 2)
-
-
-def nearly(one, other, within=1e-9):
-    for a, b in zip(jax.tree.leaves(one), jax.tree.leaves(other), strict=True):
-        np.testing.assert_allclose(a, b, rtol=within, atol=within)
-
-
-def test_gradients_and_losses_of_a_step_are_those_of_single_trainings(three):
-    """From the same states, at step numbers that differ, to rounding in single precision.
-
-    Weights are no measure of that: where a gradient is no more than rounding, Adam takes a whole
-    step all the same.
-    """
-    trainers = [_trainer(run) for run in three.runs]
-    states = []
-    for number, (trainer, run) in enumerate(zip(trainers, three.runs, strict=True)):
-        state, _ = trainer.step(trainer.init(run.trained), number)
-        states.append(state._replace(optimizer=trainer.init(run.trained).optimizer))
-    stacked = jax.tree.map(lambda *leaves: np.stack(leaves), *states)
-    keys = jax.numpy.stack([jax.random.key(trainer.seed) for trainer in trainers])
-    _, moments, losses = (
-        trainers[0]
-        .over_seeds()
-        .step(stacked.parameters, stacked.optimizer, keys, stacked.step, 1, stacked.rate)
-    )
-    for number, (trainer, state) in enumerate(zip(trainers, states, strict=True)):
-        alone, loss = trainer.step(state)
-        nearly(losses.total[number], loss.total, 1e-5)
-        nearly(losses.terms[number], loss.terms, 1e-5)
-        for ours, its in zip(
-            jax.tree.leaves(moments), jax.tree.leaves(alone.optimizer), strict=True
-        ):
-            np.testing.assert_allclose(
-                ours[number], its, rtol=0, atol=1e-4 * np.max(np.abs(its), initial=0.0)
-            )
-
-
 def test_a_run_of_many_is_the_single_one_bit_for_bit(three, amber, root):
     """Beside another and after it: weights, losses on the way, what is said of them."""
     for seed in (4, 5):
@@ -149,19 +86,6 @@ def test_a_run_of_many_is_the_single_one_bit_for_bit(three, amber, root):
         assert files[0] == files[1]
 
 
-def test_one_program_for_all_seeds_comes_near_them(three, amber, root, together):
-    """As an accelerator trains them; losses as near as chaos lets them be."""
-    out = root / "together"
-    done = train_seeds(amber, SMALL, seeds=(3, 6), steps=STEPS, out=out, root=root)
-    for ours, alone in zip(done.runs, three.runs, strict=True):
-        a, b = ours.folder.read_metrics(), alone.folder.read_metrics()
-        assert [row["step"] for row in a] == [row["step"] for row in b]
-        for mine, its in zip(a, b, strict=True):
-            assert mine["loss"] == pytest.approx(its["loss"], rel=0.02)
-            assert mine["validation_loss"] == pytest.approx(its["validation_loss"], rel=0.02)
-        assert ours.summary.loss == pytest.approx(alone.summary.loss, rel=0.02)
-
-
 def test_what_is_said_of_them_is_in_their_folder(three, root, told):
     summary = three.summary
     assert [one.seed for one in summary.seeds] == [3, 4, 5]
@@ -174,7 +98,7 @@ def test_what_is_said_of_them_is_in_their_folder(three, root, told):
 
 
 def test_a_killed_seed_goes_on_to_the_same_weights(three, root, tmp_path):
-    """From the checkpoint of the batch, by the single training, bit for bit."""
+    """From its checkpoint, by the single training, bit for bit."""
     run = three.runs[1]
     kept = run.folder.read_tree(STATE, _trainer(run).init(run.trained))
     assert int(kept.step) == STEPS
@@ -214,56 +138,19 @@ def test_a_seed_that_turns_to_nan_goes_on_smaller_and_leaves_the_other(
     assert first.summary.step_size == 1.0
 
 
-def test_a_seed_of_a_batch_that_turns_to_nan_goes_on_smaller(amber, root, monkeypatch, together):
-    """The same, as one program: the other seed is what it is without that."""
-    whole = train_seeds(amber, SMALL, seeds=(3, 5), steps=STEPS, out=root / "whole-2", root=root)
-    spoilt, block = [], SeedBatch._block
-
-    def once(self, going):
-        losses = block(self, going)
-        if not spoilt:
-            spoilt.append(self.members[1])
-            one = self.members[1]
-            one.state = one.state._replace(parameters=np.full_like(one.state.parameters, np.nan))
-        return losses
-
-    monkeypatch.setattr(SeedBatch, "_block", once)
-    out = root / "spoilt-2"
-    done = train_seeds(amber, SMALL, seeds=(3, 5), steps=STEPS, out=out, root=root)
-    first, second = done.runs
-    nearly(first.trained, whole.runs[0].trained)
-    assert second.summary.step_size == pytest.approx(SMALLER)
-    assert [row["step"] for row in second.folder.read_metrics()] == [10, 20, STEPS]
-    assert first.summary.step_size == 1.0
-
-
-@pytest.mark.parametrize("way", ["side by side", "one program"])
-def test_a_seed_without_a_way_out_is_refused_with_its_reason(
-    way, amber, root, monkeypatch, capfd, request
-):
-    if way == "one program":
-        request.getfixturevalue("together")
-    look, step, out = Trainer.restart_with_smaller_rate, Trainer.step, way.replace(" ", "-")
+def test_a_seed_without_a_way_out_is_refused_with_its_reason(amber, root, monkeypatch, capfd):
+    look, step, out = Trainer.restart_with_smaller_rate, Trainer.step, "refused"
     monkeypatch.setattr(
         Trainer,
         "restart_with_smaller_rate",
         lambda self, kept: look(self, kept._replace(rate=np.float32(0.0))),
     )
-    begun = SeedBatch._begun
-
-    def second_is_nan(self, run):
-        one = begun(self, run)
-        if run.asked.seed == 1:
-            bad = np.full_like(one.state.parameters, np.nan)
-            one.state = one.kept = one.state._replace(parameters=bad)
-        return one
 
     def nan_of_second(self, state, count=1):
         if self.seed == 1:
             state = state._replace(parameters=np.full_like(state.parameters, np.nan))
         return step(self, state, count)
 
-    monkeypatch.setattr(SeedBatch, "_begun", second_is_nan)
     monkeypatch.setattr(Trainer, "step", nan_of_second)
     monkeypatch.chdir(root)
     words = ["train", "amber3m", "--spec", SMALL, "--seeds", "0:3", "--steps", "5"]
@@ -301,42 +188,20 @@ def test_progress_ends_at_all_steps_though_the_last_seed_is_refused(amber, tmp_p
     assert done == steps == 5
 
 
-def test_devices_share_a_batch(amber, root, together):
-    """Two devices of this processor: three seeds, filled up to four."""
-    out = root / "sharded"
-    flags = os.environ.get("XLA_FLAGS", "") + " --xla_force_host_platform_device_count=2"
-    path = str(Path(ng.__file__).parents[1])
-    done = subprocess.run(
-        [sys.executable, "-c", SHARDED, SMALL, str(out)],
-        env=os.environ | {"XLA_FLAGS": flags, "PYTHONPATH": path},
-        capture_output=True,
-        text=True,
-    )
-    assert done.returncode == 0, done.stderr
-    here = train_seeds(amber, SMALL, seeds=(3, 6), steps=20, out=root / "whole", root=root)
-    for run in here.runs:
-        nearly(open_run(out / run.path.name).trained, run.trained, 1e-6)
-
-
-@pytest.mark.parametrize("way", ["side by side", "one program"])
-def test_ctrl_c_keeps_every_seed_and_says_how_to_go_on(way, amber, tmp_path, monkeypatch, request):
+def test_ctrl_c_keeps_every_seed_and_says_how_to_go_on(amber, tmp_path, monkeypatch):
     def stop(step, every, loss):
         if step >= 2 * LOOK:
             raise KeyboardInterrupt
 
-    if way == "one program":
-        request.getfixturevalue("together")
     # Two threads begin one after the other, or both before that.
     monkeypatch.setattr(side_by_side, "cores", lambda: 1)
     with pytest.raises(Interrupted) as stopped:
         train_seeds(amber, SMALL, seeds=(0, 5), steps=STEPS, root=tmp_path, progress=stop)
     folder = resolve_unfinished("latest", tmp_path)
-    last = 1 if way == "one program" else 0
-    assert folder.path.name == str(last) and folder.path.parents[2] == tmp_path / "seeds"
-    assert stopped.value.command.endswith(f"train --resume {folder.path.with_name('0')}")
-    others = f"; and so with each of {last} more" if last else ""
-    assert stopped.value.more == f"{others}; seeds {last + 1} to 4 were not begun"
-    assert not folder.path.with_name(str(last + 1)).exists()
+    assert folder.path.name == "0" and folder.path.parents[2] == tmp_path / "seeds"
+    assert stopped.value.command.endswith(f"train --resume {folder.path}")
+    assert stopped.value.more == "; seeds 1 to 4 were not begun"
+    assert not folder.path.with_name("1").exists()
 
 
 def test_ctrl_c_ends_all_threads_and_what_was_begun_can_be_gone_on_with(
@@ -423,11 +288,6 @@ def test_an_error_of_one_ends_all_and_is_raised(amber, tmp_path, monkeypatch):
     assert not (tmp_path / "out" / "4").exists()
 
 
-def test_batches_are_few_and_even():
-    assert [batch_size(count, 1) for count in (1, 32, 33, 40, 64, 1000)] == [1, 32, 17, 20, 32, 32]
-    assert [batch_size(count, 4) for count in (1, 6, 128, 129)] == [4, 8, 128, 68]
-
-
 @pytest.mark.parametrize(
     ("words", "found"),
     [
@@ -437,7 +297,7 @@ def test_batches_are_few_and_even():
         (["--seeds", f"0:{2**31 + 1}"], "expected a seed from 0 to 2147483647"),
         (["--seeds", "0:4", "--seed", "3"], "expected --seed N or --seeds A:B, found both"),
         (["--seeds", "0:4", "--certify"], "expected --seeds without --certify, found both"),
-        (["--seeds", "0:4", "--budget", "5"], "expected --seeds without --budget, found both"),
+        (["--seeds", "0:4", "--budget", "5"], "expected a budget with --certify only"),
         (["--seeds", "0:4", "--resume", "r"], "expected --resume alone, found it with --seeds"),
         (["--seeds", "0:4", "--steps", "0"], "expected at least 1 gradient step, found 0"),
         (["--seeds", "0:4", "--out", "there"], "expected a new or empty folder for the runs"),

@@ -11,6 +11,7 @@ from neuralgaits.barriers.conditions import (
     Pointwise,
     TubeWidth,
 )
+from neuralgaits.barriers.quantity_words import quantity
 from neuralgaits.barriers.regions import Box
 from neuralgaits.barriers.spec import GaitSpec, Recipe
 from neuralgaits.gait.gaits import Gait
@@ -31,5 +32,6 @@ __all__ = [
     "Tube",
     "TubeWidth",
     "functions",
+    "quantity",
     "specs",
 ]

@@ -10,14 +10,10 @@ from typing import Any
 
 import numpy as np
 
-from neuralgaits.barriers import conditions, functions, quantities
+from neuralgaits.barriers import conditions
 from neuralgaits.barriers.conditions import AbstractCondition
-
-_NAMES = {
-    id(value): name
-    for name, value in vars(functions).items()
-    if getattr(value, "__module__", None) in (functions.__name__, quantities.__name__)
-}
+from neuralgaits.barriers.quantities import AfterReset, AtLeast, AtMost
+from neuralgaits.barriers.quantity_words import QUANTITIES, words_about
 
 
 def describe_condition(condition: AbstractCondition) -> dict[str, Any]:
@@ -33,14 +29,27 @@ def describe_condition(condition: AbstractCondition) -> dict[str, Any]:
 
 def describe_quantity(quantity: Callable[..., Any]) -> dict[str, Any]:
     """Describe a quantity as data: "function", its name in `functions`, its numbers; or "user"."""
-    name = _NAMES.get(id(type(quantity)), _NAMES.get(id(quantity)))
+    name = _name_of(quantity)
     if name is None:
-        return {"user": getattr(quantity, "__qualname__", type(quantity).__qualname__)}
+        own = {"user": getattr(quantity, "__qualname__", type(quantity).__qualname__)}
+        words = words_about(quantity)
+        return own if words is None else own | {"what": words.what, "unit": words.unit}
     described: dict[str, Any] = {"function": name}
     for item in fields(quantity) if is_dataclass(quantity) else ():
         key = "of" if item.name == "function" else item.name
         described[key] = _plain(getattr(quantity, item.name))
     return described
+
+
+def _name_of(quantity: Callable[..., Any]) -> str | None:
+    """Return the name in `functions` of a quantity of this package; None for a user's own."""
+    for kind, name in ((AtLeast, "at_least"), (AtMost, "at_most"), (AfterReset, "after_reset")):
+        if type(quantity) is kind:
+            return name
+    for name, known in QUANTITIES.items():
+        if known.formula is quantity or known.formula is type(quantity):
+            return name
+    return None
 
 
 def _plain(value: Any) -> Any:

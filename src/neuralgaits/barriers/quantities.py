@@ -12,12 +12,16 @@ from typing import Literal
 import numpy as np
 
 from neuralgaits._types import Actuated, Array, Float, Scalar
+from neuralgaits.barriers.quantity_words import quantity
 from neuralgaits.gait import Point
 
 Quantity = Callable[[Point], Float[Array, "..."]]
 """Function of the point data, from which a condition is built."""
 
 Bound = float | Float[Array, "..."]
+
+_SIGNS = {"lower": "negative", "upper": "positive"}
+"""Sign of the torques that a side limits."""
 
 
 # Records are compared by identity, like functions: a bound may be an array.
@@ -56,6 +60,14 @@ class AfterReset:
         return self.function(p.after)
 
 
+@quantity(
+    "",
+    "N",
+    gist="feet that do not slip",
+    says=lambda given, shown: (
+        f"the foot does not slip forward: friction needed ≤ {shown(given['coefficient'])}"
+    ),
+)
 @dataclass(frozen=True, eq=False)
 class FrictionForward:
     """Slack of the friction cone against forward tangential force [N]."""
@@ -67,6 +79,13 @@ class FrictionForward:
         return self.coefficient * p.contact_force[1] - p.contact_force[0]
 
 
+@quantity(
+    "",
+    "N",
+    says=lambda given, shown: (
+        f"the foot does not slip backward: friction needed ≤ {shown(given['coefficient'])}"
+    ),
+)
 @dataclass(frozen=True, eq=False)
 class FrictionBackward:
     """Slack of the friction cone against backward tangential force [N]."""
@@ -78,6 +97,13 @@ class FrictionBackward:
         return self.coefficient * p.contact_force[1] + p.contact_force[0]
 
 
+@quantity(
+    "",
+    "N s",
+    says=lambda given, shown: (
+        f"the landing foot does not slip forward: friction needed ≤ {shown(given['coefficient'])}"
+    ),
+)
 @dataclass(frozen=True, eq=False)
 class ImpulseConeForward:
     """Slack of the impulse's friction cone, forward [N s]."""
@@ -89,6 +115,13 @@ class ImpulseConeForward:
         return self.coefficient * p.contact_impulse[1] - p.contact_impulse[0]
 
 
+@quantity(
+    "",
+    "N s",
+    says=lambda given, shown: (
+        f"the landing foot does not slip backward: friction needed ≤ {shown(given['coefficient'])}"
+    ),
+)
 @dataclass(frozen=True, eq=False)
 class ImpulseConeBackward:
     """Slack of the impulse's friction cone, backward [N s]."""
@@ -100,6 +133,14 @@ class ImpulseConeBackward:
         return self.coefficient * p.contact_impulse[1] + p.contact_impulse[0]
 
 
+@quantity(
+    "",
+    "× usable torque",
+    gist="torques within limits",
+    says=lambda given, shown: (
+        f"{_SIGNS[given['side']]} torques within {shown(100.0 * given['share'])} % of the limits"
+    ),
+)
 @dataclass(frozen=True, eq=False)
 class TorqueReserve:
     """Unused share of the allowed torque on one side. [m].
@@ -118,6 +159,12 @@ class TorqueReserve:
         return 1.0 + used if self.side == "lower" else 1.0 - used
 
 
+@quantity(
+    "",
+    "rad",
+    gist="bent knees",
+    says=lambda given, shown: f"both knees bent by at least {shown(given['least'])} rad",
+)
 @dataclass(frozen=True, eq=False)
 class KneeBend:
     """Bend of the knees beyond `least`, away from straight [rad]. [knees].
@@ -140,6 +187,12 @@ class KneeBend:
         return selected @ p.q - self.least
 
 
+@quantity(
+    "",
+    "m",
+    gist="a swinging foot clear of the ground",
+    says=lambda given, shown: f"swinging foot above an arc of {shown(given['clearance'])} m",
+)
 @dataclass(frozen=True, eq=False)
 class FootAboveArc:
     """Swing-foot height above the arc 4 t (1 - t) clearance over the phase t of the step [m]."""
@@ -153,6 +206,11 @@ class FootAboveArc:
         return p.foot_above_ground - self.clearance * 4.0 * phase * (1.0 - phase)
 
 
+@quantity(
+    "swinging foot outside a circle: distance² less radius²",
+    "m²",
+    gist="a swinging foot clear of the ground",
+)
 @dataclass(frozen=True, eq=False)
 class FootOnCircle:
     """Squared distance of the swing foot from a circle's centre, minus radius^2 [m^2].
@@ -169,6 +227,7 @@ class FootOnCircle:
         return x * x + z * z - self.radius**2
 
 
+@quantity("swinging foot above a parabola: height", "m", gist="a swinging foot clear of the ground")
 @dataclass(frozen=True, eq=False)
 class ParabolicClearance:
     """Foot height above height (1 - (z1/half_width)^2) - slack [m]."""
@@ -183,6 +242,7 @@ class ParabolicClearance:
         return p.foot[1] - self.height * (1.0 - x * x) + self.slack
 
 
+@quantity("orbital energy", "m²/s²", gist="energy kept in bounds")
 @dataclass(frozen=True, eq=False)
 class OrbitalEnergy:
     """E - tilt z1 with E = (z2/(m h))^2 - (g/h) z1^2 [m^2/s^2].
@@ -198,53 +258,3 @@ class OrbitalEnergy:
         speed = p.z[1] / (p.robot.mass * self.height)
         falling = (p.robot.gravity / self.height) * p.z[0] * p.z[0]
         return speed * speed - falling - self.tilt * p.z[0]
-
-
-WORDS = {
-    "torso_angle": ("lean of the torso, backwards positive", "rad"),
-    "joint_angles": ("angle of every joint", "rad"),
-    "joint_rates": ("rate of every joint", "rad/s"),
-    "torques": ("torque of every joint", "N m"),
-    "normal_force": ("force of the ground under the standing foot", "N"),
-    "foot_height": ("height of the swinging foot", "m"),
-    "foot_forward": ("swinging foot ahead of the standing one", "m"),
-    "foot_vertical_velocity": ("vertical velocity of the swinging foot", "m/s"),
-    "hip_height": ("height of the hip", "m"),
-    "hip_forward": ("hip ahead of the standing foot", "m"),
-    "hip_speed": ("forward speed of the hip", "m/s"),
-    "forward_rate": ("forward speed of the hip, linearised", "m/s"),
-    "transversal_inertia": ("transversal inertia, at 0 of which the theory ends", "kg m"),
-    "hip_state": ("z1", "m"),
-    "momentum": ("z2", "kg m²/s"),
-    "reset_hip_sum": ("z1 after touchdown plus z1 before", "m"),
-    "reset_hip": ("z1 after touchdown", "m"),
-    "output_mismatch": ("how far joints are off just after touchdown", "rad"),
-    "squared_mismatch": ("minus the squared joint error after touchdown", "rad²"),
-    "rate_mismatch": ("how far joint rates are off just after touchdown", "rad/s"),
-    "state_mismatch": ("how far the whole state is off after touchdown", "rad, rad/s"),
-    "impulse": ("impulse of the impact", "N s"),
-    "normal_impulse": ("upward impulse of the impact", "N s"),
-    "old_foot_lift": ("upward velocity of the old standing foot after touchdown", "m/s"),
-    "orbital_energy": ("orbital energy", "m²/s²"),
-    "foot_on_circle": ("swinging foot outside a circle: distance² less radius²", "m²"),
-    "parabolic_clearance": ("swinging foot above a parabola: height", "m"),
-}
-"""Description and unit of each quantity, by its name in `functions`."""
-
-GISTS = {
-    "torso_angle": "an upright torso",
-    "normal_force": "ground that only pushes",
-    "friction_forward": "feet that do not slip",
-    "torque_reserve": "torques within limits",
-    "joint_rates": "joints that are not too fast",
-    "forward_rate": "a hip that always moves forward",
-    "knee_bend": "bent knees",
-    "foot_above_arc": "a swinging foot clear of the ground",
-    "foot_on_circle": "a swinging foot clear of the ground",
-    "parabolic_clearance": "a swinging foot clear of the ground",
-    "foot_forward": "steps that are long enough",
-    "orbital_energy": "energy kept in bounds",
-    "output_mismatch": "joints that match across a touchdown",
-    "squared_mismatch": "joints that match across a touchdown",
-}
-"""Purpose of a condition on each quantity, in two or three words."""

@@ -57,6 +57,8 @@ def read(arguments: list[str]) -> Verb:
     if words == ["--version"]:
         print(f"neuralgaits {__version__}")
         raise SystemExit(0)
+    if words[0] == "help":
+        words = [*words[1:], "--help"]
     if words and words[0] in ("-v", "--verbose"):
         words = [*words[1:], "-v"]
     refuse_misspelt(words, _VERBS)

@@ -48,7 +48,9 @@ def brief_walks(result: Simulated) -> None:
     count, steps = len(result.fell), result.steps_walked or (0,)
     span = f"{min(steps)}" if len(set(steps)) == 1 else f"{min(steps)} to {max(steps)}"
     answer = Text("walks", "green") if result.stayed == count else Text("falls", "red")
-    show_sentence(answer, f": {result.stayed} of {count} episodes stayed up, {span} steps")
+    show_sentence(
+        answer, f": {result.stayed} of {count} episodes stayed up, {span} steps, {result.walked_by}"
+    )
     reasons = sorted({reason for reason in result.fall_reasons if reason})
     key = (
         ("speed", result.speed_m_s, "m/s"),

@@ -102,7 +102,9 @@ def show_walks(result: Simulated) -> None:
     walks, count = result.steps_walked, len(result.fell)
     span = _span(walks or (0,))
     answer = Text("walks", "green") if result.stayed == count else Text("falls", "red")
-    show_sentence(answer, f": {result.stayed} of {count} episodes stayed up, {span} steps")
+    show_sentence(
+        answer, f": {result.stayed} of {count} episodes stayed up, {span} steps, {result.walked_by}"
+    )
     reasons = Counter(reason for reason in result.fall_reasons if reason is not None)
     show_table(("fell because", "episodes"), [(why, str(n)) for why, n in reasons.items()])
     if result.push and (ended := result.fell_after_push):

@@ -23,7 +23,12 @@ def carry_out_seeds(verb: TrainOptions) -> Outcome:
         raise InputError(
             f"expected --seed N or --seeds A:B, found both: for one seed, leave out --seeds {seeds}"
         )
-    for name in ("certify", "budget", "resume"):
+    if verb.resume is not None:
+        raise InputError(
+            "expected --resume alone, found it with --seeds: a run goes on with its own settings; "
+            "leave out --seeds"
+        )
+    for name in ("certify", "budget"):
         if getattr(verb, name):
             raise InputError(
                 f"expected --seeds without --{name}, found both: train first, then certify each "

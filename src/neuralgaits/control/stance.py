@@ -1,7 +1,7 @@
 """Detection of touchdowns: the stance leg changes when the swing foot loads up."""
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import jax.numpy as jnp
 
@@ -45,6 +45,28 @@ def start(leg: Int[Array, ""] | int = 0) -> StanceState:
     return StanceState(jnp.asarray(leg, jnp.int32), jnp.asarray(jnp.inf))
 
 
+def touches_down(
+    config: StanceConfig,
+    robot: PlanarBiped,
+    force: Scalar | float,
+    ahead: Scalar | float,
+    unlocked: Bool[Array, ""] | bool,
+    xp: Any = jnp,
+) -> Bool[Array, ""]:
+    """Return whether a contact of the swing foot is a touchdown.
+
+    Args:
+        config: thresholds.
+        robot: for weight and leg length.
+        force: normal force on the swing foot (N).
+        ahead: how far it is ahead of the stance foot (m).
+        unlocked: whether the time in which contacts are ignored is over.
+        xp: `numpy` for numbers outside JAX.
+    """
+    loaded = force > config.force_share * robot.mass * robot.gravity
+    return loaded & (ahead > config.advance_share * xp.sum(robot.hip)) & unlocked
+
+
 def advance(
     config: StanceConfig,
     robot: PlanarBiped,
@@ -66,8 +88,12 @@ def advance(
     Returns: the new state, and whether the swing foot touched down just now.
     """
     since = state.since_touchdown + dt
-    loaded = normal_force[1 - state.leg] > config.force_share * robot.mass * robot.gravity
-    ahead = swing_foot(robot, q)[0] > config.advance_share * jnp.sum(robot.hip)
-    touchdown = loaded & ahead & (since >= config.lockout_s)
+    touchdown = touches_down(
+        config,
+        robot,
+        normal_force[1 - state.leg],
+        swing_foot(robot, q)[0],
+        since >= config.lockout_s,
+    )
     leg = jnp.where(touchdown, 1 - state.leg, state.leg)
     return StanceState(leg, jnp.where(touchdown, jnp.zeros_like(since), since)), touchdown

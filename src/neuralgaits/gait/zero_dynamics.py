@@ -50,7 +50,13 @@ class ZeroDynamics(eqx.Module):
         return self.point(z).foot_above_ground
 
     def reset(self, z: ZeroState) -> ZeroState:
-        """Reset map z+ = Phi_z(Delta(Phi^-1(0, z))). Returns: [2] (m, kg m^2/s)."""
+        """Reset map z+ = Phi_z(Delta(Phi^-1(0, z))).
+
+        The formula is `Point.z_after` in `gait/point.py`; that of the impact Delta is in
+        `robots/impact.py`.
+
+        Returns: [2] (m, kg m^2/s).
+        """
         return self.point(z).z_after
 
     def phi(self, x: FullState) -> tuple[Float[Array, " two_m"], ZeroState]:

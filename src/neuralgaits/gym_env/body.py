@@ -16,13 +16,13 @@ from numpy.typing import ArrayLike
 
 from neuralgaits._types import Float
 from neuralgaits.control.measurement import leg_joints
-from neuralgaits.control.stance import StanceConfig
+from neuralgaits.control.stance import StanceConfig, touches_down
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.robots.mjcf_state import Sensors
 from neuralgaits.simulation.setup.plant import SUBSTEPS, TIMESTEP_S, Plant
 from neuralgaits.simulation.setup.push import Push
 from neuralgaits.simulation.setup.terrain import Terrain
-from neuralgaits.simulation.ticks.falls import Ending, FallConfig
+from neuralgaits.simulation.ticks.falls import Ending, FallConfig, ending
 
 PERIOD_S = SUBSTEPS * TIMESTEP_S
 """Duration of a control tick [s]."""
@@ -146,11 +146,13 @@ class Body:
     def _touched_down(self) -> bool:
         """Return whether the swing foot touched down, by the rules of `control.stance`."""
         data, config, swing = self.data, self._stance, 1 - self.leg
-        loaded = data.sensordata[self._touch[swing]] > config.force_share * self.weight
-        if not loaded or (self.steps and self.since < config.lockout_s):
+        force = data.sensordata[self._touch[swing]]
+        if not force:
+            # In the air, as in most ticks.
             return False
         ahead = data.geom_xpos[self._feet[swing]][0] - data.geom_xpos[self._feet[self.leg]][0]
-        return bool(ahead > config.advance_share * np.sum(self._robot.hip))
+        unlocked = not self.steps or self.since >= config.lockout_s
+        return bool(touches_down(config, self._robot, force, ahead, unlocked, np))
 
     def _lay(self) -> None:
         """Move the floor under the swing foot to its next level, when one is due."""
@@ -222,18 +224,20 @@ class Body:
 
     def ending(self) -> Ending:
         """Return how the walk ended, if it did, by the rules of `simulation.ticks.falls`."""
-        robot, falls = self._robot, self._falls
-        length = float(np.sum(robot.hip))
         states = (self.data.qpos, self.data.qvel)
         # MuJoCo puts a state that diverged back to its file's and counts that.
-        if self.data.warning.number.any() or not all(np.isfinite(s).all() for s in states):
-            return Ending.NOT_FINITE
+        diverged = self.data.warning.number.any()
         hip = self.hip
         floor = self._terrain.levels[0, self.leg] + self.plant.slope * hip[0]
-        if hip[1] - floor < falls.hip_share * length:
-            return Ending.LOW_HIP
-        if robot.torso is not None and abs(self.pitch) > falls.torso_rad:
-            return Ending.TORSO
-        if self.since > falls.stall * np.sqrt(length / float(robot.gravity)):
-            return Ending.STALLED
-        return Ending.RUNNING
+        found = ending(
+            self._falls,
+            self._robot,
+            hip_height=hip[1] - floor,
+            pitch=self.pitch,
+            since_touchdown=self.since,
+            steps_left=_ENDLESS,
+            in_gap=False,
+            finite=not diverged and all(np.isfinite(s).all() for s in states),
+            xp=np,
+        )
+        return Ending(int(found))

@@ -246,6 +246,11 @@ class Simulated(WalkFigures, WalkSettings):
         return {MUJOCO: "MuJoCo", "drake": "Drake"}.get(self.simulator, self.simulator)
 
     @property
+    def walked_by(self) -> str:
+        """Control law and simulator in words."""
+        return f"under {self.controller} in {self.stepped_by}"
+
+    @property
     def touchdowns_before_push(self) -> int | None:
         """Number of touchdowns before a walk's push; None if the file does not record it."""
         return None if self.steps is None else min(STEPS_BEFORE, self.steps // 2)

@@ -79,9 +79,8 @@ def _size(name: str, value: str) -> float:
 def _refuse_unknown(name: object) -> None:
     if name not in UNITS:
         hint = meant(str(name), UNITS)
-        raise InputError(
-            f"--parameters: expected {', '.join(UNITS)}, found {name!r}{'; ' if hint else ''}{hint}"
-        )
+        more = f"; {hint}" if hint else ""
+        raise InputError(f"--parameters: expected one of {', '.join(UNITS)}, found {name!r}{more}")
 
 
 def checked_box(box: Box) -> dict[str, float]:

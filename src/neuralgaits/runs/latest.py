@@ -10,6 +10,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from neuralgaits._inputs import refuse_no_path
 from neuralgaits.errors import RunError
 from neuralgaits.runs.atomic import write_bytes
 from neuralgaits.runs.folder import CONFIG, NAN_STATE, SUMMARY, RunFolder
@@ -44,6 +45,7 @@ def resolve(run: str | Path, root: Path = RUNS_ROOT, *, finished: bool = True) -
     Raises: RunError if there is no such run, or if it is half-written, unfinished or from
         another version.
     """
+    refuse_no_path("a run, its folder or `latest`", run)
     folder = RunFolder.open(_latest(root) if str(run) == LATEST else Path(run))
     if finished and not folder.finished:
         raise RunError(f"expected a finished run, found one whose training {unfinished(folder)}")

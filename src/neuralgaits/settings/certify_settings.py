@@ -13,8 +13,9 @@ from neuralgaits.records.certified import LEVELS
 from neuralgaits.records.levels import FULL_ORDER_LEVEL, HIGHEST_OF_MANY, WORDS
 from neuralgaits.settings import forms
 from neuralgaits.settings.forms import Interval
-from neuralgaits.settings.options import arg, option
+from neuralgaits.settings.options import Settings, arg, option
 from neuralgaits.settings.shared_options import (
+    A_PATH,
     AnyName,
     Disturbance,
     Flag,
@@ -38,7 +39,7 @@ _Ranges = Annotated[
 
 
 @dataclass(frozen=True)
-class CertifySettings:
+class CertifySettings(Settings):
     """Settings of `certify`."""
 
     run: Run
@@ -56,7 +57,7 @@ class CertifySettings:
     --level 4 is about the largest set that the search yields, in a norm of its own: 20 suits
     AMBER-3M."""
     budget: Seconds = None
-    """Stop after this time; the result so far is kept."""
+    """Stop after this time [s]; the result so far is kept."""
     within: _Ranges = None
     """For a gait that takes commands, prove these ranges only, as in speed=0.70:0.72 or
     slope=-1:1 [degrees]; the run as a whole stays undecided."""
@@ -68,6 +69,7 @@ class CertifySettings:
     """Called with (proved share, boxes) now and then."""
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         check_budget(self.budget)
         level, disturbance = self.highest, self.disturbance
         if level not in LEVELS:
@@ -93,13 +95,13 @@ class CertifySettings:
 
 
 @dataclass(frozen=True)
-class CheckProofSettings:
+class CheckProofSettings(Settings):
     """Settings of `check-proof`."""
 
     file: Annotated[Positional[Path], arg(metavar="FILE")]
     """Proof file, or the run folder that has one, or latest."""
     _: KW_ONLY
-    run: Annotated[AnyName | None, arg(metavar="RUN")] = None
+    run: Annotated[AnyName | None, arg(metavar="RUN"), A_PATH] = None
     """Run folder, or latest, that the proof must be about. Without it only consistency is
     checked, not which robot it is about."""
     progress: Fixed[Callable[[int, int], None] | None] = None

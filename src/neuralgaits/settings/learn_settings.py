@@ -13,20 +13,22 @@ from neuralgaits._checks import (
     check_steps,
 )
 from neuralgaits.runs import RUNS_ROOT
-from neuralgaits.settings.options import arg
+from neuralgaits.settings.options import Settings, arg
 from neuralgaits.settings.shared_options import (
+    A_PATH,
+    SOME_PATHS,
     AnyName,
     AnyPath,
-    AnyRobot,
     AnyWatch,
+    Changes,
     Columns,
-    Disturb,
     Disturbance,
     Flag,
     Folder,
     Number,
     OwnRobot,
     Paths,
+    Plant,
     Progress,
     Root,
     Run,
@@ -40,12 +42,12 @@ else:
 
 
 @dataclass(frozen=True)
-class FitSettings:
+class FitSettings(Settings):
     """Settings of `fit`."""
 
     run: Run
     """Run folder, or latest."""
-    logs: Annotated[Positional[Paths], arg(metavar="LOG.csv...")]
+    logs: Annotated[Positional[Paths], arg(metavar="LOG.csv..."), SOME_PATHS]
     """Logs of walks, falls included; see the page 'Your own logs'."""
     _: KW_ONLY
     columns: Columns = None
@@ -60,17 +62,18 @@ class FitSettings:
     """Called with (step, steps, validation loss) now and then."""
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         check_seed(self.seed)
 
 
 @dataclass(frozen=True)
-class RefineSettings:
+class RefineSettings(Settings):
     """Settings of `refine`."""
 
     run: Run
     """Run folder, or latest."""
     _: KW_ONLY
-    residual: Annotated[AnyPath | None, arg(metavar="FILE")] = None
+    residual: Annotated[AnyPath | None, arg(metavar="FILE"), A_PATH] = None
     """File that fit wrote; the run's own if not given."""
     seed: Annotated[int, arg(metavar="N")] = 0
     """Seed of samples."""
@@ -82,7 +85,7 @@ class RefineSettings:
     certify: Flag = False
     """Prove the conditions (level 1) on the corrected dynamics, as train --certify does."""
     budget: Seconds = None
-    """With --certify: time for proofs and further training."""
+    """With --certify: time for proofs and further training [s]."""
     out: Folder = None
     """Run folder to make, instead of runs/ROBOT/<time>-<seed>."""
     progress: Progress = None
@@ -92,28 +95,29 @@ class RefineSettings:
     root: Root = RUNS_ROOT
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         check_seed(self.seed)
         check_steps(self.steps)
         check_proof_budget(self.certify, self.budget)
 
 
 @dataclass(frozen=True)
-class EpisodesSettings:
+class EpisodesSettings(Settings):
     """Settings of `episodes`."""
 
     robot: OwnRobot = None
     """The model: name of a built-in robot, or path of an MJCF file; the run's own with
     --resume."""
     _: KW_ONLY
-    plant: Annotated[AnyRobot | None, arg(metavar="ROBOT")] = None
+    plant: Plant = None
     """Robot that walks, in simulation."""
-    disturb: Annotated[Disturb | None, arg(metavar="NAME=VALUE,...")] = None
+    disturb: Changes = None
     """Further differences between plant and model, as in torso_shift_m=-0.02."""
     controller: Annotated[Literal["pd", "fblin"] | None, arg(metavar="{pd,fblin}")] = None
     """Joint PD (if not given), or input-output linearisation with the model."""
     logs: Folder = None
-    """Folder of a robot's own logs in place of a plant: DIR/round-0/*.csv and so on. The rounds
-    stop at the first missing logs, and continue once those exist."""
+    """Folder of a robot's own logs in place of a plant: CSV files in DIR/round-0 and so on. The
+    rounds stop at the first missing logs, and continue once those exist."""
     columns: Columns = None
     """With --logs: names, units and signs of these logs' columns; see the page 'Your own logs'."""
     rounds: Number = None
@@ -122,7 +126,7 @@ class EpisodesSettings:
     """Seed of everything random; 0 if not given."""
     out: Folder = None
     """Folder to make, instead of runs/episodes/ROBOT/<time>-<seed>."""
-    resume: Annotated[AnyName | None, arg(metavar="RUN")] = None
+    resume: Annotated[AnyName | None, arg(metavar="RUN"), A_PATH] = None
     """Episodes to resume (their folder, or latest), or a trained run to start from."""
     steps: Fixed[int | None] = None
     """Gradient steps of training and of each refinement; those of the recipe if not given."""
@@ -133,4 +137,5 @@ class EpisodesSettings:
     root: Root = RUNS_ROOT
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         check_rounds(self.rounds)

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from tyro.conf import Fixed, Positional
 
+from neuralgaits._called_with import PythonType
 from neuralgaits._control_laws import CONTROL_LAWS
 from neuralgaits.records.trained import ProofRound
 from neuralgaits.settings import forms
@@ -43,12 +44,20 @@ else:
     Names = tuple[str, ...]
     Controller = Literal[(*CONTROL_LAWS, "c")]
 
+A_PATH = PythonType("str | Path | None", (str, Path))
+SOME_PATHS = PythonType("Sequence[str | Path]", (list, tuple))
 Flag = Annotated[bool, arg()]
-Run = Annotated[Positional[AnyRun], arg(metavar="RUN")]
-Robot = Annotated[Positional[AnyRobot], arg(metavar="ROBOT")]
-OwnRobot = Annotated[Positional[AnyRobot | None], arg(metavar="[ROBOT]")]
+Run = Annotated[Positional[AnyRun], arg(metavar="RUN"), PythonType("Run | str | Path")]
+Robot = Annotated[
+    Positional[AnyRobot], arg(metavar="ROBOT"), PythonType("PlanarBiped | str | Path")
+]
+OwnRobot = Annotated[
+    Positional[AnyRobot | None],
+    arg(metavar="[ROBOT]"),
+    PythonType("PlanarBiped | str | Path | None"),
+]
 """Optional robot; a resumed run has its own."""
-Spec = Annotated[AnySpec | None, arg(metavar="SPEC")]
+Spec = Annotated[AnySpec | None, arg(metavar="SPEC"), PythonType("GaitSpec | str | None")]
 Init = Annotated[Literal["posture", "random"] | None, arg(metavar="{posture,random}")]
 Widths = Annotated[tuple[int, ...] | None, option("N,N", forms.widths, forms.numbers_word)]
 Number = Annotated[int | None, arg(metavar="N")]
@@ -63,10 +72,22 @@ Disturbance = Annotated[
     tuple[float, float] | Literal["learned"] | None,
     option("A,B|learned", forms.disturbance, forms.disturbance_word),
 ]
-Words = Annotated[str | None, arg(metavar="NAME=VALUE,...")]
-Folder = Annotated[AnyPath | None, arg(metavar="DIR")]
-Columns = Annotated[AnyPath | None, arg(metavar="FILE.toml")]
-Terrain = Annotated[AnyName | None, arg(metavar="KIND[,NAME=VALUE...]|FILE.csv")]
+_NAMED_VALUES = arg(metavar="NAME=VALUE,...")
+Plant = Annotated[
+    AnyRobot | None, arg(metavar="ROBOT"), PythonType("PlanarBiped | str | Path | None")
+]
+Law = Annotated[Controller, PythonType("str | AbstractLaw")]
+Changes = Annotated[
+    Disturb | None, _NAMED_VALUES, PythonType("str | Mapping[str, float] | PlantChanges | None")
+]
+Connection = Annotated[
+    Link | None, _NAMED_VALUES, PythonType("str | Mapping[str, Any] | LinkConfig | None")
+]
+_A_COMMAND = PythonType("str | Mapping[str, float] | None", (str, Mapping))
+Constant = Annotated[Command | None, _NAMED_VALUES, _A_COMMAND]
+Folder = Annotated[AnyPath | None, arg(metavar="DIR"), A_PATH]
+Columns = Annotated[AnyPath | None, arg(metavar="FILE.toml"), A_PATH]
+Terrain = Annotated[AnyName | None, arg(metavar="KIND[,NAME=VALUE...]|FILE.csv"), A_PATH]
 Workers = Annotated[
     int | None,
     arg(

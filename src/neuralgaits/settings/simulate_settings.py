@@ -4,16 +4,17 @@ from dataclasses import KW_ONLY, dataclass
 from typing import Annotated, Literal
 
 from neuralgaits._checks import check_walks
-from neuralgaits.settings.options import arg
+from neuralgaits.settings.options import Settings, arg
 from neuralgaits.settings.shared_options import (
+    A_PATH,
     AnyName,
     AnyPath,
-    AnyRobot,
     Box,
-    Command,
-    Controller,
-    Disturb,
-    Link,
+    Changes,
+    Connection,
+    Constant,
+    Law,
+    Plant,
     Ray,
     Run,
     Terrain,
@@ -22,19 +23,19 @@ from neuralgaits.settings.shared_options import (
 
 
 @dataclass(frozen=True)
-class SimulateSettings:
+class SimulateSettings(Settings):
     """Settings of `simulate`."""
 
     run: Run
     """Run folder, or latest."""
     _: KW_ONLY
-    plant: Annotated[AnyRobot | None, arg(metavar="ROBOT")] = None
+    plant: Plant = None
     """Robot to simulate; the one trained for if not given."""
-    controller: Controller = "pd"
+    controller: Law = "pd"
     """Joint PD, input-output linearisation, the PD of the paper (soft, z2 = 0), a quadratic program
     with a control Lyapunov function within limits of torque and friction, or the exported
     controller as a process of its own."""
-    link: Annotated[Link | None, arg(metavar="NAME=VALUE,...")] = None
+    link: Connection = None
     """Settings of the connection to controller c, as in
     law=fblin,lockstep=1,loss=0.01,jitter_ms=2."""
     steps: Annotated[int, arg(metavar="N")] = 50
@@ -50,7 +51,7 @@ class SimulateSettings:
     push: Annotated[float | None, arg(metavar="NS")] = None
     """Impulse of a forward push [N s], over 0.1 s, within half a second of touchdown 5; the result
     says how many walks it ended."""
-    disturb: Annotated[Disturb | None, arg(metavar="NAME=VALUE,...")] = None
+    disturb: Changes = None
     """Differences between plant and model, as in friction=0.4,delay_ms=4."""
     sensing: Annotated[str | None, arg(metavar="perfect|encoders[,NAME=VALUE...]")] = None
     """Measurements of the controller: perfect (the plant's own rates and hip velocity), or
@@ -60,10 +61,10 @@ class SimulateSettings:
     parameters: Box = None
     """Walk another robot each time, drawn from this box around the run's own, as in
     mass=2%,com=5mm,inertia=5%; with floor=5mm and friction=0.5 on such a floor."""
-    command: Annotated[Command | None, arg(metavar="NAME=VALUE,...")] = None
+    command: Constant = None
     """Constant command of a gait that takes commands, as in speed=0.7 or slope=3 [degrees]; the
-    middle of its ranges if not given."""
-    commands: Annotated[AnyName | None, arg(metavar="FILE.csv|random")] = None
+    middle of its ranges if not given. A mapping in Python is in SI units."""
+    commands: Annotated[AnyName | None, arg(metavar="FILE.csv|random"), A_PATH] = None
     """Command for each step: a file with a row a step, step,speed[m/s],..., or new random
     commands at each touchdown."""
     terrain: Terrain = None
@@ -76,10 +77,11 @@ class SimulateSettings:
     """Number of walks."""
     workers: Workers = None
     ray: Ray = None
-    log: Annotated[AnyPath | None, arg(metavar="FILE.csv")] = None
+    log: Annotated[AnyPath | None, arg(metavar="FILE.csv"), A_PATH] = None
     """Write the first walk's log; further walks get FILE-1.csv, FILE-2.csv, ... beside it."""
-    video: Annotated[AnyPath | None, arg(metavar="FILE.mp4")] = None
+    video: Annotated[AnyPath | None, arg(metavar="FILE.mp4"), A_PATH] = None
     """Write a video of the first walk; needs the video extra."""
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         check_walks(self.episodes, self.seed, self.push)

@@ -2,19 +2,22 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from tyro.conf import Fixed, Positional
 
-from neuralgaits._checks import check_budget, check_seeds, check_steps
+from neuralgaits._called_with import PythonType
+from neuralgaits._checks import check_budget, check_seeds, check_steps, check_walked
 from neuralgaits.errors import InputError
 from neuralgaits.records.certified import HIGHEST, LEVELS
 from neuralgaits.records.swept import SweepRow
 from neuralgaits.runs import RUNS_ROOT
 from neuralgaits.settings import forms
 from neuralgaits.settings.forms import Interval
-from neuralgaits.settings.options import arg, option
+from neuralgaits.settings.options import Settings, arg, option
 from neuralgaits.settings.shared_options import (
+    SOME_PATHS,
     AnyName,
     Flag,
     Folder,
@@ -28,8 +31,6 @@ from neuralgaits.settings.shared_options import (
 )
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from neuralgaits.engine import WorkerPool
 
     Robots = Sequence[str | Path]
@@ -39,6 +40,7 @@ else:
     Robots = Names
     Disturbances = str
 
+_SOME_DISTURBANCES = PythonType("str | Path | Mapping[str, Any] | None", (str, Path, Mapping))
 _Specs = Annotated[Sequence[str] | None, option("S,...", forms.specs, ",".join)]
 _Controllers = Annotated[Sequence[str] | None, option("C,...", forms.controllers, ",".join)]
 _Speeds = Annotated[
@@ -48,10 +50,10 @@ _Speeds = Annotated[
 
 
 @dataclass(frozen=True)
-class SweepSettings:
+class SweepSettings(Settings):
     """Settings of `sweep`."""
 
-    robots: Annotated[Positional[Robots], arg(metavar="[ROBOT...]")] = ()
+    robots: Annotated[Positional[Robots], arg(metavar="[ROBOT...]"), SOME_PATHS] = ()
     """Names of built-in robots, or paths of MJCF files; the sweep's own with --resume."""
     _: KW_ONLY
     specs: _Specs = None
@@ -65,10 +67,12 @@ class SweepSettings:
     certify: Annotated[int | None, arg(metavar="LEVEL")] = None
     """Prove each run up to this level; no proof if not given."""
     budget: Seconds = None
-    """With --certify: time for each proof. The result then depends on the machine."""
+    """With --certify: time for each proof [s]. The result then depends on the machine."""
     controllers: _Controllers = None
     """Control laws to walk with: pd (if not given), fblin, paper, clf-qp."""
-    disturbances: Annotated[Disturbances | None, arg(metavar="FILE|standard|none")] = None
+    disturbances: Annotated[
+        Disturbances | None, arg(metavar="FILE|standard|none"), _SOME_DISTURBANCES
+    ] = None
     """Disturbances to walk under, besides none: the standard eighteen (if not given), or those
     of a TOML file; see the page 'From a laptop to a cluster'."""
     walks: Number = None
@@ -86,6 +90,7 @@ class SweepSettings:
     root: Root = RUNS_ROOT
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         if self.seeds is not None:
             check_seeds(self.seeds)
         check_steps(self.steps)
@@ -94,3 +99,4 @@ class SweepSettings:
             raise InputError(f"expected --certify 1 to {HIGHEST}, found {self.certify}")
         if self.walks is not None and self.walks < 1:
             raise InputError(f"expected at least 1 walk, found {self.walks}")
+        check_walked("walks", self.walks or 1)

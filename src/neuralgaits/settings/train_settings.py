@@ -10,6 +10,7 @@ from typing import Annotated
 
 from tyro.conf import Fixed, Positional
 
+from neuralgaits._called_with import PythonType
 from neuralgaits._checks import (
     check_proof_budget,
     check_seed,
@@ -19,8 +20,9 @@ from neuralgaits._checks import (
 )
 from neuralgaits.errors import InputError
 from neuralgaits.runs import RUNS_ROOT
-from neuralgaits.settings.options import arg
+from neuralgaits.settings.options import Settings, arg
 from neuralgaits.settings.shared_options import (
+    A_PATH,
     AnyName,
     AnyRobot,
     AnyWatch,
@@ -44,7 +46,7 @@ from neuralgaits.settings.shared_options import (
 
 
 @dataclass(frozen=True)
-class GaitSettings:
+class GaitSettings(Settings):
     """Settings of an untrained gait: everything but its seed."""
 
     robot: OwnRobot = None
@@ -67,13 +69,15 @@ class GaitSettings:
     step_height: StepHeight = None
     """Range of commanded heights of the next foothold [m], as in --step-height=-0.02:0.02."""
     slope: Slope = None
-    """Range of commanded slopes of the ground [degrees], as in --slope=-5:5."""
+    """Range of commanded slopes of the ground, as in --slope=-5:5 [degrees]; a pair of numbers in
+    Python is in radians."""
     parameters: Box = None
     """Box of robots that one policy must walk on, as in mass=2%,com=5mm,inertia=5%,rotor=5%:
     errors of every link's mass, centre of mass and inertia, and of every rotor; and of the floor:
     floor=5mm, footholds higher or lower than intended, and friction=0.5, the least coefficient."""
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         if self.init not in (None, "posture", "random"):
             raise InputError(f"expected init posture or random, found {self.init!r}")
         check_widths(self.hidden)
@@ -90,10 +94,10 @@ class TrainSettings(GaitSettings):
     """Prove the conditions (level 1) after training; if that fails, continue training with
     samples of the boxes that are left, until the proof succeeds."""
     budget: Seconds = None
-    """With --certify: time for proofs and further training."""
+    """With --certify: time for proofs and further training [s]."""
     out: Folder = None
     """Run folder to make, instead of runs/ROBOT/<time>-<seed>."""
-    resume: Annotated[AnyName | None, arg(metavar="RUN")] = None
+    resume: Annotated[AnyName | None, arg(metavar="RUN"), A_PATH] = None
     """Continue an unfinished run: its folder, or latest for the last one started. All other
     settings are the run's own."""
     progress: Progress = None
@@ -145,7 +149,7 @@ class TrainSeedsSettings(GaitSettings):
 
 
 @dataclass(frozen=True)
-class OptimiseSettings:
+class OptimiseSettings(Settings):
     """Settings of `optimise`."""
 
     robot: Robot
@@ -161,12 +165,12 @@ class OptimiseSettings:
 
 
 @dataclass(frozen=True)
-class ImportGaitSettings:
+class ImportGaitSettings(Settings):
     """Settings of `import-gait`."""
 
     file: Annotated[Positional[Path], arg(metavar="FILE.json")]
     """Joints, control points [rad] and phase, in the format of docs/optimise.md."""
-    robot: Annotated[AnyRobot, arg(metavar="ROBOT")]
+    robot: Annotated[AnyRobot, arg(metavar="ROBOT"), PythonType("PlanarBiped | str | Path")]
     """Robot that walks the gait: name of a built-in robot, or path of an MJCF file."""
     _: KW_ONLY
     name: Annotated[str | None, arg(metavar="NAME")] = None

@@ -257,7 +257,7 @@ def _check_same_joints(robot: PlanarBiped, plant: PlanarBiped | None) -> None:
 
 def _positive_whole(name: str, value: int) -> None:
     if not isinstance(value, int | np.integer) or value < 1:
-        raise InputError(f"{name}: expected a whole number of at least 1, found {value!r}")
+        raise InputError(f"--{name}: expected a whole number of at least 1, found {value!r}")
     check_walked(name, int(value))
 
 

@@ -6,11 +6,11 @@ The file is TOML with one table for each disturbance; keys are those of `simulat
     floor_height = 0.01
 """
 
-import tomllib
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from neuralgaits._inputs import toml_of
 from neuralgaits.errors import InputError, reason
 from neuralgaits.records.swept import UNDISTURBED
 from neuralgaits.runs import plain
@@ -53,13 +53,13 @@ def _parsed(name: str, one: Any) -> PlantChanges:
 
 def _read(path: Path) -> dict[str, Any]:
     try:
-        found = tomllib.loads(path.read_text(encoding="utf-8"))
+        found = toml_of(path)
     except OSError as error:
         raise InputError(
             f"expected --disturbances {STANDARD}, {UNDISTURBED} or a TOML file, found {path}: "
             f"{reason(error)}"
         ) from None
-    except (UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+    except ValueError as error:
         raise InputError(
             f"expected TOML in {path}, found what cannot be read ({error}): a table for each "
             'disturbance, as in ["floor +-1 cm"] with floor_height = 0.01 below it'

@@ -1,6 +1,5 @@
 """State of a training, and what its steps and evaluations return."""
 
-from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -23,18 +22,6 @@ class TrainState(NamedTuple):
     """Lowest validation loss so far. float64 scalar."""
     rate: Array
     """Share of the recipe's step size; less than 1 after steps that turned to NaN. float32."""
-
-
-class OverSeeds(NamedTuple):
-    """Steps and evaluations of many trainings as one program each; axis 0 is that of seeds."""
-
-    step: Callable
-    """Function from (parameters, optimiser states, keys, first steps, one count for all, rates) to
-    parameters, states and `Loss`."""
-    gaits: Callable
-    """Function from (parameters) to the gaits with these, see `Trainer.gait`."""
-    look: Callable
-    """Function from (gaits, key, share of the disturbance) to `Loss` and margins. [S, N, K]"""
 
 
 class FreshMargins(NamedTuple):

@@ -36,7 +36,7 @@ from neuralgaits.training.loss import (
 from neuralgaits.training.precision import cast, cast_named
 from neuralgaits.training.repair import Boxes, Extra
 from neuralgaits.training.sampling import Sampler
-from neuralgaits.training.train_state import FreshMargins, OverSeeds, TrainState
+from neuralgaits.training.train_state import FreshMargins, TrainState
 
 VALIDATE_EVERY = 100
 """Gradient steps between two evaluations of the fixed validation samples."""
@@ -247,25 +247,6 @@ class Trainer:
             for name, block in self._validation_layout.columns.items()
         }
         return FreshMargins(loss, named)
-
-    def over_seeds(self) -> OverSeeds:
-        """Return steps and evaluations for many trainings that differ in their seeds."""
-        steps = jax.vmap(partial(self._steps, extra=None), in_axes=(0, 0, 0, 0, None, 0))
-        look = eqx.filter_vmap(self._look, in_axes=(eqx.if_array(0), None, None, None))
-
-        def gaits(parameters, template, robot):
-            def one(mine):
-                double = jax.tree.map(lambda leaf: leaf.astype(float), self._unflatten(mine))
-                return eqx.combine(double, template).match_impact(robot, self.residuals.reset)
-
-            return eqx.filter_vmap(one)(parameters)
-
-        made, looked = quick_filter_jit(gaits), quick_filter_jit(look)
-        return OverSeeds(
-            step=quick_jit(steps),
-            gaits=lambda parameters: made(parameters, self._template, self.robot),
-            look=lambda gaits, key, share: looked(gaits, key, None, share),
-        )
 
     def of_seed(self, seed: int, gait: AnyGait) -> "Trainer":
         """Return the trainer of another seed. Nothing is compiled again.

@@ -31,6 +31,7 @@ from neuralgaits.certificate.run_certificate.certificate_files import (
     write_certificate,
 )
 from neuralgaits.certificate.run_certificate.scope import Scope
+from neuralgaits.certificate.run_certificate.verified_summary import read_certificate
 from neuralgaits.certificate.search.branch_and_bound import BoundAll, Search
 from neuralgaits.certificate.search.checkpoint import load, save
 from neuralgaits.certificate.search.problem import Problem
@@ -229,6 +230,13 @@ def _conclusions(task: _Task, statements: Sequence[StatementRecord]) -> list[Con
     return [found[level] for level in sorted(found)]
 
 
+def _better_level(run: Run, found: CertificateRecord) -> int:
+    """Return the level that the run's certificate proves, if that is more; 0 otherwise."""
+    before = read_certificate(run.folder).summary
+    level = 0 if before is None else before.proved_level
+    return level if level > found.proved_level else 0
+
+
 def _finish(
     run: Run,
     scope: Scope,
@@ -241,7 +249,10 @@ def _finish(
     reason: str | None = None,
     full_order: bool = False,
 ) -> CertifyResult:
-    """Write the certificate: `files` by name and the summary; files of an older one are removed."""
+    """Write the certificate: `files` by name and the summary; files of an older one are removed.
+
+    A search that came to less, undecided, leaves the older one.
+    """
     proof = str(run.path / certified.PROOF) if certified.PROOF in files else None
     summary = CertificateRecord(
         run=str(run.path),
@@ -262,5 +273,11 @@ def _finish(
         map=str(run.path / MAP_FIGURE) if MAP in files else None,
     )
     summary = replace(summary, verdict=summary.of_all)
+    if summary.verdict == "undecided" and boxes and (kept := _better_level(run, summary)):
+        said = f"the certificate from before is kept, which proves level {kept}"
+        reason = "; ".join(filter(None, (reason, said)))
+        return CertifyResult(
+            replace(summary, reason=reason, proof=None, full_order_proof=None, map=None)
+        )
     write_certificate(run.path, files, to_json(summary).encode())
     return CertifyResult(summary)

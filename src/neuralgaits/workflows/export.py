@@ -5,6 +5,9 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
+import jax
+import numpy as np
+
 from neuralgaits._version import __version__
 from neuralgaits.analysis.run import Run, open_run
 from neuralgaits.certificate.run_certificate.verified_summary import (
@@ -20,6 +23,7 @@ from neuralgaits.export.facts import Design, Origin
 from neuralgaits.export.reference import Reference
 from neuralgaits.export.selftest import selftest_file
 from neuralgaits.export.source import gait_files
+from neuralgaits.gait.policies.commanded_gait import AnyGait
 from neuralgaits.records.certified import PROOF
 from neuralgaits.records.exported import Exported, UncheckedExport
 from neuralgaits.runs.folder import file_hashes
@@ -31,6 +35,8 @@ NO_EXTRA = (
     "expected the packages onnx and onnxruntime for --format onnx, found no {}: "
     "pip install 'neuralgaits[onnx]'"
 )
+LARGEST = 1e30
+"""Largest number of a gait that may be exported: C may compute in single precision."""
 RecordFactory = Callable[..., Exported]
 """Makes a record of what is known of files, once it is said where they are."""
 
@@ -73,8 +79,11 @@ def export_controller(
     trained, folder = open_run(run), Path(out)
     output_folder.refuse_used(folder, force=force)
     certificate = read_certificate(trained.folder)
-    design = design_of(trained, certificate)
-    files, told = WRITERS[format](design, states)
+    _refuse_unusable(trained.trained)
+    # Numbers that are not finite are refused where they are written.
+    with np.errstate(all="ignore"):
+        design = design_of(trained, certificate)
+        files, told = WRITERS[format](design, states)
     return Export(
         told(
             run=str(trained.path),
@@ -85,6 +94,20 @@ def export_controller(
             warnings=tuple(_warnings(certificate)),
         )
     )
+
+
+def _refuse_unusable(gait: AnyGait) -> None:
+    """Refuse a gait with numbers that single precision does not hold. Raises: InputError."""
+    numbers = [
+        float(np.abs(leaf).max(initial=0.0)) for leaf in map(np.asarray, jax.tree.leaves(gait))
+    ]
+    with np.errstate(all="ignore"):
+        numbers += momentum_range(gait)
+    if not all(abs(one) <= LARGEST for one in numbers):
+        raise InputError(
+            f"expected weights and momenta of at most {LARGEST:g}, found others: the run's policy "
+            "is damaged or not trained; restore it or train again"
+        )
 
 
 def design_of(trained: Run, certificate: CertificateReading | None = None) -> Design:

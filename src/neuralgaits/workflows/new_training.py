@@ -77,6 +77,8 @@ def new_training(
     Raises: InputError on invalid combinations of settings.
     """
     spec = "walking" if settings.spec is None else settings.spec
+    if not isinstance(spec, str | GaitSpec):
+        raise InputError(f"spec: expected a name, FILE.py:NAME or a GaitSpec, found {spec!r:.60}")
     init, steps = settings.init or "posture", settings.steps
     one, told, box = _meant_for(settings)
     if (told or one is not None or box) and not isinstance(spec, str):

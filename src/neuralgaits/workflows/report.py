@@ -62,6 +62,8 @@ def write_report(run: Run | str | Path, *, out: str | Path | None = None) -> Rep
     folder = run.folder if isinstance(run, Run) else resolve(run, finished=False)
     path = folder.path / FILE if out is None else Path(out)
     refuse_outputs([path], run=folder.path)
+    if path.suffix.lower() not in ("", ".html", ".htm"):
+        raise InputError(f"expected --out as a file *.html, found {path}: the report is a page")
     refuse_unwritable(*(folder.path / file for file in (gait_data.FILE, report_walk.FILE)))
     certificate = read_certificate(folder)
     if folder.finished and certificate.proof is None and not isinstance(run, Run):

@@ -1,7 +1,7 @@
 """Many seeds on the cores of one machine: single trainings in parallel, compiled once.
 
-On a processor, one program for all seeds takes as long for each seed as a single training, and
-rounds sums in another order. In parallel, each training reaches the same bits as alone.
+Each reaches the same bits as alone. One program for all seeds (`jax.vmap`) was measured and is not
+here: on a processor it takes as long for each seed, and it rounds sums in another order.
 """
 
 import threading
@@ -9,29 +9,64 @@ import time
 from collections.abc import Iterator, Sequence
 from concurrent.futures import FIRST_EXCEPTION, Future, ThreadPoolExecutor, wait
 from contextlib import suppress
+from pathlib import Path
 
 from neuralgaits._environment import cores
 from neuralgaits.analysis.run import Run
 from neuralgaits.errors import NeuralGaitsError, is_full
 from neuralgaits.training.session import compile_steps
+from neuralgaits.training.trainer import Trainer
 from neuralgaits.training.training_loop import Progress
-from neuralgaits.workflows.many_seeds import ManySeeds
+from neuralgaits.workflows.new_training import NewTraining
 from neuralgaits.workflows.train import train_to_the_end
 
 
-class SideBySide(ManySeeds):
-    """Trainings on threads; compiled code, which takes most of the time, releases Python's lock."""
+class SideBySide:
+    """Trainings that differ in their seeds, on threads.
+
+    Compiled code, which takes most of the time, releases Python's lock.
+
+    Attributes:
+        size: number of seeds that are trained at a time: one for each core.
+        begun: runs that have a folder, in order.
+        done: finished runs by seed.
+        refused: errors of seeds that could not be trained; their folders keep what was written.
+        compile_s, train_s: duration of compiling, and of everything after it (s).
+    """
 
     _stopped = False
     """Whether no further seed is to be trained."""
 
-    @staticmethod
-    def at_a_time(count: int) -> int:
-        """Return one seed for each core, at most `count`."""
-        return min(cores(), count)
+    def __init__(self, first: NewTraining, path: Path, root: Path, count: int):
+        """Build the trainer, without starting any seed.
+
+        Args:
+            first: training of any of the seeds.
+            path: folder that holds the seeds' folders.
+            root: folder of the runs.
+            count: total number of seeds.
+        """
+        self.first, self.path, self.root = first, path, root
+        self.size = min(cores(), count)
+        self.trainer = Trainer.build(
+            first.robot, first.spec, first.gait, steps=first.asked.steps, seed=first.asked.seed
+        )
+        self.begun: list[Run] = []
+        self.done: dict[int, Run] = {}
+        self.refused: dict[int, NeuralGaitsError] = {}
+        self.compile_s = self.train_s = 0.0
 
     def train(self, numbers: range, progress: Progress | None) -> None:
-        """Train seeds in parallel; see `ManySeeds.train`."""
+        """Train seeds, and finish their folders.
+
+        Args:
+            numbers: the seeds.
+            progress: called with (steps of all seeds done, in all, mean loss) now and then, from
+                one thread at a time, which need not be this one.
+
+        Raises: InputError if gaits of some seeds differ in more than the trained weights;
+            KeyboardInterrupt.
+        """
         start_time, self._lock = time.perf_counter(), threading.Lock()
         # Threads that meet in a call compile it twice.
         compile_steps(self.trainer, self.trainer.init(self.first.gait))
@@ -62,7 +97,11 @@ class SideBySide(ManySeeds):
     def _next(self, left: Iterator[int]) -> Run | None:
         with self._lock:
             number = None if self._stopped else next(left, None)
-            return None if number is None else self.begin(number)
+            if number is None:
+                return None
+            run = self.first.of_seed(number).begun(self.root, self.path / str(number))
+            self.begun.append(run)
+            return run
 
     def _train(self, run: Run, told: "_SeedProgress") -> None:
         seed, start_time = run.asked.seed, time.perf_counter()

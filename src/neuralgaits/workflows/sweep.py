@@ -112,6 +112,10 @@ def _given(settings: SweepSettings) -> dict[str, Any]:
     for controller in controllers or ():
         law_named(controller)
     refuse_same("controllers", controllers or ())
+    given = list(speeds or ())
+    for speed in given:
+        if given.count(speed) > 1:
+            raise InputError(f"expected speeds of different values, found {speed} twice: drop one")
     told = settings.disturbances
     asked = {
         "specs": None if settings.specs is None else tuple(settings.specs),

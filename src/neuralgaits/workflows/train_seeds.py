@@ -16,10 +16,8 @@ from neuralgaits.runs.claim import claim, filled
 from neuralgaits.runs.latest import SEEDS, name_latest
 from neuralgaits.runs.shell_words import LATEST, command, resuming
 from neuralgaits.settings import TrainSeedsSettings, called_with
-from neuralgaits.workflows.many_seeds import ManySeeds
 from neuralgaits.workflows.new_training import new_training
 from neuralgaits.workflows.planarise import robot_from
-from neuralgaits.workflows.seed_batches import SeedBatches
 from neuralgaits.workflows.side_by_side import SideBySide
 
 SUMMARY = "seeds.json"
@@ -45,9 +43,7 @@ class Seeds:
 def train_seeds(settings: TrainSeedsSettings) -> Seeds:
     """Train a policy for each of many seeds, with programs that are compiled once.
 
-    On a processor, each seed reaches the same weights as `train`, bit for bit. Accelerators train
-    batches of seeds as one program, and reach the same weights up to rounding. Settings are those
-    of `train`.
+    Each seed reaches the same weights as `train`, bit for bit. Settings are those of `train`.
 
     Returns: `Seeds`; a seed whose training ends in NaN, or that a later stage refuses, is in
         `summary.refused`.
@@ -62,11 +58,10 @@ def train_seeds(settings: TrainSeedsSettings) -> Seeds:
     path = claim(place, root / SEEDS, robot.name, numbers[0], what="the runs", config=SUMMARY)
     # Runs are finished or gone on with one by one: nothing in here is replaced from now on.
     filled(path)
-    way = SeedBatches if as_one_program() else SideBySide
     doubt = gait_doubt(robot, settings.speed, settings.step_length)
     if doubt is not None and settings.doubted is not None:
         settings.doubted(doubt)
-    many = way(first, path, root, len(numbers))
+    many = SideBySide(first, path, root, len(numbers))
     try:
         many.train(numbers, settings.progress)
     except KeyboardInterrupt as stop:
@@ -82,12 +77,7 @@ def train_seeds(settings: TrainSeedsSettings) -> Seeds:
     return Seeds(path, runs, summary)
 
 
-def as_one_program() -> bool:
-    """Return whether to train batches as one program: on accelerators, or on several devices."""
-    return jax.default_backend() != "cpu" or len(jax.devices()) > 1
-
-
-def _summary(many: ManySeeds, numbers: range, wall_s: float) -> TrainedSeeds:
+def _summary(many: SideBySide, numbers: range, wall_s: float) -> TrainedSeeds:
     asked = many.first.asked
     return TrainedSeeds(
         folder=str(many.path),
@@ -104,7 +94,7 @@ def _summary(many: ManySeeds, numbers: range, wall_s: float) -> TrainedSeeds:
     )
 
 
-def _row(many: ManySeeds, number: int) -> TrainedSeed:
+def _row(many: SideBySide, number: int) -> TrainedSeed:
     if number in many.refused:
         line = " ".join(str(many.refused[number]).split())
         return TrainedSeed(number, str(many.path / str(number)), refused=line)
@@ -112,7 +102,7 @@ def _row(many: ManySeeds, number: int) -> TrainedSeed:
     return TrainedSeed(found.seed, found.run, found.loss, tuple(found.broken))
 
 
-def _stopped(many: ManySeeds, numbers: range) -> Interrupted:
+def _stopped(many: SideBySide, numbers: range) -> Interrupted:
     """Return the interruption, which names runs to resume and seeds that were not started."""
     left = [one for one in many.begun if one.asked.seed not in many.done | many.refused]
     later = numbers[len(many.begun) :]

@@ -20,7 +20,7 @@ from typing import Any
 
 import numpy as np
 
-from neuralgaits._inputs import refuse_unreadable
+from neuralgaits._inputs import refuse_unreadable, toml_of
 from neuralgaits._types import Float
 from neuralgaits.errors import InputError, reason
 from neuralgaits.logs.formats.units import ANGLE, FORCE, RATE, SPEED, TIME, TORQUE, Dimension
@@ -117,8 +117,7 @@ def read_columns(path: str | Path, robot: PlanarBiped) -> ColumnFile:
 def _content(path: Path) -> dict[str, Any]:
     refuse_unreadable(path)
     try:
-        with path.open("rb") as file:
-            return tomllib.load(file)
+        return toml_of(path)
     except tomllib.TOMLDecodeError as error:
         raise InputError(
             f'columns {path}: expected lines such as time = {{column = "t_ms", unit = "ms"}}, '

@@ -1,8 +1,11 @@
 """Constants of emitted functions as static arrays of C, and how numbers are written."""
 
+import math
 import re
 
 import numpy as np
+
+from neuralgaits.errors import InputError
 
 
 class Tables:
@@ -51,14 +54,26 @@ class Tables:
 
 
 def literal(value: float) -> str:
-    """Write a number of the type in use; 17 digits keep every bit of a double."""
-    return f"NG({float(value)!r})" if value >= 0.0 else f"(-NG({-float(value)!r}))"
+    """Write a number of the type in use; 17 digits keep every bit of a double.
+
+    Raises: InputError if it is not finite.
+    """
+    return _number(value) if value >= 0.0 else f"(-{_number(-value)})"
+
+
+def _number(value: float) -> str:
+    if not math.isfinite(value):
+        raise InputError(
+            f"expected finite numbers to write in C, found {float(value)}: weights or robot are "
+            "damaged; restore the run, or train again"
+        )
+    return f"NG({float(value)!r})"
 
 
 def braces(data: np.ndarray) -> str:
     """Write an initialiser, one row of a matrix a line."""
     if data.ndim == 1:
-        return wrapped("{" + ", ".join(f"NG({float(value)!r})" for value in data) + "}")
+        return wrapped("{" + ", ".join(map(_number, data)) + "}")
     return "{\n" + ",\n".join("    " + braces(row).replace("\n", "\n    ") for row in data) + "\n}"
 
 

@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from neuralgaits.barriers.quantities import GISTS, WORDS
+from neuralgaits.barriers.quantity_words import QUANTITIES, QuantityWords
 from neuralgaits.report.page.markup import Html, join, number, tag
 
 _INLET = "a next step that begins in range"
@@ -145,11 +145,11 @@ def gist(conditions: Sequence[Mapping[str, Any]]) -> list[str]:
     found = {}
     for described in conditions:
         inner = _object(described.get("quantity"))
-        name = (_object(inner.get("of")) or inner).get("function", "")
+        known = _known(_object(inner.get("of")) or inner)
         if described.get("kind") == "Inlet":
             found[_INLET] = None
-        elif isinstance(name, str) and name in GISTS:
-            found[GISTS[name]] = None
+        elif known is not None and known.gist is not None:
+            found[known.gist] = None
     return list(found)
 
 
@@ -166,22 +166,22 @@ def quantity(described: Mapping[str, Any]) -> str:
         what, unit = _named(described["of"])
         sign = "≥" if name == "at_least" else "≤"
         return f"{what} {sign} {_numbers(described['bound'])} {unit}".rstrip()
-    share = described.get("coefficient")
-    if name in ("friction_forward", "friction_backward"):
-        way = name.removeprefix("friction_")
-        return f"the foot does not slip {way}: friction needed ≤ {number(share)}"
-    if name in ("impulse_cone_forward", "impulse_cone_backward"):
-        way = name.removeprefix("impulse_cone_")
-        return f"the landing foot does not slip {way}: friction needed ≤ {number(share)}"
-    if name == "torque_reserve":
-        side = {"lower": "negative", "upper": "positive"}[described["side"]]
-        return f"{side} torques within {number(100.0 * described['share'])} % of the limits"
-    if name == "knee_bend":
-        return f"both knees bent by at least {number(described['least'])} rad"
-    if name == "foot_above_arc":
-        return f"swinging foot above an arc of {number(described['clearance'])} m"
+    known = _known(described)
+    if known is not None and known.says is not None:
+        return known.says(described, number)
     what, unit = _named(described)
     return f"{what} ≥ 0 {unit}".rstrip()
+
+
+def _known(described: Mapping[str, Any]) -> QuantityWords | None:
+    """Return the words about a quantity of this package; None for any other."""
+    name = described.get("function")
+    return QUANTITIES.get(name) if isinstance(name, str) else None
+
+
+def _short_text(words: Any) -> str:
+    """Return a user's words if they are short enough to be some; the empty text otherwise."""
+    return words if isinstance(words, str) and len(words) <= _LONGEST_WORDS else ""
 
 
 def _numbers(bound: Any) -> str:
@@ -195,23 +195,17 @@ def _named(described: Mapping[str, Any]) -> tuple[str, str]:
     if name == "after_reset":
         what, unit = _named(described["of"])
         return f"{what}, after touchdown", unit
-    if name in WORDS:
-        return WORDS[name]
+    if (known := _known(described)) is not None and known.what:
+        return known.what, known.unit
     if name is None:
-        return f"{described.get('user', 'a quantity')}, written by the user", ""
+        own = f"{described.get('user', 'a quantity')}, written by the user"
+        what, unit = (_short_text(described.get(key)) for key in ("what", "unit"))
+        return (f"{what} ({own})" if what else own), unit
     return str(name).replace("_", " "), ""
 
 
-_SLACKS = {
-    "friction_forward": "N",
-    "friction_backward": "N",
-    "impulse_cone_forward": "N s",
-    "impulse_cone_backward": "N s",
-    "knee_bend": "rad",
-    "foot_above_arc": "m",
-    "torque_reserve": "× usable torque",
-}
-"""Units of quantities that measure the distance to a limit."""
+_LONGEST_WORDS = 80
+"""Length of a user's words about a quantity, above which they are not shown."""
 _WHOLE = {
     "Fence": "the region's width in a step",
     "Inlet": "the region's width",
@@ -231,8 +225,8 @@ def _unit(described: Mapping[str, Any]) -> str:
     kind, inner = described.get("kind"), _object(described.get("quantity"))
     while inner.get("function") in ("after_reset", "at_least", "at_most"):
         inner = _object(inner.get("of"))
-    name = inner.get("function", "")
-    unit = _SLACKS.get(name) or WORDS.get(name, ("", ""))[1]
+    known = _known(inner)
+    unit = _short_text(inner.get("unit")) if known is None else known.unit
     if kind == "Barrier" and unit:
         # What a rate is compared with.
         alpha = described.get("alpha")

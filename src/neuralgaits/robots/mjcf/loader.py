@@ -8,12 +8,17 @@ be treated is refused with one sentence.
 # pyright: reportAttributeAccessIssue=false
 # MuJoCo ships no type stubs.
 
+import re
+from dataclasses import fields
+from functools import lru_cache
 from pathlib import Path
+from typing import NamedTuple
 
 import jax
 import mujoco
 import numpy as np
 
+from neuralgaits._inputs import refuse_no_path
 from neuralgaits._names import meant
 from neuralgaits._printable import printable
 from neuralgaits.errors import InputError, RobotError
@@ -33,6 +38,26 @@ from neuralgaits.robots.mjcf.physical_numbers import (
 from neuralgaits.robots.mjcf.planar_tree import PlanarTree, read_tree
 from neuralgaits.robots.mjcf.skeleton import Skeleton, read_skeleton
 from neuralgaits.robots.mjcf.text import standalone_text
+
+_NAMES_FILES = re.compile(r"file\w*\s*=")
+"""Attributes of MJCF whose value is a file: meshes, height fields, textures."""
+
+
+class _Parts(NamedTuple):
+    """A robot file by role: the compiled model and what was read from it.
+
+    Attributes:
+        lines: of each link, by index: lower end and line to the upper end, x + i z [m].
+        joints: of both legs.
+        leg: numbers of a leg; the arrays cannot be written.
+    """
+
+    model: mujoco.MjModel
+    tree: PlanarTree
+    skeleton: Skeleton
+    lines: dict[int, tuple[complex, complex]]
+    joints: tuple[tuple[LegJoint, ...], tuple[LegJoint, ...]]
+    leg: derive.LegData
 
 
 def load_robot(name_or_path: str | Path) -> PlanarBiped:
@@ -94,17 +119,16 @@ def bodies_from_text(text: str, name: str) -> tuple[tuple[str, ...], tuple[str, 
     return first, second, None if torso is None else tree.links[torso].name
 
 
-def _read(
-    text: str, name: str
-) -> tuple[
-    mujoco.MjModel,
-    PlanarTree,
-    Skeleton,
-    dict[int, tuple[complex, complex]],
-    tuple[tuple[LegJoint, ...], tuple[LegJoint, ...]],
-    derive.LegData,
-]:
-    """Read a robot file by role: model, tree, skeleton, lines of the links, joints, leg."""
+def _read(text: str, name: str) -> _Parts:
+    """Read a robot file by role.
+
+    A page, a proof and a run read the same text several times: the last few results are kept, and
+    nobody changes them. A text that names files is read anew, since they may have changed.
+    """
+    return (_read_anew if _NAMES_FILES.search(text) else _read_once)(text, name)
+
+
+def _read_anew(text: str, name: str) -> _Parts:
     model = compile_text(text, name)
     refuse_unphysical(model)
     refuse_odd_keyframes(text, model)
@@ -114,7 +138,13 @@ def _read(
     lines = link_directions(tree, skeleton)
     refuse_other_actuators(model, [link.joint.index for link in tree.links[1:]])
     joints = leg_joints(model, tree, skeleton, lines)
-    return model, tree, skeleton, lines, joints, leg_data(model, tree, skeleton, lines, joints)
+    leg = leg_data(model, tree, skeleton, lines, joints)
+    for field in fields(leg):
+        getattr(leg, field.name).flags.writeable = False
+    return _Parts(model, tree, skeleton, lines, joints, leg)
+
+
+_read_once = lru_cache(maxsize=8)(_read_anew)
 
 
 def _torso_data(tree: PlanarTree, skeleton: Skeleton) -> derive.TorsoData | None:
@@ -129,6 +159,7 @@ def robot_text(name_or_path: str | Path) -> tuple[str, str]:
 
     Raises: RobotError if there is no such robot, or the file cannot be read.
     """
+    refuse_no_path("a robot by name, by path or as load_robot returns it", name_or_path)
     name = str(name_or_path)
     if name in registry.built_in():
         return registry.model_file(name).read_text(encoding="utf-8"), name

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from enum import IntEnum
+from typing import Any
 
 import jax.numpy as jnp
 
@@ -66,11 +67,12 @@ def ending(
     robot: PlanarBiped,
     *,
     hip_height: Scalar,
-    pitch: Scalar,
-    since_touchdown: Scalar,
-    steps_left: Int[Array, ""],
-    in_gap: Bool[Array, ""],
-    finite: Array,
+    pitch: Scalar | float,
+    since_touchdown: Scalar | float,
+    steps_left: Int[Array, ""] | int,
+    in_gap: Bool[Array, ""] | bool,
+    finite: Array | bool,
+    xp: Any = jnp,
 ) -> Int[Array, ""]:
     """Judge one state.
 
@@ -83,15 +85,16 @@ def ending(
         steps_left: walking steps still to go.
         in_gap: whether a foot has missed its stone.
         finite: whether the plant's state is finite.
+        xp: `numpy` for a state outside JAX.
 
     Returns: an `Ending` as an integer.
     """
-    leg_length = jnp.sum(robot.hip)
-    patience = config.stall * jnp.sqrt(leg_length / robot.gravity)
-    verdict = jnp.where(steps_left <= 0, Ending.WALKED, Ending.RUNNING)
-    verdict = jnp.where(since_touchdown > patience, Ending.STALLED, verdict)
+    leg_length = xp.sum(robot.hip)
+    patience = config.stall * xp.sqrt(leg_length / robot.gravity)
+    verdict = xp.where(steps_left <= 0, Ending.WALKED, Ending.RUNNING)
+    verdict = xp.where(since_touchdown > patience, Ending.STALLED, verdict)
     if robot.torso is not None:
-        verdict = jnp.where(jnp.abs(pitch) > config.torso_rad, Ending.TORSO, verdict)
-    verdict = jnp.where(hip_height < config.hip_share * leg_length, Ending.LOW_HIP, verdict)
-    verdict = jnp.where(in_gap, Ending.GAP, verdict)
-    return jnp.where(finite, verdict, Ending.NOT_FINITE).astype(jnp.int32)
+        verdict = xp.where(xp.abs(pitch) > config.torso_rad, Ending.TORSO, verdict)
+    verdict = xp.where(hip_height < config.hip_share * leg_length, Ending.LOW_HIP, verdict)
+    verdict = xp.where(in_gap, Ending.GAP, verdict)
+    return xp.where(finite, verdict, Ending.NOT_FINITE).astype(xp.int32)
