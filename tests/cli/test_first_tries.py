@@ -90,7 +90,9 @@ def test_a_speed_beyond_legs_is_doubted_before_training():
     assert doubt is not None and "no gait at 5 m/s is likely for amber3m" in doubt
     assert "ask for less than 2.9 m/s" in doubt
     assert speed_doubt(robot, (0.55, 5.0)) is not None
-    for usual in (None, 0.8, (0.55, 0.90), 1.2):
+    slow = speed_doubt(robot, 1e-3)
+    assert slow is not None and "no gait at 0.001 m/s is likely" in slow
+    for usual in (None, 0.2, 0.8, (0.55, 0.90), 1.2):
         assert speed_doubt(robot, usual) is None
     # A pendulum of the same length falls as fast on another planet, slower by the root of g.
     moon = robot_from_text(robot.layout.xml.replace("-9.81", "-1.62"), "moon")

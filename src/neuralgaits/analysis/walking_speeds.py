@@ -13,6 +13,9 @@ from neuralgaits.robots import PlanarBiped
 FROUDE = 1.0
 """v^2 / (g L) at which a hip on a stiff leg needs no floor: beyond, feet leave it, a robot runs
 (Alexander, Physiological Reviews 69, 1989, section on walking as an inverted pendulum)."""
+SLOWEST = 0.05
+"""Slowest speed, as a share of that at which feet leave the floor: a choice, below all that was
+trained here."""
 LONGEST_STEP = 1.0
 """Longest step in leg lengths: legs 60 degrees apart at touchdown."""
 BENT = 0.25
@@ -50,9 +53,15 @@ def speed_doubt(robot: PlanarBiped, speed: float | tuple[float, float] | None) -
     """
     if speed is None:
         return None
-    highest = max(speed) if isinstance(speed, tuple) else speed
+    lowest, highest = (min(speed), max(speed)) if isinstance(speed, tuple) else (speed, speed)
     gravity, torque = fastest_by_gravity(robot), fastest_by_torque(robot)
     most = min(gravity, torque)
+    if lowest < SLOWEST * gravity:
+        return (
+            f"no gait at {lowest:g} m/s is likely for {robot.name}, training goes on all the same: "
+            "on point feet the hip hardly comes over the standing foot; ask for more than "
+            f"{SLOWEST * gravity:.2g} m/s"
+        )
     if not highest > most:
         return None
     if gravity <= torque:

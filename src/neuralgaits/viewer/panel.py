@@ -240,13 +240,14 @@ class Panel:
         return slider
 
     def _put_back(self) -> None:
-        """Correct a slider if a number beyond its limits was typed.
+        """Correct a slider if a number beyond its limits was typed, or what is no number was sent.
 
         It waits until the number is complete: a part of it may be beyond the limits.
         """
         for slider, limits in self._limited:
             value = limits.clip(slider.value)
-            if value is None or value == slider.value:
+            value = limits.first if value is None else value
+            if value == slider.value:
                 continue
             if time.time() - slider.update_timestamp > TYPED_S:
                 slider.value = value
