@@ -116,7 +116,7 @@ def test_every_walk_has_a_log_of_its_own(amber, walked):
 @pytest.mark.parametrize(
     ("change", "says"),
     [
-        ({"start": "middle"}, "unknown start 'middle'"),
+        ({"start": "middle"}, "expected one of centre, region, fixed-point, found 'middle'"),
         ({"episodes": 0}, "at least 1 episode, found 0"),
         ({"seed": -1}, "seed of at least 0, found -1"),
         ({"disturb": "wind=3"}, "unknown disturbance 'wind'"),

@@ -282,7 +282,7 @@ def test_a_round_that_teaches_nothing_ends_the_command_unless_it_is_the_last(
         ({"plant": None, "logs": "."}, "walk.csv: expected a header and rows, found an empty"),
         ({"rounds": 0}, "1 to 100 rounds, found 0"),
         ({"seed": -1}, "a seed from 0 to 2147483647, found -1"),
-        ({"controller": "mpc"}, "unknown controller 'mpc'"),
+        ({"controller": "mpc"}, "controller: expected one of pd, fblin, found 'mpc'"),
         ({"disturb": "wind=3"}, "unknown disturbance 'wind'"),
         ({"resume": "nowhere"}, "expected a run folder at nowhere"),
         ({"resume": "latest"}, "expected episodes below"),

@@ -234,7 +234,7 @@ def test_the_summary_says_what_walked(run, capfd):
         assert (done["engine"], done["engine_note"]) == (engine, None)
     assert main(["simulate", str(run.path), "--engine", "native", "--steps", "1", "--json"]) == 0
     assert from_json(capfd.readouterr().out.encode())["engine"] == "native"
-    with pytest.raises(InputError, match="expected native or jax, found 'fast'"):
+    with pytest.raises(InputError, match="expected one of native, jax, found 'fast'"):
         simulate(run, steps=1, engine="fast")  # pyright: ignore[reportArgumentType]
 
 

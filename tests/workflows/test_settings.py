@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from neuralgaits import _settings as settings
+from neuralgaits import _checks as settings
 from neuralgaits.errors import InputError
 
 

@@ -230,7 +230,7 @@ def test_a_used_folder_is_refused(amber, small, root):
     [
         ({"seed": -1}, "expected a seed from 0"),
         ({"seed": 2**31}, "expected a seed from 0"),
-        ({"init": "zeros"}, "expected init posture or random, found 'zeros'"),
+        ({"init": "zeros"}, "expected one of posture, random, found 'zeros'"),
         ({"hidden": ()}, "expected hidden widths of at least 1"),
         ({"hidden": (8, 0)}, "expected hidden widths of at least 1"),
         ({"steps": 0}, "expected at least 1 gradient step, found 0"),
@@ -326,7 +326,7 @@ def _its_report_says_so(run, found):
         assert wrong not in page, wrong
     assert f"<li>{told}" in page
     (entry,) = written.summary["missing"]
-    assert "--seed 1 " in entry["command"] and "--resume" not in entry["command"]
+    assert "--seed 1" in entry["command"] and "--resume" not in entry["command"]
 
 
 @pytest.mark.parametrize("number", [float("nan"), float("inf")])
