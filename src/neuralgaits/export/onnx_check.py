@@ -8,7 +8,7 @@ import numpy as np
 import onnxruntime
 
 from neuralgaits._types import Float
-from neuralgaits.errors import MismatchError
+from neuralgaits.errors import InputError, MismatchError
 from neuralgaits.export.compare import limits, model_questions
 from neuralgaits.export.facts import Design
 from neuralgaits.export.onnx_model import FILES, REALS
@@ -89,7 +89,15 @@ def _agree(
     expected: Float[np.ndarray, "N 2 m"],
     precision: str,
 ) -> ModelAgreement:
-    """Return the largest distances, as shares of each output's range and in rad and rad/s."""
+    """Return the largest distances, as shares of each output's range and in rad and rad/s.
+
+    Raises: InputError if Python's own outputs are not finite; MismatchError.
+    """
+    if not np.isfinite(expected).all():
+        raise InputError(
+            "expected a policy with finite outputs, found NaN or infinity: the run's weights are "
+            "damaged; restore the run, or train again"
+        )
     rows = _as(given, precision)
     found = np.array(
         [policy({name: values[i] for name, values in rows.items()}) for i in range(len(expected))]
