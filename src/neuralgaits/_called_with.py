@@ -57,10 +57,12 @@ class PythonType:
     Attributes:
         words: that type.
         kinds: its classes; empty if whatever uses the value judges it.
+        elements: classes of its elements, for a sequence.
     """
 
     words: str
     kinds: tuple[type, ...] = ()
+    elements: tuple[type, ...] = ()
 
     def __repr__(self) -> str:
         return self.words

@@ -16,6 +16,8 @@ MOST_BYTES = 2**26
 """Largest file that is read whole; the largest proof so far is a tenth of this."""
 MOST_LOG_BYTES = 2**31
 """Largest log: days of walking."""
+MOST_CHARACTERS = 4096
+"""Longest path: what Linux takes."""
 _KINDS = (
     (stat.S_ISDIR, "a folder"),
     (stat.S_ISFIFO, "a FIFO"),
@@ -32,6 +34,11 @@ def refuse_no_path(what: str, value: object) -> None:
     """Refuse what cannot be a path. Raises: InputError in one line."""
     if not isinstance(value, str | Path):
         raise InputError(f"expected {what}, found {value!r:.60}")
+    if "\0" in str(value) or len(str(value)) > MOST_CHARACTERS:
+        raise InputError(
+            f"expected {what}, found a name of {len(str(value))} characters, or with a NUL: "
+            f"{str(value)!r:.60}"
+        )
 
 
 def refuse_unreadable(path: Path, most: int = MOST_BYTES) -> None:

@@ -178,6 +178,12 @@ def test_a_python_caller_may_write_what_the_command_line_reads() -> None:
         (lambda: ANY.sweep(["amber3m"], walks=10**400), "expected at most 1000000"),
         (lambda: ANY.train_seeds("amber3m", seeds=3), "seeds: expected tuple"),
         (lambda: ANY.open_run(3), "a run, its folder"),
+        (lambda: ANY.simulate("r", log="a\0b"), "log as str . Path . None, found a name .* NUL"),
+        (lambda: ANY.fit("r", [None]), "logs as Sequence.* found None"),
+        (lambda: ANY.sweep(["amber3m"], speeds=[True]), "speeds: expected"),
+        (lambda: ANY.export_controller("r", None), "a folder to write to, found None"),
+        (lambda: ANY.export_controller("r", "x", force="no"), "force: expected bool"),
+        (lambda: ANY.load_robot("a" * 9999), "found a name of 9999 characters"),
         (lambda: ANY.load_robot(b"x"), "a robot by name"),
     ],
 )

@@ -16,6 +16,7 @@ from tyro.conf import Fixed, Positional
 from tyro.constructors import PrimitiveConstructorSpec
 
 from neuralgaits._called_with import PythonType
+from neuralgaits._inputs import refuse_no_path
 from neuralgaits.errors import InputError
 from neuralgaits.runs.shell_words import named
 
@@ -83,6 +84,10 @@ def _typed(name: str, value: Any, hint: Any) -> Any:
     if wider is not None:
         if wider.kinds and not isinstance(value, wider.kinds):
             raise InputError(f"{name}: expected {wider.words}, found {value!r:.60}")
+        paths = value if isinstance(value, list | tuple) else [value]
+        for one in paths:
+            if Path in wider.elements or (Path in wider.kinds and isinstance(one, str | Path)):
+                refuse_no_path(f"{name} as {wider.words}", one)
         return value
     plain = value.item() if isinstance(value, np.generic) else value
     bare = typing.get_args(hint)[0] if _marks(hint) else hint
@@ -92,7 +97,8 @@ def _typed(name: str, value: Any, hint: Any) -> Any:
         except TypeCheckError:
             continue
         # Python counts True as 1.
-        if not isinstance(found, bool) or bare is bool:
+        parts = found if isinstance(found, list | tuple) else [found]
+        if bare is bool or not any(isinstance(part, bool) for part in parts):
             return found
     raise InputError(f"{name}: expected {_in_words(bare)}, found {value!r:.60}")
 

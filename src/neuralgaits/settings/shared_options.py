@@ -45,7 +45,7 @@ else:
     Controller = Literal[(*CONTROL_LAWS, "c")]
 
 A_PATH = PythonType("str | Path | None", (str, Path))
-SOME_PATHS = PythonType("Sequence[str | Path]", (list, tuple))
+SOME_PATHS = PythonType("Sequence[str | Path]", (list, tuple), (str, Path))
 Flag = Annotated[bool, arg()]
 Run = Annotated[Positional[AnyRun], arg(metavar="RUN"), PythonType("Run | str | Path")]
 Robot = Annotated[

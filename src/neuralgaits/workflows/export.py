@@ -8,6 +8,7 @@ from pathlib import Path
 import jax
 import numpy as np
 
+from neuralgaits._inputs import refuse_no_path
 from neuralgaits._version import __version__
 from neuralgaits.analysis.run import Run, open_run
 from neuralgaits.certificate.run_certificate.verified_summary import (
@@ -76,6 +77,9 @@ def export_controller(
     """
     if format not in WRITERS:
         raise InputError(f"unknown format {format!r}: expected one of {', '.join(WRITERS)}")
+    refuse_no_path("a folder to write to", out)
+    if not isinstance(force, bool):
+        raise InputError(f"force: expected bool, found {force!r:.60}")
     trained, folder = open_run(run), Path(out)
     output_folder.refuse_used(folder, force=force)
     certificate = read_certificate(trained.folder)
