@@ -70,22 +70,20 @@ class PythonType:
 
 def _shown(hint: Any) -> Any:
     """Return the type of a field for a Python caller, without the marks for the command line."""
-    marks = _marks(hint)
+    marks = marks_in(hint)
     wider = next((mark for mark in marks if isinstance(mark, PythonType)), None)
     return wider or (typing.get_args(hint)[0] if marks else hint)
 
 
-def _marks(hint: Any) -> tuple[Any, ...]:
+def marks_in(hint: Any) -> tuple[Any, ...]:
+    """Return the marks of an annotated type; none for a plain one."""
     return hint.__metadata__ if typing.get_origin(hint) is Annotated else ()
 
 
 def _reader(hint: Any) -> Callable[[list[str]], Any] | None:
     """Return the function that reads a field's words of the command line; None for a plain type."""
-    return next((mark.instance_from_str for mark in _marks(hint) if _reads(mark)), None)
-
-
-def _reads(mark: Any) -> bool:
-    return hasattr(mark, "instance_from_str")
+    readers = (getattr(mark, "instance_from_str", None) for mark in marks_in(hint))
+    return next(filter(None, readers), None)
 
 
 def _refuse_unknown(name: str, given: Mapping[str, Any], known: Mapping[str, Any]) -> None:
@@ -103,7 +101,7 @@ def descriptions(settings: type) -> dict[str, str]:
     said = {name: text for one in reversed(settings.__mro__[:-1]) for name, text in _said(one)}
     hints = typing.get_type_hints(settings, include_extras=True)
     for name, hint in hints.items():
-        for mark in typing.get_args(hint)[1:]:
+        for mark in marks_in(hint):
             if text := getattr(mark, "help", None):
                 said.setdefault(name, text)
     order = [field.name for field in fields(settings)]

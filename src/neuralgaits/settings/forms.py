@@ -41,14 +41,20 @@ def _interval(name: str, text: str) -> Interval:
 
 
 def _numbers(name: str, form: str, text: str, counts: tuple[int, ...]) -> list[float]:
-    try:
-        values = [float(part) for part in text.split(":")]
-    except ValueError:
-        values = []
-    if len(values) not in counts or not all(map(math.isfinite, values)):
+    values = _values(text)
+    if len(values) not in counts:
         flag = f"--{name.replace('_', '-')}"
         raise InputError(f"{flag}: expected {form} in {COMMAND_UNITS[name]}, found {text!r}")
     return values
+
+
+def _values(text: str) -> list[float]:
+    """Read finite numbers with colons between them; none if one of them is not."""
+    try:
+        values = [float(part) for part in text.split(":")]
+    except ValueError:
+        return []
+    return values if all(map(math.isfinite, values)) else []
 
 
 def ranges(text: str) -> dict[str, Interval]:
@@ -130,10 +136,7 @@ def speeds(text: str) -> list[float | Interval]:
 
 
 def _one_of_speeds(text: str) -> float | Interval:
-    try:
-        values = [float(part) for part in text.split(":")]
-    except ValueError:
-        values = []
+    values = _values(text)
     if len(values) not in (1, 2):
         raise InputError(f"--speeds: expected numbers or LOW:HIGH in m/s, found {text!r}")
     return values[0] if len(values) == 1 else (values[0], values[1])

@@ -7,7 +7,7 @@ import typing
 from collections.abc import Callable
 from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Any
 
 import numpy as np
 import tyro
@@ -15,7 +15,7 @@ from typeguard import CollectionCheckStrategy, TypeCheckError, check_type
 from tyro.conf import Fixed, Positional
 from tyro.constructors import PrimitiveConstructorSpec
 
-from neuralgaits._called_with import PythonType
+from neuralgaits._called_with import PythonType, marks_in
 from neuralgaits._inputs import refuse_no_path
 from neuralgaits.errors import InputError
 from neuralgaits.runs.shell_words import named
@@ -55,12 +55,8 @@ def option(metavar: str, read: Callable[[str], Any], write: Callable[[Any], str]
 def marks_of(settings: type) -> dict[str, tuple[Any, ...]]:
     """Return the marks of each field that the command line has; `ONLY_PYTHON` has no others."""
     hints = typing.get_type_hints(settings, include_extras=True)
-    marks = {field.name: _marks(hints[field.name]) for field in fields(settings)}
+    marks = {field.name: marks_in(hints[field.name]) for field in fields(settings)}
     return {name: those for name, those in marks.items() if ONLY_PYTHON not in those}
-
-
-def _marks(hint: Any) -> tuple[Any, ...]:
-    return hint.__metadata__ if typing.get_origin(hint) is Annotated else ()
 
 
 @dataclass(frozen=True)
@@ -71,7 +67,7 @@ class Settings:
         hints = typing.get_type_hints(type(self), include_extras=True)
         for field in fields(self):
             value = getattr(self, field.name)
-            if value is not field.default and ONLY_PYTHON not in _marks(hints[field.name]):
+            if value is not field.default and ONLY_PYTHON not in marks_in(hints[field.name]):
                 object.__setattr__(self, field.name, _typed(field.name, value, hints[field.name]))
 
 
@@ -80,7 +76,7 @@ def _typed(name: str, value: Any, hint: Any) -> Any:
 
     Raises: InputError if it is of another type.
     """
-    wider = next((mark for mark in _marks(hint) if isinstance(mark, PythonType)), None)
+    wider = next((mark for mark in marks_in(hint) if isinstance(mark, PythonType)), None)
     if wider is not None:
         if wider.kinds and not isinstance(value, wider.kinds):
             raise InputError(f"{name}: expected {wider.words}, found {value!r:.60}")
@@ -90,7 +86,7 @@ def _typed(name: str, value: Any, hint: Any) -> Any:
                 refuse_no_path(f"{name} as {wider.words}", one)
         return value
     plain = value.item() if isinstance(value, np.generic) else value
-    bare = typing.get_args(hint)[0] if _marks(hint) else hint
+    bare = typing.get_args(hint)[0] if marks_in(hint) else hint
     for one in (plain, tuple(plain)) if isinstance(plain, list) else (plain,):
         try:
             found = check_type(one, bare, collection_check_strategy=_EVERY_ITEM)
