@@ -3,6 +3,7 @@
 import json
 import shutil
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -10,6 +11,7 @@ import pytest
 
 from neuralgaits.analysis.run import open_run
 from neuralgaits.certificate.proof_file.reader import read_claims
+from neuralgaits.certificate.run_certificate.earlier import EarlierCertificate
 from neuralgaits.certificate.search.schedule import SearchInterrupted
 from neuralgaits.errors import InputError, RunError, SpecError
 from neuralgaits.runs import read_arrays
@@ -134,6 +136,35 @@ def test_no_time_is_undecided_and_can_be_resumed(gait, certificate, tmp_path):
     assert done.verdict == "proved"
     whole = certificate.summary["conditions"]["torque-lower"]
     assert done.summary["conditions"]["torque-lower"]["boxes"] == whole["boxes"]
+
+
+@pytest.mark.parametrize(
+    ("level", "new", "stays"),
+    [
+        (1, {}, True),
+        (0, {}, True),
+        (3, {}, False),
+        (2, {"sets": {2: "another disturbance"}}, False),
+        (1, {"sets": {2: "another disturbance"}}, True),
+        (1, {"within": {"speed": (0.7, 0.72)}}, False),
+        (0, {"within": {"speed": (0.7, 0.72)}}, True),
+        (1, {"parameters": {"mass": 0.01}}, False),
+        (0, {"parameters": {"mass": 0.01}, "verdict": "refuted"}, True),
+        (0, {"verdict": "refuted"}, False),
+    ],
+)
+def test_a_proof_is_replaced_only_by_one_that_says_something_else(
+    gait, certificate, level, new, stays
+):
+    summary = certificate.summary
+    before = EarlierCertificate(summary, 3, {2: "a set", 3: "an orbit"})
+    sets = {2: "a set", 3: "an orbit"} | new.pop("sets", {})
+    found = replace(summary, **new)
+    assert before.stays(found, level, sets) == stays
+    kept, replaced = before.beside(found, level), before.replaced_by(found, level)
+    assert kept.reason.endswith("from before is kept, which proves level 3")
+    assert kept.proof == (summary.proof if level else None)
+    assert ("which proved level 3" in (replaced.reason or "")) == (level < 3)
 
 
 def test_a_search_that_came_to_less_leaves_the_proof_that_is_there(gait, certificate, tmp_path):

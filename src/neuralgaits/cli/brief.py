@@ -90,6 +90,7 @@ def brief_proof(result: CertificateRecord) -> None:
     facts: list[tuple[str, Any]] = []
     if result.verdict == "proved":
         show_sentence(verdict(result.verdict), f" to {held}")
+        facts += [("before", result.reason)] if result.reason else []
     else:
         reason = f": {result.reason}" if result.reason else ""
         at = f" at level {result.level}"

@@ -1,29 +1,22 @@
 """Marks of the fields of a class of settings, and the words of a command line that give them."""
 
-import inspect
-import re
-import types
 import typing
 from collections.abc import Callable
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import tyro
-from typeguard import CollectionCheckStrategy, TypeCheckError, check_type
 from tyro.conf import Fixed, Positional
 from tyro.constructors import PrimitiveConstructorSpec
 
-from neuralgaits._called_with import PythonType, marks_in
-from neuralgaits._inputs import refuse_no_path
-from neuralgaits.errors import InputError
+from neuralgaits._argument_types import typed
+from neuralgaits._called_with import marks_in
 from neuralgaits.runs.shell_words import named
 
 POSITIONAL: Any = typing.get_args(Positional[int])[1]
 ONLY_PYTHON: Any = typing.get_args(Fixed[int])[1]
 """Marks of words without a flag, and of settings that the command line does not have."""
-_EVERY_ITEM = CollectionCheckStrategy.ALL_ITEMS
 
 
 def arg(**settings: Any) -> Any:
@@ -68,49 +61,7 @@ class Settings:
         for field in fields(self):
             value = getattr(self, field.name)
             if value is not field.default and ONLY_PYTHON not in marks_in(hints[field.name]):
-                object.__setattr__(self, field.name, _typed(field.name, value, hints[field.name]))
-
-
-def _typed(name: str, value: Any, hint: Any) -> Any:
-    """Return a value of the type that a field has: NumPy's numbers as Python's, lists as tuples.
-
-    Raises: InputError if it is of another type.
-    """
-    wider = next((mark for mark in marks_in(hint) if isinstance(mark, PythonType)), None)
-    if wider is not None:
-        if wider.kinds and not isinstance(value, wider.kinds):
-            raise InputError(f"{name}: expected {wider.words}, found {value!r:.60}")
-        paths = value if isinstance(value, list | tuple) else [value]
-        for one in paths:
-            if Path in wider.elements or (Path in wider.kinds and isinstance(one, str | Path)):
-                refuse_no_path(f"{name} as {wider.words}", one)
-        return value
-    plain = value.item() if isinstance(value, np.generic) else value
-    bare = typing.get_args(hint)[0] if marks_in(hint) else hint
-    for one in (plain, tuple(plain)) if isinstance(plain, list) else (plain,):
-        try:
-            found = check_type(one, bare, collection_check_strategy=_EVERY_ITEM)
-        except TypeCheckError:
-            continue
-        # Python counts True as 1.
-        parts = found if isinstance(found, list | tuple) else [found]
-        if bare is bool or not any(isinstance(part, bool) for part in parts):
-            return found
-    raise InputError(f"{name}: expected {_in_words(bare)}, found {value!r:.60}")
-
-
-def _in_words(hint: Any) -> str:
-    """Return a type as a Python caller writes it, without None."""
-    union = typing.get_origin(hint) in (typing.Union, types.UnionType)
-    kinds = typing.get_args(hint) if union else (hint,)
-    words = (_one_in_words(one) for one in kinds if one is not types.NoneType)
-    return " or ".join(re.sub(r"\b(typing|collections\.abc|pathlib)\.", "", one) for one in words)
-
-
-def _one_in_words(kind: Any) -> str:
-    if typing.get_origin(kind) is typing.Literal:
-        return f"one of {', '.join(map(str, typing.get_args(kind)))}"
-    return inspect.formatannotation(kind)
+                object.__setattr__(self, field.name, typed(field.name, value, hints[field.name]))
 
 
 def words_of(settings: Any, kind: type | None = None) -> list[str]:

@@ -30,8 +30,8 @@ from neuralgaits.certificate.run_certificate.certificate_files import (
     refuse_unwritable_certificate,
     write_certificate,
 )
+from neuralgaits.certificate.run_certificate.earlier import EarlierCertificate, level_reached
 from neuralgaits.certificate.run_certificate.scope import Scope
-from neuralgaits.certificate.run_certificate.verified_summary import read_certificate
 from neuralgaits.certificate.search.branch_and_bound import BoundAll, Search
 from neuralgaits.certificate.search.checkpoint import load, save
 from neuralgaits.certificate.search.problem import Problem
@@ -57,6 +57,7 @@ from neuralgaits.settings import CertifySettings, called_with
 from neuralgaits.settings.forms import LEARNED
 from neuralgaits.workflows.certify_result import CertifyResult
 
+NO_SETS = LevelSets()
 MORE = "--resume goes on, with a --budget for as long as that lasts"
 
 
@@ -172,6 +173,7 @@ def _written(
     if statements:
         files[certified.PROOF] = _proof(task, statements, conclusions)
     verdicts = level_one.verdicts(scope.spec, searched, statements)
+    reached = level_reached(verdicts.values(), conclusions)
     reason = None
     if any(verdict.verdict == "undecided" for verdict in verdicts.values()):
         reason = f"{ended or 'the search ran out of boxes'}; {MORE}"
@@ -194,7 +196,8 @@ def _written(
         files,
         reason=reason,
         boxes=box_count(states),
-        full_order=bool(task.sets.full_order),
+        reached=reached,
+        sets=task.sets,
     )
 
 
@@ -230,13 +233,6 @@ def _conclusions(task: _Task, statements: Sequence[StatementRecord]) -> list[Con
     return [found[level] for level in sorted(found)]
 
 
-def _better_level(run: Run, found: CertificateRecord) -> int:
-    """Return the level that the run's certificate proves, if that is more; 0 otherwise."""
-    before = read_certificate(run.folder).summary
-    level = 0 if before is None else before.proved_level
-    return level if level > found.proved_level else 0
-
-
 def _finish(
     run: Run,
     scope: Scope,
@@ -247,11 +243,13 @@ def _finish(
     *,
     boxes: int = 0,
     reason: str | None = None,
-    full_order: bool = False,
+    reached: int = 0,
+    sets: LevelSets = NO_SETS,
 ) -> CertifyResult:
     """Write the certificate: `files` by name and the summary; files of an older one are removed.
 
-    A search that came to less, undecided, leaves the older one.
+    An older one that says more stays. `reached` is the highest level that is proved of the scope,
+    which may be part of the gait's commands.
     """
     proof = str(run.path / certified.PROOF) if certified.PROOF in files else None
     summary = CertificateRecord(
@@ -269,15 +267,15 @@ def _finish(
         parameters=dict(scope.box),
         reason=reason,
         proof=proof,
-        full_order_proof=proof if full_order else None,
+        full_order_proof=proof if sets.full_order else None,
         map=str(run.path / MAP_FIGURE) if MAP in files else None,
     )
     summary = replace(summary, verdict=summary.of_all)
-    if summary.verdict == "undecided" and boxes and (kept := _better_level(run, summary)):
-        said = f"the certificate from before is kept, which proves level {kept}"
-        reason = "; ".join(filter(None, (reason, said)))
-        return CertifyResult(
-            replace(summary, reason=reason, proof=None, full_order_proof=None, map=None)
-        )
+    before = EarlierCertificate.of(run.folder) if boxes else None
+    if before is None:
+        write_certificate(run.path, files, to_json(summary).encode())
+        return CertifyResult(summary)
+    if before.stays(summary, reached, sets.parameters):
+        return CertifyResult(before.beside(summary, reached))
     write_certificate(run.path, files, to_json(summary).encode())
-    return CertifyResult(summary)
+    return CertifyResult(before.replaced_by(summary, reached))

@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+from neuralgaits._argument_types import type_checked
 from neuralgaits.errors import RunError
 from neuralgaits.runs.names import ROBOT
 from neuralgaits.runs.shell_words import LATEST, command
@@ -14,6 +15,7 @@ TOLD = FOLDER.with_name("demo_speed_run")
 """Shipped run folder of a gait that takes speed commands; its proof is compressed."""
 
 
+@type_checked
 def demo(
     *, speed: bool = False, host: str = live_server.LOOPBACK, port: int | None = None
 ) -> LiveView:

@@ -8,7 +8,7 @@ from pathlib import Path
 import jax
 import numpy as np
 
-from neuralgaits._inputs import refuse_no_path
+from neuralgaits._argument_types import type_checked
 from neuralgaits._version import __version__
 from neuralgaits.analysis.run import Run, open_run
 from neuralgaits.certificate.run_certificate.verified_summary import (
@@ -54,6 +54,7 @@ class Export:
         return self.summary.checked
 
 
+@type_checked
 def export_controller(
     run: Run | str | Path,
     out: str | Path,
@@ -77,9 +78,8 @@ def export_controller(
     """
     if format not in WRITERS:
         raise InputError(f"unknown format {format!r}: expected one of {', '.join(WRITERS)}")
-    refuse_no_path("a folder to write to", out)
-    if not isinstance(force, bool):
-        raise InputError(f"force: expected bool, found {force!r:.60}")
+    if states < 1:
+        raise InputError(f"states: expected 1 or more, found {states}")
     trained, folder = open_run(run), Path(out)
     output_folder.refuse_used(folder, force=force)
     certificate = read_certificate(trained.folder)

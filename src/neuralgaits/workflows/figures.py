@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+from neuralgaits._argument_types import type_checked
 from neuralgaits.analysis.run import Run, open_run
 from neuralgaits.certificate.run_certificate.verified_summary import CertificateReading
 from neuralgaits.errors import InputError
@@ -15,6 +16,7 @@ from neuralgaits.runs.atomic import refuse_unwritable
 FOLDER = "figures"
 
 
+@type_checked
 def figures(run: Run | str | Path, out: str | Path | None = None) -> list[Drawn | Missing]:
     """Draw every figure of a run.
 

@@ -2,12 +2,14 @@
 
 import numpy as np
 
+from neuralgaits._argument_types import type_checked
 from neuralgaits.records.inspected import LinkFacts, MotorFacts, RobotFacts
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.robots.mjcf.loader import bodies_from_text, links_from_text
 from neuralgaits.robots.mjcf.world_geoms import obstacles_left_out
 
 
+@type_checked
 def inspect(robot: PlanarBiped) -> RobotFacts:
     """Describe a loaded robot.
 

@@ -4,7 +4,7 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
-from neuralgaits._inputs import refuse_no_path
+from neuralgaits._argument_types import type_checked
 from neuralgaits._printable import printable
 from neuralgaits.analysis import gait_data
 from neuralgaits.analysis.run import Run, open_run
@@ -50,6 +50,7 @@ class Report:
     summary: Reported
 
 
+@type_checked
 def write_report(run: Run | str | Path, *, out: str | Path | None = None) -> Report:
     """Write the report of a run, finished or not.
 
@@ -61,8 +62,6 @@ def write_report(run: Run | str | Path, *, out: str | Path | None = None) -> Rep
         not come to an end; InputError if the file cannot be written.
     """
     folder = run.folder if isinstance(run, Run) else resolve(run, finished=False)
-    if out is not None:
-        refuse_no_path("a file *.html to write", out)
     path = folder.path / FILE if out is None else Path(out)
     refuse_outputs([path], run=folder.path)
     if path.suffix.lower() not in ("", ".html", ".htm"):

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import viser
 
+from neuralgaits._argument_types import type_checked
 from neuralgaits.analysis.point_evaluator import PointEvaluator, quantities
 from neuralgaits.analysis.run import Run, open_run
 from neuralgaits.errors import SpecError
@@ -137,6 +138,7 @@ class LiveView:
         self.player.ask(go)
 
 
+@type_checked
 def view(
     run: Run | str | Path,
     *,

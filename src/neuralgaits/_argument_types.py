@@ -1,0 +1,85 @@
+"""Types of arguments: what a Python caller passes is of the type that a signature says."""
+
+import inspect
+import re
+import types
+import typing
+from collections.abc import Callable
+from functools import cache, wraps
+from pathlib import Path
+from typing import Any, ParamSpec, TypeVar
+
+import numpy as np
+from typeguard import CollectionCheckStrategy, TypeCheckError, check_type
+
+from neuralgaits._called_with import PythonType, marks_in
+from neuralgaits._inputs import refuse_no_path
+from neuralgaits.errors import InputError
+
+P = ParamSpec("P")
+Result = TypeVar("Result")
+_EVERY_ITEM = CollectionCheckStrategy.ALL_ITEMS
+
+
+def type_checked(function: Callable[P, Result]) -> Callable[P, Result]:
+    """Refuse arguments of other types than a function's signature says. Raises: InputError."""
+    signature = inspect.signature(function)
+    # Looked up at the first call: most programs call a few of these functions.
+    hints = cache(lambda: typing.get_type_hints(function, include_extras=True))
+
+    @wraps(function)
+    def call(*args: P.args, **kwargs: P.kwargs) -> Result:
+        given = signature.bind(*args, **kwargs)
+        for name, value in given.arguments.items():
+            if value is not signature.parameters[name].default:
+                given.arguments[name] = typed(name, value, hints()[name])
+        return function(*given.args, **given.kwargs)
+
+    return call
+
+
+def typed(name: str, value: Any, hint: Any) -> Any:
+    """Return a value of the type that it is to have: NumPy's numbers as Python's, lists as tuples.
+
+    Raises: InputError if it is of another type.
+    """
+    wider = next((mark for mark in marks_in(hint) if isinstance(mark, PythonType)), None)
+    if wider is not None:
+        if wider.kinds and not isinstance(value, wider.kinds):
+            raise InputError(f"{name}: expected {wider.words}, found {value!r:.60}")
+        paths = value if isinstance(value, list | tuple) else [value]
+        for one in paths:
+            if Path in wider.elements or (Path in wider.kinds and isinstance(one, str | Path)):
+                refuse_no_path(f"{name} as {wider.words}", one)
+        return value
+    plain = value.item() if isinstance(value, np.generic) else value
+    bare = typing.get_args(hint)[0] if marks_in(hint) else hint
+    for one in (plain, tuple(plain)) if isinstance(plain, list) else (plain,):
+        try:
+            found = check_type(one, bare, collection_check_strategy=_EVERY_ITEM)
+        except TypeCheckError:
+            continue
+        # Python counts True as 1.
+        parts = found if isinstance(found, list | tuple) else [found]
+        if bare is bool or not any(isinstance(part, bool) for part in parts):
+            if Path in typing.get_args(bare) and isinstance(found, str | Path):
+                refuse_no_path(f"{name} as a path", found)
+            return found
+    raise InputError(f"{name}: expected {_in_words(bare)}, found {value!r:.60}")
+
+
+def _in_words(hint: Any) -> str:
+    """Return a type as a Python caller writes it, without None."""
+    union = typing.get_origin(hint) in (typing.Union, types.UnionType)
+    kinds = typing.get_args(hint) if union else (hint,)
+    words = (_one_in_words(one) for one in kinds if one is not types.NoneType)
+    return " or ".join(
+        re.sub(r"\b(typing|collections\.abc|pathlib|neuralgaits(\.\w+)*)\.", "", one)
+        for one in words
+    )
+
+
+def _one_in_words(kind: Any) -> str:
+    if typing.get_origin(kind) is typing.Literal:
+        return f"one of {', '.join(map(str, typing.get_args(kind)))}"
+    return inspect.formatannotation(kind)
