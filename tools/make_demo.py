@@ -74,6 +74,7 @@ def _train(run: Path, speed: tuple[float, float] | None) -> None:
 def _copy(target: Path, run: Path) -> None:
     """Copy the run that is there, with the spec's source as it is now."""
     from neuralgaits.barriers import specs
+    from neuralgaits.records.trained import measured_hashes
     from neuralgaits.runs.plain import to_json
 
     shutil.copytree(target, run, ignore=shutil.ignore_patterns("certificate"))
@@ -82,6 +83,10 @@ def _copy(target: Path, run: Path) -> None:
     (run / "spec.py").write_bytes(source)
     config["copies"]["spec.py"] = hashlib.sha256(source).hexdigest()
     (run / "config.json").write_text(to_json(config), encoding="utf-8")
+    # Conditions that differ from those it was trained for are refused when the run is opened.
+    summary = json.loads((run / "summary.json").read_text(encoding="utf-8"))
+    summary["sha256"] |= measured_hashes(run)
+    (run / "summary.json").write_text(to_json(summary), encoding="utf-8")
 
 
 def _prove(run: Path) -> None:

@@ -76,7 +76,7 @@ def test_without_a_certificate_nothing_is_called_proved(contents, shipped):
     shutil.rmtree(shipped / "certificate")
     page = contents(shipped)
     said = answer(page)
-    assert "evidence and not a proof" in said and "nothing has been proved" in said
+    assert "a record and no proof" in said and "nothing has been proved" in said
     assert "Proved" not in said and ">proved<" not in document(page)
     assert f"neuralgaits certify {shipped}" in certificate(page)
     assert ("a certificate", f"neuralgaits certify {shipped}") in list(missing_parts(page))

@@ -11,7 +11,7 @@ from neuralgaits.certificate.run_certificate.verified_summary import read_certif
 from neuralgaits.errors import InputError
 from neuralgaits.records.certified import PROOF, SUMMARY
 from neuralgaits.runs import RunFolder, packed
-from neuralgaits.runs.folder import file_hashes
+from neuralgaits.runs.hashes import file_hashes
 from neuralgaits.workflows import demo
 from neuralgaits.workflows.report import saved_of
 

@@ -1,6 +1,7 @@
 """The train workflow: run folders, resuming after a kill, refusals, provability."""
 
 import csv
+import hashlib
 import json
 import math
 import os
@@ -350,3 +351,13 @@ def test_every_number_of_a_trained_gait_is_finite(trained, field):
     altered = replace(done, **{field: None if field == "loss" else {"foot": bad}})
     with pytest.raises(NonFiniteError, match="in loss" if field == "loss" else "in foot"):
         workflow.refuse_non_finite(altered)
+
+
+def test_a_summary_has_the_hashes_of_what_it_measured(trained):
+    found = trained_of(trained.path)
+    files = ("policy.safetensors", "robot.xml", "spec.py")
+    hashes = {
+        file: hashlib.sha256((trained.path / file).read_bytes()).hexdigest() for file in files
+    }
+    assert found.sha256 == hashes | {"residual.safetensors": None}
+    assert found.left_out is None and "left_out" not in found

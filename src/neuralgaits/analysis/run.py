@@ -68,13 +68,17 @@ class Run:
         measured = sorted(found.items(), key=lambda row: row[1].min_margin)
         rows = [(name, f"{found.min_margin:.3g}") for name, found in measured[:_TIGHTEST]]
         head = (f"tightest of {len(measured)} conditions", "least margin on samples, in scales")
-        return _notebook.table(repr(self)[1:-1], rows, head)
+        return _notebook.table(repr(self)[1:-1], rows, head if rows else ())
 
     @property
     def _on_samples(self) -> str:
-        count, broken = len(self.summary.conditions), len(self.summary.broken)
+        found = self.summary
+        if found.left_out is not None:
+            return found.left_out
+        count, broken = len(found.conditions), len(found.broken)
         held = f"all {count}" if not broken else f"{count - broken} of {count}"
-        return f"{held} conditions hold on fresh samples"
+        of = "" if found.tied else ", of weights that the record does not name"
+        return f"{held} conditions hold on fresh samples{of}"
 
     @cached_property
     def gait(self) -> Gait:
@@ -110,7 +114,10 @@ class Run:
 
     @property
     def summary(self) -> Trained:
-        """Summary that `train --json` printed. Raises: RunError if it is damaged."""
+        """Summary that `train --json` printed; figures of other weights are left out.
+
+        Raises: RunError if it is damaged.
+        """
         return trained_of(self.path)
 
     @cached_property

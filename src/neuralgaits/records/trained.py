@@ -4,14 +4,18 @@ The result of `train --seeds` is `seeds.json` of the folder that holds the runs.
 """
 
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from neuralgaits.errors import RunError
 from neuralgaits.records.record import Count, Pair, Record, Texts
 from neuralgaits.records.training_config import Range, Seed
-from neuralgaits.runs.names import SUMMARY
-from neuralgaits.runs.shell_words import resuming
+from neuralgaits.runs.hashes import file_hashes
+from neuralgaits.runs.names import RESIDUAL, ROBOT, SPEC, SUMMARY, WEIGHTS
+from neuralgaits.runs.shell_words import command, named, resuming
+
+_MEASURED = (WEIGHTS, ROBOT, SPEC, RESIDUAL)
+"""Files that decide the figures of a training."""
 
 
 @dataclass(frozen=True)
@@ -117,6 +121,10 @@ class Trained(Record):
             trained.
         step_size: last step size, as a share of that of the recipe. It is below 1 if gradient steps
             turned to NaN and smaller ones continued from the best weights before that.
+        sha256: hashes of the files that the figures were measured on, by file; empty in runs of
+            earlier versions.
+        left_out: why the figures are left out, which are of other files than the run's; None if
+            they are not.
         compile_s, train_s, wall_s: durations; for seeds trained as one program, those of all seeds.
     """
 
@@ -138,15 +146,24 @@ class Trained(Record):
     cost_of_transport: float | None = None
     multiplier: float | None = None
     step_size: float = 1.0
+    sha256: Mapping[str, str | None] = field(default_factory=dict)
+    left_out: str | None = None
     compile_s: float = 0.0
     train_s: float = 0.0
     wall_s: float
 
     def unsaid(self) -> Collection[str]:
-        """Return the fields that `--json` omits: a full step size, figures of a missing orbit."""
-        orbit = ("speed_m_s", "cost_of_transport", "multiplier")
-        silent = orbit if self.cost_of_transport is None else ()
-        return (*silent, "step_size") if self.step_size == 1.0 else silent
+        """Return the fields that `--json` omits: what is as usual, figures of a missing orbit."""
+        usual = {"step_size": self.step_size == 1.0, "left_out": self.left_out is None}
+        silent = [name for name, omitted in usual.items() if omitted]
+        if self.cost_of_transport is None:
+            silent += ["speed_m_s", "cost_of_transport", "multiplier"]
+        return silent
+
+    @property
+    def tied(self) -> bool:
+        """Whether it records the files that its figures were measured on."""
+        return bool(self.sha256)
 
     @property
     def broken(self) -> dict[str, Violations]:
@@ -230,13 +247,41 @@ class TrainedSeeds(Record):
         return [one for one in self.seeds if one.refused is not None]
 
 
+def measured_hashes(run: Path) -> dict[str, str | None]:
+    """Return the sha256 of the files that decide a run's figures; None for a missing file."""
+    return file_hashes(run, _MEASURED)
+
+
 def trained_of(run: Path) -> Trained:
-    """Return the summary of a finished training.
+    """Return the summary of a finished training, without figures of other files than the run's.
+
+    The hashes show a mix-up of files, no forgery: who edits the figures can edit the hashes.
 
     Raises: RunError if it is damaged; the last checkpoint can be finished again.
     """
     try:
-        return Trained.read(run / SUMMARY)
+        found = Trained.read(run / SUMMARY)
     except RunError as error:
         again = resuming(run)
         raise RunError(f"{error}; deleted, it is written again by `{again}`") from None
+    now = measured_hashes(run)
+    other = next((file for file in now if found.sha256.get(file) != now[file]), None)
+    if not found.tied or other is None:
+        return replace(found, left_out=None)
+    proof = command("certify", named(run))
+    remedy = f"look at these with `{proof}`" if found.provable else "train again"
+    return replace(
+        found,
+        loss=None,
+        conditions={},
+        program_hash=None,
+        after_impact=None,
+        certificate=None,
+        aims={},
+        orbit_speeds_m_s=None,
+        speed_m_s=None,
+        cost_of_transport=None,
+        multiplier=None,
+        left_out=f"{SUMMARY} has figures of another {other} than the run's: restore that file, or "
+        f"{remedy}",
+    )

@@ -4,9 +4,8 @@ A folder is made in this order, each file whole: copies of the inputs, `config.j
 it is a run), checkpoints, and last `summary.json` (from here on it is finished).
 """
 
-import hashlib
 import platform
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from importlib import metadata
@@ -15,9 +14,9 @@ from typing import Any, TypeVar
 
 from neuralgaits._version import __version__
 from neuralgaits.errors import RunError
-from neuralgaits.runs import packed
 from neuralgaits.runs.atomic import refuse_unwritable, write_bytes, write_text
 from neuralgaits.runs.claim import claimed, refuse_taken
+from neuralgaits.runs.hashes import sha256
 from neuralgaits.runs.json_files import read_object, refuse_misshapen
 from neuralgaits.runs.metrics_table import Row, from_csv, to_csv
 from neuralgaits.runs.names import CONFIG, METRICS, NAN_STATE, SUMMARY
@@ -77,7 +76,7 @@ class RunFolder:
             file: content.encode() if isinstance(content, str) else content
             for file, content in copies.items()
         }
-        hashes = {file: _sha256(content) for file, content in contents.items()}
+        hashes = {file: sha256(content) for file, content in contents.items()}
         known = {"format": FORMAT, "written_by": _versions(), "copies": hashes}
         known["created_utc"] = datetime.now(UTC).isoformat(timespec="seconds")
         if clash := sorted(set(known) & set(config)):
@@ -174,7 +173,7 @@ class RunFolder:
             raise RunError(
                 f"expected a copy of {file} in {self.path}, found none: the run is incomplete"
             )
-        if _sha256(path.read_bytes()) != expected:
+        if sha256(path.read_bytes()) != expected:
             raise RunError(
                 f"expected {path} as it was when the run started, found another sha256: restore "
                 "it, or train again with the changed file"
@@ -212,22 +211,6 @@ class RunFolder:
         return from_csv(path.read_bytes(), str(path)) if path.is_file() else []
 
 
-def file_hashes(path: Path, files: Iterable[str]) -> dict[str, str | None]:
-    """Return the sha256 of files of a folder, by name; None where a file cannot be read."""
-    return {file: _hash_of(path / file) for file in files}
-
-
-def _hash_of(file: Path) -> str | None:
-    try:
-        return _sha256(packed.content(file)) if packed.is_there(file) else None
-    except OSError:
-        return None
-
-
 def _versions() -> dict[str, str]:
     libraries = {library: metadata.version(library) for library in LIBRARIES}
     return {"neuralgaits": __version__, "python": platform.python_version()} | libraries
-
-
-def _sha256(content: bytes) -> str:
-    return hashlib.sha256(content).hexdigest()

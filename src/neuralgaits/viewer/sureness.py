@@ -37,11 +37,11 @@ def how_sure(run: Run) -> Sureness:
     again = markdown.code(command("certify", named(run.path)))
     found = read_certificate(run.folder)
     if found.summary is None and found.reason is None:
-        seen = "Training looked" if run.asked.as_given is None else "What is known of it looks"
         return Sureness(
             False,
             f"Nothing is proved of this gait. {_SIMULATED}",
-            f"**Nothing is proved of this gait.** {seen} at samples. {again} looks for a proof.",
+            "**Nothing is proved of this gait.** What training records is of samples. "
+            f"{again} looks for a proof.",
         )
     if found.summary is None:
         return Sureness(

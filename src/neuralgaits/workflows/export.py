@@ -27,7 +27,7 @@ from neuralgaits.export.source import gait_files
 from neuralgaits.gait.policies.commanded_gait import AnyGait
 from neuralgaits.records.certified import PROOF
 from neuralgaits.records.exported import Exported, UncheckedExport
-from neuralgaits.runs.folder import file_hashes
+from neuralgaits.runs.hashes import file_hashes
 from neuralgaits.runs.names import ROBOT, WEIGHTS
 from neuralgaits.simulation.setup.starts import momentum_range
 

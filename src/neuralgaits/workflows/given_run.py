@@ -14,7 +14,7 @@ from neuralgaits.hzd.gait_file import GivenGait, write_gait
 from neuralgaits.hzd.given_orbit import Steady, steady
 from neuralgaits.hzd.tube import fit_tube
 from neuralgaits.programs import POINT, Program, evaluate
-from neuralgaits.records.trained import Trained, Violations
+from neuralgaits.records.trained import Trained, Violations, measured_hashes
 from neuralgaits.records.training_config import GaitOrigin, TrainingConfig
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.runs import RunFolder, finish
@@ -136,6 +136,7 @@ def _summary(run: Run, walk: Steady, solve_s: float, start_time: float) -> Train
         speed_m_s=walk.speed_m_s,
         cost_of_transport=walk.cost_of_transport,
         multiplier=walk.multiplier,
+        sha256=measured_hashes(run.path),
         train_s=solve_s,
         wall_s=time.perf_counter() - start_time,
     )

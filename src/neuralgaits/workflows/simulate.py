@@ -18,7 +18,7 @@ from neuralgaits.records.simulated import PLANT, SUMMARY, LinkFigures, Simulated
 from neuralgaits.robots import PlanarBiped, registry
 from neuralgaits.runs import write_text
 from neuralgaits.runs.atomic import refuse_unwritable
-from neuralgaits.runs.folder import file_hashes
+from neuralgaits.runs.hashes import file_hashes
 from neuralgaits.runs.names import ROBOT, WEIGHTS
 from neuralgaits.runs.outputs import refuse_outputs
 from neuralgaits.settings import SimulateSettings, called_with

@@ -15,7 +15,7 @@ from neuralgaits.barriers import GaitSpec
 from neuralgaits.certificate.traced import after_impact, trace_spec
 from neuralgaits.errors import Interrupted, NonFiniteError, RunError
 from neuralgaits.gait.policies.commanded_gait import CommandedGait
-from neuralgaits.records.trained import Trained, TrainingProof, Violations
+from neuralgaits.records.trained import Trained, TrainingProof, Violations, measured_hashes
 from neuralgaits.records.training_config import asked_of
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.runs import RunFolder, finish, resolve_unfinished
@@ -170,6 +170,7 @@ def summary_of(
         aims=aims,
         orbit_speeds_m_s=_orbit_speeds(run),
         step_size=round(float(state.rate), 6),
+        sha256=measured_hashes(run.path),
         compile_s=compile_s,
         train_s=train_s,
         wall_s=time.perf_counter() - start_time,

@@ -39,14 +39,18 @@ class Answer:
         words: how a checker may refuse.
         accepts: whether it may accept, because what it then says is true.
         says: patterns of which each must be in its output if it accepts.
+        never: a pattern that must not be in its output, whatever it answers.
     """
 
     words: frozenset[str]
     accepts: bool = False
     says: tuple[str, ...] = ()
+    never: str | None = None
 
     def wrong(self, checker: str, word: str, text: str) -> str | None:
         """Why an answer is not one of these; None if it is."""
+        if self.never is not None and re.search(self.never, text):
+            return f"answered {word} with words like {self.never!r}"
         if word in self.words:
             return None
         if word == YES[checker] and self.accepts:

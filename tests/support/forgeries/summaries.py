@@ -3,16 +3,19 @@
 import json
 import shutil
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 from neuralgaits.workflows.demo import FOLDER
-from support.forgeries.base import About, Case, Table, Theme, refused
+from support.forgeries.base import About, Answer, Case, Table, Theme, refused
 from support.forgeries.edits import NOBODY, constantly, without
 from support.forgeries.runs import PROOF, SUMMARY, add_level_4, renew_summary
 
 THEME = Theme("walk")
 NO_LEVEL, LEVEL_2, LEVEL_3 = (refused(f"none {words}") for words in ("", "1 2", "1 2 3"))
 """Highest levels that a page may show as proved."""
+OTHER_WEIGHTS = replace(NO_LEVEL, never="figures of training")
+"""Nothing is proved of other weights, nor has training measured them."""
 Edit = Callable[[Path], None]
 
 
@@ -65,7 +68,9 @@ def _unclaimed(*levels: int) -> Callable[[Table], None]:
     return change
 
 
-@THEME.forgery("another run's summary as it is", cpp=None, alone=None, run=None, report=NO_LEVEL)
+@THEME.forgery(
+    "another run's summary as it is", cpp=None, alone=None, run=None, report=OTHER_WEIGHTS
+)
 def _(case: Case) -> None:
     from support.forgeries.other_runs import other_weights
 
@@ -151,13 +156,39 @@ def _earlier(folder: Path) -> None:
 _report("a summary of level 4 that has a file of its own", _earlier, LEVEL_3, "full")
 
 
-@THEME.forgery("other weights than when it was proved", cpp=None, alone=None, report=NO_LEVEL)
+@THEME.forgery("other weights than when it was proved", cpp=None, alone=None, report=OTHER_WEIGHTS)
 def _(case: Case) -> None:
     from support.forgeries.other_runs import other_weights
 
     folder = case.folder()
     other_weights(folder)
     renew_summary(folder)
+
+
+def _of_training(what: str, edit: Edit, answer: Answer) -> None:
+    """The figures of a training, beside weights that they are not of, and without any proof."""
+
+    @THEME.forgery(what, cpp=None, alone=None, run=None, report=answer)
+    def _(case: Case) -> None:
+        from support.forgeries.other_runs import other_weights
+
+        folder = case.folder()
+        shutil.rmtree(folder / "certificate")
+        other_weights(folder)
+        edit(folder)
+
+
+_of_training("other weights than the training's figures are of", lambda folder: None, OTHER_WEIGHTS)
+_of_training(
+    "other weights, and figures with hashes of other files alone",
+    _json("summary.json", lambda t: t["sha256"].pop("policy.safetensors")),
+    OTHER_WEIGHTS,
+)
+_of_training(
+    "other weights, and figures without a hash",
+    _json("summary.json", lambda t: t.pop("sha256")),
+    replace(NO_LEVEL, never="figures of training$"),
+)
 
 
 def _margin(change: Edit) -> None:

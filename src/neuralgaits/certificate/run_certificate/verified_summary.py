@@ -33,7 +33,7 @@ from neuralgaits.records.levels import HIGHEST_OF_MANY
 from neuralgaits.records.record import build, shape_of
 from neuralgaits.records.training_config import asked_of
 from neuralgaits.runs import RunFolder, from_json, packed
-from neuralgaits.runs.folder import file_hashes
+from neuralgaits.runs.hashes import file_hashes
 from neuralgaits.runs.names import MAP, RESIDUAL
 from neuralgaits.runs.shape import complaint
 

@@ -144,12 +144,12 @@ def _how_sure(saved: Saved) -> str:
     certificate, level = saved.certificate, saved.proved_level
     if certificate is None:
         return (
-            f"{_sampled(saved)} That is evidence and not a proof; nothing has been proved of this "
+            f"{_sampled(saved)} That is a record and no proof; nothing has been proved of this "
             "gait."
         )
     if level == 0:
         told = in_plain_words.not_proved(certificate)
-        return f"Not proved. {told} {_sampled(saved)} Samples are evidence only."
+        return f"Not proved. {told} {_sampled(saved)} Samples are no proof."
     proved = in_plain_words.proved(certificate, bool(saved.asked.commands))
     return f"{proved}{_borne(saved)} {in_plain_words.AS_STATED}"
 
@@ -182,11 +182,17 @@ def _left_open(saved: Saved) -> str:
 
 def _sampled(saved: Saved) -> str:
     if saved.summary is None or not saved.measured:
-        return "No condition was measured."
+        return "No measurement of these weights is recorded."
     count = len(saved.measured)
+    recorded = "as was recorded when the gait was made"
+    if not saved.summary.tied:
+        recorded += ", of weights that the record does not name"
     if broken := saved.summary.broken:
-        return f"On random samples {len(broken)} of {count} conditions are broken somewhere."
-    return f"All {count} conditions hold at every random sample that was tried."
+        return (
+            f"On random samples {len(broken)} of {count} conditions were broken somewhere, "
+            f"{recorded}."
+        )
+    return f"All {count} conditions held at every random sample, {recorded}."
 
 
 def title(saved: Saved) -> Html:

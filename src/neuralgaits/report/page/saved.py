@@ -19,9 +19,10 @@ from neuralgaits.records.trained import EndedInNan, Trained, Violations, trained
 from neuralgaits.records.training_config import Range, TrainingConfig, asked_of
 from neuralgaits.report.drawing.drawn import Drawn, Missing
 from neuralgaits.runs import RunFolder
-from neuralgaits.runs.folder import file_hashes
+from neuralgaits.runs.hashes import file_hashes
 from neuralgaits.runs.names import FIT as LEARNING
 from neuralgaits.runs.names import FITTED, NAN, RESIDUAL, ROBOT, SPEC, START, WEIGHTS
+from neuralgaits.runs.names import SUMMARY as TRAINING
 from neuralgaits.runs.shell_words import command, learning, named
 
 Kind = TypeVar("Kind", bound=Record)
@@ -115,7 +116,10 @@ class Saved:
 
     @property
     def measured(self) -> Mapping[str, Violations]:
-        """Return each condition's violations on fresh samples; empty before training has ended."""
+        """Return each condition's violations on fresh samples, as training recorded them.
+
+        Empty before training has ended, and if the record is of other files than the run's.
+        """
         return {} if self.summary is None else self.summary.conditions
 
 
@@ -177,10 +181,13 @@ def read(
     learned, simulation = part(LEARNING, Fitted), part(WALK, Simulated)
     outdated = _outdated(folder, learned, simulation, hashes)
     damaged |= outdated
+    summary = trained_of(folder.path) if folder.finished else None
+    if summary is not None and summary.left_out is not None:
+        damaged[TRAINING] = summary.left_out
     return Saved(
         folder=folder,
         asked=asked_of(folder),
-        summary=trained_of(folder.path) if folder.finished else None,
+        summary=summary,
         metrics=_metrics(folder, damaged),
         certificate=certificate,
         disturbance=disturbance,

@@ -52,6 +52,9 @@ def _state(saved: Saved) -> Html:
             html.shell([resuming(saved.folder.path)]),
             class_="missing",
         )
+    if summary.left_out is not None:
+        said = f"Its recorded figures are left out: {summary.left_out}."
+        return html.tag("div", html.paragraph(said), class_="missing")
     if saved.asked.as_given is not None:
         return html.paragraph(_not_trained(saved.asked.as_given, summary))
     said = (
@@ -164,19 +167,21 @@ def _conditions(saved: Saved) -> list[Html]:
     if not asked:
         return [html.paragraph("The run does not say which conditions it is meant for.")]
     broken = [name for name, entry in measured.items() if entry.broken]
-    unseen = " that training has not seen" if saved.asked.as_given is None else ""
-    if not measured:
+    unseen = " that training had not seen" if saved.asked.as_given is None else ""
+    recorded = f"Recorded when the gait was made, on random samples{unseen}:"
+    if not measured and saved.summary is None:
         said = "What the gait is to satisfy; nothing is measured before the training ends."
+    elif not measured:
+        said = "What the gait is to satisfy; no figures of these weights were recorded."
     elif broken:
         said = (
-            f"Measured on random samples{unseen}: {len(broken)} of "
-            f"{len(measured)} conditions are broken at some of them, where their margin is "
-            "negative."
+            f"{recorded} {len(broken)} of {len(measured)} conditions were broken at some of them, "
+            f"where their margin is negative.{_untied(saved)}"
         )
     else:
         said = (
-            f"Measured on random samples{unseen}: all {len(measured)} hold at "
-            "all of them. This is evidence; what is proved stands further down."
+            f"{recorded} all {len(measured)} held at all of them. This page has not measured them "
+            f"again; what is proved stands further down.{_untied(saved)}"
         )
     ordered = sorted(asked, key=lambda one: _least(measured.get(one.name)))
     rows = [_row(one, measured.get(one.name)) for one in ordered]
@@ -195,12 +200,22 @@ def _conditions(saved: Saved) -> list[Html]:
     return [html.paragraph(said), html.paragraph(_explained(ordered)), *tables]
 
 
+def _untied(saved: Saved) -> str:
+    """Say that nothing ties the figures to the run's weights; empty if their hashes agree."""
+    if saved.summary is None or saved.summary.tied:
+        return ""
+    return (
+        " The record does not say which weights it is of: an earlier version wrote it. It may be "
+        "of others than the run's."
+    )
+
+
 def _least(found: Violations | None) -> float:
     return math.inf if found is None else found.min_margin
 
 
 def _table(caption: str, rows: list[tuple[Any, ...]]) -> Html:
-    head = ("condition", "where", "smallest margin seen, in scales", "one scale is")
+    head = ("condition", "where", "smallest margin recorded, in scales", "one scale is")
     return html.table(caption, head, rows, numbers="  nn", cards=True)
 
 
