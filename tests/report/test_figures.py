@@ -31,6 +31,7 @@ from neuralgaits.report.figures import (
     full_order_set,
     gait_tiles,
     loss_curves,
+    margins_orbit,
     phase_portrait,
     residual_field,
     return_map,
@@ -221,6 +222,14 @@ def test_captions_claim_no_more_than_is_proved(data):
     assert phase_portrait.caption(data, None, 3).endswith("proved.")
     assert "MuJoCo" in phase_portrait.caption(data, walk, 0)
     assert "proved" not in return_map.caption(data, None)
+    margins = np.full((len(data.conditions), 2, 2), 2.0)
+    margins[0] = 0.1
+    two = replace(data, arrays={**data.arrays, "chart/margins": margins})
+    tight, wide = two.conditions[:2]
+    assert "proved" not in margins_orbit.caption(two, {})
+    assert "proved for every state" in margins_orbit.caption(two, {tight: 0.01})
+    # A bound beyond the end of the axis is not drawn.
+    assert "proved" not in margins_orbit.caption(two, {wide: 1.5})
 
 
 def test_the_proved_approach_is_one_in_zeta():

@@ -104,7 +104,8 @@ def _walk_tiles(source: FigureSource) -> Made:
 
 
 def _margins_orbit(source: FigureSource) -> Made:
-    return margins_orbit.CAPTION, margins_orbit.draw(source.data, source.certificate.margins)
+    data, proved = source.data, source.certificate.margins
+    return margins_orbit.caption(data, proved), margins_orbit.draw(data, proved)
 
 
 def _margins_region(source: FigureSource) -> Made:

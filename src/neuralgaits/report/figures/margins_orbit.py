@@ -21,18 +21,27 @@ from neuralgaits.report.drawing.style import (
 )
 
 TITLE = "How much room there is"
-CAPTION = (
-    "A condition is a limit the robot must keep, and its margin is what is left of it: above zero "
-    "it holds. Left: the margins over one step of the periodic gait, the tightest ones by name. "
-    "Right: the least margin of each condition on a grid over the region where it must hold; "
-    "diamonds are bounds that are proved for every state of it."
-)
 NAMED = 6
 """Number of conditions with a line of their own: the tightest."""
 MOMENT = 3
 """Most nodes at which a condition applies and still counts as momentary: it has no line."""
 SHOWN = 1.0
 """Largest margin that is drawn; larger ones are cut off [scale]."""
+
+
+def caption(data: GaitData, proved: Mapping[str, float]) -> str:
+    """Return the caption, which says of diamonds only if there are some. Args: as of `draw`."""
+    told = (
+        "; diamonds are bounds that are proved for every state of it"
+        if _bounds(_least(data), data, proved)
+        else ", which proves nothing of the states between"
+    )
+    return (
+        "A condition is a limit the robot must keep, and its margin is what is left of it: above "
+        "zero it holds. Left: the margins over one step of the periodic gait, the tightest ones by "
+        "name. Right: the least margin of each condition on a grid over the region where it must "
+        f"hold{told}."
+    )
 
 
 @styled
@@ -75,8 +84,7 @@ def _over_time(axes: Axes, data: GaitData) -> None:
 
 
 def _worst(axes: Axes, data: GaitData, proved: Mapping[str, float]) -> None:
-    margins = data["chart/margins"].reshape(len(data.conditions), -1)
-    least = np.array([np.nanmin(row) if np.isfinite(row).any() else np.nan for row in margins])
+    least = _least(data)
     order = np.argsort(-least)
     rows = np.arange(len(order))
     cut = np.minimum(least[order], SHOWN)
@@ -86,15 +94,11 @@ def _worst(axes: Axes, data: GaitData, proved: Mapping[str, float]) -> None:
     for row, value in zip(rows, least[order], strict=True):
         if value > SHOWN:
             axes.text(SHOWN, float(row), f" {value:.1f}", va="center", fontsize=8)
-    shown = [
-        (proved[data.conditions[i]], row)
-        for row, i in enumerate(order)
-        if data.conditions[i] in proved and least[i] <= SHOWN
-    ]
-    if shown:
-        bounds, at = np.transpose(shown)
+    bounds = _bounds(least, data, proved)
+    if bounds:
+        at = [row for row, i in enumerate(order) if i in bounds]
         axes.plot(
-            np.minimum(bounds, SHOWN),
+            [min(bounds[i], SHOWN) for i in order if i in bounds],
             at,
             "D",
             color=GREEN,
@@ -111,6 +115,21 @@ def _worst(axes: Axes, data: GaitData, proved: Mapping[str, float]) -> None:
     axes.set_xlabel("least margin [scale of the condition]")
     axes.legend(loc="upper center", bbox_to_anchor=(0.4, -0.1), ncols=2)
     panel(axes, "b", "over the whole region")
+
+
+def _least(data: GaitData) -> np.ndarray:
+    """Return the least margin of each condition on the grid [scale]; NaN without one."""
+    margins = data["chart/margins"].reshape(len(data.conditions), -1)
+    return np.array([np.nanmin(row) if np.isfinite(row).any() else np.nan for row in margins])
+
+
+def _bounds(least: np.ndarray, data: GaitData, proved: Mapping[str, float]) -> dict[int, float]:
+    """Return the proved bounds that are drawn, by number of the condition."""
+    return {
+        i: proved[name]
+        for i, name in enumerate(data.conditions)
+        if name in proved and least[i] <= SHOWN
+    }
 
 
 def _forbidden(span, line) -> None:
