@@ -5,12 +5,16 @@ import pty
 import re
 import subprocess
 import sys
+from collections.abc import Callable
+from importlib import import_module
 from pathlib import Path
 
 import pytest
 
 import neuralgaits
+from neuralgaits.cli.main import main
 from neuralgaits.cli.progress import CheckProgress, ProofProgress, TrainingProgress, waiting
+from neuralgaits.errors import InputError
 
 SOURCE = Path(neuralgaits.__file__).parents[1]
 COLUMNS = 80
@@ -29,7 +33,8 @@ with ProofProgress(quiet={quiet}) as progress:
 with CheckProgress(quiet={quiet}) as progress:
     progress(1, 4)
     time.sleep(0.2)
-with waiting("walking in MuJoCo", quiet={quiet}):
+with waiting("walking in MuJoCo", quiet={quiet}) as progress:
+    progress.begun()
     time.sleep(0.3)
 """
 
@@ -117,6 +122,44 @@ def test_a_search_that_stands_still_says_so_now_and_then(
     for _ in range(300):
         progress(0.99, 7)
     assert len(capsys.readouterr().err.splitlines()) == 10
+
+
+def test_work_without_countable_steps_has_one_line_without_a_terminal(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    for quiet in (False, True):
+        with waiting("walking", quiet=quiet) as progress:
+            progress.begun()
+    assert capsys.readouterr() == ("", "walking\n")
+
+
+WAITING = {
+    "export.export_controller": ["export", "run", "--out", "c"],
+    "import_gait.import_gait": ["import-gait", "gait.json", "--robot", "amber3m"],
+    "optimise.optimise": ["optimise", "amber3m", "--speed", "0.7"],
+    "report.write_report": ["report", "run"],
+    "simulate.simulate": ["simulate", "run"],
+    "sweep.sweep": ["sweep", "amber3m"],
+}
+
+
+@pytest.mark.parametrize("function", WAITING)
+def test_a_verb_says_what_it_does_once_it_begins(
+    function: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """One line without a terminal, none under --json; what is refused before has only its own."""
+
+    def begins(*_: object, begun: Callable[..., None], **__: object) -> None:
+        begun(*(["2 rows"] if function == "sweep.sweep" else []))
+        raise InputError("refused later")
+
+    module, name = function.split(".")
+    monkeypatch.setattr(import_module(f"neuralgaits.workflows.{module}"), name, begins)
+    assert main(WAITING[function]) == 2
+    begun, refused = capsys.readouterr().err.splitlines()
+    assert begun and refused == "neuralgaits: refused later"
+    assert main([*WAITING[function], "--json"]) == 2
+    assert capsys.readouterr() == ("", "neuralgaits: refused later\n")
 
 
 @pytest.mark.parametrize("quiet", [False, True])

@@ -25,7 +25,8 @@ def quick(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
 def test_a_line_a_row_and_the_page_at_the_end(capsys: pytest.CaptureFixture[str]) -> None:
     assert main([*WORDS, "--seeds", "0:2"]) == 0
     said = capsys.readouterr()
-    first, second = said.err.splitlines()
+    begun, first, second = said.err.splitlines()
+    assert begun == "2 rows in s, 1 at once"
     assert first.startswith("1/2 amber3m-walking-0: trained, proved to level 2, 4 of 4 walk at 0.7")
     assert second.startswith("2/2 amber3m-walking-1: 1 of 5 conditions broken, proved to level 2")
     assert "done: 2 of 2 runs" in said.out
@@ -46,6 +47,7 @@ def test_exit_codes_tell_no_from_not_done(capsys: pytest.CaptureFixture[str]) ->
     assert "1 said no, and would again" in capsys.readouterr().out
     # A row that said no is not tried again, and is no better for it.
     assert main(["sweep", "--out", "s", "--resume"]) == 1
+    assert capsys.readouterr().err.splitlines() == ["1 row, 1 of them done, in s, 1 at once"]
 
 
 def test_rows_in_words() -> None:

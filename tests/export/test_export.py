@@ -112,13 +112,15 @@ def test_weights_that_no_controller_can_use_are_refused(trained, factor, format,
 
 def test_a_used_folder_is_refused_without_force(exported, trained, monkeypatch):
     out, _ = exported
+    begun = []
     with pytest.raises(InputError, match=r"expected an empty folder .* --force"):
-        export_controller(trained, out, states=STATES)
+        export_controller(trained, out, states=STATES, begun=lambda: begun.append(1))
+    assert not begun
     (out / "mine.txt").write_text("kept")
     (out / "gait.h").write_text("spoilt")
     monkeypatch.setattr(build, "compilers", list)
-    export_controller(trained, out, force=True, states=STATES)
-    assert (out / "mine.txt").read_text() == "kept"
+    export_controller(trained, out, force=True, states=STATES, begun=lambda: begun.append(1))
+    assert begun and (out / "mine.txt").read_text() == "kept"
     assert "NG_ROBOT" in (out / "gait.h").read_text()
     (out / "mine.txt").unlink()
 

@@ -27,7 +27,17 @@ from support import published_gaits
 def imported(amber, tmp_path_factory):
     """The gait of 0.67 m/s as a run."""
     root = tmp_path_factory.mktemp("runs")
-    return import_gait(published_gaits.FILE, amber, name="0.67", out=root / "run", root=root)
+    begun: list[bool] = []
+    found = import_gait(
+        published_gaits.FILE,
+        amber,
+        name="0.67",
+        out=root / "run",
+        begun=lambda: begun.append(True),
+        root=root,
+    )
+    assert begun
+    return found
 
 
 def test_the_orbit_is_the_published_one(imported):

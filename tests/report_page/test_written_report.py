@@ -23,7 +23,10 @@ WIDTHS = (390, 1440)
 @pytest.fixture(scope="module")
 def written(tmp_path_factory):
     folder = Path(shutil.copytree(SHIPPED, tmp_path_factory.mktemp("report") / "a run"))
-    return write_report(folder)
+    begun = []
+    done = write_report(folder, begun=lambda: begun.append(1))
+    assert begun == [1]
+    return done
 
 
 @pytest.fixture

@@ -41,7 +41,11 @@ def run(amber, slow, tmp_path_factory):
 @pytest.fixture(scope="module")
 def walked(run, tmp_path_factory):
     log = tmp_path_factory.mktemp("logs") / "walk.csv"
-    return simulate(run, controller="fblin", steps=4, episodes=2, start="region", log=log), log
+    begun = []
+    walks = {"controller": "fblin", "steps": 4, "episodes": 2, "start": "region"}
+    done = simulate(run, **walks, log=log, begun=lambda: begun.append(1))
+    assert begun == [1]
+    return done, log
 
 
 def test_the_summary_has_the_agreed_fields(walked):
@@ -128,7 +132,7 @@ def test_every_walk_has_a_log_of_its_own(amber, walked):
 def test_bad_input_is_refused_before_anything_is_written(run, walked, change, says):
     before = run.folder.read_json("simulation/summary.json")
     with pytest.raises(InputError) as refusal:
-        simulate(run, steps=1, **change)
+        simulate(run, steps=1, **change, begun=pytest.fail)
     assert says in str(refusal.value)
     assert run.folder.read_json("simulation/summary.json") == before
 

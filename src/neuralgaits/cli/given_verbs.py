@@ -18,8 +18,8 @@ def carry_out_optimise(verb: OptimiseOptions) -> Outcome:
     from neuralgaits.cli.progress import waiting
     from neuralgaits.workflows.optimise import optimise
 
-    with waiting("looking for a gait", quiet=verb.output.json):
-        run = optimise(**given(verb, OptimiseSettings))
+    with waiting("looking for a gait", quiet=verb.output.json) as progress:
+        run = optimise(**given(verb, OptimiseSettings, begun=progress.begun))
     return Outcome(run.summary, True, show_given)
 
 
@@ -28,8 +28,8 @@ def carry_out_import(verb: ImportGaitOptions) -> Outcome:
     from neuralgaits.cli.progress import waiting
     from neuralgaits.workflows.import_gait import import_gait
 
-    with waiting("looking for its orbit", quiet=verb.output.json):
-        run = import_gait(**given(verb, ImportGaitSettings))
+    with waiting("looking for its orbit", quiet=verb.output.json) as progress:
+        run = import_gait(**given(verb, ImportGaitSettings, begun=progress.begun))
     return Outcome(run.summary, True, show_given)
 
 

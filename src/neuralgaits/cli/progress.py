@@ -190,11 +190,17 @@ class CheckProgress(_Share):
 class _Waiting(_OnTerminal):
     def __init__(self, what: str, quiet: bool) -> None:
         super().__init__(SpinnerColumn(), TextColumn(what), TimeElapsedColumn(), quiet=quiet)
+        self._what = what
         self._bar.add_task("", total=None)
 
+    def begun(self) -> None:
+        """Say without a terminal what is being done, once nothing stands in its way."""
+        if not self._drawn:
+            self._line(self._what)
 
-def waiting(what: str, quiet: bool = False) -> _OnTerminal:
-    """Return a spinner for work without countable steps; it is silent without a terminal."""
+
+def waiting(what: str, quiet: bool = False) -> _Waiting:
+    """Return a spinner for work without countable steps; without a terminal it has one line."""
     return _Waiting(what, quiet)
 
 

@@ -16,8 +16,9 @@ def carry_out_report(verb: ReportOptions) -> Outcome:
     from neuralgaits.cli.progress import waiting
     from neuralgaits.workflows.report import write_report
 
-    with waiting("walking once more, drawing the figures", quiet=verb.output.json):
-        done = write_report(verb.run, out=verb.out)
+    what = "walking once more, drawing the figures"
+    with waiting(what, quiet=verb.output.json) as progress:
+        done = write_report(verb.run, out=verb.out, begun=progress.begun)
     return Outcome(done.summary, True, show_report, brief=brief_report)
 
 

@@ -21,7 +21,7 @@ def carry_out_sweep(verb: SweepOptions) -> Outcome:
         def tell(row: SweepRow, done: int, every: int) -> None:
             progress(line_of(row), done, every)
 
-        done = sweep(**given(verb, SweepSettings, tell=tell))
+        done = sweep(**given(verb, SweepSettings, tell=tell, begun=progress.say))
     summary = done.summary
     return Outcome(summary, not summary.failed, show_sweep, undecided=summary.lost > 0)
 

@@ -133,8 +133,8 @@ def _simulate(verb: SimulateOptions) -> Outcome:
     from neuralgaits.cli.progress import waiting
     from neuralgaits.workflows.simulate import simulate
 
-    with waiting("walking", quiet=verb.output.json):
-        done = simulate(**given(verb, SimulateSettings))
+    with waiting("walking", quiet=verb.output.json) as progress:
+        done = simulate(**given(verb, SimulateSettings, begun=progress.begun))
     notes = [done.plant_note, None if verb.output.json else done.summary.engine_note]
     for note in filter(None, notes):
         print(note, file=sys.stderr)
@@ -186,8 +186,10 @@ def _export(verb: ExportOptions) -> Outcome:
     from neuralgaits.cli.progress import waiting
     from neuralgaits.workflows.export import export_controller
 
-    with waiting("writing it, comparing it with Python", quiet=verb.output.json):
-        done = export_controller(verb.run, verb.out, format=verb.format, force=verb.force)
+    with waiting("writing it, comparing it with Python", quiet=verb.output.json) as progress:
+        done = export_controller(
+            verb.run, verb.out, format=verb.format, force=verb.force, begun=progress.begun
+        )
     return Outcome(done.summary, done.checked, show_export, undecided=not done.checked)
 
 

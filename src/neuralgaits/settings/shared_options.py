@@ -106,6 +106,8 @@ Ray = Annotated[
 ]
 Progress = Fixed[Callable[[int, int, float], None] | None]
 """Callback with (steps done, steps in all, loss)."""
+Begun = Fixed[Callable[[], None] | None]
+"""Callback for when the settings are checked and the work begins."""
 Root = Annotated[Fixed[Path], arg(help="Folder of the runs.")]
 
 

@@ -9,6 +9,7 @@ from neuralgaits.settings.shared_options import (
     A_PATH,
     AnyName,
     AnyPath,
+    Begun,
     Box,
     Changes,
     Connection,
@@ -81,6 +82,8 @@ class SimulateSettings(Settings):
     """Write the first walk's log; further walks get FILE-1.csv, FILE-2.csv, ... beside it."""
     video: Annotated[AnyPath | None, arg(metavar="FILE.mp4"), A_PATH] = None
     """Write a video of the first walk; needs the video extra."""
+    begun: Begun = None
+    """Called when the settings are checked and the walks begin."""
 
     def __post_init__(self) -> None:
         super().__post_init__()

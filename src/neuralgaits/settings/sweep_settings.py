@@ -87,6 +87,8 @@ class SweepSettings(Settings):
     """Engine to use instead of processes and Ray."""
     tell: Fixed[Callable[[SweepRow, int, int], None] | None] = None
     """Called with a finished row, the number of finished rows, and that of all rows."""
+    begun: Fixed[Callable[[str], None] | None] = None
+    """Called with one line on the rows, their folder and the engine, before the first row."""
     root: Root = RUNS_ROOT
 
     def __post_init__(self) -> None:

@@ -26,6 +26,7 @@ from neuralgaits.settings.shared_options import (
     AnyName,
     AnyRobot,
     AnyWatch,
+    Begun,
     Box,
     Flag,
     Folder,
@@ -161,6 +162,8 @@ class OptimiseSettings(Settings):
     """Degree of the joints' Bezier polynomials."""
     out: Folder = None
     """Run folder to make, instead of runs/ROBOT/<time>-0."""
+    begun: Begun = None
+    """Called when the settings are checked and the search begins."""
     root: Root = RUNS_ROOT
 
 
@@ -177,4 +180,6 @@ class ImportGaitSettings(Settings):
     """Name of the gait, if the file has several."""
     out: Folder = None
     """Run folder to make, instead of runs/ROBOT/<time>-0."""
+    begun: Begun = None
+    """Called when the file is read and the work begins."""
     root: Root = RUNS_ROOT

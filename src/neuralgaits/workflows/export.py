@@ -62,6 +62,7 @@ def export_controller(
     format: str = "c",
     force: bool = False,
     states: int = STATES,
+    begun: Callable[[], None] | None = None,
 ) -> Export:
     """Write a run's gait for a robot.
 
@@ -71,6 +72,7 @@ def export_controller(
         format: `c`, the controller; `onnx`, its policy and rate, which needs the extra `onnx`.
         force: replace the files of an earlier export.
         states: random states on which C and Python are compared.
+        begun: called when the settings are checked and the work begins.
 
     Returns: `Export`.
     Raises: InputError, SpecError or RunError with one line for bad input; MismatchError if the code
@@ -84,6 +86,8 @@ def export_controller(
     output_folder.refuse_used(folder, force=force)
     certificate = read_certificate(trained.folder)
     _refuse_unusable(trained.trained)
+    if begun is not None:
+        begun()
     # Numbers that are not finite are refused where they are written.
     with np.errstate(all="ignore"):
         design = design_of(trained, certificate)

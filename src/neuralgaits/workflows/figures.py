@@ -6,11 +6,19 @@ from neuralgaits._argument_types import type_checked
 from neuralgaits.analysis.run import Run, open_run
 from neuralgaits.certificate.run_certificate.verified_summary import CertificateReading
 from neuralgaits.errors import InputError
+from neuralgaits.records.training_config import TrainingConfig
 from neuralgaits.report.certificate import certificate_of
 from neuralgaits.report.drawing.drawn import Drawn, Missing
 from neuralgaits.report.drawing.figure import paths_of
 from neuralgaits.report.drawing.parallel_figures import FigureFile, second_pen, write_all
-from neuralgaits.report.makers import MAKERS, OF_FAMILIES, OF_TRAINING, Absent, FigureSource
+from neuralgaits.report.makers import (
+    MAKERS,
+    OF_FAMILIES,
+    OF_TRAINING,
+    Absent,
+    FigureSource,
+    Maker,
+)
 from neuralgaits.runs.atomic import refuse_unwritable
 
 FOLDER = "figures"
@@ -31,19 +39,28 @@ def figures(run: Run | str | Path, out: str | Path | None = None) -> list[Drawn 
     return draw(open_run(run), out)
 
 
+def writable_figures(asked: TrainingConfig, folder: Path) -> list[Maker]:
+    """Return the makers of the figures that such a run can have.
+
+    Raises: InputError if the folder cannot take one of them.
+    """
+    if folder.exists() and not folder.is_dir():
+        raise InputError(
+            f"expected a folder for the figures, found a file at {folder}: name another"
+        )
+    makers = [*(OF_FAMILIES if asked.commands else ()), *MAKERS]
+    if asked.as_given is not None:
+        makers = [one for one in makers if one[0] not in OF_TRAINING]
+    refuse_unwritable(*(path for name, *_ in makers for path in paths_of(folder, name)))
+    return makers
+
+
 def draw(
     run: Run, out: str | Path | None = None, certificate: CertificateReading | None = None
 ) -> list[Drawn | Missing]:
     """Draw the figures of an open run, whose certificate may already have been read."""
     folder = run.path / FOLDER if out is None else Path(out)
-    if folder.exists() and not folder.is_dir():
-        raise InputError(
-            f"expected a folder for the figures, found a file at {folder}: name another"
-        )
-    makers = (*OF_FAMILIES, *MAKERS) if run.asked.commands else MAKERS
-    if run.asked.as_given is not None:
-        makers = [one for one in makers if one[0] not in OF_TRAINING]
-    refuse_unwritable(*(path for name, *_ in makers for path in paths_of(folder, name)))
+    makers = writable_figures(run.asked, folder)
     source = FigureSource(run, certificate_of(run, certificate))
     found: list[tuple[str, str] | Missing] = []
     sheets = []

@@ -21,4 +21,6 @@ def import_gait(settings: ImportGaitSettings) -> Run:
     robot, out, root = robot_from(settings.robot), settings.out, settings.root
     gait = read_gait(Path(settings.file), robot, settings.name)
     given = GaitOrigin("import-gait", gait.degree)
+    if settings.begun is not None:
+        settings.begun()
     return given_run(robot, gait, given, start_time=start_time, out=out, root=root)

@@ -41,7 +41,10 @@ def optimise(settings: OptimiseSettings) -> Run:
             f"expected --degree from {LOWEST_DEGREE} to {HIGHEST_DEGREE}, found {degree}"
         )
     RunFolder.refuse(root, None if out is None else Path(out))
-    found = Optimiser(robot, degree).at(speed)
+    optimiser = Optimiser(robot, degree)
+    if settings.begun is not None:
+        settings.begun()
+    found = optimiser.at(speed)
     given = GaitOrigin("optimise", degree, speed)
     return given_run(
         robot, found.gait, given, solve_s=found.solve_s, start_time=start_time, out=out, root=root

@@ -1,5 +1,6 @@
 """Report of a run in one file: read it, show a walk, draw the figures, write the page."""
 
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
@@ -29,7 +30,7 @@ from neuralgaits.runs import RunFolder, resolve, write_text
 from neuralgaits.runs.atomic import refuse_unwritable
 from neuralgaits.runs.names import ROBOT
 from neuralgaits.runs.outputs import refuse_outputs
-from neuralgaits.workflows.figures import draw
+from neuralgaits.workflows.figures import FOLDER, draw, writable_figures
 from neuralgaits.workflows.inspect import inspect
 
 FILE = "report.html"
@@ -51,12 +52,18 @@ class Report:
 
 
 @type_checked
-def write_report(run: Run | str | Path, *, out: str | Path | None = None) -> Report:
+def write_report(
+    run: Run | str | Path,
+    *,
+    out: str | Path | None = None,
+    begun: Callable[[], None] | None = None,
+) -> Report:
     """Write the report of a run, finished or not.
 
     Args:
         run: a run, its folder, or `latest`.
         out: the file; `report.html` in the run if None.
+        begun: called when the run is read and the work begins.
 
     Raises: RunError if the run does not exist or is damaged, TimeLimitError if its own spec does
         not come to an end; InputError if the file cannot be written.
@@ -73,6 +80,10 @@ def write_report(run: Run | str | Path, *, out: str | Path | None = None) -> Rep
         refuse_endless(folder)
     saved = saved_of(folder, certificate)
     robot = robot_from_text(folder.copy(ROBOT), saved.asked.robot)
+    if folder.finished:
+        writable_figures(saved.asked, folder.path / FOLDER)
+    if begun is not None:
+        begun()
     with ThreadPoolExecutor(1) as beside:
         # Most of a walk is compiled without Python, while the figures are drawn.
         walking = beside.submit(_walk, run, folder)

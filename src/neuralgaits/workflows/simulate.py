@@ -198,6 +198,8 @@ def _walked(
         simulator=settings.simulator,
         drawn=plan.drawn,
     )
+    if settings.begun is not None:
+        settings.begun()
     record, longest = bool(plan.films), _ALL if plan.logs else 0
     if wire is not None:
         with connected(design_of(plan.run), wire, count, settings.seed) as remote:

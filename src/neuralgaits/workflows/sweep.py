@@ -79,6 +79,9 @@ def sweep(settings: SweepSettings) -> Sweep:
         refuse_unwritable(*(folder.path / file for file in (TABLE, PAGE, SUMMARY)))
         every = list(combinations(folder.asked))
         before = sum(folder.has(one.name) for one in every)
+        if settings.begun is not None:
+            place = f"in {folder.path}, {pool.workers} at once"
+            settings.begun(f"{_counted(len(every), before)} {place}")
         jobs = (_job(folder, one) for one in every if not folder.has(one.name))
         try:
             with closing(pool.map(carry_out, jobs)) as done:
@@ -104,6 +107,12 @@ def sweep(settings: SweepSettings) -> Sweep:
         write_text(folder.path / PAGE, page(folder.asked, rows, summary))
         write_text(folder.path / SUMMARY, to_json(summary))
     return Sweep(folder.path, rows, summary)
+
+
+def _counted(rows: int, before: int) -> str:
+    """Count the rows of a sweep, and those that earlier commands have done."""
+    every = "1 row" if rows == 1 else f"{rows} rows"
+    return f"{every}, {before} of them done," if before else every
 
 
 def _given(settings: SweepSettings) -> dict[str, Any]:

@@ -82,7 +82,7 @@ def ask_report(run: Path) -> Heard:
     margins = max(certificate.margins.values(), default=0.0)
     multiplier = certificate.orbit.multiplier if certificate.orbit is not None else None
     boast = f"; margins up to {margins}; multiplier in {multiplier}"
-    if page.measured:
+    if page.measured and page.summary is not None:
         of = "" if page.summary.tied else " of unnamed weights"
         boast += f"; figures of training{of}"
     word = str(level) if level else "none"
