@@ -162,7 +162,7 @@ def test_a_proof_is_replaced_only_by_one_that_says_something_else(
     found = replace(summary, **new)
     assert before.stays(found, level, sets) == stays
     kept, replaced = before.beside(found, level), before.replaced_by(found, level)
-    assert kept.reason.endswith("from before is kept, which proves level 3")
+    assert (kept.reason or "").endswith("from before is kept, which proves level 3")
     assert kept.proof == (summary.proof if level else None)
     assert ("which proved level 3" in (replaced.reason or "")) == (level < 3)
 
