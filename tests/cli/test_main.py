@@ -17,6 +17,7 @@ from neuralgaits.cli import argv_parser, misspelt, verbs
 from neuralgaits.cli import main as entry
 from neuralgaits.cli.main import main
 from neuralgaits.cli.outcome import Outcome
+from neuralgaits.robots import load_robot
 from neuralgaits.runs import RUNS_ROOT, RunFolder, finish
 from neuralgaits.workflows import simulate as simulating
 from neuralgaits.workflows import train as training
@@ -364,3 +365,39 @@ def test_what_cannot_be_used_is_one_line(
             (tmp_path / "runs" / name).write_text("amber3m/one\n")
     assert main(words.split()) == 2
     assert found in _only_line(capfd)
+
+
+LONG = "x" * 9999
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        [LONG],
+        ["train", f"--{LONG}"],
+        ["train", "amber3m", "--spec", LONG],
+        ["train", "amber3m", "--speed", LONG],
+        ["train", "amber3m", "--hidden", LONG],
+        ["train", "amber3m", "--seed", LONG],
+        ["train", "amber3m", "--parameters", f"{LONG}=1%"],
+        ["train", "amber3m", "--parameters", f"mass={' x' * 9999}"],
+        ["train", LONG[:300]],
+        ["simulate", LONG[:300]],
+        ["inspect", "robot.xml"],
+    ],
+)
+def test_a_message_shows_only_the_beginning_of_a_long_name(
+    capfd: Captured, monkeypatch: pytest.MonkeyPatch, tmp_path: Path, words: list[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    robot = load_robot("amber3m").layout.xml.replace("hip_left", LONG)
+    named = f'name="{LONG}"'
+    Path("robot.xml").write_text(robot.replace(named, f'{named} frictionloss="1"', 1))
+    assert main(words) == 2
+    line = _only_line(capfd)
+    assert len(line) < 1000 and ("characters)" in line or "File name too long" in line)
+
+
+def test_a_path_that_can_be_there_is_shown_whole() -> None:
+    path = "/".join(["x" * 255] * 15)
+    assert str(errors.RunError(f"expected a run at {path}")).endswith(path)
