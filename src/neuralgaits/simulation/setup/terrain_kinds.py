@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from neuralgaits._checks import listed
+from neuralgaits._digits import decimal
 from neuralgaits.errors import InputError
 from neuralgaits.gait.commands import Commands, command_named, place_of
 
@@ -116,7 +117,7 @@ def kind_of(asked: str) -> tuple[str | None, dict[str, float]]:
     for part in listed("--terrain", asked)[1:]:
         name, _, text = (word.strip() for word in part.partition("="))
         try:
-            value = float(text)
+            value = decimal(text)
         except ValueError:
             value = math.nan
         if name not in known or name in found or not math.isfinite(value):
