@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 from neuralgaits._checks import listed
 from neuralgaits._digits import decimal
+from neuralgaits._inputs import no_file_at
 from neuralgaits.errors import InputError
 from neuralgaits.gait.commands import Commands, command_named, place_of
 
@@ -110,7 +111,7 @@ def kind_of(asked: str) -> tuple[str | None, dict[str, float]]:
             return None, {}
         raise InputError(
             f"expected --terrain {', '.join(KINDS)} or a CSV file of stones, found {asked!r}: no "
-            "such kind and no such file"
+            f"such kind and {no_file_at(Path(asked), 'no such file')}"
         )
     found: dict[str, float] = {}
     known = KINDS[kind].settings
