@@ -5,6 +5,7 @@ import json
 import os
 import subprocess
 import sys
+import warnings
 from pathlib import Path
 from typing import Any
 
@@ -293,6 +294,19 @@ def test_environment_keeps_what_the_user_set(
     assert os.environ["JAX_COMPILATION_CACHE_DIR"] == "mine"
     assert os.environ["JAX_ENABLE_X64"] == "1"
     assert cache_folder() == tmp_path / "neuralgaits"
+
+
+def test_warnings_of_libraries_are_shown_to_who_asks_for_them(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(os, "environ", dict(os.environ))
+    monkeypatch.setattr(sys, "warnoptions", ["default"])
+    entry.prepare()
+    with pytest.raises(RuntimeWarning):
+        warnings.warn("All-NaN slice encountered", RuntimeWarning, stacklevel=1)
+    monkeypatch.setattr(sys, "warnoptions", [])
+    entry.prepare()
+    warnings.warn("All-NaN slice encountered", RuntimeWarning, stacklevel=1)
 
 
 @pytest.mark.parametrize(

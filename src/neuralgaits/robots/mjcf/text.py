@@ -91,7 +91,8 @@ def missing_asset(kind: str, path: Path | str) -> str:
     """Return the error message for a missing picture file, with its remedy."""
     return (
         f"expected a {kind} file at {path}, found {no_file_at(Path(path), 'none')}: put it there, "
-        f"or remove its <{kind}> from <asset> and what shows it; bodies with an <inertial> need no picture"
+        f"or remove its <{kind}> from <asset> and what shows it; bodies with an <inertial> need no "
+        "picture"
     )
 
 
