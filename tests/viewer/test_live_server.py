@@ -8,9 +8,12 @@ import pytest
 import viser
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import connect
+from websockets.typing import Subprotocol
 
 from neuralgaits.errors import InputError
 from neuralgaits.viewer import live_server
+
+PROTOCOLS = [Subprotocol(f"viser-v{viser.__version__}")]
 
 
 @pytest.fixture
@@ -117,7 +120,7 @@ def test_a_frame_that_viser_does_not_understand_is_not_on_the_terminal(capfd, mo
     server = live_server.open_server("test")
     try:
         address = f"ws://{live_server.LOOPBACK}:{server.get_port()}"
-        with connect(address, subprotocols=[f"viser-v{viser.__version__}"]) as visitor:
+        with connect(address, subprotocols=PROTOCOLS) as visitor:
             visitor.send(frame)
             with pytest.raises(ConnectionClosed):
                 while True:
