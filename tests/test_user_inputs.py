@@ -11,11 +11,17 @@ from neuralgaits.robots import load_robot
 from neuralgaits.sweeps.disturbances import disturbances_of
 
 NESTED = "x = " + "[" * 20_000 + "]" * 20_000
+ENDLESS = f"[a]\nfriction = {'9' * 5000}\n"
 HUGE = f"[a]\nfriction = {'9' * 400}\n"
 
 
 @pytest.mark.parametrize(
-    ("text", "found"), [(NESTED, "nested too deeply"), (HUGE, "a number that is too large")]
+    ("text", "found"),
+    [
+        (NESTED, "nested too deeply"),
+        (HUGE, "a number that is too large, a.friction"),
+        (ENDLESS, "a number that is too large, of 5000 digits, in line 2"),
+    ],
 )
 def test_deep_nesting_and_huge_numbers_are_refused(text: str, found: str, tmp_path: Path) -> None:
     path = tmp_path / "given.toml"

@@ -36,8 +36,11 @@ def listed(what: str, text: str) -> list[str]:
 
 def shortened(count: int) -> str:
     """Write a whole number for a message in a few characters, however long it is."""
-    text = str(count)
-    return text if len(text) <= 20 else f"a number of {len(text)} digits"
+    if abs(count) < 10**20:
+        return str(count)
+    # Python writes no number of more than 4300 digits; a logarithm may be rounded up.
+    power = math.floor(math.log10(abs(count)))
+    return f"a number of {power + (abs(count) >= 10**power)} digits"
 
 
 def check_walked(name: str, count: int) -> None:
@@ -56,7 +59,9 @@ def check_seeds(seeds: tuple[int, int]) -> None:
     """Check a range of seeds, its last one excluded. Raises: InputError on a wrong one."""
     first, end = seeds
     if not first < end:
-        raise InputError(f"expected seeds A:B with A < B, found {first}:{end}")
+        raise InputError(
+            f"expected seeds A:B with A < B, found {shortened(first)}:{shortened(end)}"
+        )
     check_seed(first)
     check_seed(end - 1)
     if end - first > MOST_SEEDS:
@@ -66,7 +71,7 @@ def check_seeds(seeds: tuple[int, int]) -> None:
 def check_steps(steps: int | None) -> None:
     """Check a number of gradient steps; None leaves it open. Raises: InputError if it is wrong."""
     if steps is not None and steps < 1:
-        raise InputError(f"expected at least 1 gradient step, found {steps}")
+        raise InputError(f"expected at least 1 gradient step, found {shortened(steps)}")
     if steps is not None and steps > MOST_GRADIENT_STEPS:
         raise InputError(
             f"expected at most {MOST_GRADIENT_STEPS} gradient steps, found {shortened(steps)}"
@@ -94,10 +99,9 @@ def check_walks(episodes: int, seed: int, push: float | None) -> None:
 
     Raises: InputError unless they can be walked so.
     """
-    if not isinstance(episodes, int) or episodes < 1:
-        raise InputError(f"expected at least 1 episode, found {episodes!r}")
-    if not isinstance(seed, int) or seed < 0:
-        raise InputError(f"expected a seed of at least 0, found {seed!r}")
+    if episodes < 1:
+        raise InputError(f"expected at least 1 episode, found {shortened(episodes)}")
+    check_seed(seed)
     check_walked("episodes", episodes)
     check_push(push)
 
@@ -114,7 +118,7 @@ def check_push(push: float | None) -> None:
 def check_rounds(rounds: int | None) -> None:
     """Check a number of rounds; None leaves it open. Raises: InputError if they take too long."""
     if rounds is not None and not 1 <= rounds <= MOST_ROUNDS:
-        raise InputError(f"expected 1 to {MOST_ROUNDS} rounds, found {rounds}")
+        raise InputError(f"expected 1 to {MOST_ROUNDS} rounds, found {shortened(rounds)}")
 
 
 def check_disturbance(bounds: tuple[float, float]) -> None:

@@ -1,4 +1,4 @@
-"""Numbers as text: bounds with few digits, rounded to the side on which they stay true; doubles."""
+"""Numbers as text: bounds with few digits that stay true, doubles, plain decimal notation."""
 
 import math
 import re
@@ -23,6 +23,30 @@ def at_most(value: float, digits: int) -> str:
 def _rounded(value: float, digits: int, side: str) -> str:
     kept = Context(prec=digits, rounding=side).create_decimal_from_float(float(value))
     return f"{float(kept):.{digits}g}"
+
+
+def decimal(text: str | float) -> float:
+    """Return a number given as such, or as text in plain decimal notation.
+
+    `float` also reads 1_0, and digits of other scripts.
+
+    Raises: ValueError on any other text.
+    """
+    return float(_plain(text))
+
+
+def whole(text: str) -> int:
+    """Return the whole number of a text in plain decimal notation, see `decimal`.
+
+    Raises: ValueError on any other text.
+    """
+    return int(_plain(text))
+
+
+def _plain(text: Any) -> Any:
+    if isinstance(text, str) and not (text.isascii() and "_" not in text):
+        raise ValueError(f"expected plain decimal notation, found {text!r}")
+    return text
 
 
 def from_hex(text: Any, what: str) -> float:

@@ -8,6 +8,7 @@ import ctypes
 import gc
 import os
 import sys
+import warnings
 
 from neuralgaits._cache import cache_folder
 from neuralgaits._printable import printable
@@ -19,7 +20,12 @@ THREADS = "NEURALGAITS_THREADS"
 
 
 def prepare() -> None:
-    """Prepare a process: double precision in JAX, and compilations kept between calls."""
+    """Prepare a process: double precision in JAX, compilations kept between calls, no warnings.
+
+    Warnings of libraries say nothing that a user can act on; -W and PYTHONWARNINGS show them.
+    """
+    if not sys.warnoptions:
+        warnings.simplefilter("ignore")
     # Imports and tracing make millions of objects that stay: looking for rubbish among them
     # every 700 takes a fourteenth of a command's time.
     gc.set_threshold(100_000, 50, 100)

@@ -4,6 +4,7 @@ Opening a FIFO waits for ever, and a device or a file of gigabytes fills the mem
 """
 
 import os
+import re
 import stat
 import sys
 import tomllib
@@ -23,11 +24,21 @@ _KINDS = (
     (stat.S_ISFIFO, "a FIFO"),
     (stat.S_ISSOCK, "a socket"),
 )
+_ENDLESS = re.compile("[0-9][0-9_]{4300,}")
+"""A whole number with more digits than Python reads."""
 
 
 def kind_of(mode: int) -> str:
     """Return what lies at a path that is no regular file, by its `st_mode`."""
     return next((kind for is_one, kind in _KINDS if is_one(mode)), "a device")
+
+
+def no_file_at(path: Path, nothing: str) -> str:
+    """Return what lies where a regular file was expected, or the words for nothing."""
+    try:
+        return f"{kind_of(os.stat(path).st_mode)} and no regular file"
+    except (OSError, ValueError):
+        return nothing
 
 
 def refuse_no_path(what: str, value: object) -> None:
@@ -69,18 +80,29 @@ def toml_of(path: Path) -> dict[str, Any]:
 
     Raises: OSError; ValueError on what is no TOML, or has values that nothing here can use.
     """
+    text = path.read_bytes().decode("utf-8")
     try:
-        found = tomllib.loads(path.read_bytes().decode("utf-8"))
+        found = tomllib.loads(text)
         _refuse_huge(found)
     except RecursionError:
         raise ValueError("values nested too deeply") from None
+    except ValueError as error:
+        if (endless := _ENDLESS.search(text)) and not isinstance(error, tomllib.TOMLDecodeError):
+            line = text.count("\n", 0, endless.start()) + 1
+            raise ValueError(
+                f"a number that is too large, of {len(endless[0])} digits, in line {line}"
+            ) from None
+        raise
     return found
 
 
-def _refuse_huge(value: Any) -> None:
-    """Refuse whole numbers that no float holds. Raises: ValueError."""
-    if isinstance(value, dict | list):
-        for one in value.values() if isinstance(value, dict) else value:
-            _refuse_huge(one)
+def _refuse_huge(value: Any, key: str = "") -> None:
+    """Refuse whole numbers that no float holds; `key` leads to the value. Raises: ValueError."""
+    if isinstance(value, dict):
+        for name, one in value.items():
+            _refuse_huge(one, f"{key}.{name}" if key else name)
+    elif isinstance(value, list):
+        for one in value:
+            _refuse_huge(one, key)
     elif isinstance(value, int) and abs(value) > sys.float_info.max:
-        raise ValueError("a number that is too large")
+        raise ValueError(f"a number that is too large, {key}")

@@ -7,10 +7,19 @@ error handler `PRINTABLE`; functions that open a file use the path itself.
 
 import codecs
 import os
+import re
 import unicodedata
 
 PRINTABLE = "neuralgaits-printable"
 """Name of the error handler, for `str.encode` and for streams."""
+LONGEST_WORD, LONGEST_QUOTE = 255, 4096
+"""Most characters that a message shows of a word, and of a quoted text: no file's name is longer,
+and no path."""
+_SHOWN = 60
+"""Characters that a message shows of what is longer."""
+_TOO_LONG = re.compile(
+    rf"""(?<!\w)(["'])(?:(?!\1).){{{LONGEST_QUOTE + 1},}}\1|[^\s/"'`]{{{LONGEST_WORD + 1},}}"""
+)
 
 
 def printable(text: str | os.PathLike[str]) -> str:
@@ -36,6 +45,14 @@ def visible(text: str) -> str:
     return "".join(
         repr(c)[1:-1] if unicodedata.category(c) in ("Cc", "Cf", "Zl", "Zp") else c for c in text
     )
+
+
+def shortened(text: str) -> str:
+    """Return a message without most of each word, or quoted text, that is too long for one.
+
+    A folder's or a file's name in a path counts as one word, so paths that can be there stay whole.
+    """
+    return _TOO_LONG.sub(lambda long: f"{long[0][:_SHOWN]}... ({len(long[0])} characters)", text)
 
 
 def _escaped(error: UnicodeError) -> tuple[bytes, int]:

@@ -6,12 +6,18 @@ A message is one line and says what was expected, what was found, and what to do
 import errno
 import os
 
+from neuralgaits._printable import shortened
+
 _FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 """Error numbers with which a system reports a full disk, a full quota or a limit of one user."""
 
 
 class NeuralGaitsError(Exception):
     """Root of all errors raised on purpose by this package."""
+
+    def __str__(self) -> str:
+        """Return the message, with long words from the caller's input shortened."""
+        return shortened(super().__str__())
 
 
 class InputError(NeuralGaitsError):

@@ -152,6 +152,23 @@ def test_no_proof_file_at_all(tmp_path, text):
         read_claims(tmp_path / "absent.json")
 
 
+@pytest.mark.parametrize(
+    ("content", "found"),
+    [
+        (b"# Notes", "no JSON, Expecting value: line 1 column 1 (char 0); name a run"),
+        (b'{"format": 1}', "format 1; name a run that is certified, or its certificate/proof.json"),
+        (b"\xa0\xff", "none to read: no text; name a run"),
+        (b'{"kind": "neuralgaits certificate", "format"', "no JSON, .*; certify its run again"),
+        (b'{"kind": "neuralgaits certificate", "format": 2}', "format 2; certify its run again"),
+    ],
+)
+def test_the_remedy_fits_the_file(tmp_path, content, found):
+    file = tmp_path / "file"
+    file.write_bytes(content)
+    with pytest.raises(InputError, match=found.replace("(char 0)", r"\(char 0\)")):
+        read_claims(file)
+
+
 @pytest.mark.parametrize("axis", [0, 1, 2])
 def test_halves_cover_their_box(axis):
     low, high = (0.0, 0.25, -3.0), (1.0, 0.75, 5.0)

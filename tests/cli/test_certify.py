@@ -16,6 +16,7 @@ from neuralgaits.records.certified import (
     ConditionVerdict,
     Counterexample,
 )
+from neuralgaits.workflows import certify as certifying
 
 Captured = pytest.CaptureFixture[str]
 
@@ -58,6 +59,21 @@ def test_ctrl_c_is_130_and_says_how_to_go_on(run, capfd: Captured, monkeypatch) 
     assert "--resume" in err
     summary = json.loads((path / "certificate" / "summary.json").read_text())
     assert "interrupted" in summary["reason"]
+    monkeypatch.undo()
+    assert main(["certify", str(path), "--resume"]) == 1
+
+
+@pytest.mark.parametrize("run", ["small"], indirect=True)
+def test_ctrl_c_after_the_search_goes_on_from_its_boxes(run, capfd: Captured, monkeypatch) -> None:
+    _, path = run
+
+    def ctrl_c(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(certifying, "_conclusions", ctrl_c)
+    assert main(["certify", str(path)]) == 130
+    last = capfd.readouterr().err.splitlines()[-1]
+    assert "--resume" in last and "nothing is kept" not in last
     monkeypatch.undo()
     assert main(["certify", str(path), "--resume"]) == 1
 

@@ -121,7 +121,7 @@ def test_a_speed_beyond_motors_is_doubted_before_training():
     ("asked", "doubt"),
     [
         (["--speed", "5"], "no gait at 5 m/s is likely"),
-        (["--step-length", "0.3:1.6"], "no gait with steps of 1.6 m is likely for amber3m"),
+        (["--step-length", "0.3:1.4"], "no gait with steps of 1.4 m is likely for amber3m"),
     ],
 )
 def test_the_doubt_is_a_line_before_training(tmp_path, capfd, monkeypatch, more, asked, doubt):

@@ -5,6 +5,7 @@ import json
 import os
 import subprocess
 import sys
+import warnings
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +18,7 @@ from neuralgaits.cli import argv_parser, misspelt, verbs
 from neuralgaits.cli import main as entry
 from neuralgaits.cli.main import main
 from neuralgaits.cli.outcome import Outcome
+from neuralgaits.robots import load_robot
 from neuralgaits.runs import RUNS_ROOT, RunFolder, finish
 from neuralgaits.workflows import simulate as simulating
 from neuralgaits.workflows import train as training
@@ -89,6 +91,15 @@ def _only_line(capfd: Captured) -> str:
         (["train", "amber3m", "--hidden", "32,٣٢"], "found '٣٢': write 32"),
         (["simulate", "r", "--disturb", "friction=٠.5"], "found '٠.5': write 0.5"),
         (["certify", "r", "--within", "speed=0.7:०.8"], "found '०.8': write 0.8"),
+        (["simulate", "r", "--steps", "1_0"], "--steps: expected the digits 0 to 9, found '1_0'"),
+        (["simulate", "r", "--push", "1_0.5"], "found '1_0.5': write 10.5"),
+        (["simulate", "r", "--disturb", "friction=0.1_5"], "found '0.1_5': write 0.15"),
+        (["train", "amber3m", "--speed", "0_0.5:1"], "found '0_0.5': write 0.5"),
+        (["train", "amber3m", "--seeds", "0:1_000_000"], "found '1_000_000': write 1000000"),
+        (["train", "amber3m", "--hidden", "3_2"], "found '3_2': write 32"),
+        (["train", "amber3m", "--hidden", "9" * 5000], "--hidden as positive whole numbers"),
+        (["train", "amber3m", "--seeds", "9" * 5000], "--seeds A:B or one seed, found"),
+        (["simulate", "r", "--seed", "9" * 400], "found a number of 400 digits"),
         (["simulate", "latest", "--disturb="], "--disturb: expected a value, found ''\n"),
         (["simulate", "latest", "--link", " "], "--link: expected a value, found ' '\n"),
         (["sweep", "amber3m", "--specs", ""], "--specs: expected a value, found ''\n"),
@@ -285,6 +296,19 @@ def test_environment_keeps_what_the_user_set(
     assert cache_folder() == tmp_path / "neuralgaits"
 
 
+def test_warnings_of_libraries_are_shown_to_who_asks_for_them(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(os, "environ", dict(os.environ))
+    monkeypatch.setattr(sys, "warnoptions", ["default"])
+    entry.prepare()
+    with pytest.raises(RuntimeWarning):
+        warnings.warn("All-NaN slice encountered", RuntimeWarning, stacklevel=1)
+    monkeypatch.setattr(sys, "warnoptions", [])
+    entry.prepare()
+    warnings.warn("All-NaN slice encountered", RuntimeWarning, stacklevel=1)
+
+
 @pytest.mark.parametrize(
     ("flag", "value"),
     [
@@ -364,3 +388,39 @@ def test_what_cannot_be_used_is_one_line(
             (tmp_path / "runs" / name).write_text("amber3m/one\n")
     assert main(words.split()) == 2
     assert found in _only_line(capfd)
+
+
+LONG = "x" * 9999
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        [LONG],
+        ["train", f"--{LONG}"],
+        ["train", "amber3m", "--spec", LONG],
+        ["train", "amber3m", "--speed", LONG],
+        ["train", "amber3m", "--hidden", LONG],
+        ["train", "amber3m", "--seed", LONG],
+        ["train", "amber3m", "--parameters", f"{LONG}=1%"],
+        ["train", "amber3m", "--parameters", f"mass={' x' * 9999}"],
+        ["train", LONG[:300]],
+        ["simulate", LONG[:300]],
+        ["inspect", "robot.xml"],
+    ],
+)
+def test_a_message_shows_only_the_beginning_of_a_long_name(
+    capfd: Captured, monkeypatch: pytest.MonkeyPatch, tmp_path: Path, words: list[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    robot = load_robot("amber3m").layout.xml.replace("hip_left", LONG)
+    named = f'name="{LONG}"'
+    Path("robot.xml").write_text(robot.replace(named, f'{named} frictionloss="1"', 1))
+    assert main(words) == 2
+    line = _only_line(capfd)
+    assert len(line) < 1000 and ("characters)" in line or "File name too long" in line)
+
+
+def test_a_path_that_can_be_there_is_shown_whole() -> None:
+    path = "/".join(["x" * 255] * 15)
+    assert str(errors.RunError(f"expected a run at {path}")).endswith(path)

@@ -2,13 +2,16 @@
 
 import math
 
+import jax
+import numpy as np
 import pytest
 
 from neuralgaits.barriers import specs
 from neuralgaits.barriers.commanded_spec import commands_of
 from neuralgaits.cli.main import main
 from neuralgaits.errors import SpecError
-from neuralgaits.gait.reach import FRICTION, refuse_unreachable
+from neuralgaits.gait.posture import hip_indices, walking_posture
+from neuralgaits.gait.reach import FRICTION, refuse_unreachable, widest_step
 from neuralgaits.robots import load_robot
 
 STEEPEST = math.atan(FRICTION)
@@ -25,8 +28,9 @@ def amber():
         ("--step-length 0:99", "lengths above 0 m, found 0:99"),
         ("--step-length 0:0.3", "lengths above 0 m, found 0:0.3"),
         ("--step-length=-0.1:0.3", "lengths above 0 m"),
-        ("--step-length 0.3:1.8", "less than 1.75 m apart"),
-        ("--step-length 0.3:1.7 --step-height=-0.5:0.5", "less than 1.75 m apart"),
+        ("--step-length 0.3:1.8", "less than 1.52 m apart"),
+        ("--step-length 0.3:1.4 --step-height=-0.6:0.6", "less than 1.52 m apart"),
+        ("--step-length 0.2:1.6", "less than 1.52 m apart"),
         ("--step-height=-5:5", "heights below the legs' length of 0.87 m"),
         ("--slope=-30:30", "slopes below 24.2 degrees"),
         ("--speed 50", "a speed of at most 5.85 m/s for legs of 0.87 m"),
@@ -50,7 +54,7 @@ def test_limits_are_those_of_the_legs(amber):
     refuse_unreachable(amber, far)
     small = load_robot("rabbit")
     assert small.leg_length < amber.leg_length
-    beyond = commands_of(step_length=(0.3, 2.0 * small.leg_length))
+    beyond = commands_of(step_length=(0.3, 1.8 * small.leg_length))
     with pytest.raises(SpecError, match="apart"):
         refuse_unreachable(small, beyond)
     refuse_unreachable(amber, beyond)
@@ -65,3 +69,15 @@ def test_usual_ranges_pass(amber):
     }
     refuse_unreachable(amber, commands_of(**usual))
     specs.commanded(amber, commands_of(speed=usual["speed"]))
+
+
+def test_feet_part_as_far_as_the_outputs_let_them(amber):
+    """Straight legs at both stops of the hips are 1.8 rad apart; a bent shin reaches further."""
+    posture = walking_posture(amber)
+    hips = hip_indices(amber)
+    turned = posture.upper[hips[0]] - posture.lower[hips[-1]]
+    straight = 2.0 * amber.leg_length * math.sin(0.5 * turned)
+    assert straight < widest_step(amber) < 2.0 * amber.leg_length
+    random = np.random.default_rng(0).uniform(posture.lower, posture.upper, (200, amber.n - 1))
+    feet = jax.vmap(amber.swing_foot)(np.pad(random, ((0, 0), (1, 0))))
+    assert np.linalg.norm(feet, axis=1).max() < widest_step(amber)

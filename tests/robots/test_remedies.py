@@ -139,6 +139,25 @@ def test_a_missing_include_is_named_with_the_file_that_asks_for_it(tmp_path):
         load_robot(file)
 
 
+@pytest.mark.parametrize("kind", ["include", "mesh"])
+def test_an_include_that_is_no_regular_file_is_told_to_be_none(tmp_path, kind):
+    os.mkfifo(tmp_path / "part.xml")
+    (tmp_path / "folder").mkdir()
+    text = {
+        "include": '<include file="{}"/>',
+        "mesh": '<asset><mesh file="{}"/></asset>',
+    }[kind]
+    file = tmp_path / "robot.xml"
+    for name, is_a in (
+        ("part.xml", "a FIFO"),
+        ("folder", "a folder"),
+        ("/dev/null", "a device"),
+    ):
+        file.write_text(f"<mujoco>{text.format(name)}</mujoco>")
+        with pytest.raises(RobotError, match=f"{is_a} and no regular file"):
+            load_robot(file)
+
+
 def test_a_mesh_whose_path_is_no_utf8_is_refused(tmp_path):
     folder = tmp_path / os.fsdecode(b"l\xc3\xa4uft-\xff")
     try:

@@ -122,7 +122,7 @@ def test_every_walk_has_a_log_of_its_own(amber, walked):
     [
         ({"start": "middle"}, "expected one of centre, region, fixed-point, found 'middle'"),
         ({"episodes": 0}, "at least 1 episode, found 0"),
-        ({"seed": -1}, "seed of at least 0, found -1"),
+        ({"seed": -1}, "a seed from 0 to 2147483647, found -1"),
         ({"disturb": "wind=3"}, "unknown disturbance 'wind'"),
         ({"plant": "amber4m"}, "unknown robot amber4m"),
         ({"video": "walk.gif"}, "ends in .mp4"),

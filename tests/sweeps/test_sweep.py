@@ -190,7 +190,16 @@ def test_resuming_with_other_settings_is_refused(tmp_path: Path) -> None:
     ("words", "line"),
     [
         ([], "expected ROBOT, found none: name one or more"),
-        (["amber3m", "amber3m"], "expected robots of different names, found amber3m twice"),
+        (
+            ["amber3m", "amber3m"],
+            "expected robots of different names, which name the rows, found amber3m twice: amber3m "
+            "and amber3m; leave one out\n",
+        ),
+        (
+            ["amber3m", "mine/amber3m.xml"],
+            "expected robots of different names, which name the rows, found amber3m twice: amber3m "
+            "and mine/amber3m.xml; leave one out, or rename a file\n",
+        ),
         (["amber3m", "--speeds", "0.5,0.50"], "expected speeds of different values, found 0.5"),
         (["amber3m", "--walks", "9" * 400], "walks: expected at most 1000000, found a number"),
         (["amber3n"], "unknown robot amber3n: did you mean amber3m?"),

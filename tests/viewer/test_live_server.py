@@ -1,12 +1,19 @@
 """Where a page is served, and what it refuses."""
 
+import logging
 import socket
 import warnings
 
 import pytest
+import viser
+from websockets.exceptions import ConnectionClosed
+from websockets.sync.client import connect
+from websockets.typing import Subprotocol
 
 from neuralgaits.errors import InputError
 from neuralgaits.viewer import live_server
+
+PROTOCOLS = [Subprotocol(f"viser-v{viser.__version__}")]
 
 
 @pytest.fixture
@@ -102,3 +109,23 @@ def test_what_comes_after_the_end_is_not_warned_of():
     said.content = "after"
     with pytest.raises(UserWarning, match="something else"):
         warnings.warn("something else", stacklevel=1)
+
+
+@pytest.mark.parametrize(
+    "frame", ["text", b"", b"\xff\x00", b"\x05", b"\x81\xa4type\xa4Nope", b"\x81\xa1a\x01"]
+)
+def test_a_frame_that_viser_does_not_understand_is_not_on_the_terminal(capfd, monkeypatch, frame):
+    # Handlers of pytest would keep it off, too.
+    monkeypatch.setattr(logging.getLogger(), "handlers", [])
+    server = live_server.open_server("test")
+    try:
+        address = f"ws://{live_server.LOOPBACK}:{server.get_port()}"
+        with connect(address, subprotocols=PROTOCOLS) as visitor:
+            visitor.send(frame)
+            with pytest.raises(ConnectionClosed):
+                while True:
+                    visitor.recv()
+    finally:
+        with live_server.quiet():
+            server.stop()
+    assert capfd.readouterr() == ("", "")

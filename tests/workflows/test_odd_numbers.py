@@ -4,6 +4,7 @@ import shutil
 
 import numpy as np
 import pytest
+from safetensors.numpy import save_file
 
 from neuralgaits.certificate.levels.full_order.find import ALPHAS, find_full_order
 from neuralgaits.certificate.levels.full_order.samples import SampleEvaluators
@@ -11,6 +12,8 @@ from neuralgaits.certificate.levels.full_order.theorem import DECAY
 from neuralgaits.cli.main import main
 from neuralgaits.errors import SpecError
 from neuralgaits.gait.commands import Command
+from neuralgaits.runs.arrays import read_arrays
+from neuralgaits.runs.names import WEIGHTS
 from support.shipped_run import SHIPPED
 
 HUGE = "9" * 40
@@ -67,3 +70,16 @@ def test_outputs_slower_than_every_barrier_are_a_reason():
 def test_a_command_has_a_range(width):
     with pytest.raises(SpecError, match="expected a range"):
         Command("speed", 0.0, width)
+
+
+@pytest.mark.parametrize("verb", ["report", "view", "simulate", "certify"])
+def test_weights_that_overflow_are_refused_by_every_verb(tmp_path, capfd, verb):
+    run = tmp_path / "run"
+    shutil.copytree(SHIPPED, run)
+    arrays, _ = read_arrays(run / WEIGHTS)
+    # Files of other programs have no hash inside.
+    save_file({name: np.array(1e300 * one) for name, one in arrays.items()}, run / WEIGHTS)
+    assert main([verb, str(run)]) == 2
+    line = capfd.readouterr().err
+    assert line.startswith("neuralgaits: expected weights of at most 1e+30") and WEIGHTS in line
+    assert line.count("\n") == 1

@@ -11,12 +11,15 @@ import pytest
 from neuralgaits.certificate.proof_file import statement_check
 from neuralgaits.certificate.proof_file.theorem_tables import Theorems
 from neuralgaits.certificate.run_certificate import retrace
+from neuralgaits.certificate.run_certificate.run_comparison import RunComparison
 from neuralgaits.cli.main import main
 from neuralgaits.errors import InputError, RunError
 from neuralgaits.runs import RunFolder
+from neuralgaits.workflows import check_proof as checking
 from neuralgaits.workflows.certify import certify
 from neuralgaits.workflows.check_proof import check_proof
 from support.own_spec import HOLDS, SPEC, replace_spec, run_with
+from support.shipped_run import SHIPPED
 
 TEXT = SPEC.replace("BOUND", repr(HOLDS))
 PATCH = """
@@ -77,6 +80,16 @@ def test_the_spec_is_not_run_before_the_boxes_hold(certified_own, tmp_path, monk
     forged = tmp_path / "forged.json"
     forged.write_text(json.dumps(table))
     assert check_proof(forged, run=run)["verdict"] == "rejected"
+
+
+def test_a_spec_of_the_package_is_compared_before_the_boxes_are_bounded(monkeypatch):
+    def of_another_run(claims, _):
+        return RunComparison(("the hash is another",), claims.asked, claims.chart, ())
+
+    monkeypatch.setattr(checking, "check", lambda *_: pytest.fail("bounded too early"))
+    monkeypatch.setattr(checking, "compare_with_run", of_another_run)
+    found = check_proof(SHIPPED, run=SHIPPED)
+    assert (found["verdict"], found["reason"]) == ("rejected", "the hash is another")
 
 
 @pytest.mark.parametrize(

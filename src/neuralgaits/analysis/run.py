@@ -141,6 +141,8 @@ class Run:
         return ZeroDynamics(self.robot, self.gait.policy, *self.residuals)
 
 
+LARGEST = 1e30
+"""Limit on a policy's weights: beyond it nothing that is computed from them is finite."""
 # Compiled once, not once a call.
 _policy_at, _gait_at = quick_filter_jit(CommandedPolicy.at), quick_filter_jit(CommandedGait.at)
 
@@ -192,6 +194,12 @@ def open_run(run: "Run | str | Path") -> Run:
     folder = resolve(run)
     robot, spec = open_parts(folder)
     gait = folder.read_tree(WEIGHTS, _shaped(folder, spec))
+    arrays = map(np.asarray, jax.tree.leaves(gait))
+    if not all(np.all(np.abs(array) <= LARGEST) for array in arrays):
+        raise RunError(
+            f"expected weights of at most {LARGEST:g} in {folder.path / WEIGHTS}, found others: "
+            "the run's policy is damaged or not trained; restore it or train again"
+        )
     return Run(folder, robot, spec, gait)
 
 

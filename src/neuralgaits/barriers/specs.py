@@ -8,6 +8,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from neuralgaits._inputs import no_file_at
 from neuralgaits._names import meant
 from neuralgaits.barriers import hzd as _hzd
 from neuralgaits.barriers import paper as _paper
@@ -178,7 +179,7 @@ def source_path(name: str) -> Path:
 def _module(path: str):
     file = Path(path)
     if not file.is_file():
-        raise SpecError(f"spec file {path}: no such file")
+        raise SpecError(f"spec file {path}: {no_file_at(file, 'no such file')}")
     specification = importlib.util.spec_from_file_location(f"{PREFIX}{file.stem}", file)
     if specification is None or specification.loader is None:
         raise SpecError(f"spec file {path}: expected a Python file")

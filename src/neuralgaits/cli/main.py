@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import NoReturn
 
 from neuralgaits._environment import prepare
-from neuralgaits._printable import PRINTABLE, printable, visible
+from neuralgaits._printable import PRINTABLE, printable, shortened, visible
 from neuralgaits.errors import (
     ConvergenceError,
     Interrupted,
@@ -76,14 +76,14 @@ def main(arguments: list[str]) -> int:
     except NeuralGaitsError as error:
         return _fail(str(error), error, BAD_INPUT, verbose)
     except OSError as error:
-        return _fail(_of_system(error), error, BAD_INPUT, verbose)
+        return _fail(shortened(_of_system(error)), error, BAD_INPUT, verbose)
     except Exception as error:
         if (mistake := _of_user(error)) is not None:
-            return _fail(str(mistake), error, BAD_INPUT, verbose)
+            return _fail(shortened(str(mistake)), error, BAD_INPUT, verbose)
         if (graphics := _of_graphics(error)) is not None:
             return _fail(graphics, error, BAD_INPUT, verbose)
         # The last resort, so that a script never takes a defect for the answer "no".
-        what = f"defect in this program: {type(error).__name__}: {error}"
+        what = shortened(f"defect in this program: {type(error).__name__}: {error}")
         return _fail(f"{what}; please report it with what -v prints", error, DEFECT, verbose)
 
 

@@ -11,11 +11,12 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
+from neuralgaits._digits import decimal, whole
 from neuralgaits._names import meant
 from neuralgaits.errors import InputError
 from neuralgaits.settings.options import ONLY_PYTHON, POSITIONAL
 
-_NUMBERS = {float: "a number", int: "a whole number"}
+_NUMBERS = {float: ("a number", decimal), int: ("a whole number", whole)}
 _HELP, _VERBOSE = ("-h", "--help"), "-v"
 _COMMANDED = {
     "simulate": ("--command", "command a gait", "{}"),
@@ -48,7 +49,7 @@ class _Setting:
         """Expected value of the option, in words."""
         if isinstance(self.kind, tuple):
             return " or ".join((", ".join(self.kind[:-1]), self.kind[-1]))
-        return "a value" if self.kind is None else _NUMBERS.get(self.kind, "a value")
+        return _NUMBERS[self.kind][0] if self.kind in _NUMBERS else "a value"
 
 
 def refuse_misspelt(words: Sequence[str], verbs: Mapping[str, type]) -> None:
@@ -136,35 +137,37 @@ def _option(verb: str, word: str, options: Mapping[str, _Setting], left: Iterato
     if not value.strip():
         raise InputError(f"{name}: expected {one.expected}, found {value!r}")
     if one.kind is not Path:
-        _refuse_foreign_digits(name, value)
+        _refuse_other_notations(name, value, names=one.kind is str)
     if isinstance(one.kind, tuple):
         if value not in one.kind:
             hint = meant(value, one.kind)
             raise InputError(
                 f"{name}: expected {one.expected}, found {value!r}{hint and f'; {hint}'}"
             )
-    elif one.kind is not None and one.kind in _NUMBERS:
+    elif one.kind in _NUMBERS:
         try:
-            one.kind(value)
+            _NUMBERS[one.kind][1](value)
         except ValueError:
             raise InputError(f"{name}: expected {one.expected}, found {value!r}") from None
     return name
 
 
-def _refuse_foreign_digits(name: str, value: str) -> None:
-    """Refuse numbers in other digits than 0 to 9, which Python reads too. Raises: InputError.
+def _refuse_other_notations(name: str, value: str, *, names: bool) -> None:
+    """Refuse numbers such as 1_0 or with other digits than 0 to 9, which Python reads too.
 
     A value may be a list of numbers, of NAME=NUMBER or of NUMBER:NUMBER. A word that is no number
-    may have any character.
+    may have any character; if the option takes names, only numbers after = are meant as such.
+
+    Raises: InputError.
     """
-    for part in re.split("[,:=]", value):
-        if part.isascii():
-            continue
+    for part in re.findall("=([^,:=]*)", value) if names else re.split("[,:=]", value):
         try:
             number = float(part)
         except ValueError:
             continue
-        raise InputError(f"{name}: expected the digits 0 to 9, found {part!r}: write {number:g}")
+        if part.isascii() and "_" not in part:
+            continue
+        raise InputError(f"{name}: expected the digits 0 to 9, found {part!r}: write {number:.15g}")
 
 
 def _refuse_count(verb: str, alone: Sequence[str], positional: Sequence[_Setting]) -> None:

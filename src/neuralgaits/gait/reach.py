@@ -4,9 +4,11 @@ import itertools
 import math
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from neuralgaits.errors import SpecError
 from neuralgaits.gait.commands import FASTEST, Commands, command_named
-from neuralgaits.gait.posture import GUARD
+from neuralgaits.gait.posture import GUARD, walking_posture
 
 if TYPE_CHECKING:
     from neuralgaits.robots import PlanarBiped
@@ -16,6 +18,8 @@ MOST_FROUDE = 4.0
 speed would need a floor that pulls with three times the weight."""
 FRICTION = 0.45
 """Friction of the floor in the conditions of the walk: feet slip on a steeper slope."""
+GRID_POINTS = 1e5
+"""Number of postures among which the widest step is looked for."""
 
 
 def refuse_unreachable(robot: "PlanarBiped", commands: Commands) -> None:
@@ -82,7 +86,7 @@ def _refuse_high(robot: "PlanarBiped", commands: Commands) -> None:
 
 
 def _refuse_far(robot: "PlanarBiped", commands: Commands) -> None:
-    """Refuse footholds further from each other than two straight legs reach."""
+    """Refuse footholds further from each other than the bounds of the outputs let feet part."""
     ends: dict[str, tuple[float, ...]] = {
         "step_length": (2.0 * GUARD * robot.leg_length,),
         "step_height": (0.0,),
@@ -93,10 +97,25 @@ def _refuse_far(robot: "PlanarBiped", commands: Commands) -> None:
             ends[name] = (command.low, command.high)
     corners = itertools.product(*ends.values())
     farthest = max(math.hypot(long, high + math.tan(slope) * long) for long, high, slope in corners)
-    most = 2.0 * robot.leg_length
+    most = widest_step(robot)
     if not farthest < most:
         names = [name for name in ends if command_named(commands, name) is not None]
         raise SpecError(
-            f"command {', '.join(names)}: expected footholds less than {most:.3g} m apart, twice "
-            f"the legs' length, found {farthest:.3g} m: ask for shorter steps"
+            f"command {', '.join(names)}: expected footholds less than {most:.3g} m apart, where "
+            f"joints reach a gait's bounds, found {farthest:.3g} m: ask for shorter steps"
         )
+
+
+def widest_step(robot: "PlanarBiped") -> float:
+    """Return the largest distance between the feet with all outputs within their bounds [m].
+
+    It is the largest on a grid, and a hundredth more, which is ten times what the grid misses.
+    """
+    posture = walking_posture(robot)
+    count = max(int(GRID_POINTS ** (1.0 / (robot.n - 1))), 3)
+    values = np.linspace(posture.lower, posture.upper, count).T
+    outputs = np.stack([one.ravel() for one in np.meshgrid(*values)])
+    # The distance does not depend on the first coordinate, which turns the whole robot.
+    angles = np.asarray(robot.link_angles)[:, 1:] @ outputs
+    lengths = np.asarray(robot.foot)
+    return 1.01 * float(np.hypot(lengths @ np.sin(angles), lengths @ np.cos(angles)).max())

@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from neuralgaits._inputs import refuse_unreadable
+from neuralgaits._inputs import no_file_at, refuse_unreadable
 from neuralgaits._names import meant
 from neuralgaits._types import Float
 from neuralgaits.errors import InputError
@@ -74,7 +74,8 @@ def read_gait(file: Path, robot: PlanarBiped, name: str | None = None) -> GivenG
     Raises: InputError in one line that names the file and what is wrong.
     """
     if not file.is_file():
-        raise InputError(f"expected a gait file, found none at {file}: give the path of one")
+        found = no_file_at(file, "none")
+        raise InputError(f"expected a gait file, found {found} at {file}: give the path of one")
     chosen = _chosen(file, _read(file), name)
     _refuse_misspelt(file, chosen)
     for field, what in _FIELDS.items():

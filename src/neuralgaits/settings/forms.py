@@ -4,6 +4,7 @@ import math
 from collections.abc import Iterable, Mapping
 from typing import Literal
 
+from neuralgaits._digits import decimal, whole
 from neuralgaits.errors import InputError
 
 COMMAND_UNITS = {"speed": "m/s", "step_length": "m", "step_height": "m", "slope": "degrees"}
@@ -51,7 +52,7 @@ def _numbers(name: str, form: str, text: str, counts: tuple[int, ...]) -> list[f
 def _values(text: str) -> list[float]:
     """Read finite numbers with colons between them; none if one of them is not."""
     try:
-        values = [float(part) for part in text.split(":")]
+        values = [decimal(part) for part in text.split(":")]
     except ValueError:
         return []
     return values if all(map(math.isfinite, values)) else []
@@ -63,7 +64,7 @@ def ranges(text: str) -> dict[str, Interval]:
     for part in text.split(","):
         name, _, ends = (word.strip() for word in part.partition("="))
         try:
-            low, high = (float(end) for end in ends.split(":"))
+            low, high = (decimal(end) for end in ends.split(":"))
         except ValueError:
             low = high = math.nan
         if not name or name in found or not math.isfinite(high - low):
@@ -77,12 +78,20 @@ def ranges(text: str) -> dict[str, Interval]:
 
 def widths(text: str) -> tuple[int, ...]:
     """Read `N,N` as layer widths. Raises: InputError unless every N is a positive whole number."""
-    words = [word.strip() for word in text.split(",")]
-    if not all(word.isdecimal() and int(word) > 0 for word in words):
+    numbers = _wholes(text.split(","))
+    if not all(number > 0 for number in numbers) or not numbers:
         raise InputError(
             f"expected --hidden as positive whole numbers N,N, found {text!r}: write 32,32"
         )
-    return tuple(int(word) for word in words)
+    return tuple(numbers)
+
+
+def _wholes(words: list[str]) -> list[int]:
+    """Read whole numbers; none if one of them is not."""
+    try:
+        return [whole(word) for word in words]
+    except ValueError:
+        return []
 
 
 def box(text: str) -> dict[str, float]:
@@ -102,7 +111,7 @@ def disturbance(text: str) -> tuple[float, float] | Literal["learned"]:
     if text == LEARNED:
         return LEARNED
     try:
-        first, second = (float(word) for word in text.split(","))
+        first, second = (decimal(word) for word in text.split(","))
     except ValueError:
         raise InputError(
             f"expected --disturbance as two numbers A,B (m/s, N m) or {LEARNED}, found {text!r}: "
@@ -113,11 +122,10 @@ def disturbance(text: str) -> tuple[float, float] | Literal["learned"]:
 
 def seeds(text: str) -> tuple[int, int]:
     """Read `A:B`, or one seed, as the first seed and the one after the last. Raises: InputError."""
-    words = text.split(":")
-    if len(words) > 2 or not all(word.isdecimal() for word in words):
+    ends = _wholes(text.split(":"))
+    if len(ends) not in (1, 2):
         raise InputError(f"expected --seeds A:B or one seed, found {text!r}: write 0:20")
-    first = int(words[0])
-    return first, int(words[1]) if len(words) == 2 else first + 1
+    return ends[0], ends[1] if len(ends) == 2 else ends[0] + 1
 
 
 def specs(text: str) -> list[str]:

@@ -46,9 +46,13 @@ def short_names(names: Sequence[str]) -> list[str]:
 def refuse_same(what: str, names: Sequence[str]) -> None:
     """Refuse names that would give two rows one name. Raises: InputError."""
     short = short_names(names)
-    if twice := sorted({name for name in short if short.count(name) > 1}):
+    twice = next((name for name in short if short.count(name) > 1), None)
+    if twice is not None:
+        same = [name for name, own in zip(names, short, strict=True) if own == twice]
+        way = "leave one out" if len(set(same)) == 1 else "leave one out, or rename a file"
         raise InputError(
-            f"expected {what} of different names, found {twice[0]} twice: name each once"
+            f"expected {what} of different names, which name the rows, found {twice} twice: "
+            f"{' and '.join(same[:2])}; {way}"
         )
 
 

@@ -4,6 +4,7 @@ import contextlib
 import errno
 import io
 import ipaddress
+import logging
 import socket
 import threading
 import warnings
@@ -43,9 +44,7 @@ def open_server(label: str, host: str = LOOPBACK, port: int | None = None) -> Lo
     Raises: InputError if host or port is not available.
     """
     found = _free_port(host, port)
-    # A visitor may leave, or the page end, while an answer is on its way; viser warns of it on
-    # stderr, and there is nothing to be done.
-    warnings.filterwarnings("ignore", message=r"Queued a \w+ on a closed connection")
+    _keep_visitors_quiet()
     with quiet():
         server = LocalServer(host=host, port=found, label=label, verbose=False)
     if server.get_port() != found:
@@ -57,6 +56,23 @@ def open_server(label: str, host: str = LOOPBACK, port: int | None = None) -> Lo
     return server
 
 
+def _keep_visitors_quiet() -> None:
+    """Keep off the terminal what goes wrong with a visitor's messages; there is nothing to be done.
+
+    Whoever sends no WebSocket frames, or none that viser understands, loses the connection. A
+    caller who sets up logging has the tracebacks.
+    """
+    # A visitor may also leave, or the page end, while an answer is on its way.
+    warnings.filterwarnings("ignore", message=r"Queued a \w+ on a closed connection")
+    warnings.filterwarnings("ignore", message=r"\[viser\] .* does not match annotation")
+    for library in _TALKATIVE:
+        logger = logging.getLogger(library)
+        if not logger.handlers:
+            logger.addHandler(logging.NullHandler())
+
+
+_TALKATIVE = "websockets", "asyncio"
+"""Loggers that report visitors' messages; without a handler Python prints them to stderr."""
 _REMEDY = "leave --port away to have a free one chosen, or name another"
 
 

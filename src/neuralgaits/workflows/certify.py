@@ -162,11 +162,24 @@ def _written(
     start_time: float,
     ended: str | None,
 ) -> CertifyResult:
-    """Save everything and return the verdicts; `ended` says why a search stopped early."""
-    run, scope = task.run, task.scope
+    """Save everything and return the verdicts; `ended` says why a search stopped early.
+
+    Raises: SearchInterrupted for KeyboardInterrupt, once the boxes are saved.
+    """
     searched = list(zip(problems, states, strict=True))
     for number, pair in enumerate(searched):
-        save(_boxes_file(run, number), *pair)
+        save(_boxes_file(task.run, number), *pair)
+    try:
+        return _concluded(task, searched, start_time, ended)
+    except KeyboardInterrupt:
+        raise SearchInterrupted(states) from None
+
+
+def _concluded(
+    task: _Task, searched: Sequence[level_one.Searched], start_time: float, ended: str | None
+) -> CertifyResult:
+    """Draw conclusions from the boxes, write the certificate, and return the verdicts."""
+    run, scope = task.run, task.scope
     statements = tuple(statement for pair in searched for statement in prove(*pair))
     conclusions = _conclusions(task, statements)
     files = {} if scope.chart.parameters else _map(task, searched)
@@ -195,7 +208,7 @@ def _written(
         start_time,
         files,
         reason=reason,
-        boxes=box_count(states),
+        boxes=box_count([state for _, state in searched]),
         reached=reached,
         sets=task.sets,
     )

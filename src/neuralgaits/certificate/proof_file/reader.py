@@ -6,6 +6,7 @@ field; an unknown field may change the meaning of a known one.
 
 from dataclasses import dataclass
 from functools import cached_property
+from json import JSONDecodeError
 from pathlib import Path
 from typing import Any
 
@@ -34,6 +35,7 @@ from neuralgaits.certificate.proof_file.theorem_tables import Theorems
 from neuralgaits.errors import InputError, reason
 from neuralgaits.programs.program import Program
 from neuralgaits.programs.prune import reading
+from neuralgaits.records.certified import PROOF
 from neuralgaits.runs import packed
 
 FORMAT, KIND = 3, "neuralgaits certificate"
@@ -49,6 +51,10 @@ LEAF, DIGITS = "-", "0123456789abcdef"
 
 Corners = tuple[np.ndarray, np.ndarray]
 """Boxes by their lower and upper corners. [boxes, n] each."""
+
+
+_OTHER = f"name a run that is certified, or its {PROOF}"
+"""Remedy for a file that is none of this kind."""
 
 
 class InconsistentError(Exception):
@@ -161,15 +167,18 @@ def read_claims(path: Path) -> Claims:
     try:
         text = packed.content(path).decode("utf-8")
     except (OSError, ValueError) as error:
+        why = "no text" if isinstance(error, UnicodeDecodeError) else reason(error)
         raise InputError(
-            f"expected a proof file at {path}, found none to read: {reason(error)}"
+            f"expected a proof file at {path}, found none to read: {why}; {_OTHER}"
         ) from None
     try:
         return _claims(parse(text))
     except (ValueError, RecursionError, OverflowError, MemoryError) as error:
+        why = f"no JSON, {error}" if isinstance(error, JSONDecodeError) else str(error)
+        # Damaged, or of another version, it is still the proof of a run.
+        way = "certify its run again" if KIND in text else _OTHER
         raise InputError(
-            f"expected a proof file of format {FORMAT}, found in {path}: {shortened(str(error))}; "
-            "certify its run again"
+            f"expected a proof file of format {FORMAT}, found in {path}: {shortened(why)}; {way}"
         ) from None
 
 

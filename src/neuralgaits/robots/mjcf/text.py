@@ -9,7 +9,7 @@ import os
 from pathlib import Path
 from xml.etree import ElementTree
 
-from neuralgaits._inputs import refuse_unreadable
+from neuralgaits._inputs import no_file_at, refuse_unreadable
 from neuralgaits._printable import printable
 from neuralgaits.errors import RobotError, reason
 
@@ -71,7 +71,9 @@ def _include(
         if path.resolve() in seen:
             raise RobotError(f"{path.name} includes itself: remove that <include>")
         if not path.is_file():
-            found = f"{path} is not there" if child.get("file") else "it names no file"
+            found = "it names no file"
+            if child.get("file"):
+                found = f"{path} is {no_file_at(path, 'not there')}"
             raise RobotError(
                 f"expected the file that {seen[-1].name} includes, found that {found}: put it "
                 "there, or remove that <include>"
@@ -88,8 +90,9 @@ def _include(
 def missing_asset(kind: str, path: Path | str) -> str:
     """Return the error message for a missing picture file, with its remedy."""
     return (
-        f"expected a {kind} file at {path}, found none: put it there, or remove its <{kind}> from "
-        "<asset> and what shows it; bodies with an <inertial> need no picture"
+        f"expected a {kind} file at {path}, found {no_file_at(Path(path), 'none')}: put it there, "
+        f"or remove its <{kind}> from <asset> and what shows it; bodies with an <inertial> need no "
+        "picture"
     )
 
 

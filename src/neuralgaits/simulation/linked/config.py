@@ -5,6 +5,7 @@ from dataclasses import dataclass, fields
 from typing import Any
 
 from neuralgaits._checks import listed
+from neuralgaits._digits import decimal
 from neuralgaits.errors import InputError
 
 
@@ -54,7 +55,7 @@ def parse_link(text: "str | Mapping[str, Any] | LinkConfig | None") -> LinkConfi
         if name not in known:
             raise InputError(f"unknown link setting {name!r}: expected one of {', '.join(known)}")
         try:
-            number = value if known[name] is str else float(value)
+            number = value if known[name] is str else decimal(value)
         except ValueError:
             raise InputError(f"link {name}: expected a number, found {value!r}") from None
         if name == "lockstep":

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
+from neuralgaits._digits import decimal
 from neuralgaits._inputs import refuse_unreadable
 from neuralgaits._types import Float
 from neuralgaits.errors import InputError
@@ -191,7 +192,7 @@ def _row(
 def _number(text: str) -> float | None:
     """Parse a finite number; return None for other text."""
     try:
-        value = float(text)
+        value = decimal(text)
     except ValueError:
         return None
     return value if math.isfinite(value) else None

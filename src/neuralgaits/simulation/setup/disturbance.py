@@ -6,6 +6,7 @@ from dataclasses import dataclass, field, fields
 from typing import Any
 
 from neuralgaits._checks import listed
+from neuralgaits._digits import decimal
 from neuralgaits._names import meant
 from neuralgaits.errors import InputError
 
@@ -115,7 +116,7 @@ def parse(disturb: "str | Mapping[str, float] | PlantChanges | None") -> PlantCh
         if name in values:
             raise InputError(f"disturbance {name} is given twice: give it once")
         try:
-            values[name] = float(text)
+            values[name] = decimal(text)
         except (TypeError, ValueError):
             raise InputError(f"disturbance {name}: expected a number, found {text!r}") from None
     return PlantChanges(**values)

@@ -4,6 +4,7 @@ import math
 from dataclasses import replace
 
 from neuralgaits._checks import listed
+from neuralgaits._digits import decimal
 from neuralgaits.errors import InputError
 from neuralgaits.simulation.setup.disturbance import PlantChanges
 
@@ -72,7 +73,7 @@ def _read(settings: list[str]) -> dict[str, float]:
         if name in values:
             raise InputError(f"sensing {name} is given twice: give it once")
         try:
-            values[name] = float(text)
+            values[name] = decimal(text)
         except ValueError:
             raise InputError(f"sensing {name}: expected a number, found {text!r}") from None
     return values

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from neuralgaits._digits import decimal
 from neuralgaits._inputs import refuse_unreadable
 from neuralgaits._types import Float
 from neuralgaits.errors import InputError
@@ -59,7 +60,7 @@ def stones_of_file(path: Path, commands: Commands, steps: int) -> Course:
 
 def _row(path: Path, number: int, line: list[str]) -> list[float]:
     try:
-        values = [float(word) for word in line]
+        values = [decimal(word) for word in line]
     except ValueError:
         values = []
     if len(values) != len(_HEAD) or not all(map(math.isfinite, values)) or values[3] <= 0.0:

@@ -7,6 +7,8 @@ from pathlib import Path
 from typing import NamedTuple
 
 from neuralgaits._checks import listed
+from neuralgaits._digits import decimal
+from neuralgaits._inputs import no_file_at
 from neuralgaits.errors import InputError
 from neuralgaits.gait.commands import Commands, command_named, place_of
 
@@ -109,14 +111,14 @@ def kind_of(asked: str) -> tuple[str | None, dict[str, float]]:
             return None, {}
         raise InputError(
             f"expected --terrain {', '.join(KINDS)} or a CSV file of stones, found {asked!r}: no "
-            "such kind and no such file"
+            f"such kind and {no_file_at(Path(asked), 'no such file')}"
         )
     found: dict[str, float] = {}
     known = KINDS[kind].settings
     for part in listed("--terrain", asked)[1:]:
         name, _, text = (word.strip() for word in part.partition("="))
         try:
-            value = float(text)
+            value = decimal(text)
         except ValueError:
             value = math.nan
         if name not in known or name in found or not math.isfinite(value):
