@@ -12,7 +12,7 @@ from neuralgaits.certificate.levels.full_order.theorem import DECAY
 from neuralgaits.cli.main import main
 from neuralgaits.errors import SpecError
 from neuralgaits.gait.commands import Command
-from neuralgaits.runs.arrays import read_arrays
+from neuralgaits.runs.arrays import SHA256, read_arrays, write_arrays
 from neuralgaits.runs.names import WEIGHTS
 from support.shipped_run import SHIPPED
 
@@ -83,3 +83,24 @@ def test_weights_that_overflow_are_refused_by_every_verb(tmp_path, capfd, verb):
     line = capfd.readouterr().err
     assert line.startswith("neuralgaits: expected weights of at most 1e+30") and WEIGHTS in line
     assert line.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    ("factor", "verb", "found"),
+    [
+        (0.0, "report", "expected a region with room between its fences, found none"),
+        (1e20, "export", "expected a gait whose controller goes on in its region"),
+    ],
+)
+def test_fences_that_make_no_region_are_one_line(tmp_path, capfd, factor, verb, found):
+    run = shutil.copytree(SHIPPED, tmp_path / "run")
+    arrays, words = read_arrays(run / WEIGHTS)
+    scaled = {
+        name: np.asarray(factor * array) if name.startswith("tube.") else array
+        for name, array in arrays.items()
+    }
+    write_arrays(run / WEIGHTS, scaled, {k: v for k, v in words.items() if k != SHA256})
+    out = tmp_path / ("page.html" if verb == "report" else "c")
+    assert main([verb, str(run), "--out", str(out)]) == 2
+    assert found in capfd.readouterr().err.splitlines()[-1]
+    assert not out.exists()

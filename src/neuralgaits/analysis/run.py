@@ -195,11 +195,14 @@ def open_run(run: "Run | str | Path") -> Run:
     robot, spec = open_parts(folder)
     gait = folder.read_tree(WEIGHTS, _shaped(folder, spec))
     arrays = map(np.asarray, jax.tree.leaves(gait))
+    wrong = None
     if not all(np.all(np.abs(array) <= LARGEST) for array in arrays):
-        raise RunError(
-            f"expected weights of at most {LARGEST:g} in {folder.path / WEIGHTS}, found others: "
-            "the run's policy is damaged or not trained; restore it or train again"
-        )
+        wrong = f"weights of at most {LARGEST:g} in {folder.path / WEIGHTS}, found others"
+    elif isinstance(gait, Gait) and not gait.tube.has_room:
+        wrong = f"a region with room between its fences in {folder.path / WEIGHTS}, found none"
+    if wrong is not None:
+        remedy = "the run's policy is damaged or not trained; restore it or train again"
+        raise RunError(f"expected {wrong}: {remedy}")
     return Run(folder, robot, spec, gait)
 
 

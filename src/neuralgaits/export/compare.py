@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from neuralgaits._types import Float
-from neuralgaits.errors import MismatchError
+from neuralgaits.errors import InputError, MismatchError
 from neuralgaits.export import build
 from neuralgaits.export.cases import Cases, of_faults, of_guard, of_region
 from neuralgaits.export.drawn_states import steps_of
@@ -68,11 +68,19 @@ def limits(design: Design, precision: str) -> ExportTolerance:
 
 
 def questions(design: Design, reference: Reference, states: int = STATES) -> Questions:
-    """Draw the cases and compute Python's answers."""
+    """Draw the cases and compute Python's answers.
+
+    Raises: InputError if the controller faults in every state of the region.
+    """
     cases = Cases.joined(
         [of_region(design, states, SEED), of_guard(design, SEED), of_faults(design, SEED)]
     )
     ticks = reference.evaluate(cases)
+    if np.all(ticks.fault[:states] != 0):
+        raise InputError(
+            f"expected a gait whose controller goes on in its region, found faults in all {states} "
+            "states: the run's policy is damaged or not trained; restore it or train again"
+        )
     return Questions(cases, ticks, *policy_questions(design, states))
 
 

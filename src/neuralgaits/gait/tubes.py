@@ -9,7 +9,7 @@ and bands of tilted energy are tubes whose fences are fixed parabolas, so one ch
 import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
-from numpy.polynomial.chebyshev import chebder, poly2cheb
+from numpy.polynomial.chebyshev import chebder, chebval, poly2cheb
 
 from neuralgaits._types import Array, Float, Scalar
 from neuralgaits.gait.commands import Commands, Pair, factors
@@ -86,6 +86,14 @@ class Tube(eqx.Module):
             series.append(np.pad(poly2cheb(power), (0, degree - 2)))
         ends = None if span is None else np.asarray(span, dtype=np.float64)
         return cls(series[0], series[1], np.asarray(unit), ends, trained)
+
+    @property
+    def has_room(self) -> bool:
+        """Whether the upper fence is above the lower one at some phase."""
+        # Highest difference of two series of these degrees, on a grid far finer than they turn.
+        phase = np.linspace(-1.0, 1.0, 257)
+        apart = chebval(phase, np.asarray(self.upper)) - chebval(phase, np.asarray(self.lower))
+        return bool(np.any(float(self.unit) * apart > 0.0))
 
     def fences(self, phase: Number) -> Float[Array, "2"]:
         """Value of zeta on the lower and the upper fence [(kg m^2/s)^2]. [2]."""
