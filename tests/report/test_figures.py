@@ -38,7 +38,7 @@ from neuralgaits.report.figures import (
 )
 from neuralgaits.report.figures.full_order_set import FullOrderSet
 from neuralgaits.report.figures.return_map import Proved
-from neuralgaits.report.makers import MAKERS, Absent, FigureSource
+from neuralgaits.report.makers import Absent, RunFigures, makers_of
 from neuralgaits.workflows.figures import figures
 
 UNIT = re.compile(r"\[.+\]")
@@ -56,10 +56,10 @@ FULL = FullOrderSet(
 
 
 def sketches(run):
-    source = FigureSource(run, certificate_of(run))
-    for name, _, make in MAKERS:
+    of_run = RunFigures(run, certificate_of(run))
+    for name, _, make in makers_of(run.asked):
         try:
-            yield name, *make(source)
+            yield name, *make(of_run)
         except Absent:
             continue
 
@@ -91,7 +91,7 @@ def needs_none(axis, side):
 
 
 def test_figures_have_words_and_files_that_open(run, drawn):
-    assert list(drawn) == [name for name, _, _ in MAKERS]
+    assert list(drawn) == [name for name, _, _ in makers_of(run.asked)]
     total = 0
     for figure in drawn.values():
         assert figure.title
@@ -275,9 +275,10 @@ def copied(run, tmp_path):
 
 def entry(run, name):
     """A figure's caption and drawing, or why it is missing."""
-    title, make = next((title, make) for known, title, make in MAKERS if known == name)
+    makers = makers_of(run.asked)
+    title, make = next((title, make) for known, title, make in makers if known == name)
     try:
-        return make(FigureSource(run, certificate_of(run)))
+        return make(RunFigures(run, certificate_of(run)))
     except Absent as absent:
         return Missing(name, title, absent.reason, absent.command)
 

@@ -22,12 +22,6 @@ from neuralgaits.report.drawing.style import (
     styled,
 )
 
-TITLE = "The rules of the gait"
-CAPTION = (
-    "Walking is asked for as limits on the robot, not as a motion to copy: the torso stays within "
-    "its wedge, the swing foot above its arc, the contact force inside the friction cone, hip and "
-    "knees on the right side of their bounds. Poses and forces are those of the periodic gait."
-)
 ALLOWED = "#dcebf7"
 ARROWS = 9
 """Number of contact forces that are drawn."""

@@ -15,14 +15,6 @@ from neuralgaits.report.drawing.style import BLACK, ORANGE, new_figure, styled
 from neuralgaits.report.figures.phase_portrait import X_LABEL, Y_LABEL
 from neuralgaits.runs import read_arrays
 
-TITLE = "What is proved, where"
-CAPTION = (
-    "Every box is a set of states on which all conditions that apply there were bounded at once. "
-    "Green boxes are proved, the stronger the further from a limit; orange ones are open, red ones "
-    "broken. A green box speaks of every state in it: none lies between samples. The map is "
-    "certify's own word: the proof file has its boxes, and no picture of them."
-)
-
 PROVED, UNDECIDED, REFUTED = 0, 1, 2
 """States of a box: all conditions proved, some open, some violated everywhere on it."""
 

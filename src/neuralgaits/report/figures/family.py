@@ -20,7 +20,6 @@ from neuralgaits.report.drawing.style import (
     styled,
 )
 
-TITLE = "A family of gaits"
 HEIGHT, HEIGHT_A_COMMAND = 4.3, 1.9
 """Least height of the figure, and its least height for each command [in]."""
 LEAST_SPAN = 0.02

@@ -13,13 +13,6 @@ from neuralgaits.analysis.data import GaitData
 from neuralgaits.report.drawing.style import BLACK, BLUE, RED, new_figure, panel, series, styled
 from neuralgaits.report.figures.phase_portrait import X_LABEL, Y_LABEL
 
-TITLE = "How far the joints may be off"
-CAPTION = (
-    "Real joints never follow exactly. Left: over the states of the tube, how large their errors "
-    "may be and the robot still provably walks on for ever, with motors that do without delay what "
-    "the controller asks: little near the edges and before the foot lands. Right: the same along "
-    "the step, against the errors that an impact leaves and how the controller lets them die out."
-)
 LEVEL_LOWER, LEVEL_UPPER = "level-lower", "level-upper"
 """Names of the barriers that are the tube's fences."""
 CURVES = (0.5, 2.0, 5.0)

@@ -7,21 +7,7 @@ from neuralgaits._types import Float
 from neuralgaits.report.drawing import robot_drawing
 from neuralgaits.report.drawing.style import GREY, new_figure, styled
 
-TITLE, MEASURED_TITLE = "The gait", "The gait in simulation"
-CAPTION = (
-    "One step of the periodic gait, from the moment a foot lands to the moment the other one does. "
-    "The grey leg swings forward, the other one stands. Below are the time and the height of the "
-    "swinging foot."
-)
 TILES = 7
-
-
-def measured_caption(source: str) -> str:
-    """Return the caption of a measured step; `source` says where it is from."""
-    return (
-        f"The last full step of a walk ({source}), where feet can slip, motors saturate and "
-        "contact is soft: it should look like the gait it was designed to be."
-    )
 
 
 @styled

@@ -7,12 +7,6 @@ from matplotlib.figure import Figure
 
 from neuralgaits.report.drawing.style import BLACK, GREY, marker, new_figure, panel, series, styled
 
-TITLE = "How it was trained"
-CAPTION = (
-    "The loss says by how much the conditions are broken on random states, or are nearer to their "
-    "limits than training wants them; effort is added to it. So it does not end at zero, and a "
-    "small loss alone does not say that nothing is broken."
-)
 WHOLE = ("loss", "validation_loss")
 """Columns of `metrics.csv` about all conditions together."""
 NOT_CONDITIONS = ("step", "loss", "validation_loss", "effort")

@@ -20,7 +20,6 @@ from neuralgaits.report.drawing.style import (
     styled,
 )
 
-TITLE = "How much room there is"
 NAMED = 6
 """Number of conditions with a line of their own: the tightest."""
 MOMENT = 3

@@ -10,7 +10,6 @@ from neuralgaits.analysis.data import GaitData
 from neuralgaits.report.drawing.style import BLACK, RED, new_figure, panel, styled
 from neuralgaits.report.figures.phase_portrait import X_LABEL, Y_LABEL
 
-TITLE = "Where it is tight"
 CAPTION = (
     "The tube, coloured by the margin of the condition that is nearest to its limit there (left; "
     "the cross marks the smallest) and by which condition that is (right), as found on a grid of "

@@ -20,7 +20,6 @@ from neuralgaits.report.drawing.style import (
     styled,
 )
 
-TITLE = "Every step in one picture"
 X_LABEL = "z1, hip ahead of the stance foot [m]"
 Y_LABEL = "z2, angular momentum about\nthe stance foot [kg m²/s]"
 TUBE = "#dcebf7"

@@ -13,7 +13,6 @@ from neuralgaits.analysis.data import GaitData, ResidualData
 from neuralgaits.report.drawing.style import BLACK, BLUE, GREY, new_figure, panel, styled
 from neuralgaits.report.figures.phase_portrait import X_LABEL, Y_LABEL, flow
 
-TITLE = "What the robot taught the model"
 SHADES = 11
 
 

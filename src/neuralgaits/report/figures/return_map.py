@@ -24,7 +24,6 @@ from neuralgaits.report.drawing.style import (
     styled,
 )
 
-TITLE = "Why the gait settles"
 STEPS = 12
 """Number of steps for which walks are followed."""
 FLOOR = 1e-5

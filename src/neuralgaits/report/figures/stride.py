@@ -16,8 +16,6 @@ from neuralgaits.report.drawing.style import (
     styled,
 )
 
-TITLE = "One step: angles, torques, forces"
-
 
 def caption(walk: MeasuredWalk | None) -> str:
     """Return the caption of the figure, which mentions a measured step if there is one."""
