@@ -13,6 +13,7 @@ import pytest
 from matplotlib._pylab_helpers import Gcf
 
 from neuralgaits import logs
+from neuralgaits.analysis.box_map import BoxMap
 from neuralgaits.analysis.data import MeasuredWalk, ResidualData
 from neuralgaits.analysis.learned import Learned
 from neuralgaits.analysis.residual_data import residual_data
@@ -188,11 +189,24 @@ def test_the_map_tells_proved_open_and_broken_apart_without_colour():
     assert len(hatches) == 3
 
 
+@pytest.mark.parametrize("name", ["corners", "answer", "margin", "counterexamples"])
+def test_a_map_is_read_as_it_was_written_and_one_with_other_arrays_is_refused(tmp_path, name):
+    boxes = BoxMap(np.ones((3, 4, 2)), np.arange(3), np.ones(3), np.ones((1, 2)), "three boxes")
+    (tmp_path / "map").write_bytes(boxes.content())
+    found = BoxMap.read(tmp_path / "map")
+    assert found.title == boxes.title
+    for one, other in zip(found[:-1], boxes[:-1], strict=True):
+        np.testing.assert_array_equal(one, other)
+    (tmp_path / "map").write_bytes(boxes._replace(**{name: np.ones((3, 3))}).content())
+    with pytest.raises(RunError, match="found other arrays: certify the run again"):
+        BoxMap.read(tmp_path / "map")
+
+
 def a_map():
     square = np.array([[0.0, 1.0], [0.1, 1.0], [0.1, 2.0], [0.0, 2.0]])
     corners = np.stack([square + np.array([0.1 * k, 0.0]) for k in range(3)])
-    answer = np.array([certificate_map.PROVED, certificate_map.UNDECIDED, certificate_map.REFUTED])
-    return certificate_map.draw(corners, answer, np.ones(3), np.array([[0.25, 1.5]]), "three boxes")
+    broken = np.array([[0.25, 1.5]])
+    return certificate_map.draw(BoxMap(corners, np.arange(3), np.ones(3), broken, "three boxes"))
 
 
 def test_the_proved_enclosure_is_drawn_around_the_fixed_point(data):

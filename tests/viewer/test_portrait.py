@@ -7,6 +7,7 @@ import shutil
 import numpy as np
 import pytest
 
+from neuralgaits.analysis.box_map import BoxAnswer, BoxMap
 from neuralgaits.analysis.point_evaluator import PlaneChart, PointEvaluator, quantities
 from neuralgaits.analysis.run import open_run
 from neuralgaits.certificate.run_certificate.verified_summary import (
@@ -14,11 +15,10 @@ from neuralgaits.certificate.run_certificate.verified_summary import (
     hashes,
     read_certificate,
 )
-from neuralgaits.report.figures import certificate_map
 from neuralgaits.viewer import markdown, phase_board
 from neuralgaits.viewer import portrait as board
 from neuralgaits.viewer.phase_board import portrait
-from neuralgaits.viewer.portrait import PROVED, REFUTED, Portrait
+from neuralgaits.viewer.portrait import Portrait
 from neuralgaits.viewer.sureness import _verdict, how_sure
 
 
@@ -119,12 +119,6 @@ def test_the_orbit_lies_inside_and_closes(shipped, plane):
     np.testing.assert_allclose(after, plane.orbit[0], rtol=1e-6)
 
 
-def test_answers_of_boxes_are_those_of_the_certificates_map():
-    """The rooms do not know each other; the saved map holds these numbers."""
-    for name in ("PROVED", "UNDECIDED", "REFUTED"):
-        assert getattr(board, name) == getattr(certificate_map, name)
-
-
 @pytest.fixture
 def known_orbit(plane, monkeypatch):
     """For pictures of the same gait: its orbit, looked for once, is in `plane`."""
@@ -142,17 +136,18 @@ def known_orbit(plane, monkeypatch):
 def test_without_a_certificate_margins_are_sampled_and_called_so(shipped, look, known_orbit):
     plane = portrait(shipped, look, certified=False)
     assert "not a proof" in plane.title
-    assert set(np.unique(plane.answer)) == {PROVED}
-    assert np.all(plane.margin > 0.0)
+    assert set(np.unique(plane.boxes.answer)) == {BoxAnswer.PROVED}
+    assert np.all(plane.boxes.margin > 0.0)
 
 
 def test_a_map_that_is_open_somewhere_is_not_called_proved(
     shipped, look, plane, known_orbit, monkeypatch
 ):
     assert "proved margins" in plane.title
-    answer = np.where(np.arange(len(plane.answer)) == 3, board.UNDECIDED, plane.answer)
-    arrays = {"corners": plane.corners, "answer": answer, "margin": plane.margin}
-    monkeypatch.setattr(phase_board, "read_arrays", lambda _: (arrays, {}))
+    boxes = plane.boxes
+    third = np.arange(len(boxes.answer)) == 3
+    boxes = boxes._replace(answer=np.where(third, BoxAnswer.UNDECIDED, boxes.answer))
+    monkeypatch.setattr(BoxMap, "read", lambda _: boxes)
     assert "only green is proved" in portrait(shipped, look, certified=True).title
 
 
@@ -166,9 +161,7 @@ def test_a_broken_region_is_red():
         fence_z1=line,
         fence_z2=np.array([[1.0, 1.0], [2.0, 2.0]]),
         orbit=np.zeros((0, 2)),
-        corners=corners,
-        answer=np.array([REFUTED]),
-        margin=np.array([-0.5]),
+        boxes=BoxMap(corners, np.array([BoxAnswer.REFUTED]), np.array([-0.5])),
         title="broken",
     )
     red, green, _ = colour_at(on_ground(bad.draw().astype(float), LIGHT), bad, [0.45, 1.55])

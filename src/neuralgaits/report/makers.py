@@ -6,6 +6,7 @@ from functools import cached_property
 
 from matplotlib.figure import Figure
 
+from neuralgaits.analysis.box_map import BoxMap
 from neuralgaits.analysis.data import GaitData, MeasuredWalk
 from neuralgaits.analysis.family_data import family_data
 from neuralgaits.analysis.gait_data import gait_data
@@ -151,7 +152,7 @@ class RunFigures:
                 "none lies between samples. The map is certify's own word: the proof file has its "
                 "boxes, and no picture of them."
             )
-            return caption, certificate_map.draw_saved(path)
+            return caption, certificate_map.draw(BoxMap.read(path))
         if certificate.of_a_box or self.run.asked.parameters:
             raise self.absent_for_box(1, "the map is of states of one robot")
         missing = f"{path.name} is missing in the certificate, or another one's"

@@ -2,15 +2,15 @@
 
 import numpy as np
 
+from neuralgaits.analysis.box_map import BoxAnswer, BoxMap
 from neuralgaits.analysis.flow import FlowQuantities, Mesh
 from neuralgaits.analysis.phase_plane import plane
 from neuralgaits.analysis.poincare_map import cycle, sampled_map
 from neuralgaits.analysis.point_evaluator import PlaneChart, PointEvaluator
 from neuralgaits.analysis.run import Run
 from neuralgaits.errors import RunError
-from neuralgaits.runs import read_arrays
 from neuralgaits.runs.names import MAP
-from neuralgaits.viewer.portrait import PROVED, REFUTED, Portrait
+from neuralgaits.viewer.portrait import Portrait
 
 COLUMNS, ROWS, FENCE_POINTS = 41, 31, 61
 PHASES, LEVELS = 41, 21
@@ -35,36 +35,30 @@ def portrait(run: Run, look: PointEvaluator, *, certified: bool) -> Portrait:
         boxes = _proved(run) if certified else None
         if boxes is None:
             boxes, known = _sampled(chart, look), "sampled margins, not a proof"
-        elif np.all(boxes[1] == PROVED):
+        elif np.all(boxes.answer == BoxAnswer.PROVED):
             known = "proved margins"
         else:
             known = "bounded margins (only green is proved)"
         orbit = sampled_map(motion, chart).orbit
         path = cycle(motion, orbit, Mesh.of_gait(chart.start, chart.guard)).z[:, 0]
-    corners, answer, margin = boxes
     return Portrait(
         **around._asdict(),
         dz=dz,
         orbit=path[np.isfinite(path).all(axis=1)],
-        corners=corners,
-        answer=answer,
-        margin=margin,
+        boxes=boxes,
         title=f"Zero dynamics, {known}: click to put the robot there",
     )
 
 
-def _proved(run: Run) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
-    """Return the certificate's boxes that have an area; None if its map is missing or damaged."""
+def _proved(run: Run) -> BoxMap | None:
+    """Return the certificate's boxes; None if their map is missing or damaged."""
     try:
-        arrays, _ = read_arrays(run.path / MAP)
-        corners, answer, margin = (arrays[name] for name in ("corners", "answer", "margin"))
-    except (RunError, KeyError):
+        return BoxMap.read(run.path / MAP)
+    except RunError:
         return None
-    wide = np.ptp(corners, axis=1).min(axis=1) > 0.0
-    return corners[wide], answer[wide], margin[wide]
 
 
-def _sampled(chart: PlaneChart, look: PointEvaluator) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _sampled(chart: PlaneChart, look: PointEvaluator) -> BoxMap:
     """Return the tube's cells, with the least margin at the middle of each."""
     phases, levels = np.linspace(0.0, 1.0, PHASES), np.linspace(0.0, 1.0, LEVELS)
     edges = chart.z(*np.meshgrid(phases, levels))
@@ -73,6 +67,6 @@ def _sampled(chart: PlaneChart, look: PointEvaluator) -> tuple[np.ndarray, np.nd
     at_phase, at_level = np.meshgrid(*middles)
     found = look(chart.z(at_phase, at_level).reshape(-1, 2))
     least = np.nanmin(chart.margins(found, at_phase, at_level), axis=0, initial=np.inf).ravel()
-    answer = np.where(least >= 0.0, PROVED, REFUTED)
+    answer = np.where(least >= 0.0, BoxAnswer.PROVED, BoxAnswer.REFUTED)
     margin = np.where(np.isfinite(least), least, 0.0)
-    return corners.reshape(-1, 4, 2), answer, margin
+    return BoxMap(corners.reshape(-1, 4, 2), answer, margin)
