@@ -10,8 +10,8 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from neuralgaits.analysis.box_map import BoxAnswer, BoxMap
+from neuralgaits.report.drawing import plane
 from neuralgaits.report.drawing.style import BLACK, ORANGE, new_figure, styled
-from neuralgaits.report.figures.phase_portrait import X_LABEL, Y_LABEL
 
 
 @styled
@@ -42,7 +42,7 @@ def draw(boxes: BoxMap) -> Figure:
         axes.plot(*boxes.counterexamples.T, "kx", markersize=8, markeredgewidth=2)
         legend += axes.plot([], [], "kx", label=f"counterexample ({count})")
     axes.autoscale_view()
-    axes.set(xlabel=X_LABEL, ylabel=Y_LABEL)
+    plane.label(axes)
     axes.set_title("\n".join(textwrap.wrap(boxes.title, 90)), fontsize=10)
     label = "least proved margin of the box [scale of its condition]"
     figure.colorbar(proved, ax=axes, label=label)

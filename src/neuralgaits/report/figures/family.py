@@ -16,6 +16,7 @@ from neuralgaits.report.drawing.style import (
     marker,
     new_figure,
     panel,
+    say,
     series,
     styled,
 )
@@ -112,7 +113,7 @@ def _speeds(axes: Axes, sweep: CommandSweep, members: tuple[Member, ...]) -> Non
         [command_words.number(sweep.name, value) for value in ends_and_middle],
     )
     if not np.isfinite(sweep.speed).any():
-        _say(axes, "no periodic orbit")
+        say(axes, "no periodic orbit")
 
 
 def _tube_and_orbit(axes: Axes, number: int, member: Member) -> None:
@@ -129,7 +130,7 @@ def _tube_and_orbit(axes: Axes, number: int, member: Member) -> None:
 def _postures(axes: Axes, family: Family) -> None:
     poses = [pose for member in family.members for pose in member.touchdown]
     if not poses:
-        _say(axes, "no periodic orbit")
+        say(axes, "no periodic orbit")
         axes.set_axis_off()
         return
     points = np.concatenate(poses)
@@ -157,10 +158,6 @@ def _postures(axes: Axes, family: Family) -> None:
     axes.set_aspect("equal")
     axes.set_xlim(*ends)
     axes.set(xlabel="ahead of the foot [m]", ylabel="height [m]")
-
-
-def _say(axes: Axes, words: str) -> None:
-    axes.text(0.5, 0.5, words, ha="center", va="center", color=GREY, transform=axes.transAxes)
 
 
 def _legend(family: Family) -> list:

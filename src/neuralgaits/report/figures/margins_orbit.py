@@ -10,12 +10,14 @@ from neuralgaits.analysis.data import GaitData
 from neuralgaits.report.drawing.style import (
     BLACK,
     BLUE,
+    FORBIDDEN,
     GREEN,
     GREY,
     LIGHT,
     RED,
     new_figure,
     panel,
+    say,
     series,
     styled,
 )
@@ -70,7 +72,7 @@ def _over_time(axes: Axes, data: GaitData) -> None:
         label = f"{len(lines[NAMED:])} others"
         axes.plot([], [], color=LIGHT, linewidth=0.9, label=label)
     if not len(t):
-        axes.text(0.5, 0.6, "the gait has no periodic orbit", ha="center", transform=axes.transAxes)
+        say(axes, "the gait has no periodic orbit", 0.6)
     _forbidden(axes.axhspan, axes.axhline)
     top = max(SHOWN, 1.2 * float(np.min(least, initial=SHOWN)))
     bottom = min(-0.12, 1.2 * float(np.min(least, initial=0.0)))
@@ -133,5 +135,5 @@ def _bounds(least: np.ndarray, data: GaitData, proved: Mapping[str, float]) -> d
 
 def _forbidden(span, line) -> None:
     """Mark the margins below zero, where a condition is violated."""
-    span(-10.0, 0.0, facecolor="#fbe6da", edgecolor=GREY, hatch="//", linewidth=0, zorder=0)
+    span(-10.0, 0.0, facecolor=FORBIDDEN, edgecolor=GREY, hatch="//", linewidth=0, zorder=0)
     line(0.0, color=BLACK, linewidth=1.0)

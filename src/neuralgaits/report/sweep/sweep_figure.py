@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from neuralgaits.records.swept import SweepRow
-from neuralgaits.report.drawing.style import BLACK, marker, new_figure, panel, series, styled
+from neuralgaits.report.drawing.style import BLACK, marker, new_figure, panel, say, series, styled
 
 TITLE = "Distributions over the runs"
 CAPTION = (
@@ -76,4 +76,4 @@ def _dots(axes: Axes, groups: Mapping[str, Sequence[SweepRow]], value: Value) ->
         middle = float(np.median(known))
         axes.plot([middle] * 2, [place - 0.4, place + 0.4], color=BLACK, linewidth=1.2)
     if not some:
-        axes.text(0.5, 0.5, "none", transform=axes.transAxes, ha="center", va="center")
+        say(axes, "none")
