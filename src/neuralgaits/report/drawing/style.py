@@ -35,7 +35,7 @@ R = TypeVar("R")
 @contextmanager
 def settings() -> Iterator[None]:
     """Apply the common style within the context, and restore matplotlib's settings afterwards."""
-    style = {
+    style: dict[Any, Any] = {
         "font.size": 10.0,
         "axes.titlesize": 10.0,
         "axes.labelsize": 10.0,

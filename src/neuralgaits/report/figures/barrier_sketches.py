@@ -46,13 +46,13 @@ def _torso(axes: Axes, data: GaitData) -> None:
         size = 1.12 * float(np.linalg.norm(top - hip))
         if low is not None and high is not None:
             # Up-angles are positive backwards: to the left.
-            ends = 90.0 + np.degrees([low, high])
+            first, last = (90.0 + float(np.degrees(angle)) for angle in (low, high))
             look = {"facecolor": ALLOWED, "edgecolor": BLUE, "linewidth": 1.2, "zorder": 1}
-            axes.add_patch(Wedge(tuple(hip), size, *ends, **look))
+            axes.add_patch(Wedge(tuple(hip), size, first, last, **look))
             for angle, where in ((low, "left"), (high, "right")):
                 tip = hip + 1.03 * size * np.array([-np.sin(angle), np.cos(angle)])
                 look = {"ha": where, "va": "bottom", "fontsize": 9, "color": BLUE}
-                axes.text(*tip, f"{angle:+.2f} rad", **look)
+                axes.text(tip[0], tip[1], f"{angle:+.2f} rad", **look)
         else:
             say(axes, "this spec has no condition on torso", 0.86)
     _frame(axes, points, 1.25)
@@ -152,8 +152,8 @@ def _joints(axes: Axes, data: GaitData) -> None:
     text = f"on average {speed:.2f} m/s"
     if slowest is not None:
         text += f"\nasked for: ≥ {slowest:.2f} m/s"
-    place = {"va": "bottom", "ha": "center"}
-    axes.text(hip[0] + size, hip[1] + 0.03 * tall, text, fontsize=9, color=GREEN, **place)
+    at = hip + np.array([size, 0.03 * tall])
+    axes.text(at[0], at[1], text, fontsize=9, color=GREEN, va="bottom", ha="center")
     joints = len(data.joints)
     for knees in data.bounds("knee_bend"):
         for joint, side in zip(knees["joints"], knees["sides"], strict=True):
