@@ -12,12 +12,6 @@ from neuralgaits.errors import RunError
 from neuralgaits.runs.names import MAP
 from neuralgaits.viewer.portrait import Portrait
 
-COLUMNS, ROWS, FENCE_POINTS = 41, 31, 61
-PHASES, LEVELS = 41, 21
-"""Grid of the cells whose least margin is shown if there is no certificate."""
-ASIDE, ABOVE = 0.14, 0.22
-"""Margins of the picture around the tube, in lengths of a step and heights of the tube."""
-
 
 def portrait(run: Run, look: PointEvaluator, *, certified: bool) -> Portrait:
     """Compute the phase portrait of a run's gait.
@@ -30,7 +24,7 @@ def portrait(run: Run, look: PointEvaluator, *, certified: bool) -> Portrait:
     chart = PlaneChart(run.gait, run.spec)
     motion = FlowQuantities(*look.each(*FlowQuantities._fields))
     with np.errstate(all="ignore"):
-        around = plane(chart, phases=FENCE_POINTS, lines=(COLUMNS, ROWS), beyond=(ASIDE, ABOVE))
+        around = plane(chart, phases=61, lines=(41, 31), beyond=(0.14, 0.22))
         dz = around.laid_out(motion.dz(around.states))
         boxes = _proved(run) if certified else None
         if boxes is None:
@@ -60,7 +54,7 @@ def _proved(run: Run) -> BoxMap | None:
 
 def _sampled(chart: PlaneChart, look: PointEvaluator) -> BoxMap:
     """Return the tube's cells, with the least margin at the middle of each."""
-    phases, levels = np.linspace(0.0, 1.0, PHASES), np.linspace(0.0, 1.0, LEVELS)
+    phases, levels = np.linspace(0.0, 1.0, 41), np.linspace(0.0, 1.0, 21)
     edges = chart.z(*np.meshgrid(phases, levels))
     corners = np.stack([edges[:-1, :-1], edges[:-1, 1:], edges[1:, 1:], edges[1:, :-1]], axis=2)
     middles = [0.5 * (ends[1:] + ends[:-1]) for ends in (phases, levels)]
