@@ -21,9 +21,6 @@ from neuralgaits.report.drawing.style import (
     styled,
 )
 
-FLOOR = 1e-3
-"""Smallest error that is drawn [mrad]."""
-
 
 @dataclass(frozen=True)
 class FullOrderSet:
@@ -98,9 +95,9 @@ def _along(
     rooms: Mapping[str, np.ndarray],
     most: np.ndarray,
 ) -> None:
-    phase = data["chart/phase"]
+    phase, smallest = data["chart/phase"], 1e-3
     best = most.max(axis=0)
-    axes.fill_between(phase, FLOOR, best, color=ALLOWED, label="$C_σ$, mid-tube")
+    axes.fill_between(phase, smallest, best, color=ALLOWED, label="$C_σ$, mid-tube")
     for number, (name, room) in enumerate(rooms.items()):
         line: dict[str, Any] = series(number + 2) | {"linewidth": 1.1}
         axes.plot(phase, 1e3 * room.max(axis=0), label=name, **line)
@@ -116,5 +113,5 @@ def _along(
     axes.set_xlim(0.0, 1.0)
     top = max(float(np.max(list(rooms.values()))) * 1e3, float(best.max()))
     # Room for the names above the curves.
-    axes.set_ylim(FLOOR, 400.0 * top)
+    axes.set_ylim(smallest, 400.0 * top)
     axes.legend(fontsize=8.5, loc="upper center", ncols=2, handlelength=1.8)
