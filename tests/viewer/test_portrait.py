@@ -20,6 +20,7 @@ from neuralgaits.viewer import portrait as board
 from neuralgaits.viewer.phase_board import portrait
 from neuralgaits.viewer.portrait import Portrait
 from neuralgaits.viewer.sureness import _verdict, how_sure
+from support.contrast import channels, contrast
 
 
 @pytest.fixture(scope="module")
@@ -83,7 +84,7 @@ def test_a_proved_state_is_green_and_a_state_outside_is_not(shipped, plane, pict
 
 def test_fences_are_where_their_states_are(plane, picture):
     height, width, _ = picture.shape
-    ink = np.array([int(board._INK[at : at + 2], 16) for at in (1, 3, 5)])
+    ink = np.array(channels(board._INK))
     for fence in plane.fence_z2:
         z = np.array([plane.fence_z1[30], fence[30]])
         across, up = plane.place(z)
@@ -91,22 +92,13 @@ def test_fences_are_where_their_states_are(plane, picture):
         assert np.abs(picture[row - 2 : row + 3, column] - ink).max(axis=-1).min() < 6
 
 
-def luminance(colour):
-    """Relative luminance of red, green, blue in 0..255. Source: WCAG 2.2."""
-    parts = np.asarray(colour) / 255.0
-    linear = np.where(parts <= 0.04045, parts / 12.92, ((parts + 0.055) / 1.055) ** 2.4)
-    return float(linear @ [0.2126, 0.7152, 0.0722])
-
-
 @pytest.mark.parametrize("ground", [LIGHT, DARK])
 def test_words_and_lines_stand_out_from_a_light_ground_and_from_a_dark_one(drawn, ground):
     # Its corners are the page's own.
     assert drawn[0, 0, 3] == drawn[-1, -1, 3] == 0.0
     for ink in (board._INK, board._GUARD, board._FLOW):
-        colour = [int(ink[at : at + 2], 16) for at in (1, 3, 5)]
-        low, high = sorted((luminance(colour), luminance([ground] * 3)))
         # Contrast of large text and of lines. Source: WCAG 2.2, 1.4.3 and 1.4.11.
-        assert (high + 0.05) / (low + 0.05) >= 3.0
+        assert contrast(channels(ink), [ground] * 3) >= 3.0
 
 
 def test_the_orbit_lies_inside_and_closes(shipped, plane):
