@@ -132,7 +132,7 @@ def test_the_end_of_a_walk_says_what_to_do_next(built, upright, left, words):
     made, _ = built
     shown: Any = SimpleNamespace(fall="too slow", upright=upright, steps=4, speed=0.0, time=0.0)
     picture: Any = SimpleNamespace(shown=shown, reset_in=left, paused=False, pace=1.0)
-    assert words in made._lines(picture)
+    assert words in made.status(picture)
 
 
 @pytest.mark.parametrize(

@@ -19,7 +19,7 @@ from neuralgaits.viewer import markdown, phase_board
 from neuralgaits.viewer import portrait as board
 from neuralgaits.viewer.phase_board import portrait
 from neuralgaits.viewer.portrait import Portrait
-from neuralgaits.viewer.sureness import _verdict, how_sure
+from neuralgaits.viewer.sureness import how_sure, verdict_of
 from support.contrast import channels, contrast
 
 
@@ -218,4 +218,6 @@ def test_the_verdict_of_a_proof_about_some_commands_names_no_level(shipped):
     found = read_certificate(shipped.folder)
     part = ProvedPart(told=("speed 0.5 to 0.6 m/s",), conditions=("knee",), levels=())
     assert found.summary is not None
-    assert _verdict(found.summary, part) == "The proof file is about some commands only: see below."
+    assert (
+        verdict_of(found.summary, part) == "The proof file is about some commands only: see below."
+    )

@@ -81,7 +81,7 @@ def shown_walk(run: Run) -> ShownWalk:
         if kept.key == key:
             return kept
     at = run if asked.command is None else run.at(**asked.command)
-    shown = _shown(at, asked, _walked(at, asked), key)
+    shown = _shown(at, asked, walk_again(at, asked), key)
     run.folder.write_json(FILE, shown)
     return shown
 
@@ -162,7 +162,8 @@ def _key(run: Run, asked: AskedWalk) -> str:
     return hashlib.sha256(weights + text.encode()).hexdigest()
 
 
-def _walked(run: Run, asked: AskedWalk) -> Walk:
+def walk_again(run: Run, asked: AskedWalk) -> Walk:
+    """Simulate a walk in MuJoCo with a record of every tick."""
     # Of a family, the gait at the command alone.
     one = replace(run, trained=run.gait)
     walks = TrainedWalks(

@@ -92,7 +92,7 @@ class Panel:
         if picture.margins is not None and self._conditions:
             self._bars.content = bars.render(self._conditions, picture.margins, self._words)
         if self._count % _STATUS_EVERY == 0 or answer is not None:
-            self._status.content = self._lines(picture)
+            self._status.content = self.status(picture)
         self._answer_left = max(0, self._answer_left - 1)
         self._put_back()
 
@@ -245,7 +245,8 @@ class Panel:
             if value != handle.value and time.time() - handle.update_timestamp > TYPED_S:
                 handle.value = value
 
-    def _lines(self, picture: Picture) -> str:
+    def status(self, picture: Picture) -> str:
+        """Return the lines about the walk, as HTML."""
         shown = picture.shown
         facts = f"{shown.steps} steps · {shown.speed:.2f} m/s · {shown.time:.1f} s"
         if shown.fall is not None:

@@ -49,11 +49,11 @@ def how_sure(run: Run) -> Sureness:
             f"{again} looks for a new one.",
         )
     told = "\n\n".join(_lines(run, found.summary, found.part))
-    verdict = f"{_verdict(found.summary, found.part)} {watched}"
+    verdict = f"{verdict_of(found.summary, found.part)} {watched}"
     return Sureness(True, verdict, told, found.map_fits, _theorem(found.summary))
 
 
-def _verdict(answer: CertificateRecord, part: ProvedPart | None) -> str:
+def verdict_of(answer: CertificateRecord, part: ProvedPart | None) -> str:
     """Say in a few words which level the proof file states, and of what."""
     if part is not None and part.conditions:
         return "The proof file is about some commands only: see below."
