@@ -197,9 +197,10 @@ def test_a_map_is_read_as_it_was_written_and_one_with_other_arrays_is_refused(tm
     assert found.title == boxes.title
     for one, other in zip(found[:-1], boxes[:-1], strict=True):
         np.testing.assert_array_equal(one, other)
-    (tmp_path / "map").write_bytes(boxes._replace(**{name: np.ones((3, 3))}).content())
-    with pytest.raises(RunError, match="found other arrays: certify the run again"):
-        BoxMap.read(tmp_path / "map")
+    for other in (np.ones((3, 3)), np.array(1.0)):
+        (tmp_path / "map").write_bytes(boxes._replace(**{name: other}).content())
+        with pytest.raises(RunError, match="found other arrays: certify the run again"):
+            BoxMap.read(tmp_path / "map")
 
 
 def a_map():

@@ -54,9 +54,9 @@ class BoxMap(NamedTuple):
     def read(cls, path: Path) -> "BoxMap":
         """Read a map's file. Raises: RunError if it is missing or damaged."""
         arrays, metadata = read_arrays(path)
-        count, points = (len(arrays.get(name, ())) for name in ("answer", "counterexamples"))
+        count, points = (np.size(arrays.get(name, ())) for name in ("answer", "counterexamples"))
         shapes = {"corners": (count, 4, 2), "answer": (count,), "margin": (count,)}
-        shapes["counterexamples"] = (points, 2)
+        shapes["counterexamples"] = (points // 2, 2)
         if any(name not in arrays or arrays[name].shape != shape for name, shape in shapes.items()):
             raise RunError(
                 f"expected corners, answers and margins of boxes in {path}, found other arrays: "
