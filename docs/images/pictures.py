@@ -36,7 +36,7 @@ ARROW: dict[str, Any] = {"arrowstyle": "-|>", "linewidth": 1.6, "shrinkA": 0, "s
 @styled
 def coordinates(data: GaitData) -> Figure:
     """What is measured and what is driven: a pose with z1, z2 and the four motors."""
-    points = data["orbit/skeleton"][_row(data, SHOWN)]
+    points = data["orbit/skeleton"][data.row_at(SHOWN)]
     hip = hip_index(len(points), data.torso)
     figure = new_figure(HEIGHT)
     left, right = figure.subplots(1, 2)
@@ -74,7 +74,7 @@ def plane(data: GaitData) -> Figure:
     axes.plot(*z.T, color=RED, linewidth=2.4)
     above.axhline(0.0, color=GREY, linewidth=1.0)
     for number, share in enumerate(POSES):
-        row = _row(data, share)
+        row = data.row_at(share)
         above.text(APART * (number - 1) - 0.4, 0.7, "abc"[number], ha="right", weight="bold")
         robot_drawing.draw(
             above, data["orbit/skeleton"][row], data.torso, shift=APART * (number - 1)
@@ -137,11 +137,6 @@ def reset(data: GaitData) -> Figure:
     right.set_ylabel("z2 [kg m²/s]")
     right.margins(y=0.12)
     return figure
-
-
-def _row(data: GaitData, share: float) -> int:
-    t = data["orbit/t"]
-    return int(np.argmin(np.abs(t - share * t[-1])))
 
 
 def _stage(axes: Axes, points: np.ndarray) -> None:

@@ -10,8 +10,8 @@ import pytest
 from neuralgaits.analysis.run import open_run
 from neuralgaits.barriers import specs
 from neuralgaits.records.certified import CertificateRecord
+from neuralgaits.report import makers
 from neuralgaits.workflows import certify as proving
-from neuralgaits.workflows import figures as drawing
 from neuralgaits.workflows import train as training
 from support import brief_spec, pages
 from support.shipped_run import SHIPPED
@@ -59,9 +59,8 @@ def test_the_first_gait(beside, monkeypatch):
     monkeypatch.setattr(training, "train", lambda robot, seed: open_run(folder))
     monkeypatch.setattr(proving, "certify", lambda run: proving.CertifyResult(proved))
     # The one that it shows.
-    monkeypatch.setattr(
-        drawing, "MAKERS", [row for row in drawing.MAKERS if row[0] == "phase-portrait"]
-    )
+    shown = [row for row in makers.MAKERS if row[0] == "phase-portrait"]
+    monkeypatch.setattr(makers, "MAKERS", shown)
     compare(FOLDER / "first_gait.ipynb")
 
 

@@ -169,16 +169,15 @@ def test_where_there_is_no_orbit_the_rest_is_drawn_and_it_is_said(family):
 
 def test_a_family_without_any_orbit_has_a_line_instead_of_a_figure(run, family, monkeypatch):
     monkeypatch.setattr(makers, "family_data", lambda run: without(family, 0, 1, 2))
-    ((_, _, make),) = makers.OF_FAMILIES
     with pytest.raises(makers.Absent) as absent:
-        make(makers.FigureSource(run, certificate_of(run)))
+        makers.RunFigures(run, certificate_of(run)).family()
     assert "no periodic orbit" in absent.value.reason
     assert absent.value.command.startswith("neuralgaits train amber3m")
 
 
 def test_the_figure_is_one_of_gaits_with_commands_only(run, family, tmp_path, monkeypatch):
     monkeypatch.setattr(makers, "family_data", lambda run: family)
-    monkeypatch.setattr(writing, "MAKERS", ())
+    monkeypatch.setattr(makers, "MAKERS", makers.MAKERS[:1])
     (found,) = writing.figures(run, out=tmp_path / "told")
     assert isinstance(found, Drawn) and found.name == command_words.FIGURE
     assert found.path_png.stat().st_size < 300_000 and found.path_svg.is_file()

@@ -13,6 +13,7 @@ import pytest
 from matplotlib._pylab_helpers import Gcf
 
 from neuralgaits import logs
+from neuralgaits.analysis.box_map import BoxMap
 from neuralgaits.analysis.data import MeasuredWalk, ResidualData
 from neuralgaits.analysis.learned import Learned
 from neuralgaits.analysis.residual_data import residual_data
@@ -38,7 +39,7 @@ from neuralgaits.report.figures import (
 )
 from neuralgaits.report.figures.full_order_set import FullOrderSet
 from neuralgaits.report.figures.return_map import Proved
-from neuralgaits.report.makers import MAKERS, Absent, FigureSource
+from neuralgaits.report.makers import Absent, RunFigures, makers_of
 from neuralgaits.workflows.figures import figures
 
 UNIT = re.compile(r"\[.+\]")
@@ -56,10 +57,10 @@ FULL = FullOrderSet(
 
 
 def sketches(run):
-    source = FigureSource(run, certificate_of(run))
-    for name, _, make in MAKERS:
+    of_run = RunFigures(run, certificate_of(run))
+    for name, _, make in makers_of(run.asked):
         try:
-            yield name, *make(source)
+            yield name, *make(of_run)
         except Absent:
             continue
 
@@ -91,7 +92,7 @@ def needs_none(axis, side):
 
 
 def test_figures_have_words_and_files_that_open(run, drawn):
-    assert list(drawn) == [name for name, _, _ in MAKERS]
+    assert list(drawn) == [name for name, _, _ in makers_of(run.asked)]
     total = 0
     for figure in drawn.values():
         assert figure.title
@@ -188,11 +189,25 @@ def test_the_map_tells_proved_open_and_broken_apart_without_colour():
     assert len(hatches) == 3
 
 
+@pytest.mark.parametrize("name", ["corners", "answer", "margin", "counterexamples"])
+def test_a_map_is_read_as_it_was_written_and_one_with_other_arrays_is_refused(tmp_path, name):
+    boxes = BoxMap(np.ones((3, 4, 2)), np.arange(3), np.ones(3), np.ones((1, 2)), "three boxes")
+    (tmp_path / "map").write_bytes(boxes.content())
+    found = BoxMap.read(tmp_path / "map")
+    assert found.title == boxes.title
+    for one, other in zip(found[:-1], boxes[:-1], strict=True):
+        np.testing.assert_array_equal(one, other)
+    for other in (np.ones((3, 3)), np.array(1.0)):
+        (tmp_path / "map").write_bytes(boxes._replace(**{name: other}).content())
+        with pytest.raises(RunError, match="found other arrays: certify the run again"):
+            BoxMap.read(tmp_path / "map")
+
+
 def a_map():
     square = np.array([[0.0, 1.0], [0.1, 1.0], [0.1, 2.0], [0.0, 2.0]])
     corners = np.stack([square + np.array([0.1 * k, 0.0]) for k in range(3)])
-    answer = np.array([certificate_map.PROVED, certificate_map.UNDECIDED, certificate_map.REFUTED])
-    return certificate_map.draw(corners, answer, np.ones(3), np.array([[0.25, 1.5]]), "three boxes")
+    broken = np.array([[0.25, 1.5]])
+    return certificate_map.draw(BoxMap(corners, np.arange(3), np.ones(3), broken, "three boxes"))
 
 
 def test_the_proved_enclosure_is_drawn_around_the_fixed_point(data):
@@ -275,9 +290,10 @@ def copied(run, tmp_path):
 
 def entry(run, name):
     """A figure's caption and drawing, or why it is missing."""
-    title, make = next((title, make) for known, title, make in MAKERS if known == name)
+    makers = makers_of(run.asked)
+    title, make = next((title, make) for known, title, make in makers if known == name)
     try:
-        return make(FigureSource(run, certificate_of(run)))
+        return make(RunFigures(run, certificate_of(run)))
     except Absent as absent:
         return Missing(name, title, absent.reason, absent.command)
 

@@ -68,7 +68,7 @@ def test_the_thin_tube_is_read_at_the_hip_above_the_foot(certified):
     middle, half = 0.5 * (start + guard), 0.5 * (guard - start)
     lower = (72.0 + 10.0 * middle, 10.0 * half)
     shape = OrbitConstants("contraction", 0.9, 1.1, lower, (HIGH,), (0.1,), (0.1,), (0.2,))
-    found = proved._orbit(certified, PROVED, shape)
+    found = proved.tube_around_orbit(certified, PROVED, shape)
     assert found is not None
     assert found.z2 == pytest.approx((12.0, 13.0), rel=1e-12)
     assert found.multiplier == (0.6, 0.7) and found.contraction is None
@@ -78,11 +78,13 @@ def test_walks_that_come_together_around_no_one_orbit_have_no_thin_tube(certifie
     """Level 3 of a gait that takes commands: the proof has no fences of a thin tube."""
     shape = OrbitConstants("any two walks", expansion=(0.1,))
     together = Conclusion(3, "proved", None, ("converge",), {"contraction_at_most": 0.95})
-    assert proved._orbit(certified, together, shape) is None
+    assert proved.tube_around_orbit(certified, together, shape) is None
 
 
 def test_the_set_of_level_4_keeps_its_constants():
-    full = proved._full(Conclusion(4, "proved", None, (), {"r_bar": 0.005, "gamma": 45.0}), FULL)
+    full = proved.full_order_set(
+        Conclusion(4, "proved", None, (), {"r_bar": 0.005, "gamma": 45.0}), FULL
+    )
     assert full is not None
     # t = l_P^2 / (4 sigma): what the barrier loses to what it reads on the robot.
     assert full.tightening["torso-lower"] == 16.0 / 64.0

@@ -10,7 +10,7 @@ import pytest
 
 from neuralgaits.analysis.run import open_run
 from neuralgaits.episode_rounds.episode_folder import EpisodeFolder
-from neuralgaits.report.shown_walk import STEPS, AskedWalk, _walked, asked_of
+from neuralgaits.report.shown_walk import STEPS, AskedWalk, asked_of, walk_again
 from neuralgaits.robots import load_robot
 from neuralgaits.simulation.setup.disturbance import PlantChanges
 from neuralgaits.workflows.simulate import simulate
@@ -63,7 +63,7 @@ def test_what_is_shown_is_the_walk_that_fell_and_what_it_met(shipped):
     asked = AskedWalk(
         steps=3, start="region", push=4.0, disturbance=disturbance, seed=seed, episode=2
     )
-    all_three, shown = done.walk.episodes.gauge, _walked(run, asked).episodes.gauge
+    all_three, shown = done.walk.episodes.gauge, walk_again(run, asked).episodes.gauge
     for told, again in zip(jax.tree.leaves(all_three), jax.tree.leaves(shown), strict=True):
         np.testing.assert_array_equal(np.asarray(told)[2], np.asarray(again)[0])
     differs = [

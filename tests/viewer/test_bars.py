@@ -5,6 +5,7 @@ import re
 import numpy as np
 
 from neuralgaits.viewer import bars
+from neuralgaits.viewer.page_style import BAD
 from neuralgaits.viewer.walker import Margins
 
 
@@ -14,8 +15,7 @@ def test_bars_have_the_length_of_their_margins():
     widths = [int(width) for width in re.findall(r"width:(\d+)%", page)]
     assert widths == [50, 100, 25, 0, 1]
     assert [">0.50<" in page, ">-0.25<" in page, ">–<" in page] == [True] * 3
-    assert page.count(f"background:{bars._BROKEN}") == 1
-    assert page.count(bars._BRIGHT[bars._BROKEN]) == 1
+    assert page.count(f"background:{BAD.light}") == page.count(BAD.dark) == 1
     assert page.count("opacity:.45") == 1
 
 

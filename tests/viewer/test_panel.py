@@ -9,9 +9,9 @@ import pytest
 from neuralgaits.viewer import live_server, panel
 from neuralgaits.viewer.panel import PUSH, Panel
 from neuralgaits.viewer.player import SPEED, Picture
-from neuralgaits.viewer.walker import SliderRange, SliderReach
+from neuralgaits.viewer.slider import Slider
 
-FRICTION = SliderReach(0.05, 1.5, 0.6)
+FRICTION = Slider("friction", 0.05, 1.5, 0.6)
 
 
 @pytest.fixture
@@ -41,7 +41,7 @@ def frame(made, laps=()):
 
 @pytest.mark.parametrize(
     ("label", "limits"),
-    [("friction", FRICTION), ("impulse [N s]", PUSH), ("playback ×", SPEED)],
+    [(slider.label, slider) for slider in (FRICTION, PUSH, SPEED)],
 )
 @pytest.mark.parametrize(("value", "end"), [(999999.0, "high"), (-3.0, "low")])
 def test_a_number_beyond_the_limits_becomes_the_limit(
@@ -97,8 +97,8 @@ def test_sliders_and_keys_tell_the_robot_and_lay_stones():
             settings={},
             conditions=(),
             restarted=lambda: None,
-            commands={"speed": SliderRange(SliderReach(0.5, 0.9, 0.7), "m/s")},
-            sizes={"rise": SliderRange(SliderReach(-0.05, 0.05, 0.05), "m")},
+            commands={"speed": Slider("speed [m/s]", 0.5, 0.9, 0.7)},
+            sizes={"rise": Slider("rise [m]", -0.05, 0.05, 0.05)},
         )
         keys = {handle.hotkey: handle for handle in server.gui._command_handle_from_uuid.values()}
         assert set(keys) == {"U", "J", "I", "K"}
@@ -132,7 +132,7 @@ def test_the_end_of_a_walk_says_what_to_do_next(built, upright, left, words):
     made, _ = built
     shown: Any = SimpleNamespace(fall="too slow", upright=upright, steps=4, speed=0.0, time=0.0)
     picture: Any = SimpleNamespace(shown=shown, reset_in=left, paused=False, pace=1.0)
-    assert words in made._lines(picture)
+    assert words in made.status(picture)
 
 
 @pytest.mark.parametrize(
@@ -140,7 +140,7 @@ def test_the_end_of_a_walk_says_what_to_do_next(built, upright, left, words):
 )
 def test_a_number_beside_a_slider_has_room(low, high):
     """Its box holds five characters, and as many decimals as limits, first value and step need."""
-    told = {"speed": SliderRange(SliderReach(low, high, 0.5 * (low + high)), "m/s")}
+    told = {"speed": Slider("speed [m/s]", low, high, 0.5 * (low + high))}
     server = live_server.open_server("test")
     player: Any = SimpleNamespace(paused=False, speed=1.0, ask=lambda wish: None)
     made: Any = {"title": "x", "settings": {}, "conditions": (), "restarted": lambda: None}

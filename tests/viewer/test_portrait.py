@@ -7,6 +7,7 @@ import shutil
 import numpy as np
 import pytest
 
+from neuralgaits.analysis.box_map import BoxAnswer, BoxMap
 from neuralgaits.analysis.point_evaluator import PlaneChart, PointEvaluator, quantities
 from neuralgaits.analysis.run import open_run
 from neuralgaits.certificate.run_certificate.verified_summary import (
@@ -14,12 +15,12 @@ from neuralgaits.certificate.run_certificate.verified_summary import (
     hashes,
     read_certificate,
 )
-from neuralgaits.report.figures import certificate_map
 from neuralgaits.viewer import markdown, phase_board
 from neuralgaits.viewer import portrait as board
 from neuralgaits.viewer.phase_board import portrait
-from neuralgaits.viewer.portrait import PROVED, REFUTED, Portrait
-from neuralgaits.viewer.sureness import _verdict, how_sure
+from neuralgaits.viewer.portrait import Portrait
+from neuralgaits.viewer.sureness import how_sure, verdict_of
+from support.contrast import channels, contrast
 
 
 @pytest.fixture(scope="module")
@@ -83,7 +84,7 @@ def test_a_proved_state_is_green_and_a_state_outside_is_not(shipped, plane, pict
 
 def test_fences_are_where_their_states_are(plane, picture):
     height, width, _ = picture.shape
-    ink = np.array([int(board._INK[at : at + 2], 16) for at in (1, 3, 5)])
+    ink = np.array(channels(board._INK))
     for fence in plane.fence_z2:
         z = np.array([plane.fence_z1[30], fence[30]])
         across, up = plane.place(z)
@@ -91,22 +92,13 @@ def test_fences_are_where_their_states_are(plane, picture):
         assert np.abs(picture[row - 2 : row + 3, column] - ink).max(axis=-1).min() < 6
 
 
-def luminance(colour):
-    """Relative luminance of red, green, blue in 0..255. Source: WCAG 2.2."""
-    parts = np.asarray(colour) / 255.0
-    linear = np.where(parts <= 0.04045, parts / 12.92, ((parts + 0.055) / 1.055) ** 2.4)
-    return float(linear @ [0.2126, 0.7152, 0.0722])
-
-
 @pytest.mark.parametrize("ground", [LIGHT, DARK])
 def test_words_and_lines_stand_out_from_a_light_ground_and_from_a_dark_one(drawn, ground):
     # Its corners are the page's own.
     assert drawn[0, 0, 3] == drawn[-1, -1, 3] == 0.0
     for ink in (board._INK, board._GUARD, board._FLOW):
-        colour = [int(ink[at : at + 2], 16) for at in (1, 3, 5)]
-        low, high = sorted((luminance(colour), luminance([ground] * 3)))
         # Contrast of large text and of lines. Source: WCAG 2.2, 1.4.3 and 1.4.11.
-        assert (high + 0.05) / (low + 0.05) >= 3.0
+        assert contrast(channels(ink), [ground] * 3) >= 3.0
 
 
 def test_the_orbit_lies_inside_and_closes(shipped, plane):
@@ -117,12 +109,6 @@ def test_the_orbit_lies_inside_and_closes(shipped, plane):
     assert phase[-1] == pytest.approx(1.0, abs=1e-6)
     after = np.asarray(shipped.zero_dynamics.reset(plane.orbit[-1]))
     np.testing.assert_allclose(after, plane.orbit[0], rtol=1e-6)
-
-
-def test_answers_of_boxes_are_those_of_the_certificates_map():
-    """The rooms do not know each other; the saved map holds these numbers."""
-    for name in ("PROVED", "UNDECIDED", "REFUTED"):
-        assert getattr(board, name) == getattr(certificate_map, name)
 
 
 @pytest.fixture
@@ -142,17 +128,18 @@ def known_orbit(plane, monkeypatch):
 def test_without_a_certificate_margins_are_sampled_and_called_so(shipped, look, known_orbit):
     plane = portrait(shipped, look, certified=False)
     assert "not a proof" in plane.title
-    assert set(np.unique(plane.answer)) == {PROVED}
-    assert np.all(plane.margin > 0.0)
+    assert set(np.unique(plane.boxes.answer)) == {BoxAnswer.PROVED}
+    assert np.all(plane.boxes.margin > 0.0)
 
 
 def test_a_map_that_is_open_somewhere_is_not_called_proved(
     shipped, look, plane, known_orbit, monkeypatch
 ):
     assert "proved margins" in plane.title
-    answer = np.where(np.arange(len(plane.answer)) == 3, board.UNDECIDED, plane.answer)
-    arrays = {"corners": plane.corners, "answer": answer, "margin": plane.margin}
-    monkeypatch.setattr(phase_board, "read_arrays", lambda _: (arrays, {}))
+    boxes = plane.boxes
+    third = np.arange(len(boxes.answer)) == 3
+    boxes = boxes._replace(answer=np.where(third, BoxAnswer.UNDECIDED, boxes.answer))
+    monkeypatch.setattr(BoxMap, "read", lambda _: boxes)
     assert "only green is proved" in portrait(shipped, look, certified=True).title
 
 
@@ -166,9 +153,7 @@ def test_a_broken_region_is_red():
         fence_z1=line,
         fence_z2=np.array([[1.0, 1.0], [2.0, 2.0]]),
         orbit=np.zeros((0, 2)),
-        corners=corners,
-        answer=np.array([REFUTED]),
-        margin=np.array([-0.5]),
+        boxes=BoxMap(corners, np.array([BoxAnswer.REFUTED]), np.array([-0.5])),
         title="broken",
     )
     red, green, _ = colour_at(on_ground(bad.draw().astype(float), LIGHT), bad, [0.45, 1.55])
@@ -233,4 +218,6 @@ def test_the_verdict_of_a_proof_about_some_commands_names_no_level(shipped):
     found = read_certificate(shipped.folder)
     part = ProvedPart(told=("speed 0.5 to 0.6 m/s",), conditions=("knee",), levels=())
     assert found.summary is not None
-    assert _verdict(found.summary, part) == "The proof file is about some commands only: see below."
+    assert (
+        verdict_of(found.summary, part) == "The proof file is about some commands only: see below."
+    )

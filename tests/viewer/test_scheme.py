@@ -2,7 +2,7 @@
 
 import pytest
 
-from neuralgaits.viewer import scheme
+from neuralgaits.viewer.page_style import follow_scheme
 
 ADDRESS = "http://localhost/"
 
@@ -11,7 +11,9 @@ ADDRESS = "http://localhost/"
 def test_the_page_follows_the_browser(browser, asked, ends):
     opened = browser.new_page(color_scheme=asked)
     # Answered by the test: nothing is served.
-    opened.route("**/*", lambda route: route.fulfill(body=scheme.FOLLOW, content_type="text/html"))
+    opened.route(
+        "**/*", lambda route: route.fulfill(body=follow_scheme(), content_type="text/html")
+    )
     loads = []
     opened.on("load", lambda page: loads.append(page.url))
     opened.goto(ADDRESS)

@@ -72,6 +72,19 @@ class GaitData:
         """Key figures of the orbit; NaN if there is none."""
         return OrbitNumbers(*(float(value) for value in self.arrays["orbit/numbers"]))
 
+    def row_at(self, share: float) -> int:
+        """Return the orbit's row that is nearest to a share of the step's time."""
+        t = self.arrays["orbit/t"]
+        return int(np.argmin(np.abs(t - share * t[-1])))
+
+    def limits(self, quantity: str) -> tuple[float | None, float | None]:
+        """Return the lower and the upper bound that conditions set on a quantity, None if unset."""
+        found: list[float | None] = []
+        for side in ("at_least", "at_most"):
+            bounds = [entry["bound"] for entry in self.bounds(side, quantity)]
+            found.append(next((float(bound) for bound in bounds if np.ndim(bound) == 0), None))
+        return found[0], found[1]
+
     def bounds(self, function: str, of: str | None = None) -> list[Mapping[str, Any]]:
         """Quantities of the conditions that read a function, as in ("at_least", "torso_angle")."""
         found = [c["quantity"] for c in self.described if "quantity" in c]

@@ -14,23 +14,11 @@ import mujoco
 import numpy as np
 
 from neuralgaits._types import Float
+from neuralgaits.robots import PlanarBiped
+from neuralgaits.robots.link_rods import THICKNESS, bones, is_drawn
 
 FRAME_S = 0.02
 """Time between two frames [s]; the page interpolates, and 50 frames a second show an impact."""
-_KINDS = {
-    mujoco.mjtGeom.mjGEOM_SPHERE: "sphere",
-    mujoco.mjtGeom.mjGEOM_CAPSULE: "capsule",
-    mujoco.mjtGeom.mjGEOM_ELLIPSOID: "ellipsoid",
-    mujoco.mjtGeom.mjGEOM_CYLINDER: "cylinder",
-    mujoco.mjtGeom.mjGEOM_BOX: "box",
-}
-# MuJoCo's own viewer hides groups from 3 on: helpers of a model, not its picture.
-_SHOWN_GROUPS = 3
-# A robot file without pictures is drawn as sticks of this thickness, in leg lengths.
-_STICK_RADIUS = 0.03
-_SHORTEST_STICK = 0.05
-_STICK_COLOURS = ((0.27, 0.31, 0.37), (0.95, 0.55, 0.16), (0.10, 0.42, 0.75))
-"""Colours of root, first leg and second leg: those of the built-in robots."""
 
 
 class BodyMotion(NamedTuple):
@@ -80,28 +68,25 @@ def ground_force(
     return force
 
 
-def shapes(
-    model: mujoco.MjModel,
-    moved: BodyMotion,
-    feet: Sequence[str],
-    leg_length: float,
-) -> list[dict[str, Any]]:
+def shapes(model: mujoco.MjModel, moved: BodyMotion, robot: PlanarBiped) -> list[dict[str, Any]]:
     """Return the robot's shapes, placed in the frames of their bodies in the first state.
 
     Args:
         model: compiled model.
         moved: poses of the model; only the first set is used.
-        feet: names of the two foot geoms.
-        leg_length: leg length of the robot (m), which scales the sticks.
+        robot: robot of the model; rods stand for the links of one whose file has no shapes.
 
     Returns: one dict for each shape, with body (counted from 0), kind, size (m), pos (m), quat and
         colour.
     """
-    found = [_shape(model, geom, moved) for geom in range(model.ngeom) if _is_drawn(model, geom)]
-    feet_ids = [model.geom(name).id for name in feet]
-    pictured = {int(model.geom_bodyid[g]) for g in range(model.ngeom) if _is_drawn(model, g)}
-    if pictured <= {int(model.geom_bodyid[g]) for g in feet_ids}:
-        found += _sticks(model, moved, feet_ids, leg_length)
+    found = [_shape(model, geom, moved) for geom in range(model.ngeom) if is_drawn(model, geom)]
+    for bone in bones(model, robot.layout):
+        along, quat = bone.ends[1] - bone.ends[0], np.zeros(4)
+        length = float(np.linalg.norm(along))
+        mujoco.mju_quatZ2Vec(quat, along / length)
+        size = np.array([THICKNESS * robot.leg_length, 0.5 * length, 0.0])
+        rod = _placed(model, bone.body, moved, "capsule", size, bone.ends.mean(axis=0), quat)
+        found.append(rod | {"colour": list(bone.colour[:3])})
     return found
 
 
@@ -120,25 +105,15 @@ def _bodies(model: mujoco.MjModel) -> np.ndarray:
     return 1 + np.flatnonzero(model.body_mocapid[1:] < 0)
 
 
-def _is_drawn(model: mujoco.MjModel, geom: int) -> bool:
-    """Return whether MuJoCo's viewer would draw this geom as part of the robot."""
-    plane = model.geom_type[geom] == mujoco.mjtGeom.mjGEOM_PLANE
-    return bool(
-        model.geom_bodyid[geom] > 0
-        and not plane
-        and model.body_mocapid[model.geom_bodyid[geom]] < 0
-        and model.geom_group[geom] < _SHOWN_GROUPS
-        and _rgba(model, geom)[3] > 0.0
-    )
-
-
-def _rgba(model: mujoco.MjModel, geom: int) -> np.ndarray:
-    material = model.geom_matid[geom]
-    return model.mat_rgba[material] if material >= 0 else model.geom_rgba[geom]
-
-
 def _shape(model: mujoco.MjModel, geom: int, moved: BodyMotion) -> dict[str, Any]:
-    kind = _KINDS.get(mujoco.mjtGeom(model.geom_type[geom]))
+    kinds = {
+        mujoco.mjtGeom.mjGEOM_SPHERE: "sphere",
+        mujoco.mjtGeom.mjGEOM_CAPSULE: "capsule",
+        mujoco.mjtGeom.mjGEOM_ELLIPSOID: "ellipsoid",
+        mujoco.mjtGeom.mjGEOM_CYLINDER: "cylinder",
+        mujoco.mjtGeom.mjGEOM_BOX: "box",
+    }
+    kind = kinds.get(mujoco.mjtGeom(model.geom_type[geom]))
     size, centre = model.geom_size[geom], np.zeros(3)
     if kind is None:
         # A mesh is shown as the box around it: its file need not be in the run.
@@ -146,9 +121,10 @@ def _shape(model: mujoco.MjModel, geom: int, moved: BodyMotion) -> dict[str, Any
     local = np.zeros(3)
     mujoco.mju_rotVecQuat(local, centre, model.geom_quat[geom])
     local += model.geom_pos[geom]
-    return _placed(
-        model, int(model.geom_bodyid[geom]), moved, kind, size, local, model.geom_quat[geom]
-    ) | {"colour": _short(_rgba(model, geom)[:3], 3)}
+    material, body = model.geom_matid[geom], int(model.geom_bodyid[geom])
+    colour = model.mat_rgba[material] if material >= 0 else model.geom_rgba[geom]
+    placed = _placed(model, body, moved, kind, size, local, model.geom_quat[geom])
+    return placed | {"colour": _short(colour[:3], 3)}
 
 
 def _placed(
@@ -172,41 +148,6 @@ def _placed(
         "pos": _short(place),
         "quat": _short(turn),
     }
-
-
-def _sticks(
-    model: mujoco.MjModel, moved: BodyMotion, feet: Sequence[int], leg_length: float
-) -> list[dict[str, Any]]:
-    """Return a capsule from each body's origin to those of its children, and to its foot."""
-    ends = [
-        (int(model.body_parentid[body]), model.body_pos[body])
-        for body in range(2, model.nbody)
-        if model.body_mocapid[body] < 0
-    ]
-    ends += [(int(model.geom_bodyid[geom]), model.geom_pos[geom]) for geom in feet]
-    ends += [(1, 2.0 * model.body_ipos[1])]
-    legs = {_branch(model, int(model.geom_bodyid[geom])): leg for leg, geom in enumerate(feet)}
-    found = []
-    for body, end in ends:
-        length = float(np.linalg.norm(end))
-        if body == 0 or length < _SHORTEST_STICK * leg_length:
-            continue
-        quat = np.zeros(4)
-        mujoco.mju_quatZ2Vec(quat, end / length)
-        size = np.array([_STICK_RADIUS * leg_length, 0.5 * length, 0.0])
-        leg = legs.get(_branch(model, body), -1)
-        found.append(
-            _placed(model, body, moved, "capsule", size, 0.5 * end, quat)
-            | {"colour": list(_STICK_COLOURS[leg + 1])}
-        )
-    return found
-
-
-def _branch(model: mujoco.MjModel, body: int) -> int:
-    """Return the child of the root body whose branch contains a body; the root for the root."""
-    while body > 1 and int(model.body_parentid[body]) > 1:
-        body = int(model.body_parentid[body])
-    return body
 
 
 def _turn(first: np.ndarray, now: np.ndarray) -> np.ndarray:

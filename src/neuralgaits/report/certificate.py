@@ -57,8 +57,8 @@ def certificate_of(run: Run, found: CertificateReading | None = None) -> ProvedO
         if row.verdict == "proved" and row.margin is not None
     }
     theorems = None if found.proof is None else found.proof.theorems
-    orbit = None if theorems is None else _orbit(run, level(3), theorems.orbit)
-    shape = None if theorems is None else _full(level(4), theorems.full)
+    orbit = None if theorems is None else tube_around_orbit(run, level(3), theorems.orbit)
+    shape = None if theorems is None else full_order_set(level(4), theorems.full)
     fourth = level(4)
     reason = (None if fourth is None else fourth.reason) or ProvedOfGait.no_full
     return ProvedOfGait(
@@ -94,7 +94,9 @@ def part_of(found: CertificateReading) -> ProvedOfSome | None:
     return ProvedOfSome(ranges, len(part.conditions), level)
 
 
-def _orbit(run: Run, level: Conclusion | None, orbit: OrbitConstants | None) -> Proved | None:
+def tube_around_orbit(
+    run: Run, level: Conclusion | None, orbit: OrbitConstants | None
+) -> Proved | None:
     """Return the proved tube around the orbit at z1 = 0, with the bounds of the return map."""
     if level is None or not level.proved or orbit is None or not orbit.lower:
         # Of a gait that takes commands: walks come together, around no one orbit.
@@ -107,7 +109,10 @@ def _orbit(run: Run, level: Conclusion | None, orbit: OrbitConstants | None) -> 
     return Proved((low, high), multiplier, figures.get("contraction_at_most"))
 
 
-def _full(level: Conclusion | None, shape: FullOrderConstants | None) -> FullOrderSet | None:
+def full_order_set(
+    level: Conclusion | None, shape: FullOrderConstants | None
+) -> FullOrderSet | None:
+    """Return the set of level 4, with the constants of its proof; None if that is not proved."""
     if level is None or not level.proved or shape is None:
         return None
     return FullOrderSet(

@@ -1,12 +1,12 @@
-"""Every figure of a run: its data, or what is missing and which command makes it."""
+"""Every figure of a run: its words and data, or what is missing and which command makes it."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 from matplotlib.figure import Figure
 
+from neuralgaits.analysis.box_map import BoxMap
 from neuralgaits.analysis.data import GaitData, MeasuredWalk
 from neuralgaits.analysis.family_data import family_data
 from neuralgaits.analysis.gait_data import gait_data
@@ -16,6 +16,7 @@ from neuralgaits.analysis.walk_log import measured_walk
 from neuralgaits.errors import RunError
 from neuralgaits.records.episode_records import ASKED, SUMMARY, EpisodesDone
 from neuralgaits.records.simulated import LOG
+from neuralgaits.records.training_config import TrainingConfig
 from neuralgaits.report.certificate import ProvedOfGait
 from neuralgaits.report.drawing import command_words
 from neuralgaits.report.figures import (
@@ -39,8 +40,25 @@ from neuralgaits.runs.shell_words import command, learning, named
 
 
 @dataclass(frozen=True)
-class FigureSource:
-    """Data source of the figures. Attributes: run: open run; certificate: its proved results."""
+class Absent(Exception):
+    """Raised if a figure cannot be drawn; it names the reason and the command that helps."""
+
+    reason: str
+    command: str
+
+
+Made = tuple[str, Figure]
+"""Caption of a figure, and the figure."""
+
+
+@dataclass(frozen=True)
+class RunFigures:
+    """Figures of a run, each with its caption; a figure that cannot be drawn raises `Absent`.
+
+    Attributes:
+        run: open run.
+        certificate: its proved results.
+    """
 
     run: Run
     certificate: ProvedOfGait
@@ -56,172 +74,195 @@ class FigureSource:
         return measured_walk(self.run)
 
     @property
+    def periodic(self) -> GaitData:
+        """Return the data of a gait with a periodic orbit."""
+        if not self.data.periodic:
+            line = repeat_commands.longer(self.run.folder)
+            raise Absent("the gait has no periodic orbit between its fences: train longer", line)
+        return self.data
+
+    @property
     def path(self) -> str:
         """Return the run's folder as a command-line argument."""
         return named(self.run.path)
 
-
-@dataclass(frozen=True)
-class Absent(Exception):
-    """Raised if a figure cannot be drawn; it names the reason and the command that helps."""
-
-    reason: str
-    command: str
-
-
-Made = tuple[str, Figure]
-"""Caption of a figure, and the figure."""
-
-
-def _phase_portrait(source: FigureSource) -> Made:
-    data, walk = source.data, source.walk
-    told_some = bool(source.run.asked.commands)
-    words = phase_portrait.caption(data, walk, source.certificate.level, told_some)
-    return words, phase_portrait.draw(data, walk)
-
-
-def _barrier_sketches(source: FigureSource) -> Made:
-    return barrier_sketches.CAPTION, barrier_sketches.draw(_periodic(source))
-
-
-def _gait_tiles(source: FigureSource) -> Made:
-    data = _periodic(source)
-    figure = gait_tiles.draw(data["orbit/skeleton"], data["orbit/t"], data.torso)
-    return gait_tiles.CAPTION, figure
-
-
-def _walk_tiles(source: FigureSource) -> Made:
-    walk = source.walk
-    if walk is None:
-        log = source.run.path / LOG
-        line = command("simulate", source.path, "--log", named(log))
-        raise Absent("the run has no log of a walk", line)
-    rows = walk.last_step
-    figure = gait_tiles.draw(
-        walk.skeleton[rows], walk.t[rows] - walk.t[rows[0]], source.run.robot.torso is not None
-    )
-    return gait_tiles.measured_caption(walk.source), figure
-
-
-def _margins_orbit(source: FigureSource) -> Made:
-    data, proved = source.data, source.certificate.margins
-    return margins_orbit.caption(data, proved), margins_orbit.draw(data, proved)
-
-
-def _margins_region(source: FigureSource) -> Made:
-    return margins_region.CAPTION, margins_region.draw(source.data)
-
-
-def _certificate_map(source: FigureSource) -> Made:
-    path, certificate = source.run.path / MAP, source.certificate
-    if certificate.reason is None and certificate.map_fits:
-        return certificate_map.CAPTION, certificate_map.draw_saved(path)
-    if certificate.of_a_box or source.run.asked.parameters:
-        raise _of_a_box(source, 1, "the map is of states of one robot")
-    missing = f"{path.name} is missing in the certificate, or another one's"
-    raise Absent(certificate.reason or missing, command("certify", source.path))
-
-
-def _return_map(source: FigureSource) -> Made:
-    data, proved = _periodic(source), source.certificate.orbit
-    return return_map.caption(data, proved), return_map.draw(data, proved)
-
-
-def _full_order_set(source: FigureSource) -> Made:
-    certificate = source.certificate
-    if source.run.asked.commands:
-        line = repeat_commands.certifying(source.run.path, source.run.asked.last_level)
-        raise Absent("level 4 is about one gait, and this one takes commands", line)
-    if certificate.full is not None:
-        return full_order_set.CAPTION, full_order_set.draw(source.data, certificate.full)
-    if certificate.of_a_box or source.run.asked.parameters:
-        raise _of_a_box(source, 4, "level 4 is about one robot on the floor as meant")
-    raise Absent(certificate.no_full, repeat_commands.certifying(source.run.path, 4))
-
-
-def _of_a_box(source: FigureSource, level: int, reason: str) -> Absent:
-    """Return why the figure is missing, and whether a proof about a box is the cause."""
-    if source.certificate.of_a_box:
-        reason += (
-            ", and the run's proof about a box of them; the command proves the file's robot alone, "
-            "and its proof takes the place of the box's: copy the run's folder first to have both"
+    def gait_tiles(self) -> Made:
+        """Draw poses of one step of the orbit."""
+        caption = (
+            "One step of the periodic gait, from the moment a foot lands to the moment the other "
+            "one does. The grey leg swings forward, the other one stands. Below are the time and "
+            "the height of the swinging foot."
         )
-    return Absent(reason, repeat_commands.certifying(source.run.path, level, parameters={}))
+        data = self.periodic
+        return caption, gait_tiles.draw(data["orbit/skeleton"], data["orbit/t"], data.torso)
 
-
-def _stride(source: FigureSource) -> Made:
-    return stride.caption(source.walk), stride.draw(_periodic(source), source.walk)
-
-
-def _loss(source: FigureSource) -> Made:
-    rows = source.run.folder.read_metrics()
-    if not rows:
-        raise Absent("the run took no training step", repeat_commands.longer(source.run.folder))
-    if absent := [name for name in loss_curves.WHOLE if name not in rows[0]]:
-        raise RunError(
-            f"expected a column {absent[0]} in the metrics.csv of {source.run.path}, found none: "
-            "restore the file, or train again"
+    def walk_tiles(self) -> Made:
+        """Draw poses of the last step of a logged walk."""
+        walk = self.walk
+        if walk is None:
+            log = self.run.path / LOG
+            line = command("simulate", self.path, "--log", named(log))
+            raise Absent("the run has no log of a walk", line)
+        caption = (
+            f"The last full step of a walk ({walk.source}), where feet can slip, motors saturate "
+            "and contact is soft: it should look like the gait it was designed to be."
         )
-    return loss_curves.CAPTION, loss_curves.draw(rows)
+        rows, torso = walk.last_step, self.run.robot.torso is not None
+        since = walk.t[rows] - walk.t[rows[0]]
+        return caption, gait_tiles.draw(walk.skeleton[rows], since, torso)
 
+    def phase_portrait(self) -> Made:
+        """Draw the phase portrait, with a logged walk if there is one."""
+        data, walk = self.data, self.walk
+        told_some = bool(self.run.asked.commands)
+        words = phase_portrait.caption(data, walk, self.certificate.level, told_some)
+        return words, phase_portrait.draw(data, walk)
 
-def _residual_field(source: FigureSource) -> Made:
-    data = residual_data(source.run)
-    if data is None:
-        raise Absent("nothing was learned from logs of this gait", learning(source.run.path))
-    return residual_field.caption(data), residual_field.draw(data)
-
-
-def _rounds(source: FigureSource) -> Made:
-    folder = source.run.path.parent
-    if not all((folder / file).is_file() for file in (ASKED, SUMMARY)):
-        heavier = (
-            "--plant",
-            repeat_commands.robot_word(source.run.folder),
-            "--disturb",
-            "mass_scale=1.05",
+    def barrier_sketches(self) -> Made:
+        """Draw the conditions on the robot itself."""
+        caption = (
+            "Walking is asked for as limits on the robot, not as a motion to copy: the torso stays "
+            "within its wedge, the swing foot above its arc, the contact force inside the friction "
+            "cone, hip and knees on the right side of their bounds. Poses and forces are those of "
+            "the periodic gait."
         )
-        line = command("episodes", *heavier, "--resume", source.path)
-        raise Absent("the run is no round of episodes, as with a robot 5 % heavier", line)
-    return rounds.CAPTION, rounds.draw(EpisodesDone.read(folder / SUMMARY))
+        return caption, barrier_sketches.draw(self.periodic)
+
+    def stride(self) -> Made:
+        """Draw one step over time, and a measured one if there is one."""
+        return stride.caption(self.walk), stride.draw(self.periodic, self.walk)
+
+    def margins_orbit(self) -> Made:
+        """Draw the margins along the orbit, and the least of each."""
+        data, proved = self.data, self.certificate.margins
+        return margins_orbit.caption(data, proved), margins_orbit.draw(data, proved)
+
+    def margins_region(self) -> Made:
+        """Draw the tightest condition at each state of the tube."""
+        return margins_region.CAPTION, margins_region.draw(self.data)
+
+    def certificate_map(self) -> Made:
+        """Draw the boxes of the certificate."""
+        path, certificate = self.run.path / MAP, self.certificate
+        if certificate.reason is None and certificate.map_fits:
+            caption = (
+                "Every box is a set of states on which all conditions that apply there were "
+                "bounded at once. Green boxes are proved, the stronger the further from a limit; "
+                "orange ones are open, red ones broken. A green box speaks of every state in it: "
+                "none lies between samples. The map is certify's own word: the proof file has its "
+                "boxes, and no picture of them."
+            )
+            return caption, certificate_map.draw(BoxMap.read(path))
+        if certificate.of_a_box or self.run.asked.parameters:
+            raise self.absent_for_box(1, "the map is of states of one robot")
+        missing = f"{path.name} is missing in the certificate, or another one's"
+        raise Absent(certificate.reason or missing, command("certify", self.path))
+
+    def return_map(self) -> Made:
+        """Draw the Poincaré map."""
+        data, proved = self.periodic, self.certificate.orbit
+        return return_map.caption(data, proved), return_map.draw(data, proved)
+
+    def full_order_set(self) -> Made:
+        """Draw the invariant set of level 4."""
+        certificate, asked = self.certificate, self.run.asked
+        if asked.commands:
+            line = repeat_commands.certifying(self.run.path, asked.last_level)
+            raise Absent("level 4 is about one gait, and this one takes commands", line)
+        if certificate.full is not None:
+            caption = (
+                "Real joints never follow exactly. Left: over the states of the tube, how large "
+                "their errors may be and the robot still provably walks on for ever, with motors "
+                "that do without delay what the controller asks: little near the edges and before "
+                "the foot lands. Right: the same along the step, against the errors that an impact "
+                "leaves and how the controller lets them die out."
+            )
+            return caption, full_order_set.draw(self.data, certificate.full)
+        if certificate.of_a_box or asked.parameters:
+            raise self.absent_for_box(4, "level 4 is about one robot on the floor as meant")
+        raise Absent(certificate.no_full, repeat_commands.certifying(self.run.path, 4))
+
+    def absent_for_box(self, level: int, reason: str) -> Absent:
+        """Return why a figure is missing, and whether a proof about a box is the cause."""
+        if self.certificate.of_a_box:
+            reason += (
+                ", and the run's proof about a box of them; the command proves the file's robot "
+                "alone, and its proof takes the place of the box's: copy the run's folder first to "
+                "have both"
+            )
+        return Absent(reason, repeat_commands.certifying(self.run.path, level, parameters={}))
+
+    def loss_curves(self) -> Made:
+        """Draw the losses of the training."""
+        rows = self.run.folder.read_metrics()
+        if not rows:
+            raise Absent("the run took no training step", repeat_commands.longer(self.run.folder))
+        if absent := [name for name in loss_curves.WHOLE if name not in rows[0]]:
+            raise RunError(
+                f"expected a column {absent[0]} in the metrics.csv of {self.run.path}, found none: "
+                "restore the file, or train again"
+            )
+        caption = (
+            "The loss says by how much the conditions are broken on random states, or are nearer "
+            "to their limits than training wants them; effort is added to it. So it does not end "
+            "at zero, and a small loss alone does not say that nothing is broken."
+        )
+        return caption, loss_curves.draw(rows)
+
+    def residual_field(self) -> Made:
+        """Draw what was learned from logs."""
+        data = residual_data(self.run)
+        if data is None:
+            raise Absent("nothing was learned from logs of this gait", learning(self.run.path))
+        return residual_field.caption(data), residual_field.draw(data)
+
+    def rounds(self) -> Made:
+        """Draw the rounds of the run's episodes."""
+        folder = self.run.path.parent
+        if not all((folder / file).is_file() for file in (ASKED, SUMMARY)):
+            plant = repeat_commands.robot_word(self.run.folder)
+            heavier = "--plant", plant, "--disturb", "mass_scale=1.05"
+            line = command("episodes", *heavier, "--resume", self.path)
+            raise Absent("the run is no round of episodes, as with a robot 5 % heavier", line)
+        caption = (
+            "The gait walks on a robot that differs from its model; what differs is learned from "
+            "the logs, and the policy is trained on with it. From round to round it should walk "
+            "further, from more speeds, and predict its own motion better."
+        )
+        return caption, rounds.draw(EpisodesDone.read(folder / SUMMARY))
+
+    def family(self) -> Made:
+        """Draw the gaits of a family at some of its commands."""
+        found = family_data(self.run)
+        if not found.periodic:
+            line = repeat_commands.longer(self.run.folder)
+            raise Absent("no periodic orbit was found at any command: train longer", line)
+        return family.caption(found), family.draw(found)
 
 
-def _family(source: FigureSource) -> Made:
-    found = family_data(source.run)
-    if not found.periodic:
-        line = repeat_commands.longer(source.run.folder)
-        raise Absent("no periodic orbit was found at any command: train longer", line)
-    return family.caption(found), family.draw(found)
-
-
-def _periodic(source: FigureSource) -> GaitData:
-    """Return the data of a gait with a periodic orbit."""
-    if not source.data.periodic:
-        line = repeat_commands.longer(source.run.folder)
-        raise Absent("the gait has no periodic orbit between its fences: train longer", line)
-    return source.data
-
-
-Maker = tuple[str, str, Callable[[FigureSource], Any]]
+Maker = tuple[str, str, Callable[[RunFigures], Made]]
 """Name, title and drawing function of a figure."""
 MAKERS: tuple[Maker, ...] = (
-    ("gait-tiles", gait_tiles.TITLE, _gait_tiles),
-    ("walk-tiles", gait_tiles.MEASURED_TITLE, _walk_tiles),
-    ("phase-portrait", phase_portrait.TITLE, _phase_portrait),
-    ("barrier-sketches", barrier_sketches.TITLE, _barrier_sketches),
-    ("stride", stride.TITLE, _stride),
-    ("margins-orbit", margins_orbit.TITLE, _margins_orbit),
-    ("margins-region", margins_region.TITLE, _margins_region),
-    ("certificate-map", certificate_map.TITLE, _certificate_map),
-    ("return-map", return_map.TITLE, _return_map),
-    ("full-order-set", full_order_set.TITLE, _full_order_set),
-    ("loss", loss_curves.TITLE, _loss),
-    ("residual-field", residual_field.TITLE, _residual_field),
-    ("rounds", rounds.TITLE, _rounds),
+    (command_words.FIGURE, "A family of gaits", RunFigures.family),
+    ("gait-tiles", "The gait", RunFigures.gait_tiles),
+    ("walk-tiles", "The gait in simulation", RunFigures.walk_tiles),
+    ("phase-portrait", "Every step in one picture", RunFigures.phase_portrait),
+    ("barrier-sketches", "The rules of the gait", RunFigures.barrier_sketches),
+    ("stride", "One step: angles, torques, forces", RunFigures.stride),
+    ("margins-orbit", "How much room there is", RunFigures.margins_orbit),
+    ("margins-region", "Where it is tight", RunFigures.margins_region),
+    ("certificate-map", "What is proved, where", RunFigures.certificate_map),
+    ("return-map", "Why the gait settles", RunFigures.return_map),
+    ("full-order-set", "How far the joints may be off", RunFigures.full_order_set),
+    ("loss", "How it was trained", RunFigures.loss_curves),
+    ("residual-field", "What the robot taught the model", RunFigures.residual_field),
+    ("rounds", "Learning on the robot", RunFigures.rounds),
 )
-"""Every figure that a run can have, in the order of the report."""
-OF_TRAINING = ("loss",)
-"""Names of the figures that a gait without training does not have; none of them counts as
-missing."""
-OF_FAMILIES: tuple[Maker, ...] = ((command_words.FIGURE, family.TITLE, _family),)
-"""Figures of gaits that take commands; for other gaits they do not count as missing."""
+"""Every figure that some run can have, in the order of the report."""
+
+
+def makers_of(asked: TrainingConfig) -> list[Maker]:
+    """Return the figures that count as missing if a run with these settings lacks them."""
+    never = set() if asked.commands else {command_words.FIGURE}
+    never |= set() if asked.as_given is None else {"loss"}
+    return [one for one in MAKERS if one[0] not in never]

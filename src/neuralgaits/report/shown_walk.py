@@ -37,9 +37,6 @@ STEPS = 12
 """Walking steps shown if nothing requests another number: some six seconds."""
 _LONGEST = 1500
 """Most frames of a walk: half a minute."""
-_BEFORE_FALL = 400
-"""Frames kept before a fall: eight seconds."""
-_FENCE_POINTS = 41
 
 
 @dataclass(frozen=True)
@@ -84,7 +81,7 @@ def shown_walk(run: Run) -> ShownWalk:
         if kept.key == key:
             return kept
     at = run if asked.command is None else run.at(**asked.command)
-    shown = _shown(at, asked, _walked(at, asked), key)
+    shown = _shown(at, asked, walk_again(at, asked), key)
     run.folder.write_json(FILE, shown)
     return shown
 
@@ -165,7 +162,8 @@ def _key(run: Run, asked: AskedWalk) -> str:
     return hashlib.sha256(weights + text.encode()).hexdigest()
 
 
-def _walked(run: Run, asked: AskedWalk) -> Walk:
+def walk_again(run: Run, asked: AskedWalk) -> Walk:
+    """Simulate a walk in MuJoCo with a record of every tick."""
     # Of a family, the gait at the command alone.
     one = replace(run, trained=run.gait)
     walks = TrainedWalks(
@@ -192,16 +190,16 @@ def _shown(run: Run, asked: AskedWalk, walked: Walk, key: str) -> ShownWalk:
     stride = round(animation.FRAME_S / (SUBSTEPS * TIMESTEP_S))
     fell = episodes.endings[0].fell
     ticks = np.arange(len(episodes.states))[::stride]
-    ticks = ticks[-_BEFORE_FALL:] if fell else ticks[:_LONGEST]
+    # Eight seconds before a fall.
+    ticks = ticks[-400:] if fell else ticks[:_LONGEST]
     moved = animation.motion(plant.model, episodes.states[ticks])
-    feet, leg_length = plant.robot.layout.feet, plant.robot.leg_length
     weight = float(np.sum(plant.model.body_mass)) * float(plant.robot.gravity)
     force = animation.ground_force(moved.momenta, weight, animation.FRAME_S)
     legs = np.asarray(record.command.leg)[ticks].astype(int)
     floors = np.asarray(episodes.floors)[ticks]
     frames = {
-        "shapes": animation.shapes(plant.model, moved, feet, leg_length),
-        "contacts": animation.contacts(plant.model, moved, feet),
+        "shapes": animation.shapes(plant.model, moved, plant.robot),
+        "contacts": animation.contacts(plant.model, moved, plant.robot.layout.feet),
         "poses": np.round(moved.poses.reshape(len(ticks), -1), 4),
         "leg": legs,
         # A push is a force too, and would be taken for the ground's.
@@ -231,7 +229,7 @@ def _shown(run: Run, asked: AskedWalk, walked: Walk, key: str) -> ShownWalk:
         fall_reason=episodes.endings[0].reason,
         frame_s=animation.FRAME_S,
         first_s=float(episodes.states[ticks[0], 0]),
-        leg_length_m=leg_length,
+        leg_length_m=plant.robot.leg_length,
         weight_n=weight,
         **plain(frames),
     )
@@ -239,7 +237,7 @@ def _shown(run: Run, asked: AskedWalk, walked: Walk, key: str) -> ShownWalk:
 
 def _tube(run: Run) -> dict[str, Any]:
     """Return both fences of the gait's region in the plane of z, from start to end of a step."""
-    phases = np.linspace(0.0, 1.0, _FENCE_POINTS)
+    phases = np.linspace(0.0, 1.0, 41)
     at = quick_jit(jax.vmap(run.gait.z))
     return {
         side: np.round(np.asarray(at(np.stack([phases, np.full_like(phases, level)], 1))), 4)

@@ -28,13 +28,26 @@ class Bone(NamedTuple):
     """Red, green, blue, opacity."""
 
 
+def is_drawn(model, geom: int) -> bool:
+    """Return whether MuJoCo's viewer would draw a geom as part of the robot."""
+    body, material = int(model.geom_bodyid[geom]), int(model.geom_matid[geom])
+    colour = model.mat_rgba[material] if material >= 0 else model.geom_rgba[geom]
+    # Floors are planes, or mocap bodies; groups from 3 on are helpers of a model, not its picture.
+    return bool(
+        body > 0
+        and model.geom_type[geom] != mujoco.mjtGeom.mjGEOM_PLANE
+        and model.body_mocapid[body] < 0
+        and model.geom_group[geom] < 3
+        and colour[3] > 0.0
+    )
+
+
 def bones(model, layout: MjcfLayout) -> list[Bone]:
     """Return the rods of a compiled model: from foot to hip, and along the torso.
 
     Returns: none if the file draws more than feet and floor itself.
     """
-    kinds = model.geom_type != mujoco.mjtGeom.mjGEOM_PLANE
-    if int(kinds.sum()) > len(layout.feet):
+    if sum(is_drawn(model, geom) for geom in range(model.ngeom)) > len(layout.feet):
         return []
     data = mujoco.MjData(model)
     mujoco.mj_kinematics(model, data)

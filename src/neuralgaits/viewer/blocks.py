@@ -7,12 +7,6 @@ from neuralgaits._types import Float, Int
 
 _DEPTH, _SIDE = 0.25, 0.3
 """Drawn extent of the blocks downwards and to each side [m]."""
-_COLOURS = ((158, 166, 176), (118, 128, 140))
-_EDGES = ((0, 1), (1, 2), (2, 3), (3, 0))
-_ENDS = ((0, 1, 2), (0, 2, 3), (4, 6, 5), (4, 7, 6))
-_ROUND = tuple(face for a, b in _EDGES for face in ((a, a + 4, b), (b, a + 4, b + 4)))
-_FACES = np.array(_ENDS + _ROUND)
-"""Faces of one block, by its eight corners, those at the near side first."""
 
 
 class Blocks:
@@ -44,8 +38,8 @@ class Blocks:
                 flat_shading=True,
                 cast_shadow=False,
             )
-            for number, colour in enumerate(_COLOURS)
-            if len(part := tops[number :: len(_COLOURS)])
+            for number, colour in enumerate(((158, 166, 176), (118, 128, 140)))
+            if len(part := tops[number::2])
         ]
         self._drawn = tops
 
@@ -60,5 +54,9 @@ def mesh(tops: Float[np.ndarray, "K 4"]) -> tuple[Float[np.ndarray, "v 3"], Int[
     sides = np.tile(around, (1, 2, 1))
     deep = np.broadcast_to(np.repeat([-_SIDE, _SIDE], 4), sides.shape[:2])
     corners = np.stack([sides[..., 0], deep, sides[..., 1]], axis=-1)
-    faces = _FACES + 8 * np.arange(len(tops))[:, None, None]
+    # Of one block, by its eight corners, those at the near side first.
+    ends = [(0, 1, 2), (0, 2, 3), (4, 6, 5), (4, 7, 6)]
+    edges = ((0, 1), (1, 2), (2, 3), (3, 0))
+    round_about = [face for a, b in edges for face in ((a, a + 4, b), (b, a + 4, b + 4))]
+    faces = np.array(ends + round_about) + 8 * np.arange(len(tops))[:, None, None]
     return corners.reshape(-1, 3).astype(np.float32), faces.reshape(-1, 3).astype(np.uint32)

@@ -9,11 +9,6 @@ import viser
 from neuralgaits.viewer import page_style
 
 FOV = math.radians(40.0)
-_USUAL_ASPECT = 1.2
-"""Aspect ratio, width by height, assumed for a window whose size is unknown."""
-_SAME_M = 1e-3
-"""Largest distance of two camera positions that count as equal [m]: they arrive in single
-precision."""
 
 Pose = tuple[tuple[float, float, float], tuple[float, float, float]]
 """Position and target of a camera [m]."""
@@ -33,7 +28,7 @@ class Framing:
     def of_window(self, width: int, height: int) -> Pose:
         """Return the pose for a window in pixels; for the usual one if its size is unknown."""
         known = width > 0 and height > 0
-        aspect = width / height if known else _USUAL_ASPECT
+        aspect = width / height if known else 1.2
         share = page_style.SCENE_SHARE if known and width <= page_style.PHONE_PX else 1.0
         middle = 0.45 * self.top
         tall = max(self.top / share, self.wide / aspect)
@@ -56,8 +51,10 @@ class Framing:
 
             def frame() -> None:
                 pose = self.of_window(camera.image_width, camera.image_height)
-                if ours and _is_one_of(camera.position, ours) and not _same(camera, pose):
-                    ours.append(np.array(pose[0]))
+                wanted = np.array(pose[0])
+                here = _is_one_of(camera.position, [wanted])
+                if ours and _is_one_of(camera.position, ours) and not here:
+                    ours.append(wanted)
                     camera.position, camera.look_at = pose
 
             @camera.on_update
@@ -70,9 +67,6 @@ class Framing:
             frame()
 
 
-def _same(camera: viser.CameraHandle, pose: Pose) -> bool:
-    return _is_one_of(camera.position, [np.array(pose[0])])
-
-
 def _is_one_of(place: Sequence[float] | np.ndarray, known: list[np.ndarray]) -> bool:
-    return any(np.max(np.abs(np.asarray(place) - one)) < _SAME_M for one in known)
+    # Positions arrive in single precision.
+    return any(np.max(np.abs(np.asarray(place) - one)) < 1e-3 for one in known)

@@ -17,16 +17,8 @@ from neuralgaits.simulation.setup.live_course import LiveCourse
 from neuralgaits.simulation.setup.starts import momentum_range
 from neuralgaits.simulation.setup.terrain_kinds import commands_from_terrain
 from neuralgaits.simulation.ticks.falls import Ending
-from neuralgaits.viewer.walker import Margins, Shown, SliderRange, SliderReach
-
-CONTROLLER = "pd"
-"""Control law of the robot: the default of `simulate`."""
-MIDDLE = (0.5, 0.5)
-"""Phase and level of the initial state: the middle of the region."""
-SLOPE_DEG, FRICTION, MASS_SCALE = (-6.0, 6.0), (0.05, 1.2), (0.5, 2.0)
-"""Ranges of the sliders: well beyond what a gait tolerates."""
-_LEAST_TORQUE = 0.1
-"""Lowest torque limit, as a share of the robot's own limit."""
+from neuralgaits.viewer.slider import Slider
+from neuralgaits.viewer.walker import Margins, Shown
 
 
 class LiveGait:
@@ -62,12 +54,12 @@ class LiveGait:
         self.chart = PlaneChart(run.gait, run.spec)
         zd = run.zero_dynamics
         self._onto = PointEvaluator(lambda z: {"x": zd.phi_inv(z)})
-        phase, level = (np.array([value]) for value in MIDDLE)
-        self._middle = self.chart.z(phase, level)[0]
+        halfway = np.array([0.5])
+        self._middle = self.chart.z(halfway, halfway)[0]
         self.live = LiveWalk(
             run.robot,
             run.trained.policy,
-            law_named(CONTROLLER),
+            law_named("pd"),
             self._state(self._middle),
             z2_range=momentum_range(run.trained),
             library=engine_of_trained(run).library,
@@ -83,33 +75,38 @@ class LiveGait:
         self._look = look
 
     @property
-    def settings(self) -> Mapping[str, SliderReach]:
-        """Return the settings of the plant that can be changed, with their limits."""
+    def settings(self) -> Mapping[str, Slider]:
+        """Return the settings of the plant that can be changed, well beyond what gaits tolerate."""
         robot = self.run.robot
         friction, torque = float(robot.friction), float(np.max(robot.torque_limit))
-        turns = {"slope_deg": SliderReach(*SLOPE_DEG, 0.0)} if self._on is None else {}
-        return turns | {
-            "friction": SliderReach(FRICTION[0], max(FRICTION[1], friction), friction),
-            "mass_scale": SliderReach(*MASS_SCALE, 1.0),
-            "torque_limit": SliderReach(_LEAST_TORQUE * torque, torque, torque),
+        tilt = "uphill positive; the floor turns about the stance foot"
+        slide = "sliding coefficient between feet and floor"
+        heavy = "factor on all masses and inertias; the controller is not told"
+        weak = "limit of every joint; the controller knows it"
+        found = {
+            "slope_deg": Slider("slope [deg]", -6.0, 6.0, 0.0, 0.5, tilt),
+            "friction": Slider("friction", 0.05, max(1.2, friction), friction, 0.01, slide),
+            "mass_scale": Slider("mass ×", 0.5, 2.0, 1.0, 0.01, heavy),
+            "torque_limit": Slider("torque [N m]", 0.1 * torque, torque, torque, 0.5, weak),
         }
+        if self._on is not None:
+            del found["slope_deg"]
+        return found
 
     @property
-    def commands(self) -> Mapping[str, SliderRange]:
+    def commands(self) -> Mapping[str, Slider]:
         """Return the commands that a visitor may give at each touchdown, with their ranges."""
         own = () if self._on is None else commands_from_terrain(self._on)
         return {
-            c.name: SliderRange(SliderReach(c.low, c.high, 0.5 * (c.low + c.high)), c.unit)
+            c.name: Slider(f"{c.name} [{c.unit}]", c.low, c.high, 0.5 * (c.low + c.high))
             for c in self.run.trained.commands
             if c.name not in own
         }
 
     @property
-    def sizes(self) -> Mapping[str, SliderRange]:
+    def sizes(self) -> Mapping[str, Slider]:
         """Return the sizes of the blocks ahead that a visitor may change, with their ranges."""
-        return {
-            name: SliderRange(SliderReach(*size), "m") for name, size in self.live.sizes.items()
-        }
+        return {name: Slider(f"{name} [m]", *size) for name, size in self.live.sizes.items()}
 
     def resize(self, name: str, size: float) -> None:
         """Change a size of the blocks that the robot has not seen yet (m)."""

@@ -1,19 +1,72 @@
-"""Style of the live page on top of viser's, and how a phone's window is divided.
+"""Style of the live page on top of viser's: inks, a phone's window, light or dark.
 
 Another version of viser that names its parts otherwise is shown as it is.
 """
+
+import html
+from typing import NamedTuple
 
 PHONE_PX = 576
 """Largest width of a window whose controls are a sheet below the scene; viser's own."""
 SCENE_SHARE = 0.5
 """Share of a phone's window that the scene has to itself."""
-_SHEET = '.mantine-Paper-root[style*="bottom: 0px"]'
-# By itself the sheet covers two thirds of the width and three fifths of the height.
-STYLE = (
-    "<style>code { overflow-wrap: anywhere; } p + p { margin-top: 0.5em !important; } "
-    f"@media (max-width: {PHONE_PX}px) {{"
-    f"{_SHEET} {{ width: 100% !important; max-height: {100.0 * SCENE_SHARE:.0f}% !important; }} "
-    f'{_SHEET} div[style="width: 20em;"] {{ width: 100% !important; }}'
-    "}</style>"
-)
-"""HTML that wraps long commands, parts paragraphs and widens a phone's controls to its window."""
+
+
+class Ink(NamedTuple):
+    """A colour of text, on a light page and on a dark one."""
+
+    light: str
+    dark: str
+
+    @property
+    def css(self) -> str:
+        """Return its declaration; browsers without `light-dark` use the first one."""
+        return f"color:{self.light};color:light-dark({self.light},{self.dark})"
+
+
+GOOD, BAD = Ink("#2e7d53", "#6fd09a"), Ink("#c0392b", "#ff8f83")
+TIGHT, QUIET, SAID = Ink("#b06a00", "#f0b35b"), Ink("#5b6770", "#a3b0bb"), Ink("#7a3e9d", "#cf9df0")
+
+
+def head() -> str:
+    """Return HTML that wraps long commands, parts paragraphs and widens a phone's controls."""
+    # By itself the sheet covers two thirds of the width and three fifths of the height.
+    sheet = '.mantine-Paper-root[style*="bottom: 0px"]'
+    return (
+        "<style>code { overflow-wrap: anywhere; } p + p { margin-top: 0.5em !important; } "
+        f"@media (max-width: {PHONE_PX}px) {{"
+        f"{sheet} {{ width: 100% !important; max-height: {100.0 * SCENE_SHARE:.0f}% !important; }} "
+        f'{sheet} div[style="width: 20em;"] {{ width: 100% !important; }}'
+        "}</style>"
+    )
+
+
+def follow_scheme() -> str:
+    """Return HTML that reloads the page with viser's `?darkMode` if the browser prefers dark.
+
+    The server does not learn a browser's preference, and viser has no setting that follows it. The
+    image is invalid on purpose, so that the browser runs the code in `onerror`; nothing is fetched.
+    """
+    return (
+        '<img src="data:," alt="" hidden onerror="'
+        # A bare URL is the document's here.
+        "const here=new window.URL(window.location.href),asked=here.searchParams;"
+        "const dark=window.matchMedia('(prefers-color-scheme: dark)').matches;"
+        "if(dark&amp;&amp;!asked.has('darkMode')){asked.set('darkMode','');"
+        "window.location.replace(here)}"
+        '">'
+    )
+
+
+def line(text: str, ink: Ink, *, strong: bool = False) -> str:
+    """Return HTML of a line in a colour."""
+    weight = 700 if strong else 500
+    return (
+        f'<div style="padding:3px 10px;font-size:13px;line-height:1.35;font-weight:{weight};'
+        f'{ink.css}">{html.escape(text)}</div>'
+    )
+
+
+def note(text: str) -> str:
+    """Return HTML of a small line."""
+    return f'<div style="padding:2px 10px 6px;font-size:12px">{html.escape(text)}</div>'

@@ -8,32 +8,17 @@ from typing import Literal
 import numpy as np
 import viser
 
-from neuralgaits.viewer import bars, page_style, scheme
+from neuralgaits.viewer import bars, page_style
+from neuralgaits.viewer.page_style import BAD, GOOD, QUIET, SAID, line, note
 from neuralgaits.viewer.player import SPEED, Picture, Player
-from neuralgaits.viewer.readouts import SETTING_WORDS, ended, few_digits, line, notch, note
-from neuralgaits.viewer.walker import SliderRange, SliderReach, Walker
+from neuralgaits.viewer.slider import Slider
+from neuralgaits.viewer.walker import Shown, Walker
 
-PUSH = SliderReach(0.0, 40.0, 8.0)
+PUSH = Slider("impulse [N s]", 0.0, 40.0, 8.0, 1.0, "at the hip, for 0.1 s")
 """Impulse of a push [N s]."""
-WAYS = {
-    "◄ back": (-1.0, 0.0),
-    "forward ►": (1.0, 0.0),
-    "up": (0.0, 1.0),
-    "down": (0.0, -1.0),
-}
-"""Directions of a push along x and z."""
-AFTER_FALL = {"wait for Reset": None, "reset after 2 s": 2.0, "reset after 5 s": 5.0}
 Key = Literal["U", "J", "I", "K", "O", "L"]
-KEYS: tuple[tuple[Key, Key], ...] = (("U", "J"), ("I", "K"), ("O", "L"))
-"""Keys that move a slider up and down, for the sliders of commands and stones in their order."""
-_A_KEY = 0.1
-"""Distance that a key moves a slider, as a share of its range."""
-_ANSWER_FRAMES = 240
-"""Frames for which a message stays visible: six seconds."""
 TYPED_S = 1.0
 """Time without a keystroke after which a number counts as typed [s]."""
-_QUIET, _GOOD = scheme.colour("#5b6770", "#a3b0bb"), scheme.colour("#2e7d53", "#6fd09a")
-_BAD, _SAID = scheme.colour("#c0392b", "#ff8f83"), scheme.colour("#7a3e9d", "#cf9df0")
 _STATUS_EVERY = 10
 """Frames between two updates of the status line."""
 
@@ -47,11 +32,11 @@ class Panel:
         player: Player,
         *,
         title: str,
-        settings: Mapping[str, SliderReach],
+        settings: Mapping[str, Slider],
         conditions: Sequence[str] | Mapping[str, str],
         restarted: Callable[[], None],
-        commands: Mapping[str, SliderRange] | None = None,
-        sizes: Mapping[str, SliderRange] | None = None,
+        commands: Mapping[str, Slider] | None = None,
+        sizes: Mapping[str, Slider] | None = None,
     ):
         """Build the panel.
 
@@ -59,32 +44,33 @@ class Panel:
             server: server of the page.
             player: player that the controls act on.
             title: one line of Markdown.
-            settings: limits of the plant's adjustable settings, by name.
+            settings: sliders of the plant's adjustable settings, by name.
             conditions: names of the conditions, in the order of the margins, or what they state
                 by name; empty if there are none.
             restarted: called in the player's thread after the robot was put back.
-            commands: ranges of the commands that the gait takes at each touchdown, by name.
-            sizes: ranges of the sizes of the blocks ahead, by name.
+            commands: sliders of the commands that the gait takes at each touchdown, by name.
+            sizes: sliders of the sizes of the blocks ahead, by name.
         """
         self._player, self._conditions, self._restarted = player, tuple(conditions), restarted
         self._words = conditions if isinstance(conditions, Mapping) else {}
         self._answer, self._answer_left, self._count = "", 0, 0
         self._laps = 0
-        self._sliders: dict[str, tuple[viser.GuiSliderHandle, SliderReach]] = {}
-        self._limited: list[tuple[viser.GuiSliderHandle, SliderReach]] = []
+        self._limited: list[tuple[viser.GuiSliderHandle, Slider]] = []
         gui = server.gui
-        gui.add_html(scheme.FOLLOW + page_style.STYLE)
+        gui.add_html(page_style.follow_scheme() + page_style.head())
         gui.add_markdown(title)
         self._verdict = gui.add_html(note("reading the certificate"))
-        self._status = gui.add_html(line("getting ready: compiling the controller", _QUIET))
+        self._status = gui.add_html(line("getting ready: compiling the controller", QUIET))
         self._add_time(gui)
-        self._keys = iter(KEYS)
+        # Each pair moves a slider up and down.
+        keys: tuple[tuple[Key, Key], ...] = (("U", "J"), ("I", "K"), ("O", "L"))
+        self._keys = iter(keys)
         if commands:
             heard = "heard at the next touchdown; large changes take several steps"
-            self._add_told(gui, "Commands", commands, heard, _tell)
+            self._add_told(gui, "Commands", commands, heard, lambda walker: walker.tell)
         if sizes:
             ahead = "of the stones that the robot has not heard of yet"
-            self._add_told(gui, "Stones ahead", sizes, ahead, _resize)
+            self._add_told(gui, "Stones ahead", sizes, ahead, lambda walker: walker.resize)
         self._add_push(gui)
         self._add_plant(gui, settings)
         with gui.add_folder("Margins at the robot's state"):
@@ -106,13 +92,14 @@ class Panel:
         if picture.margins is not None and self._conditions:
             self._bars.content = bars.render(self._conditions, picture.margins, self._words)
         if self._count % _STATUS_EVERY == 0 or answer is not None:
-            self._status.content = self._lines(picture)
+            self._status.content = self.status(picture)
         self._answer_left = max(0, self._answer_left - 1)
         self._put_back()
 
     def say(self, answer: str) -> None:
         """Show a message for a while."""
-        self._answer, self._answer_left = answer, _ANSWER_FRAMES
+        # Six seconds of frames.
+        self._answer, self._answer_left = answer, 240
 
     def tell_how_sure(self, verdict: str, words: str, theorem: str = "") -> None:
         """Show the evidence for the gait.
@@ -138,7 +125,7 @@ class Panel:
         player = self._player
         pause = gui.add_button("Pause", icon=viser.Icon.PLAYER_PAUSE)
         row = gui.add_button_group("time", ("Step 20 ms", "Reset"))
-        speed = self._slider(gui, "playback ×", SPEED, 0.1, "speed, × real time")
+        speed = self._slider(gui, SPEED)
 
         def named() -> None:
             pause.label = "Go on" if player.paused else "Pause"
@@ -163,11 +150,12 @@ class Panel:
             if value is not None:
                 player.speed = value
 
-        fall = gui.add_dropdown("after a fall", tuple(AFTER_FALL))
+        waits = {"wait for Reset": None, "reset after 2 s": 2.0, "reset after 5 s": 5.0}
+        fall = gui.add_dropdown("after a fall", tuple(waits))
 
         @fall.on_update
         def _(_event: object) -> None:
-            player.reset_after = AFTER_FALL.get(fall.value)
+            player.reset_after = waits.get(fall.value)
 
     def reset(self) -> None:
         """Put the robot back; the plant keeps its settings."""
@@ -179,13 +167,14 @@ class Panel:
         self._player.ask(back)
 
     def _add_push(self, gui: viser.GuiApi) -> None:
+        along = {"◄ back": (-1, 0), "forward ►": (1, 0), "up": (0, 1), "down": (0, -1)}
         with gui.add_folder("Push"):
-            size = self._slider(gui, "impulse [N s]", PUSH, 1.0, "at the hip, for 0.1 s")
-            ways = gui.add_button_group("push", tuple(WAYS))
+            size = self._slider(gui, PUSH)
+            ways = gui.add_button_group("push", tuple(along))
 
         @ways.on_click
         def _(_event: object) -> None:
-            impulse, way = PUSH.clip(size.value), WAYS.get(ways.value)
+            impulse, way = PUSH.clip(size.value), along.get(ways.value)
             if impulse is not None and way is not None:
                 self._player.ask(lambda walker: walker.push(impulse * np.array(way)))
 
@@ -193,82 +182,82 @@ class Panel:
         self,
         gui: viser.GuiApi,
         title: str,
-        told: Mapping[str, SliderRange],
+        sliders: Mapping[str, Slider],
         hint: str,
-        tell: Callable[[Walker, str, float], None],
+        verb: Callable[[Walker], Callable[[str, float], None]],
     ) -> None:
         """Add a slider for each entry, with two keys as long as keys are left."""
         with gui.add_folder(title):
-            for name, (limits, unit) in told.items():
-                stride = notch(limits)
+            for name, slider in sliders.items():
                 keys = next(self._keys, None)
                 by_key = "" if keys is None else f"; keys {keys[0]} and {keys[1]}"
-                slider = self._slider(gui, f"{name} [{unit}]", limits, stride, hint + by_key)
+                handle = self._slider(gui, slider._replace(hint=hint + by_key))
 
-                def ask(_event: object, step=0.0, name=name, slider=slider, limits=limits):
-                    value = _moved(slider, limits, step)
-                    if value is not None:
-                        self._player.ask(lambda walker: tell(walker, name, value))
+                def ask(_event: object, step=0.0, name=name, handle=handle, slider=slider):
+                    value = slider.clip(handle.value)
+                    if value is None:
+                        return
+                    if step:
+                        handle.value = value = min(max(value + step, slider.low), slider.high)
+                    self._player.ask(lambda walker: verb(walker)(name, value))
 
-                slider.on_update(ask)
+                handle.on_update(ask)
                 for key, way in zip(keys or (), (1.0, -1.0), strict=False):
                     word = f"{name} {'up' if way > 0.0 else 'down'}"
-                    step = way * _A_KEY * (limits.high - limits.low)
+                    step = 0.1 * way * (slider.high - slider.low)
                     gui.add_command(word, hotkey=key).on_trigger(partial(ask, step=step))
 
-    def _add_plant(self, gui: viser.GuiApi, settings: Mapping[str, SliderReach]) -> None:
+    def _add_plant(self, gui: viser.GuiApi, settings: Mapping[str, Slider]) -> None:
+        restore = []
         with gui.add_folder("Robot and floor"):
-            for name, limits in settings.items():
-                label, step, hint = SETTING_WORDS[name]
-                slider = self._slider(gui, label, limits, step, hint)
-                self._sliders[name] = (slider, limits)
-                slider.on_update(lambda _event, name=name: self._set(name))
+            for name, slider in settings.items():
+                handle = self._slider(gui, slider)
+
+                def change(_event: object, name=name, handle=handle, slider=slider):
+                    value = slider.clip(handle.value)
+                    if value is not None:
+                        self._player.ask(lambda walker: walker.disturb(name, value))
+
+                handle.on_update(change)
+                restore.append((handle, slider, change))
             usual = gui.add_button("Restore robot and floor", icon=viser.Icon.RESTORE)
 
         @usual.on_click
-        def _(_event: object) -> None:
-            for name, (slider, limits) in self._sliders.items():
-                slider.value = limits.first
-                self._set(name)
+        def _(event: object) -> None:
+            for handle, slider, change in restore:
+                handle.value = slider.first
+                change(event)
 
-    def _slider(
-        self, gui: viser.GuiApi, label: str, limits: SliderReach, step: float, hint: str
-    ) -> viser.GuiSliderHandle:
-        low, high, first = map(few_digits, (limits.low, limits.high, limits.first))
-        slider = gui.add_slider(label, low, high, step, first, hint=hint)
-        self._limited.append((slider, limits))
-        return slider
+    def _slider(self, gui: viser.GuiApi, slider: Slider) -> viser.GuiSliderHandle:
+        low, high, first = slider.shown
+        handle = gui.add_slider(slider.label, low, high, slider.notch, first, hint=slider.hint)
+        self._limited.append((handle, slider))
+        return handle
 
     def _put_back(self) -> None:
         """Correct a slider if a number beyond its limits was typed, or what is no number was sent.
 
         It waits until the number is complete: a part of it may be beyond the limits.
         """
-        for slider, limits in self._limited:
-            value = limits.clip(slider.value)
-            value = limits.first if value is None else value
-            if value == slider.value:
-                continue
-            if time.time() - slider.update_timestamp > TYPED_S:
-                slider.value = value
+        for handle, slider in self._limited:
+            value = slider.clip(handle.value)
+            value = slider.first if value is None else value
+            if value != handle.value and time.time() - handle.update_timestamp > TYPED_S:
+                handle.value = value
 
-    def _set(self, name: str) -> None:
-        slider, limits = self._sliders[name]
-        value = limits.clip(slider.value)
-        if value is not None:
-            self._player.ask(lambda walker: walker.disturb(name, value))
-
-    def _lines(self, picture: Picture) -> str:
+    def status(self, picture: Picture) -> str:
+        """Return the lines about the walk, as HTML."""
         shown = picture.shown
         facts = f"{shown.steps} steps · {shown.speed:.2f} m/s · {shown.time:.1f} s"
         if shown.fall is not None:
-            lines = line(ended(shown, picture.reset_in), _BAD, strong=True)
+            lines = line(ended(shown, picture.reset_in), BAD, strong=True)
         elif picture.paused:
-            lines = line(f"Paused · {facts}", _QUIET)
+            lines = line(f"Paused · {facts}", QUIET)
         else:
-            slow = f" · plays at ×{picture.pace:.2f}" if self._lags(picture) else ""
-            lines = line(f"Walks · {facts}{slow}", _GOOD)
-        said = line(self._answer, _SAID) if self._answer_left else ""
+            lags = picture.pace < 0.9 * self._player.speed
+            slow = f" · plays at ×{picture.pace:.2f}" if lags else ""
+            lines = line(f"Walks · {facts}{slow}", GOOD)
+        said = line(self._answer, SAID) if self._answer_left else ""
         return lines + said
 
     def _of_lap(self, picture: Picture) -> str | None:
@@ -279,21 +268,15 @@ class Panel:
         self._laps = len(laps)
         return f"End of the ground after {laps[-1]} steps: the robot is back at its beginning."
 
-    def _lags(self, picture: Picture) -> bool:
-        return picture.pace < 0.9 * self._player.speed
 
+def ended(shown: Shown, left: float | None) -> str:
+    """Say why a walk ended, and what the visitor can do next.
 
-def _moved(slider: viser.GuiSliderHandle, limits: SliderReach, step: float) -> float | None:
-    """Return a slider's number, after moving it by a step; None if it is no number."""
-    value = limits.clip(slider.value)
-    if value is not None and step:
-        slider.value = value = min(max(value + step, limits.low), limits.high)
-    return value
-
-
-def _tell(walker: Walker, name: str, value: float) -> None:
-    walker.tell(name, value)
-
-
-def _resize(walker: Walker, name: str, value: float) -> None:
-    walker.resize(name, value)
+    Args:
+        shown: last moment of the walk.
+        left: time until the robot is put back (s); None if the visitor does that.
+    """
+    what = "Stopped" if shown.upright else "Fell"
+    text = f"{what}: {shown.fall}, after {shown.steps} steps. "
+    text += "Press Reset" if left is None else f"Reset in {left:.0f} s"
+    return text + ("; push it forward where it slows down." if shown.upright else ".")

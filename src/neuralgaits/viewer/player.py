@@ -10,20 +10,15 @@ import time
 from collections.abc import Callable
 from typing import NamedTuple
 
-from neuralgaits.viewer.walker import Margins, Shown, SliderReach, Walker
+from neuralgaits.viewer.slider import Slider
+from neuralgaits.viewer.walker import Margins, Shown, Walker
 
 FRAMES_PER_S = 40.0
 """Target number of pictures a second."""
-MARGINS_PER_S = 5.0
-"""Updates of the bars a second."""
-SPEED = SliderReach(0.1, 2.0, 1.0)
-"""Range of the playback speed, simulated seconds a second."""
+SPEED = Slider("playback ×", 0.1, 2.0, 1.0, 0.1, "speed, × real time")
+"""Playback speed, simulated seconds a second."""
 STEP_S = 0.02
 """Simulated time of a single step [s]."""
-_LONGEST_FRAME_S = 0.1
-"""Largest lag that playback catches up with [s]; a slow machine plays in slow motion."""
-_SHARE = 0.8
-"""Share of a frame's time that ticks may take."""
 
 Wish = Callable[[Walker], str | None]
 """Request to do something to the robot; an answer is shown to the visitor."""
@@ -127,7 +122,8 @@ class Player:
         shown = self._walker.shown()
         reset_in = self._after_fall(now, shown)
         margins = None
-        if now - self._margins_at >= 1.0 / MARGINS_PER_S:
+        # Bars change five times a second.
+        if now - self._margins_at >= 0.2:
             self._margins_at = now
             margins = self._walker.margins(shown.z)
         self._show(Picture(shown, margins, self.paused, self._pace, reset_in, answer))
@@ -146,9 +142,11 @@ class Player:
             count, self._owed = round(STEP_S / period) * self._steps, 0.0
             self._steps = 0
         else:
-            self._owed = min(self._owed + self.speed * elapsed, _LONGEST_FRAME_S)
+            # A machine that lags further behind plays in slow motion.
+            self._owed = min(self._owed + self.speed * elapsed, 0.1)
             count = int(self._owed / period)
-        done, until = 0, now + _SHARE / FRAMES_PER_S
+        # Ticks take no more than this share of a frame's time.
+        done, until = 0, now + 0.8 / FRAMES_PER_S
         while done < count and self._walker.tick():
             done += 1
             if not self.paused and time.perf_counter() > until:

@@ -7,17 +7,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from neuralgaits._types import Float, Int
+from neuralgaits._types import Float
+from neuralgaits.analysis.box_map import BoxAnswer, BoxMap
 
 WIDTH_PX, HEIGHT_PX, DPI = 1320, 760, 150
 """Size and resolution of the picture."""
-_LEFT, _RIGHT, _BOTTOM, _TOP = 0.08, 0.99, 0.145, 0.895
-"""Edges of the plane, as shares of the picture."""
-_GREENS = ("#b5dcb8", "#7fc18c", "#3d8c57")
-_OPEN, _BROKEN = "#f0a040", "#d0664c"
+_CORNER, _SIZE = np.array([0.08, 0.145]), np.array([0.91, 0.75])
+"""Lower left corner and size of the plane, as shares of the picture."""
 _FLOW, _INK, _ORBIT, _GUARD = "#848c95", "#767d86", "#1a63b8", "#a066c4"
-PROVED, UNDECIDED, REFUTED = 0, 1, 2
-"""Answers about a box, as in a certificate's map."""
 
 
 @dataclass(frozen=True)
@@ -30,9 +27,7 @@ class Portrait:
         fence_z1: z1 along both fences [m]. [P]
         fence_z2: lower and upper fence [kg m^2/s]. [2, P]
         orbit: orbit from landing to landing; no rows if there is none. [T, 2]
-        corners: corners of the boxes, in order around each. [N, 4, 2]
-        answer: PROVED, UNDECIDED or REFUTED of each box. [N]
-        margin: least margin of each box, in scales. [N]
+        boxes: what is known of the region, box by box.
         title: one line that says where the margins are from.
     """
 
@@ -42,9 +37,7 @@ class Portrait:
     fence_z1: Float[np.ndarray, " P"]
     fence_z2: Float[np.ndarray, "2 P"]
     orbit: Float[np.ndarray, "T 2"]
-    corners: Float[np.ndarray, "N 4 2"]
-    answer: Int[np.ndarray, " N"]
-    margin: Float[np.ndarray, " N"]
+    boxes: BoxMap
     title: str
 
     @property
@@ -78,8 +71,7 @@ class Portrait:
 
         size = WIDTH_PX / DPI, HEIGHT_PX / DPI
         figure = Figure(figsize=size, dpi=DPI, facecolor="none")
-        place = _LEFT, _BOTTOM, _RIGHT - _LEFT, _TOP - _BOTTOM
-        axes = figure.add_axes(place, facecolor="none")
+        axes = figure.add_axes((*_CORNER, *_SIZE), facecolor="none")
         self._draw_boxes(axes)
         speed = np.where(np.isfinite(self.dz), self.dz, 0.0)
         axes.streamplot(
@@ -112,23 +104,18 @@ class Portrait:
 
     def _draw_boxes(self, axes) -> None:
         from matplotlib.collections import PolyCollection
-        from matplotlib.colors import LinearSegmentedColormap
+        from matplotlib.colors import LinearSegmentedColormap, to_rgba
 
-        greens = LinearSegmentedColormap.from_list("margin", _GREENS)
-        order = np.argsort(-self.margin, kind="stable")
-        order = order[np.argsort(self.answer[order], kind="stable")]
-        top = float(np.max(self.margin[self.answer == PROVED], initial=1e-6))
-        colours = greens(np.clip(self.margin / top, 0.0, 1.0))
-        colours[self.answer == UNDECIDED] = _rgba(_OPEN)
-        colours[self.answer == REFUTED] = _rgba(_BROKEN)
-        axes.add_collection(
-            PolyCollection(
-                list(self.corners[order]),
-                facecolors=colours[order],
-                edgecolors=colours[order],
-                linewidths=0.3,
-            )
-        )
+        boxes = self.boxes
+        top = float(np.max(boxes.margin[boxes.answer == BoxAnswer.PROVED], initial=1e-6))
+        greens = LinearSegmentedColormap.from_list("margin", ("#b5dcb8", "#7fc18c", "#3d8c57"))
+        colours = greens(np.clip(boxes.margin / top, 0.0, 1.0))
+        colours[boxes.answer == BoxAnswer.UNDECIDED] = to_rgba("#f0a040")
+        colours[boxes.answer == BoxAnswer.REFUTED] = to_rgba("#d0664c")
+        shown = boxes.drawn_last[~boxes.curved[boxes.drawn_last]]
+        drawn = PolyCollection(list(boxes.corners[shown]), linewidths=0.3)
+        drawn.set(facecolors=colours[shown], edgecolors=colours[shown])
+        axes.add_collection(drawn)
 
     def _label(self, axes) -> None:
         axes.set(xlim=(self.z1[0], self.z1[-1]), ylim=(self.z2[0], self.z2[-1]))
@@ -156,11 +143,3 @@ class Portrait:
                 weight="bold",
                 color=_GUARD,
             )
-
-
-_CORNER = np.array([_LEFT, _BOTTOM])
-_SIZE = np.array([_RIGHT - _LEFT, _TOP - _BOTTOM])
-
-
-def _rgba(colour: str) -> tuple[float, ...]:
-    return (*(int(colour[at : at + 2], 16) / 255.0 for at in (1, 3, 5)), 1.0)

@@ -24,20 +24,10 @@ from neuralgaits.viewer.framing import Framing
 from neuralgaits.viewer.portrait import HEIGHT_PX, WIDTH_PX, Portrait
 from neuralgaits.viewer.walker import Shown
 
-_TILE, _SECTION = 0.25, 1.0
-"""Distances between the thin and the thick lines of the floor [m]."""
-_CELLS, _SECTIONS, _PLANE = (190, 196, 202), (140, 148, 156), (128, 136, 146)
-_TRAIL = 40
-"""Number of points of the trail: some steps."""
-_TRAIL_EVERY = 4
-"""Pictures between two points of the trail: lines are slow to redraw."""
-_ARROW_S = 0.5
-"""Time for which a push is shown [s]; the push itself lasts a fifth of it."""
-_ARROW_M_N = 0.0022
-"""Length of the push's arrow for each newton [m/N]."""
-_POINT, _LINE, _PUSH = (214, 39, 40), (240, 120, 40), (214, 39, 40)
-_LIFT = 0.004
-"""Distance of point and trail in front of the board, so that they are visible [m]."""
+_SECTION = 1.0
+"""Distance between the thick lines of the floor [m]."""
+_RED = (214, 39, 40)
+"""Colour of the moving point and of a push."""
 
 
 class Stage:
@@ -60,13 +50,13 @@ class Stage:
         self._floor = server.scene.add_grid(
             "/floor",
             infinite_grid=True,
-            cell_size=_TILE,
+            cell_size=0.25,
             section_size=_SECTION,
             # Greys that can be told from a light background and from a dark one.
-            cell_color=_CELLS,
-            section_color=_SECTIONS,
+            cell_color=(190, 196, 202),
+            section_color=(140, 148, 156),
             section_thickness=1.2,
-            plane_color=_PLANE,
+            plane_color=(128, 136, 146),
             plane_opacity=0.08,
             shadow_opacity=0.25,
             fade_distance=30.0,
@@ -76,7 +66,7 @@ class Stage:
             "/push",
             # Until there is a push, where nobody looks.
             np.full((1, 2, 3), -99.0, dtype=np.float32),
-            _PUSH,
+            _RED,
             shaft_radius=0.016,
             head_radius=0.04,
             head_length=0.09,
@@ -137,10 +127,12 @@ class Stage:
             way = np.array([shown.force[0], 0.0, shown.force[1]])
             tip = hip - np.sign(way) * 0.06
             # In front of the robot, lest its body hide it.
-            points = np.stack([tip - _ARROW_M_N * way, tip]) + np.array([0.0, -0.16, 0.0])
+            # Its length is 2.2 mm for each newton.
+            points = np.stack([tip - 0.0022 * way, tip]) + np.array([0.0, -0.16, 0.0])
             self._arrow.points = points[None].astype(np.float32)
             self._arrow.visible = True
-            self._arrow_until = shown.time + _ARROW_S
+            # The push itself lasts a fifth of this.
+            self._arrow_until = shown.time + 0.5
         elif self._arrow.visible and not shown.time < self._arrow_until:
             self._arrow.visible = False
 
@@ -168,7 +160,8 @@ class _Board:
         self._portrait = portrait
         self._size = np.array([width, width * HEIGHT_PX / WIDTH_PX])
         self._corner = np.array([-0.5 * width, bottom])
-        self._trail: deque[np.ndarray] = deque(maxlen=_TRAIL)
+        # Some steps.
+        self._trail: deque[np.ndarray] = deque(maxlen=40)
         self._count = 0
         middle = self._corner + 0.5 * self._size
         image = server.scene.add_image(
@@ -183,10 +176,10 @@ class _Board:
             receive_shadow=False,
         )
         self._line = server.scene.add_line_segments(
-            "/trail", np.zeros((1, 2, 3), dtype=np.float32), _LINE, thickness=0.007 * width
+            "/trail", np.zeros((1, 2, 3), dtype=np.float32), (240, 120, 40), thickness=0.007 * width
         )
         self._point = server.scene.add_icosphere(
-            "/point", radius=0.014 * width, color=_POINT, cast_shadow=False, receive_shadow=False
+            "/point", radius=0.014 * width, color=_RED, cast_shadow=False, receive_shadow=False
         )
 
         @image.on_click
@@ -204,10 +197,12 @@ class _Board:
             return
         place = self._portrait.place(self._portrait.clip(z))
         across, up = self._corner + place * self._size
-        here = np.array([across, -_LIFT, up], dtype=np.float32)
+        # In front of the board, where it can be seen.
+        here = np.array([across, -0.004, up], dtype=np.float32)
         self._point.position = tuple(float(value) for value in here)
         self._count += 1
-        if self._count % _TRAIL_EVERY:
+        # Lines are slow to redraw.
+        if self._count % 4:
             return
         # A step's reset is a jump, not a line.
         if self._trail and here[0] < self._trail[-1][0] - 0.15 * self._size[0]:

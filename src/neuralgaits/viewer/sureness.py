@@ -26,36 +26,34 @@ class Sureness(NamedTuple):
     """Statements of the proof file, word by word, in Markdown; empty if there are none."""
 
 
-_SIMULATED = "You watch a simulation: the robot may fall."
-
-
 def how_sure(run: Run) -> Sureness:
     """Read the certificate's answer, as far as the run's proof files support it.
 
     It does not bound the boxes again; `check-proof` does.
     """
     again = markdown.code(command("certify", named(run.path)))
+    watched = "You watch a simulation: the robot may fall."
     found = read_certificate(run.folder)
     if found.summary is None and found.reason is None:
         return Sureness(
             False,
-            f"Nothing is proved of this gait. {_SIMULATED}",
+            f"Nothing is proved of this gait. {watched}",
             "**Nothing is proved of this gait.** What training records is of samples. "
             f"{again} looks for a proof.",
         )
     if found.summary is None:
         return Sureness(
             False,
-            f"There is no certificate of this gait. {_SIMULATED}",
+            f"There is no certificate of this gait. {watched}",
             f"**There is no certificate of this gait**: {markdown.text(str(found.reason))}. "
             f"{again} looks for a new one.",
         )
     told = "\n\n".join(_lines(run, found.summary, found.part))
-    verdict = f"{_verdict(found.summary, found.part)} {_SIMULATED}"
+    verdict = f"{verdict_of(found.summary, found.part)} {watched}"
     return Sureness(True, verdict, told, found.map_fits, _theorem(found.summary))
 
 
-def _verdict(answer: CertificateRecord, part: ProvedPart | None) -> str:
+def verdict_of(answer: CertificateRecord, part: ProvedPart | None) -> str:
     """Say in a few words which level the proof file states, and of what."""
     if part is not None and part.conditions:
         return "The proof file is about some commands only: see below."
@@ -65,18 +63,10 @@ def _verdict(answer: CertificateRecord, part: ProvedPart | None) -> str:
     return f"The proof file states level {answer.proved_level} of {HIGHEST}{robots}."
 
 
-_OF_PART = {
-    2: "from every one of them the zero dynamics walk for ever, whatever of these commands follow "
-    "each other",
-    3: "any two walks under the same of these commands converge",
-}
-"""Statements of levels 2 and 3 about a gait with commands, for readers."""
-
-
 def _of_part(part: ProvedPart, count: int) -> str:
     """Describe the proof for a part of the commands; the gait has `count` conditions."""
     said = f"{len(part.conditions)} of {count} conditions hold at every state of their regions"
-    levels = (_OF_PART[entry.level] for entry in part.levels if entry.level in _OF_PART)
+    levels = (in_plain_words.states(entry.level, told=True) for entry in part.levels)
     told = markdown.text("; ".join((said, *levels)))
     where = markdown.text("; ".join(part.told))
     return f"**Proved of some commands only: {where}.** There {told}. Of others nothing is proved."

@@ -50,30 +50,6 @@ class Margins(NamedTuple):
     state."""
 
 
-class SliderReach(NamedTuple):
-    """Range of a slider, and its initial value."""
-
-    low: float
-    high: float
-    first: float
-
-    def clip(self, value: object) -> float | None:
-        """Clip a number from the page to the limits; None if it is no number."""
-        if isinstance(value, bool) or not isinstance(value, int | float):
-            return None
-        number = float(value)
-        return min(max(number, self.low), self.high) if np.isfinite(number) else None
-
-
-class SliderRange(NamedTuple):
-    """A command that a visitor may give."""
-
-    limits: SliderReach
-    """Range of the command, and its initial value."""
-    unit: str
-    """Unit of the command's values."""
-
-
 class Walker(Protocol):
     """Interface of a robot that walks and responds to a visitor."""
 

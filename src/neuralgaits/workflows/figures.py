@@ -11,14 +11,7 @@ from neuralgaits.report.certificate import certificate_of
 from neuralgaits.report.drawing.drawn import Drawn, Missing
 from neuralgaits.report.drawing.figure import paths_of
 from neuralgaits.report.drawing.parallel_figures import FigureFile, second_pen, write_all
-from neuralgaits.report.makers import (
-    MAKERS,
-    OF_FAMILIES,
-    OF_TRAINING,
-    Absent,
-    FigureSource,
-    Maker,
-)
+from neuralgaits.report.makers import Absent, Maker, RunFigures, makers_of
 from neuralgaits.runs.atomic import refuse_unwritable
 
 FOLDER = "figures"
@@ -48,9 +41,7 @@ def writable_figures(asked: TrainingConfig, folder: Path) -> list[Maker]:
         raise InputError(
             f"expected a folder for the figures, found a file at {folder}: name another"
         )
-    makers = [*(OF_FAMILIES if asked.commands else ()), *MAKERS]
-    if asked.as_given is not None:
-        makers = [one for one in makers if one[0] not in OF_TRAINING]
+    makers = makers_of(asked)
     refuse_unwritable(*(path for name, *_ in makers for path in paths_of(folder, name)))
     return makers
 
@@ -61,13 +52,13 @@ def draw(
     """Draw the figures of an open run, whose certificate may already have been read."""
     folder = run.path / FOLDER if out is None else Path(out)
     makers = writable_figures(run.asked, folder)
-    source = FigureSource(run, certificate_of(run, certificate))
+    of_run = RunFigures(run, certificate_of(run, certificate))
     found: list[tuple[str, str] | Missing] = []
     sheets = []
     with second_pen() as pen:
         for name, title, make in makers:
             try:
-                caption, figure = make(source)
+                caption, figure = make(of_run)
             except Absent as absent:
                 found.append(Missing(name, title, absent.reason, absent.command))
                 continue

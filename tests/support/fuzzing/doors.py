@@ -137,7 +137,7 @@ def pictures(*names: str, rare: bool = False) -> Reader:
 
     def draw(place: Place, path: Path) -> None:
         run = open_run(place.root / RUN)
-        source = makers.FigureSource(run, certificate_of(run))
+        source = makers.RunFigures(run, certificate_of(run))
         if rare:
             _ = source.walk
         if "residual-field" in names:

@@ -7,8 +7,7 @@ from neuralgaits._digits import at_least, at_most
 
 FIGURE = "family"
 """Name of the figure of a gait that takes commands."""
-MINUS = "\u2212"
-DIGITS = 4
+_DIGITS = 4
 """Significant digits of a value on the page: half a millimetre of a step, a hundredth of a
 degree."""
 
@@ -24,19 +23,18 @@ class Words(NamedTuple):
     """Unit of the values as the page shows them; empty for a command of a spec's own."""
 
 
-_WORDS = {
-    "speed": Words("mean speed", "the mean speed to walk at", "m/s"),
-    "slope": Words("slope of the ground", "the slope of the ground under the next foothold", "°"),
-    "step_length": Words("step length", "how far ahead the next foothold is", "m"),
-    "step_height": Words(
-        "step height", "how high above the foot that stands the next foothold is", "m"
-    ),
-}
-
-
 def words(name: str) -> Words:
     """Return a command in words; a command of a spec's own is described by its name."""
-    return _WORDS.get(name, Words(name, name, ""))
+    ahead = "how high above the foot that stands the next foothold is"
+    known = {
+        "speed": Words("mean speed", "the mean speed to walk at", "m/s"),
+        "slope": Words(
+            "slope of the ground", "the slope of the ground under the next foothold", "°"
+        ),
+        "step_length": Words("step length", "how far ahead the next foothold is", "m"),
+        "step_height": Words("step height", ahead, "m"),
+    }
+    return known.get(name, Words(name, name, ""))
 
 
 def value(name: str, command: float) -> float:
@@ -48,7 +46,7 @@ def number(name: str, command: float) -> str:
     """Format a value in the unit of the page, without the unit."""
     # Middles of ranges around zero are rounding errors.
     rounded = round(value(name, command), 9) + 0.0
-    return f"{rounded:.{DIGITS}g}".replace("-", MINUS)
+    return f"{rounded:.{_DIGITS}g}".replace("-", "\u2212")
 
 
 def written(name: str, command: float) -> str:
@@ -58,17 +56,17 @@ def written(name: str, command: float) -> str:
 
 def within(name: str, low: float, high: float) -> tuple[str, str]:
     """Format the ends of an interval with a proof; rounding never widens the interval."""
-    ends = at_most(value(name, low), DIGITS), at_least(value(name, high), DIGITS)
+    ends = at_most(value(name, low), _DIGITS), at_least(value(name, high), _DIGITS)
     first, last = (_with_unit(name, end) for end in ends)
     return first, last
 
 
 def change_within(name: str, change: float) -> str:
     """Format a change of a command with a proof; rounding never increases it."""
-    return _with_unit(name, at_least(value(name, change), DIGITS))
+    return _with_unit(name, at_least(value(name, change), _DIGITS))
 
 
 def _with_unit(name: str, shown: str) -> str:
     unit = words(name).unit
     space = "" if unit in ("°", "") else " "
-    return f"{shown}{space}{unit}".replace("-", MINUS)
+    return f"{shown}{space}{unit}".replace("-", "\u2212")

@@ -14,49 +14,19 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 BLACK, GREY, LIGHT = "#1a1a1a", "#767676", "#c9c9c9"
-BLUE, ORANGE, GREEN, RED, SKY, PURPLE = (
-    "#0072b2",
-    "#e69f00",
-    "#009e73",
-    "#d55e00",
-    "#56b4e9",
-    "#cc79a7",
+BLUE, ORANGE, GREEN, RED = "#0072b2", "#e69f00", "#009e73", "#d55e00"
+ALLOWED, FORBIDDEN = "#dcebf7", "#fbe6da"
+"""Fills of what conditions allow and forbid."""
+_SERIES: tuple[tuple[str, Any, str], ...] = (
+    (BLUE, "-", "o"),
+    (RED, "--", "s"),
+    (GREEN, "-.", "^"),
+    (ORANGE, ":", "D"),
+    ("#cc79a7", (0, (5, 1, 1, 1, 1, 1)), "v"),
+    (BLACK, (0, (10, 4)), "P"),
+    ("#56b4e9", (0, (1, 4)), "X"),
 )
-DPI = 110
-"""Resolution of PNG files and rasterised layers: 880 pixels across, sharp on a page at 700."""
-WIDTH = 8.0
-"""Width of a figure [in]; text of 10 points is 12 pixels high where a page shows 700."""
-
-_SETTINGS: dict[Any, Any] = {
-    "font.size": 10.0,
-    "axes.titlesize": 10.0,
-    "axes.labelsize": 10.0,
-    "legend.fontsize": 9.0,
-    "xtick.labelsize": 9.0,
-    "ytick.labelsize": 9.0,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "axes.edgecolor": GREY,
-    "axes.linewidth": 0.8,
-    "legend.frameon": True,
-    "legend.framealpha": 0.9,
-    "legend.edgecolor": LIGHT,
-    "lines.linewidth": 1.6,
-    "hatch.linewidth": 0.5,
-    # The same data gives the same file, byte for byte.
-    "svg.hashsalt": "neuralgaits",
-}
-_COLOURS = (BLUE, RED, GREEN, ORANGE, PURPLE, BLACK, SKY)
-_DASHES: tuple[Any, ...] = (
-    "-",
-    "--",
-    "-.",
-    ":",
-    (0, (5, 1, 1, 1, 1, 1)),
-    (0, (10, 4)),
-    (0, (1, 4)),
-)
-_MARKERS = ("o", "s", "^", "D", "v", "P", "X")
+"""Colour, line style and marker of the series of a panel, one after another."""
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -65,7 +35,26 @@ R = TypeVar("R")
 @contextmanager
 def settings() -> Iterator[None]:
     """Apply the common style within the context, and restore matplotlib's settings afterwards."""
-    with mpl.rc_context(_SETTINGS):
+    style: dict[Any, Any] = {
+        "font.size": 10.0,
+        "axes.titlesize": 10.0,
+        "axes.labelsize": 10.0,
+        "legend.fontsize": 9.0,
+        "xtick.labelsize": 9.0,
+        "ytick.labelsize": 9.0,
+        "axes.spines.top": False,
+        "axes.spines.right": False,
+        "axes.edgecolor": GREY,
+        "axes.linewidth": 0.8,
+        "legend.frameon": True,
+        "legend.framealpha": 0.9,
+        "legend.edgecolor": LIGHT,
+        "lines.linewidth": 1.6,
+        "hatch.linewidth": 0.5,
+        # The same data gives the same file, byte for byte.
+        "svg.hashsalt": "neuralgaits",
+    }
+    with mpl.rc_context(style):
         yield
 
 
@@ -82,23 +71,28 @@ def styled(draw: Callable[P, R]) -> Callable[P, R]:
 
 def new_figure(height: float) -> Figure:
     """Return an empty figure of a height [in], with a layout that keeps labels apart."""
-    return Figure(figsize=(WIDTH, height), dpi=DPI, layout="constrained")
+    # PNG files are 880 pixels across, sharp on a page at 700, where text of 10 points is 12 high.
+    return Figure(figsize=(8.0, height), dpi=110, layout="constrained")
 
 
 def series(number: int) -> dict[str, Any]:
     """Return colour and line style of the number-th series; the pairs do not repeat."""
-    shift = number // len(_COLOURS)
-    return {
-        "color": _COLOURS[number % len(_COLOURS)],
-        "linestyle": _DASHES[(number + shift) % len(_DASHES)],
-    }
+    count = len(_SERIES)
+    colour, dash = _SERIES[number % count][0], _SERIES[(number + number // count) % count][1]
+    return {"color": colour, "linestyle": dash}
 
 
 def marker(number: int) -> str:
     """Return the marker of the number-th series."""
-    return _MARKERS[number % len(_MARKERS)]
+    return _SERIES[number % len(_SERIES)][2]
 
 
 def panel(axes: Axes, letter: str, title: str) -> None:
     """Write a panel's letter and title above its left edge."""
     axes.set_title(f"{letter})  {title}", loc="left")
+
+
+def say(axes: Axes, words: str, height: float = 0.5) -> None:
+    """Write across the middle of a panel what is not in it, at a share of its height."""
+    place = {"ha": "center", "va": "center", "transform": axes.transAxes}
+    axes.text(0.5, height, words, color=GREY, fontsize=9, **place)

@@ -1,1 +1,1 @@
-"""One file for each figure: its caption, and how it is drawn from saved data."""
+"""One file for each figure: how it is drawn, and its caption where that depends on the data."""

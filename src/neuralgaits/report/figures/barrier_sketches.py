@@ -1,8 +1,5 @@
 """The conditions on the robot itself: torso, swing foot, contact force, hip and knees."""
 
-from collections.abc import Mapping
-from typing import Any
-
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -12,25 +9,18 @@ from neuralgaits.analysis.data import GaitData
 from neuralgaits.analysis.link_points import hip_index
 from neuralgaits.report.drawing import robot_drawing
 from neuralgaits.report.drawing.style import (
+    ALLOWED,
     BLACK,
     BLUE,
+    FORBIDDEN,
     GREEN,
     GREY,
     RED,
     new_figure,
     panel,
+    say,
     styled,
 )
-
-TITLE = "The rules of the gait"
-CAPTION = (
-    "Walking is asked for as limits on the robot, not as a motion to copy: the torso stays within "
-    "its wedge, the swing foot above its arc, the contact force inside the friction cone, hip and "
-    "knees on the right side of their bounds. Poses and forces are those of the periodic gait."
-)
-ALLOWED = "#dcebf7"
-ARROWS = 9
-"""Number of contact forces that are drawn."""
 
 
 @styled
@@ -46,9 +36,9 @@ def draw(data: GaitData) -> Figure:
 
 
 def _torso(axes: Axes, data: GaitData) -> None:
-    points = data["orbit/skeleton"][_row(data, 0.2)]
+    points = data["orbit/skeleton"][data.row_at(0.2)]
     robot_drawing.draw(axes, points, data.torso)
-    low, high = _limits(data, "torso_angle")
+    low, high = data.limits("torso_angle")
     panel(axes, "a", "torso" if data.torso else "pose at mid-step")
     if data.torso:
         hip = points[hip_index(len(points), True)]
@@ -56,32 +46,15 @@ def _torso(axes: Axes, data: GaitData) -> None:
         size = 1.12 * float(np.linalg.norm(top - hip))
         if low is not None and high is not None:
             # Up-angles are positive backwards: to the left.
-            wedge = Wedge(
-                tuple(hip),
-                size,
-                90 + np.degrees(low),
-                90 + np.degrees(high),
-                facecolor=ALLOWED,
-                edgecolor=BLUE,
-                linewidth=1.2,
-                zorder=1,
-            )
-            axes.add_patch(wedge)
+            first, last = (90.0 + float(np.degrees(angle)) for angle in (low, high))
+            look = {"facecolor": ALLOWED, "edgecolor": BLUE, "linewidth": 1.2, "zorder": 1}
+            axes.add_patch(Wedge(tuple(hip), size, first, last, **look))
             for angle, where in ((low, "left"), (high, "right")):
                 tip = hip + 1.03 * size * np.array([-np.sin(angle), np.cos(angle)])
-                axes.text(
-                    tip[0],
-                    tip[1],
-                    f"{angle:+.2f} rad",
-                    ha=where,
-                    va="bottom",
-                    fontsize=9,
-                    color=BLUE,
-                )
+                look = {"ha": where, "va": "bottom", "fontsize": 9, "color": BLUE}
+                axes.text(tip[0], tip[1], f"{angle:+.2f} rad", **look)
         else:
-            _no_condition(axes, "torso")
-    _ground(axes)
-    axes.set(xlabel="forward [m]", ylabel="up [m]")
+            say(axes, "this spec has no condition on torso", 0.86)
     _frame(axes, points, 1.25)
 
 
@@ -90,7 +63,7 @@ def _foot(axes: Axes, data: GaitData) -> None:
     x, y = data["orbit/foot"].T
     z1 = data["orbit/z"][:, 0]
     phase = (z1 - z1[0]) / (z1[-1] - z1[0])
-    ceiling = _limits(data, "foot_height")[1]
+    ceiling = data.limits("foot_height")[1]
     tall = 1.25 * max(float(y.max()), ceiling or 0.0)
     axes.plot(x, y, color=BLACK, label="path of the swing foot")
     floor = np.zeros_like(x)
@@ -108,33 +81,17 @@ def _foot(axes: Axes, data: GaitData) -> None:
         floor = parabola["height"] * (1.0 - share**2) - parabola["slack"]
         known = True
     if known:
-        axes.fill_between(
-            x,
-            -0.06 * tall,
-            floor,
-            facecolor="#fbe6da",
-            edgecolor=GREY,
-            hatch="////",
-            linewidth=0,
-            label="too low",
-            zorder=0.5,
-        )
+        look = {"facecolor": FORBIDDEN, "edgecolor": GREY, "hatch": "////", "linewidth": 0}
+        axes.fill_between(x, -0.06 * tall, floor, label="too low", zorder=0.5, **look)
         axes.plot(x, floor, "--", color=RED, linewidth=1.2)
     else:
-        _no_condition(axes, "foot clearance")
+        say(axes, "this spec has no condition on foot clearance", 0.86)
     if ceiling is not None:
         axes.axhline(ceiling, color=BLUE, linestyle="-.", linewidth=1.4, label="ceiling")
     axes.axhline(0.0, color=BLACK, linewidth=1.0)
     axes.plot(0.0, 0.0, "o", color=BLACK, ms=7)
-    axes.annotate(
-        "stance foot",
-        (0.0, 0.0),
-        (0, -9),
-        textcoords="offset points",
-        ha="center",
-        va="top",
-        fontsize=9,
-    )
+    look = {"textcoords": "offset points", "ha": "center", "va": "top", "fontsize": 9}
+    axes.annotate("stance foot", (0.0, 0.0), (0, -9), **look)
     axes.set_ylim(-0.16 * tall, 1.25 * tall)
     axes.set(xlabel="swing foot ahead of the stance foot [m]", ylabel="height [m]")
     axes.legend(loc="upper left", ncols=3, fontsize=8.5, columnspacing=1.0, handlelength=1.6)
@@ -148,7 +105,7 @@ def _force(axes: Axes, data: GaitData) -> None:
         for name in ("friction_forward", "friction_backward")
         for cone in data.bounds(name)
     ]
-    least = _limits(data, "normal_force")[0]
+    least = data.limits("normal_force")[0]
     top = 1.25 * float(normal.max())
     if coefficients:
         share = min(coefficients)
@@ -162,27 +119,16 @@ def _force(axes: Axes, data: GaitData) -> None:
         label = f"asked for: |T| ≤ {share:.2g} × N" + (f", N ≥ {least:.0f} N" if least else "")
         axes.add_patch(Polygon(corners, facecolor=ALLOWED, edgecolor=BLUE, label=label, zorder=1))
     else:
-        _no_condition(axes, "contact")
+        say(axes, "this spec has no condition on contact", 0.86)
     floor = float(data["robot/friction"])
     for side in (-1.0, 1.0):
         label = f"the floor's cone, μ = {floor:.2g}" if side > 0 else None
         axes.plot(
             [0.0, side * floor * top], [0.0, top], "--", color=RED, linewidth=1.4, label=label
         )
-    for row in np.linspace(0, len(along) - 1, ARROWS).round().astype(int):
-        axes.annotate(
-            "",
-            (along[row], normal[row]),
-            (0.0, 0.0),
-            zorder=2,
-            arrowprops={
-                "arrowstyle": "-|>",
-                "color": GREY,
-                "linewidth": 0.8,
-                "shrinkA": 0,
-                "shrinkB": 0,
-            },
-        )
+    for row in np.linspace(0, len(along) - 1, 9).round().astype(int):
+        arrow = {"arrowstyle": "-|>", "color": GREY, "linewidth": 0.8, "shrinkA": 0, "shrinkB": 0}
+        axes.annotate("", (along[row], normal[row]), (0.0, 0.0), zorder=2, arrowprops=arrow)
     axes.plot(along, normal, color=BLACK, linewidth=2.0, label="tip, over one step", zorder=3)
     axes.set(xlabel="horizontal force T [N]", ylabel="normal force N [N]")
     axes.set_ylim(-0.03 * top, 1.62 * top)
@@ -191,48 +137,29 @@ def _force(axes: Axes, data: GaitData) -> None:
 
 def _joints(axes: Axes, data: GaitData) -> None:
     panel(axes, "d", "hip and knees")
-    row = _row(data, 0.8)
+    row = data.row_at(0.8)
     points, torso = data["orbit/skeleton"][row], data.torso
     hip_row = hip_index(len(points), torso)
     hip, tall = points[hip_row], float(points[:, 1].max())
     robot_drawing.draw(axes, points, torso)
     path = data["orbit/skeleton"][:, hip_row]
     axes.plot(*path.T, ":", color=BLACK, linewidth=1.2, label="path of the hip")
-    slowest = _limits(data, "forward_rate")[0]
+    slowest = data.limits("forward_rate")[0]
     speed = float(data["orbit/numbers"][3] / data["orbit/numbers"][2])
     size = 0.5 * tall
-    axes.annotate(
-        "",
-        hip + np.array([size, 0.0]),
-        hip,
-        arrowprops={"arrowstyle": "-|>", "color": GREEN, "linewidth": 2.0},
-    )
+    arrow = {"arrowstyle": "-|>", "color": GREEN, "linewidth": 2.0}
+    axes.annotate("", hip + np.array([size, 0.0]), hip, arrowprops=arrow)
     text = f"on average {speed:.2f} m/s"
     if slowest is not None:
         text += f"\nasked for: ≥ {slowest:.2f} m/s"
-    axes.text(
-        hip[0] + size,
-        hip[1] + 0.03 * tall,
-        text,
-        fontsize=9,
-        va="bottom",
-        ha="center",
-        color=GREEN,
-    )
+    at = hip + np.array([size, 0.03 * tall])
+    axes.text(at[0], at[1], text, fontsize=9, color=GREEN, va="bottom", ha="center")
     joints = len(data.joints)
     for knees in data.bounds("knee_bend"):
         for joint, side in zip(knees["joints"], knees["sides"], strict=True):
             _knee(axes, data, points, int(joint), float(side), joints, row)
-        axes.plot(
-            [],
-            [],
-            "--",
-            color=RED,
-            linewidth=1.2,
-            label=f"straight leg: knees stay {knees['least']:.2g} rad off",
-        )
-    _ground(axes)
-    axes.set(xlabel="forward [m]", ylabel="up [m]")
+        label = f"straight leg: knees stay {knees['least']:.2g} rad off"
+        axes.plot([], [], "--", color=RED, linewidth=1.2, label=label)
     _frame(axes, points, 1.45)
     axes.legend(loc="upper center", fontsize=8.5)
 
@@ -247,61 +174,20 @@ def _knee(
     at = len(points) - 1 - (count - joint) if swing else joint + 1
     above = points[at - 1] if swing else points[at + 1]
     direction = (points[at] - above) / np.linalg.norm(points[at] - above)
-    size = 0.3 * float(points[hip, 1])
-    axes.plot(
-        *np.transpose([points[at], points[at] + size * direction]),
-        "--",
-        color=RED,
-        linewidth=1.2,
-        zorder=2,
-    )
+    line = np.transpose([points[at], points[at] + 0.3 * points[hip, 1] * direction])
+    axes.plot(*line, "--", color=RED, linewidth=1.2, zorder=2)
     bend = side * data["orbit/q"][row, joint + 1]
     offset = (8, 2) if swing else (-8, 2)
-    axes.annotate(
-        f"{bend:.2f} rad",
-        tuple(points[at]),
-        offset,
-        textcoords="offset points",
-        ha="left" if swing else "right",
-        fontsize=9,
-    )
-
-
-def _row(data: GaitData, share: float) -> int:
-    """Return the orbit's row at a share of the step's time."""
-    return int(np.searchsorted(data["orbit/t"], share * data["orbit/t"][-1]))
-
-
-def _limits(data: GaitData, quantity: str) -> tuple[float | None, float | None]:
-    """Return the lower and the upper bound that conditions set on a quantity; None if unset."""
-    found: list[float | None] = []
-    for side in ("at_least", "at_most"):
-        bounds: list[Mapping[str, Any]] = data.bounds(side, quantity)
-        numbers = [float(bound["bound"]) for bound in bounds if np.ndim(bound["bound"]) == 0]
-        found.append(numbers[0] if numbers else None)
-    return found[0], found[1]
-
-
-def _no_condition(axes: Axes, what: str) -> None:
-    axes.text(
-        0.5,
-        0.86,
-        f"this spec has no condition on {what}",
-        ha="center",
-        fontsize=9,
-        transform=axes.transAxes,
-        color=GREY,
-    )
+    look = {"textcoords": "offset points", "ha": "left" if swing else "right", "fontsize": 9}
+    axes.annotate(f"{bend:.2f} rad", tuple(points[at]), offset, **look)
 
 
 def _frame(axes: Axes, points: np.ndarray, share: float) -> None:
-    """Frame the pose in true proportions, with space above it."""
+    """Frame the pose on its ground in true proportions, with space above it."""
+    axes.axhline(0.0, color=GREY, linewidth=1.0, zorder=0)
+    axes.set(xlabel="forward [m]", ylabel="up [m]")
     top = share * float(points[:, 1].max())
     middle = 0.5 * float(points[:, 0].min() + points[:, 0].max())
     axes.set_ylim(-0.05 * top, top)
     axes.set_xlim(middle - 0.6 * top, middle + 0.6 * top)
     axes.set_aspect("equal")
-
-
-def _ground(axes: Axes) -> None:
-    axes.axhline(0.0, color=GREY, linewidth=1.0, zorder=0)

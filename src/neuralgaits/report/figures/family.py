@@ -16,19 +16,10 @@ from neuralgaits.report.drawing.style import (
     marker,
     new_figure,
     panel,
+    say,
     series,
     styled,
 )
-
-TITLE = "A family of gaits"
-HEIGHT, HEIGHT_A_COMMAND = 4.3, 1.9
-"""Least height of the figure, and its least height for each command [in]."""
-LEAST_SPAN = 0.02
-"""Least span of the speed axis, so that rounding does not look like a result [m/s]."""
-LEVEL = 1e-6
-"""Largest height difference of footholds that count as level [m]."""
-LEDGE = 0.045
-"""Half the width of the ground drawn under a foothold [m]."""
 
 
 def caption(family: Family) -> str:
@@ -72,7 +63,7 @@ def _absent(family: Family) -> list[str]:
 def draw(family: Family) -> Figure:
     """Draw commands and speeds, the plane of the zero dynamics, and postures."""
     count = len(family.sweeps)
-    figure = new_figure(max(HEIGHT, HEIGHT_A_COMMAND * count))
+    figure = new_figure(max(4.3, 1.9 * count))
     grid = figure.add_gridspec(count, 3, width_ratios=(1.0, 1.25, 0.95))
     for row, sweep in enumerate(family.sweeps):
         axes = figure.add_subplot(grid[row, 0])
@@ -103,8 +94,9 @@ def _speeds(axes: Axes, sweep: CommandSweep, members: tuple[Member, ...]) -> Non
     axes.set_xlabel(f"{name.short}, told [{name.unit or '-'}]")
     axes.set_ylabel("walked [m/s]")
     low, high = axes.get_ylim()
-    if high - low < LEAST_SPAN:
-        axes.set_ylim(0.5 * (low + high - LEAST_SPAN), 0.5 * (low + high + LEAST_SPAN))
+    # Of at least 0.02 m/s, so that rounding does not look like a result.
+    middle, half = 0.5 * (low + high), max(0.5 * (high - low), 0.01)
+    axes.set_ylim(middle - half, middle + half)
     # All of the range, where there is no orbit, too: its ends and its middle.
     axes.set_xlim(*(x[[0, -1]] + np.ptp(x) * np.array([-0.1, 0.1])))
     ends_and_middle = sweep.values[0], sweep.values.mean(), sweep.values[-1]
@@ -113,7 +105,7 @@ def _speeds(axes: Axes, sweep: CommandSweep, members: tuple[Member, ...]) -> Non
         [command_words.number(sweep.name, value) for value in ends_and_middle],
     )
     if not np.isfinite(sweep.speed).any():
-        _say(axes, "no periodic orbit")
+        say(axes, "no periodic orbit")
 
 
 def _tube_and_orbit(axes: Axes, number: int, member: Member) -> None:
@@ -130,7 +122,7 @@ def _tube_and_orbit(axes: Axes, number: int, member: Member) -> None:
 def _postures(axes: Axes, family: Family) -> None:
     poses = [pose for member in family.members for pose in member.touchdown]
     if not poses:
-        _say(axes, "no periodic orbit")
+        say(axes, "no periodic orbit")
         axes.set_axis_off()
         return
     points = np.concatenate(poses)
@@ -138,11 +130,13 @@ def _postures(axes: Axes, family: Family) -> None:
     ends = np.array([low, high]) + (high - low) * np.array([-0.15, 0.15])
     feet = np.array([pose[-1] for pose in poses])
     sloping = any(sweep.name == "slope" for sweep in family.sweeps)
-    level = float(np.abs(feet[:, 1]).max()) < LEVEL
+    level = float(np.abs(feet[:, 1]).max()) < 1e-6
+    # Half the ground under a foothold on either side of it.
+    ledge = np.array([-0.045, 0.045])
     if level:
         axes.plot(ends, [0.0, 0.0], color=GREY, linewidth=1.0, zorder=1)
     elif not sloping:
-        axes.plot([-LEDGE, LEDGE], [0.0, 0.0], color=GREY, linewidth=1.6, zorder=1)
+        axes.plot(ledge, [0.0, 0.0], color=GREY, linewidth=1.6, zorder=1)
     for number, member in enumerate(family.members):
         colour = series(number)["color"]
         for pose in member.touchdown:
@@ -151,17 +145,12 @@ def _postures(axes: Axes, family: Family) -> None:
                 rise = foot[1] / foot[0]
                 axes.plot(ends, rise * ends, color=colour, linewidth=1.0, zorder=1)
             elif not level:
-                ledge = foot[0] + np.array([-LEDGE, LEDGE])
-                axes.plot(ledge, [foot[1]] * 2, color=colour, linewidth=1.6, zorder=1)
+                axes.plot(foot[0] + ledge, [foot[1]] * 2, color=colour, linewidth=1.6, zorder=1)
             robot_drawing.draw(axes, pose, family.torso, colour=colour)
             axes.plot(*foot, marker(number), color=colour, ms=8, zorder=5)
     axes.set_aspect("equal")
     axes.set_xlim(*ends)
     axes.set(xlabel="ahead of the foot [m]", ylabel="height [m]")
-
-
-def _say(axes: Axes, words: str) -> None:
-    axes.text(0.5, 0.5, words, ha="center", va="center", color=GREY, transform=axes.transAxes)
 
 
 def _legend(family: Family) -> list:

@@ -6,27 +6,20 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
 
 from neuralgaits.analysis.data import GaitData
-from neuralgaits.report.drawing.style import BLACK, BLUE, RED, new_figure, panel, series, styled
-from neuralgaits.report.figures.phase_portrait import X_LABEL, Y_LABEL
-
-TITLE = "How far the joints may be off"
-CAPTION = (
-    "Real joints never follow exactly. Left: over the states of the tube, how large their errors "
-    "may be and the robot still provably walks on for ever, with motors that do without delay what "
-    "the controller asks: little near the edges and before the foot lands. Right: the same along "
-    "the step, against the errors that an impact leaves and how the controller lets them die out."
+from neuralgaits.report.drawing import plane
+from neuralgaits.report.drawing.style import (
+    ALLOWED,
+    BLACK,
+    BLUE,
+    RED,
+    new_figure,
+    panel,
+    series,
+    styled,
 )
-LEVEL_LOWER, LEVEL_UPPER = "level-lower", "level-upper"
-"""Names of the barriers that are the tube's fences."""
-CURVES = (0.5, 2.0, 5.0)
-"""Sizes of the errors whose slices of the set are outlined [mrad]."""
-FLOOR = 1e-3
-"""Smallest error that is drawn [mrad]."""
-_MAP = LinearSegmentedColormap.from_list("errors", ["#f4faff", "#9ecae1", "#08306b"])
 
 
 @dataclass(frozen=True)
@@ -69,21 +62,16 @@ def draw(data: GaitData, full: FullOrderSet) -> Figure:
     figure = new_figure(5.0)
     left, right = figure.subplots(1, 2)
     z = data["chart/z"]
-    mesh = left.pcolormesh(
-        z[..., 0], z[..., 1], most, cmap=_MAP, shading="gouraud", rasterized=True
-    )
-    mesh.set_clim(0.0, float(most.max()))
-    bar = figure.colorbar(mesh, ax=[left, right], location="bottom", shrink=0.6, aspect=40)
-    bar.set_label("largest error of the joints, √V, picture a [mrad]")
-    shown = [size for size in CURVES if size < float(most.max())]
+    name = "largest error of the joints, √V, picture a [mrad]"
+    plane.heat_map(figure, (left, right), data, most, name)
+    shown = [size for size in (0.5, 2.0, 5.0) if size < float(most.max())]
     if shown:
         lines = left.contour(z[..., 0], z[..., 1], most, shown, colors=BLACK, linewidths=1.0)
         left.clabel(lines, fmt=lambda size: f"{size:g} mrad", fontsize=8)
-    for side in (0, -1):
-        left.plot(*z[side].T, color=BLUE, linewidth=2.0)
+    plane.fences(left, data, color=BLUE, linewidth=2.0)
     left.plot([], [], color=BLUE, linewidth=2.0, label="$C_Z$: edge of the tube, no error")
     left.plot([], [], color=BLACK, linewidth=1.0, label="$C_σ$: its slices at these errors")
-    left.set(xlabel=X_LABEL, ylabel=Y_LABEL)
+    plane.label(left)
     left.set_ylim(top=float(z[..., 1].max()) * 1.28)
     left.legend(loc="upper center", fontsize=8.5)
     panel(left, "a", "over the states of the tube")
@@ -96,7 +84,7 @@ def allowed(data: GaitData, full: FullOrderSet) -> dict[str, np.ndarray]:
     """Return each barrier's bound on sqrt(V) over the chart [rad]. [L, P] each."""
     level = np.broadcast_to(data["chart/level"][:, None], data["chart/z"].shape[:2])
     values = dict(zip(data.barriers, data["chart/barriers"], strict=True))
-    values |= {LEVEL_LOWER: level, LEVEL_UPPER: 1.0 - level}
+    values |= {"level-lower": level, "level-upper": 1.0 - level}
     return {name: full.room(name, values[name]) for name in full.sigma if name in values}
 
 
@@ -107,9 +95,9 @@ def _along(
     rooms: Mapping[str, np.ndarray],
     most: np.ndarray,
 ) -> None:
-    phase = data["chart/phase"]
+    phase, smallest = data["chart/phase"], 1e-3
     best = most.max(axis=0)
-    axes.fill_between(phase, FLOOR, best, color="#dcebf7", label="$C_σ$, mid-tube")
+    axes.fill_between(phase, smallest, best, color=ALLOWED, label="$C_σ$, mid-tube")
     for number, (name, room) in enumerate(rooms.items()):
         line: dict[str, Any] = series(number + 2) | {"linewidth": 1.1}
         axes.plot(phase, 1e3 * room.max(axis=0), label=name, **line)
@@ -125,5 +113,5 @@ def _along(
     axes.set_xlim(0.0, 1.0)
     top = max(float(np.max(list(rooms.values()))) * 1e3, float(best.max()))
     # Room for the names above the curves.
-    axes.set_ylim(FLOOR, 400.0 * top)
+    axes.set_ylim(smallest, 400.0 * top)
     axes.legend(fontsize=8.5, loc="upper center", ncols=2, handlelength=1.8)

@@ -7,22 +7,6 @@ from neuralgaits._types import Float
 from neuralgaits.report.drawing import robot_drawing
 from neuralgaits.report.drawing.style import GREY, new_figure, styled
 
-TITLE, MEASURED_TITLE = "The gait", "The gait in simulation"
-CAPTION = (
-    "One step of the periodic gait, from the moment a foot lands to the moment the other one does. "
-    "The grey leg swings forward, the other one stands. Below are the time and the height of the "
-    "swinging foot."
-)
-TILES = 7
-
-
-def measured_caption(source: str) -> str:
-    """Return the caption of a measured step; `source` says where it is from."""
-    return (
-        f"The last full step of a walk ({source}), where feet can slip, motors saturate and "
-        "contact is soft: it should look like the gait it was designed to be."
-    )
-
 
 @styled
 def draw(
@@ -35,16 +19,19 @@ def draw(
         t: times that start at 0 [s].
         torso: whether the robot has one.
     """
-    chosen = [int(np.argmin(np.abs(t - moment))) for moment in np.linspace(t[0], t[-1], TILES)]
+    tiles = 7
+    chosen = [int(np.argmin(np.abs(t - moment))) for moment in np.linspace(t[0], t[-1], tiles)]
     poses = points[chosen]
     poses = poses - poses[:, :1] * np.array([1.0, 0.0])
     low, high = float(poses[..., 0].min()), float(poses[..., 0].max())
     tall = float(poses[..., 1].max())
     pitch = 1.12 * (high - low)
-    figure = new_figure(0.9 + 7.4 * (1.22 * tall) / (TILES * pitch))
+    figure = new_figure(0.9 + 7.4 * (1.22 * tall) / (tiles * pitch))
     axes = figure.add_subplot()
     axes.axhline(0.0, color=GREY, linewidth=1.0, zorder=1)
     foot = poses[:, -1]
+    # In centimetres, without the sign of a rounded zero.
+    heights = np.round(100.0 * foot[:, 1], 1) + 0.0
     for number, row in enumerate(chosen):
         shift = number * pitch
         if number:
@@ -55,12 +42,12 @@ def draw(
         axes.text(
             shift + 0.5 * (low + high),
             -0.1 * tall,
-            f"{t[row] - t[0]:.2f} s\nfoot {_centimetres(foot[number, 1])} cm",
+            f"{t[row] - t[0]:.2f} s\nfoot {heights[number]:.1f} cm",
             ha="center",
             va="top",
             fontsize=9,
         )
-    axes.set_xlim(low - 0.06 * pitch, (TILES - 1) * pitch + high + 0.06 * pitch)
+    axes.set_xlim(low - 0.06 * pitch, (tiles - 1) * pitch + high + 0.06 * pitch)
     axes.set_ylim(-0.32 * tall, 1.06 * tall)
     axes.set_aspect("equal")
     axes.set_ylabel("height [m]")
@@ -69,8 +56,3 @@ def draw(
     for side in ("bottom", "left"):
         axes.spines[side].set_visible(False)
     return figure
-
-
-def _centimetres(height: float) -> str:
-    """Format a height in centimetres, without the sign of a rounded zero."""
-    return f"{round(100.0 * height, 1) + 0.0:.1f}"

@@ -7,19 +7,10 @@ from matplotlib.figure import Figure
 
 from neuralgaits.report.drawing.style import BLACK, GREY, marker, new_figure, panel, series, styled
 
-TITLE = "How it was trained"
-CAPTION = (
-    "The loss says by how much the conditions are broken on random states, or are nearer to their "
-    "limits than training wants them; effort is added to it. So it does not end at zero, and a "
-    "small loss alone does not say that nothing is broken."
-)
 WHOLE = ("loss", "validation_loss")
 """Columns of `metrics.csv` about all conditions together."""
-NOT_CONDITIONS = ("step", "loss", "validation_loss", "effort")
 FLOOR = 1e-6
 """Value at which smaller losses are drawn: a logarithmic axis has no zero [1]."""
-SHOWN = 7
-"""Number of conditions with a curve of their own: the most violated ones."""
 
 
 @styled
@@ -39,14 +30,15 @@ def draw(rows: Sequence[Mapping[str, float]]) -> Figure:
         whole.plot(steps, _column(rows, name), dash, color=colour, marker=mark, ms=4, label=label)
     panel(whole, "a", "all conditions and effort together")
     names = sorted(
-        (name for name in rows[0] if name not in NOT_CONDITIONS),
+        (name for name in rows[0] if name not in ("step", *WHOLE, "effort")),
         key=lambda name: -float(_column(rows, name).max()),
     )
     broken = [name for name in names if _column(rows, name).max() > FLOOR]
-    for number, name in enumerate(broken[:SHOWN]):
+    # The most violated ones have a curve of their own.
+    for number, name in enumerate(broken[:7]):
         line = {**series(number), "marker": marker(number), "ms": 4}
         parts.plot(steps, _column(rows, name), label=name, **line)
-    others = len(names) - len(broken[:SHOWN])
+    others = len(names) - len(broken[:7])
     panel(parts, "b", "worst conditions alone")
     parts.axhline(FLOOR, color=GREY, linewidth=0.8)
     if others:

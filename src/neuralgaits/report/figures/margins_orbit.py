@@ -10,21 +10,18 @@ from neuralgaits.analysis.data import GaitData
 from neuralgaits.report.drawing.style import (
     BLACK,
     BLUE,
+    FORBIDDEN,
     GREEN,
     GREY,
     LIGHT,
     RED,
     new_figure,
     panel,
+    say,
     series,
     styled,
 )
 
-TITLE = "How much room there is"
-NAMED = 6
-"""Number of conditions with a line of their own: the tightest."""
-MOMENT = 3
-"""Most nodes at which a condition applies and still counts as momentary: it has no line."""
 SHOWN = 1.0
 """Largest margin that is drawn; larger ones are cut off [scale]."""
 
@@ -62,16 +59,17 @@ def draw(data: GaitData, proved: Mapping[str, float]) -> Figure:
 def _over_time(axes: Axes, data: GaitData) -> None:
     t, margins = data["orbit/t"], data["orbit/margins"]
     least = np.array([np.nanmin(row) if np.isfinite(row).any() else np.inf for row in margins])
-    lines = [row for row in np.argsort(least) if np.isfinite(margins[row]).sum() > MOMENT]
-    for row in lines[NAMED:]:
+    # A condition that applies at few nodes is momentary: it has no line.
+    lines = [row for row in np.argsort(least) if np.isfinite(margins[row]).sum() > 3]
+    tightest, others = lines[:6], lines[6:]
+    for row in others:
         axes.plot(t, margins[row], color=LIGHT, linewidth=0.9, zorder=1)
-    for number, row in enumerate(lines[:NAMED]):
+    for number, row in enumerate(tightest):
         axes.plot(t, margins[row], label=data.conditions[row], zorder=2, **series(number))
-    if lines[NAMED:]:
-        label = f"{len(lines[NAMED:])} others"
-        axes.plot([], [], color=LIGHT, linewidth=0.9, label=label)
+    if others:
+        axes.plot([], [], color=LIGHT, linewidth=0.9, label=f"{len(others)} others")
     if not len(t):
-        axes.text(0.5, 0.6, "the gait has no periodic orbit", ha="center", transform=axes.transAxes)
+        say(axes, "the gait has no periodic orbit", 0.6)
     _forbidden(axes.axhspan, axes.axhline)
     top = max(SHOWN, 1.2 * float(np.min(least, initial=SHOWN)))
     bottom = min(-0.12, 1.2 * float(np.min(least, initial=0.0)))
@@ -97,16 +95,9 @@ def _worst(axes: Axes, data: GaitData, proved: Mapping[str, float]) -> None:
     bounds = _bounds(least, data, proved)
     if bounds:
         at = [row for row, i in enumerate(order) if i in bounds]
-        axes.plot(
-            [min(bounds[i], SHOWN) for i in order if i in bounds],
-            at,
-            "D",
-            color=GREEN,
-            mec=BLACK,
-            ms=5,
-            label="proved: at least",
-            linestyle="none",
-        )
+        cut_bounds = [min(bounds[i], SHOWN) for i in order if i in bounds]
+        look = {"color": GREEN, "mec": BLACK, "ms": 5, "label": "proved: at least"}
+        axes.plot(cut_bounds, at, "D", linestyle="none", **look)
     axes.barh([], [], color=BLUE, label="least found on a grid")
     _forbidden(axes.axvspan, axes.axvline)
     axes.set_xlim(min(-0.1, 1.2 * float(np.nanmin(least))), 1.12 * SHOWN)
@@ -134,5 +125,5 @@ def _bounds(least: np.ndarray, data: GaitData, proved: Mapping[str, float]) -> d
 
 def _forbidden(span, line) -> None:
     """Mark the margins below zero, where a condition is violated."""
-    span(-10.0, 0.0, facecolor="#fbe6da", edgecolor=GREY, hatch="//", linewidth=0, zorder=0)
+    span(-10.0, 0.0, facecolor=FORBIDDEN, edgecolor=GREY, hatch="//", linewidth=0, zorder=0)
     line(0.0, color=BLACK, linewidth=1.0)

@@ -1,25 +1,32 @@
 """Tightest condition at each state of the tube."""
 
 import numpy as np
+from matplotlib import colormaps
 from matplotlib.axes import Axes
-from matplotlib.colors import LinearSegmentedColormap, ListedColormap, TwoSlopeNorm
+from matplotlib.colors import ListedColormap, TwoSlopeNorm
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from neuralgaits.analysis.data import GaitData
+from neuralgaits.report.drawing import plane
 from neuralgaits.report.drawing.style import BLACK, RED, new_figure, panel, styled
-from neuralgaits.report.figures.phase_portrait import X_LABEL, Y_LABEL
 
-TITLE = "Where it is tight"
 CAPTION = (
     "The tube, coloured by the margin of the condition that is nearest to its limit there (left; "
     "the cross marks the smallest) and by which condition that is (right), as found on a grid of "
     "states."
 )
-_MAP = LinearSegmentedColormap.from_list("room", ["#f4faff", "#9ecae1", "#08306b"])
-_BROKEN = LinearSegmentedColormap.from_list("broken", ["#7f2704", "#fdae6b"])
-_FILLS = ("#dcebf7", "#f7d9a0", "#b9e3d2", "#f3c9b0", "#e6cfe0", "#cfcfcf", "#fff3b0", "#9ecae1")
-_HATCHES = ("", "///", "...", "\\\\\\", "xx", "|||", "---", "++")
+_FILLS = (
+    ("#dcebf7", ""),
+    ("#f7d9a0", "///"),
+    ("#b9e3d2", "..."),
+    ("#f3c9b0", "\\\\\\"),
+    ("#e6cfe0", "xx"),
+    ("#cfcfcf", "|||"),
+    ("#fff3b0", "---"),
+    ("#9ecae1", "++"),
+)
+"""Fill and hatch of the conditions, the most frequent one first."""
 
 
 @styled
@@ -32,19 +39,14 @@ def draw(data: GaitData) -> Figure:
     least, which = known.min(axis=0), known.argmin(axis=0)
     figure = new_figure(4.6)
     left, right = figure.subplots(1, 2, sharey=True)
-    low = float(least.min())
-    colours, norm = _MAP, None
+    low, colours = float(least.min()), {}
     if low < 0.0:
-        both = np.vstack([_BROKEN(np.linspace(0, 1, 128)), _MAP(np.linspace(0, 1, 128))])
-        colours = ListedColormap(both)
+        broken, held = colormaps["Oranges_r"], colormaps["Blues"]
+        both = [broken(np.linspace(0.0, 0.6, 128)), held(np.linspace(0.0, 1.0, 128))]
         norm = TwoSlopeNorm(0.0, low, max(float(least.max()), 1e-9))
-    mesh = left.pcolormesh(
-        z[..., 0], z[..., 1], least, cmap=colours, norm=norm, shading="gouraud", rasterized=True
-    )
-    if norm is None:
-        mesh.set_clim(0.0, float(least.max()))
-    bar = figure.colorbar(mesh, ax=[left, right], location="bottom", shrink=0.6, aspect=40)
-    bar.set_label("least margin, picture a [scale of the condition]")
+        colours = {"cmap": ListedColormap(np.vstack(both)), "norm": norm}
+    name = "least margin, picture a [scale of the condition]"
+    plane.heat_map(figure, (left, right), data, least, name, **colours)
     at = np.unravel_index(int(np.argmin(least)), least.shape)
     left.plot(*z[at], "X", color=RED, mec=BLACK, ms=9, zorder=4)
     name = data.conditions[wide[which[at]]]
@@ -62,19 +64,18 @@ def draw(data: GaitData) -> Figure:
     _names(right, data, z, np.array(wide)[which])
     panel(right, "b", "the condition it belongs to")
     for axes in (left, right):
-        axes.plot(*z[0].T, color=BLACK, linewidth=1.0)
-        axes.plot(*z[-1].T, color=BLACK, linewidth=1.0)
-        axes.set_xlabel(X_LABEL)
-    left.set_ylabel(Y_LABEL)
+        plane.fences(axes, data, color=BLACK, linewidth=1.0)
+        plane.label(axes)
+        axes.label_outer()
     return figure
 
 
 def _names(axes: Axes, data: GaitData, z: np.ndarray, which: np.ndarray) -> None:
-    """Give each condition a fill and a hatch, the most frequent ones first."""
+    """Show with a fill and a hatch where each condition is the tightest."""
     found, counts = np.unique(which, return_counts=True)
     handles = []
     for number, row in enumerate(found[np.argsort(-counts)]):
-        fill, hatch = _FILLS[number % len(_FILLS)], _HATCHES[number % len(_HATCHES)]
+        fill, hatch = _FILLS[number % len(_FILLS)]
         mask = (which == row).astype(float)
         area = axes.contourf(z[..., 0], z[..., 1], mask, [0.5, 1.5], colors=[fill], hatches=[hatch])
         area.set_edgecolor("#555555")

@@ -9,23 +9,17 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import FancyArrowPatch, Patch
 
 from neuralgaits.analysis.data import GaitData, MeasuredWalk
+from neuralgaits.report.drawing import plane
 from neuralgaits.report.drawing.style import (
+    ALLOWED,
     BLACK,
     BLUE,
     GREEN,
-    GREY,
     ORANGE,
     RED,
     new_figure,
     styled,
 )
-
-TITLE = "Every step in one picture"
-X_LABEL = "z1, hip ahead of the stance foot [m]"
-Y_LABEL = "z2, angular momentum about\nthe stance foot [kg m²/s]"
-TUBE = "#dcebf7"
-RESETS = 3
-"""Number of arrows of the reset map: from the fences and between them."""
 
 
 def caption(data: GaitData, walk: MeasuredWalk | None, level: int, told: bool = False) -> str:
@@ -61,49 +55,27 @@ def draw(data: GaitData, walk: MeasuredWalk | None = None) -> Figure:
     """Draw the portrait, with a measured walk if there is one."""
     figure = new_figure(5.8)
     axes = figure.add_subplot()
-    handles: list = [_tube(axes, data), *_safe_set(axes, data), flow(axes, data, "dz")]
+    handles: list = [
+        _tube(axes, data),
+        *_safe_set(axes, data),
+        plane.flow(axes, data, data["plane/dz"]),
+    ]
     handles += _walks(axes, data, walk)
     handles += _guard_and_reset(axes, data)
-    axes.set(xlabel=X_LABEL, ylabel=Y_LABEL)
+    plane.label(axes)
     axes.set_xlim(data["plane/z1"].min(), data["plane/z1"].max())
     axes.set_ylim(data["plane/z2"].min(), data["plane/z2"].max())
     figure.legend(handles=handles, loc="outside lower center", ncols=3)
     return figure
 
 
-def flow(
-    axes: Axes,
-    data: GaitData,
-    name: str,
-    colour: str = GREY,
-    *,
-    density: float = 0.9,
-    width: float = 0.6,
-) -> Line2D:
-    """Draw stream lines of a field on the plane's grid. Returns: a handle for the legend."""
-    z1, z2, field = data["plane/z1"], data["plane/z2"], data[f"plane/{name}"]
-    finite = np.where(np.isfinite(field), field, 0.0)
-    streams = axes.streamplot(
-        z1,
-        z2,
-        finite[..., 0],
-        finite[..., 1],
-        color=colour,
-        linewidth=width,
-        arrowsize=0.7,
-        density=density,
-        zorder=1.5,
-    )
-    streams.lines.set_alpha(0.8)
-    return Line2D([], [], color=colour, linewidth=0.8, marker=">", ms=3, label="flow")
-
-
 def _tube(axes: Axes, data: GaitData) -> Patch:
     z1, (low, high) = data["fences/z1"], data["fences/z2"]
-    axes.fill_between(z1, low, high, color=TUBE, zorder=1, linewidth=0)
-    for fence in (low, high):
-        axes.plot(z1, fence, color=BLUE, linewidth=2.2, zorder=2.5)
-    return Patch(facecolor=TUBE, edgecolor=BLUE, linewidth=2.0, label="tube T between its fences")
+    axes.fill_between(z1, low, high, color=ALLOWED, zorder=1, linewidth=0)
+    plane.fences(axes, data, color=BLUE, linewidth=2.2, zorder=2.5)
+    return Patch(
+        facecolor=ALLOWED, edgecolor=BLUE, linewidth=2.0, label="tube T between its fences"
+    )
 
 
 def _safe_set(axes: Axes, data: GaitData) -> list:
@@ -130,7 +102,8 @@ def _guard_and_reset(axes: Axes, data: GaitData) -> list:
     ahead = np.where((z1 > 0.0) & (z1 < usual + 0.5 * (z1[-1] - usual)), foot, np.nan)
     axes.contour(z1, z2, ahead, [0.0], colors=BLACK, linewidths=2.0, linestyles="--", zorder=3)
     before, after = data["guard/z"], data["guard/z_after"]
-    for row in np.linspace(0, len(before) - 1, RESETS).round().astype(int):
+    # From the fences and between them.
+    for row in np.linspace(0, len(before) - 1, 3).round().astype(int):
         arrow = FancyArrowPatch(
             tuple(before[row]),
             tuple(after[row]),

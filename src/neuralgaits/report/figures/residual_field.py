@@ -1,6 +1,6 @@
 """Learned residual of the dynamics: its field, and the flow without and with it."""
 
-from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -9,12 +9,9 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
-from neuralgaits.analysis.data import GaitData, ResidualData
+from neuralgaits.analysis.data import ResidualData
+from neuralgaits.report.drawing import plane
 from neuralgaits.report.drawing.style import BLACK, BLUE, GREY, new_figure, panel, styled
-from neuralgaits.report.figures.phase_portrait import X_LABEL, Y_LABEL, flow
-
-TITLE = "What the robot taught the model"
-SHADES = 11
 
 
 def caption(data: ResidualData) -> str:
@@ -49,18 +46,20 @@ def draw(data: ResidualData) -> Figure:
     panel(parts[0], "a", "how fast the hip moves")
     panel(parts[1], "b", "how the momentum changes")
     axes = figure.add_subplot(grid[1, :])
-    after = gait["plane/nominal_dz"] + data.epsilon
-    corrected = replace(gait, arrays={**gait.arrays, "plane/corrected": after})
-    flow(axes, corrected, "nominal_dz", GREY, density=0.6)
-    flow(axes, corrected, "corrected", BLUE, density=0.6, width=1.7)
-    _fences(axes, gait)
+    nominal = gait["plane/nominal_dz"]
+    plane.flow(axes, gait, nominal, GREY, density=0.6)
+    plane.flow(axes, gait, nominal + data.epsilon, BLUE, density=0.6, width=1.7)
+    edges: dict[str, Any] = {"color": BLACK, "linewidth": 1.4, "zorder": 3}
+    for panel_axes in (*parts, axes):
+        plane.label(panel_axes)
+        plane.fences(panel_axes, gait, **edges)
+    parts[1].set_ylabel("")
     handles = [
         Line2D([], [], color=GREY, linewidth=0.8, marker=">", ms=3, label="flow of the model"),
         Line2D([], [], color=BLUE, linewidth=2.0, marker=">", ms=5, label="corrected flow"),
         Line2D([], [], color=BLACK, linewidth=1.4, label="fences of the tube"),
     ]
     axes.legend(handles=handles, loc="upper center", bbox_to_anchor=(0.5, -0.18), ncols=3)
-    axes.set(xlabel=X_LABEL, ylabel=Y_LABEL)
     panel(axes, "c", "flow before and after")
     return figure
 
@@ -71,7 +70,7 @@ def _component(figure: Figure, axes: Axes, data: ResidualData, number: int, labe
     most = max(float(np.abs(field).max()), 1e-12)
     low, high = float(field.min()), float(field.max())
     # A field of one value everywhere still needs two levels.
-    shades = np.linspace(low, max(high, low + 1e-3 * most), SHADES + 1)
+    shades = np.linspace(low, max(high, low + 1e-3 * most), 12)
     area = axes.contourf(z1, z2, field, shades, cmap="PuOr", norm=Normalize(-most, most))
     # Signs must survive printing in grey: falling values are dashed.
     axes.contour(
@@ -81,16 +80,9 @@ def _component(figure: Figure, axes: Axes, data: ResidualData, number: int, labe
     bar = figure.colorbar(area, ax=axes, location="bottom", ticks=MaxNLocator(5))
     bar.set_label(label)
     bar.ax.tick_params(labelsize=8)
-    _fences(axes, gait)
     if len(data.visited):
         dots = {"color": BLACK, "marker": ".", "ms": 1.2, "linestyle": "none"}
         axes.plot(*data.visited.T, **dots, rasterized=True)
-    axes.set(xlabel=X_LABEL, ylabel=Y_LABEL if number == 0 else "")
     axes.tick_params(labelleft=number == 0)
     axes.set_xlim(z1.min(), z1.max())
     axes.set_ylim(z2.min(), z2.max())
-
-
-def _fences(axes: Axes, gait: GaitData) -> None:
-    for fence in gait["fences/z2"]:
-        axes.plot(gait["fences/z1"], fence, color=BLACK, linewidth=1.4, zorder=3)

@@ -24,11 +24,8 @@ from neuralgaits.report.drawing.style import (
     styled,
 )
 
-TITLE = "Why the gait settles"
 STEPS = 12
 """Number of steps for which walks are followed."""
-FLOOR = 1e-5
-"""Smallest distance from the orbit that is drawn [kg m^2/s]."""
 
 
 @dataclass(frozen=True)
@@ -121,7 +118,7 @@ def _approach(axes: Axes, data: GaitData, proved: Proved | None) -> None:
         (z2[-1], "^", "from the upper fence"),
     ):
         away = np.abs(_iterates(data, float(start)) - numbers.z2)
-        shown = np.where(away > FLOOR, away, np.nan)
+        shown = np.where(away > 1e-5, away, np.nan)
         axes.plot(steps, shown, marker=mark, ms=5, linestyle="none", color=BLACK, label=label)
     first = float(np.max(np.abs(z2[[0, -1]] - numbers.z2)))
     label = f"multiplier {numbers.multiplier:.3f}, each step"

@@ -12,13 +12,6 @@ from neuralgaits.report.drawing.figure import png
 from neuralgaits.report.drawing.style import BLUE, GREEN, GREY, ORANGE, new_figure, styled
 from neuralgaits.runs import write_bytes
 
-TITLE = "Learning on the robot"
-CAPTION = (
-    "The gait walks on a robot that differs from its model; what differs is learned from the logs, "
-    "and the policy is trained on with it. From round to round it should walk further, from more "
-    "speeds, and predict its own motion better."
-)
-
 
 def draw_file(summary: EpisodesDone, figure: Path) -> Path:
     """Draw a summary of episodes. Returns: the path of the PNG file."""

@@ -6,6 +6,7 @@ from matplotlib.figure import Figure
 
 from neuralgaits.analysis.data import GaitData, MeasuredWalk
 from neuralgaits.report.drawing.style import (
+    ALLOWED,
     BLACK,
     BLUE,
     GREY,
@@ -15,8 +16,6 @@ from neuralgaits.report.drawing.style import (
     series,
     styled,
 )
-
-TITLE = "One step: angles, torques, forces"
 
 
 def caption(walk: MeasuredWalk | None) -> str:
@@ -85,7 +84,7 @@ def _forces(axes: Axes, data: GaitData) -> None:
     friction = float(data["robot/friction"])
     weight = float(data["robot/mass"] * data["robot/gravity"])
     label = f"friction can hold\n(μ = {friction:.2g})"
-    axes.fill_between(t, -friction * normal, friction * normal, color="#dcebf7", label=label)
+    axes.fill_between(t, -friction * normal, friction * normal, color=ALLOWED, label=label)
     for side in (-1.0, 1.0):
         axes.plot(t, side * friction * normal, color=BLUE, linewidth=0.8, linestyle="--")
     axes.plot(t, normal, color=BLACK, label="normal force")

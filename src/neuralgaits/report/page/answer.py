@@ -4,12 +4,12 @@ from neuralgaits.records import in_plain_words
 from neuralgaits.records.report_walk import ShownWalk
 from neuralgaits.records.simulated import Simulated
 from neuralgaits.report.page import phrases
-from neuralgaits.report.page.markup import Html, join, number, paragraph, tag
+from neuralgaits.report.page.markup import Html, Section, join, number, paragraph, tag
 from neuralgaits.report.page.saved import Contents, Saved
 from neuralgaits.runs.names import RESIDUAL
 
 
-def answer(contents: Contents) -> Html:
+def answer(contents: Contents) -> Section:
     """Return three short paragraphs that use the run's own numbers."""
     saved = contents.saved
     parts = [
@@ -19,7 +19,7 @@ def answer(contents: Contents) -> Html:
     ]
     if saved.proved_level:
         parts.append(_part("What is not covered.", _left_open(saved)))
-    return tag("div", *parts, class_="answer", id="answer")
+    return Section.of("answer", "The answer", tag("div", *parts, class_="answer", id="answer"))
 
 
 def _heading(contents: Contents) -> str:

@@ -16,9 +16,6 @@ from neuralgaits.report.page.markup import Html
 from neuralgaits.report.page.saved import Contents, Saved
 from neuralgaits.runs.shell_words import command, named, resuming
 
-_NAMED = 3
-"""Number of failing conditions that are named; the table has the rest."""
-
 
 def failures(contents: Contents) -> Html:
     """List everything that failed, with its reason."""
@@ -104,7 +101,8 @@ def missing_parts(contents: Contents) -> Iterator[tuple[str, str]]:
         yield "simulations", command("simulate", saved.name)
     unprovable = bool(saved.failing or saved.asked.not_provable_because)
     if saved.failing:
-        names = ", ".join(saved.failing[:_NAMED]) + (", …" if len(saved.failing) > _NAMED else "")
+        # The table has the rest.
+        names = ", ".join(saved.failing[:3]) + (", …" if len(saved.failing) > 3 else "")
         what = f"a gait that can be proved: some states break {names}, which"
         if saved.asked.as_given is None:
             yield f"{what} more steps may mend", repeat_commands.longer(saved.folder)

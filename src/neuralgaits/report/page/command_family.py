@@ -9,8 +9,6 @@ from neuralgaits.report.drawing.drawn import Drawn
 from neuralgaits.report.page.markup import Html, captioned, paragraph, section, table, tag
 from neuralgaits.report.page.saved import Contents, ProvedOfSome, Saved
 
-OTHERS = "Other figures of the gait as it is designed show the one in the middle of every range."
-
 
 def family(contents: Contents, pictures: Mapping[str, Html]) -> Iterator[Html]:
     """Yield the section on the gait's commands and its figure; nothing for a gait without commands.
@@ -29,7 +27,11 @@ def family(contents: Contents, pictures: Mapping[str, Html]) -> Iterator[Html]:
         _ranges(commands),
         paragraph(*_proved(contents.saved)),
         *_figure(contents, pictures),
-        paragraph(OTHERS, class_="quiet"),
+        paragraph(
+            "Other figures of the gait as it is designed show the one in the middle of every "
+            "range.",
+            class_="quiet",
+        ),
     )
 
 

@@ -49,9 +49,29 @@ def items(entries: Iterable[Any]) -> Html:
     return tag("ul", *rows) if rows else Html("")
 
 
-def section(name: str, title: str, *parts: Any) -> Html:
-    """Return a section of the page that the table of contents lists."""
-    return tag("section", tag("h2", title, id=name), *parts)
+class Section(Html):
+    """A part of the page that the list of contents names."""
+
+    __slots__ = ("name", "title")
+    name: str
+    title: str
+
+    @classmethod
+    def of(cls, name: str, title: str, content: Html) -> "Section":
+        """Return a part whose element has its name as `id`."""
+        found = cls(content)
+        found.name, found.title = name, title
+        return found
+
+
+def section(name: str, title: str, *parts: Any) -> Section:
+    """Return a section of the page under its heading."""
+    return Section.of(name, title, tag("section", tag("h2", title, id=name), *parts))
+
+
+def missing(*said: Any, line: str | None = None) -> Html:
+    """Return a box that says what is missing, with the command that makes it."""
+    return tag("div", paragraph(*said), shell([line]) if line else "", class_="missing")
 
 
 def table(
@@ -94,6 +114,34 @@ def table(
         class_="cards" if cards else None,
     )
     return scrolling(caption, whole)
+
+
+def tightest(
+    about: str,
+    head: Sequence[str],
+    rows: Sequence[Sequence[Any]],
+    failing: int,
+    *,
+    numbers: str,
+) -> Html:
+    """Return a table of conditions: the five first and all that fail; the rest is folded away.
+
+    Args:
+        about: what the table shows of them, for its caption.
+        head: heads of the columns.
+        rows: cells of each condition, in the order of their margins.
+        failing: number of conditions that do not hold, which come first.
+        numbers: see `table`.
+    """
+    shown = max(5, failing)
+    rest, count = len(rows) - shown, len(rows)
+    which = f"The {shown} tightest of {count} conditions" if rest > 0 else f"All {count} conditions"
+    first = table(f"{which} {about}", head, rows[:shown], numbers=numbers, cards=True)
+    if rest <= 0:
+        return first
+    more = f"{rest} more, none with a smaller margin"
+    others = table(more, head, rows[shown:], numbers=numbers, cards=True)
+    return join([first, folded(more, others)])
 
 
 def scrolling(name: str, wide: Html) -> Html:

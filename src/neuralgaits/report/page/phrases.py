@@ -6,16 +6,6 @@ from typing import Any
 from neuralgaits.barriers.quantity_words import QUANTITIES, QuantityWords
 from neuralgaits.report.page.markup import Html, join, number, tag
 
-_INLET = "a next step that begins in range"
-_REGIONS = {
-    "tube": "the whole step",
-    "lift-off": "start of the step",
-    "swing": "middle of the step",
-    "landing": "end of the step",
-    "guard": "at touchdown",
-    "fence-lower": "slow edge of the region",
-    "fence-upper": "fast edge of the region",
-}
 _CHANGES = {
     "friction": "friction of the feet {}",
     "torque_limit": "torques limited to {} N m",
@@ -33,8 +23,6 @@ _CHANGES = {
     "estimator": "speeds estimated, not measured",
 }
 """Differences between simulation and model, in words."""
-_SIDES = {"lower": "slow", "upper": "fast"}
-
 GLOSSARY = (
     (
         "Zero dynamics",
@@ -94,7 +82,16 @@ def verdict(word: str) -> Html:
 
 def region(name: str) -> str:
     """Return in words where a condition must hold."""
-    return _REGIONS.get(name, name)
+    words = {
+        "tube": "the whole step",
+        "lift-off": "start of the step",
+        "swing": "middle of the step",
+        "landing": "end of the step",
+        "guard": "at touchdown",
+        "fence-lower": "slow edge of the region",
+        "fence-upper": "fast edge of the region",
+    }
+    return words.get(name, name)
 
 
 def named(name: str, words: str) -> Html:
@@ -113,7 +110,8 @@ def any_condition(described: Mapping[str, Any]) -> str:
 
 def condition(described: Mapping[str, Any]) -> str:
     """Return a condition as a sentence, from its description in the run's config."""
-    kind, side = described.get("kind"), _SIDES.get(described.get("side", ""), "")
+    kind, sides = described.get("kind"), {"lower": "slow", "upper": "fast"}
+    side = sides.get(described.get("side", ""), "")
     if kind == "Fence":
         return f"trajectories do not leave over the {side} edge"
     if kind == "Inlet":
@@ -147,7 +145,7 @@ def gist(conditions: Sequence[Mapping[str, Any]]) -> list[str]:
         inner = _object(described.get("quantity"))
         known = _known(_object(inner.get("of")) or inner)
         if described.get("kind") == "Inlet":
-            found[_INLET] = None
+            found["a next step that begins in range"] = None
         elif known is not None and known.gist is not None:
             found[known.gist] = None
     return list(found)
@@ -181,7 +179,7 @@ def _known(described: Mapping[str, Any]) -> QuantityWords | None:
 
 def _short_text(words: Any) -> str:
     """Return a user's words if they are short enough to be some; the empty text otherwise."""
-    return words if isinstance(words, str) and len(words) <= _LONGEST_WORDS else ""
+    return words if isinstance(words, str) and len(words) <= 80 else ""
 
 
 def _numbers(bound: Any) -> str:
@@ -204,19 +202,14 @@ def _named(described: Mapping[str, Any]) -> tuple[str, str]:
     return str(name).replace("_", " "), ""
 
 
-_LONGEST_WORDS = 80
-"""Length of a user's words about a quantity, above which they are not shown."""
-_WHOLE = {
-    "Fence": "the region's width in a step",
-    "Inlet": "the region's width",
-    "TubeWidth": "the region's middle",
-}
-"""Units of the conditions that have no quantity."""
-
-
 def scale(described: Mapping[str, Any], size: float) -> str:
     """Return the size of one scale of a condition, with its unit if that is known."""
-    if whole := _WHOLE.get(described.get("kind", "")):
+    without_quantity = {
+        "Fence": "the region's width in a step",
+        "Inlet": "the region's width",
+        "TubeWidth": "the region's middle",
+    }
+    if whole := without_quantity.get(described.get("kind", "")):
         return whole if size == 1.0 else f"{number(size)} × {whole}"
     return f"{number(size)} {_unit(described)}".rstrip()
 

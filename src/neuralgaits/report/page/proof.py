@@ -5,6 +5,7 @@ from pathlib import Path
 
 from neuralgaits.records import in_plain_words
 from neuralgaits.records.certified import (
+    HIGHEST,
     LEVELS,
     PROOF,
     SUMMARY,
@@ -17,24 +18,8 @@ from neuralgaits.report.page import markup as html
 from neuralgaits.report.page import phrases
 from neuralgaits.report.page.markup import Html
 from neuralgaits.report.page.saved import Contents, Saved
-from neuralgaits.report.page.training import TIGHTEST
 from neuralgaits.runs import packed
 from neuralgaits.runs.shell_words import command, named, quoted
-
-_LEVEL_FIGURES = {
-    "step_time_at_most_s": ("a step takes at most", "s"),
-    "forward_at_least_per_s": ("phase runs forward by at least", "1/s"),
-    "relative_width": ("width of the walking set in z2, of its middle", ""),
-    "contraction_at_most": ("a deviation shrinks per step to at most", "of itself"),
-    "multiplier_at_least": ("multiplier of the orbit, at least", ""),
-    "multiplier_at_most": ("multiplier of the orbit, at most", ""),
-    "z2_at_mid_step_at_least": ("z2 of the orbit at phase 0.5, at least", "kg m²/s"),
-    "z2_at_mid_step_at_most": ("z2 of the orbit at phase 0.5, at most", "kg m²/s"),
-}
-
-
-NOT_OF_MANY = "not about such a gait"
-"""Text in place of a verdict on levels that concern a single gait of one robot."""
 
 
 def certificate(contents: Contents) -> Html:
@@ -57,11 +42,7 @@ def certificate(contents: Contents) -> Html:
         html.tag("h3", "What it assumes"),
         html.items(in_plain_words.assumptions(found.level, found.robots)),
         html.paragraph(f"It claims nothing about {in_plain_words.not_claimed(found.level)}."),
-        html.tag(
-            "details",
-            html.tag("summary", "The same in the words of check-proof"),
-            html.items(contents.assumptions),
-        ),
+        html.folded("The same in the words of check-proof", html.items(contents.assumptions)),
         html.tag("h3", "Check it again"),
         *_files(saved, found),
     )
@@ -75,20 +56,18 @@ def _absent(saved: Saved) -> Html:
     )
     if saved.asked.not_provable_because:
         said += f" It cannot have one: {saved.asked.not_provable_because}"
-        return html.tag("div", html.paragraph(said), class_="missing")
-    return html.tag(
-        "div",
-        html.paragraph(said, " To prove it, some ten seconds for a built-in robot:"),
-        html.shell([command("certify", saved.name)]),
-        class_="missing",
-    )
+        return html.missing(said)
+    said += " To prove it, some ten seconds for a built-in robot:"
+    return html.missing(said, line=command("certify", saved.name))
 
 
 def _ladder(found: CertificateRecord, told: bool) -> Html:
     """Return the table of levels; `told` says whether the gait takes commands."""
     answers = {1: found.of_conditions} | {entry.level: entry.verdict for entry in found.levels}
     if told or found.parameters:
-        answers = {n: NOT_OF_MANY for n in LEVELS if n > HIGHEST_OF_MANY} | answers
+        # Higher levels are about a single gait of one robot.
+        above = dict.fromkeys(range(HIGHEST_OF_MANY + 1, HIGHEST + 1), "not about such a gait")
+        answers = above | answers
     rows = [
         (
             level,
@@ -108,9 +87,19 @@ def _level(entry: Conclusion) -> Html:
     if not entry.proved:
         reason = entry.reason or "no reason is given"
         return html.paragraph(html.tag("b", f"Level {level} is {entry.verdict}: "), reason)
+    labels = {
+        "step_time_at_most_s": ("a step takes at most", "s"),
+        "forward_at_least_per_s": ("phase runs forward by at least", "1/s"),
+        "relative_width": ("width of the walking set in z2, of its middle", ""),
+        "contraction_at_most": ("a deviation shrinks per step to at most", "of itself"),
+        "multiplier_at_least": ("multiplier of the orbit, at least", ""),
+        "multiplier_at_most": ("multiplier of the orbit, at most", ""),
+        "z2_at_mid_step_at_least": ("z2 of the orbit at phase 0.5, at least", "kg m²/s"),
+        "z2_at_mid_step_at_most": ("z2 of the orbit at phase 0.5, at most", "kg m²/s"),
+    }
     figures = [
         (label, f"{html.bound(value, above='_at_most' in name, digits=6)} {unit}".rstrip())
-        for name, (label, unit) in _LEVEL_FIGURES.items()
+        for name, (label, unit) in labels.items()
         if (value := entry.figures.get(name)) is not None
     ]
     constants = [(one.name, _rounded(one), one.unit, one.meaning) for one in entry.constants]
@@ -120,9 +109,7 @@ def _level(entry: Conclusion) -> Html:
     if constants:
         head = ("constant", "value", "unit", "meaning")
         parts.append(html.table(f"Constants of level {level}", head, constants, numbers=" n"))
-    return html.tag(
-        "details", html.tag("summary", f"Level {level}: the statement and its numbers"), *parts
-    )
+    return html.folded(f"Level {level}: the statement and its numbers", *parts)
 
 
 def _rounded(constant: TheoremConstant) -> str:
@@ -159,16 +146,11 @@ def _conditions(saved: Saved, found: CertificateRecord) -> Html:
     failed = sum(
         entry.verdict != "proved" and not entry.in_part for entry in found.conditions.values()
     )
-    first = max(TIGHTEST, failed)
-    caption = (
-        "Margins in scales, as above; every state of a condition's region has at least its. Shares "
-        "and boxes are as certify counted them: no proof file states them"
+    about = (
+        "with margins in scales, as above; every state of a condition's region has at least its. "
+        "Shares and boxes are as certify counted them: no proof file states them"
     )
-    parts = [html.table(caption, head, rows[:first], numbers="  nnn", cards=True)]
-    if rest := rows[first:]:
-        told = f"{len(rest)} more, none with a smaller margin"
-        parts.append(html.folded(told, html.table(told, head, rest, numbers="  nnn", cards=True)))
-    return html.join(parts)
+    return html.tightest(about, head, rows, failed, numbers="  nnn")
 
 
 def _files(saved: Saved, found: CertificateRecord) -> list[Html]:

@@ -31,7 +31,6 @@ from neuralgaits.settings.options import words_of
 from neuralgaits.simulation.incompatible_settings import REMOTE
 
 P = ParamSpec("P")
-CONTROLLERS = *CONTROL_LAWS, REMOTE
 
 
 def robot_word(folder: RunFolder) -> str:
@@ -183,7 +182,7 @@ def simulating(folder: RunFolder, done: Simulated, run: Path) -> str | None:
     Returns: the command, or None if the run kept no file of the plant or of the controller.
     """
     plant = plant_word(folder, done)
-    if done.controller not in CONTROLLERS or plant is None:
+    if done.controller not in (*CONTROL_LAWS, REMOTE) or plant is None:
         return None
     changed = phrases.disturbances(done.changed)
     given: dict[str, Any] = {

@@ -1,6 +1,6 @@
 """The contents of a run folder, read as plain data; a missing part is None."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TypeVar
@@ -26,14 +26,6 @@ from neuralgaits.runs.names import SUMMARY as TRAINING
 from neuralgaits.runs.shell_words import command, learning, named
 
 Kind = TypeVar("Kind", bound=Record)
-_HASHED = (
-    WEIGHTS,
-    ROBOT,
-    SPEC,
-    RESIDUAL,
-    START,
-    PROOF,
-)
 
 
 @dataclass(frozen=True)
@@ -174,7 +166,8 @@ def read(
     above = folder.path.resolve().parent
     begun = (above / episode_records.ASKED).is_file()
     rounds = part(episode_records.SUMMARY, EpisodesDone, above) if begun else None
-    hashes = _hashes(folder)
+    files = file_hashes(folder.path, (WEIGHTS, ROBOT, SPEC, RESIDUAL, START, PROOF))
+    hashes = {file: digest for file, digest in files.items() if digest is not None}
     if no_certificate is not None:
         again = f"prove it again with `{command('certify', named(folder.path))}`"
         damaged[SUMMARY] = f"{no_certificate}: {again}"
@@ -219,32 +212,18 @@ def _outdated(
 ) -> dict[str, str]:
     """Return the parts that are about other files than the run's, with what to do."""
     found: dict[str, str] = {}
-    if learned is not None and learned.residual_sha256 not in (None, *_learned(folder)):
+    fitted = file_hashes(folder.path, (FITTED,)).values()
+    if learned is not None and learned.residual_sha256 not in (None, *fitted):
         found[LEARNING] = (
             f"{LEARNING} is about another residual.safetensors than the run's: learn it again with "
             f"`{learning(folder.path)}`"
         )
-    other = _other_file({} if simulation is None else simulation.sha256, hashes)
+    walked = {} if simulation is None else simulation.sha256
+    other = next((file for file, digest in walked.items() if digest != hashes.get(file)), None)
     if other is not None:
         again = command("simulate", named(folder.path))
         found[WALK] = f"{WALK} is about another {other} than the run's: walk with `{again}`"
     return found
-
-
-def _hashes(folder: RunFolder) -> dict[str, str]:
-    """Return the sha256 of the run's files that are there."""
-    found = file_hashes(folder.path, _HASHED)
-    return {file: digest for file, digest in found.items() if digest is not None}
-
-
-def _other_file(walked: Mapping[str, str | None], hashes: Mapping[str, str]) -> str | None:
-    """Return the first file of the run that is not the one that was walked with."""
-    return next((file for file, digest in walked.items() if digest != hashes.get(file)), None)
-
-
-def _learned(folder: RunFolder) -> Iterable[str | None]:
-    """Return the sha256 of the residual that `fit` learned, None if there is none."""
-    return file_hashes(folder.path, (FITTED,)).values()
 
 
 def _nan(found: EndedInNan | None) -> str:

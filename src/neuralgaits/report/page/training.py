@@ -42,23 +42,19 @@ def _state(saved: Saved) -> Html:
         return _ended_in_nan(saved)
     if summary is None:
         done = int(saved.metrics[-1]["step"]) if saved.metrics else 0
-        return html.tag(
-            "div",
-            html.paragraph(
-                f"The training has not ended: {html.number(done)} of "
-                f"{html.number(saved.asked.steps)} gradient steps are in the last row of its "
-                "course. It goes on, bit for bit, with"
-            ),
-            html.shell([resuming(saved.folder.path)]),
-            class_="missing",
+        said = (
+            f"The training has not ended: {html.number(done)} of {html.number(saved.asked.steps)} "
+            "gradient steps are in the last row of its course. It goes on, bit for bit, with"
         )
+        return html.missing(said, line=resuming(saved.folder.path))
     if summary.left_out is not None:
-        said = f"Its recorded figures are left out: {summary.left_out}."
-        return html.tag("div", html.paragraph(said), class_="missing")
+        return html.missing(f"Its recorded figures are left out: {summary.left_out}.")
     if saved.asked.as_given is not None:
         return html.paragraph(_not_trained(saved.asked.as_given, summary))
+    widths = " and ".join(map(str, saved.asked.hidden or ()))
+    network = f"hidden layers of {widths} units" if widths else "no network"
     said = (
-        f"A policy with {_widths(saved.asked.hidden)} was trained for "
+        f"A policy with {network} was trained for "
         f"{html.number(summary.steps)} gradient steps to a loss of {html.number(summary.loss)}, "
         f"in {html.number(summary.wall_s)} s"
     )
@@ -88,14 +84,7 @@ def _ended_in_nan(saved: Saved) -> Html:
         "numbers may not"
     )
     line = repeat_commands.another_seed(saved.folder)
-    told = (
-        [html.paragraph(f"{said}:"), html.shell([line])] if line else [html.paragraph(f"{said}.")]
-    )
-    return html.tag("div", *told, class_="missing")
-
-
-def _widths(hidden: tuple[int, ...] | None) -> str:
-    return f"hidden layers of {' and '.join(map(str, hidden))} units" if hidden else "no network"
+    return html.missing(f"{said}:" if line else f"{said}.", line=line)
 
 
 def _robot(robot: RobotFacts) -> list[Html]:
@@ -158,10 +147,6 @@ def _settings(saved: Saved) -> list[tuple[str, Any]]:
     return rows
 
 
-TIGHTEST = 5
-"""Number of conditions that are shown; the rest are folded away."""
-
-
 def _conditions(saved: Saved) -> list[Html]:
     measured, asked = saved.measured, saved.asked.conditions
     if not asked:
@@ -183,21 +168,18 @@ def _conditions(saved: Saved) -> list[Html]:
             f"{recorded} all {len(measured)} held at all of them. This page has not measured them "
             f"again; what is proved stands further down.{_untied(saved)}"
         )
-    ordered = sorted(asked, key=lambda one: _least(measured.get(one.name)))
+    least = {name: entry.min_margin for name, entry in measured.items()}
+    ordered = sorted(asked, key=lambda one: least.get(one.name, math.inf))
     rows = [_row(one, measured.get(one.name)) for one in ordered]
-    shown = max(TIGHTEST, len(broken)) if measured else 0
-    tables = []
-    if shown and rows[:shown]:
-        caption = f"The {len(rows[:shown])} tightest of {len(rows)} conditions"
-        tables.append(_table(f"{caption} of spec {saved.asked.spec}", rows[:shown]))
-    if rest := rows[shown:]:
-        count = (
-            f"{len(rest)} more, none with a smaller margin"
-            if shown
-            else f"All {len(rest)} conditions"
-        )
-        tables.append(html.folded(count, _table(f"{count}: spec {saved.asked.spec}", rest)))
-    return [html.paragraph(said), html.paragraph(_explained(ordered)), *tables]
+    head = ("condition", "where", "smallest margin recorded, in scales", "one scale is")
+    about, numbers = f"of spec {saved.asked.spec}", "  nn"
+    if measured:
+        table = html.tightest(about, head, rows, len(broken), numbers=numbers)
+    else:
+        all_of_them = f"All {len(rows)} conditions"
+        whole = html.table(f"{all_of_them} {about}", head, rows, numbers=numbers, cards=True)
+        table = html.folded(all_of_them, whole)
+    return [html.paragraph(said), html.paragraph(_explained(ordered)), table]
 
 
 def _untied(saved: Saved) -> str:
@@ -208,15 +190,6 @@ def _untied(saved: Saved) -> str:
         " The record does not say which weights it is of: an earlier version wrote it. It may be "
         "of others than the run's."
     )
-
-
-def _least(found: Violations | None) -> float:
-    return math.inf if found is None else found.min_margin
-
-
-def _table(caption: str, rows: list[tuple[Any, ...]]) -> Html:
-    head = ("condition", "where", "smallest margin recorded, in scales", "one scale is")
-    return html.table(caption, head, rows, numbers="  nn", cards=True)
 
 
 def _explained(asked: list[ConditionRecord]) -> str:

@@ -7,21 +7,18 @@ from neuralgaits.records.report_walk import ShownWalk
 from neuralgaits.records.simulated import Simulated
 from neuralgaits.report.page import markup as html
 from neuralgaits.report.page import phrases
-from neuralgaits.report.page.markup import Html
+from neuralgaits.report.page.markup import Html, Section
 from neuralgaits.report.page.saved import Contents, Saved
 from neuralgaits.runs import plain
 from neuralgaits.runs.shell_words import command
-
-_SPEEDS = (0.1, 0.25, 0.5, 1.0, 2.0)
 
 
 def animation(contents: Contents) -> Html:
     """Return the walk as a 3-D picture that turns, beside the moving point in the plane of z."""
     walk = contents.walk
     if walk is None:
-        missing = html.tag("div", html.paragraph(contents.no_walk or ""), class_="missing")
-        return html.section("walk", "The walk", missing)
-    return html.tag(
+        return html.section("walk", "The walk", html.missing(contents.no_walk or ""))
+    shown = html.tag(
         "section",
         _pictures(),
         _controls(walk),
@@ -33,6 +30,7 @@ def animation(contents: Contents) -> Html:
         id="walk",
         aria_label="The walk",
     )
+    return Section.of("walk", "The walk", shown)
 
 
 def _pictures() -> Html:
@@ -118,7 +116,8 @@ def _beside(walk: ShownWalk) -> str:
 
 def _controls(walk: ShownWalk) -> Html:
     speeds = [
-        html.tag("option", f"{speed:g}×", value=speed, selected=speed == 1.0) for speed in _SPEEDS
+        html.tag("option", f"{speed:g}×", value=speed, selected=speed == 1.0)
+        for speed in (0.1, 0.25, 0.5, 1.0, 2.0)
     ]
     forces = Html("")
     if walk.force_n:
@@ -147,11 +146,9 @@ def simulations(saved: Saved) -> Html:
         return html.section(
             "simulations",
             "Simulations",
-            html.tag(
-                "div",
-                html.paragraph("No simulation of this run is saved, apart from the walk above."),
-                html.shell([command("simulate", saved.name)]),
-                class_="missing",
+            html.missing(
+                "No simulation of this run is saved, apart from the walk above.",
+                line=command("simulate", saved.name),
             ),
         )
     rows = [(said, f"{html.number(value)} {unit}".rstrip()) for said, value, unit in done.shown]

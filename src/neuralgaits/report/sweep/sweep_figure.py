@@ -7,42 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from neuralgaits.records.swept import SweepRow
-from neuralgaits.report.drawing.style import BLACK, marker, new_figure, panel, series, styled
-
-TITLE = "Distributions over the runs"
-CAPTION = (
-    "One dot a run, a row of dots for each robot and specification, a bar at their median. "
-    "a) what is proved of all conditions at least, in each condition's own scale; b, c) of "
-    "simulated walks without a disturbance; d) time of the proof on one thread of the machine "
-    "that found it."
-)
-_SPREAD = 0.28
-"""Height that the dots of a row occupy."""
-Value = Callable[[SweepRow], float | None]
-
-
-def _margin(row: SweepRow) -> float | None:
-    return row.margin
-
-
-def _speed(row: SweepRow) -> float | None:
-    return None if row.undisturbed is None else row.undisturbed.speed_m_s
-
-
-def _cost(row: SweepRow) -> float | None:
-    return None if row.undisturbed is None else row.undisturbed.cost_of_transport
-
-
-def _proof_time(row: SweepRow) -> float | None:
-    return row.wall_s.prove
-
-
-_PANELS: tuple[tuple[str, str, Value], ...] = (
-    ("least margin that is proved", "margin [scale]", _margin),
-    ("walking speed", "speed [m/s]", _speed),
-    ("mechanical cost of transport", "cost [1]", _cost),
-    ("time of the proof", "time [s]", _proof_time),
-)
+from neuralgaits.report.drawing.style import BLACK, marker, new_figure, panel, say, series, styled
 
 
 @styled
@@ -54,8 +19,18 @@ def draw(groups: Mapping[str, Sequence[SweepRow]]) -> Figure:
     """
     figure = new_figure(2.2 + 0.8 * len(groups))
     axes = figure.subplots(2, 2, sharey=True)
-    for letter, part, (title, label, value) in zip("abcd", axes.flat, _PANELS, strict=True):
-        _dots(part, groups, value)
+    panels: tuple[tuple[str, str, Callable[[SweepRow], float | None]], ...] = (
+        ("least margin that is proved", "margin [scale]", lambda row: row.margin),
+        ("walking speed", "speed [m/s]", lambda row: row.undisturbed and row.undisturbed.speed_m_s),
+        (
+            "mechanical cost of transport",
+            "cost [1]",
+            lambda row: row.undisturbed and row.undisturbed.cost_of_transport,
+        ),
+        ("time of the proof", "time [s]", lambda row: row.wall_s.prove),
+    )
+    for letter, part, (title, label, value) in zip("abcd", axes.flat, panels, strict=True):
+        _dots(part, [[value(row) for row in rows] for rows in groups.values()])
         panel(part, letter, title)
         part.set_xlabel(label)
         part.set_yticks(range(len(groups)), list(groups))
@@ -63,17 +38,15 @@ def draw(groups: Mapping[str, Sequence[SweepRow]]) -> Figure:
     return figure
 
 
-def _dots(axes: Axes, groups: Mapping[str, Sequence[SweepRow]], value: Value) -> None:
-    some = False
-    for place, rows in enumerate(groups.values()):
-        known = np.array([found for row in rows if (found := value(row)) is not None])
+def _dots(axes: Axes, groups: Sequence[Sequence[float | None]]) -> None:
+    for place, values in enumerate(groups):
+        known = np.array([value for value in values if value is not None])
         if not known.size:
             continue
-        some = True
-        heights = place + np.linspace(-_SPREAD, _SPREAD, known.size) * (known.size > 1)
+        heights = place + np.linspace(-0.28, 0.28, known.size) * (known.size > 1)
         colour = series(place)["color"]
         axes.plot(known, heights, marker(place), color=colour, markersize=4, alpha=0.7)
         middle = float(np.median(known))
         axes.plot([middle] * 2, [place - 0.4, place + 0.4], color=BLACK, linewidth=1.2)
-    if not some:
-        axes.text(0.5, 0.5, "none", transform=axes.transAxes, ha="center", va="center")
+    if not axes.lines:
+        say(axes, "none")

@@ -9,12 +9,11 @@ from neuralgaits.report.drawing.figure import svg
 from neuralgaits.report.page import markup as html
 from neuralgaits.report.page.html_shell import inline_image, whole
 from neuralgaits.report.page.markup import Html
-from neuralgaits.report.sweep import sweep_figure as sweep_figure
+from neuralgaits.report.sweep import sweep_figure
 from neuralgaits.runs.shell_words import command, named
 
 MOST_ROWS = 500
 """Most rows of the table of runs; the CSV file has all of them."""
-_SHOWN_FAILURES = 50
 
 
 def page(asked: SweepAsked, rows: Sequence[SweepRow], summary: Swept) -> str:
@@ -28,7 +27,7 @@ def page(asked: SweepAsked, rows: Sequence[SweepRow], summary: Swept) -> str:
     groups = _groups(asked, rows)
     parts = [
         _overview(asked, groups),
-        html.section("distributions", sweep_figure.TITLE, _picture(groups)),
+        _distributions(groups),
         _survival(asked, groups),
         _runs(rows),
         _failures(rows),
@@ -104,10 +103,17 @@ def _overview(asked: SweepAsked, groups: Mapping[str, Sequence[SweepRow]]) -> Ht
     )
 
 
-def _picture(groups: Mapping[str, Sequence[SweepRow]]) -> Html:
-    drawn = svg(sweep_figure.draw(groups))
-    image = inline_image("svg+xml", drawn, sweep_figure.TITLE)
-    return html.tag("figure", image, html.tag("figcaption", sweep_figure.CAPTION))
+def _distributions(groups: Mapping[str, Sequence[SweepRow]]) -> Html:
+    title = "Distributions over the runs"
+    caption = (
+        "One dot a run, a row of dots for each robot and specification, a bar at their median. "
+        "a) what is proved of all conditions at least, in each condition's own scale; b, c) of "
+        "simulated walks without a disturbance; d) time of the proof on one thread of the machine "
+        "that found it."
+    )
+    image = inline_image("svg+xml", svg(sweep_figure.draw(groups)), title)
+    picture = html.tag("figure", image, html.tag("figcaption", caption))
+    return html.section("distributions", title, picture)
 
 
 def _survival(asked: SweepAsked, groups: Mapping[str, Sequence[SweepRow]]) -> Html:
@@ -171,9 +177,7 @@ def _failures(rows: Sequence[SweepRow]) -> Html:
     failed = [row for row in rows if row.failure is not None]
     if not failed:
         return Html("")
-    listed = html.items(
-        f"{row.name}, {row.failure}: {row.reason}" for row in failed[:_SHOWN_FAILURES]
-    )
+    listed = html.items(f"{row.name}, {row.failure}: {row.reason}" for row in failed[:50])
     return html.section("failures", "What failed", listed)
 
 
