@@ -88,7 +88,7 @@ def test_weights_that_overflow_are_refused_by_every_verb(tmp_path, capfd, verb):
 @pytest.mark.parametrize(
     ("factor", "verb", "found"),
     [
-        (0.0, "report", "expected a region with room between its fences, found none"),
+        (0.0, "report", "expected a region with room between its fences in"),
         (1e20, "export", "expected a gait whose controller goes on in its region"),
     ],
 )

@@ -90,7 +90,6 @@ class Tube(eqx.Module):
     @property
     def has_room(self) -> bool:
         """Whether the upper fence is above the lower one at some phase."""
-        # Highest difference of two series of these degrees, on a grid far finer than they turn.
         phase = np.linspace(-1.0, 1.0, 257)
         apart = chebval(phase, np.asarray(self.upper)) - chebval(phase, np.asarray(self.lower))
         return bool(np.any(float(self.unit) * apart > 0.0))
