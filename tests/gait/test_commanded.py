@@ -11,9 +11,8 @@ from neuralgaits.barriers.commanded_spec import commands_of
 from neuralgaits.errors import InputError, SpecError
 from neuralgaits.gait import HybridInvariantPolicy, ZeroDynamics
 from neuralgaits.gait.commands import Command, Pair, all_pairs, pair_at, plain_curves, values
-from neuralgaits.gait.coordinates import lift
 from neuralgaits.gait.policies.commanded import CommandedPolicy
-from neuralgaits.gait.policies.step_ends import Foothold, on_foothold_exactly
+from neuralgaits.gait.policies.step_ends import Foothold, on_foothold_exactly, with_hip_at
 from neuralgaits.gait.posture import hip_indices, walking_posture
 from neuralgaits.gait.tubes import CommandedTube
 from neuralgaits.robots import load_robot
@@ -225,7 +224,7 @@ def test_the_foot_is_put_on_its_foothold_in_closed_form(name):
         free = Foothold(height=height, rise=rise)
         told = Foothold(reach, height, rise)
         ends = [on_foothold_exactly(robot, z_guard, outputs, each) for each in (free, told)]
-        places = [swing_foot(robot, lift(robot, z_guard, end)) for end in ends]
+        places = [swing_foot(robot, with_hip_at(robot, z_guard, end)) for end in ends]
         return jnp.stack(places), jnp.stack([end - outputs for end in ends])
 
     shifts = random.uniform(-0.02, 0.02, (16, robot.n - 1))

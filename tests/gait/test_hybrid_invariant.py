@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from neuralgaits.gait import HybridInvariantPolicy, ZeroDynamics, output_jet
-from neuralgaits.gait.coordinates import lift
+from neuralgaits.gait.policies.step_ends import with_hip_at
 from neuralgaits.robots import dynamics, load_robot
 from neuralgaits.robots.mjcf.loader import robot_from_text
 from support.random_biped import random_biped
@@ -66,15 +66,17 @@ def test_both_ends_are_as_the_attributes_say(both_sides):
         (start, policy.start_outputs, policy.start_slopes),
     ):
         np.testing.assert_allclose(end.y, np.tile(outputs, (MOMENTA, 1)), rtol=0, atol=1e-12)
-        np.testing.assert_allclose(end.d1, np.tile(slopes, (MOMENTA, 1)), rtol=0, atol=1e-9)
-        assert np.max(np.abs(end.d2)) == 0.0
+        np.testing.assert_allclose(
+            end.jacobian[..., 0], np.tile(slopes, (MOMENTA, 1)), rtol=0, atol=1e-9
+        )
+        assert np.max(np.abs(end.jacobian[..., 1])) == 0.0
     np.testing.assert_allclose(start.y, relabelled, rtol=0, atol=1e-12)
 
 
 def test_the_momentum_ratio_is_that_of_the_impact(amber, amber_policy):
     """Of any state over the guard that moves along the outputs: the impact is linear in rates."""
-    q = lift(amber, amber_policy.z_guard, amber_policy.guard_outputs)
-    dq = 3.0 * lift(amber, jnp.ones(()), amber_policy.guard_slopes)
+    q = with_hip_at(amber, amber_policy.z_guard, amber_policy.guard_outputs)
+    dq = 3.0 * with_hip_at(amber, jnp.ones(()), amber_policy.guard_slopes)
     after = amber.impact(q, dq)
     ratio = dynamics.angular_momentum(amber, *after[:2]) / dynamics.angular_momentum(amber, q, dq)
     assert float(amber_policy.momentum_ratio) == pytest.approx(float(ratio), rel=1e-12)

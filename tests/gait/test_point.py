@@ -69,7 +69,7 @@ def evaluate(case):
         expected["power"] = power
         found["force"], expected["force"] = p.force, com_force(robot, p.q, p.dq, ddq)
         found["spin"] = -p.transversal_inertia
-        expected["spin"] = dynamics.angular_momentum(robot, p.q, p.along_z1)
+        expected["spin"] = dynamics.angular_momentum(robot, p.q, p.along_positions[:, 0])
         impact = robot.impact(p.q, p.dq)
         _, after = zd.phi(jnp.concatenate([impact.q, impact.dq]))
         found["reset"], expected["reset"] = zd.reset(z), after

@@ -161,12 +161,10 @@ def squared_mismatch(p: Point) -> Scalar:
 def rate_mismatch(p: Point) -> Actuated:
     """Output rates after the real impact, dq_a+ - dy_d(z+) [rad/s]. [m].
 
-    z1 moves at the real rate c . dq+, not at the rate the re-zeroed outputs would give.
+    z moves at its real rate, not at the rate that the re-zeroed outputs would give.
     """
     after, desired = p.impact, p.after.outputs
-    dz1 = p.robot.hip_gradient @ after.dq
-    dz2 = p.robot.mass * p.robot.gravity * p.robot.centre_of_mass(after.q)[0]
-    return after.dq[1:] - desired.d1 * dz1 - desired.d2 * dz2
+    return desired.rate_errors(after.dq[1:], p.coordinates.rate(after.q, after.dq))
 
 
 @quantity("how far the whole state is off after touchdown", "rad, rad/s")

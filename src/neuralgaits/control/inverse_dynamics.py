@@ -10,9 +10,9 @@ import jax.numpy as jnp
 
 from neuralgaits._types import Actuated, Coordinates, Scalar, ZeroState
 from neuralgaits.control.law import Desired, MeasuredState, Outputs
-from neuralgaits.gait.coordinates import lift
+from neuralgaits.gait.coordinates import ZeroCoordinates, combined
+from neuralgaits.gait.policy import OutputJet
 from neuralgaits.robots import PlanarBiped
-from neuralgaits.robots.dynamics import centre_of_mass_velocity
 
 # Smallest |momentum per unit ddz1| that is divided by, in units of mass times leg length. A walk
 # stays near 1; below this the robot falls in a posture where hip and momentum part company.
@@ -22,13 +22,11 @@ SMALLEST_DENOMINATOR = 0.03
 def accelerated(robot: PlanarBiped, outputs: Outputs, reading: MeasuredState) -> Desired:
     """Return desired outputs, rates, and the terms of their accelerations, a `Desired`."""
     z, dz = reading.z, reading.dz
-    (y, d1, d2), change = jax.linearize(lambda point: _with_slopes(outputs, point), z)
-    _, d1_rate, d2_rate = change(dz)
-    curvature = d1_rate * dz[0] + d2_rate * dz[1]
-    speed = centre_of_mass_velocity(robot, reading.q, reading.dq)[0]
-    ddz2 = robot.mass * robot.gravity * speed
-    drift = curvature + d2 * ddz2
-    return Desired(y, d1 * dz[0] + d2 * dz[1], d1, drift)
+    jet, change = jax.linearize(lambda point: _jet(outputs, point), z)
+    ddz2 = robot.momentum_rate_rate(reading.q, reading.dq)
+    by_positions, by_momenta = jet.jacobian[:, 0], jet.jacobian[:, 1:]
+    drift = change(dz).rate(dz) + combined(by_momenta, ddz2)
+    return Desired(jet.y, jet.rate(dz), by_positions, drift)
 
 
 def impact_consistent_rates(
@@ -42,8 +40,8 @@ def impact_consistent_rates(
 
     Returns: `MeasuredState`, its dq and dz1 replaced.
     """
-    _, d1, d2 = _with_slopes(outputs, reading.z)
-    dq, dz1 = _balanced(robot, reading, d1, d2 * reading.dz[1], reading.z[1])
+    slope, by_momentum = _jet(outputs, reading.z).jacobian.T
+    dq, dz1 = _balanced(robot, reading, slope, by_momentum * reading.dz[1], reading.z[1])
     return reading._replace(dq=dq, dz=jnp.stack([dz1, reading.dz[1]]))
 
 
@@ -78,8 +76,9 @@ def _balanced(
     Returns: x, [n], and x1, that of z1.
     """
     row = robot.mass_matrix(reading.q)[0]
-    along = lift(robot, jnp.ones(()), slope)
-    rest = lift(robot, jnp.zeros(()), known)
+    coordinates = ZeroCoordinates(robot)
+    along = coordinates.along(slope[:, None])[:, 0]
+    rest = coordinates.still(known)
     denominator = row @ along
     smallest = SMALLEST_DENOMINATOR * robot.mass * jnp.sum(robot.hip)
     size = jnp.maximum(jnp.abs(denominator), smallest)
@@ -87,8 +86,7 @@ def _balanced(
     return along * of_z1 + rest, of_z1
 
 
-def _with_slopes(outputs: Outputs, z: ZeroState) -> tuple[Actuated, Actuated, Actuated]:
-    """Desired outputs and both partial derivatives."""
-    y, push = jax.linearize(outputs, z)
-    along_z1, along_z2 = jnp.eye(2)
-    return y, push(along_z1), push(along_z2)
+def _jet(outputs: Outputs, z: ZeroState) -> OutputJet:
+    """Desired outputs and their partial derivatives."""
+    value, push = jax.linearize(outputs, z)
+    return OutputJet(value, jnp.stack([push(axis) for axis in jnp.eye(len(z))], axis=1))

@@ -8,6 +8,7 @@ contact settles and throw the policy off.
 import jax.numpy as jnp
 
 from neuralgaits._types import Coordinates, Planar, Scalar, ZeroState
+from neuralgaits.gait.coordinates import ZeroCoordinates
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.robots.dynamics import angular_momentum, centre_of_mass
 
@@ -32,6 +33,5 @@ def zero_state(
     Returns: z, dz: [2] (m, kg m^2/s), [2] (m/s, N m).
     """
     z2 = momentum_about_foot(robot, q, dq, foot_velocity)
-    dz2 = robot.mass * robot.gravity * centre_of_mass(robot, q)[0]
-    gradient = robot.hip_gradient
-    return jnp.stack([gradient @ q, z2]), jnp.stack([gradient @ dq, dz2])
+    z = jnp.stack([robot.hip_gradient @ q, z2])
+    return z, ZeroCoordinates(robot).rate(q, dq)

@@ -12,7 +12,7 @@ import jax
 import jax.numpy as jnp
 
 from neuralgaits._types import Actuated, Array, Coordinates, Float, Scalar, ZeroState
-from neuralgaits.gait.coordinates import lift
+from neuralgaits.gait.coordinates import combined, product, solved
 from neuralgaits.gait.point import Point
 from neuralgaits.gait.policy import AbstractPolicy
 from neuralgaits.gait.third_order import ThirdOrderPolicy
@@ -48,10 +48,6 @@ class FullPoint(Point):
         self.output = jnp.asarray(eta)[:m]
         self.output_rate = jnp.asarray(eta)[m:]
 
-    def _lifted(self, actuated: Actuated) -> Coordinates:
-        """Lift actuated joints to coordinates (or rates) that leave z1 unchanged. [n]."""
-        return lift(self.robot, jnp.zeros_like(self.z[0]), actuated)
-
     @cached_property
     def output_acceleration(self) -> Actuated:
         """Output accelerations, -w^2 y - 2 w dy if no other is given [rad/s^2]. [m]."""
@@ -63,21 +59,22 @@ class FullPoint(Point):
     @cached_property
     def q(self) -> Coordinates:
         """Coordinates of the robot at this state [rad]. [n]."""
-        return lift(self.robot, self.z[0], self.outputs.y + self.output)
+        positions, _ = self.coordinates.split(self.z)
+        return self.coordinates.lift(positions, self.outputs.y + self.output)
 
     @cached_property
     def nominal_dz(self) -> ZeroState:
         """Rate omega(eta, z) (m/s, N m). [2]."""
-        dz2 = self.robot.mass * self.robot.gravity * self.centre_of_mass[0]
-        known = self.along_z2 * dz2 + self._lifted(self.output_rate)
-        dz1 = -(self.z[1] + self.momentum_row @ known)
-        return jnp.stack([dz1 / self.transversal_inertia, dz2])
+        _, momenta = self.coordinates.split(self.z)
+        falling = self.robot.momentum_rate(self.q)
+        known = combined(self.along_momenta, falling) + self.coordinates.still(self.output_rate)
+        moving = -(momenta + product(self.momentum_rows, known))
+        return jnp.concatenate([solved(self.inertia_along_positions, moving), falling])
 
     @cached_property
     def dq(self) -> Coordinates:
         """Rates of the coordinates at this state [rad/s]. [n]."""
-        moving = self.along_z1 * self.dz[0] + self.along_z2 * self.dz[1]
-        return moving + self._lifted(self.output_rate)
+        return self._moved(self.dz) + self.coordinates.still(self.output_rate)
 
     def _curvature(self, along: ZeroState) -> Actuated:
         """Joint accelerations that do not come from ddz: curvature of y_d, and ddy."""
@@ -87,12 +84,11 @@ class FullPoint(Point):
     def eta_after(self) -> Float[Array, " two_m"]:
         """Outputs and their rates after an impact in this state (rad, rad/s). [2m].
 
-        z1 moves at the real rate c . dq+ then.
+        z moves at its real rate then.
         """
         after, desired = self.impact, self.after.outputs
-        dz1 = self.robot.hip_gradient @ after.dq
-        dz2 = self.robot.mass * self.robot.gravity * self.robot.centre_of_mass(after.q)[0]
-        rates = after.dq[1:] - desired.d1 * dz1 - desired.d2 * dz2
+        moving = self.coordinates.rate(after.q, after.dq)
+        rates = desired.rate_errors(after.dq[1:], moving)
         return jnp.concatenate([after.q[1:] - desired.y, rates])
 
 

@@ -7,10 +7,10 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 
-from neuralgaits._types import Actuated, Coordinates, Planar, Scalar, ZeroState
+from neuralgaits._types import Actuated, Array, Coordinates, Float, Planar, Scalar, ZeroState
 from neuralgaits.errors import SpecError
 from neuralgaits.gait.commands import Ground, Step
-from neuralgaits.gait.coordinates import lift
+from neuralgaits.gait.coordinates import ZeroCoordinates, combined, product, solved
 from neuralgaits.gait.policy import (
     AbstractPolicy,
     Curve,
@@ -80,15 +80,16 @@ class Point:
         """Desired outputs and their partial derivatives."""
         return self._jet_and_change[0]
 
-    def _second_derivative(self, then: ZeroState) -> tuple[Actuated, Actuated]:
-        """Derivatives of both partials along a direction: rows of the Hessian times it."""
-        change = self._jet_and_change[1](then)
-        return change.d1, change.d2
+    @property
+    def coordinates(self) -> ZeroCoordinates:
+        """Map between full states and zero dynamics states of the robot."""
+        return ZeroCoordinates(self.robot)
 
     @cached_property
     def q(self) -> Coordinates:
         """Coordinates of the robot on the manifold [rad]. [n]."""
-        return lift(self.robot, self.z[0], self.outputs.y)
+        positions, _ = self.coordinates.split(self.z)
+        return self.coordinates.lift(positions, self.outputs.y)
 
     @cached_property
     def theta(self) -> Coordinates:
@@ -96,28 +97,39 @@ class Point:
         return self.robot.link_angles @ self.q
 
     @cached_property
-    def along_z1(self) -> Coordinates:
-        """Coordinate rates per unit dz1 [rad/m]. [n]."""
-        return lift(self.robot, jnp.ones_like(self.z[0]), self.outputs.d1)
+    def along_positions(self) -> Float[Array, "n k"]:
+        """Coordinate rates per unit rate of each position [rad/m]. [n, k]."""
+        by_positions, _ = self._slopes(self.outputs)
+        return self.coordinates.along(by_positions)
 
     @cached_property
-    def along_z2(self) -> Coordinates:
-        """Coordinate rates per unit dz2 [rad s/(kg m^2)]. [n]."""
-        return lift(self.robot, jnp.zeros_like(self.z[0]), self.outputs.d2)
+    def along_momenta(self) -> Float[Array, "n k"]:
+        """Coordinate rates per unit rate of each momentum [rad s/(kg m^2)]. [n, k]."""
+        _, by_momenta = self._slopes(self.outputs)
+        return self.coordinates.still(by_momenta)
+
+    def _slopes(self, outputs: OutputJet) -> tuple[Float[Array, "m k"], Float[Array, "m k"]]:
+        """Return the outputs' derivatives in the positions, and in the momenta."""
+        k = self.coordinates.k
+        return outputs.jacobian[:, :k], outputs.jacobian[:, k:]
 
     @cached_property
-    def momentum_row(self) -> Coordinates:
-        """Row of the mass matrix with z2 = -(row . dq), [kg m^2]. [n]."""
-        links = dynamics.link_mass_matrix(self.robot, self.theta)
-        return jnp.sum(links, axis=0) @ self.robot.link_angles
+    def momentum_rows(self) -> Float[Array, "k n"]:
+        """Rows of the mass matrix that give the momenta, s = -(rows @ dq) [kg m^2]. [k, n]."""
+        return self.robot.momentum_rows(self.q)
 
     @cached_property
+    def inertia_along_positions(self) -> Float[Array, "k k"]:
+        """Momenta per unit rate of each position, the matrix of every solve for rates. [k, k]."""
+        return product(self.momentum_rows, self.along_positions)
+
+    @property
     def transversal_inertia(self) -> Scalar:
-        """J . s: dz2 momentum per unit dz1, the denominator of every rate [kg m].
+        """J . s of a robot with one position: z2 per unit dz1, with its sign turned [kg m].
 
         Negative in forward walking; the zero dynamics exist where it is not zero.
         """
-        return self.momentum_row @ self.along_z1
+        return self.inertia_along_positions[0, 0]
 
     @cached_property
     def centre_of_mass(self) -> Planar:
@@ -126,14 +138,16 @@ class Point:
 
     @cached_property
     def nominal_dz(self) -> ZeroState:
-        """Rate omega(0, z) of the rigid model, residual left out (m/s, N m). [2]."""
-        dz2 = self.robot.mass * self.robot.gravity * self.centre_of_mass[0]
-        dz1 = -(self.z[1] + (self.momentum_row @ self.along_z2) * dz2)
-        return jnp.stack([dz1 / self.transversal_inertia, dz2])
+        """Rate omega(0, z) of the rigid model, residual left out (m/s, N m). [2k]."""
+        _, momenta = self.coordinates.split(self.z)
+        falling = self.robot.momentum_rate(self.q)
+        known = combined(product(self.momentum_rows, self.along_momenta), falling)
+        moving = -(momenta + known)
+        return jnp.concatenate([solved(self.inertia_along_positions, moving), falling])
 
     @cached_property
     def dz(self) -> ZeroState:
-        """Rate of the zero dynamics, residual included (m/s, N m). [2]. Source: paper Eq. 4."""
+        """Rate of the zero dynamics, residual included (m/s, N m). [2k]. Source: paper Eq. 4."""
         if self.residual is None:
             return self.nominal_dz
         return self.nominal_dz + self.residual(self.z)
@@ -141,45 +155,49 @@ class Point:
     @cached_property
     def dq(self) -> Coordinates:
         """Rates of the coordinates [rad/s]. [n]."""
-        return self.along_z1 * self.dz[0] + self.along_z2 * self.dz[1]
+        return self._moved(self.dz)
+
+    def _moved(self, rate: ZeroState) -> Coordinates:
+        """Return the coordinate rates of a rate of z, outputs at rest. [n]."""
+        of_positions, of_momenta = self.coordinates.split(rate)
+        moved = combined(self.along_positions, of_positions)
+        return moved + combined(self.along_momenta, of_momenta)
 
     @cached_property
-    def _slope_rates(self) -> tuple[Actuated, Actuated]:
-        return self._second_derivative(self.dz)
+    def _slope_rates(self) -> OutputJet:
+        """Derivative of the jet along the flow: its Jacobian is the Hessian times dz."""
+        return self._jet_and_change[1](self.dz)
 
     def _curvature(self, along: ZeroState) -> Actuated:
         """Return D^2 y_d(z)[along, dz], the curvature of the desired outputs."""
-        first, second = self._slope_rates
-        return first * along[0] + second * along[1]
+        return self._slope_rates.rate(along)
 
     @cached_property
     def ddz(self) -> ZeroState:
-        """Second rate of the zero dynamics (m/s^2, N m/s). [2].
+        """Second rate of the zero dynamics (m/s^2, N m/s). [2k].
 
-        Differentiates the momentum row along the flow. With a residual, the row holds for the
+        Differentiates the momentum rows along the flow. With a residual, the rows hold for the
         nominal rate while everything else moves at the corrected one.
         """
-        robot, turn = self.robot, self.robot.link_angles
-        dtheta = turn @ self.dq
-        weight = robot.mass * robot.gravity
-        ddz2 = weight * dynamics.centre_of_mass_velocity(robot, self.q, self.dq)[0]
+        robot = self.robot
+        falling = robot.momentum_rate_rate(self.q, self.dq)
         nominal_dq, curvature = self.dq, self._curvature(self.nominal_dz)
         residual_rate = jnp.zeros_like(self.z)
         if self.residual is not None:
-            nominal_dq = self.along_z1 * self.nominal_dz[0] + self.along_z2 * self.nominal_dz[1]
+            nominal_dq = self._moved(self.nominal_dz)
             _, residual_rate = jax.jvp(self.residual, (self.z,), (self.dz,))
-        spin = dynamics.coupling_sines(robot, self.theta)
-        moving = dtheta[:, None] - dtheta[None, :]
-        row_rate = -jnp.sum(spin * moving, axis=0) @ turn
-        known = lift(robot, jnp.zeros_like(self.z[0]), curvature) + self.along_z2 * ddz2
-        ddz1 = -(self.dz[1] + row_rate @ nominal_dq + self.momentum_row @ known)
-        return jnp.stack([ddz1 / self.transversal_inertia, ddz2]) + residual_rate
+        rows_rate = robot.momentum_rows_rate(self.q, self.dq)
+        known = self.coordinates.still(curvature) + combined(self.along_momenta, falling)
+        _, momenta_rate = self.coordinates.split(self.dz)
+        turned = momenta_rate + product(rows_rate, nominal_dq)
+        moving = -(turned + product(self.momentum_rows, known))
+        rate = jnp.concatenate([solved(self.inertia_along_positions, moving), falling])
+        return rate + residual_rate
 
     @cached_property
     def ddq(self) -> Coordinates:
         """Accelerations of the coordinates [rad/s^2]. [n]."""
-        curved = lift(self.robot, jnp.zeros_like(self.z[0]), self._curvature(self.dz))
-        return self.along_z1 * self.ddz[0] + self.along_z2 * self.ddz[1] + curved
+        return self._moved(self.ddz) + self.coordinates.still(self._curvature(self.dz))
 
     @cached_property
     def torque(self) -> Actuated:

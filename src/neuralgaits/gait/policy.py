@@ -13,6 +13,7 @@ from neuralgaits._types import Actuated, Array, Float, Scalar, ZeroState
 from neuralgaits.errors import InputError
 from neuralgaits.gait.activations import logistic
 from neuralgaits.gait.commands import Commands, Pair, Step
+from neuralgaits.gait.coordinates import combined
 from neuralgaits.gait.network import Network, movable, scaled_inputs
 from neuralgaits.gait.reset_residual import ResetCorrection
 
@@ -158,19 +159,27 @@ class FreePolicy(AbstractPolicy):
 
 
 class OutputJet(NamedTuple):
-    """Desired outputs and both partial derivatives at one z."""
+    """Desired outputs and their derivatives at one z."""
 
     y: Actuated
     """y_d(z) [rad]. [m]"""
-    d1: Actuated
-    """Partial derivative in z1 [rad/m]. [m]"""
-    d2: Actuated
-    """Partial derivative in z2 [rad s/(kg m^2)]. [m]"""
+    jacobian: Float[Array, "m d"]
+    """Partial derivatives, in positions [rad/m], then momenta [rad s/(kg m^2)]. [m, d]"""
+
+    def rate(self, dz: ZeroState) -> Actuated:
+        """Return the rate of the desired outputs at this rate of z [rad/s]. [m]."""
+        return combined(self.jacobian, dz)
+
+    def rate_errors(self, rates: Actuated, dz: ZeroState) -> Actuated:
+        """Return how far joint rates are from the desired ones at this rate of z [rad/s]. [m]."""
+        for column, rate in zip(self.jacobian.T, dz, strict=True):
+            rates = rates - column * rate
+        return rates
 
 
 @eqx.filter_jit
 def output_jet(policy: AbstractPolicy, z: ZeroState) -> OutputJet:
-    """Return the desired outputs and both partial derivatives.
+    """Return the desired outputs and their partial derivatives.
 
     This function is a call of its own in any function that is traced around it, so that JAX traces
     a network once, however many points a function evaluates.
@@ -178,8 +187,8 @@ def output_jet(policy: AbstractPolicy, z: ZeroState) -> OutputJet:
     Returns: `OutputJet`.
     """
     y, push = jax.linearize(policy, z)
-    slopes = jax.vmap(push)(np.eye(2, dtype=z.dtype))
-    return OutputJet(y, slopes[0], slopes[1])
+    slopes = jax.vmap(push)(np.eye(len(z), dtype=z.dtype))
+    return OutputJet(y, slopes.T)
 
 
 def refuse_other_joints(robot: "PlanarBiped", y: Actuated) -> None:
@@ -200,8 +209,8 @@ Curve = Callable[[ZeroState], OutputJet]
 def output_jet_and_change(policy: AbstractPolicy, z: ZeroState) -> tuple[OutputJet, Curve]:
     """Compute the jet, and the map from a direction to the jet's derivative along it.
 
-    The map's `d1 v1 + d2 v2` entries give second derivatives D^2 y_d(z)[v, direction].
+    The map's `jacobian @ v` is the second derivative D^2 y_d(z)[v, direction].
 
-    Returns: `OutputJet` and a linear function [2] -> `OutputJet`.
+    Returns: `OutputJet` and a linear function [d] -> `OutputJet`.
     """
     return jax.linearize(lambda point: output_jet(policy, point), jnp.asarray(z))

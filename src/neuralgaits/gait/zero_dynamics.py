@@ -10,11 +10,11 @@ import jax.numpy as jnp
 import numpy as np
 
 from neuralgaits._types import Array, Float, FullState, Scalar, ZeroState
-from neuralgaits.gait.coordinates import lift, zero_coordinates
+from neuralgaits.gait.coordinates import ZeroCoordinates, combined
 from neuralgaits.gait.point import Point
 from neuralgaits.gait.policy import AbstractPolicy, OutputJet, output_jet, refuse_other_joints
 from neuralgaits.gait.reset_residual import ResetCorrection
-from neuralgaits.robots import PlanarBiped, dynamics
+from neuralgaits.robots import PlanarBiped
 from neuralgaits.robots.checks import vector
 
 
@@ -38,7 +38,7 @@ class ZeroDynamics(eqx.Module):
 
     def point(self, z: ZeroState) -> Point:
         """Everything on the zero dynamics manifold at z, evaluated on demand."""
-        state = vector("z", z, 2)
+        state = vector("z", z, 2 * self.coordinates.k)
         return Point(self.robot, self.policy, self.residual, state, self.reset_residual)
 
     def zdot(self, z: ZeroState) -> ZeroState:
@@ -67,40 +67,34 @@ class ZeroDynamics(eqx.Module):
         n = self.robot.n
         x = vector("x", x, 2 * n)
         q, dq = x[:n], x[n:]
-        z = zero_coordinates(self.robot, q, dq)
+        z = self.coordinates.of(q, dq)
         desired = self._desired(z)
-        dz = self._rate(q, dq)
-        slope = desired.d1 * dz[0] + desired.d2 * dz[1]
-        return jnp.concatenate([q[1:] - desired.y, dq[1:] - slope]), z
+        rate = desired.rate(self.coordinates.rate(q, dq))
+        return jnp.concatenate([q[1:] - desired.y, dq[1:] - rate]), z
 
     def phi_inv(self, z: ZeroState, eta: Float[Array, " two_m"] | float = 0.0) -> FullState:
         """Full state with given zero dynamics and output coordinates; inverse of `phi`.
 
         Returns: x = (q, dq) [2n] (rad, rad/s).
         """
-        m = self.robot.n - 1
-        z = vector("z", z, 2)
+        robot, coordinates = self.robot, self.coordinates
+        m = robot.n - 1
+        z = vector("z", z, 2 * coordinates.k)
         eta = jnp.zeros(2 * m) + eta if np.ndim(eta) == 0 else vector("eta", eta, 2 * m)
+        positions, momenta = coordinates.split(z)
         desired = self._desired(z)
-        q = lift(self.robot, z[0], desired.y + eta[:m])
-        theta = self.robot.link_angles @ q
-        dz2 = self._fall(q)
-        row = jnp.sum(dynamics.link_mass_matrix(self.robot, theta), axis=0)
-        row = row @ self.robot.link_angles
-        along = lift(self.robot, jnp.ones_like(z[0]), desired.d1)
-        known = lift(self.robot, jnp.zeros_like(z[0]), desired.d2 * dz2 + eta[m:])
-        dz1 = -(z[1] + row @ known) / (row @ along)
-        return jnp.concatenate([q, along * dz1 + known])
+        by_positions, by_momenta = jnp.split(desired.jacobian, 2, axis=1)
+        q = coordinates.lift(positions, desired.y + eta[:m])
+        falling = combined(by_momenta, robot.momentum_rate(q))
+        known = coordinates.still(falling + eta[m:])
+        return jnp.concatenate([q, coordinates.rates(q, momenta, by_positions, known)])
+
+    @property
+    def coordinates(self) -> ZeroCoordinates:
+        """Map between full states and zero dynamics states of the robot."""
+        return ZeroCoordinates(self.robot)
 
     def _desired(self, z: ZeroState) -> OutputJet:
         desired = output_jet(self.policy, z)
         refuse_other_joints(self.robot, desired.y)
         return desired
-
-    def _fall(self, q) -> Scalar:
-        """Rate of z2: the weight's moment about the stance foot."""
-        return self.robot.mass * self.robot.gravity * self.robot.centre_of_mass(q)[0]
-
-    def _rate(self, q, dq) -> ZeroState:
-        """Rate of z in any full state of the rigid model (m/s, N m)."""
-        return jnp.stack([self.robot.hip_gradient @ dq, self._fall(q)])

@@ -18,7 +18,7 @@ from neuralgaits._types import Actuated, Array, Bool, Coordinates, Float
 from neuralgaits.barriers import Gait, GaitSpec
 from neuralgaits.barriers.conditions import AbstractCondition, Barrier, Pointwise
 from neuralgaits.gait import Point
-from neuralgaits.gait.coordinates import zero_coordinates
+from neuralgaits.gait.coordinates import ZeroCoordinates
 from neuralgaits.logs.strides import SETTLING_S
 from neuralgaits.logs.walk_table import Log
 from neuralgaits.robots import PlanarBiped
@@ -132,9 +132,9 @@ def _measured(
     robot: PlanarBiped, gait: Gait, q: Coordinates, dq: Coordinates, torque: Actuated
 ) -> Point:
     """Return the point data of a row: measured where a point of the zero dynamics computes."""
-    point = Point(robot, gait.policy, None, zero_coordinates(robot, q, dq))
-    fall = robot.mass * robot.gravity * robot.centre_of_mass(q)[0]
-    dz = jnp.stack([robot.hip_gradient @ dq, fall])
+    coordinates = ZeroCoordinates(robot)
+    point = Point(robot, gait.policy, None, coordinates.of(q, dq))
+    dz = coordinates.rate(q, dq)
     vars(point).update(zip(MEASURED, (q, dq, dz, torque), strict=True))
     return point
 

@@ -12,7 +12,7 @@ from neuralgaits._blocks import in_blocks
 from neuralgaits._quick_jit import quick_filter_jit
 from neuralgaits._types import Array, Float, FullState
 from neuralgaits.gait import ZeroDynamics
-from neuralgaits.gait.coordinates import zero_coordinates
+from neuralgaits.gait.coordinates import ZeroCoordinates
 from neuralgaits.robots import PlanarBiped
 
 BLOCK = 2048
@@ -40,7 +40,7 @@ def output_states(
 
 @quick_filter_jit
 def _zero_states(robot: PlanarBiped, x: Float[Array, "b two_n"]) -> Float[Array, "b 2"]:
-    return jax.vmap(lambda one: zero_coordinates(robot, *_halves(one)))(x)
+    return jax.vmap(lambda one: ZeroCoordinates(robot).of(*_halves(one)))(x)
 
 
 @quick_filter_jit

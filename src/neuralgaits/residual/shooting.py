@@ -21,14 +21,7 @@ def model_rate(zd: ZeroDynamics) -> Rate:
 
     It leaves out the policy's second derivatives, which a gradient would be traced through.
     """
-    robot = zd.robot
-
-    def rate(z: ZeroState) -> ZeroState:
-        q, dq = jnp.split(zd.phi_inv(z), 2)
-        fall = robot.mass * robot.gravity * robot.centre_of_mass(q)[0]
-        return jnp.stack([robot.hip_gradient @ dq, fall])
-
-    return rate
+    return lambda z: zd.coordinates.rate(*jnp.split(zd.phi_inv(z), 2))
 
 
 def shoot(rate: Rate, z: ZeroState, t: Float[Array, " K"]) -> Float[Array, "k 2"]:

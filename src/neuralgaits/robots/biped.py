@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 
+import jax.numpy as jnp
 from jax.core import Tracer
 
 from neuralgaits import _notebook
@@ -90,6 +91,36 @@ class PlanarBiped(BipedConstants):
     def ground_reaction_force(self, q: Coordinates, dq: Coordinates, ddq: Coordinates) -> Planar:
         """Force of the ground on the stance foot. Returns: [2] (tangential, normal) (N)."""
         return dynamics.ground_reaction_force(self, *self._checked(q=q, dq=dq, ddq=ddq))
+
+    @property
+    def position_rows(self) -> Float[Array, "1 n"]:
+        """Gradient of the linearised hip position z1 [m/rad]."""
+        return self.hip_gradient[None]
+
+    def momentum(self, q: Coordinates, dq: Coordinates) -> Float[Array, "1"]:
+        """Angular momentum z2 about the stance foot, positive forward [kg m^2/s]."""
+        return dynamics.angular_momentum(self, q, dq)[None]
+
+    def momentum_rows(self, q: Coordinates) -> Float[Array, "1 n"]:
+        """Row J of the mass matrix with z2 = -J . dq; rotors add nothing [kg m^2]."""
+        links = dynamics.link_mass_matrix(self, self.link_angles @ q)
+        return (jnp.sum(links, axis=0) @ self.link_angles)[None]
+
+    def momentum_rows_rate(self, q: Coordinates, dq: Coordinates) -> Float[Array, "1 n"]:
+        """Rate of that row along a motion [kg m^2/s]."""
+        turn = self.link_angles
+        dtheta = turn @ dq
+        moving = dtheta[:, None] - dtheta[None, :]
+        return (-jnp.sum(dynamics.coupling_sines(self, turn @ q) * moving, axis=0) @ turn)[None]
+
+    def momentum_rate(self, q: Coordinates, dq: Coordinates | None = None) -> Float[Array, "1"]:
+        """Moment of the weight about the stance foot, whatever the rates are [N m]."""
+        del dq
+        return (self.mass * self.gravity * dynamics.centre_of_mass(self, q)[0])[None]
+
+    def momentum_rate_rate(self, q: Coordinates, dq: Coordinates) -> Float[Array, "1"]:
+        """Rate of that moment along a motion [N m/s]."""
+        return (self.mass * self.gravity * dynamics.centre_of_mass_velocity(self, q, dq)[0])[None]
 
     def _checked(self, **vectors: Coordinates) -> Iterator[Coordinates]:
         """The vectors in their order, each checked to be [n] and finite."""

@@ -26,7 +26,6 @@ from neuralgaits.gait.commands import (
     powers,
     scaled,
 )
-from neuralgaits.gait.coordinates import lift
 from neuralgaits.gait.network import Network, movable
 from neuralgaits.gait.policies.hybrid_invariant import HybridInvariantPolicy
 from neuralgaits.gait.policies.step_ends import (
@@ -37,6 +36,7 @@ from neuralgaits.gait.policies.step_ends import (
     on_foothold,
     on_foothold_exactly,
     start_after,
+    with_hip_at,
 )
 from neuralgaits.gait.policies.step_policy import TabulatedStep
 from neuralgaits.gait.policy import NetworkPolicy
@@ -300,7 +300,7 @@ def _ground(
     """Return the line from the old foothold to the next one; None where all is level."""
     if not {"step_height", "slope"} & {c.name for c in commands}:
         return None
-    old, new = (swing_foot(robot, lift(robot, g.z1, g.outputs)) for g in (before, after))
+    old, new = (swing_foot(robot, with_hip_at(robot, g.z1, g.outputs)) for g in (before, after))
     rise = (old[1] + new[1]) / (old[0] + new[0])
     slopes = [_value(commands, command, "slope") for command in pair]
     flat = jnp.zeros_like(rise)

@@ -12,7 +12,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from neuralgaits._types import Actuated, Array, Coordinates, Float, Planar, Scalar
-from neuralgaits.gait.coordinates import lift
+from neuralgaits.gait.coordinates import ZeroCoordinates
 from neuralgaits.gait.posture import hip_indices
 from neuralgaits.gait.reset_residual import ResetCorrection, rates_after
 from neuralgaits.robots.dynamics import angular_momentum, hip_position, swing_foot
@@ -26,6 +26,11 @@ END_POINT_MARGIN = 1e-3
 # Newton steps that put the swing foot on the ground at the guard: quadratic convergence from
 # a posture within a few centimetres leaves rounding error only.
 FOOT_NEWTON_STEPS = 6
+
+
+def with_hip_at(robot: "PlanarBiped", z1: Scalar | float, actuated: Actuated) -> Coordinates:
+    """Coordinates with hip position z1 and these actuated joints, or rates alike. [n] (rad)."""
+    return ZeroCoordinates(robot).lift(jnp.reshape(z1, 1), actuated)
 
 
 class Guard(NamedTuple):
@@ -84,9 +89,7 @@ def on_foothold(
     directions = np.eye(robot.n - 1, dtype=outputs.dtype)[moved]
 
     def miss(shift: Float[Array, " k"]) -> Float[Array, " k"]:
-        along, up = swing_foot(
-            robot, lift(robot, jnp.asarray(z_guard), outputs + shift @ directions)
-        )
+        along, up = swing_foot(robot, with_hip_at(robot, z_guard, outputs + shift @ directions))
         high = up - (foothold.height + foothold.rise * along)
         return high[None] if foothold.length is None else jnp.stack([high, along - foothold.length])
 
@@ -109,7 +112,7 @@ def on_foothold_exactly(
     what hangs from it to a distance from the hip: what is turned by s has a coordinate, or a square
     of a length, that obeys a sin s + b (1 - cos s) + miss = 0, quadratic in tan(s / 2).
     """
-    q = lift(robot, jnp.asarray(z_guard), outputs)
+    q = with_hip_at(robot, z_guard, outputs)
     hip, foot = hip_position(robot, q), swing_foot(robot, q)
     leg = foot - hip
     joints = np.eye(robot.n - 1, dtype=outputs.dtype)[[hip_indices(robot)[-1], robot.n - 2]]
@@ -162,8 +165,8 @@ def _twice_arctan(x: Scalar) -> Scalar:
 
 def start_after(robot: "PlanarBiped", guard: Guard, reset_residual: ResetCorrection) -> Start:
     """Return the start of the step that follows a guard, by the real impact, legs relabelled."""
-    q = lift(robot, jnp.asarray(guard.z1), guard.outputs)
-    dq = lift(robot, jnp.ones_like(q[0]), jnp.asarray(guard.slopes))
+    q = with_hip_at(robot, guard.z1, guard.outputs)
+    dq = with_hip_at(robot, jnp.ones_like(q[0]), guard.slopes)
     after = _after_impact(robot, q, dq, reset_residual)
     speed = robot.hip_gradient @ after.dq
     ratio = angular_momentum(robot, after.q, after.dq) / angular_momentum(robot, q, dq)

@@ -13,7 +13,7 @@ from neuralgaits._types import Float
 from neuralgaits.errors import InputError
 from neuralgaits.gait import AbstractPolicy
 from neuralgaits.gait.commands import Commands, command_named, place_of
-from neuralgaits.gait.coordinates import lift
+from neuralgaits.gait.policies.step_ends import with_hip_at
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.robots.dynamics import swing_foot
 from neuralgaits.simulation.setup.command_schedule import CommandSchedule
@@ -76,7 +76,7 @@ def _step_length(robot: PlanarBiped, steady: AbstractPolicy) -> float:
     z1 = jnp.asarray(steady.z1_range[1], dtype=float)
     # At the guard the outputs do not depend on the momentum.
     outputs = steady(jnp.stack([z1, jnp.ones_like(z1)]))
-    return float(swing_foot(robot, lift(robot, z1, outputs))[0])
+    return float(swing_foot(robot, with_hip_at(robot, z1, outputs))[0])
 
 
 def _first_told(
