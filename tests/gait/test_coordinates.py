@@ -1,5 +1,8 @@
 """Zero dynamics coordinates of k joints without motors: k = 2, a planar chain, against MuJoCo."""
 
+# pyright: reportAttributeAccessIssue=false
+# MuJoCo ships no type stubs.
+
 from typing import NamedTuple
 
 import jax
@@ -49,7 +52,8 @@ class Chain(NamedTuple):
         return -(jax.grad(self.energy)(q, dq) - jax.grad(self.weight)(q))[:2]
 
 
-COORDINATES = ZeroCoordinates(Chain())
+CHAIN = Chain()
+COORDINATES = ZeroCoordinates(CHAIN)
 
 
 def outputs(p):
@@ -80,7 +84,7 @@ def onward(z, span):
 @quick_jit
 def torque(z):
     """Torques that keep the outputs at zero, by Lagrange's equations of the chain."""
-    chain = COORDINATES.mechanism
+    chain = CHAIN
     (q, dq), (_, ddq) = jax.jvp(lifted, (z,), (flow(z),))
     _, rate = jax.jvp(lambda q, dq: chain.mass(q) @ dq, (q, dq), (dq, ddq))
     return rate - jax.grad(chain.energy)(q, dq) + jax.grad(chain.weight)(q)
