@@ -1,7 +1,6 @@
 """Derivative of the return map and the orbit, against integration and finite differences."""
 
 from dataclasses import replace
-from functools import partial
 
 import jax
 import jax.numpy as jnp
@@ -67,7 +66,7 @@ def flow(trained):
     gait, zd = trained.gait, trained.zero_dynamics
 
     def rates(phase, pair):
-        state = return_map.state(gait, phase, pair[0])
+        state = gait.state(phase, pair[0])
         u = jnp.stack([phase, gait.level(state)])
         f = return_map.slope(gait, zd.point(state))
         return jnp.stack([f, return_map.expansion(gait, zd, u)])
@@ -98,7 +97,7 @@ def test_the_derivative_is_that_of_the_integrated_return_map(trained, flow):
     @jax.jit
     def landed(zeta):
         """At the guard: phase and zeta after the robot's own reset, and what is said of it."""
-        z = return_map.state(gait, jnp.array(1.0), zeta)
+        z = gait.state(jnp.array(1.0), zeta)
         after = zd.reset(z)
         said = return_map.landing(gait, zd, jnp.stack([jnp.array(1.0), gait.level(z)]))
         return gait.phase(after[0]), 0.5 * after[1] ** 2, said
@@ -137,19 +136,19 @@ def test_the_gain_does_not_depend_on_where_the_guard_lies_in_phase(trained):
 
         def nearer(_, pair):
             """Newton along the flow, to second order."""
-            here = zd.point(return_map.state(gait, *pair))
+            here = zd.point(gait.state(*pair))
             f = return_map.slope(gait, here)
             pace = here.dz[0] / (gait.span[1] - gait.span[0])
             by = (target - here.foot[1]) / (here.foot_velocity[1] / pace)
-            half = zd.point(return_map.state(gait, pair[0] + by / 2, pair[1] + f * by / 2))
+            half = zd.point(gait.state(pair[0] + by / 2, pair[1] + f * by / 2))
             return pair + by * jnp.stack([jnp.ones_like(f), return_map.slope(gait, half)])
 
         pair = jax.lax.fori_loop(0, 4, nearer, jnp.stack([start[0], zeta]))
-        z = zd.reset(return_map.state(gait, *pair))
+        z = zd.reset(gait.state(*pair))
         return gait.phase(z[0]), 0.5 * z[1] ** 2
 
     phase, zeta = after_crossing(start[1])
-    state = partial(return_map.state, gait)
+    state = gait.state
     behind = jax.jit(lambda *at: return_map.slope(gait, zd.point(state(*at))))(phase, zeta)
     step = 1e-4 * start[1]
     up, down = after_crossing(start[1] + step), after_crossing(start[1] - step)
@@ -192,7 +191,7 @@ def test_nested_tubes_narrow_as_fast_as_the_flow_says(trained, found):
         for side in (0, 1):
             fence, far = thin.tube.fences(u[0])[side], gait.tube.fences(u[0])[side]
             zeta = fence + u[1] * (far - fence)
-            f = slope(gait, zd.point(return_map.state(gait, u[0], zeta)))
+            f = slope(gait, zd.point(gait.state(u[0], zeta)))
             step = 1e-5
             logs = [jnp.log(jnp.abs(distance(u[0] + h, zeta + h * f))) for h in (step, -step)]
             rates.append((logs[1] - logs[0]) / (2 * step))

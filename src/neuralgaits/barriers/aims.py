@@ -45,19 +45,18 @@ def middle_of(gait: Gait, zd: ZeroDynamics) -> Middle:
     """
     steady = gait.steady_next
     moving = ZeroDynamics(zd.robot, steady.policy, zd.residual, zd.reset_residual)
-    start, guard = steady.span
-    dtype = jnp.asarray(guard).dtype
+    dtype = jnp.asarray(steady.stride).dtype
     phases = jnp.asarray(np.append(0.5 * (NODES + 1.0), 1.0), dtype)
 
     def at(phase: Scalar) -> tuple[Scalar, Scalar, Scalar, Scalar]:
         point = moving.point(steady.z(jnp.stack([phase, jnp.full_like(phase, LEVEL)])))
-        along = point.z[1] * point.dz[1] * (guard - start) / point.dz[0]
+        along = steady.slope(point.z, point.dz)
         low, high = steady.tube.fences(phase)
         error = (along - jnp.mean(steady.tube.fence_slopes(phase))) / (high - low)
         return error, point.dz[0], point.foot[0], steady.level(point.z_after)
 
     errors, rates, ahead, levels = jax.vmap(at)(phases)
-    time = jnp.sum(jnp.asarray(0.5 * WEIGHTS, dtype) / rates[:-1]) * (guard - start)
+    time = jnp.sum(jnp.asarray(0.5 * WEIGHTS, dtype) / rates[:-1]) * steady.stride
     return Middle(steady, errors, levels[-1], ahead[-1] / time)
 
 

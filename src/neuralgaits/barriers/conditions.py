@@ -155,13 +155,8 @@ class Fence(AbstractCondition):
     def margins(self, gait: Gait, zd: ZeroDynamics, point: Point) -> Float[Array, "..."]:
         """Return the inward slope relative to the fence, in tube widths per step."""
         del zd
-        start, guard = gait.span
-        phase = gait.phase(point.z[0])
-        along = point.z[1] * point.dz[1] * (guard - start) / point.dz[0]
-        low, high = gait.tube.fences(phase)
-        low_slope, high_slope = gait.tube.fence_slopes(phase)
-        inward = along - low_slope if self.side == "lower" else high_slope - along
-        return inward / (high - low)
+        from_lower, from_upper = gait.inward(point.z, point.dz)
+        return from_lower if self.side == "lower" else from_upper
 
 
 @dataclass(frozen=True)

@@ -66,10 +66,34 @@ class Gait(eqx.Module):
 
     def z(self, u: Float[Array, "2"]) -> ZeroState:
         """Chart: zero dynamics state at (phase, level). Returns: [2] (m, kg m^2/s)."""
-        start, guard = self.span
         low, high = self.tube.fences(u[0])
-        zeta = low + u[1] * (high - low)
-        return jnp.stack([start + u[0] * (guard - start), jnp.sqrt(2.0 * zeta)])
+        return self.state(u[0], low + u[1] * (high - low))
+
+    def state(self, phase: Scalar, zeta: Scalar) -> ZeroState:
+        """State at a phase, with z2 = sqrt(2 zeta) > 0 (m, kg m^2/s). [2]."""
+        start, guard = self.span
+        return jnp.stack([start + phase * (guard - start), jnp.sqrt(2.0 * zeta)])
+
+    @property
+    def stride(self) -> Number:
+        """How far z1 goes in a step [m]."""
+        start, guard = self.span
+        return guard - start
+
+    def pace(self, dz: ZeroState) -> Scalar:
+        """Rate of the phase at a rate of z [1/s]."""
+        return dz[0] / self.stride
+
+    def slope(self, z: ZeroState, dz: ZeroState) -> Scalar:
+        """D zeta / d phase along a flow, with zeta = z2^2 / 2 [(kg m^2/s)^2]."""
+        return z[1] * dz[1] * self.stride / dz[0]
+
+    def inward(self, z: ZeroState, dz: ZeroState) -> tuple[Scalar, Scalar]:
+        """Slope of a flow against the lower and the upper fence, in tube widths per phase."""
+        phase, along = self.phase(z[0]), self.slope(z, dz)
+        low, high = self.tube.fences(phase)
+        low_slope, high_slope = self.tube.fence_slopes(phase)
+        return (along - low_slope) / (high - low), (high_slope - along) / (high - low)
 
     def level(self, z: ZeroState) -> Scalar:
         """Level of a state between the fences: 0 on the lower, 1 on the upper."""

@@ -247,16 +247,15 @@ def fences_of(gait: Gait) -> Fences:
 def _quantities(gait: Gait, zd: ZeroDynamics, u: Float[Array, "2"]) -> dict[str, Array]:
     """Return flow, swing foot, reset and rate of parting, at one chart point."""
     point, landed = zd.point(gait.z(u)), return_map.landing(gait, zd, u)
-    start, guard = gait.span
     fences = gait.tube.fences(0.0)
     return {
         "foot": point.foot_above_ground,
         "foot_rate": point.foot_lift_rate,
-        "pace": point.dz[0] / (guard - start),
+        "pace": gait.pace(point.dz),
         "slope": return_map.slope(gait, point),
         "expansion": return_map.expansion(gait, zd, u),
         "after": jnp.stack([landed.phase, landed.zeta]),
-        "stride": jnp.asarray(guard - start),
+        "stride": jnp.asarray(gait.stride),
         "steepness": gait.tube.fence_slopes(u[0]) / (fences[1] - fences[0]),
         "gain": landed.gain,
         "moved_zeta": landed.moved_zeta,

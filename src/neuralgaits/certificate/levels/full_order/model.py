@@ -153,12 +153,11 @@ class FullOrderModel:
         force and both slacks of the friction cone, torque: slack of both limits [limits].
         """
         robot = self.robot
-        start, guard = self.gait.span
         tangential, normal = point.force / (robot.mass * robot.gravity)
         cone = float(robot.friction) * normal
         share = point.torque / robot.torque_limit
         found = {
-            "pace": point.dz[0] / (guard - start),
+            "pace": self.gait.pace(point.dz),
             "inertia": -point.transversal_inertia,
             "foot": point.foot[1],
             "foot-rate": point.foot_velocity[1],

@@ -11,7 +11,7 @@ import numpy as np
 from neuralgaits._types import Array, Float, Scalar
 from neuralgaits.barriers import Gait, Tube
 from neuralgaits.certificate.chart import PLANE
-from neuralgaits.certificate.levels.orbit.return_map import expansion, landing, slope, state
+from neuralgaits.certificate.levels.orbit.return_map import expansion, landing, slope
 from neuralgaits.certificate.levels.orbit.theorem import OrbitConstants
 from neuralgaits.gait import ZeroDynamics
 from neuralgaits.gait.tubes import chebyshev
@@ -103,7 +103,7 @@ def _narrowing(gait: Gait, thin: Gait, zd: ZeroDynamics, u: Float[Array, "2"], s
     fences, slopes = thin.tube.fences(u[0]), thin.tube.fence_slopes(u[0])
     zeta = fences[side] + u[1] * (gait.tube.fences(u[0])[side] - fences[side])
     middle, middle_slope = 0.5 * (fences[0] + fences[1]), 0.5 * (slopes[0] + slopes[1])
-    along = slope(gait, zd.point(state(gait, u[0], zeta)))
+    along = slope(gait, zd.point(gait.state(u[0], zeta)))
     widening = (slopes[1] - slopes[0]) / (fences[1] - fences[0])
     return widening - (along - middle_slope) / (zeta - middle)
 

@@ -20,23 +20,16 @@ from neuralgaits.barriers import Gait
 from neuralgaits.gait import Point, ZeroDynamics
 
 
-def state(gait: Gait, phase: Scalar, zeta: Scalar) -> Float[Array, "2"]:
-    """Return the state at a phase, with z2 = sqrt(2 zeta) > 0 (m, kg m^2/s). [2]."""
-    start, guard = gait.span
-    return jnp.stack([start + phase * (guard - start), jnp.sqrt(2.0 * zeta)])
-
-
 def slope(gait: Gait, point: Point) -> Scalar:
     """Return F, d zeta / d phase along the flow [(kg m^2/s)^2]."""
-    start, guard = gait.span
-    return point.z[1] * point.dz[1] * (guard - start) / point.dz[0]
+    return gait.slope(point.z, point.dz)
 
 
 def expansion(gait: Gait, zd: ZeroDynamics, u: Float[Array, "2"]) -> Scalar:
     """Return dF/dzeta at a chart point: the rate at which trajectories part, per phase."""
 
     def along(zeta):
-        return slope(gait, zd.point(state(gait, u[0], zeta)))
+        return slope(gait, zd.point(gait.state(u[0], zeta)))
 
     zeta = 0.5 * gait.z(u)[1] ** 2
     return jax.jvp(along, (zeta,), (jnp.ones_like(zeta),))[1]
@@ -72,7 +65,7 @@ def landing(gait: Gait, zd: ZeroDynamics, u: Float[Array, "2"]) -> Landing:
     """
 
     def ends(phase, zeta):
-        point = zd.point(state(gait, phase, zeta))
+        point = zd.point(gait.state(phase, zeta))
         after = point.z_after
         then = gait.steady_next.phase(after[0])
         return point.foot_above_ground, then, 0.5 * after[1] * after[1]
@@ -81,13 +74,12 @@ def landing(gait: Gait, zd: ZeroDynamics, u: Float[Array, "2"]) -> Landing:
     here, one, zero = (u[0], zeta), jnp.ones_like(zeta), jnp.zeros_like(zeta)
     (_, phase, after), by_phase = jax.jvp(ends, here, (one, zero))
     by_zeta = jax.jvp(ends, here, (zero, one))[1]
-    before = slope(gait, zd.point(state(gait, *here)))
-    behind = slope(gait.steady_next, _next(gait, zd).point(state(gait.steady_next, phase, after)))
+    before = slope(gait, zd.point(gait.state(*here)))
+    behind = slope(gait.steady_next, _next(gait, zd).point(gait.steady_next.state(phase, after)))
     # A neighbour at zeta + 1 meets the guard later by `later` phases, and `off` away from here.
     later = -by_zeta[0] / (by_phase[0] + by_zeta[0] * before)
     off = 1.0 + before * later
     moved_phase = by_phase[1] * later + by_zeta[1] * off
     moved_zeta = by_phase[2] * later + by_zeta[2] * off
-    start, guard = gait.steady_next.span
-    moved_z1 = moved_phase * (guard - start)
+    moved_z1 = moved_phase * gait.steady_next.stride
     return Landing(phase, after, moved_zeta - behind * moved_phase, moved_zeta, moved_z1)

@@ -33,13 +33,12 @@ def margins(
     z = gait.z(u[:PLANE])
     point = zd.point(z)
     pushed = [moved.point(z) for moved in disturbed(zd, shape.disturbance)]
-    start, guard = gait.span
     falls = jnp.stack([p.foot_lift_rate for p in pushed])
-    inward = [_inward(gait, p) for p in pushed]
+    inward = [gait.inward(p.z, p.dz) for p in pushed]
     low, high = jnp.sqrt(2.0 * gait.tube.fences(u[0]))
     found = {
         # C1.
-        "set/forward": jnp.stack([p.dz[0] for p in pushed]) / (guard - start),
+        "set/forward": jnp.stack([p.dz[0] for p in pushed]) / gait.stride,
         "set/inertia": transversal_inertia(point),
         # C2.
         "set/fence-lower": jnp.stack([side[0] for side in inward]),
@@ -76,7 +75,7 @@ def _reset(gait: Gait, point: Point) -> dict[str, Float[Array, "..."]]:
 
 def _inlet(gait: Gait, point: Point, phase: Scalar) -> dict[str, Float[Array, "..."]]:
     """Return margins of a reset into the next step's tube, independent of its command."""
-    then, start, guard = gait.steady_next, *gait.span
+    then = gait.steady_next
     ahead = point.z_after[0] - then.span[0]
     low, high = then.tube.fences(0.0)
     level = (0.5 * point.z_after[1] * point.z_after[1] - low) / (high - low)
@@ -85,7 +84,7 @@ def _inlet(gait: Gait, point: Point, phase: Scalar) -> dict[str, Float[Array, ".
     return {
         "set/reset-place": jnp.stack([ahead, -ahead]),
         "set/inlet": jnp.stack([level, 1.0 - level, point.z_after[1] / point.z[1]]),
-        "set/stride": jnp.asarray(guard - start),
+        "set/stride": jnp.asarray(gait.stride),
         "set/steepness": jnp.concatenate([steep, -steep]),
         "set/within-bounds": _within_bounds(gait.policy),
     }
@@ -146,13 +145,3 @@ def _pushed_rates(
 
     value, slopes = h(z), jax.jacfwd(h)(z)
     return jnp.stack([barrier.bent(value, slopes @ point.dz) for point in pushed])
-
-
-def _inward(gait: Gait, point: Point) -> tuple[Float[Array, ""], Float[Array, ""]]:
-    """Return the flow's slope against both fences, inward positive, in tube widths per phase."""
-    start, guard = gait.span
-    phase = gait.phase(point.z[0])
-    along = point.z[1] * point.dz[1] * (guard - start) / point.dz[0]
-    low, high = gait.tube.fences(phase)
-    low_slope, high_slope = gait.tube.fence_slopes(phase)
-    return (along - low_slope) / (high - low), (high_slope - along) / (high - low)
