@@ -33,8 +33,10 @@ def test_names_of_a_users_conditions_are_text():
     assert "&lt;script&gt;" in page
 
 
-def test_whoever_points_at_a_bar_reads_what_its_condition_states():
+def test_a_bar_says_what_its_condition_states_and_its_hint_the_name():
     margins = Margins(np.array([1.0, 1.0]), np.array([True, False]))
-    page = bars.render(["one", "two"], margins, {"one": 'torso < "upright"'})
-    assert 'title="torso &lt; &quot;upright&quot;; z is in its region"' in page
-    assert 'title="z is outside of its region: read near it"' in page
+    page = bars.render(["one", "two"], margins, {"one": 'torso < "upright"; slowly'})
+    assert 'title="one; torso &lt; &quot;upright&quot;; slowly; z is in its region"' in page
+    assert ">torso &lt; &quot;upright&quot;</span>" in page
+    assert 'title="two; z is outside of its region: read near it"' in page
+    assert ">two</span>" in page

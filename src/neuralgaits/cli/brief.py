@@ -13,7 +13,7 @@ from neuralgaits.cli.screen_tables import number, show_facts, show_sentence, ver
 from neuralgaits.records.certified import CertificateRecord
 from neuralgaits.records.checked import Checked
 from neuralgaits.records.fitted import Fitted
-from neuralgaits.records.levels import WORDS
+from neuralgaits.records.levels import FULL_ORDER_LEVEL, WORDS
 from neuralgaits.records.reported import Reported
 from neuralgaits.records.simulated import Simulated
 from neuralgaits.records.trained import Trained
@@ -22,6 +22,11 @@ from neuralgaits.runs.shell_words import command, named
 _NAMED = 3
 """Conditions that a line names before it counts."""
 _MORE = "-v prints more"
+_SUBJECTS = {
+    False: "the model with every joint exactly where the gait wants it",
+    True: "the whole rigid model, joints off their targets included",
+}
+"""Subject of the levels below full order, and of the others."""
 
 
 def brief_training(result: Trained) -> None:
@@ -109,6 +114,8 @@ def brief_proof(result: CertificateRecord) -> None:
     above = next((one for one in result.levels if not one.proved), None)
     if above is not None and not open_:
         facts.append((f"level {above.level}", above.reason or above.verdict))
+    if level:
+        facts.append(("about", _SUBJECTS[level >= FULL_ORDER_LEVEL]))
     facts.append(("boxes", f"{result.boxes} in {result.wall_s:.0f} s; {_MORE}"))
     done = command("report", named(result.run)) if result.proved_level else None
     facts += [("proof", result.proof), *([("next", done)] if done else [])]

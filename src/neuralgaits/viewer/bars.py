@@ -15,7 +15,7 @@ def render(names: Sequence[str], margins: Margins, words: Mapping[str, str] | No
     Args:
         names: names of the conditions, in the order of the margins.
         margins: their margins.
-        words: what they state, by name, for whoever points at a bar.
+        words: what they state, by name; their names where there is nothing.
     """
     if not np.isfinite(margins.values).any():
         return note(
@@ -41,15 +41,17 @@ def _row(name: str, value: float, inside: bool, words: str) -> str:
         ink = BAD if value < 0.0 else TIGHT if value < 0.05 else GOOD
         # A bar is full at one scale; a broken condition shows how far, in red.
         width, text = 100.0 * min(abs(value), 1.0), f"{value:.2f}"
-    hint = "z is in its region" if inside else "z is outside of its region: read near it"
-    hint = html.escape(f"{words}; {hint}" if words else hint)
+    place = "z is in its region" if inside else "z is outside of its region: read near it"
+    hint = html.escape("; ".join(filter(None, (name, words, place))))
+    # What a barrier adds to its bound, behind a semicolon, is left to the hint.
+    label = words.partition(";")[0] or name
     return (
         f'<div style="display:flex;align-items:center;gap:6px;height:17px;'
         f'opacity:{"1" if inside else ".45"}" title="{hint}">'
-        '<span style="flex:0 0 43%;overflow:hidden;text-overflow:ellipsis;white-space:nowrap">'
-        f'{html.escape(name)}</span><span style="flex:1;height:9px;'
+        '<span style="flex:0 0 62%;overflow:hidden;text-overflow:ellipsis;white-space:nowrap">'
+        f'{html.escape(label)}</span><span style="flex:1;height:9px;'
         'background:rgba(128,140,150,.18);border-radius:3px;overflow:hidden">'
         f'<span style="display:block;height:9px;width:{width:.0f}%;background:{ink.light}"></span>'
-        '</span><span style="flex:0 0 44px;text-align:right;font-variant-numeric:tabular-nums;'
+        '</span><span style="flex:0 0 32px;text-align:right;font-variant-numeric:tabular-nums;'
         f'{ink.css}">{text}</span></div>'
     )
