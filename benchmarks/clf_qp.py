@@ -22,7 +22,7 @@ from neuralgaits._types import Array
 from neuralgaits.analysis.run import Run
 from neuralgaits.barriers import Gait
 from neuralgaits.control import AbstractLaw, ClfQp
-from neuralgaits.control.laws import law_named
+from neuralgaits.control.law_by_name import law_named
 from neuralgaits.records.simulated import WalkFigures
 from neuralgaits.simulation.live import LiveWalk
 from neuralgaits.simulation.metrics import summary

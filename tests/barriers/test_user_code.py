@@ -5,7 +5,7 @@ import re
 import pytest
 
 from neuralgaits.barriers import specs
-from neuralgaits.barriers.user_code import blamed, mistake
+from neuralgaits.barriers.spec_file_errors import blamed, mistake
 from neuralgaits.errors import SpecError
 
 WRONG = {

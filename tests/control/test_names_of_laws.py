@@ -7,7 +7,7 @@ import pytest
 from neuralgaits._control_laws import CONTROL_LAWS
 from neuralgaits.cli import arguments
 from neuralgaits.control import AbstractLaw
-from neuralgaits.control.laws import exported_laws, law_named
+from neuralgaits.control.law_by_name import exported_laws, law_named
 from neuralgaits.errors import InputError
 from neuralgaits.records.episode_records import EpisodesAsked
 from neuralgaits.simulation.incompatible_settings import REMOTE

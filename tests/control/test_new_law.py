@@ -5,7 +5,7 @@ import shutil
 import pytest
 
 from neuralgaits._control_laws import CONTROL_LAWS, ControlLaw
-from neuralgaits.control.laws import law_named
+from neuralgaits.control.law_by_name import law_named
 from neuralgaits.errors import InputError
 from neuralgaits.simulation.native.native_scene import knows
 from neuralgaits.workflows.report import write_report

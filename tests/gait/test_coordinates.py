@@ -13,7 +13,7 @@ import pytest
 
 from neuralgaits._quick_jit import quick_jit
 from neuralgaits.gait import runge_kutta
-from neuralgaits.gait.coordinates import ZeroCoordinates, combined, solved
+from neuralgaits.gait.zero_coordinates import ZeroCoordinates, combined, solved
 
 MASSES, LENGTH, GRAVITY = (3.0, 2.0, 1.5, 1.0), 0.4, 9.81
 ROWS = np.array([[1.0, 0.2, 0.3, -0.1], [0.1, 1.0, -0.2, 0.4]])

@@ -12,7 +12,7 @@ from neuralgaits import logs
 from neuralgaits.analysis.learned import Learned
 from neuralgaits.errors import InputError, RunError
 from neuralgaits.residual.fitter import FitConfig
-from neuralgaits.runs.names import FIT, FITTED
+from neuralgaits.runs.names import FIT_SUMMARY, LEARNED_RESIDUAL
 from neuralgaits.workflows.fit import fit
 from support import planted_walk
 
@@ -23,8 +23,8 @@ FIELDS = {"residual", "train_error", "heldout_error", "nominal_heldout_error", "
 
 def test_the_summary_is_what_the_interface_asks(brief_run, fitted):
     assert set(fitted.summary) >= FIELDS
-    assert fitted.residual == brief_run.path / FITTED
-    assert json.loads((brief_run.path / FIT).read_text()) == fitted.summary
+    assert fitted.residual == brief_run.path / LEARNED_RESIDUAL
+    assert json.loads((brief_run.path / FIT_SUMMARY).read_text()) == fitted.summary
     assert fitted.summary["strides"] == {"train": 12, "validation": 2, "heldout": 2}
 
 

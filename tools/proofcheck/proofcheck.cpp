@@ -16,7 +16,7 @@
 //    3  Taylor models        taylor.hpp       functions of a box: quadratic polynomials with
 //                                             interval coefficients; of a ball: with a slope
 //    4  duals                                 a value and its derivative along a direction
-//    5  formulas             formulas.hpp     the same operations, written down to be carried out later
+//    5  formulas             recorded_formulas.hpp     the same operations, written down to be carried out later
 //    6  reading              reading.hpp      JSON, hexadecimal floats, base64, sha256
 //    7  the model            robot.hpp        robot from link data, policy, tube, residuals
 //    8  steps                steps.hpp        one step of a gait: its ends, its tube

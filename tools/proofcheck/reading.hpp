@@ -1,6 +1,6 @@
 #pragma once
 
-#include "formulas.hpp"
+#include "recorded_formulas.hpp"
 
 namespace {
 

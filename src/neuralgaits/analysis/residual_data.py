@@ -16,7 +16,7 @@ from neuralgaits.errors import InputError, RunError
 from neuralgaits.records.fitted import Logs
 from neuralgaits.runs import read_arrays, write_arrays
 from neuralgaits.runs.arrays import SHA256
-from neuralgaits.runs.names import FIT, FITTED, RESIDUAL
+from neuralgaits.runs.names import FIT_SUMMARY, LEARNED_RESIDUAL, RESIDUAL
 
 FILE = "figures/residual.safetensors"
 LOGS, STATES = 4, 2500
@@ -29,7 +29,7 @@ def residual_data(run: Run) -> ResidualData | None:
     Returns: None if the run has neither.
     """
     trained = run.learned is not None
-    path = run.path / (RESIDUAL if trained else FITTED)
+    path = run.path / (RESIDUAL if trained else LEARNED_RESIDUAL)
     if not path.is_file():
         return None
     gait = gait_data(run)
@@ -58,7 +58,7 @@ def _visited(run: Run, trained: bool) -> np.ndarray:
     places = [run.path.parent / Path(parent).name, Path(parent)] if trained and parent else []
     for place in places or [run.path]:
         try:
-            return _states(run, Logs.read(place / FIT).logs, place)
+            return _states(run, Logs.read(place / FIT_SUMMARY).logs, place)
         except RunError:
             # Without it the picture has no dots.
             continue

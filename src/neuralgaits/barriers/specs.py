@@ -13,7 +13,7 @@ from neuralgaits._names import meant
 from neuralgaits.barriers import hzd as _hzd
 from neuralgaits.barriers import paper as _paper
 from neuralgaits.barriers import rugged as _rugged
-from neuralgaits.barriers import user_code
+from neuralgaits.barriers import spec_file_errors
 from neuralgaits.barriers import walking as _walking
 from neuralgaits.barriers.commanded_spec import at_speed, commanded
 from neuralgaits.barriers.hzd import hzd
@@ -21,7 +21,7 @@ from neuralgaits.barriers.paper import authors, paper, paper_walks
 from neuralgaits.barriers.robust import robust
 from neuralgaits.barriers.rugged import rugged
 from neuralgaits.barriers.spec import GaitSpec
-from neuralgaits.barriers.user_code import PREFIX
+from neuralgaits.barriers.spec_file_errors import PREFIX
 from neuralgaits.barriers.walking import walking
 from neuralgaits.errors import NeuralGaitsError, SpecError
 from neuralgaits.gait.commands import Commands
@@ -155,12 +155,12 @@ def _defined(path: str) -> list[str]:
 
 def _applied(name: str, function: Callable, robot: "PlanarBiped"):
     try:
-        with user_code.blamed():
+        with spec_file_errors.blamed():
             return function(robot)
     except NeuralGaitsError:
         raise
     except Exception as error:  # None of its lines has run: it cannot be called like that.
-        why = user_code.reason(error)
+        why = spec_file_errors.reason(error)
         raise SpecError(f"spec {name!r}: expected a function of one robot, found {why}") from error
 
 
@@ -187,10 +187,10 @@ def _module(path: str):
     # Dataclasses look their module up while they are made.
     sys.modules[specification.name] = module
     try:
-        with user_code.blamed():
+        with spec_file_errors.blamed():
             specification.loader.exec_module(module)
     except NeuralGaitsError:
         raise
     except Exception as error:  # Of the file itself, none of whose lines has run.
-        raise user_code.misread(error, file) from error
+        raise spec_file_errors.misread(error, file) from error
     return module

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import equinox as eqx
 
-from neuralgaits.barriers import AbstractCondition, GaitSpec, Pointwise, specs, user_code
+from neuralgaits.barriers import AbstractCondition, GaitSpec, Pointwise, spec_file_errors, specs
 from neuralgaits.barriers.description import describe_condition
 from neuralgaits.barriers.functions import (
     impulse,
@@ -70,7 +70,7 @@ def refuse_untraceable(
         smooth = type(network)(network.weights, network.biases, "tanh")
         gait = eqx.tree_at(lambda g: g.policy.network, gait, smooth)
     try:
-        with user_code.blamed():
+        with spec_file_errors.blamed():
             trace_spec(spec, robot, gait)
     except NeuralGaitsError:
         raise
@@ -78,7 +78,7 @@ def refuse_untraceable(
         name = _culprit(spec, robot, gait)
         if name is None:
             raise
-        raise user_code.miswritten(name, error, file) from error
+        raise spec_file_errors.miswritten(name, error, file) from error
 
 
 def _culprit(spec: GaitSpec, robot: PlanarBiped, gait: AnyGait) -> str | None:

@@ -133,8 +133,8 @@ def _of_system(error: OSError) -> str:
 def _of_user(error: Exception) -> Exception | None:
     """Return the error of a user's spec file, whenever it ran; None if it comes from elsewhere."""
     # Not imported here: without it no such file was read, and the import may be what failed.
-    user_code = sys.modules.get("neuralgaits.barriers.user_code")
-    return None if user_code is None else user_code.mistake(error)
+    spec_file_errors = sys.modules.get("neuralgaits.barriers.spec_file_errors")
+    return None if spec_file_errors is None else spec_file_errors.mistake(error)
 
 
 def _of_graphics(error: Exception) -> str | None:

@@ -10,8 +10,8 @@ import jax.numpy as jnp
 
 from neuralgaits._types import Actuated, Coordinates, Scalar, ZeroState
 from neuralgaits.control.law import Desired, MeasuredState, Outputs
-from neuralgaits.gait.coordinates import ZeroCoordinates, combined
 from neuralgaits.gait.policy import OutputJet
+from neuralgaits.gait.zero_coordinates import ZeroCoordinates, combined
 from neuralgaits.robots import PlanarBiped
 
 # Smallest |momentum per unit ddz1| that is divided by, in units of mass times leg length. A walk

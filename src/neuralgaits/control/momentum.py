@@ -8,7 +8,7 @@ contact settles and throw the policy off.
 import jax.numpy as jnp
 
 from neuralgaits._types import Coordinates, Planar, Scalar, ZeroState
-from neuralgaits.gait.coordinates import ZeroCoordinates
+from neuralgaits.gait.zero_coordinates import ZeroCoordinates
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.robots.dynamics import angular_momentum, centre_of_mass
 

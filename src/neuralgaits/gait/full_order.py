@@ -12,10 +12,10 @@ import jax
 import jax.numpy as jnp
 
 from neuralgaits._types import Actuated, Array, Coordinates, Float, Scalar, ZeroState
-from neuralgaits.gait.coordinates import combined, product, solved
 from neuralgaits.gait.point import Point
 from neuralgaits.gait.policy import AbstractPolicy
 from neuralgaits.gait.third_order import ThirdOrderPolicy
+from neuralgaits.gait.zero_coordinates import combined, product, solved
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.robots.linear import solve
 

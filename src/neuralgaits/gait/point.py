@@ -10,7 +10,6 @@ import jax.numpy as jnp
 from neuralgaits._types import Actuated, Array, Coordinates, Float, Planar, Scalar, ZeroState
 from neuralgaits.errors import SpecError
 from neuralgaits.gait.commands import Ground, Step
-from neuralgaits.gait.coordinates import ZeroCoordinates, combined, product, solved
 from neuralgaits.gait.policy import (
     AbstractPolicy,
     Curve,
@@ -19,6 +18,7 @@ from neuralgaits.gait.policy import (
     refuse_other_joints,
 )
 from neuralgaits.gait.reset_residual import ResetCorrection, rates_after
+from neuralgaits.gait.zero_coordinates import ZeroCoordinates, combined, product, solved
 from neuralgaits.robots import Impact, PlanarBiped, dynamics
 from neuralgaits.robots import impact as impacts
 

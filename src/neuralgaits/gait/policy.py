@@ -13,9 +13,9 @@ from neuralgaits._types import Actuated, Array, Float, Scalar, ZeroState
 from neuralgaits.errors import InputError
 from neuralgaits.gait.activations import logistic
 from neuralgaits.gait.commands import Commands, Pair, Step
-from neuralgaits.gait.coordinates import combined
 from neuralgaits.gait.network import Network, movable, scaled_inputs
 from neuralgaits.gait.reset_residual import ResetCorrection
+from neuralgaits.gait.zero_coordinates import combined
 
 if TYPE_CHECKING:
     from neuralgaits.robots import PlanarBiped

@@ -10,10 +10,10 @@ import jax.numpy as jnp
 import numpy as np
 
 from neuralgaits._types import Array, Float, FullState, Scalar, ZeroState
-from neuralgaits.gait.coordinates import ZeroCoordinates, combined
 from neuralgaits.gait.point import Point
 from neuralgaits.gait.policy import AbstractPolicy, OutputJet, output_jet, refuse_other_joints
 from neuralgaits.gait.reset_residual import ResetCorrection
+from neuralgaits.gait.zero_coordinates import ZeroCoordinates, combined
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.robots.checks import vector
 

@@ -18,7 +18,7 @@ from neuralgaits._types import Actuated, Array, Bool, Coordinates, Float
 from neuralgaits.barriers import Gait, GaitSpec
 from neuralgaits.barriers.conditions import AbstractCondition, Barrier, Pointwise
 from neuralgaits.gait import Point
-from neuralgaits.gait.coordinates import ZeroCoordinates
+from neuralgaits.gait.zero_coordinates import ZeroCoordinates
 from neuralgaits.logs.strides import SETTLING_S
 from neuralgaits.logs.walk_table import Log
 from neuralgaits.robots import PlanarBiped

@@ -12,7 +12,7 @@ from neuralgaits._blocks import in_blocks
 from neuralgaits._quick_jit import quick_filter_jit
 from neuralgaits._types import Array, Float, FullState
 from neuralgaits.gait import ZeroDynamics
-from neuralgaits.gait.coordinates import ZeroCoordinates
+from neuralgaits.gait.zero_coordinates import ZeroCoordinates
 from neuralgaits.robots import PlanarBiped
 
 BLOCK = 2048

@@ -128,7 +128,6 @@ def proved(found: CertificateRecord, told: bool) -> str:
         robots += f", on every floor with {found.ground}"
     more = ""
     if found.robots:
-        # The search ends where the sign is known: see docs/robust.md.
         # The search ends where the sign is known: see docs/proof_files.md.
         more = (
             " For so many robots the search ends as soon as something is to spare, and does not "

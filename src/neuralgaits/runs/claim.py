@@ -10,6 +10,7 @@ from pathlib import Path
 
 from neuralgaits.errors import InputError, RunError
 from neuralgaits.runs.atomic import folder_destination, refuse_unwritable
+from neuralgaits.runs.only_writer import only_writer
 
 STARTING = ".starting"
 """File of a folder that is being filled: without a config beside it, everything in it may be
@@ -31,13 +32,17 @@ def claim(out: Path | None, root: Path, name: str, seed: int, *, what: str, conf
 
     Raises: RunError if `out` is no folder or not empty, InputError if nothing can be written there.
     """
-    if out is None:
-        path = _fresh(root / _file_name(name), seed)
-    else:
-        refuse_taken(out, what=what, config=config).mkdir(parents=True, exist_ok=True)
-        path = out
+    path = _place(out, root, name, seed, what=what, config=config)
     (path / STARTING).touch()
     return path
+
+
+def _place(out: Path | None, root: Path, name: str, seed: int, *, what: str, config: str) -> Path:
+    """Make the folder of `claim`, or find it empty."""
+    if out is None:
+        return _fresh(root / _file_name(name), seed)
+    refuse_taken(out, what=what, config=config).mkdir(parents=True, exist_ok=True)
+    return out
 
 
 @contextlib.contextmanager
@@ -46,10 +51,20 @@ def claimed(
 ) -> Iterator[Path]:
     """Claim a folder to be filled here: if that fails, it is left as it was.
 
-    Args and errors: as of `claim`.
+    Args and errors: as of `claim`; InputError if another command is filling it.
     """
     there = out is not None and out.is_dir()
-    path = claim(out, root, name, seed, what=what, config=config)
+    path = _place(out, root, name, seed, what=what, config=config)
+    with only_writer(path):
+        if (path / config).exists():
+            # Another command has filled it since it was looked at.
+            refuse_taken(path, what=what, config=config)
+        (path / STARTING).touch()
+        yield from _filled_or_as_before(path, there=there)
+
+
+def _filled_or_as_before(path: Path, *, there: bool) -> Iterator[Path]:
+    """Yield a folder to be filled; if that fails, leave it as it was."""
     try:
         yield path
         filled(path)

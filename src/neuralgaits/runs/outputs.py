@@ -16,7 +16,7 @@ OWN_FILES = frozenset(
     {
         *(names.CONFIG, names.SUMMARY, names.METRICS, names.NAN, names.NAN_STATE),
         *(names.ROBOT, names.SPEC, names.WEIGHTS, names.STATE, names.START, names.RESIDUAL),
-        *(names.GAIT, names.FITTED, names.FIT, names.MAP),
+        *(names.GAIT, names.LEARNED_RESIDUAL, names.FIT_SUMMARY, names.MAP),
         *("certificate/proof.json", "certificate/proof.json.gz", "certificate/summary.json"),
     }
 )

@@ -9,7 +9,7 @@ from typing import Any
 
 from neuralgaits._control_laws import names_of_laws
 from neuralgaits.control import AbstractLaw
-from neuralgaits.control.laws import exported_laws
+from neuralgaits.control.law_by_name import exported_laws
 from neuralgaits.errors import InputError
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.robots.parameter_box import checked_box

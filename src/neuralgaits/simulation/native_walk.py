@@ -13,7 +13,7 @@ from neuralgaits._cache import cache_folder
 from neuralgaits._compiler import Compiler, CompilerError, SharedLibrary
 from neuralgaits.analysis.run import Run
 from neuralgaits.control import Controller
-from neuralgaits.control.laws import exported_laws
+from neuralgaits.control.law_by_name import exported_laws
 from neuralgaits.errors import InputError, SpecError
 from neuralgaits.export import output_folder
 from neuralgaits.export.facts import Design, Origin

@@ -11,7 +11,7 @@ import numpy as np
 from neuralgaits._control_laws import names_of_laws
 from neuralgaits.analysis.run import Run
 from neuralgaits.control import AbstractLaw
-from neuralgaits.control.laws import law_named
+from neuralgaits.control.law_by_name import law_named
 from neuralgaits.errors import InputError
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.simulation.linked.remote import Remote

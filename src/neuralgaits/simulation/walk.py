@@ -10,7 +10,7 @@ from neuralgaits._checks import check_walked
 from neuralgaits._environment import cores
 from neuralgaits._types import Array, Float
 from neuralgaits.control import AbstractLaw, Controller
-from neuralgaits.control.laws import law_named
+from neuralgaits.control.law_by_name import law_named
 from neuralgaits.errors import InputError
 from neuralgaits.gait import AbstractPolicy
 from neuralgaits.gait.commands import Commands, place_of

@@ -22,13 +22,12 @@ from neuralgaits.errors import InputError, RunError
 from neuralgaits.records.episode_records import Versioned
 from neuralgaits.records.swept import ASKED, FORMAT, ROW, SweepAsked, SweepRow
 from neuralgaits.runs import plain, to_json, write_bytes, write_text
-from neuralgaits.runs.atomic import destination
 from neuralgaits.runs.claim import claimed
+from neuralgaits.runs.only_writer import only_writer
 
 HOME = "sweeps"
 """Name of the sweeps' folder below the root of the runs."""
 INPUTS, ROWS, FAILED = "inputs", "rows", "failed"
-_LOCK = ".lock"
 _UNFINISHED = "."
 """Prefix of the names of rows that are still being written."""
 _SHOWN = 80
@@ -90,26 +89,9 @@ class SweepFolder:
 
         A command that is killed releases it. Raises: InputError if another command holds it.
         """
-        with self._locked():
+        with only_writer(self.path):
             self._clear()
             yield self
-
-    @contextlib.contextmanager
-    def _locked(self) -> Iterator[None]:
-        try:
-            import fcntl
-        except ImportError:
-            yield
-            return
-        with destination(self.path / _LOCK).open("a") as lock:
-            try:
-                fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            except OSError:
-                raise InputError(
-                    f"expected nobody else at work on {self.path}, found another sweep that is: "
-                    "wait for it, or give another --out"
-                ) from None
-            yield
 
     def _clear(self) -> None:
         """Delete rows that are half written, and failed rows, which are tried again."""

@@ -8,7 +8,7 @@ import numpy as np
 from neuralgaits._types import Float
 from neuralgaits.analysis.point_evaluator import ENDS, PlaneChart, PointEvaluator
 from neuralgaits.analysis.run import Run
-from neuralgaits.control.laws import law_named
+from neuralgaits.control.law_by_name import law_named
 from neuralgaits.errors import InputError
 from neuralgaits.simulation.live import PERIOD_S, LiveWalk
 from neuralgaits.simulation.native_walk import engine_of_trained

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 from neuralgaits._checks import check_seed
 from neuralgaits._printable import printable
 from neuralgaits.analysis.run import Run, open_run
-from neuralgaits.control.laws import law_named
+from neuralgaits.control.law_by_name import law_named
 from neuralgaits.episode_rounds.episode_folder import EpisodeFolder, read, write
 from neuralgaits.episode_rounds.round_walks import (
     Field,
@@ -31,7 +31,7 @@ from neuralgaits.report.figures.rounds import draw_file
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.runs import plain
 from neuralgaits.runs.atomic import refuse_unwritable
-from neuralgaits.runs.names import CONFIG, FIT
+from neuralgaits.runs.names import CONFIG, FIT_SUMMARY
 from neuralgaits.runs.shell_words import command, named
 from neuralgaits.settings import EpisodesSettings, called_with
 from neuralgaits.simulation.setup.disturbance import PlantChanges, parse
@@ -277,7 +277,7 @@ class _Session:
 
     def _learn(self, number: int, run: Run, walked: WalkedRound) -> Fitted | str:
         """Return the learned residual's summary, or the reason why nothing was learned."""
-        summary = run.path / FIT
+        summary = run.path / FIT_SUMMARY
         if summary.is_file():
             return read(summary, Fitted)
         self.tell(number, "learning")

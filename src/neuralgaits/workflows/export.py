@@ -15,7 +15,7 @@ from neuralgaits.certificate.run_certificate.verified_summary import (
     CertificateReading,
     read_certificate,
 )
-from neuralgaits.control.laws import exported_laws
+from neuralgaits.control.law_by_name import exported_laws
 from neuralgaits.errors import InputError
 from neuralgaits.export import build, output_folder
 from neuralgaits.export.c_check import check_controller

@@ -24,7 +24,7 @@ from neuralgaits.residual.reset import fit_reset
 from neuralgaits.residual.trajectories import largest_defects, missed, root_mean_square
 from neuralgaits.residual.trust import landing_errors
 from neuralgaits.runs.atomic import refuse_unwritable
-from neuralgaits.runs.names import FIT, FITTED
+from neuralgaits.runs.names import FIT_SUMMARY, LEARNED_RESIDUAL
 from neuralgaits.settings import FitSettings, called_with
 
 SAMPLES, STEP_S = 3, 0.01
@@ -62,7 +62,7 @@ def fit(settings: FitSettings) -> Fit:
     config = settings.config or FitConfig(optimizer=settings.optimizer)
     logs, columns, seed = settings.logs, settings.columns, settings.seed
     trained = open_run(settings.run)
-    refuse_unwritable(trained.path / FITTED, trained.path / FIT)
+    refuse_unwritable(trained.path / LEARNED_RESIDUAL, trained.path / FIT_SUMMARY)
     policy = trained.gait.policy
     read, left_out = walks.read_all(logs, trained.robot, columns=columns, policy=policy)
     cut = walks.cut(read, trained.robot)
@@ -78,7 +78,7 @@ def fit(settings: FitSettings) -> Fit:
     # Pairs of samples reach further into a stride's end than the windows of the fit.
     pairs = walks.windows(parts.heldout, samples=2, step=STEP_S)
     learned = Learned(flow, reset, largest_defects(missed(zd, flow, pairs)))
-    path = trained.path / FITTED
+    path = trained.path / LEARNED_RESIDUAL
     learned.write(path)
     summary = Fitted(
         run=str(trained.path),
@@ -100,7 +100,7 @@ def fit(settings: FitSettings) -> Fit:
         touchdowns=landing_errors(corrected, reset, walks.touchdowns(parts.heldout, zd)),
         wall_s=time.perf_counter() - start_time,
     )
-    trained.folder.write_json(FIT, summary)
+    trained.folder.write_json(FIT_SUMMARY, summary)
     return Fit(path, learned, summary)
 
 

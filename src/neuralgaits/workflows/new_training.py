@@ -7,7 +7,7 @@ from pathlib import Path
 import jax
 
 from neuralgaits.analysis.run import Run
-from neuralgaits.barriers import GaitSpec, specs, user_code
+from neuralgaits.barriers import GaitSpec, spec_file_errors, specs
 from neuralgaits.barriers.commanded_spec import commands_of
 from neuralgaits.barriers.spec import Init
 from neuralgaits.certificate.provable import refuse_many_axes, refuse_untraceable, why_not_provable
@@ -155,7 +155,7 @@ def ranges_of(commands: Commands) -> dict[str, Range]:
 
 
 def _new_gait(spec: GaitSpec, seed: int, init: Init, hidden: tuple[int, ...] | None) -> AnyGait:
-    with user_code.blamed():
+    with spec_file_errors.blamed():
         return spec.new_gait(jax.random.key(seed), init, hidden)
 
 

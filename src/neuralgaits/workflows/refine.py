@@ -10,7 +10,7 @@ from neuralgaits.analysis.run import Run, open_run
 from neuralgaits.errors import InputError, RunError
 from neuralgaits.records.training_config import Proving
 from neuralgaits.runs import RunFolder
-from neuralgaits.runs.names import FITTED, RESIDUAL, ROBOT, SPEC, START, WEIGHTS
+from neuralgaits.runs.names import LEARNED_RESIDUAL, RESIDUAL, ROBOT, SPEC, START, WEIGHTS
 from neuralgaits.runs.shell_words import learning
 from neuralgaits.settings import RefineSettings, called_with
 from neuralgaits.settings.forms import LEARNED
@@ -39,11 +39,11 @@ def refine(settings: RefineSettings) -> Run:
             f"expected a run for one robot to refine, found {parent.path}, whose gait is for a box "
             "of them: a residual is learned of one robot; train without --parameters"
         )
-    file = parent.path / FITTED if settings.residual is None else Path(settings.residual)
+    file = parent.path / LEARNED_RESIDUAL if settings.residual is None else Path(settings.residual)
     if settings.residual is None and not file.is_file():
         raise RunError(
-            f"expected a residual of {parent.path}, found no {FITTED} in it: learn one from a "
-            f"robot's logs, or as in `{learning(parent.path)}`, or give --residual FILE"
+            f"expected a residual of {parent.path}, found no {LEARNED_RESIDUAL} in it: learn one "
+            f"from a robot's logs, or as in `{learning(parent.path)}`, or give --residual FILE"
         )
     learned = Learned.read(file, parent.robot)
     disturbance = settings.disturbance

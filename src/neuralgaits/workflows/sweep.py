@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from neuralgaits.barriers.commanded_spec import Interval
-from neuralgaits.control.laws import law_named
+from neuralgaits.control.law_by_name import law_named
 from neuralgaits.engine import Done, Job, worker_pool_for
 from neuralgaits.errors import InputError, Interrupted
 from neuralgaits.records.swept import (

@@ -21,6 +21,7 @@ from neuralgaits.robots import PlanarBiped
 from neuralgaits.runs import RunFolder, finish, resolve_unfinished
 from neuralgaits.runs.atomic import refuse_unwritable
 from neuralgaits.runs.names import ROBOT, STATE, SUMMARY, WEIGHTS
+from neuralgaits.runs.only_writer import only_writer
 from neuralgaits.runs.shell_words import LATEST, resuming
 from neuralgaits.settings import TrainSettings, Watch, called_with
 from neuralgaits.training.calibration import calibrated
@@ -88,8 +89,21 @@ def train_to_the_end(
         start_time: start time of the command, or of this seed of many (s, of `time.perf_counter`).
         trainer: as in `take_all_steps`.
 
-    Raises: NonFiniteError; Interrupted for KeyboardInterrupt.
+    Raises: NonFiniteError; Interrupted for KeyboardInterrupt; InputError if another command trains
+        this run.
     """
+    with only_writer(run.path):
+        return _train_alone(run, progress, watch or Watch(), root, start_time, trainer)
+
+
+def _train_alone(
+    run: Run,
+    progress: Progress | None,
+    watch: Watch,
+    root: Path,
+    start_time: float,
+    trainer: Trainer | None,
+) -> Run:
     try:
         session = take_all_steps(run, progress, trainer)
         gait, proof = session.gait, None
@@ -98,7 +112,7 @@ def train_to_the_end(
         if run.asked.certify is None:
             run.folder.write_tree(WEIGHTS, gait)
         else:
-            rounds = ProofRounds(run.folder, run.robot, run.spec, session.steps, watch or Watch())
+            rounds = ProofRounds(run.folder, run.robot, run.spec, session.steps, watch)
             gait, proof = rounds.run(session.trainer, gait, run.asked.certify.budget_s)
         done = replace(run, trained=gait)
         report = partial(session.trainer.report, seed=FRESH_SAMPLES_SEED)

@@ -42,7 +42,8 @@ class Problem:
         scales: scales of the conditions. [C]
         program: margins by condition name as a function of u; more outputs cost time only. A
             second input is anywhere in the unit ball.
-        degree: degree of the Taylor models.
+        degree: degree of the Taylor models: 2 in every search, since 1 needs more boxes; checkers
+            read both.
         least: lower limit that each condition must reach, in scales; 0 for all if empty. Margins
             are relative to it. [C]
         claimed: share of the margin found that is claimed. A reader needs fewer boxes for less,

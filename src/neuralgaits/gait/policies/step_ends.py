@@ -12,9 +12,9 @@ import jax.numpy as jnp
 import numpy as np
 
 from neuralgaits._types import Actuated, Array, Coordinates, Float, Planar, Scalar
-from neuralgaits.gait.coordinates import ZeroCoordinates
 from neuralgaits.gait.posture import hip_indices
 from neuralgaits.gait.reset_residual import ResetCorrection, rates_after
+from neuralgaits.gait.zero_coordinates import ZeroCoordinates
 from neuralgaits.robots.dynamics import angular_momentum, hip_position, swing_foot
 
 if TYPE_CHECKING:

@@ -39,7 +39,7 @@ class TaylorAlgebra(Algebra[Taylor]):
     Each element of u has a symbol of its own. A second input, of any shape, is in the unit ball.
 
     Attributes:
-        degree: 1, or 2 for conditions with second derivatives.
+        degree: 1 or 2; searches use 2 (`certificate/search/problem.py`).
     """
 
     degree: int

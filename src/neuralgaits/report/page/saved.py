@@ -20,8 +20,8 @@ from neuralgaits.records.training_config import Range, TrainingConfig, asked_of
 from neuralgaits.report.drawing.drawn import Drawn, Missing
 from neuralgaits.runs import RunFolder
 from neuralgaits.runs.hashes import file_hashes
-from neuralgaits.runs.names import FIT as LEARNING
-from neuralgaits.runs.names import FITTED, NAN, RESIDUAL, ROBOT, SPEC, START, WEIGHTS
+from neuralgaits.runs.names import FIT_SUMMARY as LEARNING
+from neuralgaits.runs.names import LEARNED_RESIDUAL, NAN, RESIDUAL, ROBOT, SPEC, START, WEIGHTS
 from neuralgaits.runs.names import SUMMARY as TRAINING
 from neuralgaits.runs.shell_words import command, learning, named
 
@@ -212,7 +212,7 @@ def _outdated(
 ) -> dict[str, str]:
     """Return the parts that are about other files than the run's, with what to do."""
     found: dict[str, str] = {}
-    fitted = file_hashes(folder.path, (FITTED,)).values()
+    fitted = file_hashes(folder.path, (LEARNED_RESIDUAL,)).values()
     if learned is not None and learned.residual_sha256 not in (None, *fitted):
         found[LEARNING] = (
             f"{LEARNING} is about another residual.safetensors than the run's: learn it again with "

@@ -10,7 +10,7 @@ import numpy as np
 
 from neuralgaits.errors import RobotError
 from neuralgaits.robots.derive import LegData
-from neuralgaits.robots.mjcf.actuation import Motor, read_motor, read_range
+from neuralgaits.robots.mjcf.motors_and_ranges import Motor, read_motor, read_range
 from neuralgaits.robots.mjcf.physical_numbers import refuse_quantity
 from neuralgaits.robots.mjcf.planar_tree import Joint, PlanarTree
 from neuralgaits.robots.mjcf.skeleton import Skeleton

@@ -25,11 +25,11 @@ from neuralgaits.errors import InputError, RobotError
 from neuralgaits.robots import derive, registry
 from neuralgaits.robots.biped import PlanarBiped
 from neuralgaits.robots.constants import MjcfLayout
-from neuralgaits.robots.mjcf.actuation import refuse_other_actuators
 from neuralgaits.robots.mjcf.counts import refuse_large_counts
 from neuralgaits.robots.mjcf.ignored_physics import refuse_ignored_physics
 from neuralgaits.robots.mjcf.legs import LegJoint, leg_data, leg_joints, link_directions, up_angle
 from neuralgaits.robots.mjcf.link_names import coordinate_names, paired_names, role_names
+from neuralgaits.robots.mjcf.motors_and_ranges import refuse_other_actuators
 from neuralgaits.robots.mjcf.physical_numbers import (
     refuse_negative_mass,
     refuse_odd_keyframes,

@@ -96,6 +96,8 @@ def _ranges(kind: str, commands: Commands) -> dict[str, Size]:
     assert length is not None
     if kind == "stones":
         return {"width": Size(0.01, length.low, 0.1)}
+    if kind != "stairs":
+        raise ValueError(f"no sizes of {kind}: write them here")
     assert height is not None
     return {
         "rise": Size(height.low, height.high, height.high),

@@ -74,7 +74,7 @@ def ending(
     finite: Array | bool,
     xp: Any = jnp,
 ) -> Int[Array, ""]:
-    """Judge one state.
+    """Judge one state. Compiled walks do the same in C: `judge` in `native/c/walk.c`.
 
     Args:
         config: thresholds.

@@ -1,0 +1,63 @@
+"""One command at a time works on a run folder."""
+
+import shutil
+import subprocess
+import sys
+
+import pytest
+
+from neuralgaits.errors import InputError, RunError
+from neuralgaits.runs.claim import claimed
+from neuralgaits.runs.names import SUMMARY
+from neuralgaits.runs.only_writer import LOCK, only_writer
+from neuralgaits.workflows.train import train
+
+pytest.importorskip("fcntl")
+
+
+def fill(path, config="config.json"):
+    return claimed(path, path.parent, "robot", 0, what="a run", config=config)
+
+
+def test_a_second_command_is_refused_and_the_first_goes_on(tmp_path):
+    with only_writer(tmp_path):
+        with pytest.raises(InputError, match=r"nobody else at work on .*: wait for it"):
+            with only_writer(tmp_path):
+                pass
+    with only_writer(tmp_path):
+        pass
+
+
+def test_a_killed_command_releases_its_folder(tmp_path):
+    line = (
+        "import os, pathlib; from neuralgaits.runs.only_writer import only_writer\n"
+        f"with only_writer(pathlib.Path({str(tmp_path)!r})): os._exit(9)"
+    )
+    assert subprocess.run([sys.executable, "-c", line], check=False).returncode == 9
+    with only_writer(tmp_path):
+        pass
+
+
+def test_two_commands_do_not_fill_one_folder(tmp_path):
+    out = tmp_path / "run"
+    with fill(out) as path:
+        (path / "a").write_text("first")
+        # Without a config it looks like what a killed command left.
+        with pytest.raises(InputError, match="nobody else at work"):
+            with fill(out):
+                pass
+        (path / "config.json").write_text("{}")
+    assert sorted(one.name for one in out.iterdir()) == [LOCK, "a", "config.json"]
+    with pytest.raises(RunError, match="new or empty folder"):
+        with fill(out):
+            pass
+
+
+def test_a_run_that_is_being_trained_is_not_resumed(small_run, tmp_path):
+    path = shutil.copytree(small_run.path, tmp_path / "run")
+    (path / SUMMARY).unlink()
+    before = {one: one.read_bytes() for one in path.iterdir() if one.is_file()}
+    with only_writer(path):
+        with pytest.raises(InputError, match="nobody else at work"):
+            train(resume=path)
+    assert {one: one.read_bytes() for one in before} == before
