@@ -10,7 +10,7 @@ import pytest
 from neuralgaits.certificate.chart import CoupledAxes
 from neuralgaits.certificate.levels.conditions.verdicts import verdict_on
 from neuralgaits.certificate.proof_file.writer import prove
-from neuralgaits.certificate.search import checkpoint, schedule
+from neuralgaits.certificate.search import checkpoint, root_turns
 from neuralgaits.certificate.search.box_tree import BoxTree
 from neuralgaits.certificate.search.branch_and_bound import (
     MOST_AT_START,
@@ -22,7 +22,7 @@ from neuralgaits.certificate.search.branch_and_bound import (
 from neuralgaits.certificate.search.checkpoint import load, save
 from neuralgaits.certificate.search.halving import halves, to_text
 from neuralgaits.certificate.search.problem import Problem
-from neuralgaits.certificate.search.schedule import SearchInterrupted, explore
+from neuralgaits.certificate.search.root_turns import SearchInterrupted, explore
 from neuralgaits.errors import RunError
 from neuralgaits.programs.tracing.tracer import trace
 from neuralgaits.records.certified import Counterexample
@@ -189,14 +189,16 @@ def test_boxes_have_an_end_and_a_budget_lifts_it(monkeypatch):
         return jnp.tanh(u[0] - u[1]) ** 2
 
     problem = _problem(zero=zero, degree=1)
-    monkeypatch.setattr(schedule, "MAX_BOXES", 300)
+    monkeypatch.setattr(root_turns, "MAX_BOXES", 300)
     capped = _run(problem)
     assert 300 <= len(capped.tree.first) <= 2**6 - 1 + 300
     assert _verdict(problem, capped, "zero").verdict == "undecided"
     assert len(_run(problem, capped).tree.first) > len(capped.tree.first)
     deadline = time.monotonic() + 0.5
     assert len(_run(problem, deadline=deadline).tree.first) > 1000
-    monkeypatch.setattr(schedule, "MEMORY_BYTES", 700 * capped.tree.nbytes / len(capped.tree.first))
+    monkeypatch.setattr(
+        root_turns, "MEMORY_BYTES", 700 * capped.tree.nbytes / len(capped.tree.first)
+    )
     held = _run(problem, deadline=time.monotonic() + 60.0)
     assert time.monotonic() < deadline + 50.0
     assert 600 < len(held.tree.first) <= 720

@@ -7,9 +7,9 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from neuralgaits.certificate.search import schedule
+from neuralgaits.certificate.search import root_turns
 from neuralgaits.certificate.search.problem import Problem
-from neuralgaits.certificate.search.schedule import explore
+from neuralgaits.certificate.search.root_turns import explore
 from neuralgaits.certificate.search.shared_bounds import SharedBounds, from_json, to_json
 from neuralgaits.engine import Done, Failure, Files, Job, Processes, Serial, WorkerPool
 from neuralgaits.engine.task import Task
@@ -69,7 +69,7 @@ def test_the_tree_is_the_same_whoever_bounds_its_boxes(kind: str) -> None:
 def test_turns_do_not_depend_on_the_clock(monkeypatch: pytest.MonkeyPatch) -> None:
     problem = _problem()
     whole = _tree(problem, None)
-    monkeypatch.setattr(schedule, "TURN_BOXES", 64)
+    monkeypatch.setattr(root_turns, "TURN_BOXES", 64)
     slow = _tree(problem, None)
     share = whole.share(np.all(whole.lower >= 0.0, axis=1))
     assert slow.share(np.all(slow.lower >= 0.0, axis=1)) == share == 1.0

@@ -32,8 +32,9 @@ class Chain(NamedTuple):
         ends = LENGTH * jnp.stack([jnp.cos(angle), jnp.sin(angle)])
         # A joint turns every link behind it: velocity of mass i per rate of joint j.
         behind = np.tril(np.ones((4, 4)))
-        moved = [behind @ (behind * end[:, None]) for end in ends]
-        return sum(part.T @ (jnp.asarray(MASSES)[:, None] * part) for part in moved)
+        across, along = (behind @ (behind * end[:, None]) for end in ends)
+        masses = jnp.asarray(MASSES)[:, None]
+        return across.T @ (masses * across) + along.T @ (masses * along)
 
     def energy(self, q, dq):
         return 0.5 * dq @ self.mass(q) @ dq

@@ -10,7 +10,7 @@ from neuralgaits.certificate.chart import Chart
 from neuralgaits.certificate.levels.problems import condition_problems
 from neuralgaits.certificate.proof_file.model_data import model_data
 from neuralgaits.certificate.proof_file.writer import Proof, prove
-from neuralgaits.certificate.search.schedule import explore
+from neuralgaits.certificate.search.root_turns import explore
 from neuralgaits.certificate.traced import trace_spec
 from support.checker_case import holds
 from support.commanded_run import SPEED, family_of

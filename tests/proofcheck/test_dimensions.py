@@ -15,7 +15,7 @@ from neuralgaits.certificate.proof_file.reader import read_claims
 from neuralgaits.certificate.proof_file.writer import Proof, prove
 from neuralgaits.certificate.search import branch_and_bound
 from neuralgaits.certificate.search.problem import Problem
-from neuralgaits.certificate.search.schedule import explore
+from neuralgaits.certificate.search.root_turns import explore
 from neuralgaits.certificate.search.statement_record import StatementRecord
 from neuralgaits.errors import InputError
 from neuralgaits.programs.tracing.tracer import trace

@@ -12,7 +12,7 @@ import pytest
 from neuralgaits.analysis.run import open_run
 from neuralgaits.certificate.proof_file.reader import read_claims
 from neuralgaits.certificate.run_certificate.earlier import EarlierCertificate
-from neuralgaits.certificate.search.schedule import SearchInterrupted
+from neuralgaits.certificate.search.root_turns import SearchInterrupted
 from neuralgaits.errors import InputError, RunError, SpecError
 from neuralgaits.runs import read_arrays
 from neuralgaits.workflows import certify as certify_module

@@ -35,7 +35,7 @@ from neuralgaits.certificate.proof_file.statement_check import StatementCheck
 from neuralgaits.certificate.proof_file.theorem_tables import Theorems
 from neuralgaits.certificate.run_certificate import retrace
 from neuralgaits.certificate.run_certificate.run_comparison import differences_of_program
-from neuralgaits.certificate.search.schedule import SearchInterrupted
+from neuralgaits.certificate.search.root_turns import SearchInterrupted
 from neuralgaits.gait.full_order import FullPoint
 from neuralgaits.programs import POINT, Program, evaluate
 from neuralgaits.programs.algebras.ball import BallAlgebra

@@ -143,7 +143,7 @@ def _simulate(verb: SimulateOptions) -> Outcome:
 
 
 def _certify(verb: CertifyOptions) -> Outcome:
-    from neuralgaits.certificate.search.schedule import SearchInterrupted
+    from neuralgaits.certificate.search.root_turns import SearchInterrupted
     from neuralgaits.cli.progress import ProofProgress
     from neuralgaits.workflows.certify import certify
 

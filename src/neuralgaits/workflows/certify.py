@@ -35,7 +35,7 @@ from neuralgaits.certificate.run_certificate.scope import Scope
 from neuralgaits.certificate.search.branch_and_bound import BoundAll, Search
 from neuralgaits.certificate.search.checkpoint import load, save
 from neuralgaits.certificate.search.problem import Problem
-from neuralgaits.certificate.search.schedule import (
+from neuralgaits.certificate.search.root_turns import (
     SearchInterrupted,
     box_count,
     explore,
