@@ -15,7 +15,7 @@ from neuralgaits.runs.names import MAP
 from support import brief_spec
 from support.shipped_run import SHIPPED
 
-SOURCE = Path(neuralgaits.__file__).parents[1]
+SOURCE, TESTS = Path(neuralgaits.__file__).parents[1], Path(__file__).parents[1]
 BROKEN = os.fsdecode(b"l\xc3\xa4uft-\xff")
 SHOWN = r"läuft-\xff"
 ASCII_ONLY = {"LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0"}
@@ -88,8 +88,8 @@ def test_verbs_in_a_locale_of_ascii(place: Path) -> None:
         ["simulate", BROKEN, "--steps", "2"],
         ["export", BROKEN, "--out", "c", "--json"],
     ):
-        environment = os.environ | {"PYTHONPATH": str(SOURCE)} | ASCII_ONLY
-        line = [sys.executable, "-m", "neuralgaits", *words]
+        environment = os.environ | {"PYTHONPATH": f"{SOURCE}{os.pathsep}{TESTS}"} | ASCII_ONLY
+        line = [sys.executable, "-m", "support.brief_command", *words]
         done = subprocess.run(line, env=environment, capture_output=True)
         assert done.returncode in (0, 1), done.stderr
         assert done.stdout.isascii()
