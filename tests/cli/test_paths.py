@@ -11,9 +11,8 @@ import pytest
 
 import neuralgaits
 from neuralgaits.cli.main import main
-from neuralgaits.report.makers import MAKERS
+from neuralgaits.report import makers
 from neuralgaits.runs.names import MAP
-from neuralgaits.workflows import figures
 from support import brief_spec
 from support.shipped_run import SHIPPED
 
@@ -53,7 +52,7 @@ def test_verbs_take_a_run_whose_name_is_no_utf8(
     words: list[str],
 ) -> None:
     # All figures are written in the same way; those of other reports are drawn all.
-    monkeypatch.setattr(figures, "MAKERS", MAKERS[:FIGURES])
+    monkeypatch.setattr(makers, "MAKERS", makers.MAKERS[:FIGURES])
     assert main([*words, "--json"]) in (0, 1)
     out, err = capfd.readouterr()
     assert json.loads(out)["run"] == SHOWN
