@@ -48,10 +48,37 @@ settings.load_profile("neuralgaits")
 Maker = Callable[[Path], object]
 
 
+_MAKERS = "certified_5", "proofcheck"
+"""Fixtures that take longest to make, which one worker makes and others wait for."""
+_SHARED = {*_MAKERS, "trained", "certified"}
+_QUICK_FOLDERS = {"barriers", "control", "gait", "logs", "programs", "records", "robots", "runs"}
+"""Folders of short files."""
+
+
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Files with slow tests come first: those that are given to the workers last are short."""
-    slow = {item.path for item in items if item.get_closest_marker("slow")}
-    items.sort(key=lambda item: item.path not in slow)
+    """Sort files, which the workers are given in this order, so that no worker waits for another.
+
+    First comes a file for each of `_MAKERS`, so that two workers make them at the same time; then
+    files with slow tests, those that share nothing before the others; last come short files.
+    """
+    # No set: each worker must come to the same order.
+    shared = {item.path: set[str]() for item in items if item.get_closest_marker("slow")}
+    for item in items:
+        if item.path in shared:
+            shared[item.path] |= _SHARED & set(getattr(item, "fixturenames", ()))
+    makers = []
+    for name in _MAKERS:
+        able = (path for path, asked in shared.items() if asked & set(_MAKERS) == {name})
+        makers += [path for path in able if path not in makers][:1]
+
+    def rank(item: pytest.Item) -> int:
+        if item.path in makers:
+            return makers.index(item.path)
+        if item.path in shared:
+            return len(makers) + bool(shared[item.path])
+        return len(makers) + (3 if item.path.parent.name in _QUICK_FOLDERS else 2)
+
+    items.sort(key=rank)
 
 
 @pytest.fixture(scope="session", autouse=True)

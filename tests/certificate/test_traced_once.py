@@ -15,6 +15,7 @@ from neuralgaits.certificate.run_certificate.verified_summary import read_certif
 from neuralgaits.errors import RunError
 from neuralgaits.records.certified import PROOF
 from neuralgaits.runs import RunFolder
+from support import traced_once
 from support.shipped_run import SHIPPED
 from support.traced_once import TracedOnce
 
@@ -66,6 +67,33 @@ def test_a_run_of_another_byte_is_traced(run, about, file):
     with contextlib.suppress(RunError):
         shared.here_if_built_in(run, *about)
     assert shared.traced == 2
+
+
+@pytest.mark.usefixtures("no_trace")
+def test_what_is_written_of_a_run_later_counts_if_code_of_a_user_s_may_read_it(run, about):
+    shared = TracedOnce()
+    (run / "simulation").mkdir()
+    contents = []
+    for spec in ("walking", "mine.py:own"):
+        config = json.loads((run / "config.json").read_text()) | {"spec": spec}
+        (run / "config.json").write_text(json.dumps(config))
+        for text in ("{}", "[]"):
+            (run / "simulation" / "summary.json").write_text(text)
+            contents.append(traced_once._contents(run))
+            if spec == "walking":
+                shared.here_if_built_in(run, *about)
+    assert shared.traced == 1
+    assert contents[0] == contents[1] and contents[2] != contents[3]
+
+
+@pytest.mark.usefixtures("no_trace")
+def test_a_file_that_is_gone_is_missed(run, about):
+    shared = TracedOnce()
+    for name in ("metrics.csv", "summary.json"):
+        shared.here_if_built_in(run, *about)
+        (run / name).unlink()
+    shared.here_if_built_in(run, *about)
+    assert shared.traced == 3
 
 
 @pytest.mark.usefixtures("no_trace")

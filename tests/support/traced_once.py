@@ -13,7 +13,13 @@ import pytest
 from neuralgaits.certificate.chart import PLANE_ONLY, Chart
 from neuralgaits.certificate.proof_file.theorem_tables import Theorems
 from neuralgaits.certificate.run_certificate import retrace
+from neuralgaits.errors import NeuralGaitsError
+from neuralgaits.records.training_config import asked_of
+from neuralgaits.runs import RunFolder
+from neuralgaits.runs.names import CONFIG, GAIT, RESIDUAL, ROBOT, SPEC, START, WEIGHTS
 
+READ = frozenset((CONFIG, GAIT, RESIDUAL, ROBOT, SPEC, START, WEIGHTS))
+"""Files of a run that it is opened from, if its spec is built in."""
 _PROBLEMS = "neuralgaits.certificate.levels.problems"
 Key = tuple[str, ...]
 
@@ -21,10 +27,10 @@ Key = tuple[str, ...]
 class TracedOnce:
     """What a proof is compared with, as `retrace` finds it, kept by content.
 
-    A result is a function of the files in the run's folder (but for those of the certificate, which
-    is compared with it), of the theorems and of the chart. Where a byte of any of these is changed,
-    the run is traced again. A result is kept as JSON, and each caller reads it anew. Errors are not
-    kept.
+    A result is a function of the files in the run's folder that tracing reads (not those of the
+    certificate, which is compared with it), of the theorems and of the chart. Where a byte of any
+    of these is changed, the run is traced again. A result is kept as JSON, and each caller reads it
+    anew. Errors are not kept.
 
     Attributes:
         trusted: whether the program is as it was written. If not, each run is traced.
@@ -73,13 +79,30 @@ class TracedOnce:
 
 
 def _contents(run: Path) -> Key:
-    """Return name and sha256 of every file of a run that is none of its certificate's."""
-    files = sorted(path for path in run.rglob("*") if path.is_file())
-    return tuple(
-        f"{path.relative_to(run)} {hashlib.sha256(path.read_bytes()).hexdigest()}"
-        for path in files
-        if path.parent != run / "certificate"
-    )
+    """Return all of a run that tracing it may read: names, and sha256 of contents.
+
+    Code of a user's spec may read any file but those of the certificate. A built-in spec is opened
+    from the files of READ, and from whether there are others beside them.
+    """
+    own_code = not _is_built_in(run)
+    found = []
+    for path in sorted(run.rglob("*") if own_code else run.iterdir()):
+        if not path.is_file() or path.parent == run / "certificate":
+            continue
+        read = own_code or path.name in READ
+        digest = hashlib.sha256(path.read_bytes()).hexdigest() if read else ""
+        found.append(f"{path.relative_to(run)} {digest}")
+    return tuple(found)
+
+
+def _is_built_in(run: Path) -> bool:
+    """Return whether a run's spec is the package's; not where the run cannot tell."""
+    from neuralgaits.barriers import specs  # Brings JAX.
+
+    try:
+        return specs.is_built_in(asked_of(RunFolder.open(run)).spec)
+    except NeuralGaitsError:
+        return False
 
 
 def _replaced() -> bool:
