@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from neuralgaits.analysis.run import open_run
-from neuralgaits.certificate.levels.orbit.return_map import slope, state
+from neuralgaits.certificate.levels.orbit.return_map import slope
 from neuralgaits.certificate.levels.walking_set import margins as walking_set
 from neuralgaits.certificate.levels.walking_set.theorem import WalkingSetConstants
 from neuralgaits.errors import InputError
@@ -130,7 +130,7 @@ def test_states_of_the_set_walk_on_whatever_pushes_them(run):
         zeta = low + level * (high - low)
 
         def rate(phase, zeta, corner):
-            point = [d.point(state(gait, phase, zeta)) for d in pushed]
+            point = [d.point(gait.state(phase, zeta)) for d in pushed]
             return jnp.stack([slope(gait, p) for p in point])[corner]
 
         def move(carry, phase):
@@ -139,11 +139,11 @@ def test_states_of_the_set_walk_on_whatever_pushes_them(run):
             corner, h = jax.random.randint(draw, (), 0, 4), 1.0 / steps
             k1 = rate(phase, zeta, corner)
             zeta = zeta + h * rate(phase + 0.5 * h, zeta + 0.5 * h * k1, corner)
-            return (key, zeta), gait.level(state(gait, phase + h, zeta))
+            return (key, zeta), gait.level(gait.state(phase + h, zeta))
 
         phases = jnp.linspace(0.0, 1.0, steps, endpoint=False)
         (key, zeta), levels = jax.lax.scan(move, (key, zeta), phases)
-        after = zd.reset(state(gait, jnp.ones_like(zeta), zeta))
+        after = zd.reset(gait.state(jnp.ones_like(zeta), zeta))
         return key, gait.level(after), levels
 
     levels = jnp.concatenate([jnp.array([0.0, 1.0]), jnp.linspace(1e-3, 1.0 - 1e-3, 198)])
