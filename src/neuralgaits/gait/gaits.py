@@ -69,7 +69,7 @@ class Gait(eqx.Module):
         low, high = self.tube.fences(u[0])
         return self.state(u[0], low + u[1] * (high - low))
 
-    def state(self, phase: Scalar, zeta: Scalar) -> ZeroState:
+    def state(self, phase: Number, zeta: Number) -> ZeroState:
         """State at a phase, with z2 = sqrt(2 zeta) > 0 (m, kg m^2/s). [2]."""
         start, guard = self.span
         return jnp.stack([start + phase * (guard - start), jnp.sqrt(2.0 * zeta)])
