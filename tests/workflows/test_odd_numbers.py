@@ -82,7 +82,6 @@ def test_weights_that_overflow_are_refused_by_every_verb(tmp_path, capfd, verb):
     assert main([verb, str(run)]) == 2
     line = capfd.readouterr().err.splitlines()[-1]
     assert line.startswith("neuralgaits: expected weights of at most 1e+30") and WEIGHTS in line
-    assert line.count("\n") == 1
 
 
 @pytest.mark.parametrize(
