@@ -46,9 +46,9 @@ def _row(name: str, value: float, inside: bool, words: str) -> str:
     # What a barrier adds to its bound, behind a semicolon, is left to the hint.
     label = words.partition(";")[0] or name
     return (
-        f'<div style="display:flex;align-items:center;gap:6px;height:17px;'
+        f'<div style="display:flex;align-items:center;gap:6px;min-height:17px;line-height:1.2;'
         f'opacity:{"1" if inside else ".45"}" title="{hint}">'
-        '<span style="flex:0 0 62%;overflow:hidden;text-overflow:ellipsis;white-space:nowrap">'
+        '<span style="flex:0 0 62%;overflow-wrap:anywhere;padding:2px 0">'
         f'{html.escape(label)}</span><span style="flex:1;height:9px;'
         'background:rgba(128,140,150,.18);border-radius:3px;overflow:hidden">'
         f'<span style="display:block;height:9px;width:{width:.0f}%;background:{ink.light}"></span>'
