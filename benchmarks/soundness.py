@@ -14,7 +14,7 @@ from threadpoolctl import threadpool_limits
 from neuralgaits.analysis.run import Run
 from neuralgaits.certificate.traced import trace_spec
 from neuralgaits.programs import evaluate, fold
-from neuralgaits.programs.algebras.taylor import TaylorAlgebra
+from neuralgaits.programs.algebras.taylor_algebra import TaylorAlgebra
 
 BOXES, POINTS, BATCH = 5120, 196, 256
 """Random points in a box, beside its four corners."""

@@ -9,11 +9,12 @@ import pytest
 
 import neuralgaits as ng
 from neuralgaits.barriers import Gait, Tube
-from neuralgaits.certificate.levels.level_search import fences_of, look_at
+from neuralgaits.certificate.levels.level_search import look_at
 from neuralgaits.certificate.levels.orbit import return_map
 from neuralgaits.certificate.levels.orbit.find import _periodic, find_orbit
 from neuralgaits.certificate.levels.orbit.margins import margins, thin_gait
 from neuralgaits.certificate.levels.orbit.return_map import slope
+from neuralgaits.certificate.levels.orbit.search import fences_of
 from neuralgaits.certificate.levels.walking_set.find import find_set
 
 STEPS = 200

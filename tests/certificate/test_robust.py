@@ -16,9 +16,10 @@ from neuralgaits.analysis.run import open_run
 from neuralgaits.barriers import Box, Gait, specs
 from neuralgaits.barriers.commanded_spec import commands_of
 from neuralgaits.certificate.chart import MOST_AXES, Chart
-from neuralgaits.certificate.levels.level_search import LevelSets, fences_of, find_sets, look_at
+from neuralgaits.certificate.levels.level_search import LevelSets, find_sets, look_at
 from neuralgaits.certificate.levels.levels import conclude
 from neuralgaits.certificate.levels.orbit import margins as orbit_margins
+from neuralgaits.certificate.levels.orbit.search import fences_of
 from neuralgaits.certificate.levels.orbit.theorem import OrbitConstants
 from neuralgaits.certificate.levels.problems import trace_certificate
 from neuralgaits.certificate.levels.walking_set.find import find_set

@@ -12,7 +12,7 @@ from neuralgaits.barriers import specs
 from neuralgaits.certificate.traced import trace_spec
 from neuralgaits.programs import POINT, evaluate, fold
 from neuralgaits.programs.algebras.ball import BallAlgebra
-from neuralgaits.programs.algebras.taylor import TaylorAlgebra
+from neuralgaits.programs.algebras.taylor_algebra import TaylorAlgebra
 from neuralgaits.robots import load_robot
 
 BOXES, POINTS, EXACT = 96, 100, 32

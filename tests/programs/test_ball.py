@@ -15,7 +15,7 @@ from neuralgaits.gait.activations import logistic, softplus, tanh
 from neuralgaits.programs import POINT, evaluate
 from neuralgaits.programs.algebras import ball_functions as functions
 from neuralgaits.programs.algebras.ball import BallAlgebra
-from neuralgaits.programs.algebras.taylor import TaylorAlgebra
+from neuralgaits.programs.algebras.taylor_algebra import TaylorAlgebra
 from neuralgaits.programs.tracing.tracer import trace
 
 BOXES = 12

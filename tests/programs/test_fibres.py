@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from neuralgaits.errors import InputError
 from neuralgaits.programs import POINT, evaluate
 from neuralgaits.programs.algebras.ball import BallAlgebra
-from neuralgaits.programs.algebras.taylor import TaylorAlgebra
+from neuralgaits.programs.algebras.taylor_algebra import TaylorAlgebra
 from neuralgaits.programs.program import Constant, Input, Operation, Output, Program
 from neuralgaits.programs.tracing.tracer import trace
 

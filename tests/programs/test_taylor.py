@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from neuralgaits.programs.algebras import expansions
-from neuralgaits.programs.algebras.taylor import TaylorAlgebra
+from neuralgaits.programs.algebras.taylor_algebra import TaylorAlgebra
 from neuralgaits.programs.algebras.taylor_model import Taylor, terms
 from neuralgaits.programs.program import Input, Output, Program
 

@@ -13,7 +13,7 @@ from neuralgaits.errors import SpecError
 from neuralgaits.export.float_bound import RoundingAlgebra
 from neuralgaits.programs import POINT, evaluate, fold
 from neuralgaits.programs.algebras.ball import BallAlgebra
-from neuralgaits.programs.algebras.taylor import TaylorAlgebra
+from neuralgaits.programs.algebras.taylor_algebra import TaylorAlgebra
 from neuralgaits.programs.ops import KINDS
 from neuralgaits.programs.tracing.tracer import trace
 

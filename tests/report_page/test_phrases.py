@@ -5,7 +5,7 @@ import inspect as introspection
 import pytest
 
 from neuralgaits.barriers import functions, specs
-from neuralgaits.records import in_plain_words
+from neuralgaits.records import certificate_sentences
 from neuralgaits.report.page import phrases
 from neuralgaits.robots import load_robot
 from neuralgaits.simulation.setup.disturbance import PlantChanges
@@ -66,6 +66,6 @@ def test_every_disturbance_has_words():
 
 def test_ten_words_and_five_levels():
     assert len(phrases.GLOSSARY) == 10
-    assert set(in_plain_words.LEVELS) == set(in_plain_words.PROVED) == {1, 2, 3, 4, 5}
-    assert "linearisation" in " ".join(in_plain_words.assumptions(4))
-    assert "linearisation" not in " ".join(in_plain_words.assumptions(3))
+    assert set(certificate_sentences.LEVELS) == set(certificate_sentences.PROVED) == {1, 2, 3, 4, 5}
+    assert "linearisation" in " ".join(certificate_sentences.assumptions(4))
+    assert "linearisation" not in " ".join(certificate_sentences.assumptions(3))

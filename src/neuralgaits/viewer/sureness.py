@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 from neuralgaits.analysis.run import Run
 from neuralgaits.certificate.run_certificate.verified_summary import ProvedPart, read_certificate
-from neuralgaits.records import in_plain_words
+from neuralgaits.records import certificate_sentences
 from neuralgaits.records.certified import HIGHEST, PROOF, CertificateRecord
 from neuralgaits.runs import packed
 from neuralgaits.runs.shell_words import command, named
@@ -66,7 +66,7 @@ def verdict_of(answer: CertificateRecord, part: ProvedPart | None) -> str:
 def _of_part(part: ProvedPart, count: int) -> str:
     """Describe the proof for a part of the commands; the gait has `count` conditions."""
     said = f"{len(part.conditions)} of {count} conditions hold at every state of their regions"
-    levels = (in_plain_words.states(entry.level, told=True) for entry in part.levels)
+    levels = (certificate_sentences.states(entry.level, told=True) for entry in part.levels)
     told = markdown.text("; ".join((said, *levels)))
     where = markdown.text("; ".join(part.told))
     return f"**Proved of some commands only: {where}.** There {told}. Of others nothing is proved."
@@ -75,7 +75,11 @@ def _of_part(part: ProvedPart, count: int) -> str:
 def _lines(run: Run, answer: CertificateRecord, part: ProvedPart | None) -> list[str]:
     """Return the report's words, and how they relate to the simulation on the page."""
     level = answer.proved_level
-    told = in_plain_words.proved(answer, bool(run.asked.commands)) if level else _not_proved(answer)
+    told = (
+        certificate_sentences.proved(answer, bool(run.asked.commands))
+        if level
+        else _not_proved(answer)
+    )
     lines = [markdown.text(told)]
     if part is not None and part.conditions:
         lines = [_of_part(part, len(answer.conditions))]
@@ -85,9 +89,11 @@ def _lines(run: Run, answer: CertificateRecord, part: ProvedPart | None) -> list
         "it: it may fall."
     )
     if level:
-        lines.append(markdown.text(in_plain_words.AS_STATED))
-        claims = f"It claims nothing about {in_plain_words.not_claimed(level)}."
-        rests = markdown.text(f"{in_plain_words.left_open(level, answer.robots)} {claims} {seen}")
+        lines.append(markdown.text(certificate_sentences.AS_STATED))
+        claims = f"It claims nothing about {certificate_sentences.not_claimed(level)}."
+        rests = markdown.text(
+            f"{certificate_sentences.left_open(level, answer.robots)} {claims} {seen}"
+        )
         lines.append(f"**What is not covered.** {rests}")
     else:
         lines.append(seen)
@@ -100,9 +106,7 @@ def _lines(run: Run, answer: CertificateRecord, part: ProvedPart | None) -> list
 
 
 def _not_proved(answer: CertificateRecord) -> str:
-    return (
-        f"Not proved: {answer.verdict} at level {answer.level}. {in_plain_words.not_proved(answer)}"
-    )
+    return f"Not proved: {answer.verdict} at level {answer.level}. {certificate_sentences.not_proved(answer)}"
 
 
 def _theorem(answer: CertificateRecord) -> str:

@@ -1,11 +1,11 @@
 """Definition of a level above 1 for readers of a proof: parameters, premises, conclusion.
 
-The search for its parameters, and its premises as functions of a gait, are in its entry of
-`level_search.LEVEL_SEARCHES`. Needs no JAX.
+Each level's folder has its `level.py`, and in `search.py` the search for its parameters and its
+premises as functions of a gait. Needs no JAX.
 """
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Any
 
 from neuralgaits.certificate.chart import Chart, Corner
@@ -43,3 +43,13 @@ class Level:
     rests_on: tuple[int, ...] = ()
     full_order: bool = False
     refusal: Callable[[Parameters, Chart], str | None] = lambda known, chart: None
+
+
+def lists_of(parameters: Any) -> Mapping[str, tuple[float, ...]]:
+    """Return the parameters that are lists of numbers, by name."""
+    values = {field.name: getattr(parameters, field.name) for field in fields(parameters)}
+    return {
+        name: value
+        for name, value in values.items()
+        if isinstance(value, tuple) and value and isinstance(value[0], float)
+    }

@@ -1,40 +1,24 @@
 """Sets of the levels above 1: what each level needs of a gait, found at points."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
-from functools import cached_property
-from typing import Any, NamedTuple
+from dataclasses import dataclass, field
+from functools import partial
 
 import jax.numpy as jnp
 import numpy as np
-from numpy.polynomial.chebyshev import chebval
 
 from neuralgaits._types import Array, Float
 from neuralgaits.barriers import Gait, GaitSpec
 from neuralgaits.certificate.chart import PLANE, Chart
-from neuralgaits.certificate.levels.disturbed import margins as disturbed
-from neuralgaits.certificate.levels.disturbed.find import find_disturbed
-from neuralgaits.certificate.levels.full_order import margins as full_order
-from neuralgaits.certificate.levels.full_order.model import FullOrderModel
-from neuralgaits.certificate.levels.full_order.sample_evaluators import looks_in, set_of
+from neuralgaits.certificate.levels.disturbed import search as disturbed
+from neuralgaits.certificate.levels.full_order import search as full_order
 from neuralgaits.certificate.levels.level import Parameters
 from neuralgaits.certificate.levels.levels import LEVELS
-from neuralgaits.certificate.levels.orbit import margins as orbit_set
 from neuralgaits.certificate.levels.orbit import return_map
-from neuralgaits.certificate.levels.orbit.find import (
-    Fences,
-    find_contraction,
-    find_orbit,
-)
-from neuralgaits.certificate.levels.walking_set import margins as walking_set
-from neuralgaits.certificate.levels.walking_set.find import (
-    Evaluator,
-    find_set,
-    least_of_inlet,
-    over_all,
-)
+from neuralgaits.certificate.levels.orbit import search as orbit
+from neuralgaits.certificate.levels.search_target import Evaluator, SearchTarget
+from neuralgaits.certificate.levels.walking_set import search as walking_set
 from neuralgaits.certificate.traced import step_at
-from neuralgaits.errors import SpecError
 from neuralgaits.gait import Residuals, ZeroDynamics
 from neuralgaits.gait.policies.commanded_gait import AnyGait
 from neuralgaits.programs import POINT, evaluate, fold
@@ -44,110 +28,11 @@ from neuralgaits.robots.mjcf.parameters import ParameterAxis, model_of
 
 Errors = tuple[ParameterAxis, ...]
 """Parameters of the robot, as in `GaitSpec.parameters`."""
-Margins = dict[str, Float[Array, "..."]]
-
-
-@dataclass(frozen=True)
-class SearchTarget:
-    """A gait under its spec, of which sets are looked for.
-
-    Attributes:
-        spec, gait, zd: of a run.
-        disturbance: bound on what may be added to dz at level 2 (m/s, N m).
-        floor: bound on how much higher or lower than meant a foothold may lie [m].
-        pushed: whether the set at full order is to stand a disturbance as well (level 5).
-        bandwidth: double pole of the outputs at full order, for which the largest set is looked
-            for [rad/s]; None for the usual one, and the usual set.
-    """
-
-    spec: GaitSpec
-    gait: AnyGait
-    zd: ZeroDynamics
-    disturbance: tuple[float, float] = (0.0, 0.0)
-    floor: float = 0.0
-    pushed: bool = False
-    bandwidth: float | None = None
-
-    @cached_property
-    def look(self) -> Evaluator:
-        """Return the function that the finders of levels 2 and 3 evaluate."""
-        return look_at(self.gait, self.zd, self.spec.parameters)
-
-
-class LevelSearch(NamedTuple):
-    """Search for the set of a level of `levels.LEVELS`, and its premises.
-
-    Attributes:
-        find: of a subject and the parameters below: parameters, and what outputs that enclose
-            constants must reach; or one sentence that says why there are none.
-        margins: its premises as functions of all parameters, a chart point and xi of the unit ball.
-    """
-
-    find: Callable[[SearchTarget, Parameters], tuple[Any, Mapping[str, float]] | str]
-    margins: Callable[[GaitSpec, Gait, ZeroDynamics, Parameters, Array, Array], Margins]
-
-
-def _find_walking(of: SearchTarget, known: Parameters) -> tuple[Any, Mapping[str, float]] | str:
-    del known
-    found = find_set(of.spec, of.look, of.disturbance, of.floor)
-    if isinstance(found, str):
-        return found
-    return found, least_of_inlet(of.spec, of.look, found)
-
-
-def _find_orbit(of: SearchTarget, known: Parameters) -> tuple[Any, Mapping[str, float]] | str:
-    if of.spec.commands or of.spec.parameters or of.floor:
-        return find_contraction(over_all(of.spec, of.look), known[2])
-    assert isinstance(of.gait, Gait)
-    return find_orbit(of.look, fences_of(of.gait), float(of.gait.tube.unit), known[2])
-
-
-def _find_full_order(of: SearchTarget, known: Parameters) -> tuple[Any, Mapping[str, float]] | str:
-    del known
-    assert isinstance(of.gait, Gait)
-    if of.zd.residual is not None or of.zd.reset_residual is not None:
-        return "it is about the rigid model, and the run's dynamics carry a residual"
-    try:
-        model = FullOrderModel(of.zd.robot, of.gait, of.spec)
-        if of.bandwidth is not None:
-            model = replace(model, bandwidth=of.bandwidth)
-        found = set_of(model, of.pushed, of.bandwidth is not None)
-    except SpecError as error:  # The levels below read less of the robot.
-        return str(error)
-    return found if isinstance(found, str) else (found, {})
-
-
-def _find_disturbed(of: SearchTarget, known: Parameters) -> tuple[Any, Mapping[str, float]] | str:
-    assert isinstance(of.gait, Gait)
-    model = FullOrderModel(of.zd.robot, of.gait, of.spec, known[4].bandwidth)
-    found = find_disturbed(looks_in(model, known[4]), known[4])
-    return found if isinstance(found, str) else (found, {})
-
-
-def _full_order_margins(spec: GaitSpec, gait: Gait, zd: ZeroDynamics, known: Parameters, u, xi):
-    model = FullOrderModel(zd.robot, gait, spec)
-    return full_order.margins(model, known[4], u, xi)
-
-
-def _disturbed_margins(spec: GaitSpec, gait: Gait, zd: ZeroDynamics, known: Parameters, u, xi):
-    model = FullOrderModel(zd.robot, gait, spec)
-    return disturbed.margins(model, known[4], known[5], u, xi)
-
-
 LEVEL_SEARCHES = {
-    2: LevelSearch(
-        _find_walking,
-        lambda spec, gait, zd, known, u, xi: walking_set.margins(spec, gait, zd, known[2], u),
-    ),
-    3: LevelSearch(
-        _find_orbit,
-        lambda spec, gait, zd, known, u, xi: orbit_set.margins(gait, zd, known[3], u),
-    ),
-    4: LevelSearch(
-        _find_full_order,
-        _full_order_margins,
-    ),
-    5: LevelSearch(_find_disturbed, _disturbed_margins),
+    2: walking_set.SEARCH,
+    3: orbit.SEARCH,
+    4: full_order.SEARCH,
+    5: disturbed.SEARCH,
 }
 """By number."""
 
@@ -195,7 +80,8 @@ def find_sets(
     Raises: SpecError if nothing can be traced.
     """
     pushed = level > FULL_ORDER_LEVEL
-    of = SearchTarget(spec, gait, zd, disturbance, floor, pushed, bandwidth)
+    evaluator = partial(look_at, gait, zd, spec.parameters)
+    of = SearchTarget(spec, gait, zd, evaluator, disturbance, floor, pushed, bandwidth)
     parameters, reasons, least = {}, {}, {}
     chart = Chart.of(spec.commands, spec.parameters)
     for entry in LEVELS:
@@ -232,16 +118,6 @@ def one_step(
     model = model_of(zd.robot, parameters)
     residuals = Residuals(zd.residual, zd.reset_residual)
     return lambda u: step_at(model, gait, u, residuals)
-
-
-def fences_of(gait: Gait) -> Fences:
-    """Return the fences of a gait's tube as a function of phases."""
-    series = [np.asarray(side) for side in (gait.tube.lower, gait.tube.upper)]
-
-    def fences(phases: np.ndarray) -> np.ndarray:
-        return np.stack([chebval(2.0 * phases - 1.0, side) for side in series], axis=1)
-
-    return fences
 
 
 def _quantities(gait: Gait, zd: ZeroDynamics, u: Float[Array, "2"]) -> dict[str, Array]:

@@ -1,78 +1,18 @@
 """All levels above 1, lowest first. Level 1 is a spec's conditions themselves."""
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import fields, replace
-from typing import Any
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 from neuralgaits.certificate.chart import PLANE_ONLY, Chart, Corner
-from neuralgaits.certificate.levels.disturbed import theorem as disturbed
-from neuralgaits.certificate.levels.disturbed.conclude import conclude_disturbed
-from neuralgaits.certificate.levels.full_order import theorem as full_order
-from neuralgaits.certificate.levels.full_order.conclude import conclude_full_order
-from neuralgaits.certificate.levels.level import Level, Parameters
-from neuralgaits.certificate.levels.orbit import theorem as orbit
-from neuralgaits.certificate.levels.orbit.conclude import attraction
-from neuralgaits.certificate.levels.walking_set import theorem as walking_set
-from neuralgaits.certificate.levels.walking_set.conclude import walking
+from neuralgaits.certificate.levels.disturbed.level import LEVEL as DISTURBED
+from neuralgaits.certificate.levels.full_order.level import LEVEL as FULL_ORDER
+from neuralgaits.certificate.levels.level import Parameters
+from neuralgaits.certificate.levels.orbit.level import LEVEL as ORBIT
+from neuralgaits.certificate.levels.walking_set.level import LEVEL as WALKING_SET
 from neuralgaits.certificate.premises import Bounds, Boxes
 from neuralgaits.records.certified import Conclusion
 
-
-def _lists(parameters: Any) -> Mapping[str, tuple[float, ...]]:
-    """Return the parameters that are lists of numbers, by name."""
-    values = {field.name: getattr(parameters, field.name) for field in fields(parameters)}
-    return {
-        name: value
-        for name, value in values.items()
-        if isinstance(value, tuple) and value and isinstance(value[0], float)
-    }
-
-
-def _one_gait(known: Parameters, chart: Chart) -> str | None:
-    """Explain why the theorems of full order do not cover a chart, or return None."""
-    return full_order.refusal(chart, known[2].floor if 2 in known else 0.0)
-
-
-LEVELS = (
-    Level(
-        2,
-        "walking",
-        walking_set.WalkingSetConstants,
-        _lists,
-        lambda known, boxes: walking_set.labelled_premises(known[2], boxes),
-        lambda known, boxes, bounds: walking(known[2], boxes, bounds),
-    ),
-    Level(
-        3,
-        "orbit",
-        orbit.OrbitConstants,
-        _lists,
-        lambda known, boxes: orbit.labelled_premises(known[2], known[3]),
-        lambda known, boxes, bounds: attraction(known[2], known[3], bounds),
-        rests_on=(2,),
-    ),
-    Level(
-        4,
-        "full",
-        full_order.FullOrderConstants,
-        full_order.series,
-        lambda known, boxes: full_order.labelled_premises(known[4]),
-        lambda known, boxes, bounds: conclude_full_order(known[4], bounds),
-        full_order=True,
-        refusal=_one_gait,
-    ),
-    Level(
-        5,
-        "disturbed",
-        disturbed.DisturbedConstants,
-        disturbed.series,
-        lambda known, boxes: disturbed.labelled_premises(known[4], known[5]),
-        lambda known, boxes, bounds: conclude_disturbed(known[4], known[5], bounds),
-        rests_on=(4,),
-        full_order=True,
-        refusal=_one_gait,
-    ),
-)
+LEVELS = (WALKING_SET, ORBIT, FULL_ORDER, DISTURBED)
 
 
 def labelled_premises(known: Parameters, boxes: Boxes) -> Iterator[tuple[str, str, Corner, Corner]]:

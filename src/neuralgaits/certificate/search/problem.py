@@ -10,7 +10,7 @@ from neuralgaits._types import Float
 from neuralgaits.certificate.chart import CoupledAxes
 from neuralgaits.certificate.search.halving import Corners, PerCondition, wide_axes
 from neuralgaits.programs import POINT, Program, evaluate, fold
-from neuralgaits.programs.algebras.taylor import TaylorAlgebra
+from neuralgaits.programs.algebras.taylor_algebra import TaylorAlgebra
 from neuralgaits.programs.algebras.taylor_model import terms
 from neuralgaits.programs.native.bounder import Bounder
 

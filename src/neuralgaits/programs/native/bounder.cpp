@@ -1,5 +1,5 @@
 // Taylor models of degree 2 of a Program's outputs over many boxes: the rules of
-// programs/algebras/taylor.py, as many boxes at a time as a register holds, on all cores.
+// programs/algebras/taylor_algebra.py, as many boxes at a time as a register holds, on all cores.
 //
 // A value is a run of elements. An element is K coefficients, in the order 1, e_1 .. e_n, e_i e_j for
 // i <= j, and the radius of the remainder, each a vector over these boxes. What is added to the

@@ -1,6 +1,6 @@
 """The first paragraphs of the page: how the robot walks, why it stays up, what is proved."""
 
-from neuralgaits.records import in_plain_words
+from neuralgaits.records import certificate_sentences
 from neuralgaits.records.report_walk import ShownWalk
 from neuralgaits.records.simulated import Simulated
 from neuralgaits.report.page import phrases
@@ -148,10 +148,10 @@ def _how_sure(saved: Saved) -> str:
             "gait."
         )
     if level == 0:
-        told = in_plain_words.not_proved(certificate)
+        told = certificate_sentences.not_proved(certificate)
         return f"Not proved. {told} {_sampled(saved)} Samples are no proof."
-    proved = in_plain_words.proved(certificate, bool(saved.asked.commands))
-    return f"{proved}{_borne(saved)} {in_plain_words.AS_STATED}"
+    proved = certificate_sentences.proved(certificate, bool(saved.asked.commands))
+    return f"{proved}{_borne(saved)} {certificate_sentences.AS_STATED}"
 
 
 def _borne(saved: Saved) -> str:
@@ -167,7 +167,7 @@ def _borne(saved: Saved) -> str:
 
 def _left_open(saved: Saved) -> str:
     robots = None if saved.certificate is None else saved.certificate.robots
-    rests = in_plain_words.left_open(saved.proved_level, robots)
+    rests = certificate_sentences.left_open(saved.proved_level, robots)
     model = ""
     if RESIDUAL in saved.folder.copies:
         model = " The model is the robot file's, corrected by what was learned from logs."
@@ -176,7 +176,7 @@ def _left_open(saved: Saved) -> str:
         if saved.simulation is not None
         else ""
     )
-    claims = f"It claims nothing about {in_plain_words.not_claimed(saved.proved_level)}."
+    claims = f"It claims nothing about {certificate_sentences.not_claimed(saved.proved_level)}."
     return f"{rests}{model} {claims}{seen}"
 
 

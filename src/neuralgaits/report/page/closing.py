@@ -5,9 +5,9 @@ from collections import Counter
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
-from neuralgaits.records import in_plain_words
+from neuralgaits.records import certificate_sentences
+from neuralgaits.records.certificate_sentences import ORBIT
 from neuralgaits.records.certified import CertificateRecord
-from neuralgaits.records.in_plain_words import ORBIT
 from neuralgaits.report.drawing.command_words import FIGURE as FAMILY
 from neuralgaits.report.drawing.drawn import Drawn, Missing
 from neuralgaits.report.page import markup as html
@@ -116,7 +116,9 @@ def missing_parts(contents: Contents) -> Iterator[tuple[str, str]]:
     elif (level := saved.certificate.proved_level) < _last_level(saved, saved.certificate):
         other = _other_box(saved, saved.certificate)
         line = repeat_commands.certifying(saved.folder.path, level + 1, parameters=other)
-        stated = in_plain_words.states(level + 1, bool(saved.asked.commands), saved.certificate)
+        stated = certificate_sentences.states(
+            level + 1, bool(saved.asked.commands), saved.certificate
+        )
         yield f"level {level + 1}: {stated}", line
     for figure in contents.figures:
         # What a proof would show is no use to ask for where there can be none.

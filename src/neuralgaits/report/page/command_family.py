@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Mapping
 
-from neuralgaits.records import in_plain_words
+from neuralgaits.records import certificate_sentences
 from neuralgaits.records.training_config import Range
 from neuralgaits.report.drawing import command_words
 from neuralgaits.report.drawing.drawn import Drawn
@@ -112,7 +112,7 @@ def _range(name: str, one: Range) -> str:
 
 
 def _statements(level: int) -> str:
-    return "; ".join(in_plain_words.states(one, told=True) for one in range(1, level + 1))
+    return "; ".join(certificate_sentences.states(one, told=True) for one in range(1, level + 1))
 
 
 def _figure(contents: Contents, pictures: Mapping[str, Html]) -> Iterator[Html]:

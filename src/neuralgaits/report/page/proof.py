@@ -3,7 +3,7 @@
 import shlex
 from pathlib import Path
 
-from neuralgaits.records import in_plain_words
+from neuralgaits.records import certificate_sentences
 from neuralgaits.records.certified import (
     HIGHEST,
     LEVELS,
@@ -40,8 +40,10 @@ def certificate(contents: Contents) -> Html:
         html.tag("h3", "Condition by condition (level 1)"),
         _conditions(saved, found),
         html.tag("h3", "What it assumes"),
-        html.items(in_plain_words.assumptions(found.level, found.robots)),
-        html.paragraph(f"It claims nothing about {in_plain_words.not_claimed(found.level)}."),
+        html.items(certificate_sentences.assumptions(found.level, found.robots)),
+        html.paragraph(
+            f"It claims nothing about {certificate_sentences.not_claimed(found.level)}."
+        ),
         html.folded("The same in the words of check-proof", html.items(contents.assumptions)),
         html.tag("h3", "Check it again"),
         *_files(saved, found),
@@ -71,7 +73,7 @@ def _ladder(found: CertificateRecord, told: bool) -> Html:
     rows = [
         (
             level,
-            in_plain_words.states(level, told, found),
+            certificate_sentences.states(level, told, found),
             phrases.verdict(answers.get(level, "not asked")),
         )
         for level in LEVELS

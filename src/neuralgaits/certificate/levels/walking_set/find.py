@@ -3,19 +3,15 @@
 Nothing here is trusted: a bad choice makes a premise fail, not a false one hold.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
 from neuralgaits._digits import at_most
-from neuralgaits._types import Float
 from neuralgaits.barriers import Barrier, DiscreteBarrier, GaitSpec, Pointwise
+from neuralgaits.certificate.levels.search_target import Evaluator
 from neuralgaits.certificate.levels.walking_set.theorem import OFF_THE_LINE, WalkingSetConstants
 from neuralgaits.gait.commands import all_pairs
-
-Evaluator = Callable[[Float[np.ndarray, "n 2"]], Mapping[str, np.ndarray]]
-"""Chart points [n, 2] to quantities by name: "foot" [m], "foot_rate" [m/s], "slope", "expansion",
-"pace", "gain" and "after" (phase, zeta) [n, 2]."""
 
 PHASES, LEVELS = 241, 33
 STRIPS = (1e-9, 1e-7, 1e-5, 1e-4, 3e-4, 1e-3, 3e-3, 6e-3, 0.01, 0.02, 0.03)

@@ -1,0 +1,36 @@
+"""Search for the set of level 4, and its premises as functions of a gait."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+from neuralgaits.barriers import Gait, GaitSpec
+from neuralgaits.certificate.levels.full_order.margins import margins
+from neuralgaits.certificate.levels.full_order.model import FullOrderModel
+from neuralgaits.certificate.levels.full_order.sample_evaluators import set_of
+from neuralgaits.certificate.levels.level import Parameters
+from neuralgaits.certificate.levels.search_target import LevelSearch, SearchTarget
+from neuralgaits.errors import SpecError
+from neuralgaits.gait import ZeroDynamics
+
+
+def _find(of: SearchTarget, known: Parameters) -> tuple[Any, Mapping[str, float]] | str:
+    del known
+    assert isinstance(of.gait, Gait)
+    if of.zd.residual is not None or of.zd.reset_residual is not None:
+        return "it is about the rigid model, and the run's dynamics carry a residual"
+    try:
+        model = FullOrderModel(of.zd.robot, of.gait, of.spec)
+        if of.bandwidth is not None:
+            model = replace(model, bandwidth=of.bandwidth)
+        found = set_of(model, of.pushed, of.bandwidth is not None)
+    except SpecError as error:  # The levels below read less of the robot.
+        return str(error)
+    return found if isinstance(found, str) else (found, {})
+
+
+def _margins(spec: GaitSpec, gait: Gait, zd: ZeroDynamics, known: Parameters, u, xi):
+    return margins(FullOrderModel(zd.robot, gait, spec), known[4], u, xi)
+
+
+SEARCH = LevelSearch(_find, _margins)
