@@ -106,7 +106,8 @@ def _lines(run: Run, answer: CertificateRecord, part: ProvedPart | None) -> list
 
 
 def _not_proved(answer: CertificateRecord) -> str:
-    return f"Not proved: {answer.verdict} at level {answer.level}. {certificate_sentences.not_proved(answer)}"
+    why = certificate_sentences.not_proved(answer)
+    return f"Not proved: {answer.verdict} at level {answer.level}. {why}"
 
 
 def _theorem(answer: CertificateRecord) -> str:

@@ -1,7 +1,7 @@
 """The compiled rules of Taylor models: compiled once for each number of axes, kept in the cache.
 
-The Python rules in `algebras.taylor_algebra` are the reference, and the fallback where no C++ compiler is
-at hand. NEURALGAITS_ENGINE=numpy selects them.
+The Python rules in `algebras.taylor_algebra` are the reference, and the fallback where no C++
+compiler is at hand. NEURALGAITS_ENGINE=numpy selects them.
 """
 
 import contextlib
