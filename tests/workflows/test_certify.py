@@ -11,7 +11,7 @@ import pytest
 
 from neuralgaits.analysis.run import open_run
 from neuralgaits.certificate.proof_file.reader import read_claims
-from neuralgaits.certificate.run_certificate.earlier import EarlierCertificate
+from neuralgaits.certificate.run_certificate.earlier import EarlierProof
 from neuralgaits.certificate.search.root_turns import SearchInterrupted
 from neuralgaits.errors import InputError, RunError, SpecError
 from neuralgaits.runs import read_arrays
@@ -138,33 +138,62 @@ def test_no_time_is_undecided_and_can_be_resumed(gait, certificate, tmp_path):
     assert done.summary["conditions"]["torque-lower"]["boxes"] == whole["boxes"]
 
 
+WHOLE = {"sets": {2: "a set", 3: "an orbit"}}
+OF_A_PART = {"within": {"speed": (0.7, 0.72)}}
+OF_A_BOX = {"parameters": {"mass": 0.01}}
+
+
 @pytest.mark.parametrize(
-    ("level", "new", "stays"),
+    ("reached", "asked", "new", "stays", "said"),
     [
-        (1, {}, True),
-        (0, {}, True),
-        (3, {}, False),
-        (2, {"sets": {2: "another disturbance"}}, False),
-        (1, {"sets": {2: "another disturbance"}}, True),
-        (1, {"within": {"speed": (0.7, 0.72)}}, False),
-        (0, {"within": {"speed": (0.7, 0.72)}}, True),
-        (1, {"parameters": {"mass": 0.01}}, False),
-        (0, {"parameters": {"mass": 0.01}, "verdict": "refuted"}, True),
-        (0, {"verdict": "refuted"}, False),
+        (3, 3, WHOLE, False, True),
+        (4, 4, WHOLE, False, True),
+        (3, 3, {"sets": {2: "a set", 3: "another"}}, False, False),
+        (3, 3, OF_A_PART | WHOLE, False, False),
+        (3, 3, OF_A_BOX | WHOLE, False, False),
+        (1, 1, {}, False, False),
+        (2, 3, WHOLE, True, False),
+        (3, 4, WHOLE, False, True),
+        (0, 1, {}, True, False),
+        (0, 1, OF_A_PART, True, False),
+        (0, 1, OF_A_BOX | {"verdict": "refuted"}, True, False),
+        (0, 1, {"verdict": "refuted"}, False, False),
     ],
 )
-def test_a_proof_is_replaced_only_by_one_that_says_something_else(
-    gait, certificate, level, new, stays
+def test_a_proof_goes_only_where_the_new_one_says_as_much(
+    certificate, tmp_path, reached, asked, new, stays, said
 ):
-    summary = certificate.summary
-    before = EarlierCertificate(summary, 3, {2: "a set", 3: "an orbit"})
-    sets = {2: "a set", 3: "an orbit"} | new.pop("sets", {})
-    found = replace(summary, **new)
-    assert before.stays(found, level, sets) == stays
-    kept, replaced = before.beside(found, level), before.replaced_by(found, level)
-    assert (kept.reason or "").endswith("from before is kept, which proves level 3")
-    assert kept.proof == (summary.proof if level else None)
-    assert ("which proved level 3" in (replaced.reason or "")) == (level < 3)
+    before = EarlierProof(tmp_path / "proof.json", certificate.summary, 3, "", WHOLE["sets"])
+    changes = {name: value for name, value in new.items() if name != "sets"}
+    found = replace(certificate.summary, level=asked, **changes)
+    assert before.stays(found, reached) == stays
+    assert before.is_said_by(found, reached, new.get("sets", {})) == said
+    unknown = EarlierProof(tmp_path / "proof.json", None, 0, "", {})
+    assert unknown.stays(found, reached) == (reached == 0)
+    assert not unknown.is_said_by(found, reached, WHOLE["sets"])
+
+
+@pytest.mark.parametrize("damage", [None, "{", '{"wall_s": null}'])
+def test_no_proof_is_lost(gait, certificate, tmp_path, damage):
+    """A summary that nobody can read is no reason to delete the proof beside it."""
+    run = open_run(shutil.copytree(gait.path, tmp_path / "run"))
+    summary = run.path / "certificate" / "summary.json"
+    if damage is None:
+        summary.unlink()
+    else:
+        summary.write_text(damage)
+    files = {path: path.read_bytes() for path in _certificate_files(run)}
+    short = certify(run, level=2, budget=1e-9)
+    assert "what it states is unknown" in (short.summary["reason"] or "")
+    assert {path: path.read_bytes() for path in _certificate_files(run)} == files
+    done = certify(run, level=1)
+    assert done.verdict == "proved"
+    [aside] = (run.path / "certificate").glob("proof-*.json")
+    assert aside.read_bytes() == files[run.path / "certificate" / "proof.json"]
+    assert str(aside) in (done.summary["reason"] or "")
+    # The same again says as much, and leaves nothing more behind.
+    assert certify(run, level=1).summary.reason is None
+    assert len(list((run.path / "certificate").glob("proof-*.json"))) == 1
 
 
 def test_a_search_that_came_to_less_leaves_the_proof_that_is_there(gait, certificate, tmp_path):
@@ -173,13 +202,13 @@ def test_a_search_that_came_to_less_leaves_the_proof_that_is_there(gait, certifi
     assert any(path.name == "proof.json" for path in files)
     short = certify(run, level=2, budget=1e-9)
     assert (short.verdict, short.summary["proof"]) == ("undecided", None)
-    assert short.summary["reason"].endswith("from before is kept, which proves level 1")
+    assert "from before stays: it states level 1, and" in (short.summary["reason"] or "")
     assert {path: path.read_bytes() for path in _certificate_files(run)} == files
-    # One that the run does not bear out is no reason to keep it.
+    # One that the run does not bear out is not deleted, either: somebody may mend the run.
     (run.path / "certificate" / "proof.json").write_bytes(b"{}")
     again = certify(run, level=2, budget=1e-9)
-    assert "kept" not in again.summary["reason"]
-    assert not (run.path / "certificate" / "proof.json").exists()
+    assert "what it states is unknown" in (again.summary["reason"] or "")
+    assert (run.path / "certificate" / "proof.json").read_bytes() == b"{}"
 
 
 def _certificate_files(run):

@@ -139,8 +139,8 @@ class CertificateRecord(Record):
         full_order_proof: path of the proof if it holds premises of level 4; None if it holds none.
         sha256: hashes of the files that it is about and rests on, by file; None for a missing file.
         wall_s: elapsed time.
-        reason: why the result is undecided or there is no Program; and, of a certificate from
-            before that says something else, whether it is kept.
+        reason: why the result is undecided or there is no Program; and what became of a proof from
+            before that says something else.
         within: ranges of commands that the proof covers, by name; None for the gait's full ranges.
         parameters: half widths of the box of robots and floors that it is about, by kind; empty
             for the robot of the run's file alone, on its floor.

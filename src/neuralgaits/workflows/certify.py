@@ -30,7 +30,7 @@ from neuralgaits.certificate.run_certificate.certificate_files import (
     refuse_unwritable_certificate,
     write_certificate,
 )
-from neuralgaits.certificate.run_certificate.earlier import EarlierCertificate, level_reached
+from neuralgaits.certificate.run_certificate.earlier import EarlierProof, level_reached, saying
 from neuralgaits.certificate.run_certificate.scope import Scope
 from neuralgaits.certificate.search.branch_and_bound import BoundAll, Search
 from neuralgaits.certificate.search.checkpoint import load, save
@@ -261,8 +261,9 @@ def _finish(
 ) -> CertifyResult:
     """Write the certificate: `files` by name and the summary; files of an older one are removed.
 
-    An older one that says more stays. `reached` is the highest level that is proved of the scope,
-    which may be part of the gait's commands.
+    A search that came to less leaves the older one; a proof that says what the new one does not
+    stays beside it. `reached` is the highest level that is proved of the scope, which may be part
+    of the gait's commands.
     """
     proof = str(run.path / certified.PROOF) if certified.PROOF in files else None
     summary = CertificateRecord(
@@ -284,11 +285,14 @@ def _finish(
         map=str(run.path / MAP_FIGURE) if MAP in files else None,
     )
     summary = replace(summary, verdict=summary.of_all)
-    before = EarlierCertificate.of(run.folder) if boxes else None
-    if before is None:
-        write_certificate(run.path, files, to_json(summary).encode())
-        return CertifyResult(summary)
-    if before.stays(summary, reached, sets.parameters):
-        return CertifyResult(before.beside(summary, reached))
+    before = EarlierProof.of(run.folder)
+    if before is not None and before.stays(summary, reached):
+        kept = replace(summary, proof=None, full_order_proof=None, map=None)
+        said = f"the certificate from before stays: {before.states}, and check-proof checks it"
+        return CertifyResult(saying(kept, said))
+    said = summary
+    if before is not None and not before.is_said_by(summary, reached, sets.parameters):
+        aside = before.put_aside()
+        said = saying(summary, f"the proof from before is now {aside}: {before.states}")
     write_certificate(run.path, files, to_json(summary).encode())
-    return CertifyResult(before.replaced_by(summary, reached))
+    return CertifyResult(said)

@@ -1,13 +1,24 @@
-"""The certificate that a run has already: whether a new one replaces it, and what is said then."""
+"""The proof that a run has already: whether a new certificate replaces it, and what is said then.
 
+No proof is lost: one that is replaced, and says what the new one does not, stays beside it.
+"""
+
+import hashlib
+import shutil
 from collections.abc import Iterable
 from dataclasses import replace
+from pathlib import Path
 from typing import NamedTuple
 
 from neuralgaits.certificate.levels.level import Parameters
 from neuralgaits.certificate.run_certificate.verified_summary import read_certificate
-from neuralgaits.records.certified import CertificateRecord, Conclusion, ConditionVerdict
-from neuralgaits.runs import RunFolder
+from neuralgaits.records.certified import (
+    PROOF,
+    CertificateRecord,
+    Conclusion,
+    ConditionVerdict,
+)
+from neuralgaits.runs import RunFolder, packed
 
 
 def level_reached(conditions: Iterable[ConditionVerdict], conclusions: Iterable[Conclusion]) -> int:
@@ -18,60 +29,85 @@ def level_reached(conditions: Iterable[ConditionVerdict], conclusions: Iterable[
     return next(level for level in range(1, len(proved) + 2) if level + 1 not in proved)
 
 
-class EarlierCertificate(NamedTuple):
-    """A certificate that proves something of its run.
+class EarlierProof(NamedTuple):
+    """Proof file of a run, and what it states.
 
     Attributes:
-        summary: what its files bear out.
-        level: highest level that is proved, of its scope.
+        path: the file, compressed or not.
+        summary: certificate that it bears out; None if it bears out none.
+        level: highest level that it states, of its scope; 0 if none, or if that is unknown.
+        scope: the part of the commands or the box of robots that it is about, in words; "" if it
+            is about all commands and the robot of the file.
         sets: parameters of its levels' sets.
     """
 
-    summary: CertificateRecord
+    path: Path
+    summary: CertificateRecord | None
     level: int
+    scope: str
     sets: Parameters
 
     @classmethod
-    def of(cls, folder: RunFolder) -> "EarlierCertificate | None":
-        """Read the certificate of a run; None if it has none that proves a level."""
+    def of(cls, folder: RunFolder) -> "EarlierProof | None":
+        """Look at the proof file of a run; None if there is none."""
+        whole = folder.path / PROOF
+        path = whole if whole.exists() else packed.packed(whole)
+        if not path.exists():
+            return None
         found = read_certificate(folder)
         if found.summary is None or found.proof is None:
-            return None
-        levels = found.summary.levels if found.part is None else found.part.levels
-        level = level_reached(found.summary.conditions.values(), levels)
-        return cls(found.summary, level, found.proof.theorems.parameters) if level else None
+            return cls(path, None, 0, "", {})
+        summary, part = found.summary, found.part
+        levels = summary.levels if part is None else part.levels
+        level = level_reached(summary.conditions.values(), levels)
+        about = [" and ".join(part.told)] if part is not None else []
+        about += [f"robots within {summary.robots}"] if summary.robots else []
+        return cls(path, summary, level, " and ".join(about), found.proof.theorems.parameters)
 
-    def stays(self, new: CertificateRecord, level: int, sets: Parameters) -> bool:
-        """Return whether a new certificate that proves a level is not to replace this one.
+    def _about_the_same(self, new: CertificateRecord) -> bool:
+        """Return whether a new certificate is about the same commands, robots and floors."""
+        known = self.summary
+        return known is not None and (known.within, known.parameters) == (
+            new.within,
+            new.parameters,
+        )
 
-        Of the same commands and robots with the same sets, this one stays if it proves more and
-        the new one does not refute it; of others, it stays if the new one proves nothing.
+    def stays(self, new: CertificateRecord, level: int) -> bool:
+        """Return whether a new certificate, which proves a level of its scope, is not written.
+
+        It is not if it came to less than it was asked, and to less than this one. A refutation is
+        written where it contradicts this one.
         """
-        proved = range(2, min(level, self.level) + 1)
-        same = (
-            self.summary.within == new.within
-            and self.summary.parameters == new.parameters
-            and all(self.sets[number] == sets[number] for number in proved)
-        )
-        if same:
-            return self.level > level and new.verdict != "refuted"
-        return level == 0
+        if new.verdict == "refuted" and self._about_the_same(new):
+            return False
+        return level < new.level and (level == 0 or level < self.level)
 
-    def beside(self, new: CertificateRecord, level: int) -> CertificateRecord:
-        """Return the result of a search whose files are not written, as this certificate stays."""
-        said = replace(new, map=None, full_order_proof=None)
-        return _saying(
-            said if level else replace(said, proof=None),
-            f"the certificate from before is kept, which proves level {self.level}",
+    def is_said_by(self, new: CertificateRecord, level: int, sets: Parameters) -> bool:
+        """Return whether a new certificate says all that this one does: then it may go."""
+        if self.summary is not None and self.level == 0:
+            return True
+        stated = range(2, self.level + 1)
+        return (
+            self._about_the_same(new)
+            and level >= self.level
+            and all(self.sets[number] == sets.get(number) for number in stated)
         )
 
-    def replaced_by(self, new: CertificateRecord, level: int) -> CertificateRecord:
-        """Return the result of a search that replaces this certificate, saying what is lost."""
-        if level >= self.level:
-            return new
-        said = f"replaced is the certificate from before, which proved level {self.level}"
-        return _saying(new, f"{said} of other commands, robots or sets")
+    def put_aside(self) -> Path:
+        """Copy the file beside itself, under a name of its content, and return that path."""
+        digest = hashlib.sha256(self.path.read_bytes()).hexdigest()[:8]
+        beside = self.path.with_name(self.path.name.replace("proof", f"proof-{digest}", 1))
+        shutil.copyfile(self.path, beside)
+        return beside
+
+    @property
+    def states(self) -> str:
+        """What the file states, in words. Nobody has bounded its boxes again."""
+        if self.level == 0:
+            return "what it states is unknown"
+        return f"it states level {self.level}" + (f" of {self.scope}" if self.scope else "")
 
 
-def _saying(result: CertificateRecord, more: str) -> CertificateRecord:
+def saying(result: CertificateRecord, more: str) -> CertificateRecord:
+    """Return a result with another reason behind its own."""
     return replace(result, reason="; ".join(filter(None, (result.reason, more))))
