@@ -9,7 +9,7 @@ import pytest
 from neuralgaits.errors import InputError, RunError
 from neuralgaits.runs.claim import claimed
 from neuralgaits.runs.names import SUMMARY
-from neuralgaits.runs.only_writer import LOCK, only_writer
+from neuralgaits.runs.only_writer import only_writer
 from neuralgaits.workflows.train import train
 
 pytest.importorskip("fcntl")
@@ -26,6 +26,7 @@ def test_a_second_command_is_refused_and_the_first_goes_on(tmp_path):
                 pass
     with only_writer(tmp_path):
         pass
+    assert not list(tmp_path.iterdir())
 
 
 def test_a_killed_command_releases_its_folder(tmp_path):
@@ -47,7 +48,7 @@ def test_two_commands_do_not_fill_one_folder(tmp_path):
             with fill(out):
                 pass
         (path / "config.json").write_text("{}")
-    assert sorted(one.name for one in out.iterdir()) == [LOCK, "a", "config.json"]
+    assert sorted(one.name for one in out.iterdir()) == ["a", "config.json"]
     with pytest.raises(RunError, match="new or empty folder"):
         with fill(out):
             pass

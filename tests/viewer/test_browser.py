@@ -64,7 +64,7 @@ def until(condition, seconds=30.0):
 
 
 def test_the_page_shows_the_walk_and_every_condition(live, page):
-    for word in ("Pause", "Reset", "slope [deg]", "friction", "transversal-inertia"):
+    for word in ("Pause", "Reset", "slope [deg]", "friction", "rate of every joint ≤ 4 rad/s"):
         page.get_by_text(word, exact=True).first.wait_for(timeout=20_000)
 
 

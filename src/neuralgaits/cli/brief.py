@@ -114,7 +114,7 @@ def brief_proof(result: CertificateRecord) -> None:
     above = next((one for one in result.levels if not one.proved), None)
     if above is not None and not open_:
         facts.append((f"level {above.level}", above.reason or above.verdict))
-    if level:
+    if level and not open_ and above is None:
         facts.append(("about", _SUBJECTS[level >= FULL_ORDER_LEVEL]))
     facts.append(("boxes", f"{result.boxes} in {result.wall_s:.0f} s; {_MORE}"))
     done = command("report", named(result.run)) if result.proved_level else None

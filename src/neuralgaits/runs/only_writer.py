@@ -1,6 +1,7 @@
 """One command at a time works on a folder: a lock that ends with the process that holds it."""
 
 import contextlib
+import os
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -8,7 +9,7 @@ from neuralgaits.errors import InputError
 from neuralgaits.runs.atomic import destination
 
 LOCK = ".lock"
-"""File of a folder that a command holds while it works there; it stays, and says nothing."""
+"""File of a folder that a command holds while it works there, and removes at its end."""
 
 
 @contextlib.contextmanager
@@ -24,12 +25,20 @@ def only_writer(folder: Path) -> Iterator[None]:
     except ImportError:
         yield
         return
-    with destination(folder / LOCK).open("a") as lock:
+    path = destination(folder / LOCK)
+    with path.open("a") as lock:
         try:
             fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            # Whoever held it before may have removed the file that was opened here.
+            held = os.path.samestat(os.fstat(lock.fileno()), path.stat())
         except OSError:
+            held = False
+        if not held:
             raise InputError(
                 f"expected nobody else at work on {folder}, found another command that is: wait "
                 "for it, or give another folder"
-            ) from None
-        yield
+            )
+        try:
+            yield
+        finally:
+            path.unlink(missing_ok=True)
