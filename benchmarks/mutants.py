@@ -4,10 +4,9 @@
 
 Sites are drawn at random over seven rooms of a tree's sources, the same number of each room. A
 mutant is written into a copy of the tree; then the test files run that import the changed file, or
-those of its room if none does, the one of its name and the shortest first, until a test
-fails. A mutant that outlives
-them is shown with its line: it is worth a look, and may change nothing that anyone can see. What
-takes longer than the limit counts as killed, since a test run would not end.
+those of its room if none does, the one of its name and the shortest first, until a test fails. A
+mutant that outlives them is shown with its line: it is worth a look, and may change nothing that
+anyone can see. What takes longer than the limit counts as killed, since a test run would not end.
 """
 
 import argparse
@@ -18,7 +17,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 ROOMS = ("gait", "barriers", "control", "certificate", "programs", "export", "simulation")
@@ -102,6 +101,14 @@ def killed(tree: Path, files: list[str], limit: float) -> bool:
     return done.returncode != 0
 
 
+def left_out(source: Path) -> Callable[[str, list[str]], set[str]]:
+    """Return what `copytree` leaves out of a tree: what is made there, and not in its history."""
+    made = {".git", ".venv", ".cache", "runs", "build", "dist"}
+    return lambda folder, names: {
+        name for name in names if name == "__pycache__" or (name in made and Path(folder) == source)
+    }
+
+
 def main() -> None:
     """Draw mutants, run the tests on each, print the share that is killed."""
     parser = argparse.ArgumentParser(description=__doc__)
@@ -115,8 +122,8 @@ def main() -> None:
     dead, every = 0, 0
     with tempfile.TemporaryDirectory() as place:
         tree = Path(place) / "tree"
-        names = shutil.ignore_patterns(".git", ".venv", "runs", "__pycache__", "build")
-        shutil.copytree(source, tree, ignore=names, symlinks=True)
+        shutil.copytree(source, tree, ignore=left_out(source), symlinks=True)
+        sound: set[str] = set()
         for k in range(asked.count):
             room = tree / "src" / "neuralgaits" / ROOMS[k % len(ROOMS)]
             found = [(one, *site) for one in sorted(room.rglob("*.py")) for site in sites(one)]
@@ -127,6 +134,13 @@ def main() -> None:
             files = tests_of(tree, path)
             died = killed(tree, files, asked.limit)
             path.write_text(before)
+            if died and not sound.issuperset(files):
+                # What fails without a mutant as well kills none.
+                if killed(tree, files, 10.0 * asked.limit):
+                    raise SystemExit(
+                        f"expected tests that pass on {source}, found failures: {files}"
+                    )
+                sound.update(files)
             dead, every = dead + died, every + 1
             place_of = f"{path.relative_to(tree / 'src' / 'neuralgaits')}:{line}"
             fate = "killed" if died else "ALIVE"
