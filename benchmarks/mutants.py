@@ -13,6 +13,7 @@ import argparse
 import ast
 import os
 import random
+import re
 import shutil
 import subprocess
 import sys
@@ -77,12 +78,14 @@ def tests_of(tree: Path, path: Path) -> list[str]:
     """Return the test files that import a file, else those of its room; the shortest first."""
     module = ".".join(path.relative_to(tree / "src").with_suffix("").parts)
     package, _, name = module.rpartition(".")
-    told = (f"from {module} import", f"import {module}", f"from {package} import {name}\n")
+    told = re.compile(
+        rf"(from|import) {re.escape(module)}\b|from {re.escape(package)} import .*\b{name}\b"
+    )
     own = f"test_{path.stem}.py"
     every = sorted(
         (tree / "tests").rglob("test_*.py"), key=lambda one: (one.name != own, one.stat().st_size)
     )
-    found = [one for one in every if any(words in one.read_text() for words in told)]
+    found = [one for one in every if told.search(one.read_text())]
     room = path.relative_to(tree / "src" / "neuralgaits").parts[0]
     found += [one for one in every if one not in found and one.parent.name == room]
     return [str(one.relative_to(tree)) for one in found[:FILES]]
