@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from neuralgaits.certificate.chart import Axis, Chart
+from neuralgaits.certificate.level import Level
 from neuralgaits.certificate.levels import levels
-from neuralgaits.certificate.levels.level import Level
 from neuralgaits.certificate.levels.level_search import LEVEL_SEARCHES
 from neuralgaits.certificate.proof_file import check, consistency, coverage, theorem_tables
 from neuralgaits.certificate.proof_file.theorem_tables import Theorems

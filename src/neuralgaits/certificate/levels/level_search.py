@@ -10,13 +10,13 @@ import numpy as np
 from neuralgaits._types import Array, Float
 from neuralgaits.barriers import Gait, GaitSpec
 from neuralgaits.certificate.chart import PLANE, Chart
+from neuralgaits.certificate.level import Parameters
+from neuralgaits.certificate.level_target import Evaluator, SearchTarget
 from neuralgaits.certificate.levels.disturbed import search as disturbed
 from neuralgaits.certificate.levels.full_order import search as full_order
-from neuralgaits.certificate.levels.level import Parameters
 from neuralgaits.certificate.levels.levels import LEVELS
 from neuralgaits.certificate.levels.orbit import return_map
 from neuralgaits.certificate.levels.orbit import search as orbit
-from neuralgaits.certificate.levels.search_target import Evaluator, SearchTarget
 from neuralgaits.certificate.levels.walking_set import search as walking_set
 from neuralgaits.certificate.traced import step_at
 from neuralgaits.gait import Residuals, ZeroDynamics

@@ -4,9 +4,9 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from neuralgaits.certificate.chart import PLANE_ONLY, Chart, Corner
+from neuralgaits.certificate.level import Parameters
 from neuralgaits.certificate.levels.disturbed.level import LEVEL as DISTURBED
 from neuralgaits.certificate.levels.full_order.level import LEVEL as FULL_ORDER
-from neuralgaits.certificate.levels.level import Parameters
 from neuralgaits.certificate.levels.orbit.level import LEVEL as ORBIT
 from neuralgaits.certificate.levels.walking_set.level import LEVEL as WALKING_SET
 from neuralgaits.certificate.premises import Bounds, Boxes

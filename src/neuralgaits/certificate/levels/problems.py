@@ -8,12 +8,12 @@ import numpy as np
 from neuralgaits._types import Array, Float
 from neuralgaits.barriers import Gait, GaitSpec
 from neuralgaits.certificate.chart import PLANE, PLANE_ONLY, Chart, Corner
+from neuralgaits.certificate.level_target import Margins
 from neuralgaits.certificate.levels.disturbed.theorem import REGION as DISTURBED
 from neuralgaits.certificate.levels.full_order.model import size_of
 from neuralgaits.certificate.levels.full_order.theorem import REGION as FULL_ORDER
 from neuralgaits.certificate.levels.level_search import LEVEL_SEARCHES, LevelSets, one_step
 from neuralgaits.certificate.levels.levels import LEVELS, labelled_premises, refusals
-from neuralgaits.certificate.levels.search_target import Margins
 from neuralgaits.certificate.levels.walking_set.theorem import SET
 from neuralgaits.certificate.search.branch_and_bound import Confirm
 from neuralgaits.certificate.search.problem import Problem

@@ -9,8 +9,8 @@ from types import MappingProxyType
 from typing import Any, Literal, NamedTuple, TypeVar, get_args, get_origin
 
 from neuralgaits._digits import from_hex
+from neuralgaits.certificate.level import Level, Parameters
 from neuralgaits.certificate.levels.full_order.theorem import FullOrderConstants
-from neuralgaits.certificate.levels.level import Level, Parameters
 from neuralgaits.certificate.levels.levels import LEVELS
 from neuralgaits.certificate.levels.orbit.theorem import OrbitConstants
 from neuralgaits.certificate.levels.walking_set.theorem import WalkingSetConstants

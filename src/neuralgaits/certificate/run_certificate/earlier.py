@@ -10,7 +10,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
-from neuralgaits.certificate.levels.level import Parameters
+from neuralgaits.certificate.level import Parameters
 from neuralgaits.certificate.run_certificate.verified_summary import read_certificate
 from neuralgaits.records.certified import (
     PROOF,

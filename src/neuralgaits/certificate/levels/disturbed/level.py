@@ -1,5 +1,6 @@
 """Level 5: the same under torques that are not exact, or held between ticks."""
 
+from neuralgaits.certificate.level import Level
 from neuralgaits.certificate.levels.disturbed.conclude import conclude_disturbed
 from neuralgaits.certificate.levels.disturbed.theorem import (
     DisturbedConstants,
@@ -7,7 +8,6 @@ from neuralgaits.certificate.levels.disturbed.theorem import (
     series,
 )
 from neuralgaits.certificate.levels.full_order.level import of_one_gait
-from neuralgaits.certificate.levels.level import Level
 
 LEVEL = Level(
     5,

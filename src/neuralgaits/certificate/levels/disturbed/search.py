@@ -4,12 +4,12 @@ from collections.abc import Mapping
 from typing import Any
 
 from neuralgaits.barriers import Gait, GaitSpec
+from neuralgaits.certificate.level import Parameters
+from neuralgaits.certificate.level_target import LevelSearch, SearchTarget
 from neuralgaits.certificate.levels.disturbed.find import find_disturbed
 from neuralgaits.certificate.levels.disturbed.margins import margins
 from neuralgaits.certificate.levels.full_order.model import FullOrderModel
 from neuralgaits.certificate.levels.full_order.sample_evaluators import looks_in
-from neuralgaits.certificate.levels.level import Parameters
-from neuralgaits.certificate.levels.search_target import LevelSearch, SearchTarget
 from neuralgaits.gait import ZeroDynamics
 
 

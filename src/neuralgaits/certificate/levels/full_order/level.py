@@ -1,6 +1,7 @@
 """Level 4: the whole robot walks for ever, joints that are off their targets included."""
 
 from neuralgaits.certificate.chart import Chart
+from neuralgaits.certificate.level import Level, Parameters
 from neuralgaits.certificate.levels.full_order.conclude import conclude_full_order
 from neuralgaits.certificate.levels.full_order.theorem import (
     FullOrderConstants,
@@ -8,7 +9,6 @@ from neuralgaits.certificate.levels.full_order.theorem import (
     refusal,
     series,
 )
-from neuralgaits.certificate.levels.level import Level, Parameters
 
 
 def of_one_gait(known: Parameters, chart: Chart) -> str | None:

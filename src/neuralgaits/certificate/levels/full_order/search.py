@@ -5,11 +5,11 @@ from dataclasses import replace
 from typing import Any
 
 from neuralgaits.barriers import Gait, GaitSpec
+from neuralgaits.certificate.level import Parameters
+from neuralgaits.certificate.level_target import LevelSearch, SearchTarget
 from neuralgaits.certificate.levels.full_order.margins import margins
 from neuralgaits.certificate.levels.full_order.model import FullOrderModel
 from neuralgaits.certificate.levels.full_order.sample_evaluators import set_of
-from neuralgaits.certificate.levels.level import Parameters
-from neuralgaits.certificate.levels.search_target import LevelSearch, SearchTarget
 from neuralgaits.errors import SpecError
 from neuralgaits.gait import ZeroDynamics
 

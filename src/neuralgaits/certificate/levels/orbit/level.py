@@ -1,6 +1,6 @@
 """Level 3: one periodic orbit attracts the walking set, or walks under the same commands meet."""
 
-from neuralgaits.certificate.levels.level import Level, lists_of
+from neuralgaits.certificate.level import Level, lists_of
 from neuralgaits.certificate.levels.orbit.conclude import attraction
 from neuralgaits.certificate.levels.orbit.theorem import OrbitConstants, labelled_premises
 

@@ -7,10 +7,10 @@ import numpy as np
 from numpy.polynomial.chebyshev import chebval
 
 from neuralgaits.barriers import Gait
-from neuralgaits.certificate.levels.level import Parameters
+from neuralgaits.certificate.level import Parameters
+from neuralgaits.certificate.level_target import LevelSearch, SearchTarget
 from neuralgaits.certificate.levels.orbit.find import Fences, find_contraction, find_orbit
 from neuralgaits.certificate.levels.orbit.margins import margins
-from neuralgaits.certificate.levels.search_target import LevelSearch, SearchTarget
 from neuralgaits.certificate.levels.walking_set.find import over_all
 
 

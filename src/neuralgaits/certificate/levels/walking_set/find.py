@@ -9,7 +9,7 @@ import numpy as np
 
 from neuralgaits._digits import at_most
 from neuralgaits.barriers import Barrier, DiscreteBarrier, GaitSpec, Pointwise
-from neuralgaits.certificate.levels.search_target import Evaluator
+from neuralgaits.certificate.level_target import Evaluator
 from neuralgaits.certificate.levels.walking_set.theorem import OFF_THE_LINE, WalkingSetConstants
 from neuralgaits.gait.commands import all_pairs
 

@@ -1,6 +1,6 @@
 """Level 2: every trajectory that starts in the walking set walks for ever."""
 
-from neuralgaits.certificate.levels.level import Level, lists_of
+from neuralgaits.certificate.level import Level, lists_of
 from neuralgaits.certificate.levels.walking_set.conclude import walking
 from neuralgaits.certificate.levels.walking_set.theorem import (
     WalkingSetConstants,

@@ -3,8 +3,8 @@
 from collections.abc import Mapping
 from typing import Any
 
-from neuralgaits.certificate.levels.level import Parameters
-from neuralgaits.certificate.levels.search_target import LevelSearch, SearchTarget
+from neuralgaits.certificate.level import Parameters
+from neuralgaits.certificate.level_target import LevelSearch, SearchTarget
 from neuralgaits.certificate.levels.walking_set.find import find_set, least_of_inlet
 from neuralgaits.certificate.levels.walking_set.margins import margins
 

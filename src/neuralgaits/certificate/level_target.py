@@ -9,7 +9,7 @@ import numpy as np
 
 from neuralgaits._types import Array, Float
 from neuralgaits.barriers import Gait, GaitSpec
-from neuralgaits.certificate.levels.level import Parameters
+from neuralgaits.certificate.level import Parameters
 from neuralgaits.gait import ZeroDynamics
 from neuralgaits.gait.policies.commanded_gait import AnyGait
 
