@@ -1,7 +1,8 @@
 """Settings for a process that belongs to this program: the command line's, or a worker's.
 
 Those of JAX are environment variables, so they reach processes that this one starts and need no
-import of it. Variables that the user has set keep their values.
+import of it. Variables that the user has set keep their values, but for double precision and the
+back end of Matplotlib.
 """
 
 import ctypes
@@ -30,6 +31,8 @@ def prepare() -> None:
     # every 700 takes a fourteenth of a command's time.
     gc.set_threshold(100_000, 50, 100)
     os.environ["JAX_ENABLE_X64"] = "1"
+    # Figures go to files. Jupyter sets this for every process, to one that is only in notebooks.
+    os.environ["MPLBACKEND"] = "agg"
     defaults = {
         "JAX_COMPILATION_CACHE_DIR": str(cache_folder() / "jax"),
         # Many small programs: their compile times add up to more than reading them back.

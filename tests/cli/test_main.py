@@ -309,6 +309,15 @@ def test_warnings_of_libraries_are_shown_to_who_asks_for_them(
     warnings.warn("All-NaN slice encountered", RuntimeWarning, stacklevel=1)
 
 
+@pytest.mark.parametrize("backend", ["module://matplotlib_inline.backend_inline", "nonsense"])
+def test_the_back_end_of_a_notebook_is_none_of_the_command_line_s(
+    monkeypatch: pytest.MonkeyPatch, backend: str
+) -> None:
+    monkeypatch.setattr(os, "environ", {**os.environ, "MPLBACKEND": backend})
+    entry.prepare()
+    assert os.environ["MPLBACKEND"] == "agg"
+
+
 @pytest.mark.parametrize(
     ("flag", "value"),
     [
