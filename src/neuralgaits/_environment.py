@@ -7,6 +7,7 @@ back end of Matplotlib.
 
 import ctypes
 import gc
+import logging
 import os
 import sys
 import warnings
@@ -23,10 +24,13 @@ THREADS = "NEURALGAITS_THREADS"
 def prepare() -> None:
     """Prepare a process: double precision in JAX, compilations kept between calls, no warnings.
 
-    Warnings of libraries say nothing that a user can act on; -W and PYTHONWARNINGS show them.
+    Warnings and log lines of libraries say nothing that a user can act on; -W and PYTHONWARNINGS
+    show them.
     """
     if not sys.warnoptions:
         warnings.simplefilter("ignore")
+        # It prints the lines of loggers that nobody has given a handler.
+        logging.lastResort = logging.NullHandler()
     # Imports and tracing make millions of objects that stay: looking for rubbish among them
     # every 700 takes a fourteenth of a command's time.
     gc.set_threshold(100_000, 50, 100)

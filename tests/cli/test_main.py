@@ -2,6 +2,7 @@
 
 import errno
 import json
+import logging
 import os
 import subprocess
 import sys
@@ -307,6 +308,19 @@ def test_warnings_of_libraries_are_shown_to_who_asks_for_them(
     monkeypatch.setattr(sys, "warnoptions", [])
     entry.prepare()
     warnings.warn("All-NaN slice encountered", RuntimeWarning, stacklevel=1)
+
+
+def test_lines_of_libraries_stay_off_the_screen(
+    monkeypatch: pytest.MonkeyPatch, capfd: Captured
+) -> None:
+    monkeypatch.setattr(os, "environ", dict(os.environ))
+    monkeypatch.setattr(sys, "warnoptions", [])
+    monkeypatch.setattr(logging, "lastResort", logging.lastResort)
+    entry.prepare()
+    # No handler is in the way, as outside of pytest.
+    monkeypatch.setattr(logging.getLogger(), "handlers", [])
+    logging.getLogger("matplotlib.font_manager").warning("findfont: Font family not found.")
+    assert capfd.readouterr().err == ""
 
 
 @pytest.mark.parametrize("backend", ["module://matplotlib_inline.backend_inline", "nonsense"])
