@@ -1,6 +1,7 @@
 """One result or one line, on the right stream, with the right exit code."""
 
 import errno
+import io
 import json
 import logging
 import os
@@ -189,6 +190,20 @@ def test_after_an_interrupt_only_what_is_kept_can_be_gone_on_with(
     answer(_raise(error))
     assert main(arguments) == 130
     assert _only_line(capfd) == f"neuralgaits: interrupted{told}\n"
+
+
+@pytest.mark.parametrize("flags", [[], ["-v"]])
+def test_an_error_that_cannot_be_written_has_its_code(
+    answer: Any, monkeypatch: pytest.MonkeyPatch, flags: list[str]
+) -> None:
+    answer(_raise(errors.InputError("expected A, found B")))
+
+    class Full(io.StringIO):
+        def write(self, text: str) -> int:
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(sys, "stderr", Full())
+    assert main(["doctor", *flags]) == 2
 
 
 def test_an_error_keeps_the_blanks_of_a_path(capfd: Captured, answer: Any) -> None:

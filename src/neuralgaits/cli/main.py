@@ -179,11 +179,13 @@ def _stdout_to_stderr() -> Iterator[None]:
 
 
 def _fail(message: str, error: BaseException, code: int, verbose: bool) -> int:
-    if verbose:
-        traceback.print_exception(error, file=sys.stderr)
     # Lines are joined; blanks within one may be those of a quoted path.
     line = " ".join(part.strip() for part in message.splitlines() if part.strip())
     from neuralgaits.cli.invocation import as_called
 
-    print(f"neuralgaits: {visible(printable(as_called(line)))}", file=sys.stderr)
+    # An error that cannot be written, to a full disk or to nobody, still has its exit code.
+    with contextlib.suppress(OSError, ValueError):
+        if verbose:
+            traceback.print_exception(error, file=sys.stderr)
+        print(f"neuralgaits: {visible(printable(as_called(line)))}", file=sys.stderr)
     return code
