@@ -5,10 +5,12 @@ import of it. Variables that the user has set keep their values, but for double 
 back end of Matplotlib.
 """
 
+import contextlib
 import ctypes
 import gc
 import logging
 import os
+import re
 import sys
 import warnings
 
@@ -19,6 +21,10 @@ OFF_SCREEN = {"egl": "libEGL.so.1", "osmesa": "libOSMesa.so"}
 """Values of MUJOCO_GL that need no window, best first, and the library that each one needs."""
 THREADS = "NEURALGAITS_THREADS"
 """Environment variable: number of threads of a computation; all cores if it is not set."""
+_PLATFORM = ("JAX_PLATFORMS", "JAX_PLATFORM_NAME")
+"""Environment variables that name the platform that JAX computes on."""
+_NO_PLATFORM = re.compile("^(Unable to initialize|Unknown) backend ")
+"""Messages of JAX about one that is not there."""
 
 
 def prepare() -> None:
@@ -51,6 +57,29 @@ def prepare() -> None:
     folder = os.environ["JAX_COMPILATION_CACHE_DIR"]
     if printable(folder) != folder:
         del os.environ["JAX_COMPILATION_CACHE_DIR"]
+
+
+def why_no_platform(error: Exception) -> str | None:
+    """Explain an error by a platform that the environment names and JAX does not find here.
+
+    JAX takes its own frames out of tracebacks, and some of its messages are empty. So it is asked
+    again.
+
+    Returns: one line; None if that is not the reason.
+    """
+    name = next(filter(os.environ.get, _PLATFORM), None)
+    # Not imported here: without it nothing was computed, and checkers need none.
+    jax = sys.modules.get("jax")
+    if name is None or jax is None:
+        return None
+    if not _NO_PLATFORM.match(str(error)):
+        with contextlib.suppress(Exception):
+            jax.devices()
+            return None
+    return (
+        f"expected a platform that JAX finds here, found {name}={os.environ[name]}: unset it or "
+        "set it to cpu"
+    )
 
 
 def render_without_screen() -> None:

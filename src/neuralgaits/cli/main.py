@@ -15,7 +15,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import NoReturn
 
-from neuralgaits._environment import prepare
+from neuralgaits._environment import prepare, why_no_platform
 from neuralgaits._printable import PRINTABLE, printable, shortened, visible
 from neuralgaits.errors import (
     ConvergenceError,
@@ -80,8 +80,8 @@ def main(arguments: list[str]) -> int:
     except Exception as error:
         if (mistake := _of_user(error)) is not None:
             return _fail(shortened(str(mistake)), error, BAD_INPUT, verbose)
-        if (graphics := _of_graphics(error)) is not None:
-            return _fail(graphics, error, BAD_INPUT, verbose)
+        if (setting := _of_graphics(error) or why_no_platform(error)) is not None:
+            return _fail(shortened(setting), error, BAD_INPUT, verbose)
         # The last resort, so that a script never takes a defect for the answer "no".
         what = shortened(f"defect in this program: {type(error).__name__}: {error}")
         return _fail(f"{what}; please report it with what -v prints", error, DEFECT, verbose)
