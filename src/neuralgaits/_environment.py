@@ -59,7 +59,7 @@ def prepare() -> None:
         del os.environ["JAX_COMPILATION_CACHE_DIR"]
 
 
-def why_no_platform(error: Exception) -> str | None:
+def why_no_platform(error: BaseException) -> str | None:
     """Explain an error by a platform that the environment names and JAX does not find here.
 
     JAX takes its own frames out of tracebacks, and some of its messages are empty. So it is asked

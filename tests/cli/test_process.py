@@ -75,6 +75,16 @@ def test_a_way_to_render_that_is_not_there_is_no_defect(tmp_path: Path) -> None:
     )
 
 
+def test_a_matplotlibrc_that_cannot_be_read_is_no_defect(tmp_path: Path) -> None:
+    (tmp_path / "matplotlibrc").write_bytes(b"# caf\xe9\n")
+    done = _python("-m", "neuralgaits", "report", str(DEMO), cwd=tmp_path)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr == (
+        "neuralgaits: expected text in UTF-8 in matplotlibrc, found other bytes: mend or remove "
+        "that of this folder, or your own\n"
+    )
+
+
 NO_PLATFORM = (
     "expected a platform that JAX finds here, found JAX_PLATFORMS={}: unset it or set it to cpu"
 )
