@@ -27,6 +27,13 @@ def compiler():
 
 
 @pytest.fixture
+def made_once(compiler, twice, tmp_path_factory):
+    """Name and content of the library, which this process has not loaded from its place."""
+    path = compiler.kept(twice, tmp_path_factory.mktemp("made"))
+    return path.name, path.read_bytes()
+
+
+@pytest.fixture
 def twice():
     return replace(TWICE, files={**TWICE.files, **HEADER})
 
@@ -59,12 +66,34 @@ def test_a_library_is_compiled_once(compiler, twice, tmp_path):
     assert list(path.parent.iterdir()) == [path]
 
 
-def test_a_damaged_library_is_compiled_again(compiler, twice, tmp_path):
+DAMAGES = {
+    "no library": lambda content: b"no library",
+    # The system still maps this one, and ends the process that reads a page of the missing half.
+    "cut off": lambda content: content[: len(content) // 2],
+    "one byte": lambda content: content[:-1] + bytes([content[-1] ^ 1]),
+}
+
+
+@pytest.mark.parametrize("damage", DAMAGES)
+def test_a_damaged_library_is_compiled_again(
+    compiler, twice, tmp_path, monkeypatch, damage, made_once
+):
+    [name, content] = made_once
+    path = tmp_path / name
+    path.write_bytes(DAMAGES[damage](content))
+    loaded = []
+    monkeypatch.setattr(_compiler, "_loads", loaded.append)
+    found = compiler.kept(twice, tmp_path)
+    # It was not even loaded.
+    assert not loaded and ctypes.CDLL(str(found)).twice(4) == 8
+
+
+def test_a_library_that_does_not_load_is_compiled_again(compiler, twice, tmp_path, monkeypatch):
     path = compiler.kept(twice, tmp_path)
-    path.unlink()
-    path.write_bytes(b"no library")
-    assert compiler.kept(twice, tmp_path) == path
-    assert ctypes.CDLL(str(path)).twice(4) == 8
+    made = path.stat().st_ino
+    monkeypatch.setattr(_compiler, "_loads", lambda library: False)
+    compiler.kept(twice, tmp_path)
+    assert path.stat().st_ino != made
 
 
 @pytest.mark.parametrize(

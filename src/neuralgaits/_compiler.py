@@ -115,17 +115,20 @@ class Compiler:
     def kept(self, library: SharedLibrary, folder: Path) -> Path:
         """Return the path of a library in a folder of the cache, compiled now or before.
 
-        A file that does not load is damaged, and made anew. Processes may ask for the same library
+        Its name ends in the hash of its content: a damaged file, which can end the process that
+        loads it, is made anew, as is one that does not load. Processes may ask for the same library
         at the same time: each file is moved to its place when it is whole.
 
         Raises: CompilerError, or OSError if the folder cannot be written.
         """
-        place = folder / f"{library.name}-{self._hash(library)}.so"
-        if not (place.is_file() and _loads(place)):
-            folder.mkdir(parents=True, exist_ok=True)
-            with tempfile.TemporaryDirectory(prefix="compiling-", dir=folder) as own:
-                os.replace(self.compile(library, Path(own)), place)
-        return place
+        stem = f"{library.name}-{self._hash(library)}"
+        for kept in sorted(folder.glob(f"{stem}-*.so")):
+            if kept.stem == f"{stem}-{_hash_of(kept)}" and _loads(kept):
+                return kept
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryDirectory(prefix="compiling-", dir=folder) as own:
+            made = self.compile(library, Path(own))
+            return made.replace(folder / f"{stem}-{_hash_of(made)}.so")
 
     def _hash(self, library: SharedLibrary) -> str:
         """Return the hash of all that a library depends on."""
@@ -169,6 +172,14 @@ def _output(command: Sequence[str], limit_s: float) -> subprocess.CompletedProce
         timeout=limit_s,
         check=False,
     )
+
+
+def _hash_of(file: Path) -> str | None:
+    """Return the hash of a file's content; None if it cannot be read."""
+    try:
+        return hashlib.sha256(file.read_bytes()).hexdigest()[:32]
+    except OSError:
+        return None
 
 
 def _loads(library: Path) -> bool:

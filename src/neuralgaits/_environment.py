@@ -1,12 +1,16 @@
 """Settings for a process that belongs to this program: the command line's, or a worker's.
 
 Those of JAX are environment variables, so they reach processes that this one starts and need no
-import of it. Variables that the user has set keep their values.
+import of it. Variables that the user has set keep their values, but for double precision and the
+back end of Matplotlib.
 """
 
+import contextlib
 import ctypes
 import gc
+import logging
 import os
+import re
 import sys
 import warnings
 
@@ -17,19 +21,28 @@ OFF_SCREEN = {"egl": "libEGL.so.1", "osmesa": "libOSMesa.so"}
 """Values of MUJOCO_GL that need no window, best first, and the library that each one needs."""
 THREADS = "NEURALGAITS_THREADS"
 """Environment variable: number of threads of a computation; all cores if it is not set."""
+_PLATFORM = ("JAX_PLATFORMS", "JAX_PLATFORM_NAME")
+"""Environment variables that name the platform that JAX computes on."""
+_NO_PLATFORM = re.compile("^(Unable to initialize|Unknown) backend ")
+"""Messages of JAX about one that is not there."""
 
 
 def prepare() -> None:
     """Prepare a process: double precision in JAX, compilations kept between calls, no warnings.
 
-    Warnings of libraries say nothing that a user can act on; -W and PYTHONWARNINGS show them.
+    Warnings and log lines of libraries say nothing that a user can act on; -W and PYTHONWARNINGS
+    show them.
     """
     if not sys.warnoptions:
         warnings.simplefilter("ignore")
+        # It prints the lines of loggers that nobody has given a handler.
+        logging.lastResort = logging.NullHandler()
     # Imports and tracing make millions of objects that stay: looking for rubbish among them
     # every 700 takes a fourteenth of a command's time.
     gc.set_threshold(100_000, 50, 100)
     os.environ["JAX_ENABLE_X64"] = "1"
+    # Figures go to files. Jupyter sets this for every process, to one that is only in notebooks.
+    os.environ["MPLBACKEND"] = "agg"
     defaults = {
         "JAX_COMPILATION_CACHE_DIR": str(cache_folder() / "jax"),
         # Many small programs: their compile times add up to more than reading them back.
@@ -44,6 +57,29 @@ def prepare() -> None:
     folder = os.environ["JAX_COMPILATION_CACHE_DIR"]
     if printable(folder) != folder:
         del os.environ["JAX_COMPILATION_CACHE_DIR"]
+
+
+def why_no_platform(error: BaseException) -> str | None:
+    """Explain an error by a platform that the environment names and JAX does not find here.
+
+    JAX takes its own frames out of tracebacks, and some of its messages are empty. So it is asked
+    again.
+
+    Returns: one line; None if that is not the reason.
+    """
+    name = next(filter(os.environ.get, _PLATFORM), None)
+    # Not imported here: without it nothing was computed, and checkers need none.
+    jax = sys.modules.get("jax")
+    if name is None or jax is None:
+        return None
+    if not _NO_PLATFORM.match(str(error)):
+        with contextlib.suppress(Exception):
+            jax.devices()
+            return None
+    return (
+        f"expected a platform that JAX finds here, found {name}={os.environ[name]}: unset it or "
+        "set it to cpu"
+    )
 
 
 def render_without_screen() -> None:

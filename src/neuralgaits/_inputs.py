@@ -1,13 +1,16 @@
 """Files that a user gives: looked at before they are opened.
 
-Opening a FIFO waits for ever, and a device or a file of gigabytes fills the memory.
+Opening a FIFO waits for ever, and a device or a file of gigabytes fills the memory. A file that is
+run may change the folder that all other paths start from.
 """
 
+import contextlib
 import os
 import re
 import stat
 import sys
 import tomllib
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -26,6 +29,22 @@ _KINDS = (
 )
 _ENDLESS = re.compile("[0-9][0-9_]{4300,}")
 """A whole number with more digits than Python reads."""
+
+
+@contextlib.contextmanager
+def same_folder() -> Iterator[None]:
+    """Return to the working folder at the end: within, a user's file may be run, which leaves it.
+
+    Paths that a user gave later, or that a run holds, are relative to the folder of the call.
+    """
+    here = None
+    with contextlib.suppress(OSError):  # It may have been removed.
+        here = os.getcwd()
+    try:
+        yield
+    finally:
+        if here is not None:
+            os.chdir(here)
 
 
 def kind_of(mode: int) -> str:

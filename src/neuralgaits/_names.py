@@ -27,7 +27,7 @@ def why_no_name(name: object) -> str | None:
     return None
 
 
-def meant(name: str, known: Iterable[str]) -> str:
+def meant(name: object, known: Iterable[str]) -> str:
     """Return a question that asks for the name most like an unknown one; empty if none is."""
-    close = difflib.get_close_matches(name, list(known), 1)
+    close = difflib.get_close_matches(str(name), list(known), 1)
     return f"did you mean {close[0]}?" if close else ""

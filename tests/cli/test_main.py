@@ -1,7 +1,9 @@
 """One result or one line, on the right stream, with the right exit code."""
 
 import errno
+import io
 import json
+import logging
 import os
 import subprocess
 import sys
@@ -190,6 +192,20 @@ def test_after_an_interrupt_only_what_is_kept_can_be_gone_on_with(
     assert _only_line(capfd) == f"neuralgaits: interrupted{told}\n"
 
 
+@pytest.mark.parametrize("flags", [[], ["-v"]])
+def test_an_error_that_cannot_be_written_has_its_code(
+    answer: Any, monkeypatch: pytest.MonkeyPatch, flags: list[str]
+) -> None:
+    answer(_raise(errors.InputError("expected A, found B")))
+
+    class Full(io.StringIO):
+        def write(self, text: str) -> int:
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(sys, "stderr", Full())
+    assert main(["doctor", *flags]) == 2
+
+
 def test_an_error_keeps_the_blanks_of_a_path(capfd: Captured, answer: Any) -> None:
     """One line, but a path in it must stay the path."""
     answer(_raise(errors.RunError("expected a run\n   in `two  blanks`")))
@@ -307,6 +323,28 @@ def test_warnings_of_libraries_are_shown_to_who_asks_for_them(
     monkeypatch.setattr(sys, "warnoptions", [])
     entry.prepare()
     warnings.warn("All-NaN slice encountered", RuntimeWarning, stacklevel=1)
+
+
+def test_lines_of_libraries_stay_off_the_screen(
+    monkeypatch: pytest.MonkeyPatch, capfd: Captured
+) -> None:
+    monkeypatch.setattr(os, "environ", dict(os.environ))
+    monkeypatch.setattr(sys, "warnoptions", [])
+    monkeypatch.setattr(logging, "lastResort", logging.lastResort)
+    entry.prepare()
+    # No handler is in the way, as outside of pytest.
+    monkeypatch.setattr(logging.getLogger(), "handlers", [])
+    logging.getLogger("matplotlib.font_manager").warning("findfont: Font family not found.")
+    assert capfd.readouterr().err == ""
+
+
+@pytest.mark.parametrize("backend", ["module://matplotlib_inline.backend_inline", "nonsense"])
+def test_the_back_end_of_a_notebook_is_none_of_the_command_line_s(
+    monkeypatch: pytest.MonkeyPatch, backend: str
+) -> None:
+    monkeypatch.setattr(os, "environ", {**os.environ, "MPLBACKEND": backend})
+    entry.prepare()
+    assert os.environ["MPLBACKEND"] == "agg"
 
 
 @pytest.mark.parametrize(

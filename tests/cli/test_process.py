@@ -11,6 +11,29 @@ import pytest
 import neuralgaits
 
 SOURCE = Path(neuralgaits.__file__).parents[1]
+DEMO = SOURCE / "neuralgaits" / "demo_run"
+ALL_THAT_SAY_IT = """
+import json, sys
+from pathlib import Path
+from neuralgaits.certificate.proof_file.theorem_tables import Theorems
+from neuralgaits.certificate.run_certificate.retrace import retrace_in_subprocess
+from neuralgaits.engine.carry import carry_out
+from neuralgaits.engine.task import Job
+from neuralgaits.errors import InputError
+from neuralgaits.workflows.doctor import _device
+try:
+    retrace_in_subprocess(Path(sys.argv[1]), Theorems())
+except InputError as error:
+    retrace = str(error)
+_, failure, _ = carry_out("jax.numpy:asarray", Job("any", {"x": 1.0}), {})
+device = _device()
+print(json.dumps({
+    "retrace": retrace,
+    "worker": [failure.kind, failure.reason],
+    "doctor": [device.ok, device.found, device.fix],
+}))
+"""
+"""All places that turn errors into lines but for the command line's own."""
 
 
 def _python(*arguments: str, cwd: Path, **more: str) -> subprocess.CompletedProcess[str]:
@@ -50,6 +73,41 @@ def test_a_way_to_render_that_is_not_there_is_no_defect(tmp_path: Path) -> None:
         "neuralgaits: expected MUJOCO_GL to name a way to render that is there, found 'crayons': "
         "unset it, or see `neuralgaits doctor`\n"
     )
+
+
+def test_a_matplotlibrc_that_cannot_be_read_is_no_defect(tmp_path: Path) -> None:
+    (tmp_path / "matplotlibrc").write_bytes(b"# caf\xe9\n")
+    done = _python("-m", "neuralgaits", "report", str(DEMO), cwd=tmp_path)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr == (
+        "neuralgaits: expected text in UTF-8 in matplotlibrc, found other bytes: mend or remove "
+        "that of this folder, or your own\n"
+    )
+
+
+NO_PLATFORM = (
+    "expected a platform that JAX finds here, found JAX_PLATFORMS={}: unset it or set it to cpu"
+)
+
+
+@pytest.mark.parametrize("named", ["nonsense", "cpu,nonsense"])
+def test_a_platform_that_is_not_there_is_no_defect(tmp_path: Path, named: str) -> None:
+    """The second time JAX is asked, it finds the first of several."""
+    line = ["-m", "neuralgaits", "export", str(DEMO), "--out", "out"]
+    done = _python(*line, cwd=tmp_path, JAX_PLATFORMS=named)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr == f"neuralgaits: {NO_PLATFORM.format(named)}\n"
+
+
+def test_checkers_and_workers_say_it_too(tmp_path: Path) -> None:
+    done = _python("-c", ALL_THAT_SAY_IT, str(DEMO), cwd=tmp_path, JAX_PLATFORMS="nonsense")
+    assert done.returncode == 0, done.stderr
+    found, fix = NO_PLATFORM.format("nonsense").rsplit(": ", 1)
+    assert json.loads(done.stdout) == {
+        "retrace": f"{found}: {fix}",
+        "worker": ["lost", f"{found}: {fix}"],
+        "doctor": [False, found, fix],
+    }
 
 
 def test_importing_does_nothing(tmp_path: Path) -> None:

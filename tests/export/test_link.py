@@ -207,6 +207,9 @@ def test_the_channel_delays_and_loses_as_told():
         ("lockstep=nan", r"lockstep: expected 0 or 1"),
         ("loss=0.1,loss=0.2", r"loss is given twice"),
         ("loss=0.1,", r"nothing before or after a comma"),
+        ({"loss": None}, r"loss: expected a number, found None"),
+        ({1: 2}, r"unknown link setting 1: expected one of"),
+        (0, r"link: expected NAME=VALUE,... or a mapping, found 0"),
     ],
 )
 def test_bad_link_settings_are_one_line(text, message):

@@ -189,6 +189,10 @@ def test_values_outside_their_range_are_refused():
         values((SPEED,), {"pace": 0.6})
     with pytest.raises(InputError, match=r"found nan"):
         values((SPEED,), {"speed": np.nan})
+    with pytest.raises(InputError, match=r"expected speed as a number, found None"):
+        values((SPEED,), {"speed": None})
+    with pytest.raises(InputError, match=r"expected a value for each .* speed, found 1"):
+        values((SPEED,), {1: 0.6})
 
 
 @pytest.mark.parametrize(

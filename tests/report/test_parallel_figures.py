@@ -5,6 +5,7 @@ from collections.abc import Iterator
 from contextlib import nullcontext
 from pathlib import Path
 
+import matplotlib as mpl
 import pytest
 
 from neuralgaits.report.drawing.parallel_figures import FigureFile, second_pen, write_all
@@ -40,6 +41,15 @@ def test_two_processes_write_what_one_does(tmp_path: Path) -> None:
         f"figure-{n}.{e}" for n in range(3) for e in ("png", "svg")
     ]
     assert both == alone
+
+
+def test_settings_of_the_user_change_nothing(tmp_path: Path) -> None:
+    """As a `matplotlibrc` has them, in the folder or the user's."""
+    (tmp_path / "plain").mkdir()
+    (tmp_path / "other").mkdir()
+    plain = list(_files(write_all(_sheets(tmp_path / "plain"), None)))
+    with mpl.rc_context({"text.usetex": True, "font.family": "NoSuchFont", "axes.grid": True}):
+        assert list(_files(write_all(_sheets(tmp_path / "other"), None))) == plain
 
 
 @pytest.mark.parametrize("executable", ["/bin/false", "/no/such/python", None])

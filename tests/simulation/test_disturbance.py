@@ -32,6 +32,9 @@ def test_nothing_disturbs_nothing(nothing):
         (" , ", "with nothing before or after a comma"),
         ("friction=0.4,", "with nothing before or after a comma"),
         ("friction=0.4,,delay_ms=4", "with nothing before or after a comma"),
+        ({1: 2}, "unknown disturbance 1: expected one of friction"),
+        ({None: 2}, "unknown disturbance None: expected one of friction"),
+        (0, "disturb: expected NAME=VALUE,... or a mapping, found 0"),
     ],
 )
 def test_what_cannot_be_meant_is_refused_in_one_line(text, says):

@@ -240,6 +240,12 @@ def test_disturbances_come_from_a_file(tmp_path: Path) -> None:
     assert len(disturbances_of("standard")) == 18 and not disturbances_of("none")
 
 
+def test_a_disturbance_has_a_text_for_a_name() -> None:
+    other: Any = {1: {}}
+    with pytest.raises(InputError, match="a name of one line, found 1"):
+        disturbances_of(other)
+
+
 @pytest.mark.parametrize(
     ("text", "line"),
     [

@@ -4,6 +4,7 @@ import json
 import re
 import shutil
 
+import matplotlib as mpl
 import numpy as np
 import pytest
 
@@ -60,6 +61,11 @@ def colour_at(picture, portrait, z):
     height, width, _ = picture.shape
     row, column = round((1.0 - up) * height), round(across * width)
     return np.median(picture[row - 4 : row + 5, column - 4 : column + 5].reshape(-1, 3), axis=0)
+
+
+def test_settings_of_the_user_change_nothing(plane, drawn):
+    with mpl.rc_context({"text.usetex": True, "axes.grid": True}):
+        assert np.array_equal(plane.draw(), drawn)
 
 
 def test_places_and_states_are_inverse(plane):

@@ -1,5 +1,7 @@
 """Specs of a user's own, whose gaits and conditions hold what the built-in ones do not."""
 
+import os
+import shutil
 from pathlib import Path
 from typing import Any
 
@@ -8,7 +10,11 @@ import pytest
 
 from neuralgaits.analysis.run import open_run
 from neuralgaits.robots import load_robot
+from neuralgaits.settings import GaitSettings
+from neuralgaits.sweeps.inputs import inputs_of
+from neuralgaits.workflows.new_training import new_training
 from neuralgaits.workflows.train import train
+from support.own_spec import replace_spec
 
 OWN = '''
 from dataclasses import replace
@@ -83,3 +89,25 @@ def test_a_gait_is_opened_as_it_was_trained(own) -> None:
 def test_what_a_policy_does_not_use_may_be_of_any_type(own) -> None:
     assert own.gait.policy.unused.dtype == np.float32
     assert own.summary["provable"]
+
+
+AWAY = f"import os\nos.chdir('/')\n{OWN}"
+
+
+def test_a_spec_that_leaves_the_folder_leaves_paths_as_they_are(tmp_path, monkeypatch) -> None:
+    """The tool returns: paths are relative to where it was called."""
+    monkeypatch.chdir(tmp_path)
+    Path("mine.py").write_text(AWAY)
+    settings = {"specs": ["mine.py:own"], "speeds": [None]}
+    assert inputs_of(["amber3m"], settings)["spec-0.py"] == AWAY.encode()
+    made = new_training(load_robot("amber3m"), GaitSettings(spec="mine.py:own", hidden=(4,)), 0)
+    assert made.copies["spec.py"] == AWAY
+    assert os.path.samefile(os.curdir, tmp_path)
+
+
+def test_a_run_of_such_a_spec_is_opened_by_a_relative_path(own, tmp_path, monkeypatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    shutil.copytree(own.path, "run")
+    replace_spec(Path("run"), AWAY)
+    assert open_run("run").asked.spec == own.asked.spec
+    assert os.path.samefile(os.curdir, tmp_path)

@@ -10,6 +10,7 @@ import numpy as np
 from jaxtyping import PRNGKeyArray
 
 from neuralgaits import _notebook
+from neuralgaits._inputs import same_folder
 from neuralgaits._quick_jit import quick_filter_jit
 from neuralgaits.analysis.learned import Learned
 from neuralgaits.barriers import Gait, GaitSpec, specs
@@ -226,6 +227,7 @@ def _shaped(folder: RunFolder, spec: GaitSpec) -> AnyGait:
     return jax.tree.unflatten(kept["structure"], leaves)
 
 
+@same_folder()
 def open_parts(folder: RunFolder) -> tuple[PlanarBiped, GaitSpec]:
     """Open robot and spec of a run, from the run's own copies."""
     asked = asked_of(folder)
@@ -266,6 +268,7 @@ def untrained(folder: RunFolder, spec: GaitSpec) -> AnyGait:
     return folder.read_tree(START, gait)
 
 
+@same_folder()
 def _new_gait(folder: RunFolder, spec: GaitSpec, key: PRNGKeyArray) -> AnyGait:
     asked = asked_of(folder)
     return spec.new_gait(key, asked.init, asked.hidden)

@@ -15,7 +15,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import NoReturn
 
-from neuralgaits._environment import prepare
+from neuralgaits._environment import prepare, why_no_platform
 from neuralgaits._printable import PRINTABLE, printable, shortened, visible
 from neuralgaits.errors import (
     ConvergenceError,
@@ -80,8 +80,8 @@ def main(arguments: list[str]) -> int:
     except Exception as error:
         if (mistake := _of_user(error)) is not None:
             return _fail(shortened(str(mistake)), error, BAD_INPUT, verbose)
-        if (graphics := _of_graphics(error)) is not None:
-            return _fail(graphics, error, BAD_INPUT, verbose)
+        if (setting := _of_surroundings(error)) is not None:
+            return _fail(shortened(setting), error, BAD_INPUT, verbose)
         # The last resort, so that a script never takes a defect for the answer "no".
         what = shortened(f"defect in this program: {type(error).__name__}: {error}")
         return _fail(f"{what}; please report it with what -v prints", error, DEFECT, verbose)
@@ -137,17 +137,25 @@ def _of_user(error: Exception) -> Exception | None:
     return None if spec_file_errors is None else spec_file_errors.mistake(error)
 
 
-def _of_graphics(error: Exception) -> str | None:
-    """Explain a value of MUJOCO_GL that this machine does not support; None if that is not it."""
+def _of_surroundings(error: BaseException) -> str | None:
+    """Explain an error by a setting of the user's for a library; None if there is no such one.
+
+    Such are MUJOCO_GL, a `matplotlibrc` that Matplotlib cannot read, and the platform of JAX.
+    """
     backend = os.environ.get("MUJOCO_GL")
     frames = traceback.walk_tb(error.__traceback__)
     names = [str(frame.f_globals.get("__name__")) for frame, _ in frames]
-    if backend is None or not any(re.fullmatch(r"mujoco\..*gl_context", name) for name in names):
-        return None
-    return (
-        f"expected MUJOCO_GL to name a way to render that is there, found {backend!r}: unset it, "
-        "or see `neuralgaits doctor`"
-    )
+    if backend is not None and any(re.fullmatch(r"mujoco\..*gl_context", name) for name in names):
+        return (
+            f"expected MUJOCO_GL to name a way to render that is there, found {backend!r}: unset "
+            "it, or see `neuralgaits doctor`"
+        )
+    if isinstance(error, UnicodeDecodeError) and "matplotlib" in names:
+        return (
+            "expected text in UTF-8 in matplotlibrc, found other bytes: mend or remove that of "
+            "this folder, or your own"
+        )
+    return why_no_platform(error)
 
 
 def _next(arguments: list[str], error: KeyboardInterrupt) -> str:
@@ -179,11 +187,13 @@ def _stdout_to_stderr() -> Iterator[None]:
 
 
 def _fail(message: str, error: BaseException, code: int, verbose: bool) -> int:
-    if verbose:
-        traceback.print_exception(error, file=sys.stderr)
     # Lines are joined; blanks within one may be those of a quoted path.
     line = " ".join(part.strip() for part in message.splitlines() if part.strip())
     from neuralgaits.cli.invocation import as_called
 
-    print(f"neuralgaits: {visible(printable(as_called(line)))}", file=sys.stderr)
+    # An error that cannot be written, to a full disk or to nobody, still has its exit code.
+    with contextlib.suppress(OSError, ValueError):
+        if verbose:
+            traceback.print_exception(error, file=sys.stderr)
+        print(f"neuralgaits: {visible(printable(as_called(line)))}", file=sys.stderr)
     return code

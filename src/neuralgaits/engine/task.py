@@ -30,7 +30,7 @@ class Failure(NamedTuple):
 
     Attributes:
         kind: `refused`: the task refused, and would again; `defect`: it met a mistake of the
-            program; `lost`: its workers died, or had too little memory.
+            program; `lost`: its workers died, or had too little memory or no platform for JAX.
         reason: one line.
     """
 

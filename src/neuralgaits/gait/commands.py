@@ -7,12 +7,13 @@ fixed the posture that this step begins in, and `after`, which fixes where it en
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
 
+from neuralgaits._digits import decimal
 from neuralgaits._names import why_no_name
 from neuralgaits._types import Array, Float, Scalar
 from neuralgaits.errors import InputError, SpecError
@@ -243,19 +244,20 @@ def coordinates_of(commands: Commands, pair: Pair) -> Float[Array, " k"]:
     return jnp.stack([x for both in found for x in both]) if found else jnp.zeros(0)
 
 
-def values(commands: Commands, given: Mapping[str, float]) -> Float[np.ndarray, " p"]:
+def values(commands: Commands, given: Mapping[Any, Any]) -> Float[np.ndarray, " p"]:
     """Return values by name as an array.
 
-    Raises: InputError on unknown names, missing ones and values outside their range.
+    Raises: InputError on unknown names, missing ones, and values that are no numbers or outside
+        their range.
     """
     names = [c.name for c in commands]
     if set(given) != set(names):
         raise InputError(
             f"expected a value for each of the gait's commands, {', '.join(names) or 'none'}, "
-            f"found {', '.join(given) or 'none'}"
+            f"found {', '.join(map(str, given)) or 'none'}"
         )
     for c in commands:
-        value = given[c.name]
+        value = _number(c.name, given[c.name])
         if not c.low <= value <= c.high:
             found = f"between {c.low:g} and {c.high:g} {c.unit}, found {value:g}"
             if c.unit == "rad":
@@ -263,7 +265,14 @@ def values(commands: Commands, given: Mapping[str, float]) -> Float[np.ndarray, 
                 low, high, same = (f"{math.degrees(x):.4g}" for x in (c.low, c.high, value))
                 found += f"; in degrees {low} to {high}, and {same}"
             raise InputError(f"expected {c.name} {found}")
-    return np.array([float(given[name]) for name in names])
+    return np.array([_number(name, given[name]) for name in names])
+
+
+def _number(name: str, value: Any) -> float:
+    try:
+        return decimal(value)
+    except (TypeError, ValueError):
+        raise InputError(f"expected {name} as a number, found {value!r:.60}") from None
 
 
 CURVE_TERMS = 4

@@ -41,12 +41,12 @@ def disturbances_of(asked: str | Path | Mapping[str, Any]) -> dict[str, dict[str
     return {name: plain(vars(_parsed(name, one))) for name, one in found.items()}
 
 
-def _parsed(name: str, one: Any) -> PlantChanges:
+def _parsed(name: Any, one: Any) -> PlantChanges:
     if not isinstance(one, str | Mapping | PlantChanges):
         raise InputError(
             f"disturbance {name!r}: expected a table of names and numbers, found {one!r}"
         )
-    if not name.strip() or not name.isprintable():
+    if not (isinstance(name, str) and name.strip() and name.isprintable()):
         raise InputError(f"expected a disturbance with a name of one line, found {name!r}")
     return parse(one)
 

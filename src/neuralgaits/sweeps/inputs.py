@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from neuralgaits._inputs import same_folder
 from neuralgaits.barriers import specs as known_specs
 from neuralgaits.barriers.commanded_spec import commands_of
 from neuralgaits.robots import load_robot
@@ -30,7 +31,8 @@ def inputs_of(names: Sequence[str], settings: Mapping[str, Any]) -> dict[str, by
                 told = speed_of(speed)
                 spread = told if isinstance(told, tuple) else None
                 one = None if isinstance(told, tuple) else told
-                known_specs.load(spec, robot, commands_of(speed=spread), one)
+                with same_folder():
+                    known_specs.load(spec, robot, commands_of(speed=spread), one)
     for number, spec in enumerate(settings["specs"]):
         if spec not in known_specs.DESCRIPTIONS:
             inputs[spec_file(number)] = known_specs.source_path(spec).read_bytes()

@@ -66,6 +66,14 @@ class Portrait:
     def draw(self) -> np.ndarray:
         """Draw the picture: red, green, blue and opacity. [HEIGHT_PX, WIDTH_PX, 4]."""
         # Half a second of imports that the first frame does not wait for.
+        import matplotlib as mpl
+
+        with mpl.rc_context():
+            # A `matplotlibrc` of the user's or of the folder has no part in it.
+            mpl.rcdefaults()
+            return self._drawn()
+
+    def _drawn(self) -> np.ndarray:
         from matplotlib.backends.backend_agg import FigureCanvasAgg
         from matplotlib.figure import Figure
 

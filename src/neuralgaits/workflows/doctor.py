@@ -7,6 +7,7 @@ import subprocess
 import sys
 
 from neuralgaits._compiler import Compiler
+from neuralgaits._environment import why_no_platform
 from neuralgaits._version import __version__
 from neuralgaits.records.installed import Finding, Machine
 
@@ -57,8 +58,9 @@ def _device() -> Finding:
         device = jax.devices()[0]
         found = f"{device.platform} ({device.device_kind}), {os.cpu_count()} cores, jax"
         return _finding(True, f"{found} {jax.__version__}", fix)
-    except RuntimeError as error:
-        return _finding(False, " ".join(str(error).split()), fix)
+    except Exception as error:
+        found, _, remedy = (why_no_platform(error) or f"{error}: {fix}").rpartition(": ")
+        return _finding(False, " ".join(found.split()), remedy)
 
 
 def _double_precision() -> Finding:

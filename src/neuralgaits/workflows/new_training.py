@@ -6,6 +6,7 @@ from pathlib import Path
 
 import jax
 
+from neuralgaits._inputs import same_folder
 from neuralgaits.analysis.run import Run
 from neuralgaits.barriers import GaitSpec, spec_file_errors, specs
 from neuralgaits.barriers.commanded_spec import commands_of
@@ -86,7 +87,8 @@ def new_training(
             "expected a spec by name with a speed, commands or parameters, found a GaitSpec: "
             "build it with specs.commanded or specs.robust"
         )
-    loaded = specs.load(spec, robot, told, one, box) if isinstance(spec, str) else spec
+    with same_folder():
+        loaded = specs.load(spec, robot, told, one, box) if isinstance(spec, str) else spec
     refuse_many_axes(loaded)
     gait = _new_gait(loaded, seed, init, settings.hidden)
     if not (isinstance(spec, str) and spec in specs.DESCRIPTIONS):
@@ -155,7 +157,7 @@ def ranges_of(commands: Commands) -> dict[str, Range]:
 
 
 def _new_gait(spec: GaitSpec, seed: int, init: Init, hidden: tuple[int, ...] | None) -> AnyGait:
-    with spec_file_errors.blamed():
+    with same_folder(), spec_file_errors.blamed():
         return spec.new_gait(jax.random.key(seed), init, hidden)
 
 

@@ -34,7 +34,10 @@ R = TypeVar("R")
 
 @contextmanager
 def settings() -> Iterator[None]:
-    """Apply the common style within the context, and restore matplotlib's settings afterwards."""
+    """Apply the common style within the context, and restore Matplotlib's settings afterwards.
+
+    Figures look the same for everyone: a `matplotlibrc` of the user's or of the folder has no part.
+    """
     style: dict[Any, Any] = {
         "font.size": 10.0,
         "axes.titlesize": 10.0,
@@ -54,7 +57,9 @@ def settings() -> Iterator[None]:
         # The same data gives the same file, byte for byte.
         "svg.hashsalt": "neuralgaits",
     }
-    with mpl.rc_context(style):
+    with mpl.rc_context():
+        mpl.rcdefaults()
+        mpl.rcParams.update(style)
         yield
 
 

@@ -46,6 +46,8 @@ def parse_link(text: "str | Mapping[str, Any] | LinkConfig | None") -> LinkConfi
     """Read `NAME=VALUE,...`. Raises: InputError listing the names."""
     if isinstance(text, LinkConfig):
         return text
+    if text is not None and not isinstance(text, str | Mapping):
+        raise InputError(f"link: expected NAME=VALUE,... or a mapping, found {text!r:.60}")
     if not text:
         return LinkConfig()
     pairs = dict(text) if isinstance(text, Mapping) else _pairs(text)
@@ -56,7 +58,7 @@ def parse_link(text: "str | Mapping[str, Any] | LinkConfig | None") -> LinkConfi
             raise InputError(f"unknown link setting {name!r}: expected one of {', '.join(known)}")
         try:
             number = value if known[name] is str else decimal(value)
-        except ValueError:
+        except (TypeError, ValueError):
             raise InputError(f"link {name}: expected a number, found {value!r}") from None
         if name == "lockstep":
             if number not in (0.0, 1.0):

@@ -99,10 +99,10 @@ def parse(disturb: "str | Mapping[str, float] | PlantChanges | None") -> PlantCh
     """
     if isinstance(disturb, PlantChanges):
         return disturb
+    if disturb is not None and not isinstance(disturb, str | Mapping):
+        raise InputError(f"disturb: expected NAME=VALUE,... or a mapping, found {disturb!r:.60}")
     if not disturb:
         return PlantChanges()
-    if not isinstance(disturb, str | Mapping):
-        raise InputError(f"disturb: expected NAME=VALUE,... or a mapping, found {disturb!r:.60}")
     pairs = _pairs(disturb) if isinstance(disturb, str) else list(disturb.items())
     known = {entry.name for entry in fields(PlantChanges)}
     values: dict[str, float] = {}
