@@ -131,12 +131,15 @@ def _from_file(name: str, robot: "PlanarBiped") -> GaitSpec:
         raise SpecError(
             f"unknown spec {name!r}: {hint}expected one of {', '.join(_BUILT_IN)}, or FILE.py:NAME"
         )
-    value = getattr(_module(path), attribute, None)
-    if value is None:
+    module = _module(path)
+    with spec_file_errors.blamed():  # A module may have a `__getattr__`.
+        defined = hasattr(module, attribute)
+    if not defined:
         known = _defined(path)
         hint = meant(attribute, known)
         there = f": {hint}{' ' if hint else ''}there is {', '.join(known)}" if known else ""
         raise SpecError(f"spec {name!r}: {path} defines no {attribute!r}{there}")
+    value = getattr(module, attribute)
     spec = _applied(name, value, robot) if callable(value) else value
     if not isinstance(spec, GaitSpec):
         raise SpecError(f"spec {name!r}: expected a GaitSpec, found {type(spec).__name__}")
