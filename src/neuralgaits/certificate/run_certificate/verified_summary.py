@@ -122,7 +122,11 @@ def _read(folder: RunFolder, summary: CertificateRecord) -> CertificateReading:
                 else f"{name} is missing"
             )
     _refuse_disorder(summary)
-    described = asked_of(folder).described
+    asked = asked_of(folder)
+    described = asked.described
+    for what, named in {"robot": summary.robot, "spec": summary.spec}.items():
+        if named not in ("", getattr(asked, what)):
+            raise Unfit(f"{SUMMARY} is about {what} {named!r}, not {getattr(asked, what)!r}")
     if set(summary.conditions) != {row["name"] for row in described["conditions"]}:
         raise Unfit(f"{SUMMARY} is about other conditions than the run's")
     proof, own = _claims(run)
