@@ -66,6 +66,10 @@ GIVEN = _hzd.NAME
 """Name of the spec of given gaits, which cannot be trained."""
 
 
+IN_NO_FILE = "# A GaitSpec made in Python"
+"""First words of the file that a run keeps of a spec that no file defines."""
+
+
 def is_built_in(name: str) -> bool:
     """Return whether a spec comes with the package."""
     return name in DESCRIPTIONS or name == GIVEN
