@@ -31,7 +31,7 @@ from neuralgaits.certificate.levels.walking_set.theorem import (
 from neuralgaits.certificate.proof_file.theorem_tables import Theorems
 from neuralgaits.certificate.run_certificate.run_comparison import RunComparison
 from neuralgaits.certificate.run_certificate.scope import commands_within
-from neuralgaits.certificate.run_certificate.verified_summary import _part, _Unfit
+from neuralgaits.certificate.run_certificate.verified_summary import Unfit, _part
 from neuralgaits.errors import InputError
 from neuralgaits.gait.commands import Command, Pair
 from neuralgaits.programs import POINT, evaluate
@@ -239,7 +239,7 @@ def test_a_proof_of_some_commands_is_read_as_that_and_no_more():
     assert _part(summary_of(open_), whole, own) is None
     claimed = Conclusion(2, "proved", None, (), {})
     for more in (summary_of(open_ | {"torso": "proved"}), summary_of(open_, (claimed,))):
-        with pytest.raises(_Unfit, match="about some commands only"):
+        with pytest.raises(Unfit, match="about some commands only"):
             _part(more, proof, own)
 
 

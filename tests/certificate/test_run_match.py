@@ -33,6 +33,25 @@ def test_the_name_that_differs_is_told(tmp_path, mutated, run, what):
     assert line.startswith(f"{what}: the run has") and line.endswith("the proof 'another'")
 
 
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ('<mujoco model="atlas"/>', "robot.xml names its model 'atlas', the proof 'point'"),
+        ('<mujoco model="point"/>', None),
+        ('<mujoco model="&#10;point "/>', None),
+        ('<mujoco model="MuJoCo Model"/>', None),
+        ("<mujoco/>", None),
+        ("no robot", None),
+    ],
+)
+def test_a_model_that_the_robot_file_names_is_the_proofs(tmp_path, mutated, run, text, told):
+    """Without one, the robot is called as its file was, which nobody can know any more."""
+    (run / "robot.xml").write_text(text)
+    mutated["robot"]["sha256"] = sha256(text)
+    found = differences(read_claims(write(tmp_path, mutated)), run)
+    assert found == ([] if told is None else [f"robot: {told}"])
+
+
 @pytest.mark.parametrize("file", ["robot.xml", "spec.py", "policy.safetensors"])
 def test_the_file_that_differs_is_named(tmp_path, proof, run, file):
     content = weights(CENTRE + 1e-16 * 2**4) if file.startswith("policy") else b"another"

@@ -13,7 +13,8 @@ from neuralgaits.analysis.walking_speeds import (
     length_doubt,
     speed_doubt,
 )
-from neuralgaits.cli import screen
+from neuralgaits.barriers.spec_file_errors import PREFIX
+from neuralgaits.cli import screen, verbs
 from neuralgaits.cli.main import main
 from neuralgaits.control import Fblin
 from neuralgaits.errors import InputError
@@ -256,3 +257,25 @@ sys.exit(main(["simulate", "nowhere", "--video", "film.mp4"]))
 """
     done = subprocess.run([sys.executable, "-c", program], cwd=tmp_path, capture_output=True)
     assert done.returncode == 5
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["import sys\nsys.exit(0)\n", "\ndef own(robot): raise SystemExit(3)\n"],
+    ids=["imported", "called"],
+)
+def test_a_spec_file_that_exits_does_not_end_the_command_in_silence(capfd, tmp_path, text):
+    file = tmp_path / "own.py"
+    file.write_text(text)
+    line = line_of(capfd, "train", "amber3m", "--spec", f"{file}:own", "--out", str(tmp_path / "o"))
+    assert f"{file}:2: SystemExit" in line and not (tmp_path / "o").exists()
+
+
+@pytest.mark.parametrize("raised", ["SystemExit(0)", "GeneratorExit", "BaseException('no')"])
+def test_whatever_a_users_line_raises_is_told_by_that_line(capfd, monkeypatch, raised):
+    """Wherever it runs: a condition is evaluated deep in any verb."""
+    code = compile(f"def condition(*_):\n    raise {raised}", "own.py", "exec")
+    module = {"__name__": f"{PREFIX}own"}
+    exec(code, module)
+    monkeypatch.setattr(verbs, "carry_out", module["condition"])
+    assert "own.py:2: " in line_of(capfd, "robots")

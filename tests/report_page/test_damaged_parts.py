@@ -65,7 +65,8 @@ def test_a_field_that_is_gone_or_of_another_kind_is_named(contents, shipped, fil
             _written(shipped, file, whole | {name: other})
             page = page_of_parts()
             assert document(page)
-            named = f"in {name}", *(["about another"] if name == "sha256" else [])
+            about = {"sha256": "about another"}.get(name, f"is about {name}")
+            named = f"in {name}", about
             assert not page.saved.damaged or any(words in failures(page) for words in named)
     for broken in ('{"a": ' + "[" * 100_000, '{"boxes": NaN}', "[]"):
         _written(shipped, file, broken)

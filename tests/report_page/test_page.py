@@ -24,6 +24,7 @@ from neuralgaits.report.page.markup import Html, number, tag, text
 from neuralgaits.report.page.proof import certificate
 from neuralgaits.report.page.training import training
 from neuralgaits.report.page.walking import animation, simulations
+from support.refuted_run import refute
 
 HOSTILE = "\"><img src=x onerror=alert(1)></script><script>alert('&')</script>"
 SIMULATED = {
@@ -91,16 +92,11 @@ def test_samples_that_break_a_condition_are_said_to(contents, shipped):
 
 
 def test_a_refuted_condition_is_shown_with_its_state(contents, shipped):
-    def refuted(summary):
-        entry = summary["conditions"]["knee"]
-        entry |= {"verdict": "refuted", "proved_fraction": 0.75, "margin": None}
-        entry["counterexample"] = {"u": [0.5, 0.5], "z": [0.0125, 14.25], "margin": -0.03}
-        summary["verdict"] = "refuted"
-
-    _change(shipped, "certificate/summary.json", refuted)
+    refute(shipped, "knee")
     page = contents(shipped)
     said = failures(page)
     assert "knee is refuted: at z1 = 0.0125 m, z2 = 14.25" in said
+    assert "certify recorded this point" in said
     assert "Not proved." in answer(page) and "(knee)" in answer(page)
     assert "Why it stays up." not in answer(page)
     assert page.saved.proved_level == 0

@@ -10,6 +10,8 @@ import pytest
 
 from neuralgaits.analysis.run import open_run
 from neuralgaits.episode_rounds.episode_folder import EpisodeFolder
+from neuralgaits.records.report_walk import FILE, ShownWalk
+from neuralgaits.report import shown_walk
 from neuralgaits.report.shown_walk import STEPS, AskedWalk, asked_of, walk_again
 from neuralgaits.robots import load_robot
 from neuralgaits.simulation.setup.disturbance import PlantChanges
@@ -118,3 +120,40 @@ def test_without_a_simulation_the_robot_of_the_episodes_walks(tmp_path):
     found = asked_of(open_run(folder.round(1)))
     assert found.plant is not None and found.plant.name == "amber3m-tail"
     assert found.disturbance.torso_shift_m == -0.02 and found.law == "fblin"
+
+
+@pytest.fixture(scope="module")
+def kept(tmp_path_factory):
+    """A run whose page has shown two steps, and that walk."""
+    folder = Path(shutil.copytree(SHIPPED, tmp_path_factory.mktemp("kept") / "run"))
+    _simulated(folder, fell=[False], steps=2, plant="amber3m", controller="pd", disturb={})
+    return folder, shown_walk.shown_walk(open_run(folder))
+
+
+@pytest.mark.parametrize("hashed", [False, True], ids=["", "content hash made anew"])
+@pytest.mark.parametrize(
+    "edit",
+    [
+        {"steps_walked": 987},
+        {"origin": "repeats the flight to the moon", "plant": "anything", "robot": "atlas"},
+        {"fell": True, "steps_walked": 3, "fall_reason": "it was pushed"},
+        {"fell": True, "steps_walked": 1, "fall_reason": "it was tired"},
+        {"leg_length_m": 87.0, "seed": 7, "steps_asked": 987, "push_n_s": 100.0},
+    ],
+    ids=lambda edit: "-".join(edit),
+)
+def test_a_kept_walk_that_was_edited_is_not_believed(kept, tmp_path, edit, hashed):
+    """What was asked is made from the run; a result that cannot be, or is another, walks again."""
+    folder, walk = kept
+    again = Path(shutil.copytree(folder, tmp_path / "run"))
+    told = json.loads((again / FILE).read_text()) | edit
+    if hashed:
+        told["content"] = shown_walk._content(ShownWalk.of(told))
+    (again / FILE).write_text(json.dumps(told))
+    assert dict(shown_walk.shown_walk(open_run(again))) == dict(walk)
+
+
+def test_a_kept_walk_is_read_and_not_walked_again(kept, monkeypatch):
+    folder, walk = kept
+    monkeypatch.setattr(shown_walk, "walk_again", None)
+    assert dict(shown_walk.shown_walk(open_run(folder))) == dict(walk)

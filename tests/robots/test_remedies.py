@@ -198,3 +198,21 @@ def test_inspect_refuses_feet_that_would_slip(tmp_path, capfd):
     file.write_text(AMBER.replace('condim="3"', 'condim="1"'))
     assert main(["inspect", str(file)]) == 2
     assert 'condim="1", contact without friction' in capfd.readouterr().err
+
+
+@pytest.mark.parametrize(
+    "bodies", [("world", "shin_left"), ("shin_left", "world")], ids=lambda pair: "-".join(pair)
+)
+def test_a_foot_that_the_file_lets_through_the_floor_is_refused(bodies):
+    said = refusal(_excluding(*bodies))
+    assert "cannot touch the floor" in said and "between world and shin_left" in said
+    assert said.endswith("remove that <exclude>")
+
+
+def test_bodies_that_never_meet_may_be_excluded_from_each_other():
+    assert robot_from_text(_excluding("shin_left", "shin_right"), "amber3m").name == "amber3m"
+
+
+def _excluding(first, second):
+    exclude = f'<contact><exclude body1="{first}" body2="{second}"/></contact>'
+    return AMBER.replace("</mujoco>", f"{exclude}</mujoco>")

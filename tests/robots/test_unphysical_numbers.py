@@ -205,3 +205,15 @@ def test_counts_are_refused_before_mujoco_takes_them(case, monkeypatch):
     monkeypatch.setattr("mujoco.MjModel.from_xml_string", compiled)
     with pytest.raises(RobotError, match=re.escape(said)):
         robot_from_text(AMBER.replace("</mujoco>", f"{added}</mujoco>"), "amber3m")
+
+
+@pytest.mark.parametrize("radius", ["5", "0.22"])
+def test_a_foot_that_is_no_point_beside_its_leg_is_refused(radius):
+    """The leg has 0.8731 m; a sphere of 5 m walked."""
+    with pytest.raises(RobotError, match=rf"radius of {radius} m: expected .* 0.218275 m, .* make"):
+        robot_from_text(AMBER.replace('size="0.003"', f'size="{radius}"'), "amber3m")
+
+
+def test_a_large_foot_may_have_a_quarter_of_its_leg():
+    found = robot_from_text(AMBER.replace('size="0.003"', 'size="0.21"'), "amber3m")
+    assert float(found.foot_radius) == 0.21

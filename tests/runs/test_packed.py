@@ -3,6 +3,7 @@
 import gzip
 import hashlib
 import shutil
+from pathlib import Path
 
 import pytest
 
@@ -72,3 +73,9 @@ def test_one_that_holds_too_much_is_refused(run, monkeypatch):
     monkeypatch.setattr(packed, "LARGEST_BYTES", 50_000)
     with pytest.raises(InputError, match="holds more than 50000 bytes"):
         read_claims(run / PROOF)
+
+
+@pytest.mark.parametrize("place", ["", ".", "/"])
+def test_a_folder_without_a_name_is_called_a_folder(place):
+    with pytest.raises(InputError, match="found none to read: Is a directory; name a run"):
+        read_claims(Path(place))

@@ -25,6 +25,7 @@ from neuralgaits.records.training_config import TrainingConfig, asked_of
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.robots.mjcf.loader import robot_from_text
 from neuralgaits.runs import RunFolder, plain, resolve
+from neuralgaits.runs.folder import CONFIG
 from neuralgaits.runs.names import RESIDUAL, ROBOT, SPEC, START, WEIGHTS
 
 _TIGHTEST = 5
@@ -251,10 +252,14 @@ def open_parts(folder: RunFolder) -> tuple[PlanarBiped, GaitSpec]:
     if found != asked.described:
         differ = (key for key, value in found.items() if value != asked.described.get(key))
         part = next(differ, "fields")
+        why = f"{CONFIG} was altered, or is of another version; restore it or train again"
+        if folder.copy(SPEC).startswith(specs.IN_NO_FILE):
+            why = (
+                "the run was trained from a GaitSpec that no file defines; write the spec to "
+                "FILE.py and train with --spec FILE.py:NAME"
+            )
         raise RunError(
-            f"expected the spec the run was trained with, found other {part} in {name!r}: the run "
-            "was trained from a GaitSpec that no file defines, or by another version; write the "
-            "spec to FILE.py and train with --spec FILE.py:NAME"
+            f"expected the spec the run was trained with, found other {part} in {name!r}: {why}"
         )
     return robot, spec
 

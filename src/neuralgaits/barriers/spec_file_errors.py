@@ -29,12 +29,16 @@ _LONGEST = 300
 
 @contextlib.contextmanager
 def blamed() -> Iterator[None]:
-    """Turn an exception of a user's file into a SpecError; leave all other exceptions unchanged."""
+    """Turn an exception of a user's file into a SpecError; leave all other exceptions unchanged.
+
+    `sys.exit` in such a file is a mistake, too: it would end the command without an answer. Only
+    Ctrl-C passes through.
+    """
     try:
         yield
-    except NeuralGaitsError:
+    except (NeuralGaitsError, KeyboardInterrupt):
         raise
-    except Exception as error:
+    except BaseException as error:
         found = mistake(error)
         if found is None:
             raise

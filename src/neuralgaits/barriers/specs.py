@@ -66,6 +66,10 @@ GIVEN = _hzd.NAME
 """Name of the spec of given gaits, which cannot be trained."""
 
 
+IN_NO_FILE = "# A GaitSpec made in Python"
+"""First words of the file that a run keeps of a spec that no file defines."""
+
+
 def is_built_in(name: str) -> bool:
     """Return whether a spec comes with the package."""
     return name in DESCRIPTIONS or name == GIVEN
@@ -131,12 +135,15 @@ def _from_file(name: str, robot: "PlanarBiped") -> GaitSpec:
         raise SpecError(
             f"unknown spec {name!r}: {hint}expected one of {', '.join(_BUILT_IN)}, or FILE.py:NAME"
         )
-    value = getattr(_module(path), attribute, None)
-    if value is None:
+    module = _module(path)
+    with spec_file_errors.blamed():  # A module may have a `__getattr__`.
+        defined = hasattr(module, attribute)
+    if not defined:
         known = _defined(path)
         hint = meant(attribute, known)
         there = f": {hint}{' ' if hint else ''}there is {', '.join(known)}" if known else ""
         raise SpecError(f"spec {name!r}: {path} defines no {attribute!r}{there}")
+    value = getattr(module, attribute)
     spec = _applied(name, value, robot) if callable(value) else value
     if not isinstance(spec, GaitSpec):
         raise SpecError(f"spec {name!r}: expected a GaitSpec, found {type(spec).__name__}")

@@ -63,8 +63,6 @@ def main(arguments: list[str]) -> int:
     verbose = bool({"-v", "--verbose"} & set(arguments))
     try:
         return _answer(arguments)
-    except SystemExit as stop:
-        return GOOD if stop.code is None else int(stop.code)
     except KeyboardInterrupt as error:
         return _fail(f"interrupted{_next(arguments, error)}", error, INTERRUPTED, verbose)
     except BrokenPipeError:
@@ -77,9 +75,12 @@ def main(arguments: list[str]) -> int:
         return _fail(str(error), error, BAD_INPUT, verbose)
     except OSError as error:
         return _fail(shortened(_of_system(error)), error, BAD_INPUT, verbose)
-    except Exception as error:
+    except BaseException as error:
+        # Before SystemExit: a user's file that calls `sys.exit` is no answer to the command.
         if (mistake := _of_user(error)) is not None:
             return _fail(shortened(str(mistake)), error, BAD_INPUT, verbose)
+        if isinstance(error, SystemExit):
+            return GOOD if error.code is None else int(error.code)
         if (setting := _of_surroundings(error)) is not None:
             return _fail(shortened(setting), error, BAD_INPUT, verbose)
         # The last resort, so that a script never takes a defect for the answer "no".
@@ -130,7 +131,7 @@ def _of_system(error: OSError) -> str:
     return f"expected a file or folder that can be used at {path}: {reason(error)}; name another"
 
 
-def _of_user(error: Exception) -> Exception | None:
+def _of_user(error: BaseException) -> Exception | None:
     """Return the error of a user's spec file, whenever it ran; None if it comes from elsewhere."""
     # Not imported here: without it no such file was read, and the import may be what failed.
     spec_file_errors = sys.modules.get("neuralgaits.barriers.spec_file_errors")

@@ -6,7 +6,7 @@ from decimal import Decimal
 from typing import Annotated, Literal
 
 from neuralgaits.records.levels import WORDS
-from neuralgaits.records.record import Count, Pair, Record, Texts
+from neuralgaits.records.record import Count, Pair, Record, Share, Texts
 from neuralgaits.runs.shape import NUMBER, may, one_of, table_of
 
 FOLDER = "certificate"
@@ -62,7 +62,7 @@ class ConditionVerdict:
     """
 
     verdict: Verdict
-    proved_fraction: float
+    proved_fraction: Share
     boxes: Count
     margin: float | None
     counterexample: Counterexample | None

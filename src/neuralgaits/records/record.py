@@ -16,6 +16,7 @@ from neuralgaits.runs.json_files import read_object, refuse_misshapen
 from neuralgaits.runs.plain import plain
 
 Count = Annotated[int, shapes.COUNT]
+Share = Annotated[float, shapes.SHARE]
 Texts = tuple[str, ...]
 Pair = tuple[float, float]
 Disturb = Annotated[Mapping[str, Any], shapes.table_of(shapes.may(shapes.NUMBER))]

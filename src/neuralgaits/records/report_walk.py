@@ -15,6 +15,7 @@ class ShownWalk(Record):
 
     Attributes:
         key: hash of everything that determines the walk.
+        content: hash of all other fields.
         robot, plant, controller: names of the model, of the robot that walked, and of the law.
         origin: why this walk is shown, in words.
         start, push_n_s, disturb, seed, steps_asked: as in `simulate`.
@@ -29,6 +30,7 @@ class ShownWalk(Record):
     """
 
     key: str = ""
+    content: str = ""
     robot: str
     plant: str
     controller: str

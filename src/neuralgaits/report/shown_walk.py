@@ -7,7 +7,6 @@ Otherwise the gait walks from the middle of its region, on the robot of its epis
 import hashlib
 import json
 from collections.abc import Mapping
-from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -30,6 +29,7 @@ from neuralgaits.simulation.native_walk import engine_of_trained
 from neuralgaits.simulation.setup.command_schedule import CommandSchedule
 from neuralgaits.simulation.setup.disturbance import PlantChanges
 from neuralgaits.simulation.setup.plant import SUBSTEPS, TIMESTEP_S
+from neuralgaits.simulation.ticks.falls import Ending
 from neuralgaits.simulation.trained_walks import TrainedWalks
 from neuralgaits.simulation.walk import Walk
 
@@ -74,14 +74,10 @@ def shown_walk(run: Run) -> ShownWalk:
     Raises: InputError in one line if it cannot be simulated.
     """
     asked = asked_of(run)
-    key = _key(run, asked)
-    file = run.path / FILE
-    with suppress(RunError):
-        kept = ShownWalk.read(file)
-        if kept.key == key:
-            return kept
+    if (kept := kept_walk(run, asked)) is not None:
+        return kept
     at = run if asked.command is None else run.at(**asked.command)
-    shown = _shown(at, asked, walk_again(at, asked), key)
+    shown = _shown(at, asked, walk_again(at, asked), _key(run, asked))
     run.folder.write_json(FILE, shown)
     return shown
 
@@ -162,6 +158,48 @@ def _key(run: Run, asked: AskedWalk) -> str:
     return hashlib.sha256(weights + text.encode()).hexdigest()
 
 
+def _content(walk: ShownWalk) -> str:
+    """Return a hash of a walk's fields."""
+    text = json.dumps(plain(replace(walk, key="", content="")), sort_keys=True)
+    return hashlib.sha256(text.encode()).hexdigest()
+
+
+def kept_walk(run: Run, asked: AskedWalk) -> ShownWalk | None:
+    """Return the walk that the run has kept; None if it has none of these settings.
+
+    An edited file is none: its settings, and what has come of them, must agree with the run.
+    """
+    try:
+        kept = ShownWalk.read(run.path / FILE)
+    except RunError:
+        return None
+    steps, settings = kept.steps_walked, plain(_settings(run, asked))
+    if kept.fell:
+        possible = steps <= asked.steps and kept.fall_reason in {one.reason for one in Ending}
+    else:
+        possible = steps == asked.steps and kept.fall_reason is None
+    same = kept.key == _key(run, asked) and kept.content == _content(kept)
+    return kept if possible and same and settings.items() <= dict(kept).items() else None
+
+
+def _settings(run: Run, asked: AskedWalk) -> dict[str, Any]:
+    """Return the fields of a shown walk that follow from the run and its settings alone."""
+    usual, plant = PlantChanges(), asked.plant or run.robot
+    changes = vars(asked.disturbance).items()
+    return {
+        "robot": run.asked.robot,
+        "plant": plant.name,
+        "controller": asked.law,
+        "origin": asked.origin,
+        "start": asked.start,
+        "push_n_s": asked.push or None,
+        "disturb": {name: value for name, value in changes if value != getattr(usual, name)},
+        "seed": asked.seed,
+        "steps_asked": asked.steps,
+        "leg_length_m": plant.leg_length,
+    }
+
+
 def walk_again(run: Run, asked: AskedWalk) -> Walk:
     """Simulate a walk in MuJoCo with a record of every tick."""
     # Of a family, the gait at the command alone.
@@ -209,30 +247,18 @@ def _shown(run: Run, asked: AskedWalk, walked: Walk, key: str) -> ShownWalk:
         "z": np.round(np.asarray(record.command.z)[ticks], 4),
         "tube": _tube(run),
     }
-    return ShownWalk(
+    walk = ShownWalk(
         key=key,
-        robot=run.asked.robot,
-        plant=plant.robot.name,
-        controller=asked.law,
-        origin=asked.origin,
-        start=asked.start,
-        push_n_s=asked.push or None,
-        disturb={
-            name: value
-            for name, value in vars(asked.disturbance).items()
-            if value != getattr(PlantChanges(), name)
-        },
-        seed=asked.seed,
-        steps_asked=asked.steps,
         steps_walked=int(np.asarray(episodes.gauge.steps)[0]),
         fell=fell,
         fall_reason=episodes.endings[0].reason,
         frame_s=animation.FRAME_S,
         first_s=float(episodes.states[ticks[0], 0]),
-        leg_length_m=plant.robot.leg_length,
         weight_n=weight,
         **plain(frames),
+        **plain(_settings(run, asked)),
     )
+    return replace(walk, content=_content(walk))
 
 
 def _tube(run: Run) -> dict[str, Any]:

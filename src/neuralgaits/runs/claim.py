@@ -95,7 +95,7 @@ def refuse_taken(out: Path, *, what: str, config: str) -> Path:
     if place.exists() and not killed and any(place.iterdir()):
         raise RunError(
             f"expected a new or empty folder for {what}, found a folder with files in it at {out}: "
-            "choose another --out, or --resume what is there"
+            "choose another --out; a training, episodes or a sweep there go on with their --resume"
         )
     refuse_unwritable(out / config)
     return place

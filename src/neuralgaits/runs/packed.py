@@ -14,7 +14,7 @@ _SUFFIX = ".gz"
 
 def packed(path: Path) -> Path:
     """Return the path of a file's packed form."""
-    return path if path.suffix == _SUFFIX else path.with_name(path.name + _SUFFIX)
+    return path if path.suffix == _SUFFIX else path.parent / f"{path.name}{_SUFFIX}"
 
 
 def place(path: Path) -> Path:

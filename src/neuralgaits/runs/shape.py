@@ -64,6 +64,13 @@ def whole(low: int, high: int) -> Callable[[Any], str | None]:
     return check
 
 
+def _share(value: Any) -> str | None:
+    fits = NUMBER(value) is None and 0.0 <= value <= 1.0
+    return None if fits else _found("a number from 0 to 1", value)
+
+
+SHARE = _share
+"""Shape of a part of a whole."""
 COUNT = whole(0, 2**53)
 """Shape of any count in this program's files."""
 

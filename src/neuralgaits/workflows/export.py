@@ -167,7 +167,8 @@ def _warnings(found: CertificateReading) -> list[str]:
         if row.counterexample is not None:
             z1, z2 = (f"{value:.4g}" for value in row.counterexample.z)
             warnings.append(
-                f"this gait is refuted: {name} is broken at z1 = {z1} m, z2 = {z2} kg m^2/s"
+                f"this gait is refuted: {name} is broken at z1 = {z1} m, z2 = {z2} kg m^2/s, as "
+                "certify recorded"
             )
     if left := found.summary.named("undecided"):
         warnings.append(f"not proved of this gait: {', '.join(left)}")

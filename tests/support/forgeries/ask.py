@@ -12,6 +12,7 @@ from typing import Any
 from neuralgaits.analysis.run import open_run
 from neuralgaits.errors import NeuralGaitsError, RunError
 from neuralgaits.report.certificate import ProvedOfGait, certificate_of
+from neuralgaits.report.shown_walk import asked_of, kept_walk
 from neuralgaits.runs import RunFolder
 from neuralgaits.workflows.check_proof import check_proof
 from neuralgaits.workflows.report import saved_of
@@ -86,9 +87,22 @@ def ask_report(run: Path) -> Heard:
         of = "" if page.summary.tied else " of unnamed weights"
         boast += f"; figures of training{of}"
     word = str(level) if level else "none"
+    refuted = [] if page.certificate is None else page.certificate.named("refuted")
+    boast += f"; {', '.join(refuted)} refuted" if refuted else ""
+    boast += _walk_kept(run)
     if margins > 90.0 or (multiplier is not None and multiplier[1] < 0.01):
         word = "boast"
     return Heard(word, f"level {level}{boast}")
+
+
+def _walk_kept(path: Path) -> str:
+    """What the page would show of a walk without walking it; empty if it would walk."""
+    try:
+        run = open_run(path)
+        kept = kept_walk(run, asked_of(run))
+    except RunError:
+        return ""
+    return "" if kept is None else f"; keeps a walk that {kept.origin}"
 
 
 def answers(

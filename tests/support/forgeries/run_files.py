@@ -211,7 +211,6 @@ altered(
 )
 altered(
     "a config and proof that call the robot otherwise",
-    NO_MORE,
     config=_set("robot", "rabbit"),
     proof=_set("robot.name", "rabbit"),
 )

@@ -231,6 +231,36 @@ def _(case: Case) -> None:
     renew_summary(folder)
 
 
+def _refuting(table: Table) -> None:
+    point = {"u": [0.5, 0.5], "z": [1e300, -1.0], "margin": -99.0}
+    table["conditions"]["knee"] |= {"verdict": "refuted", "counterexample": point, "boxes": 10**9}
+    table["verdict"] = "refuted"
+
+
+_report(
+    "a summary that refutes what its proof states",
+    _json(SUMMARY, _refuting),
+    replace(NO_LEVEL, never="refuted"),
+)
+_report(
+    "a summary that proves a condition on 77 times its region",
+    _json(SUMMARY, lambda t: t["conditions"]["knee"].update(proved_fraction=77)),
+)
+_report("a summary of another robot", _json(SUMMARY, lambda t: t.update(robot="atlas")))
+
+
+@THEME.forgery(
+    "a robot called otherwise in config, proof and summary", cpp=None, alone=None, report=NO_LEVEL
+)
+def _(case: Case) -> None:
+    folder = case.folder()
+    case.table["robot"]["name"] = "atlas"
+    (folder / PROOF).write_text(json.dumps(case.table))
+    for file in (SUMMARY, "config.json"):
+        _json(file, lambda t: t.update(robot="atlas"))(folder)
+    renew_summary(folder)
+
+
 def _bounds(table: Table) -> None:
     for statement in table["statements"]:
         statement["bounds"] = dict.fromkeys(statement["bounds"], 99.0)

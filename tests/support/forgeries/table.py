@@ -14,6 +14,7 @@ from support.forgeries import (
     summaries,
     texts,
     trees,
+    walks,
 )
 from support.forgeries.base import Forgery
 
@@ -33,6 +34,7 @@ THEMES: dict[str, list[Forgery]] = {
         texts,
         summaries,
         run_files,
+        walks,
     )
 }
 KINDS = [kind for kinds in THEMES.values() for kind in kinds]

@@ -25,8 +25,7 @@ from neuralgaits.certificate.run_certificate import verified_summary
 from neuralgaits.certificate.run_certificate.verified_summary import read_certificate
 from neuralgaits.certificate.search.checkpoint import load, open_boxes
 from neuralgaits.episode_rounds.episode_folder import EpisodeFolder
-from neuralgaits.errors import InputError, RunError
-from neuralgaits.records.report_walk import FILE, ShownWalk
+from neuralgaits.errors import InputError
 from neuralgaits.report import makers, shown_walk
 from neuralgaits.report.certificate import certificate_of
 from neuralgaits.report.page.closing import missing_parts
@@ -121,14 +120,8 @@ page_of_round = page_of(f"{EPISODES}/round-1")
 
 def _kept_walk(path: Path) -> tuple[Any, str | None]:
     run = open_run(path)
-    key = shown_walk._key(run, shown_walk.asked_of(run))
-    try:
-        kept = ShownWalk.read(path / FILE).key
-    except RunError:
-        kept = None
-    if kept != key:
-        return None, "walked anew"
-    return shown_walk.shown_walk(run), None
+    kept = shown_walk.kept_walk(run, shown_walk.asked_of(run))
+    return kept, "walked anew" if kept is None else None
 
 
 def pictures(*names: str, rare: bool = False) -> Reader:

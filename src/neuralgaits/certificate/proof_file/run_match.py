@@ -1,12 +1,13 @@
 """Compare a proof with a run: names, files of robot, weights and spec, and the weights used.
 
-Reads the run's files as bytes and its weights as safetensors, with the standard library and
-NumPy only.
+Reads the run's files as bytes, its weights as safetensors and the robot's name as XML, with the
+standard library and NumPy only.
 """
 
 import hashlib
 import json
 from pathlib import Path
+from xml.etree import ElementTree
 
 import numpy as np
 
@@ -16,6 +17,8 @@ from neuralgaits.errors import RunError
 SETS = ("walking.", "orbit.", "full.", "disturbed.")
 """Prefixes of constants that are parameters of a theorem and not the gait's."""
 CONFIG = "config.json"
+UNNAMED = "MuJoCo Model"
+"""Name that MuJoCo gives a model without one; the robot is then called as its file was."""
 ROBOT, WEIGHTS, SPEC = "robot.xml", "policy.safetensors", "spec.py"
 
 
@@ -25,12 +28,29 @@ def differences(claims: Claims, run: Path) -> list[str]:
     Raises: RunError if a file of the run is missing or its weights cannot be read.
     """
     found = _names_that_differ(claims, run / CONFIG)
+    named = robot_name(_bytes(run / ROBOT))
+    if named is not None and named != _blanks_joined(claims.robot[0]):
+        found.append(f"robot: {ROBOT} names its model {named!r}, the proof {claims.robot[0]!r}")
     expected = {ROBOT: claims.robot[1], WEIGHTS: claims.weights_sha256, SPEC: claims.spec[1]}
     for file, proved in expected.items():
         digest = hashlib.sha256(_bytes(run / file)).hexdigest()
         if digest != proved:
             found.append(f"{file}: the run has sha256 {digest}, the proof {proved}")
     return found + _weights_that_differ(claims, run / WEIGHTS)
+
+
+def robot_name(text: bytes) -> str | None:
+    """Return the name that a robot file gives its model; None if it gives none."""
+    try:
+        name = ElementTree.fromstring(text).get("model", "")
+    except (ElementTree.ParseError, ValueError, LookupError):
+        return None  # No robot: who loads it says so.
+    return None if name in ("", UNNAMED) else _blanks_joined(name)
+
+
+def _blanks_joined(name: str) -> str:
+    """Return a name as XML readers agree on it: they read breaks and tabs in different ways."""
+    return " ".join(name.split())
 
 
 def _names_that_differ(claims: Claims, path: Path) -> list[str]:

@@ -14,10 +14,14 @@ from typing import Any, NamedTuple
 from neuralgaits.certificate.levels.levels import conclude
 from neuralgaits.certificate.premises import proved_bounds
 from neuralgaits.certificate.proof_file.consistency import inconsistencies
-from neuralgaits.certificate.proof_file.coverage import SpecOutline, stated_roots, unstated
+from neuralgaits.certificate.proof_file.coverage import SpecOutline, unstated
 from neuralgaits.certificate.proof_file.reader import Claims, read_claims
 from neuralgaits.certificate.proof_file.run_match import ROBOT, SPEC, WEIGHTS, differences
 from neuralgaits.certificate.proof_file.sampled_bounds import first_broken_bound
+from neuralgaits.certificate.run_certificate.confirmed_conditions import (
+    Unfit,
+    confirmed_conditions,
+)
 from neuralgaits.certificate.run_certificate.friction_requirement import friction_needed
 from neuralgaits.certificate.run_certificate.run_comparison import RunComparison, compare_with_run
 from neuralgaits.errors import InputError, TimeLimitError
@@ -26,7 +30,6 @@ from neuralgaits.records.certified import (
     SUMMARY,
     CertificateRecord,
     Conclusion,
-    ConditionVerdict,
     Verdict,
 )
 from neuralgaits.records.levels import HIGHEST_OF_MANY
@@ -78,10 +81,6 @@ class CertificateReading(NamedTuple):
     part: ProvedPart | None = None
 
 
-class _Unfit(Exception):
-    """Raised when a certificate contradicts its run. The message gives the contradiction."""
-
-
 def hashes(run: Path) -> dict[str, str | None]:
     """Return the sha256 of each file that a certificate is about; None for an unreadable file."""
     return file_hashes(run, (*FILES, MAP))
@@ -100,47 +99,52 @@ def read_certificate(folder: RunFolder) -> CertificateReading:
         if wrong := complaint(summary, shape_of(CertificateRecord)):
             return CertificateReading(reason=f"{DAMAGED}, {wrong}")
         return _read(folder, build(CertificateRecord, summary))
-    except _Unfit as error:
+    except Unfit as error:
         return CertificateReading(reason=str(error))
     except (OSError, ValueError, AttributeError, KeyError, TypeError):
         return CertificateReading(reason=DAMAGED)
 
 
 def _read(folder: RunFolder, summary: CertificateRecord) -> CertificateReading:
-    """Read a certificate. Raises: _Unfit, or any Python error on malformed data."""
+    """Read a certificate. Raises: Unfit, or any Python error on malformed data."""
     run = folder.path
     found = hashes(run)
     if more := [n for n in summary.sha256 if n not in found and summary.sha256[n] is not None]:
-        raise _Unfit(f"{SUMMARY} is about another file too, {more[0]}, as in earlier versions")
+        raise Unfit(f"{SUMMARY} is about another file too, {more[0]}, as in earlier versions")
     for name in FILES:
         digest = found[name]
         if unreadable := packed.why_unreadable(run / name):
-            raise _Unfit(f"certificate cannot be read: {unreadable}")
+            raise Unfit(f"certificate cannot be read: {unreadable}")
         if summary.sha256.get(name) != digest:
-            raise _Unfit(
+            raise Unfit(
                 f"{SUMMARY} is about another {name} than the run's"
                 if digest is not None
                 else f"{name} is missing"
             )
     _refuse_disorder(summary)
-    described = asked_of(folder).described
+    asked = asked_of(folder)
+    described = asked.described
+    for what, named in {"robot": summary.robot, "spec": summary.spec}.items():
+        if named not in ("", getattr(asked, what)):
+            raise Unfit(f"{SUMMARY} is about {what} {named!r}, not {getattr(asked, what)!r}")
     if set(summary.conditions) != {row["name"] for row in described["conditions"]}:
-        raise _Unfit(f"{SUMMARY} is about other conditions than the run's")
+        raise Unfit(f"{SUMMARY} is about other conditions than the run's")
     proof, own = _claims(run)
     if summary.within is not None and not described.get("commands"):
-        raise _Unfit(f"{SUMMARY} is about ranges of commands, and the run's gait takes none")
+        raise Unfit(f"{SUMMARY} is about ranges of commands, and the run's gait takes none")
     stated = {kind: half for kind, half in summary.parameters.items() if kind != "friction"}
     if proof is not None and own is not None and _box(run, proof, own.told) != stated:
-        raise _Unfit(f"{SUMMARY} is about another box of robots than {PROOF}")
+        raise Unfit(f"{SUMMARY} is about another box of robots than {PROOF}")
     _refuse_ground(summary, proof, described)
     # Nothing is said of a floor where the level that speaks of it is not claimed.
     if proof is None or WALKING not in proof.theorems.claimed:
         without = {kind: half for kind, half in summary.parameters.items() if kind != "floor"}
         summary = replace(summary, parameters=without)
     part = None if proof is None or own is None else _part(summary, proof, own)
+    in_part = () if part is None else part.conditions
     summary = replace(
         summary,
-        conditions=dict(_conditions(summary, proof, own, part)),
+        conditions=dict(confirmed_conditions(summary.conditions, proof, own, in_part)),
         levels=tuple(_levels(summary, proof, own)),
     )
     summary = replace(summary, verdict=_verdict(summary))
@@ -149,37 +153,37 @@ def _read(folder: RunFolder, summary: CertificateRecord) -> CertificateReading:
 
 
 def _refuse_disorder(summary: CertificateRecord) -> None:
-    """Raise _Unfit if levels do not rise by one, from 2 to no more than was requested."""
+    """Raise Unfit if levels do not rise by one, from 2 to no more than was requested."""
     numbers = [entry.level for entry in summary.levels]
     if numbers != list(range(2, 2 + len(numbers))) or max(numbers, default=1) > summary.level:
-        raise _Unfit(f"{SUMMARY} is about levels {numbers} where level {summary.level} was asked")
+        raise Unfit(f"{SUMMARY} is about levels {numbers} where level {summary.level} was asked")
 
 
 def _refuse_ground(
     summary: CertificateRecord, proof: Claims | None, described: Mapping[str, Any]
 ) -> None:
-    """Raise _Unfit if the proof does not cover the summary's box of robots or floors."""
+    """Raise Unfit if the proof does not cover the summary's box of robots or floors."""
     claimed = () if proof is None else proof.theorems.claimed
     if summary.parameters and max(claimed, default=0) > HIGHEST_OF_MANY:
-        raise _Unfit(f"{SUMMARY} states a box of robots of level {max(claimed)}, which is of one")
+        raise Unfit(f"{SUMMARY} states a box of robots of level {max(claimed)}, which is of one")
     least = summary.parameters.get("friction")
     if least is None:
         return
     if not friction_needed(described) <= least:
-        raise _Unfit(f"{SUMMARY} is about less friction than its conditions ask for")
+        raise Unfit(f"{SUMMARY} is about less friction than its conditions ask for")
 
 
 def _part(summary: CertificateRecord, proof: Claims, own: RunComparison) -> ProvedPart | None:
     """Return a proof's results for some of the commands; None if it is about all of them.
 
-    Raises: _Unfit if the summary calls anything proved of all of them.
+    Raises: Unfit if the summary calls anything proved of all of them.
     """
     if proof.chart == own.chart:
         return None
     called = [name for name, row in summary.conditions.items() if row.verdict == "proved"]
     called += [f"level {entry.level}" for entry in summary.levels if entry.proved]
     if called:
-        raise _Unfit(f"{SUMMARY} calls {called[0]} proved, and {PROOF} is about some commands only")
+        raise Unfit(f"{SUMMARY} calls {called[0]} proved, and {PROOF} is about some commands only")
     left = {name for name, *_ in unstated(proof.statements, own.asked)}
     conditions = tuple(name for name in own.asked.conditions if name not in left)
     levels = () if left else tuple(_concluded(proof, own.asked))
@@ -203,7 +207,7 @@ def _box(run: Path, proof: Claims, told: Sequence[str]) -> dict[str, float]:
 def _claims(run: Path) -> tuple[Claims, RunComparison] | tuple[None, None]:
     """Return the claims of a proof about the run's own files, with the statements of its spec.
 
-    Raises: _Unfit if it contradicts itself, is about another run, or states more than a few
+    Raises: Unfit if it contradicts itself, is about another run, or states more than a few
         evaluations of its Program give.
     """
     if not packed.is_there(run / PROOF):
@@ -212,7 +216,7 @@ def _claims(run: Path) -> tuple[Claims, RunComparison] | tuple[None, None]:
         claims = read_claims(run / PROOF)
         wrong = differences(claims, run)
     except InputError as error:
-        raise _Unfit(f"{PROOF} is damaged or of another version: {error}") from None
+        raise Unfit(f"{PROOF} is damaged or of another version: {error}") from None
     full = claims.theorems.full is not None
     rigid = claims.model is not None and "residuals" not in claims.model
     if (run / RESIDUAL).is_file() and (full or rigid):
@@ -220,43 +224,18 @@ def _claims(run: Path) -> tuple[Claims, RunComparison] | tuple[None, None]:
     if not wrong:
         wrong = inconsistencies(claims, claims.asked)
     if wrong:
-        raise _Unfit(f"{PROOF} is not about this run: {wrong[0]}")
+        raise Unfit(f"{PROOF} is not about this run: {wrong[0]}")
     try:
         own = compare_with_run(claims, run, own_process=False)
     except TimeLimitError:
         raise
     except InputError as error:
-        raise _Unfit(f"{PROOF} could not be compared with the run: {error}") from None
+        raise Unfit(f"{PROOF} could not be compared with the run: {error}") from None
     if wrong := [*own.wrong, *inconsistencies(claims, own.asked)]:
-        raise _Unfit(f"{PROOF} is not about this run: {wrong[0]}")
+        raise Unfit(f"{PROOF} is not about this run: {wrong[0]}")
     if broken := first_broken_bound(claims):
-        raise _Unfit(f"{PROOF} states what is not so: {broken}")
+        raise Unfit(f"{PROOF} states what is not so: {broken}")
     return claims, own
-
-
-def _conditions(
-    summary: CertificateRecord,
-    proof: Claims | None,
-    own: RunComparison | None,
-    part: ProvedPart | None,
-) -> Iterator[tuple[str, ConditionVerdict]]:
-    """Return verdicts on conditions; a proved one has a statement on each box of its region."""
-    stated = {} if proof is None else dict(stated_roots(proof.statements))
-    boxes = [] if own is None else own.asked.boxes()
-    in_part = () if part is None else part.conditions
-    for name, row in summary.conditions.items():
-        bounds = [
-            stated[box].bounds[name] if box in stated else None for box in boxes if box[0] == name
-        ]
-        every = bool(bounds) and None not in bounds
-        if row.verdict == "proved":
-            if not every:
-                raise _Unfit(f"{SUMMARY} calls {name} proved, and {PROOF} has no such statement")
-            yield name, replace(row, margin=min(bound for bound in bounds if bound is not None))
-        elif row.in_part and name not in in_part:
-            yield name, replace(row, margin=None, proved_fraction=0.0)
-        else:
-            yield name, replace(row, margin=None)
 
 
 def _levels(
@@ -269,7 +248,7 @@ def _levels(
     for entry in summary.levels:
         # Level 4 rests on no other; level 3 on level 2.
         if entry.level == 3 and not below and entry.proved:
-            raise _Unfit(f"{SUMMARY} calls level 3 proved, and level 2 not")
+            raise Unfit(f"{SUMMARY} calls level 3 proved, and level 2 not")
         below = below and entry.proved
         if not entry.proved:
             # Nothing bears out why a search has ended: a page must not say it as its own.
@@ -278,7 +257,7 @@ def _levels(
         elif entry.level in found:
             yield found[entry.level]
         else:
-            raise _Unfit(f"{SUMMARY} calls level {entry.level} proved, and no proof file claims it")
+            raise Unfit(f"{SUMMARY} calls level {entry.level} proved, and no proof file claims it")
 
 
 def _verdict(summary: CertificateRecord) -> Verdict:

@@ -43,7 +43,8 @@ def _failures(contents: Contents) -> Iterator[str]:
             z1, z2 = (html.number(value, 6) for value in point.z)
             yield (
                 f"{name} is refuted: at z1 = {z1} m, z2 = {z2} kg m²/s its margin is "
-                f"{html.number(point.margin)} of its scale."
+                f"{html.number(point.margin)} of its scale. certify recorded this point; no proof "
+                "file states it, and this page has not evaluated it again."
             )
         elif entry.verdict == "undecided":
             share = html.number(100.0 * entry.proved_fraction)

@@ -150,7 +150,7 @@ def _conditions(saved: Saved, found: CertificateRecord) -> Html:
     )
     about = (
         "with margins in scales, as above; every state of a condition's region has at least its. "
-        "Shares and boxes are as certify counted them: no proof file states them"
+        "Shares, boxes and points are as certify recorded them: no proof file states them"
     )
     return html.tightest(about, head, rows, failed, numbers="  nnn")
 

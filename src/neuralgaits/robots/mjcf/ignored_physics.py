@@ -62,6 +62,24 @@ def _refuse_couplings(model: mujoco.MjModel) -> None:
             )
 
 
+def refuse_excluded(model: mujoco.MjModel, foot: int, floor: int) -> None:
+    """Refuse a foot whose body is excluded from contact with the floor's: it would fall through.
+
+    Bodies of the robot may be excluded from each other: they meet nothing but the floor anyway.
+
+    Raises: RobotError naming both bodies.
+    """
+    ends = sorted(int(model.geom_bodyid[geom]) for geom in (foot, floor))
+    for signature in model.exclude_signature:
+        # Both bodies' numbers in one, the smaller in the upper half.
+        if ends == sorted((int(signature) >> 16, int(signature) & 0xFFFF)):
+            names = " and ".join(model.body(end).name for end in ends)
+            raise RobotError(
+                f"foot {model.geom(foot).name} cannot touch the floor: the file excludes contact "
+                f"between {names}; remove that <exclude>"
+            )
+
+
 def _refuse_joint(model: mujoco.MjModel, joint: int, *, is_root: bool) -> None:
     name, dof = model.joint(joint).name, int(model.jnt_dofadr[joint])
     found = {

@@ -11,7 +11,7 @@ import numpy as np
 from neuralgaits.errors import RobotError
 from neuralgaits.robots.derive import LegData
 from neuralgaits.robots.mjcf.motors_and_ranges import Motor, read_motor, read_range
-from neuralgaits.robots.mjcf.physical_numbers import refuse_quantity
+from neuralgaits.robots.mjcf.physical_numbers import refuse_large_foot, refuse_quantity
 from neuralgaits.robots.mjcf.planar_tree import Joint, PlanarTree
 from neuralgaits.robots.mjcf.skeleton import Skeleton
 
@@ -153,6 +153,9 @@ def leg_data(
                 f"legs of unequal data: {_QUANTITIES[field.name]} is {ours[i]:.6g} at body "
                 f"{names[0]} and {theirs[i]:.6g} at body {names[1]}; make the legs equal"
             )
+    refuse_large_foot(
+        float(first.foot_radius[0]), float(np.sum(first.length)), skeleton.feet[0].name
+    )
     return first
 
 

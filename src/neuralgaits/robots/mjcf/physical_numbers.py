@@ -19,6 +19,9 @@ MOST = 1e6
 thousand kilometres or tonnes is a slip of the keyboard."""
 LEAST = 1e-6
 """Smallest value of what must be positive, in SI units."""
+LARGEST_FOOT = 0.25
+"""Largest radius of a foot, in lengths of the leg. The closed form pins the centre of the sphere;
+on a floor it rolls, by radius times angle: this share of each step."""
 POSITIVE = ("length", "mass", "torque_limit", "foot_radius", "friction")
 NOT_NEGATIVE = ("inertia", "armature", "damping")
 """Quantities of a leg, by their names in `derive.LegData`."""
@@ -124,6 +127,24 @@ def refuse_quantity(name: str, words: str, value: float, where: str) -> None:
     if name in NOT_NEGATIVE and not 0.0 <= value <= MOST:
         raise RobotError(
             f"{words} is {value:.6g} at {where}: expected 0 to {MOST:g}; mend that number"
+        )
+
+
+def refuse_large_foot(radius: float, leg: float, name: str) -> None:
+    """Refuse a foot sphere that is no point beside its leg.
+
+    Args:
+        radius: of the sphere [m].
+        leg: length of the straight leg, to the sphere's centre [m].
+        name: of the sphere's geom.
+
+    Raises: RobotError if it is larger than `LARGEST_FOOT` allows.
+    """
+    if radius > LARGEST_FOOT * leg:
+        raise RobotError(
+            f"foot {name} has a radius of {radius:.6g} m: expected at most a quarter of the leg, "
+            f"{LARGEST_FOOT * leg:.6g} m, since larger feet roll and are no points; make the "
+            "sphere smaller, with its centre where the leg should end"
         )
 
 

@@ -15,6 +15,7 @@ import mujoco
 import numpy as np
 
 from neuralgaits.errors import RobotError
+from neuralgaits.robots.mjcf.ignored_physics import refuse_excluded
 from neuralgaits.robots.mjcf.physical_numbers import refuse_frictionless, refuse_odd_contact
 from neuralgaits.robots.mjcf.planar_tree import PlanarTree
 
@@ -270,6 +271,7 @@ def _foot(
         raise RobotError(f"the foot sphere of body {link.name} has no name: give it one")
     refuse_frictionless(model, geom, floor)
     refuse_odd_contact(model, geom, floor)
+    refuse_excluded(model, geom, floor)
     centre = data.geom_xpos[geom]
     return Foot(
         name,
