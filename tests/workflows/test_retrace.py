@@ -96,7 +96,7 @@ def test_a_spec_of_the_package_is_compared_before_the_boxes_are_bounded(monkeypa
     ("more", "error", "said"),
     [
         ("\nimport os\nos._exit(0)\n", RunError, "ended with code 0 and no answer"),
-        ("\nimport sys\nsys.exit(0)\n", RunError, "no answer"),
+        ("\nimport sys\nsys.exit(0)\n", InputError, "SystemExit: 0; mend that line"),
         ("\n1 / 0\n", InputError, "ZeroDivisionError"),
         ("\nmine = None\n", InputError, "mine"),
     ],

@@ -222,7 +222,7 @@ def test_what_cannot_be_resumed(amber, small, root, tmp_path):
 
 
 def test_a_used_folder_is_refused(amber, small, root):
-    with pytest.raises(RunError, match="choose another --out, or --resume"):
+    with pytest.raises(RunError, match="choose another --out"):
         train(amber, f"{SMALL}:small", out=small.path, root=root)
 
 
