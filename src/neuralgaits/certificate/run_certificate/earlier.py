@@ -4,7 +4,6 @@ No proof is lost: one that is replaced, and says what the new one does not, stay
 """
 
 import hashlib
-import shutil
 from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
@@ -18,7 +17,7 @@ from neuralgaits.records.certified import (
     Conclusion,
     ConditionVerdict,
 )
-from neuralgaits.runs import RunFolder, packed
+from neuralgaits.runs import RunFolder, packed, write_bytes
 
 
 def level_reached(conditions: Iterable[ConditionVerdict], conclusions: Iterable[Conclusion]) -> int:
@@ -95,9 +94,10 @@ class EarlierProof(NamedTuple):
 
     def put_aside(self) -> Path:
         """Copy the file beside itself, under a name of its content, and return that path."""
-        digest = hashlib.sha256(self.path.read_bytes()).hexdigest()[:8]
+        content = self.path.read_bytes()
+        digest = hashlib.sha256(content).hexdigest()[:8]
         beside = self.path.with_name(self.path.name.replace("proof", f"proof-{digest}", 1))
-        shutil.copyfile(self.path, beside)
+        write_bytes(beside, content)
         return beside
 
     @property
