@@ -1,4 +1,4 @@
-"""What the set of a level is looked for in, and what its search gives."""
+"""Target of the search for a level's set, and the functions that search."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass

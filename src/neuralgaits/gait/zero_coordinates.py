@@ -17,7 +17,7 @@ from neuralgaits.robots.linear import solve
 
 @runtime_checkable
 class Mechanism(Protocol):
-    """What zero dynamics need of a mechanism; the first k of its n coordinates have no motor."""
+    """A mechanism that has zero dynamics: the first k of its n coordinates have no motor."""
 
     @property
     def n(self) -> int:

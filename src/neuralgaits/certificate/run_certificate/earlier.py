@@ -102,7 +102,7 @@ class EarlierProof(NamedTuple):
 
     @property
     def states(self) -> str:
-        """What the file states, in words. Nobody has bounded its boxes again."""
+        """Statement of the file, in words. Nobody has bounded its boxes again."""
         if self.level == 0:
             return "what it states is unknown"
         return f"it states level {self.level}" + (f" of {self.scope}" if self.scope else "")
