@@ -99,6 +99,14 @@ def test_a_platform_that_is_not_there_is_no_defect(tmp_path: Path, named: str) -
     assert done.stderr == f"neuralgaits: {NO_PLATFORM.format(named)}\n"
 
 
+def test_a_variable_that_jax_cannot_read_is_no_defect(tmp_path: Path) -> None:
+    line = ["-m", "neuralgaits", "certify", str(DEMO), "--level", "1"]
+    done = _python(*line, cwd=tmp_path, JAX_DEBUG_NANS="maybe")
+    assert (done.returncode, done.stdout) == (2, "")
+    said = "expected values that JAX takes, found JAX_DEBUG_NANS=maybe: unset what is wrong"
+    assert done.stderr == f"neuralgaits: {said}\n"
+
+
 def test_checkers_and_workers_say_it_too(tmp_path: Path) -> None:
     done = _python("-c", ALL_THAT_SAY_IT, str(DEMO), cwd=tmp_path, JAX_PLATFORMS="nonsense")
     assert done.returncode == 0, done.stderr

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from neuralgaits.analysis.run import open_run
+from neuralgaits.errors import SpecError
 from neuralgaits.robots import load_robot
 from neuralgaits.settings import GaitSettings
 from neuralgaits.sweeps.inputs import inputs_of
@@ -111,3 +112,23 @@ def test_a_run_of_such_a_spec_is_opened_by_a_relative_path(own, tmp_path, monkey
     replace_spec(Path("run"), AWAY)
     assert open_run("run").asked.spec == own.asked.spec
     assert os.path.samefile(os.curdir, tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("changes", "found"),
+    [
+        ("conditions=()", "expected at least one condition, found none"),
+        ("recipe=dataclasses.replace(whole.recipe, aim=math.nan)", "recipe.aim: .*found nan"),
+        ("recipe=dataclasses.replace(whole.recipe, learning_rate=0.0)", "above 0, found 0"),
+    ],
+)
+def test_a_spec_that_cannot_be_trained_leaves_no_folder(tmp_path, changes, found):
+    file = tmp_path / "mine.py"
+    file.write_text(
+        "import dataclasses\nimport math\nfrom neuralgaits.barriers import specs\n\n\n"
+        "def mine(robot):\n    whole = specs.walking(robot)\n"
+        f"    return dataclasses.replace(whole, {changes})\n"
+    )
+    with pytest.raises(SpecError, match=found):
+        train("amber3m", f"{file}:mine", steps=1, out=tmp_path / "run")
+    assert not (tmp_path / "run").exists()

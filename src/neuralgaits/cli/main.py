@@ -138,6 +138,13 @@ def _of_user(error: BaseException) -> Exception | None:
     return None if spec_file_errors is None else spec_file_errors.mistake(error)
 
 
+OURS = frozenset(
+    "JAX_COMPILATION_CACHE_DIR JAX_ENABLE_X64 JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS"
+    " JAX_PERSISTENT_CACHE_MIN_ENTRY_SIZE_BYTES".split()
+)
+"""Variables of JAX that this program sets itself."""
+
+
 def _of_surroundings(error: BaseException) -> str | None:
     """Explain an error by a setting of the user's for a library; None if there is no such one.
 
@@ -156,6 +163,14 @@ def _of_surroundings(error: BaseException) -> str | None:
             "expected text in UTF-8 in matplotlibrc, found other bytes: mend or remove that of "
             "this folder, or your own"
         )
+    # Read at the import of JAX and the libraries beside it, each in its own module for that.
+    if names and re.fullmatch(r"(jax\._src|equinox|jaxtyping)\._?config", names[-1]):
+        given = {name: value for name, value in os.environ.items() if name not in OURS}
+        asked = [
+            f"{k}={v}" for k, v in given.items() if k.startswith(("JAX_", "EQX_", "JAXTYPING_"))
+        ]
+        if asked:
+            return f"expected values that JAX takes, found {', '.join(asked)}: unset what is wrong"
     return why_no_platform(error)
 
 

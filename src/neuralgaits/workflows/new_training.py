@@ -1,5 +1,6 @@
 """A training before it has a folder: its settings are checked, and its untrained gait is made."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -12,7 +13,7 @@ from neuralgaits.barriers import GaitSpec, spec_file_errors, specs
 from neuralgaits.barriers.commanded_spec import commands_of
 from neuralgaits.barriers.spec import Init
 from neuralgaits.certificate.provable import refuse_many_axes, refuse_untraceable, why_not_provable
-from neuralgaits.errors import InputError
+from neuralgaits.errors import InputError, SpecError
 from neuralgaits.gait.commands import Commands
 from neuralgaits.gait.policies.commanded_gait import AnyGait
 from neuralgaits.records.training_config import Proving, Range, TrainingConfig
@@ -89,6 +90,7 @@ def new_training(
         )
     with same_folder():
         loaded = specs.load(spec, robot, told, one, box) if isinstance(spec, str) else spec
+    _refuse_untrainable(loaded)
     refuse_many_axes(loaded)
     gait = _new_gait(loaded, seed, init, settings.hidden)
     if not (isinstance(spec, str) and spec in specs.DESCRIPTIONS):
@@ -132,6 +134,21 @@ def _meant_for(settings: GaitSettings) -> tuple[float | None, Commands, dict[str
             f"{one:g} with {', '.join(c.name for c in told)}: give --speed LOW:HIGH"
         )
     return one, told, checked_box(settings.parameters or {})
+
+
+def _refuse_untrainable(spec: GaitSpec) -> None:
+    """Refuse a spec with nothing to train for, or a recipe of numbers that are none."""
+    if not spec.conditions:
+        raise SpecError(f"spec {spec.name!r}: expected at least one condition, found none: add one")
+    for name, value in vars(spec.recipe).items():
+        parts = value if isinstance(value, tuple) else (value,)
+        if not all(math.isfinite(one) for one in parts if isinstance(one, float)):
+            raise SpecError(f"spec {spec.name!r}: recipe.{name}: expected numbers, found {value}")
+    if not spec.recipe.learning_rate > 0.0:
+        raise SpecError(
+            f"spec {spec.name!r}: recipe.learning_rate: expected a number above 0, "
+            f"found {spec.recipe.learning_rate}"
+        )
 
 
 def _refuse_proof(spec: GaitSpec, unprovable: str | None) -> None:

@@ -34,7 +34,9 @@ class EarlierProof(NamedTuple):
     Attributes:
         path: the file, compressed or not.
         summary: certificate that it bears out; None if it bears out none.
-        level: highest level that it states, of its scope; 0 if none, or if that is unknown.
+        level: highest level that the run's certificate says of it, of its scope; 0 if none, or
+            if that is unknown.
+        claims: highest level that the file itself claims, whatever the summary beside it says.
         scope: the part of the commands or the box of robots that it is about, in words; "" if it
             is about all commands and the robot of the file.
         sets: parameters of its levels' sets.
@@ -43,6 +45,7 @@ class EarlierProof(NamedTuple):
     path: Path
     summary: CertificateRecord | None
     level: int
+    claims: int
     scope: str
     sets: Parameters
 
@@ -55,13 +58,15 @@ class EarlierProof(NamedTuple):
             return None
         found = read_certificate(folder)
         if found.summary is None or found.proof is None:
-            return cls(path, None, 0, "", {})
+            return cls(path, None, 0, 0, "", {})
         summary, part = found.summary, found.part
         levels = summary.levels if part is None else part.levels
         level = level_reached(summary.conditions.values(), levels)
         about = [" and ".join(part.told)] if part is not None else []
         about += [f"robots within {summary.robots}"] if summary.robots else []
-        return cls(path, summary, level, " and ".join(about), found.proof.theorems.parameters)
+        theorems = found.proof.theorems
+        claims = max(theorems.claimed, default=1)
+        return cls(path, summary, level, claims, " and ".join(about), theorems.parameters)
 
     def _about_the_same(self, new: CertificateRecord) -> bool:
         """Return whether a new certificate is about the same commands, robots and floors."""
@@ -77,26 +82,36 @@ class EarlierProof(NamedTuple):
         It is not if it came to less than it was asked, and to less than this one. A refutation is
         written where it contradicts this one.
         """
+        if self.summary is None:
+            return level == 0
         if new.verdict == "refuted" and self._about_the_same(new):
             return False
-        return level < new.level and (level == 0 or level < self.level)
+        return level < new.level and level < self.level
 
     def is_said_by(self, new: CertificateRecord, level: int, sets: Parameters) -> bool:
-        """Return whether a new certificate says all that this one does: then it may go."""
-        if self.summary is not None and self.level == 0:
+        """Return whether a new certificate says all that this file claims: then it may go."""
+        if not self._about_the_same(new):
+            return False
+        if self.level == 0 and self.claims <= 1:
+            # An unfinished one of the same, on which --resume went on.
             return True
-        stated = range(2, self.level + 1)
-        return (
-            self._about_the_same(new)
-            and level >= self.level
-            and all(self.sets[number] == sets.get(number) for number in stated)
-        )
+        stated = range(2, self.claims + 1)
+        same_sets = all(self.sets.get(number) == sets.get(number) for number in stated)
+        return level >= self.claims and same_sets
 
     def put_aside(self) -> Path:
         """Copy the file beside itself, under a name of its content, and return that path."""
         content = self.path.read_bytes()
-        digest = hashlib.sha256(content).hexdigest()[:8]
-        beside = self.path.with_name(self.path.name.replace("proof", f"proof-{digest}", 1))
+        digest = hashlib.sha256(content).hexdigest()
+        names = (
+            self.path.with_name(self.path.name.replace("proof", f"proof-{digest[:size]}", 1))
+            for size in range(8, len(digest) + 1)
+        )
+        beside = next(
+            one
+            for one in names
+            if not one.exists() or (one.is_file() and one.read_bytes() == content)
+        )
         write_bytes(beside, content)
         return beside
 
