@@ -111,9 +111,11 @@ def test_random_orders_may_follow_each_other():
     assert not np.array_equal(drawn[1], next(orders.of(6)))
 
 
-def test_a_file_of_commands_is_a_row_a_step(tmp_path):
+@pytest.mark.parametrize("mark", ["", "\ufeff"], ids=["plain", "as spreadsheets write it"])
+def test_a_file_of_commands_is_a_row_a_step(tmp_path, mark):
     file = tmp_path / "told.csv"
-    file.write_text("step, step_length[m],speed[m/s]\n1,0.33,0.6\n2,0.34,0.65\n\n3,0.35,0.7\n")
+    text = "step, step_length[m],speed[m/s]\n1,0.33,0.6\n2,0.34,0.65\n\n3,0.35,0.7\n"
+    file.write_text(mark + text, encoding="utf-8")
     orders = orders_of((SPEED, FOOTHOLDS[0]), None, file)
     rows = orders.of(0)
     np.testing.assert_allclose(orders.first, [0.6, 0.33])

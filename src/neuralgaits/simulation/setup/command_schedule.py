@@ -144,7 +144,7 @@ def _rows(commands: Commands, path: Path) -> Float[np.ndarray, "K p"]:
     """Return the commands of a file, in their order."""
     refuse_unreadable(path)
     try:
-        with path.open(newline="", encoding="utf-8") as file:
+        with path.open(newline="", encoding="utf-8-sig") as file:
             lines = [line for line in csv.reader(file) if any(word.strip() for word in line)]
     except (OSError, UnicodeDecodeError, csv.Error) as error:
         reason = getattr(error, "strerror", None) or "it is no text in UTF-8"
@@ -155,7 +155,8 @@ def _rows(commands: Commands, path: Path) -> Float[np.ndarray, "K p"]:
     head = [re.sub(r"\s", "", word) for word in lines[0]] if lines else []
     if sorted(head) != sorted(expected):
         raise InputError(
-            f"{path}: expected the columns {','.join(expected)}, found {','.join(head) or 'none'}"
+            f"{path}: expected the columns {','.join(expected)}, found {','.join(head) or 'none'}: "
+            "write them into row 1, between commas"
         )
     if len(lines) == 1:
         raise InputError(f"{path}: expected a row a step below its head, found none")

@@ -31,7 +31,7 @@ def stones_of_file(path: Path, commands: Commands, steps: int) -> Course:
     """
     refuse_unreadable(path)
     try:
-        with path.open(newline="", encoding="utf-8") as file:
+        with path.open(newline="", encoding="utf-8-sig") as file:
             lines = [line for line in csv.reader(file) if any(word.strip() for word in line)]
     except (OSError, UnicodeDecodeError, csv.Error) as error:
         reason = getattr(error, "strerror", None) or "it is no text in UTF-8"
@@ -39,7 +39,8 @@ def stones_of_file(path: Path, commands: Commands, steps: int) -> Course:
     head = tuple(re.sub(r"\s", "", word) for word in lines[0]) if lines else ()
     if head != _HEAD:
         raise InputError(
-            f"{path}: expected the columns {','.join(_HEAD)}, found {','.join(head) or 'none'}"
+            f"{path}: expected the columns {','.join(_HEAD)}, found {','.join(head) or 'none'}: "
+            "write them into row 1, between commas"
         )
     rows = np.array([_row(path, n, line) for n, line in enumerate(lines[1:], 1)]).reshape(-1, 4)
     for n, stone in enumerate(rows[:, 0]):
