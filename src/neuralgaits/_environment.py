@@ -21,6 +21,16 @@ OFF_SCREEN = {"egl": "libEGL.so.1", "osmesa": "libOSMesa.so"}
 """Values of MUJOCO_GL that need no window, best first, and the library that each one needs."""
 THREADS = "NEURALGAITS_THREADS"
 """Environment variable: number of threads of a computation; all cores if it is not set."""
+_USUAL = {
+    # Many small programs: their compile times add up to more than reading them back.
+    "JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS": "0",
+    "JAX_PERSISTENT_CACHE_MIN_ENTRY_SIZE_BYTES": "-1",
+    # The C++ side reports cache hits and CPU features as if they were errors.
+    "TF_CPP_MIN_LOG_LEVEL": "2",
+}
+"""Variables of libraries where the user has set none, beside those of `prepare` itself."""
+OURS = frozenset(("JAX_ENABLE_X64", "JAX_COMPILATION_CACHE_DIR", *_USUAL))
+"""Variables of JAX that a command sets for itself."""
 _PLATFORM = ("JAX_PLATFORMS", "JAX_PLATFORM_NAME")
 """Environment variables that name the platform that JAX computes on."""
 _NO_PLATFORM = re.compile("^(Unable to initialize|Unknown) backend ")
@@ -43,14 +53,7 @@ def prepare() -> None:
     os.environ["JAX_ENABLE_X64"] = "1"
     # Figures go to files. Jupyter sets this for every process, to one that is only in notebooks.
     os.environ["MPLBACKEND"] = "agg"
-    defaults = {
-        "JAX_COMPILATION_CACHE_DIR": str(cache_folder() / "jax"),
-        # Many small programs: their compile times add up to more than reading them back.
-        "JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS": "0",
-        "JAX_PERSISTENT_CACHE_MIN_ENTRY_SIZE_BYTES": "-1",
-        # The C++ side reports cache hits and CPU features as if they were errors.
-        "TF_CPP_MIN_LOG_LEVEL": "2",
-    }
+    defaults = {"JAX_COMPILATION_CACHE_DIR": str(cache_folder() / "jax"), **_USUAL}
     for name, value in defaults.items():
         os.environ.setdefault(name, value)
     # XLA takes no other path than one in UTF-8: without a cache it works, too.

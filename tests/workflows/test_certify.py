@@ -199,6 +199,22 @@ def test_no_proof_is_lost(gait, certificate, tmp_path, damage):
     assert len(list((run.path / "certificate").glob("proof-*.json"))) == 1
 
 
+def test_a_name_that_is_taken_is_not_overwritten(tmp_path):
+    proof = tmp_path / "proof.json.gz"
+    proof.write_bytes(b"proof")
+    before = EarlierProof(proof, None, 0, 0, "", {})
+    first = before.put_aside()
+    assert first == before.put_aside() != proof
+    assert len(list(tmp_path.iterdir())) == 2
+    first.write_bytes(b"mine")
+    second = before.put_aside()
+    second.unlink()
+    second.mkdir()
+    third = before.put_aside()
+    assert third.read_bytes() == proof.read_bytes() == b"proof"
+    assert (first.read_bytes(), second.is_dir()) == (b"mine", True)
+
+
 def test_a_search_that_came_to_less_leaves_the_proof_that_is_there(gait, certificate, tmp_path):
     run = open_run(shutil.copytree(gait.path, tmp_path / "run"))
     files = {path: path.read_bytes() for path in _certificate_files(run)}

@@ -15,7 +15,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import NoReturn
 
-from neuralgaits._environment import prepare, why_no_platform
+from neuralgaits._environment import OURS, prepare, why_no_platform
 from neuralgaits._printable import PRINTABLE, printable, shortened, visible
 from neuralgaits.errors import (
     ConvergenceError,
@@ -136,13 +136,6 @@ def _of_user(error: BaseException) -> Exception | None:
     # Not imported here: without it no such file was read, and the import may be what failed.
     spec_file_errors = sys.modules.get("neuralgaits.barriers.spec_file_errors")
     return None if spec_file_errors is None else spec_file_errors.mistake(error)
-
-
-OURS = frozenset(
-    "JAX_COMPILATION_CACHE_DIR JAX_ENABLE_X64 JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS"
-    " JAX_PERSISTENT_CACHE_MIN_ENTRY_SIZE_BYTES".split()
-)
-"""Variables of JAX that this program sets itself."""
 
 
 def _of_surroundings(error: BaseException) -> str | None:
