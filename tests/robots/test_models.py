@@ -86,6 +86,6 @@ def test_files_show_the_robot(name: str) -> None:
     data = mujoco.MjData(model)
     mujoco.mj_resetDataKeyframe(model, data, model.key("home").id)
     mujoco.mj_forward(model, data)
-    lowest = min(data.geom(f"foot_{side}").xpos[2] for side in ("left", "right"))
+    lowest = min(data.geom(name).xpos[2] for name in load_robot(name).layout.feet)
     assert 0.0 < lowest < 0.06
     assert data.ncon == 0

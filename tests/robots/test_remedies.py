@@ -29,6 +29,7 @@ FLAT = """
 </body>"""
 CAPSULE = '<geom fromto="-0.1 0 0 0.1 0 0" size="0.06" type="capsule"/>'
 BOX = '<geom size="0.12 0.05 0.03" type="box"/>'
+SOLE = '<geom name="sole{side}" size="0.12 0.05 0.03" type="box"/>'
 HEEL_AND_TOE = '<geom type="sphere" size="0.03" pos="-0.1 0 0"/><geom type="sphere" size="0.03"/>'
 MOTOR = '<motor name="{name}" joint="{name}" gear="100" ctrllimited="true" ctrlrange="-1 1"/>'
 
@@ -60,23 +61,37 @@ def refusal(text):
     return str(found.value)
 
 
-@pytest.mark.parametrize("geoms", [CAPSULE, BOX, HEEL_AND_TOE])
-def test_an_ankle_is_named_with_what_to_remove_and_where_the_sphere_goes(geoms):
-    flat = FLAT.replace("{geoms}", geoms)
-    said = "body foot is a flat foot on the ankle foot_joint, but only point feet are treated: "
-    assert refusal(walker(flat, "foot_joint")) == (
-        f"{said}remove foot_joint and its motor, and end leg in one sphere that collides with the "
-        "floor; `neuralgaits inspect FILE --planarise OUT.xml` does that"
+@pytest.mark.parametrize(
+    ("foot", "said"),
+    [
+        (BOX, "the box of foot foot has no name: give it one"),
+        (HEEL_AND_TOE, "2 geoms of foot foot collide with the floor: a flat foot is one box or"),
+        (SOLE.replace("box", "ellipsoid"), "foot foot is a ellipsoid: expected a box or a capsule"),
+        (SOLE.replace("/>", ' euler="0 5 0"/>'), "foot foot is not level at zero coordinates"),
+        (SOLE.replace("0.12 ", "0.009 "), "foot foot reaches -91 mm behind its ankle and 109 mm"),
+        (SOLE.replace("/>", ' pos="0 0 0.1"/>'), "the ankle of foot foot is not above its sole"),
+    ],
+)
+def test_a_flat_foot_that_is_not_treated_is_named_with_the_remedy(foot, said):
+    text = walker(FLAT.replace("{geoms}", foot), "foot_joint")
+    assert said in refusal(text.replace('contype="1" density', 'contype="1" condim="3" density'))
+
+
+def test_an_ankle_without_a_motor_is_named():
+    assert "joint foot_joint is not actuated: add <motor" in refusal(
+        shanks_in_the_air(walker(FLAT.replace("{geoms}", SOLE)))
     )
-    assert refusal(walker(flat)).startswith(f"{said}remove foot_joint, and end leg in one sphere")
+
+
+def shanks_in_the_air(text):
+    return re.sub(r'(<geom name="leg_geom\w*")', r'\1 contype="0" conaffinity="0"', text)
 
 
 def test_done_as_told_the_walker_is_treated():
     sphere = '<geom name="tip{side}" type="sphere" size="0.04" pos="0 0 -0.3"/>'
     text = walker(sphere)
     assert "2 geoms of body leg collide with the floor" in refusal(text)
-    shown = re.sub(r'(<geom name="leg_geom\w*")', r'\1 contype="0" conaffinity="0"', text)
-    assert robot_from_text(shown, "walker").n == 5
+    assert robot_from_text(shanks_in_the_air(text), "walker").n == 5
 
 
 def test_a_shank_without_a_sphere_is_no_ankle():

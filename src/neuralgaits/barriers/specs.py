@@ -10,12 +10,14 @@ from typing import TYPE_CHECKING
 
 from neuralgaits._inputs import no_file_at
 from neuralgaits._names import meant
+from neuralgaits.barriers import flat_feet as _flat_feet
 from neuralgaits.barriers import hzd as _hzd
 from neuralgaits.barriers import paper as _paper
 from neuralgaits.barriers import rugged as _rugged
 from neuralgaits.barriers import spec_file_errors
 from neuralgaits.barriers import walking as _walking
 from neuralgaits.barriers.commanded_spec import at_speed, commanded
+from neuralgaits.barriers.flat_feet import flat_footed
 from neuralgaits.barriers.hzd import hzd
 from neuralgaits.barriers.paper import authors, paper, paper_walks
 from neuralgaits.barriers.robust import robust
@@ -35,6 +37,8 @@ __all__ = [
     "at_speed",
     "authors",
     "commanded",
+    "flat_footed",
+    "for_robot",
     "hzd",
     "is_built_in",
     "load",
@@ -49,6 +53,7 @@ __all__ = [
 _BUILT_IN = {
     "walking": walking,
     "walking-mlp": partial(walking, policy="mlp"),
+    _flat_feet.NAME: flat_footed,
     "rugged": rugged,
     "paper": paper,
     "paper-walks": paper_walks,
@@ -57,6 +62,7 @@ _BUILT_IN = {
 DESCRIPTIONS = {
     "walking": "default: walks physically, provable; hybrid invariance by construction",
     "walking-mlp": "the same for a free network, which learns to match through the impact",
+    _flat_feet.NAME: "default for robots with flat feet, whose soles stay flat on the floor",
     "rugged": "faster, with lifted feet: for pushes, slopes and floors that it does not know of",
     "paper": "Table 1 of the paper, the paper's optimiser settings (ReLU, not provable)",
     "paper-walks": "Table 1, and the least that makes it walk (ReLU, not provable)",
@@ -73,6 +79,22 @@ IN_NO_FILE = "# A GaitSpec made in Python"
 def is_built_in(name: str) -> bool:
     """Return whether a spec comes with the package."""
     return name in DESCRIPTIONS or name == GIVEN
+
+
+def for_robot(name: str, robot: "PlanarBiped") -> str:
+    """Return the name of the spec that suits a robot: "walking" is another one on flat feet.
+
+    Raises: SpecError for a built-in spec of point feet, and a robot with flat ones.
+    """
+    if robot.feet is None or name == _flat_feet.NAME or not is_built_in(name):
+        return name
+    if name == "walking":
+        return _flat_feet.NAME
+    raise SpecError(
+        f"spec {name}: expected a robot on point feet, found flat feet at {robot.name}: leave "
+        "--spec out, or give the robot point feet with "
+        "`neuralgaits inspect FILE --planarise OUT.xml`"
+    )
 
 
 def load(
@@ -94,6 +116,13 @@ def load(
         parameters: box of robots that it is meant for; for "walking" only, without one speed.
         degree: of the polynomials of a given gait; for "hzd" only, and needed there.
     """
+    if robot.feet is not None and (commands or speed is not None or parameters):
+        raise SpecError(
+            f"expected one gait without a speed, commands or --parameters for a robot with flat "
+            f"feet, found one at {robot.name}: leave them out, or give the robot point feet with "
+            "`neuralgaits inspect FILE --planarise OUT.xml`"
+        )
+    name = for_robot(name, robot)
     if name == GIVEN:
         if degree is None or parameters or commands or speed is not None:
             raise SpecError(
@@ -176,8 +205,9 @@ def source_path(name: str) -> Path:
     if name == GIVEN:
         return Path(str(_hzd.__file__))
     if name in _BUILT_IN:
-        if name == _rugged.NAME:
-            return Path(str(_rugged.__file__))
+        for module in (_rugged, _flat_feet):
+            if name == module.NAME:
+                return Path(str(module.__file__))
         module = _walking if name.startswith("walking") else _paper
         return Path(str(module.__file__))
     return Path(name.rpartition(":")[0])

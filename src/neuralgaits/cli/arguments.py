@@ -183,6 +183,8 @@ class InspectOptions:
     planarise: Annotated[Path | None, arg(metavar="OUT.xml")] = None
     """Write a copy that this program supports: flat feet become welded point feet, and elements
     that the theory ignores are removed; every change is listed."""
+    feet: Literal["point", "flat"] = "point"
+    """Feet of that copy: flat keeps the ankles and their motors."""
     output: Output = OutputOptions()
 
 

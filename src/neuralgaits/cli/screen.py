@@ -221,8 +221,13 @@ def show_robot(result: RobotFacts) -> None:
             for motor in result.actuators
         ],
     )
-    apart = ("links", "actuators", "left_out", "written", "changes")
+    apart = ("links", "actuators", "left_out", "written", "changes", "flat_feet")
     show_facts(item for item in result.items() if item[0] not in apart)
+    if result.flat_feet is not None:
+        feet = result.flat_feet
+        sole = f"sole from {number(feet.heel_m)} m behind the ankle to {number(feet.toe_m)} m ahead"
+        under = f"{number(feet.ankle_height_m)} m under it, {number(feet.mass_kg)} kg"
+        show_facts([("flat feet", f"{sole}, {under}")])
     for line in result.left_out:
         show_sentence(Text("left out", "yellow"), f": {line}")
 

@@ -197,7 +197,10 @@ def _inspect(verb: InspectOptions) -> Outcome:
     if verb.planarise is not None:
         from neuralgaits.workflows.planarise import planarise_file
 
-        return Outcome(planarise_file(verb.robot, verb.planarise), True, screen.show_planarised)
+        made = planarise_file(verb.robot, verb.planarise, verb.feet)
+        return Outcome(made, True, screen.show_planarised)
+    if verb.feet != "point":
+        raise InputError("--feet: expected --planarise OUT.xml beside it, found none: add that")
     from neuralgaits.workflows.inspect import inspect
     from neuralgaits.workflows.planarise import robot_from
 

@@ -154,6 +154,9 @@ class Accelerations(NamedTuple):
 def accelerations(robot: PlanarBiped, reading: MeasuredState) -> Accelerations:
     """Accelerations of the robot pinned at its stance foot."""
     mass, bias = robot.mass_matrix(reading.q), robot.bias(reading.q, reading.dq)
+    if reading.ankle is not None:
+        at_ankle = reading.ankle - robot.damping[0] * reading.dq[0]
+        bias = bias + at_ankle * jnp.eye(robot.n)[0]
     columns = jnp.concatenate([-bias[None], jnp.eye(robot.n)[1:]])
     found = jax.vmap(lambda column: solve(mass, column))(columns)
     return Accelerations(found[0], found[1:].T)

@@ -4,6 +4,7 @@ A simulation, a firmware and a proof all run `step`. It can be jitted, and vmapp
 controllers (their policies), states and measurements.
 """
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import equinox as eqx
@@ -20,6 +21,7 @@ from neuralgaits.control.measurement import (
     Measurement,
     coordinates,
     leg_joints,
+    of_all_motors,
     stance_foot_velocity,
 )
 from neuralgaits.control.momentum import zero_state
@@ -125,6 +127,8 @@ class ControllerState(NamedTuple):
     """Latest output of the policy."""
     told: CommandState
     """Commands, and the parameters of the step under way."""
+    ankle: Scalar | None = None
+    """Torque of the stance ankle at the last tick [N m]; None on point feet."""
 
 
 class TickResult(NamedTuple):
@@ -156,6 +160,8 @@ class TickResult(NamedTuple):
     """Requirements that a law gave up to stay within limits, see `Limited`."""
     told: Float[Array, "2 p"]
     """Commands of the step before, and of this one. [2, p]"""
+    ankle: Scalar | None = None
+    """Torque of the stance ankle, positive forward [N m]; None on point feet."""
 
 
 def start(
@@ -175,9 +181,11 @@ def start(
         command = CommandLimits.of(policy.commands).middle
     first = command_state.steady(controller.robot, policy, command, controller.reset_residual)
     at_rest = MeasuredState(jnp.zeros(n), jnp.zeros(n), jnp.zeros(2), jnp.zeros(2))
+    at_rest = _with_ankle(controller, first, at_rest)
     shapes = jax.eval_shape(_ask, controller, first, at_rest)
     held = jax.tree.map(lambda leaf: jnp.zeros(leaf.shape, leaf.dtype), shapes)
-    return ControllerState(stance.start(leg), jnp.zeros((), jnp.int32), held, first)
+    ankle = None if controller.robot.feet is None else jnp.zeros(())
+    return ControllerState(stance.start(leg), jnp.zeros((), jnp.int32), held, first, ankle)
 
 
 def tell(
@@ -205,8 +213,9 @@ def step(
     )
     q, dq = coordinates(robot, measurement, standing.leg)
     foot_velocity = stance_foot_velocity(robot, q, dq, measurement)
-    reading = MeasuredState(q, dq, *zero_state(robot, q, dq, foot_velocity))
     now = controller.latch(state.told, touchdown)
+    reading = MeasuredState(q, dq, *zero_state(robot, q, dq, foot_velocity))
+    reading = _with_ankle(controller, now, reading)
     if law.uses_impact_consistent_rates:
         after = impact_consistent_rates(robot, _outputs(controller, now), reading)
         reading = jax.tree.map(lambda new, old: jnp.where(touchdown, new, old), after, reading)
@@ -220,7 +229,7 @@ def step(
     limited = law.apply_limits(robot, Demand(reading, held, wanted, controller.torque_limit))
     torque = limited.torque
     command = TickResult(
-        torque=leg_joints(robot, torque, standing.leg),
+        torque=leg_joints(robot, _motor_torques(robot, reading, torque), standing.leg),
         actuated=torque,
         q=q,
         dq=dq,
@@ -233,8 +242,9 @@ def step(
         saturated=limited.saturated,
         relaxed=limited.relaxed,
         told=jnp.stack(now.pair),
+        ankle=reading.ankle,
     )
-    return ControllerState(standing, remaining, held, now), command
+    return ControllerState(standing, remaining, held, now, reading.ankle), command
 
 
 def _ask(controller: Controller, now: CommandState, reading: MeasuredState) -> Desired:
@@ -243,11 +253,41 @@ def _ask(controller: Controller, now: CommandState, reading: MeasuredState) -> D
 
 def _outputs(controller: Controller, now: CommandState) -> Outputs:
     """Return the policy of the step under way, with the z that the law gives it."""
+    policy, told = _step_policy(controller, now)
+    return lambda z: policy(told(z))
+
+
+def _step_policy(
+    controller: Controller, now: CommandState
+) -> tuple[AbstractPolicy, Callable[[ZeroState], ZeroState]]:
+    """Return the policy of the step under way, and what it gets in place of a measured z."""
     policy = controller.policy.from_step_parameters(now.step_parameters)
     bounds = controller.bounds.over(policy)
+    # After the bounds, whose interval need not hold what a law tells instead of z2.
+    return policy, lambda z: controller.law.told(bounds(z))
 
-    def outputs(z: ZeroState) -> Actuated:
-        # After the bounds, whose interval need not hold what a law tells instead of z2.
-        return policy(controller.law.told(bounds(z)))
 
-    return outputs
+def _with_ankle(controller: Controller, now: CommandState, reading: MeasuredState) -> MeasuredState:
+    """Return a reading with the policy's torque of the stance ankle, if the robot has one."""
+    if controller.robot.feet is None:
+        return reading
+    policy, told = _step_policy(controller, now)
+
+    def ankle(z: ZeroState) -> Scalar:
+        found = policy.ankle_torque(told(z))
+        return jnp.zeros(()) if found is None else found
+
+    dz = reading.dz + jnp.stack([jnp.zeros(()), ankle(reading.z)])
+    torque, rate = jax.jvp(ankle, (reading.z,), (dz,))
+    return reading._replace(dz=dz, ankle=torque, ankle_rate=rate)
+
+
+def _motor_torques(
+    robot: PlanarBiped, reading: MeasuredState, torque: Actuated
+) -> Float[Array, " motors"]:
+    """Return the torques of all motors: that of a stance ankle, and those of the joints (N m)."""
+    if reading.ankle is None:
+        return torque
+    own = robot.damping[0] * reading.dq[0] - reading.ankle
+    limit = robot.flat_feet.torque_limit
+    return of_all_motors(robot, torque, jnp.clip(own, -limit, limit))

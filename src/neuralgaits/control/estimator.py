@@ -98,6 +98,7 @@ def estimate(
     reading: Measurement,
     standing: StanceState,
     period_s: float,
+    ankle: Scalar | None = None,
 ) -> EstimatorState:
     """Update with a reading: all of the first one, then time, pitch, angles and force.
 
@@ -110,6 +111,7 @@ def estimate(
         reading: of the sensors.
         standing: stance leg, and time since touchdown, before this tick.
         period_s: between two readings (s).
+        ankle: torque of a stance ankle since the last reading (N m); None on point feet.
 
     Returns: the new state; the controller uses its `estimate`.
     """
@@ -118,6 +120,7 @@ def estimate(
     # changed, and otherwise the momentum as it was left.
     q, dq = coordinates(robot, last, leg)
     z, dz = zero_state(robot, q, dq, stance_foot_velocity(robot, q, dq, last))
+    falling = dz[1] if ankle is None else dz[1] + ankle
     usual, quick = estimator.joint_gains(period_s)
     gains = jnp.where(standing.since_touchdown < estimator.quick_s, quick, usual)
     rates = last.rates + period_s * known.accelerations
@@ -133,7 +136,7 @@ def estimate(
     )
     q, _ = coordinates(robot, now, leg)
     actuated = stance_joints(robot, now.rates, leg)
-    dq, hip = pinned(robot, q, actuated, z[1] + period_s * dz[1], push * missed)
+    dq, hip = pinned(robot, q, actuated, z[1] + period_s * falling, push * missed)
     now = now._replace(dpitch=pitch_rate(robot, dq, leg), hip_velocity=hip)
     after = EstimatorState(now, known.accelerations + gains[2] * error, jnp.ones((), bool))
     first = EstimatorState(reading, jnp.zeros_like(known.accelerations), jnp.ones((), bool))

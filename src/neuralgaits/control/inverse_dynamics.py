@@ -24,6 +24,8 @@ def accelerated(robot: PlanarBiped, outputs: Outputs, reading: MeasuredState) ->
     z, dz = reading.z, reading.dz
     jet, change = jax.linearize(lambda point: _jet(outputs, point), z)
     ddz2 = robot.momentum_rate_rate(reading.q, reading.dq)
+    if reading.ankle_rate is not None:
+        ddz2 = ddz2 + reading.ankle_rate
     by_positions, by_momenta = jet.jacobian[:, 0], jet.jacobian[:, 1:]
     drift = change(dz).rate(dz) + combined(by_momenta, ddz2)
     return Desired(jet.y, jet.rate(dz), by_positions, drift)
@@ -48,7 +50,7 @@ def impact_consistent_rates(
 def inverse_dynamics(
     robot: PlanarBiped, reading: MeasuredState, slope: Actuated, known: Actuated
 ) -> Actuated:
-    """Joint torques of ddq_a = slope ddz1 + known, without torque at the foot.
+    """Joint torques of ddq_a = slope ddz1 + known, with no torque at the foot but an ankle's.
 
     Returns: [m] (N m).
     """
@@ -60,11 +62,14 @@ def inverse_dynamics(
 def consistent_acceleration(
     robot: PlanarBiped, reading: MeasuredState, slope: Actuated, known: Actuated
 ) -> Coordinates:
-    """The acceleration with ddq_a = slope ddz1 + known that needs no torque at the foot.
+    """The acceleration with ddq_a = slope ddz1 + known under no torque at the foot but an ankle's.
 
     Returns: [n] (rad/s^2).
     """
     moment = robot.bias(reading.q, reading.dq)[0]
+    if reading.ankle is not None:
+        # The motor makes up for the joint's own friction.
+        moment = moment - robot.damping[0] * reading.dq[0] + reading.ankle
     return _balanced(robot, reading, slope, known, moment)[0]
 
 

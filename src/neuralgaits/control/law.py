@@ -7,7 +7,7 @@ from typing import NamedTuple
 import equinox as eqx
 import jax.numpy as jnp
 
-from neuralgaits._types import Actuated, Array, Bool, Coordinates, ZeroState
+from neuralgaits._types import Actuated, Array, Bool, Coordinates, Scalar, ZeroState
 from neuralgaits.control.saturation import saturate
 from neuralgaits.robots import PlanarBiped
 
@@ -23,6 +23,10 @@ class MeasuredState(NamedTuple):
     """Zero dynamics state (m, kg m^2/s). [2]"""
     dz: ZeroState
     """Rate of z (m/s, N m). [2]"""
+    ankle: Scalar | None = None
+    """Torque of the stance ankle, positive forward [N m]; None without one."""
+    ankle_rate: Scalar | None = None
+    """Rate of that torque along dz [N m/s]; None without one."""
 
 
 Outputs = Callable[[ZeroState], Actuated]

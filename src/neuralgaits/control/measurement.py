@@ -40,13 +40,42 @@ def stance_joints(
     swing = by_leg[1 - stance][::-1]
     if robot.torso is None:
         swing = swing[1:]
+    if robot.feet is not None:
+        # The stance ankle's angle is the first coordinate.
+        return jnp.concatenate([by_leg[stance][1:], swing])
     return jnp.concatenate([by_leg[stance], swing])
 
 
+def of_all_motors(
+    robot: PlanarBiped, actuated: Float[Array, " m"], ankle: Scalar | None = None
+) -> Float[Array, " motors"]:
+    """Put a stance ankle's value before those of the actuated coordinates; none on point feet.
+
+    Args:
+        robot: the biped.
+        actuated: values of the actuated coordinates.
+        ankle: value of the stance ankle; that of the swing ankle if None.
+
+    Returns: [m], or [m + 1] with flat feet.
+    """
+    if robot.feet is None:
+        return actuated
+    own = actuated[-1] if ankle is None else ankle
+    return jnp.concatenate([own[None], actuated])
+
+
 def leg_joints(
-    robot: PlanarBiped, actuated: Float[Array, " m"], stance: Int[Array, ""]
+    robot: PlanarBiped, actuated: Float[Array, " motors"], stance: Int[Array, ""]
 ) -> Float[Array, "2 k"]:
-    """Inverse of `stance_joints`. Returns: [2, k], legs in the order of the robot file."""
+    """Values of all motors by leg: the inverse of `stance_joints` on point feet.
+
+    Args:
+        robot: the biped.
+        actuated: values in the order of `of_all_motors`.
+        stance: stance leg.
+
+    Returns: [2, k], legs in the order of the robot file.
+    """
     k = robot.n // 2
     swing = actuated[-k:][::-1] if robot.torso is not None else _with_shared_hip(actuated, k)
     rows = jnp.stack([actuated[:k], swing])
@@ -65,7 +94,7 @@ def coordinates(
 
     Returns: q, dq: [n] (rad), [n] (rad/s).
     """
-    row = _pitch_row(robot, stance)
+    row = pitch_row(robot, stance)
     actuated = stance_joints(robot, measurement.angles, stance)
     rates = stance_joints(robot, measurement.rates, stance)
     first = measurement.pitch - row[1:] @ actuated
@@ -78,15 +107,16 @@ def coordinates(
 
 def pitch_rate(robot: PlanarBiped, dq: Coordinates, stance: Int[Array, ""]) -> Scalar:
     """Rate of the root link of a robot standing on leg `stance`. Returns: scalar (rad/s)."""
-    return _pitch_row(robot, stance) @ dq
+    return pitch_row(robot, stance) @ dq
 
 
-def _pitch_row(robot: PlanarBiped, stance: Int[Array, ""]) -> Float[Array, " n"]:
+def pitch_row(robot: PlanarBiped, stance: Int[Array, ""] | int) -> Float[Array, " n"]:
     """Return the row with pitch = row . q. [n]."""
+    if robot.torso is not None:
+        return jnp.asarray(robot.link_angles[robot.torso])
+    # The root is the top link of leg 0: leg 1 in stance counts the same links from the other end.
     n = robot.n
-    # The root is the torso, or the top link of leg 0: then leg 1 in stance counts the same
-    # links from the other end.
-    root = n // 2 - 1 if robot.torso is None else robot.torso
+    root = n // 2 - 1
     return jnp.where(stance == 0, robot.link_angles[root], robot.link_angles[n - 1 - root])
 
 

@@ -7,16 +7,19 @@ import jax.numpy as jnp
 import numpy as np
 
 from neuralgaits._quick_jit import quick_filter_jit
-from neuralgaits._types import Actuated, Float
+from neuralgaits._types import Actuated, Array, Float
 from neuralgaits.control import AbstractLaw, Controller
-from neuralgaits.control.measurement import leg_joints
+from neuralgaits.control.measurement import leg_joints, of_all_motors
 from neuralgaits.control.safeguard import SafeguardConfig
 from neuralgaits.gait.commands import Commands
 from neuralgaits.gait.policies.commanded_gait import AnyGait
 from neuralgaits.gait.reset_residual import ResetCorrection
 from neuralgaits.robots import PlanarBiped
 
-_by_leg = quick_filter_jit(leg_joints)
+
+@quick_filter_jit
+def _by_leg(robot: PlanarBiped, actuated: Actuated) -> Float[Array, "2 k"]:
+    return leg_joints(robot, of_all_motors(robot, actuated), jnp.zeros((), jnp.int32))
 
 
 @dataclass(frozen=True)
@@ -105,4 +108,4 @@ class Design:
 
     def by_leg(self, actuated: Actuated) -> Float[np.ndarray, "2 k"]:
         """Return values of actuated coordinates by leg, leg 0 in stance."""
-        return np.asarray(_by_leg(self.robot, jnp.asarray(actuated), jnp.zeros((), jnp.int32)))
+        return np.asarray(_by_leg(self.robot, jnp.asarray(actuated)))

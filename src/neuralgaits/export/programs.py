@@ -98,6 +98,24 @@ def policy_rate(policy: AbstractPolicy) -> Part:
     )
 
 
+def policy_ankle(policy: AbstractPolicy) -> Part:
+    """Return the Program of the stance ankle's torque and its slopes in z.
+
+    Raises: SpecError naming the primitive of a policy that cannot be traced.
+    """
+
+    def compute(z: ZeroState, step: Float[Array, " s"] | None = None) -> dict[str, Array]:
+        at = policy if step is None else policy.from_step_parameters(step)
+        torque, push = jax.linearize(at.ankle_torque, z)
+        return {"torque": torque, "slope": jnp.stack([push(axis) for axis in jnp.eye(2)])}
+
+    return Part(
+        "ng_policy_ankle",
+        "Torque of the stance ankle [N m], positive forward, and its slopes in z.",
+        _policy(compute, {"z": (2,)} | _step(policy), policy),
+    )
+
+
 def policy_in_one(
     robot: PlanarBiped, policy: AbstractPolicy, reset_residual: ResetCorrection
 ) -> Part:
@@ -160,6 +178,7 @@ def parts(
 
     of_state = {"q": (n,), "dq": (n,)}
     once = [policy_step(robot, policy, reset_residual)] if policy.step_size else []
+    once += [policy_ankle(policy)] if robot.feet is not None else []
     return [
         policy_rate(policy),
         Part(

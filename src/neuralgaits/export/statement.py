@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from neuralgaits.control import AbstractLaw, Fblin, Pd
+from neuralgaits.control import AbstractLaw, Fblin, Pd, measurement
 from neuralgaits.control.estimator import Estimator
 from neuralgaits.control.inverse_dynamics import SMALLEST_DENOMINATOR
 from neuralgaits.control.safeguard import joint_ranges, torque_rate
@@ -42,7 +42,9 @@ def prose(design: Design) -> list[str]:
         f"proof       {_proof(design)}",
         "",
         "Coordinates q, stance leg first [rad]: " + ", ".join(robot.joint_names),
-        "Actuated are all but the first.",
+        "Actuated are all but the first."
+        if robot.feet is None
+        else "Actuated are all but the first, the stance ankle, whose torque is the policy's own.",
         "",
         "Joints of each leg as in the robot file, lowest first; leg 0, then leg 1:",
         *_joints(design),
@@ -104,6 +106,7 @@ def names(design: Design) -> dict[str, str | int]:
         "legs": 2,
         "leg_joints": design.leg_joints,
         "has_torso": int(robot.torso is not None),
+        "ankles": int(robot.feet is not None),
         "law_count": len(design.controllers),
         **(told if design.commands else {}),
     }
@@ -137,6 +140,11 @@ def numbers(design: Design) -> list[Number]:
         ("contact_force", safe.contact_share * weight, "a foot on the ground feels more [N]"),
         ("airborne", safe.airborne_s, "both feet in the air [s]"),
     ]
+    if robot.feet is not None:
+        rows += [
+            ("ankle_limit", robot.feet.torque_limit, "torque of the stance ankle [N m]"),
+            ("ankle_damping", robot.damping[0], "of the stance ankle [N m s/rad]"),
+        ]
     if design.commands:
         rows.append(("z1_share", Z1_MARGIN, "of the step's own interval, as ng_z_margin"))
     reals = [Number(name, float(value), unit) for name, value, unit in rows]
@@ -146,10 +154,9 @@ def numbers(design: Design) -> list[Number]:
 def arrays(design: Design) -> list[Array]:
     """Return the arrays of real numbers."""
     robot, controller, layout = design.robot, design.controller, design.robot.layout
-    root = robot.n // 2 - 1 if robot.torso is None else robot.torso
     low, high = joint_ranges(robot)
     bounds, estimator = controller.bounds, Estimator()
-    pitch_row = np.stack([robot.link_angles[root], robot.link_angles[robot.n - 1 - root]])
+    pitch_row = np.stack([np.asarray(measurement.pitch_row(robot, leg)) for leg in (0, 1)])
     rows = [
         ("hip_gradient", robot.hip_gradient, "z1 = gradient . q [m/rad]"),
         ("pitch_row", pitch_row, "pitch = row . q for each stance leg"),

@@ -66,7 +66,7 @@ class FullPoint(Point):
     def nominal_dz(self) -> ZeroState:
         """Rate omega(eta, z) (m/s, N m). [2]."""
         _, momenta = self.coordinates.split(self.z)
-        falling = self.robot.momentum_rate(self.q)
+        falling = self.momentum_rate
         known = combined(self.along_momenta, falling) + self.coordinates.still(self.output_rate)
         moving = -(momenta + product(self.momentum_rows, known))
         return jnp.concatenate([solved(self.inertia_along_positions, moving), falling])

@@ -137,10 +137,30 @@ class Point:
         return dynamics.centre_of_mass(self.robot, self.q)
 
     @cached_property
+    def _ankle(self) -> tuple[Scalar, ZeroState] | None:
+        """Torque of the stance ankle and its slopes in z; None without one."""
+        torque = self.policy.ankle_torque
+        if self.robot.feet is None or jax.eval_shape(torque, self.z) is None:
+            return None
+        value, push = jax.linearize(torque, self.z)
+        return value, jnp.stack([push(axis) for axis in jnp.eye(len(self.z), dtype=self.z.dtype)])
+
+    @property
+    def ankle_torque(self) -> Scalar:
+        """Torque of the stance ankle on the robot, positive forward [N m]; 0 on point feet."""
+        return jnp.zeros(()) if self._ankle is None else self._ankle[0]
+
+    @cached_property
+    def momentum_rate(self) -> Float[Array, " k"]:
+        """Rates of the momenta: the moment of the weight, and an ankle's torque [N m]. [k]."""
+        falling = self.robot.momentum_rate(self.q)
+        return falling if self._ankle is None else falling + self._ankle[0]
+
+    @cached_property
     def nominal_dz(self) -> ZeroState:
         """Rate omega(0, z) of the rigid model, residual left out (m/s, N m). [2k]."""
         _, momenta = self.coordinates.split(self.z)
-        falling = self.robot.momentum_rate(self.q)
+        falling = self.momentum_rate
         known = combined(product(self.momentum_rows, self.along_momenta), falling)
         moving = -(momenta + known)
         return jnp.concatenate([solved(self.inertia_along_positions, moving), falling])
@@ -181,6 +201,8 @@ class Point:
         """
         robot = self.robot
         falling = robot.momentum_rate_rate(self.q, self.dq)
+        if self._ankle is not None:
+            falling = falling + self._ankle[1] @ self.dz
         nominal_dq, curvature = self.dq, self._curvature(self.nominal_dz)
         residual_rate = jnp.zeros_like(self.z)
         if self.residual is not None:
@@ -209,6 +231,12 @@ class Point:
     def force(self) -> Planar:
         """Ground force on the stance foot, (tangential, normal) [N]. [2]."""
         return dynamics.ground_reaction_force(self.robot, self.q, self.dq, self.ddq)
+
+    @cached_property
+    def pressure_moment(self) -> Scalar:
+        """Normal force times the centre of pressure's place ahead of a flat foot's ankle [N m]."""
+        shank = self.ankle_torque + self.robot.armature[0] * self.ddq[0]
+        return self.robot.flat_feet.pressure_moment(self.contact_force, shank, self.robot.gravity)
 
     @cached_property
     def foot(self) -> Planar:
@@ -266,6 +294,11 @@ class Point:
         if self._ground is None:
             return self.impact.impulse
         return turned(self.impact.impulse, self._ground.landing_slope)
+
+    @cached_property
+    def impulse_moment(self) -> Scalar:
+        """Normal impulse times its place ahead of a flat foot's ankle, in an impact now [N m s]."""
+        return impacts.pressure_moment(self.robot, self.q, self.dq)
 
     @cached_property
     def impact(self) -> Impact:

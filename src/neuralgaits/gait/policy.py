@@ -31,6 +31,11 @@ class AbstractPolicy(eqx.Module):
     def __call__(self, z: ZeroState) -> Actuated:
         """Desired actuated joint angles. Returns: [m] (rad)."""
 
+    def ankle_torque(self, z: ZeroState) -> Scalar | None:
+        """Torque of the stance ankle, positive forward (N m); None for a robot on point feet."""
+        del z
+        return None
+
     @property
     def commands(self) -> Commands:
         """Commands of a family of policies at each touchdown; () for a policy of all steps."""

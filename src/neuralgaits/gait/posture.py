@@ -43,7 +43,7 @@ Z1_SCALE = 0.2 / REFERENCE_LEG_M
 KNEE_SLACK = 0.02
 """Distance of the output bounds from the stop of a straight knee [rad]."""
 HIP_SLACK = 0.1
-"""Distance of the hips at the guard from their stops [rad]."""
+"""Distance of the hips at the guard, and of ankles always, from their stops [rad]."""
 KNEE_RANGE, HIP_RANGE = 1.5, (-1.2, 0.6)
 """Widest bounds of knees (away from straight) and hips [rad]."""
 
@@ -132,6 +132,10 @@ def walking_posture(robot: "PlanarBiped") -> Posture:
         guard[list(hips)] = torso - stance_thigh, torso - SWING_THIGH
         slopes[list(hips)] = HIP_SLOPE, -HIP_SLOPE
         bend[list(hips)] = 0.0, HIP_LIFT
+    if robot.feet is not None:
+        lower[-1], upper[-1] = robot.joint_lower[-1] + HIP_SLACK, robot.joint_upper[-1] - HIP_SLACK
+        slopes[-1] = bend[-1] = guard[-1] = 0.0
+        guard[-1] = robot.link_angles[-1] @ np.concatenate([[first], guard])
     slopes *= REFERENCE_LEG_M / length
     guard = np.clip(guard, lower, upper)
     scale = np.array([Z1_SCALE * length, MOMENTUM * momentum_unit(robot) / 3.0])

@@ -9,7 +9,15 @@ import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
 
-from neuralgaits._types import Array, Float, FullState, Scalar, ZeroState
+from neuralgaits._types import (
+    Array,
+    Coordinates,
+    Float,
+    FullState,
+    Positions,
+    Scalar,
+    ZeroState,
+)
 from neuralgaits.gait.point import Point
 from neuralgaits.gait.policy import AbstractPolicy, OutputJet, output_jet, refuse_other_joints
 from neuralgaits.gait.reset_residual import ResetCorrection
@@ -69,7 +77,8 @@ class ZeroDynamics(eqx.Module):
         q, dq = x[:n], x[n:]
         z = self.coordinates.of(q, dq)
         desired = self._desired(z)
-        rate = desired.rate(self.coordinates.rate(q, dq))
+        positions_rate, _ = self.coordinates.split(self.coordinates.rate(q, dq))
+        rate = desired.rate(jnp.concatenate([positions_rate, self._momentum_rate(q, z)]))
         return jnp.concatenate([q[1:] - desired.y, dq[1:] - rate]), z
 
     def phi_inv(self, z: ZeroState, eta: Float[Array, " two_m"] | float = 0.0) -> FullState:
@@ -85,7 +94,7 @@ class ZeroDynamics(eqx.Module):
         desired = self._desired(z)
         by_positions, by_momenta = jnp.split(desired.jacobian, 2, axis=1)
         q = coordinates.lift(positions, desired.y + eta[:m])
-        falling = combined(by_momenta, robot.momentum_rate(q))
+        falling = combined(by_momenta, self._momentum_rate(q, z))
         known = coordinates.still(falling + eta[m:])
         return jnp.concatenate([q, coordinates.rates(q, momenta, by_positions, known)])
 
@@ -93,6 +102,12 @@ class ZeroDynamics(eqx.Module):
     def coordinates(self) -> ZeroCoordinates:
         """Map between full states and zero dynamics states of the robot."""
         return ZeroCoordinates(self.robot)
+
+    def _momentum_rate(self, q: Coordinates, z: ZeroState) -> Positions:
+        """Rates of the momenta: moment of the weight, and torque of a stance ankle. [k]."""
+        falling = self.robot.momentum_rate(q)
+        ankle = None if self.robot.feet is None else self.policy.ankle_torque(z)
+        return falling if ankle is None else falling + ankle
 
     def _desired(self, z: ZeroState) -> OutputJet:
         desired = output_jet(self.policy, z)

@@ -43,6 +43,22 @@ class MotorFacts:
     file_motor: str
 
 
+@dataclass(frozen=True)
+class FlatFeetFacts:
+    """Flat feet on ankles with motors.
+
+    Attributes:
+        heel_m, toe_m: reach of the sole behind and ahead of the ankle.
+        ankle_height_m: height of the ankle above the sole.
+        mass_kg: mass of one foot.
+    """
+
+    heel_m: float
+    toe_m: float
+    ankle_height_m: float
+    mass_kg: float
+
+
 @dataclass(frozen=True, eq=False)
 class RobotFacts(Record):
     """A robot file in the terms of the theory.
@@ -51,7 +67,10 @@ class RobotFacts(Record):
         coordinates: names of joints, in the order of q.
         underactuation: coordinates without a motor.
         torso, stance_foot, swing_foot: names; None without a torso.
-        hip_height_m: hip height on a straight leg, from the centre of the foot sphere.
+        hip_height_m: hip height on a straight leg, from the centre of the foot sphere, or from the
+            ankle of a flat foot.
+        foot_radius_m: radius of that sphere, or height of that ankle.
+        flat_feet: flat feet; None for point feet.
         friction: friction coefficient of the feet [1].
         left_out: obstacles in the file that neither the model nor a simulation has, in one line.
         written: file of the changed copy, which this record describes; None if there is none.
@@ -72,5 +91,6 @@ class RobotFacts(Record):
     friction: float
     gravity_m_s2: float
     left_out: Texts = ()
+    flat_feet: FlatFeetFacts | None = None
     written: str | None = None
     changes: Texts = ()

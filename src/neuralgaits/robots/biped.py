@@ -12,20 +12,23 @@ from neuralgaits.robots.constants import BipedConstants
 
 
 class PlanarBiped(BipedConstants):
-    """A planar biped with two equal legs, point feet and one unactuated coordinate.
+    """A planar biped with two equal legs, pinned at its stance foot, or at the ankle of a flat one.
 
-    Methods take single states and raise InputError for other shapes, and for concrete numbers
-    that are not finite; use `jax.vmap` for batches. Attributes: see `BipedConstants`.
+    No motor but that of a stance ankle acts on the first coordinate. Methods take single states and
+    raise InputError for other shapes, and for concrete numbers that are not finite; use `jax.vmap`
+    for batches. Attributes: see `BipedConstants`.
     """
 
     def __repr__(self) -> str:
         """Return one line with name, mass, legs and motors."""
-        motors = len(self.joint_names) - 1
+        motors = f"{len(self.joint_names) - 1} motors"
+        if self.feet is not None:
+            motors = f"{len(self.joint_names)} motors, flat feet"
         if isinstance(self.mass, Tracer):
             # While it is being traced its numbers are not known.
-            return f"<PlanarBiped {self.name}: {motors} motors>"
+            return f"<PlanarBiped {self.name}: {motors}>"
         size = f"{float(self.mass):.3g} kg, legs of {self.leg_length:.3g} m"
-        return f"<PlanarBiped {self.name}: {size}, {motors} motors>"
+        return f"<PlanarBiped {self.name}: {size}, {motors}>"
 
     def _repr_html_(self) -> str:
         """Return an HTML summary for a notebook, with one row per motor."""
@@ -82,11 +85,22 @@ class PlanarBiped(BipedConstants):
         """Potential energy above the stance foot. Returns: scalar (J)."""
         return self.mass * self.gravity * self.centre_of_mass(q)[1]
 
-    def acceleration(self, q: Coordinates, dq: Coordinates, torque: Actuated) -> Coordinates:
-        """Forward dynamics with the stance foot pinned. Returns: [n] (rad/s^2)."""
+    def acceleration(
+        self, q: Coordinates, dq: Coordinates, torque: Actuated, ankle: Scalar | float = 0.0
+    ) -> Coordinates:
+        """Forward dynamics with the stance foot pinned.
+
+        Args:
+            q: coordinates (rad). [n]
+            dq: rates (rad/s). [n]
+            torque: of the actuated joints (N m). [m]
+            ankle: torque of the stance ankle on the robot, positive forward (N m).
+
+        Returns: [n] (rad/s^2).
+        """
         q, dq = self._checked(q=q, dq=dq)
         torque = checks.vector("torque", torque, self.n - 1)
-        return dynamics.acceleration(self, q, dq, torque)
+        return dynamics.acceleration(self, q, dq, torque, ankle)
 
     def ground_reaction_force(self, q: Coordinates, dq: Coordinates, ddq: Coordinates) -> Planar:
         """Force of the ground on the stance foot. Returns: [2] (tangential, normal) (N)."""
@@ -102,9 +116,12 @@ class PlanarBiped(BipedConstants):
         return dynamics.angular_momentum(self, q, dq)[None]
 
     def momentum_rows(self, q: Coordinates) -> Float[Array, "1 n"]:
-        """Row J of the mass matrix with z2 = -J . dq; rotors add nothing [kg m^2]."""
+        """Row J of the mass matrix with z2 = -J . dq; only a stance ankle's rotor adds [kg m^2]."""
         links = dynamics.link_mass_matrix(self, self.link_angles @ q)
-        return (jnp.sum(links, axis=0) @ self.link_angles)[None]
+        row = jnp.sum(links, axis=0) @ self.link_angles
+        if self.feet is not None:
+            row = row + self.armature[0] * jnp.eye(self.n, dtype=row.dtype)[0]
+        return row[None]
 
     def momentum_rows_rate(self, q: Coordinates, dq: Coordinates) -> Float[Array, "1 n"]:
         """Rate of that row along a motion [kg m^2/s]."""

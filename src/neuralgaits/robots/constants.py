@@ -8,6 +8,9 @@ links enter positions with a minus sign. Forward is +x.
 Generalised coordinates q = (stance lowest link, stance joints upwards, stance hip, swing
 hip, swing joints downwards); every joint angle is (upper link) - (lower link). Then
 theta = T q, and all kinematics are sums of constants times e(theta) = (-sin, cos).
+
+A robot with flat feet is pinned at its stance ankle. Its stance foot is level and no link, so the
+first coordinate is the ankle's; its last link is the swing foot, and "foot" below is the ankle.
 """
 
 from dataclasses import dataclass
@@ -18,6 +21,8 @@ import equinox as eqx
 import numpy as np
 
 from neuralgaits._types import Array, Float
+from neuralgaits.errors import InputError
+from neuralgaits.robots.feet import FlatFeet
 
 
 @dataclass(frozen=True)
@@ -45,6 +50,8 @@ class MjcfLayout:
         feet: foot geom name of leg 0 and leg 1.
         actuators: for each leg, actuator names in the order of leg_joints.
         gears: for each leg, torque on the joint coordinate here per unit of control [N m].
+        ankles: whether the lowest joint of a leg is the ankle of a flat foot, which leg_lengths
+            leaves out.
     """
 
     xml: str
@@ -61,6 +68,7 @@ class MjcfLayout:
     feet: tuple[str, str]
     actuators: tuple[tuple[str, ...], tuple[str, ...]]
     gears: tuple[tuple[float, ...], tuple[float, ...]]
+    ankles: bool = False
 
     def hip_arm(self, turn: Any, xp: ModuleType) -> tuple[Any, Any]:
         """Vector from the pitch axis to the hip, and its derivative by pitch. [..., 2] (m).
@@ -76,7 +84,7 @@ class MjcfLayout:
 
 
 class BipedConstants(eqx.Module):
-    """The numbers of a planar biped with two equal legs, point feet and one unactuated coordinate.
+    """The numbers of a planar biped with two equal legs, on point feet or on flat ones.
 
     Every array is a float64 NumPy leaf: the numbers of the robot file, never rounded.
 
@@ -91,21 +99,24 @@ class BipedConstants(eqx.Module):
         mass_moment: |b|, first moments: com = sum_k b_k e(theta_k) / mass; signed where real
             [kg m]. [n]
         mass_moment_phase: angle added to theta_k for b; None like coupling_phase. [n]
-        armature: reflected rotor inertia on each coordinate, 0 for the first [kg m^2]. [n]
+        armature: reflected rotor inertia on each coordinate, 0 for the first on point feet
+            [kg m^2]. [n]
         damping: viscous joint friction on each coordinate [N m s/rad]. [n]
         foot: swing-foot coefficients, p = sum_k foot_k e(theta_k) [m]. [n]
         hip: hip coefficients [m]. [n]
         relabel: R, q+ = R q and rates alike: the legs swap roles. [n, n]
         hip_gradient: c, z1 = c . q is the linearised hip position [m/rad]. [n]
-        mass: total mass [kg]; gravity [m/s^2].
+        mass: of all links [kg]; gravity [m/s^2].
         torque_limit, joint_lower, joint_upper: of the actuated joints [N m], [rad]. [m]
-        friction: sliding friction coefficient of the feet; foot_radius [m].
+        friction: sliding friction coefficient of the feet.
+        foot_radius: of a point foot's sphere, or the height of a flat one's ankle [m].
         name: of the robot; link_names; joint_names of the n coordinates.
         torso: index of the torso link, or None.
         layout: where the coordinates live in the robot file.
         coupling_across: Im C, where `coupling` is Re C and `coupling_phase` None: of a robot whose
             masses are traced values, see `parameters`; else None [kg m^2]. [n, n]
         moment_across: Im b [kg m]. [n]
+        feet: flat feet on ankles with motors; None for point feet.
     """
 
     link_angles: Float[np.ndarray, "n n"]
@@ -134,6 +145,7 @@ class BipedConstants(eqx.Module):
     layout: MjcfLayout = eqx.field(static=True, repr=False)
     coupling_across: Float[Array, "n n"] | None = None
     moment_across: Float[Array, " n"] | None = None
+    feet: FlatFeet | None = None
 
     @property
     def n(self) -> int:
@@ -141,6 +153,13 @@ class BipedConstants(eqx.Module):
         return len(self.link_names)
 
     @property
+    def flat_feet(self) -> FlatFeet:
+        """The robot's flat feet. Raises: InputError on point feet."""
+        if self.feet is None:
+            raise InputError(f"expected a robot with flat feet, found point feet at {self.name}")
+        return self.feet
+
+    @property
     def leg_length(self) -> float:
-        """Length of the straight leg from foot to hip [m]."""
+        """Length of the straight leg from foot, or from the ankle of a flat one, to hip [m]."""
         return float(np.sum(self.hip))

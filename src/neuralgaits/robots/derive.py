@@ -28,8 +28,10 @@ class LegData:
         torque_limit: [N m]. [k]
         lower: joint ranges in the coordinates of `PlanarBiped` [rad]. [k]
         upper: like lower. [k]
-        foot_radius: [m]. [1]
+        foot_radius: of the sphere of a point foot, or the height of the ankle above a sole [m]. [1]
         friction: of the foot. [1]
+        sole: how far a flat foot, the lowest link, reaches behind and ahead of the ankle [m]. [2];
+            of a point foot [0].
     """
 
     length: np.ndarray
@@ -43,6 +45,12 @@ class LegData:
     upper: np.ndarray
     foot_radius: np.ndarray
     friction: np.ndarray
+    sole: np.ndarray
+
+    @property
+    def still(self) -> int:
+        """Number of links of a stance leg that do not move: a flat foot, or none."""
+        return 1 if self.sole.size else 0
 
 
 @dataclass(frozen=True)

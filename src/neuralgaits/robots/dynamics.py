@@ -74,20 +74,26 @@ def bias(robot: BipedConstants, q: Coordinates, dq: Coordinates) -> Coordinates:
 
 
 def acceleration(
-    robot: BipedConstants, q: Coordinates, dq: Coordinates, torque: Actuated
+    robot: BipedConstants,
+    q: Coordinates,
+    dq: Coordinates,
+    torque: Actuated,
+    ankle: Scalar | float = 0.0,
 ) -> Coordinates:
-    """Forward dynamics D ddq = (0, torque) - H. Returns: [n] (rad/s^2)."""
-    force = jnp.concatenate([jnp.zeros(1, dtype=torque.dtype), torque])
+    """Forward dynamics D ddq = (-ankle, torque) - H. Returns: [n] (rad/s^2)."""
+    force = jnp.concatenate([-jnp.full(1, ankle, dtype=torque.dtype), torque])
     return solve(mass_matrix(robot, q), force - bias(robot, q, dq))
 
 
 def angular_momentum(robot: BipedConstants, q: Coordinates, dq: Coordinates) -> Scalar:
     """Angular momentum about the pinned stance foot, positive forward.
 
-    Returns: scalar z2 (kg m^2/s). Rotors turn with the joints and add nothing.
+    Returns: scalar z2 (kg m^2/s). Rotors turn with the joints and add nothing, but for that of a
+    stance ankle, which turns against a foot at rest.
     """
     turn = robot.link_angles
-    return -jnp.sum(link_mass_matrix(robot, turn @ q) @ (turn @ dq))
+    momentum = -jnp.sum(link_mass_matrix(robot, turn @ q) @ (turn @ dq))
+    return momentum if robot.feet is None else momentum - robot.armature[0] * dq[0]
 
 
 def _of_moment(robot: BipedConstants, point: Callable[[Coordinates], Planar]) -> Planar:
@@ -120,6 +126,36 @@ def _point_acceleration(
 def swing_foot(robot: BipedConstants, q: Coordinates) -> Planar:
     """Swing-foot position from the stance foot, (x, z). Returns: [2] (m)."""
     return _point(robot.foot, robot.link_angles @ q)
+
+
+def foot_angle_rate(robot: BipedConstants, dq: Coordinates) -> Scalar:
+    """Rate of a flat swing foot's absolute angle. Returns: scalar (rad/s)."""
+    return robot.link_angles[-1] @ dq
+
+
+def sole_ends(robot: BipedConstants, q: Coordinates) -> Float[Array, "2 2"]:
+    """Heel and toe of a flat swing foot, from the place under the stance ankle.
+
+    Returns: [2, 2], (x, z) of the heel and of the toe (m). Raises: InputError on point feet.
+    """
+    return swing_foot(robot, q)[None] + _on_foot(robot, robot.link_angles[-1] @ q)
+
+
+def sole_velocities(robot: BipedConstants, q: Coordinates, dq: Coordinates) -> Float[Array, "2 2"]:
+    """Velocities of heel and toe of a flat swing foot. Returns: [2, 2], (x, z) of each (m/s)."""
+    angle, turning = robot.link_angles[-1] @ q, foot_angle_rate(robot, dq)
+    x, z = _on_foot(robot, angle).T
+    turned = turning * jnp.stack([robot.flat_feet.height - z, x], axis=1)
+    return swing_foot_velocity(robot, q, dq)[None] + turned
+
+
+def _on_foot(robot: BipedConstants, angle: Scalar) -> Float[Array, "2 2"]:
+    """Heel and toe from the place that is as far below the ankle as the ground is. [2, 2] (m)."""
+    feet, (sine, cosine) = robot.flat_feet, (jnp.sin(angle), jnp.cos(angle))
+    along = jnp.stack([-feet.heel, feet.toe])
+    x = along * cosine + feet.height * sine
+    z = along * sine + feet.height * (1.0 - cosine)
+    return jnp.stack([x, z], axis=1)
 
 
 def swing_foot_velocity(robot: BipedConstants, q: Coordinates, dq: Coordinates) -> Planar:
@@ -157,9 +193,12 @@ def ground_reaction_force(
 ) -> Planar:
     """Ground force on the stance foot: the total mass times (acceleration + gravity).
 
-    Returns: [2] (tangential, normal) (N).
+    Returns: [2] (tangential, normal) (N). A flat stance foot's own weight is part of it.
     """
     turn = robot.link_angles
     angles, dtheta, ddtheta = moment_angles(robot, turn @ q), turn @ dq, turn @ ddq
     force = _of_moment(robot, lambda b: _point_acceleration(b, angles, dtheta, ddtheta))
-    return force + jnp.stack([jnp.zeros_like(force[0]), robot.mass * robot.gravity])
+    weight = robot.mass * robot.gravity
+    if robot.feet is not None:
+        weight = weight + robot.feet.mass * robot.gravity
+    return force + jnp.stack([jnp.zeros_like(force[0]), weight])

@@ -5,16 +5,21 @@ leave; the impulse acts on the new stance foot alone. Momentum conjugate to ever
 coordinate is therefore conserved, which needs only the pinned mass matrix:
 D(q+) dq+ = D(q+) R dq- + B(q+)^T v_foot with B the coupling of joint rates to the
 translation of the foot. Source: Westervelt et al. (2007), section 3.4.
+
+A flat foot lands level, and neither slips nor turns afterwards. What it turned before is the
+difference between the rates of links and of joints there; only the ankle's rotor knows of it.
 """
 
 from typing import NamedTuple
 
 import jax.numpy as jnp
 
-from neuralgaits._types import Coordinates, Planar
+from neuralgaits._types import Coordinates, Planar, Scalar
 from neuralgaits.robots.constants import BipedConstants
 from neuralgaits.robots.dynamics import (
+    centre_of_mass,
     centre_of_mass_velocity,
+    foot_angle_rate,
     link_mass_matrix,
     moment_angles,
     swing_foot_velocity,
@@ -46,6 +51,16 @@ def momentum_after(robot: BipedConstants, q: Coordinates, dq: Coordinates) -> Co
 
 
 def _of_moving_foot(robot: BipedConstants, q: Coordinates, dq: Coordinates) -> Coordinates:
+    """The part of the momentum that the new stance foot's motion adds. [n]."""
+    moved = _of_translation(robot, q, dq)
+    if robot.feet is None:
+        return moved
+    turn = robot.link_angles
+    turned = jnp.sum(link_mass_matrix(robot, turn @ (robot.relabel @ q)), axis=1)
+    return moved + turn.T @ (turned * foot_angle_rate(robot, dq))
+
+
+def _of_translation(robot: BipedConstants, q: Coordinates, dq: Coordinates) -> Coordinates:
     """The part of the momentum that the new stance foot's velocity adds. [n]."""
     turn = robot.link_angles
     angles = moment_angles(robot, turn @ (robot.relabel @ q))
@@ -65,5 +80,38 @@ def impact(robot: BipedConstants, q: Coordinates, dq: Coordinates) -> Impact:
     # In what the impact changes: bounds over boxes would not know that what it leaves alone is the
     # same before and after.
     change = solve(mass, _of_moving_foot(robot, q, dq))
-    found = centre_of_mass_velocity(robot, q_new, change) - swing_foot_velocity(robot, q, dq)
-    return Impact(q_new, robot.relabel @ dq + change, robot.mass * found)
+    foot = swing_foot_velocity(robot, q, dq)
+    found = robot.mass * (centre_of_mass_velocity(robot, q_new, change) - foot)
+    if robot.feet is not None:
+        found = found - _stopped(robot, q_new, foot, foot_angle_rate(robot, dq))
+    return Impact(q_new, robot.relabel @ dq + change, found)
+
+
+def _stopped(robot: BipedConstants, q: Coordinates, foot: Planar, turning: Scalar) -> Planar:
+    """Momentum of a landing foot, and of the robot that turned with it. [2] (kg m/s)."""
+    feet = robot.flat_feet
+    across = robot.mass * centre_of_mass(robot, q) + feet.mass * feet.com
+    return feet.mass * foot + turning * jnp.stack([-across[1], across[0]])
+
+
+def pressure_moment(robot: BipedConstants, q: Coordinates, dq: Coordinates) -> Scalar:
+    """Normal impulse on a landing flat foot times its place ahead of the ankle.
+
+    The foot comes to rest under the impulses of the ground and of its ankle. A rotor there is
+    turned by the change of the joint's rate, and turns the foot the other way. Between heel and
+    toe, the foot stays flat.
+
+    Args:
+        robot: with flat feet, which lands level.
+        q: coordinates before the impact (rad). [n]
+        dq: rates before it (rad/s). [n]
+
+    Returns: scalar (N m s).
+    """
+    after, feet = impact(robot, q, dq), robot.flat_feet
+    foot, turning = swing_foot_velocity(robot, q, dq), foot_angle_rate(robot, dq)
+    x, z = feet.com
+    own = feet.mass * (x * foot[1] - z * foot[0])
+    own = own + (robot.inertia[-1] + feet.mass * (x * x + z * z)) * turning
+    rotor = robot.armature[0] * (after.dq[0] - dq[-1])
+    return -own - rotor - feet.height * after.impulse[0]

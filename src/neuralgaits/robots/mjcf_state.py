@@ -96,7 +96,7 @@ class StateMap:
         )
 
     def foot(self, leg: Numbers | int, sensors: Sensors) -> tuple[Numbers, Numbers]:
-        """Position and velocity of a foot's sphere centre in the world.
+        """Position and velocity in the world of a foot's sphere centre, or a flat foot's ankle.
 
         Args:
             leg: 0 or 1. [...]
@@ -120,7 +120,9 @@ class StateMap:
         foot_xz: Numbers | tuple[float, float] = (0.0, 0.0),
         foot_velocity: Numbers | tuple[float, float] = (0.0, 0.0),
     ) -> tuple[Numbers, Numbers]:
-        """MuJoCo state with the stance foot's sphere centre at a given place.
+        """MuJoCo state with the stance foot's sphere centre, or its ankle, at a given place.
+
+        A flat stance foot is level.
 
         Args:
             q: coordinates [rad]. [..., n]
@@ -149,29 +151,35 @@ class StateMap:
         qvel[..., self.root[:2]] = np.asarray(foot_velocity) - velocity
         return qpos, qvel
 
+    @property
+    def _still(self) -> int:
+        """Number of joints of a leg below its links: an ankle, or none."""
+        return 1 if self.layout.ankles else 0
+
     def _lowest(self, pitch: Numbers, joints: Numbers) -> Numbers:
         """Up-angle of the lowest link of both legs (or their rates). [..., 2]."""
         if self.layout.torso:
-            return np.asarray(pitch)[..., None] - joints.sum(-1)
+            return np.asarray(pitch)[..., None] - joints[..., self._still :].sum(-1)
         tops = np.stack([pitch, pitch + joints[..., 0, -1]], axis=-1)
         return tops - joints[..., :-1].sum(-1)
 
     def _leg_angles(self, leg: Numbers | int, pitch: Numbers, joints: Numbers) -> Numbers:
         """Up-angles of one leg's links, lowest first (or their rates). [..., k]."""
         lowest = _pick(self._lowest(pitch, joints)[..., None], leg)
-        upper = np.cumsum(_pick(joints, leg)[..., :-1], axis=-1)
+        upper = np.cumsum(_pick(joints, leg)[..., self._still : -1], axis=-1)
         return np.concatenate([lowest, lowest + upper], axis=-1)
 
     def _from_order(self, stance: Numbers, q: Numbers) -> tuple[Numbers, Numbers]:
         """Pitch [...] and joints [..., 2, k] from the lowest stance link, up and down again."""
         k = self.joints.shape[1]
-        own, other = q[..., 1 : k + 1], q[..., k + 1 :][..., ::-1]
+        first = 1 - self._still
+        own, other = q[..., first : k + first], q[..., k + first :][..., ::-1]
         if not self.layout.torso:
             other = np.concatenate([other, -own[..., -1:]], axis=-1)
-        first = (stance == 0)[..., None]
-        joints = np.stack([np.where(first, own, other), np.where(first, other, own)], axis=-2)
+        is_first = (stance == 0)[..., None]
+        joints = np.stack([np.where(is_first, own, other), np.where(is_first, other, own)], axis=-2)
         if self.layout.torso:
-            return q[..., : k + 1].sum(-1), joints
+            return q[..., : k + first].sum(-1), joints
         # The root is the top of leg 0: the stance leg's top link, or the swing leg's.
         top = q[..., :k].sum(-1)
         return np.where(stance == 0, top, top + q[..., k]), joints

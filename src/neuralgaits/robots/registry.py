@@ -5,6 +5,7 @@ from importlib.resources.abc import Traversable
 
 _DESCRIPTIONS = {
     "amber3m": "AMBER-3M, identified model: rotor inertia and measured torso centre of mass",
+    "amber3m-feet": "amber3m on flat feet of 10 cm, with motors at the ankles",
     "amber3m-paper": "AMBER-3M, nominal model of the paper: no rotor inertia, higher torso mass",
     "amber3m-tail": "amber3m with the torso's centre of mass 3 cm further back, to learn from",
     "rabbit": "RABBIT, the five-link biped of Chevallereau et al. (2003)",

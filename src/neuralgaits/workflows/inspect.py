@@ -1,9 +1,11 @@
 """Contents of a robot file in the terms of the theory."""
 
+import jax.numpy as jnp
 import numpy as np
 
 from neuralgaits._argument_types import type_checked
-from neuralgaits.records.inspected import LinkFacts, MotorFacts, RobotFacts
+from neuralgaits.control.measurement import of_all_motors
+from neuralgaits.records.inspected import FlatFeetFacts, LinkFacts, MotorFacts, RobotFacts
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.robots.mjcf.loader import bodies_from_text, links_from_text
 from neuralgaits.robots.mjcf.world_geoms import obstacles_left_out
@@ -13,7 +15,8 @@ from neuralgaits.robots.mjcf.world_geoms import obstacles_left_out
 def inspect(robot: PlanarBiped) -> RobotFacts:
     """Describe a loaded robot.
 
-    Leg lengths and hip height are measured to the centre of the foot sphere.
+    Leg lengths and hip height are measured to the centre of the foot sphere, or to the ankle of a
+    flat foot.
 
     Returns: a mapping of what `inspect --json` prints; SI units are in the names.
     """
@@ -23,12 +26,13 @@ def inspect(robot: PlanarBiped) -> RobotFacts:
         links=_links(robot),
         actuators=_actuators(robot),
         coordinates=tuple(robot.joint_names),
-        mass_kg=float(robot.mass),
-        underactuation=robot.n - len(robot.torque_limit),
+        mass_kg=float(robot.mass if robot.feet is None else robot.mass + robot.feet.mass),
+        underactuation=robot.n - len(_actuators(robot)),
         torso=None if robot.torso is None else robot.link_names[robot.torso],
         stance_foot=layout.feet[0],
         swing_foot=layout.feet[1],
         hip_height_m=robot.leg_length,
+        flat_feet=_flat_feet(robot),
         foot_radius_m=float(robot.foot_radius),
         friction=float(robot.friction),
         gravity_m_s2=float(robot.gravity),
@@ -36,8 +40,23 @@ def inspect(robot: PlanarBiped) -> RobotFacts:
     )
 
 
+def _flat_feet(robot: PlanarBiped) -> FlatFeetFacts | None:
+    if robot.feet is None:
+        return None
+    feet = robot.feet
+    return FlatFeetFacts(
+        heel_m=float(feet.heel),
+        toe_m=float(feet.toe),
+        ankle_height_m=float(feet.height),
+        mass_kg=float(feet.mass),
+    )
+
+
 def _links(robot: PlanarBiped) -> tuple[LinkFacts, ...]:
-    """Return the links of leg 0 upwards, the torso, then those of leg 1 downwards."""
+    """Return the links of leg 0 upwards, the torso, then those of leg 1 downwards.
+
+    A flat foot that stands is no link of the model, so only that of leg 1 is among them.
+    """
     xml = robot.layout.xml
     leg, torso = links_from_text(xml, robot.name)
     first, second, trunk = bodies_from_text(xml, robot.name)
@@ -47,6 +66,7 @@ def _links(robot: PlanarBiped) -> tuple[LinkFacts, ...]:
         for mass, com, length in zip(leg.mass, leg.com, leg.length, strict=True)
     ]
     middle = [] if torso is None else [(torso.mass, complex(torso.com), None)]
+    moving = slice(leg.still, None)
     return tuple(
         LinkFacts(
             name=name,
@@ -58,26 +78,34 @@ def _links(robot: PlanarBiped) -> tuple[LinkFacts, ...]:
             centre_of_mass_m=(com.real, -com.imag + 0.0),
         )
         for name, inertia, body, (mass, com, length) in zip(
-            robot.link_names, robot.inertia, bodies, (*up, *middle, *reversed(up)), strict=True
+            robot.link_names,
+            robot.inertia,
+            bodies[moving],
+            (*up, *middle, *reversed(up))[moving],
+            strict=True,
         )
     )
 
 
 def _actuators(robot: PlanarBiped) -> tuple[MotorFacts, ...]:
     """Return the joints in the order of q, with leg 0 in stance."""
-    layout, torques = robot.layout, np.asarray(robot.torque_limit)
+    layout, first = robot.layout, 1 if robot.feet is None else 0
+    torques, lower, upper = (
+        np.asarray(of_all_motors(robot, jnp.asarray(values)))
+        for values in (robot.torque_limit, robot.joint_lower, robot.joint_upper)
+    )
     joints = list(zip(layout.leg_joints[0], layout.actuators[0], strict=True))
     other = list(zip(layout.leg_joints[1], layout.actuators[1], strict=True))
     # Without a torso both legs share the one hip joint.
     joints += reversed(other if layout.torso else other[:-1])
     return tuple(
         MotorFacts(
-            joint=robot.joint_names[i + 1],
+            joint=robot.joint_names[i + first],
             torque_limit_nm=float(torques[i]),
-            lower_rad=float(robot.joint_lower[i]),
-            upper_rad=float(robot.joint_upper[i]),
-            armature_kg_m2=float(robot.armature[i + 1]),
-            damping_nms_rad=float(robot.damping[i + 1]),
+            lower_rad=float(lower[i]),
+            upper_rad=float(upper[i]),
+            armature_kg_m2=float(robot.armature[i + first]),
+            damping_nms_rad=float(robot.damping[i + first]),
             file_joint=joint,
             file_motor=motor,
         )

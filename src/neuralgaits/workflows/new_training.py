@@ -81,6 +81,8 @@ def new_training(
     spec = "walking" if settings.spec is None else settings.spec
     if not isinstance(spec, str | GaitSpec):
         raise InputError(f"spec: expected a name, FILE.py:NAME or a GaitSpec, found {spec!r:.60}")
+    if isinstance(spec, str):
+        spec = specs.for_robot(spec, robot)
     init, steps = settings.init or "posture", settings.steps
     one, told, box = _meant_for(settings)
     if (told or one is not None or box) and not isinstance(spec, str):

@@ -7,25 +7,26 @@ from neuralgaits.errors import InputError, RobotError
 from neuralgaits.records.inspected import RobotFacts
 from neuralgaits.robots import PlanarBiped, load_robot, registry
 from neuralgaits.robots.mjcf.loader import robot_text
-from neuralgaits.robots.mjcf.planariser import planarise
+from neuralgaits.robots.mjcf.planariser import Feet, planarise
 from neuralgaits.runs.atomic import write_new
 from neuralgaits.runs.shell_words import command
 from neuralgaits.workflows.inspect import inspect
 
 
-def planarise_file(source: str | Path, out: Path) -> RobotFacts:
+def planarise_file(source: str | Path, out: Path, feet: Feet = "point") -> RobotFacts:
     """Write a changed copy of a robot file, and describe the robot in it.
 
     Args:
         source: name of a built-in robot, or path of an MJCF file; never changed.
         out: file to make; a copy of the source if that needs no change.
+        feet: of `planarise`.
 
     Returns: `RobotFacts` of the new file, with `written` and `changes`.
     Raises: RobotError if the file cannot be made into a planar biped, InputError if there is a file
         at `out`; nothing is written then.
     """
     text, name = robot_text(source)
-    made = planarise(text, name)
+    made = planarise(text, name, feet)
     write_new(out, made.text)
     changes = (*_resolved(source, text), *made.changes)
     return replace(inspect(load_robot(out)), written=str(out), changes=changes)

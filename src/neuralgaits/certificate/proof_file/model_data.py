@@ -57,8 +57,11 @@ def model_data(
     chart. "conditions": by name, as in `GaitSpec.describe`. "residuals": of flow and reset, arrays
     or null; only if something was learned.
 
-    Returns: plain data; None for a policy or a residual that is not one of this package's.
+    Returns: plain data; None for a policy or a residual that is not one of this package's, and for
+    flat feet, which no such reader knows.
     """
+    if robot.feet is not None:
+        return None
     policy, learned = _policy(gait.policy, program), _residuals(residuals)
     if policy is None or learned is None:
         return None

@@ -1,6 +1,12 @@
 /* See controller.h. Source of the mathematics: neuralgaits.control, which this file repeats. */
 #include "controller.h"
 
+#if NG_ANKLES
+#define ANKLE_LIMIT NG_ANKLE_LIMIT
+#else
+#define ANKLE_LIMIT NG(0.0)
+#endif
+
 /*
  * Actuated joints, stance leg first and upwards, then the swing leg downwards. Values by leg are
  * passed by row: with both bounds declared, gcc 12 takes a copy of both rows for an overflow.
@@ -8,20 +14,23 @@
 static void stance_first(const ng_real (*by_leg)[NG_LEG_JOINTS], int leg,
                          ng_real actuated[NG_ACTUATED])
 {
-    const int skipped = 2 * NG_LEG_JOINTS - NG_ACTUATED; /* a shared hip stands in both legs */
-    for (int i = 0; i < NG_LEG_JOINTS; ++i) {
-        actuated[i] = by_leg[leg][i];
+    const int skipped = 2 * NG_LEG_JOINTS - NG_ACTUATED; /* a shared hip, or the stance ankle */
+    const int own = NG_LEG_JOINTS - NG_ANKLES;           /* of the stance leg */
+    for (int i = 0; i < own; ++i) {
+        actuated[i] = by_leg[leg][i + NG_ANKLES];
     }
-    for (int i = NG_LEG_JOINTS; i < NG_ACTUATED; ++i) {
+    for (int i = own; i < NG_ACTUATED; ++i) {
         actuated[i] = by_leg[1 - leg][2 * NG_LEG_JOINTS - 1 - skipped - i];
     }
 }
 
-static void by_legs(const ng_real actuated[NG_ACTUATED], int leg,
+/* The inverse, with the value of a stance ankle, which is not among the actuated joints. */
+static void by_legs(const ng_real actuated[NG_ACTUATED], ng_real ankle, int leg,
                     ng_real by_leg[NG_LEGS][NG_LEG_JOINTS])
 {
-    for (int i = 0; i < NG_LEG_JOINTS; ++i) {
-        by_leg[leg][i] = actuated[i];
+    by_leg[leg][0] = ankle; /* on point feet another joint's place, which is filled below */
+    for (int i = NG_ANKLES; i < NG_LEG_JOINTS; ++i) {
+        by_leg[leg][i] = actuated[i - NG_ANKLES];
     }
 #if NG_HAS_TORSO
     for (int i = 0; i < NG_LEG_JOINTS; ++i) {
@@ -68,6 +77,7 @@ static int advance_stance(ng_state *state, const ng_measurement *reading)
 #define POLICY_RATE(dz, z, dy, y) ng_policy_rate(dz, state->step, z, dy, y)
 #define POLICY_PATH(ddz, dz, z, drift, dy, slope, y) \
     ng_policy_path(ddz, dz, state->step, z, drift, dy, slope, y)
+#define POLICY_ANKLE(z, slope, torque) ng_policy_ankle(state->step, z, slope, torque)
 #define Z1_START state->step[0]
 #define Z1_GUARD state->step[1]
 #define Z1_MARGIN (NG_Z1_SHARE * (Z1_GUARD - Z1_START))
@@ -85,6 +95,7 @@ static void latch(ng_state *state)
 #else
 #define POLICY_RATE ng_policy_rate
 #define POLICY_PATH ng_policy_path
+#define POLICY_ANKLE ng_policy_ankle
 #define Z1_START ng_z_lower[0]
 #define Z1_GUARD ng_z_upper[0]
 #define Z1_MARGIN ng_z_margin[0]
@@ -107,6 +118,22 @@ static void bounded(const ng_state *state, const ng_real z[2], ng_real value[2],
         second[i] = NG(-2.0) * t * first[i] / margin;
     }
 }
+
+#if NG_ANKLES
+/* Ask the policy for the torque of the stance ankle, which changes z2 as it is known. */
+static void ask_ankle(const ng_law *law, const ng_state *state, const ng_real z[2],
+                      ng_real dz[2], ng_real ddz2[1], ng_real *torque)
+{
+    ng_real at[2], first[2], second[2], slope[2];
+    bounded(state, z, at, first, second);
+    if (!law->measure_z2) {
+        at[1] = first[1] = NG(0.0);
+    }
+    POLICY_ANKLE(at, slope, torque);
+    dz[1] += *torque;
+    ddz2[0] += slope[0] * first[0] * dz[0] + slope[1] * first[1] * dz[1];
+}
+#endif
 
 /* Ask the policy at the measured z. */
 static void ask(const ng_law *law, const ng_real z[2], const ng_real dz[2], ng_real ddz2,
@@ -183,10 +210,25 @@ static void impact_consistent_rates(const ng_state *state, const ng_real q[NG_CO
     }
 }
 
-/* Torques of ddq_a = slope ddz1 + known, where ddz1 follows from no torque at the foot. */
+/*
+ * Torque at the foot that the joints have to do without or with: none, or an ankle's, whose motor
+ * makes up for the joint's own friction.
+ */
+static ng_real moment_at_foot(ng_real bias, ng_real dq, ng_real ankle)
+{
+#if NG_ANKLES
+    return bias - NG_ANKLE_DAMPING * dq + ankle;
+#else
+    (void)dq;
+    (void)ankle;
+    return bias;
+#endif
+}
+
+/* Torques of ddq_a = slope ddz1 + known, where ddz1 follows from the torque at the foot. */
 static void inverse_dynamics(const ng_law *law, const ng_real q[NG_COORDINATES],
                              const ng_real dq[NG_COORDINATES], const ng_desired *wanted,
-                             ng_real torque[NG_ACTUATED])
+                             ng_real ankle, ng_real torque[NG_ACTUATED])
 {
     const ng_real w = law->bandwidth;
     ng_real mass[NG_COORDINATES * NG_COORDINATES], bias[NG_COORDINATES];
@@ -197,7 +239,7 @@ static void inverse_dynamics(const ng_law *law, const ng_real q[NG_COORDINATES],
         rest[i] = wanted->drift[i - 1] - w * w * error - NG(2.0) * w * rate;
     }
     ng_dynamics(dq, q, bias, mass);
-    const ng_real ddz1 = balanced(mass, bias[0], along, rest);
+    const ng_real ddz1 = balanced(mass, moment_at_foot(bias[0], dq[0], ankle), along, rest);
     for (int i = 0; i < NG_ACTUATED; ++i) {
         torque[i] = bias[i + 1];
     }
@@ -212,13 +254,13 @@ static void inverse_dynamics(const ng_law *law, const ng_real q[NG_COORDINATES],
 /* Before limits. */
 static void torques(const ng_law *law, const ng_real q[NG_COORDINATES],
                     const ng_real dq[NG_COORDINATES], const ng_desired *wanted,
-                    ng_real torque[NG_ACTUATED])
+                    ng_real ankle, ng_real torque[NG_ACTUATED])
 {
     for (int i = 0; i < NG_ACTUATED; ++i) {
         torque[i] = NG(0.0);
     }
     if (law->model) {
-        inverse_dynamics(law, q, dq, wanted, torque);
+        inverse_dynamics(law, q, dq, wanted, ankle, torque);
     }
     for (int i = 0; i < NG_ACTUATED; ++i) {
         torque[i] -= law->stiffness[i] * (q[i + 1] - wanted->y[i]) +
@@ -318,7 +360,7 @@ static ng_fault guard(const ng_config *config, ng_state *state, const ng_measure
     const ng_real share = s * s * (NG(3.0) - NG(2.0) * s);
     const ng_real change = config->torque_rate * NG_PERIOD;
     ng_real limits[NG_LEGS][NG_LEG_JOINTS];
-    by_legs(config->torque_limit, 0, limits);
+    by_legs(config->torque_limit, ANKLE_LIMIT, 0, limits);
     for (int leg = 0; leg < NG_LEGS; ++leg) {
         for (int i = 0; i < NG_LEG_JOINTS; ++i) {
             const ng_real limit = ng_abs(limits[leg][i]), before = state->torque[leg][i];
@@ -356,7 +398,7 @@ static void stop(ng_state *state, ng_fault fault, ng_command *command)
 
 /* What the law wants; the state of stance and policy moves on. */
 static void follow(const ng_config *config, ng_state *state, const ng_measurement *reading,
-                   ng_command *command)
+                   ng_command *command, ng_real wanted[NG_LEGS][NG_LEG_JOINTS])
 {
     const ng_law *law = config->law;
     ng_real dz[2], ddz2[1], measured[NG_COORDINATES];
@@ -369,6 +411,13 @@ static void follow(const ng_config *config, ng_state *state, const ng_measuremen
     ng_coordinates(reading->pitch, reading->angles, state->leg, command->q);
     ng_coordinates(reading->dpitch, reading->rates, state->leg, command->dq);
     ng_zero_state(command->dq, reading->hip_velocity, command->q, ddz2, dz, command->z);
+    command->ankle = NG(0.0);
+#if NG_ANKLES
+    const ng_real by_weight = ddz2[0];
+    ask_ankle(law, state, command->z, dz, ddz2, &command->ankle);
+    const ng_real ankle_rate = ddz2[0] - by_weight;
+#endif
+    state->ankle = command->ankle;
     for (int i = 0; i < NG_COORDINATES; ++i) {
         measured[i] = command->dq[i];
     }
@@ -376,6 +425,10 @@ static void follow(const ng_config *config, ng_state *state, const ng_measuremen
         ng_real pinned_z[2]; /* not what is measured */
         impact_consistent_rates(state, command->q, command->z, dz[1], command->dq);
         ng_zero_state(command->dq, reading->hip_velocity, command->q, ddz2, dz, pinned_z);
+#if NG_ANKLES
+        dz[1] += command->ankle;
+        ddz2[0] += ankle_rate;
+#endif
     }
     /* After a touchdown the held outputs belong to the wrong legs. */
     if (command->touchdown || state->ticks_to_policy <= 0) {
@@ -383,11 +436,13 @@ static void follow(const ng_config *config, ng_state *state, const ng_measuremen
         state->ticks_to_policy = law->hold_ticks;
     }
     state->ticks_to_policy -= 1;
-    torques(law, command->q, command->dq, &state->held, command->actuated);
+    torques(law, command->q, command->dq, &state->held, command->ankle, command->actuated);
     command->relaxed[0] = command->relaxed[1] = 0;
     command->saturated = law->apply_limits
                              ? law->apply_limits(config, &state->held, command)
                              : saturate(config, command->actuated);
+    const ng_real ankle = moment_at_foot(NG(0.0), command->dq[0], command->ankle);
+    by_legs(command->actuated, ng_clamp(-ankle, -ANKLE_LIMIT, ANKLE_LIMIT), state->leg, wanted);
     for (int i = 0; i < NG_COORDINATES; ++i) {
         command->dq[i] = measured[i];
     }
@@ -420,8 +475,7 @@ void ng_step(const ng_config *config, ng_state *state, const ng_measurement *rea
         state->running = 1;
     }
     state->last_us = reading->time_us;
-    follow(config, state, reading, command);
-    by_legs(command->actuated, state->leg, wanted);
+    follow(config, state, reading, command, wanted);
     fault = guard(config, state, reading, wanted);
     if (fault != NG_NO_FAULT) {
         stop(state, fault, command);

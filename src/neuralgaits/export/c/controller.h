@@ -118,6 +118,7 @@ typedef struct {
     ng_real posture[NG_LEGS][NG_LEG_JOINTS];/* found at the first reading [rad] */
     ng_real torque[NG_LEGS][NG_LEG_JOINTS]; /* of the last tick [N m] */
     ng_real airborne;                       /* time since a foot felt the ground [s] */
+    ng_real ankle;                          /* torque of a stance ankle at the last tick [N m] */
     ng_fault fault;
 #if NG_COMMANDS
     ng_real requested[NG_COMMANDS];         /* wish for the steps to come, see ng_tell */
@@ -135,6 +136,7 @@ struct ng_command {
     ng_real dq[NG_COORDINATES];             /* [rad/s] */
     ng_real y_d[NG_ACTUATED];               /* [rad] */
     ng_real dy_d[NG_ACTUATED];              /* [rad/s] */
+    ng_real ankle;                          /* of a stance ankle, forward; 0 on point feet [N m] */
     ng_real z[2];                           /* hip ahead of the foot [m], momentum [kg m^2/s] */
     int leg;
     ng_real since_touchdown;                /* [s] */

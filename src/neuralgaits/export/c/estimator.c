@@ -8,13 +8,13 @@ void ng_estimator_start(ng_estimator *estimator)
 }
 
 /* Momentum about the foot that stands now, one period later. */
-static ng_real momentum(const ng_measurement *last, int leg)
+static ng_real momentum(const ng_measurement *last, int leg, ng_real ankle)
 {
     ng_real q[NG_COORDINATES], dq[NG_COORDINATES], z[2], dz[2], ddz2[1];
     ng_coordinates(last->pitch, last->angles, leg, q);
     ng_coordinates(last->dpitch, last->rates, leg, dq);
     ng_zero_state(dq, last->hip_velocity, q, ddz2, dz, z);
-    return z[1] + NG_PERIOD * dz[1];
+    return z[1] + NG_PERIOD * (dz[1] + ankle);
 }
 
 /* Follow the joint angles. */
@@ -58,7 +58,7 @@ void ng_estimate(ng_estimator *estimator, const ng_state *state, ng_measurement 
         return;
     }
     const int quick = state->since_touchdown < NG_QUICK;
-    const ng_real z2 = momentum(now, state->leg);
+    const ng_real z2 = momentum(now, state->leg, state->ankle);
     const ng_real pitch = now->pitch + NG_PERIOD * now->dpitch;
     const ng_real missed = reading->pitch - pitch;
     follow_joints(estimator, ng_joint_gain[quick], reading);

@@ -192,6 +192,7 @@ static int serve(int handle, FILE *log)
     session s = {0};
     double time_us = 0.0;
     uint32_t last_us = 0u;
+    (void)log; /* without a log in the format of AMBER-3M */
     for (;;) {
         struct sockaddr_in peer;
         socklen_t length = sizeof peer;

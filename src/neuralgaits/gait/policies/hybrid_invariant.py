@@ -11,10 +11,13 @@ in Westervelt, Grizzle and Koditschek (2003).
 from typing import TYPE_CHECKING
 
 import equinox as eqx
+import jax
+import jax.numpy as jnp
 import numpy as np
 from jaxtyping import PRNGKeyArray
 
-from neuralgaits._types import Actuated, Array, Float
+from neuralgaits._types import Actuated, Array, Float, Scalar, ZeroState
+from neuralgaits.gait.ankle import AnkleTorque
 from neuralgaits.gait.commands import Number, Step
 from neuralgaits.gait.network import Network, movable
 from neuralgaits.gait.policies.step_ends import (
@@ -23,6 +26,7 @@ from neuralgaits.gait.policies.step_ends import (
     Start,
     cubic_between,
     inside,
+    level_at,
     logit_ends,
     on_foothold,
     start_after,
@@ -54,6 +58,7 @@ class HybridInvariantPolicy(StepPolicy):
             evaluated if they are given: bounds of it are then as tight as those of its ends. [4, m]
         anchor: a phase and the z1 that it is at; None where both are numbers. Phases are then
             told from there, so that what start and guard depend on cancels. [2]
+        ankle: torque of the stance ankle of a robot with flat feet; None on point feet.
     """
 
     guard_outputs: Float[Array, " m"]
@@ -66,6 +71,7 @@ class HybridInvariantPolicy(StepPolicy):
     then: "HybridInvariantPolicy | None" = None
     ends: Float[Array, "4 m"] | None = None
     anchor: Float[Array, "2"] | None = None
+    ankle: AnkleTorque | None = None
 
     @classmethod
     def init(
@@ -91,6 +97,9 @@ class HybridInvariantPolicy(StepPolicy):
         posture = walking_posture(robot) if posture is None else posture
         m = robot.n - 1
         network = Network.init((2, *hidden, m), activation=activation, key=key, near=posture.bend)
+        ankle = None
+        if robot.feet is not None:
+            ankle = AnkleTorque.init(robot, posture, key=jax.random.fold_in(key, 1))
         zeros = np.zeros(m)
         policy = cls(
             network=network,
@@ -104,8 +113,15 @@ class HybridInvariantPolicy(StepPolicy):
             start_slopes=zeros,
             momentum_ratio=np.ones(()),
             z2_dependence=z2_dependence,
+            ankle=ankle,
         )
         return _match(policy, robot)
+
+    def ankle_torque(self, z: ZeroState) -> Scalar | None:
+        """Torque of the stance ankle, positive forward (N m); None for a robot on point feet."""
+        if self.ankle is None:
+            return None
+        return self.ankle(z if self.z2_dependence else z * jnp.array([1.0, 0.0]))
 
     def phase(self, z1: Number) -> Number:
         """Phase of the step at a hip position."""
@@ -139,7 +155,7 @@ class HybridInvariantPolicy(StepPolicy):
         """Recompute start of the step and cubic from the robot's impact at the guard."""
         outputs = inside(self.guard_outputs, self.lower, self.upper)
         outputs = on_foothold(robot, self.z_guard, outputs, Foothold())
-        guard = Guard(self.z_guard, outputs, self.guard_slopes)
+        guard = level_at(robot, Guard(self.z_guard, outputs, self.guard_slopes))
         return self.between(start_after(robot, guard, reset_residual), guard)
 
     def between(
@@ -182,8 +198,13 @@ class HybridInvariantPolicy(StepPolicy):
         return eqx.tree_at(lambda p: p.ends, found, ends, is_leaf=lambda leaf: leaf is None)
 
     def trainable(self) -> "HybridInvariantPolicy":
-        """Flags of trainable leaves: network, guard outputs and guard slopes."""
-        return movable(self, lambda p: (p.network, p.guard_outputs, p.guard_slopes))
+        """Flags of trainable leaves: networks, guard outputs and guard slopes."""
+
+        def moved(policy: HybridInvariantPolicy):
+            of_ankle = () if policy.ankle is None else (policy.ankle.network,)
+            return policy.network, policy.guard_outputs, policy.guard_slopes, *of_ankle
+
+        return movable(self, moved)
 
 
 @eqx.filter_jit

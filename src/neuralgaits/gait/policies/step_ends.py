@@ -102,6 +102,22 @@ def on_foothold(
     return outputs + shift @ directions
 
 
+def level_at(robot: "PlanarBiped", guard: Guard) -> Guard:
+    """Return the guard with a flat swing foot level and not turning; itself on point feet.
+
+    The swing ankle is the last joint, and moves nothing but the foot.
+    """
+    if robot.feet is None:
+        return guard
+    ankle = np.eye(robot.n - 1, dtype=guard.outputs.dtype)[-1]
+    q = with_hip_at(robot, guard.z1, guard.outputs)
+    dq = with_hip_at(robot, jnp.ones_like(q[0]), guard.slopes)
+    foot = robot.link_angles[-1]
+    return guard._replace(
+        outputs=guard.outputs + (foot @ q) * ankle, slopes=guard.slopes + (foot @ dq) * ankle
+    )
+
+
 def on_foothold_exactly(
     robot: "PlanarBiped", z_guard: Scalar, outputs: Actuated, foothold: Foothold
 ) -> Actuated:

@@ -31,6 +31,7 @@ _QUANTITIES = {
     "upper": "upper joint limit [rad]",
     "foot_radius": "foot radius [m]",
     "friction": "foot friction",
+    "sole": "reach of the sole [m]",
 }
 
 
@@ -144,7 +145,7 @@ def leg_data(
                 if field.name in _OF_JOINTS:
                     where = f"joint {joints[leg][i].joint.name}"
                 refuse_quantity(field.name, _QUANTITIES[field.name], value.real, where)
-        scale = max(float(np.max(np.abs(ours))), float(np.max(np.abs(theirs))), 1e-12)
+        scale = max(np.max(np.abs(ours), initial=1e-12), np.max(np.abs(theirs), initial=1e-12))
         wrong = np.flatnonzero(np.abs(ours - theirs) > _LEG_TOLERANCE * scale)
         if wrong.size:
             i = int(wrong[0])
@@ -189,6 +190,7 @@ def _one_leg(
         upper=ranges[:, 1],
         foot_radius=np.array([foot.radius]),
         friction=np.array([foot.friction]),
+        sole=np.array(foot.sole),
     )
 
 

@@ -25,6 +25,7 @@ from neuralgaits.errors import InputError, RobotError
 from neuralgaits.robots import derive, registry
 from neuralgaits.robots.biped import PlanarBiped
 from neuralgaits.robots.constants import MjcfLayout
+from neuralgaits.robots.feet import FlatFeet
 from neuralgaits.robots.mjcf.counts import refuse_large_counts
 from neuralgaits.robots.mjcf.ignored_physics import refuse_ignored_physics
 from neuralgaits.robots.mjcf.legs import LegJoint, leg_data, leg_joints, link_directions, up_angle
@@ -67,8 +68,9 @@ def load_robot(name_or_path: str | Path) -> PlanarBiped:
     slide z and hinge y, which is the torso or, in a biped without one, the top link of a leg;
     two equal legs of one to three links on hinges along y, each joint with a range and one plain
     motor with a torque limit; on each lowest link one sphere that collides with the floor and
-    nothing else that does. Frames, offsets along y, axis signs and gears are free, and bodies
-    without joints count as part of the body they are welded to. A torso is upright at zero pitch.
+    nothing else that does, or a lowest link that is a flat foot, one box or capsule on an ankle.
+    Frames, offsets along y, axis signs and gears are free, and bodies without joints count as part
+    of the body they are welded to. A torso is upright at zero pitch.
 
     Returns: `PlanarBiped` with float64 constants.
     Raises: RobotError if the file cannot be used, naming the body or joint and the remedy;
@@ -228,7 +230,7 @@ def _layout(
         root_angle=up_angle(lines[0][1]),
         root_to_hip=(to_hip.real, to_hip.imag),
         torso=skeleton.torso is not None,
-        leg_lengths=tuple(float(length) for length in leg.length),
+        leg_lengths=tuple(float(length) for length in leg.length[leg.still :]),
         leg_joints=(tuple(j.joint.name for j in first), tuple(j.joint.name for j in second)),
         leg_joint_signs=(tuple(j.sign for j in first), tuple(j.sign for j in second)),
         leg_joint_offsets=(tuple(j.offset for j in first), tuple(j.offset for j in second)),
@@ -238,6 +240,7 @@ def _layout(
             tuple(j.sign * j.motor.gear for j in first),
             tuple(j.sign * j.motor.gear for j in second),
         ),
+        ankles=bool(leg.still),
     )
 
 
@@ -250,9 +253,13 @@ def _assemble(
     name: str,
 ) -> PlanarBiped:
     torso = _torso_data(tree, skeleton)
+    # A flat stance foot does not move: neither its link nor its angle is part of the robot.
+    moving = slice(leg.still, None)
     centre, hip, foot = derive.centre_coefficients(leg, torso)
-    mass = derive.link_row(leg.mass, torso.mass if torso else None)
-    turn = derive.link_angles(len(mass))
+    centre, hip, foot = centre[moving, moving], hip[moving], foot[moving]
+    whole = derive.link_angles(len(centre) + leg.still)
+    turn, relabel = (one[moving, moving] for one in (whole, derive.relabelling(whole)))
+    mass = derive.link_row(leg.mass, torso.mass if torso else None)[moving]
     coupling, coupling_phase = derive.modulus_and_phase(centre.T @ (mass[:, None] * centre.conj()))
     moment, moment_phase = derive.modulus_and_phase(mass @ centre)
     on_lines = not (coupling_phase.any() or moment_phase.any())
@@ -263,29 +270,48 @@ def _assemble(
     def of_joints(values: np.ndarray) -> np.ndarray:
         return derive.joint_row(values, torso=torso is not None)
 
+    def of_coordinates(values: np.ndarray) -> np.ndarray:
+        return of_joints(values) if leg.still else np.concatenate([[0.0], of_joints(values)])
+
+    if leg.still:
+        foot[-1] = 0.0  # The ankle lands, not what is under it.
     return PlanarBiped(
         link_angles=turn,
-        inertia=derive.link_row(leg.inertia, torso.inertia if torso else None),
+        inertia=derive.link_row(leg.inertia, torso.inertia if torso else None)[moving],
         coupling=coupling,
         coupling_phase=None if on_lines else coupling_phase,
         mass_moment=moment,
         mass_moment_phase=None if on_lines else moment_phase,
-        armature=np.concatenate([[0.0], of_joints(leg.armature)]),
-        damping=np.concatenate([[0.0], of_joints(leg.damping)]),
+        armature=of_coordinates(leg.armature),
+        damping=of_coordinates(leg.damping),
         foot=foot,
         hip=hip,
-        relabel=derive.relabelling(turn),
+        relabel=relabel,
         hip_gradient=-hip @ turn,
         mass=np.array(mass.sum()),
         gravity=np.array(-model.opt.gravity[2]),
-        torque_limit=of_joints(leg.torque_limit),
-        joint_lower=of_joints(leg.lower),
-        joint_upper=of_joints(leg.upper),
+        torque_limit=of_joints(leg.torque_limit)[moving],
+        joint_lower=of_joints(leg.lower)[moving],
+        joint_upper=of_joints(leg.upper)[moving],
         friction=leg.friction[0].reshape(()).copy(),
         foot_radius=leg.foot_radius[0].reshape(()).copy(),
         name=_model_name(model, name),
-        link_names=role_names(links, tree.links[0].name if torso else None),
-        joint_names=coordinate_names(links[0], joint_labels, torso=torso is not None),
-        torso=None if torso is None else len(leg.length),
+        link_names=role_names(links, tree.links[0].name if torso else None)[moving],
+        joint_names=coordinate_names(links[0], joint_labels, torso=torso is not None)[moving],
+        torso=None if torso is None else len(leg.length) - leg.still,
         layout=layout,
+        feet=_flat_feet(leg) if leg.still else None,
+    )
+
+
+def _flat_feet(leg: derive.LegData) -> FlatFeet:
+    """Return the feet of legs whose lowest link is one. Its line points from the sole up."""
+    place = 1j * (leg.com[0] - leg.length[0])
+    return FlatFeet(
+        heel=np.array(leg.sole[0]),
+        toe=np.array(leg.sole[1]),
+        height=np.array(leg.length[0]),
+        mass=np.array(leg.mass[0]),
+        com=np.array([place.real, place.imag]),
+        torque_limit=np.array(leg.torque_limit[0]),
     )

@@ -11,11 +11,13 @@ as torque limits and joint ranges, are not made up.
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Literal
 
 import mujoco
 
 from neuralgaits.errors import RobotError
 from neuralgaits.robots.mjcf.edit import MjcfEdit
+from neuralgaits.robots.mjcf.kept_feet import keep_flat_feet
 from neuralgaits.robots.mjcf.loader import robot_from_text
 from neuralgaits.robots.mjcf.planar_tree import body_name
 from neuralgaits.robots.mjcf.point_feet import give_point_feet
@@ -34,19 +36,23 @@ class Planarised:
     changes: tuple[str, ...]
 
 
-def planarise(text: str, name: str) -> Planarised:
-    """Change a robot file into that of a planar biped with point feet.
+Feet = Literal["point", "flat"]
+
+
+def planarise(text: str, name: str, feet: Feet = "point") -> Planarised:
+    """Change a robot file into that of a planar biped.
 
     Args:
         text: MJCF without includes.
         name: of the robot, unless the file names its model.
+        feet: "point" welds ankles and ends both legs in a sphere; "flat" keeps them.
 
     Returns: `Planarised`. Raises: RobotError if the file is not a planar biped even so, naming
     what is in the way.
     """
     try:
         edit = MjcfEdit(text, name)
-        for step in _STEPS:
+        for step in (*_BEFORE, keep_flat_feet if feet == "flat" else give_point_feet, *_AFTER):
             edit.compile()
             step(edit)
         result = edit.text() if edit.changes else text
@@ -187,15 +193,14 @@ def _drop_sensors_of_the_floor(edit: MjcfEdit) -> None:
     edit.drop_references("geom", planes - {""})
 
 
-_STEPS: tuple[Callable[[MjcfEdit], None], ...] = (
+_BEFORE: tuple[Callable[[MjcfEdit], None], ...] = (
     _name_joints,
     _drop_couplings,
     _free_the_root,
     _drop_motors_of_the_root,
     _drop_forces,
     _lay_floor,
-    give_point_feet,
-    _name_motors,
-    _drop_sensors_of_the_floor,
 )
-"""Changes in order: joints get names before they are referred to, the floor precedes the feet."""
+_AFTER = (_name_motors, _drop_sensors_of_the_floor)
+"""Changes in order, before and after those of the feet: joints get names before they are referred
+to, and the feet stand on the floor."""

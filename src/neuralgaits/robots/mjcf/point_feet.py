@@ -40,7 +40,7 @@ def give_point_feet(edit: MjcfEdit) -> None:
     if not ankles and all(len(spheres) == 1 for spheres in round_ones):
         for geoms, (foot,) in zip(met, round_ones, strict=True):
             _name_foot(edit, foot)
-            _picture_only(edit, [geom for geom in geoms if geom != foot])
+            picture_only(edit, [geom for geom in geoms if geom != foot])
         return
     if not all(met):
         return  # Nothing says where the leg ends; the loader names the body.
@@ -55,7 +55,7 @@ def give_point_feet(edit: MjcfEdit) -> None:
         else:
             body, place = ankle, _under_ankle(edit, ankle, ankles[ankle], geoms)
             where = "under the ankle, at the height of the sole"
-        _picture_only(edit, geoms)
+        picture_only(edit, geoms)
         _add_sphere(edit, body, place, friction, floor)
         edit.changes[-1] += f" {where}, friction {friction:g}{source}"
 
@@ -122,7 +122,8 @@ def _tip(edit: MjcfEdit, geoms: list[int]) -> tuple[int, np.ndarray]:
     return int(model.geom_bodyid[geom]), centre + reach * down
 
 
-def _picture_only(edit: MjcfEdit, geoms: list[int]) -> None:
+def picture_only(edit: MjcfEdit, geoms: list[int]) -> None:
+    """Take contact with the floor from some geoms, which keep shape and mass."""
     if not geoms:
         return
     for geom in geoms:

@@ -2,8 +2,9 @@
 
 A biped with a torso has the torso as root and two chains of equal length hanging from one point,
 the hip. Without a torso the root is the top link of one leg: its own chain is then one link
-shorter than the chain that hangs from the hip. A foot is the one sphere of a chain's last link
-that collides with the floor; nothing else on that link may.
+shorter than the chain that hangs from the hip. A point foot is the one sphere of a chain's last
+link that collides with the floor; nothing else on that link may. A flat foot is a last link of its
+own, on an ankle: a box or a capsule, see `soles`.
 """
 
 # pyright: reportAttributeAccessIssue=false
@@ -18,6 +19,7 @@ from neuralgaits.errors import RobotError
 from neuralgaits.robots.mjcf.ignored_physics import refuse_excluded
 from neuralgaits.robots.mjcf.physical_numbers import refuse_frictionless, refuse_odd_contact
 from neuralgaits.robots.mjcf.planar_tree import PlanarTree
+from neuralgaits.robots.mjcf.soles import read_sole
 
 _HIP_TOLERANCE_M = 1e-6
 _MAX_LEG_LINKS = 3
@@ -25,19 +27,22 @@ _MAX_LEG_LINKS = 3
 
 @dataclass(frozen=True)
 class Foot:
-    """A point foot.
+    """A foot.
 
     Attributes:
         name: of its geom.
-        centre: of the sphere at zero coordinates, x + i z [m].
-        radius: [m].
+        centre: of the sphere of a point foot, or the place on a flat one's sole that is under the
+            ankle, at zero coordinates, x + i z [m].
+        radius: of the sphere; of a flat foot, the height of its ankle above the sole [m].
         friction: sliding coefficient of the contact with the floor.
+        sole: how far it reaches behind and ahead of the ankle [m]; () for a point foot.
     """
 
     name: str
     centre: complex
     radius: float
     friction: float
+    sole: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -72,10 +77,13 @@ def read_skeleton(model: mujoco.MjModel, tree: PlanarTree) -> Skeleton:
         )
     _count_feet(model, tree, floor)
     torso, legs, hip = find_legs(tree)
-    for leg in legs:
-        _refuse_flat_foot(model, data, tree, leg, floor)
-    first, second = (_foot(model, data, tree, leg[0], floor) for leg in legs)
-    return Skeleton(torso, legs, hip, (first, second))
+    flat = [is_flat_foot(model, data, tree, leg, floor) for leg in legs]
+    if any(flat):
+        _refuse_odd_pair(tree, legs, flat, torso)
+        feet = [_flat_foot(model, data, tree, leg[0], floor) for leg in legs]
+    else:
+        feet = [_foot(model, data, tree, leg[0], floor) for leg in legs]
+    return Skeleton(torso, legs, hip, (feet[0], feet[1]))
 
 
 def _chain(tree: PlanarTree, top: int) -> tuple[int, ...]:
@@ -186,27 +194,29 @@ def _count_feet(model: mujoco.MjModel, tree: PlanarTree, floor: int) -> None:
         )
 
 
-def _refuse_flat_foot(
-    model: mujoco.MjModel,
-    data: mujoco.MjData,
+def _refuse_odd_pair(
     tree: PlanarTree,
-    leg: tuple[int, ...],
-    floor: int,
+    legs: tuple[tuple[int, ...], tuple[int, ...]],
+    flat: list[bool],
+    torso: int | None,
 ) -> None:
-    """Refuse a flat foot on an ankle.
+    """Refuse one flat foot beside a point foot, and flat feet without a torso.
 
-    Raises: RobotError naming the joint to remove, and the body that a sphere goes to.
+    Raises: RobotError naming the body.
     """
-    if not is_flat_foot(model, data, tree, leg, floor):
-        return
-    link = tree.links[leg[0]]
-    moved = link.joint.index in model.actuator_trnid[:, 0]
-    raise RobotError(
-        f"body {link.name} is a flat foot on the ankle {link.joint.name}, but only point feet "
-        f"are treated: remove {link.joint.name}{' and its motor' if moved else ''}, and end "
-        f"{tree.links[leg[1]].name} in one sphere that collides with the floor; "
-        "`neuralgaits inspect FILE --planarise OUT.xml` does that"
-    )
+    remedy = "`neuralgaits inspect FILE --planarise OUT.xml` gives both legs point feet"
+    if not all(flat):
+        names = [tree.links[leg[0]].name for leg in legs]
+        name, other = names if flat[0] else reversed(names)
+        raise RobotError(
+            f"body {name} is a flat foot on an ankle, and body {other} is not: expected two equal "
+            f"feet; {remedy}"
+        )
+    if torso is None:
+        raise RobotError(
+            f"body {tree.links[legs[0][0]].name} is a flat foot of a robot without a torso, which "
+            f"is not treated: {remedy}"
+        )
 
 
 def is_flat_foot(
@@ -278,6 +288,24 @@ def _foot(
         complex(centre[0], centre[2]),
         float(model.geom_size[geom, 0]),
         _contact_friction(model, geom, floor),
+    )
+
+
+def _flat_foot(
+    model: mujoco.MjModel, data: mujoco.MjData, tree: PlanarTree, index: int, floor: int
+) -> Foot:
+    link = tree.links[index]
+    ankle = link.joint.anchor
+    sole = read_sole(model, data, touching(model, link.bodies, floor), link.name, ankle)
+    refuse_frictionless(model, sole.geom, floor)
+    refuse_odd_contact(model, sole.geom, floor)
+    refuse_excluded(model, sole.geom, floor)
+    return Foot(
+        model.geom(sole.geom).name,
+        complex(ankle.real, sole.level),
+        ankle.imag - sole.level,
+        _contact_friction(model, sole.geom, floor),
+        (ankle.real - sole.heel, sole.toe - ankle.real),
     )
 
 

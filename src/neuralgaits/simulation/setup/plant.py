@@ -40,6 +40,8 @@ SECOND_FLOOR_GROUP = 5
 _FLOOR_GROUPS = (0, SECOND_FLOOR_GROUP)
 # Size of the touch sensors around the foot spheres, in foot radii.
 _TOUCH_ZONE = 3.0
+# And how far they reach beyond flat feet [m].
+_TOUCH_MARGIN_M = 0.005
 # Blocks of a course: how far they go down and to each side [m], and their two colours in turn.
 _BLOCK_DEPTH = 0.5
 _BLOCK_SIDE = 0.3
@@ -145,12 +147,19 @@ def _add_floors(
                 plane.rgba, plane.material = pictures[0]
         foot = spec.geom(name)
         foot.contype, foot.conaffinity, foot.priority = bit, bit, 1
-        place = geometry.geom(name)
-        site = foot.parent.add_site(
-            name=f"_touch_{leg}", pos=place.pos, size=[_TOUCH_ZONE * place.size[0]] * 3
-        )
+        site = _touch_site(foot, geometry.geom(name))
+        site.name = f"_touch_{leg}"
         sensor = spec.add_sensor(name=f"_touch_{leg}", type=mujoco.mjtSensor.mjSENS_TOUCH)
         sensor.objtype, sensor.objname = mujoco.mjtObj.mjOBJ_SITE, site.name
+
+
+def _touch_site(foot, place):
+    """Add the zone in which a foot's contacts count: a sphere around a point foot, or its shape."""
+    if place.type[0] == mujoco.mjtGeom.mjGEOM_SPHERE:
+        return foot.parent.add_site(pos=place.pos, size=[_TOUCH_ZONE * place.size[0]] * 3)
+    return foot.parent.add_site(
+        type=foot.type, pos=place.pos, quat=place.quat, size=place.size + _TOUCH_MARGIN_M
+    )
 
 
 def _add_plane(spec: mujoco.MjSpec, leg: int, bit: int, tilt: float):

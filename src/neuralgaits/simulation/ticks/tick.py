@@ -105,7 +105,8 @@ def _estimated(
     controller = scene.controller
     assert carry.known is not None and carry.believed is not None
     standing, period = carry.controller.stance, controller.period_s
-    known = estimate(estimator, controller.robot, carry.known, seen, standing, period)
+    ankle = carry.controller.ankle
+    known = estimate(estimator, controller.robot, carry.known, seen, standing, period, ankle)
     speed = known.estimate.hip_velocity[:1]
     believed = jnp.concatenate([speed, carry.believed[:-1]])
     return carry._replace(known=known, believed=believed), known.estimate

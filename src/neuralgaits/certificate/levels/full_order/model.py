@@ -16,6 +16,7 @@ from neuralgaits.certificate.levels.full_order.theorem import (
     STIFF,
     UPPER,
 )
+from neuralgaits.errors import SpecError
 from neuralgaits.gait import Point
 from neuralgaits.gait.full_order import FullPoint
 from neuralgaits.robots import PlanarBiped
@@ -76,7 +77,7 @@ def size_of(robot: PlanarBiped) -> int:
 
 @dataclass(frozen=True)
 class FullOrderModel:
-    """Robot, gait and spec whose full order is evaluated.
+    """Robot, gait and spec whose full order is evaluated. Raises SpecError for flat feet.
 
     Attributes:
         robot, gait, spec: those of a run.
@@ -89,6 +90,14 @@ class FullOrderModel:
     spec: GaitSpec
     bandwidth: float | Scalar = BANDWIDTH
     weights: Weights = ()
+
+    def __post_init__(self):
+        """Refuse flat feet: with joints off their targets they do not land flat."""
+        if self.robot.feet is not None:
+            raise SpecError(
+                "it is about point feet: a flat foot whose joints are off their targets does not "
+                "land flat, and such a landing is not modelled"
+            )
 
     @property
     def size(self) -> int:

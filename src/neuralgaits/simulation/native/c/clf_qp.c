@@ -178,6 +178,9 @@ static void accelerations(const ng_command *command, double table[N][N + COLUMNS
 {
     double mass[N * N], bias[N];
     ng_dynamics(command->dq, command->q, bias, mass);
+#if NG_ANKLES
+    bias[0] += command->ankle - NG_ANKLE_DAMPING * command->dq[0];
+#endif
     for (int i = 0; i < N; ++i) {
         for (int j = 0; j < N; ++j) {
             table[i][j] = mass[i * N + j];

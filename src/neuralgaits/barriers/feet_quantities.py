@@ -1,0 +1,111 @@
+"""Quantities of flat feet: they stay flat on the floor, clear it in the swing, and land flat."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+from neuralgaits._types import Array, Float, Scalar
+from neuralgaits.barriers.quantity_words import quantity
+from neuralgaits.gait import Point
+from neuralgaits.robots.dynamics import sole_ends, sole_velocities
+
+End = Literal["heel", "toe"]
+
+
+def _inside(p: Point, end: End, share: float, normal: Scalar, moment: Scalar) -> Scalar:
+    """Distance of the centre of pressure from that end of the sole's middle part, times force."""
+    feet = p.robot.flat_feet
+    middle, half = 0.5 * (feet.toe - feet.heel), 0.5 * share * (feet.toe + feet.heel)
+    if end == "heel":
+        return moment - (middle - half) * normal
+    return (middle + half) * normal - moment
+
+
+@quantity(
+    "",
+    "N m",
+    gist="feet that stay flat",
+    says=lambda given, shown: (
+        f"pressure in the middle {shown(100.0 * given['share'])} % of the sole, towards the "
+        f"{given['end']}"
+    ),
+)
+@dataclass(frozen=True, eq=False)
+class PressureReserve:
+    """Distance of the centre of pressure from an end of the sole's middle part, times force [N m].
+
+    Attributes:
+        end: "heel" or "toe".
+        share: of the sole that the middle part is.
+    """
+
+    end: End
+    share: float
+
+    def __call__(self, p: Point) -> Scalar:
+        """Return that distance times the normal force, positive inside [N m]."""
+        return _inside(p, self.end, self.share, p.contact_force[1], p.pressure_moment)
+
+
+@quantity(
+    "",
+    "N m s",
+    gist="feet that land flat",
+    says=lambda given, shown: (
+        f"impulse of a landing in the middle {shown(100.0 * given['share'])} % of the sole, "
+        f"towards the {given['end']}"
+    ),
+)
+@dataclass(frozen=True, eq=False)
+class ImpulseReserve:
+    """The same for the impulse of a landing foot [N m s].
+
+    Attributes:
+        end: "heel" or "toe".
+        share: of the sole that the middle part is.
+    """
+
+    end: End
+    share: float
+
+    def __call__(self, p: Point) -> Scalar:
+        """Return that distance times the normal impulse, positive inside [N m s]."""
+        return _inside(p, self.end, self.share, p.contact_impulse[1], p.impulse_moment)
+
+
+@quantity(
+    "",
+    "m",
+    gist="a swinging foot clear of the ground",
+    says=lambda given, shown: (
+        f"heel and toe of the swinging foot above an arc of {shown(given['clearance'])} m"
+    ),
+)
+@dataclass(frozen=True, eq=False)
+class SoleAboveArc:
+    """Height of heel and toe above the arc 4 t (1 - t) clearance over the phase t [m]. [2]."""
+
+    clearance: float
+
+    def __call__(self, p: Point) -> Float[Array, "2"]:
+        """Return the heights of heel and toe minus the arc's [m]. [2]."""
+        start, guard = p.policy.z1_range
+        phase = (p.z[0] - start) / (guard - start)
+        return sole_ends(p.robot, p.q)[:, 1] - self.clearance * 4.0 * phase * (1.0 - phase)
+
+
+@quantity("vertical velocity of heel and toe of the swinging foot", "m/s")
+def sole_vertical_velocity(p: Point) -> Float[Array, "2"]:
+    """Vertical velocity of heel and toe of the swing foot [m/s]. [2]."""
+    return sole_velocities(p.robot, p.q, p.dq)[:, 1]
+
+
+@quantity("upward velocity of heel and toe of the old standing foot after touchdown", "m/s")
+def old_sole_lift(p: Point) -> Float[Array, "2"]:
+    """Velocity of heel and toe of the old stance foot off the ground after the impact [m/s]."""
+    return sole_velocities(p.robot, p.impact.q, p.impact.dq)[:, 1]
+
+
+@quantity("angle of the standing ankle", "rad")
+def stance_ankle(p: Point) -> Scalar:
+    """Angle of the stance ankle [rad]: that of its shank, since the foot is level."""
+    return p.q[0]

@@ -1,0 +1,73 @@
+"""The default spec for a robot with flat feet on ankles with motors.
+
+Conditions of the plain walk, read at the ankle, and those of the sole: the centre of pressure stays
+inside it, heel and toe clear the ground, and it lands flat.
+"""
+
+from dataclasses import replace
+from functools import partial
+from typing import TYPE_CHECKING
+
+from neuralgaits.barriers import feet_quantities as f
+from neuralgaits.barriers.conditions import AbstractCondition, Pointwise
+from neuralgaits.barriers.quantities import AtLeast, AtMost
+from neuralgaits.barriers.spec import GaitSpec
+from neuralgaits.barriers.walking import CLEARANCE, new_hybrid_invariant, units, walking
+from neuralgaits.errors import SpecError
+
+if TYPE_CHECKING:
+    from neuralgaits.robots import PlanarBiped
+
+NAME = "walking-flat-feet"
+WITHIN = 0.9
+"""Middle part of the sole, in shares of it, that the centre of pressure stays in."""
+SOLE_CLEARANCE = 0.5 * CLEARANCE
+"""Height of the arc that heel and toe stay above, of the reference robot [m]."""
+STEPS = 2000
+"""Gradient steps."""
+
+
+def flat_footed(robot: "PlanarBiped") -> GaitSpec:
+    """Return the default specification of a gait on flat feet.
+
+    Args:
+        robot: with flat feet, a torso and knees.
+
+    Raises: SpecError for a robot on point feet.
+    """
+    if robot.feet is None:
+        raise SpecError(
+            f"spec {NAME}: expected a robot with flat feet, found point feet at {robot.name}: use "
+            "the spec walking"
+        )
+    plain = walking(robot)
+    return replace(
+        plain,
+        name=NAME,
+        conditions=(*plain.conditions, *_sole(robot)),
+        recipe=replace(plain.recipe, steps=STEPS),
+        new_gait=partial(new_hybrid_invariant, robot),
+    )
+
+
+def _sole(robot: "PlanarBiped") -> list[AbstractCondition]:
+    """Conditions of both soles, and of the range of the stance ankle."""
+    unit, feet = units(robot), robot.flat_feet
+    reach = 0.5 * float(feet.heel + feet.toe)
+    moment = 0.5 * reach * unit.weight_n
+    push = 5.0 * unit.mass_kg * unit.speed / 21.5562
+    speed, arc = 0.5 * unit.speed, SOLE_CLEARANCE * unit.length
+    lower, upper = float(robot.joint_lower[-1]), float(robot.joint_upper[-1])
+    velocity = f.sole_vertical_velocity
+    return [
+        Pointwise("pressure-heel", "tube", moment, f.PressureReserve("heel", WITHIN)),
+        Pointwise("pressure-toe", "tube", moment, f.PressureReserve("toe", WITHIN)),
+        Pointwise("ankle-lower", "tube", 0.5, AtLeast(f.stance_ankle, lower)),
+        Pointwise("ankle-upper", "tube", 0.5, AtMost(f.stance_ankle, upper)),
+        Pointwise("sole-rises", "lift-off", speed, AtLeast(velocity, 0.0)),
+        Pointwise("sole-clears", "swing", 0.05 * unit.length, f.SoleAboveArc(arc)),
+        Pointwise("sole-falls", "landing", speed, AtMost(velocity, 0.0)),
+        Pointwise("impulse-heel", "guard", push * reach, f.ImpulseReserve("heel", WITHIN)),
+        Pointwise("impulse-toe", "guard", push * reach, f.ImpulseReserve("toe", WITHIN)),
+        Pointwise("old-sole-leaves", "guard", 0.2 * unit.speed, AtLeast(f.old_sole_lift, 0.0)),
+    ]

@@ -1,0 +1,42 @@
+"""Flat feet of a robot file, kept with their ankles: only they meet the floor."""
+
+# pyright: reportAttributeAccessIssue=false
+# MuJoCo ships no type stubs.
+
+from neuralgaits.errors import RobotError
+from neuralgaits.robots.mjcf.edit import MjcfEdit
+from neuralgaits.robots.mjcf.planar_tree import body_name, read_tree
+from neuralgaits.robots.mjcf.point_feet import picture_only
+from neuralgaits.robots.mjcf.skeleton import find_legs, is_flat_foot, touching
+
+_LONGEST_LEG = 3
+"""Largest number of links of a supported leg, its foot included."""
+
+
+def keep_flat_feet(edit: MjcfEdit) -> None:
+    """Name the soles of both feet, and take contact with the floor from everything else.
+
+    Raises: RobotError if the file is no planar tree with two legs that end in flat feet.
+    """
+    floor, data, tree = edit.floor(), edit.at_zero(), read_tree(edit.model)
+    assert floor is not None  # A level one was laid where there was none.
+    _, legs, _ = find_legs(tree, _LONGEST_LEG)
+    soles = []
+    for leg in legs:
+        link = tree.links[leg[0]]
+        if not is_flat_foot(edit.model, data, tree, leg, floor):
+            raise RobotError(f"body {link.name} is no flat foot on an ankle: leave --feet flat out")
+        for geom in touching(edit.model, link.bodies, floor):
+            _name_sole(edit, geom)
+            soles.append(geom)
+    bodies = tuple(range(1, edit.model.nbody))
+    picture_only(edit, [g for g in touching(edit.model, bodies, floor) if g not in soles])
+
+
+def _name_sole(edit: MjcfEdit, geom: int) -> None:
+    element = edit.found.geoms[geom]
+    if not element.get("name"):
+        body = body_name(edit.model, int(edit.model.geom_bodyid[geom]))
+        name = edit.free_name("geom", f"{body}_sole")
+        element.set("name", name)
+        edit.say(f"sole of {body}: named {name}")
