@@ -10,6 +10,7 @@ from neuralgaits.robots import load_robot
 from neuralgaits.robots.mjcf.loader import robot_from_text
 from neuralgaits.robots.mjcf.planariser import planarise
 from neuralgaits.simulation.setup.plant import build
+from neuralgaits.workflows.inspect import inspect
 from support import pages, walkers
 
 FOLDER = pages.ROOT / "examples" / "robots"
@@ -23,25 +24,25 @@ def test_a_file_is_what_its_row_says(file):
     assert set(rows) == {one.name for one in FILES}
     mass, leg, motors = rows[file.name]
     robot = load_robot(file)
-    assert f"{float(robot.mass):.4g}" == mass
-    assert f"{robot.leg_length:.4g}" == leg
-    assert len(robot.torque_limit) == int(motors)
+    facts = inspect(robot)
+    assert f"{facts.mass_kg:.4g}" == mass
+    assert f"{facts.hip_height_m:.4g}" == leg
+    assert len(facts.actuators) == int(motors)
     assert robot.name == file.stem
-    assert planarise(file.read_text(encoding="utf-8"), file.stem).changes == ()
+    feet = "point" if robot.feet is None else "flat"
+    assert planarise(file.read_text(encoding="utf-8"), file.stem, feet).changes == ()
     assert build(robot)
 
 
 @pytest.mark.parametrize(
     ("name", "text"),
-    [
-        ("walker2d-point-feet", walkers.walker2d()),
-        ("dm-walker-point-feet", walkers.dm_walker()),
-    ],
+    [("walker2d", walkers.walker2d()), ("dm-walker", walkers.dm_walker())],
 )
-def test_the_walkers_are_what_planarise_makes(name, text):
+@pytest.mark.parametrize("feet", ["point", "flat"])
+def test_the_walkers_are_what_planarise_makes(name, text, feet):
     ours, made = (
-        load_robot(FOLDER / f"{name}.xml"),
-        robot_from_text(planarise(text, name).text, "x"),
+        load_robot(FOLDER / f"{name}-{feet}-feet.xml"),
+        robot_from_text(planarise(text, name, feet).text, "x"),
     )
     for one, other in zip(jax.tree.leaves(ours), jax.tree.leaves(made), strict=True):
         np.testing.assert_allclose(one, other, rtol=1e-12, atol=1e-12)

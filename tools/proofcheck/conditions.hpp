@@ -47,7 +47,11 @@ const std::map<string, Meaning>& plain_quantities() {
       {"state_mismatch", {"state after the impact minus that above z+", "rad, rad/s"}},
       {"impulse", {"impulse on the new stance foot", "N s"}},
       {"normal_impulse", {"normal impulse of the impact", "N s"}},
-      {"old_foot_lift", {"vertical velocity of the old stance foot after the impact", "m/s"}}};
+      {"old_foot_lift", {"vertical velocity of the old stance foot after the impact", "m/s"}},
+      {"sole_vertical_velocity", {"vertical velocity of heel and toe of the swing foot", "m/s"}},
+      {"old_sole_lift", {"vertical velocity of the old stance foot's heel and toe after the impact",
+                         "m/s"}},
+      {"stance_ankle", {"angle of the stance ankle", "rad"}}};
   return table;
 }
 
@@ -64,6 +68,9 @@ const std::map<string, vector<string>>& quantities_with_numbers() {
       {"torque_reserve", {"side", "share"}},
       {"knee_bend", {"joints", "sides", "least"}},
       {"foot_above_arc", {"clearance"}},
+      {"sole_above_arc", {"clearance"}},
+      {"pressure_reserve", {"end", "share"}},
+      {"impulse_reserve", {"end", "share"}},
       {"foot_on_circle", {"centre", "radius"}},
       {"parabolic_clearance", {"height", "half_width", "slack"}},
       {"orbital_energy", {"height", "tilt"}}};
@@ -104,6 +111,10 @@ Quantity quantity_of(const Json& table, int joints) {
     if (name == "function") continue;
     if (name == "of") q.of = std::make_shared<Quantity>(quantity_of(value, joints));
     else if (name == "side") q.side = side_of(value);
+    else if (name == "end") {
+      q.side = text_of(value, "an end of a sole");
+      if (q.side != "heel" && q.side != "toe") refuse("the end '" + q.side + "' of a sole");
+    }
     else if (name == "bound") q.bound = numbers_of(value, what);
     else if (name == "sides") q.sides = numbers_of(value, what);
     else if (name == "centre") q.centre = numbers_of(value, what);
@@ -167,6 +178,16 @@ vector<S> state_mismatch(Motion<S>& p) {
   return out;
 }
 
+// How far a centre of pressure is inside the middle part of a sole, times the force.
+template <class S>
+S inside_sole(const Quantity& q, const Robot& robot, const S& normal, const S& moment) {
+  if (!robot.feet) refuse("a sole of a robot on point feet");
+  const I heel = robot.feet->heel, toe = robot.feet->toe, half(0.5);
+  const I middle = half * (toe - heel), reach = half * I(q.number("share")) * (toe + heel);
+  if (q.side == "heel") return moment - (middle - reach) * normal;
+  return (middle + reach) * normal - moment;
+}
+
 // Of the friction cone, on one of its sides.
 template <class S>
 S slack(I friction, const Vec<S>& force, bool forward) {
@@ -206,6 +227,19 @@ vector<S> value(const Quantity& q, Motion<S>& p) {
     const S t = p.phase();
     return {p.foot_height() - (I(4.0) * number("clearance")) * (t * (S(I(1.0)) - t))};
   }
+  if (n == "sole_above_arc") {
+    const S t = p.phase();
+    vector<S> out = p.sole_heights();
+    for (S& one : out) one = one - (I(4.0) * number("clearance")) * (t * (S(I(1.0)) - t));
+    return out;
+  }
+  if (n == "sole_vertical_velocity") return p.sole_lifts(p.pose(), p.w());
+  if (n == "old_sole_lift") return p.sole_lifts(p.impact().pose, p.impact().w);
+  if (n == "stance_ankle") return {p.pose().q[0]};
+  if (n == "pressure_reserve")
+    return {inside_sole(q, robot, p.at_stance(p.forces().ground).z, p.pressure_moment())};
+  if (n == "impulse_reserve")
+    return {inside_sole(q, robot, p.at_landing(p.impact().impulse).z, p.impulse_moment())};
   if (n == "foot_on_circle") {
     const Vec<S> off = p.foot() - Vec<S>{S(I(q.centre[0])), S(I(q.centre[1]))};
     return {dot(off, off) - S(square(number("radius")))};
@@ -278,6 +312,8 @@ string unit_of(const Quantity& q) {
   if (q.name == "foot_on_circle") return "m^2";
   if (q.name == "orbital_energy") return "m^2/s^2";
   if (q.name.rfind("friction", 0) == 0) return "N";
+  if (q.name == "pressure_reserve") return "N m";
+  if (q.name == "impulse_reserve") return "N m s";
   if (q.name.rfind("impulse", 0) == 0) return "N s";
   return "m";
 }
@@ -309,6 +345,12 @@ string words_for(const Quantity& q) {
   }
   if (q.name == "foot_above_arc")
     return "swing foot above an arc of height " + number("clearance") + " m";
+  if (q.name == "sole_above_arc")
+    return "heel and toe of the swing foot above an arc of height " + number("clearance") + " m";
+  if (q.name == "pressure_reserve" || q.name == "impulse_reserve")
+    return string(q.name == "pressure_reserve" ? "force of the ground" : "impulse of the landing") +
+           " times its distance inside the middle " + number("share") + " of the sole, towards the " +
+           q.side;
   if (q.name == "foot_on_circle")
     return "swing foot outside a circle of radius " + number("radius") + " m about (" +
            brief(q.centre[0]) + ", " + brief(q.centre[1]) + ") m";
@@ -322,7 +364,8 @@ string words_for(const Quantity& q) {
 // Whether accelerations are needed.
 bool of_forces(const Quantity& q) {
   static const std::set<string> names = {"torques", "normal_force", "friction_forward",
-                                         "friction_backward", "torque_reserve"};
+                                         "friction_backward", "torque_reserve",
+                                         "pressure_reserve"};
   return q.of ? of_forces(*q.of) : names.count(q.name) > 0;
 }
 

@@ -462,16 +462,23 @@ void match_theorems(const Constants& constants, const Theorems& theorems, bool a
   }
 }
 
+// Whether the model has an array of this name: of the tube, of the policy, or of its ankle's torque.
+bool has_array(const Json& model, const string& name) {
+  const auto within = [&name](const string& owner, const Json* arrays) {
+    return name.rfind(owner, 0) == 0 && arrays && arrays->find(name.substr(owner.size()));
+  };
+  const Json& policy = *model.find("policy");
+  const Json* ankle = policy.find("ankle");
+  return within("tube.", model.find("tube")) || within("policy.", policy.find("arrays")) ||
+         within("policy.ankle.", ankle ? ankle->find("arrays") : nullptr);
+}
+
 // And so are those of policy and tube, which were compared when they were read.
 void match_model(const Constants& constants, const Json& model, const Theorems& theorems) {
   const auto lists = lists_of(theorems);
   for (const auto& [name, constant] : constants) {
     if (lists.count(name)) continue;
-    const size_t dot = name.find('.');
-    const string owner = name.substr(0, dot);
-    const Json& arrays =
-        owner == "tube" ? *model.find("tube") : *model.find("policy")->find("arrays");
-    if ((owner != "tube" && owner != "policy") || !arrays.find(name.substr(dot + 1)))
+    if (!has_array(model, name))
       throw Inconsistent{"the Program has the parameter " + name + ", which the file has not"};
   }
 }

@@ -117,11 +117,14 @@ struct Pose {
   }
 
   // Angular momentum about `pivot`, counter-clockwise, of links that turn at w while the stance
-  // foot stands still.
+  // foot stands still; a stance ankle's rotor turns against that foot. About another pivot, the flat
+  // foot that it is under, the last link, is left out, and so is the rotor.
   S momentum(const vector<S>& w, const Vec<S>* pivot = nullptr) const {
     const auto moving = spin(w);
     S sum(0.0);
-    for (size_t i = 0; i < w.size(); ++i) {
+    if (robot.feet && !pivot) sum = robot.armature[0] * w[0];
+    const size_t count = robot.feet && pivot ? w.size() - 1 : w.size();
+    for (size_t i = 0; i < count; ++i) {
       const Vec<S> arm = pivot ? centre[i] - *pivot : centre[i];
       sum = sum + robot.mass[i] * cross(arm, point(robot.centre[i], moving)) +
             robot.inertia[i] * w[i];
@@ -210,6 +213,18 @@ struct Pose {
   }
 };
 
+// Coordinates, or their rates, after the legs have swapped roles: on point feet the links are read from
+// the other end, on flat ones the joints.
+template <class S>
+vector<S> swapped(const Robot& robot, vector<S> q, vector<S> theta) {
+  if (robot.feet) {
+    std::reverse(q.begin(), q.end());
+    return q;
+  }
+  std::reverse(theta.begin(), theta.end());
+  return unturned(robot, theta);
+}
+
 // After the swing foot has met the ground, the legs having swapped roles.
 template <class S>
 struct Struck {
@@ -222,20 +237,35 @@ struct Struck {
 // new one, so momenta conjugate to coordinates about the new foot are kept, and the new foot stands
 // still after it. Before it, each link moved as it would about a foot that stands still, and with that
 // foot besides: what the second brings into the momenta is what rates of coordinates change for.
+//
+// A flat foot lands level: then joints read from the other end are the new coordinates. If it turns,
+// every link turned with it besides, but the rotor of its ankle turned by the joint's rate alone.
 template <class S>
 Struck<S> struck(const Robot& robot, const Pose<S>& before, vector<S> w) {
-  vector<S> theta = before.theta;
   const Vec<S> carried = point(robot.foot, before.spin(w));
-  std::reverse(theta.begin(), theta.end());
-  std::reverse(w.begin(), w.end());
-  Struck<S> found{Pose<S>(robot, unturned(robot, theta)), unturned(robot, w), {}};
   const size_t n = w.size();
-  const vector<S> kept = found.pose.momenta(vector<Vec<S>>(n, carried), vector<S>(n, S(0.0)));
+  const S foot_turn = robot.feet ? w.back() : S(0.0);
+  Struck<S> found{Pose<S>(robot, swapped(robot, before.q, before.theta)),
+                  swapped(robot, unturned(robot, w), w), {}};
+  vector<S> whole(n, S(0.0));
+  vector<Vec<S>> moved(n, carried);
+  if (robot.feet) {
+    whole.assign(n, foot_turn);
+    moved = found.pose.velocities(whole);
+    for (Vec<S>& one : moved) one = one + carried;
+  }
+  vector<S> kept = found.pose.momenta(moved, whole);
+  if (robot.feet) kept[0] = kept[0] - robot.armature[0] * foot_turn;
   const vector<S> change = solved(found.pose.mass_matrix(), kept);
   const vector<Vec<S>> more = found.pose.velocities(turned(robot, change));
   Vec<S> impulse{S(0.0), S(0.0)};
+  if (robot.feet) {
+    const Feet& f = *robot.feet;
+    const Vec<S> stopped = carried + scaled(foot_turn, Vec<S>{S(-f.z), S(f.x)});
+    impulse = {-(f.mass * stopped.x), -(f.mass * stopped.z)};
+  }
   for (size_t i = 0; i < n; ++i) {
-    const Vec<S> gained = more[i] - carried;
+    const Vec<S> gained = more[i] - moved[i];
     impulse = impulse + Vec<S>{robot.mass[i] * gained.x, robot.mass[i] * gained.z};
     found.dq[i] = found.dq[i] + change[i];
   }
@@ -395,8 +425,17 @@ class Motion {
     if (!weight_moment_) weight_moment_ = robot.gravity * point(robot.moment, pose().e).x;
     return *weight_moment_;
   }
+  // Torque of the stance ankle, forward, and what both bring up: dz2 but for the residual.
+  S ankle() {
+    const auto jets = [this](const T& first, const T& second, int order) {
+      return ankle_torque(*model.policy.ankle, first, second, order);
+    };
+    if (!ankle_) ankle_ = values_of_jets(jets, z1, z2);
+    return (*ankle_)[0];
+  }
+  S falling() { return model.policy.ankle ? weight_moment() + ankle() : weight_moment(); }
   const S& dz2() {
-    if (!dz2_) dz2_ = model.flow ? weight_moment() + flow_correction()[1] : weight_moment();
+    if (!dz2_) dz2_ = model.flow ? falling() + flow_correction()[1] : falling();
     return *dz2_;
   }
 
@@ -409,7 +448,7 @@ class Motion {
   // dz1: with z2 = -(momentum per dz1) dz1 - (momentum of all else), but for the residual.
   const S& dz1() {
     if (dz1_) return *dz1_;
-    S momentum = z2 + pose().momentum(per_dz2()) * weight_moment();
+    S momentum = z2 + pose().momentum(per_dz2()) * falling();
     if (off) momentum = momentum + pose().momentum(w_off());
     const S rate = -momentum / transversal();
     dz1_ = model.flow ? rate + flow_correction()[0] : rate;
@@ -467,15 +506,32 @@ class Motion {
   static Vec<S> against(const K& sine, const K& cosine, const Vec<S>& v) {
     return {cosine * v.x + sine * v.z, cosine * v.z - sine * v.x};
   }
+  // Heel and toe of a flat foot from its ankle, in a pose; and of the swing foot, from the ground.
+  vector<Vec<S>> sole(const Pose<S>& at) const {
+    if (!robot.feet) refuse("a sole of a robot on point feet");
+    const Feet& f = *robot.feet;
+    const Vec<S> up = at.e.back(), ahead = scaled(S(I(-1.0)), quarter(up));
+    const Vec<S> down = scaled(S(-f.height), up);
+    return {down + scaled(S(-f.heel), ahead), down + scaled(S(f.toe), ahead)};
+  }
+  vector<S> sole_heights() {
+    vector<S> out;
+    for (const Vec<S>& end : sole(pose())) out.push_back(foot().z + end.z + S(robot.feet->height));
+    return out;
+  }
+  // Vertical velocities of heel and toe of the last link, links turning at w.
+  vector<S> sole_lifts(const Pose<S>& at, const vector<S>& turning) const {
+    const S ankle = point(robot.foot, at.spin(turning)).z;
+    vector<S> out;
+    for (const Vec<S>& end : sole(at)) out.push_back(ankle + turning.back() * end.x);
+    return out;
+  }
   Vec<S> hip() { return point(robot.hip, pose().e); }
   Vec<S> hip_velocity() { return point(robot.hip, spin()); }
 
   // ---- after an impact in this state: the legs have swapped roles.
   const vector<S>& theta_after() {
-    if (!theta_after_) {
-      theta_after_ = pose().theta;
-      std::reverse(theta_after_->begin(), theta_after_->end());
-    }
+    if (!theta_after_) theta_after_ = turned(robot, swapped(robot, pose().q, pose().theta));
     return *theta_after_;
   }
 
@@ -490,7 +546,8 @@ class Motion {
   // Angular momentum about the new stance foot is kept, but for the residual.
   S z2_after() {
     const Vec<S> pivot = foot();
-    const S kept = -pose().momentum(w(), &pivot);
+    S kept = -pose().momentum(w(), &pivot);
+    if (robot.feet) kept = kept - robot.armature[0] * dq().back();
     return model.reset ? kept + reset_correction()[0] * z2 : kept;
   }
 
@@ -526,11 +583,32 @@ class Motion {
     return rates;
   }
 
+  // Normal impulse on a flat foot that lands, times its place ahead of the ankle: the foot comes to rest
+  // under it, and under what turns its rotor.
+  S impulse_moment() {
+    if (!robot.feet) refuse("a landing of a robot on point feet");
+    const Feet& f = *robot.feet;
+    const Vec<S> velocity = foot_velocity();
+    const S own = f.mass * (f.x * velocity.z - f.z * velocity.x) +
+                  (robot.inertia.back() + f.mass * (f.x * f.x + f.z * f.z)) * w().back();
+    const S rotor = robot.armature[0] * (impact().dq[0] - dq().back());
+    return -own - rotor - f.height * impact().impulse.x;
+  }
+
   // ---- what needs derivatives: not for duals.
   struct Forces {
     vector<S> torque;  // Of the joints.
     Vec<S> ground;     // On the stance foot.
+    S first;           // Acceleration of the first coordinate.
   };
+  // Normal force on a flat foot times the place of its centre of pressure ahead of the ankle.
+  S pressure_moment() {
+    if (!robot.feet) refuse("a pressure under a point foot");
+    const Feet& f = *robot.feet;
+    S sum = S(f.mass * robot.gravity * f.x) - f.height * forces().ground.x -
+            robot.armature[0] * forces().first;
+    return model.policy.ankle ? sum - ankle() : sum;
+  }
   const Forces& forces();
 
   // Desired outputs with their second derivatives.
@@ -571,7 +649,7 @@ class Motion {
   std::optional<Outputs<S>> outputs_;
   std::optional<Pose<S>> pose_;
   std::optional<vector<S>> along1_, along2_, w_, dq_, theta_after_;
-  std::optional<vector<S>> flow_correction_, reset_correction_;
+  std::optional<vector<S>> flow_correction_, reset_correction_, ankle_;
   std::optional<S> dz1_, dz2_, weight_moment_, transversal_;
   std::optional<vector<Vec<S>>> spin_;
   std::unique_ptr<Motion> after_;
@@ -610,7 +688,8 @@ const typename Motion<S>::Forces& Motion<S>::forces() {
     for (size_t j = 1; j < needed.size(); ++j)
       torque.push_back(needed[j] + robot.armature[j] * joint_rates[j].d +
                        robot.damping[j] * joint_rates[j].v);
-    forces_ = Forces{torque, ground};
+    if (robot.feet) ground.z = ground.z + S(robot.feet->mass * robot.gravity);
+    forces_ = Forces{torque, ground, joint_rates[0].d};
     return *forces_;
   }
 }

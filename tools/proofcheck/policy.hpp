@@ -269,6 +269,16 @@ vector<Jet<T>> desired_outputs(const Policy& p, const Step<Scalar<T>>& step, con
   return values;
 }
 
+// The torque of a stance ankle.
+template <class T>
+vector<Jet<T>> ankle_torque(const Ankle& a, const T& z1, const T& z2, int order) {
+  vector<Jet<T>> values =
+      network(a.layers, false, scaled_state(a.scale, a.shift, z1, z2), order);
+  Jet<T> torque = I(2.0) * logistic(values[0], order);
+  torque.c[0] = torque.c[0] - T(1.0);
+  return {I(a.most) * torque};
+}
+
 // ---- what was learned of the robot: residuals of the flow and of the reset.
 
 // What is added to dz: bound tanh(network).

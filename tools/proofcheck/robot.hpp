@@ -73,16 +73,24 @@ struct Complex {
 };
 using Row = vector<Complex>;  // A point of the robot: sum over links of a Complex times e.
 
+// Flat feet on ankles with motors. The stance foot lies still and is no link.
+struct Feet {
+  I heel, toe;     // How far the sole reaches behind the ankle and ahead of it.
+  I height;        // Of the ankle above the sole.
+  I mass, x, z;    // Of a foot, and its centre of mass from the ankle.
+};
+
 struct Robot {
   int links = 0;  // n: stance leg upwards, torso if there is one, swing leg downwards.
-  int leg = 0;    // Links of a leg.
+  int leg = 0;    // Links of a leg; of one on a flat foot, those above it.
   bool torso = false;
   vector<I> mass, inertia;       // Of the links.
   vector<Row> centre;            // Centres of mass.
   Row hip, foot, moment;         // Hip, swing foot, and mass times centre of mass of the whole.
   I weight_mass, gravity;        // Total mass, g.
   I friction;                    // Coefficient of the feet.
-  vector<I> armature, damping;   // Of the n coordinates; the first has none.
+  vector<I> armature, damping;   // Of the n coordinates; on point feet the first has none.
+  std::optional<Feet> feet;      // Nothing on point feet. Else the swing foot is the last link.
   vector<I> torque_limit;        // Of the n - 1 joints.
   vector<I> hip_gradient;        // c: z1 = c q.
   string name;
@@ -90,7 +98,7 @@ struct Robot {
 
   int joints() const { return links - 1; }
   // d theta_k / d q_j: angles add up the stance leg and over its hip, and subtract down the other.
-  int turn(int k, int j) const { return j > k ? 0 : j > links / 2 ? -1 : 1; }
+  int turn(int k, int j) const { return j > k ? 0 : j > leg ? -1 : 1; }
 };
 
 Complex times(I k, const Complex& c) { return {k * c.along, k * c.across}; }
@@ -110,7 +118,10 @@ string link_words(const Json& link) {
 }
 
 Robot robot_of(const Json& table) {
-  only(table, "the robot", {"name", "leg", "torso", "gravity", "friction", "foot_radius"});
+  vector<string> fields = {"name", "leg", "torso", "gravity", "friction", "foot_radius"};
+  const Json* sole = table.find("sole");
+  if (sole) fields.push_back("sole");
+  only(table, "the robot", fields);
   const vector<Json>& leg = list_of(field(table, "the robot", "leg"), "the leg");
   const Json& trunk = field(table, "the robot", "torso");
   if (leg.empty() || leg.size() > 3) refuse("a leg of " + std::to_string(leg.size()) + " links");
@@ -125,9 +136,11 @@ Robot robot_of(const Json& table) {
     return value;
   };
   Robot r;
-  r.leg = static_cast<int>(leg.size());
+  const size_t still = sole ? 1 : 0;  // Links of a stance leg that do not move.
+  r.leg = static_cast<int>(leg.size() - still);
   r.torso = trunk.type != Json::null;
-  r.links = 2 * r.leg + r.torso;
+  if (sole && (r.leg < 1 || !r.torso)) refuse("flat feet of a robot without legs or torso");
+  r.links = 2 * r.leg + r.torso + static_cast<int>(still);
   r.name = text_of(field(table, "the robot", "name"), "the robot's name");
   r.gravity = at_least(number(table, "gravity"), true, "a gravity that is not positive");
   r.friction = at_least(number(table, "friction"), false, "a friction that is negative");
@@ -142,7 +155,8 @@ Robot robot_of(const Json& table) {
   r.damping.assign(n, I(0.0));
   r.torque_limit.assign(n - 1, I(0.0));
 
-  // Walk from the stance foot up to the hip and down to the swing foot; `here` is the joint.
+  // Walk from the stance foot, or its ankle, up to the hip and down to the swing foot; `here` is the
+  // joint.
   Row here(n);
   const auto fill = [&](size_t k, const Json& link) {
     r.mass[k] = at_least(number(link, "mass"), true, "a link whose mass is not positive");
@@ -151,18 +165,20 @@ Robot robot_of(const Json& table) {
     r.centre[k][k].along = r.centre[k][k].along + number(link, "along");
     r.centre[k][k].across = number(link, "across");
   };
-  for (size_t k = 0; k < leg.size(); ++k) {
-    fill(k, leg[k]);
-    if (!(number(leg[k], "lower").low() <= number(leg[k], "upper").low()))
+  for (size_t i = 0; i < leg.size(); ++i) {
+    if (!(number(leg[i], "lower").low() <= number(leg[i], "upper").low()))
       refuse("a joint whose range ends before it begins");
-    r.words.push_back("link " + std::to_string(k + 1) + " of each leg, from the foot up: " +
-                      link_words(leg[k]));
-    here[k].along = at_least(number(leg[k], "length"), true, "a link without length");
+    r.words.push_back("link " + std::to_string(i + 1) + " of each leg, from the foot up: " +
+                      link_words(leg[i]));
+    const I length = at_least(number(leg[i], "length"), true, "a link without length");
+    if (i < still) continue;
+    fill(i - still, leg[i]);
+    here[i - still].along = length;
   }
   r.hip = here;
   if (r.torso) {
     only(trunk, "the torso", {"mass", "inertia", "along", "across"});
-    fill(leg.size(), trunk);
+    fill(leg.size() - still, trunk);
     r.words.push_back("torso: " + link_words(trunk));
   }
   for (size_t i = leg.size(); i-- > 0;) {
@@ -171,6 +187,16 @@ Robot robot_of(const Json& table) {
     fill(k, leg[i]);
   }
   r.foot = here;
+  if (sole) {
+    r.foot[n - 1] = {};  // The ankle, below which the foot hangs.
+    only(*sole, "the sole", {"heel", "toe"});
+    const I height = number(leg[0], "length");
+    r.feet = Feet{number(*sole, "heel"), number(*sole, "toe"), height, number(leg[0], "mass"),
+                  -number(leg[0], "across"), number(leg[0], "along") - height};
+    if (!((r.feet->heel + r.feet->toe).low() > 0.0)) refuse("a sole without length");
+    r.words.push_back("the lowest link is a flat foot: a sole from " + brief(r.feet->heel.low()) +
+                      " m behind the ankle to " + brief(r.feet->toe.low()) + " m ahead");
+  }
 
   r.moment = Row(n);
   for (size_t i = 0; i < n; ++i) {
@@ -181,12 +207,14 @@ Robot robot_of(const Json& table) {
     }
   }
   // Joint j of a leg is above link j; the hip is its last. Without a torso the hips are one joint.
-  for (size_t j = 1; j < n; ++j) {
-    const size_t i = j <= leg.size() ? j - 1 : n - 1 - j;
+  // The first coordinate is the joint above a flat stance foot.
+  for (size_t j = 1 - still; j < n; ++j) {
+    const size_t i = j <= static_cast<size_t>(r.leg) ? j + still - 1 : n - 1 - j;
     r.armature[j] = at_least(number(leg[i], "armature"), false, "a negative armature");
     r.damping[j] = at_least(number(leg[i], "damping"), false, "a negative damping");
-    r.torque_limit[j - 1] =
+    const I most =
         at_least(number(leg[i], "torque_limit"), true, "a torque limit that is not positive");
+    if (j > 0) r.torque_limit[j - 1] = most;
   }
   // The hip is at -sum l_k sin theta_k: linearised in q.
   r.hip_gradient.assign(n, I(0.0));
@@ -201,7 +229,15 @@ struct Layer {
   vector<double> weights, biases;  // [rows, columns], [rows]
 };
 
+// Torque of a stance ankle: most (2 logistic(network) - 1), forward.
+struct Ankle {
+  vector<Layer> layers;
+  double most = 0.0;
+  vector<double> scale, shift;  // [2] each
+};
+
 struct Policy {
+  std::optional<Ankle> ankle;
   bool hybrid_invariant = false;  // Else the network alone.
   bool softplus = false;          // Else tanh.
   bool z2_dependence = true;
@@ -305,11 +341,24 @@ Family family_of(Policy& p, const Json& table, const std::map<string, Array>& ar
   return f;
 }
 
+Ankle ankle_of(const Json& table, const Constants& constants) {
+  only(table, "the ankle's torque", {"layers", "arrays"});
+  const auto arrays =
+      arrays_of(field(table, "the ankle's torque", "arrays"), "policy.ankle", constants);
+  const int depth = integer_of(field(table, "the ankle's torque", "layers"), "layers");
+  Ankle a = {layers_of(arrays, depth, 1), array(arrays, "most", {}).values[0],
+             array(arrays, "input_scale", {2}).values, array(arrays, "input_shift", {2}).values};
+  if (arrays.size() != 3 + 2 * a.layers.size()) refuse("other arrays of the ankle's torque");
+  return a;
+}
+
 Policy policy_of(const Json& table, int joints, const Constants& constants,
                  std::optional<Family>& family) {
   vector<string> fields = {"kind", "activation", "layers", "z2_dependence", "arrays"};
   const Json* told = table.find("commands");
+  const Json* ankle = table.find("ankle");
   if (told) fields.push_back("commands");
+  if (ankle) fields.push_back("ankle");
   only(table, "the policy", fields);
   const auto text = [&](const char* name) {
     return text_of(field(table, "the policy", name), string("the policy's ") + name);
@@ -324,6 +373,9 @@ Policy policy_of(const Json& table, int joints, const Constants& constants,
   const Json& dependence = field(table, "the policy", "z2_dependence");
   if (dependence.type != Json::boolean) refuse("z2_dependence that is neither true nor false");
   p.z2_dependence = dependence.number_value != 0.0;
+  if (ankle) p.ankle = ankle_of(*ankle, constants);
+  if (ankle && (commanded || !p.z2_dependence))
+    throw Unknown{"an ankle's torque of a gait with commands, or of z1 alone"};
   const auto arrays = arrays_of(field(table, "the policy", "arrays"), "policy", constants);
   size_t used = 8;
   p.lower = array(arrays, "lower", {joints}).values;

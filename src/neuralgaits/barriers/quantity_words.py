@@ -32,7 +32,9 @@ class QuantityWords:
 QUANTITIES: dict[str, QuantityWords] = {}
 """Every quantity of this package, by its name in `functions`."""
 _ATTRIBUTE = "quantity_words"
-_OF_PACKAGE = "neuralgaits.barriers.functions", "neuralgaits.barriers.quantities"
+_OF_PACKAGE = tuple(
+    f"neuralgaits.barriers.{name}" for name in ("functions", "quantities", "feet_quantities")
+)
 
 
 def quantity(

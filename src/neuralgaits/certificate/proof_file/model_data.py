@@ -50,18 +50,15 @@ def model_data(
     """Return the object "model" of a proof file.
 
     "robot": a leg from the lowest link up, each link with the joint at its upper end; "torso" or
-    null; gravity, friction, foot radius. A centre of mass is "along" the line from the lower to the
+    null; gravity, friction, foot radius; "sole" if the lowest link is a flat foot. A centre of mass is "along" the line from the lower to the
     upper joint (a torso's: from the hip upwards) and "across" it, counter-clockwise; SI. "policy",
     "tube": arrays, each {"shape", "values"} or {"constant": name in the Program}; "commands" of a
     policy that takes some, with their ranges and largest changes or null. "regions": boxes of the
     chart. "conditions": by name, as in `GaitSpec.describe`. "residuals": of flow and reset, arrays
     or null; only if something was learned.
 
-    Returns: plain data; None for a policy or a residual that is not one of this package's, and for
-    flat feet, which no such reader knows.
+    Returns: plain data; None for a policy or a residual that is not one of this package's.
     """
-    if robot.feet is not None:
-        return None
     policy, learned = _policy(gait.policy, program), _residuals(residuals)
     if policy is None or learned is None:
         return None
@@ -100,7 +97,15 @@ def _robot(robot: PlanarBiped, leg: LegData, torso: TorsoData | None) -> dict[st
         "gravity": float(robot.gravity).hex(),
         "friction": float(robot.friction).hex(),
         "foot_radius": float(robot.foot_radius).hex(),
+        **_sole(robot),
     }
+
+
+def _sole(robot: PlanarBiped) -> dict[str, Any]:
+    if robot.feet is None:
+        return {}
+    feet = robot.feet
+    return {"sole": {"heel": float(feet.heel).hex(), "toe": float(feet.toe).hex()}}
 
 
 def _centre(com: complex) -> dict[str, str]:
@@ -121,7 +126,23 @@ def _policy(policy: AbstractPolicy, program: Program) -> dict[str, Any] | None:
         "layers": len(policy.network.weights),
         "z2_dependence": bool(getattr(policy, "z2_dependence", True)),
         "arrays": _arrays("policy", arrays, program.parameters),
+        **_ankle(policy, program),
         **({"commands": [_command(one) for one in policy.commands]} if policy.commands else {}),
+    }
+
+
+def _ankle(policy: AbstractPolicy, program: Program) -> dict[str, Any]:
+    """Return the torque of a stance ankle as data, if the policy has one."""
+    ankle = getattr(policy, "ankle", None)
+    if ankle is None:
+        return {}
+    arrays = {name: getattr(ankle, name) for name in ("most", "input_scale", "input_shift")}
+    arrays |= _layers(ankle.network)
+    return {
+        "ankle": {
+            "layers": len(ankle.network.weights),
+            "arrays": _arrays("policy.ankle", arrays, program.parameters),
+        }
     }
 
 
