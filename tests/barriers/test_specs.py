@@ -70,6 +70,35 @@ def test_a_region_without_samples_is_refused(spec):
         replace(spec, regions=regions, conditions=(plain(region="middle"),))
 
 
+def test_a_spec_without_regions_is_told_what_one_is(spec):
+    with pytest.raises(SpecError, match=r"at least one region, found none: .*regions=\{.tube.: "):
+        replace(spec, regions={}, recipe=replace(spec.recipe, samples={}))
+
+
+@pytest.mark.parametrize(
+    ("changed", "message"),
+    [
+        ({"overshoot": (0.1,)}, r"overshoot: expected two numbers, .*found \(0\.1,\): give both"),
+        ({"overshoot": (0.1, 0.1, 0.1)}, "overshoot: expected two numbers"),
+        ({"overshoot": 0.1}, "overshoot: expected two numbers.*found 0.1"),
+        ({"overshoot": ("a", True)}, "overshoot: expected two numbers"),
+        ({"milestones": 0.5}, "milestones: expected shares .*found 0.5: .*None for a cosine"),
+        ({"milestones": (0.1, 40)}, "milestones: expected shares of the steps between 0 and 1"),
+        ({"milestones": (0.1, (0.4, 0.8))}, "milestones: expected shares"),
+        ({"milestones": (float("nan"),)}, "milestones: expected shares"),
+    ],
+)
+def test_a_recipe_of_odd_lengths_is_refused(spec, changed, message):
+    with pytest.raises(SpecError, match=f"^recipe.{message}") as refusal:
+        replace(spec.recipe, **changed)
+    assert "\n" not in str(refusal.value)
+
+
+def test_a_recipe_may_have_lists_and_a_rate_that_never_drops(spec):
+    recipe = replace(spec.recipe, overshoot=[0, 0.03], milestones=[])
+    assert (recipe.overshoot, recipe.milestones) == ([0, 0.03], [])
+
+
 def test_conditions_come_and_go(spec):
     more = spec.with_conditions(plain())
     assert [c.name for c in more.conditions][-1] == "extra"
