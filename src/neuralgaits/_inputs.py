@@ -85,8 +85,8 @@ def refuse_unreadable(path: Path, most: int = MOST_BYTES) -> None:
     if stat.S_ISDIR(found.st_mode):
         return
     if not stat.S_ISREG(found.st_mode):
-        kind = kind_of(found.st_mode)
-        raise InputError(f"expected a file to read, found {kind} at {path}: name a regular file")
+        kind, remedy = kind_of(found.st_mode), "put a regular file there, or name one"
+        raise InputError(f"expected a file to read, found {kind} at {path}: {remedy}")
     if found.st_size > most:
         raise InputError(
             f"expected a file of at most {most} bytes, found {found.st_size} at {path}: is it the "

@@ -62,7 +62,7 @@ def fit(settings: FitSettings) -> Fit:
     config = settings.config or FitConfig(optimizer=settings.optimizer)
     logs, columns, seed = settings.logs, settings.columns, settings.seed
     trained = open_run(settings.run)
-    refuse_unwritable(trained.path / LEARNED_RESIDUAL, trained.path / FIT_SUMMARY)
+    refuse_unwritable(trained.path / LEARNED_RESIDUAL, trained.path / FIT_SUMMARY, own=True)
     policy = trained.gait.policy
     read, left_out = walks.read_all(logs, trained.robot, columns=columns, policy=policy)
     cut = walks.cut(read, trained.robot)
