@@ -94,6 +94,13 @@ def refuse_unreadable(path: Path, most: int = MOST_BYTES) -> None:
         )
 
 
+def between_commas(line: str) -> str:
+    """Return what to do with a row of a CSV file that has not the numbers it should have."""
+    if ";" in line:
+        return "write commas for its semicolons, and points in its numbers"
+    return "write one number in each column, between commas"
+
+
 def toml_of(path: Path) -> dict[str, Any]:
     """Return the tables of a TOML file.
 

@@ -26,6 +26,9 @@ def stiff(p):
 def own(robot):
     return specs.walking(robot).with_conditions(Pointwise("hip", "tube", 0.1, stiff))
 
+def nil(robot):
+    specs.walking(robot)
+
 number = 3
 """
 
@@ -125,10 +128,13 @@ def test_built_in_specs_load_by_name(amber, name):
             "or FILE.py:NAME",
         ),
         ("walkin", "unknown spec 'walkin': did you mean walking. expected one of"),
-        ("spec.py", r"unknown spec 'spec\.py': .* as in spec\.py:spec"),
+        ("spec.py", r"unknown spec 'spec\.py': .*found no name, and no such file: name a file that"),
+        ("own.py", r"unknown spec 'own\.py': .* as in own\.py:own$"),
+        ("two.py", r"found no name, and no function of one robot in it: write a function robot -> "),
         ("missing.py:own", "spec file missing.py: no such file"),
         ("own.py:nothing", "own.py defines no 'nothing'"),
-        ("own.py:number", "expected a GaitSpec, found int"),
+        ("own.py:number", "expected a GaitSpec, found int: name a GaitSpec of own.py, or write a"),
+        ("own.py:nil", "a GaitSpec, found NoneType: let nil return one, as in `return specs.walk"),
         ("broken.py:own", r"broken\.py:1: ZeroDivisionError: division by zero"),
         ("typo.py:own", r"typo\.py:1: SyntaxError"),
     ],
@@ -138,6 +144,7 @@ def test_a_spec_that_is_not_there_is_refused(amber, tmp_path, monkeypatch, name,
     (tmp_path / "own.py").write_text(OWN)
     (tmp_path / "broken.py").write_text("own = 1 / 0\n")
     (tmp_path / "typo.py").write_text("def own(robot:\n")
+    (tmp_path / "two.py").write_text("def helper(a, b): ...\ndef other(a, *, b): ...\nn = 3\n")
     with pytest.raises(SpecError, match=message) as refusal:
         specs.load(name, amber)
     assert "\n" not in str(refusal.value)

@@ -72,6 +72,11 @@ GIVEN = _hzd.NAME
 """Name of the spec of given gaits, which cannot be trained."""
 
 
+_A_FUNCTION = (
+    "write a function robot -> GaitSpec, as in `def own(robot): return specs.walking(robot)`"
+)
+
+
 IN_NO_FILE = "# A GaitSpec made in Python"
 """First words of the file that a run keeps of a spec that no file defines."""
 
@@ -154,10 +159,7 @@ def _from_file(name: str, robot: "PlanarBiped") -> GaitSpec:
     """Return the spec at FILE.py:NAME. Raises: SpecError if there is none."""
     path, separator, attribute = name.rpartition(":")
     if not separator and name.endswith(".py"):
-        raise SpecError(
-            f"unknown spec {name!r}: expected FILE.py:NAME, found no name; add that of its "
-            f"function or spec, as in {name}:{(_defined(name) or [Path(name).stem])[0]}"
-        )
+        raise SpecError(f"unknown spec {name!r}: expected FILE.py:NAME, {_nameless(name)}")
     if not separator or not path.endswith(".py"):
         hint = meant(name, _BUILT_IN)
         hint = f"{hint} " if hint else ""
@@ -175,18 +177,42 @@ def _from_file(name: str, robot: "PlanarBiped") -> GaitSpec:
     value = getattr(module, attribute)
     spec = _applied(name, value, robot) if callable(value) else value
     if not isinstance(spec, GaitSpec):
-        raise SpecError(f"spec {name!r}: expected a GaitSpec, found {type(spec).__name__}")
+        remedy = f"name a GaitSpec of {path}, or {_A_FUNCTION}"
+        if callable(value):
+            remedy = f"let {attribute} return one, as in `return specs.walking(robot)`"
+        found = f"expected a GaitSpec, found {type(spec).__name__}"
+        raise SpecError(f"spec {name!r}: {found}: {remedy}")
     return spec
 
 
+def _nameless(path: str) -> str:
+    """Return what was found where a file is named without a spec in it, and what to do."""
+    file = Path(path)
+    if not file.is_file():
+        return f"found no name, and {no_file_at(file, 'no such file')}: name a file that is there"
+    if known := _defined(path):
+        return f"found no name; add that of its function or spec, as in {path}:{known[0]}"
+    return f"found no name, and no function of one robot in it: {_A_FUNCTION}"
+
+
 def _defined(path: str) -> list[str]:
-    """Return the public functions of a file, from its text: it is not run."""
+    """Return the public functions of one argument of a file, those of a `robot` first.
+
+    They are taken from its text: it is not run.
+    """
     try:
         body = ast.parse(Path(path).read_bytes()).body
     except (OSError, SyntaxError, ValueError):
         return []
-    found = (one.name for one in body if isinstance(one, ast.FunctionDef))
-    return [name for name in found if not name.startswith("_")]
+    functions = [one for one in body if isinstance(one, ast.FunctionDef) and _takes_one(one.args)]
+    functions.sort(key=lambda one: "robot" not in ast.unparse(one.args).lower())
+    return [one.name for one in functions if not one.name.startswith("_")]
+
+
+def _takes_one(of: ast.arguments) -> bool:
+    """Return whether a function can be called with one argument."""
+    places, needed = len(of.posonlyargs) + len(of.args), None in of.kw_defaults
+    return not needed and places - len(of.defaults) <= 1 and (places > 0 or of.vararg is not None)
 
 
 def _applied(name: str, function: Callable, robot: "PlanarBiped"):
