@@ -1,6 +1,8 @@
 """Specs: what is refused, what is found by name, and what a user may add."""
 
 from dataclasses import replace
+from functools import partial
+from typing import Any
 
 import jax
 import numpy as np
@@ -10,7 +12,7 @@ from neuralgaits.barriers import Barrier, Box, GaitSpec, Pointwise, specs
 from neuralgaits.barriers import functions as f
 from neuralgaits.barriers.description import describe_quantity
 from neuralgaits.barriers.walking import LANDING, LIFT_OFF
-from neuralgaits.errors import SpecError
+from neuralgaits.errors import InputError, SpecError
 from neuralgaits.gait import HybridInvariantPolicy, MLPPolicy
 from neuralgaits.gait.commands import Command
 from neuralgaits.gait.gaits import Gait
@@ -73,6 +75,31 @@ def test_a_region_without_samples_is_refused(spec):
         replace(spec, regions=regions, conditions=(plain(region="middle"),))
 
 
+@pytest.mark.parametrize("robot", [None, "amber3m", 3])
+def test_a_spec_is_of_a_robot_and_of_nothing_else(robot, amber):
+    made = {
+        "walking": (),
+        "flat_footed": (),
+        "rugged": (),
+        "paper": (),
+        "paper_walks": (),
+        "authors": (),
+        "hzd": (5,),
+        "at_speed": (0.6,),
+        "commanded": ((),),
+        "robust": ({"mass": 0.02},),
+    }
+    makers = [partial(getattr(specs, name), robot, *more) for name, more in made.items()]
+    makers += [partial(specs.walking, robot=robot), partial(specs.load, "walking", robot)]
+    for make in makers:
+        with pytest.raises(InputError, match=f"^robot: expected a PlanarBiped, found {robot!r}: l"):
+            make()
+    assert specs.walking(robot=amber, policy="mlp").name == "walking-mlp"
+    nothing: Any = ()
+    with pytest.raises(TypeError, match=r"walking\(\) missing 1 required .*'robot'"):
+        specs.walking(*nothing)
+
+
 def test_a_spec_without_regions_is_told_what_one_is(spec):
     with pytest.raises(SpecError, match=r"at least one region, found none: .*regions=\{.tube.: "):
         replace(spec, regions={}, recipe=replace(spec.recipe, samples={}))
@@ -128,9 +155,15 @@ def test_built_in_specs_load_by_name(amber, name):
             "or FILE.py:NAME",
         ),
         ("walkin", "unknown spec 'walkin': did you mean walking. expected one of"),
-        ("spec.py", r"unknown spec 'spec\.py': .*found no name, and no such file: name a file that"),
+        (
+            "spec.py",
+            r"unknown spec 'spec\.py': .*found no name, and no such file: name a file that",
+        ),
         ("own.py", r"unknown spec 'own\.py': .* as in own\.py:own$"),
-        ("two.py", r"found no name, and no function of one robot in it: write a function robot -> "),
+        (
+            "two.py",
+            r"found no name, and no function of one robot in it: write a function robot -> ",
+        ),
         ("missing.py:own", "spec file missing.py: no such file"),
         ("own.py:nothing", "own.py defines no 'nothing'"),
         ("own.py:number", "expected a GaitSpec, found int: name a GaitSpec of own.py, or write a"),

@@ -228,7 +228,7 @@ def test_a_proof_that_could_not_be_put_aside_is_refused_before_the_search(tmp_pa
     for size in range(8, 65):
         proof.with_name(f"proof-{digest[:size]}.json").mkdir()
     before = sorted(run.path.rglob("*"))
-    with pytest.raises(InputError, match=rf"found \S+-{digest[:8]}.json and all .*: move them away"):
+    with pytest.raises(InputError, match=rf"found \S+-{digest[:8]}.json and all .*: move them"):
         certify(run, level=1, progress=lambda share, boxes: pytest.fail("it has begun"))
     assert sorted(run.path.rglob("*")) == before
 

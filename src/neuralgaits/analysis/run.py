@@ -69,7 +69,10 @@ class Run:
             return _notebook.table(repr(self)[1:-1], [(error,)])
         measured = sorted(found.items(), key=lambda row: row[1].min_margin)
         rows = [(name, f"{found.min_margin:.3g}") for name, found in measured[:_TIGHTEST]]
-        head = (f"tightest of {len(measured)} conditions", "least margin recorded on samples, in scales")
+        head = (
+            f"tightest of {len(measured)} conditions",
+            "least margin recorded on samples, in scales",
+        )
         return _notebook.table(repr(self)[1:-1], rows, head if rows else ())
 
     @property

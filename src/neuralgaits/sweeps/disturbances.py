@@ -71,8 +71,7 @@ def _read(path: Path) -> dict[str, Any]:
         ) from None
     except ValueError as error:
         raise InputError(
-            f"expected TOML in {path}, found what cannot be read ({error}): write "
-            f"{_ONE_TABLE_EACH}"
+            f"expected TOML in {path}, found what cannot be read ({error}): write {_ONE_TABLE_EACH}"
         ) from None
     if not found:
         raise InputError(
