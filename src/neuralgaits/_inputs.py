@@ -85,13 +85,20 @@ def refuse_unreadable(path: Path, most: int = MOST_BYTES) -> None:
     if stat.S_ISDIR(found.st_mode):
         return
     if not stat.S_ISREG(found.st_mode):
-        kind = kind_of(found.st_mode)
-        raise InputError(f"expected a file to read, found {kind} at {path}: name a regular file")
+        kind, remedy = kind_of(found.st_mode), "put a regular file there, or name one"
+        raise InputError(f"expected a file to read, found {kind} at {path}: {remedy}")
     if found.st_size > most:
         raise InputError(
             f"expected a file of at most {most} bytes, found {found.st_size} at {path}: is it the "
             "right file?"
         )
+
+
+def between_commas(line: str) -> str:
+    """Return what to do with a row of a CSV file that has not the numbers it should have."""
+    if ";" in line:
+        return "write commas for its semicolons, and points in its numbers"
+    return "write one number in each column, between commas"
 
 
 def toml_of(path: Path) -> dict[str, Any]:

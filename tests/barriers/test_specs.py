@@ -1,6 +1,8 @@
 """Specs: what is refused, what is found by name, and what a user may add."""
 
 from dataclasses import replace
+from functools import partial
+from typing import Any
 
 import jax
 import numpy as np
@@ -10,7 +12,7 @@ from neuralgaits.barriers import Barrier, Box, GaitSpec, Pointwise, specs
 from neuralgaits.barriers import functions as f
 from neuralgaits.barriers.description import describe_quantity
 from neuralgaits.barriers.walking import LANDING, LIFT_OFF
-from neuralgaits.errors import SpecError
+from neuralgaits.errors import InputError, SpecError
 from neuralgaits.gait import HybridInvariantPolicy, MLPPolicy
 from neuralgaits.gait.commands import Command
 from neuralgaits.gait.gaits import Gait
@@ -25,6 +27,9 @@ def stiff(p):
 
 def own(robot):
     return specs.walking(robot).with_conditions(Pointwise("hip", "tube", 0.1, stiff))
+
+def nil(robot):
+    specs.walking(robot)
 
 number = 3
 """
@@ -70,6 +75,60 @@ def test_a_region_without_samples_is_refused(spec):
         replace(spec, regions=regions, conditions=(plain(region="middle"),))
 
 
+@pytest.mark.parametrize("robot", [None, "amber3m", 3])
+def test_a_spec_is_of_a_robot_and_of_nothing_else(robot, amber):
+    made = {
+        "walking": (),
+        "flat_footed": (),
+        "rugged": (),
+        "paper": (),
+        "paper_walks": (),
+        "authors": (),
+        "hzd": (5,),
+        "at_speed": (0.6,),
+        "commanded": ((),),
+        "robust": ({"mass": 0.02},),
+    }
+    makers = [partial(getattr(specs, name), robot, *more) for name, more in made.items()]
+    makers += [partial(specs.walking, robot=robot), partial(specs.load, "walking", robot)]
+    for make in makers:
+        with pytest.raises(InputError, match=f"^robot: expected a PlanarBiped, found {robot!r}: l"):
+            make()
+    assert specs.walking(robot=amber, policy="mlp").name == "walking-mlp"
+    nothing: Any = ()
+    with pytest.raises(TypeError, match=r"walking\(\) missing 1 required .*'robot'"):
+        specs.walking(*nothing)
+
+
+def test_a_spec_without_regions_is_told_what_one_is(spec):
+    with pytest.raises(SpecError, match=r"at least one region, found none: .*regions=\{.tube.: "):
+        replace(spec, regions={}, recipe=replace(spec.recipe, samples={}))
+
+
+@pytest.mark.parametrize(
+    ("changed", "message"),
+    [
+        ({"overshoot": (0.1,)}, r"overshoot: expected two numbers, .*found \(0\.1,\): give both"),
+        ({"overshoot": (0.1, 0.1, 0.1)}, "overshoot: expected two numbers"),
+        ({"overshoot": 0.1}, "overshoot: expected two numbers.*found 0.1"),
+        ({"overshoot": ("a", True)}, "overshoot: expected two numbers"),
+        ({"milestones": 0.5}, "milestones: expected shares .*found 0.5: .*None for a cosine"),
+        ({"milestones": (0.1, 40)}, "milestones: expected shares of the steps between 0 and 1"),
+        ({"milestones": (0.1, (0.4, 0.8))}, "milestones: expected shares"),
+        ({"milestones": (float("nan"),)}, "milestones: expected shares"),
+    ],
+)
+def test_a_recipe_of_odd_lengths_is_refused(spec, changed, message):
+    with pytest.raises(SpecError, match=f"^recipe.{message}") as refusal:
+        replace(spec.recipe, **changed)
+    assert "\n" not in str(refusal.value)
+
+
+def test_a_recipe_may_have_lists_and_a_rate_that_never_drops(spec):
+    recipe = replace(spec.recipe, overshoot=[0, 0.03], milestones=[])
+    assert (recipe.overshoot, recipe.milestones) == ([0, 0.03], [])
+
+
 def test_conditions_come_and_go(spec):
     more = spec.with_conditions(plain())
     assert [c.name for c in more.conditions][-1] == "extra"
@@ -96,10 +155,19 @@ def test_built_in_specs_load_by_name(amber, name):
             "or FILE.py:NAME",
         ),
         ("walkin", "unknown spec 'walkin': did you mean walking. expected one of"),
-        ("spec.py", r"unknown spec 'spec\.py': .* as in spec\.py:spec"),
+        (
+            "spec.py",
+            r"unknown spec 'spec\.py': .*found no name, and no such file: name a file that",
+        ),
+        ("own.py", r"unknown spec 'own\.py': .* as in own\.py:own$"),
+        (
+            "two.py",
+            r"found no name, and no function of one robot in it: write a function robot -> ",
+        ),
         ("missing.py:own", "spec file missing.py: no such file"),
         ("own.py:nothing", "own.py defines no 'nothing'"),
-        ("own.py:number", "expected a GaitSpec, found int"),
+        ("own.py:number", "expected a GaitSpec, found int: name a GaitSpec of own.py, or write a"),
+        ("own.py:nil", "a GaitSpec, found NoneType: let nil return one, as in `return specs.walk"),
         ("broken.py:own", r"broken\.py:1: ZeroDivisionError: division by zero"),
         ("typo.py:own", r"typo\.py:1: SyntaxError"),
     ],
@@ -109,6 +177,7 @@ def test_a_spec_that_is_not_there_is_refused(amber, tmp_path, monkeypatch, name,
     (tmp_path / "own.py").write_text(OWN)
     (tmp_path / "broken.py").write_text("own = 1 / 0\n")
     (tmp_path / "typo.py").write_text("def own(robot:\n")
+    (tmp_path / "two.py").write_text("def helper(a, b): ...\ndef other(a, *, b): ...\nn = 3\n")
     with pytest.raises(SpecError, match=message) as refusal:
         specs.load(name, amber)
     assert "\n" not in str(refusal.value)

@@ -408,7 +408,10 @@ def test_a_verb_says_which_run_latest_is(
     [
         ("simulate latest", "train one first"),
         ("simulate runs/none", "expected a run folder at runs/none, found nothing"),
-        ("robots rabbit --out runs/latest/x.xml", "a folder at runs/latest, found a file: name"),
+        (
+            "robots rabbit --out runs/latest/x.xml",
+            "a folder at runs/latest, found a file: move it away, or name",
+        ),
         ("inspect runs/file/x.xml", "cannot read runs/file/x.xml (Not a directory): give an MJCF"),
         ("robots rabitt", "unknown robot rabitt: did you mean rabbit? use one of amber3m"),
         ("robots rabbit", "found none: write `neuralgaits robots rabbit --out rabbit.xml`"),

@@ -18,6 +18,8 @@ REFUSED = {
     "report": "report run --out FIFO",
     "report, figures": "report run",
     "certify": "certify run",
+    "certify, boxes": "certify run",
+    "certify, packed proof": "certify run",
     "fit": "fit run none.csv",
     "train": "train amber3m --out FIFO",
     "optimise": "optimise amber3m --speed 0.6 --out FIFO",
@@ -32,6 +34,8 @@ WITHIN = {
     "simulate, summary": "run/simulation/summary.json",
     "report, figures": "run/figures/loss.png",
     "certify": f"run/{PROOF}",
+    "certify, boxes": "run/certificate/boxes-3.safetensors",
+    "certify, packed proof": f"run/{PROOF}.gz",
     "fit": "run/residual/residual.safetensors",
 }
 
@@ -53,6 +57,8 @@ def test_a_fifo_is_refused_in_a_line_and_stays(
     err = capfd.readouterr().err.splitlines()
     assert len(err) == 1
     assert "found a f" in err[0].lower() or "is there" in err[0]
+    own = str(fifo).startswith("run/")
+    assert err[0].endswith(": move it away") is own, "no option of the verb names that file"
     assert stat.S_ISFIFO(fifo.lstat().st_mode)
     # What is looked at before drawing may be kept: the walk, and the data of the figures.
     kept = [path for path in sorted(tmp_path.rglob("*")) if "report" not in str(path)]

@@ -16,7 +16,7 @@ from neuralgaits.report.certificate import part_of
 from neuralgaits.report.drawing.command_words import FIGURE
 from neuralgaits.report.drawing.drawn import Drawn, Missing
 from neuralgaits.report.page.answer import answer
-from neuralgaits.report.page.closing import figures, missing_parts
+from neuralgaits.report.page.closing import figures, missing_parts, reproduction
 from neuralgaits.report.page.command_family import family
 from neuralgaits.report.page.document import document
 from neuralgaits.report.page.markup import Html
@@ -149,6 +149,14 @@ def test_a_part_that_is_proved_is_named_and_the_rest_is_not(commanded):
     assert "of which the proof file has the pairs. </b>There every condition" in page
     page = said(commanded(certificate=none, of_some=ProvedOfSome(some, 0, 0)))
     assert "Nothing is proved for any" in page and "0.7" not in page.split("</table>")[1]
+
+
+def test_a_proof_of_some_commands_is_repeated_of_them_and_to_its_level(commanded):
+    """Whatever ranges and level the summary has."""
+    some = {"speed": Range(0.7, 0.74, 0.042)}
+    forged = replace(certified(), level=5, within={"speed": (0.0, 9.0)})
+    block = reproduction(commanded(certificate=forged, of_some=ProvedOfSome(some, 3, 2)))
+    assert "-again --level 2 --within speed=0.7:0.74\n" in block and "9.0" not in block
 
 
 def reading(chart, conditions, levels, told=("speed",)):

@@ -259,6 +259,32 @@ def test_every_command_on_the_page_is_one_that_the_command_line_takes(contents, 
     assert verbs == ["certify", "train", "certify", "simulate", "report"]
 
 
+def _certifying(page):
+    (line,) = re.findall(r"neuralgaits certify [^\n<]*-again[^\n<]*", reproduction(page))
+    return line.partition("-again")[2]
+
+
+def test_the_level_to_prove_again_is_the_one_that_the_proof_bears_out(contents, shipped):
+    """Nothing confirms the level that a summary says was requested."""
+    _change(shipped, "certificate/summary.json", lambda summary: summary.update(level=5))
+    page = contents(shipped)
+    assert page.saved.certificate.level == 5
+    assert _certifying(page) == " --level 3"
+    assert "claims nothing about ticks of a computer," not in certificate(page)
+    assert "claims nothing about control in ticks of a computer," in certificate(page)
+    assert "at level 5" not in certificate(page).split("What it assumes")[1]
+
+
+def test_where_nothing_is_confirmed_no_level_is_named(contents, shipped):
+    saved = contents(shipped).saved
+    rows = {name: replace(row, verdict="undecided") for name, row in saved.conditions.items()}
+    nothing = replace(saved.certificate, conditions=rows, levels=(), level=4)
+    assert _certifying(contents(saved=replace(saved, certificate=nothing))) == ""
+    first = replace(saved.certificate, levels=(), level=4)
+    disturbed = replace(saved, certificate=first, disturbance=(0.01, 0.5))
+    assert _certifying(contents(saved=disturbed)) == " --level 1"
+
+
 def test_a_command_repeats_the_simulation(contents, shipped):
     _simulated(shipped)
     block = reproduction(contents(shipped))

@@ -3,12 +3,14 @@
 import json
 import re
 import shutil
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from safetensors.numpy import load_file, save_file
 
 from neuralgaits.analysis.run import open_run
+from neuralgaits.records.training_config import GaitOrigin
 from neuralgaits.report.page.answer import answer
 from neuralgaits.report.page.closing import failures
 from neuralgaits.report.page.document import document
@@ -42,7 +44,8 @@ def test_figures_of_these_weights_are_told_as_a_record(contents, unproved):
     for said in (answer(page), training(page)):
         assert re.search(ALL_HOLD, said) and "recorded when the gait was made" in said.lower()
     assert not page.saved.damaged and "which weights it is of" not in training(page)
-    assert repr(open_run(unproved)).endswith("all 27 conditions hold on fresh samples>")
+    recorded = "recorded in training: all 27 conditions hold on fresh samples>"
+    assert repr(open_run(unproved)).endswith(recorded)
 
 
 def test_figures_of_other_weights_are_told_nowhere(contents, unproved):
@@ -79,3 +82,9 @@ def test_a_record_without_hashes_is_read_and_said_to_be_of_any_weights(contents,
 def test_a_summary_cannot_say_itself_why_figures_are_left_out(contents, unproved):
     edit(unproved, lambda summary: summary.update(left_out="all is proved"))
     assert "all is proved" not in document(contents(unproved))
+
+
+def test_figures_of_a_gait_that_was_not_trained_are_recorded_when_it_was_made(unproved):
+    run = open_run(unproved)
+    run.__dict__["asked"] = replace(run.asked, given=GaitOrigin("optimise", 5, 0.6))  # Cached.
+    assert "seed 0, recorded when it was made: all 27 conditions" in repr(run)

@@ -4,6 +4,7 @@ import os
 import socket
 import stat
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -57,11 +58,16 @@ def test_what_is_no_regular_file_is_refused_and_stays(
         pytest.skip("streams are no links here")
     KINDS[found](path)
     before = {one.name: one.lstat() for one in tmp_path.iterdir()}
-    wanted = f"expected a file to write, found {found.strip()} at {path}: name a regular file"
-    for refused in (atomic.refuse_unwritable, lambda path: atomic.write_text(path, "new")):
+    wanted = f"expected a file to write, found {found.strip()} at {path}: "
+    refusals = {
+        "name a regular file": atomic.refuse_unwritable,
+        "move it away": partial(atomic.refuse_unwritable, own=True),
+        "move it away, or name a regular file": lambda path: atomic.write_text(path, "new"),
+    }
+    for remedy, refused in refusals.items():
         with pytest.raises(InputError) as stop:
             refused(path)
-        assert str(stop.value) == wanted
+        assert str(stop.value) == wanted + remedy
     after = {one.name: one.lstat() for one in tmp_path.iterdir()}
     assert {name: (one.st_ino, one.st_mode) for name, one in after.items()} == {
         name: (one.st_ino, one.st_mode) for name, one in before.items()
@@ -101,6 +107,8 @@ def test_a_name_as_long_as_the_system_has_is_written(tmp_path: Path) -> None:
     assert path.read_text() == "new"
     with pytest.raises(InputError, match="File name too long; name another"):
         atomic.refuse_unwritable(tmp_path / ("n" * 256))
+    with pytest.raises(InputError, match="too long; allow writing there, or work on a copy of its"):
+        atomic.refuse_unwritable(tmp_path / ("n" * 256), own=True)
 
 
 def test_files_that_belong_together_stay_old_if_one_cannot_be_written(

@@ -69,6 +69,13 @@ def test_a_damaged_one_is_refused_in_one_line(run, damage):
     assert "proof.json.gz is damaged" in saved.damaged[SUMMARY]
 
 
+def test_a_plain_file_that_is_named_as_a_packed_one_is_said_to_be_plain(run):
+    place = packed.packed(run / PROOF)
+    place.write_bytes(gzip.decompress(place.read_bytes()))
+    with pytest.raises(InputError, match=r"proof.json.gz is JSON .*: rename it to proof.json; "):
+        read_claims(place)
+
+
 def test_one_that_holds_too_much_is_refused(run, monkeypatch):
     monkeypatch.setattr(packed, "LARGEST_BYTES", 50_000)
     with pytest.raises(InputError, match="holds more than 50000 bytes"):

@@ -132,7 +132,9 @@ FILES = {
     "step,speed[m/s]\n5,0.6\n": "found 5 in row 1",
     "step,speed[m/s]\n0,nan\n": "finite numbers in row 1",
     "step,speed[m/s]\n0,\n": "finite numbers in row 1",
-    "step,speed[m/s]\n0,0.6,1\n": "finite numbers in row 1",
+    "step,speed[m/s]\n0,0.6,1\n": "finite numbers in row 1, found '0,0.6,1': write one number in",
+    "step;speed[m/s]\n0;0.6\n": "found step;speed.m/s.: write them into row 1, between commas",
+    "step,speed[m/s]\n0;0,6\n": "found '0;0,6': write commas for its semicolons, and points in",
     "step,speed[m/s]\n0,0.6\n1,1.6\n": "row 2: expected speed between 0.55 and 0.9 m/s",
 }
 

@@ -164,6 +164,7 @@ FILES = {
     "stone,x[m],z[m],width[m]\n0,0,0,0.1\n2,0.35,0,0.1\n": "found 2 in row 2: fill the gap",
     "stone,x[m],z[m],width[m]\n0,0,0,0.1\n1,nan,0,0.1\n": "4 finite numbers in row 2",
     "stone,x[m],z[m],width[m]\n0,0,0,0.1\n1,0.35,0,0\n": "the width above 0",
+    "stone,x[m],z[m],width[m]\n0;0;0;0.1\n": "found '0;0;0;0.1': write commas for its semicolons",
     "stone,x[m],z[m],width[m]\n0,0,0,0.1\n1,0.35,0,0.1\n": "expected 3 stones for 2 steps",
     "stone,x[m],z[m],width[m]\n0,0,0,0.1\n1,0.35,0,0.1\n2,0.8,0,0.1\n": (
         r"stone 2 between 0\.32 and 0\.37 m ahead of the one before it, .* found 0\.45 m"

@@ -251,6 +251,8 @@ def test_a_disturbance_has_a_text_for_a_name() -> None:
     [
         ("", "expected disturbances in "),
         ("late = 3\n", "disturbance 'late': expected a table of names and numbers, found 3"),
+        ('[[disturbances]]\nname = "late"\ndelay_ms = 4\n', "disturbance 'disturbances': "),
+        ("[disturbances.late]\ndelay_ms = 4\n", "disturbance 'disturbances': "),
         ("[late]\ndelai_ms = 4\n", "unknown disturbance 'delai_ms'"),
         ("[late\n", "expected TOML in "),
         ("[none]\ndelay_ms = 4\n", "expected disturbances of other names than 'none'"),
@@ -261,4 +263,7 @@ def test_files_that_hold_no_disturbances_are_refused(text: str, line: str, tmp_p
     file.write_text(text)
     with pytest.raises(InputError) as refused:
         disturbances_of(file)
-    assert str(refused.value).startswith(line) and "\n" not in str(refused.value)
+    said = str(refused.value)
+    assert said.startswith(line) and "\n" not in said
+    if "expected a table" in line or "[disturbances" in text:
+        assert said.endswith('as in ["floor +-1 cm"] with floor_height = 0.01 below it')

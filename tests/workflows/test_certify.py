@@ -1,5 +1,6 @@
 """The certify workflow: a proof of a trained gait, refutations, budgets, what cannot be traced."""
 
+import hashlib
 import json
 import shutil
 import time
@@ -17,6 +18,7 @@ from neuralgaits.errors import InputError, RunError, SpecError
 from neuralgaits.runs import read_arrays
 from neuralgaits.workflows import certify as certify_module
 from neuralgaits.workflows.certify import certify
+from support.shipped_run import SHIPPED
 
 FIELDS = {"verdict", "level", "conditions", "wall_s", "proof"}
 ENTRY = {"verdict", "proved_fraction", "boxes", "margin", "counterexample"}
@@ -213,6 +215,22 @@ def test_a_name_that_is_taken_is_not_overwritten(tmp_path):
     third = before.put_aside()
     assert third.read_bytes() == proof.read_bytes() == b"proof"
     assert (first.read_bytes(), second.is_dir()) == (b"mine", True)
+    third.unlink()
+    third.symlink_to(third.name)
+    fourth = before.put_aside()
+    assert fourth.read_bytes() == b"proof" and third.is_symlink()
+
+
+def test_a_proof_that_could_not_be_put_aside_is_refused_before_the_search(tmp_path):
+    run = open_run(shutil.copytree(SHIPPED, tmp_path / "run"))
+    proof = run.path / "certificate" / "proof.json"
+    digest = hashlib.sha256(proof.read_bytes()).hexdigest()
+    for size in range(8, 65):
+        proof.with_name(f"proof-{digest[:size]}.json").mkdir()
+    before = sorted(run.path.rglob("*"))
+    with pytest.raises(InputError, match=rf"found \S+-{digest[:8]}.json and all .*: move them"):
+        certify(run, level=1, progress=lambda share, boxes: pytest.fail("it has begun"))
+    assert sorted(run.path.rglob("*")) == before
 
 
 def test_a_search_that_came_to_less_leaves_the_proof_that_is_there(gait, certificate, tmp_path):

@@ -12,6 +12,7 @@ from neuralgaits import logs
 from neuralgaits.analysis.learned import Learned
 from neuralgaits.errors import InputError, RunError
 from neuralgaits.residual.fitter import FitConfig
+from neuralgaits.runs.hashes import file_hashes
 from neuralgaits.runs.names import FIT_SUMMARY, LEARNED_RESIDUAL
 from neuralgaits.workflows.fit import fit
 from support import planted_walk
@@ -83,6 +84,11 @@ def test_touchdowns_before_and_after_the_reset_residual(fitted, brief_run):
     assert found["after"]["rate_rad_s"] < 0.2 * found["before"]["rate_rad_s"]
     correction = fitted.learned.reset(np.array([0.17, 17.0]))
     assert float(correction.momentum) == pytest.approx(-planted_walk.MOMENTUM_LOST, rel=0.02)
+
+
+def test_the_summary_names_the_gait_that_was_learned_from(fitted, brief_run):
+    known = file_hashes(brief_run.path, ("robot.xml", "policy.safetensors"))
+    assert fitted.summary["sha256"] == known and None not in known.values()
 
 
 def test_a_stored_residual_reads_back_exactly(fitted, brief_run):

@@ -58,9 +58,11 @@ def test_a_run_is_a_line_and_its_tightest_conditions(tmp_path):
     (folder / "summary.json").write_text(json.dumps(summary))
     run = ng.open_run(folder)
     assert repr(run) == (
-        f"<Run {folder}: amber3m, spec walking, seed 0, all 27 conditions hold on fresh samples>"
+        f"<Run {folder}: amber3m, spec walking, seed 0, recorded in training: all 27 conditions "
+        "hold on fresh samples>"
     )
     page = run._repr_html_()
+    assert "least margin recorded on samples" in page
     first, *others = re.findall("<td[^>]*>(.*?)</td>", page)[::2]
     assert page.count("<tr>") == 6 and len(others) == 4
     assert first == "flow-above-lower-fence" and "0.00123<" in page

@@ -51,7 +51,7 @@ class Run:
     command: Mapping[str, float] | None = None
 
     def __repr__(self) -> str:
-        """Return one line with folder, robot, spec and the margins of conditions on samples."""
+        """Return one line with folder, robot, spec and what was recorded of its conditions."""
         told = "" if self.command is None else f" at {dict(self.command)}"
         try:
             asked, held = self.asked, self._on_samples
@@ -69,18 +69,23 @@ class Run:
             return _notebook.table(repr(self)[1:-1], [(error,)])
         measured = sorted(found.items(), key=lambda row: row[1].min_margin)
         rows = [(name, f"{found.min_margin:.3g}") for name, found in measured[:_TIGHTEST]]
-        head = (f"tightest of {len(measured)} conditions", "least margin on samples, in scales")
+        head = (
+            f"tightest of {len(measured)} conditions",
+            "least margin recorded on samples, in scales",
+        )
         return _notebook.table(repr(self)[1:-1], rows, head if rows else ())
 
     @property
     def _on_samples(self) -> str:
+        """Return the recorded result: nobody measures it again here, and no hash covers it."""
         found = self.summary
         if found.left_out is not None:
             return found.left_out
         count, broken = len(found.conditions), len(found.broken)
         held = f"all {count}" if not broken else f"{count - broken} of {count}"
         of = "" if found.tied else ", of weights that the record does not name"
-        return f"{held} conditions hold on fresh samples{of}"
+        when = "in training" if self.asked.as_given is None else "when it was made"
+        return f"recorded {when}: {held} conditions hold on fresh samples{of}"
 
     @cached_property
     def gait(self) -> Gait:

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, field, replace
+from numbers import Real
 from typing import Any, Literal, NamedTuple
 
 from jaxtyping import PRNGKeyArray
@@ -52,6 +53,8 @@ class Recipe:
         corners: share of the samples of a command's axis that lie on its ends.
         strip: how far, in phases, samples of the guard lie before and behind phase 1.
         largest_gradient: norm that gradients are clipped to; None for any.
+
+    Raises: SpecError on milestones or an overshoot that training would not read as meant.
     """
 
     steps: int
@@ -73,6 +76,28 @@ class Recipe:
     corners: float = 0.0
     strip: float = 0.0
     largest_gradient: float | None = None
+
+    def __post_init__(self):
+        """Refuse milestones that are no shares, and an overshoot of other than two axes."""
+        shares = self.milestones
+        if shares is not None and not (_numbers(shares) and all(0.0 < one < 1.0 for one in shares)):
+            raise SpecError(
+                "recipe.milestones: expected shares of the steps between 0 and 1, as in "
+                f"(0.1, 0.4, 0.8), found {shares!r:.60}: mend them, or write None for a cosine"
+            )
+        # One number would leave the level as it is; a third would reach into the commands' axes.
+        if not (_numbers(self.overshoot) and len(self.overshoot) == 2):
+            raise SpecError(
+                "recipe.overshoot: expected two numbers, of phase and level, as in (0.02, 0.03), "
+                f"found {self.overshoot!r:.60}: give both"
+            )
+
+
+def _numbers(values: Any) -> bool:
+    """Return whether a setting is a tuple or a list of numbers."""
+    return isinstance(values, tuple | list) and all(
+        isinstance(one, Real) and not isinstance(one, bool) for one in values
+    )
 
 
 class ChartPoint(NamedTuple):
@@ -117,6 +142,11 @@ class GaitSpec:
 
     def __post_init__(self):
         """Refuse names that are none or not unique, unknown regions, regions without samples."""
+        if not self.regions:
+            raise SpecError(
+                f"spec {self.name!r}: expected at least one region, found none: name the boxes "
+                'that conditions are about, as in regions={"tube": (Box((0.0, 0.0), (1.0, 1.0)),)}'
+            )
         names = [condition.name for condition in self.trained_for]
         for what, given in (("condition", names), ("region", self.regions)):
             for name in given:

@@ -4,33 +4,26 @@ import ast
 import importlib.util
 import sys
 from collections.abc import Callable
-from functools import partial
+from functools import partial, wraps
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import ParamSpec
 
 from neuralgaits._inputs import no_file_at
 from neuralgaits._names import meant
+from neuralgaits.barriers import commanded_spec as _commanded_spec
 from neuralgaits.barriers import flat_feet as _flat_feet
 from neuralgaits.barriers import hzd as _hzd
 from neuralgaits.barriers import paper as _paper
+from neuralgaits.barriers import robust as _robust
 from neuralgaits.barriers import rugged as _rugged
 from neuralgaits.barriers import spec_file_errors
 from neuralgaits.barriers import walking as _walking
-from neuralgaits.barriers.commanded_spec import at_speed, commanded
-from neuralgaits.barriers.flat_feet import flat_footed
-from neuralgaits.barriers.hzd import hzd
-from neuralgaits.barriers.paper import authors, paper, paper_walks
-from neuralgaits.barriers.robust import robust
-from neuralgaits.barriers.rugged import rugged
 from neuralgaits.barriers.spec import GaitSpec
 from neuralgaits.barriers.spec_file_errors import PREFIX
-from neuralgaits.barriers.walking import walking
-from neuralgaits.errors import NeuralGaitsError, SpecError
+from neuralgaits.errors import InputError, NeuralGaitsError, SpecError
 from neuralgaits.gait.commands import Commands
+from neuralgaits.robots import PlanarBiped
 from neuralgaits.robots.parameter_box import Box
-
-if TYPE_CHECKING:
-    from neuralgaits.robots import PlanarBiped
 
 __all__ = [
     "DESCRIPTIONS",
@@ -49,6 +42,40 @@ __all__ = [
     "source_path",
     "walking",
 ]
+
+P = ParamSpec("P")
+
+
+def _of_robot(make: Callable[P, GaitSpec]) -> Callable[P, GaitSpec]:
+    """Refuse anything but a robot as the first argument of a spec. Raises: InputError."""
+
+    @wraps(make)
+    def call(*args: P.args, **kwargs: P.kwargs) -> GaitSpec:
+        if args or "robot" in kwargs:
+            _refuse_no_robot(args[0] if args else kwargs["robot"])
+        return make(*args, **kwargs)
+
+    return call
+
+
+def _refuse_no_robot(robot: object) -> None:
+    if not isinstance(robot, PlanarBiped):
+        raise InputError(
+            f"robot: expected a PlanarBiped, found {robot!r:.60}: load one, as in "
+            'load_robot("amber3m")'
+        )
+
+
+at_speed = _of_robot(_commanded_spec.at_speed)
+authors = _of_robot(_paper.authors)
+commanded = _of_robot(_commanded_spec.commanded)
+flat_footed = _of_robot(_flat_feet.flat_footed)
+hzd = _of_robot(_hzd.hzd)
+paper = _of_robot(_paper.paper)
+paper_walks = _of_robot(_paper.paper_walks)
+robust = _of_robot(_robust.robust)
+rugged = _of_robot(_rugged.rugged)
+walking = _of_robot(_walking.walking)
 
 _BUILT_IN = {
     "walking": walking,
@@ -70,8 +97,10 @@ DESCRIPTIONS = {
 }
 GIVEN = _hzd.NAME
 """Name of the spec of given gaits, which cannot be trained."""
-
-
+_A_FUNCTION = (
+    "write a function robot -> GaitSpec, as in `def own(robot): return specs.walking(robot)`"
+)
+"""Remedy where a file has no spec."""
 IN_NO_FILE = "# A GaitSpec made in Python"
 """First words of the file that a run keeps of a spec that no file defines."""
 
@@ -81,7 +110,7 @@ def is_built_in(name: str) -> bool:
     return name in DESCRIPTIONS or name == GIVEN
 
 
-def for_robot(name: str, robot: "PlanarBiped") -> str:
+def for_robot(name: str, robot: PlanarBiped) -> str:
     """Return the name of the spec that suits a robot: "walking" is another one on flat feet.
 
     Raises: SpecError for a built-in spec of point feet, and a robot with flat ones.
@@ -99,7 +128,7 @@ def for_robot(name: str, robot: "PlanarBiped") -> str:
 
 def load(
     name: str,
-    robot: "PlanarBiped",
+    robot: PlanarBiped,
     commands: Commands = (),
     speed: float | None = None,
     parameters: Box | None = None,
@@ -115,7 +144,10 @@ def load(
         speed: mean speed to aim at (m/s); for "walking" only, without commands.
         parameters: box of robots that it is meant for; for "walking" only, without one speed.
         degree: of the polynomials of a given gait; for "hzd" only, and needed there.
+
+    Raises: InputError on anything but a robot, SpecError on names and settings that do not fit.
     """
+    _refuse_no_robot(robot)
     if robot.feet is not None and (commands or speed is not None or parameters):
         raise SpecError(
             f"expected one gait without a speed, commands or --parameters for a robot with flat "
@@ -150,14 +182,11 @@ def load(
     return _from_file(name, robot)
 
 
-def _from_file(name: str, robot: "PlanarBiped") -> GaitSpec:
+def _from_file(name: str, robot: PlanarBiped) -> GaitSpec:
     """Return the spec at FILE.py:NAME. Raises: SpecError if there is none."""
     path, separator, attribute = name.rpartition(":")
     if not separator and name.endswith(".py"):
-        raise SpecError(
-            f"unknown spec {name!r}: expected FILE.py:NAME, found no name; add that of its "
-            f"function or spec, as in {name}:{(_defined(name) or [Path(name).stem])[0]}"
-        )
+        raise SpecError(f"unknown spec {name!r}: expected FILE.py:NAME, {_nameless(name)}")
     if not separator or not path.endswith(".py"):
         hint = meant(name, _BUILT_IN)
         hint = f"{hint} " if hint else ""
@@ -175,21 +204,45 @@ def _from_file(name: str, robot: "PlanarBiped") -> GaitSpec:
     value = getattr(module, attribute)
     spec = _applied(name, value, robot) if callable(value) else value
     if not isinstance(spec, GaitSpec):
-        raise SpecError(f"spec {name!r}: expected a GaitSpec, found {type(spec).__name__}")
+        remedy = f"name a GaitSpec of {path}, or {_A_FUNCTION}"
+        if callable(value):
+            remedy = f"let {attribute} return one, as in `return specs.walking(robot)`"
+        found = f"expected a GaitSpec, found {type(spec).__name__}"
+        raise SpecError(f"spec {name!r}: {found}: {remedy}")
     return spec
 
 
+def _nameless(path: str) -> str:
+    """Return what was found where a file is named without a spec in it, and what to do."""
+    file = Path(path)
+    if not file.is_file():
+        return f"found no name, and {no_file_at(file, 'no such file')}: name a file that is there"
+    if known := _defined(path):
+        return f"found no name; add that of its function or spec, as in {path}:{known[0]}"
+    return f"found no name, and no function of one robot in it: {_A_FUNCTION}"
+
+
 def _defined(path: str) -> list[str]:
-    """Return the public functions of a file, from its text: it is not run."""
+    """Return the public functions of one argument of a file, those of a `robot` first.
+
+    They are taken from its text: it is not run.
+    """
     try:
         body = ast.parse(Path(path).read_bytes()).body
     except (OSError, SyntaxError, ValueError):
         return []
-    found = (one.name for one in body if isinstance(one, ast.FunctionDef))
-    return [name for name in found if not name.startswith("_")]
+    functions = [one for one in body if isinstance(one, ast.FunctionDef) and _takes_one(one.args)]
+    functions.sort(key=lambda one: "robot" not in ast.unparse(one.args).lower())
+    return [one.name for one in functions if not one.name.startswith("_")]
 
 
-def _applied(name: str, function: Callable, robot: "PlanarBiped"):
+def _takes_one(of: ast.arguments) -> bool:
+    """Return whether a function can be called with one argument."""
+    places, needed = len(of.posonlyargs) + len(of.args), None in of.kw_defaults
+    return not needed and places - len(of.defaults) <= 1 and (places > 0 or of.vararg is not None)
+
+
+def _applied(name: str, function: Callable, robot: PlanarBiped):
     try:
         with spec_file_errors.blamed():
             return function(robot)

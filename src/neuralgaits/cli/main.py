@@ -127,8 +127,11 @@ def _of_system(error: OSError) -> str:
     path = Path(error.filename)
     if isinstance(error, NotADirectoryError | FileExistsError):
         file = next((place for place in (*reversed(path.parents), path) if place.is_file()), path)
-        return f"expected a folder at {file}, found a file: name another place"
-    return f"expected a file or folder that can be used at {path}: {reason(error)}; name another"
+        return f"expected a folder at {file}, found a file: move it away, or name another place"
+    return (
+        f"expected a file or folder that can be used at {path}: {reason(error)}; mend that, or "
+        "name another"
+    )
 
 
 def _of_user(error: BaseException) -> Exception | None:

@@ -52,7 +52,8 @@ def refuse_used(out: Path, *, force: bool) -> None:
         )
     there = sorted(place.iterdir()) if place.is_dir() else []
     ours = [out / entry.name for entry in there if entry.suffix in _SUFFIXES]
-    refuse_unwritable(out / "gait.h", *ours)
+    refuse_unwritable(*ours, own=True)
+    refuse_unwritable(out / "gait.h")
 
 
 @contextmanager

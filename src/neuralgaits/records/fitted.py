@@ -36,9 +36,23 @@ class StrideCounts:
 
 @dataclass(frozen=True, eq=False)
 class Logs(Record):
-    """Log files of a summary, whatever else it holds."""
+    """Log files of a summary, whatever else it holds.
+
+    Attributes:
+        logs: files of the walks.
+        sha256: hashes of the files of the gait that walked, by file; empty if not recorded.
+    """
 
     logs: Texts
+    sha256: Mapping[str, str | None] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, eq=False)
+class FittedGait(Record):
+    """Gait that a residual is of, in the summary of `fit`. Attributes: as of `Fitted`."""
+
+    residual_sha256: str | None = None
+    sha256: Mapping[str, str | None] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -48,6 +62,8 @@ class Fitted(Record):
     Attributes:
         run: run whose policy walked.
         residual, residual_sha256: file of the residual, and its hash.
+        sha256: hashes of the files of the gait that walked, by file; empty in summaries of
+            earlier versions.
         logs: files it was learned from.
         columns: file that describes their columns.
         computed: quantities that were computed because the logs do not hold them.
@@ -69,6 +85,7 @@ class Fitted(Record):
     run: str = ""
     residual: str = ""
     residual_sha256: str | None = None
+    sha256: Mapping[str, str | None] = field(default_factory=dict)
     logs: Texts
     columns: str | None = None
     computed: Texts = ()

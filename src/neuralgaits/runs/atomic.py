@@ -29,11 +29,17 @@ _STREAMS = Path("/proc")
 _LONGEST_PREFIX = 40
 """Characters of a file's name in that of its temporary: a name may be as long as the system
 allows."""
-_OTHER = "name a regular file"
+_NAME, _MOVE = "name a regular file", "move it away"
+"""Remedies for a place that is taken: of a user who named it, and of one who named none."""
+_EITHER = f"{_MOVE}, or {_NAME}"
 
 
-def destination(path: Path) -> Path:
+def destination(path: Path, remedy: str = _EITHER) -> Path:
     """Return the file that is made or replaced where a path is written: links are followed.
+
+    Args:
+        path: of the file.
+        remedy: what to do if something else is in its place.
 
     Raises: InputError on anything but a regular file; OSError if the system refuses to look.
     """
@@ -41,18 +47,18 @@ def destination(path: Path) -> Path:
     for _ in range(_MOST_LINKS):
         folder = Path(os.path.realpath(place.parent))
         if folder.is_relative_to(_STREAMS):
-            raise InputError(f"expected a file to write, found an open stream at {path}: {_OTHER}")
+            raise InputError(f"expected a file to write, found an open stream at {path}: {remedy}")
         place = folder / place.name
         if not place.is_symlink():
             break
         place = folder / os.readlink(place)
     else:
-        raise InputError(f"expected a file to write, found links in a ring at {path}: {_OTHER}")
+        raise InputError(f"expected a file to write, found links in a ring at {path}: {remedy}")
     with contextlib.suppress(FileNotFoundError):
         mode = os.stat(place).st_mode
         if not stat.S_ISREG(mode):
             found = kind_of(mode)
-            raise InputError(f"expected a file to write, found {found} at {path}: {_OTHER}")
+            raise InputError(f"expected a file to write, found {found} at {path}: {remedy}")
     return place
 
 
@@ -178,11 +184,17 @@ def write_new(path: Path, text: str) -> None:
     write_text(path, text)
 
 
-def refuse_unwritable(*paths: Path) -> None:
-    """Refuse files that cannot be written, before anything is computed. Raises: InputError."""
+def refuse_unwritable(*paths: Path, own: bool = False) -> None:
+    """Refuse files that cannot be written, before anything is computed. Raises: InputError.
+
+    Args:
+        paths: of the files.
+        own: whether they are a command's own, so that its user has no other place to name.
+    """
+    other = "allow writing there, or work on a copy of its folder" if own else "name another"
     for path in paths:
         try:
-            place = destination(path)
+            place = destination(path, _MOVE if own else _NAME)
             if place.exists() and not os.access(place, os.W_OK):
                 raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
             # What is missing of the path is made later, in the nearest folder there is.
@@ -191,7 +203,7 @@ def refuse_unwritable(*paths: Path) -> None:
                 pass
         except OSError as error:
             raise InputError(
-                f"expected a file that can be written, found {path}: {reason(error)}; name another"
+                f"expected a file that can be written, found {path}: {reason(error)}; {other}"
             ) from None
 
 

@@ -71,7 +71,7 @@ class RunFolder:
         Raises: RunError if `out` is a file or a folder that is not empty; InputError if it, or
             the pointer to the latest run, cannot be written.
         """
-        refuse_unwritable(root / LATEST)
+        refuse_unwritable(root / LATEST, own=True)
         contents = {
             file: content.encode() if isinstance(content, str) else content
             for file, content in copies.items()
@@ -90,7 +90,7 @@ class RunFolder:
     @staticmethod
     def refuse(root: Path, out: Path | None) -> None:
         """Refuse what `create` would, and make nothing. Raises: as `create`."""
-        refuse_unwritable(root / LATEST)
+        refuse_unwritable(root / LATEST, own=True)
         if out is not None:
             refuse_taken(out, what=_WHAT, config=CONFIG)
 

@@ -39,6 +39,9 @@ def content(path: Path) -> bytes:
         raise OSError(str(error)) from None
     if lies.suffix != _SUFFIX:
         return lies.read_bytes()
+    with lies.open("rb") as plain:
+        if plain.read(1) == b"{":
+            raise OSError(f"{lies.name} is JSON that is not compressed: rename it to {lies.stem}")
     try:
         with gzip.open(lies) as file:
             found = file.read(LARGEST_BYTES + 1)

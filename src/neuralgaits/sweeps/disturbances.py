@@ -18,6 +18,10 @@ from neuralgaits.simulation.setup.disturbance import PlantChanges, parse
 from neuralgaits.simulation.setup.disturbance_set import DISTURBANCE_SET
 
 STANDARD = "standard"
+_ONE_TABLE_EACH = (
+    'a table for each disturbance under its own name, as in ["floor +-1 cm"] with '
+    "floor_height = 0.01 below it"
+)
 
 
 def disturbances_of(asked: str | Path | Mapping[str, Any]) -> dict[str, dict[str, Any]]:
@@ -42,13 +46,19 @@ def disturbances_of(asked: str | Path | Mapping[str, Any]) -> dict[str, dict[str
 
 
 def _parsed(name: Any, one: Any) -> PlantChanges:
-    if not isinstance(one, str | Mapping | PlantChanges):
+    table = isinstance(one, Mapping)
+    if not (table or isinstance(one, str | PlantChanges)) or (table and _has_tables(one)):
         raise InputError(
-            f"disturbance {name!r}: expected a table of names and numbers, found {one!r}"
+            f"disturbance {name!r}: expected a table of names and numbers, found {one!r:.60}: "
+            f"write {_ONE_TABLE_EACH}"
         )
     if not (isinstance(name, str) and name.strip() and name.isprintable()):
         raise InputError(f"expected a disturbance with a name of one line, found {name!r}")
     return parse(one)
+
+
+def _has_tables(one: Mapping[str, Any]) -> bool:
+    return any(isinstance(value, Mapping) for value in one.values())
 
 
 def _read(path: Path) -> dict[str, Any]:
@@ -61,8 +71,7 @@ def _read(path: Path) -> dict[str, Any]:
         ) from None
     except ValueError as error:
         raise InputError(
-            f"expected TOML in {path}, found what cannot be read ({error}): a table for each "
-            'disturbance, as in ["floor +-1 cm"] with floor_height = 0.01 below it'
+            f"expected TOML in {path}, found what cannot be read ({error}): write {_ONE_TABLE_EACH}"
         ) from None
     if not found:
         raise InputError(

@@ -26,6 +26,7 @@ from neuralgaits.certificate.proof_file.proof_from_run import proof_of
 from neuralgaits.certificate.proof_file.theorem_tables import Theorems
 from neuralgaits.certificate.proof_file.writer import prove
 from neuralgaits.certificate.run_certificate.certificate_files import (
+    BOXES,
     hashes_with,
     refuse_unwritable_certificate,
     write_certificate,
@@ -152,7 +153,7 @@ def _bounds(given: tuple[float, float] | str | None, run: Run) -> tuple[float, f
 
 
 def _boxes_file(run: Run, number: int) -> Path:
-    return run.path / certified.FOLDER / f"boxes-{number}.safetensors"
+    return run.path / certified.FOLDER / BOXES.format(number)
 
 
 def _written(

@@ -93,7 +93,7 @@ def episodes(settings: EpisodesSettings) -> Episodes:
         folder = _begin(asked, resume, out=settings.out, root=root)
     else:
         folder = old.gone_on_with(asked, settings.out)
-    refuse_unwritable(folder.path / SUMMARY, folder.path / FIGURE)
+    refuse_unwritable(folder.path / SUMMARY, folder.path / FIGURE, own=True)
     tell = settings.tell or (lambda number, what: None)
     session = _Session(folder, settings.progress, tell, root)
     try:

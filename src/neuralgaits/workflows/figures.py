@@ -39,10 +39,10 @@ def writable_figures(asked: TrainingConfig, folder: Path) -> list[Maker]:
     """
     if folder.exists() and not folder.is_dir():
         raise InputError(
-            f"expected a folder for the figures, found a file at {folder}: name another"
+            f"expected a folder for the figures, found a file at {folder}: move it away"
         )
     makers = makers_of(asked)
-    refuse_unwritable(*(path for name, *_ in makers for path in paths_of(folder, name)))
+    refuse_unwritable(*(path for name, *_ in makers for path in paths_of(folder, name)), own=True)
     return makers
 
 

@@ -11,6 +11,7 @@ import numpy as np
 from neuralgaits import logs as walks
 from neuralgaits._types import Array, Float
 from neuralgaits.analysis.learned import Learned
+from neuralgaits.analysis.recorded_gait import GAIT_FILES, refuse_logs_of_another
 from neuralgaits.analysis.run import Run, open_run
 from neuralgaits.errors import InputError
 from neuralgaits.gait import ZeroDynamics
@@ -24,6 +25,7 @@ from neuralgaits.residual.reset import fit_reset
 from neuralgaits.residual.trajectories import largest_defects, missed, root_mean_square
 from neuralgaits.residual.trust import landing_errors
 from neuralgaits.runs.atomic import refuse_unwritable
+from neuralgaits.runs.hashes import file_hashes
 from neuralgaits.runs.names import FIT_SUMMARY, LEARNED_RESIDUAL
 from neuralgaits.settings import FitSettings, called_with
 
@@ -53,7 +55,8 @@ def fit(settings: FitSettings) -> Fit:
     """Learn residuals of the flow and of the reset map from logs of a run's policy.
 
     Strides are split into training, validation and test sets before windows are cut. The residual
-    is relative to the rigid model; a residual that the run was trained with is ignored.
+    is relative to the rigid model; a residual that the run was trained with is ignored. A log in
+    the folder of a run is refused where its record names another gait than this run's.
 
     Returns: `Fit`. Residual and summary are in the run's folder.
     Raises: InputError with file, row, column and remedy; then nothing is written.
@@ -62,7 +65,8 @@ def fit(settings: FitSettings) -> Fit:
     config = settings.config or FitConfig(optimizer=settings.optimizer)
     logs, columns, seed = settings.logs, settings.columns, settings.seed
     trained = open_run(settings.run)
-    refuse_unwritable(trained.path / LEARNED_RESIDUAL, trained.path / FIT_SUMMARY)
+    refuse_unwritable(trained.path / LEARNED_RESIDUAL, trained.path / FIT_SUMMARY, own=True)
+    refuse_logs_of_another(trained, logs)
     policy = trained.gait.policy
     read, left_out = walks.read_all(logs, trained.robot, columns=columns, policy=policy)
     cut = walks.cut(read, trained.robot)
@@ -84,6 +88,7 @@ def fit(settings: FitSettings) -> Fit:
         run=str(trained.path),
         residual=str(path),
         residual_sha256=hashlib.sha256(path.read_bytes()).hexdigest(),
+        sha256=file_hashes(trained.path, GAIT_FILES),
         logs=tuple(str(log) for log in logs),
         columns=None if columns is None else str(columns),
         computed=tuple(dict.fromkeys(what for log in read for what in log.computed)),

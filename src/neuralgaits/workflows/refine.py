@@ -6,6 +6,7 @@ from pathlib import Path
 
 from neuralgaits._checks import check_disturbance
 from neuralgaits.analysis.learned import Learned
+from neuralgaits.analysis.recorded_gait import refuse_residual_of_another
 from neuralgaits.analysis.run import Run, open_run
 from neuralgaits.errors import InputError, RunError
 from neuralgaits.records.training_config import Proving
@@ -29,7 +30,7 @@ def refine(settings: RefineSettings) -> Run:
     With a disturbance, training lets every sample meet a corner of its bounds.
 
     Returns: the new run, which carries the residual and the weights it started from.
-    Raises: InputError on bad settings or a residual that does not fit; NonFiniteError if the loss
+    Raises: InputError on bad settings or a residual of another gait; NonFiniteError if the loss
         turned to NaN.
     """
     start_time = time.perf_counter()
@@ -46,6 +47,7 @@ def refine(settings: RefineSettings) -> Run:
             f"from a robot's logs, or as in `{learning(parent.path)}`, or give --residual FILE"
         )
     learned = Learned.read(file, parent.robot)
+    refuse_residual_of_another(parent, file)
     disturbance = settings.disturbance
     if disturbance == LEARNED:
         disturbance = (float(learned.error_bound[0]), float(learned.error_bound[1]))

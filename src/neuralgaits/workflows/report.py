@@ -73,7 +73,9 @@ def write_report(
     refuse_outputs([path], run=folder.path)
     if path.suffix.lower() not in ("", ".html", ".htm"):
         raise InputError(f"expected --out as a file *.html, found {path}: the report is a page")
-    refuse_unwritable(*(folder.path / file for file in (gait_data.FILE, report_walk.FILE)))
+    refuse_unwritable(
+        *(folder.path / file for file in (gait_data.FILE, report_walk.FILE)), own=True
+    )
     certificate = read_certificate(folder)
     if folder.finished and certificate.proof is None and not isinstance(run, Run):
         # No other process has traced its spec: before this one imports it, one does.

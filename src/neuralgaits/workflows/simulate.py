@@ -151,7 +151,7 @@ def _planned(settings: SimulateSettings) -> _Plan:
     else:
         refuse_beside_terrain(terrain, command, commands, disturbance)
     files = [] if settings.log is None else log_files(Path(settings.log), settings.episodes)
-    refuse_unwritable(*(run.path / file for file in (SUMMARY, PLANT)))
+    refuse_unwritable(*(run.path / file for file in (SUMMARY, PLANT)), own=True)
     videos = [] if settings.video is None else [Path(settings.video)]
     inputs = [Path(given) for given in (plant, commands, terrain) if isinstance(given, str | Path)]
     refuse_outputs([*files, *videos], inputs, run=run.path)

@@ -76,7 +76,7 @@ def sweep(settings: SweepSettings) -> Sweep:
     make = _folder(settings)
     # Before a folder is made, so that an engine that cannot be had leaves none.
     with settings.engine or worker_pool_for(workers, ray) as pool, make().alone() as folder:
-        refuse_unwritable(*(folder.path / file for file in (TABLE, PAGE, SUMMARY)))
+        refuse_unwritable(*(folder.path / file for file in (TABLE, PAGE, SUMMARY)), own=True)
         every = list(combinations(folder.asked))
         before = sum(folder.has(one.name) for one in every)
         if settings.begun is not None:

@@ -237,7 +237,8 @@ def _resumed(
     """Open an unfinished run, with the robot and spec it started with."""
     folder = resolve_unfinished(run, root)
     asked_of(folder)
-    refuse_unwritable(*(folder.path / file for file in (STATE, WEIGHTS, SUMMARY)), root / LATEST)
+    files = (folder.path / file for file in (STATE, WEIGHTS, SUMMARY))
+    refuse_unwritable(*files, root / LATEST, own=True)
     if robot is not None:
         _same_robot(folder, robot)
     return folder, *open_parts(folder)

@@ -54,7 +54,7 @@ def train_seeds(settings: TrainSeedsSettings) -> Seeds:
     robot, numbers, root = robot_from(settings.robot), range(*settings.seeds), settings.root
     first = new_training(robot, settings, numbers[0])
     place = None if settings.out is None else Path(settings.out)
-    refuse_unwritable(root / LATEST)
+    refuse_unwritable(root / LATEST, own=True)
     path = claim(place, root / SEEDS, robot.name, numbers[0], what="the runs", config=SUMMARY)
     # Runs are finished or gone on with one by one: nothing in here is replaced from now on.
     filled(path)

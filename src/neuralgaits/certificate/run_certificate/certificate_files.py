@@ -9,19 +9,25 @@ import hashlib
 from collections.abc import Mapping
 from pathlib import Path
 
+from neuralgaits.certificate.run_certificate.earlier import refuse_no_place_aside
 from neuralgaits.certificate.run_certificate.verified_summary import hashes
-from neuralgaits.records.certified import PROOF, SUMMARY
+from neuralgaits.records.certified import FOLDER, PROOF, SUMMARY
 from neuralgaits.runs import packed
 from neuralgaits.runs.atomic import refuse_unwritable, write_together
 from neuralgaits.runs.names import MAP, MAP_FIGURE
 
 FILES = (PROOF, MAP, MAP_FIGURE)
 """Files of a certificate beside its summary."""
+BOXES = "boxes-{}.safetensors"
+"""Name of the file of a root's boxes, by the root's number."""
 
 
 def refuse_unwritable_certificate(run: Path) -> None:
     """Refuse a run whose certificate cannot be written, before the search. Raises: InputError."""
-    refuse_unwritable(*(run / name for name in (*FILES, SUMMARY)))
+    packed_proof, boxes = packed.packed(run / PROOF), (run / FOLDER).glob(BOXES.format("*"))
+    there = [*([packed_proof] if packed_proof.exists() else []), *sorted(boxes)]
+    refuse_unwritable(*(run / name for name in (*FILES, SUMMARY)), *there, own=True)
+    refuse_no_place_aside(run)
 
 
 def hashes_with(run: Path, files: Mapping[str, bytes]) -> dict[str, str | None]:

@@ -4,6 +4,7 @@ No proof is lost: one that is replaced, and says what the new one does not, stay
 """
 
 import hashlib
+import os
 from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
@@ -11,6 +12,7 @@ from typing import NamedTuple
 
 from neuralgaits.certificate.level import Parameters
 from neuralgaits.certificate.run_certificate.verified_summary import read_certificate
+from neuralgaits.errors import InputError, reason
 from neuralgaits.records.certified import (
     PROOF,
     CertificateRecord,
@@ -52,9 +54,8 @@ class EarlierProof(NamedTuple):
     @classmethod
     def of(cls, folder: RunFolder) -> "EarlierProof | None":
         """Look at the proof file of a run; None if there is none."""
-        whole = folder.path / PROOF
-        path = whole if whole.exists() else packed.packed(whole)
-        if not path.exists():
+        path = _proof_in(folder.path)
+        if path is None:
             return None
         found = read_certificate(folder)
         if found.summary is None or found.proof is None:
@@ -100,18 +101,12 @@ class EarlierProof(NamedTuple):
         return level >= self.claims and same_sets
 
     def put_aside(self) -> Path:
-        """Copy the file beside itself, under a name of its content, and return that path."""
+        """Copy the file beside itself, under a name of its content, and return that path.
+
+        Raises: as `_free_name`, which `refuse_no_place_aside` tries before a search.
+        """
         content = self.path.read_bytes()
-        digest = hashlib.sha256(content).hexdigest()
-        names = (
-            self.path.with_name(self.path.name.replace("proof", f"proof-{digest[:size]}", 1))
-            for size in range(8, len(digest) + 1)
-        )
-        beside = next(
-            one
-            for one in names
-            if not one.exists() or (one.is_file() and one.read_bytes() == content)
-        )
+        beside = _free_name(self.path, content)
         write_bytes(beside, content)
         return beside
 
@@ -121,6 +116,47 @@ class EarlierProof(NamedTuple):
         if self.level == 0:
             return "what it states is unknown"
         return f"it states level {self.level}" + (f" of {self.scope}" if self.scope else "")
+
+
+def refuse_no_place_aside(run: Path) -> None:
+    """Refuse a run whose proof could not be put aside, before the search. Raises: InputError."""
+    path = _proof_in(run)
+    if path is None:
+        return
+    try:
+        _free_name(path, path.read_bytes())
+    except OSError as error:
+        raise InputError(
+            f"expected a proof file that can be read, found {path}: {reason(error)}; move it out "
+            "of the run, or allow reading it"
+        ) from None
+
+
+def _proof_in(run: Path) -> Path | None:
+    """Return the path of a run's proof file, compressed or not; None if there is none."""
+    whole = run / PROOF
+    path = whole if whole.exists() else packed.packed(whole)
+    return path if path.exists() else None
+
+
+def _free_name(proof: Path, content: bytes) -> Path:
+    """Return the path beside a proof file for a copy: free, or that of a copy from before.
+
+    Raises: InputError if all names are taken, OSError if what takes one cannot be read.
+    """
+    digest = hashlib.sha256(content).hexdigest()
+    names = [
+        proof.with_name(proof.name.replace("proof", f"proof-{digest[:size]}", 1))
+        for size in range(8, len(digest) + 1)
+    ]
+    for one in names:
+        # A link may lead nowhere, or in a ring.
+        if not os.path.lexists(one) or (one.is_file() and one.read_bytes() == content):
+            return one
+    raise InputError(
+        f"expected a free name for a copy of {proof}, found {names[0]} and all longer ones taken: "
+        "move them away"
+    )
 
 
 def saying(result: CertificateRecord, more: str) -> CertificateRecord:

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from neuralgaits.records import certificate_sentences
 from neuralgaits.records.certificate_sentences import ORBIT
-from neuralgaits.records.certified import CertificateRecord
+from neuralgaits.records.certified import PROOF, CertificateRecord
 from neuralgaits.report.drawing.command_words import FIGURE as FAMILY
 from neuralgaits.report.drawing.drawn import Drawn, Missing
 from neuralgaits.report.page import markup as html
@@ -147,9 +147,7 @@ def reproduction(contents: Contents) -> Html:
     trained = repeat_commands.training(saved.folder, copy)
     lines = ["" if trained is None else trained]
     if saved.certificate is not None:
-        level = saved.certificate.level
-        within, other = saved.certificate.within, _other_box(saved, saved.certificate)
-        lines.append(repeat_commands.certifying(copy, level, saved.disturbance, within, other))
+        lines.append(_certifying(saved, saved.certificate, copy))
     if saved.simulation is not None:
         lines.append(repeat_commands.simulating(saved.folder, saved.simulation, copy) or "")
     lines.append(command("report", named(copy)))
@@ -164,6 +162,21 @@ def reproduction(contents: Contents) -> Html:
         html.facts(f"Versions, {folder.created_utc}", versions),
         html.table("Files of the run", ("file", "sha256"), hashes),
     )
+
+
+def _certifying(saved: Saved, found: CertificateRecord, copy: Path) -> str:
+    """Return the command that proves what the run's proof file confirms; usual settings else."""
+    level: int | None = saved.confirmed_level
+    some = {} if saved.of_some is None else saved.of_some.ranges
+    within = {name: (one.low, one.high) for name, one in some.items()}
+    other = _other_box(saved, found) if PROOF in saved.hashes else None
+    if not level or (
+        level == 1 and "floor" in (saved.asked.parameters if other is None else other)
+    ):
+        # Statements about a floor begin at level 2.
+        level = None
+    disturbance = () if level == 1 else saved.disturbance
+    return repeat_commands.certifying(copy, level, disturbance, within, other)
 
 
 def _commands(saved: Saved, trained: str | None, lines: list[str]) -> list[Html]:

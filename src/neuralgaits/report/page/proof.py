@@ -40,9 +40,9 @@ def certificate(contents: Contents) -> Html:
         html.tag("h3", "Condition by condition (level 1)"),
         _conditions(saved, found),
         html.tag("h3", "What it assumes"),
-        html.items(certificate_sentences.assumptions(found.level, found.robots)),
+        html.items(certificate_sentences.assumptions(saved.confirmed_level, found.robots)),
         html.paragraph(
-            f"It claims nothing about {certificate_sentences.not_claimed(found.level)}."
+            f"It claims nothing about {certificate_sentences.not_claimed(saved.confirmed_level)}."
         ),
         html.folded("The same in the words of check-proof", html.items(contents.assumptions)),
         html.tag("h3", "Check it again"),

@@ -147,7 +147,7 @@ def _parent(folder: RunFolder, told: str) -> Path | None:
 
 def certifying(
     run: Path,
-    level: int,
+    level: int | None,
     disturbance: tuple[float, ...] = (),
     within: Mapping[str, tuple[float, float]] | None = None,
     parameters: Mapping[str, float] | None = None,
@@ -156,7 +156,7 @@ def certifying(
 
     Args:
         run: folder of the run.
-        level: highest level to prove.
+        level: highest level to prove; that of `certify` itself if None.
         disturbance: bounds on the disturbance at level 2; empty for none.
         within: narrower ranges of its commands; the full ranges if None.
         parameters: box of robots; that of the run if None.

@@ -95,6 +95,18 @@ class Saved:
         return 0 if self.certificate is None else self.certificate.proved_level
 
     @property
+    def confirmed_level(self) -> int:
+        """Return the highest level that the proof file confirms; 0 if it confirms none.
+
+        It is of the part of the commands that the proof is about. The level that a summary says
+        was requested is not: nothing confirms it.
+        """
+        if self.of_some is not None:
+            return self.of_some.level
+        above = () if self.certificate is None else self.certificate.levels
+        return max([self.proved_level, *(one.level for one in above if one.proved)])
+
+    @property
     def conditions(self) -> Mapping[str, ConditionVerdict]:
         """Return the certificate's verdicts by condition; empty without a certificate."""
         return {} if self.certificate is None else self.certificate.conditions

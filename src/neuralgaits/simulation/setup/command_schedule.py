@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from neuralgaits._digits import decimal
-from neuralgaits._inputs import refuse_unreadable
+from neuralgaits._inputs import between_commas, refuse_unreadable
 from neuralgaits._types import Float
 from neuralgaits.errors import InputError
 from neuralgaits.gait.commands import CommandLimits, Commands, place_of, values
@@ -181,7 +181,7 @@ def _row(
     if step is None or any(value is None for value in told):
         raise InputError(
             f"{path}: expected {len(order)} finite numbers in row {number + 1}, found "
-            f"{','.join(line)!r}"
+            f"{','.join(line)!r}: {between_commas(','.join(line))}"
         )
     given = {c.name: float(value or 0.0) for c, value in zip(commands, told, strict=True)}
     try:

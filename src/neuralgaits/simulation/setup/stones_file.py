@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from neuralgaits._digits import decimal
-from neuralgaits._inputs import refuse_unreadable
+from neuralgaits._inputs import between_commas, refuse_unreadable
 from neuralgaits._types import Float
 from neuralgaits.errors import InputError
 from neuralgaits.gait.commands import Commands, command_named
@@ -67,7 +67,7 @@ def _row(path: Path, number: int, line: list[str]) -> list[float]:
     if len(values) != len(_HEAD) or not all(map(math.isfinite, values)) or values[3] <= 0.0:
         raise InputError(
             f"{path}: expected {len(_HEAD)} finite numbers in row {number}, the width above 0, "
-            f"found {','.join(line)!r}"
+            f"found {','.join(line)!r}: {between_commas(','.join(line))}"
         )
     return values
 
