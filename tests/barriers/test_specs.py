@@ -16,6 +16,7 @@ from neuralgaits.errors import InputError, SpecError
 from neuralgaits.gait import HybridInvariantPolicy, MLPPolicy
 from neuralgaits.gait.commands import Command
 from neuralgaits.gait.gaits import Gait
+from neuralgaits.robots import load_robot
 from neuralgaits.robots.mjcf.loader import robot_from_text
 from support.random_biped import random_biped
 
@@ -141,7 +142,7 @@ def test_conditions_come_and_go(spec):
 
 @pytest.mark.parametrize("name", specs.DESCRIPTIONS)
 def test_built_in_specs_load_by_name(amber, name):
-    spec = specs.load(name, amber)
+    spec = specs.load(name, load_robot("amber3m-feet") if "flat" in name else amber)
     assert spec.name == name
     assert specs.source_path(name).is_file()
 
@@ -151,8 +152,8 @@ def test_built_in_specs_load_by_name(amber, name):
     [
         (
             "runing",
-            "expected one of walking, walking-mlp, rugged, paper, paper-walks, authors, "
-            "or FILE.py:NAME",
+            "expected one of walking, walking-mlp, walking-flat-feet, rugged, paper, "
+            "paper-walks, authors, or FILE.py:NAME",
         ),
         ("walkin", "unknown spec 'walkin': did you mean walking. expected one of"),
         (

@@ -22,11 +22,15 @@ def listed(place):
     return sorted(file.name for file in place.iterdir())
 
 
-def test_a_flat_foot_is_called_one_with_the_command_that_mends_it(place, capfd):
+def test_a_file_with_flat_feet_is_told_the_command_that_keeps_them(place, capfd):
     assert main(["inspect", "walker2d.xml"]) == 2
     err = capfd.readouterr().err
-    assert "body foot is a flat foot on the ankle foot_joint" in err
-    assert "`neuralgaits inspect FILE --planarise OUT.xml`" in err
+    assert "--planarise walker2d-planar.xml --feet flat`" in err
+    assert main(["inspect", "walker2d.xml", "--planarise", "flat.xml", "--feet", "flat"]) == 0
+    shown = " ".join(capfd.readouterr().out.split())
+    assert "sole from 0 m behind the ankle to 0.2 m ahead" in shown
+    assert main(["inspect", "flat.xml", "--feet", "flat"]) == 2
+    assert "--feet: expected --planarise OUT.xml beside it" in capfd.readouterr().err
 
 
 @pytest.mark.parametrize("verb", ["inspect", "train"])

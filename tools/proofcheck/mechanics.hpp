@@ -531,7 +531,13 @@ class Motion {
 
   // ---- after an impact in this state: the legs have swapped roles.
   const vector<S>& theta_after() {
-    if (!theta_after_) theta_after_ = turned(robot, swapped(robot, pose().q, pose().theta));
+    if (theta_after_) return *theta_after_;
+    if (robot.feet) {
+      theta_after_ = turned(robot, swapped(robot, pose().q, pose().theta));
+    } else {
+      theta_after_ = pose().theta;
+      std::reverse(theta_after_->begin(), theta_after_->end());
+    }
     return *theta_after_;
   }
 

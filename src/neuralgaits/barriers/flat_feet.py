@@ -8,9 +8,8 @@ from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
 
-from neuralgaits.barriers import feet_quantities as f
+from neuralgaits.barriers import functions as f
 from neuralgaits.barriers.conditions import AbstractCondition, Pointwise
-from neuralgaits.barriers.quantities import AtLeast, AtMost
 from neuralgaits.barriers.spec import GaitSpec
 from neuralgaits.barriers.walking import CLEARANCE, new_hybrid_invariant, units, walking
 from neuralgaits.errors import SpecError
@@ -60,14 +59,14 @@ def _sole(robot: "PlanarBiped") -> list[AbstractCondition]:
     lower, upper = float(robot.joint_lower[-1]), float(robot.joint_upper[-1])
     velocity = f.sole_vertical_velocity
     return [
-        Pointwise("pressure-heel", "tube", moment, f.PressureReserve("heel", WITHIN)),
-        Pointwise("pressure-toe", "tube", moment, f.PressureReserve("toe", WITHIN)),
-        Pointwise("ankle-lower", "tube", 0.5, AtLeast(f.stance_ankle, lower)),
-        Pointwise("ankle-upper", "tube", 0.5, AtMost(f.stance_ankle, upper)),
-        Pointwise("sole-rises", "lift-off", speed, AtLeast(velocity, 0.0)),
-        Pointwise("sole-clears", "swing", 0.05 * unit.length, f.SoleAboveArc(arc)),
-        Pointwise("sole-falls", "landing", speed, AtMost(velocity, 0.0)),
-        Pointwise("impulse-heel", "guard", push * reach, f.ImpulseReserve("heel", WITHIN)),
-        Pointwise("impulse-toe", "guard", push * reach, f.ImpulseReserve("toe", WITHIN)),
-        Pointwise("old-sole-leaves", "guard", 0.2 * unit.speed, AtLeast(f.old_sole_lift, 0.0)),
+        Pointwise("pressure-heel", "tube", moment, f.pressure_reserve("heel", WITHIN)),
+        Pointwise("pressure-toe", "tube", moment, f.pressure_reserve("toe", WITHIN)),
+        Pointwise("ankle-lower", "tube", 0.5, f.at_least(f.stance_ankle, lower)),
+        Pointwise("ankle-upper", "tube", 0.5, f.at_most(f.stance_ankle, upper)),
+        Pointwise("sole-rises", "lift-off", speed, f.at_least(velocity, 0.0)),
+        Pointwise("sole-clears", "swing", 0.05 * unit.length, f.sole_above_arc(arc)),
+        Pointwise("sole-falls", "landing", speed, f.at_most(velocity, 0.0)),
+        Pointwise("impulse-heel", "guard", push * reach, f.impulse_reserve("heel", WITHIN)),
+        Pointwise("impulse-toe", "guard", push * reach, f.impulse_reserve("toe", WITHIN)),
+        Pointwise("old-sole-leaves", "guard", 0.2 * unit.speed, f.at_least(f.old_sole_lift, 0.0)),
     ]

@@ -7,7 +7,7 @@ by the caller: see `at_least` and `at_most`. No abs, max or clip: two inequaliti
 import jax.numpy as jnp
 
 from neuralgaits._types import Actuated, Array, Float, Planar, Scalar
-from neuralgaits.barriers import quantities
+from neuralgaits.barriers import feet_quantities, quantities
 from neuralgaits.barriers.quantity_words import quantity
 from neuralgaits.errors import SpecError
 from neuralgaits.gait import Point
@@ -30,6 +30,12 @@ foot_above_arc = quantities.FootAboveArc
 foot_on_circle = quantities.FootOnCircle
 parabolic_clearance = quantities.ParabolicClearance
 orbital_energy = quantities.OrbitalEnergy
+pressure_reserve = feet_quantities.PressureReserve
+impulse_reserve = feet_quantities.ImpulseReserve
+sole_above_arc = feet_quantities.SoleAboveArc
+sole_vertical_velocity = feet_quantities.sole_vertical_velocity
+old_sole_lift = feet_quantities.old_sole_lift
+stance_ankle = feet_quantities.stance_ankle
 
 
 @quantity("lean of the torso, backwards positive", "rad", gist="an upright torso")

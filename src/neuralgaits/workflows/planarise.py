@@ -1,5 +1,6 @@
 """Make a robot file that the theory covers from one that it does not cover yet."""
 
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 
@@ -49,13 +50,23 @@ def robot_from(source: PlanarBiped | str | Path | None) -> PlanarBiped:
     except RobotError as error:
         if "--planarise" in str(error):
             raise
-        try:
-            planarise(*robot_text(source))
-        except RobotError:
+        feet = _feet_that_can_be_had(source)
+        if feet is None:
             raise error from None
         out = f"{Path(source).stem}-planar.xml"
-        line = command("inspect", str(source), "--planarise", out)
+        more = ("--feet", feet) if feet != "point" else ()
+        line = command("inspect", str(source), "--planarise", out, *more)
         raise RobotError(f"{error}; or have a copy made that can be treated: `{line}`") from None
+
+
+def _feet_that_can_be_had(source: str | Path) -> Feet | None:
+    """Return the feet with which a copy of a file can be treated: flat ones if it has some."""
+    kinds: tuple[Feet, ...] = ("flat", "point")
+    for feet in kinds:
+        with suppress(RobotError):
+            planarise(*robot_text(source), feet)
+            return feet
+    return None
 
 
 def _resolved(source: str | Path, text: str) -> tuple[str, ...]:

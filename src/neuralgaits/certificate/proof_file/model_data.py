@@ -50,12 +50,13 @@ def model_data(
     """Return the object "model" of a proof file.
 
     "robot": a leg from the lowest link up, each link with the joint at its upper end; "torso" or
-    null; gravity, friction, foot radius; "sole" if the lowest link is a flat foot. A centre of mass is "along" the line from the lower to the
-    upper joint (a torso's: from the hip upwards) and "across" it, counter-clockwise; SI. "policy",
-    "tube": arrays, each {"shape", "values"} or {"constant": name in the Program}; "commands" of a
-    policy that takes some, with their ranges and largest changes or null. "regions": boxes of the
-    chart. "conditions": by name, as in `GaitSpec.describe`. "residuals": of flow and reset, arrays
-    or null; only if something was learned.
+    null; gravity, friction, foot radius; "sole" if the lowest link is a flat foot. A centre of mass
+    is "along" the line from the lower to the upper joint (a torso's: from the hip upwards) and
+    "across" it, counter-clockwise; SI. "policy", "tube": arrays, each {"shape", "values"} or
+    {"constant": name in the Program}; "commands" of a policy that takes some, with their ranges and
+    largest changes or null. "regions": boxes of the chart. "conditions": by name, as in
+    `GaitSpec.describe`. "residuals": of flow and reset, arrays or null; only if something was
+    learned.
 
     Returns: plain data; None for a policy or a residual that is not one of this package's.
     """

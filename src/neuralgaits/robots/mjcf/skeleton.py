@@ -305,7 +305,8 @@ def _flat_foot(
         complex(ankle.real, sole.level),
         ankle.imag - sole.level,
         _contact_friction(model, sole.geom, floor),
-        (ankle.real - sole.heel, sole.toe - ankle.real),
+        # Nanometres: MuJoCo turns quaternions with rounding.
+        (round(ankle.real - sole.heel, 9) + 0.0, round(sole.toe - ankle.real, 9) + 0.0),
     )
 
 
