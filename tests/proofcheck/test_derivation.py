@@ -17,6 +17,8 @@ CASES = {
     "torso": Case("torso-2", "softplus"),
     "legs": Case("legs-3"),
     "learned": Case("amber3m", learned=True),
+    "feet": Case("amber3m-feet"),
+    "learned feet": Case("amber3m-feet", learned=True),
     "learned sets": SetCase("torso-2", learned=True, disturbance=(0.02, 0.3)),
     "speed": ToldCase("amber3m", commands=commands_of(speed=(0.55, 0.9))),
     "footholds": ToldCase(
@@ -28,6 +30,7 @@ CASES = {
     "sets": SetCase("legs-2", disturbance=(0.02, 0.3), attraction="nested tubes"),
 }
 TIGHT = {"legs": 1e-6, "learned": 1e-8, "speed": 1e-4, "footholds": 1e-3, "slope": 1e-4}
+TIGHT |= {"feet": 1e-8, "learned feet": 1e-6}
 """Width of an enclosure at a point; 1e-9 elsewhere. Elimination in six unknowns costs digits, and
 so do models with coefficients in doubles, which add to each operation what rounding may do."""
 POINTS, BOXES, SAMPLES = 12, 12, 40

@@ -40,7 +40,7 @@ from neuralgaits.gait.flow_residual import Residual
 from neuralgaits.gait.policies.commanded_gait import AnyGait, CommandedGait
 from neuralgaits.gait.reset_residual import ResetResidual
 from neuralgaits.programs import POINT, evaluate
-from neuralgaits.robots import load_robot
+from neuralgaits.robots import PlanarBiped, load_robot
 from neuralgaits.robots.mjcf.loader import robot_from_text
 from support.random_biped import random_biped
 
@@ -92,9 +92,22 @@ BARRIERS = (
 ).split()
 
 
-def conditions(torso: bool):
+OF_FEET = {
+    "pressure_heel": f.pressure_reserve("heel", 0.9),
+    "pressure_toe": f.pressure_reserve("toe", 0.8),
+    "impulse_heel": f.impulse_reserve("heel", 0.9),
+    "impulse_toe": f.impulse_reserve("toe", 0.7),
+    "sole_above_arc": f.sole_above_arc(0.02),
+    "sole_vertical_velocity": f.sole_vertical_velocity,
+    "old_sole_lift": f.old_sole_lift,
+    "stance_ankle": f.stance_ankle,
+}
+
+
+def conditions(robot: PlanarBiped):
     """One of every quantity and of every kind."""
-    quantities = POINTWISE | ({"torso_angle": f.torso_angle} if torso else {})
+    quantities = POINTWISE | ({"torso_angle": f.torso_angle} if robot.torso is not None else {})
+    quantities = quantities | (OF_FEET if robot.feet is not None else {})
     found: list[AbstractCondition] = []
     for name, quantity in quantities.items():
         found.append(Pointwise(name, "tube", 2.0, quantity))
@@ -120,9 +133,14 @@ class Case:
     learned: bool = False
     """Whether residuals are added to flow and reset."""
 
+    @property
+    def random(self) -> bool:
+        """Whether the robot is drawn."""
+        return self.name.startswith(("torso-", "legs-"))
+
     @cached_property
     def robot(self):
-        if "-" not in self.name:
+        if not self.random:
             return load_robot(self.name)
         kind, links = self.name.split("-")
         return robot_from_text(random_biped(11, int(links), torso=kind == "torso"), self.name)
@@ -143,10 +161,14 @@ class Case:
     def gait(self) -> AnyGait:
         """By construction hybrid invariant on the built-in robots, a free network elsewhere."""
         key = jax.random.key(5)
-        kind = MLPPolicy if "-" in self.name else HybridInvariantPolicy
+        kind = MLPPolicy if self.random else HybridInvariantPolicy
         policy = kind.init(self.robot, key=key, hidden=(8, 7), activation=self.activation)
+        if self.robot.feet is not None:
+            # An untrained ankle hardly pushes.
+            last = policy.ankle.network.weights[-1]
+            policy = eqx.tree_at(lambda p: p.ankle.network.weights[-1], policy, 30.0 * last)
         start, guard = (float(end) for end in policy.z1_range)
-        span = (1.1 * start, 0.9 * guard) if "-" in self.name else None
+        span = (1.1 * start, 0.9 * guard) if self.random else None
         tube = Tube.between_energies(
             self.robot, (0.3, 0.6), height=0.9, span=span, start=(start, guard), degree=5, tilt=0.1
         )
@@ -169,10 +191,10 @@ class Case:
 
     @cached_property
     def spec(self):
-        walking = specs.walking(self.robot)
+        walking = specs.load("walking", self.robot)
         regions = {"tube": (EVERYWHERE,)}
         recipe = replace(walking.recipe, samples={"tube": 4})
-        own = conditions(self.robot.torso is not None)
+        own = conditions(self.robot)
         return replace(
             walking, name="all", conditions=own, regions=regions, recipe=recipe, weights={}
         )

@@ -117,14 +117,12 @@ struct Pose {
   }
 
   // Angular momentum about `pivot`, counter-clockwise, of links that turn at w while the stance
-  // foot stands still; a stance ankle's rotor turns against that foot. About another pivot, the flat
-  // foot that it is under, the last link, is left out, and so is the rotor.
+  // foot stands still; a stance ankle's rotor turns against that foot.
   S momentum(const vector<S>& w, const Vec<S>* pivot = nullptr) const {
     const auto moving = spin(w);
     S sum(0.0);
-    if (robot.feet && !pivot) sum = robot.armature[0] * w[0];
-    const size_t count = robot.feet && pivot ? w.size() - 1 : w.size();
-    for (size_t i = 0; i < count; ++i) {
+    if (robot.feet) sum = robot.armature[0] * w[0];
+    for (size_t i = 0; i < w.size(); ++i) {
       const Vec<S> arm = pivot ? centre[i] - *pivot : centre[i];
       sum = sum + robot.mass[i] * cross(arm, point(robot.centre[i], moving)) +
             robot.inertia[i] * w[i];
@@ -552,9 +550,24 @@ class Motion {
   // Angular momentum about the new stance foot is kept, but for the residual.
   S z2_after() {
     const Vec<S> pivot = foot();
-    S kept = -pose().momentum(w(), &pivot);
-    if (robot.feet) kept = kept - robot.armature[0] * dq().back();
+    const S kept = robot.feet ? -kept_on_flat_foot() : -pose().momentum(w(), &pivot);
     return model.reset ? kept + reset_correction()[0] * z2 : kept;
+  }
+
+  // Counter-clockwise, in the coordinates of the foot that has landed level, its ankle's rotor included;
+  // links turn with that foot besides, and move with its ankle.
+  S kept_on_flat_foot() {
+    const Pose<S> landed(robot, swapped(robot, pose().q, pose().theta));
+    const vector<S> rates = swapped(robot, dq(), w());
+    vector<S> turning = turned(robot, rates);
+    for (S& one : turning) one = one + w().back();
+    const vector<Vec<S>> velocity = landed.velocities(turning);
+    const Vec<S> carried = foot_velocity();
+    S sum = robot.armature[0] * rates[0];
+    for (size_t i = 0; i < turning.size(); ++i)
+      sum = sum + robot.mass[i] * cross(landed.centre[i], velocity[i] + carried) +
+            robot.inertia[i] * turning[i];
+    return sum;
   }
 
   Motion& after() {
@@ -566,13 +579,15 @@ class Motion {
     Pose<S> pose;
     vector<S> w, dq;  // Rates of links and coordinates after it.
     Vec<S> impulse;   // Of the ground on the new stance foot; the links' own.
+    S first;          // Rate of the first coordinate; the links' own.
   };
   const Impact& impact() {
     if (impact_) return *impact_;
     const Struck<S> found = struck(robot, pose(), w());
     const vector<S> dq =
         model.reset ? corrected(found.pose, turned(robot, found.dq), found.dq) : found.dq;
-    impact_ = std::make_unique<Impact>(Impact{found.pose, turned(robot, dq), dq, found.impulse});
+    impact_ = std::make_unique<Impact>(Impact{found.pose, turned(robot, dq), dq, found.impulse,
+                                              found.dq[0]});
     return *impact_;
   }
 
@@ -597,7 +612,7 @@ class Motion {
     const Vec<S> velocity = foot_velocity();
     const S own = f.mass * (f.x * velocity.z - f.z * velocity.x) +
                   (robot.inertia.back() + f.mass * (f.x * f.x + f.z * f.z)) * w().back();
-    const S rotor = robot.armature[0] * (impact().dq[0] - dq().back());
+    const S rotor = robot.armature[0] * (impact().first - dq().back());
     return -own - rotor - f.height * impact().impulse.x;
   }
 
