@@ -717,10 +717,14 @@ void read_model(const Json& table, const ProgramFacts& program, bool by_program,
   read_conditions(*model.find("conditions"), program, joints, file);
 }
 
-// Levels 4 and 5 are about one gait of one robot, on footholds that lie where they are meant to.
-void match_full_order(const ProofFile& file) {
+// Levels 4 and 5 are about one gait of one robot on point feet, on footholds that lie where they are
+// meant to.
+void match_full_order(const ProofFile& file, const Json& model) {
   const Theorems& theorems = file.theorems;
   if (!theorems.full) return;
+  const Json* robot = model.type == Json::object ? model.find("robot") : nullptr;
+  if (robot && robot->type == Json::object && robot->find("sole"))
+    throw Inconsistent{"level 4 is stated, and it is about point feet"};
   if (file.chart.size() > 2) {
     string others;
     for (size_t i = 2; i < file.chart.size(); ++i)
@@ -761,7 +765,7 @@ void read_proof(const Json& table, bool by_program, ProofFile& file) {
 
   read_model(table, program, by_program, file);
   file.theorems = theorems_of(*table.find("theorems"), file.model.tube);
-  match_full_order(file);
+  match_full_order(file, *table.find("model"));
   if (auto& full = file.theorems.full; full && file.underivable.empty()) {
     find_conditions(*full, file.conditions);
     if (file.model.flow || file.model.reset)
