@@ -163,7 +163,7 @@ class Case:
         key = jax.random.key(5)
         kind = MLPPolicy if self.random else HybridInvariantPolicy
         policy = kind.init(self.robot, key=key, hidden=(8, 7), activation=self.activation)
-        if self.robot.feet is not None:
+        if isinstance(policy, HybridInvariantPolicy) and policy.ankle is not None:
             # An untrained ankle hardly pushes.
             last = policy.ankle.network.weights[-1]
             policy = eqx.tree_at(lambda p: p.ankle.network.weights[-1], policy, 30.0 * last)
