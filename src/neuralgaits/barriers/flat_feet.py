@@ -20,8 +20,9 @@ if TYPE_CHECKING:
 NAME = "walking-flat-feet"
 WITHIN = 0.9
 """Middle part of the sole, in shares of it, that the centre of pressure stays in."""
-SOLE_CLEARANCE = 0.5 * CLEARANCE
-"""Height of the arc that heel and toe stay above, of the reference robot [m]."""
+SOLE_CLEARANCE = 1.25 * CLEARANCE
+"""Height of the arc that heel and toe stay above, of the reference robot [m]: at half a CLEARANCE a
+gait on floors of 2 cm trips in every walk, at 1.25 in none of 20."""
 STEPS = 2000
 """Gradient steps."""
 
