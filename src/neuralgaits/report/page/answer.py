@@ -37,10 +37,12 @@ def _part(head: str, body: str) -> Html:
 
 def _what(contents: Contents) -> str:
     saved, robot = contents.saved, contents.robot
+    feet = "feet like points: nothing holds it upright but the next step"
+    if robot.flat_feet is not None:
+        feet = "flat feet, which hold it as long as its weight is over a sole"
     who = (
         f"{saved.robot} is a two-legged robot of {number(robot.mass_kg)} kg with legs of "
-        f"{number(robot.hip_height_m)} m, {len(robot.actuators)} motors and feet like "
-        "points: nothing holds it upright but the next step."
+        f"{number(robot.hip_height_m)} m, {len(robot.actuators)} motors and {feet}."
     )
     if saved.nan is not None:
         return f"{who} {saved.nan} There is no gait to judge."
