@@ -1,5 +1,6 @@
 """One command at a time works on a run folder."""
 
+import os
 import shutil
 import subprocess
 import sys
@@ -9,7 +10,7 @@ import pytest
 from neuralgaits.errors import InputError, RunError
 from neuralgaits.runs.claim import claimed
 from neuralgaits.runs.names import SUMMARY
-from neuralgaits.runs.only_writer import only_writer
+from neuralgaits.runs.only_writer import LOCK, only_writer
 from neuralgaits.workflows.train import train
 
 pytest.importorskip("fcntl")
@@ -62,3 +63,28 @@ def test_a_run_that_is_being_trained_is_not_resumed(small_run, tmp_path):
         with pytest.raises(InputError, match="nobody else at work"):
             train(resume=path)
     assert {one: one.read_bytes() for one in before} == before
+
+
+@pytest.mark.parametrize("kind", ["link", "broken link", "FIFO", "folder"])
+def test_a_lock_that_is_no_file_of_its_own_is_refused_and_nothing_is_lost(tmp_path, kind):
+    folder, precious = tmp_path / "run", tmp_path / "precious.txt"
+    folder.mkdir()
+    if kind != "broken link":
+        precious.write_text("precious")
+    lock = folder / LOCK
+    {
+        "FIFO": lambda: os.mkfifo(lock),
+        "folder": lock.mkdir,
+    }.get(kind, lambda: lock.symlink_to("../precious.txt"))()
+    with pytest.raises(InputError, match=r"\.lock, found a \w+: move it away"):
+        with only_writer(folder):
+            pass
+    assert os.path.lexists(lock)
+    assert precious.exists() == (kind != "broken link")
+
+
+def test_a_file_with_content_in_the_lock_s_place_is_kept(tmp_path):
+    (tmp_path / LOCK).write_text("mine")
+    with only_writer(tmp_path):
+        pass
+    assert (tmp_path / LOCK).read_text() == "mine"
