@@ -71,7 +71,9 @@ def refuse_no_path(what: str, value: object) -> None:
         )
 
 
-def refuse_unreadable(path: Path, most: int = MOST_BYTES) -> None:
+def refuse_unreadable(
+    path: Path, most: int = MOST_BYTES, remedy: str = "is it the right file?"
+) -> None:
     """Refuse what lies at a path if it is no regular file, or larger than `most` bytes.
 
     A folder, and a path where nothing lies or none can, is left to whoever opens it.
@@ -89,8 +91,7 @@ def refuse_unreadable(path: Path, most: int = MOST_BYTES) -> None:
         raise InputError(f"expected a file to read, found {kind} at {path}: {remedy}")
     if found.st_size > most:
         raise InputError(
-            f"expected a file of at most {most} bytes, found {found.st_size} at {path}: is it the "
-            "right file?"
+            f"expected a file of at most {most} bytes, found {found.st_size} at {path}: {remedy}"
         )
 
 

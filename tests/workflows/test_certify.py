@@ -1,10 +1,8 @@
 """The certify workflow: a proof of a trained gait, refutations, budgets, what cannot be traced."""
 
-import hashlib
 import json
 import shutil
 import time
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -12,13 +10,11 @@ import pytest
 
 from neuralgaits.analysis.run import open_run
 from neuralgaits.certificate.proof_file.reader import read_claims
-from neuralgaits.certificate.run_certificate.earlier import EarlierProof
 from neuralgaits.certificate.search.root_turns import SearchInterrupted
 from neuralgaits.errors import InputError, RunError, SpecError
 from neuralgaits.runs import read_arrays
 from neuralgaits.workflows import certify as certify_module
 from neuralgaits.workflows.certify import certify
-from support.shipped_run import SHIPPED
 
 FIELDS = {"verdict", "level", "conditions", "wall_s", "proof"}
 ENTRY = {"verdict", "proved_fraction", "boxes", "margin", "counterexample"}
@@ -140,44 +136,6 @@ def test_no_time_is_undecided_and_can_be_resumed(gait, certificate, tmp_path):
     assert done.summary["conditions"]["torque-lower"]["boxes"] == whole["boxes"]
 
 
-WHOLE = {"sets": {2: "a set", 3: "an orbit"}}
-OF_A_PART = {"within": {"speed": (0.7, 0.72)}}
-OF_A_BOX = {"parameters": {"mass": 0.01}}
-
-
-@pytest.mark.parametrize(
-    ("reached", "asked", "new", "stays", "said"),
-    [
-        (3, 3, WHOLE, False, True),
-        (4, 4, WHOLE, False, True),
-        (3, 3, {"sets": {2: "a set", 3: "another"}}, False, False),
-        (3, 3, OF_A_PART | WHOLE, False, False),
-        (3, 3, OF_A_BOX | WHOLE, False, False),
-        (1, 1, {}, False, False),
-        (2, 3, WHOLE, True, False),
-        (3, 4, WHOLE, False, True),
-        (0, 1, {}, True, False),
-        (0, 1, OF_A_PART, True, False),
-        (0, 1, OF_A_BOX | {"verdict": "refuted"}, True, False),
-        (0, 1, {"verdict": "refuted"}, False, False),
-    ],
-)
-def test_a_proof_goes_only_where_the_new_one_says_as_much(
-    certificate, tmp_path, reached, asked, new, stays, said
-):
-    before = EarlierProof(tmp_path / "proof.json", certificate.summary, 3, 3, "", WHOLE["sets"])
-    changes = {name: value for name, value in new.items() if name != "sets"}
-    found = replace(certificate.summary, level=asked, **changes)
-    assert before.stays(found, reached) == stays
-    assert before.is_said_by(found, reached, new.get("sets", {})) == said
-    # A summary may say less than the file does.
-    understated = before._replace(level=1)
-    assert understated.is_said_by(found, reached, new.get("sets", {})) == said
-    unknown = EarlierProof(tmp_path / "proof.json", None, 0, 0, "", {})
-    assert unknown.stays(found, reached) == (reached == 0)
-    assert not unknown.is_said_by(found, reached, WHOLE["sets"])
-
-
 @pytest.mark.parametrize("damage", [None, "{", '{"wall_s": null}'])
 def test_no_proof_is_lost(gait, certificate, tmp_path, damage):
     """A summary that nobody can read is no reason to delete the proof beside it."""
@@ -201,38 +159,6 @@ def test_no_proof_is_lost(gait, certificate, tmp_path, damage):
     assert len(list((run.path / "certificate").glob("proof-*.json"))) == 1
 
 
-def test_a_name_that_is_taken_is_not_overwritten(tmp_path):
-    proof = tmp_path / "proof.json.gz"
-    proof.write_bytes(b"proof")
-    before = EarlierProof(proof, None, 0, 0, "", {})
-    first = before.put_aside()
-    assert first == before.put_aside() != proof
-    assert len(list(tmp_path.iterdir())) == 2
-    first.write_bytes(b"mine")
-    second = before.put_aside()
-    second.unlink()
-    second.mkdir()
-    third = before.put_aside()
-    assert third.read_bytes() == proof.read_bytes() == b"proof"
-    assert (first.read_bytes(), second.is_dir()) == (b"mine", True)
-    third.unlink()
-    third.symlink_to(third.name)
-    fourth = before.put_aside()
-    assert fourth.read_bytes() == b"proof" and third.is_symlink()
-
-
-def test_a_proof_that_could_not_be_put_aside_is_refused_before_the_search(tmp_path):
-    run = open_run(shutil.copytree(SHIPPED, tmp_path / "run"))
-    proof = run.path / "certificate" / "proof.json"
-    digest = hashlib.sha256(proof.read_bytes()).hexdigest()
-    for size in range(8, 65):
-        proof.with_name(f"proof-{digest[:size]}.json").mkdir()
-    before = sorted(run.path.rglob("*"))
-    with pytest.raises(InputError, match=rf"found \S+-{digest[:8]}.json and all .*: move them"):
-        certify(run, level=1, progress=lambda share, boxes: pytest.fail("it has begun"))
-    assert sorted(run.path.rglob("*")) == before
-
-
 def test_a_search_that_came_to_less_leaves_the_proof_that_is_there(gait, certificate, tmp_path):
     run = open_run(shutil.copytree(gait.path, tmp_path / "run"))
     files = {path: path.read_bytes() for path in _certificate_files(run)}
@@ -244,7 +170,8 @@ def test_a_search_that_came_to_less_leaves_the_proof_that_is_there(gait, certifi
     # One that the run does not bear out is not deleted, either: somebody may mend the run.
     (run.path / "certificate" / "proof.json").write_bytes(b"{}")
     again = certify(run, level=2, budget=1e-9)
-    assert "what it states is unknown" in (again.summary["reason"] or "")
+    unknown = "what it states is unknown, and check-proof tells whether it is a proof"
+    assert unknown in (again.summary["reason"] or "")
     assert (run.path / "certificate" / "proof.json").read_bytes() == b"{}"
 
 

@@ -1,7 +1,7 @@
 """Prove a run: its conditions on their regions, its walking set, its orbit, its full order."""
 
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -27,11 +27,9 @@ from neuralgaits.certificate.proof_file.theorem_tables import Theorems
 from neuralgaits.certificate.proof_file.writer import prove
 from neuralgaits.certificate.run_certificate.certificate_files import (
     BOXES,
-    hashes_with,
     refuse_unwritable_certificate,
-    write_certificate,
 )
-from neuralgaits.certificate.run_certificate.earlier import EarlierProof, level_reached, saying
+from neuralgaits.certificate.run_certificate.earlier import level_reached
 from neuralgaits.certificate.run_certificate.scope import Scope
 from neuralgaits.certificate.search.branch_and_bound import BoundAll, Search
 from neuralgaits.certificate.search.checkpoint import load, save
@@ -47,18 +45,13 @@ from neuralgaits.engine import worker_pool_for
 from neuralgaits.errors import InputError, SpecError
 from neuralgaits.programs import Program
 from neuralgaits.records import certified
-from neuralgaits.records.certified import (
-    CertificateRecord,
-    Conclusion,
-    ConditionVerdict,
-)
-from neuralgaits.runs.names import MAP, MAP_FIGURE
-from neuralgaits.runs.plain import to_json
+from neuralgaits.records.certified import Conclusion
+from neuralgaits.runs.only_writer import only_writer
 from neuralgaits.settings import CertifySettings, called_with
 from neuralgaits.settings.forms import LEARNED
 from neuralgaits.workflows.certify_result import CertifyResult
+from neuralgaits.workflows.finish_certificate import finish_certificate
 
-NO_SETS = LevelSets()
 MORE = "--resume goes on, with a --budget for as long as that lasts"
 
 
@@ -81,12 +74,19 @@ def certify(settings: CertifySettings) -> CertifyResult:
     robot of the file alone.
 
     Returns: `CertifyResult`. Proof, summary, boxes and map are in the run's folder.
-    Raises: InputError on bad settings; RunError if there are no boxes to resume from;
-        SearchInterrupted for KeyboardInterrupt, with the results so far in the folder.
+    Raises: InputError on bad settings, or if another command works on the run; RunError if there
+        are no boxes to resume from; SearchInterrupted for KeyboardInterrupt, with the results so
+        far in the folder.
     """
+    trained = open_run(settings.run)
+    with only_writer(trained.path):
+        return certify_alone(trained, settings)
+
+
+def certify_alone(trained: Run, settings: CertifySettings) -> CertifyResult:
+    """Do what `certify` does, for a run whose lock the caller holds. Raises: as `certify`."""
     start_time = time.perf_counter()
     level, budget = settings.highest, settings.budget
-    trained = open_run(settings.run)
     disturbance = _bounds(settings.disturbance, trained)
     deadline = time.monotonic() + (np.inf if budget is None else budget)
     scope = Scope.of(trained, level, settings.within, settings.parameters)
@@ -99,7 +99,7 @@ def certify(settings: CertifySettings) -> CertifyResult:
     except SpecError as error:
         # A proof of what could be traced once would be taken for a proof of this run.
         nothing = level_one.not_looked_at(spec)
-        return _finish(trained, scope, nothing, [], start_time, {}, reason=str(error))
+        return finish_certificate(trained, scope, nothing, [], start_time, {}, reason=str(error))
     task = _Task(trained, scope, sets, program)
     problems = [
         *condition_problems(spec, program, scope.chart),
@@ -201,7 +201,7 @@ def _concluded(
             for one in conclusions
         ]
         reason = "; ".join(filter(None, (only, reason)))
-    return _finish(
+    return finish_certificate(
         run,
         scope,
         verdicts,
@@ -212,6 +212,7 @@ def _concluded(
         boxes=box_count([state for _, state in searched]),
         reached=reached,
         sets=task.sets,
+        statements=statements,
     )
 
 
@@ -245,56 +246,3 @@ def _conclusions(task: _Task, statements: Sequence[StatementRecord]) -> list[Con
         reason = sets.reasons.get(level, f"level {level - 1} is not proved")
         found.setdefault(level, Conclusion(level, "undecided", reason, (), {}))
     return [found[level] for level in sorted(found)]
-
-
-def _finish(
-    run: Run,
-    scope: Scope,
-    verdicts: Mapping[str, ConditionVerdict],
-    conclusions: Sequence[Conclusion],
-    start_time: float,
-    files: Mapping[str, bytes],
-    *,
-    boxes: int = 0,
-    reason: str | None = None,
-    reached: int = 0,
-    sets: LevelSets = NO_SETS,
-) -> CertifyResult:
-    """Write the certificate: `files` by name and the summary; files of an older one are removed.
-
-    A search that came to less leaves the older one; a proof that says what the new one does not
-    stays beside it. `reached` is the highest level that is proved of the scope, which may be part
-    of the gait's commands.
-    """
-    proof = str(run.path / certified.PROOF) if certified.PROOF in files else None
-    summary = CertificateRecord(
-        run=str(run.path),
-        robot=run.asked.robot,
-        spec=run.asked.spec,
-        verdict="undecided",
-        level=scope.level,
-        conditions=verdicts,
-        levels=tuple(conclusions),
-        sha256=hashes_with(run.path, files),
-        wall_s=time.perf_counter() - start_time,
-        boxes=boxes,
-        within=scope.within,
-        parameters=dict(scope.box),
-        reason=reason,
-        proof=proof,
-        full_order_proof=proof if sets.full_order else None,
-        map=str(run.path / MAP_FIGURE) if MAP in files else None,
-    )
-    summary = replace(summary, verdict=summary.of_all)
-    before = EarlierProof.of(run.folder)
-    # Where nothing could be traced, a proof from before would be taken for one of this run.
-    if before is not None and boxes and before.stays(summary, reached):
-        kept = replace(summary, proof=None, full_order_proof=None, map=None)
-        said = f"the certificate from before stays: {before.states}, and check-proof checks it"
-        return CertifyResult(saying(kept, said))
-    said = summary
-    if before is not None and not before.is_said_by(summary, reached, sets.parameters):
-        aside = before.put_aside()
-        said = saying(summary, f"the proof from before is now {aside}: {before.states}")
-    write_certificate(run.path, files, to_json(summary).encode())
-    return CertifyResult(said)

@@ -23,10 +23,10 @@ from neuralgaits.records.trained import ProofHistory, ProofRound, TrainingProof
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.runs import RunFolder
 from neuralgaits.runs.names import WEIGHTS
-from neuralgaits.settings import Watch
+from neuralgaits.settings import CertifySettings, Watch
 from neuralgaits.training import Boxes, Extra, Trainer, TrainState
 from neuralgaits.training.training_loop import GradientSteps
-from neuralgaits.workflows.certify import certify
+from neuralgaits.workflows.certify import certify_alone
 
 ROUNDS = 10
 """Repairs after which a training gives up."""
@@ -131,13 +131,12 @@ class ProofRounds:
         """Certify the gait and record the round. Returns: the boxes left open, by region."""
         self.folder.write_tree(WEIGHTS, gait)
         left = deadline - time.monotonic()
-        found = certify(
-            Run(self.folder, self.robot, self.spec, gait),
-            level=1,
-            # Without any time left it still says what was to be proved.
-            budget=None if left == np.inf else max(left, 1e-3),
-            progress=self.watch.proved,
-        )
+        run = Run(self.folder, self.robot, self.spec, gait)
+        # Without any time left it still says what was to be proved.
+        budget = None if left == np.inf else max(left, 1e-3)
+        settings = CertifySettings(run, level=1, budget=budget, progress=self.watch.proved)
+        # Whoever trains holds the run's lock.
+        found = certify_alone(run, settings)
         left_open = self._open_boxes()
         ended = ProofRound(
             number=number,

@@ -4,6 +4,7 @@ A verdict is about the names and boxes that are required here, never about those
 JAX.
 """
 
+import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple, Protocol
@@ -18,6 +19,8 @@ from neuralgaits.certificate.proof_file.theorem_tables import Theorems
 
 Root = tuple[str, Corner, Corner]
 """An output and a box of (phase, level), for all values of the parameters: (name, low, high)."""
+ROUNDING = 1e-6
+"""Share by which a bound may be less on another machine, by rounding."""
 SHOWN = 3
 """Largest number of wrong boxes or names that a message gives."""
 
@@ -118,6 +121,23 @@ def stated_roots(statements: Iterable[LabelledClaim]) -> Iterator[tuple[Root, La
     for statement in statements:
         for name in statement.scales:
             yield (name, statement.low[:PLANE], statement.high[:PLANE]), statement
+
+
+def says_all(new: Iterable[LabelledClaim], old: Iterable[LabelledClaim]) -> bool:
+    """Return whether statements say all that others say: each output, box, scale and bound."""
+
+    def bounds(statements: Iterable[LabelledClaim]) -> dict[tuple, float]:
+        return {
+            (one.region, name, scale, one.low, one.high): one.bounds[name]
+            for one in statements
+            for name, scale in one.scales.items()
+        }
+
+    found = bounds(new)
+    return all(
+        found.get(root, -math.inf) >= bound - ROUNDING * abs(bound)
+        for root, bound in bounds(old).items()
+    )
 
 
 def contradictions(

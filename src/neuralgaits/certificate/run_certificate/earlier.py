@@ -5,13 +5,17 @@ No proof is lost: one that is replaced, and says what the new one does not, stay
 
 import hashlib
 import os
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
+from neuralgaits._inputs import refuse_unreadable
 from neuralgaits.certificate.level import Parameters
+from neuralgaits.certificate.proof_file.coverage import says_all
+from neuralgaits.certificate.proof_file.reader import Statement
 from neuralgaits.certificate.run_certificate.verified_summary import read_certificate
+from neuralgaits.certificate.search.statement_record import StatementRecord
 from neuralgaits.errors import InputError, reason
 from neuralgaits.records.certified import (
     PROOF,
@@ -20,6 +24,8 @@ from neuralgaits.records.certified import (
     ConditionVerdict,
 )
 from neuralgaits.runs import RunFolder, packed, write_bytes
+
+_MOVE = "move it out of the run"
 
 
 def level_reached(conditions: Iterable[ConditionVerdict], conclusions: Iterable[Conclusion]) -> int:
@@ -42,6 +48,7 @@ class EarlierProof(NamedTuple):
         scope: the part of the commands or the box of robots that it is about, in words; "" if it
             is about all commands and the robot of the file.
         sets: parameters of its levels' sets.
+        statements: its statements; none if it is unknown what it states.
     """
 
     path: Path
@@ -50,11 +57,12 @@ class EarlierProof(NamedTuple):
     claims: int
     scope: str
     sets: Parameters
+    statements: Sequence[Statement | StatementRecord] = ()
 
     @classmethod
     def of(cls, folder: RunFolder) -> "EarlierProof | None":
         """Look at the proof file of a run; None if there is none."""
-        path = _proof_in(folder.path)
+        path = next(iter(_proofs_in(folder.path)), None)
         if path is None:
             return None
         found = read_certificate(folder)
@@ -67,7 +75,8 @@ class EarlierProof(NamedTuple):
         about += [f"robots within {summary.robots}"] if summary.robots else []
         theorems = found.proof.theorems
         claims = max(theorems.claimed, default=1)
-        return cls(path, summary, level, claims, " and ".join(about), theorems.parameters)
+        scope, statements = " and ".join(about), found.proof.statements
+        return cls(path, summary, level, claims, scope, theorems.parameters, statements)
 
     def _about_the_same(self, new: CertificateRecord) -> bool:
         """Return whether a new certificate is about the same commands, robots and floors."""
@@ -81,62 +90,100 @@ class EarlierProof(NamedTuple):
         """Return whether a new certificate, which proves a level of its scope, is not written.
 
         It is not if it came to less than it was asked, and to less than this one. A refutation is
-        written where it contradicts this one.
+        written where it contradicts this one, or where it is unknown what this one states.
         """
         if self.summary is None:
-            return level == 0
+            return level == 0 and new.verdict != "refuted"
         if new.verdict == "refuted" and self._about_the_same(new):
             return False
         return level < new.level and level < self.level
 
-    def is_said_by(self, new: CertificateRecord, level: int, sets: Parameters) -> bool:
-        """Return whether a new certificate says all that this file claims: then it may go."""
-        if not self._about_the_same(new):
+    def is_said_by(
+        self,
+        new: CertificateRecord,
+        level: int,
+        sets: Parameters,
+        statements: Sequence[Statement | StatementRecord],
+    ) -> bool:
+        """Return whether a new certificate says all that this file claims: then it may go.
+
+        Args:
+            new: the new certificate.
+            level: highest level that it proves of its scope.
+            sets: parameters of its levels' sets.
+            statements: statements of its proof file.
+        """
+        if not self._about_the_same(new) or not says_all(statements, self.statements):
             return False
-        if self.level == 0 and self.claims <= 1:
-            # An unfinished one of the same, on which --resume went on.
-            return True
-        stated = range(2, self.claims + 1)
-        same_sets = all(self.sets.get(number) == sets.get(number) for number in stated)
-        return level >= self.claims and same_sets
+        claimed = range(2, self.claims + 1)
+        same_sets = all(self.sets.get(number) == sets.get(number) for number in claimed)
+        return not claimed or (level >= self.claims and same_sets)
 
     def put_aside(self) -> Path:
         """Copy the file beside itself, under a name of its content, and return that path.
 
         Raises: as `_free_name`, which `refuse_no_place_aside` tries before a search.
         """
-        content = self.path.read_bytes()
-        beside = _free_name(self.path, content)
-        write_bytes(beside, content)
-        return beside
+        return _put_aside(self.path)
 
     @property
     def states(self) -> str:
         """Statement of the file, in words. Nobody has bounded its boxes again."""
-        if self.level == 0:
+        if self.summary is None:
             return "what it states is unknown"
+        if self.level == 0:
+            return f"it states part of level 1, {len(self.statements)} statements"
         return f"it states level {self.level}" + (f" of {self.scope}" if self.scope else "")
+
+    @property
+    def checked_how(self) -> str:
+        """What `check-proof` does with the file, in words."""
+        if self.summary is None:
+            return "check-proof tells whether it is a proof"
+        return "check-proof checks it"
+
+
+def put_hidden_aside(run: Path) -> Path | None:
+    """Keep a compressed proof file that lies behind a plain one with other content.
+
+    Returns: the copy's path; None if there is no such file.
+    """
+    plain, *behind = _proofs_in(run) or [run]
+    for path in behind:
+        try:
+            if packed.content(path) == plain.read_bytes():
+                return None
+        except OSError:
+            # What is damaged may be mended.
+            pass
+        return _put_aside(path)
+    return None
 
 
 def refuse_no_place_aside(run: Path) -> None:
     """Refuse a run whose proof could not be put aside, before the search. Raises: InputError."""
-    path = _proof_in(run)
-    if path is None:
-        return
-    try:
-        _free_name(path, path.read_bytes())
-    except OSError as error:
-        raise InputError(
-            f"expected a proof file that can be read, found {path}: {reason(error)}; move it out "
-            "of the run, or allow reading it"
-        ) from None
+    for path in _proofs_in(run):
+        refuse_unreadable(path, packed.LARGEST_BYTES, remedy=_MOVE)
+        try:
+            _free_name(path, path.read_bytes())
+        except OSError as error:
+            raise InputError(
+                f"expected a proof file that can be read, found {path}: {reason(error)}; {_MOVE}, "
+                "or allow reading it"
+            ) from None
 
 
-def _proof_in(run: Path) -> Path | None:
-    """Return the path of a run's proof file, compressed or not; None if there is none."""
-    whole = run / PROOF
-    path = whole if whole.exists() else packed.packed(whole)
-    return path if path.exists() else None
+def _put_aside(path: Path) -> Path:
+    content = path.read_bytes()
+    beside = _free_name(path, content)
+    write_bytes(beside, content)
+    return beside
+
+
+def _proofs_in(run: Path) -> list[Path]:
+    """Return the paths of a run's proof files, the one that readers take first."""
+    plain = run / PROOF
+    return [path for path in (plain, packed.packed(plain)) if path.exists()]
 
 
 def _free_name(proof: Path, content: bytes) -> Path:
