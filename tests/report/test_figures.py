@@ -1,5 +1,6 @@
 """Figures as a reader meets them: units, words, files, and what is missing and how to get it."""
 
+import json
 import re
 import shlex
 import shutil
@@ -24,6 +25,7 @@ from neuralgaits.cli.argv_parser import read
 from neuralgaits.errors import InputError, RunError
 from neuralgaits.gait.flow_residual import Residual
 from neuralgaits.logs.walk_table import Log
+from neuralgaits.records.simulated import SUMMARY as SIMULATION
 from neuralgaits.report.certificate import certificate_of
 from neuralgaits.report.drawing.drawn import Drawn, Missing
 from neuralgaits.report.drawing.figure import png, svg, write
@@ -40,6 +42,8 @@ from neuralgaits.report.figures import (
 from neuralgaits.report.figures.full_order_set import FullOrderSet
 from neuralgaits.report.figures.return_map import Proved
 from neuralgaits.report.makers import Absent, RunFigures, makers_of
+from neuralgaits.runs.hashes import file_hashes
+from neuralgaits.runs.names import FIT_SUMMARY, ROBOT, WEIGHTS
 from neuralgaits.workflows.figures import figures
 
 UNIT = re.compile(r"\[.+\]")
@@ -149,6 +153,15 @@ def test_a_log_brings_the_walk(run, data, tmp_path):
     assert last[-1, 1] == pytest.approx(0.0, abs=1e-3), "one sample before"
     assert last[-1, 0] == pytest.approx(data.numbers.step_length_m, rel=0.01)
 
+    # The record of `simulate` says that another gait walked.
+    record = {"logs": [str(target)], "sha256": dict.fromkeys((ROBOT, WEIGHTS), "0" * 64)}
+    (copy.path / SIMULATION).write_text(json.dumps(record))
+    assert measured_walk(copy) is None
+    assert isinstance(entry(copy, "walk-tiles"), Missing)
+    record["sha256"] = file_hashes(copy.path, (ROBOT, WEIGHTS))
+    (copy.path / SIMULATION).write_text(json.dumps(record))
+    assert measured_walk(copy) is not None
+
 
 def test_a_residual_brings_its_field(run, data, tmp_path):
     copy = copied(run, tmp_path)
@@ -157,6 +170,11 @@ def test_a_residual_brings_its_field(run, data, tmp_path):
     Learned(flow, None, np.zeros(2)).write(copy.path / "residual" / "residual.safetensors")
     made = entry(copy, "residual-field")
     assert not isinstance(made, Missing)
+    # The record of `fit` says that another gait walked.
+    record = {"logs": [], "sha256": {WEIGHTS: "0" * 64}}
+    (copy.path / FIT_SUMMARY).write_text(json.dumps(record))
+    assert isinstance(entry(copy, "residual-field"), Missing)
+    (copy.path / FIT_SUMMARY).unlink()
     caption, _ = made
     assert "has not been trained with it yet" in caption
     found = residual_data(copy)

@@ -10,11 +10,11 @@ from safetensors.numpy import load_file, save_file
 
 from neuralgaits.analysis.learned import Learned
 from neuralgaits.analysis.recorded_gait import (
-    GAIT_FILES,
     refuse_logs_of_another,
     refuse_residual_of_another,
 )
 from neuralgaits.analysis.run import open_run
+from neuralgaits.analysis.walk_log import GAIT_FILES
 from neuralgaits.errors import InputError
 from neuralgaits.gait.flow_residual import Residual
 from neuralgaits.runs.hashes import file_hashes

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from neuralgaits.analysis.run import Run
-from neuralgaits.analysis.walk_log import SIMULATED, WALKED
+from neuralgaits.analysis.walk_log import GAIT_FILES, SIMULATED, WALKED
 from neuralgaits.errors import InputError, RunError
 from neuralgaits.records.fitted import FittedGait, Logs
 from neuralgaits.records.simulated import SUMMARY
@@ -17,9 +17,6 @@ from neuralgaits.runs.folder import CONFIG
 from neuralgaits.runs.hashes import file_hashes
 from neuralgaits.runs.names import FIT_SUMMARY, LEARNED_RESIDUAL, RESIDUAL, ROBOT, START, WEIGHTS
 from neuralgaits.runs.shell_words import command, learning, named
-
-GAIT_FILES = (ROBOT, WEIGHTS)
-"""Files that decide how a gait walks."""
 
 
 class RecordedGait(NamedTuple):

@@ -12,10 +12,12 @@ from neuralgaits.analysis.gait_data import fingerprint, gait_data
 from neuralgaits.analysis.learned import Learned
 from neuralgaits.analysis.point_evaluator import PointEvaluator
 from neuralgaits.analysis.run import Run
+from neuralgaits.analysis.walk_log import GAIT_FILES
 from neuralgaits.errors import InputError, RunError
-from neuralgaits.records.fitted import Logs
+from neuralgaits.records.fitted import FittedGait, Logs
 from neuralgaits.runs import read_arrays, write_arrays
 from neuralgaits.runs.arrays import SHA256
+from neuralgaits.runs.hashes import other_file
 from neuralgaits.runs.names import FIT_SUMMARY, LEARNED_RESIDUAL, RESIDUAL
 
 FILE = "figures/residual.safetensors"
@@ -26,11 +28,11 @@ LOGS, STATES = 4, 2500
 def residual_data(run: Run) -> ResidualData | None:
     """Return data of the residual used in training, else of the one learned from logs.
 
-    Returns: None if the run has neither.
+    Returns: None if the run has neither, or if its record says that another gait walked.
     """
     trained = run.learned is not None
     path = run.path / (RESIDUAL if trained else LEARNED_RESIDUAL)
-    if not path.is_file():
+    if not path.is_file() or (not trained and _of_another(run)):
         return None
     gait = gait_data(run)
     of = hashlib.sha256(fingerprint(run).encode() + path.read_bytes()).hexdigest()
@@ -50,6 +52,15 @@ def residual_data(run: Run) -> ResidualData | None:
     visited = _visited(run, trained)
     write_arrays(kept, {"epsilon": epsilon, "visited": visited}, {"of": of})
     return ResidualData(gait, epsilon, visited, trained)
+
+
+def _of_another(run: Run) -> bool:
+    """Return whether the record of the run's learned residual is about another gait."""
+    try:
+        recorded = FittedGait.read(run.path / FIT_SUMMARY).sha256
+    except RunError:
+        return False
+    return other_file(run.path, recorded, GAIT_FILES) is not None
 
 
 def _visited(run: Run, trained: bool) -> np.ndarray:

@@ -14,13 +14,18 @@ from neuralgaits.errors import InputError, RunError
 from neuralgaits.logs import Log
 from neuralgaits.records.fitted import Logs
 from neuralgaits.records.simulated import SUMMARY
+from neuralgaits.runs.hashes import other_file
+from neuralgaits.runs.names import ROBOT, WEIGHTS
 
 SIMULATED, WALKED = "simulation", "walks/logs"
 """Folders of a run that hold logs: of `simulate`, and of a round of episodes."""
 
+GAIT_FILES = (ROBOT, WEIGHTS)
+"""Files that decide how a gait walks."""
+
 
 def measured_walk(run: Run) -> MeasuredWalk | None:
-    """Return the first log of the run that holds a finished step; None if there is none."""
+    """Return the first log of the run's gait that holds a finished step; None if there is none."""
     for path, simulated in _candidates(run.path):
         try:
             log = logs.read(path, run.robot).log
@@ -33,14 +38,21 @@ def measured_walk(run: Run) -> MeasuredWalk | None:
 
 
 def _candidates(run: Path) -> Iterator[tuple[Path, bool]]:
-    """Yield logs of the run, the last simulation's first, and whether `simulate` wrote them."""
+    """Yield logs of the run, the last simulation's first, and whether `simulate` wrote them.
+
+    Logs of simulations are left out if the last one was of another gait, since others are older.
+    """
     named: list[Path] = []
+    other = None
     # A run that was moved keeps its logs, but not their names.
     with suppress(RunError):
-        for path in map(Path, Logs.read(run / SUMMARY).logs):
+        simulated = Logs.read(run / SUMMARY)
+        other = other_file(run, simulated.sha256, GAIT_FILES)
+        for path in map(Path, simulated.logs):
             named += [path, run / SIMULATED / path.name]
-    of_simulations = dict.fromkeys([*named, *sorted((run / SIMULATED).glob("*.csv"))])
-    yield from ((path, True) for path in of_simulations if path.is_file())
+    if other is None:
+        of_simulations = dict.fromkeys([*named, *sorted((run / SIMULATED).glob("*.csv"))])
+        yield from ((path, True) for path in of_simulations if path.is_file())
     yield from ((path, False) for path in sorted((run / WALKED).glob("*.csv")))
 
 

@@ -102,7 +102,7 @@ class RunFigures:
         if walk is None:
             log = self.run.path / LOG
             line = command("simulate", self.path, "--log", named(log))
-            raise Absent("the run has no log of a walk", line)
+            raise Absent("the run has no log of a walk of this gait", line)
         caption = (
             f"The last full step of a walk ({walk.source}), where feet can slip, motors saturate "
             "and contact is soft: it should look like the gait it was designed to be."

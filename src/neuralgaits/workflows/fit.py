@@ -11,8 +11,9 @@ import numpy as np
 from neuralgaits import logs as walks
 from neuralgaits._types import Array, Float
 from neuralgaits.analysis.learned import Learned
-from neuralgaits.analysis.recorded_gait import GAIT_FILES, refuse_logs_of_another
+from neuralgaits.analysis.recorded_gait import refuse_logs_of_another
 from neuralgaits.analysis.run import Run, open_run
+from neuralgaits.analysis.walk_log import GAIT_FILES
 from neuralgaits.errors import InputError
 from neuralgaits.gait import ZeroDynamics
 from neuralgaits.gait.flow_residual import Residual

@@ -19,7 +19,7 @@ from neuralgaits.records.trained import EndedInNan, Trained, Violations, trained
 from neuralgaits.records.training_config import Range, TrainingConfig, asked_of
 from neuralgaits.report.drawing.drawn import Drawn, Missing
 from neuralgaits.runs import RunFolder
-from neuralgaits.runs.hashes import file_hashes
+from neuralgaits.runs.hashes import file_hashes, other_file
 from neuralgaits.runs.names import FIT_SUMMARY as LEARNING
 from neuralgaits.runs.names import LEARNED_RESIDUAL, NAN, RESIDUAL, ROBOT, SPEC, START, WEIGHTS
 from neuralgaits.runs.names import SUMMARY as TRAINING
@@ -224,12 +224,15 @@ def _outdated(
 ) -> dict[str, str]:
     """Return the parts that are about other files than the run's, with what to do."""
     found: dict[str, str] = {}
-    fitted = file_hashes(folder.path, (LEARNED_RESIDUAL,)).values()
-    if learned is not None and learned.residual_sha256 not in (None, *fitted):
-        found[LEARNING] = (
-            f"{LEARNING} is about another residual.safetensors than the run's: learn it again with "
-            f"`{learning(folder.path)}`"
-        )
+    if learned is not None:
+        fitted = {LEARNED_RESIDUAL: learned.residual_sha256} if learned.residual_sha256 else {}
+        about = fitted | learned.sha256
+        other = other_file(folder.path, about, (LEARNED_RESIDUAL, ROBOT, WEIGHTS))
+        if other is not None:
+            found[LEARNING] = (
+                f"{LEARNING} is about another {Path(other).name} than the run's: learn it again "
+                f"with `{learning(folder.path)}`"
+            )
     walked = {} if simulation is None else simulation.sha256
     other = next((file for file, digest in walked.items() if digest != hashes.get(file)), None)
     if other is not None:
