@@ -7,7 +7,7 @@ import pytest
 
 from neuralgaits.cli.main import main
 from neuralgaits.errors import InputError
-from neuralgaits.runs.outputs import OWN_FILES, refuse_folder_of_run, refuse_outputs
+from neuralgaits.runs.outputs import OWN_FILES, OWN_PATTERNS, refuse_folder_of_run, refuse_outputs
 from neuralgaits.workflows import demo
 
 
@@ -16,7 +16,11 @@ def run(tmp_path):
     return shutil.copytree(demo.FOLDER, tmp_path / "run")
 
 
-@pytest.mark.parametrize("name", sorted(OWN_FILES))
+OF_PATTERNS = [pattern.replace("*", "9fc47a0b") for pattern in OWN_PATTERNS]
+NAMES = [*sorted(OWN_FILES), *OF_PATTERNS]
+
+
+@pytest.mark.parametrize("name", NAMES)
 def test_files_of_a_run_are_no_outputs(run, name):
     with pytest.raises(InputError, match="of a run: name another"):
         refuse_outputs([run / name])
@@ -30,10 +34,10 @@ def test_a_link_to_a_file_of_a_run_is_that_file(run):
         refuse_outputs([run / "report.html"])
 
 
-@pytest.mark.parametrize("name", sorted(OWN_FILES))
+@pytest.mark.parametrize("name", NAMES)
 def test_a_second_name_of_a_file_of_the_run_is_that_file(run, name):
     """As a symbolic link to it is: the name that is written would be another file afterwards."""
-    (run / name).parent.mkdir(exist_ok=True)
+    (run / name).parent.mkdir(exist_ok=True, parents=True)
     (run / name).touch()
     other = run.parent / "walk.csv"
     other.hardlink_to(run / name)
@@ -47,7 +51,7 @@ def test_a_second_name_of_any_other_file_is_written(run):
     refuse_outputs([run.parent / "walk.csv"], run=run)
 
 
-@pytest.mark.parametrize("inside", [".", "certificate", "residual"])
+@pytest.mark.parametrize("inside", [".", "certificate", "residual", "simulation", "walks"])
 def test_a_folder_with_files_of_a_run_is_no_output(run, capfd, inside):
     before = {path: path.read_bytes() for path in run.rglob("*") if path.is_file()}
     (run.parent / "link").symlink_to(run)
@@ -84,6 +88,7 @@ def test_inputs_and_other_outputs_are_no_outputs(tmp_path):
         ("simulate", "RUN", "--steps", "1", "--log", "RUN/policy.safetensors"),
         ("simulate", "RUN", "--steps", "1", "--log", "RUN/certificate/proof.json"),
         ("simulate", "RUN", "--steps", "1", "--plant", "RUN/../my.xml", "--log", "RUN/../my.xml"),
+        ("simulate", "RUN", "--steps", "1", "--log", "RUN/certificate/proof-9fc47a0b.json"),
         ("report", "RUN", "--out", "RUN/config.json"),
         ("simulate", "RUN", "--steps", "1", "--log", "RUN/../second.csv"),
         ("report", "RUN", "--out", "RUN/../second.csv"),

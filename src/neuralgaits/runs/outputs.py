@@ -6,21 +6,30 @@ its outputs, or a file that a run rests on.
 
 import os
 from collections.abc import Iterable, Sequence
+from fnmatch import fnmatchcase
 from pathlib import Path
 
 from neuralgaits.errors import InputError
 from neuralgaits.runs import names
 from neuralgaits.runs.atomic import destination, folder_destination, refuse_unwritable
+from neuralgaits.runs.only_writer import LOCK
 
 OWN_FILES = frozenset(
     {
         *(names.CONFIG, names.SUMMARY, names.METRICS, names.NAN, names.NAN_STATE),
         *(names.ROBOT, names.SPEC, names.WEIGHTS, names.STATE, names.START, names.RESIDUAL),
-        *(names.GAIT, names.LEARNED_RESIDUAL, names.FIT_SUMMARY, names.MAP),
+        *(names.GAIT, names.LEARNED_RESIDUAL, names.FIT_SUMMARY, names.MAP, names.MAP_FIGURE),
+        *(names.REPAIR, names.ROUNDS, ".starting", LOCK),
         *("certificate/proof.json", "certificate/proof.json.gz", "certificate/summary.json"),
+        *("simulation/summary.json", "simulation/plant.xml", "walks/summary.json"),
     }
 )
-"""Files that a run or its certificate rests on, as paths in its folder."""
+"""Files that a run, its certificate or its records rest on, as paths in its folder."""
+OWN_PATTERNS = (
+    *("certificate/proof-*.json", "certificate/proof-*.json.gz"),
+    *("certificate/boxes-*.safetensors", "walks/logs/*.csv"),
+)
+"""Patterns of more of them: proofs from before, the boxes of a search, logs of episodes."""
 
 
 def refuse_outputs(
@@ -61,7 +70,7 @@ def refuse_folder_of_run(path: Path) -> None:
         if not all((folder / name).is_file() for name in (names.CONFIG, names.ROBOT)):
             continue
         inside = "" if folder == place else f"{place.relative_to(folder).as_posix()}/"
-        if any(own.startswith(inside) for own in OWN_FILES):
+        if any(own.startswith(inside) for own in (*OWN_FILES, *OWN_PATTERNS)):
             raise InputError(
                 f"expected a folder to write to, found {path}, which has files of the run "
                 f"{folder.name}: name another, such as {folder.name}/export"
@@ -71,12 +80,14 @@ def refuse_folder_of_run(path: Path) -> None:
 def _file_of_run(place: Path, run: Path | None) -> str | None:
     """Return what file of a run lies at a place, as its path in the run; None if it is none."""
     if run is not None and place.exists() and place.stat().st_nlink > 1:
-        for own in sorted(OWN_FILES):
+        some = (path for pattern in OWN_PATTERNS for path in sorted(run.glob(pattern)))
+        for own in (*sorted(OWN_FILES), *(path.relative_to(run).as_posix() for path in some)):
             if _same(place, run / own):
                 return own
     for folder in place.parents:
         inside = place.relative_to(folder).as_posix()
-        if inside in OWN_FILES and (folder / names.CONFIG).is_file():
+        own = inside in OWN_FILES or any(fnmatchcase(inside, one) for one in OWN_PATTERNS)
+        if own and (folder / names.CONFIG).is_file():
             return inside
     return None
 
