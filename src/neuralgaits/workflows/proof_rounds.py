@@ -18,10 +18,11 @@ from neuralgaits.analysis.run import Run
 from neuralgaits.barriers import GaitSpec
 from neuralgaits.certificate.search.checkpoint import OpenBoxes, open_boxes
 from neuralgaits.gait.policies.commanded_gait import AnyGait
-from neuralgaits.records.certified import FOLDER
+from neuralgaits.records.certified import FOLDER, PROOF
 from neuralgaits.records.trained import ProofHistory, ProofRound, TrainingProof
 from neuralgaits.robots import PlanarBiped
-from neuralgaits.runs import RunFolder
+from neuralgaits.runs import RunFolder, names, packed
+from neuralgaits.runs.hashes import file_hashes
 from neuralgaits.runs.names import WEIGHTS
 from neuralgaits.settings import CertifySettings, Watch
 from neuralgaits.training import Boxes, Extra, Trainer, TrainState
@@ -32,7 +33,7 @@ ROUNDS = 10
 """Repairs after which a training gives up."""
 SHARE = 0.25
 """Gradient steps of a repair, as a share of those of the recipe."""
-REPAIR, HISTORY = "repair.safetensors", "rounds.json"
+REPAIR, HISTORY = names.REPAIR, names.ROUNDS
 
 
 class RepairState(NamedTuple):
@@ -129,7 +130,12 @@ class ProofRounds:
         self, gait: AnyGait, number: int, steps: int, deadline: float, history: list[ProofRound]
     ) -> dict[str, Boxes]:
         """Certify the gait and record the round. Returns: the boxes left open, by region."""
+        path = self.folder.path
+        before = file_hashes(path, (WEIGHTS,))
         self.folder.write_tree(WEIGHTS, gait)
+        if file_hashes(path, (WEIGHTS,)) != before:
+            # It would be kept, and is about the gait of the round before, which is gone.
+            packed.remove(path / PROOF)
         left = deadline - time.monotonic()
         run = Run(self.folder, self.robot, self.spec, gait)
         # Without any time left it still says what was to be proved.
