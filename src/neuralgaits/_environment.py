@@ -12,10 +12,12 @@ import logging
 import os
 import re
 import sys
+import traceback
 import warnings
 
 from neuralgaits._cache import cache_folder
 from neuralgaits._printable import printable
+from neuralgaits.errors import InputError
 
 OFF_SCREEN = {"egl": "libEGL.so.1", "osmesa": "libOSMesa.so"}
 """Values of MUJOCO_GL that need no window, best first, and the library that each one needs."""
@@ -33,6 +35,14 @@ OURS = frozenset(("JAX_ENABLE_X64", "JAX_COMPILATION_CACHE_DIR", *_USUAL))
 """Variables of JAX that a command sets for itself."""
 _PLATFORM = ("JAX_PLATFORMS", "JAX_PLATFORM_NAME")
 """Environment variables that name the platform that JAX computes on."""
+_HARMLESS = re.compile(
+    "JAX_(PLATFORM|LOG|TRACEBACK|ENABLE_COMPILATION_CACHE|COMPILATION_CACHE|PERSISTENT_CACHE"
+    "|CUDA_VISIBLE|ROCM_VISIBLE)"
+)
+"""Beginnings of variables that change nothing that JAX computes."""
+_OF_JAX = ("jax", "jaxlib", "equinox", "jaxtyping")
+_MOST_SAID = 120
+"""Number of characters of an error of JAX that are repeated."""
 _NO_PLATFORM = re.compile("^(Unable to initialize|Unknown) backend ")
 """Messages of JAX about one that is not there."""
 
@@ -62,27 +72,65 @@ def prepare() -> None:
         del os.environ["JAX_COMPILATION_CACHE_DIR"]
 
 
-def why_no_platform(error: BaseException) -> str | None:
-    """Explain an error by a platform that the environment names and JAX does not find here.
+def why_jax_failed(error: BaseException) -> str | None:
+    """Explain an unexpected error by the user's variables for JAX: its platform, or others.
 
     JAX takes its own frames out of tracebacks, and some of its messages are empty. So it is asked
-    again.
+    again for the platform. Any other variable that changes how it computes may be the reason.
 
-    Returns: one line; None if that is not the reason.
+    Returns: one line; None if JAX is not in use, or if no such variable is set.
     """
-    name = next(filter(os.environ.get, _PLATFORM), None)
     # Not imported here: without it nothing was computed, and checkers need none.
-    jax = sys.modules.get("jax")
-    if name is None or jax is None:
+    if "jax" not in sys.modules:
+        return None
+    return _no_platform(error) or _unusual(error)
+
+
+def _no_platform(error: BaseException) -> str | None:
+    """Explain an error by a platform that the environment names and JAX does not find here."""
+    name = next(filter(os.environ.get, _PLATFORM), None)
+    if name is None:
         return None
     if not _NO_PLATFORM.match(str(error)):
         with contextlib.suppress(Exception):
-            jax.devices()
+            sys.modules["jax"].devices()
             return None
     return (
         f"expected a platform that JAX finds here, found {name}={os.environ[name]}: unset it or "
         "set it to cpu"
     )
+
+
+def _unusual(error: BaseException) -> str | None:
+    """Explain an error by variables that change how JAX computes."""
+    found = [one for one in variables_of_jax() if not _HARMLESS.match(one)]
+    if not found or not _is_of_jax(error):
+        return None
+    said = next(iter(str(error).splitlines()), "")[:_MOST_SAID]
+    what = f"{type(error).__name__} ({said})" if said else type(error).__name__
+    return (
+        f"expected JAX to compute as it does without settings, found {', '.join(found)} and then "
+        f"{what}: unset it, and report the error if it stays"
+    )
+
+
+def _is_of_jax(error: BaseException) -> bool:
+    """Return whether JAX raised an error: its frames may be left out, and a note says so then."""
+    frames = [str(f.f_globals.get("__name__")) for f, _ in traceback.walk_tb(error.__traceback__)]
+    modules = [type(one).__module__ for one in (error, error.__cause__, error.__context__)]
+    notes = getattr(error, "__notes__", ())
+    return any(one.partition(".")[0] in _OF_JAX for one in (*frames, *modules)) or any(
+        "JAX" in note for note in notes
+    )
+
+
+def variables_of_jax() -> list[str]:
+    """Return NAME=VALUE of the user's variables for JAX and the libraries beside it."""
+    return [
+        f"{name}={value}"
+        for name, value in os.environ.items()
+        if name not in OURS and name.startswith(("JAX_", "EQX_", "JAXTYPING_"))
+    ]
 
 
 def render_without_screen() -> None:
@@ -119,9 +167,17 @@ def one_thread() -> None:
 
 
 def cores() -> int:
-    """Return the number of threads of a computation: all cores of this process, or `THREADS`."""
+    """Return the number of threads of a computation: all cores of this process, or `THREADS`.
+
+    Raises: InputError if the variable is no such number.
+    """
     said = os.environ.get(THREADS, "")
-    if said.isdecimal() and int(said) > 0:
+    if said:
+        if not re.fullmatch("[0-9]{1,4}", said) or int(said) == 0:
+            raise InputError(
+                f"expected {THREADS} as a number of threads from 1 to 9999, found "
+                f"{said[:20]!r}: unset it, or write one"
+            )
         return int(said)
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))

@@ -9,6 +9,8 @@ from pathlib import Path
 import pytest
 
 import neuralgaits
+from neuralgaits._environment import THREADS, cores
+from neuralgaits.errors import InputError
 
 SOURCE = Path(neuralgaits.__file__).parents[1]
 DEMO = SOURCE / "neuralgaits" / "demo_run"
@@ -105,6 +107,31 @@ def test_a_variable_that_jax_cannot_read_is_no_defect(tmp_path: Path) -> None:
     assert (done.returncode, done.stdout) == (2, "")
     assert done.stderr.startswith("neuralgaits: expected values that JAX takes, found ")
     assert "JAX_DEBUG_NANS=maybe" in done.stderr and done.stderr.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    ("variable", "value", "line"),
+    [
+        ("JAX_TRANSFER_GUARD", "disallow", ("inspect", "amber3m")),
+        ("JAX_DEFAULT_DEVICE", "gpu", ("check-proof", str(DEMO), "--run", str(DEMO))),
+    ],
+)
+def test_settings_of_jax_that_stop_it_are_named(
+    tmp_path: Path, variable: str, value: str, line: tuple[str, ...]
+) -> None:
+    done = _python("-m", "neuralgaits", *line, cwd=tmp_path, **{variable: value})
+    assert (done.returncode, done.stderr.count("\n")) == (2, 1)
+    assert "expected JAX to compute as it does without settings, found " in done.stderr
+    assert f"{variable}={value}" in done.stderr
+
+
+@pytest.mark.parametrize("said", ["9" * 5000, "0", "-1", "\u0663", "all"])
+def test_threads_that_are_no_number_are_refused(monkeypatch: pytest.MonkeyPatch, said: str) -> None:
+    monkeypatch.setenv(THREADS, said)
+    with pytest.raises(InputError, match=r"^expected NEURALGAITS_THREADS as a number .{,120}$"):
+        cores()
+    monkeypatch.setenv(THREADS, "3")
+    assert cores() == 3
 
 
 def test_checkers_and_workers_say_it_too(tmp_path: Path) -> None:

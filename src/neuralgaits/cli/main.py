@@ -15,7 +15,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import NoReturn
 
-from neuralgaits._environment import OURS, prepare, why_no_platform
+from neuralgaits._environment import prepare, variables_of_jax, why_jax_failed
 from neuralgaits._printable import PRINTABLE, printable, shortened, visible
 from neuralgaits.errors import (
     ConvergenceError,
@@ -144,7 +144,7 @@ def _of_user(error: BaseException) -> Exception | None:
 def _of_surroundings(error: BaseException) -> str | None:
     """Explain an error by a setting of the user's for a library; None if there is no such one.
 
-    Such are MUJOCO_GL, a `matplotlibrc` that Matplotlib cannot read, and the platform of JAX.
+    Such are MUJOCO_GL, a `matplotlibrc` that Matplotlib cannot read, and variables of JAX.
     """
     backend = os.environ.get("MUJOCO_GL")
     frames = traceback.walk_tb(error.__traceback__)
@@ -161,13 +161,10 @@ def _of_surroundings(error: BaseException) -> str | None:
         )
     # Read at the import of JAX and the libraries beside it, each in its own module for that.
     if names and re.fullmatch(r"(jax\._src|equinox|jaxtyping)\._?config", names[-1]):
-        given = {name: value for name, value in os.environ.items() if name not in OURS}
-        asked = [
-            f"{k}={v}" for k, v in given.items() if k.startswith(("JAX_", "EQX_", "JAXTYPING_"))
-        ]
+        asked = variables_of_jax()
         if asked:
             return f"expected values that JAX takes, found {', '.join(asked)}: unset what is wrong"
-    return why_no_platform(error)
+    return why_jax_failed(error)
 
 
 def _next(arguments: list[str], error: KeyboardInterrupt) -> str:

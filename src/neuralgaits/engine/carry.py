@@ -9,7 +9,7 @@ from importlib import import_module, metadata
 from pathlib import Path
 from typing import Any
 
-from neuralgaits._environment import why_no_platform
+from neuralgaits._environment import why_jax_failed
 from neuralgaits._version import __version__
 from neuralgaits.engine.task import Failure, Files, Job, Task
 from neuralgaits.errors import NeuralGaitsError, is_full
@@ -35,7 +35,7 @@ def carry_out(task: str, job: Job, common: Files) -> tuple[Files, Failure | None
             failure = Failure("lost", f"a worker found its disk full ({_line(str(error))})")
         elif isinstance(error, NeuralGaitsError):
             failure = Failure("refused", _line(str(error)))
-        elif (setting := why_no_platform(error)) is not None:
+        elif (setting := why_jax_failed(error)) is not None:
             failure = Failure("lost", setting)
         else:
             failure = Failure("defect", f"{type(error).__name__}: {_line(str(error))}{_at(error)}")

@@ -7,7 +7,7 @@ import subprocess
 import sys
 
 from neuralgaits._compiler import Compiler
-from neuralgaits._environment import why_no_platform
+from neuralgaits._environment import why_jax_failed
 from neuralgaits._version import __version__
 from neuralgaits.records.installed import Finding, Machine
 
@@ -59,7 +59,7 @@ def _device() -> Finding:
         found = f"{device.platform} ({device.device_kind}), {os.cpu_count()} cores, jax"
         return _finding(True, f"{found} {jax.__version__}", fix)
     except Exception as error:
-        found, _, remedy = (why_no_platform(error) or f"{error}: {fix}").rpartition(": ")
+        found, _, remedy = (why_jax_failed(error) or f"{error}: {fix}").rpartition(": ")
         return _finding(False, " ".join(found.split()), remedy)
 
 

@@ -14,7 +14,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from neuralgaits._environment import why_no_platform
+from neuralgaits._environment import why_jax_failed
 from neuralgaits._own_process import command_of, environment_of
 from neuralgaits.certificate.chart import PLANE_ONLY, Chart
 from neuralgaits.certificate.proof_file.theorem_tables import Theorems
@@ -179,7 +179,7 @@ def _main(run: str, file: str) -> None:
     except (NeuralGaitsError, OSError) as error:
         found = {"error": str(error)}
     except Exception as error:
-        if (setting := why_no_platform(error)) is None:
+        if (setting := why_jax_failed(error)) is None:
             raise
         found = {"error": setting}
     write_text(Path(file), json.dumps(found))
