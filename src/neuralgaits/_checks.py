@@ -2,6 +2,7 @@
 
 import math
 
+from neuralgaits._printable import shown
 from neuralgaits.errors import InputError
 
 MOST_WALKED = 1_000_000
@@ -36,11 +37,7 @@ def listed(what: str, text: str) -> list[str]:
 
 def shortened(count: int) -> str:
     """Write a whole number for a message in a few characters, however long it is."""
-    if abs(count) < 10**20:
-        return str(count)
-    # Python writes no number of more than 4300 digits; a logarithm may be rounded up.
-    power = math.floor(math.log10(abs(count)))
-    return f"a number of {power + (abs(count) >= 10**power)} digits"
+    return shown(int(count))
 
 
 def check_walked(name: str, count: int) -> None:
@@ -86,7 +83,7 @@ def check_widths(hidden: tuple[int, ...] | None) -> None:
     if hidden is None:
         return
     if not hidden or min(hidden) < 1:
-        raise InputError(f"expected hidden widths of at least 1, found {hidden}")
+        raise InputError(f"expected hidden widths of at least 1, found {shown(hidden)}")
     if len(hidden) > MOST_LAYERS or max(hidden) > MOST_WIDTH:
         raise InputError(
             f"expected at most {MOST_LAYERS} hidden widths of at most {MOST_WIDTH}, found "

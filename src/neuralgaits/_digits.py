@@ -30,9 +30,12 @@ def decimal(text: str | float) -> float:
 
     `float` also reads 1_0, and digits of other scripts.
 
-    Raises: ValueError on any other text.
+    Raises: ValueError on any other text, and on a whole number that no float holds.
     """
-    return float(_plain(text))
+    try:
+        return float(_plain(text))
+    except OverflowError as error:
+        raise ValueError(str(error)) from None
 
 
 def whole(text: str) -> int:

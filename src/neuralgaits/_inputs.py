@@ -14,6 +14,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+from neuralgaits._printable import shown
 from neuralgaits.errors import InputError
 
 MOST_BYTES = 2**26
@@ -22,6 +23,8 @@ MOST_LOG_BYTES = 2**31
 """Largest log: days of walking."""
 MOST_CHARACTERS = 4096
 """Longest path: what Linux takes."""
+MOST_BYTES_OF_NAME = 255
+"""Longest name of one file or folder, on all usual systems."""
 _KINDS = (
     (stat.S_ISDIR, "a folder"),
     (stat.S_ISFIFO, "a FIFO"),
@@ -63,11 +66,17 @@ def no_file_at(path: Path, nothing: str) -> str:
 def refuse_no_path(what: str, value: object) -> None:
     """Refuse what cannot be a path. Raises: InputError in one line."""
     if not isinstance(value, str | Path):
-        raise InputError(f"expected {what}, found {value!r:.60}")
+        raise InputError(f"expected {what}, found {shown(value)}")
     if "\0" in str(value) or len(str(value)) > MOST_CHARACTERS:
         raise InputError(
             f"expected {what}, found a name of {len(str(value))} characters, or with a NUL: "
-            f"{str(value)!r:.60}"
+            f"{shown(str(value))}"
+        )
+    longest = max(map(len, map(os.fsencode, Path(value).parts)), default=0)
+    if longest > MOST_BYTES_OF_NAME:
+        raise InputError(
+            f"expected {what}, found a name of {longest} bytes, and a file's or folder's has at "
+            f"most {MOST_BYTES_OF_NAME}: {shown(str(value))}"
         )
 
 

@@ -6,6 +6,7 @@ error handler `PRINTABLE`; functions that open a file use the path itself.
 """
 
 import codecs
+import math
 import os
 import re
 import unicodedata
@@ -17,6 +18,8 @@ LONGEST_WORD, LONGEST_QUOTE = 255, 4096
 and no path."""
 _SHOWN = 60
 """Characters that a message shows of what is longer."""
+LARGEST_SHOWN = 10**20
+"""First whole number that a message gives by its number of digits."""
 _TOO_LONG = re.compile(
     rf"""(?<!\w)(["'])(?:(?!\1).){{{LONGEST_QUOTE + 1},}}\1|[^\s/"'`]{{{LONGEST_WORD + 1},}}"""
 )
@@ -53,6 +56,21 @@ def shortened(text: str) -> str:
     A folder's or a file's name in a path counts as one word, so paths that can be there stay whole.
     """
     return _TOO_LONG.sub(lambda long: f"{long[0][:_SHOWN]}... ({len(long[0])} characters)", text)
+
+
+def shown(value: object) -> str:
+    """Return any value of a caller's for a message, in a few characters.
+
+    Python writes no whole number of more than 4300 digits, and an object's own text may fail.
+    """
+    if isinstance(value, int) and abs(value) >= LARGEST_SHOWN:
+        # A logarithm may be rounded up.
+        power = math.floor(math.log10(abs(value)))
+        return f"a number of {power + (abs(value) >= 10**power)} digits"
+    try:
+        return f"{value!r:.{_SHOWN}}"
+    except Exception:
+        return f"an object of type {type(value).__name__:.{_SHOWN}}"
 
 
 def _escaped(error: UnicodeError) -> tuple[bytes, int]:

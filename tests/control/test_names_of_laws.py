@@ -31,3 +31,9 @@ def test_a_law_is_found_by_its_name_or_is_itself():
     assert set(exported_laws()) < set(CONTROL_LAWS)
     with pytest.raises(InputError, match="expected one of pd, fblin, paper, clf-qp"):
         law_named("pid")
+
+
+@pytest.mark.parametrize("named", [["pd"], 3, None])
+def test_what_is_no_name_is_no_law(named):
+    with pytest.raises(InputError, match=r"unknown controller .*: expected one of pd, "):
+        law_named(named)

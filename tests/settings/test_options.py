@@ -153,6 +153,17 @@ def test_a_python_caller_may_write_what_the_command_line_reads() -> None:
     assert max(len(line) for line in str(neuralgaits.simulate.__doc__).splitlines()) <= 100
 
 
+ENDLESS = 10**5000
+"""A whole number that no float holds, and that Python does not write."""
+
+
+class Unprintable:
+    """An object whose own text fails."""
+
+    def __repr__(self) -> str:
+        raise ValueError("no text")
+
+
 @pytest.mark.parametrize(
     ("call", "found"),
     [
@@ -175,9 +186,28 @@ def test_a_python_caller_may_write_what_the_command_line_reads() -> None:
         (lambda: ANY.fit("r", "walk.csv"), "logs: expected"),
         (lambda: ANY.sweep("amber3m"), "robots: expected"),
         (lambda: ANY.sweep(["amber3m"], seeds=(0,)), "seeds: expected tuple"),
-        (lambda: ANY.sweep(["amber3m"], walks=10**400), "expected at most 1000000"),
+        (
+            lambda: ANY.sweep(["amber3m"], walks=10**400),
+            "walks: .* 308 digits, found a number of 401",
+        ),
         (lambda: ANY.train_seeds("amber3m", seeds=3), "seeds: expected tuple"),
         (lambda: ANY.open_run(3), "a run, its folder"),
+        (lambda: ANY.open_run(ENDLESS), "its folder or `latest`, found a number of 5001 digits"),
+        (lambda: ANY.open_run("x" * 300), "found a name of 300 bytes"),
+        (lambda: ANY.open_run(Unprintable()), "`latest`, found an object of type Unprintable"),
+        (lambda: ANY.load_robot(ENDLESS), "found a number of 5001 digits"),
+        (lambda: ANY.load_robot(Unprintable()), "found an object of type Unprintable"),
+        (lambda: ANY.figures(ENDLESS), "run: expected .*, found a number of 5001 digits"),
+        (lambda: ANY.train("amber3m", speed=ENDLESS), "speed: expected .* 5001 digits"),
+        (lambda: ANY.train("amber3m", progress=3), "progress: expected Callable.*, found 3"),
+        (lambda: ANY.train("amber3m", root=3), "root: expected Path, found 3"),
+        (lambda: ANY.certify("r", progress=3), "progress: expected Callable.*, found 3"),
+        (lambda: ANY.certify("r", level=-ENDLESS), "level: expected .* 5001 digits"),
+        (lambda: ANY.certify("r", level=Unprintable()), "expected int, found an object of type"),
+        (lambda: ANY.certify("r", disturbance=(ENDLESS, 1.0)), "disturbance: .* 5001 digits"),
+        (lambda: ANY.certify("r", parameters={"mass": ENDLESS}), "parameters: .* 5001 digits"),
+        (lambda: ANY.simulate("r", push=10**400), "push: expected .* a number of 401 digits"),
+        (lambda: ANY.simulate("r", disturb={"friction": 10**400}), "disturb: .* 401 digits"),
         (lambda: ANY.simulate("r", log="a\0b"), "log as str . Path . None, found a name .* NUL"),
         (lambda: ANY.fit("r", [None]), "logs as Sequence.* found None"),
         (lambda: ANY.sweep(["amber3m"], speeds=[True]), "speeds: expected"),

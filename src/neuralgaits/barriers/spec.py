@@ -8,6 +8,7 @@ from typing import Any, Literal, NamedTuple
 from jaxtyping import PRNGKeyArray
 
 from neuralgaits._names import meant, why_no_name
+from neuralgaits._printable import shown
 from neuralgaits._types import Array, Float
 from neuralgaits.barriers.aims import AbstractAim
 from neuralgaits.barriers.conditions import AbstractCondition
@@ -83,13 +84,13 @@ class Recipe:
         if shares is not None and not (_numbers(shares) and all(0.0 < one < 1.0 for one in shares)):
             raise SpecError(
                 "recipe.milestones: expected shares of the steps between 0 and 1, as in "
-                f"(0.1, 0.4, 0.8), found {shares!r:.60}: mend them, or write None for a cosine"
+                f"(0.1, 0.4, 0.8), found {shown(shares)}: mend them, or write None for a cosine"
             )
         # One number would leave the level as it is; a third would reach into the commands' axes.
         if not (_numbers(self.overshoot) and len(self.overshoot) == 2):
             raise SpecError(
                 "recipe.overshoot: expected two numbers, of phase and level, as in (0.02, 0.03), "
-                f"found {self.overshoot!r:.60}: give both"
+                f"found {shown(self.overshoot)}: give both"
             )
 
 

@@ -10,6 +10,7 @@ from typing import ParamSpec
 
 from neuralgaits._inputs import no_file_at
 from neuralgaits._names import meant
+from neuralgaits._printable import shown
 from neuralgaits.barriers import commanded_spec as _commanded_spec
 from neuralgaits.barriers import flat_feet as _flat_feet
 from neuralgaits.barriers import hzd as _hzd
@@ -61,7 +62,7 @@ def _of_robot(make: Callable[P, GaitSpec]) -> Callable[P, GaitSpec]:
 def _refuse_no_robot(robot: object) -> None:
     if not isinstance(robot, PlanarBiped):
         raise InputError(
-            f"robot: expected a PlanarBiped, found {robot!r:.60}: load one, as in "
+            f"robot: expected a PlanarBiped, found {shown(robot)}: load one, as in "
             'load_robot("amber3m")'
         )
 

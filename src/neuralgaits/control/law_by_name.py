@@ -4,6 +4,7 @@ from functools import cache
 from importlib import import_module
 
 from neuralgaits._control_laws import CONTROL_LAWS
+from neuralgaits._printable import shown
 from neuralgaits.control.law import AbstractLaw
 from neuralgaits.errors import InputError
 
@@ -12,9 +13,9 @@ def law_named(controller: str | AbstractLaw) -> AbstractLaw:
     """Return a control law by name, or the law itself. Raises: InputError listing the names."""
     if isinstance(controller, AbstractLaw):
         return controller
-    if controller not in CONTROL_LAWS:
+    if not isinstance(controller, str) or controller not in CONTROL_LAWS:
         names = ", ".join(CONTROL_LAWS)
-        raise InputError(f"unknown controller {controller!r}: expected one of {names}")
+        raise InputError(f"unknown controller {shown(controller)}: expected one of {names}")
     return _at(CONTROL_LAWS[controller].place)
 
 

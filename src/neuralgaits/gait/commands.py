@@ -15,6 +15,7 @@ import numpy as np
 
 from neuralgaits._digits import decimal
 from neuralgaits._names import why_no_name
+from neuralgaits._printable import shown
 from neuralgaits._types import Array, Float, Scalar
 from neuralgaits.errors import InputError, SpecError
 
@@ -272,7 +273,7 @@ def _number(name: str, value: Any) -> float:
     try:
         return decimal(value)
     except (TypeError, ValueError):
-        raise InputError(f"expected {name} as a number, found {value!r:.60}") from None
+        raise InputError(f"expected {name} as a number, found {shown(value)}") from None
 
 
 CURVE_TERMS = 4

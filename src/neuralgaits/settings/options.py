@@ -10,7 +10,7 @@ import tyro
 from tyro.conf import Fixed, Positional
 from tyro.constructors import PrimitiveConstructorSpec
 
-from neuralgaits._argument_types import typed
+from neuralgaits._argument_types import given_in_python, refuse_huge, typed
 from neuralgaits._called_with import marks_in
 from neuralgaits.runs.shell_words import named
 
@@ -59,9 +59,12 @@ class Settings:
     def __post_init__(self) -> None:
         hints = typing.get_type_hints(type(self), include_extras=True)
         for field in fields(self):
-            value = getattr(self, field.name)
-            if value is not field.default and ONLY_PYTHON not in marks_in(hints[field.name]):
-                object.__setattr__(self, field.name, typed(field.name, value, hints[field.name]))
+            name, value, hint = field.name, getattr(self, field.name), hints[field.name]
+            if value is field.default:
+                continue
+            refuse_huge(name, value)
+            check = given_in_python if ONLY_PYTHON in marks_in(hint) else typed
+            object.__setattr__(self, name, check(name, value, hint))
 
 
 def words_of(settings: Any, kind: type | None = None) -> list[str]:

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from neuralgaits._inputs import toml_of
+from neuralgaits._printable import shown
 from neuralgaits.errors import InputError, reason
 from neuralgaits.records.swept import UNDISTURBED
 from neuralgaits.runs import plain
@@ -49,7 +50,7 @@ def _parsed(name: Any, one: Any) -> PlantChanges:
     table = isinstance(one, Mapping)
     if not (table or isinstance(one, str | PlantChanges)) or (table and _has_tables(one)):
         raise InputError(
-            f"disturbance {name!r}: expected a table of names and numbers, found {one!r:.60}: "
+            f"disturbance {name!r}: expected a table of names and numbers, found {shown(one)}: "
             f"write {_ONE_TABLE_EACH}"
         )
     if not (isinstance(name, str) and name.strip() and name.isprintable()):

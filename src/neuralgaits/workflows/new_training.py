@@ -8,6 +8,7 @@ from pathlib import Path
 import jax
 
 from neuralgaits._inputs import same_folder
+from neuralgaits._printable import shown
 from neuralgaits.analysis.run import Run
 from neuralgaits.barriers import GaitSpec, spec_file_errors, specs
 from neuralgaits.barriers.commanded_spec import commands_of
@@ -80,7 +81,7 @@ def new_training(
     """
     spec = "walking" if settings.spec is None else settings.spec
     if not isinstance(spec, str | GaitSpec):
-        raise InputError(f"spec: expected a name, FILE.py:NAME or a GaitSpec, found {spec!r:.60}")
+        raise InputError(f"spec: expected a name, FILE.py:NAME or a GaitSpec, found {shown(spec)}")
     if isinstance(spec, str):
         spec = specs.for_robot(spec, robot)
     init, steps = settings.init or "posture", settings.steps

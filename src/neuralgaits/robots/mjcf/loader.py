@@ -161,7 +161,7 @@ def robot_text(name_or_path: str | Path) -> tuple[str, str]:
 
     Raises: RobotError if there is no such robot, or the file cannot be read.
     """
-    if "\0" not in str(name_or_path):
+    if not isinstance(name_or_path, str | Path) or "\0" not in str(name_or_path):
         # One with a NUL is a file that cannot be read, like others below.
         refuse_no_path("a robot by name, by path or as load_robot returns it", name_or_path)
     name = str(name_or_path)

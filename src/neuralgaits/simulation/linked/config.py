@@ -6,6 +6,7 @@ from typing import Any
 
 from neuralgaits._checks import listed
 from neuralgaits._digits import decimal
+from neuralgaits._printable import shown
 from neuralgaits.errors import InputError
 
 
@@ -47,7 +48,7 @@ def parse_link(text: "str | Mapping[str, Any] | LinkConfig | None") -> LinkConfi
     if isinstance(text, LinkConfig):
         return text
     if text is not None and not isinstance(text, str | Mapping):
-        raise InputError(f"link: expected NAME=VALUE,... or a mapping, found {text!r:.60}")
+        raise InputError(f"link: expected NAME=VALUE,... or a mapping, found {shown(text)}")
     if not text:
         return LinkConfig()
     pairs = dict(text) if isinstance(text, Mapping) else _pairs(text)

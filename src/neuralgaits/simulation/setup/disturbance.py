@@ -8,6 +8,7 @@ from typing import Any
 from neuralgaits._checks import listed
 from neuralgaits._digits import decimal
 from neuralgaits._names import meant
+from neuralgaits._printable import shown
 from neuralgaits.errors import InputError
 
 
@@ -100,7 +101,7 @@ def parse(disturb: "str | Mapping[str, float] | PlantChanges | None") -> PlantCh
     if isinstance(disturb, PlantChanges):
         return disturb
     if disturb is not None and not isinstance(disturb, str | Mapping):
-        raise InputError(f"disturb: expected NAME=VALUE,... or a mapping, found {disturb!r:.60}")
+        raise InputError(f"disturb: expected NAME=VALUE,... or a mapping, found {shown(disturb)}")
     if not disturb:
         return PlantChanges()
     pairs = _pairs(disturb) if isinstance(disturb, str) else list(disturb.items())
@@ -118,7 +119,9 @@ def parse(disturb: "str | Mapping[str, float] | PlantChanges | None") -> PlantCh
         try:
             values[name] = decimal(text)
         except (TypeError, ValueError):
-            raise InputError(f"disturbance {name}: expected a number, found {text!r}") from None
+            raise InputError(
+                f"disturbance {name}: expected a number, found {shown(text)}"
+            ) from None
     return PlantChanges(**values)
 
 
