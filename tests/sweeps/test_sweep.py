@@ -201,7 +201,10 @@ def test_resuming_with_other_settings_is_refused(tmp_path: Path) -> None:
             "and mine/amber3m.xml; leave one out, or rename a file\n",
         ),
         (["amber3m", "--speeds", "0.5,0.50"], "expected speeds of different values, found 0.5"),
-        (["amber3m", "--walks", "9" * 400], "walks: expected a number of at most 308 digits, found"),
+        (
+            ["amber3m", "--walks", "9" * 400],
+            "walks: expected a number of at most 308 digits",
+        ),
         (["amber3n"], "unknown robot amber3n: did you mean amber3m?"),
         (["amber3m", "--seeds", "4:2"], "expected seeds A:B with A < B, found 4:2"),
         (["amber3m", "--seeds", "a"], "expected --seeds A:B or one seed, found 'a'"),

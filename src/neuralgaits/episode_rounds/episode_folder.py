@@ -20,6 +20,7 @@ from neuralgaits.robots import PlanarBiped
 from neuralgaits.robots.mjcf.loader import robot_from_text
 from neuralgaits.runs import from_json, write_text
 from neuralgaits.runs.claim import claimed
+from neuralgaits.runs.file_content import file_content
 from neuralgaits.runs.latest import LATEST
 from neuralgaits.runs.plain import to_json
 
@@ -163,7 +164,7 @@ def load_robot_of(path: Path, name: str) -> PlanarBiped:
     Raises: RunError or RobotError if its file is missing or damaged.
     """
     try:
-        return robot_from_text(path.read_bytes().decode(), name)
+        return robot_from_text(file_content(path).decode(), name)
     except (OSError, UnicodeDecodeError) as error:
         raise RunError(
             f"expected the robot file {path}, found none to read ({reason(error)}): restore it"
@@ -173,7 +174,7 @@ def load_robot_of(path: Path, name: str) -> PlanarBiped:
 def read(path: Path, kind: type[Kind]) -> Kind:
     """Read a record that `write` saved. Raises: RunError if it is damaged."""
     try:
-        return kind.of(from_json(path.read_bytes()))
+        return kind.of(from_json(file_content(path)))
     except (OSError, ValueError) as error:
         raise RunError(
             f"expected JSON in {path}, found a damaged file ({reason(error)}): "

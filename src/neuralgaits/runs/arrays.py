@@ -15,6 +15,7 @@ from safetensors.numpy import save
 
 from neuralgaits.errors import RunError
 from neuralgaits.runs.atomic import write_bytes
+from neuralgaits.runs.file_content import refuse_large
 
 SHA256 = "sha256"
 """Name of a file's text entry with the hash of all its arrays and other entries."""
@@ -55,6 +56,7 @@ def read_arrays(path: Path) -> tuple[dict[str, np.ndarray], dict[str, str]]:
     """
     if not path.is_file():
         raise RunError(f"expected a weights file at {path}, found none: the run is incomplete")
+    refuse_large(path)
     try:
         with safetensors.safe_open(path, framework="numpy") as file:
             arrays = {name: file.get_tensor(name) for name in file.keys()}

@@ -16,6 +16,7 @@ from neuralgaits._version import __version__
 from neuralgaits.errors import RunError
 from neuralgaits.runs.atomic import refuse_unwritable, write_bytes, write_text
 from neuralgaits.runs.claim import claimed, refuse_taken
+from neuralgaits.runs.file_content import MOST_METRICS_BYTES, file_content
 from neuralgaits.runs.hashes import sha256
 from neuralgaits.runs.json_files import read_object, refuse_misshapen
 from neuralgaits.runs.metrics_table import Row, from_csv, to_csv
@@ -161,7 +162,7 @@ class RunFolder:
         """
         path = self.copied(file)
         try:
-            return path.read_bytes().decode()
+            return file_content(path).decode()
         except UnicodeDecodeError as error:
             raise RunError(f"expected text in {path}, found {error}: train again") from None
 
@@ -173,7 +174,7 @@ class RunFolder:
             raise RunError(
                 f"expected a copy of {file} in {self.path}, found none: the run is incomplete"
             )
-        if sha256(path.read_bytes()) != expected:
+        if sha256(file_content(path)) != expected:
             raise RunError(
                 f"expected {path} as it was when the run started, found another sha256: restore "
                 "it, or train again with the changed file"
@@ -208,7 +209,9 @@ class RunFolder:
     def read_metrics(self) -> list[dict[str, float]]:
         """Read the rows of `metrics.csv`; none if the run has not written any."""
         path = self.path / METRICS
-        return from_csv(path.read_bytes(), str(path)) if path.is_file() else []
+        if not path.is_file():
+            return []
+        return from_csv(file_content(path, MOST_METRICS_BYTES), str(path))
 
 
 def _versions() -> dict[str, str]:

@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from neuralgaits.errors import RunError
+from neuralgaits.runs.file_content import file_content
 from neuralgaits.runs.plain import object_from_json
 from neuralgaits.runs.shape import Shape, complaint
 
@@ -14,7 +15,7 @@ def read_object(path: Path) -> dict[str, Any]:
     if not path.is_file():
         raise RunError(f"expected {path}, found none: the run is incomplete")
     try:
-        return object_from_json(path.read_bytes())
+        return object_from_json(file_content(path))
     except ValueError as error:
         raise RunError(
             f"expected a JSON object in {path}, found {error}: restore it or train again"

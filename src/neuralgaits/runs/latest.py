@@ -13,6 +13,7 @@ from typing import Any
 from neuralgaits._inputs import refuse_no_path
 from neuralgaits.errors import RunError
 from neuralgaits.runs.atomic import write_bytes
+from neuralgaits.runs.file_content import file_content
 from neuralgaits.runs.folder import CONFIG, NAN_STATE, SUMMARY, RunFolder
 from neuralgaits.runs.shell_words import LATEST, command, resuming
 
@@ -143,7 +144,7 @@ def _latest(root: Path) -> Path:
             f"as in `{command('train', 'amber3m')}`"
         )
     # A damaged pointer names nothing that is there.
-    name = os.fsdecode(pointer.read_bytes()).strip()
+    name = os.fsdecode(file_content(pointer)).strip()
     if not name or not (root / name).is_dir():
         raise RunError(
             f"expected {pointer} to name a run folder, found {name!r} which is not there: "

@@ -9,6 +9,7 @@ import io
 import math
 from collections.abc import Mapping, Sequence
 
+from neuralgaits._digits import decimal
 from neuralgaits.errors import RunError
 
 STEP = "step"
@@ -44,7 +45,7 @@ def from_csv(data: bytes, source: str) -> list[dict[str, float]]:
     try:
         for cells in csv.DictReader(io.StringIO(data.decode())):
             line += 1
-            rows.append({name: float(value) for name, value in cells.items()})
+            rows.append({name: decimal(value) for name, value in cells.items()})
     except (TypeError, ValueError, csv.Error):
         raise RunError(
             f"expected a number in every column of {source}, line {line} has another "

@@ -23,6 +23,7 @@ from neuralgaits.records.episode_records import Versioned
 from neuralgaits.records.swept import ASKED, FORMAT, ROW, SweepAsked, SweepRow
 from neuralgaits.runs import plain, to_json, write_bytes, write_text
 from neuralgaits.runs.claim import claimed
+from neuralgaits.runs.file_content import file_content
 from neuralgaits.runs.only_writer import only_writer
 
 HOME = "sweeps"
@@ -76,7 +77,7 @@ class SweepFolder:
     def input(self, name: str) -> bytes:
         """Return an input file of the sweep. Raises: RunError if the file has changed since."""
         path = self.path / INPUTS / name
-        content = path.read_bytes() if path.is_file() else b""
+        content = file_content(path) if path.is_file() else b""
         if sha256(content) != self.asked.sha256[name]:
             raise RunError(
                 f"expected {path} as it was when the sweep began, found another sha256: restore it"

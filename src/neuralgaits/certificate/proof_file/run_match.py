@@ -13,6 +13,7 @@ import numpy as np
 
 from neuralgaits.certificate.proof_file.reader import Claims
 from neuralgaits.errors import RunError
+from neuralgaits.runs.file_content import MOST_ARRAYS_BYTES, file_content
 
 SETS = ("walking.", "orbit.", "full.", "disturbed.")
 """Prefixes of constants that are parameters of a theorem and not the gait's."""
@@ -111,4 +112,4 @@ def _read_tensors(path: Path) -> dict[str, np.ndarray]:
 def _bytes(path: Path) -> bytes:
     if not path.is_file():
         raise RunError(f"expected {path} of the run to compare with, found none: give a run folder")
-    return path.read_bytes()
+    return file_content(path, MOST_ARRAYS_BYTES)

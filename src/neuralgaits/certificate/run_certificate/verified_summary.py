@@ -11,6 +11,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from neuralgaits._inputs import MOST_BYTES
 from neuralgaits.certificate.levels.levels import conclude
 from neuralgaits.certificate.premises import proved_bounds
 from neuralgaits.certificate.proof_file.consistency import inconsistencies
@@ -24,7 +25,7 @@ from neuralgaits.certificate.run_certificate.confirmed_conditions import (
 )
 from neuralgaits.certificate.run_certificate.friction_requirement import friction_needed
 from neuralgaits.certificate.run_certificate.run_comparison import RunComparison, compare_with_run
-from neuralgaits.errors import InputError, TimeLimitError
+from neuralgaits.errors import InputError, RunError, TimeLimitError
 from neuralgaits.records.certified import (
     PROOF,
     SUMMARY,
@@ -36,6 +37,7 @@ from neuralgaits.records.levels import HIGHEST_OF_MANY
 from neuralgaits.records.record import build, shape_of
 from neuralgaits.records.training_config import asked_of
 from neuralgaits.runs import RunFolder, from_json, packed
+from neuralgaits.runs.file_content import refuse_large
 from neuralgaits.runs.hashes import file_hashes
 from neuralgaits.runs.names import MAP, RESIDUAL
 from neuralgaits.runs.shape import complaint
@@ -94,6 +96,10 @@ def read_certificate(folder: RunFolder) -> CertificateReading:
     path = folder.path / SUMMARY
     if not path.is_file():
         return CertificateReading()
+    try:
+        refuse_large(path, MOST_BYTES)
+    except RunError as error:
+        return CertificateReading(reason=str(error))
     try:
         summary = from_json(path.read_bytes())
         if wrong := complaint(summary, shape_of(CertificateRecord)):
