@@ -14,8 +14,10 @@ import re
 import sys
 import traceback
 import warnings
+from pathlib import Path
 
 from neuralgaits._cache import cache_folder
+from neuralgaits._inputs import refuse_unreadable
 from neuralgaits._printable import printable
 from neuralgaits.errors import InputError
 
@@ -43,6 +45,8 @@ _HARMLESS = re.compile(
 _OF_JAX = ("jax", "jaxlib", "equinox", "jaxtyping")
 _MOST_SAID = 120
 """Number of characters of an error of JAX that are repeated."""
+_OF_MATPLOTLIB = ("MPLCONFIGDIR", "MATPLOTLIBRC")
+"""Environment variables with a folder of the user's settings for Matplotlib."""
 _NO_PLATFORM = re.compile("^(Unable to initialize|Unknown) backend ")
 """Messages of JAX about one that is not there."""
 
@@ -70,6 +74,22 @@ def prepare() -> None:
     folder = os.environ["JAX_COMPILATION_CACHE_DIR"]
     if printable(folder) != folder:
         del os.environ["JAX_COMPILATION_CACHE_DIR"]
+
+
+def refuse_settings_without_end() -> None:
+    """Refuse a `matplotlibrc` that Matplotlib would wait for, or never finish: a FIFO, a device.
+
+    Raises: InputError in one line.
+    """
+    own = os.environ.get("XDG_CONFIG_HOME") or os.path.expanduser("~/.config")
+    folders = ["", os.path.join(own, "matplotlib")]
+    folders += [os.environ[name] for name in _OF_MATPLOTLIB if os.environ.get(name)]
+    files = [os.path.join(folder, "matplotlibrc") for folder in folders]
+    for file in (*files, os.environ.get("MATPLOTLIBRC") or os.devnull):
+        # What cannot be looked at, or is no path, is left to Matplotlib.
+        with contextlib.suppress(OSError, ValueError):
+            if not os.path.samefile(file, os.devnull):
+                refuse_unreadable(Path(file))
 
 
 def why_jax_failed(error: BaseException) -> str | None:

@@ -9,7 +9,8 @@ from pathlib import Path
 import pytest
 
 import neuralgaits
-from neuralgaits._environment import THREADS, cores
+from neuralgaits._environment import THREADS, cores, refuse_settings_without_end
+from neuralgaits.cli.main import main
 from neuralgaits.errors import InputError
 
 SOURCE = Path(neuralgaits.__file__).parents[1]
@@ -85,6 +86,25 @@ def test_a_matplotlibrc_that_cannot_be_read_is_no_defect(tmp_path: Path) -> None
         "neuralgaits: expected text in UTF-8 in matplotlibrc, found other bytes: mend or remove "
         "that of this folder, or your own\n"
     )
+
+
+@pytest.mark.parametrize("named", [None, "MATPLOTLIBRC", "MPLCONFIGDIR"])
+def test_settings_of_matplotlib_are_not_waited_for(
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capfd: pytest.CaptureFixture[str],
+    named: str | None,
+) -> None:
+    os.mkfifo(tmp_path / "matplotlibrc")
+    monkeypatch.chdir(tmp_path if named is None else tmp_path.parent)
+    if named is not None:
+        file = tmp_path / "matplotlibrc" if named == "MATPLOTLIBRC" else tmp_path
+        monkeypatch.setenv(named, str(file))
+    assert main(["report", str(DEMO)]) == 2
+    assert "expected a file to read, found a FIFO at " in capfd.readouterr().err
+    (tmp_path / "matplotlibrc").unlink()
+    (tmp_path / "matplotlibrc").symlink_to(os.devnull)
+    refuse_settings_without_end()
 
 
 NO_PLATFORM = (

@@ -15,7 +15,12 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import NoReturn
 
-from neuralgaits._environment import prepare, variables_of_jax, why_jax_failed
+from neuralgaits._environment import (
+    prepare,
+    refuse_settings_without_end,
+    variables_of_jax,
+    why_jax_failed,
+)
 from neuralgaits._printable import PRINTABLE, printable, shortened, visible
 from neuralgaits.errors import (
     ConvergenceError,
@@ -94,6 +99,7 @@ def _answer(arguments: list[str]) -> int:
     from neuralgaits.cli.usage import one_line_errors
 
     verb = one_line_errors(read, arguments)
+    refuse_settings_without_end()
     from neuralgaits.cli import verbs
 
     if not verb.output.json:
