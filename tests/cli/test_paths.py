@@ -10,7 +10,9 @@ from pathlib import Path
 import pytest
 
 import neuralgaits
+from neuralgaits.cli.brief import brief_training
 from neuralgaits.cli.main import main
+from neuralgaits.records.trained import trained_of
 from neuralgaits.report import makers
 from neuralgaits.runs.names import MAP
 from support import brief_spec
@@ -78,6 +80,16 @@ def test_a_robot_and_a_spec_whose_names_are_no_utf8(
     assert main(["inspect", f"{BROKEN}.xml"]) == 0
     assert main(["inspect", f"{BROKEN}-not-there.xml"]) == 2
     assert rf"{SHOWN}-not-there.xml" in capfd.readouterr().err
+
+
+def test_the_next_command_names_the_folder_of_the_training(
+    place: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    """JSON cannot hold its name."""
+    summary = json.loads((place / BROKEN / "summary.json").read_bytes())
+    (place / BROKEN / "summary.json").write_text(json.dumps(summary | {"run": SHOWN}))
+    brief_training(trained_of(Path(BROKEN)))
+    assert r"simulate $'l\xc3\xa4uft-\xff'" in " ".join(capfd.readouterr().out.split())
 
 
 def test_episodes_do_not_begin_with_logs_that_they_could_not_find_again(

@@ -7,6 +7,7 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
+from neuralgaits._printable import printable
 from neuralgaits.errors import RunError
 from neuralgaits.records.record import Count, Pair, Record, Texts
 from neuralgaits.records.training_config import Range, Seed
@@ -264,6 +265,9 @@ def trained_of(run: Path) -> Trained:
     except RunError as error:
         again = resuming(run)
         raise RunError(f"{error}; deleted, it is written again by `{again}`") from None
+    if found.run == printable(run):
+        # JSON holds no path that is not UTF-8, and commands name it byte by byte.
+        found = replace(found, run=str(run))
     now = measured_hashes(run)
     other = next((file for file in now if found.sha256.get(file) != now[file]), None)
     if not found.tied or other is None:
