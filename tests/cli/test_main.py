@@ -96,6 +96,7 @@ def _only_line(capfd: Captured) -> str:
         (["simulate", "r", "--steps", "1_0"], "--steps: expected the digits 0 to 9, found '1_0'"),
         (["simulate", "r", "--push", "1_0.5"], "found '1_0.5': write 10.5"),
         (["simulate", "r", "--disturb", "friction=0.1_5"], "found '0.1_5': write 0.15"),
+        (["train", "amber3m", "--speed", "0_7"], "found '0_7': use a point for decimals, and no _"),
         (["train", "amber3m", "--speed", "0_0.5:1"], "found '0_0.5': write 0.5"),
         (["train", "amber3m", "--seeds", "0:1_000_000"], "found '1_000_000': write 1000000"),
         (["train", "amber3m", "--hidden", "3_2"], "found '3_2': write 32"),

@@ -167,7 +167,10 @@ def _refuse_other_notations(name: str, value: str, *, names: bool) -> None:
             continue
         if part.isascii() and "_" not in part:
             continue
-        raise InputError(f"{name}: expected the digits 0 to 9, found {part!r}: write {number:.15g}")
+        # 0_7 is 7 to Python, and was meant as 0.7.
+        point = re.match("[+-]?0+_", part) and "." not in part
+        remedy = "use a point for decimals, and no _" if point else f"write {number:.15g}"
+        raise InputError(f"{name}: expected the digits 0 to 9, found {part!r}: {remedy}")
 
 
 def _refuse_count(verb: str, alone: Sequence[str], positional: Sequence[_Setting]) -> None:
