@@ -225,8 +225,9 @@ def _outdated(
     """Return the parts that are about other files than the run's, with what to do."""
     found: dict[str, str] = {}
     if learned is not None:
-        fitted = {LEARNED_RESIDUAL: learned.residual_sha256} if learned.residual_sha256 else {}
-        about = fitted | learned.sha256
+        about = dict(learned.sha256)
+        if learned.residual_sha256 is not None:
+            about[LEARNED_RESIDUAL] = learned.residual_sha256
         other = other_file(folder.path, about, (LEARNED_RESIDUAL, ROBOT, WEIGHTS))
         if other is not None:
             found[LEARNING] = (
