@@ -135,13 +135,16 @@ def _unusual(error: BaseException) -> str | None:
 
 
 def _is_of_jax(error: BaseException) -> bool:
-    """Return whether JAX raised an error: its frames may be left out, and a note says so then."""
+    """Return whether JAX raised an error, and not what it was tracing.
+
+    Its own frames may be left out of the traceback, so its messages are looked at, too.
+    """
     frames = [str(f.f_globals.get("__name__")) for f, _ in traceback.walk_tb(error.__traceback__)]
-    modules = [type(one).__module__ for one in (error, error.__cause__, error.__context__)]
-    notes = getattr(error, "__notes__", ())
-    return any(one.partition(".")[0] in _OF_JAX for one in (*frames, *modules)) or any(
-        "JAX" in note for note in notes
-    )
+    modules = [type(one).__module__ for one in (error, error.__cause__)] + frames[-1:]
+    named = any(one.partition(".")[0] in _OF_JAX for one in modules)
+    said = re.search("jax|Leaked trac", str(error), re.IGNORECASE)
+    # That is what it raises where NaN is looked for.
+    return named or said is not None or isinstance(error, FloatingPointError)
 
 
 def variables_of_jax() -> list[str]:
