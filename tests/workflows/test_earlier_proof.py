@@ -145,7 +145,8 @@ def test_a_refutation_is_written_beside_what_is_no_proof(small_run, tmp_path):
     assert json.loads((folder / "summary.json").read_text())["verdict"] == "refuted"
     [aside] = folder.glob("proof-*.json")
     assert aside.read_text() == "{}"
-    assert f"is now {aside}: what it states is unknown" in (done.summary.reason or "")
+    said = f"the file from before is now {aside}: what it states is unknown"
+    assert said in (done.summary.reason or "")
 
 
 @pytest.mark.parametrize("same", [True, False])

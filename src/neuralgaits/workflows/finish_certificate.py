@@ -91,7 +91,8 @@ def finish_certificate(
     said = summary
     if before is not None and not before.is_said_by(summary, reached, sets.parameters, statements):
         aside = before.put_aside()
-        said = saying(said, f"the proof from before is now {aside}: {before.states}")
+        what = "file" if before.summary is None else "proof"
+        said = saying(said, f"the {what} from before is now {aside}: {before.states}")
     if (aside := put_hidden_aside(run.path)) is not None:
         said = saying(said, f"another proof, compressed beside it, is now {aside}")
     write_certificate(run.path, files, to_json(summary).encode())
