@@ -28,8 +28,8 @@ _PROVED_UNEVEN = (
 """Entry of `PROVED` if footholds may be higher or lower than intended."""
 _RIGID = (
     "links are rigid; the foot on the ground, a point or flat, neither slips, rolls nor tips; an "
-    "impact is sudden and without bounce; the ground is level, or as the gait is told, or no further off "
-    "than is stated; {robot}; the gait's numbers are those stored in the run"
+    "impact is sudden and without bounce; the ground is level, or as the gait is told, or no "
+    "further off than is stated; {robot}; the gait's numbers are those stored in the run"
 )
 _ONE_ROBOT = "masses and lengths are those of the robot file"
 _EXACT = "joints are exactly where the gait wants them"
