@@ -1,7 +1,8 @@
-"""Axes of the chart that statements are about: phase, level and a gait's parameters.
+"""Axes of the chart that statements are about: those of a state, then parameters.
 
-A gait is checked on boxes of (phase, level), for every value of its parameters: commands, masses
-and all other inputs of its Program. Needs no JAX.
+A walker's state has phase and level; a system of another family has axes of its own. Statements
+are about boxes of the state, for every value of the parameters: commands, masses and all other
+inputs of the Program. Needs no JAX.
 """
 
 import math
@@ -73,6 +74,8 @@ PHASE, LEVEL = Axis("phase", -0.1, 1.1), Axis("level", 0.0, 1.0)
 """Strips before the start of a step and behind its guard belong to the chart."""
 NARROWER = Axis("phase", -0.05, 1.05)
 """Phase axis in files of earlier versions; a statement is about its own box, whatever the axis."""
+WALKER = (PHASE, LEVEL)
+"""Axes of a walker's state."""
 
 
 @dataclass(frozen=True)
@@ -80,20 +83,27 @@ class Chart:
     """A box that all statements of a proof lie in.
 
     Attributes:
-        parameters: axes behind phase and level.
+        parameters: axes behind those of the state.
+        state: axes of the state, phase and level of a walker.
     """
 
     parameters: tuple[Axis, ...] = ()
+    state: tuple[Axis, ...] = WALKER
 
     @property
     def axes(self) -> tuple[Axis, ...]:
         """Return all axes, in the order of the elements of u."""
-        return PHASE, LEVEL, *self.parameters
+        return *self.state, *self.parameters
 
     @property
     def size(self) -> int:
-        """Number of axes, phase and level included."""
-        return PLANE + len(self.parameters)
+        """Number of axes, those of the state included."""
+        return len(self.axes)
+
+    @property
+    def walks(self) -> bool:
+        """Whether the state is a walker's: phase and level."""
+        return self.state == WALKER
 
     @classmethod
     def of(cls, commands: Commands, errors: Iterable[tuple[str, float]] = ()) -> "Chart":
@@ -154,7 +164,8 @@ class Chart:
 
     def holds(self, other: "Chart") -> bool:
         """Return whether another chart is this one, or a part of it with the same axes."""
-        return len(other.parameters) == len(self.parameters) and all(
+        alike = other.state == self.state and len(other.parameters) == len(self.parameters)
+        return alike and all(
             one.name == own.name
             and own.low <= one.low <= one.high <= own.high
             and _no_farther(one, own)
@@ -193,16 +204,20 @@ class Chart:
         if not isinstance(rows, list) or not PLANE <= len(rows) <= MOST_AXES:
             raise ValueError(f"a chart that is no list of {PLANE} to {MOST_AXES} axes")
         axes = [_axis(row) for row in rows]
+        if len({axis.name for axis in axes}) < len(axes):
+            raise ValueError("a chart with an axis that stands twice")
+        if not {PHASE.name, LEVEL.name} & {axis.name for axis in axes}:
+            if any(axis.change is not None for axis in axes):
+                raise ValueError("a chart without phase and level whose axes are coupled")
+            return cls(state=tuple(axes))
         if axes[0] not in (PHASE, NARROWER) or axes[1] != LEVEL:
             raise ValueError("a chart that does not begin with phase and level as they are")
         if axes[PLANE:] and axes[PLANE].change is not None:
             raise ValueError(f"the axis {axes[PLANE].name} with a change from {LEVEL.name}")
-        if len({axis.name for axis in axes}) < len(axes):
-            raise ValueError("a chart with an axis that stands twice")
         return cls(tuple(axes[PLANE:]))
 
     def whole(self, low: Corner, high: Corner) -> tuple[Corner, Corner]:
-        """Return the corners of a box of (phase, level), for every value of the parameters. [n]."""
+        """Return the corners of a box of the state, for every value of the parameters. [n]."""
         return (
             (*low, *(axis.low for axis in self.parameters)),
             (*high, *(axis.high for axis in self.parameters)),
@@ -210,9 +225,9 @@ class Chart:
 
     def spans(self, low: Corner, high: Corner) -> bool:
         """Return whether a box covers all parameters, like a box of `whole`. Corners [n] each."""
-        plane = zip((PHASE, LEVEL), low, high, strict=False)
-        inside = all(axis.low <= a <= b <= axis.high for axis, a, b in plane)
-        return inside and (low, high) == self.whole(low[:PLANE], high[:PLANE])
+        ends, count = zip(self.state, low, high, strict=False), len(self.state)
+        inside = all(axis.low <= a <= b <= axis.high for axis, a, b in ends)
+        return inside and (low, high) == self.whole(low[:count], high[:count])
 
 
 PLANE_ONLY = Chart()

@@ -52,10 +52,10 @@ class Claim(Protocol):
         ...
 
 
-def proved_bounds(statements: Sequence[Claim]) -> Bounds:
-    """Return the bounds of statements, rounded down; their roots cover all parameters."""
+def proved_bounds(statements: Sequence[Claim], axes: int = PLANE) -> Bounds:
+    """Return the bounds of statements, rounded down, by boxes of so many axes of the state."""
     return {
-        (name, s.low[:PLANE], s.high[:PLANE]): np.nextafter(bound * s.scales[name], -np.inf)
+        (name, s.low[:axes], s.high[:axes]): np.nextafter(bound * s.scales[name], -np.inf)
         for s in statements
         for name, bound in s.bounds.items()
     }

@@ -5,7 +5,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from neuralgaits._environment import render_without_screen
-from neuralgaits.cli import brief, proof_screen, screen
+from neuralgaits.cli import brief, cartpole_verbs, proof_screen, screen
 from neuralgaits.cli.arguments import (
     CertifyOptions,
     CheckProofOptions,
@@ -48,6 +48,8 @@ def carry_out(verb: Verb) -> Outcome:
     """Carry out a verb: call its workflow, and judge the result."""
     if not verb.output.json:
         _say_which_is_latest(verb)
+    if (of_cartpole := cartpole_verbs.outcome(verb)) is not None:
+        return of_cartpole
     match verb:
         case TrainOptions():
             return _train(verb)

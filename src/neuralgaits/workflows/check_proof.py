@@ -31,6 +31,7 @@ from neuralgaits.runs.folder import CONFIG
 from neuralgaits.runs.latest import through_latest
 from neuralgaits.runs.shell_words import LATEST, command, named
 from neuralgaits.settings import CheckProofSettings, called_with
+from neuralgaits.systems.cartpole.conclusions import with_cartpole_levels
 
 
 @called_with(CheckProofSettings)
@@ -58,6 +59,7 @@ def check_proof(settings: CheckProofSettings) -> Checked:
     if folder is not None and report.holds:
         report = against(claims, report, comparison or compare_with_run(claims, folder))
         own_spec = own
+    report = with_cartpole_levels(report, claims)
     assumed = (*own_spec, *ASSUMPTIONS) if folder is not None else (DERIVED_ELSEWHERE, *ASSUMPTIONS)
     found = {name: value for name, value in vars(report).items() if name != "holds"}
     return Checked(

@@ -10,7 +10,6 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 from neuralgaits._digits import at_least, at_most
-from neuralgaits.certificate.chart import PLANE
 from neuralgaits.certificate.levels.levels import conclude
 from neuralgaits.certificate.premises import level_one_boxes, proved_bounds
 from neuralgaits.certificate.proof_file.command_ranges import why_part
@@ -25,7 +24,7 @@ Verdict = Literal["proved", "consistent", "rejected", "undecided"]
 Progress = Callable[[int, int], None]
 
 NAMED_EACH = 6
-"""Largest number of axes beside phase and level that each statement names; more are named once."""
+"""Largest number of axes beside the state's that each statement names; more are named once."""
 DIGITS, SCALE_DIGITS = 4, 6
 """Significant digits of bounds and scales in sentences; the file has all of them."""
 SHOWN = 3
@@ -124,7 +123,7 @@ def tied(report: CheckResult, claims: Claims, asked: SpecOutline) -> CheckResult
         return replace(report, verdict="rejected", reason="; ".join(wrong[:SHOWN]), levels=())
     report = replace(report, unclaimed=_not_on_all(claims, asked))
     levels = tuple(replace(level, verdict="proved") for level in report.levels)
-    if missing := unstated(claims.statements, asked):
+    if missing := unstated(claims.statements, asked, len(claims.chart.state)):
         reason = why_incomplete(missing, len(asked.conditions))
         if any(not BY_NUMBER[level.level].full_order for level in levels):
             return replace(report, verdict="rejected", reason=reason, levels=())
@@ -149,14 +148,15 @@ def _unclaimed(claims: Claims) -> tuple[str, ...]:
 
 
 def _not_on_all(claims: Claims, asked: SpecOutline) -> tuple[str, ...]:
-    return tuple(dict.fromkeys(name for name, *_ in unstated(claims.statements, asked)))
+    left = unstated(claims.statements, asked, len(claims.chart.state))
+    return tuple(dict.fromkeys(name for name, *_ in left))
 
 
 def _concluded(claims: Claims, report: CheckResult) -> CheckResult:
     """Draw the conclusions that the file claims from its statements, all of which hold by now."""
     theorems, asked = claims.theorems, claims.asked
     boxes = level_one_boxes(claims.statements) if asked is None else asked.boxes()
-    bounds = proved_bounds(claims.statements)
+    bounds = proved_bounds(claims.statements, len(claims.chart.state))
     try:
         found = conclude(theorems.parameters, boxes, bounds, claims.chart)
     except (OverflowError, ZeroDivisionError) as error:
@@ -176,7 +176,7 @@ def _concluded(claims: Claims, report: CheckResult) -> CheckResult:
 def _why_incomplete(claims: Claims) -> str | None:
     """Name the conditions that a complete proof would claim and this one does not; or None."""
     if claims.asked is not None:
-        missing = unstated(claims.statements, claims.asked)
+        missing = unstated(claims.statements, claims.asked, len(claims.chart.state))
         return why_incomplete(missing, len(claims.asked.conditions)) if missing else None
     stated = {name for statement in claims.statements for name in statement.conditions}
     names = [o.name for o in claims.program.outputs if "/" not in o.name]
@@ -200,14 +200,15 @@ def chart_in_words(claims: Claims) -> Iterator[str]:
 def in_words(statement: Statement, claims: Claims) -> Iterator[str]:
     """Return one sentence for each condition of a statement."""
     ends = list(zip(claims.chart.axes, statement.low, statement.high, strict=True))
-    many = len(ends) > PLANE + NAMED_EACH
+    state = len(claims.chart.state)
+    many = len(ends) > state + NAMED_EACH
     where = " and ".join(
         f"{axis.name} in [{low!r}, {high!r}]"
         + ("" if axis.change is None else f", at most {axis.change!r} from the one before")
-        for axis, low, high in (ends[:PLANE] if many else ends)
+        for axis, low, high in (ends[:state] if many else ends)
     )
     if many:  # Their roots are whole in them.
-        where += f" and all of the chart's other {len(ends) - PLANE} axes"
+        where += f" and all of the chart's other {len(ends) - state} axes"
     for name in statement.conditions:
         fibre = f", and {FIBRE} of the unit ball" if name in claims.off_zero else ""
         bound, scale = statement.bounds[name], statement.scales[name]

@@ -58,6 +58,17 @@ def _command(row: Any) -> ModelCommand:
     return found
 
 
+def refuse_other_family(chart: Chart, model: Mapping[str, Any] | None, *, theorems: bool) -> None:
+    """Refuse a walker's model or theorems on the chart of another family, and the reverse.
+
+    Raises: ValueError.
+    """
+    if theorems and not chart.walks:
+        raise ValueError("theorems about walks on a chart without phase and level")
+    if model is not None and chart.walks is ("family" in model):
+        raise ValueError("a model of another family than the chart's")
+
+
 def is_beyond(chart: Chart, commands: Sequence[ModelCommand]) -> bool:
     """Return whether a chart's first axes are those of the commands, beyond their ranges."""
     return _alike(chart, commands) and not Chart.of(commands).holds(

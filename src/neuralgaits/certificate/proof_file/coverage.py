@@ -18,7 +18,7 @@ from neuralgaits.certificate.proof_file.limits import MOST_BOXES, limit
 from neuralgaits.certificate.proof_file.theorem_tables import Theorems
 
 Root = tuple[str, Corner, Corner]
-"""An output and a box of (phase, level), for all values of the parameters: (name, low, high)."""
+"""An output and a box of the state, for all values of the parameters: (name, low, high)."""
 ROUNDING = 1e-6
 """Share by which a bound may be less on another machine, by rounding."""
 SHOWN = 3
@@ -52,8 +52,12 @@ class SpecOutline:
     conditions: Mapping[str, ConditionOutline]
 
     @classmethod
-    def read(cls, regions: Any, conditions: Any, *, decimals: bool = True) -> "SpecOutline":
+    def read(
+        cls, regions: Any, conditions: Any, *, decimals: bool = True, axes: int = PLANE
+    ) -> "SpecOutline":
         """Read regions and conditions from a run's config or, without decimals, a proof's model.
+
+        Their boxes have so many axes.
 
         Raises: ValueError.
         """
@@ -63,7 +67,7 @@ class SpecOutline:
             if why := why_no_name(name):
                 raise ValueError(f"the name {why}")
         boxes = {
-            name: tuple(_box(row, decimals) for row in _listed(rows))
+            name: tuple(_box(row, decimals, axes) for row in _listed(rows))
             for name, rows in regions.items()
         }
         found = {name: _condition(name, row, boxes) for name, row in conditions.items()}
@@ -89,8 +93,8 @@ def _listed(rows: Any) -> list:
     return rows
 
 
-def _box(table: Any, decimals: bool) -> tuple[Corner, Corner]:
-    low, high = box_of(table, "a box of a region", decimals=decimals)
+def _box(table: Any, decimals: bool, axes: int) -> tuple[Corner, Corner]:
+    low, high = box_of(table, "a box of a region", axes, decimals=decimals)
     if not all(0.0 <= a <= b <= 1.0 for a, b in zip(low, high, strict=True)):
         raise ValueError(f"a region's box from {low} to {high}, which is no box of the chart")
     return low, high
@@ -116,11 +120,13 @@ class LabelledClaim(Claim, Protocol):
         ...
 
 
-def stated_roots(statements: Iterable[LabelledClaim]) -> Iterator[tuple[Root, LabelledClaim]]:
-    """Return every output and root box that a statement is about, with the statement."""
+def stated_roots(
+    statements: Iterable[LabelledClaim], axes: int = PLANE
+) -> Iterator[tuple[Root, LabelledClaim]]:
+    """Return every output and box of so many axes that a statement is about, with the statement."""
     for statement in statements:
         for name in statement.scales:
-            yield (name, statement.low[:PLANE], statement.high[:PLANE]), statement
+            yield (name, statement.low[:axes], statement.high[:axes]), statement
 
 
 def says_all(new: Iterable[LabelledClaim], old: Iterable[LabelledClaim]) -> bool:
@@ -141,7 +147,10 @@ def says_all(new: Iterable[LabelledClaim], old: Iterable[LabelledClaim]) -> bool
 
 
 def contradictions(
-    statements: Sequence[LabelledClaim], theorems: Theorems, asked: SpecOutline | None
+    statements: Sequence[LabelledClaim],
+    theorems: Theorems,
+    asked: SpecOutline | None,
+    axes: int = PLANE,
 ) -> list[str]:
     """List statements that no spec and no theorem requires in this form, one sentence each.
 
@@ -149,10 +158,11 @@ def contradictions(
         statements: statements of a proof file.
         theorems: theorems of the file.
         asked: the spec's conditions; None if they are not known.
+        axes: number of axes of the state.
     """
     labels = _labels(theorems, asked)
     wrong = _barriers_that_are_none(theorems, asked)
-    for (name, low, high), statement in stated_roots(statements):
+    for (name, low, high), statement in stated_roots(statements, axes):
         known = asked is not None or "/" in name
         condition = None if asked is None else asked.conditions.get(name)
         scale = 1.0 if condition is None else condition.scale
@@ -195,9 +205,11 @@ def premise_names(theorems: Theorems) -> set[str]:
     return {name for _, name, *_ in labelled_premises(theorems.parameters, [])}
 
 
-def unstated(statements: Sequence[LabelledClaim], asked: SpecOutline) -> list[Root]:
+def unstated(
+    statements: Sequence[LabelledClaim], asked: SpecOutline, axes: int = PLANE
+) -> list[Root]:
     """Return the boxes of conditions that no statement is about."""
-    found = {root for root, _ in stated_roots(statements)}
+    found = {root for root, _ in stated_roots(statements, axes)}
     return [root for root in asked.boxes() if root not in found]
 
 

@@ -14,7 +14,11 @@ import numpy as np
 
 from neuralgaits._names import LONGEST_NAME, why_no_name
 from neuralgaits.certificate.chart import Chart, Corner, CoupledAxes, asked_for
-from neuralgaits.certificate.proof_file.command_ranges import ModelCommand, command_ranges
+from neuralgaits.certificate.proof_file.command_ranges import (
+    ModelCommand,
+    command_ranges,
+    refuse_other_family,
+)
 from neuralgaits.certificate.proof_file.coverage import SpecOutline, premise_names
 from neuralgaits.certificate.proof_file.json_fields import (
     box_of,
@@ -205,6 +209,7 @@ def _claims(table: Any) -> Claims:
     model = fields["model"]
     if model is not None and not isinstance(model, dict):
         raise ValueError("a model that is neither a JSON object nor null")
+    refuse_other_family(chart, model, theorems=bool(theorems.parameters))
     return Claims(
         robot=_named_hash(fields["robot"], "robot"),
         spec=_named_hash(fields["spec"], "spec"),
@@ -215,7 +220,7 @@ def _claims(table: Any) -> Claims:
         statements=tuple(_statement(entry, outputs, chart) for entry in entries),
         theorems=theorems,
         model=model,
-        asked=None if model is None else _asked(model, outputs),
+        asked=None if model is None else _asked(model, outputs, chart),
         commands=() if model is None else command_ranges(model),
     )
 
@@ -227,8 +232,10 @@ def _refuse_names(outputs: set[str], premises: set[str]) -> None:
             raise ValueError(f"an output of the Program named {why}")
 
 
-def _asked(model: dict[str, Any], outputs: set[str]) -> SpecOutline:
-    asked = SpecOutline.read(model.get("regions"), model.get("conditions"), decimals=False)
+def _asked(model: dict[str, Any], outputs: set[str], chart: Chart) -> SpecOutline:
+    asked = SpecOutline.read(
+        model.get("regions"), model.get("conditions"), decimals=False, axes=len(chart.state)
+    )
     own = {name for name in outputs if "/" not in name}
     if odd := sorted(own ^ set(asked.conditions)):
         raise ValueError(f"{odd[0]}, which only one of model and Program has")

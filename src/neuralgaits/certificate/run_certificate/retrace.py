@@ -24,6 +24,8 @@ from neuralgaits.runs import RunFolder, plain, write_text
 
 LONGEST_S = 300.0
 """Longest time for tracing a spec [s]; the largest takes seconds."""
+OTHER_FAMILIES = {"cartpole": "neuralgaits.systems.cartpole.retrace"}
+"""Module that traces a run again, by its family; `describe_run` is a walker's."""
 LAST_LINES = 3
 """Number of last lines of a failed process's standard error that are shown."""
 
@@ -40,7 +42,7 @@ def retrace_in_subprocess(
         file = Path(folder) / "answer.json"
         try:
             done = subprocess.run(
-                command_of("neuralgaits.certificate.run_certificate.retrace", str(run), str(file)),
+                command_of(_module_of(run), str(run), str(file)),
                 input=json.dumps({"theorems": theorems.tables(), "chart": chart.table()}),
                 stdout=subprocess.DEVNULL,
                 stderr=subprocess.PIPE,
@@ -65,6 +67,12 @@ def retrace_in_subprocess(
     if "error" in found:
         raise InputError(str(found["error"]))
     return found
+
+
+def _module_of(run: Path) -> str:
+    """Return the module that a process of its own runs for a run's family."""
+    family = str(RunFolder.open(run).config.get("family"))
+    return OTHER_FAMILIES.get(family, "neuralgaits.certificate.run_certificate.retrace")
 
 
 def refuse_endless(folder: RunFolder) -> None:

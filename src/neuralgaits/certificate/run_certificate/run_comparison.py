@@ -42,8 +42,8 @@ def compare_with_run(claims: Claims, folder: Path, *, own_process: bool = True) 
     found = describe(folder, claims.theorems, claims.chart)
     try:
         wrong = differences_of_program(claims, found)
-        asked = SpecOutline.read(found["regions"], found["conditions"])
         chart = Chart.read(found["chart"])
+        asked = SpecOutline.read(found["regions"], found["conditions"], axes=len(chart.state))
     except (KeyError, TypeError, ValueError) as error:
         raise RunError(
             f"expected the conditions of {folder}, traced again, found an answer that is none "

@@ -1,0 +1,1 @@
+"""Families of systems: each folder has a model, its policies, conditions and verbs."""

@@ -1,0 +1,155 @@
+"""Runs of cart-poles: what was asked of a training, and a run, opened."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import jax
+import numpy as np
+
+from neuralgaits.errors import RunError
+from neuralgaits.records.record import Count, Record, build, shape_of
+from neuralgaits.records.training_config import Seed, Steps
+from neuralgaits.runs import RunFolder, resolve
+from neuralgaits.runs.json_files import refuse_misshapen
+from neuralgaits.runs.names import CONFIG, ROBOT, SUMMARY, WEIGHTS
+from neuralgaits.runs.shape import whole
+from neuralgaits.systems.cartpole.ball import Ball
+from neuralgaits.systems.cartpole.conditions import Controller
+from neuralgaits.systems.cartpole.mjcf import CartPoleData, read_cartpole
+from neuralgaits.systems.cartpole.model import CartPole
+from neuralgaits.systems.cartpole.policy import VelocityPolicy
+
+FAMILY = "cartpole"
+SPEC_NAME = "balancing"
+WIDEST = 256
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class CartPoleConfig(Record):
+    """Configuration of a training: `config.json`, without the entries that `runs` adds.
+
+    Attributes:
+        family: of the system; a walker's run has no such field.
+        robot, spec: names.
+        seed: of weights and samples.
+        steps: gradient steps.
+        width: of the network's hidden layer.
+        rate: required decay of the ellipsoid's radius [1/s].
+    """
+
+    family: Literal["cartpole"] = FAMILY
+    robot: str
+    spec: Literal["balancing"] = SPEC_NAME
+    seed: Seed
+    steps: Steps
+    width: Annotated[int, whole(1, WIDEST)]
+    rate: float
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class CartPoleTrained(Record):
+    """Result of `train`: `summary.json` of a run.
+
+    Attributes:
+        run, robot, spec, seed, steps: of the run.
+        margins: smallest margin of each condition at fresh random states, in scales.
+        samples: how many states.
+        widths: half widths of the set's projections on x, theta, s and e (m, rad, kg m^2/s, m/s).
+        volume: of the set in (x, theta, x', theta') [m^2 rad^2/s^2].
+        decay: of the velocity's error [1/s].
+        wall_s: elapsed time.
+    """
+
+    run: str
+    robot: str
+    spec: str
+    seed: int
+    steps: int
+    margins: Mapping[str, float]
+    samples: Count
+    widths: tuple[float, ...]
+    volume: float
+    decay: float
+    wall_s: float
+
+    @property
+    def holds(self) -> bool:
+        """Whether no sample breaks a condition."""
+        return all(margin >= 0.0 for margin in self.margins.values())
+
+
+@dataclass(frozen=True)
+class CartPoleRun:
+    """A run with everything it came from.
+
+    Attributes:
+        folder: on disk.
+        config: what was asked.
+        robot: the model.
+        data: numbers of the robot file.
+        controller: policy and set.
+    """
+
+    folder: RunFolder
+    config: CartPoleConfig
+    robot: CartPole
+    data: CartPoleData
+    controller: Controller
+
+    @property
+    def path(self) -> Path:
+        """Path of the run folder."""
+        return self.folder.path
+
+    @cached_property
+    def summary(self) -> CartPoleTrained:
+        """Summary of the training. Raises: RunError if it is damaged."""
+        return CartPoleTrained.read(self.path / SUMMARY)
+
+
+def is_cartpole_run(folder: RunFolder) -> bool:
+    """Return whether a run folder is of this family."""
+    return folder.config.get("family") == FAMILY
+
+
+def open_cartpole(run: str | Path) -> CartPoleRun:
+    """Open a finished run. Raises: RunError if it is none of this family, or damaged."""
+    folder = resolve(run)
+    if not is_cartpole_run(folder):
+        raise RunError(f"expected the run of a cart-pole, found another's at {folder.path}")
+    refuse_misshapen(folder.config, shape_of(CartPoleConfig), folder.path / CONFIG)
+    config = build(CartPoleConfig, folder.config)
+    robot, data = read_cartpole(folder.copy(ROBOT), config.robot)
+    controller = folder.read_tree(WEIGHTS, untrained(config.width))
+    return CartPoleRun(folder, config, robot, data, jax.tree.map(np.asarray, controller))
+
+
+def untrained(width: int) -> Controller:
+    """Return a controller of zeros, to read arrays into."""
+    policy = VelocityPolicy(np.zeros(3), np.zeros((width, 3)), np.zeros(width), np.zeros(3))
+    return Controller(policy, Ball(np.zeros((4, 4))), np.zeros(()))
+
+
+def widths(controller: Controller) -> tuple[float, ...]:
+    """Return half widths of the set's projections on the four coordinates."""
+    return tuple(float(x) for x in np.linalg.norm(np.asarray(controller.ball.shape), axis=1))
+
+
+def volume(robot: CartPole, controller: Controller) -> float:
+    """Return the set's volume in (x, theta, x', theta').
+
+    s and e change with theta' and x' at constant determinant: ds de = J dtheta' dx'.
+    """
+    diagonal = np.diag(np.asarray(controller.ball.shape))
+    return float(0.5 * np.pi**2 * np.prod(diagonal) / robot.inertia)
+
+
+def arrays_of(controller: Controller) -> Mapping[str, Any]:
+    """Return the arrays of a controller, by the names that its Program gives them."""
+    policy, ball = controller.policy, controller.ball
+    names = ("gains", "hidden", "output", "scale")
+    found = {f"policy.{name}": getattr(policy, name) for name in names}
+    return found | {"ball.shape": ball.shape, "decay": controller.decay}

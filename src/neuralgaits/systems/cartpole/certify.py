@@ -1,0 +1,198 @@
+"""Prove a cart-pole's run: its conditions on their regions, and what follows."""
+
+import hashlib
+import time
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
+from typing import Any
+
+import jax.numpy as jnp
+import numpy as np
+from threadpoolctl import threadpool_limits
+
+from neuralgaits.certificate.levels.conditions.verdicts import verdict_on
+from neuralgaits.certificate.proof_file.writer import Proof, prove
+from neuralgaits.certificate.run_certificate.certificate_files import (
+    hashes_with,
+    refuse_unwritable_certificate,
+    write_certificate,
+)
+from neuralgaits.certificate.search.branch_and_bound import Search
+from neuralgaits.certificate.search.problem import Problem
+from neuralgaits.certificate.search.root_turns import box_count, explore
+from neuralgaits.certificate.search.statement_record import StatementRecord
+from neuralgaits.programs import Program
+from neuralgaits.programs.prune import prune
+from neuralgaits.programs.tracing.tracer import trace
+from neuralgaits.records.certified import PROOF, CertificateRecord, ConditionVerdict, Counterexample
+from neuralgaits.runs.names import ROBOT, SPEC, WEIGHTS
+from neuralgaits.runs.plain import to_json
+from neuralgaits.systems.cartpole.ball import direction
+from neuralgaits.systems.cartpole.cartpole_run import CartPoleRun, arrays_of
+from neuralgaits.systems.cartpole.conditions import margins
+from neuralgaits.systems.cartpole.regions import AXES, CHART, CONDITIONS, REGIONS
+from neuralgaits.systems.cartpole.theorem import conclude
+
+CLAIMED = 0.4
+"""Claimed share of a margin: four axes need many boxes, and only the sign matters."""
+HIGHEST = 3
+
+Progress = Callable[[float, int], None]
+"""Function of the proved share of all regions, and the number of boxes."""
+
+
+def certify_cartpole(
+    run: CartPoleRun,
+    *,
+    level: int = HIGHEST,
+    budget: float | None = None,
+    progress: Progress | None = None,
+) -> CertificateRecord:
+    """Prove the conditions of a run, and levels 2 and 3; write proof and summary.
+
+    Args:
+        run: the run.
+        level: highest level.
+        budget: seconds; None for no limit.
+        progress: called now and then.
+
+    Returns: the summary. Proof and summary are in the run's folder.
+    """
+    start_time = time.perf_counter()
+    refuse_unwritable_certificate(run.path)
+    program = trace_conditions(run)
+    problems = condition_problems(program)
+    deadline = time.monotonic() + (np.inf if budget is None else budget)
+    with threadpool_limits(1):
+        states = explore(
+            problems,
+            [None] * len(problems),
+            partial(_counterexample, run),
+            deadline=deadline,
+            progress=progress,
+        )
+    searched = list(zip(problems, states, strict=True))
+    statements = tuple(one for pair in searched for one in prove(*pair))
+    bounds = {name: one.bounds[name] for one in statements for name in one.conditions}
+    verdicts = {pair[0].names[0]: _verdict(pair, bounds) for pair in searched}
+    files = {PROOF: proof_of(run, program, statements).content()} if statements else {}
+    return _written(run, verdicts, bounds, files, level, start_time, states)
+
+
+def trace_conditions(run: CartPoleRun) -> Program:
+    """Return the margins of a run's conditions as a Program of the chart's point."""
+    robot, controller, rate = run.robot, run.controller, run.config.rate
+    return trace(
+        lambda u: margins(robot, controller, rate, u), {"u": (len(AXES),)}, parameters=controller
+    )
+
+
+def condition_problems(program: Program) -> list[Problem]:
+    """Return a problem for each condition: boxes of one do not help another."""
+    return [
+        Problem(
+            region,
+            *REGIONS[region][0],
+            (name,),
+            (1.0,),
+            prune(program, [name]),
+            claimed=CLAIMED,
+            tight=0.0,
+        )
+        for name, region in CONDITIONS.items()
+    ]
+
+
+def proof_of(
+    run: CartPoleRun, program: Program, statements: tuple[StatementRecord, ...]
+) -> Proof:
+    """Return the proof about a run: its robot, spec and weights by name and sha256."""
+    copies = run.folder.copies
+    return Proof(
+        {"name": run.config.robot, "sha256": copies[ROBOT]},
+        {"name": run.config.spec, "sha256": copies[SPEC]},
+        hashlib.sha256((run.path / WEIGHTS).read_bytes()).hexdigest(),
+        program,
+        CHART,
+        statements,
+        model=model_data(run, program),
+    )
+
+
+def model_data(run: CartPoleRun, program: Program) -> dict[str, Any]:
+    """Return the object "model" of a proof: the numbers of file and run, nothing derived."""
+    stored = program.parameters
+    arrays = {}
+    for name, value in arrays_of(run.controller).items():
+        array = np.asarray(value, dtype=np.float64)
+        known = stored.get(name)
+        if known is not None and known.tobytes() == array.tobytes():
+            arrays[name] = {"constant": name}
+        else:
+            values = [float(x).hex() for x in array.ravel()]
+            arrays[name] = {"shape": list(array.shape), "values": values}
+    return {
+        "family": run.config.family,
+        "robot": {name: x.hex() for name, x in run.data.numbers().items()},
+        "arrays": arrays,
+        "rate": run.config.rate.hex(),
+        "regions": {
+            name: [{"low": _hex(low), "high": _hex(high)} for low, high in boxes]
+            for name, boxes in REGIONS.items()
+        },
+        "conditions": {
+            name: {"kind": "Margin", "region": region, "scale": 1.0}
+            for name, region in CONDITIONS.items()
+        },
+    }
+
+
+def _hex(corner: Sequence[float]) -> list[str]:
+    return [float(value).hex() for value in corner]
+
+
+def _counterexample(run: CartPoleRun, name: str, u: np.ndarray) -> Counterexample | None:
+    """Evaluate a condition's own function at a point of the chart."""
+    point = jnp.asarray(u)
+    value = float(jnp.min(margins(run.robot, run.controller, run.config.rate, point)[name]))
+    if not value < 0.0:
+        return None
+    y = run.controller.ball.y(point[0], direction(point[1:]))
+    return Counterexample(tuple(map(float, u)), (float(y[0]), float(y[1])), value)
+
+
+def _verdict(pair: tuple[Problem, Search], bounds: Mapping[str, float]) -> ConditionVerdict:
+    name = pair[0].names[0]
+    return verdict_on(name, [pair], bounds.get(name))
+
+
+def _written(
+    run: CartPoleRun,
+    verdicts: Mapping[str, ConditionVerdict],
+    bounds: Mapping[str, float],
+    files: Mapping[str, bytes],
+    level: int,
+    start_time: float,
+    states: Sequence[Search],
+) -> CertificateRecord:
+    """Write the certificate and return its summary."""
+    levels = conclude(bounds, run.config.rate, level)
+    open_ = [name for name, one in verdicts.items() if one.verdict == "undecided"]
+    answers = {one.verdict for one in verdicts.values()}
+    proved = answers == {"proved"} and all(one.proved for one in levels)
+    summary = CertificateRecord(
+        run=str(run.path),
+        robot=run.config.robot,
+        spec=run.config.spec,
+        verdict="refuted" if "refuted" in answers else "proved" if proved else "undecided",
+        level=level,
+        conditions=verdicts,
+        levels=levels,
+        sha256=hashes_with(run.path, files),
+        wall_s=time.perf_counter() - start_time,
+        boxes=box_count(states),
+        reason=f"the search ran out of time or boxes at {', '.join(open_)}" if open_ else None,
+        proof=str(run.path / PROOF) if files else None,
+    )
+    write_certificate(run.path, files, to_json(summary).encode())
+    return summary

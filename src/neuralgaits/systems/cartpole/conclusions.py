@@ -1,0 +1,32 @@
+"""Conclusions about trajectories of a cart-pole from a proof file that has been checked.
+
+The statements hold by then; whether they are about a run's robot, the verdict says. Needs no JAX.
+"""
+
+from dataclasses import replace
+
+from neuralgaits._digits import from_hex
+from neuralgaits.certificate.proof_file.check import CheckResult
+from neuralgaits.certificate.proof_file.reader import Claims
+from neuralgaits.systems.cartpole.regions import CHART, CONDITIONS, REGIONS
+from neuralgaits.systems.cartpole.theorem import conclude
+from neuralgaits.systems.families import CARTPOLE
+
+
+def with_cartpole_levels(report: CheckResult, claims: Claims) -> CheckResult:
+    """Add levels 2 and 3 to the report of a cart-pole's proof, where its statements give them.
+
+    A file whose regions are not those of the spec is rejected: its words would be about others.
+    """
+    model = claims.model or {}
+    if model.get("family") != CARTPOLE or claims.asked is None or not report.holds:
+        return report
+    regions = {name: one.region for name, one in claims.asked.conditions.items()}
+    if (claims.asked.regions, regions, claims.chart) != (REGIONS, CONDITIONS, CHART):
+        why = "its regions, conditions or chart are not those of a cart-pole's spec"
+        return replace(report, verdict="rejected", reason=why, levels=(), holds=False)
+    stated = {name: one.bounds[name] for one in claims.statements for name in one.conditions}
+    bounds = {name: stated[name] for name in CONDITIONS if name not in report.unclaimed}
+    word = "proved" if report.verdict == "proved" else "consistent"
+    levels = conclude(bounds, from_hex(model.get("rate"), "a rate"))
+    return replace(report, levels=tuple(replace(one, verdict=word) for one in levels if one.proved))

@@ -1,0 +1,152 @@
+"""The page of a cart-pole's run: its set, an episode from the face, and what is proved."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from neuralgaits._digits import at_least
+from neuralgaits.errors import RunError
+from neuralgaits.records.certified import PROOF, SUMMARY, CertificateRecord
+from neuralgaits.records.record import Count, Record
+from neuralgaits.report.drawing import style
+from neuralgaits.report.drawing.figure import svg
+from neuralgaits.report.page.html_shell import inline_image, whole
+from neuralgaits.report.page.markup import Html, items, join, paragraph, tag
+from neuralgaits.runs import write_text
+from neuralgaits.runs.atomic import refuse_unwritable
+from neuralgaits.runs.hashes import sha256
+from neuralgaits.runs.names import WEIGHTS
+from neuralgaits.systems.cartpole.cartpole_run import CartPoleRun
+from neuralgaits.systems.cartpole.regions import CONDITIONS
+from neuralgaits.systems.cartpole.simulate import Trace, starts, trace_of
+
+EPISODES = 12
+"""Episodes in the pictures, each from the set's face."""
+SHOWN_S = 8.0
+"""Length of the episodes [s]."""
+FILE = "report.html"
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class CartPoleReport(Record):
+    """Result of `report`. Attributes: report: the page; bytes: its size."""
+
+    run: str
+    report: str
+    bytes: Count
+
+
+def report_cartpole(run: CartPoleRun, out: Path | None = None) -> CartPoleReport:
+    """Write the page of a run. Returns: where it is."""
+    place = run.path / FILE if out is None else out
+    refuse_unwritable(place)
+    traces = [trace_of(run, start, SHOWN_S) for start in starts(run, EPISODES, seed=0)]
+    figures = (
+        (_planes(run, traces), "Episodes of MuJoCo from the set's face, in two planes"),
+        (_times(run, traces), "Radius, force and cart of the same episodes over time"),
+    )
+    main = join(
+        [
+            _about(run),
+            *(
+                tag("figure", inline_image("svg+xml", svg(figure), words), tag("figcaption", words))
+                for figure, words in figures
+            ),
+            _proof(run),
+        ]
+    )
+    header = tag("header", tag("h1", f"{run.config.robot}: a cart-pole"))
+    text = whole(run.config.robot, header, tag("main", main), str(run.path), ())
+    write_text(place, text)
+    return CartPoleReport(run=str(run.path), report=str(place), bytes=len(text.encode()))
+
+
+def certificate_of(run: CartPoleRun) -> CertificateRecord | None:
+    """Return the run's certificate if it is about these weights and this proof; else None."""
+    try:
+        found = CertificateRecord.read(run.path / SUMMARY)
+    except RunError:
+        return None
+    for name in (WEIGHTS, PROOF):
+        path = run.path / name
+        if not path.is_file() or found.sha256.get(name) != sha256(path.read_bytes()):
+            return None
+    return found
+
+
+def _about(run: CartPoleRun) -> Html:
+    done, robot = run.summary, run.robot
+    x, theta, _, error = done.widths
+    lines = [
+        f"Set: cart up to {x:.3g} m from the middle of a rail of +-{robot.rail:g} m, pole up to "
+        f"{np.degrees(theta):.3g} degrees from the upright, velocity up to {error:.3g} m/s off "
+        "the policy's.",
+        f"Force limit: {robot.force_limit:g} N.",
+        f"At {done.samples} random states the smallest margin of {len(done.margins)} conditions "
+        f"is {min(done.margins.values()):.3g}.",
+    ]
+    return tag("section", tag("h2", "Run"), items(lines))
+
+
+def _proof(run: CartPoleRun) -> Html:
+    """Return what the certificate says."""
+    found = certificate_of(run)
+    if found is None:
+        return tag("section", tag("h2", "Proof"), paragraph("No certificate of these weights."))
+    rows = [
+        f"{name}, on the {CONDITIONS.get(name, '?')}: {one.verdict}"
+        + ("" if one.margin is None else f", margin at least {at_least(one.margin, 2)}")
+        for name, one in found.conditions.items()
+    ]
+    rows += [
+        f"level {one.level}: {one.verdict}" + (f"; {'; '.join(one.words)}" if one.proved else "")
+        for one in found.levels
+    ]
+    note = (
+        "According to the proof file, about the rigid model in continuous time; verify with "
+        "check-proof."
+    )
+    return tag("section", tag("h2", "Proof"), items(rows), paragraph(note))
+
+
+@style.styled
+def _planes(run: CartPoleRun, traces: list[Trace]) -> Figure:
+    """Draw the episodes in (x, theta) and (theta, theta'), with the set's projection on one."""
+    figure = Figure(figsize=(8.0, 3.6), layout="constrained")
+    left, right = figure.subplots(1, 2)
+    for one in traces:
+        left.plot(one.state[:, 0], one.state[:, 1], color=style.BLUE, lw=0.9)
+        right.plot(one.state[:, 1], one.state[:, 3], color=style.BLUE, lw=0.9)
+    shape = np.asarray(run.controller.ball.shape)[:2]
+    turn = np.linspace(0.0, 2.0 * np.pi, 200)
+    edge = np.linalg.cholesky(shape @ shape.T) @ np.stack([np.cos(turn), np.sin(turn)])
+    left.plot(*edge, color=style.RED, ls="--", label="projection of the set")
+    for side in (-1.0, 1.0):
+        left.axvline(side * run.robot.rail, color=style.BLACK, lw=1.5)
+    left.set(xlabel="cart x [m]", ylabel="pole theta [rad]")
+    left.legend(loc="upper right")
+    right.set(xlabel="pole theta [rad]", ylabel="rate [rad/s]")
+    return figure
+
+
+@style.styled
+def _times(run: CartPoleRun, traces: list[Trace]) -> Figure:
+    """Draw radius, force and position over time."""
+    figure = Figure(figsize=(8.0, 5.0), layout="constrained")
+    first, second, third = figure.subplots(3, 1, sharex=True)
+    for one in traces:
+        first.semilogy(one.t, np.maximum(one.radius, 1e-6), color=style.BLUE, lw=0.9)
+        second.plot(one.t, one.force, color=style.BLUE, lw=0.9)
+        third.plot(one.t, one.state[:, 0], color=style.BLUE, lw=0.9)
+    bound = np.exp(-run.config.rate * traces[0].t)
+    first.semilogy(traces[0].t, bound, color=style.RED, ls="--", label="rate of the conditions")
+    first.legend(loc="upper right")
+    for axes, limit in ((second, run.robot.force_limit), (third, run.robot.rail)):
+        for side in (-1.0, 1.0):
+            axes.axhline(side * limit, color=style.BLACK, lw=1.5)
+    first.set(ylabel="radius")
+    second.set(ylabel="force [N]")
+    third.set(ylabel="cart x [m]", xlabel="time [s]")
+    return figure

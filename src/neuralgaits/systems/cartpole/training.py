@@ -1,0 +1,152 @@
+"""Training: the largest ellipsoid on which the conditions hold at random states."""
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+import optax
+from jaxtyping import PRNGKeyArray
+from scipy.linalg import solve_continuous_are, solve_continuous_lyapunov
+
+from neuralgaits._types import Array, Float
+from neuralgaits.systems.cartpole.ball import Ball
+from neuralgaits.systems.cartpole.conditions import Controller, at_direction
+from neuralgaits.systems.cartpole.model import CartPole, linearised
+from neuralgaits.systems.cartpole.policy import VelocityPolicy
+from neuralgaits.systems.cartpole.regions import CONDITIONS, CORE
+
+HIDDEN, SAMPLES, WORST = 16, 1024, 32
+"""Width of the network, states a gradient step, and how many of the worst of them count."""
+TARGET = 0.04
+"""Margin that training aims at, in scales: room between random states and all of them."""
+GAIN, PENALTY = 0.03, 2.0
+"""Weights of the logarithm of the volume, and of margins below the target."""
+LEARNING_RATE, LAST_SHARE = 0.02, 0.01
+DECAY = 5.0
+"""Decay of the velocity's error at the start [1/s]."""
+FIRST_SIZE = 0.05
+"""Size of the first ellipsoid, as a part of one of unit Lyapunov weights."""
+TURNING = 3.0
+"""Angular velocity of the pole that is weighed like one metre and one radian [rad/s]."""
+EVERY = 100
+"""Gradient steps between two reports."""
+
+Progress = Callable[[int, float], None]
+"""Function of the gradient step and the loss."""
+
+
+class Weights(eqx.Module):
+    """Parameters that training moves, all of order one.
+
+    Attributes:
+        policy: the network.
+        sizes, slants: of the ellipsoid relative to the first: logarithms [4], entries below the
+            diagonal [6].
+        log_decay: logarithm of the error's decay.
+    """
+
+    policy: VelocityPolicy
+    sizes: Float[Array, "4"]
+    slants: Float[Array, "6"]
+    log_decay: Float[Array, ""]
+
+
+class Start(NamedTuple):
+    """Weights at the start, and the ellipsoid that they are relative to. [4, 4]."""
+
+    weights: Weights
+    shape: np.ndarray
+
+    def controller(self, weights: Weights) -> Controller:
+        """Return the controller of some weights."""
+        lower = jnp.zeros((4, 4)).at[jnp.tril_indices(4, -1)].set(weights.slants)
+        shape = self.shape @ (jnp.exp(weights.sizes)[:, None] * (jnp.eye(4) + lower))
+        return Controller(weights.policy, Ball(shape), jnp.exp(weights.log_decay))
+
+
+def linear_start(robot: CartPole, width: int, key: PRNGKeyArray) -> Start:
+    """Return a linear-quadratic policy for the linearised zero dynamics, and a small ellipsoid."""
+    a, b = linearised(robot)
+    scale = np.array([1.0, 1.0, TURNING * robot.inertia])
+    riccati = solve_continuous_are(a, b[:, None], np.diag(scale**-2.0), np.eye(1))
+    gains = -b @ riccati
+    closed = np.block([[a + np.outer(b, gains), b[:, None]], [np.zeros((1, 3)), -DECAY]])
+    weights = np.diag(np.append(scale, 1.0) ** -2.0)
+    shape = np.linalg.cholesky(np.linalg.inv(solve_continuous_lyapunov(closed.T, -weights)))
+    policy = VelocityPolicy.init(gains, scale, width, key)
+    start = Weights(policy, jnp.zeros(4), jnp.zeros(6), jnp.log(jnp.asarray(DECAY)))
+    return Start(start, FIRST_SIZE * shape)
+
+
+def train_controller(
+    robot: CartPole,
+    *,
+    seed: int,
+    steps: int,
+    rate: float,
+    width: int = HIDDEN,
+    progress: Progress | None = None,
+) -> Controller:
+    """Train a controller and its ellipsoid.
+
+    Args:
+        robot: the model.
+        seed: of weights and samples.
+        steps: gradient steps.
+        rate: required decay of the radius [1/s].
+        width: of the network's hidden layer.
+        progress: called now and then.
+    """
+    key = jax.random.key(seed)
+    start = linear_start(robot, width, key)
+    rates = optax.cosine_decay_schedule(LEARNING_RATE, steps, LAST_SHARE)
+    optimiser = optax.adam(rates)
+
+    def loss(weights: Weights, draw: PRNGKeyArray):
+        found = of_samples(robot, start.controller(weights), rate, draw, SAMPLES)
+        short = [jax.lax.top_k(jax.nn.relu(TARGET - row), WORST)[0] for row in found.values()]
+        volume = jnp.sum(weights.sizes)
+        return PENALTY * sum(jnp.mean(row) for row in short) - GAIN * volume
+
+    @jax.jit
+    def moved(weights: Weights, state, draw: PRNGKeyArray):
+        value, gradient = jax.value_and_grad(loss)(weights, draw)
+        # The sizes of z are units, no weights.
+        gradient = eqx.tree_at(lambda g: g.policy.scale, gradient, replace_fn=jnp.zeros_like)
+        update, state = optimiser.update(gradient, state)
+        return optax.apply_updates(weights, update), state, value
+
+    weights, state = start.weights, optimiser.init(start.weights)
+    for step in range(steps):
+        weights, state, value = moved(weights, state, jax.random.fold_in(key, step))
+        if progress is not None and (step % EVERY == 0 or step + 1 == steps):
+            progress(step + 1, float(value))
+    return jax.tree.map(np.asarray, start.controller(weights))
+
+
+def of_samples(
+    robot: CartPole, controller: Controller, rate: float, key: PRNGKeyArray, count: int
+) -> dict[str, Float[Array, " N"]]:
+    """Return margins at random states of each condition's region, half of them on the face.
+
+    Returns: by condition; two numbers a state for a limit on both sides. (Compiled, the gradient of
+    their smaller one may be zero: it compares values that are computed twice.)
+    """
+    first, second = jax.random.split(key)
+    normal = jax.random.normal(first, (count, 4))
+    normal = normal / jnp.linalg.norm(normal, axis=1, keepdims=True)
+    share = jax.random.uniform(second, (count,))
+    ends = {"face": (1.0, 1.0), "ring": (CORE, 1.0), "core": (0.0, CORE), "set": (0.0, 1.0)}
+    # Limits are reached on the face, and rates are smallest at either end.
+    share = jnp.where(jnp.arange(count) % 2 == 0, 1.0, share)
+    found = {}
+    for region, (low, high) in ends.items():
+        names = [name for name, place in CONDITIONS.items() if place == region]
+        rows = jax.vmap(lambda r, n: at_direction(robot, controller, rate, r, n))(
+            low + (high - low) * share, normal
+        )
+        found |= {name: rows[name].reshape(-1) for name in names}
+    return found
