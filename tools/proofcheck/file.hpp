@@ -4,7 +4,7 @@
 
 namespace {
 
-// ------------------------------------------------------------------------------- 19 the file
+// ------------------------------------------------------------------------------- 20 the file
 
 struct Named { string name, sha256; };
 
@@ -108,6 +108,11 @@ Chart chart_of(const Json& table) {
   const auto is = [](const Axis& axis, const char* name, double low, double high) {
     return axis.name == name && axis.low == low && axis.high == high && !axis.near();
   };
+  if (!seen.count("phase") && !seen.count("level")) {
+    for (const Axis& axis : chart)
+      if (axis.near()) refuse("a chart without phase and level whose axes are coupled");
+    return chart;
+  }
   // Files of earlier versions have the shorter axis.
   if (!(is(chart[0], "phase", -0.1, 1.1) || is(chart[0], "phase", -0.05, 1.05)) ||
       !is(chart[1], "level", 0.0, 1.0))
@@ -671,6 +676,74 @@ void record_outputs(ProofFile& file) {
                                                   std::move(named));
 }
 
+// Regions and conditions of a cart-pole's model, which are no others than those of its spec.
+void read_cartpole_spec(const Json& model, const ProgramFacts& program, ProofFile& file) {
+  const Json &regions = *model.find("regions"), &conditions = *model.find("conditions");
+  vector<string> names;
+  for (const CartPoleRegion& one : kCartPoleRegions) names.push_back(one.name);
+  only(regions, "the regions", names);
+  for (const CartPoleRegion& one : kCartPoleRegions) {
+    const vector<Json>& rows = list_of(*regions.find(one.name), "a region");
+    if (rows.size() != 1) refuse("a region that is not one box");
+    const Box box = box_of(rows[0], "a box of a region", file.chart, file.chart.size());
+    if (box.low[0] != one.low || box.high[0] != one.high ||
+        !is_whole(box, {{one.low}, {one.high}}, file.chart))
+      throw Inconsistent{"the region " + string(one.name) + " is not that of a cart-pole's spec"};
+    file.regions[one.name] = {plane_of(box)};
+  }
+  names.clear();
+  for (const CartPoleCondition& one : kCartPoleConditions) names.push_back(one.name);
+  only(conditions, "the conditions", names);
+  for (const CartPoleCondition& one : kCartPoleConditions) {
+    const Json& row = *conditions.find(one.name);
+    only(row, "a condition", {"kind", "region", "scale"});
+    const auto elements = program.outputs.find(one.name);
+    if (text_of(*row.find("region"), "a region") != one.region ||
+        number_of(*row.find("scale"), "a scale") != 1.0 || elements == program.outputs.end() ||
+        elements->second != one.elements)
+      throw Inconsistent{"the condition " + string(one.name) + " is not that of a cart-pole's spec"};
+    file.conditions[one.name].region = one.region;
+  }
+  if (program.outputs.size() != names.size())
+    throw Inconsistent{"the Program has outputs that are no conditions of a cart-pole"};
+}
+
+// A file about a system that does not walk: a cart-pole, or one that only its Program is known of.
+void read_other_family(const Json& table, const ProgramFacts& program, bool by_program,
+                       ProofFile& file) {
+  if (!list_of(*table.find("theorems"), "the theorems").empty())
+    refuse("theorems about walks on a chart without phase and level");
+  if (program.ball) refuse("a Program of xi without level 4, or level 4 without xi");
+  const Json& model = *table.find("model");
+  if (model.type == Json::null) {
+    file.underivable = "the file describes no system that is known here";
+    conditions_of_statements(*table.find("statements"), program, file);
+  } else if (model.type != Json::object || !model.find("family")) {
+    refuse("a model of another family than the chart's");
+  } else if (text_of(*model.find("family"), "a family") != "cartpole") {
+    file.underivable = "a family of systems that is not known here";
+    conditions_of_statements(*table.find("statements"), program, file);
+  } else {
+    only(model, "the model", {"family", "robot", "policy", "ball", "decay", "rate", "regions",
+                              "conditions"});
+    if (!is_cartpole(file.chart)) throw Inconsistent{"the chart is not that of a cart-pole"};
+    read_cartpole_spec(model, program, file);
+    file.cartpole = cartpole_of(model, program.constants);
+    if (!by_program) file.recorded = recorded(*file.cartpole);
+    else file.underivable = "bounded by its Program";
+  }
+  for (const auto& [name, elements] : program.outputs) {
+    if (of_theorem(name)) refuse("an output of the Program named " + name);
+    Output& output = file.outputs[name];
+    output.elements = elements;
+    if (!file.underivable.empty())
+      output.unknown = file.underivable + "; --program checks the Program in the file instead";
+    for (const CartPoleCondition& one : kCartPoleConditions)
+      if (file.cartpole && name == one.name)
+        output.words = [one](double least) { return with_unit(one.words, least, one.unit); };
+  }
+}
+
 // What the file says of robot, policy, tube and spec, as far as it is needed.
 void read_model(const Json& table, const ProgramFacts& program, bool by_program, ProofFile& file) {
   constexpr int kAnyJoint = 1'000'000;  // Where no robot is read, no joint is looked at.
@@ -763,9 +836,13 @@ void read_proof(const Json& table, bool by_program, ProofFile& file) {
     throw Inconsistent{"the Program's hash is " + hash + ", not " + text("program_hash")};
   if (by_program) file.program = program_of(*table.find("program"), program.values);
 
-  read_model(table, program, by_program, file);
-  file.theorems = theorems_of(*table.find("theorems"), file.model.tube);
-  match_full_order(file, *table.find("model"));
+  if (!walks(file.chart)) {
+    read_other_family(table, program, by_program, file);
+  } else {
+    read_model(table, program, by_program, file);
+    file.theorems = theorems_of(*table.find("theorems"), file.model.tube);
+    match_full_order(file, *table.find("model"));
+  }
   if (auto& full = file.theorems.full; full && file.underivable.empty()) {
     find_conditions(*full, file.conditions);
     if (file.model.flow || file.model.reset)
@@ -776,9 +853,11 @@ void read_proof(const Json& table, bool by_program, ProofFile& file) {
   if (program.ball != file.theorems.full.has_value())
     refuse("a Program of xi without level 4, or level 4 without xi");
   match_theorems(program.constants, file.theorems, by_program);
-  if (file.underivable.empty())
-    match_model(program.constants, *table.find("model"), file.theorems);
-  file.outputs = outputs_of(program, file);
+  if (walks(file.chart)) {
+    if (file.underivable.empty())
+      match_model(program.constants, *table.find("model"), file.theorems);
+    file.outputs = outputs_of(program, file);
+  }
   for (auto& [name, output] : file.outputs) {
     if (by_program) {
       output.unknown.clear();

@@ -29,9 +29,10 @@
 //   15  the check            check.hpp        trees of boxes, on several threads
 //   16  lanes                lanes.hpp        Taylor models of several boxes at once, in doubles
 //   17  listings             program.hpp      formulas, or the file's own Program on request, bounded so
-//   18  what follows         conclusions.hpp  from statements about boxes to trajectories
-//   19  the file             file.hpp         consistency of what it says
-//   20  the command          this file
+//   18  cart-poles           cartpole.hpp     a second family: its equations, conditions and levels
+//   19  what follows         conclusions.hpp  from statements about boxes to trajectories
+//   20  the file             file.hpp         consistency of what it says
+//   21  the command          this file
 //
 // proofcheck FILE prints the robot and every statement in words, with all numbers that they depend
 // on, and answers with its exit code: 0 proved of what is printed, 1 rejected (false, with a point;
@@ -64,7 +65,7 @@
 
 namespace {
 
-// ---------------------------------------------------------------------------- 20 the command
+// ---------------------------------------------------------------------------- 21 the command
 
 string read_file(const string& path) {
   string text;
@@ -93,6 +94,12 @@ vector<string> unclaimed(const ProofFile& file) {
 
 // What the claimed levels say, in words, if it follows from the statements.
 std::map<int, vector<string>> concluded(const ProofFile& file) {
+  if (file.cartpole)
+    return conclusions(*file.cartpole, [&file](const string& name) {
+      const Box& box = file.regions.at(file.conditions.at(name).region)[0];
+      const Claim* claim = stated_about(file, name, box);
+      return claim ? claim->least().low() : -1.0;
+    });
   std::map<int, vector<string>> found;
   const auto& [walking, orbit, full, disturbed] = file.theorems;
   int level = 2;
@@ -261,8 +268,26 @@ void say_model(const ProofFile& file) {
   say("spec " + file.spec + ": " + std::to_string(file.conditions.size()) + " conditions");
 }
 
+// Every number of a cart-pole that the statements depend on; weights by their hash.
+void say_cartpole(const ProofFile& file) {
+  const CartPole& c = *file.cartpole;
+  say("robot " + file.robot + ": a cart-pole");
+  for (const string& line : c.words) say("  " + line);
+  say("policy 3-" + std::to_string(c.output.size()) + "-1, tanh, odd; the file says that its weights "
+      "have the sha256 " + file.weights_sha256 + ", which is not checked here");
+  say("  the velocity's error decays like exp(-" + brief(c.decay) + " t); the claimed rate of the "
+      "radius is " + brief(c.rate) + " 1/s");
+  say("set: y = (x, theta, s, e) = C n r with |n| = 1, r up to 1, and the rows of C");
+  for (const vector<double>& row : c.shape) {
+    string words;
+    for (const double x : row) words += (words.empty() ? "" : " ") + brief(x);
+    say("  " + words);
+  }
+}
+
 int check(const ProofFile& file, size_t threads) {
-  if (file.underivable.empty()) say_model(file);
+  if (file.underivable.empty() && file.cartpole) say_cartpole(file);
+  else if (file.underivable.empty()) say_model(file);
   else say_names(file);
   // What is quickly seen to be wrong comes first.
   for (const Statement& s : file.statements) read_tree(s);
@@ -293,7 +318,7 @@ int check(const ProofFile& file, size_t threads) {
       for (const string& line : words) say("  " + line);
       // Axes of commands come first, and the theorems speak of them.
       const size_t first = 2 + (file.theorems.walking ? 2 * file.theorems.walking->told.size() : 0);
-      if (file.chart.size() > first) {
+      if (!file.cartpole && file.chart.size() > first) {
         string given;
         for (size_t k = first; k < file.chart.size(); ++k) {
           const Axis& axis = file.chart[k];

@@ -6,6 +6,11 @@ import jax.numpy as jnp
 from neuralgaits._types import Array, Float
 
 
+HALF_TURN, FULL_TURN = 3.1416, 6.2832
+"""Lengths of the angles' axes [rad]: a little more than pi and 2 pi, so that the chart covers every
+direction, although pi is no double."""
+
+
 class Ball(eqx.Module):
     """The set {shape n r: |n| = 1, 0 <= r <= 1} of states y.
 
@@ -31,8 +36,8 @@ class Ball(eqx.Module):
 
 
 def direction(angles: Float[Array, "3"]) -> Float[Array, "4"]:
-    """Return the unit vector of the chart's angles, each from 0 to 1."""
-    first, second, turn = jnp.pi * angles[0], jnp.pi * angles[1], 2.0 * jnp.pi * angles[2]
+    """Return the unit vector of the chart's angles, see `regions.AXES`."""
+    first, second, turn = HALF_TURN * angles[0], HALF_TURN * angles[1], FULL_TURN * angles[2]
     outer = jnp.sin(first)
     inner = outer * jnp.sin(second)
     return jnp.stack(

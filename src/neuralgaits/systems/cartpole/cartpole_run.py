@@ -147,9 +147,10 @@ def volume(robot: CartPole, controller: Controller) -> float:
     return float(0.5 * np.pi**2 * np.prod(diagonal) / robot.inertia)
 
 
-def arrays_of(controller: Controller) -> Mapping[str, Any]:
-    """Return the arrays of a controller, by the names that its Program gives them."""
-    policy, ball = controller.policy, controller.ball
+def arrays_of(controller: Controller) -> Mapping[str, Mapping[str, Any]]:
+    """Return the arrays of policy and ball, whose Program calls them OWNER.NAME."""
     names = ("gains", "hidden", "output", "scale")
-    found = {f"policy.{name}": getattr(policy, name) for name in names}
-    return found | {"ball.shape": ball.shape, "decay": controller.decay}
+    return {
+        "policy": {name: getattr(controller.policy, name) for name in names},
+        "ball": {"shape": controller.ball.shape},
+    }

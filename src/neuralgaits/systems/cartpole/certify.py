@@ -121,20 +121,18 @@ def proof_of(
 
 def model_data(run: CartPoleRun, program: Program) -> dict[str, Any]:
     """Return the object "model" of a proof: the numbers of file and run, nothing derived."""
-    stored = program.parameters
-    arrays = {}
-    for name, value in arrays_of(run.controller).items():
-        array = np.asarray(value, dtype=np.float64)
-        known = stored.get(name)
-        if known is not None and known.tobytes() == array.tobytes():
-            arrays[name] = {"constant": name}
-        else:
-            values = [float(x).hex() for x in array.ravel()]
-            arrays[name] = {"shape": list(array.shape), "values": values}
+    arrays = {
+        owner: {
+            name: _array(f"{owner}.{name}", np.asarray(value, dtype=np.float64), program)
+            for name, value in own.items()
+        }
+        for owner, own in arrays_of(run.controller).items()
+    }
     return {
         "family": run.config.family,
         "robot": {name: x.hex() for name, x in run.data.numbers().items()},
-        "arrays": arrays,
+        **arrays,
+        "decay": float(run.controller.decay).hex(),
         "rate": run.config.rate.hex(),
         "regions": {
             name: [{"low": _hex(low), "high": _hex(high)} for low, high in boxes]
@@ -147,8 +145,16 @@ def model_data(run: CartPoleRun, program: Program) -> dict[str, Any]:
     }
 
 
-def _hex(corner: Sequence[float]) -> list[str]:
-    return [float(value).hex() for value in corner]
+def _array(name: str, array: np.ndarray, program: Program) -> dict[str, Any]:
+    """Return an array as the name of an identical constant of the Program, else as numbers."""
+    known = program.parameters.get(name)
+    if known is not None and known.tobytes() == array.tobytes():
+        return {"constant": name}
+    return {"shape": list(array.shape), "values": _hex(array.ravel())}
+
+
+def _hex(values: Sequence[float] | np.ndarray) -> list[str]:
+    return [float(value).hex() for value in values]
 
 
 def _counterexample(run: CartPoleRun, name: str, u: np.ndarray) -> Counterexample | None:

@@ -3,7 +3,7 @@
 from neuralgaits.certificate.chart import Axis, Chart
 
 AXES = ("radius", "first angle", "second angle", "turn")
-"""Names of the chart's axes, each from 0 to 1: the radius, two half turns, one full turn."""
+"""Names of the chart's axes, each from 0 to 1: the radius, two half turns, one full turn and a little."""
 CHART = Chart(state=tuple(Axis(name, 0.0, 1.0) for name in AXES))
 CORE = 0.125
 """Radius below which conditions are about rates along the radius: they vanish at the centre."""

@@ -1,0 +1,257 @@
+#pragma once
+
+#include "program.hpp"
+
+namespace {
+
+// ---------------------------------------------------------------------------- 18 cart-poles
+//
+// A second family of systems: a pole on a cart, which one motor drives along a rail. Its state is
+// y = (x, theta, s, e): the cart's place from the middle of the rail, the pole's angle from the
+// upright, s = J theta' + m l cos(theta) x', and e = x' - v(x, theta, s) with the policy v. The chart
+// is an ellipsoid of y: a radius r and three angles. From the file's masses and lengths this section
+// forms the equations of cart and pole, of which the force is one unknown and the pole's angular
+// acceleration the other; from the weights the policy's gradient; and from the ellipsoid's matrix its
+// inverse.
+
+struct CartPole {
+  I mass, moment, inertia;                  // M, m l, J: of both bodies; of the pole about its hinge.
+  I cart_damping, pole_damping, gravity;
+  I rail, lean, force_limit;                // Limits of |x|, |theta| and the force.
+  vector<double> gains, output, scale;      // [3], [h], [3]
+  vector<vector<double>> hidden, shape;     // [h, 3], [4, 4]
+  double decay = 0.0, rate = 0.0;           // e' = -decay e; the claimed decay of r.
+  vector<string> words;                     // Of the robot.
+};
+
+// The regions of its spec, and the region of each condition.
+struct CartPoleRegion { const char* name; double low, high; };  // Of the radius; all directions.
+constexpr double kCore = 0.125;
+constexpr CartPoleRegion kCartPoleRegions[] = {
+    {"core", 0.0, kCore}, {"face", 1.0, 1.0}, {"ring", kCore, 1.0}, {"set", 0.0, 1.0}};
+struct CartPoleCondition { const char *name, *region, *words, *unit; size_t elements; };
+constexpr CartPoleCondition kCartPoleConditions[] = {
+    {"descent", "ring", "-r'/r less the claimed rate", "1/s", 1},
+    {"force", "set", "share of the force limit that is left, either way,", "", 2},
+    {"inward", "face", "d/dt (1 - r^2)", "1/s", 1},
+    {"rail", "set", "share of the rail that is left, either way,", "", 2},
+    {"settling", "core", "-dr'/dr less the claimed rate", "1/s", 1},
+    {"upright", "set", "share of the pole's room that is left, either way,", "", 2}};
+constexpr const char* kCartPoleAxes[] = {"radius", "first angle", "second angle", "turn"};
+
+bool walks(const Chart& chart) {
+  return chart[0].name == "phase" || chart[1].name == "level";
+}
+
+bool is_cartpole(const Chart& chart) {
+  if (chart.size() != 4) return false;
+  for (size_t k = 0; k < 4; ++k)
+    if (chart[k].name != kCartPoleAxes[k] || chart[k].low != 0.0 || chart[k].high != 1.0)
+      return false;
+  return true;
+}
+
+CartPole cartpole_of(const Json& model, const Constants& constants) {
+  CartPole c;
+  const Json& robot = field(model, "the model", "robot");
+  only(robot, "the robot",
+       {"cart_mass", "pole_mass", "distance", "pole_inertia", "cart_armature", "pole_armature",
+        "cart_damping", "pole_damping", "gravity", "rail_low", "rail_high", "lean", "force_limit",
+        "upright", "turn", "gear"});
+  const auto number = [&](const char* name) { return hexadecimal(*robot.find(name), name); };
+  const auto positive = [&](const char* name) {
+    const double x = number(name);
+    if (!(x > 0.0)) refuse("a robot whose " + string(name) + " is not above 0");
+    return I(x);
+  };
+  const auto not_negative = [&](const char* name) {
+    const double x = number(name);
+    if (!(x >= 0.0)) refuse("a robot whose " + string(name) + " is negative");
+    return I(x);
+  };
+  const I pole = positive("pole_mass"), distance = positive("distance");
+  c.mass = positive("cart_mass") + pole + not_negative("cart_armature");
+  c.moment = pole * distance;
+  c.inertia = not_negative("pole_inertia") + c.moment * distance + not_negative("pole_armature");
+  c.cart_damping = not_negative("cart_damping");
+  c.pole_damping = not_negative("pole_damping");
+  c.gravity = positive("gravity");
+  c.rail = I(0.5) * (I(number("rail_high")) - I(number("rail_low")));
+  c.lean = positive("lean");
+  c.force_limit = positive("force_limit");
+  if (!(c.rail.low() > 0.0)) refuse("a rail without length");
+  c.decay = hexadecimal(field(model, "the model", "decay"), "a decay");
+  c.rate = hexadecimal(field(model, "the model", "rate"), "a rate");
+  if (!(c.decay > 0.0 && c.rate > 0.0)) refuse("a decay or rate that is not above 0");
+  const auto policy = arrays_of(field(model, "the model", "policy"), "policy", constants);
+  const auto ball = arrays_of(field(model, "the model", "ball"), "ball", constants);
+  if (policy.size() != 4 || ball.size() != 1 || !policy.count("hidden") ||
+      policy.at("hidden").shape.size() != 2)
+    refuse("a policy or ball with other arrays");
+  const int width = policy.at("hidden").shape[0];
+  c.gains = array(policy, "gains", {3}).values;
+  c.scale = array(policy, "scale", {3}).values;
+  c.output = array(policy, "output", {width}).values;
+  c.hidden = rows_of(array(policy, "hidden", {width, 3}));
+  c.shape = rows_of(array(ball, "shape", {4, 4}));
+  for (const double x : c.scale)
+    if (!(x > 0.0)) refuse("a scale of the policy that is not above 0");
+  for (size_t i = 0; i < 4; ++i)
+    for (size_t j = i; j < 4; ++j)
+      if (i == j ? !(c.shape[i][j] > 0.0) : c.shape[i][j] != 0.0)
+        refuse("a ball whose matrix is not lower triangular with a positive diagonal");
+  for (const auto& [name, constant] : constants) {
+    const size_t dot = name.find('.');
+    const string owner = name.substr(0, dot);
+    if (dot == string::npos || !((owner == "policy" && policy.count(name.substr(dot + 1))) ||
+                                 (owner == "ball" && ball.count(name.substr(dot + 1)))))
+      throw Inconsistent{"the Program has the parameter " + name + ", which the file has not"};
+  }
+  c.words = {"cart " + brief(number("cart_mass")) + " kg, pole " + brief(number("pole_mass")) +
+                 " kg with its centre of mass " + brief(number("distance")) +
+                 " m from the hinge, inertia about that centre " + brief(number("pole_inertia")) +
+                 " kg m^2",
+             "armature " + brief(number("cart_armature")) + " kg, " +
+                 brief(number("pole_armature")) + " kg m^2; damping " +
+                 brief(number("cart_damping")) + " N s/m, " + brief(number("pole_damping")) +
+                 " N m s; gravity " + brief(number("gravity")) + " m/s^2",
+             "rail from " + brief(number("rail_low")) + " to " + brief(number("rail_high")) +
+                 " m, pole within " + brief(number("lean")) + " rad of the upright, force up to " +
+                 brief(number("force_limit")) + " N"};
+  return c;
+}
+
+inline Formula tanh_of(const Formula& a) { return tanh(a); }
+inline DualOf<Formula> tanh_of(const DualOf<Formula>& a) {
+  const Formula t = tanh(a.v);
+  return {t, (Formula(1.0) - t * t) * a.d};
+}
+
+// The policy's velocity and its gradient, backwards through the network.
+template <class S>
+S velocity_of(const CartPole& c, const S* z, S* gradient) {
+  vector<S> inputs;
+  S total(0.0);
+  for (size_t i = 0; i < 3; ++i) {
+    inputs.push_back(inverse(I(c.scale[i])) * z[i]);
+    total = total + I(c.gains[i]) * inputs[i];
+    gradient[i] = S(I(c.gains[i]));
+  }
+  for (size_t k = 0; k < c.output.size(); ++k) {
+    const vector<double>& row = c.hidden[k];
+    S sum = I(row[0]) * inputs[0] + I(row[1]) * inputs[1] + I(row[2]) * inputs[2];
+    const S t = tanh_of(sum);
+    total = total + I(c.output[k]) * t;
+    const S slope = I(c.output[k]) * (S(1.0) - t * t);
+    for (size_t i = 0; i < 3; ++i) gradient[i] = gradient[i] + I(row[i]) * slope;
+  }
+  for (size_t i = 0; i < 3; ++i) gradient[i] = inverse(I(c.scale[i])) * gradient[i];
+  return total;
+}
+
+// Rates of y, and the force: both equations of motion, solved for the acceleration that the policy
+// and the decay of e ask for.
+template <class S>
+S motion(const CartPole& c, const S* y, S* rates) {
+  S gradient[3], sine, cosine;
+  const S velocity = velocity_of(c, y, gradient) + y[3];
+  sincos(y[1], sine, cosine);
+  const S turning = inverse(c.inertia) * (y[2] - c.moment * (cosine * velocity));
+  const S torque = (c.moment * c.gravity) * sine - c.pole_damping * turning;
+  rates[0] = velocity;
+  rates[1] = turning;
+  rates[2] = torque - c.moment * (sine * (turning * velocity));
+  rates[3] = I(-c.decay) * y[3];
+  S acceleration = rates[3];
+  for (size_t i = 0; i < 3; ++i) acceleration = acceleration + gradient[i] * rates[i];
+  const S angular = inverse(c.inertia) * (torque - c.moment * (cosine * acceleration));
+  return c.mass * acceleration + c.moment * (cosine * angular) -
+         c.moment * (sine * (turning * turning)) + c.cart_damping * velocity;
+}
+
+// The inverse of a lower triangular matrix, row by row.
+vector<vector<I>> inverse_of(const vector<vector<double>>& lower) {
+  const size_t n = lower.size();
+  vector<vector<I>> found(n, vector<I>(n, I(0.0)));
+  for (size_t column = 0; column < n; ++column)
+    for (size_t row = column; row < n; ++row) {
+      I left(row == column ? 1.0 : 0.0);
+      for (size_t k = column; k < row; ++k) left = left - I(lower[row][k]) * found[k][column];
+      found[row][column] = left / I(lower[row][row]);
+    }
+  return found;
+}
+
+// What is known of a state of the ellipsoid: the rate of its radius, and what has a limit.
+template <class S>
+struct OnBall { S speed, force, x, theta; };
+
+template <class S>
+OnBall<S> on_ball(const CartPole& c, const S& radius, const Formula* normal) {
+  S y[4], rates[4];
+  for (size_t i = 0; i < 4; ++i) {
+    Formula along(0.0);
+    for (size_t k = 0; k <= i; ++k) along = along + I(c.shape[i][k]) * normal[k];
+    y[i] = S(along) * radius;
+  }
+  OnBall<S> found;
+  found.force = motion(c, y, rates);
+  found.x = y[0];
+  found.theta = y[1];
+  const vector<vector<I>> back = inverse_of(c.shape);
+  for (size_t i = 0; i < 4; ++i) {
+    S part(0.0);
+    for (size_t k = 0; k <= i; ++k) part = part + back[i][k] * rates[k];
+    found.speed = found.speed + S(normal[i]) * part;
+  }
+  return found;
+}
+
+// Margins of all conditions as formulas of the chart: radius, two angles of 3.1416 rad, one of
+// 6.2832 rad. These are more than a half turn and a turn: every direction is there.
+std::shared_ptr<const Listing> recorded(const CartPole& c) {
+  Recording recording;
+  const Formula radius = Formula::axis(recording, 0);
+  Formula sine[3], cosine[3];
+  for (size_t k = 0; k < 3; ++k)
+    sincos(I(k < 2 ? 3.1416 : 6.2832) * Formula::axis(recording, k + 1), sine[k], cosine[k]);
+  const Formula inner = sine[0] * sine[1];
+  const Formula normal[4] = {cosine[0], sine[0] * cosine[1], inner * cosine[2], inner * sine[2]};
+  const auto at = on_ball<Formula>(c, radius, normal);
+  const auto moved = on_ball<DualOf<Formula>>(c, {radius, Formula(1.0)}, normal);
+  const auto sides = [&](const Formula& value, I limit) {
+    const Formula share = inverse(limit) * value;
+    return vector<Formula>{Formula(1.0) - share, Formula(1.0) + share};
+  };
+  const std::map<string, vector<Formula>> margins = {
+      {"inward", {I(-2.0) * at.speed}},
+      {"descent", {-(at.speed * inverse(radius)) - Formula(c.rate)}},
+      {"settling", {-moved.speed.d - Formula(c.rate)}},
+      {"force", sides(at.force, c.force_limit)},
+      {"rail", sides(at.x, c.rail)},
+      {"upright", sides(at.theta, c.lean)}};
+  std::map<string, vector<size_t>> named;
+  for (const auto& [name, formulas] : margins)
+    for (const Formula& one : formulas) named[name].push_back(one.of(recording));
+  return std::make_shared<const Listing>(4, std::move(recording.elements), std::move(named));
+}
+
+// What follows for trajectories once each condition holds: `holds` says of which that is so, and how
+// much of a margin it has. A trajectory that reached the face would turn back there, so none leaves
+// the set. r' is 0 at r = 0; from there on it falls at least like -rate r in the core, and is below
+// -rate r on the ring: so r decays like exp(-rate t).
+std::map<int, vector<string>> conclusions(const CartPole& c,
+                                          const std::function<double(const string&)>& margin) {
+  std::map<int, vector<string>> found;
+  for (const char* name : {"force", "rail", "upright"})
+    if (!(margin(name) >= 0.0)) return found;
+  if (!(margin("inward") > 0.0)) return found;
+  found[2] = {"every trajectory of the full order that starts in the set stays in it for ever",
+              "on it the motor's force is within its limits, the cart on its rail, the pole upright"};
+  if (margin("descent") >= 0.0 && margin("settling") >= 0.0)
+    found[3] = {"from every state of the set the radius decays at least like exp(-" +
+                brief(c.rate) + " t): the pole comes to rest upright, at the middle of the rail"};
+  return found;
+}
+
+}  // namespace
