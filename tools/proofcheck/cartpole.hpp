@@ -7,20 +7,28 @@ namespace {
 // ---------------------------------------------------------------------------- 18 cart-poles
 //
 // A second family of systems: a pole on a cart, which one motor drives along a rail. Its state is
-// y = (x, theta, s, e): the cart's place from the middle of the rail, the pole's angle from the
-// upright, s = J theta' + m l cos(theta) x', and e = x' - v(x, theta, s) with the policy v. The chart
-// is an ellipsoid of y: a radius r and three angles. From the file's masses and lengths this section
-// forms the equations of cart and pole, of which the force is one unknown and the pole's angular
-// acceleration the other; from the weights the policy's gradient; and from the ellipsoid's matrix its
-// inverse.
+// (x, theta, x', theta'): the cart's place from the middle of the rail, the pole's angle from the
+// upright, and their rates. The chart is an ellipsoid of states: a radius r and three angles. From the
+// file's masses and lengths this section forms the equations of cart and pole, of which the force is
+// one unknown and the pole's angular acceleration the other; from the weights the policy's gradient;
+// and from the ellipsoid's matrix its inverse.
+//
+// The controller wants the velocity v(z), z = (x, theta, s), with s = J theta' + m l cos(theta) x', and
+// makes e = x' - v decay: e' = -k(z, e) e. The network v has no biases and is odd, k is even, and the
+// equations of motion are odd. So the flow at the opposite of a state is the opposite, margins are the
+// same, and the angles need to cover one half of the directions only.
 
 struct CartPole {
   I mass, moment, inertia;                  // M, m l, J: of both bodies; of the pole about its hinge.
   I cart_damping, pole_damping, gravity;
   I rail, lean, force_limit;                // Limits of |x|, |theta| and the force.
-  vector<double> gains, output, scale;      // [3], [h], [3]
-  vector<vector<double>> hidden, shape;     // [h, 3], [4, 4]
-  double decay = 0.0, rate = 0.0;           // e' = -decay e; the claimed decay of r.
+  vector<double> gains, output, scale;      // [3], [h], [3]: the network v,
+  vector<vector<double>> hidden;            // [h, 3]
+  double decay = 0.0;                       // and what k is at rest,
+  vector<double> decay_output, decay_scale; // [h], [4]: with its network,
+  vector<vector<double>> decay_hidden;      // [h, 4]
+  vector<vector<double>> shape;             // [4, 4]: of the ellipsoid.
+  double rate = 0.0;                        // The claimed decay of r.
   vector<string> words;                     // Of the robot.
 };
 
@@ -37,7 +45,7 @@ constexpr CartPoleCondition kCartPoleConditions[] = {
     {"rail", "set", "share of the rail that is left, either way,", "", 2},
     {"settling", "core", "-dr'/dr less the claimed rate", "1/s", 1},
     {"upright", "set", "share of the pole's room that is left, either way,", "", 2}};
-constexpr const char* kCartPoleAxes[] = {"radius", "first angle", "second angle", "turn"};
+constexpr const char* kCartPoleAxes[] = {"radius", "quarter turn", "half turn", "full turn"};
 
 bool walks(const Chart& chart) {
   return chart[0].name == "phase" || chart[1].name == "level";
@@ -80,31 +88,38 @@ CartPole cartpole_of(const Json& model, const Constants& constants) {
   c.lean = positive("lean");
   c.force_limit = positive("force_limit");
   if (!(c.rail.low() > 0.0)) refuse("a rail without length");
-  c.decay = hexadecimal(field(model, "the model", "decay"), "a decay");
   c.rate = hexadecimal(field(model, "the model", "rate"), "a rate");
-  if (!(c.decay > 0.0 && c.rate > 0.0)) refuse("a decay or rate that is not above 0");
-  const auto policy = arrays_of(field(model, "the model", "policy"), "policy", constants);
+  if (!(c.rate > 0.0)) refuse("a rate that is not above 0");
+  const auto policy =
+      arrays_of(field(model, "the model", "policy"), "controls.policy", constants);
+  const auto decay = arrays_of(field(model, "the model", "decay"), "controls.decay", constants);
   const auto ball = arrays_of(field(model, "the model", "ball"), "ball", constants);
-  if (policy.size() != 4 || ball.size() != 1 || !policy.count("hidden") ||
+  if (policy.size() != 4 || decay.size() != 4 || ball.size() != 1 || !policy.count("hidden") ||
       policy.at("hidden").shape.size() != 2)
-    refuse("a policy or ball with other arrays");
+    refuse("a policy, decay or ball with other arrays");
   const int width = policy.at("hidden").shape[0];
   c.gains = array(policy, "gains", {3}).values;
   c.scale = array(policy, "scale", {3}).values;
   c.output = array(policy, "output", {width}).values;
   c.hidden = rows_of(array(policy, "hidden", {width, 3}));
+  c.decay = array(decay, "base", {}).values[0];
+  c.decay_scale = array(decay, "scale", {4}).values;
+  c.decay_output = array(decay, "output", {width}).values;
+  c.decay_hidden = rows_of(array(decay, "hidden", {width, 4}));
   c.shape = rows_of(array(ball, "shape", {4, 4}));
-  for (const double x : c.scale)
-    if (!(x > 0.0)) refuse("a scale of the policy that is not above 0");
+  for (const vector<double>& scale : {c.scale, c.decay_scale})
+    for (const double x : scale)
+      if (!(x > 0.0)) refuse("a scale of a network that is not above 0");
   for (size_t i = 0; i < 4; ++i)
     for (size_t j = i; j < 4; ++j)
       if (i == j ? !(c.shape[i][j] > 0.0) : c.shape[i][j] != 0.0)
         refuse("a ball whose matrix is not lower triangular with a positive diagonal");
   for (const auto& [name, constant] : constants) {
-    const size_t dot = name.find('.');
+    const size_t dot = name.rfind('.');
     const string owner = name.substr(0, dot);
-    if (dot == string::npos || !((owner == "policy" && policy.count(name.substr(dot + 1))) ||
-                                 (owner == "ball" && ball.count(name.substr(dot + 1)))))
+    const auto& known = owner == "controls.policy" ? policy : owner == "controls.decay" ? decay : ball;
+    if (dot == string::npos || (&known == &ball && owner != "ball") ||
+        !known.count(name.substr(dot + 1)))
       throw Inconsistent{"the Program has the parameter " + name + ", which the file has not"};
   }
   c.words = {"cart " + brief(number("cart_mass")) + " kg, pole " + brief(number("pole_mass")) +
@@ -149,22 +164,39 @@ S velocity_of(const CartPole& c, const S* z, S* gradient) {
   return total;
 }
 
-// Rates of y, and the force: both equations of motion, solved for the acceleration that the policy
-// and the decay of e ask for.
+// k: what it is at rest, and a sum of squares of tanh.
 template <class S>
-S motion(const CartPole& c, const S* y, S* rates) {
+S decay_of(const CartPole& c, const S* y) {
+  vector<S> inputs;
+  for (size_t i = 0; i < 4; ++i) inputs.push_back(inverse(I(c.decay_scale[i])) * y[i]);
+  S total{I(c.decay)};
+  for (size_t k = 0; k < c.decay_output.size(); ++k) {
+    S sum(0.0);
+    for (size_t i = 0; i < 4; ++i) sum = sum + I(c.decay_hidden[k][i]) * inputs[i];
+    const S t = tanh_of(sum);
+    total = total + I(c.decay_output[k]) * (t * t);
+  }
+  return total;
+}
+
+// Rates of a state, and the force: both equations of motion, solved for the cart's acceleration that
+// the policy and the decay of e ask for.
+template <class S>
+S motion(const CartPole& c, const S* state, S* rates) {
   S gradient[3], sine, cosine;
-  const S velocity = velocity_of(c, y, gradient) + y[3];
-  sincos(y[1], sine, cosine);
-  const S turning = inverse(c.inertia) * (y[2] - c.moment * (cosine * velocity));
+  const S &velocity = state[2], &turning = state[3];
+  sincos(state[1], sine, cosine);
+  S y[4] = {state[0], state[1], c.inertia * turning + c.moment * (cosine * velocity), S(0.0)};
+  y[3] = velocity - velocity_of(c, y, gradient);
   const S torque = (c.moment * c.gravity) * sine - c.pole_damping * turning;
+  const S momentum = torque - c.moment * (sine * (turning * velocity));
+  const S acceleration = gradient[0] * velocity + gradient[1] * turning + gradient[2] * momentum -
+                         decay_of(c, y) * y[3];
+  const S angular = inverse(c.inertia) * (torque - c.moment * (cosine * acceleration));
   rates[0] = velocity;
   rates[1] = turning;
-  rates[2] = torque - c.moment * (sine * (turning * velocity));
-  rates[3] = I(-c.decay) * y[3];
-  S acceleration = rates[3];
-  for (size_t i = 0; i < 3; ++i) acceleration = acceleration + gradient[i] * rates[i];
-  const S angular = inverse(c.inertia) * (torque - c.moment * (cosine * acceleration));
+  rates[2] = acceleration;
+  rates[3] = angular;
   return c.mass * acceleration + c.moment * (cosine * angular) -
          c.moment * (sine * (turning * turning)) + c.cart_damping * velocity;
 }
@@ -207,14 +239,16 @@ OnBall<S> on_ball(const CartPole& c, const S& radius, const Formula* normal) {
   return found;
 }
 
-// Margins of all conditions as formulas of the chart: radius, two angles of 3.1416 rad, one of
-// 6.2832 rad. These are more than a half turn and a turn: every direction is there.
+// Margins of all conditions as formulas of the chart: radius, and angles up to 1.5708, 3.1416 and
+// 6.2832 rad. These are more than a quarter, a half and a full turn: every direction of one half is
+// there.
 std::shared_ptr<const Listing> recorded(const CartPole& c) {
   Recording recording;
   const Formula radius = Formula::axis(recording, 0);
+  constexpr double lengths[] = {1.5708, 3.1416, 6.2832};
   Formula sine[3], cosine[3];
   for (size_t k = 0; k < 3; ++k)
-    sincos(I(k < 2 ? 3.1416 : 6.2832) * Formula::axis(recording, k + 1), sine[k], cosine[k]);
+    sincos(I(lengths[k]) * Formula::axis(recording, k + 1), sine[k], cosine[k]);
   const Formula inner = sine[0] * sine[1];
   const Formula normal[4] = {cosine[0], sine[0] * cosine[1], inner * cosine[2], inner * sine[2]};
   const auto at = on_ball<Formula>(c, radius, normal);

@@ -273,11 +273,11 @@ void say_cartpole(const ProofFile& file) {
   const CartPole& c = *file.cartpole;
   say("robot " + file.robot + ": a cart-pole");
   for (const string& line : c.words) say("  " + line);
-  say("policy 3-" + std::to_string(c.output.size()) + "-1, tanh, odd; the file says that its weights "
-      "have the sha256 " + file.weights_sha256 + ", which is not checked here");
-  say("  the velocity's error decays like exp(-" + brief(c.decay) + " t); the claimed rate of the "
-      "radius is " + brief(c.rate) + " 1/s");
-  say("set: y = (x, theta, s, e) = C n r with |n| = 1, r up to 1, and the rows of C");
+  const string width = std::to_string(c.output.size());
+  say("policy 3-" + width + "-1, decay of the velocity's error 4-" + width + "-1, tanh; the file says "
+      "that their weights have the sha256 " + file.weights_sha256 + ", which is not checked here");
+  say("the claimed rate of the radius is " + brief(c.rate) + " 1/s");
+  say("set: (x, theta, x', theta') = C n r with |n| = 1, r up to 1, and the rows of C");
   for (const vector<double>& row : c.shape) {
     string words;
     for (const double x : row) words += (words.empty() ? "" : " ") + brief(x);

@@ -9,7 +9,7 @@ from neuralgaits.cli.screen_tables import number, show_facts, show_sentence, sho
 from neuralgaits.records.certified import CertificateRecord
 from neuralgaits.runs.shell_words import command, named
 
-_UNITS = ("m", "rad", "kg m^2/s", "m/s")
+_UNITS = ("m", "rad", "m/s", "rad/s")
 
 
 def show_robot(result: Any) -> None:
@@ -42,7 +42,7 @@ def show_training(result: Any) -> None:
         show_table(("condition", "smallest margin"), rows)
     sizes = ", ".join(
         f"{name} +-{width:.3g} {unit}"
-        for name, width, unit in zip(("x", "theta", "s", "e"), result.widths, _UNITS, strict=True)
+        for name, width, unit in zip(("x", "theta", "x'", "theta'"), result.widths, _UNITS, strict=True)
     )
     show_facts(
         [

@@ -20,7 +20,7 @@ from neuralgaits.systems.cartpole.ball import Ball
 from neuralgaits.systems.cartpole.conditions import Controller
 from neuralgaits.systems.cartpole.mjcf import CartPoleData, read_cartpole
 from neuralgaits.systems.cartpole.model import CartPole
-from neuralgaits.systems.cartpole.policy import VelocityPolicy
+from neuralgaits.systems.cartpole.policy import Controls, ErrorDecay, VelocityPolicy
 
 FAMILY = "cartpole"
 SPEC_NAME = "balancing"
@@ -57,9 +57,8 @@ class CartPoleTrained(Record):
         run, robot, spec, seed, steps: of the run.
         margins: smallest margin of each condition at fresh random states, in scales.
         samples: how many states.
-        widths: half widths of the set's projections on x, theta, s and e (m, rad, kg m^2/s, m/s).
-        volume: of the set in (x, theta, x', theta') [m^2 rad^2/s^2].
-        decay: of the velocity's error [1/s].
+        widths: half widths of the set's projections on x, theta and their rates (m, rad, m/s, rad/s).
+        volume: of the set [m^2 rad^2/s^2].
         wall_s: elapsed time.
     """
 
@@ -72,7 +71,6 @@ class CartPoleTrained(Record):
     samples: Count
     widths: tuple[float, ...]
     volume: float
-    decay: float
     wall_s: float
 
     @property
@@ -130,7 +128,8 @@ def open_cartpole(run: str | Path) -> CartPoleRun:
 def untrained(width: int) -> Controller:
     """Return a controller of zeros, to read arrays into."""
     policy = VelocityPolicy(np.zeros(3), np.zeros((width, 3)), np.zeros(width), np.zeros(3))
-    return Controller(policy, Ball(np.zeros((4, 4))), np.zeros(()))
+    decay = ErrorDecay(np.zeros(()), np.zeros((width, 4)), np.zeros(width), np.zeros(4))
+    return Controller(Controls(policy, decay), Ball(np.zeros((4, 4))))
 
 
 def widths(controller: Controller) -> tuple[float, ...]:
@@ -138,19 +137,17 @@ def widths(controller: Controller) -> tuple[float, ...]:
     return tuple(float(x) for x in np.linalg.norm(np.asarray(controller.ball.shape), axis=1))
 
 
-def volume(robot: CartPole, controller: Controller) -> float:
-    """Return the set's volume in (x, theta, x', theta').
-
-    s and e change with theta' and x' at constant determinant: ds de = J dtheta' dx'.
-    """
-    diagonal = np.diag(np.asarray(controller.ball.shape))
-    return float(0.5 * np.pi**2 * np.prod(diagonal) / robot.inertia)
+def volume(controller: Controller) -> float:
+    """Return the set's volume in (x, theta, x', theta')."""
+    return float(0.5 * np.pi**2 * np.prod(np.diag(np.asarray(controller.ball.shape))))
 
 
 def arrays_of(controller: Controller) -> Mapping[str, Mapping[str, Any]]:
-    """Return the arrays of policy and ball, whose Program calls them OWNER.NAME."""
-    names = ("gains", "hidden", "output", "scale")
+    """Return the arrays of policy, decay and ball, whose Program calls them OWNER.NAME."""
+    policy, decay = controller.controls.policy, controller.controls.decay
+    names = ("hidden", "output", "scale")
     return {
-        "policy": {name: getattr(controller.policy, name) for name in names},
+        "controls.policy": {name: getattr(policy, name) for name in ("gains", *names)},
+        "controls.decay": {name: getattr(decay, name) for name in ("base", *names)},
         "ball": {"shape": controller.ball.shape},
     }

@@ -131,8 +131,7 @@ def model_data(run: CartPoleRun, program: Program) -> dict[str, Any]:
     return {
         "family": run.config.family,
         "robot": {name: x.hex() for name, x in run.data.numbers().items()},
-        **arrays,
-        "decay": float(run.controller.decay).hex(),
+        **{owner.removeprefix("controls."): own for owner, own in arrays.items()},
         "rate": run.config.rate.hex(),
         "regions": {
             name: [{"low": _hex(low), "high": _hex(high)} for low, high in boxes]
@@ -163,8 +162,8 @@ def _counterexample(run: CartPoleRun, name: str, u: np.ndarray) -> Counterexampl
     value = float(jnp.min(margins(run.robot, run.controller, run.config.rate, point)[name]))
     if not value < 0.0:
         return None
-    y = run.controller.ball.y(point[0], direction(point[1:]))
-    return Counterexample(tuple(map(float, u)), (float(y[0]), float(y[1])), value)
+    x, theta = run.controller.ball.state(point[0], direction(point[1:]))[:2]
+    return Counterexample(tuple(map(float, u)), (float(x), float(theta)), value)
 
 
 def _verdict(pair: tuple[Problem, Search], bounds: Mapping[str, float]) -> ConditionVerdict:

@@ -13,21 +13,19 @@ import jax.numpy as jnp
 from neuralgaits._types import Array, Float
 from neuralgaits.systems.cartpole.ball import Ball, direction
 from neuralgaits.systems.cartpole.model import CartPole, motion
-from neuralgaits.systems.cartpole.policy import VelocityPolicy
+from neuralgaits.systems.cartpole.policy import Controls
 
 
 class Controller(eqx.Module):
-    """What training finds: the policy, the ellipsoid, and how quickly errors of velocity decay.
+    """What training finds.
 
     Attributes:
-        policy: the cart's desired velocity.
+        controls: the policy, and the decay of the velocity's error.
         ball: the set that the conditions are about.
-        decay: e' = -decay e [1/s].
     """
 
-    policy: VelocityPolicy
+    controls: Controls
     ball: Ball
-    decay: Float[Array, ""]
 
 
 def margins(
@@ -60,18 +58,18 @@ def at_direction(
     ball = controller.ball
 
     def moved(distance):
-        found = motion(robot, controller.policy, controller.decay, ball.y(distance, normal))
+        found = motion(robot, controller.controls, ball.state(distance, normal))
         return ball.rate(normal, found.rates), found.force
 
     (speed, force), (slope, _) = jax.jvp(moved, (radius,), (jnp.ones_like(radius),))
-    y = ball.y(radius, normal)
+    x, theta = ball.state(radius, normal)[:2]
     return {
         "inward": -2.0 * speed,
         "descent": -speed / radius - rate,
         "settling": -slope - rate,
         "force": _both_sides(force / robot.force_limit),
-        "rail": _both_sides(y[0] / robot.rail),
-        "upright": _both_sides(y[1] / robot.lean),
+        "rail": _both_sides(x / robot.rail),
+        "upright": _both_sides(theta / robot.lean),
     }
 
 

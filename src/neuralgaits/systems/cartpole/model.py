@@ -1,9 +1,9 @@
 """The rigid cart-pole: its numbers, its flow under a policy, and the force that this takes.
 
-Coordinates are y = (x, theta, s, e): the cart's position from the middle of its rail [m], the
-pole's angle from the upright, positive where it leans forward [rad], the momentum conjugate to it
-[kg m^2/s], and the error of the cart's velocity, x' - v_d(x, theta, s) [m/s]. They are coordinates
-of the full state, everywhere: theta' follows from s, and x' = v_d + e.
+A state is (x, theta, x', theta'): the cart's position from the middle of its rail [m], the pole's
+angle from the upright, positive where it leans forward [rad], and their rates. The zero dynamics'
+state is z = (x, theta, s), with s = J theta' + m l cos(theta) x' the momentum conjugate to theta
+[kg m^2/s]: no motor acts on it. The output is e = x' - v_d(z), the error of the cart's velocity.
 """
 
 from typing import NamedTuple
@@ -14,9 +14,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from neuralgaits._types import Array, Float
-from neuralgaits.systems.cartpole.policy import VelocityPolicy
-
-STATES = ("x", "theta", "s", "e")
+from neuralgaits.systems.cartpole.policy import Controls
 
 
 class CartPole(eqx.Module):
@@ -47,24 +45,23 @@ class CartPole(eqx.Module):
 
 
 class Motion(NamedTuple):
-    """Flow at one state, and the force that it takes [N]."""
+    """Rates of a state (x, theta, x', theta'), and the force that they take [N]."""
 
     rates: Float[Array, "4"]
     force: Float[Array, ""]
 
 
-def motion(
-    robot: CartPole, policy: VelocityPolicy, decay: Float[Array, ""], y: Float[Array, "4"]
-) -> Motion:
-    """Return the closed loop's flow in y, where e' = -decay e, and its force."""
-    z, error = y[:3], y[3]
-    theta, velocity = z[1], policy(z) + error
+def motion(robot: CartPole, controls: Controls, state: Float[Array, "4"]) -> Motion:
+    """Return the closed loop's flow: the force is the one with which e' = -decay(z, e) e."""
+    _, theta, velocity, turning = state
     sine, coupling = jnp.sin(theta), robot.moment * jnp.cos(theta)
-    turning = (z[2] - coupling * velocity) / robot.inertia
+    z = zero_state(robot, state)
     falling = robot.moment * sine * robot.gravity - robot.pole_damping * turning
-    rates = jnp.stack([velocity, turning, falling - robot.moment * sine * turning * velocity])
-    _, desired = jax.jvp(policy, (z,), (rates,))
-    acceleration = desired - decay * error
+    dz = jnp.stack([velocity, turning, falling - robot.moment * sine * turning * velocity])
+    desired, slope = jax.jvp(controls.policy, (z,), (dz,))
+    error = velocity - desired
+    acceleration = slope - controls.decay(jnp.append(z, error)) * error
+    angular = (falling - coupling * acceleration) / robot.inertia
     # The equation of the cart, with the pole's angular acceleration put in from that of the pole.
     force = (
         (robot.mass - coupling * coupling / robot.inertia) * acceleration
@@ -72,26 +69,14 @@ def motion(
         - robot.moment * sine * turning * turning
         + robot.cart_damping * velocity
     )
-    return Motion(jnp.append(rates, -decay * error), force)
+    return Motion(jnp.stack([velocity, turning, acceleration, angular]), force)
 
 
-def coordinates(
-    robot: CartPole, policy: VelocityPolicy, state: Float[Array, "4"]
-) -> Float[Array, "4"]:
-    """Return y of a measured state (x, theta, x', theta')."""
+def zero_state(robot: CartPole, state: Float[Array, "4"]) -> Float[Array, "3"]:
+    """Return the zero dynamics' state (x, theta, s)."""
     x, theta, velocity, turning = state
     momentum = robot.inertia * turning + robot.moment * jnp.cos(theta) * velocity
-    z = jnp.stack([x, theta, momentum])
-    return jnp.append(z, velocity - policy(z))
-
-
-def measured(
-    robot: CartPole, policy: VelocityPolicy, y: Float[Array, "4"]
-) -> Float[Array, "4"]:
-    """Return the state (x, theta, x', theta') with these coordinates: the inverse of those."""
-    velocity = policy(y[:3]) + y[3]
-    turning = (y[2] - robot.moment * jnp.cos(y[1]) * velocity) / robot.inertia
-    return jnp.stack([y[0], y[1], velocity, turning])
+    return jnp.stack([x, theta, momentum])
 
 
 def linearised(robot: CartPole) -> tuple[np.ndarray, np.ndarray]:

@@ -1,4 +1,4 @@
-"""The policy: the cart's desired velocity as an odd function of the zero dynamics' state."""
+"""The policy, the cart's desired velocity, and how quickly the velocity's error decays."""
 
 import equinox as eqx
 import jax
@@ -42,3 +42,40 @@ class VelocityPolicy(eqx.Module):
         """Return the desired velocity [m/s]."""
         inputs = z / self.scale
         return self.gains @ inputs + self.output @ tanh(self.hidden @ inputs)
+
+
+class ErrorDecay(eqx.Module):
+    """The factor of e' = -decay(z, e) e: base + output . tanh(hidden ((z, e) / scale))^2 [1/s].
+
+    It is even, and whatever it is, e = 0 stays: the zero dynamics are a part of the full order.
+
+    Attributes:
+        base: the factor at rest [1/s].
+        hidden: weights of the hidden layer. [h, 4]
+        output: weights of the output [1/s]. [h]
+        scale: sizes of (z, e), which training leaves as they are. [4]
+    """
+
+    base: Float[Array, ""]
+    hidden: Float[Array, "h 4"]
+    output: Float[Array, " h"]
+    scale: Float[Array, "4"]
+
+    @classmethod
+    def init(cls, base: float, scale: np.ndarray, width: int, key: PRNGKeyArray):
+        """Return a factor that is nearly constant."""
+        first, second = jax.random.split(key)
+        hidden = jax.random.normal(first, (width, len(scale)))
+        output = SMALL * jax.random.normal(second, (width,))
+        return cls(jnp.asarray(base), hidden, output, jnp.asarray(scale))
+
+    def __call__(self, y: Float[Array, "4"]) -> Float[Array, ""]:
+        """Return the factor at y = (z, e)."""
+        return self.base + self.output @ jnp.square(tanh(self.hidden @ (y / self.scale)))
+
+
+class Controls(eqx.Module):
+    """What a controller computes with: the policy, and the decay of the velocity's error."""
+
+    policy: VelocityPolicy
+    decay: ErrorDecay

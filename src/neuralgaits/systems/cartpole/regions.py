@@ -2,8 +2,9 @@
 
 from neuralgaits.certificate.chart import Axis, Chart
 
-AXES = ("radius", "first angle", "second angle", "turn")
-"""Names of the chart's axes, each from 0 to 1: the radius, two half turns, one full turn and a little."""
+AXES = ("radius", "quarter turn", "half turn", "full turn")
+"""Names of the chart's axes, each from 0 to 1: the radius, and three angles that cover half of the
+directions. The flow is odd, so that margins at a state and at its opposite are equal."""
 CHART = Chart(state=tuple(Axis(name, 0.0, 1.0) for name in AXES))
 CORE = 0.125
 """Radius below which conditions are about rates along the radius: they vanish at the centre."""

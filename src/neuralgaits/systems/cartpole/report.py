@@ -78,11 +78,11 @@ def certificate_of(run: CartPoleRun) -> CertificateRecord | None:
 
 def _about(run: CartPoleRun) -> Html:
     done, robot = run.summary, run.robot
-    x, theta, _, error = done.widths
+    x, theta, velocity, turning = done.widths
     lines = [
         f"Set: cart up to {x:.3g} m from the middle of a rail of +-{robot.rail:g} m, pole up to "
-        f"{np.degrees(theta):.3g} degrees from the upright, velocity up to {error:.3g} m/s off "
-        "the policy's.",
+        f"{np.degrees(theta):.3g} degrees from the upright, at up to {velocity:.3g} m/s and "
+        f"{turning:.3g} rad/s.",
         f"Force limit: {robot.force_limit:g} N.",
         f"At {done.samples} random states the smallest margin of {len(done.margins)} conditions "
         f"is {min(done.margins.values()):.3g}.",

@@ -22,7 +22,7 @@ from neuralgaits.records.record import Count, Record
 from neuralgaits.runs.names import ROBOT
 from neuralgaits.systems.cartpole.cartpole_run import CartPoleRun
 from neuralgaits.systems.cartpole.mjcf import compiled
-from neuralgaits.systems.cartpole.model import coordinates, measured, motion
+from neuralgaits.systems.cartpole.model import motion
 
 SECONDS = 20.0
 """Length of an episode [s]."""
@@ -91,11 +91,10 @@ def law_of(run: CartPoleRun) -> Law:
     robot, controller = run.robot, run.controller
 
     def law(state: Float[Array, "4"]) -> tuple[Float[Array, ""], Float[Array, ""]]:
-        y = coordinates(robot, controller.policy, state)
-        force = motion(robot, controller.policy, controller.decay, y).force
+        force = motion(robot, controller.controls, state).force
         known: list[Array] = []
         for row in range(4):
-            left = y[row] - sum(controller.ball.shape[row, k] * known[k] for k in range(row))
+            left = state[row] - sum(controller.ball.shape[row, k] * known[k] for k in range(row))
             known.append(left / controller.ball.shape[row, row])
         return force, jnp.sum(jnp.square(jnp.stack(known)))
 
@@ -144,8 +143,7 @@ def starts(run: CartPoleRun, count: int, seed: int) -> Float[np.ndarray, "N 4"]:
     # Where theta is largest on the ellipsoid.
     normal[0] = shape[1]
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
-    policy = run.controller.policy
-    return np.stack([np.asarray(measured(run.robot, policy, jnp.asarray(shape @ n))) for n in normal])
+    return normal @ shape.T
 
 
 def trace_of(run: CartPoleRun, start: Float[np.ndarray, "4"], seconds: float = SECONDS) -> Trace:
