@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Any, Literal, Protocol
 
+from neuralgaits.errors import RunError
 from neuralgaits.records.certified import HIGHEST
 from neuralgaits.records.levels import HIGHEST_OF_MANY
 from neuralgaits.records.record import Pair, Record, build, shape_of
@@ -172,5 +173,10 @@ class TrainingConfig(Record):
 
 def asked_of(folder: Folder) -> TrainingConfig:
     """Return the settings of a run. Raises: RunError if its config is not that of a training."""
+    if (family := folder.config.get("family")) is not None:
+        raise RunError(
+            f"expected a walker's run, found one of family {family!r} at {folder.path}: it has train, "
+            "certify, check-proof, simulate, export and report on the command line"
+        )
     refuse_misshapen(folder.config, shape_of(TrainingConfig), folder.path / CONFIG)
     return build(TrainingConfig, folder.config)

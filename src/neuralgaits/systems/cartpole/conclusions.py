@@ -6,11 +6,22 @@ The statements hold by then; whether they are about a run's robot, the verdict s
 from dataclasses import replace
 
 from neuralgaits._digits import from_hex
+from neuralgaits.certificate.proof_file.check import ASSUMPTIONS as OF_WALKERS
 from neuralgaits.certificate.proof_file.check import CheckResult
 from neuralgaits.certificate.proof_file.reader import Claims
 from neuralgaits.systems.cartpole.regions import CHART, CONDITIONS, REGIONS
 from neuralgaits.systems.cartpole.theorem import conclude
 from neuralgaits.systems.families import CARTPOLE
+
+ASSUMPTIONS = (
+    OF_WALKERS[0],
+    "the model is the rigid cart-pole with the stored float64 numbers, in exact real arithmetic, and "
+    "the force is computed from the true state in continuous time: sampling, delays, measurement "
+    "errors and float32 are outside",
+    "the flow is odd, so that what holds at a state holds at its opposite: networks without biases, "
+    "and a decay made of squares",
+    OF_WALKERS[-1],
+)
 
 
 def with_cartpole_levels(report: CheckResult, claims: Claims) -> CheckResult:

@@ -110,7 +110,7 @@ def simulate_cartpole(run: CartPoleRun, *, episodes: int = 1, seed: int = 0) -> 
         seed: of the other starts, random on the set's face.
     """
     start_time = time.perf_counter()
-    found = [trace_of(run, start) for start in starts(run, episodes, seed)]
+    found = [trace_of(run, start, SECONDS) for start in starts(run, episodes, seed)]
     limit = run.robot.force_limit
     radius = [float(one.radius.max()) for one in found]
     force = np.concatenate([np.abs(one.force) for one in found])
@@ -146,7 +146,7 @@ def starts(run: CartPoleRun, count: int, seed: int) -> Float[np.ndarray, "N 4"]:
     return normal @ shape.T
 
 
-def trace_of(run: CartPoleRun, start: Float[np.ndarray, "4"], seconds: float = SECONDS) -> Trace:
+def trace_of(run: CartPoleRun, start: Float[np.ndarray, "4"], seconds: float) -> Trace:
     """Simulate one episode from a state (x, theta, x', theta')."""
     model, data, law = compiled(run.folder.copy(ROBOT), run.config.robot), run.data, _jitted(run)
     world, middle = mujoco.MjData(model), 0.5 * (data.rail_low + data.rail_high)

@@ -22,7 +22,7 @@ from neuralgaits.systems.cartpole.cartpole_run import (
 from neuralgaits.systems.cartpole.mjcf import cartpole_text, read_cartpole
 from neuralgaits.systems.cartpole.training import HIDDEN, Progress, of_samples, train_controller
 
-STEPS, RATE = 2000, 0.05
+STEPS, RATE = 3000, 0.05
 """Gradient steps, and the required decay of the set's radius [1/s], if not given."""
 FRESH_SEED, FRESH = 2**31, 2**16
 """Seed and number of the states on which the summary is measured; no run can have that seed."""

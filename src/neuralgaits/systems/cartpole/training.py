@@ -26,7 +26,7 @@ random states and all of them. These two need most of a proof's boxes, and fewer
 TARGETS = {"descent": RATE_TARGET, "settling": RATE_TARGET}
 GAIN, PENALTY = 0.03, 2.0
 """Weights of the logarithm of the volume, and of margins below the target."""
-LEARNING_RATE, LAST_SHARE = 0.02, 0.01
+LEARNING_RATE, LAST_SHARE = 0.05, 0.01
 DECAY = 5.0
 """Decay of the velocity's error at the start [1/s]."""
 FIRST_SIZE = 0.05

@@ -1,0 +1,123 @@
+"""Proofs of cart-poles, by both checkers: what is derived, and what is refused."""
+
+import copy
+import json
+from pathlib import Path
+
+import pytest
+
+from neuralgaits.certificate.proof_file.check import check
+from neuralgaits.certificate.proof_file.reader import read_claims
+from neuralgaits.errors import InputError
+from neuralgaits.systems.cartpole.cartpole_run import open_cartpole
+from neuralgaits.systems.cartpole.certify import certify_cartpole
+from neuralgaits.systems.cartpole.conclusions import with_cartpole_levels
+from neuralgaits.systems.cartpole.train import train_cartpole
+
+QUICK = ("rail", "upright", "force", "inward")
+"""Conditions whose statements have few boxes."""
+
+pytestmark = pytest.mark.slow
+
+
+@pytest.fixture(scope="module")
+def proof(tmp_path_factory) -> Path:
+    root = tmp_path_factory.mktemp("cartpole")
+    done = train_cartpole("cartpole", seed=0, steps=20, width=2, out=root / "run", root=root)
+    return Path(str(certify_cartpole(open_cartpole(done.path)).proof))
+
+
+@pytest.fixture(scope="module")
+def table(proof):
+    return json.loads(proof.read_text())
+
+
+def quick(table):
+    """A copy without the statements of many boxes."""
+    found = copy.deepcopy(table)
+    found["statements"] = [s for s in found["statements"] if s["conditions"][0] in QUICK]
+    return found
+
+
+def written(table, tmp_path) -> Path:
+    path = tmp_path / "proof.json"
+    path.write_text(json.dumps(table))
+    return path
+
+
+def test_the_second_checker_derives_every_condition_and_both_levels(proofcheck, proof):
+    answer = proofcheck(proof)
+    assert answer.returncode == 0, answer.stdout
+    assert "level 2 proved" in answer.stdout
+    assert "level 3 proved" in answer.stdout
+    assert "6 claims of 6 conditions" in answer.stdout
+
+
+def test_it_bounds_the_program_as_well(proofcheck, table, tmp_path):
+    answer = proofcheck("--program", written(quick(table), tmp_path))
+    assert answer.returncode == 3  # Two conditions are not claimed.
+    assert "level 2 consistent" in answer.stdout
+    assert "level 3" not in answer.stdout
+
+
+@pytest.mark.parametrize(
+    ("change", "code"),
+    [
+        (lambda t: t["model"]["robot"].update(force_limit=(0.01).hex()), 1),
+        (lambda t: t["model"]["robot"].update(rail_high=(-1.799).hex()), 1),
+        (lambda t: t["model"]["robot"].update(pole_mass="0x0p+0"), 2),
+        (lambda t: t["model"].update(rate=(-1.0).hex()), 2),
+        (lambda t: t["model"].update(family="pendulum"), 3),
+        (lambda t: t["model"].pop("ball"), 2),
+        (lambda t: t["model"]["regions"]["set"][0].update(high=[(0.5).hex()] + [(1.0).hex()] * 3), 1),
+        (lambda t: t["model"]["conditions"]["inward"].update(region="core"), 1),
+        (lambda t: t["chart"][1].update(name="angle"), 1),
+        (lambda t: t["chart"][0].update(name="phase"), 2),
+        (lambda t: t["statements"][0].update(tree="-"), 3),
+    ],
+)
+def test_the_second_checker_refuses_a_changed_file(proofcheck, table, tmp_path, change, code):
+    spoilt = quick(table)
+    change(spoilt)
+    answer = proofcheck(written(spoilt, tmp_path))
+    assert answer.returncode == code, answer.stdout + answer.stderr
+
+
+def test_masses_of_another_robot_are_not_proved(proofcheck, table, tmp_path):
+    spoilt = copy.deepcopy(table)
+    spoilt["model"]["robot"]["distance"] = (2.0).hex()
+    assert proofcheck(written(spoilt, tmp_path)).returncode == 1
+
+
+def test_the_first_checker_bounds_the_program_and_draws_level_2(table, tmp_path):
+    small = quick(table)
+    claims = read_claims(written(small, tmp_path))
+    report = check(claims)
+    assert report.verdict == "undecided"  # Two conditions are not claimed.
+    assert set(report.unclaimed) == {"descent", "settling"}
+    levels = with_cartpole_levels(report, claims).levels
+    assert [(one.level, one.verdict) for one in levels] == [(2, "consistent")]
+
+
+def test_the_first_checker_rejects_regions_that_are_not_the_specs(table, tmp_path):
+    spoilt = quick(table)
+    low = ["0x0p+0"] * 4
+    spoilt["model"]["regions"]["core"][0] = {"low": low, "high": [(0.1).hex()] + [(1.0).hex()] * 3}
+    claims = read_claims(written(spoilt, tmp_path))
+    report = with_cartpole_levels(check(claims), claims)
+    assert (report.verdict, report.levels) == ("rejected", ())
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (lambda t: t["model"].pop("family"), "another family"),
+        (lambda t: t["chart"][0].update(name="level"), "does not begin with phase and level"),
+        (lambda t: t["chart"][1].update(change="0x1p-1"), "coupled"),
+    ],
+)
+def test_a_chart_of_another_family_than_the_model_is_refused(table, tmp_path, change, said):
+    spoilt = quick(table)
+    change(spoilt)
+    with pytest.raises(InputError, match=said):
+        read_claims(written(spoilt, tmp_path))

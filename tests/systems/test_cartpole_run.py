@@ -1,0 +1,131 @@
+"""A run of a cart-pole from training to its page, and what is refused of it."""
+
+import json
+
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from neuralgaits.analysis.run import open_run
+from neuralgaits.certificate.proof_file.reader import read_claims
+from neuralgaits.certificate.proof_file.run_match import differences
+from neuralgaits.certificate.proof_file.sampled_bounds import first_broken_bound
+from neuralgaits.certificate.run_certificate.run_comparison import compare_with_run
+from neuralgaits.cli.main import main
+from neuralgaits.errors import InputError, RunError
+from neuralgaits.programs import POINT, evaluate
+from neuralgaits.records.certified import PROOF, CertificateRecord
+from neuralgaits.systems.cartpole.ball import direction
+from neuralgaits.systems.cartpole.certify import trace_conditions
+from neuralgaits.systems.cartpole.conditions import margins
+from neuralgaits.systems.cartpole.export import export_cartpole
+from neuralgaits.systems.cartpole.report import FILE, certificate_of, report_cartpole
+from neuralgaits.systems.cartpole.simulate import simulate_cartpole, trace_of
+from neuralgaits.systems.cartpole.theorem import conclude
+
+pytestmark = pytest.mark.slow
+
+
+def test_a_trained_set_is_proved_to_level_3(cartpole_run, cartpole_certificate):
+    assert cartpole_run.summary.holds
+    assert cartpole_certificate.verdict == "proved"
+    assert cartpole_certificate.proved_level == 3
+    assert certificate_of(cartpole_run) is not None
+    kept = CertificateRecord.read(cartpole_run.path / "certificate" / "summary.json")
+    assert kept.conditions == cartpole_certificate.conditions
+
+
+def test_the_program_computes_the_margins_of_the_conditions(cartpole_run):
+    program = trace_conditions(cartpole_run)
+    points = np.random.default_rng(0).uniform(0.1, 1.0, (20, 4))
+    found = evaluate(program, {"u": points}, POINT)
+    for row, u in enumerate(points):
+        own = margins(cartpole_run.robot, cartpole_run.controller, 0.05, jnp.asarray(u))
+        for name, value in own.items():
+            column = found[name].reshape(len(points), -1)[row]
+            np.testing.assert_allclose(column, np.ravel(value), rtol=1e-9, atol=1e-11)
+
+
+def test_a_proof_is_that_of_its_run_and_of_no_other(cartpole_run, cartpole_certificate, tmp_path):
+    claims = read_claims(cartpole_run.path / PROOF)
+    assert differences(claims, cartpole_run.path) == []
+    assert compare_with_run(claims, cartpole_run.path).wrong == ()
+    assert first_broken_bound(claims) is None
+    table = json.loads((cartpole_run.path / PROOF).read_text())
+    table["model"]["robot"]["pole_mass"] = (0.2).hex()
+    (tmp_path / "other.json").write_text(json.dumps(table))
+    wrong = compare_with_run(read_claims(tmp_path / "other.json"), cartpole_run.path).wrong
+    assert any("model" in one for one in wrong)
+
+
+def test_a_radius_never_rises_in_mujoco(cartpole_run):
+    shape = np.asarray(cartpole_run.controller.ball.shape)
+    start = shape @ np.asarray(direction(jnp.array([0.4, 0.3, 0.8])))
+    one = trace_of(cartpole_run, start, 2.0)
+    assert one.radius[0] == pytest.approx(1.0)
+    assert np.all(np.diff(one.radius) <= 0.0)
+    assert np.abs(one.force).max() < cartpole_run.robot.force_limit
+
+
+def test_episodes_are_counted(cartpole_run, monkeypatch):
+    monkeypatch.setattr("neuralgaits.systems.cartpole.simulate.SECONDS", 1.0)
+    done = simulate_cartpole(cartpole_run, episodes=2)
+    assert (done.episodes, done.stayed, done.clamped) == (2, 2, 0.0)
+    # One second is too short to come to rest from the face.
+    assert done.settled_s is None
+
+
+def test_the_exported_force_is_pythons(cartpole_run, tmp_path):
+    done = export_cartpole(cartpole_run, tmp_path / "c")
+    assert sorted(path.name for path in (tmp_path / "c").iterdir()) == [
+        "cartpole.c",
+        "cartpole.h",
+        "ng_math.h",
+    ]
+    assert not done.checked or (done.states == 1000 and done.max_abs_error < 1e-10)
+    with pytest.raises(InputError, match="found files in it"):
+        export_cartpole(cartpole_run, tmp_path / "c")
+
+
+def test_the_page_says_what_is_proved_and_what_is_not(
+    cartpole_run, cartpole_certificate, tmp_path, monkeypatch
+):
+    monkeypatch.setattr("neuralgaits.systems.cartpole.report.EPISODES", 2)
+    monkeypatch.setattr("neuralgaits.systems.cartpole.report.SHOWN_S", 0.2)
+    done = report_cartpole(cartpole_run, tmp_path / FILE)
+    text = (tmp_path / FILE).read_text()
+    assert done.bytes == len(text.encode())
+    assert "level 3: proved" in text
+    assert "No certificate" not in text
+
+
+@pytest.mark.parametrize("missing", ["inward", "force", "rail", "upright"])
+def test_without_a_premise_no_level_follows(missing):
+    names = ("inward", "force", "rail", "upright", "descent", "settling")
+    bounds = {name: 0.1 for name in names if name != missing}
+    assert [one.verdict for one in conclude(bounds, 0.2)] == ["undecided", "undecided"]
+
+
+def test_level_2_needs_a_flow_that_points_inward_and_level_3_more():
+    bounds = dict.fromkeys(("inward", "force", "rail", "upright"), 0.1)
+    assert [one.verdict for one in conclude(bounds, 0.2)] == ["proved", "undecided"]
+    assert conclude(bounds | {"inward": 0.0}, 0.2)[0].verdict == "undecided"
+
+
+def test_what_belongs_to_walkers_is_refused_in_one_line(cartpole_run, capfd):
+    run = str(cartpole_run.path)
+    for words in (["view", run], ["simulate", run, "--push", "2"], ["certify", run, "--level", "4"]):
+        assert main(words) == 2
+        assert capfd.readouterr().err.count("\n") == 1
+    with pytest.raises(RunError, match="family 'cartpole'"):
+        _ = open_run(cartpole_run.path).asked
+
+
+def test_the_command_line_trains_and_proves(tmp_path, monkeypatch, capfd):
+    monkeypatch.chdir(tmp_path)
+    assert main(["train", "cartpole", "--steps", "20", "--hidden", "2", "--certify"]) == 0
+    assert main(["certify", "latest"]) == 0
+    assert "proved to level 3" in capfd.readouterr().out
+    assert main(["simulate", "latest"]) == 0
+    assert main(["export", "latest", "--out", "c"]) == 0
+    assert main(["report", "latest"]) == 0
