@@ -211,7 +211,7 @@ def main() -> None:
     gains, shape = best_regulator(robot, whole("DRAWS", DRAWS))
     rows = {"LQR": (gains, largest_proved(robot, gains, shape, 0.0))}
     better = trained_linear(robot, gains, shape)
-    rows["trained linear force"] = (better[0], largest_proved(robot, *better, RATE))
+    rows["trained linear force"] = (better[0], largest_proved(robot, better[0], better[1], RATE))
     volumes = {name: volumes_of(robot, found) for name, (_, found) in rows.items()}
     for name, (z, full) in volumes.items():
         gain = ", ".join(f"{x:.3g}" for x in rows[name][0])
@@ -219,7 +219,9 @@ def main() -> None:
     for run in runs:
         verdict = certify_cartpole(run)
         seed, (z, full) = run.config.seed, volumes_of(robot, np.asarray(run.controller.ball.shape))
-        show(f"seed {seed}: verdict, level", f"{verdict.verdict}, {verdict.proved_level}", "asked: 3")
+        show(
+            f"seed {seed}: verdict, level", f"{verdict.verdict}, {verdict.proved_level}", "asked: 3"
+        )
         show(f"seed {seed}: volume of z, of the full state", f"{z:.4g}, {full:.4g}")
         for name, (other_z, other_full) in volumes.items():
             asked = ASKED if name == "LQR" else ""

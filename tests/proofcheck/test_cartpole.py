@@ -14,6 +14,7 @@ from neuralgaits.systems.cartpole.certify import certify_cartpole
 from neuralgaits.systems.cartpole.conclusions import with_cartpole_levels
 from neuralgaits.systems.cartpole.train import train_cartpole
 
+HALF = [(0.5).hex()] + [(1.0).hex()] * 3
 QUICK = ("rail", "upright", "force", "inward")
 """Conditions whose statements have few boxes."""
 
@@ -69,7 +70,12 @@ def test_it_bounds_the_program_as_well(proofcheck, table, tmp_path):
         (lambda t: t["model"].update(rate=(-1.0).hex()), 2),
         (lambda t: t["model"].update(family="pendulum"), 3),
         (lambda t: t["model"].pop("ball"), 2),
-        (lambda t: t["model"]["regions"]["set"][0].update(high=[(0.5).hex()] + [(1.0).hex()] * 3), 1),
+        (
+            lambda t: t["model"]["regions"]["set"][0].update(
+                high=[(0.5).hex()] + [(1.0).hex()] * 3
+            ),
+            1,
+        ),
         (lambda t: t["model"]["conditions"]["inward"].update(region="core"), 1),
         (lambda t: t["chart"][1].update(name="angle"), 1),
         (lambda t: t["chart"][0].update(name="phase"), 2),

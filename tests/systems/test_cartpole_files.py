@@ -51,12 +51,12 @@ def test_a_file_that_is_none_is_refused_with_the_reason(name):
 
 
 def test_all_problems_are_told_at_once():
-    text = PLAIN
-    for name in ("no rail", "no limit", "dry friction"):
+    text, names = PLAIN, ("no rail", "no limit", "dry friction")
+    for name in names:
         text = text.replace(*FAULTS[name][:2])
     with pytest.raises(RobotError) as caught:
         read_cartpole(text, "odd")
-    assert all(FAULTS[name][2] in str(caught.value) for name in ("no rail", "no limit", "dry friction"))
+    assert all(FAULTS[name][2] in str(caught.value) for name in names)
 
 
 def test_a_file_like_gymnasiums_is_read():
@@ -73,7 +73,8 @@ def test_a_walker_is_none(tmp_path):
     walker.write_text(registry.model_file("rabbit").read_text(encoding="utf-8"), encoding="utf-8")
     own = tmp_path / "own.xml"
     own.write_text(GYMNASIUM, encoding="utf-8")
-    assert [is_cartpole(x) for x in (walker, own, "cartpole", "rabbit")] == [False, True, True, False]
+    assert is_cartpole("cartpole") and is_cartpole(own)
+    assert not is_cartpole(walker) and not is_cartpole("rabbit")
 
 
 def test_the_command_line_shows_a_file_or_its_fault_in_one_line(tmp_path, monkeypatch, capfd):

@@ -1,5 +1,8 @@
 """The cart-pole's equations: agreement with MuJoCo, and the structure that its proof rests on."""
 
+# pyright: reportAttributeAccessIssue=false
+# MuJoCo ships no type stubs.
+
 import re
 
 import jax
@@ -14,6 +17,7 @@ from neuralgaits.systems.cartpole.model import motion, zero_state
 from neuralgaits.systems.cartpole.training import linear_start
 
 PLAIN, _ = cartpole_text("cartpole")
+GEAR = 'gear="-2" ctrlrange="-3 4"'
 OTHERS = {
     "as it is": PLAIN,
     "axes turned round": PLAIN.replace('axis="1 0 0"', 'axis="-1 0 0"').replace(
@@ -23,7 +27,9 @@ OTHERS = {
     "rotors, friction, a weight on the pole": PLAIN.replace('damping="5e-4"', 'armature="0.3"')
     .replace('damping="2e-6"', 'damping="0.02" armature="0.01"')
     .replace("</body>", '<body pos="0.1 0 0.4"><geom size="0.1" mass="0.2"/></body></body>', 1),
-    "a motor with another gear": PLAIN.replace('gear="10" ctrlrange="-1 1"', 'gear="-2" ctrlrange="-3 4"'),
+    "a motor with another gear": PLAIN.replace(
+        'gear="10" ctrlrange="-1 1"', 'gear="-2" ctrlrange="-3 4"'
+    ),
     "a rail beside the middle": PLAIN.replace("-1.8 1.8", "-1 3"),
 }
 

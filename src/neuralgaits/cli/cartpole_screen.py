@@ -9,6 +9,7 @@ from neuralgaits.cli.screen_tables import number, show_facts, show_sentence, sho
 from neuralgaits.records.certified import CertificateRecord
 from neuralgaits.runs.shell_words import command, named
 
+_STATE = ("x", "theta", "x'", "theta'")
 _UNITS = ("m", "rad", "m/s", "rad/s")
 
 
@@ -42,7 +43,7 @@ def show_training(result: Any) -> None:
         show_table(("condition", "smallest margin"), rows)
     sizes = ", ".join(
         f"{name} +-{width:.3g} {unit}"
-        for name, width, unit in zip(("x", "theta", "x'", "theta'"), result.widths, _UNITS, strict=True)
+        for name, width, unit in zip(_STATE, result.widths, _UNITS, strict=True)
     )
     show_facts(
         [

@@ -16,7 +16,6 @@ from neuralgaits.cli.arguments import (
     SimulateOptions,
     TrainOptions,
 )
-from neuralgaits.cli.brief import brief_proof
 from neuralgaits.cli.outcome import Outcome
 from neuralgaits.cli.proof_screen import show_proof
 from neuralgaits.errors import InputError, RunError
@@ -136,7 +135,7 @@ def _certify(verb: CertifyOptions) -> Outcome:
             f"expected a level from 1 to {HIGHEST}, found {level}: a cart-pole's levels 2 and 3 "
             "are about the full order already"
         )
-    run = open_cartpole(verb.run)
+    run = open_cartpole(str(verb.run))
     with ProofProgress(quiet=verb.output.json) as progress:
         done = certify_cartpole(run, level=level, budget=verb.budget, progress=progress)
     undecided = done.verdict == "undecided"
@@ -148,7 +147,7 @@ def _simulate(verb: SimulateOptions) -> Outcome:
     from neuralgaits.systems.cartpole.cartpole_run import open_cartpole
     from neuralgaits.systems.cartpole.simulate import simulate_cartpole
 
-    run = open_cartpole(verb.run)
+    run = open_cartpole(str(verb.run))
     with waiting("balancing", quiet=verb.output.json) as progress:
         progress.begun()
         done = simulate_cartpole(run, episodes=verb.episodes, seed=verb.seed)
@@ -159,7 +158,7 @@ def _export(verb: ExportOptions) -> Outcome:
     from neuralgaits.systems.cartpole.cartpole_run import open_cartpole
     from neuralgaits.systems.cartpole.export import export_cartpole
 
-    done = export_cartpole(open_cartpole(verb.run), verb.out, force=verb.force)
+    done = export_cartpole(open_cartpole(str(verb.run)), verb.out, force=verb.force)
     return Outcome(done, done.checked, screen.show_export, undecided=not done.checked)
 
 
@@ -167,7 +166,7 @@ def _report(verb: ReportOptions) -> Outcome:
     from neuralgaits.systems.cartpole.cartpole_run import open_cartpole
     from neuralgaits.systems.cartpole.report import report_cartpole
 
-    done = report_cartpole(open_cartpole(verb.run), verb.out)
+    done = report_cartpole(open_cartpole(str(verb.run)), verb.out)
     return Outcome(done, True, screen.show_report)
 
 

@@ -175,8 +175,8 @@ def asked_of(folder: Folder) -> TrainingConfig:
     """Return the settings of a run. Raises: RunError if its config is not that of a training."""
     if (family := folder.config.get("family")) is not None:
         raise RunError(
-            f"expected a walker's run, found one of family {family!r} at {folder.path}: it has train, "
-            "certify, check-proof, simulate, export and report on the command line"
+            f"expected a walker's run, found one of family {family!r} at {folder.path}: it has "
+            "train, certify, check-proof, simulate, export and report on the command line"
         )
     refuse_misshapen(folder.config, shape_of(TrainingConfig), folder.path / CONFIG)
     return build(TrainingConfig, folder.config)

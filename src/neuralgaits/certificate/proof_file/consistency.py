@@ -25,9 +25,7 @@ def inconsistencies(claims: Claims, asked: SpecOutline | None) -> list[str]:
     """
     if claims.program.hash != claims.program_hash:
         return [f"the Program's hash is {claims.program.hash}, not {claims.program_hash}"]
-    wrong = contradictions(
-        claims.statements, claims.theorems, asked, len(claims.chart.state)
-    )
+    wrong = contradictions(claims.statements, claims.theorems, asked, len(claims.chart.state))
     if is_beyond(claims.chart, claims.commands):
         wrong.append(OTHER_CHART)
     wrong += filter(None, map(why_no_tree, claims.statements))

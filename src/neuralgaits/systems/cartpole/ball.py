@@ -5,9 +5,8 @@ import jax.numpy as jnp
 
 from neuralgaits._types import Array, Float
 
-
 ANGLES = (1.5708, 3.1416, 6.2832)
-"""Lengths of the angles' axes [rad]: a little more than pi / 2, pi and 2 pi, so that the chart covers
+"""Lengths of the angles' axes [rad]: a little more than pi / 2, pi and 2 pi, so that the chart has
 every direction of one half, although pi is no double."""
 
 
@@ -25,7 +24,7 @@ class Ball(eqx.Module):
         return self.shape @ (radius * normal)
 
     def rate(self, normal: Float[Array, "4"], rates: Float[Array, "4"]) -> Float[Array, ""]:
-        """Return the radius's rate where the state moves with these rates, by forward substitution."""
+        """Return the radius's rate where the state has these rates, by forward substitution."""
         known = []
         for row in range(4):
             left = rates[row]

@@ -57,7 +57,7 @@ class CartPoleTrained(Record):
         run, robot, spec, seed, steps: of the run.
         margins: smallest margin of each condition at fresh random states, in scales.
         samples: how many states.
-        widths: half widths of the set's projections on x, theta and their rates (m, rad, m/s, rad/s).
+        widths: half widths of the set's projections on x, theta and their rates (SI units).
         volume: of the set [m^2 rad^2/s^2].
         wall_s: elapsed time.
     """

@@ -103,9 +103,7 @@ def condition_problems(program: Program) -> list[Problem]:
     ]
 
 
-def proof_of(
-    run: CartPoleRun, program: Program, statements: tuple[StatementRecord, ...]
-) -> Proof:
+def proof_of(run: CartPoleRun, program: Program, statements: tuple[StatementRecord, ...]) -> Proof:
     """Return the proof about a run: its robot, spec and weights by name and sha256."""
     copies = run.folder.copies
     return Proof(

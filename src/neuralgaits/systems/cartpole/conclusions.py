@@ -15,10 +15,10 @@ from neuralgaits.systems.families import CARTPOLE
 
 ASSUMPTIONS = (
     OF_WALKERS[0],
-    "the model is the rigid cart-pole with the stored float64 numbers, in exact real arithmetic, and "
+    "the model is the rigid cart-pole with the stored float64 numbers, in exact real arithmetic; "
     "the force is computed from the true state in continuous time: sampling, delays, measurement "
     "errors and float32 are outside",
-    "the flow is odd, so that what holds at a state holds at its opposite: networks without biases, "
+    "the flow is odd, so that what holds at a state holds at its opposite: a policy without biases "
     "and a decay made of squares",
     OF_WALKERS[-1],
 )

@@ -4,9 +4,8 @@ import ctypes
 import tempfile
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
-import jax
-import jax.numpy as jnp
 import numpy as np
 
 from neuralgaits._compiler import Compiler, SharedLibrary
@@ -28,8 +27,8 @@ STATES = 1000
 AGREES = 1e-9
 """Largest difference that is rounding, as a share of the force limit."""
 ABOUT = (
-    "The force on the cart at a measured state (x, theta, x', theta') in m, rad, m/s, rad/s: x from\n"
-    " * the middle of the rail, theta from the upright, positive where the pole leans along +x.\n"
+    "The force on the cart at a measured state (x, theta, x', theta') in m, rad, m/s, rad/s: x\n"
+    " * from the middle of the rail, theta from the upright, positive where the pole leans to +x.\n"
     " * barrier is 1 - r^2: the proof is about states where it is not negative"
 )
 
@@ -113,9 +112,7 @@ def c_files(run: CartPoleRun, program: Program) -> dict[str, str]:
     }
 
 
-def _largest_difference(
-    run: CartPoleRun, program: Program, files: dict[str, str]
-) -> float | None:
+def _largest_difference(run: CartPoleRun, program: Program, files: dict[str, str]) -> float | None:
     """Compile the files and return the largest difference of the force [N]; None if none can.
 
     Raises: MismatchError.
@@ -138,7 +135,7 @@ def _largest_difference(
     return error
 
 
-def _called(function: ctypes._CFuncPtr, program: Program, state: np.ndarray) -> dict[str, float]:
+def _called(function: Any, program: Program, state: np.ndarray) -> dict[str, float]:
     """Call the C function at one state. Returns: its outputs by name."""
     doubles = ctypes.c_double * 4
     answers = {output.name: ctypes.c_double() for output in program.outputs}

@@ -195,9 +195,7 @@ def _problems(model: mujoco.MjModel) -> Iterator[str]:
     yield from _problems_of_motors(model, slide, names)
 
 
-def _problems_of_motors(
-    model: mujoco.MjModel, slide: int, names: dict[int, str]
-) -> Iterator[str]:
+def _problems_of_motors(model: mujoco.MjModel, slide: int, names: dict[int, str]) -> Iterator[str]:
     """Say what is not one plain motor with limits on the cart."""
     on_cart = 0
     for motor in range(model.nu):
@@ -263,11 +261,11 @@ def _data(model: mujoco.MjModel) -> CartPoleData:
     # What lies along the hinge's axis does not count in the plane.
     places = np.stack([places @ along, places @ up], axis=1)
     centre = weights @ places / weights.sum() if weights.sum() > 0.0 else np.zeros(2)
-    inertia = sum(
-        (data.ximat[body].reshape(3, 3).T @ around) ** 2 @ model.body_inertia[body]
-        + model.body_mass[body] * np.sum((place - centre) ** 2)
-        for body, place in zip(pole, places, strict=True)
-    )
+    inertia = 0.0
+    for body, place in zip(pole, places, strict=True):
+        across = data.ximat[body].reshape(3, 3).T @ around
+        inertia += float(across**2 @ model.body_inertia[body])
+        inertia += float(model.body_mass[body] * np.sum((place - centre) ** 2))
     turn = 1.0 if np.cross(around, up) @ along > 0.0 else -1.0
     upright = -turn * float(np.arctan2(centre[0], centre[1])) + 0.0
     lean = UPRIGHT
@@ -279,8 +277,8 @@ def _data(model: mujoco.MjModel) -> CartPoleData:
     return CartPoleData(
         cart_mass=float(model.body_mass[masses["cart"]].sum()),
         pole_mass=float(weights.sum()),
-        distance=float(np.hypot(*centre)),
-        pole_inertia=float(inertia),
+        distance=float(np.linalg.norm(centre)),
+        pole_inertia=inertia,
         cart_armature=float(model.dof_armature[slide_dof]),
         pole_armature=float(model.dof_armature[hinge_dof]),
         cart_damping=float(model.dof_damping[slide_dof]),

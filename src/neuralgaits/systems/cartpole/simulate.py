@@ -115,9 +115,7 @@ def simulate_cartpole(run: CartPoleRun, *, episodes: int = 1, seed: int = 0) -> 
     radius = [float(one.radius.max()) for one in found]
     force = np.concatenate([np.abs(one.force) for one in found])
     settled = [settling_time(one) for one in found]
-    good = [
-        one.radius.max() <= 1.0 + 1e-9 and np.abs(one.force).max() <= limit for one in found
-    ]
+    good = [one.radius.max() <= 1.0 + 1e-9 and np.abs(one.force).max() <= limit for one in found]
     return CartPoleEpisodes(
         run=str(run.path),
         robot=run.config.robot,

@@ -1,6 +1,7 @@
 """Train a cart-pole's controller and leave a run folder."""
 
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import jax
@@ -64,7 +65,7 @@ def train_cartpole(
         raise InputError(f"hidden: expected a width from 1 to {WIDEST}, found {config.width}")
     text, name = cartpole_text(source)
     robot, data = read_cartpole(text, name)
-    config = CartPoleConfig(**dict(config) | {"robot": robot.name})
+    config = replace(config, robot=robot.name)
     spec = Path(conditions.__file__).read_text(encoding="utf-8")
     copies = {ROBOT: text, SPEC: spec}
     folder = RunFolder.create(config, copies, name=robot.name, seed=seed, root=root, out=out)

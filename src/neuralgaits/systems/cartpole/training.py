@@ -1,7 +1,7 @@
 """Training: the largest ellipsoid on which the conditions hold at random states."""
 
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import equinox as eqx
 import jax
@@ -116,14 +116,15 @@ def train_controller(
         return PENALTY * sum(jnp.mean(row) for row in short) - GAIN * volume
 
     @jax.jit
-    def moved(weights: Weights, state, draw: PRNGKeyArray):
+    def moved(weights: Any, state, draw: PRNGKeyArray):
         value, gradient = jax.value_and_grad(loss)(weights, draw)
         # Sizes of inputs are units, no weights.
         gradient = eqx.tree_at(_scales, gradient, replace_fn=jnp.zeros_like)
         update, state = optimiser.update(gradient, state)
         return optax.apply_updates(weights, update), state, value
 
-    weights, state = start.weights, optimiser.init(start.weights)
+    weights: Any = start.weights
+    state = optimiser.init(weights)
     for step in range(steps):
         weights, state, value = moved(weights, state, jax.random.fold_in(key, step))
         if progress is not None and (step % EVERY == 0 or step + 1 == steps):
