@@ -1,6 +1,7 @@
 """A run of a cart-pole from training to its page, and what is refused of it."""
 
 import json
+import shutil
 
 import jax.numpy as jnp
 import numpy as np
@@ -16,11 +17,14 @@ from neuralgaits.errors import InputError, RunError
 from neuralgaits.programs import POINT, evaluate
 from neuralgaits.records.certified import PROOF, CertificateRecord
 from neuralgaits.systems.cartpole.ball import direction
-from neuralgaits.systems.cartpole.certify import trace_conditions
+from neuralgaits.systems.cartpole.cartpole_run import open_cartpole
+from neuralgaits.systems.cartpole.certify import certify_cartpole, trace_conditions
 from neuralgaits.systems.cartpole.conditions import margins
 from neuralgaits.systems.cartpole.export import export_cartpole
-from neuralgaits.systems.cartpole.report import FILE, certificate_of, report_cartpole
+from neuralgaits.systems.cartpole.regions import CONDITIONS
+from neuralgaits.systems.cartpole.report import FILE, report_cartpole
 from neuralgaits.systems.cartpole.simulate import simulate_cartpole, trace_of
+from neuralgaits.systems.cartpole.stated import stated_bounds
 from neuralgaits.systems.cartpole.theorem import conclude
 
 pytestmark = pytest.mark.slow
@@ -30,7 +34,6 @@ def test_a_trained_set_is_proved_to_level_3(cartpole_run, cartpole_certificate):
     assert cartpole_run.summary.holds
     assert cartpole_certificate.verdict == "proved"
     assert cartpole_certificate.proved_level == 3
-    assert certificate_of(cartpole_run) is not None
     kept = CertificateRecord.read(cartpole_run.path / "certificate" / "summary.json")
     assert kept.conditions == cartpole_certificate.conditions
 
@@ -56,6 +59,29 @@ def test_a_proof_is_that_of_its_run_and_of_no_other(cartpole_run, cartpole_certi
     (tmp_path / "other.json").write_text(json.dumps(table))
     wrong = compare_with_run(read_claims(tmp_path / "other.json"), cartpole_run.path).wrong
     assert any("model" in one for one in wrong)
+
+
+def test_a_search_that_came_to_less_leaves_the_proof(cartpole_run, cartpole_certificate):
+    there = (cartpole_run.path / PROOF).read_bytes()
+    spent = certify_cartpole(cartpole_run, budget=1e-9)
+    assert spent.verdict == "undecided"
+    assert "the proof of level 3 from before stays" in str(spent.reason)
+    assert "stays" in str(certify_cartpole(cartpole_run, level=1).reason)
+    assert (cartpole_run.path / PROOF).read_bytes() == there
+
+
+def test_a_proof_is_believed_of_its_own_run_only(cartpole_run, cartpole_certificate, tmp_path):
+    program = trace_conditions(cartpole_run)
+    assert set(stated_bounds(cartpole_run, program) or ()) == set(CONDITIONS)
+    folder = tmp_path / "copy"
+    shutil.copytree(cartpole_run.path, folder)
+    copy = open_cartpole(folder)
+    table = json.loads((folder / PROOF).read_text())
+    table["statements"][0]["bounds"] = {name: 50.0 for name in table["statements"][0]["bounds"]}
+    (folder / PROOF).write_text(json.dumps(table))
+    assert stated_bounds(copy, program) is None
+    (folder / PROOF).unlink()
+    assert stated_bounds(copy, program) is None
 
 
 def test_a_radius_never_rises_in_mujoco(cartpole_run):
@@ -97,7 +123,7 @@ def test_the_page_says_what_is_proved_and_what_is_not(
     text = (tmp_path / FILE).read_text()
     assert done.bytes == len(text.encode())
     assert "level 3: proved" in text
-    assert "No certificate" not in text
+    assert "No proof" not in text
 
 
 @pytest.mark.parametrize("missing", ["inward", "force", "rail", "upright"])

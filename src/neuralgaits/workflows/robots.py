@@ -10,12 +10,15 @@ from neuralgaits.robots import registry
 from neuralgaits.robots.mjcf.loader import robot_text
 from neuralgaits.runs.atomic import write_new
 from neuralgaits.runs.shell_words import command
+from neuralgaits.systems.cartpole.inspect import ABOUT
+from neuralgaits.systems.cartpole.mjcf import BUILT_IN
 
 
 def robots() -> BuiltIn:
     """List the built-in robots and specs by name."""
+    walkers = [CatalogueEntry(name, registry.describe(name)) for name in registry.built_in()]
     return BuiltIn(
-        robots=tuple(CatalogueEntry(name, registry.describe(name)) for name in registry.built_in()),
+        robots=(*walkers, CatalogueEntry(BUILT_IN, ABOUT)),
         specs=tuple(CatalogueEntry(name, about) for name, about in specs.DESCRIPTIONS.items()),
     )
 

@@ -3,6 +3,7 @@
 import hashlib
 import time
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -31,6 +32,7 @@ from neuralgaits.systems.cartpole.ball import direction
 from neuralgaits.systems.cartpole.cartpole_run import CartPoleRun, arrays_of
 from neuralgaits.systems.cartpole.conditions import margins
 from neuralgaits.systems.cartpole.regions import AXES, CHART, CONDITIONS, REGIONS
+from neuralgaits.systems.cartpole.stated import stated_bounds
 from neuralgaits.systems.cartpole.theorem import conclude
 
 CLAIMED = 0.4
@@ -76,7 +78,15 @@ def certify_cartpole(
     bounds = {name: one.bounds[name] for one in statements for name in one.conditions}
     verdicts = {pair[0].names[0]: _verdict(pair, bounds) for pair in searched}
     files = {PROOF: proof_of(run, program, statements).content()} if statements else {}
-    return _written(run, verdicts, bounds, files, level, start_time, states)
+    found = _summary(run, verdicts, bounds, files, level, start_time, states)
+    before = _level_of(stated_bounds(run, program) or {}, run.config.rate)
+    if before > found.proved_level:
+        # A search that came to less, or was asked for less, leaves the proof that is there.
+        kept = f"the proof of level {before} from before stays"
+        reason = "; ".join(filter(None, (found.reason, kept)))
+        return replace(found, reason=reason, proof=str(run.path / PROOF))
+    write_certificate(run.path, files, to_json(found).encode())
+    return found
 
 
 def trace_conditions(run: CartPoleRun) -> Program:
@@ -169,7 +179,14 @@ def _verdict(pair: tuple[Problem, Search], bounds: Mapping[str, float]) -> Condi
     return verdict_on(name, [pair], bounds.get(name))
 
 
-def _written(
+def _level_of(bounds: Mapping[str, float], rate: float) -> int:
+    """Return the level that stated bounds reach; 0 if a condition has none."""
+    if not set(CONDITIONS) <= set(bounds):
+        return 0
+    return max((one.level for one in conclude(bounds, rate) if one.proved), default=1)
+
+
+def _summary(
     run: CartPoleRun,
     verdicts: Mapping[str, ConditionVerdict],
     bounds: Mapping[str, float],
@@ -178,12 +195,12 @@ def _written(
     start_time: float,
     states: Sequence[Search],
 ) -> CertificateRecord:
-    """Write the certificate and return its summary."""
+    """Return the summary of a search."""
     levels = conclude(bounds, run.config.rate, level)
     open_ = [name for name, one in verdicts.items() if one.verdict == "undecided"]
     answers = {one.verdict for one in verdicts.values()}
     proved = answers == {"proved"} and all(one.proved for one in levels)
-    summary = CertificateRecord(
+    return CertificateRecord(
         run=str(run.path),
         robot=run.config.robot,
         spec=run.config.spec,
@@ -197,5 +214,3 @@ def _written(
         reason=f"the search ran out of time or boxes at {', '.join(open_)}" if open_ else None,
         proof=str(run.path / PROOF) if files else None,
     )
-    write_certificate(run.path, files, to_json(summary).encode())
-    return summary

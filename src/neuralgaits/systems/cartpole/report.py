@@ -7,8 +7,6 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from neuralgaits._digits import at_least
-from neuralgaits.errors import RunError
-from neuralgaits.records.certified import PROOF, SUMMARY, CertificateRecord
 from neuralgaits.records.record import Count, Record
 from neuralgaits.report.drawing import style
 from neuralgaits.report.drawing.figure import svg
@@ -16,11 +14,12 @@ from neuralgaits.report.page.html_shell import inline_image, whole
 from neuralgaits.report.page.markup import Html, items, join, paragraph, tag
 from neuralgaits.runs import write_text
 from neuralgaits.runs.atomic import refuse_unwritable
-from neuralgaits.runs.hashes import sha256
-from neuralgaits.runs.names import WEIGHTS
 from neuralgaits.systems.cartpole.cartpole_run import CartPoleRun
+from neuralgaits.systems.cartpole.certify import trace_conditions
 from neuralgaits.systems.cartpole.regions import CONDITIONS
 from neuralgaits.systems.cartpole.simulate import Trace, starts, trace_of
+from neuralgaits.systems.cartpole.stated import stated_bounds
+from neuralgaits.systems.cartpole.theorem import conclude
 
 EPISODES = 12
 """Episodes in the pictures, each from the set's face."""
@@ -63,19 +62,6 @@ def report_cartpole(run: CartPoleRun, out: Path | None = None) -> CartPoleReport
     return CartPoleReport(run=str(run.path), report=str(place), bytes=len(text.encode()))
 
 
-def certificate_of(run: CartPoleRun) -> CertificateRecord | None:
-    """Return the run's certificate if it is about these weights and this proof; else None."""
-    try:
-        found = CertificateRecord.read(run.path / SUMMARY)
-    except RunError:
-        return None
-    for name in (WEIGHTS, PROOF):
-        path = run.path / name
-        if not path.is_file() or found.sha256.get(name) != sha256(path.read_bytes()):
-            return None
-    return found
-
-
 def _about(run: CartPoleRun) -> Html:
     done, robot = run.summary, run.robot
     x, theta, velocity, turning = done.widths
@@ -91,22 +77,21 @@ def _about(run: CartPoleRun) -> Html:
 
 
 def _proof(run: CartPoleRun) -> Html:
-    """Return what the certificate says."""
-    found = certificate_of(run)
-    if found is None:
-        return tag("section", tag("h2", "Proof"), paragraph("No certificate of these weights."))
+    """Return what the run's proof file states, and what follows."""
+    bounds = stated_bounds(run, trace_conditions(run))
+    if bounds is None:
+        return tag("section", tag("h2", "Proof"), paragraph("No proof of this run."))
     rows = [
-        f"{name}, on the {CONDITIONS.get(name, '?')}: {one.verdict}"
-        + ("" if one.margin is None else f", margin at least {at_least(one.margin, 2)}")
-        for name, one in found.conditions.items()
+        f"{name}, on the {region}: "
+        + (f"margin at least {at_least(bounds[name], 2)}" if name in bounds else "not stated")
+        for name, region in CONDITIONS.items()
     ]
-    rows += [
-        f"level {one.level}: {one.verdict}" + (f"; {'; '.join(one.words)}" if one.proved else "")
-        for one in found.levels
-    ]
+    for one in conclude(bounds, run.config.rate):
+        said = "; ".join(one.words) if one.proved else one.reason
+        rows.append(f"level {one.level}: {one.verdict}; {said}")
     note = (
-        "According to the proof file, about the rigid model in continuous time; verify with "
-        "check-proof."
+        "According to the proof file, which this page has not checked: about the rigid model in "
+        "continuous time. Verify with check-proof or build/proofcheck."
     )
     return tag("section", tag("h2", "Proof"), items(rows), paragraph(note))
 

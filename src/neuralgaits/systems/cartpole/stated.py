@@ -1,0 +1,41 @@
+"""What a run's proof file states, if it is about the run: read again, and believed of nobody else.
+
+No box is bounded here; `check-proof` does that.
+"""
+
+from neuralgaits.certificate.proof_file.consistency import inconsistencies
+from neuralgaits.certificate.proof_file.reader import read_claims
+from neuralgaits.certificate.proof_file.run_match import differences
+from neuralgaits.certificate.proof_file.sampled_bounds import first_broken_bound
+from neuralgaits.errors import InputError
+from neuralgaits.programs import Program
+from neuralgaits.records.certified import PROOF
+from neuralgaits.systems.cartpole.cartpole_run import CartPoleRun
+from neuralgaits.systems.cartpole.regions import CHART, CONDITIONS, REGIONS
+
+
+def stated_bounds(run: CartPoleRun, program: Program) -> dict[str, float] | None:
+    """Return the bounds that a run's proof file states of its conditions, on all of their regions.
+
+    Args:
+        run: the run.
+        program: its conditions, traced.
+
+    Returns: None if there is no such file, or if it is about another run or contradicts itself.
+    """
+    try:
+        claims = read_claims(run.path / PROOF)
+        if claims.asked is None or claims.chart != CHART or claims.asked.regions != REGIONS:
+            return None
+        if claims.program_hash != program.hash or differences(claims, run.path):
+            return None
+        if inconsistencies(claims, claims.asked) or first_broken_bound(claims):
+            return None
+    except InputError:
+        return None
+    found = {}
+    for one in claims.statements:
+        for name in one.conditions:
+            if (one.low, one.high) == REGIONS[CONDITIONS[name]][0]:
+                found[name] = one.bounds[name]
+    return found
