@@ -1,7 +1,10 @@
 """A run of a cart-pole from training to its page, and what is refused of it."""
 
 import json
+import re
 import shutil
+from dataclasses import replace
+from typing import NamedTuple, cast
 
 import jax.numpy as jnp
 import numpy as np
@@ -16,16 +19,29 @@ from neuralgaits.cli.main import main
 from neuralgaits.errors import InputError, RunError
 from neuralgaits.programs import POINT, evaluate
 from neuralgaits.records.certified import PROOF, CertificateRecord
+from neuralgaits.runs import RunFolder
 from neuralgaits.systems.cartpole.ball import direction
 from neuralgaits.systems.cartpole.cartpole_run import open_cartpole
 from neuralgaits.systems.cartpole.certify import certify_cartpole, trace_conditions
 from neuralgaits.systems.cartpole.conditions import margins
 from neuralgaits.systems.cartpole.export import export_cartpole
+from neuralgaits.systems.cartpole.mjcf import read_cartpole
 from neuralgaits.systems.cartpole.regions import CONDITIONS
 from neuralgaits.systems.cartpole.report import FILE, report_cartpole
 from neuralgaits.systems.cartpole.simulate import simulate_cartpole, trace_of
 from neuralgaits.systems.cartpole.stated import stated_bounds
 from neuralgaits.systems.cartpole.theorem import conclude
+
+
+class Renamed(NamedTuple):
+    """A run folder as far as a simulation reads it."""
+
+    text: str
+
+    def copy(self, file: str) -> str:
+        """The robot's text."""
+        return self.text
+
 
 pytestmark = pytest.mark.slow
 
@@ -91,6 +107,16 @@ def test_a_radius_never_rises_in_mujoco(cartpole_run):
     assert one.radius[0] == pytest.approx(1.0)
     assert np.all(np.diff(one.radius) <= 0.0)
     assert np.abs(one.force).max() < cartpole_run.robot.force_limit
+
+
+def test_a_file_without_names_is_simulated(cartpole_run):
+    text = re.sub(' name="(hinge|drive)"', "", cartpole_run.folder.copy("robot.xml"))
+    _, data = read_cartpole(text, "x")
+    assert (data.hinge, data.motor) == ("", "")
+    start, folder = np.array([0.01, 0.02, 0.0, 0.0]), Renamed(text)
+    anonymous = replace(cartpole_run, data=data, folder=cast(RunFolder, folder))
+    one, other = trace_of(cartpole_run, start, 0.1), trace_of(anonymous, start, 0.1)
+    np.testing.assert_array_equal(one.state, other.state)
 
 
 def test_episodes_are_counted(cartpole_run, monkeypatch):

@@ -25,8 +25,11 @@ def show_robot(result: Any) -> None:
                 f"{number(result.pole_mass_kg)} kg, centre of mass {number(result.com_distance_m)}"
                 f" m from its hinge, inertia about it {number(result.inertia_kg_m2)} kg m^2",
             ),
-            ("motor", f"{result.motor}, up to {number(result.force_limit_n)} N on the cart"),
-            ("joints", f"{result.slide} (slide), {result.hinge} (hinge)"),
+            (
+                "motor",
+                f"{result.motor or 'without a name'}, up to {number(result.force_limit_n)} N on the cart",
+            ),
+            ("joints", f"{result.slide} (slide), {result.hinge or 'no name'} (hinge)"),
         ]
     )
 

@@ -146,6 +146,12 @@ def compiled(text: str, name: str) -> mujoco.MjModel:
         mujoco.set_mju_user_warning(None)
 
 
+def parts_of(model: mujoco.MjModel) -> tuple[int, int, int]:
+    """Return the numbers of slide, hinge and motor of a cart-pole's model."""
+    slide = _joint(model, SLIDE)
+    return slide, _joint(model, HINGE), int(np.flatnonzero(model.actuator_trnid[:, 0] == slide)[0])
+
+
 def _joint(model: mujoco.MjModel, kind: int) -> int:
     return int(np.flatnonzero(model.jnt_type == kind)[0])
 
@@ -166,7 +172,7 @@ def _problems_of_tree(model: mujoco.MjModel) -> Iterator[str]:
 def _problems(model: mujoco.MjModel) -> Iterator[str]:
     """Say what else is not a cart-pole's: ranges, directions, motors, what no formula has."""
     slide, hinge = _joint(model, SLIDE), _joint(model, HINGE)
-    names = {slide: model.joint(slide).name, hinge: model.joint(hinge).name}
+    names = {joint: model.joint(joint).name or f"number {joint}" for joint in (slide, hinge)}
     up = -model.opt.gravity
     along, around = _axis(model, slide), _axis(model, hinge)
     if not np.linalg.norm(up) > 0.0:
@@ -248,7 +254,7 @@ def _axis(model: mujoco.MjModel, joint: int) -> np.ndarray:
 
 
 def _data(model: mujoco.MjModel) -> CartPoleData:
-    slide, hinge, data = _joint(model, SLIDE), _joint(model, HINGE), _at_zero(model)
+    (slide, hinge, motor), data = parts_of(model), _at_zero(model)
     gravity = float(np.linalg.norm(model.opt.gravity))
     up, along, around = -model.opt.gravity / gravity, data.xaxis[slide], data.xaxis[hinge]
     masses = {}
@@ -273,7 +279,6 @@ def _data(model: mujoco.MjModel) -> CartPoleData:
         low, high = model.jnt_range[hinge]
         lean = min(lean, upright - low, high - upright)
     slide_dof, hinge_dof = model.jnt_dofadr[slide], model.jnt_dofadr[hinge]
-    motor = int(np.flatnonzero(model.actuator_trnid[:, 0] == slide)[0])
     return CartPoleData(
         cart_mass=float(model.body_mass[masses["cart"]].sum()),
         pole_mass=float(weights.sum()),

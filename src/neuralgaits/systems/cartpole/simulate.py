@@ -21,7 +21,7 @@ from neuralgaits._types import Array, Float
 from neuralgaits.records.record import Count, Record
 from neuralgaits.runs.names import ROBOT
 from neuralgaits.systems.cartpole.cartpole_run import CartPoleRun
-from neuralgaits.systems.cartpole.mjcf import compiled
+from neuralgaits.systems.cartpole.mjcf import compiled, parts_of
 from neuralgaits.systems.cartpole.model import motion
 
 SECONDS = 20.0
@@ -148,10 +148,9 @@ def trace_of(run: CartPoleRun, start: Float[np.ndarray, "4"], seconds: float) ->
     """Simulate one episode from a state (x, theta, x', theta')."""
     model, data, law = compiled(run.folder.copy(ROBOT), run.config.robot), run.data, _jitted(run)
     world, middle = mujoco.MjData(model), 0.5 * (data.rail_low + data.rail_high)
-    slide, hinge = model.joint(data.slide), model.joint(data.hinge)
-    motor = model.actuator(data.motor).id
-    places = [int(slide.qposadr[0]), int(hinge.qposadr[0])]
-    rates = [int(slide.dofadr[0]), int(hinge.dofadr[0])]
+    # By number: names are optional in MJCF.
+    slide, hinge, motor = parts_of(model)
+    places, rates = model.jnt_qposadr[[slide, hinge]], model.jnt_dofadr[[slide, hinge]]
     world.qpos[places] = [middle + start[0], data.upright + data.turn * start[1]]
     world.qvel[rates] = [start[2], data.turn * start[3]]
     rows = []
