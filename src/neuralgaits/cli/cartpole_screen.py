@@ -16,6 +16,7 @@ _UNITS = ("m", "rad", "m/s", "rad/s")
 def show_robot(result: Any) -> None:
     """Show a cart-pole's numbers, and the next command."""
     low, high = result.rail_m
+    motor = result.motor or "no name"
     show_facts(
         [
             ("robot", f"{result.robot}, a cart-pole"),
@@ -25,10 +26,7 @@ def show_robot(result: Any) -> None:
                 f"{number(result.pole_mass_kg)} kg, centre of mass {number(result.com_distance_m)}"
                 f" m from its hinge, inertia about it {number(result.inertia_kg_m2)} kg m^2",
             ),
-            (
-                "motor",
-                f"{result.motor or 'without a name'}, up to {number(result.force_limit_n)} N on the cart",
-            ),
+            ("motor", f"{motor}, up to {number(result.force_limit_n)} N on the cart"),
             ("joints", f"{result.slide} (slide), {result.hinge or 'no name'} (hinge)"),
         ]
     )
