@@ -22,13 +22,13 @@ from scipy.linalg import solve_continuous_are
 
 from neuralgaits.certificate.search.root_turns import explore
 from neuralgaits.programs.tracing.tracer import trace
-from neuralgaits.systems.cartpole.ball import Ball, direction
+from neuralgaits.systems.cartpole.cartpole_certify import certify_cartpole, condition_problems
+from neuralgaits.systems.cartpole.cartpole_model import CartPole
 from neuralgaits.systems.cartpole.cartpole_run import CartPoleRun, open_cartpole
-from neuralgaits.systems.cartpole.certify import certify_cartpole, condition_problems
-from neuralgaits.systems.cartpole.model import CartPole
-from neuralgaits.systems.cartpole.regions import AXES, CONDITIONS, CORE
-from neuralgaits.systems.cartpole.train import RATE, STEPS, train_cartpole
-from neuralgaits.systems.cartpole.training import SAMPLES, TARGET, TARGETS, WORST
+from neuralgaits.systems.cartpole.cartpole_train import RATE, STEPS, train_cartpole
+from neuralgaits.systems.cartpole.cartpole_training import SAMPLES, TARGET, TARGETS, WORST
+from neuralgaits.systems.cartpole.ellipsoid import Ball, direction
+from neuralgaits.systems.cartpole.state_regions import AXES, CONDITIONS, CORE
 
 DRAWS = 400
 GAIN = 0.03

@@ -11,10 +11,10 @@ from neuralgaits.certificate.proof_file.check import check
 from neuralgaits.certificate.proof_file.reader import read_claims
 from neuralgaits.errors import InputError
 from neuralgaits.programs import POINT, evaluate
+from neuralgaits.systems.cartpole.cartpole_certify import certify_cartpole
 from neuralgaits.systems.cartpole.cartpole_run import open_cartpole
-from neuralgaits.systems.cartpole.certify import certify_cartpole
+from neuralgaits.systems.cartpole.cartpole_train import train_cartpole
 from neuralgaits.systems.cartpole.conclusions import with_cartpole_levels
-from neuralgaits.systems.cartpole.train import train_cartpole
 
 HALF = [(0.5).hex()] + [(1.0).hex()] * 3
 QUICK = ("rail", "upright", "force", "inward")

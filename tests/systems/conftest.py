@@ -2,9 +2,9 @@
 
 import pytest
 
+from neuralgaits.systems.cartpole.cartpole_certify import certify_cartpole
 from neuralgaits.systems.cartpole.cartpole_run import open_cartpole
-from neuralgaits.systems.cartpole.certify import certify_cartpole
-from neuralgaits.systems.cartpole.train import train_cartpole
+from neuralgaits.systems.cartpole.cartpole_train import train_cartpole
 
 
 @pytest.fixture(scope="session")

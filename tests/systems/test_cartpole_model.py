@@ -11,10 +11,10 @@ import mujoco
 import numpy as np
 import pytest
 
-from neuralgaits.systems.cartpole.ball import ANGLES, Ball, direction
+from neuralgaits.systems.cartpole.cartpole_model import motion, zero_state
+from neuralgaits.systems.cartpole.cartpole_training import linear_start
+from neuralgaits.systems.cartpole.ellipsoid import ANGLES, Ball, direction
 from neuralgaits.systems.cartpole.mjcf import cartpole_text, compiled, read_cartpole
-from neuralgaits.systems.cartpole.model import motion, zero_state
-from neuralgaits.systems.cartpole.training import linear_start
 
 PLAIN, _ = cartpole_text("cartpole")
 GEAR = 'gear="-2" ctrlrange="-3 4"'

@@ -20,17 +20,17 @@ from neuralgaits.errors import InputError, RunError
 from neuralgaits.programs import POINT, evaluate
 from neuralgaits.records.certified import PROOF, CertificateRecord
 from neuralgaits.runs import RunFolder
-from neuralgaits.systems.cartpole.ball import direction
+from neuralgaits.systems.cartpole.balancing import margins
+from neuralgaits.systems.cartpole.cartpole_certify import certify_cartpole, trace_conditions
+from neuralgaits.systems.cartpole.cartpole_export import export_cartpole
+from neuralgaits.systems.cartpole.cartpole_report import FILE, report_cartpole
 from neuralgaits.systems.cartpole.cartpole_run import open_cartpole
-from neuralgaits.systems.cartpole.certify import certify_cartpole, trace_conditions
-from neuralgaits.systems.cartpole.conditions import margins
-from neuralgaits.systems.cartpole.export import export_cartpole
+from neuralgaits.systems.cartpole.cartpole_simulate import simulate_cartpole, trace_of
+from neuralgaits.systems.cartpole.cartpole_theorem import conclude
+from neuralgaits.systems.cartpole.ellipsoid import direction
 from neuralgaits.systems.cartpole.mjcf import read_cartpole
-from neuralgaits.systems.cartpole.regions import CONDITIONS
-from neuralgaits.systems.cartpole.report import FILE, report_cartpole
-from neuralgaits.systems.cartpole.simulate import simulate_cartpole, trace_of
+from neuralgaits.systems.cartpole.state_regions import CONDITIONS
 from neuralgaits.systems.cartpole.stated import stated_bounds
-from neuralgaits.systems.cartpole.theorem import conclude
 
 
 class Renamed(NamedTuple):
@@ -120,7 +120,7 @@ def test_a_file_without_names_is_simulated(cartpole_run):
 
 
 def test_episodes_are_counted(cartpole_run, monkeypatch):
-    monkeypatch.setattr("neuralgaits.systems.cartpole.simulate.SECONDS", 1.0)
+    monkeypatch.setattr("neuralgaits.systems.cartpole.cartpole_simulate.SECONDS", 1.0)
     done = simulate_cartpole(cartpole_run, episodes=2)
     assert (done.episodes, done.stayed, done.clamped) == (2, 2, 0.0)
     # One second is too short to come to rest from the face.
@@ -143,8 +143,8 @@ def test_the_exported_force_is_pythons(cartpole_run, tmp_path):
 def test_the_page_says_what_is_proved_and_what_is_not(
     cartpole_run, cartpole_certificate, tmp_path, monkeypatch
 ):
-    monkeypatch.setattr("neuralgaits.systems.cartpole.report.EPISODES", 2)
-    monkeypatch.setattr("neuralgaits.systems.cartpole.report.SHOWN_S", 0.2)
+    monkeypatch.setattr("neuralgaits.systems.cartpole.cartpole_report.EPISODES", 2)
+    monkeypatch.setattr("neuralgaits.systems.cartpole.cartpole_report.SHOWN_S", 0.2)
     done = report_cartpole(cartpole_run, tmp_path / FILE)
     text = (tmp_path / FILE).read_text()
     assert done.bytes == len(text.encode())

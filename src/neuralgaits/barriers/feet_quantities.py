@@ -57,7 +57,7 @@ class PressureReserve:
 )
 @dataclass(frozen=True, eq=False)
 class ImpulseReserve:
-    """The same for the impulse of a landing foot [N m s].
+    """Distance at which the impulse of a landing acts inside the sole, times the impulse [N m s].
 
     Attributes:
         end: "heel" or "toe".

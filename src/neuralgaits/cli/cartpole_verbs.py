@@ -98,8 +98,8 @@ def _refuse_others(verb: Any) -> None:
 
 def _train(verb: TrainOptions) -> Outcome:
     from neuralgaits.cli.progress import TrainingProgress
-    from neuralgaits.systems.cartpole.certify import certify_cartpole
-    from neuralgaits.systems.cartpole.train import STEPS, train_cartpole
+    from neuralgaits.systems.cartpole.cartpole_certify import certify_cartpole
+    from neuralgaits.systems.cartpole.cartpole_train import STEPS, train_cartpole
 
     if verb.hidden is not None and len(verb.hidden) != 1:
         raise InputError(
@@ -126,8 +126,8 @@ def _train(verb: TrainOptions) -> Outcome:
 
 def _certify(verb: CertifyOptions) -> Outcome:
     from neuralgaits.cli.progress import ProofProgress
+    from neuralgaits.systems.cartpole.cartpole_certify import HIGHEST, certify_cartpole
     from neuralgaits.systems.cartpole.cartpole_run import open_cartpole
-    from neuralgaits.systems.cartpole.certify import HIGHEST, certify_cartpole
 
     level = HIGHEST if verb.level is None else verb.level
     if level > HIGHEST:
@@ -145,7 +145,7 @@ def _certify(verb: CertifyOptions) -> Outcome:
 def _simulate(verb: SimulateOptions) -> Outcome:
     from neuralgaits.cli.progress import waiting
     from neuralgaits.systems.cartpole.cartpole_run import open_cartpole
-    from neuralgaits.systems.cartpole.simulate import simulate_cartpole
+    from neuralgaits.systems.cartpole.cartpole_simulate import simulate_cartpole
 
     run = open_cartpole(str(verb.run))
     with waiting("balancing", quiet=verb.output.json) as progress:
@@ -155,30 +155,30 @@ def _simulate(verb: SimulateOptions) -> Outcome:
 
 
 def _export(verb: ExportOptions) -> Outcome:
+    from neuralgaits.systems.cartpole.cartpole_export import export_cartpole
     from neuralgaits.systems.cartpole.cartpole_run import open_cartpole
-    from neuralgaits.systems.cartpole.export import export_cartpole
 
     done = export_cartpole(open_cartpole(str(verb.run)), verb.out, force=verb.force)
     return Outcome(done, done.checked, screen.show_export, undecided=not done.checked)
 
 
 def _report(verb: ReportOptions) -> Outcome:
+    from neuralgaits.systems.cartpole.cartpole_report import report_cartpole
     from neuralgaits.systems.cartpole.cartpole_run import open_cartpole
-    from neuralgaits.systems.cartpole.report import report_cartpole
 
     done = report_cartpole(open_cartpole(str(verb.run)), verb.out)
     return Outcome(done, True, screen.show_report)
 
 
 def _inspect(verb: InspectOptions) -> Outcome:
-    from neuralgaits.systems.cartpole.inspect import inspect_cartpole
+    from neuralgaits.systems.cartpole.cartpole_inspect import inspect_cartpole
 
     return Outcome(inspect_cartpole(verb.robot), True, screen.show_robot)
 
 
 def _robots(verb: RobotsOptions) -> Outcome:
     from neuralgaits.cli.screen import show_written
-    from neuralgaits.systems.cartpole.inspect import write_cartpole
+    from neuralgaits.systems.cartpole.cartpole_inspect import write_cartpole
 
     assert verb.robot is not None
     return Outcome(write_cartpole(verb.out), True, show_written)

@@ -88,12 +88,21 @@ def finish_certificate(
         kept = replace(summary, proof=None, full_order_proof=None, map=None)
         said = f"the certificate from before stays: {before.states}, and {before.checked_how}"
         return CertifyResult(saying(kept, said))
-    said = summary
-    if before is not None and not before.is_said_by(summary, reached, sets.parameters, statements):
-        aside = before.put_aside()
-        what = "file" if before.summary is None else "proof"
-        said = saying(said, f"the {what} from before is now {aside}: {before.states}")
-    if (aside := put_hidden_aside(run.path)) is not None:
-        said = saying(said, f"another proof, compressed beside it, is now {aside}")
+    known = before is None or before.is_said_by(summary, reached, sets.parameters, statements)
+    said = _with_proofs_aside(run, summary, None if known else before)
     write_certificate(run.path, files, to_json(summary).encode())
     return CertifyResult(said)
+
+
+def _with_proofs_aside(
+    run: Run, summary: CertificateRecord, unsaid: EarlierProof | None
+) -> CertificateRecord:
+    """Put proofs that the new one does not say aside, and return the summary with words on them."""
+    said = summary
+    if unsaid is not None:
+        what = "file" if unsaid.summary is None else "proof"
+        aside = unsaid.put_aside()
+        said = saying(said, f"the {what} from before is now {aside}: {unsaid.states}")
+    if (hidden := put_hidden_aside(run.path)) is not None:
+        said = saying(said, f"another proof, compressed beside it, is now {hidden}")
+    return said

@@ -99,21 +99,26 @@ def write_report(
         figures=drawn,
         assumptions=ASSUMPTIONS,
     )
+    summary = Reported(
+        run=str(folder.path),
+        report=str(path),
+        bytes=_written(path, contents),
+        figures=tuple(figure.name for figure in drawn if isinstance(figure, Drawn)),
+        missing=tuple(Lack(what, command) for what, command in missing_parts(contents)),
+        damaged=saved.damaged,
+    )
+    return Report(path, drawn, summary)
+
+
+def _written(path: Path, contents: Contents) -> int:
+    """Write the page. Returns: its bytes. Raises: InputError for a page of too many."""
     page = printable(document(contents))
     if (size := len(page.encode())) > MOST_BYTES:
         raise InputError(
             f"expected a page of at most {MOST_BYTES} bytes, found {size}: a figure is too large"
         )
     write_text(path, page)
-    summary = Reported(
-        run=str(folder.path),
-        report=str(path),
-        bytes=size,
-        figures=tuple(figure.name for figure in drawn if isinstance(figure, Drawn)),
-        missing=tuple(Lack(what, command) for what, command in missing_parts(contents)),
-        damaged=saved.damaged,
-    )
-    return Report(path, drawn, summary)
+    return size
 
 
 def saved_of(folder: RunFolder, found: CertificateReading | None = None) -> Saved:

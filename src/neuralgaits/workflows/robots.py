@@ -10,7 +10,7 @@ from neuralgaits.robots import registry
 from neuralgaits.robots.mjcf.loader import robot_text
 from neuralgaits.runs.atomic import write_new
 from neuralgaits.runs.shell_words import command
-from neuralgaits.systems.cartpole.inspect import ABOUT
+from neuralgaits.systems.cartpole.cartpole_inspect import ABOUT
 from neuralgaits.systems.cartpole.mjcf import BUILT_IN
 
 

@@ -137,7 +137,7 @@ class EarlierProof(NamedTuple):
 
     @property
     def checked_how(self) -> str:
-        """What `check-proof` does with the file, in words."""
+        """Use of `check-proof` on the file, in words."""
         if self.summary is None:
             return "check-proof tells whether it is a proof"
         return "check-proof checks it"

@@ -24,7 +24,7 @@ from neuralgaits.runs import RunFolder, plain, write_text
 
 LONGEST_S = 300.0
 """Longest time for tracing a spec [s]; the largest takes seconds."""
-OTHER_FAMILIES = {"cartpole": "neuralgaits.systems.cartpole.retrace"}
+OTHER_FAMILIES = {"cartpole": "neuralgaits.systems.cartpole.cartpole_retrace"}
 """Module that traces a run again, by its family; `describe_run` is a walker's."""
 LAST_LINES = 3
 """Number of last lines of a failed process's standard error that are shown."""

@@ -16,11 +16,11 @@ from neuralgaits.runs import RunFolder, resolve
 from neuralgaits.runs.json_files import refuse_misshapen
 from neuralgaits.runs.names import CONFIG, ROBOT, SUMMARY, WEIGHTS
 from neuralgaits.runs.shape import whole
-from neuralgaits.systems.cartpole.ball import Ball
-from neuralgaits.systems.cartpole.conditions import Controller
+from neuralgaits.systems.cartpole.balancing import Controller
+from neuralgaits.systems.cartpole.cartpole_model import CartPole
+from neuralgaits.systems.cartpole.ellipsoid import Ball
 from neuralgaits.systems.cartpole.mjcf import CartPoleData, read_cartpole
-from neuralgaits.systems.cartpole.model import CartPole
-from neuralgaits.systems.cartpole.policy import Controls, ErrorDecay, VelocityPolicy
+from neuralgaits.systems.cartpole.velocity_policy import Controls, ErrorDecay, VelocityPolicy
 
 FAMILY = "cartpole"
 SPEC_NAME = "balancing"

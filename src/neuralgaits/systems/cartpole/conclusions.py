@@ -9,8 +9,8 @@ from neuralgaits._digits import from_hex
 from neuralgaits.certificate.proof_file.check import ASSUMPTIONS as OF_WALKERS
 from neuralgaits.certificate.proof_file.check import CheckResult
 from neuralgaits.certificate.proof_file.reader import Claims
-from neuralgaits.systems.cartpole.regions import CHART, CONDITIONS, REGIONS
-from neuralgaits.systems.cartpole.theorem import conclude
+from neuralgaits.systems.cartpole.cartpole_theorem import conclude
+from neuralgaits.systems.cartpole.state_regions import CHART, CONDITIONS, REGIONS
 from neuralgaits.systems.families import CARTPOLE
 
 ASSUMPTIONS = (

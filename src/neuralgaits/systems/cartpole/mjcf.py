@@ -16,7 +16,7 @@ from neuralgaits._printable import printable
 from neuralgaits.errors import RobotError
 from neuralgaits.robots.mjcf.counts import refuse_large_counts
 from neuralgaits.robots.mjcf.text import standalone_text
-from neuralgaits.systems.cartpole.model import CartPole
+from neuralgaits.systems.cartpole.cartpole_model import CartPole
 
 BUILT_IN = "cartpole"
 SLIDE, HINGE = int(mujoco.mjtJoint.mjJNT_SLIDE), int(mujoco.mjtJoint.mjJNT_HINGE)

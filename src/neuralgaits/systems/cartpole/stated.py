@@ -1,4 +1,4 @@
-"""What a run's proof file states, if it is about the run: read again, and believed of nobody else.
+"""Statements of a run's proof file, if it is about the run: read again, and believed of no other.
 
 No box is bounded here; `check-proof` does that.
 """
@@ -11,7 +11,7 @@ from neuralgaits.errors import InputError
 from neuralgaits.programs import Program
 from neuralgaits.records.certified import PROOF
 from neuralgaits.systems.cartpole.cartpole_run import CartPoleRun
-from neuralgaits.systems.cartpole.regions import CHART, CONDITIONS, REGIONS
+from neuralgaits.systems.cartpole.state_regions import CHART, CONDITIONS, REGIONS
 
 
 def stated_bounds(run: CartPoleRun, program: Program) -> dict[str, float] | None:

@@ -11,7 +11,7 @@ from neuralgaits.errors import InputError, NonFiniteError
 from neuralgaits.runs import RUNS_ROOT, RunFolder, finish
 from neuralgaits.runs.names import ROBOT, SPEC, WEIGHTS
 from neuralgaits.runs.only_writer import only_writer
-from neuralgaits.systems.cartpole import conditions
+from neuralgaits.systems.cartpole import balancing as conditions
 from neuralgaits.systems.cartpole.cartpole_run import (
     WIDEST,
     CartPoleConfig,
@@ -20,8 +20,13 @@ from neuralgaits.systems.cartpole.cartpole_run import (
     volume,
     widths,
 )
+from neuralgaits.systems.cartpole.cartpole_training import (
+    HIDDEN,
+    Progress,
+    of_samples,
+    train_controller,
+)
 from neuralgaits.systems.cartpole.mjcf import cartpole_text, read_cartpole
-from neuralgaits.systems.cartpole.training import HIDDEN, Progress, of_samples, train_controller
 
 STEPS, RATE = 3000, 0.05
 """Gradient steps, and the required decay of the set's radius [1/s], if not given."""

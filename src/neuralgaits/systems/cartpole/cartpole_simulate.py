@@ -20,9 +20,9 @@ import numpy as np
 from neuralgaits._types import Array, Float
 from neuralgaits.records.record import Count, Record
 from neuralgaits.runs.names import ROBOT
+from neuralgaits.systems.cartpole.cartpole_model import motion
 from neuralgaits.systems.cartpole.cartpole_run import CartPoleRun
 from neuralgaits.systems.cartpole.mjcf import compiled, parts_of
-from neuralgaits.systems.cartpole.model import motion
 
 SECONDS = 20.0
 """Length of an episode [s]."""

@@ -1,7 +1,7 @@
 """The spec `balancing`: what must hold on the ellipsoid, as margins at one point of its chart.
 
 With the radius r of the ellipsoid's chart, h = 1 - r^2 is the barrier function of its face r = 1.
-A margin must not be negative anywhere in its region, see `regions.CONDITIONS`.
+A margin must not be negative anywhere in its region, see `state_regions.CONDITIONS`.
 """
 
 from collections.abc import Mapping
@@ -11,13 +11,13 @@ import jax
 import jax.numpy as jnp
 
 from neuralgaits._types import Array, Float
-from neuralgaits.systems.cartpole.ball import Ball, direction
-from neuralgaits.systems.cartpole.model import CartPole, motion
-from neuralgaits.systems.cartpole.policy import Controls
+from neuralgaits.systems.cartpole.cartpole_model import CartPole, motion
+from neuralgaits.systems.cartpole.ellipsoid import Ball, direction
+from neuralgaits.systems.cartpole.velocity_policy import Controls
 
 
 class Controller(eqx.Module):
-    """What training finds.
+    """Controller and set that training finds.
 
     Attributes:
         controls: the policy, and the decay of the velocity's error.
@@ -37,7 +37,7 @@ def margins(
         robot: the model.
         controller: policy and ellipsoid.
         rate: at least so quickly must the radius decay [1/s].
-        u: radius and angles, see `regions.AXES`.
+        u: radius and angles, see `state_regions.AXES`.
     """
     return at_direction(robot, controller, rate, u[0], direction(u[1:]))
 

@@ -12,11 +12,11 @@ from jaxtyping import PRNGKeyArray
 from scipy.linalg import solve_continuous_are, solve_continuous_lyapunov
 
 from neuralgaits._types import Array, Float
-from neuralgaits.systems.cartpole.ball import Ball
-from neuralgaits.systems.cartpole.conditions import Controller, at_direction
-from neuralgaits.systems.cartpole.model import CartPole, linearised, motion
-from neuralgaits.systems.cartpole.policy import Controls, ErrorDecay, VelocityPolicy
-from neuralgaits.systems.cartpole.regions import CONDITIONS, CORE
+from neuralgaits.systems.cartpole.balancing import Controller, at_direction
+from neuralgaits.systems.cartpole.cartpole_model import CartPole, linearised, motion
+from neuralgaits.systems.cartpole.ellipsoid import Ball
+from neuralgaits.systems.cartpole.state_regions import CONDITIONS, CORE
+from neuralgaits.systems.cartpole.velocity_policy import Controls, ErrorDecay, VelocityPolicy
 
 HIDDEN, SAMPLES, WORST = 16, 1024, 32
 """Width of both networks, states a gradient step, and how many of the worst of them count."""

@@ -14,7 +14,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from neuralgaits._types import Array, Float
-from neuralgaits.systems.cartpole.policy import Controls
+from neuralgaits.systems.cartpole.velocity_policy import Controls
 
 
 class CartPole(eqx.Module):

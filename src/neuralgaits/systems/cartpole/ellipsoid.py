@@ -35,7 +35,7 @@ class Ball(eqx.Module):
 
 
 def direction(angles: Float[Array, "3"]) -> Float[Array, "4"]:
-    """Return the unit vector of the chart's angles, see `regions.AXES`."""
+    """Return the unit vector of the chart's angles, see `state_regions.AXES`."""
     first, second, turn = (length * angles[k] for k, length in enumerate(ANGLES))
     outer = jnp.sin(first)
     inner = outer * jnp.sin(second)

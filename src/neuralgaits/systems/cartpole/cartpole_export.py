@@ -20,7 +20,7 @@ from neuralgaits.programs.program import Program
 from neuralgaits.programs.tracing.tracer import trace
 from neuralgaits.records.record import Count, Record, Texts
 from neuralgaits.systems.cartpole.cartpole_run import CartPoleRun
-from neuralgaits.systems.cartpole.simulate import law_of, starts
+from neuralgaits.systems.cartpole.cartpole_simulate import law_of, starts
 
 STATES = 1000
 """States on the set's face at which C and Python are compared."""

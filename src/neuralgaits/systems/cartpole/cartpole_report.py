@@ -14,12 +14,12 @@ from neuralgaits.report.page.html_shell import inline_image, whole
 from neuralgaits.report.page.markup import Html, items, join, paragraph, tag
 from neuralgaits.runs import write_text
 from neuralgaits.runs.atomic import refuse_unwritable
+from neuralgaits.systems.cartpole.cartpole_certify import trace_conditions
 from neuralgaits.systems.cartpole.cartpole_run import CartPoleRun
-from neuralgaits.systems.cartpole.certify import trace_conditions
-from neuralgaits.systems.cartpole.regions import CONDITIONS
-from neuralgaits.systems.cartpole.simulate import Trace, starts, trace_of
+from neuralgaits.systems.cartpole.cartpole_simulate import Trace, starts, trace_of
+from neuralgaits.systems.cartpole.cartpole_theorem import conclude
+from neuralgaits.systems.cartpole.state_regions import CONDITIONS
 from neuralgaits.systems.cartpole.stated import stated_bounds
-from neuralgaits.systems.cartpole.theorem import conclude
 
 EPISODES = 12
 """Episodes in the pictures, each from the set's face."""

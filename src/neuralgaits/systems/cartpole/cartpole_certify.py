@@ -28,12 +28,12 @@ from neuralgaits.programs.tracing.tracer import trace
 from neuralgaits.records.certified import PROOF, CertificateRecord, ConditionVerdict, Counterexample
 from neuralgaits.runs.names import ROBOT, SPEC, WEIGHTS
 from neuralgaits.runs.plain import to_json
-from neuralgaits.systems.cartpole.ball import direction
+from neuralgaits.systems.cartpole.balancing import margins
 from neuralgaits.systems.cartpole.cartpole_run import CartPoleRun, arrays_of
-from neuralgaits.systems.cartpole.conditions import margins
-from neuralgaits.systems.cartpole.regions import AXES, CHART, CONDITIONS, REGIONS
+from neuralgaits.systems.cartpole.cartpole_theorem import conclude
+from neuralgaits.systems.cartpole.ellipsoid import direction
+from neuralgaits.systems.cartpole.state_regions import AXES, CHART, CONDITIONS, REGIONS
 from neuralgaits.systems.cartpole.stated import stated_bounds
-from neuralgaits.systems.cartpole.theorem import conclude
 
 CLAIMED = 0.4
 """Claimed share of a margin: four axes need many boxes, and only the sign matters."""

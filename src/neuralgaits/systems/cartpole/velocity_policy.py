@@ -75,7 +75,7 @@ class ErrorDecay(eqx.Module):
 
 
 class Controls(eqx.Module):
-    """What a controller computes with: the policy, and the decay of the velocity's error."""
+    """Functions of a controller: the policy, and the decay of the velocity's error."""
 
     policy: VelocityPolicy
     decay: ErrorDecay
