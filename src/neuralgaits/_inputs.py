@@ -72,7 +72,9 @@ def refuse_no_path(what: str, value: object) -> None:
             f"expected {what}, found a name of {len(str(value))} characters, or with a NUL: "
             f"{shown(str(value))}"
         )
-    longest = max(map(len, map(os.fsencode, Path(value).parts)), default=0)
+    # Halves of characters, which no name has, are told of where the file is looked for.
+    names = (part.encode("utf-8", "surrogatepass") for part in Path(value).parts)
+    longest = max(map(len, names), default=0)
     if longest > MOST_BYTES_OF_NAME:
         raise InputError(
             f"expected {what}, found a name of {longest} bytes, and a file's or folder's has at "

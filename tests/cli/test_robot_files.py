@@ -40,7 +40,7 @@ def test_a_refusal_names_the_command_that_mends_the_file(place, capfd, verb):
     (place / "flat.xml").write_text(flat, encoding="utf-8")
     assert main([verb, "flat.xml"]) == 2
     err = capfd.readouterr().err
-    assert "has no foot" in err
+    assert "is no foot that is treated" in err
     assert err.count("\n") == 1
     assert "`neuralgaits inspect flat.xml --planarise flat-planar.xml`" in err
     assert main(["inspect", "flat.xml", "--planarise", "flat-planar.xml"]) == 0

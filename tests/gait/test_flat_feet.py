@@ -6,7 +6,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from neuralgaits.barriers import specs
+from neuralgaits.barriers import functions, specs
 from neuralgaits.errors import SpecError
 from neuralgaits.gait import ZeroDynamics
 from neuralgaits.robots import load_robot
@@ -90,3 +90,25 @@ def test_what_flat_feet_cannot_have_is_refused(robot, given, said):
 def test_their_spec_is_of_no_use_on_point_feet():
     with pytest.raises(SpecError, match="expected a robot with flat feet, found point feet"):
         specs.load("walking-flat-feet", load_robot("amber3m"))
+
+
+def test_the_plain_walk_of_flat_feet_is_theirs(robot):
+    assert specs.walking(robot).name == "walking-flat-feet"
+    for make in (lambda: specs.walking(robot, policy="mlp"), lambda: specs.rugged(robot)):
+        with pytest.raises(SpecError, match="expected a robot on point feet, found flat feet"):
+            make()
+
+
+def test_the_motor_of_an_ankle_brings_up_its_friction_as_well(robot, gait):
+    """A torque within the limit is none if the joint's own friction takes the rest."""
+    stiff = robot.damping.copy()
+    stiff[0] = 100.0
+    rubbed = eqx.tree_at(lambda r: r.damping, robot, stiff)
+    lower, upper = (functions.ankle_reserve(side, 1.0) for side in ("lower", "upper"))
+    u = jnp.array([0.5, 0.5])
+    point, other = (ZeroDynamics(one, gait.policy).point(gait.z(u)) for one in (robot, rubbed))
+    limit = robot.feet.torque_limit
+    np.testing.assert_allclose(lower(point), 1.0 - point.ankle_torque / limit)
+    motor = 100.0 * other.dq[0] - other.ankle_torque
+    np.testing.assert_allclose([lower(other), upper(other)], [1 + motor / limit, 1 - motor / limit])
+    assert min(lower(other), upper(other)) < 0.0 < min(lower(point), upper(point))

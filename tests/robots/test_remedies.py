@@ -70,6 +70,11 @@ def refusal(text):
         (SOLE.replace("/>", ' euler="0 5 0"/>'), "foot foot is not level at zero coordinates"),
         (SOLE.replace("0.12 ", "0.009 "), "foot foot reaches -91 mm behind its ankle and 109 mm"),
         (SOLE.replace("/>", ' pos="0 0 0.1"/>'), "the ankle of foot foot is not above its sole"),
+        (
+            SOLE.replace('"/>', '" pos="-0.1 0 -0.25"/>'),
+            "body foot is no foot that is treated: make it a flat one, whose sole is level, along "
+            "the robot, and longer than its ankle is high",
+        ),
     ],
 )
 def test_a_flat_foot_that_is_not_treated_is_named_with_the_remedy(foot, said):

@@ -95,6 +95,8 @@ BARRIERS = (
 OF_FEET = {
     "pressure_heel": f.pressure_reserve("heel", 0.9),
     "pressure_toe": f.pressure_reserve("toe", 0.8),
+    "ankle_lower": f.ankle_reserve("lower", 0.9),
+    "ankle_upper": f.ankle_reserve("upper", 0.8),
     "impulse_heel": f.impulse_reserve("heel", 0.9),
     "impulse_toe": f.impulse_reserve("toe", 0.7),
     "sole_above_arc": f.sole_above_arc(0.02),

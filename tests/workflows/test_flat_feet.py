@@ -63,6 +63,12 @@ def test_proved_to_level_3_and_no_further(run):
         FullOrderModel(run.robot, run.gait, run.spec)
 
 
+def test_floors_of_unknown_height_are_of_point_feet(run):
+    found = ng.certify(run, parameters={"floor": 0.005}).summary
+    assert found.verdict != "proved"
+    assert "floors of unknown height are about point feet" in str(found.levels[0].reason)
+
+
 @pytest.mark.parametrize(
     ("law", "disturb"),
     [("pd", ""), ("fblin", ""), ("clf-qp", ""), ("pd", "estimator=1,encoder_step=4e-4")],

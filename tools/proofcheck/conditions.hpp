@@ -69,6 +69,7 @@ const std::map<string, vector<string>>& quantities_with_numbers() {
       {"knee_bend", {"joints", "sides", "least"}},
       {"foot_above_arc", {"clearance"}},
       {"sole_above_arc", {"clearance"}},
+      {"ankle_reserve", {"side", "share"}},
       {"pressure_reserve", {"end", "share"}},
       {"impulse_reserve", {"end", "share"}},
       {"foot_on_circle", {"centre", "radius"}},
@@ -235,6 +236,13 @@ vector<S> value(const Quantity& q, Motion<S>& p) {
   }
   if (n == "sole_vertical_velocity") return p.sole_lifts(p.pose(), p.w());
   if (n == "old_sole_lift") return p.sole_lifts(p.impact().pose, p.impact().w);
+  if (n == "ankle_reserve") {
+    if (!robot.feet) refuse("an ankle of a robot on point feet");
+    S torque = robot.damping[0] * p.dq()[0];
+    if (p.model.policy.ankle) torque = torque - p.ankle();
+    const S used = inverse(number("share") * robot.feet->torque_limit) * torque;
+    return {q.side == "lower" ? S(I(1.0)) + used : S(I(1.0)) - used};
+  }
   if (n == "stance_ankle") return {p.pose().q[0]};
   if (n == "pressure_reserve")
     return {inside_sole(q, robot, p.at_stance(p.forces().ground).z, p.pressure_moment())};
@@ -312,6 +320,7 @@ string unit_of(const Quantity& q) {
   if (q.name == "foot_on_circle") return "m^2";
   if (q.name == "orbital_energy") return "m^2/s^2";
   if (q.name.rfind("friction", 0) == 0) return "N";
+  if (q.name == "ankle_reserve") return "of the torque allowed";
   if (q.name == "pressure_reserve") return "N m";
   if (q.name == "impulse_reserve") return "N m s";
   if (q.name.rfind("impulse", 0) == 0) return "N s";
@@ -345,6 +354,9 @@ string words_for(const Quantity& q) {
   }
   if (q.name == "foot_above_arc")
     return "swing foot above an arc of height " + number("clearance") + " m";
+  if (q.name == "ankle_reserve")
+    return "what is left of " + number("share") + " of the stance ankle's torque limit, " + q.side +
+           " side";
   if (q.name == "sole_above_arc")
     return "heel and toe of the swing foot above an arc of height " + number("clearance") + " m";
   if (q.name == "pressure_reserve" || q.name == "impulse_reserve")

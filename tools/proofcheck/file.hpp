@@ -792,12 +792,15 @@ void read_model(const Json& table, const ProgramFacts& program, bool by_program,
 
 // Levels 4 and 5 are about one gait of one robot on point feet, on footholds that lie where they are
 // meant to.
+// Flat feet land flat on footholds that lie where they are meant to, and on no others.
 void match_full_order(const ProofFile& file, const Json& model) {
   const Theorems& theorems = file.theorems;
-  if (!theorems.full) return;
   const Json* robot = model.type == Json::object ? model.find("robot") : nullptr;
-  if (robot && robot->type == Json::object && robot->find("sole"))
-    throw Inconsistent{"level 4 is stated, and it is about point feet"};
+  const bool flat = robot && robot->type == Json::object && robot->find("sole");
+  if (flat && theorems.walking && theorems.walking->floor > 0.0)
+    throw Inconsistent{"a floor of unknown height is stated, and it is about point feet"};
+  if (!theorems.full) return;
+  if (flat) throw Inconsistent{"level 4 is stated, and it is about point feet"};
   if (file.chart.size() > 2) {
     string others;
     for (size_t i = 2; i < file.chart.size(); ++i)

@@ -78,6 +78,7 @@ struct Feet {
   I heel, toe;     // How far the sole reaches behind the ankle and ahead of it.
   I height;        // Of the ankle above the sole.
   I mass, x, z;    // Of a foot, and its centre of mass from the ankle.
+  I torque_limit;  // Of an ankle's motor.
 };
 
 struct Robot {
@@ -192,7 +193,9 @@ Robot robot_of(const Json& table) {
     only(*sole, "the sole", {"heel", "toe"});
     const I height = number(leg[0], "length");
     r.feet = Feet{number(*sole, "heel"), number(*sole, "toe"), height, number(leg[0], "mass"),
-                  -number(leg[0], "across"), number(leg[0], "along") - height};
+                  -number(leg[0], "across"), number(leg[0], "along") - height,
+                  at_least(number(leg[0], "torque_limit"), true, "an ankle without torque")};
+    if (radius.low() != height.low()) refuse("feet of another height than their radius");
     if (!((r.feet->heel + r.feet->toe).low() > 0.0)) refuse("a sole without length");
     r.words.push_back("the lowest link is a flat foot: a sole from " + brief(r.feet->heel.low()) +
                       " m behind the ankle to " + brief(r.feet->toe.low()) + " m ahead");

@@ -9,6 +9,8 @@ from neuralgaits.gait import Point
 from neuralgaits.robots.dynamics import sole_ends, sole_velocities
 
 End = Literal["heel", "toe"]
+_SIGNS = {"lower": "negative", "upper": "positive"}
+"""Sign of the torques that a side limits."""
 
 
 def _inside(p: Point, end: End, share: float, normal: Scalar, moment: Scalar) -> Scalar:
@@ -70,6 +72,36 @@ class ImpulseReserve:
     def __call__(self, p: Point) -> Scalar:
         """Return that distance times the normal impulse, positive inside [N m s]."""
         return _inside(p, self.end, self.share, p.contact_impulse[1], p.impulse_moment)
+
+
+@quantity(
+    "",
+    "× usable torque",
+    gist="torques within limits",
+    says=lambda given, shown: (
+        f"{_SIGNS[given['side']]} torque of the standing ankle's motor within "
+        f"{shown(100.0 * given['share'])} % of its limit"
+    ),
+)
+@dataclass(frozen=True, eq=False)
+class AnkleReserve:
+    """Unused share of the allowed torque of the stance ankle's motor on one side.
+
+    The motor brings up the policy's torque, and what the joint's own friction takes.
+
+    Attributes:
+        side: "lower" for the most negative torque on the joint, "upper" for the largest.
+        share: of the motor's limit that may be used.
+    """
+
+    side: Literal["lower", "upper"]
+    share: float
+
+    def __call__(self, p: Point) -> Scalar:
+        """Return one plus or minus torque over (share x limit)."""
+        torque = p.robot.damping[0] * p.dq[0] - p.ankle_torque
+        used = torque / (self.share * p.robot.flat_feet.torque_limit)
+        return 1.0 + used if self.side == "lower" else 1.0 - used
 
 
 @quantity(

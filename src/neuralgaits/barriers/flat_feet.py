@@ -11,7 +11,13 @@ from typing import TYPE_CHECKING
 from neuralgaits.barriers import functions as f
 from neuralgaits.barriers.conditions import AbstractCondition, Pointwise
 from neuralgaits.barriers.spec import GaitSpec
-from neuralgaits.barriers.walking import CLEARANCE, new_hybrid_invariant, units, walking
+from neuralgaits.barriers.walking import (
+    CLEARANCE,
+    TORQUE_SHARE,
+    new_hybrid_invariant,
+    units,
+    walking,
+)
 from neuralgaits.errors import SpecError
 
 if TYPE_CHECKING:
@@ -62,6 +68,8 @@ def _sole(robot: "PlanarBiped") -> list[AbstractCondition]:
     return [
         Pointwise("pressure-heel", "tube", moment, f.pressure_reserve("heel", WITHIN)),
         Pointwise("pressure-toe", "tube", moment, f.pressure_reserve("toe", WITHIN)),
+        Pointwise("ankle-torque-lower", "tube", 1.0, f.ankle_reserve("lower", TORQUE_SHARE)),
+        Pointwise("ankle-torque-upper", "tube", 1.0, f.ankle_reserve("upper", TORQUE_SHARE)),
         Pointwise("ankle-lower", "tube", 0.5, f.at_least(f.stance_ankle, lower)),
         Pointwise("ankle-upper", "tube", 0.5, f.at_most(f.stance_ankle, upper)),
         Pointwise("sole-rises", "lift-off", speed, f.at_least(velocity, 0.0)),

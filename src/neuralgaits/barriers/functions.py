@@ -30,6 +30,7 @@ foot_above_arc = quantities.FootAboveArc
 foot_on_circle = quantities.FootOnCircle
 parabolic_clearance = quantities.ParabolicClearance
 orbital_energy = quantities.OrbitalEnergy
+ankle_reserve = feet_quantities.AnkleReserve
 pressure_reserve = feet_quantities.PressureReserve
 impulse_reserve = feet_quantities.ImpulseReserve
 sole_above_arc = feet_quantities.SoleAboveArc

@@ -6,7 +6,7 @@ import sys
 from collections.abc import Callable
 from functools import partial, wraps
 from pathlib import Path
-from typing import ParamSpec
+from typing import Any, ParamSpec
 
 from neuralgaits._inputs import no_file_at
 from neuralgaits._names import meant
@@ -47,16 +47,30 @@ __all__ = [
 P = ParamSpec("P")
 
 
-def _of_robot(make: Callable[P, GaitSpec]) -> Callable[P, GaitSpec]:
-    """Refuse anything but a robot as the first argument of a spec. Raises: InputError."""
+def _of_robot(make: Callable[P, GaitSpec], name: str | None = None) -> Callable[P, GaitSpec]:
+    """Refuse anything but a robot as the first argument of a spec, and flat feet if it has a name.
+
+    A spec of point feet says nothing of soles: its gaits would tip. Raises: InputError, SpecError.
+    """
 
     @wraps(make)
     def call(*args: P.args, **kwargs: P.kwargs) -> GaitSpec:
         if args or "robot" in kwargs:
-            _refuse_no_robot(args[0] if args else kwargs["robot"])
+            robot = args[0] if args else kwargs["robot"]
+            _refuse_no_robot(robot)
+            if name is not None and getattr(robot, "feet", None) is not None:
+                raise _flat_footed_refused(name, robot)
         return make(*args, **kwargs)
 
     return call
+
+
+def _flat_footed_refused(name: str, robot: Any) -> SpecError:
+    return SpecError(
+        f"spec {name}: expected a robot on point feet, found flat feet at {robot.name}: leave "
+        "--spec out, or give the robot point feet with "
+        "`neuralgaits inspect FILE --planarise OUT.xml`"
+    )
 
 
 def _refuse_no_robot(robot: object) -> None:
@@ -67,16 +81,28 @@ def _refuse_no_robot(robot: object) -> None:
         )
 
 
-at_speed = _of_robot(_commanded_spec.at_speed)
-authors = _of_robot(_paper.authors)
-commanded = _of_robot(_commanded_spec.commanded)
+at_speed = _of_robot(_commanded_spec.at_speed, "at_speed")
+authors = _of_robot(_paper.authors, "authors")
+commanded = _of_robot(_commanded_spec.commanded, "commanded")
 flat_footed = _of_robot(_flat_feet.flat_footed)
-hzd = _of_robot(_hzd.hzd)
-paper = _of_robot(_paper.paper)
-paper_walks = _of_robot(_paper.paper_walks)
-robust = _of_robot(_robust.robust)
-rugged = _of_robot(_rugged.rugged)
-walking = _of_robot(_walking.walking)
+hzd = _of_robot(_hzd.hzd, "hzd")
+paper = _of_robot(_paper.paper, "paper")
+paper_walks = _of_robot(_paper.paper_walks, "paper_walks")
+robust = _of_robot(_robust.robust, "robust")
+rugged = _of_robot(_rugged.rugged, "rugged")
+
+
+@wraps(_walking.walking)
+def _walking_on_its_feet(robot: PlanarBiped, *args: Any, **kwargs: Any) -> GaitSpec:
+    """Return the default spec of a robot: the one of flat feet, if it has some."""
+    if robot.feet is None:
+        return _walking.walking(robot, *args, **kwargs)
+    if args or kwargs:
+        raise _flat_footed_refused("walking with settings of its own", robot)
+    return _flat_feet.flat_footed(robot)
+
+
+walking = _of_robot(_walking_on_its_feet)
 
 _BUILT_IN = {
     "walking": walking,
@@ -120,11 +146,7 @@ def for_robot(name: str, robot: PlanarBiped) -> str:
         return name
     if name == "walking":
         return _flat_feet.NAME
-    raise SpecError(
-        f"spec {name}: expected a robot on point feet, found flat feet at {robot.name}: leave "
-        "--spec out, or give the robot point feet with "
-        "`neuralgaits inspect FILE --planarise OUT.xml`"
-    )
+    raise _flat_footed_refused(name, robot)
 
 
 def load(

@@ -38,8 +38,11 @@ def _levels_without_subject(claims: Claims) -> list[str]:
     """Name levels with parameters in the file that do not cover its chart, or its robot's feet."""
     found = refusals(claims.theorems.parameters, claims.chart)
     robot = {} if claims.model is None else claims.model.get("robot", {})
-    if claims.theorems.full is not None and isinstance(robot, dict) and "sole" in robot:
-        found[4] = "it is about point feet"
+    if isinstance(robot, dict) and "sole" in robot:
+        if claims.theorems.full is not None:
+            found[4] = "it is about point feet"
+        if claims.theorems.walking is not None and claims.theorems.walking.floor:
+            found[2] = "floors of unknown height are about point feet"
     return [f"level {number} is stated, and {reason}" for number, reason in found.items()]
 
 

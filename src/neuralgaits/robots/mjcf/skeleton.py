@@ -18,7 +18,7 @@ import numpy as np
 from neuralgaits.errors import RobotError
 from neuralgaits.robots.mjcf.ignored_physics import refuse_excluded
 from neuralgaits.robots.mjcf.physical_numbers import refuse_frictionless, refuse_odd_contact
-from neuralgaits.robots.mjcf.planar_tree import PlanarTree
+from neuralgaits.robots.mjcf.planar_tree import Link, PlanarTree
 from neuralgaits.robots.mjcf.soles import read_sole
 
 _HIP_TOLERANCE_M = 1e-6
@@ -240,10 +240,18 @@ def is_flat_foot(
     is_sphere = [model.geom_type[g] == mujoco.mjtGeom.mjGEOM_SPHERE for g in geoms]
     if len(leg) < 2 or not geoms or (len(geoms) == 1 and is_sphere[0]):
         return False
+    length, height = _size(model, data, link, geoms)
+    return length > height
+
+
+def _size(
+    model: mujoco.MjModel, data: mujoco.MjData, link: Link, geoms: list[int]
+) -> tuple[float, float]:
+    """Return length and height of a link's geoms and its joint together (m)."""
     anchor = np.array([link.joint.anchor.real, 0.0, link.joint.anchor.imag])
     low, high = extent(model, data, geoms)
     length, _, height = np.maximum(high, anchor) - np.minimum(low, anchor)
-    return bool(length > height)
+    return float(length), float(height)
 
 
 def extent(
@@ -265,6 +273,12 @@ def _foot(
     link = tree.links[index]
     geoms = touching(model, link.bodies, floor)
     spheres = [g for g in geoms if model.geom_type[g] == mujoco.mjtGeom.mjGEOM_SPHERE]
+    if not spheres and geoms and 3.0 * np.divide(*_size(model, data, link, geoms)) > 1.0:
+        raise RobotError(
+            f"body {link.name} is no foot that is treated: make it a flat one, whose sole is "
+            "level, along the robot, and longer than its ankle is high; or a point foot, a "
+            '<geom type="sphere"> that collides with the floor'
+        )
     if not spheres:
         raise RobotError(
             f'body {link.name} has no foot: add a <geom type="sphere"> that collides with the '
