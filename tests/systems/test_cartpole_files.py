@@ -36,6 +36,7 @@ FAULTS = {
     "a slope": ('axis="1 0 0"', 'axis="1 0 0.1"', "is not level"),
     "a hinge along the rail": ('axis="0 1 0"', 'axis="1 0 0"', "out of the rail's plane"),
     "air": ("timestep", 'density="1.2" timestep', "air or water"),
+    "a negative mass": ('mass="1"', 'mass="-1"', "expected 0 or more; mend that number"),
     "no gravity": ("0 0 -9.81", "0 0 0", "gravity is zero"),
     "a second pole": ("</body>", '<body><joint/><geom size="1"/></body></body>', "two joints"),
 }

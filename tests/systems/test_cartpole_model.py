@@ -11,10 +11,11 @@ import mujoco
 import numpy as np
 import pytest
 
+from neuralgaits.robots.mjcf.compiled import compile_text
 from neuralgaits.systems.cartpole.cartpole_model import motion, zero_state
 from neuralgaits.systems.cartpole.cartpole_training import linear_start
 from neuralgaits.systems.cartpole.ellipsoid import ANGLES, Ball, direction
-from neuralgaits.systems.cartpole.mjcf import cartpole_text, compiled, read_cartpole
+from neuralgaits.systems.cartpole.mjcf import cartpole_text, read_cartpole
 
 PLAIN, _ = cartpole_text("cartpole")
 GEAR = 'gear="-2" ctrlrange="-3 4"'
@@ -43,7 +44,7 @@ def controls():
 @pytest.mark.parametrize("name", OTHERS)
 def test_accelerations_under_the_computed_force_are_those_of_mujoco(name, controls):
     robot, data = read_cartpole(OTHERS[name], name)
-    model = compiled(OTHERS[name], name)
+    model = compile_text(OTHERS[name], name)
     # The limits of joints are no part of the equations.
     model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_LIMIT)
     model.actuator_ctrllimited[:] = 0

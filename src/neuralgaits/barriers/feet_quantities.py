@@ -4,13 +4,12 @@ from dataclasses import dataclass
 from typing import Literal
 
 from neuralgaits._types import Array, Float, Scalar
+from neuralgaits.barriers.quantities import SIGNS, arc
 from neuralgaits.barriers.quantity_words import quantity
 from neuralgaits.gait import Point
 from neuralgaits.robots.dynamics import sole_ends, sole_velocities
 
 End = Literal["heel", "toe"]
-_SIGNS = {"lower": "negative", "upper": "positive"}
-"""Sign of the torques that a side limits."""
 
 
 def _inside(p: Point, end: End, share: float, normal: Scalar, moment: Scalar) -> Scalar:
@@ -79,7 +78,7 @@ class ImpulseReserve:
     "× usable torque",
     gist="torques within limits",
     says=lambda given, shown: (
-        f"{_SIGNS[given['side']]} torque of the standing ankle's motor within "
+        f"{SIGNS[given['side']]} torque of the standing ankle's motor within "
         f"{shown(100.0 * given['share'])} % of its limit"
     ),
 )
@@ -120,9 +119,7 @@ class SoleAboveArc:
 
     def __call__(self, p: Point) -> Float[Array, "2"]:
         """Return the heights of heel and toe minus the arc's [m]. [2]."""
-        start, guard = p.policy.z1_range
-        phase = (p.z[0] - start) / (guard - start)
-        return sole_ends(p.robot, p.q)[:, 1] - self.clearance * 4.0 * phase * (1.0 - phase)
+        return sole_ends(p.robot, p.q)[:, 1] - arc(p, self.clearance)
 
 
 @quantity("vertical velocity of heel and toe of the swinging foot", "m/s")

@@ -20,8 +20,15 @@ Quantity = Callable[[Point], Float[Array, "..."]]
 
 Bound = float | Float[Array, "..."]
 
-_SIGNS = {"lower": "negative", "upper": "positive"}
+SIGNS = {"lower": "negative", "upper": "positive"}
 """Sign of the torques that a side limits."""
+
+
+def arc(p: Point, clearance: float) -> Scalar:
+    """Return the height 4 t (1 - t) clearance at the phase t of the step [m]."""
+    start, guard = p.policy.z1_range
+    phase = (p.z[0] - start) / (guard - start)
+    return clearance * 4.0 * phase * (1.0 - phase)
 
 
 # Records are compared by identity, like functions: a bound may be an array.
@@ -138,7 +145,7 @@ class ImpulseConeBackward:
     "× usable torque",
     gist="torques within limits",
     says=lambda given, shown: (
-        f"{_SIGNS[given['side']]} torques within {shown(100.0 * given['share'])} % of the limits"
+        f"{SIGNS[given['side']]} torques within {shown(100.0 * given['share'])} % of the limits"
     ),
 )
 @dataclass(frozen=True, eq=False)
@@ -201,9 +208,7 @@ class FootAboveArc:
 
     def __call__(self, p: Point) -> Scalar:
         """Return the foot's height minus the arc's [m]."""
-        start, guard = p.policy.z1_range
-        phase = (p.z[0] - start) / (guard - start)
-        return p.foot_above_ground - self.clearance * 4.0 * phase * (1.0 - phase)
+        return p.foot_above_ground - arc(p, self.clearance)
 
 
 @quantity(

@@ -8,8 +8,8 @@ from xml.etree import ElementTree
 
 import mujoco
 
+from neuralgaits.robots.mjcf.compiled import compile_text
 from neuralgaits.robots.mjcf.elements import Element, match_elements, parse
-from neuralgaits.robots.mjcf.loader import compile_text
 from neuralgaits.robots.mjcf.skeleton import find_floor
 
 _TITLE = "Changed by neuralgaits inspect, to be treated as a planar biped with point feet:"

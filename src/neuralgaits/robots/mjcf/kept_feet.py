@@ -5,8 +5,8 @@
 
 from neuralgaits.errors import RobotError
 from neuralgaits.robots.mjcf.edit import MjcfEdit
-from neuralgaits.robots.mjcf.planar_tree import body_name, read_tree
-from neuralgaits.robots.mjcf.point_feet import picture_only
+from neuralgaits.robots.mjcf.planar_tree import read_tree
+from neuralgaits.robots.mjcf.point_feet import name_foot, picture_only
 from neuralgaits.robots.mjcf.skeleton import find_legs, is_flat_foot, touching
 
 _LONGEST_LEG = 3
@@ -27,16 +27,7 @@ def keep_flat_feet(edit: MjcfEdit) -> None:
         if not is_flat_foot(edit.model, data, tree, leg, floor):
             raise RobotError(f"body {link.name} is no flat foot on an ankle: leave --feet flat out")
         for geom in touching(edit.model, link.bodies, floor):
-            _name_sole(edit, geom)
+            name_foot(edit, geom, "sole", "sole")
             soles.append(geom)
     bodies = tuple(range(1, edit.model.nbody))
     picture_only(edit, [g for g in touching(edit.model, bodies, floor) if g not in soles])
-
-
-def _name_sole(edit: MjcfEdit, geom: int) -> None:
-    element = edit.found.geoms[geom]
-    if not element.get("name"):
-        body = body_name(edit.model, int(edit.model.geom_bodyid[geom]))
-        name = edit.free_name("geom", f"{body}_sole")
-        element.set("name", name)
-        edit.say(f"sole of {body}: named {name}")

@@ -26,13 +26,12 @@ from neuralgaits.robots import derive, registry
 from neuralgaits.robots.biped import PlanarBiped
 from neuralgaits.robots.constants import MjcfLayout
 from neuralgaits.robots.feet import FlatFeet
-from neuralgaits.robots.mjcf.counts import refuse_large_counts
+from neuralgaits.robots.mjcf.compiled import compile_text
 from neuralgaits.robots.mjcf.ignored_physics import refuse_ignored_physics
 from neuralgaits.robots.mjcf.legs import LegJoint, leg_data, leg_joints, link_directions, up_angle
 from neuralgaits.robots.mjcf.link_names import coordinate_names, paired_names, role_names
 from neuralgaits.robots.mjcf.motors_and_ranges import refuse_other_actuators
 from neuralgaits.robots.mjcf.physical_numbers import (
-    refuse_negative_mass,
     refuse_odd_keyframes,
     refuse_unphysical,
 )
@@ -177,33 +176,6 @@ def robot_text(name_or_path: str | Path) -> tuple[str, str]:
             f"unknown robot {name}: {hint}use one of {known}, or a path to an MJCF file"
         )
     return standalone_text(path), printable(path.stem)
-
-
-def compile_text(text: str, name: str) -> mujoco.MjModel:
-    """Compile MJCF text.
-
-    Raises: RobotError with MuJoCo's reason, warnings included, and the remedy.
-    """
-    refuse_large_counts(text)
-    refuse_negative_mass(text)
-    warnings: list[str] = []
-    # Unasked, MuJoCo prints its warnings, and logs them to a file in the caller's folder.
-    mujoco.set_mju_user_warning(warnings.append)
-    try:
-        model = mujoco.MjModel.from_xml_string(text)
-        if warnings:
-            raise ValueError("; ".join(warnings))
-        return model
-    except (ValueError, RuntimeError, MemoryError, mujoco.FatalError) as error:
-        reason = " ".join(str(error).split())
-        remedy = "mend the file"
-        if "opening file" in reason:
-            remedy = "put that file there, or remove what names it from the robot file"
-        if "mass and inertia" in reason:
-            remedy = "give that body an <inertial>, or geoms with mass"
-        raise RobotError(f"MuJoCo cannot compile robot {name} ({reason}): {remedy}") from None
-    finally:
-        mujoco.set_mju_user_warning(None)
 
 
 def _model_name(model: mujoco.MjModel, fallback: str) -> str:

@@ -39,7 +39,7 @@ def give_point_feet(edit: MjcfEdit) -> None:
     round_ones = [[g for g in geoms if edit.model.geom_type[g] == sphere] for geoms in met]
     if not ankles and all(len(spheres) == 1 for spheres in round_ones):
         for geoms, (foot,) in zip(met, round_ones, strict=True):
-            _name_foot(edit, foot)
+            name_foot(edit, foot)
             picture_only(edit, [geom for geom in geoms if geom != foot])
         return
     if not all(met):
@@ -161,10 +161,11 @@ def _add_sphere(edit: MjcfEdit, body: int, place: np.ndarray, friction: float, f
     edit.say(f"point foot {name}: sphere of {1e3 * _RADIUS_M:g} mm without mass added")
 
 
-def _name_foot(edit: MjcfEdit, geom: int) -> None:
+def name_foot(edit: MjcfEdit, geom: int, what: str = "foot sphere", ending: str = "point") -> None:
+    """Name the geom of a foot after its body, if it has no name; `what` says what it is."""
     element = edit.found.geoms[geom]
     if not element.get("name"):
         body = body_name(edit.model, int(edit.model.geom_bodyid[geom]))
-        name = edit.free_name("geom", f"{body}_point")
+        name = edit.free_name("geom", f"{body}_{ending}")
         element.set("name", name)
-        edit.say(f"foot sphere of {body}: named {name}")
+        edit.say(f"{what} of {body}: named {name}")

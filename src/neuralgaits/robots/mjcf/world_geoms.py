@@ -9,7 +9,7 @@ The model walks on one plane, and a plant has floors of its own in place of the 
 import mujoco
 import numpy as np
 
-from neuralgaits.robots.mjcf.loader import compile_text
+from neuralgaits.robots.mjcf.compiled import compile_text
 from neuralgaits.robots.mjcf.planar_tree import body_name
 from neuralgaits.robots.mjcf.skeleton import find_floor
 

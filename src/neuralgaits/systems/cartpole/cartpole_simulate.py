@@ -19,10 +19,11 @@ import numpy as np
 
 from neuralgaits._types import Array, Float
 from neuralgaits.records.record import Count, Record
+from neuralgaits.robots.mjcf.compiled import compile_text
 from neuralgaits.runs.names import ROBOT
 from neuralgaits.systems.cartpole.cartpole_model import motion
 from neuralgaits.systems.cartpole.cartpole_run import CartPoleRun
-from neuralgaits.systems.cartpole.mjcf import compiled, parts_of
+from neuralgaits.systems.cartpole.mjcf import parts_of
 
 SECONDS = 20.0
 """Length of an episode [s]."""
@@ -146,7 +147,11 @@ def starts(run: CartPoleRun, count: int, seed: int) -> Float[np.ndarray, "N 4"]:
 
 def trace_of(run: CartPoleRun, start: Float[np.ndarray, "4"], seconds: float) -> Trace:
     """Simulate one episode from a state (x, theta, x', theta')."""
-    model, data, law = compiled(run.folder.copy(ROBOT), run.config.robot), run.data, _jitted(run)
+    model, data, law = (
+        compile_text(run.folder.copy(ROBOT), run.config.robot),
+        run.data,
+        _jitted(run),
+    )
     world, middle = mujoco.MjData(model), 0.5 * (data.rail_low + data.rail_high)
     # By number: names are optional in MJCF.
     slide, hinge, motor = parts_of(model)

@@ -14,7 +14,7 @@ import numpy as np
 
 from neuralgaits._printable import printable
 from neuralgaits.errors import RobotError
-from neuralgaits.robots.mjcf.counts import refuse_large_counts
+from neuralgaits.robots.mjcf.compiled import compile_text
 from neuralgaits.robots.mjcf.text import standalone_text
 from neuralgaits.systems.cartpole.cartpole_model import CartPole
 
@@ -118,8 +118,7 @@ def cartpole_text(source: str | Path) -> tuple[str, str]:
 
 def read_cartpole(text: str, name: str) -> tuple[CartPole, CartPoleData]:
     """Read a cart-pole from MJCF text. Raises: RobotError with all that stands in the way."""
-    refuse_large_counts(text)
-    model = compiled(text, name)
+    model = compile_text(text, name)
     if problems := [*_problems_of_tree(model)] or [*_problems(model)]:
         raise RobotError(f"{name} is no cart-pole that can be treated: {'; '.join(problems)}")
     data = _data(model)
@@ -127,23 +126,6 @@ def read_cartpole(text: str, name: str) -> tuple[CartPole, CartPoleData]:
         raise RobotError(f"{name}: expected the pole's mass away from its hinge, found it there")
     own = model.names.split(b"\0")[0].decode()
     return data.model(name if own in ("", "MuJoCo Model") else own), data
-
-
-def compiled(text: str, name: str) -> mujoco.MjModel:
-    """Compile MJCF text. Raises: RobotError with MuJoCo's reason, warnings included."""
-    warnings: list[str] = []
-    # Unasked, MuJoCo prints its warnings, and logs them to a file in the caller's folder.
-    mujoco.set_mju_user_warning(warnings.append)
-    try:
-        model = mujoco.MjModel.from_xml_string(text)
-        if warnings:
-            raise ValueError("; ".join(warnings))
-        return model
-    except (ValueError, RuntimeError, MemoryError, mujoco.FatalError) as error:
-        why = " ".join(str(error).split())
-        raise RobotError(f"MuJoCo cannot compile robot {name} ({why}): mend the file") from None
-    finally:
-        mujoco.set_mju_user_warning(None)
 
 
 def parts_of(model: mujoco.MjModel) -> tuple[int, int, int]:
