@@ -119,6 +119,7 @@ def test_a_gait_that_breaks_conditions_is_refuted_at_a_state(poor):
 
 def test_no_time_is_undecided_and_can_be_resumed(gait, certificate, tmp_path):
     run = open_run(shutil.copytree(gait.path, tmp_path / "run"))
+    shutil.rmtree(run.path / "certificate")
     start_time = time.monotonic()
     short = certify(run, level=1, budget=1e-9)
     assert time.monotonic() - start_time < 0.8 * certificate.summary["wall_s"] + 1.0
@@ -134,6 +135,18 @@ def test_no_time_is_undecided_and_can_be_resumed(gait, certificate, tmp_path):
     assert done.verdict == "proved"
     whole = certificate.summary["conditions"]["torque-lower"]
     assert done.summary["conditions"]["torque-lower"]["boxes"] == whole["boxes"]
+
+
+def test_a_shorter_search_leaves_the_boxes_of_a_longer_one(gait, certificate, tmp_path):
+    run = open_run(shutil.copytree(gait.path, tmp_path / "run"))
+    before = {path: path.read_bytes() for path in run.path.glob("certificate/boxes-*")}
+    assert before
+    certify(run, level=1, budget=1e-9)
+    assert {path: path.read_bytes() for path in before} == before
+    damaged = min(before)
+    damaged.write_bytes(before[damaged][:100])
+    certify(run, level=1, budget=1e-9)
+    assert len(damaged.read_bytes()) > 100
 
 
 @pytest.mark.parametrize("damage", [None, "{", '{"wall_s": null}'])

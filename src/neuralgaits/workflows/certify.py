@@ -32,7 +32,7 @@ from neuralgaits.certificate.run_certificate.certificate_files import (
 from neuralgaits.certificate.run_certificate.earlier import level_reached
 from neuralgaits.certificate.run_certificate.scope import Scope
 from neuralgaits.certificate.search.branch_and_bound import BoundAll, Search
-from neuralgaits.certificate.search.checkpoint import load, save
+from neuralgaits.certificate.search.checkpoint import boxes_saved, load, save
 from neuralgaits.certificate.search.problem import Problem
 from neuralgaits.certificate.search.root_turns import (
     SearchInterrupted,
@@ -168,8 +168,11 @@ def _written(
     Raises: SearchInterrupted for KeyboardInterrupt, once the boxes are saved.
     """
     searched = list(zip(problems, states, strict=True))
-    for number, pair in enumerate(searched):
-        save(_boxes_file(task.run, number), *pair)
+    for number, (problem, state) in enumerate(searched):
+        file = _boxes_file(task.run, number)
+        # Boxes of a longer search of the same problem are what --resume goes on from.
+        if ended is None or boxes_saved(file, problem) <= len(state.tree.first):
+            save(file, problem, state)
     try:
         return _concluded(task, searched, start_time, ended)
     except KeyboardInterrupt:

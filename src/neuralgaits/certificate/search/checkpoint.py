@@ -66,6 +66,14 @@ def load(path: Path, problem: Problem) -> Search:
     return Search(_tree(arrays, problem), arrays["seen"], points)
 
 
+def boxes_saved(path: Path, problem: Problem) -> int:
+    """Return how many boxes a file of `save` has of this problem; 0 if it has none that can be read."""
+    try:
+        return len(load(path, problem).tree.first)
+    except (RunError, OSError):
+        return 0
+
+
 def _tree(arrays: Mapping[str, np.ndarray], problem: Problem) -> BoxTree:
     """Rebuild a tree from the arrays of a file."""
     first, axis = (arrays[name].astype(np.int64) for name in ("first", "axis"))
