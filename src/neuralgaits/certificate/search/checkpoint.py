@@ -67,7 +67,7 @@ def load(path: Path, problem: Problem) -> Search:
 
 
 def boxes_saved(path: Path, problem: Problem) -> int:
-    """Return how many boxes a file of `save` has of this problem; 0 if it has none that can be read."""
+    """Return how many boxes of this problem a file of `save` has; 0 if none can be read."""
     try:
         return len(load(path, problem).tree.first)
     except (RunError, OSError):
