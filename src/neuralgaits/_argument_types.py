@@ -96,13 +96,14 @@ def given_in_python(name: str, value: Any, hint: Any) -> Any:
 
     Raises: InputError if it is of another type.
     """
-    kinds = _kinds(typing.get_args(hint)[0])
+    wider = next((mark for mark in marks_in(hint) if isinstance(mark, PythonType)), None)
+    kinds = wider.kinds if wider else _kinds(typing.get_args(hint)[0])
     if Path in kinds and isinstance(value, str | Path):
         refuse_no_path(f"{name} as a path", value)
         return Path(value)
     if any(_fits(value, kind) for kind in kinds):
         return value
-    raise InputError(f"{name}: expected {_in_words(hint)}, found {shown(value)}")
+    raise InputError(f"{name}: expected {wider or _in_words(hint)}, found {shown(value)}")
 
 
 def _fits(value: Any, kind: Any) -> bool:

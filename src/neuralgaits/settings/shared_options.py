@@ -129,4 +129,4 @@ class Watch:
 if TYPE_CHECKING:
     AnyWatch = Watch | None
 else:
-    AnyWatch = Annotated[Any, PythonType("Watch or None", (Watch, type(None)))]
+    AnyWatch = Annotated[Any, PythonType("Watch | None", (Watch, type(None)))]
