@@ -4,12 +4,14 @@ import json
 import re
 import shutil
 from dataclasses import replace
-from typing import NamedTuple, cast
+from pathlib import Path
+from typing import Any, NamedTuple, cast
 
 import jax.numpy as jnp
 import numpy as np
 import pytest
 
+import neuralgaits as ng
 from neuralgaits.analysis.run import open_run
 from neuralgaits.certificate.proof_file.reader import read_claims
 from neuralgaits.certificate.proof_file.run_match import differences
@@ -172,6 +174,23 @@ def test_what_belongs_to_walkers_is_refused_in_one_line(cartpole_run, capfd):
         assert capfd.readouterr().err.count("\n") == 1
     with pytest.raises(RunError, match="family 'cartpole'"):
         _ = open_run(cartpole_run.path).asked
+
+
+CALLS: Any = ng
+"""Their types are those of walkers."""
+
+
+def test_python_calls_take_cart_poles(cartpole_run, tmp_path):
+    run = shutil.copytree(cartpole_run.path, tmp_path / "run")
+    assert CALLS.simulate(run, episodes=2).episodes == 2
+    short = CALLS.certify(open_cartpole(run), level=1, budget=1e-9)
+    assert short.verdict == "undecided"
+    assert Path(CALLS.write_report(run).report).is_file()
+    assert CALLS.export_controller(run, tmp_path / "c").files
+    with pytest.raises(InputError, match=r"options of a cart-pole .*--format"):
+        CALLS.export_controller(run, tmp_path / "onnx", format="onnx")
+    with pytest.raises(InputError, match="found --resume"):
+        CALLS.train(resume=run)
 
 
 def test_the_command_line_trains_and_proves(tmp_path, monkeypatch, capfd):

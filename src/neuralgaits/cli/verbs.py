@@ -5,7 +5,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from neuralgaits._environment import render_without_screen
-from neuralgaits.cli import brief, cartpole_verbs, proof_screen, screen
+from neuralgaits.cli import brief, proof_screen, screen
 from neuralgaits.cli.arguments import (
     CertifyOptions,
     CheckProofOptions,
@@ -25,7 +25,8 @@ from neuralgaits.cli.arguments import (
     TrainOptions,
     ViewOptions,
 )
-from neuralgaits.cli.argv_parser import Verb, given
+from neuralgaits.cli.argv_parser import Verb, given, verb_name
+from neuralgaits.cli.family_verbs import outcome_of_family
 from neuralgaits.cli.given_verbs import carry_out_import, carry_out_optimise
 from neuralgaits.cli.learning_verbs import carry_out_episodes, carry_out_fit, carry_out_refine
 from neuralgaits.cli.outcome import Outcome
@@ -48,8 +49,8 @@ def carry_out(verb: Verb) -> Outcome:
     """Carry out a verb: call its workflow, and judge the result."""
     if not verb.output.json:
         _say_which_is_latest(verb)
-    if (of_cartpole := cartpole_verbs.outcome(verb)) is not None:
-        return of_cartpole
+    if (of_family := outcome_of_family(verb, verb_name(type(verb)))) is not None:
+        return of_family
     match verb:
         case TrainOptions():
             return _train(verb)

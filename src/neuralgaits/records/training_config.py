@@ -176,7 +176,7 @@ def asked_of(folder: Folder) -> TrainingConfig:
     if (family := folder.config.get("family")) is not None:
         raise RunError(
             f"expected a walker's run, found one of family {family!r} at {folder.path}: it has "
-            "train, certify, check-proof, simulate, export and report on the command line"
+            "verbs of its own, as docs/cartpole.md says"
         )
     refuse_misshapen(folder.config, shape_of(TrainingConfig), folder.path / CONFIG)
     return build(TrainingConfig, folder.config)

@@ -1,11 +1,114 @@
-"""Families of systems: which one a run is of. A walker's config does not say so."""
+"""Which family a command is about, and its verb carried out there.
 
-from collections.abc import Mapping
+A verb of a family is a function of its module of verbs. The function's own arguments are the
+options that the verb has for this family; all others of the command are a walker's.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import MISSING, fields
+from importlib import import_module
+from inspect import signature
+from pathlib import Path
 from typing import Any
 
-WALKER, CARTPOLE = "walker", "cartpole"
+from neuralgaits._families import FAMILIES, verbs_module
+from neuralgaits.errors import InputError, RunError
+from neuralgaits.runs import resolve
+from neuralgaits.systems.family import Done, Family, Watched
+
+_OF_ALL = ("run", "robot", "output", "progress", "watch", "begun", "root")
+"""Settings that say what a command is about, or how it is shown."""
+_BY_ROBOT = ("train", "inspect", "robots")
+"""Verbs about a robot that has no run yet."""
 
 
-def family_of(config: Mapping[str, Any]) -> str:
-    """Return the family that a run's config names."""
-    return str(config.get("family", WALKER))
+def family_named(name: object) -> Family | None:
+    """Return the family of this name, or None."""
+    if not isinstance(name, str) or name not in FAMILIES:
+        return None
+    family: Family = import_module(FAMILIES[name]).FAMILY
+    return family
+
+
+def all_families() -> list[Family]:
+    """Return all families beside walkers."""
+    return [family for name in FAMILIES if (family := family_named(name)) is not None]
+
+
+def family_of_run(run: object) -> Family | None:
+    """Return the family of a run's folder; None for a walker's, or if it cannot be opened."""
+    if not isinstance(run, str | Path):
+        return None
+    try:
+        return family_named(resolve(run, finished=False).config.get("family"))
+    except (RunError, OSError, ValueError):
+        return None  # Who opens it says what is wrong.
+
+
+def family_of_robot(robot: object) -> Family | None:
+    """Return the family that a robot, by name or path, is meant for; None for walkers."""
+    if not isinstance(robot, str | Path):
+        return None
+    return next((family for family in all_families() if family.recognises(robot)), None)
+
+
+Task = Callable[[Watched], Done]
+"""A verb of a family with all that it was given, to be carried out."""
+
+
+def task_of(verb: str, settings: Any) -> Task | None:
+    """Return the task of a verb whose settings are a dataclass; None if it is about a walker.
+
+    Raises: InputError if the family has no such verb or option.
+    """
+    return task_with(verb, _given(settings))
+
+
+def _given(settings: Any) -> dict[str, Any]:
+    """Return the settings that have not their usual values; those without a default always."""
+    values = {one.name: (getattr(settings, one.name), one.default) for one in fields(settings)}
+    return {
+        name: value
+        for name, (value, usual) in values.items()
+        if usual is MISSING or (value is not usual and value != usual)
+    }
+
+
+def task_with(verb: str, given: Mapping[str, Any]) -> Task | None:
+    """Return the task of a verb with these settings, as `task_of` does."""
+    run = given.get("run", given.get("resume"))
+    run = getattr(run, "path", run)
+    family = family_of_run(run)
+    if family is None and run is None and verb in _BY_ROBOT:
+        family = family_of_robot(given.get("robot"))
+    if family is None:
+        return None
+    verbs = import_module(verbs_module(family.name)).VERBS
+    if verb not in verbs:
+        raise InputError(
+            f"expected a walker's run for this verb, found that of {family.words}, which has "
+            f"{', '.join(verbs)} and check-proof"
+        )
+    own = [name for name in signature(verbs[verb]).parameters if name != "watched"]
+    others = [name for name in given if name not in (*own, *_OF_ALL)]
+    if others:
+        raise InputError(
+            f"expected options of {family.words} ({_flags(own) or 'none'}), found "
+            f"{_flags(others)}: leave it out"
+        )
+    known = {name: value for name, value in given.items() if name in own}
+    if run is not None:
+        known["run"] = run
+    if known.get("out") is not None:
+        known["out"] = Path(known["out"])
+
+    def task(watched: Watched) -> Done:
+        done: Done = verbs[verb](**known, watched=watched)
+        return done
+
+    return task
+
+
+def _flags(names: Sequence[str]) -> str:
+    flags = (f"--{name.replace('_', '-')}" for name in names if name not in _OF_ALL)
+    return ", ".join(flags)

@@ -49,6 +49,8 @@ from neuralgaits.records.certified import Conclusion
 from neuralgaits.runs.only_writer import only_writer
 from neuralgaits.settings import CertifySettings, called_with
 from neuralgaits.settings.forms import LEARNED
+from neuralgaits.systems.families import task_of
+from neuralgaits.systems.family import Watched
 from neuralgaits.workflows.certify_result import CertifyResult
 from neuralgaits.workflows.finish_certificate import finish_certificate
 
@@ -78,6 +80,8 @@ def certify(settings: CertifySettings) -> CertifyResult:
         are no boxes to resume from; SearchInterrupted for KeyboardInterrupt, with the results so
         far in the folder.
     """
+    if (task := task_of("certify", settings)) is not None:
+        return task(Watched.by(proved=settings.progress)).returned
     trained = open_run(settings.run)
     with only_writer(trained.path):
         return certify_alone(trained, settings)

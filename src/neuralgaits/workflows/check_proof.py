@@ -31,8 +31,7 @@ from neuralgaits.runs.folder import CONFIG
 from neuralgaits.runs.latest import through_latest
 from neuralgaits.runs.shell_words import LATEST, command, named
 from neuralgaits.settings import CheckProofSettings, called_with
-from neuralgaits.systems.cartpole.conclusions import ASSUMPTIONS as OF_CARTPOLE
-from neuralgaits.systems.cartpole.conclusions import with_cartpole_levels
+from neuralgaits.systems.families import family_named
 
 
 @called_with(CheckProofSettings)
@@ -60,8 +59,12 @@ def check_proof(settings: CheckProofSettings) -> Checked:
     if folder is not None and report.holds:
         report = against(claims, report, comparison or compare_with_run(claims, folder))
         own_spec = own
-    report = with_cartpole_levels(report, claims)
-    always = ASSUMPTIONS if claims.chart.walks else OF_CARTPOLE
+    family, always = family_named((claims.model or {}).get("family")), ASSUMPTIONS
+    if family is not None:
+        report, always = family.with_levels(report, claims), family.assumptions
+    elif not claims.chart.walks:
+        # Without a model nothing says what the axes are.
+        always = ASSUMPTIONS[0], ASSUMPTIONS[-1]
     assumed = (*own_spec, *always) if folder is not None else (DERIVED_ELSEWHERE, *always)
     found = {name: value for name, value in vars(report).items() if name != "holds"}
     return Checked(

@@ -30,6 +30,8 @@ from neuralgaits.records.exported import Exported, UncheckedExport
 from neuralgaits.runs.hashes import file_hashes
 from neuralgaits.runs.names import ROBOT, WEIGHTS
 from neuralgaits.simulation.setup.starts import momentum_range
+from neuralgaits.systems.families import task_with
+from neuralgaits.systems.family import Watched
 
 NO_COMPILER = "no C compiler: the files are written and not checked; install gcc or clang"
 NO_EXTRA = (
@@ -82,6 +84,11 @@ def export_controller(
         raise InputError(f"unknown format {format!r}: expected one of {', '.join(WRITERS)}")
     if states < 1:
         raise InputError(f"states: expected 1 or more, found {states}")
+    asked = {"run": run, "out": Path(out)}
+    others = {"format": (format, "c"), "force": (force, False), "states": (states, STATES)}
+    asked |= {name: value for name, (value, usual) in others.items() if value != usual}
+    if (task := task_with("export", asked)) is not None:
+        return task(Watched.by(begun=begun)).returned
     trained, folder = open_run(run), Path(out)
     output_folder.refuse_used(folder, force=force)
     certificate = read_certificate(trained.folder)

@@ -30,6 +30,8 @@ from neuralgaits.runs import RunFolder, resolve, write_text
 from neuralgaits.runs.atomic import refuse_unwritable
 from neuralgaits.runs.names import ROBOT
 from neuralgaits.runs.outputs import refuse_outputs
+from neuralgaits.systems.families import task_with
+from neuralgaits.systems.family import Watched
 from neuralgaits.workflows.figures import FOLDER, draw, writable_figures
 from neuralgaits.workflows.inspect import inspect
 
@@ -68,6 +70,9 @@ def write_report(
     Raises: RunError if the run does not exist or is damaged, TimeLimitError if its own spec does
         not come to an end; InputError if the file cannot be written.
     """
+    asked = {"run": run} if out is None else {"run": run, "out": Path(out)}
+    if (task := task_with("report", asked)) is not None:
+        return task(Watched.by(begun=begun)).returned
     folder = run.folder if isinstance(run, Run) else resolve(run, finished=False)
     path = folder.path / FILE if out is None else Path(out)
     refuse_outputs([path], run=folder.path)

@@ -10,15 +10,16 @@ from neuralgaits.robots import registry
 from neuralgaits.robots.mjcf.loader import robot_text
 from neuralgaits.runs.atomic import write_new
 from neuralgaits.runs.shell_words import command
-from neuralgaits.systems.cartpole.cartpole_inspect import ABOUT
-from neuralgaits.systems.cartpole.mjcf import BUILT_IN
+from neuralgaits.systems.families import all_families
 
 
 def robots() -> BuiltIn:
     """List the built-in robots and specs by name."""
-    walkers = [CatalogueEntry(name, registry.describe(name)) for name in registry.built_in()]
+    known = {name: registry.describe(name) for name in registry.built_in()}
+    for family in all_families():
+        known |= family.built_in
     return BuiltIn(
-        robots=(*walkers, CatalogueEntry(BUILT_IN, ABOUT)),
+        robots=tuple(CatalogueEntry(name, about) for name, about in known.items()),
         specs=tuple(CatalogueEntry(name, about) for name, about in specs.DESCRIPTIONS.items()),
     )
 

@@ -47,6 +47,8 @@ from neuralgaits.simulation.shared_walks import SharedWalks
 from neuralgaits.simulation.simulators import Simulator, check_simulator
 from neuralgaits.simulation.trained_walks import TrainedWalks, at_first, walk_engine_for
 from neuralgaits.simulation.walk import Walk
+from neuralgaits.systems.families import task_of
+from neuralgaits.systems.family import Watched
 from neuralgaits.workflows.export import design_of
 from neuralgaits.workflows.planarise import robot_from
 
@@ -119,6 +121,8 @@ def simulate(settings: SimulateSettings) -> Simulation:
     Returns: `Simulation`; its summary is also in the run folder.
     Raises: InputError, RobotError or RunError with one line.
     """
+    if (task := task_of("simulate", settings)) is not None:
+        return task(Watched.by(begun=settings.begun)).returned
     plan = _planned(settings)
     run = plan.run
     engine = _engine(run, settings.controller, settings.engine, settings.simulator)

@@ -24,6 +24,8 @@ from neuralgaits.runs.names import ROBOT, STATE, SUMMARY, WEIGHTS
 from neuralgaits.runs.only_writer import only_writer
 from neuralgaits.runs.shell_words import LATEST, resuming
 from neuralgaits.settings import TrainSettings, Watch, called_with
+from neuralgaits.systems.families import task_of
+from neuralgaits.systems.family import Watched
 from neuralgaits.training.calibration import calibrated
 from neuralgaits.training.session import take_all_steps
 from neuralgaits.training.train_state import FreshMargins, TrainState
@@ -50,6 +52,9 @@ def train(settings: TrainSettings) -> Run:
     Raises: InputError on bad settings; NonFiniteError if the loss or a margin is not finite;
         Interrupted for KeyboardInterrupt.
     """
+    if (task := task_of("train", settings)) is not None:
+        proved = None if settings.watch is None else settings.watch.proved
+        return task(Watched.by(trained=settings.progress, proved=proved)).returned
     start_time = time.perf_counter()
     watch, root = settings.watch, settings.root
     if settings.resume is not None:

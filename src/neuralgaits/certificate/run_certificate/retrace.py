@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from neuralgaits._environment import why_jax_failed
+from neuralgaits._families import retrace_module
 from neuralgaits._own_process import command_of, environment_of
 from neuralgaits.certificate.chart import PLANE_ONLY, Chart
 from neuralgaits.certificate.proof_file.theorem_tables import Theorems
@@ -24,8 +25,6 @@ from neuralgaits.runs import RunFolder, plain, write_text
 
 LONGEST_S = 300.0
 """Longest time for tracing a spec [s]; the largest takes seconds."""
-OTHER_FAMILIES = {"cartpole": "neuralgaits.systems.cartpole.cartpole_retrace"}
-"""Module that traces a run again, by its family; `describe_run` is a walker's."""
 LAST_LINES = 3
 """Number of last lines of a failed process's standard error that are shown."""
 
@@ -71,8 +70,10 @@ def retrace_in_subprocess(
 
 def _module_of(run: Path) -> str:
     """Return the module that a process of its own runs for a run's family."""
-    family = str(RunFolder.open(run).config.get("family"))
-    return OTHER_FAMILIES.get(family, "neuralgaits.certificate.run_certificate.retrace")
+    return (
+        retrace_module(RunFolder.open(run).config)
+        or "neuralgaits.certificate.run_certificate.retrace"
+    )
 
 
 def refuse_endless(folder: RunFolder) -> None:

@@ -8,9 +8,8 @@ from neuralgaits.records.installed import BuiltIn, CatalogueEntry
 from neuralgaits.records.record import Pair, Record
 from neuralgaits.runs.atomic import write_new
 from neuralgaits.runs.shell_words import command
+from neuralgaits.systems.cartpole import FAMILY
 from neuralgaits.systems.cartpole.mjcf import BUILT_IN, cartpole_text, read_cartpole
-
-ABOUT = "a cart-pole: the one of DeepMind's Control Suite, 10 N on a rail of 3.6 m"
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,4 +68,4 @@ def write_cartpole(out: Path | None) -> BuiltIn:
         raise InputError(f"expected a file to write {BUILT_IN} to, found none: write `{line}`")
     text, _ = cartpole_text(BUILT_IN)
     write_new(out, text)
-    return BuiltIn((CatalogueEntry(BUILT_IN, ABOUT),), (), str(out))
+    return BuiltIn((CatalogueEntry(BUILT_IN, FAMILY.built_in[BUILT_IN]),), (), str(out))

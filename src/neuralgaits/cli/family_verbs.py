@@ -1,0 +1,60 @@
+"""Verbs on systems beside walkers: carried out by their families, and shown."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from functools import partial
+from typing import Any
+
+from rich.text import Text
+
+from neuralgaits.cli.arguments import CheckProofOptions
+from neuralgaits.cli.outcome import Outcome
+from neuralgaits.cli.proof_screen import show_proof
+from neuralgaits.cli.screen_tables import show_facts, show_sentence, show_table
+from neuralgaits.records.certified import CertificateRecord
+from neuralgaits.systems.families import task_of
+from neuralgaits.systems.family import Done, Watched
+
+_WAITS = {"simulate": "simulating", "export": "writing it, comparing it", "report": "drawing it"}
+
+
+def outcome_of_family(verb: Any, name: str) -> Outcome | None:
+    """Carry out a verb about a system of a family beside walkers; None if it is about a walker."""
+    if isinstance(verb, CheckProofOptions):
+        return None  # A proof file says itself what it is about.
+    task = task_of(name, verb)
+    if task is None:
+        return None
+    with _watched(name, quiet=verb.output.json) as watched:
+        done = task(watched)
+    brief = partial(_show, done)
+    whole = show_proof if isinstance(done.result, CertificateRecord) else brief
+    return Outcome(done.result, done.good, whole, done.undecided, brief)
+
+
+def _show(done: Done, result: Any) -> None:
+    """Show a family's result."""
+    del result
+    screen = done.screen
+    if screen.answer:
+        colour = "green" if done.good else "yellow" if done.undecided else "red"
+        show_sentence(Text(screen.answer, colour), screen.sentence)
+    if screen.table is not None:
+        show_table(*screen.table)
+    show_facts(screen.facts)
+
+
+@contextmanager
+def _watched(name: str, quiet: bool) -> Iterator[Watched]:
+    """Show the progress of a verb while the context is open."""
+    from neuralgaits.cli.progress import ProofProgress, TrainingProgress, waiting
+
+    if name == "train":
+        with TrainingProgress(quiet) as training:
+            yield Watched(trained=training, proved=training.proved)
+    elif name == "certify":
+        with ProofProgress(quiet) as proof:
+            yield Watched(proved=proof)
+    else:
+        with waiting(_WAITS.get(name, name), quiet) as work:
+            yield Watched(begun=work.begun)

@@ -1,0 +1,114 @@
+"""Verbs on cart-poles. Their arguments are the options that each has for a cart-pole."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+from neuralgaits.errors import InputError
+from neuralgaits.runs import RUNS_ROOT
+from neuralgaits.systems.cartpole import cartpole_screen as screen
+from neuralgaits.systems.cartpole.cartpole_certify import HIGHEST, certify_cartpole
+from neuralgaits.systems.cartpole.cartpole_export import export_cartpole
+from neuralgaits.systems.cartpole.cartpole_inspect import inspect_cartpole, write_cartpole
+from neuralgaits.systems.cartpole.cartpole_report import report_cartpole
+from neuralgaits.systems.cartpole.cartpole_run import open_cartpole
+from neuralgaits.systems.cartpole.cartpole_simulate import simulate_cartpole
+from neuralgaits.systems.cartpole.cartpole_train import STEPS, train_cartpole
+from neuralgaits.systems.family import Done, Watched
+
+
+def train(
+    robot: str | Path,
+    *,
+    watched: Watched,
+    seed: int = 0,
+    steps: int | None = None,
+    hidden: tuple[int, ...] | None = None,
+    out: Path | None = None,
+    certify: bool = False,
+    budget: float | None = None,
+    root: Path = RUNS_ROOT,
+) -> Done:
+    """Train a controller and its set, and prove it if asked for."""
+    if hidden is not None and len(hidden) != 1:
+        raise InputError(
+            f"expected one hidden layer, found {len(hidden)}: give one width, as in --hidden 16"
+        )
+    total = steps or STEPS
+    run = train_cartpole(
+        str(robot),
+        seed=seed,
+        steps=steps,
+        width=None if hidden is None else hidden[0],
+        out=out,
+        root=root,
+        progress=lambda step, loss: watched.trained(step, total, loss),
+    )
+    if certify:
+        certify_cartpole(run, budget=budget, progress=watched.proved)
+    done = run.summary
+    return Done(done, done.holds, screen.of_training(done), run=run)
+
+
+def certify(
+    run: str | Path, *, watched: Watched, level: int | None = None, budget: float | None = None
+) -> Done:
+    """Prove a run, to level 3 if no other is asked for."""
+    level = HIGHEST if level is None else level
+    if level > HIGHEST:
+        raise InputError(
+            f"expected a level from 1 to {HIGHEST}, found {level}: a cart-pole's levels 2 and 3 "
+            "are about the full order already"
+        )
+    opened = open_cartpole(run)
+    done = certify_cartpole(opened, level=level, budget=budget, progress=watched.proved)
+    undecided = done.verdict == "undecided"
+    return Done(done, done.verdict == "proved", screen.of_proof(done), undecided)
+
+
+def simulate(run: str | Path, *, watched: Watched, episodes: int = 1, seed: int = 0) -> Done:
+    """Balance in MuJoCo."""
+    opened = open_cartpole(run)
+    watched.begun()
+    done = simulate_cartpole(opened, episodes=episodes, seed=seed)
+    return Done(done, done.stayed == done.episodes, screen.of_episodes(done))
+
+
+def export(run: str | Path, out: Path, *, watched: Watched, force: bool = False) -> Done:
+    """Write the controller as C."""
+    opened = open_cartpole(run)
+    watched.begun()
+    done = export_cartpole(opened, out, force=force)
+    return Done(done, done.checked, screen.of_export(done), undecided=not done.checked)
+
+
+def report(run: str | Path, out: Path | None = None, *, watched: Watched) -> Done:
+    """Write the page of a run."""
+    opened = open_cartpole(run)
+    watched.begun()
+    done = report_cartpole(opened, out)
+    return Done(done, True, screen.of_report(done))
+
+
+def inspect(robot: str | Path, *, watched: Watched) -> Done:
+    """Describe a file."""
+    del watched
+    done = inspect_cartpole(robot)
+    return Done(done, True, screen.of_robot(done))
+
+
+def robots(robot: str, out: Path | None = None, *, watched: Watched) -> Done:
+    """Write the built-in cart-pole's file."""
+    del robot, watched
+    done = write_cartpole(out)
+    return Done(done, True, screen.of_written(done))
+
+
+VERBS: dict[str, Callable[..., Done]] = {
+    "train": train,
+    "certify": certify,
+    "simulate": simulate,
+    "export": export,
+    "report": report,
+    "inspect": inspect,
+    "robots": robots,
+}

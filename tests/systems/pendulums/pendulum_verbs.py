@@ -1,0 +1,55 @@
+"""Verbs on pendulums."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from types import SimpleNamespace
+
+from neuralgaits.records.record import Record
+from neuralgaits.runs import RUNS_ROOT, RunFolder, finish, resolve
+from neuralgaits.systems.family import Done, Screen, Watched
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Config(Record):
+    """What was asked."""
+
+    family: str = "pendulum"
+    robot: str = "pendulum"
+    seed: int
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Angle(Record):
+    """Where it hangs."""
+
+    angle: float
+
+
+def train(
+    robot: str,
+    *,
+    watched: Watched,
+    seed: int = 0,
+    out: Path | None = None,
+    root: Path = RUNS_ROOT,
+) -> Done:
+    """Leave a run."""
+    folder = RunFolder.create(
+        Config(seed=seed), {"robot.xml": ""}, name=robot, seed=seed, root=root, out=out
+    )
+    watched.trained(1, 1, 0.0)
+    done = Angle(angle=0.1 * seed)
+    finish(folder, done, root)
+    return Done(
+        done, True, Screen("hangs", ": it does not move"), run=SimpleNamespace(path=folder.path)
+    )
+
+
+def simulate(run: str, *, watched: Watched) -> Done:
+    """Look at it."""
+    watched.begun()
+    found = Angle(angle=round(0.1 * int(resolve(run).config["seed"]), 3))
+    return Done(found, False, Screen("swings"))
+
+
+VERBS = {"train": train, "simulate": simulate}
