@@ -4,7 +4,7 @@ import contextlib
 import fnmatch
 import functools
 import zlib
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Hashable, Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -18,10 +18,12 @@ from neuralgaits.analysis import run as runs
 from neuralgaits.analysis.learned import Learned
 from neuralgaits.analysis.run import asked_of, open_run, untrained
 from neuralgaits.barriers import specs
+from neuralgaits.certificate.chart import Chart
 from neuralgaits.certificate.proof_file.check import check, in_words
 from neuralgaits.certificate.proof_file.reader import InconsistentError, read_claims
 from neuralgaits.certificate.proof_file.run_match import differences
-from neuralgaits.certificate.run_certificate import verified_summary
+from neuralgaits.certificate.proof_file.theorem_tables import Theorems
+from neuralgaits.certificate.run_certificate import retrace, verified_summary
 from neuralgaits.certificate.run_certificate.verified_summary import read_certificate
 from neuralgaits.certificate.search.checkpoint import load, open_boxes
 from neuralgaits.episode_rounds.episode_folder import EpisodeFolder
@@ -167,7 +169,7 @@ def _instead(module: Any, **functions: Callable[..., Any]) -> Iterator[None]:
 
 
 def remember() -> None:
-    """Read robots and proofs of the same bytes once: of each case one file is new.
+    """Read robots and proofs of the same bytes once, and trace runs: of each case one file is new.
 
     For processes that do nothing else, since it holds to their end.
     """
@@ -175,6 +177,18 @@ def remember() -> None:
     claims = functools.lru_cache(64)(lambda path, content: read_claims(path))
     runs.robot_from_text = report.robot_from_text = robot
     verified_summary.read_claims = lambda path: claims(path, path.read_bytes())
+    traced, trace = dict[Hashable, dict[str, Any]](), retrace.describe_run
+
+    def traced_once(run: Path, theorems: Theorems, chart: Chart) -> dict[str, Any]:
+        files = tuple(
+            (one.name, one.read_bytes()) for one in sorted(run.iterdir()) if one.is_file()
+        )
+        key = files, to_json([theorems.tables(), chart.table()])
+        if key not in traced:
+            traced[key] = trace(run, theorems, chart)
+        return traced[key]
+
+    retrace.describe_run = traced_once
 
 
 def resume_training(place: Place, path: Path) -> None:
