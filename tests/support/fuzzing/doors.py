@@ -3,8 +3,9 @@
 import contextlib
 import fnmatch
 import functools
+import hashlib
 import zlib
-from collections.abc import Callable, Hashable, Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -177,13 +178,12 @@ def remember() -> None:
     claims = functools.lru_cache(64)(lambda path, content: read_claims(path))
     runs.robot_from_text = report.robot_from_text = robot
     verified_summary.read_claims = lambda path: claims(path, path.read_bytes())
-    traced, trace = dict[Hashable, dict[str, Any]](), retrace.describe_run
+    traced, trace = dict[str, dict[str, Any]](), retrace.describe_run
 
     def traced_once(run: Path, theorems: Theorems, chart: Chart) -> dict[str, Any]:
-        files = tuple(
-            (one.name, one.read_bytes()) for one in sorted(run.iterdir()) if one.is_file()
-        )
-        key = files, to_json([theorems.tables(), chart.table()])
+        files = [one for one in sorted(run.iterdir()) if one.is_file()]
+        contents = [(one.name, hashlib.sha256(one.read_bytes()).hexdigest()) for one in files]
+        key = to_json([contents, theorems.tables(), chart.table()])
         if key not in traced:
             traced[key] = trace(run, theorems, chart)
         return traced[key]
