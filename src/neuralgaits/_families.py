@@ -1,8 +1,8 @@
 """Families of systems beside walkers: a folder of `systems/` each, with an entry here.
 
-The folder is a module with `FAMILY`, an object of `systems.family.Family`'s kind. Beside it are two
-modules that begin with the family's name: NAME_verbs carries out what users ask for, NAME_retrace
-traces a run again in a process of its own. Nothing here needs JAX.
+The folder is a module with `FAMILY`, an object of `systems.system_family.SystemFamily`'s kind.
+Beside it are two modules that begin with the family's name: NAME_verbs carries out what users ask
+for, NAME_retrace traces a run again in a process of its own. Nothing here needs JAX.
 """
 
 from collections.abc import Mapping

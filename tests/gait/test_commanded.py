@@ -10,7 +10,8 @@ from neuralgaits.barriers import specs
 from neuralgaits.barriers.commanded_spec import commands_of
 from neuralgaits.errors import InputError, SpecError
 from neuralgaits.gait import HybridInvariantPolicy, ZeroDynamics
-from neuralgaits.gait.commands import Command, Pair, all_pairs, pair_at, plain_curves, values
+from neuralgaits.gait.command_polynomials import plain_curves
+from neuralgaits.gait.commands import Command, Pair, all_pairs, pair_at, values
 from neuralgaits.gait.policies.commanded import CommandedPolicy
 from neuralgaits.gait.policies.step_ends import Foothold, on_foothold_exactly, with_hip_at
 from neuralgaits.gait.posture import hip_indices, walking_posture

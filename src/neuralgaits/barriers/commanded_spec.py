@@ -19,7 +19,8 @@ from neuralgaits.barriers.regions import Box
 from neuralgaits.barriers.spec import GaitSpec, Init
 from neuralgaits.barriers.walking import RESETS, pendulum_height, start_tube, walking
 from neuralgaits.gait import walking_posture
-from neuralgaits.gait.commands import Command, Commands, command_named, factors
+from neuralgaits.gait.command_polynomials import factors
+from neuralgaits.gait.commands import Command, Commands, command_named
 from neuralgaits.gait.gaits import Gait
 from neuralgaits.gait.policies.commanded import CommandedPolicy
 from neuralgaits.gait.policies.commanded_gait import CommandedGait

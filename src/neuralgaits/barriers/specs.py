@@ -1,15 +1,10 @@
 """The built-in gait specifications by name, and a user's own from FILE.py:NAME."""
 
-import ast
-import importlib.util
-import sys
 from collections.abc import Callable
 from functools import partial, wraps
 from pathlib import Path
 from typing import Any, ParamSpec
 
-from neuralgaits._inputs import no_file_at
-from neuralgaits._names import meant
 from neuralgaits._printable import shown
 from neuralgaits.barriers import commanded_spec as _commanded_spec
 from neuralgaits.barriers import flat_feet as _flat_feet
@@ -17,11 +12,10 @@ from neuralgaits.barriers import hzd as _hzd
 from neuralgaits.barriers import paper as _paper
 from neuralgaits.barriers import robust as _robust
 from neuralgaits.barriers import rugged as _rugged
-from neuralgaits.barriers import spec_file_errors
 from neuralgaits.barriers import walking as _walking
 from neuralgaits.barriers.spec import GaitSpec
-from neuralgaits.barriers.spec_file_errors import PREFIX
-from neuralgaits.errors import InputError, NeuralGaitsError, SpecError
+from neuralgaits.barriers.spec_files import spec_from_file
+from neuralgaits.errors import InputError, SpecError
 from neuralgaits.gait.commands import Commands
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.robots.parameter_box import Box
@@ -124,10 +118,6 @@ DESCRIPTIONS = {
 }
 GIVEN = _hzd.NAME
 """Name of the spec of given gaits, which cannot be trained."""
-_A_FUNCTION = (
-    "write a function robot -> GaitSpec, as in `def own(robot): return specs.walking(robot)`"
-)
-"""Remedy where a file has no spec."""
 IN_NO_FILE = "# A GaitSpec made in Python"
 """First words of the file that a run keeps of a spec that no file defines."""
 
@@ -202,78 +192,7 @@ def load(
         return commanded(robot, commands) if commands else at_speed(robot, float(speed or 0.0))
     if name in _BUILT_IN:
         return _BUILT_IN[name](robot)
-    return _from_file(name, robot)
-
-
-def _from_file(name: str, robot: PlanarBiped) -> GaitSpec:
-    """Return the spec at FILE.py:NAME. Raises: SpecError if there is none."""
-    path, separator, attribute = name.rpartition(":")
-    if not separator and name.endswith(".py"):
-        raise SpecError(f"unknown spec {name!r}: expected FILE.py:NAME, {_nameless(name)}")
-    if not separator or not path.endswith(".py"):
-        hint = meant(name, _BUILT_IN)
-        hint = f"{hint} " if hint else ""
-        raise SpecError(
-            f"unknown spec {name!r}: {hint}expected one of {', '.join(_BUILT_IN)}, or FILE.py:NAME"
-        )
-    module = _module(path)
-    with spec_file_errors.blamed():  # A module may have a `__getattr__`.
-        defined = hasattr(module, attribute)
-    if not defined:
-        known = _defined(path)
-        hint = meant(attribute, known)
-        there = f": {hint}{' ' if hint else ''}there is {', '.join(known)}" if known else ""
-        raise SpecError(f"spec {name!r}: {path} defines no {attribute!r}{there}")
-    value = getattr(module, attribute)
-    spec = _applied(name, value, robot) if callable(value) else value
-    if not isinstance(spec, GaitSpec):
-        remedy = f"name a GaitSpec of {path}, or {_A_FUNCTION}"
-        if callable(value):
-            remedy = f"let {attribute} return one, as in `return specs.walking(robot)`"
-        found = f"expected a GaitSpec, found {type(spec).__name__}"
-        raise SpecError(f"spec {name!r}: {found}: {remedy}")
-    return spec
-
-
-def _nameless(path: str) -> str:
-    """Return what was found where a file is named without a spec in it, and what to do."""
-    file = Path(path)
-    if not file.is_file():
-        return f"found no name, and {no_file_at(file, 'no such file')}: name a file that is there"
-    if known := _defined(path):
-        return f"found no name; add that of its function or spec, as in {path}:{known[0]}"
-    return f"found no name, and no function of one robot in it: {_A_FUNCTION}"
-
-
-def _defined(path: str) -> list[str]:
-    """Return the public functions of one argument of a file, those of a `robot` first.
-
-    They are taken from its text: it is not run.
-    """
-    try:
-        body = ast.parse(Path(path).read_bytes()).body
-    except (OSError, SyntaxError, ValueError):
-        return []
-    functions = [one for one in body if isinstance(one, ast.FunctionDef) and _takes_one(one.args)]
-    functions.sort(key=lambda one: "robot" not in ast.unparse(one.args).lower())
-    return [one.name for one in functions if not one.name.startswith("_")]
-
-
-def _takes_one(of: ast.arguments) -> bool:
-    """Return whether a function can be called with one argument."""
-    places, needed = len(of.posonlyargs) + len(of.args), None in of.kw_defaults
-    return not needed and places - len(of.defaults) <= 1 and (places > 0 or of.vararg is not None)
-
-
-def _applied(name: str, function: Callable, robot: PlanarBiped):
-    try:
-        with spec_file_errors.blamed():
-            return function(robot)
-    except NeuralGaitsError:
-        raise
-    except Exception as error:  # None of its lines has run: it cannot be called like that.
-        why = spec_file_errors.reason(error)
-        raise SpecError(f"spec {name!r}: expected a function of one robot, found {why}") from error
+    return spec_from_file(name, robot, _BUILT_IN)
 
 
 def source_path(name: str) -> Path:
@@ -287,23 +206,3 @@ def source_path(name: str) -> Path:
         module = _walking if name.startswith("walking") else _paper
         return Path(str(module.__file__))
     return Path(name.rpartition(":")[0])
-
-
-def _module(path: str):
-    file = Path(path)
-    if not file.is_file():
-        raise SpecError(f"spec file {path}: {no_file_at(file, 'no such file')}")
-    specification = importlib.util.spec_from_file_location(f"{PREFIX}{file.stem}", file)
-    if specification is None or specification.loader is None:
-        raise SpecError(f"spec file {path}: expected a Python file")
-    module = importlib.util.module_from_spec(specification)
-    # Dataclasses look their module up while they are made.
-    sys.modules[specification.name] = module
-    try:
-        with spec_file_errors.blamed():
-            specification.loader.exec_module(module)
-    except NeuralGaitsError:
-        raise
-    except Exception as error:  # Of the file itself, none of whose lines has run.
-        raise spec_file_errors.misread(error, file) from error
-    return module

@@ -13,7 +13,7 @@ from neuralgaits.cli.proof_screen import show_proof
 from neuralgaits.cli.screen_tables import show_facts, show_sentence, show_table
 from neuralgaits.records.certified import CertificateRecord
 from neuralgaits.systems.families import task_of
-from neuralgaits.systems.family import Done, Watched
+from neuralgaits.systems.system_family import VerbResult, Watched
 
 _WAITS = {"simulate": "simulating", "export": "writing it, comparing it", "report": "drawing it"}
 
@@ -32,7 +32,7 @@ def outcome_of_family(verb: Any, name: str) -> Outcome | None:
     return Outcome(done.result, done.good, whole, done.undecided, brief)
 
 
-def _show(done: Done, result: Any) -> None:
+def _show(done: VerbResult, result: Any) -> None:
     """Show a family's result."""
     del result
     screen = done.screen

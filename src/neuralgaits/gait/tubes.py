@@ -12,7 +12,8 @@ import numpy as np
 from numpy.polynomial.chebyshev import chebder, chebval, poly2cheb
 
 from neuralgaits._types import Array, Float, Scalar
-from neuralgaits.gait.commands import Commands, Pair, factors
+from neuralgaits.gait.command_polynomials import factors
+from neuralgaits.gait.commands import Commands, Pair
 from neuralgaits.robots import PlanarBiped
 
 LEAST_ZETA = 0.01

@@ -14,7 +14,7 @@ from typing import Any
 from neuralgaits._families import FAMILIES, verbs_module
 from neuralgaits.errors import InputError, RunError
 from neuralgaits.runs import resolve
-from neuralgaits.systems.family import Done, Family, Watched
+from neuralgaits.systems.system_family import SystemFamily, VerbResult, Watched
 
 _OF_ALL = ("run", "robot", "output", "progress", "watch", "begun", "root")
 """Settings that say what a command is about, or how it is shown."""
@@ -22,20 +22,20 @@ _BY_ROBOT = ("train", "inspect", "robots")
 """Verbs about a robot that has no run yet."""
 
 
-def family_named(name: object) -> Family | None:
+def family_named(name: object) -> SystemFamily | None:
     """Return the family of this name, or None."""
     if not isinstance(name, str) or name not in FAMILIES:
         return None
-    family: Family = import_module(FAMILIES[name]).FAMILY
+    family: SystemFamily = import_module(FAMILIES[name]).FAMILY
     return family
 
 
-def all_families() -> list[Family]:
+def all_families() -> list[SystemFamily]:
     """Return all families beside walkers."""
     return [family for name in FAMILIES if (family := family_named(name)) is not None]
 
 
-def family_of_run(run: object) -> Family | None:
+def family_of_run(run: object) -> SystemFamily | None:
     """Return the family of a run's folder; None for a walker's, or if it cannot be opened."""
     if not isinstance(run, str | Path):
         return None
@@ -45,14 +45,14 @@ def family_of_run(run: object) -> Family | None:
         return None  # Who opens it says what is wrong.
 
 
-def family_of_robot(robot: object) -> Family | None:
+def family_of_robot(robot: object) -> SystemFamily | None:
     """Return the family that a robot, by name or path, is meant for; None for walkers."""
     if not isinstance(robot, str | Path):
         return None
     return next((family for family in all_families() if family.recognises(robot)), None)
 
 
-Task = Callable[[Watched], Done]
+Task = Callable[[Watched], VerbResult]
 """A verb of a family with all that it was given, to be carried out."""
 
 
@@ -102,8 +102,8 @@ def task_with(verb: str, given: Mapping[str, Any]) -> Task | None:
     if known.get("out") is not None:
         known["out"] = Path(known["out"])
 
-    def task(watched: Watched) -> Done:
-        done: Done = verbs[verb](**known, watched=watched)
+    def task(watched: Watched) -> VerbResult:
+        done: VerbResult = verbs[verb](**known, watched=watched)
         return done
 
     return task

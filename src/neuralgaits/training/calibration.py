@@ -13,7 +13,8 @@ from neuralgaits._quick_jit import quick_filter_jit
 from neuralgaits._types import Array, Float
 from neuralgaits.analysis.poincare_map import poincare
 from neuralgaits.gait import Residuals, ZeroDynamics
-from neuralgaits.gait.commands import CURVE_TERMS, Number, plain_curves
+from neuralgaits.gait.command_polynomials import CURVE_TERMS, plain_curves
+from neuralgaits.gait.commands import Number
 from neuralgaits.gait.policies.commanded_gait import CommandedGait
 from neuralgaits.robots import PlanarBiped
 

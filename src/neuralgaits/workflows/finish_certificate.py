@@ -63,28 +63,46 @@ def finish_certificate(
     Raises: as `write_certificate`.
     """
     proof = str(run.path / certified.PROOF) if certified.PROOF in files else None
-    summary = CertificateRecord(
-        run=str(run.path),
-        robot=run.asked.robot,
-        spec=run.asked.spec,
-        verdict="undecided",
-        level=scope.level,
-        conditions=verdicts,
-        levels=tuple(conclusions),
-        sha256=hashes_with(run.path, files),
-        wall_s=time.perf_counter() - start_time,
-        boxes=boxes,
-        within=scope.within,
-        parameters=dict(scope.box),
-        reason=reason,
-        proof=proof,
-        full_order_proof=proof if sets.full_order else None,
-        map=str(run.path / MAP_FIGURE) if MAP in files else None,
+    summary = _judged(
+        CertificateRecord(
+            run=str(run.path),
+            robot=run.asked.robot,
+            spec=run.asked.spec,
+            verdict="undecided",
+            level=scope.level,
+            conditions=verdicts,
+            levels=tuple(conclusions),
+            sha256=hashes_with(run.path, files),
+            wall_s=time.perf_counter() - start_time,
+            boxes=boxes,
+            within=scope.within,
+            parameters=dict(scope.box),
+            reason=reason,
+            proof=proof,
+            full_order_proof=proof if sets.full_order else None,
+            map=str(run.path / MAP_FIGURE) if MAP in files else None,
+        )
     )
-    summary = replace(summary, verdict=summary.of_all)
+    return _beside_earlier(run, summary, files, reached, sets, statements)
+
+
+def _judged(summary: CertificateRecord) -> CertificateRecord:
+    """Return a summary with the verdict on all of its parts."""
+    return replace(summary, verdict=summary.of_all)
+
+
+def _beside_earlier(
+    run: Run,
+    summary: CertificateRecord,
+    files: Mapping[str, bytes],
+    reached: int,
+    sets: LevelSets,
+    statements: Sequence[StatementRecord],
+) -> CertifyResult:
+    """Write the certificate, unless one from before says more; arguments as above."""
     before = EarlierProof.of(run.folder)
     # Where nothing could be traced, a proof from before would be taken for one of this run.
-    if before is not None and boxes and before.stays(summary, reached):
+    if before is not None and summary.boxes and before.stays(summary, reached):
         kept = replace(summary, proof=None, full_order_proof=None, map=None)
         said = f"the certificate from before stays: {before.states}, and {before.checked_how}"
         return CertifyResult(saying(kept, said))

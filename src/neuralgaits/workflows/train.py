@@ -25,7 +25,7 @@ from neuralgaits.runs.only_writer import only_writer
 from neuralgaits.runs.shell_words import LATEST, resuming
 from neuralgaits.settings import TrainSettings, Watch, called_with
 from neuralgaits.systems.families import task_of
-from neuralgaits.systems.family import Watched
+from neuralgaits.systems.system_family import Watched
 from neuralgaits.training.calibration import calibrated
 from neuralgaits.training.session import take_all_steps
 from neuralgaits.training.train_state import FreshMargins, TrainState

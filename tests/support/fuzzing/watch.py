@@ -145,7 +145,7 @@ def _watched(
             data = os.read(worker.stdout.fileno(), 1 << 16)
             if not data:
                 with contextlib.suppress(subprocess.TimeoutExpired):
-                    worker.wait(HANG_S)
+                    worker.wait(SLOWER * HANG_S)
                 break
             patience = Patience(worker.pid, HANG_S)
             *lines, rest = (rest + data).split(b"\n")

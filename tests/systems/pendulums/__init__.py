@@ -1,8 +1,8 @@
 """A family as small as one can be: a weight on a rod, which hangs."""
 
-from neuralgaits.systems.family import Family
+from neuralgaits.systems.system_family import SystemFamily
 
-FAMILY = Family(
+FAMILY = SystemFamily(
     name="pendulum",
     words="a pendulum",
     built_in={"pendulum": "a weight on a rod"},

@@ -6,7 +6,7 @@ from types import SimpleNamespace
 
 from neuralgaits.records.record import Record
 from neuralgaits.runs import RUNS_ROOT, RunFolder, finish, resolve
-from neuralgaits.systems.family import Done, Screen, Watched
+from neuralgaits.systems.system_family import Screen, VerbResult, Watched
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -32,7 +32,7 @@ def train(
     seed: int = 0,
     out: Path | None = None,
     root: Path = RUNS_ROOT,
-) -> Done:
+) -> VerbResult:
     """Leave a run."""
     folder = RunFolder.create(
         Config(seed=seed), {"robot.xml": ""}, name=robot, seed=seed, root=root, out=out
@@ -40,16 +40,16 @@ def train(
     watched.trained(1, 1, 0.0)
     done = Angle(angle=0.1 * seed)
     finish(folder, done, root)
-    return Done(
+    return VerbResult(
         done, True, Screen("hangs", ": it does not move"), run=SimpleNamespace(path=folder.path)
     )
 
 
-def simulate(run: str, *, watched: Watched) -> Done:
+def simulate(run: str, *, watched: Watched) -> VerbResult:
     """Look at it."""
     watched.begun()
     found = Angle(angle=round(0.1 * int(resolve(run).config["seed"]), 3))
-    return Done(found, False, Screen("swings"))
+    return VerbResult(found, False, Screen("swings"))
 
 
 VERBS = {"train": train, "simulate": simulate}

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from neuralgaits._names import LONGEST_NAME, why_no_name
+from neuralgaits._names import why_no_name
 from neuralgaits.certificate.chart import Chart, Corner, CoupledAxes, asked_for
 from neuralgaits.certificate.proof_file.command_ranges import (
     ModelCommand,
@@ -23,7 +23,6 @@ from neuralgaits.certificate.proof_file.coverage import SpecOutline, premise_nam
 from neuralgaits.certificate.proof_file.json_fields import (
     box_of,
     exactly,
-    number_of,
     parse,
     text_of,
 )
@@ -33,6 +32,7 @@ from neuralgaits.certificate.proof_file.limits import (
     limit,
     shortened,
 )
+from neuralgaits.certificate.proof_file.named_numbers import bounds_of, named_hash, scales_of
 from neuralgaits.certificate.proof_file.program_field import FIBRE
 from neuralgaits.certificate.proof_file.program_field import program_of as _program
 from neuralgaits.certificate.proof_file.theorem_tables import Theorems
@@ -211,8 +211,8 @@ def _claims(table: Any) -> Claims:
         raise ValueError("a model that is neither a JSON object nor null")
     refuse_other_family(chart, model, theorems=bool(theorems.parameters))
     return Claims(
-        robot=_named_hash(fields["robot"], "robot"),
-        spec=_named_hash(fields["spec"], "spec"),
+        robot=named_hash(fields["robot"], "robot"),
+        spec=named_hash(fields["spec"], "spec"),
         weights_sha256=text_of(fields["weights_sha256"], "weights_sha256"),
         chart=chart,
         program=program,
@@ -261,47 +261,11 @@ def _statement(entry: Any, outputs: set[str], chart: Chart) -> Statement:
     return Statement(
         conditions=tuple(names),
         region=text_of(fields["region"], "region"),
-        scales=_scales(fields["scales"], names),
-        bounds=_bounds(fields["bounds"], names),
+        scales=scales_of(fields["scales"], names),
+        bounds=bounds_of(fields["bounds"], names),
         degree=fields["degree"],
         low=low,
         high=high,
         tree=tree,
         coupled_axes=chart.coupled_axes,
     )
-
-
-def _named_hash(table: Any, what: str) -> tuple[str, str]:
-    fields = exactly(table, what, ("name", "sha256"))
-    name = text_of(fields["name"], f"{what} name")
-    # Blanks could push words to the next line of a screen, where they look like ours.
-    if len(name) > LONGEST_NAME or "  " in name:
-        raise ValueError(f"the {what} name {name[:60]!r}, which is too long or has blanks in a row")
-    return name, text_of(fields["sha256"], f"{what} sha256")
-
-
-def _scales(table: Any, names: list[str]) -> dict[str, float]:
-    """Return a number > 0 for each name."""
-    scales = _numbers(table, names, "scales")
-    for name, value in scales.items():
-        if not value > 0:
-            raise ValueError(f"{value!r} among the scales, for {name}")
-    return scales
-
-
-def _bounds(table: Any, names: list[str]) -> dict[str, float]:
-    """Return a number for each name; that of a spec's condition must not be negative.
-
-    The premises of theorems, `LEVEL/NAME`, may be constants enclosed from one side.
-    """
-    bounds = _numbers(table, names, "bounds")
-    for name, value in bounds.items():
-        if not value >= 0 and "/" not in name:
-            raise ValueError(f"{value!r} among the bounds, for {name}")
-    return bounds
-
-
-def _numbers(table: Any, names: list[str], what: str) -> dict[str, float]:
-    """Return a finite number for each name, exactly as in the file."""
-    fields = exactly(table, what, names)
-    return {name: number_of(value, f"{what}, for {name}") for name, value in fields.items()}

@@ -16,16 +16,8 @@ from jaxtyping import PRNGKeyArray
 
 from neuralgaits._types import Actuated, Array, Float, Scalar, ZeroState
 from neuralgaits.errors import InputError
-from neuralgaits.gait.commands import (
-    Commands,
-    Ground,
-    Pair,
-    Step,
-    factors,
-    plain_curves,
-    powers,
-    scaled,
-)
+from neuralgaits.gait.command_polynomials import factors, plain_curves, powers, scaled
+from neuralgaits.gait.commands import Commands, Ground, Pair, Step
 from neuralgaits.gait.network import Network, movable
 from neuralgaits.gait.policies.hybrid_invariant import HybridInvariantPolicy
 from neuralgaits.gait.policies.step_ends import (

@@ -6,7 +6,7 @@ It has no impacts, so a proof is about one flow and one set.
 from pathlib import Path
 
 from neuralgaits.systems.cartpole.conclusions import ASSUMPTIONS, with_cartpole_levels
-from neuralgaits.systems.family import Family
+from neuralgaits.systems.system_family import SystemFamily
 
 
 def _recognises(source: str | Path) -> bool:
@@ -15,7 +15,7 @@ def _recognises(source: str | Path) -> bool:
     return is_cartpole(source)
 
 
-FAMILY = Family(
+FAMILY = SystemFamily(
     name="cartpole",
     words="a cart-pole",
     built_in={

@@ -9,7 +9,7 @@ from neuralgaits.systems.cartpole.cartpole_inspect import CartPoleFacts
 from neuralgaits.systems.cartpole.cartpole_report import CartPoleReport
 from neuralgaits.systems.cartpole.cartpole_run import CartPoleTrained
 from neuralgaits.systems.cartpole.cartpole_simulate import CartPoleEpisodes
-from neuralgaits.systems.family import Screen
+from neuralgaits.systems.system_family import Screen
 
 _STATE = ("x", "theta", "x'", "theta'")
 _UNITS = ("m", "rad", "m/s", "rad/s")

@@ -13,7 +13,7 @@ from neuralgaits.systems.cartpole.cartpole_report import report_cartpole
 from neuralgaits.systems.cartpole.cartpole_run import open_cartpole
 from neuralgaits.systems.cartpole.cartpole_simulate import simulate_cartpole
 from neuralgaits.systems.cartpole.cartpole_train import STEPS, train_cartpole
-from neuralgaits.systems.family import Done, Watched
+from neuralgaits.systems.system_family import VerbResult, Watched
 
 
 def train(
@@ -27,7 +27,7 @@ def train(
     certify: bool = False,
     budget: float | None = None,
     root: Path = RUNS_ROOT,
-) -> Done:
+) -> VerbResult:
     """Train a controller and its set, and prove it if asked for."""
     if hidden is not None and len(hidden) != 1:
         raise InputError(
@@ -46,12 +46,12 @@ def train(
     if certify:
         certify_cartpole(run, budget=budget, progress=watched.proved)
     done = run.summary
-    return Done(done, done.holds, screen.of_training(done), run=run)
+    return VerbResult(done, done.holds, screen.of_training(done), run=run)
 
 
 def certify(
     run: str | Path, *, watched: Watched, level: int | None = None, budget: float | None = None
-) -> Done:
+) -> VerbResult:
     """Prove a run, to level 3 if no other is asked for."""
     level = HIGHEST if level is None else level
     if level > HIGHEST:
@@ -62,48 +62,48 @@ def certify(
     opened = open_cartpole(run)
     done = certify_cartpole(opened, level=level, budget=budget, progress=watched.proved)
     undecided = done.verdict == "undecided"
-    return Done(done, done.verdict == "proved", screen.of_proof(done), undecided)
+    return VerbResult(done, done.verdict == "proved", screen.of_proof(done), undecided)
 
 
-def simulate(run: str | Path, *, watched: Watched, episodes: int = 1, seed: int = 0) -> Done:
+def simulate(run: str | Path, *, watched: Watched, episodes: int = 1, seed: int = 0) -> VerbResult:
     """Balance in MuJoCo."""
     opened = open_cartpole(run)
     watched.begun()
     done = simulate_cartpole(opened, episodes=episodes, seed=seed)
-    return Done(done, done.stayed == done.episodes, screen.of_episodes(done))
+    return VerbResult(done, done.stayed == done.episodes, screen.of_episodes(done))
 
 
-def export(run: str | Path, out: Path, *, watched: Watched, force: bool = False) -> Done:
+def export(run: str | Path, out: Path, *, watched: Watched, force: bool = False) -> VerbResult:
     """Write the controller as C."""
     opened = open_cartpole(run)
     watched.begun()
     done = export_cartpole(opened, out, force=force)
-    return Done(done, done.checked, screen.of_export(done), undecided=not done.checked)
+    return VerbResult(done, done.checked, screen.of_export(done), undecided=not done.checked)
 
 
-def report(run: str | Path, out: Path | None = None, *, watched: Watched) -> Done:
+def report(run: str | Path, out: Path | None = None, *, watched: Watched) -> VerbResult:
     """Write the page of a run."""
     opened = open_cartpole(run)
     watched.begun()
     done = report_cartpole(opened, out)
-    return Done(done, True, screen.of_report(done))
+    return VerbResult(done, True, screen.of_report(done))
 
 
-def inspect(robot: str | Path, *, watched: Watched) -> Done:
+def inspect(robot: str | Path, *, watched: Watched) -> VerbResult:
     """Describe a file."""
     del watched
     done = inspect_cartpole(robot)
-    return Done(done, True, screen.of_robot(done))
+    return VerbResult(done, True, screen.of_robot(done))
 
 
-def robots(robot: str, out: Path | None = None, *, watched: Watched) -> Done:
+def robots(robot: str, out: Path | None = None, *, watched: Watched) -> VerbResult:
     """Write the built-in cart-pole's file."""
     del robot, watched
     done = write_cartpole(out)
-    return Done(done, True, screen.of_written(done))
+    return VerbResult(done, True, screen.of_written(done))
 
 
-VERBS: dict[str, Callable[..., Done]] = {
+VERBS: dict[str, Callable[..., VerbResult]] = {
     "train": train,
     "certify": certify,
     "simulate": simulate,

@@ -12,6 +12,13 @@ import numpy as np
 from numpy.polynomial import chebyshev
 
 from neuralgaits._types import Float
+from neuralgaits.certificate.levels.orbit.phase_series import (
+    antiderivative,
+    coefficients,
+    fitted,
+    over_a_step,
+    values_at,
+)
 from neuralgaits.certificate.levels.orbit.theorem import Attraction, OrbitConstants
 from neuralgaits.certificate.levels.walking_set.find import CLEAR, STRIPS, Evaluator
 from neuralgaits.certificate.levels.walking_set.theorem import WalkingSetConstants
@@ -74,19 +81,19 @@ def find_orbit(
             break
     nodes = _nodes(shape, degree)
     parting = look(curve.points(fences, nodes))["expansion"]
-    width = _fit(nodes, thin.half, degree)
-    middle = _fit(nodes, parting, BOUND_DEGREE)
-    error = THIN_ROOM + np.max(np.abs(parting - _at(middle, nodes)))
+    width = fitted(nodes, thin.half, degree)
+    middle = fitted(nodes, parting, BOUND_DEGREE)
+    error = THIN_ROOM + np.max(np.abs(parting - values_at(middle, nodes)))
     shift = np.eye(1, BOUND_DEGREE + 1)[0] * error
     ends = [_Curve(curve.series + side * width, curve.guard) for side in (-1.0, 0.0, 1.0)]
     orbit = OrbitConstants(
         thin.attraction,
         *_crossing(look, fences, ends, float(curve.guard[0, 0])),
-        lower=_numbers(unit * (curve.series - width)),
-        upper=_numbers(unit * (curve.series + width)),
-        expansion=_numbers(thin.bound),
-        slowest=_numbers(middle - shift),
-        fastest=_numbers(middle + shift),
+        lower=coefficients(unit * (curve.series - width)),
+        upper=coefficients(unit * (curve.series + width)),
+        expansion=coefficients(thin.bound),
+        slowest=coefficients(middle - shift),
+        fastest=coefficients(middle + shift),
     )
     gain = float(look(curve.guard)["gain"][0])
     least = {
@@ -108,13 +115,13 @@ def find_contraction(look: Evaluator, shape: WalkingSetConstants) -> OrbitPropos
     phases, levels = np.linspace(*shape.ends, 61), np.linspace(0.0, 1.0, 5)
     grid = np.stack(np.meshgrid(phases, levels, indexing="ij"), axis=-1).reshape(-1, 2)
     largest = look(grid)["expansion"].reshape(len(phases), -1).max(axis=1)
-    series = _fit(phases, largest, BOUND_DEGREE)
-    series[0] += np.max(largest - _at(series, phases))
+    series = fitted(phases, largest, BOUND_DEGREE)
+    series[0] += np.max(largest - values_at(series, phases))
     ends = np.linspace(1.0 - shape.guard_strip, 1.0 + shape.guard_strip, 3)
     strip = np.stack(np.meshgrid(ends, levels, indexing="ij"), axis=-1).reshape(-1, 2)
     guard = look(strip)
     gain = float(np.abs(guard["moved_zeta" if shape.told else "gain"]).max())
-    contraction = gain * np.exp(_step(series))
+    contraction = gain * np.exp(over_a_step(series))
     if not contraction < COMFORT:
         return f"walks do not converge: a step makes {contraction:.4g} of 1 at the worst"
     # Most of what is left is given away, more of it where bounds are hardest to get.
@@ -122,7 +129,8 @@ def find_contraction(look: Evaluator, shape: WalkingSetConstants) -> OrbitPropos
     series[0] += (0.6 if shape.told else 0.3) * room
     least = {"orbit/gain": -gain * float(np.exp(0.2 * room))}
     if not shape.told:
-        return OrbitProposal(OrbitConstants("contraction alone", expansion=_numbers(series)), least)
+        alone = OrbitConstants("contraction alone", expansion=coefficients(series))
+        return OrbitProposal(alone, least)
     first = look(np.stack([np.zeros_like(levels), levels], axis=1))
     moved = float(np.abs(guard["moved_z1"]).max())
     along = float(np.abs(first["slope"] / first["stride"]).max())
@@ -130,7 +138,7 @@ def find_contraction(look: Evaluator, shape: WalkingSetConstants) -> OrbitPropos
         "orbit/moved": -moved * 2.0 - 0.01 * gain / along,
         "orbit/along": -along * 2.0,
     }
-    return OrbitProposal(OrbitConstants("any two walks", expansion=_numbers(series)), least)
+    return OrbitProposal(OrbitConstants("any two walks", expansion=coefficients(series)), least)
 
 
 class _Thin(NamedTuple):
@@ -159,22 +167,22 @@ def _thin(
     bound, largest = _bounds(look, shape, float(curve.guard[0, 0]))
     parting = look(curve.points(fences, nodes))["expansion"]
     gain = abs(float(look(curve.guard)["gain"][0]))
-    multiplier = gain * np.exp(_step(_fit(nodes, parting, BOUND_DEGREE)))
+    multiplier = gain * np.exp(over_a_step(fitted(nodes, parting, BOUND_DEGREE)))
     if not multiplier < 1.0:
         return f"the orbit found does not attract: its multiplier is {multiplier:.4g}"
     attraction: Attraction = "contraction"
     rates, product = parting, multiplier
-    if largest * np.exp(_step(bound)) >= COMFORT:
+    if largest * np.exp(over_a_step(bound)) >= COMFORT:
         secants = _secants(look, fences, unit, curve, nodes)
-        further = largest * np.exp(_step(_fit(nodes, secants, BOUND_DEGREE)))
+        further = largest * np.exp(over_a_step(fitted(nodes, secants, BOUND_DEGREE)))
         if further < COMFORT:
             attraction, rates, product = "nested tubes", secants, further
     # Half of the contraction is spent along the step, so that every premise has room.
     room = -0.5 * np.log(product)
-    series = _fit(nodes, rates, BOUND_DEGREE)
-    room_left = room - np.max(np.abs(_at(series, nodes) - rates))
-    spread = np.exp(_at(_antiderivative(series), nodes) + room * nodes)
-    z2 = np.sqrt(2.0 * unit * _at(curve.series, nodes))
+    series = fitted(nodes, rates, BOUND_DEGREE)
+    room_left = room - np.max(np.abs(values_at(series, nodes) - rates))
+    spread = np.exp(values_at(antiderivative(series), nodes) + room * nodes)
+    z2 = np.sqrt(2.0 * unit * values_at(curve.series, nodes))
     half = 0.5 * USED * Z2_WIDTH * spread * np.min(z2 / spread) / unit
     return _Thin(half, max(room_left, 0.1 * room) * np.min(half), attraction, bound, largest)
 
@@ -188,7 +196,7 @@ def _secants(
     rates = [look(on_orbit)["expansion"]]
     for level in np.linspace(0.0, 1.0, 17):
         low, high = fences(nodes).T
-        away = low + level * (high - low) - _at(curve.series, nodes)
+        away = low + level * (high - low) - values_at(curve.series, nodes)
         points = np.stack([nodes, np.full_like(nodes, level)], axis=1)
         rate = (look(points)["slope"] / unit - slope) / away
         rates.append(np.where(np.abs(away) > 0.05 * (high - low), rate, -np.inf))
@@ -203,7 +211,7 @@ class _Curve(NamedTuple):
 
     def points(self, fences: Fences, phases: np.ndarray) -> Float[np.ndarray, "n 2"]:
         """Return chart points of the orbit at some phases. [n, 2]."""
-        return np.stack([phases, _level(fences, phases, _at(self.series, phases))], axis=1)
+        return np.stack([phases, _level(fences, phases, values_at(self.series, phases))], axis=1)
 
 
 def _crossing(
@@ -240,8 +248,8 @@ def _bounds(look: Evaluator, shape: WalkingSetConstants, guard: float) -> tuple[
     levels, phases = np.linspace(0.0, 1.0, 33), np.linspace(*shape.ends, 121)
     grid = np.stack(np.meshgrid(phases, levels, indexing="ij"), axis=-1)
     largest = look(grid.reshape(-1, 2))["expansion"].reshape(grid.shape[:2]).max(axis=1)
-    series = _fit(phases, largest, BOUND_DEGREE)
-    series[0] += ROOM + np.max(largest - _at(series, phases))
+    series = fitted(phases, largest, BOUND_DEGREE)
+    series[0] += ROOM + np.max(largest - values_at(series, phases))
     gains = look(np.stack([np.full_like(levels, guard), levels], axis=1))["gain"]
     return series, float(np.abs(gains).max() * (1.0 + THIN_ROOM))
 
@@ -254,17 +262,17 @@ def _periodic(
     Where a curve leaves the tube on the way, F is unknown; its value at the fence stands in.
     """
     constant = np.eye(1, degree + 1)[0]
-    middle = _fit(nodes, np.mean(fences(nodes), axis=1), degree)
+    middle = fitted(nodes, np.mean(fences(nodes), axis=1), degree)
     curve = _Curve(middle, np.array([[1.0, 0.5]]))
     for _ in range(ROUNDS):
         crossing = curve.guard[:, 0]
         points = curve.points(fences, np.concatenate([nodes, crossing]))
         found = look(np.clip(points, [-np.inf, 0.0], [np.inf, 1.0]))
-        slope = _antiderivative(_fit(nodes, found["slope"][:-1] / unit, degree - 1))
+        slope = antiderivative(fitted(nodes, found["slope"][:-1] / unit, degree - 1))
         phase, zeta = found["after"][-1]
-        series = slope + constant * (zeta / unit - _at(slope, np.array([phase]))[0])
+        series = slope + constant * (zeta / unit - values_at(slope, np.array([phase]))[0])
         step = found["foot"][-1] * found["pace"][-1] / found["foot_rate"][-1]
-        change = np.max(np.abs(_at(series, nodes) - _at(curve.series, nodes)))
+        change = np.max(np.abs(values_at(series, nodes) - values_at(curve.series, nodes)))
         if not np.isfinite(change):
             return None
         curve = _Curve(series, curve.guard)
@@ -278,25 +286,3 @@ def _periodic(
 def _level(fences: Fences, phases: np.ndarray, zeta: np.ndarray) -> np.ndarray:
     low, high = fences(phases).T
     return (zeta - low) / (high - low)
-
-
-def _fit(phases: np.ndarray, values: np.ndarray, degree: int) -> np.ndarray:
-    return chebyshev.chebfit(2.0 * phases - 1.0, values, degree)
-
-
-def _at(series: np.ndarray, phases: np.ndarray) -> np.ndarray:
-    return chebyshev.chebval(2.0 * phases - 1.0, series)
-
-
-def _antiderivative(series: np.ndarray) -> np.ndarray:
-    """Return the series of the integral from phase 0."""
-    return chebyshev.chebint(series, scl=0.5, lbnd=-1.0)
-
-
-def _step(series: np.ndarray) -> float:
-    """Integrate a series over a step."""
-    return float(_at(_antiderivative(series), np.ones(1))[0])
-
-
-def _numbers(series: np.ndarray) -> tuple[float, ...]:
-    return tuple(float(value) for value in series)

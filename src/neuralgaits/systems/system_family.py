@@ -10,7 +10,7 @@ from neuralgaits.certificate.proof_file.reader import Claims
 
 
 @dataclass(frozen=True)
-class Family:
+class SystemFamily:
     """A family of systems.
 
     Attributes:
@@ -48,8 +48,8 @@ class Screen:
 
 
 @dataclass(frozen=True)
-class Done:
-    """What a verb of a family has done.
+class VerbResult:
+    """Result of a verb of a family.
 
     Attributes:
         result: record that `--json` prints.
@@ -67,7 +67,7 @@ class Done:
 
     @property
     def returned(self) -> Any:
-        """What the Python call returns."""
+        """Result of the Python call."""
         return self.result if self.run is None else self.run
 
 
