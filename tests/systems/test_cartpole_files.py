@@ -25,6 +25,7 @@ GYMNASIUM = """<mujoco model="inverted pendulum">
   <actuator><motor ctrllimited="true" ctrlrange="-3 3" gear="100" joint="slider"/></actuator>
 </mujoco>"""
 """A file like Gymnasium's InvertedPendulum: angles in degrees, a pole that leans at zero."""
+OTHERS = "expected the accelerations of a cart-pole from MuJoCo, found others"
 FAULTS = {
     "no rail": ('range="-1.8 1.8" ', "", "joint slider has no range"),
     "no limit": ('ctrlrange="-1 1"', "", "motor drive has no limit"),
@@ -37,7 +38,22 @@ FAULTS = {
     "a hinge along the rail": ('axis="0 1 0"', 'axis="1 0 0"', "out of the rail's plane"),
     "air": ("timestep", 'density="1.2" timestep', "air or water"),
     "a negative mass": ('mass="1"', 'mass="-1"', "expected 0 or more; mend that number"),
-    "no gravity": ("0 0 -9.81", "0 0 0", "gravity is zero"),
+    "no gravity": ("0 0 -9.81", "0 0 0", "gravity is 0 m/s^2"),
+    "air that cancels": ("timestep", 'density="-1" viscosity="1" timestep', "air or water"),
+    "gravity compensation": ('<body name="pole"', '<body gravcomp="1" name="pole"', OTHERS),
+    "no actuation": ("<option", '<option><flag actuation="disable"/></option><option', OTHERS),
+    "a polynomial of damping": ('damping="2e-6"', 'damping="2e-6 0.3"', OTHERS),
+    "a motor with friction": ("<motor name", '<motor damping="2" name', OTHERS),
+    "a motor with a rotor": ("<motor name", '<motor armature="2" name', OTHERS),
+    "a late motor": ("<motor name", '<motor delay="0.01" nsample="10" name', "has a delay"),
+    "contacts": ('<geom contype="0" conaffinity="0"/>', "<geom/>", "rail and cart can collide"),
+    "a margin": ('range="-1.8 1.8"', 'margin="0.5" range="-1.8 1.8"', "slider has a margin"),
+    "energy for nothing": ('damping="5e-4"', 'damping="-5"', "damping -5, expected 0 or more"),
+    "a rail without ends": ('range="-1.8 1.8"', 'range="-inf inf"', "has range -inf"),
+    "one direction": ('ctrlrange="-1 1"', 'ctrlrange="0 1"', "no limit in both directions"),
+    "a timestep of 0": ('timestep="0.002"', 'timestep="0"', "the timestep is 0 s"),
+    "a huge mass": ('mass="1"', 'mass="1e300"', "at most 1e+06 makes sense"),
+    "no room for the upright": ('axis="0 1 0"', 'axis="0 1 0" range="0.1 1"', "the upright, 0 rad"),
     "a second pole": ("</body>", '<body><joint/><geom size="1"/></body></body>', "two joints"),
 }
 
@@ -67,6 +83,20 @@ def test_a_file_like_gymnasiums_is_read():
     # Its pole leans by 1/600 rad at zero, and its joint has a quarter turn on either side of that.
     assert data.upright == pytest.approx(-0.001 / 0.6, rel=1e-3)
     assert robot.lean < data.lean + 1e-12 < 1.5708
+
+
+def test_a_pole_that_hangs_at_zero_is_upright_within_its_range():
+    hanging = PLAIN.replace(
+        'axis="0 1 0"', 'axis="0 1 0" ref="3.14159265358979" range="0 6.2831853"'
+    )
+    _, data = read_cartpole(hanging, "x")
+    assert data.upright == pytest.approx(3.14159265358979)
+    assert data.lean == pytest.approx(1.5707963)
+
+
+def test_a_name_stays_on_its_line():
+    robot, _ = read_cartpole(PLAIN.replace('model="cartpole"', 'model="a&#10;b"'), "x")
+    assert robot.name == r"a\nb"
 
 
 def test_a_walker_is_none(tmp_path):

@@ -1,6 +1,7 @@
 """A run of a cart-pole from training to its page, and what is refused of it."""
 
 import json
+import os
 import re
 import shutil
 from dataclasses import replace
@@ -13,6 +14,7 @@ import pytest
 
 import neuralgaits as ng
 from neuralgaits.analysis.run import open_run
+from neuralgaits.certificate.proof_file.check import CheckResult
 from neuralgaits.certificate.proof_file.reader import read_claims
 from neuralgaits.certificate.proof_file.run_match import differences
 from neuralgaits.certificate.proof_file.sampled_bounds import first_broken_bound
@@ -22,14 +24,22 @@ from neuralgaits.errors import InputError, RunError
 from neuralgaits.programs import POINT, evaluate
 from neuralgaits.records.certified import PROOF, CertificateRecord
 from neuralgaits.runs import RunFolder
+from neuralgaits.runs.names import WEIGHTS
+from neuralgaits.systems.cartpole import cartpole_certify as certify_module
 from neuralgaits.systems.cartpole.balancing import margins
 from neuralgaits.systems.cartpole.cartpole_certify import certify_cartpole, trace_conditions
 from neuralgaits.systems.cartpole.cartpole_export import export_cartpole
 from neuralgaits.systems.cartpole.cartpole_report import FILE, report_cartpole
-from neuralgaits.systems.cartpole.cartpole_run import open_cartpole
-from neuralgaits.systems.cartpole.cartpole_simulate import simulate_cartpole, trace_of
+from neuralgaits.systems.cartpole.cartpole_run import open_cartpole, widths
+from neuralgaits.systems.cartpole.cartpole_simulate import (
+    Trace,
+    settling_time,
+    simulate_cartpole,
+    trace_of,
+)
 from neuralgaits.systems.cartpole.cartpole_theorem import conclude
-from neuralgaits.systems.cartpole.ellipsoid import direction
+from neuralgaits.systems.cartpole.conclusions import with_cartpole_levels
+from neuralgaits.systems.cartpole.ellipsoid import Ball, direction
 from neuralgaits.systems.cartpole.mjcf import read_cartpole
 from neuralgaits.systems.cartpole.state_regions import CONDITIONS
 from neuralgaits.systems.cartpole.stated import stated_bounds
@@ -201,3 +211,79 @@ def test_the_command_line_trains_and_proves(tmp_path, monkeypatch, capfd):
     assert main(["simulate", "latest"]) == 0
     assert main(["export", "latest", "--out", "c"]) == 0
     assert main(["report", "latest"]) == 0
+
+
+def test_a_rate_that_is_not_above_0_promises_nothing(cartpole_run, cartpole_certificate, tmp_path):
+    held = dict.fromkeys(CONDITIONS, 1.0)
+    assert [one.proved for one in conclude(held, -5.0)] == [True, False]
+    run = shutil.copytree(cartpole_run.path, tmp_path / "run")
+    config = json.loads((run / "config.json").read_text())
+    (run / "config.json").write_text(json.dumps(config | {"rate": -5.0}))
+    with pytest.raises(RunError, match="rate: expected a number above 0"):
+        open_cartpole(run)
+    (run / "config.json").write_text(json.dumps(config | {"rate": 5}))
+    assert open_cartpole(run).config.rate == 5.0
+    claims = read_claims(run / PROOF)
+    other = replace(claims, model=dict(claims.model or {}) | {"rate": (-5.0).hex()})
+    report = CheckResult("proved", None, (), (), (), 1, holds=True)
+    assert with_cartpole_levels(report, claims).levels
+    assert with_cartpole_levels(report, other).verdict == "rejected"
+
+
+def test_a_refuted_run_keeps_no_proof(cartpole_run, cartpole_certificate, tmp_path, monkeypatch):
+    run = open_cartpole(shutil.copytree(cartpole_run.path, tmp_path / "run"))
+    broken = replace(run, config=replace(run.config, rate=50.0))
+    monkeypatch.setattr(certify_module, "stated_bounds", lambda *_: dict.fromkeys(CONDITIONS, 1.0))
+    done = certify_cartpole(broken, budget=5.0)
+    assert done.verdict == "refuted" and "stays" not in (done.reason or "")
+
+
+def test_a_set_is_a_lower_triangular_matrix(cartpole_run, tmp_path):
+    run = shutil.copytree(cartpole_run.path, tmp_path / "run")
+    controller, shape = cartpole_run.controller, np.array(cartpole_run.controller.ball.shape)
+    for place, value in (((0, 3), 0.05), ((1, 1), -0.1), ((2, 2), 0.0)):
+        other = shape.copy()
+        other[place] = value
+        RunFolder.open(run).write_tree(WEIGHTS, replace(controller, ball=Ball(other)))
+        with pytest.raises(RunError, match="lower triangular"):
+            open_cartpole(run)
+
+
+def test_a_proof_of_other_numbers_is_not_stated(cartpole_run, cartpole_certificate, tmp_path):
+    run = open_cartpole(shutil.copytree(cartpole_run.path, tmp_path / "run"))
+    program, table = trace_conditions(run), json.loads((run.path / PROOF).read_text())
+    assert stated_bounds(run, program) is not None
+    table["model"]["rate"] = (4.0).hex()
+    (run.path / PROOF).write_text(json.dumps(table))
+    assert stated_bounds(run, program) is None
+
+
+def test_the_page_measures_the_set_itself(cartpole_run, tmp_path):
+    run = shutil.copytree(cartpole_run.path, tmp_path / os.fsdecode(b"run\xff"))
+    summary = json.loads((run / "summary.json").read_text())
+    (run / "summary.json").write_text(json.dumps(summary | {"widths": [9.0], "margins": {}}))
+    report_cartpole(open_cartpole(run))
+    text = (run / FILE).read_text()
+    assert f"cart up to {widths(cartpole_run.controller)[0]:.3g} m" in text
+
+
+def test_exported_words_are_those_of_the_proof_file(cartpole_run, cartpole_certificate, tmp_path):
+    with_proof, without = tmp_path / "with", tmp_path / "without"
+    run = shutil.copytree(cartpole_run.path, tmp_path / "run")
+    export_cartpole(open_cartpole(run), with_proof)
+    assert "states level 3" in (with_proof / "cartpole.h").read_text()
+    shutil.rmtree(run / "certificate")
+    export_cartpole(open_cartpole(run), without)
+    assert "Nothing is proved" in (without / "cartpole.h").read_text()
+
+
+def test_a_radius_that_is_no_number_is_not_at_rest():
+    nothing = np.full(3, np.nan)
+    assert settling_time(Trace(np.arange(3.0), np.zeros((3, 4)), nothing, nothing)) is None
+
+
+def test_an_interrupted_training_is_trained_again(cartpole_run, tmp_path):
+    run = shutil.copytree(cartpole_run.path, tmp_path / "run")
+    (run / "summary.json").unlink()
+    with pytest.raises(RunError, match="train it again"):
+        open_cartpole(run)

@@ -17,6 +17,7 @@ from neuralgaits.barriers.conditions import AbstractCondition
 from neuralgaits.errors import SpecError
 from neuralgaits.gait import Point, ZeroDynamics
 from neuralgaits.gait.gaits import Gait
+from neuralgaits.gait.zero_coordinates import position_of
 
 LEVEL = 0.5
 """Level of the tube's centre line (0 lower fence, 1 upper)."""
@@ -53,7 +54,7 @@ def middle_of(gait: Gait, zd: ZeroDynamics) -> Middle:
         along = steady.slope(point.z, point.dz)
         low, high = steady.tube.fences(phase)
         error = (along - jnp.mean(steady.tube.fence_slopes(phase))) / (high - low)
-        return error, point.dz[0], point.foot[0], steady.level(point.z_after)
+        return error, position_of(point.dz), point.foot[0], steady.level(point.z_after)
 
     errors, rates, ahead, levels = jax.vmap(at)(phases)
     time = jnp.sum(jnp.asarray(0.5 * WEIGHTS, dtype) / rates[:-1]) * steady.stride

@@ -17,6 +17,7 @@ from neuralgaits.errors import SpecError
 from neuralgaits.gait import Point, ZeroDynamics
 from neuralgaits.gait.gaits import Gait
 from neuralgaits.gait.tubes import LEAST_ZETA
+from neuralgaits.gait.zero_coordinates import position_of
 
 
 @dataclass(frozen=True)
@@ -181,7 +182,7 @@ class TubeWidth(AbstractCondition):
     def margins(self, gait: Gait, zd: ZeroDynamics, point: Point) -> Float[Array, "..."]:
         """Return the relative width minus the least."""
         del zd
-        phase = gait.phase(point.z[0])
+        phase = gait.phase(position_of(point.z))
         low, high = jnp.sqrt(2.0 * gait.tube.fences(phase))
         return 2.0 * (high - low) / (high + low) - self.least
 
@@ -197,5 +198,5 @@ class FencesApart(AbstractCondition):
     def margins(self, gait: Gait, zd: ZeroDynamics, point: Point) -> Float[Array, "2"]:
         """Return the lower fence and the gap beyond the least, in the unit of zeta."""
         del zd
-        low, high = gait.tube.values(gait.phase(point.z[0]))
+        low, high = gait.tube.values(gait.phase(position_of(point.z)))
         return jnp.stack([low, high - low]) - LEAST_ZETA

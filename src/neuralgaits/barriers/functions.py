@@ -11,6 +11,7 @@ from neuralgaits.barriers import feet_quantities, quantities
 from neuralgaits.barriers.quantity_words import quantity
 from neuralgaits.errors import SpecError
 from neuralgaits.gait import Point
+from neuralgaits.gait.zero_coordinates import momentum_of, position_of
 from neuralgaits.robots.dynamics import (
     hip_position,
     hip_velocity,
@@ -110,7 +111,7 @@ def hip_speed(p: Point) -> Scalar:
 @quantity("forward speed of the hip, linearised", "m/s", gist="a hip that always moves forward")
 def forward_rate(p: Point) -> Scalar:
     """Rate of the linearised hip position dz1 [m/s]."""
-    return p.dz[0]
+    return position_of(p.dz)
 
 
 @quantity("transversal inertia, at 0 of which the theory ends", "kg m")
@@ -122,25 +123,25 @@ def transversal_inertia(p: Point) -> Scalar:
 @quantity("z1", "m")
 def hip_state(p: Point) -> Scalar:
     """z1 [m], for bounds on z."""
-    return p.z[0]
+    return position_of(p.z)
 
 
 @quantity("z2", "kg m²/s")
 def momentum(p: Point) -> Scalar:
     """z2 [kg m^2/s], for bounds on z."""
-    return p.z[1]
+    return momentum_of(p.z)
 
 
 @quantity("z1 after touchdown plus z1 before", "m")
 def reset_hip_sum(p: Point) -> Scalar:
     """z1 after the reset plus z1 before: 0 for a symmetric step [m]. Paper Table 1."""
-    return p.z_after[0] + p.z[0]
+    return position_of(p.z_after) + position_of(p.z)
 
 
 @quantity("z1 after touchdown", "m")
 def reset_hip(p: Point) -> Scalar:
     """Return z1 after the reset [m]."""
-    return p.z_after[0]
+    return position_of(p.z_after)
 
 
 @quantity(

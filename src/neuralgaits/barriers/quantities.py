@@ -14,6 +14,7 @@ import numpy as np
 from neuralgaits._types import Actuated, Array, Float, Scalar
 from neuralgaits.barriers.quantity_words import quantity
 from neuralgaits.gait import Point
+from neuralgaits.gait.zero_coordinates import momentum_of, position_of
 
 Quantity = Callable[[Point], Float[Array, "..."]]
 """Function of the point data, from which a condition is built."""
@@ -27,7 +28,7 @@ SIGNS = {"lower": "negative", "upper": "positive"}
 def arc(p: Point, clearance: float) -> Scalar:
     """Return the height 4 t (1 - t) clearance at the phase t of the step [m]."""
     start, guard = p.policy.z1_range
-    phase = (p.z[0] - start) / (guard - start)
+    phase = (position_of(p.z) - start) / (guard - start)
     return clearance * 4.0 * phase * (1.0 - phase)
 
 
@@ -243,7 +244,7 @@ class ParabolicClearance:
 
     def __call__(self, p: Point) -> Scalar:
         """Return the foot's height minus the parabola plus the slack [m]."""
-        x = p.z[0] / self.half_width
+        x = position_of(p.z) / self.half_width
         return p.foot[1] - self.height * (1.0 - x * x) + self.slack
 
 
@@ -260,6 +261,6 @@ class OrbitalEnergy:
 
     def __call__(self, p: Point) -> Scalar:
         """Return the orbital energy minus the tilt [m^2/s^2]."""
-        speed = p.z[1] / (p.robot.mass * self.height)
-        falling = (p.robot.gravity / self.height) * p.z[0] * p.z[0]
-        return speed * speed - falling - self.tilt * p.z[0]
+        speed = momentum_of(p.z) / (p.robot.mass * self.height)
+        falling = (p.robot.gravity / self.height) * position_of(p.z) * position_of(p.z)
+        return speed * speed - falling - self.tilt * position_of(p.z)

@@ -26,6 +26,7 @@ from neuralgaits.control.measurement import (
 )
 from neuralgaits.control.momentum import zero_state
 from neuralgaits.control.stance import StanceState
+from neuralgaits.gait.zero_coordinates import momentum_of
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.robots.dynamics import angular_momentum, hip_velocity
 
@@ -120,7 +121,7 @@ def estimate(
     # changed, and otherwise the momentum as it was left.
     q, dq = coordinates(robot, last, leg)
     z, dz = zero_state(robot, q, dq, stance_foot_velocity(robot, q, dq, last))
-    falling = dz[1] if ankle is None else dz[1] + ankle
+    falling = momentum_of(dz) if ankle is None else momentum_of(dz) + ankle
     usual, quick = estimator.joint_gains(period_s)
     gains = jnp.where(standing.since_touchdown < estimator.quick_s, quick, usual)
     rates = last.rates + period_s * known.accelerations
@@ -136,7 +137,7 @@ def estimate(
     )
     q, _ = coordinates(robot, now, leg)
     actuated = stance_joints(robot, now.rates, leg)
-    dq, hip = pinned(robot, q, actuated, z[1] + period_s * falling, push * missed)
+    dq, hip = pinned(robot, q, actuated, momentum_of(z) + period_s * falling, push * missed)
     now = now._replace(dpitch=pitch_rate(robot, dq, leg), hip_velocity=hip)
     after = EstimatorState(now, known.accelerations + gains[2] * error, jnp.ones((), bool))
     first = EstimatorState(reading, jnp.zeros_like(known.accelerations), jnp.ones((), bool))

@@ -11,7 +11,7 @@ import jax.numpy as jnp
 from neuralgaits._types import Actuated, Coordinates, Scalar, ZeroState
 from neuralgaits.control.law import Desired, MeasuredState, Outputs
 from neuralgaits.gait.policy import OutputJet
-from neuralgaits.gait.zero_coordinates import ZeroCoordinates, combined
+from neuralgaits.gait.zero_coordinates import ZeroCoordinates, combined, momentum_of
 from neuralgaits.robots import PlanarBiped
 
 # Smallest |momentum per unit ddz1| that is divided by, in units of mass times leg length. A walk
@@ -43,8 +43,9 @@ def impact_consistent_rates(
     Returns: `MeasuredState`, its dq and dz1 replaced.
     """
     slope, by_momentum = _jet(outputs, reading.z).jacobian.T
-    dq, dz1 = _balanced(robot, reading, slope, by_momentum * reading.dz[1], reading.z[1])
-    return reading._replace(dq=dq, dz=jnp.stack([dz1, reading.dz[1]]))
+    falling, momentum = momentum_of(reading.dz), momentum_of(reading.z)
+    dq, dz1 = _balanced(robot, reading, slope, by_momentum * falling, momentum)
+    return reading._replace(dq=dq, dz=jnp.stack([dz1, falling]))
 
 
 def inverse_dynamics(

@@ -9,6 +9,7 @@ from neuralgaits.gait.network import movable
 from neuralgaits.gait.policy import AbstractPolicy
 from neuralgaits.gait.reset_residual import ResetCorrection
 from neuralgaits.gait.tubes import Number, Tube
+from neuralgaits.gait.zero_coordinates import momentum_of, position_of
 from neuralgaits.robots import PlanarBiped
 
 
@@ -82,23 +83,23 @@ class Gait(eqx.Module):
 
     def pace(self, dz: ZeroState) -> Scalar:
         """Rate of the phase at a rate of z [1/s]."""
-        return dz[0] / self.stride
+        return position_of(dz) / self.stride
 
     def slope(self, z: ZeroState, dz: ZeroState) -> Scalar:
         """D zeta / d phase along a flow, with zeta = z2^2 / 2 [(kg m^2/s)^2]."""
-        return z[1] * dz[1] * self.stride / dz[0]
+        return momentum_of(z) * momentum_of(dz) * self.stride / position_of(dz)
 
     def inward(self, z: ZeroState, dz: ZeroState) -> tuple[Scalar, Scalar]:
         """Slope of a flow against the lower and the upper fence, in tube widths per phase."""
-        phase, along = self.phase(z[0]), self.slope(z, dz)
+        phase, along = self.phase(position_of(z)), self.slope(z, dz)
         low, high = self.tube.fences(phase)
         low_slope, high_slope = self.tube.fence_slopes(phase)
         return (along - low_slope) / (high - low), (high_slope - along) / (high - low)
 
     def level(self, z: ZeroState) -> Scalar:
         """Level of a state between the fences: 0 on the lower, 1 on the upper."""
-        low, high = self.tube.fences(self.phase(z[0]))
-        return (0.5 * z[1] * z[1] - low) / (high - low)
+        low, high = self.tube.fences(self.phase(position_of(z)))
+        return (0.5 * momentum_of(z) * momentum_of(z) - low) / (high - low)
 
     def match_impact(self, robot: PlanarBiped, reset_residual: ResetCorrection = None) -> "Gait":
         """Recompute everything that follows from robot and parameters."""

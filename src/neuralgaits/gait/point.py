@@ -18,7 +18,13 @@ from neuralgaits.gait.policy import (
     refuse_other_joints,
 )
 from neuralgaits.gait.reset_residual import ResetCorrection, rates_after
-from neuralgaits.gait.zero_coordinates import ZeroCoordinates, combined, product, solved
+from neuralgaits.gait.zero_coordinates import (
+    ZeroCoordinates,
+    combined,
+    momentum_of,
+    product,
+    solved,
+)
 from neuralgaits.robots import Impact, PlanarBiped, dynamics
 from neuralgaits.robots import impact as impacts
 
@@ -310,7 +316,7 @@ class Point:
         if self.reset_residual is None:
             return after
         correction = self.reset_residual(self.z)
-        dq = rates_after(self.robot, after.q, after.dq, correction, self.z[1])
+        dq = rates_after(self.robot, after.q, after.dq, correction, momentum_of(self.z))
         return after._replace(dq=dq)
 
     @cached_property
@@ -320,7 +326,7 @@ class Point:
         momentum = impacts.momentum_after(self.robot, self.q, self.dq)
         z1, z2 = self.robot.hip_gradient @ q_new, -momentum[0]
         if self.reset_residual is not None:
-            z2 = z2 + self.reset_residual(self.z).momentum * self.z[1]
+            z2 = z2 + self.reset_residual(self.z).momentum * momentum_of(self.z)
         return jnp.stack([z1, z2])
 
     @cached_property

@@ -7,7 +7,7 @@ section 5.
 """
 
 from dataclasses import dataclass
-from typing import Protocol, runtime_checkable
+from typing import Any, Protocol, runtime_checkable
 
 import jax.numpy as jnp
 
@@ -44,6 +44,16 @@ class Mechanism(Protocol):
         on such momenta only: on others, dq would follow from rates that follow from dq.
         """
         ...
+
+
+def position_of(z: ZeroState) -> Any:
+    """Return the position of a state with one, or its rate: a scalar of the state's own kind."""
+    return z[0]
+
+
+def momentum_of(z: ZeroState) -> Any:
+    """Return the momentum of a state with one, or its rate: a scalar of the state's own kind."""
+    return z[1]
 
 
 @dataclass(frozen=True)

@@ -16,6 +16,7 @@ from neuralgaits.barriers import Barrier, Gait, GaitSpec, Pointwise
 from neuralgaits.barriers import functions as f
 from neuralgaits.barriers.hzd import empty_tube
 from neuralgaits.gait import BezierPolicy, ZeroDynamics
+from neuralgaits.gait.zero_coordinates import momentum_of, position_of
 from neuralgaits.programs import Program, evaluate
 from neuralgaits.programs.algebras.symbols import SymbolAlgebra
 from neuralgaits.programs.tracing.tracer import trace
@@ -83,9 +84,10 @@ def transcribe(casadi: Any, robot: PlanarBiped, spec: GaitSpec, degree: int) -> 
         zd, gait, point = point_of(rows, ends, phase, zeta)
         length = ends[1] - ends[0]
         margins = {c.name: c.margins(gait, zd, point) / c.scale for c in kept if c.name in asked}
+        pace, momentum, falling = position_of(point.dz), momentum_of(point.z), momentum_of(point.dz)
         return margins | {
-            "slope": point.z[1] * point.dz[1] * length / (point.dz[0] * unit),
-            "pace": length / point.dz[0],
+            "slope": momentum * falling * length / (pace * unit),
+            "pace": length / pace,
             "power": point.torque * point.dq[1:],
         }
 
@@ -94,8 +96,8 @@ def transcribe(casadi: Any, robot: PlanarBiped, spec: GaitSpec, degree: int) -> 
         margins = {c.name: c.margins(gait, zd, point) / c.scale for c in at_guard}
         return margins | {
             "foot": point.foot,
-            "z1": point.z_after[0],
-            "zeta": 0.5 * point.z_after[1] ** 2 / unit,
+            "z1": position_of(point.z_after),
+            "zeta": 0.5 * momentum_of(point.z_after) ** 2 / unit,
             "outputs": f.output_mismatch(point),
             "rates": f.rate_mismatch(point),
         }

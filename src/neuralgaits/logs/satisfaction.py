@@ -18,7 +18,7 @@ from neuralgaits._types import Actuated, Array, Bool, Coordinates, Float
 from neuralgaits.barriers import Gait, GaitSpec
 from neuralgaits.barriers.conditions import AbstractCondition, Barrier, Pointwise
 from neuralgaits.gait import Point
-from neuralgaits.gait.zero_coordinates import ZeroCoordinates
+from neuralgaits.gait.zero_coordinates import ZeroCoordinates, position_of
 from neuralgaits.logs.strides import SETTLING_S
 from neuralgaits.logs.walk_table import Log
 from neuralgaits.robots import PlanarBiped
@@ -149,7 +149,7 @@ def _judge_of(conditions: tuple[Pointwise | Barrier, ...]):
             q, dq, torque = jnp.split(values, [robot.n, 2 * robot.n])
             row = _measured(robot, gait, q, dq, torque)
             held = [jnp.all(condition.function(row) >= 0.0) for condition in conditions]
-            chart = jnp.stack([gait.phase(row.z[0]), gait.level(row.z)])
+            chart = jnp.stack([gait.phase(position_of(row.z)), gait.level(row.z)])
             return chart, jnp.stack(held)
 
         return jax.vmap(one)(rows)

@@ -16,6 +16,7 @@ from neuralgaits._quick_jit import quick_filter_jit
 from neuralgaits._types import Array, Float
 from neuralgaits.gait import ZeroDynamics
 from neuralgaits.gait.reset_residual import ResetResidual
+from neuralgaits.gait.zero_coordinates import momentum_of, position_of
 from neuralgaits.logs import Touchdowns
 from neuralgaits.residual.shooting import Rate, model_rate, shoot
 
@@ -101,11 +102,11 @@ def _want(
 
     def one(z, missed, eta):
         point = zd.point(z)
-        z_after = jnp.stack([point.z_after[0], point.z_after[1] + missed[1]])
+        z_after = jnp.stack([position_of(point.z_after), momentum_of(point.z_after) + missed[1]])
         # Positions are only relabelled: what y holds came with the robot.
         still = jnp.concatenate([jnp.zeros(m), eta[m:]])
         rates = zd.phi_inv(z_after, still)[-m:] - point.impact.dq[1:]
-        return jnp.concatenate([missed[1:], rates]) / z[1]
+        return jnp.concatenate([missed[1:], rates]) / momentum_of(z)
 
     return jax.vmap(one)(z, missed, eta)
 

@@ -71,6 +71,9 @@ def unfinished(folder: RunFolder) -> str:
             f"ended in NaN, {folder.path}: mend the condition whose formula is not finite, if "
             "there is one, or train with another --seed"
         )
+    if "family" in folder.config:
+        # Of systems beside walkers, trainings of seconds, none goes on.
+        return f"has not ended, {folder.path}: train it again"
     return f"has not ended, {folder.path}: continue it with `{resuming(folder.path)}`"
 
 

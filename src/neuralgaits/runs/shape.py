@@ -71,6 +71,15 @@ def _share(value: Any) -> str | None:
 
 SHARE = _share
 """Shape of a part of a whole."""
+
+
+def _positive(value: Any) -> str | None:
+    fits = NUMBER(value) is None and 0.0 < value < float("inf")
+    return None if fits else _found("a number above 0", value)
+
+
+POSITIVE = _positive
+"""Shape of a finite number above 0."""
 COUNT = whole(0, 2**53)
 """Shape of any count in this program's files."""
 

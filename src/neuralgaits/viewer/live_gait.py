@@ -10,6 +10,7 @@ from neuralgaits.analysis.point_evaluator import ENDS, PlaneChart, PointEvaluato
 from neuralgaits.analysis.run import Run
 from neuralgaits.control.law_by_name import law_named
 from neuralgaits.errors import InputError
+from neuralgaits.gait.zero_coordinates import momentum_of
 from neuralgaits.simulation.live import PERIOD_S, LiveWalk
 from neuralgaits.simulation.native_walk import engine_of_trained
 from neuralgaits.simulation.setup.command_schedule import CommandSchedule
@@ -196,7 +197,7 @@ class LiveGait:
             return "That is no state of the gait."
         with np.errstate(all="ignore"):
             phase, level = (float(value[0]) for value in self.chart.chart(z[None]))
-        if not (0.0 <= phase <= 1.0 and 0.0 <= level <= 1.0 and z[1] > 0.0):
+        if not (0.0 <= phase <= 1.0 and 0.0 <= level <= 1.0 and momentum_of(z) > 0.0):
             return (
                 f"z = ({z[0]:.3f} m, {z[1]:.1f} kg m²/s) is outside of the region: "
                 "click between the two thick curves."

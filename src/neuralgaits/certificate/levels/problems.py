@@ -21,6 +21,7 @@ from neuralgaits.certificate.traced import step_at
 from neuralgaits.errors import SpecError
 from neuralgaits.gait import NO_RESIDUALS, Residuals, ZeroDynamics
 from neuralgaits.gait.policies.commanded_gait import AnyGait
+from neuralgaits.gait.zero_coordinates import momentum_of, position_of
 from neuralgaits.programs import Program
 from neuralgaits.programs.prune import prune
 from neuralgaits.programs.tracing.tracer import trace
@@ -164,7 +165,7 @@ def confirmer(spec: GaitSpec, gait: AnyGait, zd: ZeroDynamics, sets: LevelSets) 
             margin = np.min(set_margins(spec, step, moving, sets, jnp.asarray(u), xi)[name])
         if not margin < 0.0:
             return None
-        state = (float(z[0]), float(z[1]))
+        state = (float(position_of(z)), float(momentum_of(z)))
         return Counterexample(tuple(map(float, u)), state, float(margin))
 
     return confirm

@@ -8,6 +8,7 @@ import numpy as np
 from neuralgaits._types import Actuated, Array, Float, ZeroState
 from neuralgaits.errors import InputError
 from neuralgaits.gait.policy import FreePolicy
+from neuralgaits.gait.zero_coordinates import position_of
 
 
 class BezierPolicy(FreePolicy):
@@ -40,7 +41,7 @@ class BezierPolicy(FreePolicy):
         """Desired actuated joint angles. Returns: [m] (rad)."""
         start, guard = self.start_and_guard
         # About the middle of the step powers cancel less, which single precision feels.
-        place = (2.0 * z[0] - (start + guard)) / (guard - start)
+        place = (2.0 * position_of(z) - (start + guard)) / (guard - start)
         table = _bernstein_in_powers(self.coefficients.shape[1] - 1)
         powers = self.coefficients @ table.astype(self.coefficients.dtype)
         value = powers[:, -1]

@@ -10,6 +10,7 @@ import jax.numpy as jnp
 from neuralgaits._types import Actuated, Array, Float, Scalar, ZeroState
 from neuralgaits.gait.commands import Number
 from neuralgaits.gait.policy import NetworkPolicy
+from neuralgaits.gait.zero_coordinates import position_of
 
 
 class StepPolicy(NetworkPolicy):
@@ -31,7 +32,7 @@ class StepPolicy(NetworkPolicy):
 
     def __call__(self, z: ZeroState) -> Actuated:
         """Desired actuated joint angles. Returns: [m] (rad)."""
-        phase = self.phase(z[0])
+        phase = self.phase(position_of(z))
         inputs = self.inputs(z)
         if not self.z2_dependence:
             inputs = jnp.stack([inputs[0], jnp.zeros_like(inputs[0])])

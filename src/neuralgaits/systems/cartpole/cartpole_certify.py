@@ -5,7 +5,6 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
-from typing import Any
 
 import jax.numpy as jnp
 import numpy as np
@@ -29,9 +28,10 @@ from neuralgaits.records.certified import PROOF, CertificateRecord, ConditionVer
 from neuralgaits.runs.names import ROBOT, SPEC, WEIGHTS
 from neuralgaits.runs.plain import to_json
 from neuralgaits.systems.cartpole.balancing import margins
-from neuralgaits.systems.cartpole.cartpole_run import CartPoleRun, arrays_of
+from neuralgaits.systems.cartpole.cartpole_run import CartPoleRun
 from neuralgaits.systems.cartpole.cartpole_theorem import conclude
 from neuralgaits.systems.cartpole.ellipsoid import direction
+from neuralgaits.systems.cartpole.proof_model import model_data
 from neuralgaits.systems.cartpole.state_regions import AXES, CHART, CONDITIONS, REGIONS
 from neuralgaits.systems.cartpole.stated import stated_bounds
 
@@ -80,7 +80,8 @@ def certify_cartpole(
     files = {PROOF: proof_of(run, program, statements).content()} if statements else {}
     found = _summary(run, verdicts, bounds, files, level, start_time, states)
     before = _level_of(stated_bounds(run, program) or {}, run.config.rate)
-    if before > found.proved_level:
+    # A condition that is broken somewhere is stated by no true proof.
+    if before > found.proved_level and found.verdict != "refuted":
         # A search that came to less, or was asked for less, leaves the proof that is there.
         kept = f"the proof of level {before} from before stays"
         reason = "; ".join(filter(None, (found.reason, kept)))
@@ -125,43 +126,6 @@ def proof_of(run: CartPoleRun, program: Program, statements: tuple[StatementReco
         statements,
         model=model_data(run, program),
     )
-
-
-def model_data(run: CartPoleRun, program: Program) -> dict[str, Any]:
-    """Return the object "model" of a proof: the numbers of file and run, nothing derived."""
-    arrays = {
-        owner: {
-            name: _array(f"{owner}.{name}", np.asarray(value, dtype=np.float64), program)
-            for name, value in own.items()
-        }
-        for owner, own in arrays_of(run.controller).items()
-    }
-    return {
-        "family": run.config.family,
-        "robot": {name: x.hex() for name, x in run.data.numbers().items()},
-        **{owner.removeprefix("controls."): own for owner, own in arrays.items()},
-        "rate": run.config.rate.hex(),
-        "regions": {
-            name: [{"low": _hex(low), "high": _hex(high)} for low, high in boxes]
-            for name, boxes in REGIONS.items()
-        },
-        "conditions": {
-            name: {"kind": "Margin", "region": region, "scale": 1.0}
-            for name, region in CONDITIONS.items()
-        },
-    }
-
-
-def _array(name: str, array: np.ndarray, program: Program) -> dict[str, Any]:
-    """Return an array as the name of an identical constant of the Program, else as numbers."""
-    known = program.parameters.get(name)
-    if known is not None and known.tobytes() == array.tobytes():
-        return {"constant": name}
-    return {"shape": list(array.shape), "values": _hex(array.ravel())}
-
-
-def _hex(values: Sequence[float] | np.ndarray) -> list[str]:
-    return [float(value).hex() for value in values]
 
 
 def _counterexample(run: CartPoleRun, name: str, u: np.ndarray) -> Counterexample | None:

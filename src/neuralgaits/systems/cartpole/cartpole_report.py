@@ -7,6 +7,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from neuralgaits._digits import at_least
+from neuralgaits._printable import printable
 from neuralgaits.records.record import Count, Record
 from neuralgaits.report.drawing import style
 from neuralgaits.report.drawing.figure import svg
@@ -15,7 +16,7 @@ from neuralgaits.report.page.markup import Html, items, join, paragraph, tag
 from neuralgaits.runs import write_text
 from neuralgaits.runs.atomic import refuse_unwritable
 from neuralgaits.systems.cartpole.cartpole_certify import trace_conditions
-from neuralgaits.systems.cartpole.cartpole_run import CartPoleRun
+from neuralgaits.systems.cartpole.cartpole_run import CartPoleRun, widths
 from neuralgaits.systems.cartpole.cartpole_simulate import Trace, starts, trace_of
 from neuralgaits.systems.cartpole.cartpole_theorem import conclude
 from neuralgaits.systems.cartpole.state_regions import CONDITIONS
@@ -57,22 +58,25 @@ def report_cartpole(run: CartPoleRun, out: Path | None = None) -> CartPoleReport
         ]
     )
     header = tag("header", tag("h1", f"{run.config.robot}: a cart-pole"))
-    text = whole(run.config.robot, header, tag("main", main), str(run.path), ())
+    text = whole(run.config.robot, header, tag("main", main), printable(run.path), ())
     write_text(place, text)
     return CartPoleReport(run=str(run.path), report=str(place), bytes=len(text.encode()))
 
 
 def _about(run: CartPoleRun) -> Html:
     done, robot = run.summary, run.robot
-    x, theta, velocity, turning = done.widths
+    x, theta, velocity, turning = widths(run.controller)
     lines = [
         f"Set: cart up to {x:.3g} m from the middle of a rail of +-{robot.rail:g} m, pole up to "
         f"{np.degrees(theta):.3g} degrees from the upright, at up to {velocity:.3g} m/s and "
         f"{turning:.3g} rad/s.",
         f"Force limit: {robot.force_limit:g} N.",
-        f"At {done.samples} random states the smallest margin of {len(done.margins)} conditions "
-        f"is {min(done.margins.values()):.3g}.",
     ]
+    if done.margins:
+        lines.append(
+            f"Recorded in training: at {done.samples} random states the smallest margin of "
+            f"{len(done.margins)} conditions is {min(done.margins.values()):.3g}."
+        )
     return tag("section", tag("h2", "Run"), items(lines))
 
 

@@ -11,8 +11,9 @@ from typing import Any
 
 from neuralgaits.errors import NeuralGaitsError
 from neuralgaits.runs import plain, write_text
-from neuralgaits.systems.cartpole.cartpole_certify import model_data, trace_conditions
+from neuralgaits.systems.cartpole.cartpole_certify import trace_conditions
 from neuralgaits.systems.cartpole.cartpole_run import open_cartpole
+from neuralgaits.systems.cartpole.proof_model import model_data
 from neuralgaits.systems.cartpole.state_regions import CHART
 
 

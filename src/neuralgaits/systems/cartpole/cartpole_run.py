@@ -1,7 +1,7 @@
 """Runs of cart-poles: what was asked of a training, and a run, opened."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -15,16 +15,19 @@ from neuralgaits.records.training_config import Seed, Steps
 from neuralgaits.runs import RunFolder, resolve
 from neuralgaits.runs.json_files import refuse_misshapen
 from neuralgaits.runs.names import CONFIG, ROBOT, SUMMARY, WEIGHTS
-from neuralgaits.runs.shape import whole
+from neuralgaits.runs.shape import POSITIVE, whole
 from neuralgaits.systems.cartpole.balancing import Controller
+from neuralgaits.systems.cartpole.cartpole_data import CartPoleData
 from neuralgaits.systems.cartpole.cartpole_model import CartPole
 from neuralgaits.systems.cartpole.ellipsoid import Ball
-from neuralgaits.systems.cartpole.mjcf import CartPoleData, read_cartpole
+from neuralgaits.systems.cartpole.mjcf import read_cartpole
 from neuralgaits.systems.cartpole.velocity_policy import Controls, ErrorDecay, VelocityPolicy
 
 FAMILY = "cartpole"
 SPEC_NAME = "balancing"
 WIDEST = 256
+LEAST_WIDTH = 1e-9
+"""Least half width of the set along each of its axes (SI units)."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -46,7 +49,7 @@ class CartPoleConfig(Record):
     seed: Seed
     steps: Steps
     width: Annotated[int, whole(1, WIDEST)]
-    rate: float
+    rate: Annotated[float, POSITIVE]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -120,9 +123,24 @@ def open_cartpole(run: str | Path) -> CartPoleRun:
         raise RunError(f"expected the run of a cart-pole, found another's at {folder.path}")
     refuse_misshapen(folder.config, shape_of(CartPoleConfig), folder.path / CONFIG)
     config = build(CartPoleConfig, folder.config)
+    config = replace(config, rate=float(config.rate))
     robot, data = read_cartpole(folder.copy(ROBOT), config.robot)
     controller = folder.read_tree(WEIGHTS, untrained(config.width))
+    refuse_no_ellipsoid(controller, folder)
     return CartPoleRun(folder, config, robot, data, jax.tree.map(np.asarray, controller))
+
+
+def refuse_no_ellipsoid(controller: Controller, folder: RunFolder) -> None:
+    """Refuse weights whose ball is no lower triangular matrix: its radius is solved for by rows.
+
+    Raises: RunError.
+    """
+    shape = np.asarray(controller.ball.shape)
+    if not np.array_equal(shape, np.tril(shape)) or not np.all(np.diag(shape) >= LEAST_WIDTH):
+        raise RunError(
+            f"expected a lower triangular matrix with a diagonal of {LEAST_WIDTH:g} or more for "
+            f"the set in {folder.path / WEIGHTS}, found another: the file was changed; train again"
+        )
 
 
 def untrained(width: int) -> Controller:

@@ -179,7 +179,8 @@ def _jitted(run: CartPoleRun) -> Law:
 
 def settling_time(one: Trace) -> float | None:
     """Return the time after which the radius stays below `AT_REST` [s]; None if it does not."""
-    above = np.flatnonzero(one.radius >= AT_REST)
+    # A radius that is no number is not small.
+    above = np.flatnonzero(~(one.radius < AT_REST))
     if not len(above):
         return 0.0
     return None if above[-1] + 1 == len(one.t) else float(one.t[above[-1] + 1])

@@ -29,6 +29,8 @@ def conclude(
     if open_below:
         stays = Conclusion(2, "undecided", f"{open_below[0]} is not proved")
     left = [*open_below, *(name for name in CONVERGES if _open(bounds, name))]
+    if not rate > 0.0:
+        left = ["a rate above 0"]
     converges = Conclusion(3, "proved", None, _words_of_rate(rate), {"rate_1_s": rate})
     if left:
         converges = Conclusion(3, "undecided", f"{left[0]} is not proved")

@@ -35,8 +35,12 @@ def with_cartpole_levels(report: CheckResult, claims: Claims) -> CheckResult:
     if (claims.asked.regions, regions, claims.chart) != (REGIONS, CONDITIONS, CHART):
         why = "its regions, conditions or chart are not those of a cart-pole's spec"
         return replace(report, verdict="rejected", reason=why, levels=(), holds=False)
+    rate = from_hex(model.get("rate"), "a rate")
+    if not rate > 0.0:
+        why = f"its rate of decay, {rate!r} 1/s, is not above 0"
+        return replace(report, verdict="rejected", reason=why, levels=(), holds=False)
     stated = {name: one.bounds[name] for one in claims.statements for name in one.conditions}
     bounds = {name: stated[name] for name in CONDITIONS if name not in report.unclaimed}
     word = "proved" if report.verdict == "proved" else "consistent"
-    levels = conclude(bounds, from_hex(model.get("rate"), "a rate"))
+    levels = conclude(bounds, rate)
     return replace(report, levels=tuple(replace(one, verdict=word) for one in levels if one.proved))

@@ -4,7 +4,6 @@
 # MuJoCo ships no type stubs.
 
 from collections.abc import Iterator
-from dataclasses import asdict, dataclass
 from importlib import resources
 from pathlib import Path
 from xml.etree import ElementTree
@@ -12,10 +11,13 @@ from xml.etree import ElementTree
 import mujoco
 import numpy as np
 
-from neuralgaits._printable import printable
+from neuralgaits._printable import printable, visible
 from neuralgaits.errors import RobotError
 from neuralgaits.robots.mjcf.compiled import compile_text
+from neuralgaits.robots.mjcf.physical_numbers import refuse_unphysical
 from neuralgaits.robots.mjcf.text import standalone_text
+from neuralgaits.systems.cartpole.against_mujoco import colliding, difference_from_mujoco
+from neuralgaits.systems.cartpole.cartpole_data import CartPoleData
 from neuralgaits.systems.cartpole.cartpole_model import CartPole
 
 BUILT_IN = "cartpole"
@@ -23,66 +25,10 @@ SLIDE, HINGE = int(mujoco.mjtJoint.mjJNT_SLIDE), int(mujoco.mjtJoint.mjJNT_HINGE
 ON_JOINT = (int(mujoco.mjtTrn.mjTRN_JOINT), int(mujoco.mjtTrn.mjTRN_JOINTINPARENT))
 STRAIGHT = 1e-9
 """Largest cosine between directions that are at right angles."""
+SHORTEST_S, LONGEST_S = 1e-5, 0.05
+"""Least and largest timestep: fewer steps a second do not balance, more take for ever."""
 UPRIGHT = 0.5 * np.pi
 """Largest angle from the upright, where the pole is level [rad]."""
-
-
-@dataclass(frozen=True)
-class CartPoleData:
-    """Numbers of a file, in SI units, from which the model is derived; names of its parts.
-
-    Attributes:
-        cart_mass, pole_mass: of the bodies, each with what is welded to it.
-        distance: from the hinge to the pole's centre of mass.
-        pole_inertia: about its centre of mass, around the hinge's axis.
-        cart_armature, pole_armature, cart_damping, pole_damping: of the joints.
-        rail_low, rail_high: range of the slide.
-        lean: room for the hinge on either side of the upright.
-        force_limit: largest force of the motor on the cart.
-        upright: the hinge's angle where the pole is upright.
-        turn: 1 where a positive angle leans the pole forward, along the slide's axis; else -1.
-        gear: force for each unit of control.
-        slide, hinge, motor: names.
-    """
-
-    cart_mass: float
-    pole_mass: float
-    distance: float
-    pole_inertia: float
-    cart_armature: float
-    pole_armature: float
-    cart_damping: float
-    pole_damping: float
-    gravity: float
-    rail_low: float
-    rail_high: float
-    lean: float
-    force_limit: float
-    upright: float
-    turn: float
-    gear: float
-    slide: str
-    hinge: str
-    motor: str
-
-    def numbers(self) -> dict[str, float]:
-        """Return all fields that are numbers, by name."""
-        return {name: x for name, x in asdict(self).items() if isinstance(x, float)}
-
-    def model(self, name: str) -> CartPole:
-        """Return the model that these numbers make."""
-        return CartPole(
-            mass=self.cart_mass + self.pole_mass + self.cart_armature,
-            moment=self.pole_mass * self.distance,
-            inertia=self.pole_inertia + self.pole_mass * self.distance**2 + self.pole_armature,
-            cart_damping=self.cart_damping,
-            pole_damping=self.pole_damping,
-            gravity=self.gravity,
-            rail=0.5 * (self.rail_high - self.rail_low),
-            lean=self.lean,
-            force_limit=self.force_limit,
-            name=name,
-        )
 
 
 def is_cartpole(source: object) -> bool:
@@ -119,12 +65,27 @@ def cartpole_text(source: str | Path) -> tuple[str, str]:
 def read_cartpole(text: str, name: str) -> tuple[CartPole, CartPoleData]:
     """Read a cart-pole from MJCF text. Raises: RobotError with all that stands in the way."""
     model = compile_text(text, name)
+    refuse_unphysical(model)
     if problems := [*_problems_of_tree(model)] or [*_problems(model)]:
         raise RobotError(f"{name} is no cart-pole that can be treated: {'; '.join(problems)}")
     data = _data(model)
     if not data.distance > 0.0:
         raise RobotError(f"{name}: expected the pole's mass away from its hinge, found it there")
-    own = model.names.split(b"\0")[0].decode()
+    if not data.lean > 0.0:
+        low, high = model.jnt_range[parts_of(model)[1]]
+        raise RobotError(
+            f"{name}: expected the upright, {data.upright:.4g} rad, within the range of the pole's "
+            f"hinge, found {low:.4g} to {high:.4g} rad: widen it"
+        )
+    if (found := difference_from_mujoco(model, data, parts_of(model))) is not None:
+        share, x, theta = found
+        raise RobotError(
+            f"{name}: expected the accelerations of a cart-pole from MuJoCo, found others (by "
+            f"{share:.2g} of them at x = {x:.3g} m, theta = {theta:.3g} rad): remove what no "
+            "formula here has, such as contacts, gravcomp, flags that switch forces off, "
+            "polynomials, a joint's margin, and numbers of the motor beside gear and limits"
+        )
+    own = visible(model.names.split(b"\0")[0].decode(errors="replace"))
     return data.model(name if own in ("", "MuJoCo Model") else own), data
 
 
@@ -157,9 +118,7 @@ def _problems(model: mujoco.MjModel) -> Iterator[str]:
     names = {joint: model.joint(joint).name or f"number {joint}" for joint in (slide, hinge)}
     up = -model.opt.gravity
     along, around = _axis(model, slide), _axis(model, hinge)
-    if not np.linalg.norm(up) > 0.0:
-        yield 'gravity is zero: use <option gravity="0 0 -9.81"/>'
-    elif abs(along @ up) > STRAIGHT * np.linalg.norm(up):
+    if abs(along @ up) > STRAIGHT * np.linalg.norm(up):
         yield f'joint {names[slide]} is not level: give it an axis such as "1 0 0"'
     elif max(abs(around @ up) / np.linalg.norm(up), abs(around @ along)) > STRAIGHT:
         yield f'joint {names[hinge]} turns out of the rail\'s plane: use an axis such as "0 1 0"'
@@ -170,13 +129,31 @@ def _problems(model: mujoco.MjModel) -> Iterator[str]:
         for what, value in (
             ("frictionloss", model.dof_frictionloss[dof]),
             ("stiffness", model.jnt_stiffness[joint]),
+            ("a margin", model.jnt_margin[joint]),
         ):
             if value:
                 yield f"joint {name} has {what}, which is not modelled: remove it"
+        for what, value in (
+            ("damping", model.dof_damping[dof]),
+            ("armature", model.dof_armature[dof]),
+        ):
+            if not value >= 0.0:
+                yield f"joint {name} has {what} {value:g}, expected 0 or more: mend that number"
+    if not SHORTEST_S <= model.opt.timestep <= LONGEST_S:
+        yield (
+            f"the timestep is {model.opt.timestep:g} s, expected {SHORTEST_S:g} to {LONGEST_S:g}: "
+            'use <option timestep="0.002"/>'
+        )
+    if (pair := colliding(model)) is not None:
+        yield (
+            f"geoms {pair[0]} and {pair[1]} can collide, which no formula here has: add "
+            '<flag contact="disable"/> to <option>, or contype="0" conaffinity="0" to one'
+        )
     for count, what in (
+        (model.npair, "contact pairs"),
         (model.neq, "equality constraints"),
         (model.ntendon, "tendons"),
-        (model.opt.density + model.opt.viscosity, "air or water"),
+        (model.opt.density != 0.0 or model.opt.viscosity != 0.0, "air or water"),
     ):
         if count:
             yield f"the file has {what}, which no formula here has: remove it"
@@ -202,10 +179,21 @@ def _problems_of_motors(model: mujoco.MjModel, slide: int, names: dict[int, str]
         )
         if not plain:
             yield f"actuator {name} is no plain motor: make it <motor>"
+        elif _delayed(model, motor):
+            yield f"motor {name} has a delay, which no formula here has: remove it"
         elif not 0.0 < _force_limit(model, motor) < np.inf:
-            yield f'motor {name} has no limit: add ctrlrange="-1 1" or its own'
+            yield (
+                f"motor {name} has no limit in both directions, or no gear: add "
+                'ctrlrange="-1 1" or its own, and a gear that is not 0'
+            )
     if on_cart != 1:
         yield f"expected one motor on the cart, found {on_cart}: keep one"
+
+
+def _delayed(model: mujoco.MjModel, motor: int) -> bool:
+    """Return whether a motor acts late; MuJoCo before 3.4 has no delays."""
+    delay = getattr(model, "actuator_delay", None)
+    return delay is not None and bool(delay[motor] != 0.0)
 
 
 def _force_limit(model: mujoco.MjModel, motor: int) -> float:
@@ -259,6 +247,8 @@ def _data(model: mujoco.MjModel) -> CartPoleData:
     lean = UPRIGHT
     if model.jnt_limited[hinge]:
         low, high = model.jnt_range[hinge]
+        # The turn of the upright that is nearest to the range.
+        upright += 2.0 * np.pi * round((0.5 * (low + high) - upright) / (2.0 * np.pi))
         lean = min(lean, upright - low, high - upright)
     slide_dof, hinge_dof = model.jnt_dofadr[slide], model.jnt_dofadr[hinge]
     return CartPoleData(

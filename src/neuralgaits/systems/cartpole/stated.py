@@ -10,7 +10,9 @@ from neuralgaits.certificate.proof_file.sampled_bounds import first_broken_bound
 from neuralgaits.errors import InputError
 from neuralgaits.programs import Program
 from neuralgaits.records.certified import PROOF
+from neuralgaits.runs import plain
 from neuralgaits.systems.cartpole.cartpole_run import CartPoleRun
+from neuralgaits.systems.cartpole.proof_model import model_data
 from neuralgaits.systems.cartpole.state_regions import CHART, CONDITIONS, REGIONS
 
 
@@ -27,7 +29,9 @@ def stated_bounds(run: CartPoleRun, program: Program) -> dict[str, float] | None
         claims = read_claims(run.path / PROOF)
         if claims.asked is None or claims.chart != CHART or claims.asked.regions != REGIONS:
             return None
-        if claims.program_hash != program.hash or differences(claims, run.path):
+        if claims.program_hash != program.hash or claims.model != plain(model_data(run, program)):
+            return None
+        if differences(claims, run.path):
             return None
         if inconsistencies(claims, claims.asked) or first_broken_bound(claims):
             return None

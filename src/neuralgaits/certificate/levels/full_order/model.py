@@ -19,6 +19,7 @@ from neuralgaits.certificate.levels.full_order.theorem import (
 from neuralgaits.errors import SpecError
 from neuralgaits.gait import Point
 from neuralgaits.gait.full_order import FullPoint
+from neuralgaits.gait.zero_coordinates import momentum_of, position_of
 from neuralgaits.robots import PlanarBiped
 
 Vector = Float[Array, " _"]
@@ -187,8 +188,8 @@ class FullOrderModel:
             "foot": point.foot[1],
             "impulse": jnp.stack([normal, cone - tangential, cone + tangential]),
             "after": scaled_coordinates(point.eta_after, self.bandwidth, self.weights),
-            "momentum": point.z_after[1],
-            "landing": self.gait.phase(point.z_after[0]),
+            "momentum": momentum_of(point.z_after),
+            "landing": self.gait.phase(position_of(point.z_after)),
             "reset": self.barriers(point.z_after),
         }
         return {name: jnp.atleast_1d(value) for name, value in found.items()}

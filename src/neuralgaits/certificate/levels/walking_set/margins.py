@@ -20,6 +20,7 @@ from neuralgaits.certificate.chart import PLANE
 from neuralgaits.certificate.levels.walking_set.theorem import WalkingSetConstants
 from neuralgaits.gait import AbstractPolicy, HybridInvariantPolicy, Point, ZeroDynamics
 from neuralgaits.gait.policies.step_ends import END_POINT_MARGIN
+from neuralgaits.gait.zero_coordinates import momentum_of, position_of
 
 
 def margins(
@@ -38,7 +39,7 @@ def margins(
     low, high = jnp.sqrt(2.0 * gait.tube.fences(u[0]))
     found = {
         # C1.
-        "set/forward": jnp.stack([p.dz[0] for p in pushed]) / gait.stride,
+        "set/forward": jnp.stack([position_of(p.dz) for p in pushed]) / gait.stride,
         "set/inertia": transversal_inertia(point),
         # C2.
         "set/fence-lower": jnp.stack([side[0] for side in inward]),
@@ -64,26 +65,32 @@ def margins(
 
 def _reset(gait: Gait, point: Point) -> dict[str, Float[Array, "..."]]:
     """Return margins of the place where the reset lands, in the same tube."""
-    phase = gait.phase(point.z_after[0])
+    phase = gait.phase(position_of(point.z_after))
     level = gait.level(point.z_after)
     return {
         "set/reset-phase": jnp.stack([phase, -phase]),
         # The level does not tell forward from backward: z2 must keep its sign as well.
-        "set/reset-level": jnp.stack([level, 1.0 - level, point.z_after[1] / point.z[1]]),
+        "set/reset-level": jnp.stack([level, 1.0 - level, _kept_momentum(point)]),
     }
+
+
+def _kept_momentum(point: Point) -> Scalar:
+    """Return the momentum after the impact per momentum before."""
+    return momentum_of(point.z_after) / momentum_of(point.z)
 
 
 def _inlet(gait: Gait, point: Point, phase: Scalar) -> dict[str, Float[Array, "..."]]:
     """Return margins of a reset into the next step's tube, independent of its command."""
     then = gait.steady_next
-    ahead = point.z_after[0] - then.span[0]
+    ahead = position_of(point.z_after) - then.span[0]
     low, high = then.tube.fences(0.0)
-    level = (0.5 * point.z_after[1] * point.z_after[1] - low) / (high - low)
+    momentum = momentum_of(point.z_after)
+    level = (0.5 * momentum * momentum - low) / (high - low)
     first, last = gait.tube.fences(0.0)
     steep = gait.tube.fence_slopes(phase) / (last - first)
     return {
         "set/reset-place": jnp.stack([ahead, -ahead]),
-        "set/inlet": jnp.stack([level, 1.0 - level, point.z_after[1] / point.z[1]]),
+        "set/inlet": jnp.stack([level, 1.0 - level, _kept_momentum(point)]),
         "set/stride": jnp.asarray(gait.stride),
         "set/steepness": jnp.concatenate([steep, -steep]),
         "set/within-bounds": _within_bounds(gait.policy),
