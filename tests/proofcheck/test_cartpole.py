@@ -91,6 +91,46 @@ def test_the_second_checker_refuses_a_changed_file(proofcheck, table, tmp_path, 
     assert answer.returncode == code, answer.stdout + answer.stderr
 
 
+FORGED = {
+    "no room for the pole": lambda t: robot(t).update(lean=(-0.1).hex()),
+    "no force": lambda t: robot(t).update(force_limit="0x0p+0"),
+    "weight that pushes up": lambda t: robot(t).update(gravity=(-9.81).hex()),
+    "no weight": lambda t: robot(t).update(gravity="0x0p+0"),
+    "a rotor that is lighter than nothing": lambda t: robot(t).update(pole_armature=(-1.0).hex()),
+    "damping that drives": lambda t: robot(t).update(cart_damping=(-5.0).hex()),
+    "a pole without inertia": lambda t: robot(t).update(pole_inertia=(-1.0).hex()),
+    "a rail of no length": lambda t: robot(t).update(rail_low=robot(t)["rail_high"]),
+    "a number more": lambda t: robot(t).update(wheels=(2.0).hex()),
+    "no rate": lambda t: t["model"].update(rate="0x0p+0"),
+    "a rate of text": lambda t: t["model"].update(rate="fast"),
+    "a policy of another run": lambda t: t["model"]["policy"].update(
+        scale={"shape": [3], "values": [(2.0).hex()] * 3}
+    ),
+    "a set ten times as wide": lambda t: t["model"]["ball"].update(
+        shape={"shape": [4, 4], "values": [(10.0 * (k % 5 == 0)).hex() for k in range(16)]}
+    ),
+    "a set that is no triangle": lambda t: t["model"]["ball"].update(
+        shape={"shape": [4, 4], "values": [(0.05).hex()] * 16}
+    ),
+    "a decay of one number": lambda t: t["model"]["decay"].update(
+        scale={"shape": [1], "values": [(1.0).hex()]}
+    ),
+}
+
+
+def robot(table):
+    return table["model"]["robot"]
+
+
+@pytest.mark.parametrize("name", FORGED)
+def test_the_second_checker_takes_no_forged_model(proofcheck, table, tmp_path, name):
+    spoilt = quick(table)
+    spoilt["statements"] = spoilt["statements"][:1]
+    FORGED[name](spoilt)
+    answer = proofcheck(written(spoilt, tmp_path))
+    assert answer.returncode in (1, 2), answer.stdout + answer.stderr
+
+
 def test_masses_of_another_robot_are_not_proved(proofcheck, table, tmp_path):
     spoilt = copy.deepcopy(table)
     spoilt["model"]["robot"]["distance"] = (2.0).hex()
