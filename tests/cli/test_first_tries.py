@@ -131,7 +131,7 @@ def test_the_doubt_is_a_line_before_training(tmp_path, capfd, monkeypatch, more,
 
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(train, "train_to_the_end", stop)
-    monkeypatch.setattr(train_seeds.SideBySide, "train", stop)
+    monkeypatch.setattr(train_seeds.SeedsInParallel, "train", stop)
     assert main(["train", "amber3m", *asked, *more]) == 2
     first, last = capfd.readouterr().err.splitlines()
     assert doubt in first and "no training here" in last

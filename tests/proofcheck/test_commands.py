@@ -38,7 +38,9 @@ def written(tmp_path_factory) -> str:
     model = model_data(run.robot, gait, spec, program)
     path = tmp_path_factory.mktemp("told") / "proof.json"
     robot, named = {"name": run.robot.name, "sha256": "0"}, {"name": "walking", "sha256": "0"}
-    Proof(robot, named, "0", program, chart, tuple(statements), model=model).write(path)
+    path.write_bytes(
+        Proof(robot, named, "0", program, chart, tuple(statements), model=model).content()
+    )
     return path.read_text()
 
 

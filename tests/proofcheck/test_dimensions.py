@@ -62,7 +62,7 @@ def proved(request, tmp_path_factory) -> Path:
     assert {name for one in statements for name in one.conditions} == {"pace", "energy"}
     path = tmp_path_factory.mktemp("dimensions") / "proof.json"
     named = {"name": "none", "sha256": "0" * 64}
-    Proof(named, named, "0" * 64, problem.program, chart, statements).write(path)
+    path.write_bytes(Proof(named, named, "0" * 64, problem.program, chart, statements).content())
     return path
 
 
@@ -157,7 +157,9 @@ def _written(folder: Path, function: Any, axes: int) -> Path:
     whole = chart.whole((0.0, 0.0), (1.0, 1.0))
     one = StatementRecord(("f",), "tube", {"f": 1.0}, {"f": 0.0}, 2, *whole, "-")
     named = {"name": "none", "sha256": "0" * 64}
-    Proof(named, named, "0" * 64, program, chart, (one,)).write(folder / "proof.json")
+    (folder / "proof.json").write_bytes(
+        Proof(named, named, "0" * 64, program, chart, (one,)).content()
+    )
     return folder / "proof.json"
 
 
@@ -211,7 +213,7 @@ def of_near_speeds(tmp_path_factory) -> Path:
     assert {name for one in statements for name in one.conditions} == {"near"}
     path = tmp_path_factory.mktemp("near") / "proof.json"
     named = {"name": "none", "sha256": "0" * 64}
-    Proof(named, named, "0" * 64, program, chart, statements).write(path)
+    path.write_bytes(Proof(named, named, "0" * 64, program, chart, statements).content())
     return path
 
 

@@ -14,7 +14,7 @@ from neuralgaits.certificate.run_certificate.retrace import retrace_in_subproces
 from neuralgaits.cli.main import main
 from neuralgaits.errors import InputError
 from neuralgaits.runs import RunFolder
-from neuralgaits.systems.families import task_with
+from neuralgaits.systems.family_tasks import task_with
 
 FOLDER = Path(__file__).parent / "pendulums"
 

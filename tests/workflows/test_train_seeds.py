@@ -18,7 +18,7 @@ from neuralgaits.runs import resolve, resolve_unfinished
 from neuralgaits.runs.names import STATE, SUMMARY
 from neuralgaits.training import training_loop
 from neuralgaits.training.trainer import SMALLER, Trainer
-from neuralgaits.workflows import side_by_side
+from neuralgaits.workflows import seeds_in_parallel
 from neuralgaits.workflows import train as train_workflow
 from neuralgaits.workflows.train import train
 from neuralgaits.workflows.train_seeds import train_seeds
@@ -56,7 +56,7 @@ def told():
 def three(often, amber, root, told):
     """Seeds 3, 4 and 5, two at a time."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(side_by_side, "cores", lambda: 2)
+        patch.setattr(seeds_in_parallel, "cores", lambda: 2)
         return ng.train_seeds(
             amber,
             SMALL,
@@ -166,15 +166,15 @@ def test_a_seed_without_a_way_out_is_refused_with_its_reason(amber, root, monkey
 
 
 def test_progress_ends_at_all_steps_though_the_last_seed_is_refused(amber, tmp_path, monkeypatch):
-    monkeypatch.setattr(side_by_side, "cores", lambda: 1)
-    told, whole = [], side_by_side.train_to_the_end
+    monkeypatch.setattr(seeds_in_parallel, "cores", lambda: 1)
+    told, whole = [], seeds_in_parallel.train_to_the_end
 
     def refusing(run, **how):
         if run.asked.seed == 1:
             raise NonFiniteError("no way out")
         return whole(run, **how)
 
-    monkeypatch.setattr(side_by_side, "train_to_the_end", refusing)
+    monkeypatch.setattr(seeds_in_parallel, "train_to_the_end", refusing)
     found = train_seeds(
         amber,
         SMALL,
@@ -194,7 +194,7 @@ def test_ctrl_c_keeps_every_seed_and_says_how_to_go_on(amber, tmp_path, monkeypa
             raise KeyboardInterrupt
 
     # Two threads begin one after the other, or both before that.
-    monkeypatch.setattr(side_by_side, "cores", lambda: 1)
+    monkeypatch.setattr(seeds_in_parallel, "cores", lambda: 1)
     with pytest.raises(Interrupted) as stopped:
         train_seeds(amber, SMALL, seeds=(0, 5), steps=STEPS, root=tmp_path, progress=stop)
     folder = resolve_unfinished("latest", tmp_path)
@@ -213,7 +213,7 @@ def test_ctrl_c_ends_all_threads_and_what_was_begun_can_be_gone_on_with(
         if step > STEPS:
             raise KeyboardInterrupt
 
-    monkeypatch.setattr(side_by_side, "cores", lambda: 2)
+    monkeypatch.setattr(seeds_in_parallel, "cores", lambda: 2)
     out = tmp_path / "out"
     with pytest.raises(Interrupted) as stopped:
         train_seeds(amber, SMALL, seeds=(0, 9), steps=STEPS, out=out, root=tmp_path, progress=stop)
@@ -230,14 +230,14 @@ def test_ctrl_c_ends_all_threads_and_what_was_begun_can_be_gone_on_with(
 @pytest.fixture
 def stopped_after(monkeypatch):
     """Ctrl-C that comes when so many seeds have ended."""
-    whole = side_by_side.SideBySide.train
+    whole = seeds_in_parallel.SeedsInParallel.train
 
     def after(count):
         def train(self, numbers, progress):
             whole(self, numbers[:count], progress)
             raise KeyboardInterrupt
 
-        monkeypatch.setattr(side_by_side.SideBySide, "train", train)
+        monkeypatch.setattr(seeds_in_parallel.SeedsInParallel, "train", train)
 
     return after
 
@@ -277,7 +277,7 @@ def test_ctrl_c_between_seeds_says_what_was_refused_and_what_was_not_begun(
 
 def test_an_error_of_one_ends_all_and_is_raised(amber, tmp_path, monkeypatch):
     """A full disk is nobody's refusal."""
-    monkeypatch.setattr(side_by_side, "cores", lambda: 2)
+    monkeypatch.setattr(seeds_in_parallel, "cores", lambda: 2)
 
     def full(*_):
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))

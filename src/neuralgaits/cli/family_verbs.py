@@ -12,7 +12,7 @@ from neuralgaits.cli.outcome import Outcome
 from neuralgaits.cli.proof_screen import show_proof
 from neuralgaits.cli.screen_tables import show_facts, show_sentence, show_table
 from neuralgaits.records.certified import CertificateRecord
-from neuralgaits.systems.families import task_of
+from neuralgaits.systems.family_tasks import task_of
 from neuralgaits.systems.system_family import VerbResult, Watched
 
 _WAITS = {"simulate": "simulating", "export": "writing it, comparing it", "report": "drawing it"}

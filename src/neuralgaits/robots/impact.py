@@ -1,4 +1,4 @@
-"""Plastic impact of the swing foot with the ground, and relabelling of the legs.
+"""The reset map: plastic impact of the swing foot with the ground, and relabelling of the legs.
 
 The floating-base robot meets the ground with its swing foot; the old stance foot is free to
 leave; the impulse acts on the new stance foot alone. Momentum conjugate to every other

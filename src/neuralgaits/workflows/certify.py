@@ -49,7 +49,7 @@ from neuralgaits.records.certified import Conclusion
 from neuralgaits.runs.only_writer import only_writer
 from neuralgaits.settings import CertifySettings, called_with
 from neuralgaits.settings.forms import LEARNED
-from neuralgaits.systems.families import task_of
+from neuralgaits.systems.family_tasks import task_of
 from neuralgaits.systems.system_family import Watched
 from neuralgaits.workflows.certify_result import CertifyResult
 from neuralgaits.workflows.finish_certificate import finish_certificate

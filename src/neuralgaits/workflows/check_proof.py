@@ -31,7 +31,7 @@ from neuralgaits.runs.folder import CONFIG
 from neuralgaits.runs.latest import through_latest
 from neuralgaits.runs.shell_words import LATEST, command, named
 from neuralgaits.settings import CheckProofSettings, called_with
-from neuralgaits.systems.families import family_named
+from neuralgaits.systems.family_tasks import family_named
 
 
 @called_with(CheckProofSettings)

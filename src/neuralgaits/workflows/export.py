@@ -30,7 +30,7 @@ from neuralgaits.records.exported import Exported, UncheckedExport
 from neuralgaits.runs.hashes import file_hashes
 from neuralgaits.runs.names import ROBOT, WEIGHTS
 from neuralgaits.simulation.setup.starts import momentum_range
-from neuralgaits.systems.families import task_with
+from neuralgaits.systems.family_tasks import task_with
 from neuralgaits.systems.system_family import Watched
 
 NO_COMPILER = "no C compiler: the files are written and not checked; install gcc or clang"

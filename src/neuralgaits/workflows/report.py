@@ -30,7 +30,7 @@ from neuralgaits.runs import RunFolder, resolve, write_text
 from neuralgaits.runs.atomic import refuse_unwritable
 from neuralgaits.runs.names import ROBOT
 from neuralgaits.runs.outputs import refuse_outputs
-from neuralgaits.systems.families import task_with
+from neuralgaits.systems.family_tasks import task_with
 from neuralgaits.systems.system_family import Watched
 from neuralgaits.workflows.figures import FOLDER, draw, writable_figures
 from neuralgaits.workflows.inspect import inspect

@@ -10,7 +10,7 @@ from neuralgaits.robots import registry
 from neuralgaits.robots.mjcf.loader import robot_text
 from neuralgaits.runs.atomic import write_new
 from neuralgaits.runs.shell_words import command
-from neuralgaits.systems.families import all_families
+from neuralgaits.systems.family_tasks import all_families
 
 
 def robots() -> BuiltIn:

@@ -47,7 +47,7 @@ from neuralgaits.simulation.shared_walks import SharedWalks
 from neuralgaits.simulation.simulators import Simulator, check_simulator
 from neuralgaits.simulation.trained_walks import TrainedWalks, at_first, walk_engine_for
 from neuralgaits.simulation.walk import Walk
-from neuralgaits.systems.families import task_of
+from neuralgaits.systems.family_tasks import task_of
 from neuralgaits.systems.system_family import Watched
 from neuralgaits.workflows.export import design_of
 from neuralgaits.workflows.planarise import robot_from

@@ -24,7 +24,7 @@ from neuralgaits.runs.names import ROBOT, STATE, SUMMARY, WEIGHTS
 from neuralgaits.runs.only_writer import only_writer
 from neuralgaits.runs.shell_words import LATEST, resuming
 from neuralgaits.settings import TrainSettings, Watch, called_with
-from neuralgaits.systems.families import task_of
+from neuralgaits.systems.family_tasks import task_of
 from neuralgaits.systems.system_family import Watched
 from neuralgaits.training.calibration import calibrated
 from neuralgaits.training.session import take_all_steps

@@ -18,7 +18,7 @@ from neuralgaits.runs.shell_words import LATEST, command, resuming
 from neuralgaits.settings import TrainSeedsSettings, called_with
 from neuralgaits.workflows.new_training import new_training
 from neuralgaits.workflows.planarise import robot_from
-from neuralgaits.workflows.side_by_side import SideBySide
+from neuralgaits.workflows.seeds_in_parallel import SeedsInParallel
 
 SUMMARY = "seeds.json"
 """Name of the table of seeds, in the folder that holds their runs."""
@@ -61,7 +61,7 @@ def train_seeds(settings: TrainSeedsSettings) -> Seeds:
     doubt = gait_doubt(robot, settings.speed, settings.step_length)
     if doubt is not None and settings.doubted is not None:
         settings.doubted(doubt)
-    many = SideBySide(first, path, root, len(numbers))
+    many = SeedsInParallel(first, path, root, len(numbers))
     try:
         many.train(numbers, settings.progress)
     except KeyboardInterrupt as stop:
@@ -77,7 +77,7 @@ def train_seeds(settings: TrainSeedsSettings) -> Seeds:
     return Seeds(path, runs, summary)
 
 
-def _summary(many: SideBySide, numbers: range, wall_s: float) -> TrainedSeeds:
+def _summary(many: SeedsInParallel, numbers: range, wall_s: float) -> TrainedSeeds:
     asked = many.first.asked
     return TrainedSeeds(
         folder=str(many.path),
@@ -94,7 +94,7 @@ def _summary(many: SideBySide, numbers: range, wall_s: float) -> TrainedSeeds:
     )
 
 
-def _row(many: SideBySide, number: int) -> TrainedSeed:
+def _row(many: SeedsInParallel, number: int) -> TrainedSeed:
     if number in many.refused:
         line = " ".join(str(many.refused[number]).split())
         return TrainedSeed(number, str(many.path / str(number)), refused=line)
@@ -102,7 +102,7 @@ def _row(many: SideBySide, number: int) -> TrainedSeed:
     return TrainedSeed(found.seed, found.run, found.loss, tuple(found.broken))
 
 
-def _stopped(many: SideBySide, numbers: range) -> Interrupted:
+def _stopped(many: SeedsInParallel, numbers: range) -> Interrupted:
     """Return the interruption, which names runs to resume and seeds that were not started."""
     left = [one for one in many.begun if one.asked.seed not in many.done | many.refused]
     later = numbers[len(many.begun) :]

@@ -8,7 +8,6 @@ import json
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -20,7 +19,6 @@ from neuralgaits.certificate.search.halving import to_text
 from neuralgaits.certificate.search.problem import Problem
 from neuralgaits.certificate.search.statement_record import StatementRecord
 from neuralgaits.programs import Program
-from neuralgaits.runs import write_bytes
 
 FORMAT = 3
 KIND = "neuralgaits certificate"
@@ -52,10 +50,6 @@ class Proof:
     statements: tuple[StatementRecord, ...]
     theorems: tuple[Mapping[str, Any], ...] = ()
     model: Mapping[str, Any] | None = None
-
-    def write(self, path: Path) -> None:
-        """Write the file in one piece, or nothing at all."""
-        write_bytes(path, self.content())
 
     def content(self) -> bytes:
         """Return the bytes of the file."""

@@ -21,7 +21,7 @@ from neuralgaits.workflows.new_training import NewTraining
 from neuralgaits.workflows.train import train_to_the_end
 
 
-class SideBySide:
+class SeedsInParallel:
     """Trainings that differ in their seeds, on threads.
 
     Compiled code, which takes most of the time, releases Python's lock.
