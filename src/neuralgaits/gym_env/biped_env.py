@@ -232,10 +232,11 @@ def _disturbances(disturb: Disturbed | Sequence[Disturbed | None] | None) -> lis
     if disturb is None or isinstance(disturb, str | Mapping | PlantChanges):
         disturb = [disturb]
     found = [parse(one) for one in disturb]
-    if any(one.estimator or one.pitch_noise or one.pitch_offset for one in found):
+    if any(one.estimator or one.pitch_noise or one.pitch_offset or one.has_drives for one in found):
         raise InputError(
-            "disturb: expected no estimator, pitch_noise or pitch_offset, found one: what "
-            "acts here is no controller of this package; leave it out"
+            "disturb: expected no estimator, pitch_noise, pitch_offset, drive_stiffness or "
+            "drive_damping, found one: what acts here is no controller of this package; leave it "
+            "out"
         )
     if not found:
         raise InputError("disturb: expected at least one disturbance to draw, found none")

@@ -120,6 +120,18 @@ def disturbance(text: str) -> tuple[float, float] | Literal["learned"]:
     return first, second
 
 
+def gains(text: str) -> tuple[float, float]:
+    """Read two gains `KP,KD` (N m/rad, N m s/rad). Raises: InputError."""
+    try:
+        stiffness, damping = (decimal(word) for word in text.split(","))
+    except ValueError:
+        raise InputError(
+            f"expected --gains as two numbers KP,KD (N m/rad, N m s/rad), found {text!r}: write "
+            "300,5"
+        ) from None
+    return stiffness, damping
+
+
 def seeds(text: str) -> tuple[int, int]:
     """Read `A:B`, or one seed, as the first seed and the one after the last. Raises: InputError."""
     ends = _wholes(text.split(":"))

@@ -72,6 +72,7 @@ Disturbance = Annotated[
     tuple[float, float] | Literal["learned"] | None,
     option("A,B|learned", forms.disturbance, forms.disturbance_word),
 ]
+Gains = Annotated[tuple[float, float] | None, option("KP,KD", forms.gains, forms.numbers_word)]
 _NAMED_VALUES = arg(metavar="NAME=VALUE,...")
 Plant = Annotated[
     AnyRobot | None, arg(metavar="ROBOT"), PythonType("PlanarBiped | str | Path | None")

@@ -14,6 +14,7 @@ from neuralgaits.settings.shared_options import (
     Changes,
     Connection,
     Constant,
+    Gains,
     Law,
     Plant,
     Ray,
@@ -54,6 +55,9 @@ class SimulateSettings(Settings):
     a second of touchdown 5 (half-way in shorter walks); the result says how many walks it ended."""
     disturb: Changes = None
     """Differences between plant and model, as in friction=0.4,delay_ms=4."""
+    gains: Gains = None
+    """Gains of the joints' drives [N m/rad, N m s/rad], as in 100,3: between two ticks each drive
+    holds what it was told with a loop of its own. Joint PD control then has these gains, too."""
     sensing: Annotated[str | None, arg(metavar="perfect|encoders[,NAME=VALUE...]")] = None
     """Measurements of the controller: perfect (the plant's own rates and hip velocity), or
     encoders (only angles, pitch and contact), as in

@@ -23,6 +23,7 @@ from neuralgaits.simulation.native.native_scene import knows
 from neuralgaits.simulation.setup.command_schedule import CommandSchedule
 from neuralgaits.simulation.setup.course import Courses
 from neuralgaits.simulation.setup.disturbance import PlantChanges
+from neuralgaits.simulation.setup.drives import law_of_drives
 from neuralgaits.simulation.setup.episode_inputs import EpisodeInputs
 from neuralgaits.simulation.setup.plant import SUBSTEPS, TIMESTEP_S, Plant, build
 from neuralgaits.simulation.setup.push import Push
@@ -116,6 +117,11 @@ class WalkInputs:
         _positive_whole("steps", self.steps)
         _finite_impulse(self.push)
         check_simulator(self.simulator)
+        if self.simulator != MUJOCO and self.disturbance and self.disturbance.has_drives:
+            raise InputError(
+                f"expected --simulator {MUJOCO} with the drives' own loops, found "
+                f"{self.simulator}: leave one of them out"
+            )
 
 
 @called_with(WalkInputs)
@@ -127,7 +133,7 @@ def walk(given: WalkInputs) -> Walk:
     """
     robot, policies, disturbance = given.robot, given.policies, given.disturbance
     starts = _checked_starts(robot, given.starts)
-    law, count = law_named(given.controller), len(starts)
+    law, count = law_of_drives(law_named(given.controller), disturbance), len(starts)
     shared = isinstance(policies, AbstractPolicy)
     each = [policies] if shared else _as_many(policies, count)
     if given.robots is None:

@@ -39,6 +39,7 @@ from neuralgaits.simulation.native_walk import Choice, WalkEngine
 from neuralgaits.simulation.setup.command_schedule import CommandSchedule, on_slope, orders_of
 from neuralgaits.simulation.setup.disturbance import PlantChanges, parse
 from neuralgaits.simulation.setup.drawn_robots import DrawnRobots
+from neuralgaits.simulation.setup.drives import with_gains
 from neuralgaits.simulation.setup.sensing import name_of, sensed
 from neuralgaits.simulation.setup.starts import periodic_orbit
 from neuralgaits.simulation.setup.terrain_kinds import commands_from_terrain
@@ -145,7 +146,7 @@ def _planned(settings: SimulateSettings) -> _Plan:
     run, seed, terrain = open_run(settings.run), settings.seed, _text(settings.terrain)
     plant, controller = settings.plant, settings.controller
     command, commands = settings.command, settings.commands
-    disturbance = sensed(parse(settings.disturb), settings.sensing)
+    disturbance = with_gains(sensed(parse(settings.disturb), settings.sensing), settings.gains)
     drawn = drawn_robots(run.robot, settings.parameters, seed, plant, terrain, controller)
     if drawn is not None:
         disturbance = drawn.on_its_floor(disturbance)

@@ -21,6 +21,8 @@ _CHANGES = {
     "pitch_noise": "noise of {} rad on the torso's angle",
     "pitch_offset": "torso's angle read {} rad too large",
     "estimator": "speeds estimated, not measured",
+    "drive_stiffness": "drives holding joints with {} N m/rad",
+    "drive_damping": "drives damping joints with {} N m s/rad",
 }
 """Differences between simulation and model, in words."""
 GLOSSARY = (

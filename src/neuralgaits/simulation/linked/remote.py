@@ -262,8 +262,9 @@ def _compiled(scene: Scene) -> tuple[Callable[..., Any], Callable[..., Any]]:
     @jax.vmap
     def judge(packed: jax.Array, packed_reading: jax.Array, row: jax.Array) -> tuple[Array, ...]:
         carry, reading = carry_of(packed), scene.reading(packed_reading)
-        command = command_of(row, sense(scene, reading).seen)
-        parts = account(scene, carry, reading, carry.controller, command)
+        seen = sense(scene, reading).seen
+        command = command_of(row, seen)
+        parts = account(scene, carry, reading, carry.controller, command, seen)
         return tuple(ravel_pytree(part)[0] for part in parts)
 
     return look, judge

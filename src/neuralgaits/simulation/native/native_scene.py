@@ -55,6 +55,8 @@ def scene_of(
     scene.estimator = int(disturbance.estimator)
     scene.encoder_step = disturbance.encoder_step
     scene.delay_ticks, scene.substeps = plant.delay_ticks, SUBSTEPS
+    scene.drive_stiffness = disturbance.drive_stiffness
+    scene.drive_damping = disturbance.drive_damping
     scene.slope, scene.room_under_foot = plant.slope, ROOM_UNDER_FOOT
     scene.foot_radius = float(plant.robot.foot_radius)
     _set_ground(scene, plant, controller)

@@ -40,6 +40,8 @@ class PlantChanges:
         pitch_offset: offset of the measured pitch [rad].
         estimator: 1 for a controller that gets no rates and no velocity and estimates them from
             angles, pitch and contact; 0 for one that gets them.
+        drive_stiffness, drive_damping: gains of the drives of all joints, which hold the angles and
+            rates of the last tick with them between ticks, see `drives` [N m/rad], [N m s/rad].
     """
 
     friction: float | None = _quantity(None, 0.0, 10.0, "friction coefficient of the feet")
@@ -56,6 +58,8 @@ class PlantChanges:
     pitch_noise: float = _quantity(0.0, 0.0, 1.0, "further noise of the pitch [rad]")
     pitch_offset: float = _quantity(0.0, -0.5, 0.5, "error of the pitch's zero [rad]")
     estimator: float = _quantity(0.0, 0.0, 1.0, "1: rates are estimated, not measured")
+    drive_stiffness: float = _quantity(0.0, 0.0, 1e5, "stiffness of the drives [N m/rad]")
+    drive_damping: float = _quantity(0.0, 0.0, 1e4, "damping of the drives [N m s/rad]")
 
     def __post_init__(self):
         """Check every value against its range."""
@@ -80,6 +84,11 @@ class PlantChanges:
                 "disturbance rate_noise: expected measured rates, found that they are estimated: "
                 "leave it out, or --sensing perfect"
             )
+
+    @property
+    def has_drives(self) -> bool:
+        """Return whether drives close loops of their own between two ticks."""
+        return self.drive_stiffness > 0.0 or self.drive_damping > 0.0
 
     @property
     def noise_of_pitch(self) -> float:

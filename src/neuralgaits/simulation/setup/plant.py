@@ -20,6 +20,7 @@ from neuralgaits.robots import PlanarBiped
 from neuralgaits.robots.mjcf_state import StateMap
 from neuralgaits.simulation.setup.course import Course
 from neuralgaits.simulation.setup.disturbance import PlantChanges
+from neuralgaits.simulation.setup.drives import add_drives
 
 TIMESTEP_S = 5e-4
 SUBSTEPS = 2
@@ -107,6 +108,8 @@ def build(
         # Cameras see no nearer than a share of it: a long course would hide the robot.
         model.stat.extent = geometry.stat.extent
     _disturb(model, robot, disturbance)
+    state_map = StateMap.build(model, layout)
+    add_drives(model, np.asarray(state_map.actuators), disturbance)
     limit = robot.torque_limit
     if disturbance.torque_limit is not None:
         limit = np.minimum(limit, disturbance.torque_limit)
@@ -114,7 +117,7 @@ def build(
         robot=robot,
         model=model,
         disturbance=disturbance,
-        state_map=StateMap.build(model, layout),
+        state_map=state_map,
         torque_limit=limit,
         slope=slope,
         course=course,

@@ -50,6 +50,8 @@ class Scene(eqx.Module):
         sizes: sizes of the plant's qpos and ctrl.
         estimator: estimator of rates and hip velocity; None where they are measured.
         delay_ticks: delay from a reading to its torque.
+        has_drives, gains: whether drives close loops of their own, and with which stiffness
+            [N m/rad] and damping [N m s/rad]. [2]
         addresses: addresses of root, joints and motors in the plant's arrays, as in `StateMap`.
         falls: thresholds of a fall.
     """
@@ -63,6 +65,7 @@ class Scene(eqx.Module):
     steps: Int[Array, ""]
     first: Float[Array, " p"]
     gap_depth: Float[Array, ""]
+    gains: Float[Array, "2"]
     layout: MjcfLayout = eqx.field(static=True)
     sizes: tuple[int, int] = eqx.field(static=True)
     addresses: tuple[tuple, tuple, tuple] = eqx.field(static=True)
@@ -70,6 +73,7 @@ class Scene(eqx.Module):
     on_course: bool = eqx.field(static=True)
     estimator: Estimator | None = eqx.field(static=True)
     delay_ticks: int = eqx.field(static=True)
+    has_drives: bool = eqx.field(static=True)
 
     @classmethod
     def of(
@@ -97,6 +101,7 @@ class Scene(eqx.Module):
             steps=np.asarray(steps, dtype=np.int32),
             first=first,
             gap_depth=np.asarray(gap_depth),
+            gains=np.array([disturbance.drive_stiffness, disturbance.drive_damping]),
             layout=state_map.layout,
             sizes=(state_map.nq, state_map.nu),
             addresses=(
@@ -108,6 +113,7 @@ class Scene(eqx.Module):
             on_course=plant.course is not None,
             estimator=Estimator() if disturbance.estimator else None,
             delay_ticks=plant.delay_ticks if disturbance.estimator else 0,
+            has_drives=disturbance.has_drives,
         )
 
     @property

@@ -21,6 +21,7 @@ from neuralgaits.control.estimator import Estimator, EstimatorState, estimate
 from neuralgaits.control.estimator import start as nothing_known
 from neuralgaits.gait.commands import place_of
 from neuralgaits.robots.dynamics import hip_position, swing_foot
+from neuralgaits.simulation.setup.drives import held_by_drives
 from neuralgaits.simulation.ticks import gauge as gauges
 from neuralgaits.simulation.ticks.falls import ending
 from neuralgaits.simulation.ticks.gauge import Gauge
@@ -95,7 +96,7 @@ def tick(scene: Scene, carry: Carry, reading: PlantReading) -> tuple[Carry, Verd
         carry, seen = _estimated(scene, scene.estimator, carry, seen)
     state = tell(scene.controller, carry.controller, reading.requested)
     state, command = step(scene.controller, state, seen)
-    return account(scene, carry, reading, state, command)
+    return account(scene, carry, reading, state, command, seen)
 
 
 def _estimated(
@@ -113,9 +114,22 @@ def _estimated(
 
 
 def account(
-    scene: Scene, carry: Carry, reading: PlantReading, state: ControllerState, command: TickResult
+    scene: Scene,
+    carry: Carry,
+    reading: PlantReading,
+    state: ControllerState,
+    command: TickResult,
+    seen: Measurement,
 ) -> tuple[Carry, Verdict, TickRecord]:
     """Judge and record an episode's tick under a command from any controller.
+
+    Args:
+        scene: scene of the episode.
+        carry: its state before the tick.
+        reading: the tick's reading of the plant.
+        state: the controller's next state.
+        command: the tick's result.
+        seen: what the controller measured.
 
     Returns: the next carry, the verdict, and the record.
     """
@@ -140,7 +154,7 @@ def account(
     return (
         carry._replace(controller=state, gauge=gauge, age=age),
         Verdict(
-            controls=controls(scene.state_map, command.torque),
+            controls=_controls(scene, command, seen),
             ending=_ending(scene, reading, command, place, truth.pitch, age, gauge.steps),
             touchdown=command.touchdown,
             steps=gauge.steps,
@@ -153,6 +167,14 @@ def account(
         ),
         TickRecord(truth.time, command, truth.pitch, truth.dpitch, z_plant),
     )
+
+
+def _controls(scene: Scene, command: TickResult, seen: Measurement) -> Float[Array, " u"]:
+    """Return actuator controls of the law's torque, and of the targets of drives if it has some."""
+    torque = command.torque
+    if scene.has_drives:
+        torque = torque + held_by_drives(scene.state_map, seen, scene.gains)
+    return controls(scene.state_map, torque)
 
 
 class _Place(NamedTuple):

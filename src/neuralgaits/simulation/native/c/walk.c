@@ -375,6 +375,13 @@ static void look_ahead(const ng_scene *scene, ng_walk *walk)
 }
 #endif
 
+/* What a control adds for the targets of a drive with a loop of its own [N m]. */
+static double held(const ng_scene *scene, const ng_measurement *seen, int leg, int i)
+{
+    const double angle = seen->angles[leg][i] - scene->joint_offset[leg][i];
+    return scene->drive_stiffness * angle + scene->drive_damping * seen->rates[leg][i];
+}
+
 /* What is decided at a state. */
 static void decide(const ng_scene *scene, ng_walk *walk, const mjData *data, const double *noise,
                    double *controls, ng_command *command, ng_record *record)
@@ -413,7 +420,8 @@ static void decide(const ng_scene *scene, ng_walk *walk, const mjData *data, con
     walk->ending = judge(scene, walk, data, &truth, command);
     for (int leg = 0; leg < NG_LEGS; ++leg) {
         for (int i = 0; i < NG_LEG_JOINTS; ++i) {
-            controls[scene->motors[leg][i]] = command->torque[leg][i] / scene->gear[leg][i];
+            controls[scene->motors[leg][i]] =
+                (command->torque[leg][i] + held(scene, &seen, leg, i)) / scene->gear[leg][i];
         }
     }
     if (record != NULL) {

@@ -55,6 +55,8 @@ typedef struct {
     double encoder_step;              /* resolution of angles, 0 for exact ones [rad] */
     int delay_ticks;                  /* from a reading to its torque */
     int substeps;                     /* MuJoCo steps a tick */
+    double drive_stiffness;           /* of the drives' own loops, 0 without one [N m/rad] */
+    double drive_damping;             /* [N m s/rad] */
     /* Floor and push. */
     double slope;                     /* rise per metre forward */
     int uneven;                       /* whether floors change their height */
