@@ -4,7 +4,9 @@ The sets are Programs, traced from the functions that the certificate itself use
 become the monitor in C, so both say the same.
 """
 
+import math
 from dataclasses import dataclass
+from fractions import Fraction
 from functools import cached_property
 from typing import NamedTuple
 
@@ -15,6 +17,8 @@ from neuralgaits.programs import POINT, Program, evaluate, fold
 
 NO_NUMBER = -1e30
 """Margin in place of one that is no number, or is below this."""
+_LONGEST_US = 1 << 31
+"""Longest time between ticks that a monitor compares with: a clock of 32 bits wraps around [us]."""
 _AT_ONCE = 1 << 15
 """States that are evaluated at once."""
 
@@ -94,7 +98,9 @@ class StateSet:
         """Return the smallest of the margins that count, and its place."""
         known = np.where(margins > NO_NUMBER, margins, NO_NUMBER)
         ends = known[:, : len(self.ends)]
-        counted = np.concatenate([np.where(ends < 0.0, ends, np.inf), known[:, len(self.ends) :]], 1)
+        counted = np.concatenate(
+            [np.where(ends < 0.0, ends, np.inf), known[:, len(self.ends) :]], 1
+        )
         nearest = np.argmin(counted, axis=1)
         return Membership(counted[np.arange(len(counted)), nearest], nearest)
 
@@ -123,6 +129,12 @@ class StateMonitor:
     def levels(self) -> tuple[int, ...]:
         """Return the levels that the sets are of, ascending."""
         return tuple(sorted(level for one in self.sets for level in one.levels))
+
+    @property
+    def hold_us(self) -> int:
+        """Return `hold_s` in whole microseconds, rounded down; 0 if none is proved."""
+        hold = self.hold_s
+        return 0 if hold is None else min(math.floor(Fraction(hold) * 1_000_000), _LONGEST_US)
 
     def set_of(self, level: int) -> StateSet:
         """Return the set of a level."""

@@ -1,7 +1,5 @@
 """Write the monitor of one gait: `monitor_set.h` and `monitor_set.c`, from the Programs of its sets."""
 
-import math
-
 import numpy as np
 
 from neuralgaits.analysis.state_monitor import NO_NUMBER, StateMonitor, StateSet
@@ -20,8 +18,6 @@ _INPUTS = {
     "step": "state->step",
 }
 """Places of the inputs of a set in the controller."""
-_MICROSECONDS = 1e6
-_LONGEST_US = 2**31
 
 
 def monitor_files(design: Design) -> dict[str, str]:
@@ -39,12 +35,6 @@ def monitor_files(design: Design) -> dict[str, str]:
         "monitor_set.c": _code(monitor, functions, tables),
     }
     return output_folder.monitor() | own
-
-
-def hold_us(monitor: StateMonitor) -> int:
-    """Return the longest proved time between ticks, rounded down [us]; 0 if none is proved."""
-    hold = monitor.hold_s
-    return 0 if hold is None else min(math.floor(hold * _MICROSECONDS), _LONGEST_US)
 
 
 def _function(one: StateSet) -> str:
@@ -98,7 +88,7 @@ def _header(design: Design, monitor: StateMonitor, functions: list[Emitted]) -> 
         f"#define NG_MONITOR_LEVELS {len(monitor.levels)}",
         f"#define NG_MONITOR_SETS {len(monitor.sets)}",
         f"#define NG_MONITOR_MARGINS {size} /* the most of a set */",
-        f"#define NG_MONITOR_HOLD_US {hold_us(monitor)}u /* 0: no time between ticks is proved */",
+        f"#define NG_MONITOR_HOLD_US {monitor.hold_us}u /* 0: no time between ticks is proved */",
         "",
         "extern const int ng_monitor_level[NG_MONITOR_LEVELS];",
         "extern const int ng_monitor_set_of[NG_MONITOR_LEVELS]; /* the set of each level */",
@@ -181,5 +171,9 @@ def _dispatch(monitor: StateMonitor) -> str:
     for number, one in enumerate(monitor.sets):
         inputs = [_INPUTS[item.name] for item in one.program.inputs]
         arguments = ", ".join([*inputs, "margins", f"margins + {len(one.ends)}"])
-        lines += [f"    case {number}:", f"        {_function(one)}({arguments});", "        break;"]
+        lines += [
+            f"    case {number}:",
+            f"        {_function(one)}({arguments});",
+            "        break;",
+        ]
     return "\n".join([*lines, "    }", "}"])

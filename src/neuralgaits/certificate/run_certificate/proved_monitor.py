@@ -5,8 +5,11 @@ Only levels count that the run's own proof file bears out, see `verified_summary
 
 from collections.abc import Sequence
 
+import jax
+import jax.numpy as jnp
+import numpy as np
 
-from neuralgaits._types import Array, Coordinates, Float
+from neuralgaits._types import Array, Coordinates, Float, ZeroState
 from neuralgaits.analysis.run import Run
 from neuralgaits.analysis.state_monitor import CommandSpan, StateMonitor, StateSet
 from neuralgaits.barriers import Barrier, Gait
@@ -14,9 +17,10 @@ from neuralgaits.barriers.quantities import Quantity
 from neuralgaits.certificate.chart import Chart
 from neuralgaits.certificate.levels.full_order import membership as full_order
 from neuralgaits.certificate.levels.full_order.model import FullOrderModel
+from neuralgaits.certificate.levels.full_order.theorem import FullOrderConstants
 from neuralgaits.certificate.levels.walking_set import membership as walking_set
 from neuralgaits.certificate.levels.walking_set.margins import barriers
-from neuralgaits.certificate.levels.walking_set.theorem import safe_premises
+from neuralgaits.certificate.levels.walking_set.theorem import WalkingSetConstants, safe_premises
 from neuralgaits.certificate.premises import first_missing, proved_bounds
 from neuralgaits.certificate.proof_file.reader import Claims
 from neuralgaits.certificate.run_certificate.verified_summary import (
@@ -53,11 +57,12 @@ def monitor_of(run: Run, certificate: CertificateReading | None = None) -> State
     if proof is None or not levels:
         return None
     sets, theorems = [], proof.theorems
-    if WALKING in levels:
-        sets.append(_walking(run, proof))
+    walking, full = theorems.walking, theorems.full
+    if walking is not None and WALKING in levels:
+        sets.append(walking_set_of(run, walking, _unproved(run, proof)))
     above = tuple(level for level in (FULL, HELD) if level in levels)
-    if above:
-        sets.append(_full_order(run, proof, above))
+    if full is not None and above:
+        sets.append(full_order_set_of(run, full, above))
     if not sets:
         return None
     hold = theorems.parameters[HELD].hold if HELD in levels else 0.0
@@ -65,7 +70,7 @@ def monitor_of(run: Run, certificate: CertificateReading | None = None) -> State
     return StateMonitor(
         tuple(sets),
         hold_s=hold or None,
-        bandwidth=theorems.full.bandwidth if above and theorems.full is not None else None,
+        bandwidth=full.bandwidth if full is not None and above else None,
         commands=spans(proof.chart, [command.name for command in run.trained.commands]),
         proof_sha256=str(hashes[PROOF]),
         robot_sha256=str(hashes[ROBOT]),
@@ -90,11 +95,17 @@ def spans(chart: Chart, told: Sequence[str]) -> tuple[CommandSpan, ...]:
     )
 
 
-def _walking(run: Run, proof: Claims) -> StateSet:
-    """Return the set T of level 2."""
-    shape, robot, trained = proof.theorems.walking, run.robot, run.trained
-    assert shape is not None
-    unproved = _unproved(run, proof)
+def walking_set_of(
+    run: Run, shape: WalkingSetConstants, unproved: tuple[Barrier, ...] = ()
+) -> StateSet:
+    """Return the set T of level 2.
+
+    Args:
+        run: the run.
+        shape: constants of the set.
+        unproved: barriers that are not proved on all of T, for a gait without commands.
+    """
+    robot, trained = run.robot, run.trained
     coordinates = ZeroCoordinates(robot)
 
     def of_gait(q: Coordinates, dq: Coordinates) -> dict[str, Array]:
@@ -166,17 +177,24 @@ def _unproved(run: Run, proof: Claims) -> tuple[Barrier, ...]:
     return found
 
 
-def _full_order(run: Run, proof: Claims, levels: tuple[int, ...]) -> StateSet:
-    """Return the set D of levels 4 and 5."""
-    shape, gait = proof.theorems.full, run.trained
-    assert shape is not None and isinstance(gait, Gait)
+def full_order_set_of(
+    run: Run, shape: FullOrderConstants, levels: tuple[int, ...] = (FULL,)
+) -> StateSet:
+    """Return the set D of levels 4 and 5, those of them that are proved.
+
+    Raises: SpecError for flat feet.
+    """
+    gait = run.trained
+    assert isinstance(gait, Gait)
     model = FullOrderModel(run.robot, gait, run.spec)
 
     def of_state(q: Coordinates, dq: Coordinates) -> dict[str, Array]:
         return full_order.full_order_membership(model, shape, q, dq)
 
     n = run.robot.n
-    program = trace(of_state, {"q": (n,), "dq": (n,)}, parameters={"robot": run.robot, "gait": gait})
+    program = trace(
+        of_state, {"q": (n,), "dq": (n,)}, parameters={"robot": run.robot, "gait": gait}
+    )
     return StateSet(
         levels,
         "full_order",
