@@ -147,18 +147,22 @@ def test_states_that_are_no_numbers_are_outside(made, cases, program):
 def test_ticks_are_late_and_times_outside_add_up(made, cases, program):
     """1234 us is the hold in whole microseconds; the clock may wrap around."""
     inside = python_answers(made[2].monitor, cases).inside
-    row = int(np.flatnonzero(inside[:, 0] & ~inside[:, 1])[0])
-    start = 2**32 - 500
-    times = [start, start + 1234, start + 1234 + 1235, start + 1234 + 1235 + 1000]
-    rows = monitored.ticks(program, cases, row, [t % 2**32 for t in times])
-    assert [r[0] for r in rows] == ["0", "1234", "1235", "1000"]
-    assert [r[1] for r in rows] == ["1", "1", "0", "1"]
+    out = int(np.flatnonzero(inside[:, 0] & ~inside[:, 1])[0])
+    within = int(np.flatnonzero(inside.all(axis=1))[0])
+    gaps, start = [0, 1234, 1235, 1000, 900], 2**32 - 500
+    times = [int(t) % 2**32 for t in start + np.cumsum(gaps)]
+    rows = monitored.ticks(program, cases, [out, out, out, within, out], times)
+    assert [r[0] for r in rows] == [str(gap) for gap in gaps]
+    assert [r[1] for r in rows] == ["1", "1", "0", "1", "1"]
     assert all(r[2] == "1" for r in rows)
-    levels = [r[3:-2] for r in rows]
-    assert [[r[4 * k] for k in range(3)] for r in levels] == [["2", "4", "5"]] * 4
-    assert [[r[4 * k + 1] for k in range(3)] for r in levels] == [["1", "0", "0"]] * 4
-    assert [r[3] for r in levels] == ["0"] * 4
-    assert [r[7] for r in levels] == ["0", "1234", "2469", "3469"]
+    levels = [np.array(r[3:-2]).reshape(3, 5) for r in rows]
+    assert all(list(one[:, 0]) == ["2", "4", "5"] for one in levels)
+    assert [list(one[:, 1]) for one in levels] == [
+        ["1", f"{k == 3:d}", f"{k == 3:d}"] for k in range(5)
+    ]
+    assert all(one[0, 3] == one[0, 4] == "0" for one in levels)
+    assert [one[2, 3] for one in levels] == ["0", "1234", "2469", "2469", "3369"]
+    assert [one[2, 4] for one in levels] == ["0", "1234", "2469", "0", "900"]
     assert all(r[-2:] == ["a" * 64, "b" * 64] for r in rows)
 
 

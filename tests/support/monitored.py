@@ -88,11 +88,13 @@ def compiled(folder: Path, design: Design, flags: tuple[str, ...] = ()) -> Path:
     return build.build("gcc", folder, "check_monitor", CHECKED, ("-O1", *flags))
 
 
-def ticks(program: Path, cases: MonitorCases, row: int, times_us: Sequence[int]) -> list[list[str]]:
-    """What a monitor answers at one state, tick after tick, in words."""
-    record = np.concatenate([cases.rows()[row], np.array(times_us, dtype=np.float64)])
+def ticks(
+    program: Path, cases: MonitorCases, rows: Sequence[int], times_us: Sequence[int]
+) -> list[list[str]]:
+    """What a monitor answers at these states and times, tick after tick, in words."""
+    times = np.array(times_us, dtype=np.float64)[:, None]
     file = program.parent / "ticks"
-    record.tofile(file)
+    np.hstack([cases.rows()[list(rows)], times]).tofile(file)
     done = subprocess.run([str(program), "ticks", str(file)], capture_output=True, check=True)
     return [line.split() for line in done.stdout.decode().splitlines()]
 
@@ -116,8 +118,10 @@ def tube_margins(
 def theorem_margins(
     run: Run, shape: FullOrderConstants, q: np.ndarray, dq: np.ndarray
 ) -> dict[str, np.ndarray]:
-    """Slacks of the conditions of D as docs/full_order.md lists them, from the certificate's own
-    functions, put together here a second time."""
+    """Slacks of the conditions of D as docs/full_order.md lists them.
+
+    From the certificate's own functions, put together here a second time.
+    """
     gait, robot = run.gait, run.robot
     model = FullOrderModel(robot, gait, run.spec)
     phi = jax.jit(jax.vmap(ZeroDynamics(robot, gait.policy).phi))

@@ -146,7 +146,8 @@ class StateMonitor:
         Changes are compared as the controller limits them, rounding included.
 
         Args:
-            before, after: commands of the step before and of this one. [N, p]
+            before: commands of the step before. [N, p]
+            after: commands of this step. [N, p]
         """
         found = np.ones(len(before), dtype=bool)
         for place, one in enumerate(self.commands):

@@ -1,4 +1,4 @@
-"""Compare the monitor in C with the Programs that it was written from, on states around its sets."""
+"""Compare the monitor in C with the Programs that it is written from, on states around its sets."""
 
 import tempfile
 from pathlib import Path

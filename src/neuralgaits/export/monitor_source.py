@@ -1,4 +1,4 @@
-"""Write the monitor of one gait: `monitor_set.h` and `monitor_set.c`, from the Programs of its sets."""
+"""Write the monitor of a gait: `monitor_set.h` and `.c`, from the Programs of its sets."""
 
 import numpy as np
 
@@ -44,8 +44,8 @@ def _function(one: StateSet) -> str:
 def _prose(design: Design, monitor: StateMonitor) -> list[str]:
     """Say what the sets are, and what they are about."""
     lines = [
-        "Sets that are proved of this gait, for monitor.c. Written by a program, from the functions",
-        "of the certificate itself.",
+        "Sets that are proved of this gait, for monitor.c. Written by a program, from the",
+        "functions of the certificate itself.",
         "",
         f"proof file  sha256 {monitor.proof_sha256}",
         f"robot file  sha256 {monitor.robot_sha256}",
@@ -56,10 +56,10 @@ def _prose(design: Design, monitor: StateMonitor) -> list[str]:
     for one in monitor.sets:
         lines += [
             "",
-            f"Level {' and '.join(map(str, one.levels))}, of which a state is in the set if no margin",
-            "is negative:",
-            f"  ends of a step, which count where they are negative: {', '.join(one.ends)}",
-            f"  others: {', '.join(one.walls)}",
+            f"Level {' and '.join(map(str, one.levels))}. A state is in the set if no margin is "
+            "negative.",
+            f"  Ends of a step count only where they are negative: {', '.join(one.ends)}.",
+            f"  Others: {', '.join(one.walls)}.",
         ]
     if 2 in monitor.levels:
         lines += ["", "Level 2 is about outputs that are zero, and its set does not look at them."]

@@ -123,22 +123,22 @@ static int latency(const double *cases, long count)
     return 0;
 }
 
-/* Ticks of one monitor at a state: times [us] in, and for each answer what the caller is told. */
+/* Ticks of one monitor, a state and its time [us] each: for each answer what the caller is told. */
 static int ticks(const double *in, long count)
 {
     ng_state state;
     ng_command command;
     ng_monitor monitor;
     ng_monitor_answer found;
-    read_case(in, &state, &command);
     ng_monitor_start(&monitor);
-    for (long i = CASE; i < count; ++i) {
-        ng_monitor_step(&monitor, &state, (uint32_t)in[i], &command, &found);
+    for (long i = 0; i + CASE < count; i += CASE + 1) {
+        read_case(in + i, &state, &command);
+        ng_monitor_step(&monitor, &state, (uint32_t)in[i + CASE], &command, &found);
         printf("%u %d %d", (unsigned)found.gap_us, found.in_time, found.admissible);
         for (int k = 0; k < NG_MONITOR_LEVELS; ++k) {
             const ng_membership *one = &found.levels[k];
-            printf(" %d %d %s %llu", one->level, one->inside, one->name,
-                   (unsigned long long)one->outside_us);
+            printf(" %d %d %s %llu %llu", one->level, one->inside, one->name,
+                   (unsigned long long)one->outside_us, (unsigned long long)one->stretch_us);
         }
         printf(" %s %s\n", found.proof_sha256, found.robot_sha256);
     }

@@ -7,7 +7,7 @@
 static ng_membership smallest(int set, const ng_real margins[NG_MONITOR_MARGINS])
 {
     const int ends = ng_monitor_ends[set], count = ends + ng_monitor_walls[set];
-    ng_membership found = {0, 0, NG(0.0), "", 0u};
+    ng_membership found = {0, 0, NG(0.0), "", 0u, 0u};
     int first = 1;
     for (int i = 0; i < count; ++i) {
         const ng_real margin = margins[i] > -NG_NEVER ? margins[i] : -NG_NEVER;
@@ -29,7 +29,7 @@ static void memberships(const ng_state *state, const ng_command *command, int fr
     for (int k = from; k < to; ++k) {
         const int set = ng_monitor_set_of[k];
         if (command->fault != NG_NO_FAULT) {
-            const ng_membership none = {0, 0, -NG_NEVER, "fault", 0u};
+            const ng_membership none = {0, 0, -NG_NEVER, "fault", 0u, 0u};
             found[k - from] = none;
         } else if (k > from && ng_monitor_set_of[k - 1] == set) {
             found[k - from] = found[k - 1 - from];
@@ -77,8 +77,11 @@ void ng_monitor_step(ng_monitor *monitor, const ng_state *state, uint32_t time_u
     const uint32_t gap = monitor->running ? time_us - monitor->last_us : 0u;
     memberships(state, command, 0, NG_MONITOR_LEVELS, answer->levels);
     for (int k = 0; k < NG_MONITOR_LEVELS; ++k) {
-        monitor->outside_us[k] += answer->levels[k].inside ? 0u : gap;
-        answer->levels[k].outside_us = monitor->outside_us[k];
+        ng_membership *one = &answer->levels[k];
+        monitor->outside_us[k] += one->inside ? 0u : gap;
+        monitor->stretch_us[k] = one->inside ? 0u : monitor->stretch_us[k] + gap;
+        one->outside_us = monitor->outside_us[k];
+        one->stretch_us = monitor->stretch_us[k];
     }
     answer->admissible = ng_monitor_admissible(state);
     answer->in_time = NG_MONITOR_HOLD_US == 0u ? -1 : gap <= NG_MONITOR_HOLD_US;

@@ -17,6 +17,7 @@ typedef struct {
     ng_real margin;      /* the smallest that counts, see monitor_set.h; -NG_NEVER for no number */
     const char *name;    /* of that margin; "fault" after a fault */
     uint64_t outside_us; /* time outside since ng_monitor_start [us] */
+    uint64_t stretch_us; /* of it, since the last tick inside [us] */
 } ng_membership;
 
 typedef struct {
@@ -37,6 +38,7 @@ typedef struct {
     int running;           /* 0 before the first tick */
     uint32_t last_us;      /* time of the last tick [us] */
     uint64_t outside_us[NG_MONITOR_LEVELS];
+    uint64_t stretch_us[NG_MONITOR_LEVELS];
 } ng_monitor;
 
 /* Before the first tick, beside ng_start; no fallback. */

@@ -27,7 +27,8 @@ def full_order_membership(
     Args:
         model: robot, gait and spec.
         shape: constants of the set.
-        q, dq: state of the robot on its stance foot (rad, rad/s). [n]
+        q: coordinates of the robot on its stance foot (rad). [n]
+        dq: their rates (rad/s). [n]
 
     Returns: `ends`, see `ENDS`, in phases, units of the tube's z2, and strides; `walls`,
         1 - V/R(phase)^2, then h - t - sigma V of every barrier: of fences in tube widths, of
@@ -40,7 +41,7 @@ def full_order_membership(
     v, bound = xi @ xi, its.bound(gait.phase(z[0]))
     tightened, sigma, unit = _barriers(shape)
     h = model.barriers(z)
-    # z2 > 0, -s <= phase <= 1 + g, p_z(q) >= 0.
+    # The tube's ends and z2 > 0; the foot is on or above the ground: p_z(q) >= 0.
     foot = swing_foot(model.robot, q)[1] / gait.stride
     # sqrt(V) <= R(phase), and h_i - t_i >= sigma_i V.
     walls = [jnp.reshape(1.0 - v / (bound * bound), 1), (h - tightened - sigma * v) / unit]
