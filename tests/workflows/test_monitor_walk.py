@@ -4,6 +4,7 @@ import json
 import shutil
 from dataclasses import replace
 from types import SimpleNamespace
+from typing import Any
 
 import jax.numpy as jnp
 import numpy as np
@@ -11,7 +12,6 @@ import pytest
 
 from neuralgaits import logs
 from neuralgaits.analysis.run import open_run
-from neuralgaits.certificate.run_certificate.proved_monitor import monitor_of
 from neuralgaits.cli.brief import brief_walks
 from neuralgaits.cli.screen import show_walks
 from neuralgaits.errors import InputError
@@ -21,6 +21,7 @@ from neuralgaits.records.simulated import Simulated
 from neuralgaits.report.page.repeat_commands import simulating
 from neuralgaits.runs import to_json
 from neuralgaits.workflows import monitor_walk
+from neuralgaits.workflows.monitor_walk import required_monitor
 from neuralgaits.workflows.simulate import simulate
 from support import commanded_run
 from support.shipped_run import SHIPPED
@@ -41,7 +42,7 @@ def walked(run, tmp_path_factory):
 
 def test_shares_are_those_of_the_logged_states(run, walked):
     done, log = walked
-    (one,) = monitor_of(run).sets
+    (one,) = required_monitor(run).sets
     inside, margins, last = [], [], None
     for number, file in enumerate((log, log.with_stem("walk-1"))):
         found = logs.read(file, run.robot).log
@@ -108,8 +109,8 @@ def test_workers_are_refused(run):
 
 def test_ticks_in_time_are_counted_in_whole_microseconds(run):
     """The first of a walk is in time; what comes a microsecond after the hold is late."""
-    monitor = replace(monitor_of(run), hold_s=1.2349e-3)
-    records = [SimpleNamespace(time=np.array([0.1, 0.101, 0.102234, 0.103469])) for _ in range(2)]
+    monitor = replace(required_monitor(run), hold_s=1.2349e-3)
+    records: Any = [SimpleNamespace(time=np.array([0.1, 0.101, 0.102234, 0.103469]))] * 2
     assert monitor_walk._in_time(monitor, records) == 0.75
 
 

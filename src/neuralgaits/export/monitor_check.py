@@ -81,7 +81,8 @@ def drawn_cases(design: Design, count: int, seed: int = SEED) -> MonitorCases:
     x, _, _, step = lifted(design, np.stack([phase, level], axis=1), eta, pair)
     q, dq = np.split(np.asarray(x), 2, axis=1)
     backwards = rng.uniform(size=(count, 1)) < 0.02
-    return MonitorCases(q, np.where(backwards, -dq, dq), *map(np.asarray, pair), np.asarray(step))
+    before, after = map(np.asarray, pair)
+    return MonitorCases(q, np.where(backwards, -dq, dq), before, after, np.asarray(step))
 
 
 def python_answers(monitor: StateMonitor, cases: MonitorCases) -> MonitorAnswers:
