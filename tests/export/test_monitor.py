@@ -14,18 +14,19 @@ import pytest
 from neuralgaits.analysis.run import open_run
 from neuralgaits.analysis.state_monitor import NO_NUMBER, CommandSpan
 from neuralgaits.certificate.chart import Chart
+from neuralgaits.certificate.levels.full_order.model import FullOrderModel
 from neuralgaits.certificate.levels.walking_set.margins import barriers
 from neuralgaits.certificate.run_certificate.proved_monitor import (
     monitor_of,
+    proved_levels,
     spans,
     walking_set_of,
 )
-from neuralgaits.certificate.run_certificate.verified_summary import read_certificate
-from neuralgaits.errors import MismatchError
+from neuralgaits.certificate.run_certificate.verified_summary import ProvedPart, read_certificate
+from neuralgaits.errors import MismatchError, SpecError
 from neuralgaits.export import build
 from neuralgaits.export.monitor_check import (
     EDGES,
-    LIMITS,
     SOURCES,
     c_answers,
     check_monitor,
@@ -112,7 +113,7 @@ def test_c_and_python_say_the_same(made, cases, answers):
     monitor = made[2].monitor
     expected = python_answers(monitor, cases)
     assert disagreements(monitor, answers, expected, EDGES["double"]) == 0
-    assert distance(answers, expected) <= LIMITS["double"]
+    assert distance(answers, expected) <= 1e-10
     # Every margin is the smallest somewhere, but for barriers that are never near.
     assert {monitor.sets[0].names[i] for i in answers.nearest[:, 0]} == set(monitor.sets[0].names)
     moved = answers._replace(nearest=answers.nearest * 0)
@@ -248,7 +249,7 @@ def test_single_precision_answers_alike(made, cases, tmp_path):
     expected = python_answers(monitor, cases)
     found = c_answers(monitor, cases, program)
     assert disagreements(monitor, found, expected, EDGES["float"]) == 0
-    assert 0.0 < distance(found, expected) <= LIMITS["float"]
+    assert 0.0 < distance(found, expected) <= 1e-2
 
 
 # Commands.
@@ -349,6 +350,71 @@ def test_no_claim_without_the_runs_own_proof(change, tmp_path):
     design, more = with_monitor(design_of(run, certificate), run, certificate)
     assert design.monitor is None and more == [] and monitor_files(design) == {}
     assert "monitor     none" in gait_files(design)["gait.h"]
+
+
+def test_levels_that_are_not_proved_give_no_monitor(tmp_path):
+    """Nor do conditions alone; the levels of a part of the commands do."""
+    run = copy(tmp_path)
+    certificate = read_certificate(run.folder)
+    assert certificate.summary is not None and proved_levels(certificate) == (2, 3)
+    alone = certificate._replace(summary=replace(certificate.summary, levels=()))
+    design, lacking = with_monitor(design_of(run), run, alone)
+    assert design.monitor is None
+    assert lacking == ["no monitor is written: no level above 1 is proved of this gait"]
+    part = ProvedPart(("speed from 0.6 to 0.7",), (), certificate.summary.levels[:1])
+    assert proved_levels(alone._replace(part=part)) == (2,)
+
+
+def test_a_barrier_without_a_form_in_c_leaves_no_monitor_and_a_line(tmp_path, monkeypatch):
+    def refuse(*_):
+        raise SpecError("cannot write the operation sqrt in C")
+
+    run = copy(tmp_path)
+    monkeypatch.setattr(workflow, "monitor_files", refuse)
+    design, lacking = with_monitor(design_of(run), run, read_certificate(run.folder))
+    assert design.monitor is None
+    assert lacking == ["no monitor is written: cannot write the operation sqrt in C"]
+
+
+@pytest.mark.slow
+def test_a_run_that_is_proved_to_level_5_has_all_sets(certified_5, tmp_path):
+    """States of the theorem's set are inside, its C agrees, and the hold is that of the proof."""
+    run = certified_5
+    certificate = read_certificate(run.folder)
+    assert certificate.proof is not None
+    monitor, theorems = monitor_of(run, certificate), certificate.proof.theorems
+    shape = theorems.full
+    assert monitor is not None and shape is not None and monitor.levels == (2, 4, 5)
+    assert monitor.hold_s == theorems.parameters[5].hold > 0.0
+    assert monitor.hold_us == int(1e6 * monitor.hold_s)
+    model = replace(
+        FullOrderModel(run.robot, run.gait, run.spec, shape.bandwidth), weights=shape.weights
+    )
+    rng = np.random.default_rng(3)
+    phase, level = rng.uniform(0.05, 0.95, 500), rng.uniform(0.3, 0.7, 500)
+    bound = shape.least_radius + (shape.radius - shape.least_radius) * np.exp(
+        -shape.shrink * phase**2
+    )
+    xi = rng.normal(size=(500, model.size))
+    xi *= (bound * rng.uniform(0.9, 1.1, 500) / np.linalg.norm(xi, axis=1))[:, None]
+
+    @jax.jit
+    @jax.vmap
+    def state(u, xi):
+        point = model.point(u, xi)
+        return point.q, point.dq, model.barriers(point.z)
+
+    q, dq, h = map(np.asarray, state(np.stack([phase, level], axis=1), xi))
+    slack = h - np.array([b.reading**2 / (4.0 * b.sigma) for b in shape.barriers])
+    slack -= np.array([b.sigma for b in shape.barriers]) * np.sum(xi**2, axis=1)[:, None]
+    within = (np.linalg.norm(xi, axis=1) <= bound) & np.all(slack >= 0.0, axis=1)
+    found = monitor.set_of(5).membership(monitor.set_of(5).margins(q=q, dq=dq))
+    assert 0.1 < within.mean() < 0.9
+    np.testing.assert_array_equal(found.inside, within)
+    design = replace(design_of(run, certificate), monitor=monitor)
+    monitored.compiled(tmp_path, design)
+    (double, single) = check_monitor(design, tmp_path, ["gcc"], 500)
+    assert double.distance < single.distance and len(double.set_us) == 2
 
 
 def test_a_proof_of_another_run_gives_no_monitor(tmp_path):

@@ -156,13 +156,15 @@ def with_monitor(
 ) -> tuple[Design, list[str]]:
     """Return the design with a monitor of the sets that are proved, and why it has none.
 
-    Without a proof there is none, which other warnings say.
+    Without a certificate of the run's own there is none, which another warning says.
     """
     try:
         monitored = replace(design, monitor=monitor_of(trained, certificate))
         monitor_files(monitored)
     except SpecError as error:
         return design, [f"no monitor is written: {error}"]
+    if monitored.monitor is None and certificate.summary is not None:
+        return design, ["no monitor is written: no level above 1 is proved of this gait"]
     return monitored, []
 
 

@@ -34,8 +34,6 @@ from neuralgaits.gait.policies.commanded_gait import CommandedGait
 from neuralgaits.gait.zero_coordinates import ZeroCoordinates
 from neuralgaits.programs.tracing.tracer import trace
 from neuralgaits.records.certified import PROOF
-from neuralgaits.runs.hashes import file_hashes
-from neuralgaits.runs.names import ROBOT
 
 WALKING, FULL, HELD = 2, 4, 5
 """Levels whose sets a monitor knows; level 3 is about the set of level 2."""
@@ -53,8 +51,8 @@ def monitor_of(run: Run, certificate: CertificateReading | None = None) -> State
     Raises: SpecError if the sets cannot be traced.
     """
     found = certificate or read_certificate(run.folder)
-    proof, levels = found.proof, proved_levels(found)
-    if proof is None or not levels:
+    proof, summary, levels = found.proof, found.summary, proved_levels(found)
+    if proof is None or summary is None or not levels:
         return None
     sets, theorems = [], proof.theorems
     walking, full = theorems.walking, theorems.full
@@ -66,14 +64,14 @@ def monitor_of(run: Run, certificate: CertificateReading | None = None) -> State
     if not sets:
         return None
     hold = theorems.parameters[HELD].hold if HELD in levels else 0.0
-    hashes = file_hashes(run.path, (ROBOT, PROOF))
     return StateMonitor(
         tuple(sets),
         hold_s=hold or None,
         bandwidth=full.bandwidth if full is not None and above else None,
         commands=spans(proof.chart, [command.name for command in run.trained.commands]),
-        proof_sha256=str(hashes[PROOF]),
-        robot_sha256=str(hashes[ROBOT]),
+        # Those that were compared with the run's files.
+        proof_sha256=str(summary.sha256[PROOF]),
+        robot_sha256=proof.robot[1],
     )
 
 

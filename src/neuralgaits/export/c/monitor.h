@@ -22,7 +22,8 @@ typedef struct {
 
 typedef struct {
     ng_membership levels[NG_MONITOR_LEVELS]; /* lowest first */
-    int admissible;           /* 1: the latched commands are in the proved ranges and changes */
+    int admissible;           /* 1: the latched commands are in the proved ranges and changes;
+                                 at others the proof is about no state, inside or not */
     int in_time;              /* 1: no later than the proved hold; -1: none is proved (level 5) */
     uint32_t gap_us;          /* time since the last tick, 0 at the first [us] */
     const char *proof_sha256; /* of the proof file */
