@@ -177,10 +177,10 @@ def _monitor(seen: MonitorFigures) -> None:
             last = f"{tick.name}, walk {tick.walk} at {tick.time_s:.3f} s"
         rows.append((levels, f"{one.inside:.2%}", f"{number(one.margin)}, {one.name}", last))
     show_table(("set of level", "inside", "smallest margin", "last outside"), rows)
-    in_time = "" if seen.in_time is None else f", {seen.in_time:.2%} in time for level 5"
+    in_time = "" if seen.in_time is None else f", {seen.in_time:.2%} came within its hold (level 5)"
     show_sentence(
         f"of {seen.ticks} ticks, {seen.admissible:.2%} had commands that the proof is about"
-        f"{in_time}; docs/monitor.md says what such a state is, and what follows"
+        f"{in_time}; the sets are those of the model under the proof's own controller"
     )
 
 
