@@ -8,6 +8,7 @@ from typing import Any
 
 from rich.text import Text
 
+from neuralgaits.cli.monitor_screen import show_monitor
 from neuralgaits.cli.screen_tables import (
     ROWS,
     number,
@@ -19,7 +20,6 @@ from neuralgaits.cli.screen_tables import (
 from neuralgaits.errors import RunError
 from neuralgaits.records.inspected import RobotFacts
 from neuralgaits.records.installed import BuiltIn, Machine
-from neuralgaits.records.monitored import MonitorFigures
 from neuralgaits.records.simulated import LOCKSTEP, LinkFigures, Simulated
 from neuralgaits.records.trained import Trained, TrainingProof
 from neuralgaits.records.training_config import asked_of
@@ -150,7 +150,7 @@ def show_walks(result: Simulated) -> None:
     if result.link is not None:
         _link(result.link)
     if result.monitor is not None:
-        _monitor(result.monitor)
+        show_monitor(result.monitor)
     asked = ("plant", "simulator", "controller", "engine", "terrain", "start", "push", "run")
     facts = [(name, value) for name in asked if (value := getattr(result, name)) is not None]
     changed = [f"{name}={number(value)}" for name, value in _disturbed(result)]
@@ -166,22 +166,6 @@ def _span(counts: Sequence[int]) -> str:
     """Format the range of some counts."""
     lowest, highest = min(counts), max(counts)
     return f"{lowest}" if lowest == highest else f"{lowest} to {highest}"
-
-
-def _monitor(seen: MonitorFigures) -> None:
-    """Show in which share of ticks the state was in the proved sets, and what was outside last."""
-    rows = []
-    for levels, one in seen.by_set:
-        last = "none"
-        if (tick := one.last_outside) is not None:
-            last = f"{tick.name}, walk {tick.walk} at {tick.time_s:.3f} s"
-        rows.append((levels, f"{one.inside:.2%}", f"{number(one.margin)}, {one.name}", last))
-    show_table(("set of level", "inside", "smallest margin", "last outside"), rows)
-    in_time = "" if seen.in_time is None else f", {seen.in_time:.2%} came within its hold (level 5)"
-    show_sentence(
-        f"of {seen.ticks} ticks, {seen.admissible:.2%} had commands that the proof is about"
-        f"{in_time}; the sets are those of the model under the proof's own controller"
-    )
 
 
 def _link(link: LinkFigures) -> None:
