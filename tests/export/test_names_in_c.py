@@ -6,7 +6,7 @@ import subprocess
 import pytest
 
 from neuralgaits.export import output_folder
-from neuralgaits.export.source import _quoted, gait_files
+from neuralgaits.export.source import gait_files, quoted
 from neuralgaits.robots import load_robot
 from support.designs import LAWS, design_for
 
@@ -33,9 +33,7 @@ def test_names_end_no_comment(tmp_path):
     "name", ['x"; int y', "back\\", "line\nline", "??/", "%s", "Größe", "0123", "a?b"]
 )
 def test_a_string_of_c_is_the_name_to_the_last_byte(tmp_path, name):
-    program = (
-        f"#include <stdio.h>\nint main(void) {{ fputs({_quoted(name)}, stdout); return 0; }}\n"
-    )
+    program = f"#include <stdio.h>\nint main(void) {{ fputs({quoted(name)}, stdout); return 0; }}\n"
     (tmp_path / "say.c").write_text(program)
     subprocess.run(
         ["gcc", "-std=c99", "-Wall", "-Werror", "say.c", "-o", "say"], cwd=tmp_path, check=True

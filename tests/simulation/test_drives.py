@@ -1,5 +1,8 @@
 """Drives with loops of their own: what they do between two ticks, and what is refused."""
 
+# pyright: reportAttributeAccessIssue=false
+# MuJoCo ships no type stubs.
+
 import jax.numpy as jnp
 import mujoco
 import numpy as np
@@ -27,9 +30,8 @@ def test_between_ticks_a_drive_adds_what_the_joint_has_moved(robot):
     shape = np.shape(layout.gears)
     torque, angles, rates = (scale * rng.standard_normal(shape) for scale in (3.0, 0.1, 0.2))
     moved, faster = 0.01 * rng.standard_normal(shape), 0.1 * rng.standard_normal(shape)
-    seen = Measurement(
-        time=0.0, pitch=0.0, dpitch=0.0, angles=angles, rates=rates, hip_velocity=0, normal_force=0
-    )
+    nothing = np.zeros(())
+    seen = Measurement(nothing, nothing, nothing, angles, rates, np.zeros(2), np.zeros(2))
     held = held_by_drives(plant.state_map, seen, jnp.array([300.0, 5.0]))
     data.ctrl[:] = controls(plant.state_map, jnp.asarray(torque) + held)
     signs, offsets = np.array(layout.leg_joint_signs), np.array(layout.leg_joint_offsets)

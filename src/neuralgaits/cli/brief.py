@@ -78,6 +78,9 @@ def brief_walks(result: Simulated) -> None:
     if (link := result.link) is not None and link.deadline_misses:
         late = f"{link.deadline_misses} of {link.ticks} ticks kept the command of the tick before"
         facts.append(("link", late))
+    if (seen := result.monitor) is not None:
+        shares = (f"{one.inside:.2%} in the set of level {levels}" for levels, one in seen.by_set)
+        facts.append(("monitor", f"of {seen.ticks} ticks, {', '.join(shares)}"))
     facts.append(("next", command("certify", named(result.run))))
     show_facts(facts)
 

@@ -13,6 +13,7 @@ from neuralgaits.records.exported import (
     Model,
     ModelAgreement,
     ModelExport,
+    MonitorExport,
     UncheckedExport,
 )
 
@@ -39,6 +40,8 @@ def _agrees(states: int, count: str) -> None:
 
 def _show_controller(result: ControllerExport) -> None:
     laws = [name for name in result.builds[0].latency_us if name in result.laws]
+    if result.monitor is not None:
+        _show_monitor(result.monitor)
     head = ("build", "y_d", "torque", "policy us")
     rows = []
     for build in result.builds:
@@ -61,6 +64,14 @@ def _show_controller(result: ControllerExport) -> None:
     show_sentence(
         "float: by error analysis, y_d is off by no more than "
         f"{at_most(result.float_bound.output, 2)} of its range at any z of the region"
+    )
+
+
+def _show_monitor(monitor: MonitorExport) -> None:
+    first = monitor.builds[0]
+    show_sentence(
+        f"monitor of the proved sets of levels {', '.join(map(str, monitor.levels))}: agrees with "
+        f"Python on {monitor.states} states; an answer takes {first.answer_us.p50:.3g} us"
     )
 
 

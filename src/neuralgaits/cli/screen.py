@@ -8,6 +8,7 @@ from typing import Any
 
 from rich.text import Text
 
+from neuralgaits.cli.monitor_screen import show_monitor
 from neuralgaits.cli.screen_tables import (
     ROWS,
     number,
@@ -148,6 +149,8 @@ def show_walks(result: Simulated) -> None:
         )
     if result.link is not None:
         _link(result.link)
+    if result.monitor is not None:
+        show_monitor(result.monitor)
     asked = ("plant", "simulator", "controller", "engine", "terrain", "start", "push", "run")
     facts = [(name, value) for name in asked if (value := getattr(result, name)) is not None]
     changed = [f"{name}={number(value)}" for name, value in _disturbed(result)]

@@ -1,7 +1,12 @@
 """Control laws by the names that `_control_laws` lists."""
 
+from dataclasses import fields
 from functools import cache
 from importlib import import_module
+from typing import Any
+
+import jax
+import numpy as np
 
 from neuralgaits._control_laws import CONTROL_LAWS
 from neuralgaits._printable import shown
@@ -29,3 +34,17 @@ def _at(place: str) -> AbstractLaw:
 def exported_laws() -> dict[str, AbstractLaw]:
     """Return the laws of exported controllers, by name."""
     return {name: law_named(name) for name, entry in CONTROL_LAWS.items() if entry.exported}
+
+
+def fields_of_law(law: AbstractLaw) -> dict[str, Any]:
+    """Return a law's parameters by name, tuples as lists; anything that is no number as text."""
+    values = {field.name: getattr(law, field.name) for field in fields(law)}
+    numbers = (bool, int, float, np.generic, np.ndarray, jax.Array, type(None))
+    return {
+        name: list(value)
+        if isinstance(value, tuple)
+        else value
+        if isinstance(value, numbers)
+        else repr(value)
+        for name, value in values.items()
+    }

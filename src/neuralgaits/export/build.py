@@ -59,15 +59,17 @@ def build(
     return program
 
 
-def inspect(compiler: str, folder: Path, flags: tuple[str, ...]) -> Inspection:
-    """Compile the core alone and inspect its objects.
+def inspect(
+    compiler: str, folder: Path, flags: tuple[str, ...], sources: tuple[str, ...] = CORE
+) -> Inspection:
+    """Compile the files that run on the robot alone and inspect their objects.
 
     Raises: MismatchError if it does not compile.
     """
     deep = ("-fcallgraph-info=su",) if compiler == "gcc" else ()
     flash = static = 0
     undefined, defined = set(), set()
-    for source in CORE:
+    for source in sources:
         target = folder / f"{Path(source).stem}.o"
         # Without -fno-pie, constants that hold addresses count as memory that is written.
         options = [*STRICT, *flags, *deep, "-fno-pie", "-c"]
@@ -77,7 +79,7 @@ def inspect(compiler: str, folder: Path, flags: tuple[str, ...]) -> Inspection:
         for line in _run(["nm", str(target)]).splitlines():
             *_, kind, symbol = line.split()
             (undefined if kind == "U" else defined).add(symbol)
-    graphs = [(folder / f"{Path(source).stem}.ci") for source in CORE]
+    graphs = [(folder / f"{Path(source).stem}.ci") for source in sources]
     known = all(graph.is_file() for graph in graphs)
     stack = (
         deepest("\n".join(graph.read_text(encoding="utf-8", errors="replace") for graph in graphs))

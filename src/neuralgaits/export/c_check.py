@@ -15,9 +15,11 @@ from neuralgaits.export.compare import (
     questions,
 )
 from neuralgaits.export.facts import Design
+from neuralgaits.export.monitor_check import STATES as MONITOR_STATES
+from neuralgaits.export.monitor_check import check_monitor
 from neuralgaits.export.programs import policy_rate
 from neuralgaits.export.reference import Reference
-from neuralgaits.records.exported import Build, ControllerExport, Memory
+from neuralgaits.records.exported import Build, ControllerExport, Memory, MonitorExport
 
 
 def check_controller(
@@ -47,6 +49,12 @@ def check_controller(
         precision: _sizes(folder, compilers[0], defines)
         for precision, defines in build.PRECISIONS.items()
     }
+    monitor = None
+    if design.monitor is not None:
+        # No more states than were asked for.
+        checked = min(states, MONITOR_STATES)
+        answers = check_monitor(design, folder, compilers, checked)
+        monitor = MonitorExport(design.monitor.levels, checked, answers)
     first = builds[0]
     steps = [first.latency_us[name] for name in design.controllers]
     return partial(
@@ -61,6 +69,7 @@ def check_controller(
         sizes=sizes,
         builds=builds,
         step_latency_us=first.latency_us.get(STEP_TIME),
+        monitor=monitor,
     )
 
 

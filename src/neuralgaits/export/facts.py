@@ -8,6 +8,7 @@ import numpy as np
 
 from neuralgaits._quick_jit import quick_filter_jit
 from neuralgaits._types import Actuated, Array, Float
+from neuralgaits.analysis.state_monitor import StateMonitor
 from neuralgaits.control import AbstractLaw, Controller
 from neuralgaits.control.measurement import leg_joints, of_all_motors
 from neuralgaits.control.safeguard import SafeguardConfig
@@ -53,6 +54,7 @@ class Design:
         controllers: by name of the law; alike but for the law.
         safeguard: thresholds of faults.
         origin: origin of the design.
+        monitor: sets that are proved of the gait; None without.
     """
 
     robot: PlanarBiped
@@ -60,6 +62,7 @@ class Design:
     controllers: Mapping[str, Controller]
     safeguard: SafeguardConfig
     origin: Origin
+    monitor: StateMonitor | None = None
 
     @classmethod
     def of(

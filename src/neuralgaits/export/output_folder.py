@@ -3,7 +3,7 @@
 import os
 import shutil
 import tempfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from importlib import resources
 from pathlib import Path
@@ -17,7 +17,9 @@ from neuralgaits.runs.atomic import (
 )
 from neuralgaits.runs.outputs import refuse_folder_of_run
 
-_EXPORTER_ONLY = frozenset(("check.c",))
+_EXPORTER_ONLY = frozenset(("check.c", "check_monitor.c"))
+_OF_MONITOR = frozenset(("monitor.h", "monitor.c"))
+"""Files that only a gait with a proof has."""
 _SUFFIXES = (".c", ".h", ".onnx")
 """Suffixes of the files of an export."""
 
@@ -25,17 +27,27 @@ _SUFFIXES = (".c", ".h", ".onnx")
 def shipped() -> dict[str, str]:
     """Return C files that are the same for every gait."""
     folder = resources.files("neuralgaits.export") / "c"
+    apart = _EXPORTER_ONLY | _OF_MONITOR
     return {
         entry.name: entry.read_text(encoding="utf-8")
         for entry in sorted(folder.iterdir(), key=lambda entry: entry.name)
-        if entry.is_file() and entry.name not in _EXPORTER_ONLY
+        if entry.is_file() and entry.name not in apart
     }
 
 
 def harness() -> dict[str, str]:
     """Return C files that only the exporter compiles."""
+    return _files(_EXPORTER_ONLY)
+
+
+def monitor() -> dict[str, str]:
+    """Return C files of the monitor that are the same for every gait that has one."""
+    return _files(_OF_MONITOR)
+
+
+def _files(names: Iterable[str]) -> dict[str, str]:
     folder = resources.files("neuralgaits.export") / "c"
-    return {name: (folder / name).read_text(encoding="utf-8") for name in sorted(_EXPORTER_ONLY)}
+    return {name: (folder / name).read_text(encoding="utf-8") for name in sorted(names)}
 
 
 def refuse_used(out: Path, *, force: bool) -> None:

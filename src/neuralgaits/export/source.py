@@ -35,7 +35,7 @@ def gait_files(design: Design, further: Sequence[Part] = ()) -> dict[str, str]:
 
 def _header(design: Design, functions: list[Emitted]) -> str:
     lines = [
-        *("/*", *(f" * {_prose(line)}".rstrip() for line in statement.prose(design)), " */"),
+        *("/*", *(f" * {commented(line)}".rstrip() for line in statement.prose(design)), " */"),
         "#ifndef NG_GAIT_H",
         "#define NG_GAIT_H",
         "",
@@ -66,18 +66,18 @@ def _names(design: Design) -> list[str]:
         f"law_{name}": number for number, name in enumerate(design.controllers)
     }
     return [
-        f"#define NG_{name.upper()} {value if isinstance(value, int) else _quoted(value)}"
+        f"#define NG_{name.upper()} {value if isinstance(value, int) else quoted(value)}"
         for name, value in words.items()
     ]
 
 
-def _prose(line: str) -> str:
+def commented(line: str) -> str:
     """Return a line of a comment. Names come from other people's files; none may end it."""
     shown = "".join(sign if sign.isprintable() else "?" for sign in line)
     return shown.replace("*/", "* /").replace("/*", "/ *").rstrip("\\")
 
 
-def _quoted(text: str) -> str:
+def quoted(text: str) -> str:
     """Return a string of C. A character that could end it is written as a number, byte by byte."""
     signs = (chr(byte) if chr(byte) in _PLAIN else f"\\{byte:03o}" for byte in text.encode())
     return f'"{"".join(signs)}"'
@@ -110,7 +110,7 @@ def _laws(design: Design) -> str:
 
 
 def _law(name: str, law: AbstractLaw) -> str:
-    values = [f".name = {_quoted(name)}", f".hold_ticks = {law.hold_ticks}"]
+    values = [f".name = {quoted(name)}", f".hold_ticks = {law.hold_ticks}"]
     if isinstance(law, Pd):
         values += [
             f".stiffness = {braces(np.array(law.stiffness))}",

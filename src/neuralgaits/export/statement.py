@@ -40,6 +40,7 @@ def prose(design: Design) -> list[str]:
         f"robot file  sha256 {origin.robot_sha256}",
         f"policy      sha256 {origin.policy_sha256}",
         f"proof       {_proof(design)}",
+        f"monitor     {_monitor(design)}",
         "",
         "Coordinates q, stance leg first [rad]: " + ", ".join(robot.joint_names),
         "Actuated are all but the first."
@@ -198,6 +199,13 @@ def _proof(design: Design) -> str:
     about = "of gait and model, not of this code"
     stated = f"stated {origin.proof_verdict}; check-proof bounds its boxes again"
     return f"sha256 {origin.proof_sha256}, {stated}: {about}"
+
+
+def _monitor(design: Design) -> str:
+    if design.monitor is None:
+        return "none"
+    levels = ", ".join(map(str, design.monitor.levels))
+    return f"monitor.h, of the sets of level{'s' * (len(levels) > 1)} {levels}"
 
 
 def _joints(design: Design) -> list[str]:

@@ -3,7 +3,7 @@
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 
-from neuralgaits.records.record import Record, Texts
+from neuralgaits.records.record import Count, Record, Texts
 from neuralgaits.records.simulated import Percentiles
 
 
@@ -52,6 +52,38 @@ class Build:
     flags: str
     agreement: Agreement
     latency_us: Mapping[str, Percentiles]
+
+
+@dataclass(frozen=True)
+class MonitorBuild:
+    """The monitor under one compiler and precision.
+
+    Attributes:
+        distance: largest distance of a margin m from Python's, in units of 1 + |m|.
+        set_us: time of the margins of each set, in the order of the levels.
+        answer_us: time of a whole answer.
+    """
+
+    compiler: str
+    precision: str
+    distance: float
+    set_us: tuple[Percentiles, ...]
+    answer_us: Percentiles
+
+
+@dataclass(frozen=True)
+class MonitorExport:
+    """The monitor beside a controller.
+
+    Attributes:
+        levels: levels of the proof that it answers about.
+        states: number of states on which it was compared; 0 for none.
+        builds: results by compiler and precision.
+    """
+
+    levels: tuple[Count, ...]
+    states: Count = 0
+    builds: tuple[MonitorBuild, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -116,6 +148,7 @@ class Exported(Record):
         max_abs_error: largest error of the build in double precision (N m, rad, rad/s).
         latency_us: time of its slowest law, or of the model.
         flash_bytes, ram_bytes: memory use; None if unknown.
+        monitor: monitor beside the controller; None if nothing is proved, or in another format.
     """
 
     run: str
@@ -129,6 +162,11 @@ class Exported(Record):
     latency_us: Percentiles | None = None
     flash_bytes: int | None = None
     ram_bytes: int | None = None
+    monitor: MonitorExport | None = None
+
+    def unsaid(self) -> Collection[str]:
+        """Return the fields that `--json` omits: the monitor if there is none."""
+        return ("monitor",) if self.monitor is None else ()
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -159,8 +197,9 @@ class ControllerExport(Exported):
     step_latency_us: Percentiles | None = None
 
     def unsaid(self) -> Collection[str]:
-        """Return the fields that `--json` omits: the time of a step's work if there is none."""
-        return ("step_latency_us",) if self.step_latency_us is None else ()
+        """Return the fields that `--json` omits: monitor and time of a step's work, if none."""
+        more = ("step_latency_us",) if self.step_latency_us is None else ()
+        return (*super().unsaid(), *more)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from neuralgaits.records.certified import box_in_words
+from neuralgaits.records.monitored import MonitorFigures
 from neuralgaits.records.record import Count, Disturb, Record, Texts
 
 FOLDER = "simulation"
@@ -238,7 +239,13 @@ class WalkSettings(Record):
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Simulated(WalkFigures, WalkSettings):
-    """A simulation: its settings and results."""
+    """A simulation: its settings and results.
+
+    Attributes:
+        monitor: its states and the sets that are proved of the gait; None without `--monitor`.
+    """
+
+    monitor: MonitorFigures | None = None
 
     @property
     def stepped_by(self) -> str:
@@ -277,7 +284,7 @@ class Simulated(WalkFigures, WalkSettings):
 
     def unsaid(self) -> Collection[str]:
         """Return the fields that `--json` omits: those of features that the walks did not use."""
-        unsaid = ["link"] if self.link is None else []
+        unsaid = [name for name in ("link", "monitor") if getattr(self, name) is None]
         for name in ("command_error", "parameters", "errors"):
             unsaid += [] if getattr(self, name) else [name]
         walked = ("command", "commands", "terrain", "foothold_error_m")

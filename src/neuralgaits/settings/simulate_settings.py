@@ -14,6 +14,7 @@ from neuralgaits.settings.shared_options import (
     Changes,
     Connection,
     Constant,
+    Flag,
     Gains,
     Law,
     Plant,
@@ -86,6 +87,9 @@ class SimulateSettings(Settings):
     """Write the first walk's log; further walks get FILE-1.csv, FILE-2.csv, ... beside it."""
     video: Annotated[AnyPath | None, arg(metavar="FILE.mp4"), A_PATH] = None
     """Write a video of the first walk; needs the video extra."""
+    monitor: Flag = False
+    """Say for which share of the ticks the controller's state was in the sets that the run's proof
+    is about, by level; needs a run that is proved to level 2 or more."""
     begun: Begun = None
     """Called when the settings are checked and the walks begin."""
 

@@ -54,6 +54,8 @@ def refuse_shared(
     log: str | Path | None,
     film: str | Path | None,
     terrain: str | Path | None,
+    *,
+    monitor: bool = False,
 ) -> None:
     """Refuse options that only work in this process. Raises: InputError."""
     if not isinstance(controller, str) or controller == REMOTE:
@@ -65,6 +67,10 @@ def refuse_shared(
         raise InputError(
             "expected --workers or --ray without --log and --video, found them together: walk the "
             "one that is to be kept by itself"
+        )
+    if monitor:
+        raise InputError(
+            "expected --monitor without --workers or --ray, found them together: leave these out"
         )
     if terrain is not None:
         raise InputError(

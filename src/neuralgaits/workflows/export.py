@@ -1,7 +1,7 @@
 """Write a trained gait for a robot, in C or ONNX, and compare it with Python."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
@@ -11,22 +11,24 @@ import numpy as np
 from neuralgaits._argument_types import type_checked
 from neuralgaits._version import __version__
 from neuralgaits.analysis.run import Run, open_run
+from neuralgaits.certificate.run_certificate.proved_monitor import monitor_of
 from neuralgaits.certificate.run_certificate.verified_summary import (
     CertificateReading,
     read_certificate,
 )
 from neuralgaits.control.law_by_name import exported_laws
-from neuralgaits.errors import InputError
+from neuralgaits.errors import InputError, SpecError
 from neuralgaits.export import build, output_folder
 from neuralgaits.export.c_check import check_controller
 from neuralgaits.export.compare import STATES
 from neuralgaits.export.facts import Design, Origin
+from neuralgaits.export.monitor_source import monitor_files
 from neuralgaits.export.reference import Reference
 from neuralgaits.export.selftest import selftest_file
 from neuralgaits.export.source import gait_files
 from neuralgaits.gait.policies.commanded_gait import AnyGait
 from neuralgaits.records.certified import PROOF
-from neuralgaits.records.exported import Exported, UncheckedExport
+from neuralgaits.records.exported import Exported, MonitorExport, UncheckedExport
 from neuralgaits.runs.hashes import file_hashes
 from neuralgaits.runs.names import ROBOT, WEIGHTS
 from neuralgaits.simulation.setup.starts import momentum_range
@@ -38,6 +40,8 @@ NO_EXTRA = (
     "expected the packages onnx and onnxruntime for --format onnx, found no {}: "
     "pip install 'neuralgaits[onnx]'"
 )
+MONITORED = "c"
+"""Format that has a monitor."""
 LARGEST = 1e30
 """Largest number of a gait that may be exported: C may compute in single precision."""
 RecordFactory = Callable[..., Exported]
@@ -95,9 +99,12 @@ def export_controller(
     _refuse_unusable(trained.trained)
     if begun is not None:
         begun()
+    lacking: list[str] = []
     # Numbers that are not finite are refused where they are written.
     with np.errstate(all="ignore"):
         design = design_of(trained, certificate)
+        if format == MONITORED:
+            design, lacking = with_monitor(design, trained, certificate)
         files, told = WRITERS[format](design, states)
     return Export(
         told(
@@ -106,7 +113,7 @@ def export_controller(
             out=str(folder),
             files=tuple(output_folder.publish(folder, files)),
             laws=tuple(design.controllers),
-            warnings=tuple(_warnings(certificate)),
+            warnings=(*_warnings(certificate), *lacking),
         )
     )
 
@@ -144,9 +151,27 @@ def design_of(trained: Run, certificate: CertificateReading | None = None) -> De
     )
 
 
+def with_monitor(
+    design: Design, trained: Run, certificate: CertificateReading
+) -> tuple[Design, list[str]]:
+    """Return the design with a monitor of the sets that are proved, and why it has none.
+
+    Without a certificate of the run's own there is none, which another warning says.
+    """
+    try:
+        monitored = replace(design, monitor=monitor_of(trained, certificate))
+        monitor_files(monitored)
+    except SpecError as error:
+        return design, [f"no monitor is written: {error}"]
+    if monitored.monitor is None and certificate.summary is not None:
+        return design, ["no monitor is written: no level above 1 is proved of this gait"]
+    return monitored, []
+
+
 def controller_files(design: Design, reference: Reference) -> dict[str, str]:
     """Return the files that are specific to this gait."""
-    return gait_files(design) | {"gait_selftest.h": selftest_file(design, reference)}
+    own = gait_files(design) | {"gait_selftest.h": selftest_file(design, reference)}
+    return own | monitor_files(design)
 
 
 def _origin(trained: Run, found: CertificateReading) -> Origin:
@@ -191,7 +216,8 @@ def _c(design: Design, states: int) -> tuple[dict[str, str], RecordFactory]:
     files = output_folder.shipped() | controller_files(design, reference)
     compilers = build.compilers()
     if not compilers:
-        return files, partial(UncheckedExport, reason=NO_COMPILER)
+        known = None if design.monitor is None else MonitorExport(design.monitor.levels)
+        return files, partial(UncheckedExport, reason=NO_COMPILER, monitor=known)
     with output_folder.scratch(files | output_folder.harness()) as place:
         return files, check_controller(design, reference, place, compilers, states)
 

@@ -1,17 +1,15 @@
 """Walk a trained gait at full order, in MuJoCo or in Drake."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
-
-import jax
-import numpy as np
 
 from neuralgaits import logs
 from neuralgaits._control_laws import names_of_laws
 from neuralgaits.analysis.run import Run, open_run
+from neuralgaits.analysis.state_monitor import StateMonitor
 from neuralgaits.control import AbstractLaw
+from neuralgaits.control.law_by_name import fields_of_law
 from neuralgaits.engine import worker_pool_for as engine_of_workers
 from neuralgaits.errors import InputError
 from neuralgaits.records.simulated import PLANT, SUMMARY, LinkFigures, Simulated, WalkSettings
@@ -51,6 +49,7 @@ from neuralgaits.simulation.walk import Walk
 from neuralgaits.systems.family_tasks import task_of
 from neuralgaits.systems.system_family import Watched
 from neuralgaits.workflows.export import design_of
+from neuralgaits.workflows.monitor_walk import required_monitor, watched
 from neuralgaits.workflows.planarise import robot_from
 
 _ALL = 2**31 - 1
@@ -99,6 +98,7 @@ class _Plan:
         command: constant command, for the record; None if there is none.
         logs, films: files to write.
         wire: connection to the exported controller; None for any other.
+        monitor: proved sets whose states are counted; None if they are not.
     """
 
     run: Run
@@ -110,6 +110,7 @@ class _Plan:
     logs: list[Path]
     films: list[Path]
     wire: LinkConfig | None
+    monitor: StateMonitor | None
 
 
 @called_with(SimulateSettings)
@@ -130,10 +131,12 @@ def simulate(settings: SimulateSettings) -> Simulation:
     walked, link = _walked(settings, plan, engine)
     record = _record(settings, plan, walked, engine_note=engine.note, link=link)
     figures = summary(walked, periodic_orbit(run.zero_dynamics, run.gait))
-    result = Simulated(**vars(record), **vars(figures))
+    states = walked.episodes.records
+    seen = None if plan.monitor is None else watched(run, plan.monitor, states)
+    result = Simulated(**vars(record), **vars(figures), monitor=seen)
     # First, so that nothing that can go wrong with a log or a video costs the walk.
     run.folder.write_json(SUMMARY, result)
-    for number, (file, rows) in enumerate(zip(plan.logs, walked.episodes.records, strict=True)):
+    for number, (file, rows) in enumerate(zip(plan.logs, states, strict=bool(plan.logs))):
         logs.write(file, log_of(run.robot, rows, f"episode {number}"))
     for film in plan.films:
         films.write(film, walked.plant, walked.episodes.states, walked.episodes.floors)
@@ -164,7 +167,8 @@ def _planned(settings: SimulateSettings) -> _Plan:
         films.check(video)
     wire = link_of(settings.link, controller, disturbance)
     if _on_workers(settings):
-        refuse_shared(controller, settings.log, settings.video, terrain)
+        refuse_shared(controller, settings.log, settings.video, terrain, monitor=settings.monitor)
+    monitor = required_monitor(run) if settings.monitor else None
     constant = run.trained.commands and commands is None
     run, courses = at_first(run, orders.first), None
     kept = run.command if constant else None
@@ -176,7 +180,7 @@ def _planned(settings: SimulateSettings) -> _Plan:
         own = commands_from_terrain(terrain)
         kept = {name: value for name, value in (run.command or {}).items() if name not in own}
         run = at_first(run, courses.orders.first)
-    return _Plan(run, disturbance, drawn, orders, courses, kept, files, videos, wire)
+    return _Plan(run, disturbance, drawn, orders, courses, kept, files, videos, wire, monitor)
 
 
 def _on_workers(settings: SimulateSettings) -> bool:
@@ -205,7 +209,7 @@ def _walked(
     )
     if settings.begun is not None:
         settings.begun()
-    record, longest = bool(plan.films), _ALL if plan.logs else 0
+    record, longest = bool(plan.films), _ALL if plan.logs or plan.monitor else 0
     if wire is not None:
         with connected(design_of(plan.run), wire, count, settings.seed) as remote:
             walked = walks.walk(0, count, record=record, longest=longest, remote=remote)
@@ -231,7 +235,7 @@ def _record(
         run=str(run.path),
         plant=walked.plant.robot.name,
         controller=law if isinstance(law, str) else type(law).__name__,
-        law=_fields(walked.law),
+        law=fields_of_law(walked.law),
         episodes=len(walked.episodes.endings),
         start=settings.start,
         push=settings.push,
@@ -290,17 +294,3 @@ def log_files(first: Path, episodes: int) -> list[Path]:
     """Return the paths of all walks' logs; each has its own file, since each has its own clock."""
     more = (first.with_stem(f"{first.stem}-{number}") for number in range(1, episodes))
     return [first, *more]
-
-
-def _fields(law: AbstractLaw) -> dict[str, Any]:
-    """Return a law's parameters by name, tuples as lists; anything that is no number as text."""
-    values = {field.name: getattr(law, field.name) for field in fields(law)}
-    numbers = (bool, int, float, np.generic, np.ndarray, jax.Array, type(None))
-    return {
-        name: list(value)
-        if isinstance(value, tuple)
-        else value
-        if isinstance(value, numbers)
-        else repr(value)
-        for name, value in values.items()
-    }

@@ -199,6 +199,7 @@ def simulating(folder: RunFolder, done: Simulated, run: Path) -> str | None:
         "commands": done.commands,
         "parameters": done.parameters or None,
         "terrain": done.terrain,
+        "monitor": done.monitor is not None,
         "disturb": ",".join(f"{name}={value!r}" for name, value in changed.items()) or None,
     }
     return _line("simulate", SimulateSettings, run, **given)

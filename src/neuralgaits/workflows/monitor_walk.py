@@ -1,0 +1,141 @@
+"""The monitor of `simulate --monitor`: states of walks, and the sets that are proved of the gait.
+
+The states that the controller had at its ticks are evaluated after the walks, by the Programs that
+the monitor in C is written from.
+"""
+
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple
+
+import jax
+import numpy as np
+
+from neuralgaits._blocks import in_blocks
+from neuralgaits._quick_jit import quick_filter_jit
+from neuralgaits._types import Array, Float
+from neuralgaits.analysis.run import Run
+from neuralgaits.analysis.state_monitor import StateMonitor, StateSet
+from neuralgaits.certificate.run_certificate.proved_monitor import monitor_of
+from neuralgaits.certificate.run_certificate.verified_summary import read_certificate
+from neuralgaits.errors import InputError
+from neuralgaits.gait import AbstractPolicy
+from neuralgaits.gait.commands import Pair
+from neuralgaits.gait.reset_residual import ResetCorrection
+from neuralgaits.records.monitored import LevelWatched, MonitorFigures, TickOutside
+from neuralgaits.robots import PlanarBiped
+from neuralgaits.runs.shell_words import command, named
+from neuralgaits.simulation.ticks.tick import TickRecord
+
+_AT_ONCE = 64
+"""Steps whose parameters are computed together."""
+
+
+class _Ticks(NamedTuple):
+    """All ticks of all walks, one after the other. N rows each."""
+
+    walk: np.ndarray
+    time: np.ndarray
+    q: np.ndarray
+    dq: np.ndarray
+    told: np.ndarray
+    """[N, 2, p]"""
+
+
+def required_monitor(run: Run) -> StateMonitor:
+    """Return the monitor of a run. Raises: InputError without a proof of level 2 or more."""
+    certificate = read_certificate(run.folder)
+    found = monitor_of(run, certificate)
+    if found is None:
+        reason = certificate.reason or (
+            "it has no certificate" if certificate.summary is None else "no level above 1 is proved"
+        )
+        raise InputError(
+            "--monitor: expected a run with a proved set, which begins with level 2, found none: "
+            f"{reason}; prove it ({command('certify', named(run.path))}) or leave --monitor out"
+        )
+    return found
+
+
+def watched(run: Run, monitor: StateMonitor, records: Sequence[TickRecord]) -> MonitorFigures:
+    """Return the figures of walks.
+
+    Args:
+        run: the run that walked.
+        monitor: its sets.
+        records: every tick of every walk.
+    """
+    ticks = _joined(records)
+    before, after = ticks.told[:, 0], ticks.told[:, 1]
+    inputs = {"q": ticks.q, "dq": ticks.dq}
+    if monitor.commands:
+        inputs |= {"before": before, "after": after, "step": _steps(run, ticks.told)}
+    levels = {}
+    for one in monitor.sets:
+        found = _level(one, one.margins(**inputs), ticks)
+        levels |= {str(level): found for level in one.levels}
+    return MonitorFigures(
+        ticks=len(ticks.time),
+        levels={str(level): levels[str(level)] for level in monitor.levels},
+        admissible=float(np.mean(monitor.admissible(before, after))),
+        in_time=_in_time(monitor, records),
+        proof_sha256=monitor.proof_sha256,
+    )
+
+
+def _joined(records: Sequence[TickRecord]) -> _Ticks:
+    numbers = [np.full(len(one.time), walk) for walk, one in enumerate(records)]
+    columns = zip(*map(_columns, records), strict=True)
+    return _Ticks(np.concatenate(numbers), *(np.concatenate(parts) for parts in columns))
+
+
+def _columns(record: TickRecord) -> Iterator[np.ndarray]:
+    command = record.command
+    yield from map(np.asarray, (record.time, command.q, command.dq, command.told))
+
+
+def _level(one: StateSet, margins: np.ndarray, ticks: _Ticks) -> LevelWatched:
+    found = one.membership(margins)
+    worst = int(np.argmin(found.margin))
+    outside = np.flatnonzero(~found.inside)
+    last = None
+    if outside.size:
+        tick = outside[-1]
+        last = TickOutside(
+            int(ticks.walk[tick]),
+            float(ticks.time[tick]),
+            one.names[found.nearest[tick]],
+            float(found.margin[tick]),
+        )
+    name = one.names[found.nearest[worst]]
+    return LevelWatched(float(np.mean(found.inside)), float(found.margin[worst]), name, last)
+
+
+def _in_time(monitor: StateMonitor, records: Sequence[TickRecord]) -> float | None:
+    """Return the share of ticks in time, compared in whole microseconds as the monitor in C does.
+
+    The first tick of a walk is in time.
+    """
+    if monitor.hold_s is None:
+        return None
+    gaps = [np.diff(np.round(1e6 * np.asarray(one.time)), prepend=np.nan) for one in records]
+    return float(np.mean(~(np.concatenate(gaps) > monitor.hold_us)))
+
+
+def _steps(run: Run, told: Float[np.ndarray, "N 2 p"]) -> Float[np.ndarray, "N s"]:
+    """Return the parameters that the controller had for the step of each tick."""
+    pairs, which = np.unique(told.reshape(len(told), -1), axis=0, return_inverse=True)
+    sides = pairs.reshape(len(pairs), 2, -1)
+    policy, robot, residual = run.trained.policy, run.robot, run.residuals.reset
+
+    def some(before: np.ndarray, after: np.ndarray) -> tuple[Array]:
+        return (_of_steps(policy, robot, residual, Pair(before, after)),)
+
+    (found,) = in_blocks(some, _AT_ONCE, sides[:, 0], sides[:, 1])
+    return np.asarray(found)[which.reshape(-1)]
+
+
+@quick_filter_jit
+def _of_steps(
+    policy: AbstractPolicy, robot: PlanarBiped, residual: ResetCorrection, pairs: Pair
+) -> Float[Array, "N s"]:
+    return jax.vmap(lambda told: policy.parameters_of_step(robot, told, residual))(pairs)
