@@ -1,33 +1,40 @@
 """Make a robot file that the theory covers from one that it does not cover yet."""
 
+from collections.abc import Collection
 from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 
-from neuralgaits.errors import InputError, RobotError
+from neuralgaits._printable import printable
+from neuralgaits.errors import InputError, ManyProblems, RobotError
 from neuralgaits.records.inspected import RobotFacts
 from neuralgaits.robots import PlanarBiped, load_robot, registry
 from neuralgaits.robots.mjcf.loader import robot_text
 from neuralgaits.robots.mjcf.planariser import Feet, planarise
+from neuralgaits.robots.mjcf.problems import problems_of_file
+from neuralgaits.robots.mjcf.text import urdf_text
 from neuralgaits.runs.atomic import write_new
 from neuralgaits.runs.shell_words import command
 from neuralgaits.workflows.inspect import inspect
 
 
-def planarise_file(source: str | Path, out: Path, feet: Feet = "point") -> RobotFacts:
+def planarise_file(
+    source: str | Path, out: Path, feet: Feet = "point", weld: Collection[str] = ()
+) -> RobotFacts:
     """Write a changed copy of a robot file, and describe the robot in it.
 
     Args:
-        source: name of a built-in robot, or path of an MJCF file; never changed.
+        source: name of a built-in robot, or path of an MJCF or URDF file; never changed.
         out: file to make; a copy of the source if that needs no change.
         feet: of `planarise`.
+        weld: joints to weld, as in `planarise`.
 
     Returns: `RobotFacts` of the new file, with `written` and `changes`.
     Raises: RobotError if the file cannot be made into a planar biped, InputError if there is a file
         at `out`; nothing is written then.
     """
-    text, name = robot_text(source)
-    made = planarise(text, name, feet)
+    text, name, folder = _text_of(source)
+    made = planarise(text, name, feet, weld, folder)
     write_new(out, made.text)
     changes = (*_resolved(source, text), *made.changes)
     return replace(inspect(load_robot(out)), written=str(out), changes=changes)
@@ -48,15 +55,64 @@ def robot_from(source: PlanarBiped | str | Path | None) -> PlanarBiped:
     try:
         return load_robot(source)
     except RobotError as error:
-        if "--planarise" in str(error):
-            raise
-        feet = _feet_that_can_be_had(source)
-        if feet is None:
+        if "--planarise" in str(error) or (line := _command_for_copy(source)) is None:
             raise error from None
-        out = f"{Path(source).stem}-planar.xml"
-        more = ("--feet", feet) if feet != "point" else ()
-        line = command("inspect", str(source), "--planarise", out, *more)
-        raise RobotError(f"{error}; or have a copy made that can be treated: `{line}`") from None
+        raise RobotError(f"{error}; or {line}") from None
+
+
+def inspect_file(source: str) -> RobotFacts:
+    """Describe a robot by name or path.
+
+    Raises: RobotError as `load_robot`, ManyProblems with all problems of a file that has several.
+    """
+    try:
+        return inspect(load_robot(source))
+    except RobotError as error:
+        problems = _problems(source) or (str(error),)
+        line = None if any("--planarise" in one for one in problems) else _command_for_copy(source)
+        if len(problems) > 1:
+            raise ManyProblems([*problems, *([line] if line else [])]) from None
+        raise RobotError(problems[0] + (f"; or {line}" if line else "")) from None
+
+
+def _problems(source: str) -> tuple[str, ...]:
+    """Return the problems of a robot file; of a URDF, those that are in the way of a copy."""
+    with suppress(RobotError):
+        text, name, folder = _text_of(source)
+        if folder is not None:
+            return _problems_of_urdf(source, text, name, folder)
+    return problems_of_file(source)
+
+
+def _problems_of_urdf(source: str, text: str, name: str, folder: Path) -> tuple[str, ...]:
+    try:
+        planarise(text, name, folder=folder)
+    except ManyProblems as found:
+        return found.problems
+    except RobotError as found:
+        return (str(found),)
+    return problems_of_file(source)
+
+
+def _text_of(source: str | Path) -> tuple[str, str, Path | None]:
+    """Return the text of a robot and a name for it, and the folder of a URDF; else None."""
+    path = Path(source)
+    if str(source) not in registry.built_in() and path.suffix and path.is_file():
+        text = urdf_text(path)
+        if text is not None:
+            return text, printable(path.stem), path.parent
+    return (*robot_text(source), None)
+
+
+def _command_for_copy(source: str | Path) -> str | None:
+    """Return words with the command that makes a copy that can be treated; None if none can."""
+    feet = _feet_that_can_be_had(source)
+    if feet is None:
+        return None
+    out = f"{Path(source).stem}-planar.xml"
+    more = ("--feet", feet) if feet != "point" else ()
+    line = command("inspect", str(source), "--planarise", out, *more)
+    return f"have a copy made that can be treated: `{line}`"
 
 
 def _feet_that_can_be_had(source: str | Path) -> Feet | None:
@@ -64,7 +120,8 @@ def _feet_that_can_be_had(source: str | Path) -> Feet | None:
     kinds: tuple[Feet, ...] = ("flat", "point")
     for feet in kinds:
         with suppress(RobotError):
-            planarise(*robot_text(source), feet)
+            text, name, folder = _text_of(source)
+            planarise(text, name, feet, folder=folder)
             return feet
     return None
 

@@ -11,8 +11,8 @@ a word. Better to say so.
 import mujoco
 import numpy as np
 
-from neuralgaits.errors import RobotError
 from neuralgaits.robots.mjcf.planar_tree import body_name
+from neuralgaits.robots.mjcf.refusals import refuse
 
 ROOT_DOFS = 3
 """The first degrees of freedom of a file are the root's."""
@@ -33,18 +33,18 @@ def _refuse_world(model: mujoco.MjModel) -> None:
     gravity = model.opt.gravity
     if gravity[0] != 0.0 or gravity[1] != 0.0 or not gravity[2] < 0.0:
         found = " ".join(f"{value:g}" for value in gravity)
-        raise RobotError(f'gravity is ({found}): use <option gravity="0 0 -9.81"/>')
+        refuse(f'gravity is ({found}): use <option gravity="0 0 -9.81"/>')
     if model.opt.density != 0.0 or model.opt.viscosity != 0.0:
-        raise RobotError("the file has air or water: remove density and viscosity from <option>")
+        refuse("the file has air or water: remove density and viscosity from <option>")
     off = mujoco.mjtDisableBit
     needed = off.mjDSBL_GRAVITY | off.mjDSBL_CONTACT | off.mjDSBL_ACTUATION
     if model.opt.disableflags & needed:
-        raise RobotError(
+        refuse(
             "the file switches gravity, contact or actuation off: remove that from <flag>"
         )
     for body in np.flatnonzero(model.body_gravcomp):
         name = body_name(model, int(body))
-        raise RobotError(f"body {name} has gravity compensation: remove its gravcomp")
+        refuse(f"body {name} has gravity compensation: remove its gravcomp")
 
 
 def _refuse_couplings(model: mujoco.MjModel) -> None:
@@ -56,7 +56,7 @@ def _refuse_couplings(model: mujoco.MjModel) -> None:
         (model.npair, "contact pairs", "contact"),
     ):
         if count:
-            raise RobotError(
+            refuse(
                 f"the file has {what}, which the closed form would ignore: "
                 f"remove its <{element}> section"
             )
@@ -74,7 +74,7 @@ def refuse_excluded(model: mujoco.MjModel, foot: int, floor: int) -> None:
         # Both bodies' numbers in one, the smaller in the upper half.
         if ends == sorted((int(signature) >> 16, int(signature) & 0xFFFF)):
             names = " and ".join(model.body(end).name for end in ends)
-            raise RobotError(
+            refuse(
                 f"foot {model.geom(foot).name} cannot touch the floor: the file excludes contact "
                 f"between {names}; remove that <exclude>"
             )
@@ -89,14 +89,14 @@ def _refuse_joint(model: mujoco.MjModel, joint: int, *, is_root: bool) -> None:
     }
     for what, present in found.items():
         if present:
-            raise RobotError(f"joint {name} has {what}, which the closed form ignores: remove it")
+            refuse(f"joint {name} has {what}, which the closed form ignores: remove it")
     if is_root and (model.dof_damping[dof] or model.dof_armature[dof]):
-        raise RobotError(
+        refuse(
             f"root joint {name} has damping or armature, but the robot is free in the plane: "
             "remove both"
         )
     if is_root and model.jnt_limited[joint]:
-        raise RobotError(
+        refuse(
             f"root joint {name} has a range, but the robot is free in the plane: remove it"
         )
 

@@ -3,24 +3,33 @@
 It is for planar bipeds with features that the theory lacks: flat feet on ankles, a free joint for a
 root, contact of shanks and thighs, springs, sensors, names left out. Masses stay where they are: a
 foot without its joint is welded, and MuJoCo adds it to the shank. Numbers that only the user knows,
-as torque limits and joint ranges, are not made up.
+as torque limits and joint ranges, are not made up. A URDF, a robot with arms or one that moves in
+space becomes its sagittal section first (`section`).
 """
 
 # pyright: reportAttributeAccessIssue=false
 # MuJoCo ships no type stubs.
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Literal
 
 import mujoco
 
-from neuralgaits.errors import RobotError
+from neuralgaits.errors import ManyProblems, RobotError
+from neuralgaits.robots.mjcf.compiled import compile_text
 from neuralgaits.robots.mjcf.edit import MjcfEdit
+from neuralgaits.robots.mjcf.joint_motors import choose_motor, said_of
 from neuralgaits.robots.mjcf.kept_feet import keep_flat_feet
+from neuralgaits.robots.mjcf.lenient_compilation import compile_what_can_be
 from neuralgaits.robots.mjcf.loader import robot_from_text
 from neuralgaits.robots.mjcf.planar_tree import body_name
 from neuralgaits.robots.mjcf.point_feet import give_point_feet
+from neuralgaits.robots.mjcf.problems import note_problems
+from neuralgaits.robots.mjcf.refusals import all_noted, attempt
+from neuralgaits.robots.mjcf.section import needs_section, section
+from neuralgaits.robots.mjcf.urdf import is_urdf, mjcf_of_urdf
 
 
 @dataclass(frozen=True)
@@ -39,27 +48,70 @@ class Planarised:
 Feet = Literal["point", "flat"]
 
 
-def planarise(text: str, name: str, feet: Feet = "point") -> Planarised:
+def planarise(
+    text: str,
+    name: str,
+    feet: Feet = "point",
+    weld: Collection[str] = (),
+    folder: Path | None = None,
+) -> Planarised:
     """Change a robot file into that of a planar biped.
 
     Args:
-        text: MJCF without includes.
+        text: MJCF without includes, or a URDF.
         name: of the robot, unless the file names its model.
         feet: "point" welds ankles and ends both legs in a sphere; "flat" keeps them.
+        weld: names of joints to weld, at the file's first keyframe or at zero.
+        folder: that the meshes of a URDF are looked for from.
 
     Returns: `Planarised`. Raises: RobotError if the file is not a planar biped even so, naming
-    what is in the way.
+    what is in the way; ManyProblems if several things are.
     """
     try:
-        edit = MjcfEdit(text, name)
-        for step in (*_BEFORE, keep_flat_feet if feet == "flat" else give_point_feet, *_AFTER):
-            edit.compile()
-            step(edit)
-        result = edit.text() if edit.changes else text
-        robot_from_text(result, name)
+        made = _changed(text, name, feet, frozenset(weld), folder)
+        robot_from_text(made.text, name)
     except RobotError as error:
-        raise RobotError(f"{name} cannot be planarised: {error}") from None
-    return Planarised(result, tuple(edit.changes))
+        found = _problems(text, name, feet, frozenset(weld), folder)
+        lines = [f"{name} cannot be planarised: {one}" for one in found or (str(error),)]
+        raise (ManyProblems(lines) if len(lines) > 1 else RobotError(lines[0])) from None
+    return made
+
+
+def _changed(
+    text: str, name: str, feet: Feet, weld: frozenset[str], folder: Path | None
+) -> Planarised:
+    """Return the file with all changes, not loaded yet. Raises: RobotError, as `planarise`."""
+    before: tuple[str, ...] = ()
+    urdf = is_urdf(text)
+    if urdf:
+        text, before = mjcf_of_urdf(text, name, folder or Path(), weld)
+    if urdf or weld or needs_section(compile_text(text, name)):
+        text, more = section(text, name, weld)
+        before += more
+    edit = MjcfEdit(text, name)
+    edit.changes += before
+    for step in (*_BEFORE, keep_flat_feet if feet == "flat" else give_point_feet, *_AFTER):
+        edit.compile()
+        attempt(None, step, edit)
+    return Planarised(edit.text() if edit.changes else text, tuple(edit.changes))
+
+
+def _problems(
+    text: str, name: str, feet: Feet, weld: frozenset[str], folder: Path | None
+) -> tuple[str, ...]:
+    """Return everything that is in the way of `planarise`, one line each."""
+    with all_noted() as noted:
+        if not is_urdf(text):
+            _, text = compile_what_can_be(text, name)
+        try:
+            made = attempt(None, _changed, text, name, feet, weld, folder)
+            if made is not None:
+                note_problems(made.text, name)
+        except (ArithmeticError, LookupError, ValueError, AssertionError):
+            # What is read behind a problem may make no sense; the problem itself is noted.
+            if not noted:
+                raise
+    return tuple(noted)
 
 
 def _name_joints(edit: MjcfEdit) -> None:
@@ -91,6 +143,9 @@ def _drop_couplings(edit: MjcfEdit) -> None:
         edit.drop_section("equality", f"{model.neq} constraints, which the closed form ignores")
     if model.npair:
         edit.drop_section("contact", "the feet meet the floor by their own friction")
+    elif model.nexclude:
+        why = "nothing but the feet meets anything"
+        edit.drop_section("contact", f"excludes, since {why}")
 
 
 def _free_the_root(edit: MjcfEdit) -> None:
@@ -137,6 +192,30 @@ def _drop_motors_of_the_root(edit: MjcfEdit) -> None:
         if model.body_weldid[model.body_parentid[body]] == 0:
             why = f"root joint {model.joint(joint).name} must be free"
             edit.drop_actuators(edit.actuators_of(joint), why)
+
+
+def _keep_one_motor(edit: MjcfEdit) -> None:
+    """Keep the motor of each joint, or make one of its servo, and remove other actuators."""
+    model, gone = edit.model, list[int]()
+    for joint in range(model.njnt):
+        choice = choose_motor(model, joint, edit.actuators_of(joint))
+        for line in said_of(model, model.joint(joint).name, choice):
+            edit.say(line)
+        gone += choice.removed
+        if choice.kept is not None and choice.limit is not None:
+            element = edit.found.actuators[choice.kept]
+            kept = {key: element.get(key, "") for key in ("name", "joint") if key in element.attrib}
+            limit = {"ctrlrange": f"{-choice.limit:.17g} {choice.limit:.17g}", "gear": "1"}
+            element.tag = "motor"
+            element.attrib.clear()
+            element.attrib.update(kept | limit | {"ctrllimited": "true", "forcelimited": "false"})
+            edit.drop_keyframes()
+    for number in gone:
+        name = edit.found.actuators[number].get("name", "")
+        edit.remove(edit.found.actuators[number])
+        edit.drop_references("actuator", {name} - {""})
+    if gone:
+        edit.drop_keyframes()
 
 
 def _drop_forces(edit: MjcfEdit) -> None:
@@ -198,6 +277,7 @@ _BEFORE: tuple[Callable[[MjcfEdit], None], ...] = (
     _drop_couplings,
     _free_the_root,
     _drop_motors_of_the_root,
+    _keep_one_motor,
     _drop_forces,
     _lay_floor,
 )

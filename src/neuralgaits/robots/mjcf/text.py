@@ -12,6 +12,7 @@ from xml.etree import ElementTree
 from neuralgaits._inputs import no_file_at, refuse_unreadable
 from neuralgaits._printable import printable
 from neuralgaits.errors import RobotError, reason
+from neuralgaits.robots.mjcf.refusals import refuse
 
 MOST_NESTED = 100
 """Limit on nested elements: bodies of a leg are four deep, and readers here are recursive."""
@@ -31,6 +32,27 @@ def standalone_text(path: Path) -> str:
     return ElementTree.tostring(root, encoding="unicode") if touched else text
 
 
+def urdf_text(path: Path) -> str | None:
+    """Return the text of a URDF file; None of any other, which `standalone_text` reads.
+
+    Raises: RobotError if the file is unreadable or not XML.
+    """
+    text = _read(path)
+    try:
+        root = ElementTree.fromstring(text)
+    except ElementTree.ParseError as error:
+        if "xacro" in text:
+            raise RobotError(
+                f"{path.name} has xacro macros: expand it first, `xacro FILE > OUT.urdf`"
+            ) from None
+        raise RobotError(f"{path.name} is not well-formed XML ({error}): mend that line") from None
+    if root.tag != "robot":
+        return None
+    if "xacro:" in text or any("xacro" in str(one.tag) for one in root.iter()):
+        raise RobotError(f"{path.name} has xacro macros: expand it first, `xacro FILE > OUT.urdf`")
+    return text
+
+
 def _read(path: Path) -> str:
     refuse_unreadable(path)
     try:
@@ -46,6 +68,10 @@ def _parse(text: str, path: Path) -> ElementTree.Element:
         root = ElementTree.fromstring(text)
     except ElementTree.ParseError as error:
         raise RobotError(f"{path.name} is not well-formed XML ({error}): mend that line") from None
+    if root.tag == "robot":
+        raise RobotError(
+            f"{path.name} starts with <robot>: expected MJCF, whose root is <mujoco>, found a URDF"
+        )
     if root.tag not in ("mujoco", "mujocoinclude"):
         raise RobotError(
             f"{path.name} starts with <{root.tag}>: expected MJCF, whose root is <mujoco>"
@@ -74,10 +100,12 @@ def _include(
             found = "it names no file"
             if child.get("file"):
                 found = f"{path} is {no_file_at(path, 'not there')}"
-            raise RobotError(
+            refuse(
                 f"expected the file that {seen[-1].name} includes, found that {found}: put it "
                 "there, or remove that <include>"
             )
+            element.remove(child)
+            continue
         included = _parse(_read(path), path)
         _include(included, folder, (*seen, path.resolve()), depth + 1)
         element.remove(child)
@@ -102,16 +130,31 @@ def _absolute_assets(root: ElementTree.Element, folder: Path) -> bool:
         options |= compiler.attrib
     touched = False
     for asset in root.iter("asset"):
-        for entry in asset:
+        for entry in list(asset):
             if entry.tag not in _ASSETS or "file" not in entry.attrib:
                 continue
             below = options.get(_ASSETS[entry.tag], options.get("assetdir", ""))
             path = (folder / below / entry.attrib["file"]).resolve()
             if not path.is_file():
-                raise RobotError(missing_asset(entry.tag, path))
+                refuse(missing_asset(entry.tag, path))
+                _drop_asset(root, asset, entry)
+                touched = True
+                continue
             entry.set("file", _in_utf8(entry.tag, path))
             touched = True
     return touched
+
+
+def _drop_asset(
+    root: ElementTree.Element, asset: ElementTree.Element, entry: ElementTree.Element
+) -> None:
+    """Remove an asset and the geoms that show it, so that the rest of the file can be read."""
+    asset.remove(entry)
+    name = entry.get("name", Path(entry.get("file", "")).stem)
+    for parent in list(root.iter()):
+        for child in list(parent):
+            if child.get(entry.tag) == name:
+                parent.remove(child)
 
 
 def _in_utf8(kind: str, path: Path) -> str:
