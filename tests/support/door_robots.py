@@ -265,7 +265,7 @@ def adam(servos=True, excludes=True, arms=True, chain=False):
                 motors.append(f'<velocity name="{name}_v" joint="{name}" kv="2"/>')
     contact = '<contact><exclude body1="torso" body2="left_thigh"/></contact>' if excludes else ""
     torso = f"""<inertial pos="0 0 0.15" mass="6" diaginertia="0.1 0.1 0.05"/>
-        <geom type="box" size="0.05 0.1 0.15" pos="0 0 0.15" contype="0" conaffinity="0"/>
+        <geom type="box" size="0.05 0.1 0.15" pos="0 0 0.15" contype="0" conaffinity="0" mass="0"/>
         {"".join(legs)}"""
     x, z, pitch = (
         '<joint name="slide_x" type="slide" axis="1 0 0"/>',

@@ -92,6 +92,23 @@ def _drop_elements(root: Element, tag: str) -> bool:
     return bool(parents)
 
 
+def _drop_geom(root: Element, name: str) -> bool:
+    return _drop_named(root, "geom", name)
+
+
+def _drop_actuator(root: Element, name: str) -> bool:
+    tags = {str(one.tag) for one in root.iterfind("actuator/*")}
+    return any([_drop_named(root, tag, name) for tag in tags])
+
+
+def _drop_named(root: Element, tag: str, name: str) -> bool:
+    """Remove the elements of a tag that have a name."""
+    owners = [(p, c) for p in root.iter() for c in p if c.tag == tag and c.get("name", "") == name]
+    for parent, child in owners:
+        parent.remove(child)
+    return bool(owners)
+
+
 def _drop_second(root: Element, name: str, tag: str) -> bool:
     """Give the second of two elements of one name another name."""
     same = [one for one in root.iter(tag) if one.get("name") == name]
@@ -133,6 +150,20 @@ _MENDS: tuple[tuple[str, Callable[..., bool]], ...] = (
     (r"repeated name '([^']*)' in (\w+)", _drop_second),
     (r"unknown default class name '([^']*)' Element '([^']*)'", _drop_value),
     (r"(?:unknown transmission target|unknown element|material|mesh) '([^']*)'", _drop_naming),
+    (r"unrecognized name '([^']*)'", _drop_naming),
+    (
+        r"are negative in (\w+) Element name '([^']*)'",
+        lambda root, tag, name: _drop_attribute_of(root, tag, name, "mass density"),
+    ),
+    (
+        r"invalid (?:control|force) range for actuator Element name '([^']*)'",
+        lambda root, name: any(
+            _drop_attribute_of(root, one.tag, name, "ctrllimited ctrlrange forcelimited forcerange")
+            for one in list(root.iterfind("actuator/*"))
+        ),
+    ),
+    (r"size \d must be positive in geom Element name '([^']+)'", _drop_geom),
+    (r"missing transmission target for actuator Element name '([^']*)'", _drop_actuator),
     (r"'([^']*)' not found", _drop_naming),
     (r"mass and inertia of moving bodies", _bound_mass),
     (r"A \+ B >= C", _balance),

@@ -105,6 +105,7 @@ def _include(
                 "there, or remove that <include>"
             )
             element.remove(child)
+            touched = True
             continue
         included = _parse(_read(path), path)
         _include(included, folder, (*seen, path.resolve()), depth + 1)
