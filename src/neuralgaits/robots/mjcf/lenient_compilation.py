@@ -92,6 +92,15 @@ def _drop_elements(root: Element, tag: str) -> bool:
     return bool(parents)
 
 
+def _no_mass(root: Element, tag: str, name: str) -> bool:
+    """Take the mass from the elements of a name."""
+    owners = [one for one in root.iter(tag) if one.get("name", "") == name]
+    owners = [one for one in owners if one.get("mass") != "0"]
+    for owner in owners:
+        owner.set("mass", "0")
+    return bool(owners)
+
+
 def _drop_geom(root: Element, name: str) -> bool:
     return _drop_named(root, "geom", name)
 
@@ -153,7 +162,7 @@ _MENDS: tuple[tuple[str, Callable[..., bool]], ...] = (
     (r"unrecognized name '([^']*)'", _drop_naming),
     (
         r"are negative in (\w+) Element name '([^']*)'",
-        lambda root, tag, name: _drop_attribute_of(root, tag, name, "mass density"),
+        lambda root, tag, name: _no_mass(root, tag, name),
     ),
     (
         r"invalid (?:control|force) range for actuator Element name '([^']*)'",
