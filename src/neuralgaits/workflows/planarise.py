@@ -77,11 +77,14 @@ def inspect_file(source: str) -> RobotFacts:
 
 def _problems(source: str) -> tuple[str, ...]:
     """Return the problems of a robot file; of a URDF, those that are in the way of a copy."""
-    with suppress(RobotError):
-        text, name, folder = _text_of(source)
-        if folder is not None:
-            return _problems_of_urdf(source, text, name, folder)
-    return problems_of_file(source)
+    path = Path(source)
+    try:
+        text = _urdf_at(path)
+    except RobotError as error:
+        return (str(error),)
+    if text is None:
+        return problems_of_file(source)
+    return _problems_of_urdf(source, text, printable(path.stem), path.parent)
 
 
 def _problems_of_urdf(source: str, text: str, name: str, folder: Path) -> tuple[str, ...]:
@@ -97,11 +100,20 @@ def _problems_of_urdf(source: str, text: str, name: str, folder: Path) -> tuple[
 def _text_of(source: str | Path) -> tuple[str, str, Path | None]:
     """Return the text of a robot and a name for it, and the folder of a URDF; else None."""
     path = Path(source)
-    if str(source) not in registry.built_in() and path.suffix and path.is_file():
-        text = urdf_text(path)
-        if text is not None:
-            return text, printable(path.stem), path.parent
+    text = _urdf_at(path)
+    if text is not None:
+        return text, printable(path.stem), path.parent
     return (*robot_text(source), None)
+
+
+def _urdf_at(path: Path) -> str | None:
+    """Return the text of a URDF at a path; None if something else or nothing is there.
+
+    Raises: RobotError if a file there is unreadable or not XML.
+    """
+    if str(path) in registry.built_in() or not path.is_file():
+        return None
+    return urdf_text(path)
 
 
 def _command_for_copy(source: str | Path) -> str | None:

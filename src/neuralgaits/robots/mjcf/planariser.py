@@ -10,6 +10,7 @@ space becomes its sagittal section first (`section`).
 # pyright: reportAttributeAccessIssue=false
 # MuJoCo ships no type stubs.
 
+import re
 from collections.abc import Callable, Collection
 from dataclasses import dataclass
 from pathlib import Path
@@ -72,7 +73,8 @@ def planarise(
         robot_from_text(made.text, name)
     except RobotError as error:
         found = _problems(text, name, feet, frozenset(weld), folder)
-        lines = [f"{name} cannot be planarised: {one}" for one in found or (str(error),)]
+        found = [_in_words_of(text, one) for one in found or (str(error),)]
+        lines = [f"{name} cannot be planarised: {one}" for one in found]
         raise (ManyProblems(lines) if len(lines) > 1 else RobotError(lines[0])) from None
     return made
 
@@ -112,6 +114,27 @@ def _problems(
             if not noted:
                 raise
     return tuple(noted)
+
+
+_IN_URDF = (
+    (
+        r"joint (.+?) is not actuated: add .*",
+        r'joint \1 has no effort limit: write effort="LIMIT" (N m) into its <limit>',
+    ),
+    (
+        r"joint (.+?) has no range: add .*",
+        r"joint \1 has no range: make it revolute, with lower and upper in its <limit>",
+    ),
+)
+"""Problems of the MJCF that a URDF was written as, and the words for the URDF."""
+
+
+def _in_words_of(text: str, problem: str) -> str:
+    """Return a problem with a remedy for the file that it was found in."""
+    if is_urdf(text):
+        for pattern, words in _IN_URDF:
+            problem = re.sub(pattern, words, problem)
+    return problem
 
 
 def _name_joints(edit: MjcfEdit) -> None:

@@ -43,7 +43,9 @@ def needs_section(model: mujoco.MjModel) -> bool:
     welded = [int(one) for one in model.body_weldid]
     roots = {top for top in welded if top and welded[model.body_parentid[top]] == 0}
     if len(roots) != 1:
-        return False
+        # Two legs of a body that is fixed to the world.
+        fixed = {int(model.body_rootid[top]) for top in roots}
+        return len(roots) == 2 and len(fixed) == 1 and not fixed & roots
     root = roots.pop()
     tops = sorted({top for top in welded if top})
     below = [top for top in tops if welded[model.body_parentid[top]] == root]

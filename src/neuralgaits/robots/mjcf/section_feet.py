@@ -8,11 +8,11 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 
-from neuralgaits._types import Float
 from neuralgaits.errors import RobotError
+from neuralgaits.robots.mjcf.low_points import low_points
 from neuralgaits.robots.mjcf.planar_tree import body_name
 from neuralgaits.robots.mjcf.section_links import SectionLink
-from neuralgaits.robots.mjcf.skeleton import extent, find_floor
+from neuralgaits.robots.mjcf.skeleton import find_floor
 
 _SOLE_M = 0.01
 """Largest height of a point of the sole over the lowest one [m]."""
@@ -65,11 +65,13 @@ def section_foot(
     geoms = solid or geoms
     if not geoms:
         return _frame_tip(model, data, link)
-    lowest = min(geoms, key=lambda g: extent(model, data, [g])[0][2])
-    level = float(extent(model, data, [lowest])[0][2])
+    points = {geom: low_points(model, data, geom) for geom in geoms}
+    lowest = min(geoms, key=lambda geom: float(points[geom][:, 1].min()))
+    level = float(points[lowest][:, 1].min())
     friction, condim = _contact(model, data, lowest)
-    sole = [g for g in geoms if extent(model, data, [g])[0][2] <= level + _SOLE_M]
-    heel, toe = _ends(model, data, sole, level)
+    every = np.concatenate(list(points.values()))
+    sole = every[every[:, 1] <= level + _SOLE_M, 0]
+    heel, toe = float(sole.min()), float(sole.max())
     high = link.anchor.imag - level
     ankle = link.anchor.real
     flat = toe - heel >= _SHORTEST_M and max(toe, ankle) - min(heel, ankle) > _FLAT * high > 0.0
@@ -127,36 +129,3 @@ def _contact(model: mujoco.MjModel, data: mujoco.MjData, geom: int) -> tuple[flo
 
 def _is_mesh(model: mujoco.MjModel, geom: int) -> bool:
     return bool(model.geom_type[geom] == mujoco.mjtGeom.mjGEOM_MESH)
-
-
-def _ends(
-    model: mujoco.MjModel, data: mujoco.MjData, geoms: list[int], level: float
-) -> tuple[float, float]:
-    """Return the rear and front ends of a sole, x (m)."""
-    points = np.concatenate([_low_points(model, data, geom, level) for geom in geoms])
-    return float(points.min()), float(points.max())
-
-
-def _low_points(
-    model: mujoco.MjModel, data: mujoco.MjData, geom: int, level: float
-) -> Float[np.ndarray, " p"]:
-    """Return x of the points of a geom that meet the floor (m)."""
-    place, turn = data.geom_xpos[geom], data.geom_xmat[geom].reshape(3, 3)
-    size, kind = model.geom_size[geom], int(model.geom_type[geom])
-    if kind == int(mujoco.mjtGeom.mjGEOM_SPHERE):
-        return place[:1]
-    if kind == int(mujoco.mjtGeom.mjGEOM_CAPSULE):
-        along = turn[:, 2] * size[1]
-        ends = np.stack([place - along, place + along])
-        return ends[ends[:, 2] - size[0] <= level + _SOLE_M, 0]
-    if kind == int(mujoco.mjtGeom.mjGEOM_MESH):
-        mesh = int(model.geom_dataid[geom])
-        start, count = int(model.mesh_vertadr[mesh]), int(model.mesh_vertnum[mesh])
-        points = place + model.mesh_vert[start : start + count] @ turn.T
-        return points[points[:, 2] <= level + _SOLE_M, 0]
-    low, high = extent(model, data, [geom])
-    if kind == int(mujoco.mjtGeom.mjGEOM_BOX):
-        signs = np.array([[a, b, c] for a in (-1, 1) for b in (-1, 1) for c in (-1, 1)])
-        corners = place + (signs * size) @ turn.T
-        return corners[corners[:, 2] <= level + _SOLE_M, 0]
-    return np.array([low[0], high[0]])

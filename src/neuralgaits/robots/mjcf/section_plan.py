@@ -14,8 +14,8 @@ import numpy as np
 
 from neuralgaits._types import Float
 from neuralgaits.errors import RobotError
+from neuralgaits.robots.mjcf.low_points import low_points
 from neuralgaits.robots.mjcf.planar_tree import body_name
-from neuralgaits.robots.mjcf.skeleton import extent
 
 _LOW_SHARE = 0.05
 """Largest height of a foot over the lowest one, in heights of the robot."""
@@ -209,7 +209,8 @@ def _lowest(model: mujoco.MjModel, data: mujoco.MjData, tops: list[int], top: in
     bodies = [body for body in range(1, model.nbody) if tops[body] == top]
     geoms = [g for g in range(model.ngeom) if int(model.geom_bodyid[g]) in bodies]
     origins = float(data.xpos[bodies, 2].min())
-    return min(float(extent(model, data, geoms)[0][2]), origins) if geoms else origins
+    lowest = [float(low_points(model, data, geom)[:, 1].min()) for geom in geoms]
+    return min([*lowest, origins])
 
 
 def _turns_in_plane(model: mujoco.MjModel, data: mujoco.MjData, joint: int) -> bool:
