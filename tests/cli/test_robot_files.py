@@ -8,7 +8,7 @@ import pytest
 
 from neuralgaits.cli.main import main
 from neuralgaits.robots import load_robot, registry
-from support import walkers
+from support import door_robots, walkers
 
 
 @pytest.fixture
@@ -54,6 +54,32 @@ def test_nothing_is_promised_of_a_file_that_cannot_be_mended(place, capfd):
     err = capfd.readouterr().err
     assert "has no torque limit" in err
     assert "planarise" not in err
+
+
+def test_what_is_unusual_is_a_warning_and_no_refusal(place, capfd):
+    """No rotors, as in a URDF, and feet of 20 cm that become points."""
+    (place / "robot.urdf").write_text(door_robots.humanoid_urdf(), encoding="utf-8")
+    assert main(["inspect", "robot.urdf", "--planarise", "point.xml"]) == 0
+    shown = " ".join(capfd.readouterr().out.split())
+    assert "warning: armature is 0 on every joint" in shown
+    assert "warning: soles of 200 mm, 0.32 of the leg, are cut to points" in shown
+    flat = ["inspect", "robot.urdf", "--planarise", "flat.xml", "--feet", "flat", "--json"]
+    assert main(flat) == 0
+    (warning,) = json.loads(capfd.readouterr().out)["warnings"]
+    assert 'Write armature="J" into each <joint>' in warning
+    (place / "h1.xml").write_text(door_robots.humanoid(), encoding="utf-8")
+    assert main(["inspect", "h1.xml", "--planarise", "h1-flat.xml", "--feet", "flat", "--json"]) == 0
+    assert json.loads(capfd.readouterr().out)["warnings"] == []
+
+
+def test_weld_needs_a_file_to_write(place, capfd):
+    assert main(["inspect", "walker2d.xml", "--weld", "foot_joint"]) == 2
+    assert "--weld: expected --planarise OUT.xml beside it" in capfd.readouterr().err
+    weld = ["--weld", "foot_joint,foot_left_joint"]
+    assert main(["inspect", "walker2d.xml", "--planarise", "welded.xml", *weld]) == 0
+    assert "welded as named, at zero: foot_joint (0), foot_left_joint (0)" in " ".join(
+        capfd.readouterr().out.split()
+    )
 
 
 def test_planarise_writes_a_file_and_says_each_change(place, capfd):

@@ -239,7 +239,11 @@ def test_inspect_writes_one_line_for_each(tmp_path, capfd):
 
 # name: (text in the humanoid's file, what replaces it, what a line must say)
 OF_A_HUMANOID = {
-    "no range": ('name="left_knee" axis="0 1 0" range="-0.26 2.05"', 'name="left_knee" axis="0 1 0"', "joint left_knee has no range"),
+    "no range": (
+        'name="left_knee" axis="0 1 0" range="-0.26 2.05"',
+        'name="left_knee" axis="0 1 0"',
+        "joint left_knee has no range",
+    ),
     "no limit": (
         '<motor name="right_knee" joint="right_knee" ctrlrange="-300 300"/>',
         '<motor name="right_knee" joint="right_knee"/>',
@@ -251,7 +255,11 @@ OF_A_HUMANOID = {
         "joint left_hip_pitch is not actuated",
     ),
     "unequal": ('mass="4.152"', 'mass="4.6"', "legs of unequal data: mass [kg]"),
-    "gravity": ("<worldbody>", '<option gravity="0 1 -9.81"/><worldbody>', "gravity is (0 1 -9.81)"),
+    "gravity": (
+        "<worldbody>",
+        '<option gravity="0 1 -9.81"/><worldbody>',
+        "gravity is (0 1 -9.81)",
+    ),
     "unknown": (END, "<sensros/></mujoco>", "unrecognized element Element 'sensros'"),
 }
 

@@ -123,9 +123,7 @@ def test_named_joints_are_welded_at_the_keyframe_or_at_zero(with_key, angle):
     for side in ("left", "right"):
         values[model.joint(f"{side}_ankle").qposadr[0] - 7] = 0.3
     key = KEY.format(" ".join(map(str, values))) if with_key else ""
-    made = planarise(
-        door_robots.humanoid("box", key=key), "h", weld=("left_ankle", "right_ankle")
-    )
+    made = planarise(door_robots.humanoid("box", key=key), "h", weld=("left_ankle", "right_ankle"))
     where = "at keyframe home" if with_key else "at zero"
     assert (
         f"welded as named, {where}: left_ankle ({angle:g}), right_ankle ({angle:g})" in made.changes
@@ -161,7 +159,7 @@ def test_several_actuators_and_excludes_need_no_new_file():
     assert any(line.startswith(said) for line in made.changes)
     assert any(line.startswith("<contact> section removed") for line in made.changes)
     assert len(made.changes) == 5
-    assert "diaginertia=\"0.1 0.1 0.05\"" in made.text
+    assert 'diaginertia="0.1 0.1 0.05"' in made.text
 
 
 def test_a_robot_fixed_to_the_world_gets_a_root():

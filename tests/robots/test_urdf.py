@@ -37,8 +37,9 @@ def test_numbers_are_those_of_mujocos_own_reader(text):
     """That reader welds the first link to the world: compared below it, without the free joint."""
     without_meshes = text.replace("package://robot/meshes/thigh.stl", "")
     without_meshes = door.MESH.format("thigh").join([""]) + without_meshes
-    theirs_text = without_meshes.replace('<visual><origin xyz="0 0 0"/><geometry><mesh filename=""/>'
-                                         "</geometry></visual>", "")
+    theirs_text = without_meshes.replace(
+        '<visual><origin xyz="0 0 0"/><geometry><mesh filename=""/></geometry></visual>', ""
+    )
     keep = '<mujoco><compiler fusestatic="false" discardvisual="false"/></mujoco>'
     first = theirs_text.index(">") + 1
     theirs = mujoco.MjModel.from_xml_string(theirs_text[:first] + keep + theirs_text[first:])
@@ -108,11 +109,19 @@ REFUSED = {
         "joint knee_left mimics joint hip_left: expected joints that turn by themselves; weld it",
     ),
     "loop": (
-        RABBIT.replace("</robot>", door.joint("rod", "fixed", "thigh_left", "shin_right") + "</robot>"),
+        RABBIT.replace(
+            "</robot>", door.joint("rod", "fixed", "thigh_left", "shin_right") + "</robot>"
+        ),
         "link shin_right is the child of joints knee_right and rod, a closed loop",
     ),
     "ring": (
-        door.urdf("ring", door.link("a", 1, 1), door.link("b", 1, 1), door.joint("j", "fixed", "a", "b"), door.joint("k", "fixed", "b", "a")),
+        door.urdf(
+            "ring",
+            door.link("a", 1, 1),
+            door.link("b", 1, 1),
+            door.joint("j", "fixed", "a", "b"),
+            door.joint("k", "fixed", "b", "a"),
+        ),
         "the links hang from each other in a ring",
     ),
     "two robots": (
@@ -183,7 +192,13 @@ def test_inspect_names_the_command_for_a_urdf(tmp_path, capfd):
 
 def test_a_mimic_that_is_welded_by_name_is_no_matter():
     grip = door.link("grip", 0.1, 1e-4) + door.joint(
-        "grip", "revolute", "torso", "grip", (0, 0, 0.5), limit=(-1, 1, 1), more='<mimic joint="hip_left"/>'
+        "grip",
+        "revolute",
+        "torso",
+        "grip",
+        (0, 0, 0.5),
+        limit=(-1, 1, 1),
+        more='<mimic joint="hip_left"/>',
     )
     text = RABBIT.replace("</robot>", f"{grip}</robot>")
     with pytest.raises(RobotError, match="joint grip mimics joint hip_left"):
@@ -197,7 +212,9 @@ def test_a_mesh_that_is_there_says_where_a_foot_ends(tmp_path):
     meshes.mkdir()
     points = [(-0.05, -0.03, -0.06), (0.15, -0.03, -0.06), (0.05, 0.03, -0.06), (0.05, 0, 0)]
     lines = [f"v {x} {y} {z}" for x, y, z in points]
-    (meshes / "foot.obj").write_text("\n".join([*lines, "f 1 3 2", "f 1 2 4", "f 2 3 4", "f 3 1 4"]))
+    (meshes / "foot.obj").write_text(
+        "\n".join([*lines, "f 1 3 2", "f 1 2 4", "f 2 3 4", "f 3 1 4"])
+    )
     box = '<box size="0.2 0.06 0.03"/>'
     place = '<origin xyz="0.03 0 -0.045"/>'
     text = door.humanoid_urdf().replace(box, '<mesh filename="package://robot/meshes/foot.obj"/>')

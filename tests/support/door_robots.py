@@ -94,9 +94,31 @@ def bolt_urdf():
             link(f"{side}_LOWER_LEG", 0.05, 0.0002, (0, y * 0.1, -0.1)),
             link(f"{side}_ANKLE", 0.01, 1e-6),
             link(f"{side}_FOOT", 0, 0),
-            joint(f"{side}_HAA", "revolute", "base_link", f"{side}_SHOULDER", (0, y, 0), (1, 0, 0), (-1, 1, 2.5)),
-            joint(f"{side}_HFE", "revolute", f"{side}_SHOULDER", f"{side}_UPPER_LEG", (0, 0.01, 0), limit=(-1.4, 1.4, 2.5)),
-            joint(f"{side}_KFE", "revolute", f"{side}_UPPER_LEG", f"{side}_LOWER_LEG", (0, 0, -0.2), limit=(-0.3, 2.4, 2.5)),
+            joint(
+                f"{side}_HAA",
+                "revolute",
+                "base_link",
+                f"{side}_SHOULDER",
+                (0, y, 0),
+                (1, 0, 0),
+                (-1, 1, 2.5),
+            ),
+            joint(
+                f"{side}_HFE",
+                "revolute",
+                f"{side}_SHOULDER",
+                f"{side}_UPPER_LEG",
+                (0, 0.01, 0),
+                limit=(-1.4, 1.4, 2.5),
+            ),
+            joint(
+                f"{side}_KFE",
+                "revolute",
+                f"{side}_UPPER_LEG",
+                f"{side}_LOWER_LEG",
+                (0, 0, -0.2),
+                limit=(-0.3, 2.4, 2.5),
+            ),
             joint(f"{side}_fix", "fixed", f"{side}_LOWER_LEG", f"{side}_ANKLE", (0, 0.008, -0.2)),
             joint(f"{side}_end", "fixed", f"{side}_ANKLE", f"{side}_FOOT", (0, 0, -0.016)),
         ]
@@ -110,14 +132,26 @@ def humanoid_urdf(meshes=False):
         meshes: whether every shape is a mesh that is not there, but for the feet's.
     """
     parts = [link("pelvis", 6, 0.06), link("torso", 14, 0.2, (0, 0, 0.2))]
-    parts.append(joint("waist_yaw", "revolute", "pelvis", "torso", (0, 0, 0.1), (0, 0, 1), (-2, 2, 80)))
+    parts.append(
+        joint("waist_yaw", "revolute", "pelvis", "torso", (0, 0, 0.1), (0, 0, 1), (-2, 2, 80))
+    )
     foot = shape('<box size="0.2 0.06 0.03"/>', (0.03, 0, -0.045))
     for side, s in (("left", 1), ("right", -1)):
         picture = MESH.format(side) if meshes else ""
-        names = [f"{side}_{part}" for part in ("hip_pitch", "hip_roll", "hip_yaw", "knee", "ankle_pitch", "ankle_roll")]
+        names = [
+            f"{side}_{part}"
+            for part in ("hip_pitch", "hip_roll", "hip_yaw", "knee", "ankle_pitch", "ankle_roll")
+        ]
         above = ["pelvis", *names[:-1]]
         axes = [(0, 1, 0), (1, 0, 0), (0, 0, 1), (0, 1, 0), (0, 1, 0), (1, 0, 0)]
-        places = [(0, 0.06 * s, -0.1), (0, 0.05 * s, -0.03), (0, 0, -0.12), (0, 0, -0.18), (0, 0, -0.3), (0, 0, -0.017)]
+        places = [
+            (0, 0.06 * s, -0.1),
+            (0, 0.05 * s, -0.03),
+            (0, 0, -0.12),
+            (0, 0, -0.18),
+            (0, 0, -0.3),
+            (0, 0, -0.017),
+        ]
         masses = [1.35, 1.5, 1.7, 1.9, 0.07, 0.6]
         inertias = [0.002, 0.002, 0.006, 0.012, 0.0001, 0.0016]
         lows = [-2.5, -0.5, -2.7, -0.087, -0.87, -0.26]
@@ -125,16 +159,36 @@ def humanoid_urdf(meshes=False):
         efforts = [88, 88, 88, 139, 50, 50]
         for i, name in enumerate(names):
             com = (0.003, 0.004 * s, -0.06 if i in (2, 3) else -0.01)
-            parts.append(link(f"{name}_link", masses[i], inertias[i], com, foot if i == 5 else picture))
+            parts.append(
+                link(f"{name}_link", masses[i], inertias[i], com, foot if i == 5 else picture)
+            )
             parent = above[i] if i == 0 else f"{above[i]}_link"
             limit = (lows[i], highs[i], efforts[i])
-            parts.append(joint(f"{name}_joint", "revolute", parent, f"{name}_link", places[i], axes[i], limit))
+            parts.append(
+                joint(
+                    f"{name}_joint", "revolute", parent, f"{name}_link", places[i], axes[i], limit
+                )
+            )
         arm = [f"{side}_shoulder", f"{side}_elbow"]
         parts += [
             link(f"{arm[0]}_link", 1.5, 0.01, (0, 0, -0.1)),
             link(f"{arm[1]}_link", 1.0, 0.005, (0, 0, -0.1)),
-            joint(f"{arm[0]}_joint", "revolute", "torso", f"{arm[0]}_link", (0, 0.2 * s, 0.3), limit=(-3, 2, 25)),
-            joint(f"{arm[1]}_joint", "revolute", f"{arm[0]}_link", f"{arm[1]}_link", (0, 0, -0.2), limit=(-1, 2, 25)),
+            joint(
+                f"{arm[0]}_joint",
+                "revolute",
+                "torso",
+                f"{arm[0]}_link",
+                (0, 0.2 * s, 0.3),
+                limit=(-3, 2, 25),
+            ),
+            joint(
+                f"{arm[1]}_joint",
+                "revolute",
+                f"{arm[0]}_link",
+                f"{arm[1]}_link",
+                (0, 0, -0.2),
+                limit=(-1, 2, 25),
+            ),
         ]
     return urdf("humanoid_like", *parts)
 
@@ -290,11 +344,86 @@ def quadruped_urdf():
     for name, x, y in (("FL", 0.2, 0.1), ("FR", 0.2, -0.1), ("RL", -0.2, 0.1), ("RR", -0.2, -0.1)):
         parts += [
             link(f"{name}_thigh", 1, 0.01, (0, 0, -0.1)),
-            link(f"{name}_calf", 0.3, 0.002, (0, 0, -0.1), shape('<sphere radius="0.02"/>', (0, 0, -0.2))),
-            joint(f"{name}_hip", "revolute", "trunk", f"{name}_thigh", (x, y, 0), limit=(-1, 1, 30)),
-            joint(f"{name}_knee", "revolute", f"{name}_thigh", f"{name}_calf", (0, 0, -0.2), limit=(-2, 0, 30)),
+            link(
+                f"{name}_calf",
+                0.3,
+                0.002,
+                (0, 0, -0.1),
+                shape('<sphere radius="0.02"/>', (0, 0, -0.2)),
+            ),
+            joint(
+                f"{name}_hip", "revolute", "trunk", f"{name}_thigh", (x, y, 0), limit=(-1, 1, 30)
+            ),
+            joint(
+                f"{name}_knee",
+                "revolute",
+                f"{name}_thigh",
+                f"{name}_calf",
+                (0, 0, -0.2),
+                limit=(-2, 0, 30),
+            ),
         ]
     return urdf("quadruped", *parts)
+
+
+def compass_urdf():
+    """Two legs with knees that hang from each other, without a torso."""
+    parts = []
+    for side in ("a", "b"):
+        foot = shape('<sphere radius="0.01"/>', (0, 0, -0.4))
+        parts += [
+            link(f"thigh_{side}", 5, 0.08, (0, 0, -0.15)),
+            link(f"shin_{side}", 2, 0.03, (0, 0, -0.2), foot),
+            joint(
+                f"knee_{side}",
+                "revolute",
+                f"thigh_{side}",
+                f"shin_{side}",
+                (0, 0, -0.4),
+                limit=(0, 2, 100),
+            ),
+        ]
+    hip = joint("hip", "revolute", "thigh_a", "thigh_b", limit=(-1.5, 1.5, 100))
+    return urdf("compass_like", *parts, hip)
+
+
+def long_legs_urdf():
+    """Legs of three links, and a head on a neck."""
+    parts = [link("trunk", 10, 0.2, (0, 0, 0.2)), link("head", 2, 0.01)]
+    parts.append(joint("neck", "revolute", "trunk", "head", (0, 0, 0.5), limit=(-1, 1, 5)))
+    for side, y in (("left", 0.1), ("right", -0.1)):
+        tip = shape('<cylinder radius="0.015" length="0.2"/>', (0, 0, -0.1))
+        above = "trunk"
+        for name, mass, length, limit in (
+            ("thigh", 3, 0.35, (-1.5, 1.5, 100)),
+            ("shin", 1.5, 0.35, (0, 2, 100)),
+            ("pastern", 0.5, 0.2, (-1, 1, 60)),
+        ):
+            own = f"{side}_{name}"
+            place = (0, y, 0) if above == "trunk" else (0, 0, -0.35)
+            shapes = tip if name == "pastern" else ""
+            parts.append(link(own, mass, 0.02, (0, 0, -length / 2), shapes))
+            parts.append(joint(f"{own}_joint", "revolute", above, own, place, limit=limit))
+            above = own
+    return urdf("long_legs", *parts)
+
+
+def with_hips_in_one_body():
+    """The humanoid with yaw, roll and pitch of each hip in one body."""
+    text = humanoid()
+    for side in ("left", "right"):
+        yaw = f'<joint name="{side}_hip_yaw" axis="0 0 1" range="-0.43 0.43"/>'
+        roll = f'<joint name="{side}_hip_roll" axis="1 0 0" range="-0.43 0.43"/>'
+        pitch = f'<joint name="{side}_hip_pitch" axis="0 1 0" range="-1.57 1.57"/>'
+        text = text.replace(yaw, "").replace(roll, "").replace(pitch, yaw + roll + pitch)
+    return text
+
+
+def with_root(joints):
+    """The planar biped without arms, with other joints in place of its root's."""
+    text = adam(arms=False)
+    start, end = text.index('<joint name="slide_x"'), text.index('<inertial pos="0 0 0.15"')
+    return text[:start] + joints + text[end:]
 
 
 def files():
@@ -303,17 +432,22 @@ def files():
         "adam.xml": adam(),
         "adam-chain.xml": adam(chain=True),
         "adam-no-arms.xml": adam(arms=False),
+        "adam-free.xml": with_root("<freejoint/>"),
+        "adam-fixed.xml": with_root(""),
         "rabbit-floating.urdf": rabbit_urdf(),
-        "rabbit-none.urdf": rabbit_urdf("none"),
+        "rabbit-no-base.urdf": rabbit_urdf("none"),
         "rabbit-chain.urdf": rabbit_urdf("chain"),
         "bolt.urdf": bolt_urdf(),
-        "g1-like.urdf": humanoid_urdf(),
-        "g1-like-no-meshes.urdf": humanoid_urdf(meshes=True),
+        "compass.urdf": compass_urdf(),
+        "long-legs.urdf": long_legs_urdf(),
+        "g1.urdf": humanoid_urdf(),
+        "g1-no-meshes.urdf": humanoid_urdf(meshes=True),
         "h1-capsules.xml": humanoid(),
         "h1-spheres.xml": humanoid("spheres"),
         "h1-servos.xml": humanoid("box", "position"),
         "h1-both.xml": humanoid("capsules", "both"),
-        "h1-asymmetric.xml": humanoid(asymmetry=0.003),
+        "h1-unequal.xml": humanoid(asymmetry=0.003),
+        "h1-one-body-hips.xml": with_hips_in_one_body(),
         "walker2d.xml": walkers.walker2d(),
         "dm-walker.xml": walkers.dm_walker(),
     }

@@ -37,6 +37,19 @@ def inspect(robot: PlanarBiped) -> RobotFacts:
         friction=float(robot.friction),
         gravity_m_s2=float(robot.gravity),
         left_out=obstacles_left_out(layout.xml, robot.name),
+        warnings=_about_rotors(robot),
+    )
+
+
+def _about_rotors(robot: PlanarBiped) -> tuple[str, ...]:
+    """Return a line if no joint has a rotor's inertia; () otherwise."""
+    if np.any(np.asarray(robot.armature) > 0.0):
+        return ()
+    return (
+        "armature is 0 on every joint: the model has no rotors, so each touchdown changes its joint "
+        "rates more, and its torques are smaller, than on a robot with geared motors; such a gait "
+        'may fall there. Write armature="J" into each <joint>, with J the rotor\'s inertia times '
+        "the gear ratio squared (kg m^2)",
     )
 
 

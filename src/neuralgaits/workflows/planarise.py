@@ -9,13 +9,16 @@ from neuralgaits._printable import printable
 from neuralgaits.errors import InputError, ManyProblems, RobotError
 from neuralgaits.records.inspected import RobotFacts
 from neuralgaits.robots import PlanarBiped, load_robot, registry
-from neuralgaits.robots.mjcf.loader import robot_text
+from neuralgaits.robots.mjcf.loader import robot_from_text, robot_text
 from neuralgaits.robots.mjcf.planariser import Feet, planarise
 from neuralgaits.robots.mjcf.problems import problems_of_file
 from neuralgaits.robots.mjcf.text import urdf_text
 from neuralgaits.runs.atomic import write_new
 from neuralgaits.runs.shell_words import command
 from neuralgaits.workflows.inspect import inspect
+
+LARGE_FEET = 0.1
+"""Length of a sole, in lengths of the leg, from which on it matters that it becomes a point."""
 
 
 def planarise_file(
@@ -36,8 +39,28 @@ def planarise_file(
     text, name, folder = _text_of(source)
     made = planarise(text, name, feet, weld, folder)
     write_new(out, made.text)
-    changes = (*_resolved(source, text), *made.changes)
-    return replace(inspect(load_robot(out)), written=str(out), changes=changes)
+    changes = made.changes if folder is not None else (*_resolved(source, text), *made.changes)
+    facts = inspect(load_robot(out))
+    warnings = facts.warnings
+    if feet == "point":
+        warnings += _about_cut_feet(text, name, weld, folder)
+    return replace(facts, written=str(out), changes=changes, warnings=warnings)
+
+
+def _about_cut_feet(
+    text: str, name: str, weld: Collection[str], folder: Path | None
+) -> tuple[str, ...]:
+    """Return a line if a robot has large flat feet that become points; () otherwise."""
+    with suppress(RobotError):
+        robot = robot_from_text(planarise(text, name, "flat", weld, folder).text, name)
+        if robot.feet is not None:
+            sole = float(robot.feet.heel + robot.feet.toe)
+            if sole > LARGE_FEET * robot.leg_length:
+                return (
+                    f"soles of {1e3 * sole:.3g} mm, {sole / robot.leg_length:.2g} of the leg, are "
+                    "cut to points, and their ankles' motors are lost: --feet flat keeps them",
+                )
+    return ()
 
 
 def robot_from(source: PlanarBiped | str | Path | None) -> PlanarBiped:
@@ -88,6 +111,7 @@ def _problems(source: str) -> tuple[str, ...]:
 
 
 def _problems_of_urdf(source: str, text: str, name: str, folder: Path) -> tuple[str, ...]:
+    """Return what is in the way of a copy; that the file is no MJCF, if nothing is."""
     try:
         planarise(text, name, folder=folder)
     except ManyProblems as found:

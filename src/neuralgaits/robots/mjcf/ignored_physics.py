@@ -39,9 +39,7 @@ def _refuse_world(model: mujoco.MjModel) -> None:
     off = mujoco.mjtDisableBit
     needed = off.mjDSBL_GRAVITY | off.mjDSBL_CONTACT | off.mjDSBL_ACTUATION
     if model.opt.disableflags & needed:
-        refuse(
-            "the file switches gravity, contact or actuation off: remove that from <flag>"
-        )
+        refuse("the file switches gravity, contact or actuation off: remove that from <flag>")
     for body in np.flatnonzero(model.body_gravcomp):
         name = body_name(model, int(body))
         refuse(f"body {name} has gravity compensation: remove its gravcomp")
@@ -96,9 +94,7 @@ def _refuse_joint(model: mujoco.MjModel, joint: int, *, is_root: bool) -> None:
             "remove both"
         )
     if is_root and model.jnt_limited[joint]:
-        refuse(
-            f"root joint {name} has a range, but the robot is free in the plane: remove it"
-        )
+        refuse(f"root joint {name} has a range, but the robot is free in the plane: remove it")
 
 
 def _any(model: mujoco.MjModel, field: str, index: int) -> bool:

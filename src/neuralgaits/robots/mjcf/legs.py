@@ -150,7 +150,10 @@ def leg_data(
                 refuse_quantity(field.name, _QUANTITIES[field.name], value.real, where)
         if reads_on():
             # A number that is not there is named where it is missing, and no difference.
-            theirs, ours = np.where(np.isnan(ours), ours, theirs), np.where(np.isnan(theirs), theirs, ours)
+            theirs, ours = (
+                np.where(np.isnan(ours), ours, theirs),
+                np.where(np.isnan(theirs), theirs, ours),
+            )
             if np.isnan(ours).all():
                 continue
         largest = np.nanmax if reads_on() else np.max

@@ -14,9 +14,7 @@ from neuralgaits.robots.mjcf.skeleton import extent
 _SIGNS = np.array(list(itertools.product((-1.0, 1.0), repeat=3)))
 
 
-def low_points(
-    model: mujoco.MjModel, data: mujoco.MjData, geom: int
-) -> Float[np.ndarray, "p 2"]:
+def low_points(model: mujoco.MjModel, data: mujoco.MjData, geom: int) -> Float[np.ndarray, "p 2"]:
     """Return points of a geom, x and z in the world (m), the lowest among them.
 
     Corners of boxes, vertices of meshes, points under the centres of spheres and of the ends of

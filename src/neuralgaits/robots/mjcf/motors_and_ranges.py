@@ -89,9 +89,7 @@ def refuse_other_actuators(model: mujoco.MjModel, joints: list[int]) -> None:
             )
             continue
         if int(model.actuator_trnid[actuator, 0]) not in joints:
-            refuse(
-                f"actuator {label} does not drive a leg joint: the root must be free; remove it"
-            )
+            refuse(f"actuator {label} does not drive a leg joint: the root must be free; remove it")
 
 
 def read_range(model: mujoco.MjModel, joint: int) -> tuple[float, float]:

@@ -128,9 +128,7 @@ def refuse_quantity(name: str, words: str, value: float, where: str) -> None:
             f"{words} is {value:.6g} at {where}: expected {LEAST:g} to {MOST:g}; mend that number"
         )
     if name in NOT_NEGATIVE and not 0.0 <= value <= MOST:
-        refuse(
-            f"{words} is {value:.6g} at {where}: expected 0 to {MOST:g}; mend that number"
-        )
+        refuse(f"{words} is {value:.6g} at {where}: expected 0 to {MOST:g}; mend that number")
 
 
 def refuse_large_foot(radius: float, leg: float, name: str) -> None:

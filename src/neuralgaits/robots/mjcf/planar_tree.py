@@ -189,9 +189,7 @@ def _planar_hinge(model: mujoco.MjModel, data: mujoco.MjData, index: int) -> Joi
         return Joint(index, name, anchor, 1.0)  # It turns in space, which was said.
     if abs(abs(axis[1]) - 1.0) > _AXIS_TOLERANCE:
         found = " ".join(f"{value:.3g}" for value in axis)
-        refuse(
-            f'joint {name} is not planar: its axis points along ({found}); use axis="0 1 0"'
-        )
+        refuse(f'joint {name} is not planar: its axis points along ({found}); use axis="0 1 0"')
     return Joint(index, name, anchor, -1.0 if axis[1] >= 0.0 else 1.0)
 
 
@@ -208,7 +206,10 @@ def _root_joints(
         return ("", ""), _planar_hinge(model, data, indices[0])
     if kinds != [slide, slide, hinge]:
         said = f"root body {name} has {len(indices)} joint(s), expected {remedy}"
-        if sum(int(model.body_weldid[model.body_parentid[one]]) == body for one in _tops(model)) < 2:
+        if (
+            sum(int(model.body_weldid[model.body_parentid[one]]) == body for one in _tops(model))
+            < 2
+        ):
             # What hangs below is another link of the root, and no leg.
             raise RobotError(f"{said}; where several bodies share them, put them into one")
         refuse(said)

@@ -157,7 +157,8 @@ def _joint(model: mujoco.MjModel, data: mujoco.MjData, joint: int) -> dict[str, 
     """Return the attributes of a kept hinge: its own coordinate, range, rotor and damping."""
     dof = int(model.jnt_dofadr[joint])
     given = {
-        "name": model.joint(joint).name or f"{body_name(model, int(model.jnt_bodyid[joint]))}_joint",
+        "name": model.joint(joint).name
+        or f"{body_name(model, int(model.jnt_bodyid[joint]))}_joint",
         "axis": f"0 {1 if data.xaxis[joint][1] > 0.0 else -1} 0",
         "armature": repr(float(model.dof_armature[dof])),
         "damping": repr(float(np.ravel(model.dof_damping[dof])[0])),

@@ -76,9 +76,7 @@ def at_posture(model: mujoco.MjModel, qpos: Float[np.ndarray, " q"]) -> mujoco.M
     return data
 
 
-def plan_section(
-    model: mujoco.MjModel, data: mujoco.MjData, weld: frozenset[str]
-) -> SectionPlan:
+def plan_section(model: mujoco.MjModel, data: mujoco.MjData, weld: frozenset[str]) -> SectionPlan:
     """Find the legs of a robot, and sort its joints.
 
     Args:

@@ -84,9 +84,7 @@ def _write_root(tree: UrdfTree, world: Element, actuator: Element, shapes: Shape
     return f"root: floating base added at link {root}"
 
 
-def _body(
-    parent: Element, tree: UrdfTree, link: str, actuator: Element, shapes: Shapes
-) -> Element:
+def _body(parent: Element, tree: UrdfTree, link: str, actuator: Element, shapes: Shapes) -> Element:
     """Write a link, and the links that hang from it."""
     body = ElementTree.SubElement(parent, "body", name=f"{link}_link" if link == "world" else link)
     _write_inertial(body, tree.links[link], link)

@@ -45,7 +45,10 @@ def orientation(
     """Return position (m) and quaternion of an <origin>; zero and one without it."""
     place = attribute(origin, "xyz", (0.0, 0.0, 0.0), owner)
     roll, pitch, yaw = attribute(origin, "rpy", (0.0, 0.0, 0.0), owner) / 2.0
-    c, s = (math.cos(roll), math.cos(pitch), math.cos(yaw)), tuple(map(math.sin, (roll, pitch, yaw)))
+    c, s = (
+        (math.cos(roll), math.cos(pitch), math.cos(yaw)),
+        tuple(map(math.sin, (roll, pitch, yaw))),
+    )
     turn = np.array(
         [
             c[0] * c[1] * c[2] + s[0] * s[1] * s[2],
