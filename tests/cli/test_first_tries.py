@@ -207,7 +207,9 @@ def test_a_plant_that_is_another_robot_is_said():
 
 def test_a_plant_with_other_joints_welded_is_said():
     amber = load_robot("amber3m")
-    words = "<!-- changed:\n  welded at zero, no part of a leg: waist, arm\n  ankle a: removed, x -->"
+    words = (
+        "<!-- changed:\n  welded at zero, no part of a leg: waist, arm\n  ankle a: removed, x -->"
+    )
     other = robot_from_text(f"{words}\n{amber.layout.xml}", "amber3m")
     said = about_other_robot(amber, other)
     assert said is not None

@@ -68,8 +68,28 @@ def test_what_is_unusual_is_a_warning_and_no_refusal(place, capfd):
     (warning,) = json.loads(capfd.readouterr().out)["warnings"]
     assert 'Write armature="J" into each <joint>' in warning
     (place / "h1.xml").write_text(door_robots.humanoid(), encoding="utf-8")
-    assert main(["inspect", "h1.xml", "--planarise", "h1-flat.xml", "--feet", "flat", "--json"]) == 0
+    assert (
+        main(["inspect", "h1.xml", "--planarise", "h1-flat.xml", "--feet", "flat", "--json"]) == 0
+    )
     assert json.loads(capfd.readouterr().out)["warnings"] == []
+
+
+def test_pictures_that_are_not_there_are_left_out_and_said(place, capfd):
+    shell = '<asset><mesh name="shell" file="shell.stl"/></asset>'
+    text = door_robots.adam().replace("<worldbody>", f"{shell}<worldbody>")
+    geom = '<geom type="mesh" mesh="shell" contype="0" conaffinity="0"/>'
+    shown = text.replace('<inertial pos="0 0 0.15"', f'{geom}<inertial pos="0 0 0.15"')
+    (place / "robot.xml").write_text(shown, encoding="utf-8")
+    assert main(["inspect", "robot.xml", "--planarise", "new.xml", "--json"]) == 0
+    changes = json.loads(capfd.readouterr().out)["changes"]
+    assert "pictures not there, left out: shell.stl; masses are as given" in changes
+    bare = shown.replace('<inertial pos="0 0 0.15" mass="6" diaginertia="0.1 0.1 0.05"/>', "")
+    (place / "robot.xml").write_text(bare, encoding="utf-8")
+    assert main(["inspect", "robot.xml", "--planarise", "other.xml"]) == 2
+    assert "body torso has its mass from mesh shell, whose file is not there" in (
+        capfd.readouterr().err
+    )
+    assert "other.xml" not in listed(place)
 
 
 def test_weld_needs_a_file_to_write(place, capfd):

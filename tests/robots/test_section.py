@@ -171,3 +171,41 @@ def test_a_robot_fixed_to_the_world_gets_a_root():
         str(made)
     )
     assert robot_from_text(made.text, "adam").n == 5
+
+
+@pytest.mark.parametrize("arms", [False, True])
+def test_a_closed_loop_is_refused(arms):
+    rod = '<equality><connect body1="left_thigh" body2="right_shin" anchor="0 0 0"/></equality>'
+    text = door_robots.adam(arms=arms).replace("</mujoco>", f"{rod}</mujoco>")
+    said = "an equality constraint closes a loop of bodies left_thigh and right_shin: expected legs"
+    with pytest.raises(RobotError, match=said):
+        planarise(text, "adam")
+
+
+def test_a_constraint_that_holds_the_robot_to_the_world_is_removed():
+    rope = '<equality><connect body1="torso" anchor="0 0 0"/></equality>'
+    text = door_robots.adam(arms=False).replace("</mujoco>", f"{rope}</mujoco>")
+    assert any(
+        line.startswith("<equality> section removed") for line in planarise(text, "a").changes
+    )
+
+
+def test_a_quadruped_is_refused_in_a_line():
+    with pytest.raises(RobotError, match="found 4 chains that reach the floor"):
+        planarise(door_robots.quadruped_urdf(), "dog")
+
+
+def test_legs_that_hang_from_each_other_need_no_torso():
+    made = planarise(door_robots.compass_urdf(), "compass")
+    robot = robot_from_text(made.text, "compass")
+    assert (robot.torso, robot.n) == (None, 4)
+    assert "written anew as a sagittal section: two legs that hang from each other" in made.changes
+
+
+def test_hips_of_three_hinges_in_one_body_are_a_section_too():
+    one, other = (
+        robot_from_text(planarise(text, "h", "flat").text, "h")
+        for text in (door_robots.humanoid(), door_robots.with_hips_in_one_body())
+    )
+    assert (one.n, other.n) == (6, 6)
+    assert float(other.mass) == pytest.approx(float(one.mass))

@@ -109,7 +109,9 @@ def about_other_robot(robot: PlanarBiped, plant: PlanarBiped) -> str | None:
 
 def welded_joints(xml: str) -> str:
     """Return the joints that a file's list of changes has as welded; "" without any."""
-    lines = re.findall(r"^ *(?:welded [^:\n]*: (.*)|ankle ([^:\n]*): removed.*)$", xml, re.MULTILINE)
+    lines = re.findall(
+        r"^ *(?:welded [^:\n]*: (.*)|ankle ([^:\n]*): removed.*)$", xml, re.MULTILINE
+    )
     return ", ".join(listed or ankle for listed, ankle in lines)
 
 

@@ -20,6 +20,9 @@ from neuralgaits.workflows.inspect import inspect
 LARGE_FEET = 0.1
 """Length of a sole, in lengths of the leg, from which on it matters that it becomes a point."""
 
+MOST_NAMES = 4
+"""Number of files that a line names."""
+
 
 def planarise_file(
     source: str | Path, out: Path, feet: Feet = "point", weld: Collection[str] = ()
@@ -36,10 +39,12 @@ def planarise_file(
     Raises: RobotError if the file cannot be made into a planar biped, InputError if there is a file
         at `out`; nothing is written then.
     """
-    text, name, folder = _text_of(source)
+    dropped: list[str] = []
+    text, name, folder = _text_of(source, dropped)
     made = planarise(text, name, feet, weld, folder)
     write_new(out, made.text)
-    changes = made.changes if folder is not None else (*_resolved(source, text), *made.changes)
+    resolved = () if folder is not None else _resolved(source, text, dropped)
+    changes = (*resolved, *made.changes)
     facts = inspect(load_robot(out))
     warnings = facts.warnings
     if feet == "point":
@@ -121,13 +126,16 @@ def _problems_of_urdf(source: str, text: str, name: str, folder: Path) -> tuple[
     return problems_of_file(source)
 
 
-def _text_of(source: str | Path) -> tuple[str, str, Path | None]:
-    """Return the text of a robot and a name for it, and the folder of a URDF; else None."""
+def _text_of(source: str | Path, dropped: list[str] | None = None) -> tuple[str, str, Path | None]:
+    """Return the text of a robot and a name for it, and the folder of a URDF; else None.
+
+    The names of pictures that are not there are appended to `dropped`.
+    """
     path = Path(source)
     text = _urdf_at(path)
     if text is not None:
         return text, printable(path.stem), path.parent
-    return (*robot_text(source), None)
+    return (*robot_text(source, [] if dropped is None else dropped), None)
 
 
 def _urdf_at(path: Path) -> str | None:
@@ -162,8 +170,13 @@ def _feet_that_can_be_had(source: str | Path) -> Feet | None:
     return None
 
 
-def _resolved(source: str | Path, text: str) -> tuple[str, ...]:
-    """Return one line of explanation if the text differs from the file's own."""
+def _resolved(source: str | Path, text: str, dropped: list[str]) -> tuple[str, ...]:
+    """Return lines of explanation if the text differs from the file's own."""
     if str(source) in registry.built_in() or Path(source).read_text(encoding="utf-8") == text:
         return ()
-    return ("includes put in place, files of meshes and textures named by their full paths",)
+    lines = ("includes put in place, files of meshes and textures named by their full paths",)
+    if dropped:
+        more = f" and {len(dropped) - MOST_NAMES} more" if len(dropped) > MOST_NAMES else ""
+        listed = ", ".join(dropped[:MOST_NAMES])
+        lines += (f"pictures not there, left out: {listed}{more}; masses are as given",)
+    return lines

@@ -11,11 +11,9 @@ a word. Better to say so.
 import mujoco
 import numpy as np
 
+from neuralgaits.errors import RobotError
 from neuralgaits.robots.mjcf.planar_tree import body_name
 from neuralgaits.robots.mjcf.refusals import refuse
-
-ROOT_DOFS = 3
-"""The first degrees of freedom of a file are the root's."""
 
 
 def refuse_ignored_physics(model: mujoco.MjModel) -> None:
@@ -26,7 +24,8 @@ def refuse_ignored_physics(model: mujoco.MjModel) -> None:
     _refuse_world(model)
     _refuse_couplings(model)
     for joint in range(model.njnt):
-        _refuse_joint(model, joint, is_root=joint < ROOT_DOFS)
+        parent = int(model.body_parentid[model.jnt_bodyid[joint]])
+        _refuse_joint(model, joint, is_root=int(model.body_weldid[parent]) == 0)
 
 
 def _refuse_world(model: mujoco.MjModel) -> None:
@@ -58,6 +57,33 @@ def _refuse_couplings(model: mujoco.MjModel) -> None:
                 f"the file has {what}, which the closed form would ignore: "
                 f"remove its <{element}> section"
             )
+
+
+def refuse_loops(model: mujoco.MjModel) -> None:
+    """Refuse constraints that close a loop of links: without them it would be another mechanism.
+
+    Raises: RobotError naming the two bodies.
+    """
+    loops = (int(mujoco.mjtEq.mjEQ_CONNECT), int(mujoco.mjtEq.mjEQ_WELD))
+    for number in range(model.neq):
+        if int(model.eq_type[number]) not in loops:
+            continue
+        ends = _bodies_of(model, number)
+        # One that holds the robot to the world is no loop.
+        if all(model.body_weldid[end] for end in ends):
+            names = " and ".join(body_name(model, end) for end in ends)
+            raise RobotError(
+                f"an equality constraint closes a loop of bodies {names}: expected legs that are "
+                "chains; take the rods of the loop out of the file, and its constraint"
+            )
+
+
+def _bodies_of(model: mujoco.MjModel, number: int) -> tuple[int, int]:
+    """Return the two bodies of a connect or weld constraint."""
+    ends = (int(model.eq_obj1id[number]), int(model.eq_obj2id[number]))
+    if int(model.eq_objtype[number]) == int(mujoco.mjtObj.mjOBJ_SITE):
+        return int(model.site_bodyid[ends[0]]), int(model.site_bodyid[ends[1]])
+    return ends
 
 
 def refuse_excluded(model: mujoco.MjModel, foot: int, floor: int) -> None:

@@ -189,7 +189,10 @@ def _planar_hinge(model: mujoco.MjModel, data: mujoco.MjData, index: int) -> Joi
         return Joint(index, name, anchor, 1.0)  # It turns in space, which was said.
     if abs(abs(axis[1]) - 1.0) > _AXIS_TOLERANCE:
         found = " ".join(f"{value:.3g}" for value in axis)
-        refuse(f'joint {name} is not planar: its axis points along ({found}); use axis="0 1 0"')
+        refuse(
+            f"joint {name} is not planar: its axis points along ({found}); for a hip, knee or ankle "
+            'of the plane write axis="0 1 0", else delete the joint and its motor'
+        )
     return Joint(index, name, anchor, -1.0 if axis[1] >= 0.0 else 1.0)
 
 

@@ -21,6 +21,7 @@ import mujoco
 from neuralgaits.errors import ManyProblems, RobotError
 from neuralgaits.robots.mjcf.compiled import compile_text
 from neuralgaits.robots.mjcf.edit import MjcfEdit
+from neuralgaits.robots.mjcf.ignored_physics import refuse_loops
 from neuralgaits.robots.mjcf.joint_motors import choose_motor, said_of
 from neuralgaits.robots.mjcf.kept_feet import keep_flat_feet
 from neuralgaits.robots.mjcf.lenient_compilation import compile_what_can_be
@@ -105,14 +106,9 @@ def _problems(
     with all_noted() as noted:
         if not is_urdf(text):
             _, text = compile_what_can_be(text, name)
-        try:
-            made = attempt(None, _changed, text, name, feet, weld, folder)
-            if made is not None:
-                note_problems(made.text, name)
-        except (ArithmeticError, LookupError, ValueError, AssertionError):
-            # What is read behind a problem may make no sense; the problem itself is noted.
-            if not noted:
-                raise
+        made = attempt(None, _changed, text, name, feet, weld, folder)
+        if made is not None:
+            attempt(None, note_problems, made.text, name)
     return tuple(noted)
 
 
@@ -158,6 +154,7 @@ def _name_motors(edit: MjcfEdit) -> None:
 def _drop_couplings(edit: MjcfEdit) -> None:
     """Remove couplings between links other than joints and motors: tendons, constraints, pairs."""
     model = edit.model
+    refuse_loops(model)
     if model.ntendon:
         names = {model.tendon(i).name for i in range(model.ntendon)}
         edit.drop_section("tendon", f"{model.ntendon} tendons, which the closed form ignores")

@@ -17,6 +17,9 @@ from neuralgaits.robots.mjcf.planar_tree import PlanarTree, read_tree
 from neuralgaits.robots.mjcf.refusals import all_noted, attempt
 from neuralgaits.robots.mjcf.skeleton import read_skeleton
 
+_ROOT_JOINTS = 3
+"""Number of joints of a root in the plane."""
+
 
 def problems_of_file(source: str | Path) -> tuple[str, ...]:
     """Return every problem of a robot file, one line each; () for one that can be loaded.
@@ -64,7 +67,20 @@ def _note_problems_of_legs(model: mujoco.MjModel, tree: PlanarTree) -> None:
 
 
 def _joints_below_the_root(model: mujoco.MjModel) -> list[int]:
-    """Return the hinges below the root, whose bodies hang from the world."""
-    above = model.body_weldid[model.body_parentid[model.jnt_bodyid]]
+    """Return the hinges below the root, whose joints may belong to a chain of bodies."""
+    welded = [int(one) for one in model.body_weldid]
+    tops = sorted(set(welded) - {0})
+    above = {top: welded[model.body_parentid[top]] for top in tops}
+    last, joints, roots = 0, 0, set[int]()
+    while joints < _ROOT_JOINTS:
+        below = [top for top in tops if above[top] == last]
+        if len(below) != 1:
+            break
+        last = below[0]
+        roots.add(last)
+        own = model.jnt_type[model.jnt_bodyid == last]
+        free = mujoco.mjtJoint.mjJNT_FREE in own
+        joints += _ROOT_JOINTS if free else len(own)
     hinges = model.jnt_type == mujoco.mjtJoint.mjJNT_HINGE
-    return [joint for joint in range(model.njnt) if above[joint] and hinges[joint]]
+    owners = [welded[body] for body in model.jnt_bodyid]
+    return [joint for joint in range(model.njnt) if hinges[joint] and owners[joint] not in roots]

@@ -15,6 +15,8 @@ T = TypeVar("T")
 _NOTED: ContextVar[dict[str, None] | None] = ContextVar("noted", default=None)
 """Problems so far, in order and each once; None where the first one is raised."""
 
+_NO_SENSE = (ArithmeticError, LookupError, ValueError, AssertionError)
+
 
 def refuse(problem: str) -> None:
     """Raise RobotError with a problem, or note it and return if all are to be noted."""
@@ -30,14 +32,22 @@ def reads_on() -> bool:
 
 
 def attempt(fallback: T, read: Callable[..., T], *args: object) -> T:
-    """Return what a function reads; where problems are noted, a fallback if it refuses."""
-    if _NOTED.get() is None:
+    """Return what a function reads; where problems are noted, a fallback if it refuses.
+
+    What is read behind a problem may make no sense, as a link without a length: an error there says
+    nothing more than the problem.
+    """
+    noted = _NOTED.get()
+    if noted is None:
         return read(*args)
     try:
         return read(*args)
     except RobotError as error:
         refuse(str(error))
-        return fallback
+    except _NO_SENSE:
+        if not noted:
+            raise
+    return fallback
 
 
 @contextmanager

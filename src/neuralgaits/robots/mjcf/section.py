@@ -13,6 +13,7 @@ import mujoco
 import numpy as np
 
 from neuralgaits.robots.mjcf.compiled import compile_text
+from neuralgaits.robots.mjcf.ignored_physics import refuse_loops
 from neuralgaits.robots.mjcf.physical_numbers import refuse_unphysical
 from neuralgaits.robots.mjcf.planar_tree import body_name
 from neuralgaits.robots.mjcf.section_changes import lines_about_plan
@@ -75,6 +76,7 @@ def section(text: str, name: str, weld: frozenset[str]) -> tuple[str, tuple[str,
     """
     model = compile_text(text, name)
     refuse_unphysical(model)
+    refuse_loops(model)
     qpos, named = posture(model, weld)
     data = at_posture(model, qpos)
     plan = plan_section(model, data, weld)
@@ -85,7 +87,7 @@ def section(text: str, name: str, weld: frozenset[str]) -> tuple[str, tuple[str,
     ]
     root = ElementTree.Element("mujoco", model=_model_name(model, name))
     ElementTree.SubElement(root, "compiler", angle="radian", autolimits="true")
-    gravity = " ".join(f"{value:.17g}" for value in model.opt.gravity)
+    gravity = " ".join(f"{value:.15g}" for value in model.opt.gravity)
     ElementTree.SubElement(root, "option", gravity=gravity, timestep=repr(model.opt.timestep))
     world = ElementTree.SubElement(root, "worldbody")
     _write_floor(world, model, data)

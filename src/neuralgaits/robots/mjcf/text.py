@@ -19,8 +19,13 @@ MOST_NESTED = 100
 _ASSETS = {"mesh": "meshdir", "skin": "meshdir", "hfield": "meshdir", "texture": "texturedir"}
 
 
-def standalone_text(path: Path) -> str:
+def standalone_text(path: Path, dropped: list[str] | None = None) -> str:
     """Read an MJCF file and resolve what it refers to.
+
+    Args:
+        path: of the file.
+        dropped: takes the names of pictures that are not there, which are left out then; without
+            such a list they are refused.
 
     Returns: MJCF text that compiles from any folder on this machine.
     Raises: RobotError if a file is missing, unreadable or not XML.
@@ -28,7 +33,7 @@ def standalone_text(path: Path) -> str:
     text = _read(path)
     root = _parse(text, path)
     touched = _include(root, path.parent, seen=(path.resolve(),))
-    touched |= _absolute_assets(root, path.parent)
+    touched |= _absolute_assets(root, path.parent, dropped)
     return ElementTree.tostring(root, encoding="unicode") if touched else text
 
 
@@ -125,7 +130,7 @@ def missing_asset(kind: str, path: Path | str) -> str:
     )
 
 
-def _absolute_assets(root: ElementTree.Element, folder: Path) -> bool:
+def _absolute_assets(root: ElementTree.Element, folder: Path, dropped: list[str] | None) -> bool:
     options: dict[str, str] = {}
     for compiler in root.iter("compiler"):
         options |= compiler.attrib
@@ -137,8 +142,11 @@ def _absolute_assets(root: ElementTree.Element, folder: Path) -> bool:
             below = options.get(_ASSETS[entry.tag], options.get("assetdir", ""))
             path = (folder / below / entry.attrib["file"]).resolve()
             if not path.is_file():
-                refuse(missing_asset(entry.tag, path))
-                _drop_asset(root, asset, entry)
+                if dropped is None:
+                    refuse(missing_asset(entry.tag, path))
+                else:
+                    dropped.append(printable(path.name))
+                _drop_asset(root, asset, entry, bare=dropped is not None)
                 touched = True
                 continue
             entry.set("file", _in_utf8(entry.tag, path))
@@ -147,15 +155,36 @@ def _absolute_assets(root: ElementTree.Element, folder: Path) -> bool:
 
 
 def _drop_asset(
-    root: ElementTree.Element, asset: ElementTree.Element, entry: ElementTree.Element
+    root: ElementTree.Element,
+    asset: ElementTree.Element,
+    entry: ElementTree.Element,
+    *,
+    bare: bool,
 ) -> None:
-    """Remove an asset and the geoms that show it, so that the rest of the file can be read."""
+    """Remove an asset and the geoms that show it, so that the rest of the file can be read.
+
+    Args:
+        root: of the file.
+        asset: section that has the asset.
+        entry: the asset.
+        bare: whether the file will be used without it, so that no mass may depend on it.
+    """
     asset.remove(entry)
     name = entry.get("name", Path(entry.get("file", "")).stem)
     for parent in list(root.iter()):
         for child in list(parent):
-            if child.get(entry.tag) == name:
-                parent.remove(child)
+            if child.get(entry.tag) != name:
+                continue
+            if child.tag != "geom":
+                del child.attrib[entry.tag]
+                continue
+            parent.remove(child)
+            massless = child.get("mass") == "0" or parent.find("inertial") is not None
+            if bare and parent.tag == "body" and not massless:
+                refuse(
+                    f"body {parent.get('name', 'without a name')} has its mass from {entry.tag} "
+                    f"{name}, whose file is not there: put it there, or give the body an <inertial>"
+                )
 
 
 def _in_utf8(kind: str, path: Path) -> str:
