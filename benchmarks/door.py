@@ -2,9 +2,9 @@
 
     python benchmarks/door.py [SEED] [FILE ...]
 
-Each file of `tests/support/door_robots.py` goes through `inspect --planarise`, `train`, `certify` and
-`simulate --steps 200`, at one seed and with default settings: on flat feet where the file has some,
-else on points. A row says how far it came; a line below it, what stopped it.
+Each file of `tests/support/door_robots.py` goes through `inspect --planarise`, `train`, `certify`
+and `simulate --steps 200`, at one seed and with default settings: on flat feet where the file has
+some, else on points. A row says how far it came; a line below it, what stopped it.
 """
 
 import json
@@ -22,7 +22,7 @@ STEPS = 200
 
 
 def call(folder: Path, *words: str) -> tuple[int, dict, str]:
-    """Run a command. Returns: its exit code, its JSON, and the last line that it wrote to stderr."""
+    """Run a command. Returns: its exit code, its JSON, and the last line of its stderr."""
     done = subprocess.run(
         [sys.executable, "-m", "neuralgaits", *words, "--json"],
         cwd=folder,
@@ -35,7 +35,7 @@ def call(folder: Path, *words: str) -> tuple[int, dict, str]:
 
 
 def planarised(folder: Path, name: str) -> tuple[str, int, str]:
-    """Planarise a file. Returns: the feet that it has now, the number of changes, what stopped it."""
+    """Planarise a file. Returns: its feet, the number of changes, and what stopped it."""
     said = ""
     for feet in ("flat", "point"):
         code, found, said = call(

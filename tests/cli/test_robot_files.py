@@ -66,7 +66,7 @@ def test_what_is_unusual_is_a_warning_and_no_refusal(place, capfd):
     flat = ["inspect", "robot.urdf", "--planarise", "flat.xml", "--feet", "flat", "--json"]
     assert main(flat) == 0
     (warning,) = json.loads(capfd.readouterr().out)["warnings"]
-    assert 'Write armature="J" into each <joint>' in warning
+    assert 'write armature="J" into each <joint>' in warning
     (place / "h1.xml").write_text(door_robots.humanoid(), encoding="utf-8")
     assert (
         main(["inspect", "h1.xml", "--planarise", "h1-flat.xml", "--feet", "flat", "--json"]) == 0

@@ -226,8 +226,11 @@ _H1_ARM = """
   </body>
 </body>"""
 _H1_FEET = {
-    "capsules": '<geom class="foot" type="capsule" fromto="-0.03 {y5} -0.05 0.14 {y5} -0.05" size="0.02"/>'
-    '<geom class="foot" type="capsule" fromto="-0.03 {y6} -0.05 0.14 {y6} -0.05" size="0.02"/>',
+    "capsules": "".join(
+        f'<geom class="foot" type="capsule" fromto="-0.03 {{{y}}} -0.05 0.14 {{{y}}} -0.05" '
+        'size="0.02"/>'
+        for y in ("y5", "y6")
+    ),
     "spheres": "".join(
         f'<geom class="foot" type="sphere" pos="{x} {{{y}}} -0.065" size="0.005"/>'
         for x in (-0.035, 0.15)

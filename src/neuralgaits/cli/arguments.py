@@ -21,8 +21,8 @@ from neuralgaits.settings import (
     SimulateSettings,
     SweepSettings,
     TrainSettings,
+    forms,
 )
-from neuralgaits.settings import forms
 from neuralgaits.settings.options import arg, option
 from neuralgaits.settings.shared_options import Flag, Run, Seeds, Terrain
 

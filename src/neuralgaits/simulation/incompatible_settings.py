@@ -97,7 +97,8 @@ def about_other_robot(robot: PlanarBiped, plant: PlanarBiped) -> str | None:
     own, other = (welded_joints(one.layout.xml) for one in (robot, plant))
     if own != other:
         found.append(
-            f"joints welded in its file: {other or 'none'}, and in that of the gait: {own or 'none'}"
+            f"joints welded in its file: {other or 'none'}, and in that of the gait: "
+            f"{own or 'none'}"
         )
     if not found:
         return None

@@ -46,9 +46,9 @@ def _about_rotors(robot: PlanarBiped) -> tuple[str, ...]:
     if np.any(np.asarray(robot.armature) > 0.0):
         return ()
     return (
-        "armature is 0 on every joint: the model has no rotors, so each touchdown changes its joint "
-        "rates more, and its torques are smaller, than on a robot with geared motors; such a gait "
-        'may fall there. Write armature="J" into each <joint>, with J the rotor\'s inertia times '
+        "armature is 0 on every joint: the model has no rotors, so each touchdown changes its "
+        "joint rates more, and its torques are smaller, than on a robot with geared motors, where "
+        'the gait may fall; write armature="J" into each <joint>, with J the rotor\'s inertia times '
         "the gear ratio squared (kg m^2)",
     )
 

@@ -96,7 +96,7 @@ def inspect_file(source: str) -> RobotFacts:
     try:
         return inspect(load_robot(source))
     except RobotError as error:
-        problems = _problems(source) or (str(error),)
+        problems = list(_problems(source)) or [str(error)]
         line = None if any("--planarise" in one for one in problems) else _command_for_copy(source)
         if len(problems) > 1:
             raise ManyProblems([*problems, *([line] if line else [])]) from None

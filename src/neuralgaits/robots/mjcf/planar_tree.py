@@ -190,8 +190,8 @@ def _planar_hinge(model: mujoco.MjModel, data: mujoco.MjData, index: int) -> Joi
     if abs(abs(axis[1]) - 1.0) > _AXIS_TOLERANCE:
         found = " ".join(f"{value:.3g}" for value in axis)
         refuse(
-            f"joint {name} is not planar: its axis points along ({found}); for a hip, knee or ankle "
-            'of the plane write axis="0 1 0", else delete the joint and its motor'
+            f"joint {name} is not planar: its axis points along ({found}); for a hip, knee or "
+            'ankle of the plane write axis="0 1 0", else delete the joint and its motor'
         )
     return Joint(index, name, anchor, -1.0 if axis[1] >= 0.0 else 1.0)
 

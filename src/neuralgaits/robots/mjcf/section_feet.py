@@ -107,8 +107,8 @@ def _frame_tip(model: mujoco.MjModel, data: mujoco.MjData, link: SectionLink) ->
     frames = [body for body in link.bodies if body != own]
     if not frames:
         raise RobotError(
-            f"link {link.name} ends a leg and has no shape and no link fixed to it, so nothing says "
-            "where its foot is: give it a <collision> (put its mesh there, or write a box or "
+            f"link {link.name} ends a leg and has no shape and no link fixed to it, so nothing "
+            "says where its foot is: give it a <collision> (put its mesh there, or write a box or "
             "sphere), or fix a link to it where the foot is"
         )
     frame = min(frames, key=lambda body: float(data.xpos[body, 2]))
