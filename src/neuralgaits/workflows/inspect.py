@@ -48,8 +48,8 @@ def _about_rotors(robot: PlanarBiped) -> tuple[str, ...]:
     return (
         "armature is 0 on every joint: the model has no rotors, so each touchdown changes its "
         "joint rates more, and its torques are smaller, than on a robot with geared motors, where "
-        'the gait may fall; write armature="J" into each <joint>, with J the rotor\'s inertia times '
-        "the gear ratio squared (kg m^2)",
+        'the gait may fall; write armature="J" into each <joint>, with J the rotor\'s inertia '
+        "times the gear ratio squared (kg m^2)",
     )
 
 
