@@ -209,3 +209,24 @@ def test_hips_of_three_hinges_in_one_body_are_a_section_too():
     )
     assert (one.n, other.n) == (6, 6)
     assert float(other.mass) == pytest.approx(float(one.mass))
+
+
+def test_a_waist_below_a_free_torso_is_no_chain_of_the_root():
+    """As in Gymnasium's humanoid: the free joint is the torso's, and the legs are the pelvis's."""
+    text = door_robots.adam(arms=False)
+    start, end = text.index('<joint name="slide_x"'), text.index('<inertial pos="0 0 0.15"')
+    waist = (
+        '<freejoint name="float"/><inertial pos="0 0 0.3" mass="2" diaginertia="0.1 0.1 0.1"/>'
+        '<body name="pelvis"><joint name="waist_z" axis="0 0 1"/><joint name="waist_y" '
+        'axis="0 1 0"/>'
+    )
+    text = (
+        text[:start]
+        + waist
+        + text[end:].replace("</body></worldbody>", "</body></body></worldbody>")
+    )
+    made = planarise(text, "adam")
+    assert "root joint float replaced by root_x, root_z, root_pitch of body pelvis" in str(made)
+    assert "welded at zero, no part of a leg: waist_z, waist_y" in made.changes
+    assert "between the world" not in str(made)
+    assert float(robot_from_text(made.text, "adam").mass) == pytest.approx(11.2 + 2.0)

@@ -29,12 +29,12 @@ class SectionPlan:
 
     Attributes:
         base: body that both legs hang from, or that is the upper link of one.
-        root: joints between the world and the base, the base's own included.
+        root: joints that move the robot as a whole, from the world down.
         legs: kept hinges of each leg, from the hip down.
         across: joints on the legs that are welded, since they do not turn in the plane.
         others: joints that are no part of a leg, which are welded, too.
         feet: body of the last moving link of each leg.
-        carriages: bodies with mass between the world and the base.
+        carriages: bodies with mass of a chain that carries the robot.
     """
 
     base: int
@@ -107,23 +107,55 @@ def plan_section(model: mujoco.MjModel, data: mujoco.MjData, weld: frozenset[str
         across += [joint for joint in joints if joint not in kept]
     if base == 0:
         base = _hanging_from(model, (one[-2], other[-2]))
-    root = tuple(joint for top in above for joint in _joints_of(model, moving, top))
+    root, rails = _root_of(model, data, moving, above)
     _refuse_odd_legs(model, data, legs, across)
     used = {*root, *across, *legs[0], *legs[1]}
     carriages = [
         body
         for body in range(1, model.nbody)
-        if tops[body] in set(above[:-1]) - {0} and model.body_mass[body] > MASSLESS_KG
+        if tops[body] in rails and model.body_mass[body] > MASSLESS_KG
     ]
     return SectionPlan(
         base,
-        root,
+        tuple(root),
         (legs[0], legs[1]),
         tuple(across),
         tuple(joint for joint in moving if joint not in used),
         feet,
         tuple(carriages),
     )
+
+
+def _root_of(
+    model: mujoco.MjModel, data: mujoco.MjData, moving: list[int], above: list[int]
+) -> tuple[list[int], set[int]]:
+    """Return the joints that move the robot as a whole, and the bodies of a chain that carry it.
+
+    Those are all joints down to the one that completes x, z and pitch: a free joint alone, or the
+    last of slides and a hinge. Joints below it, as of a waist, are part of the robot.
+
+    Args:
+        model: the robot.
+        data: of the model at the posture.
+        moving: joints that are not welded.
+        above: moving bodies from the world down to the base.
+    """
+    joints: list[int] = []
+    for place, top in enumerate(above):
+        joints += _joints_of(model, moving, top)
+        if _moves_in_plane(model, data, joints):
+            return joints, set(above[:place]) - {0}
+    return joints, set(above[:-1]) - {0}
+
+
+def _moves_in_plane(model: mujoco.MjModel, data: mujoco.MjData, joints: list[int]) -> bool:
+    """Return whether joints move a body along x and z and turn it about y."""
+    kinds = {joint: int(model.jnt_type[joint]) for joint in joints}
+    slides = [joint for joint in joints if kinds[joint] == int(mujoco.mjtJoint.mjJNT_SLIDE)]
+    directions = np.array([data.xaxis[joint][[0, 2]] for joint in slides]).reshape(-1, 2)
+    pitches = any(_turns_in_plane(model, data, joint) for joint in joints)
+    free = int(mujoco.mjtJoint.mjJNT_FREE) in kinds.values()
+    return free or (pitches and np.linalg.matrix_rank(directions, tol=AXIS_TOLERANCE) == 2)
 
 
 MASSLESS_KG = 1e-8
