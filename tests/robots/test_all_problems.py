@@ -5,7 +5,7 @@ import random
 import pytest
 
 from neuralgaits.cli.main import main
-from neuralgaits.errors import ManyProblems
+from neuralgaits.errors import ManyProblems, RobotError
 from neuralgaits.robots.mjcf.planariser import planarise
 from neuralgaits.robots.mjcf.problems import problems_of_file
 from support import door_robots
@@ -274,3 +274,37 @@ def test_all_that_is_in_the_way_of_a_section_is_named():
     for _, _, said in OF_A_HUMANOID.values():
         assert any(said in line for line in found.value.problems), (said, found.value.problems)
     assert all(line.startswith("humanoid cannot be planarised: ") for line in found.value.problems)
+
+
+def left_by_planarise(text):
+    """Return the problems that planarise does not mend; () if it makes a supported file."""
+    try:
+        planarise(text, "robot")
+    except RobotError as error:
+        return getattr(error, "problems", (str(error),))
+    return ()
+
+
+READ_BEFORE = ("no mesh", "no include")
+"""Faults that are found before the text reaches planarise."""
+
+
+@pytest.fixture(scope="module")
+def in_the_way():
+    """Faults that planarise does not mend, each planted alone."""
+    names = [name for name in FAULTS if name not in (*READ_BEFORE, *ALONE)]
+    return {name for name in names if left_by_planarise(planted([name]))}
+
+
+def test_planarise_mends_some_faults_and_names_the_others(in_the_way):
+    mended = set(FAULTS) - in_the_way - {*READ_BEFORE, *ALONE}
+    assert mended >= {"spring", "dry friction", "air", "an arm", "two motors", "tendon", "no floor"}
+    assert in_the_way >= {"no range", "no motor", "no limit", "no gear", "unequal", "gravity"}
+    for name in in_the_way:
+        assert_named(left_by_planarise(planted([name])), [name])
+
+
+@pytest.mark.parametrize("names", by_threes(24), ids="-".join)
+def test_planarise_names_all_that_is_in_its_way(in_the_way, names):
+    found = left_by_planarise(planted([name for name in names if name not in READ_BEFORE]))
+    assert_named(found, [name for name in names if name in in_the_way])
