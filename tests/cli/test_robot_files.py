@@ -74,6 +74,14 @@ def test_what_is_unusual_is_a_warning_and_no_refusal(place, capfd):
     assert json.loads(capfd.readouterr().out)["warnings"] == []
 
 
+def test_feet_that_point_back_are_a_warning(place, capfd):
+    turned = door_robots.humanoid("box").replace('pos="0.055 0 -0.06"', 'pos="-0.055 0 -0.06"')
+    (place / "h1.xml").write_text(turned, encoding="utf-8")
+    assert main(["inspect", "h1.xml", "--planarise", "flat.xml", "--feet", "flat"]) == 0
+    shown = " ".join(capfd.readouterr().out.split())
+    assert "warning: soles reach 155 mm behind the ankle and 45 mm ahead: forward is +x" in shown
+
+
 def test_pictures_that_are_not_there_are_left_out_and_said(place, capfd):
     shell = '<asset><mesh name="shell" file="shell.stl"/></asset>'
     text = door_robots.adam().replace("<worldbody>", f"{shell}<worldbody>")

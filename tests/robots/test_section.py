@@ -230,3 +230,22 @@ def test_a_waist_below_a_free_torso_is_no_chain_of_the_root():
     assert "welded at zero, no part of a leg: waist_z, waist_y" in made.changes
     assert "between the world" not in str(made)
     assert float(robot_from_text(made.text, "adam").mass) == pytest.approx(11.2 + 2.0)
+
+
+def test_toes_are_refused_with_the_option_that_welds_them():
+    toe = (
+        '<body name="{0}_toe" pos="0.14 0 -0.06"><joint name="{0}_toe" axis="0 1 0" range="-1 1"/>'
+        '<inertial pos="0.02 0 0" mass="0.1" diaginertia="1e-4 1e-4 1e-4"/>'
+        '<geom class="foot" type="box" size="0.02 0.03 0.01"/></body>'
+    )
+    text = door_robots.humanoid("box")
+    foot = text[text.index('<geom class="foot" type="box"') :].split("\n")[0]
+    before, one, after = text.split(foot)
+    text = before + foot + toe.format("left") + one + foot + toe.format("right") + after
+    with pytest.raises(RobotError, match=r"has 4 links: at most 3 .* by --weld JOINT"):
+        planarise(text, "h", "flat")
+    made = planarise(text, "h", "flat", weld=("left_toe", "right_toe"))
+    assert "welded as named, at zero: left_toe (0), right_toe (0)" in made.changes
+    robot = robot_from_text(made.text, "h")
+    assert robot.feet is not None
+    assert float(robot.feet.toe) == pytest.approx(0.16)

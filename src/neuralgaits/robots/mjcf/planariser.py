@@ -119,7 +119,8 @@ _IN_URDF = (
 
 
 def _in_words_of(text: str, problem: str) -> str:
-    """Return a problem with a remedy for the file that it was found in."""
+    """Return a problem with a remedy for the file that it was found in, and for this command."""
+    problem = problem.replace("are treated; weld some", "are treated; weld some, by --weld JOINT")
     if is_urdf(text):
         for pattern, words in _IN_URDF:
             problem = re.sub(pattern, words, problem)
