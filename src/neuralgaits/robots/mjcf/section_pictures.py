@@ -34,12 +34,20 @@ def write_pictures(
         shown = [_drawn(model, data, geom, link) for geom in geoms]
         for given in filter(None, shown):
             ElementTree.SubElement(body, "geom", given)
-        below = body.find("body")
-        if not any(shown) and below is not None:
-            end = below.get("pos", "0 0 0")
-            if np.linalg.norm([float(word) for word in end.split()]) > _STICK_M:
-                given = {"type": "capsule", "fromto": f"0 0 0 {end}", "size": repr(_STICK_M)}
-                ElementTree.SubElement(body, "geom", given | _WITHOUT_CONTACT)
+        if not any(shown):
+            _draw_sticks(body, link)
+
+
+def _draw_sticks(body: Element, link: SectionLink) -> None:
+    """Draw a link without shapes: to the joints below it, and a torso to twice its centre."""
+    ends = [below.get("pos", "0 0 0") for below in body.findall("body")]
+    if link.joint < 0:
+        up = 2.0 * (link.com - link.anchor)
+        ends.append(f"{up.real:.6g} 0 {up.imag:.6g}")
+    for end in ends:
+        if np.linalg.norm([float(word) for word in end.split()]) > _STICK_M:
+            given = {"type": "capsule", "fromto": f"0 0 0 {end}", "size": repr(_STICK_M)}
+            ElementTree.SubElement(body, "geom", given | _WITHOUT_CONTACT)
 
 
 _WITHOUT_CONTACT = {"contype": "0", "conaffinity": "0", "mass": "0"}
