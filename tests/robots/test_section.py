@@ -249,3 +249,12 @@ def test_toes_are_refused_with_the_option_that_welds_them():
     robot = robot_from_text(made.text, "h")
     assert robot.feet is not None
     assert float(robot.feet.toe) == pytest.approx(0.16)
+
+
+def test_a_base_that_is_tilted_stands_on_edges():
+    base = '<body name="pelvis" pos="0 0 1.06">'
+    text = door_robots.humanoid("box")
+    assert base in text
+    tilted = text.replace(base, base.replace(">", ' euler="0 0.2 0">'))
+    with pytest.raises(RobotError, match="foot left_ankle_link stands on an edge at zero"):
+        planarise(tilted, "h", "flat")

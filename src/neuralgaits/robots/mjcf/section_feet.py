@@ -87,6 +87,8 @@ def section_foot(
             f"sole of {link.name}: box from {1e3 * (ankle - heel):.4g} mm behind the ankle to "
             f"{1e3 * (toe - ankle):.4g} mm ahead, where {what}",
         )
+    if has_ankle:
+        _refuse_tilted(link, every)
     if model.geom_type[lowest] == mujoco.mjtGeom.mjGEOM_SPHERE:
         centre, radius = data.geom_xpos[lowest], float(model.geom_size[lowest, 0])
         place, name = complex(centre[0], centre[2]), model.geom(lowest).name
@@ -98,6 +100,23 @@ def section_foot(
         friction,
         condim,
         f"point foot of {link.name}: sphere of {1e3 * _TIP_M:g} mm at its lower end",
+    )
+
+
+def _refuse_tilted(link: SectionLink, points: np.ndarray) -> None:
+    """Refuse a box or mesh on an ankle that stands on an edge, since it is no point and not flat.
+
+    Args:
+        link: the foot.
+        points: low points of its shapes, x and z (m). [p, 2]
+    """
+    length = float(np.ptp(points[:, 0]))
+    if length < 2.0 * abs(link.anchor.imag - float(points[:, 1].min())):
+        return
+    raise RobotError(
+        f"foot {link.name} stands on an edge at zero coordinates, with a sole of "
+        f"{1e3 * length:.3g} mm: expected one that is level there; turn the robot's base "
+        "or the foot in the file"
     )
 
 

@@ -1,5 +1,6 @@
 """The links and joints of a URDF, checked to be one tree."""
 
+from collections import Counter
 from dataclasses import dataclass
 from xml.etree import ElementTree
 
@@ -14,10 +15,18 @@ _MOST_DEEP = 100
 
 @dataclass(frozen=True)
 class UrdfTree:
-    """Links by name, joints in file order, and the link that is nobody's child."""
+    """A tree of links.
+
+    Attributes:
+        links: by name.
+        joints: in file order.
+        below: joints by the name of their parent link.
+        root: the link that is nobody's child.
+    """
 
     links: dict[str, Element]
     joints: tuple[Element, ...]
+    below: dict[str, list[Element]]
     root: str
 
     def child(self, joint: Element) -> str:
@@ -26,7 +35,7 @@ class UrdfTree:
 
     def joints_below(self, link: str) -> list[Element]:
         """Joints whose parent is a link."""
-        return [joint for joint in self.joints if _link_of(joint, "parent") == link]
+        return self.below.get(link, [])
 
     def rigid_with(self, link: str) -> list[str]:
         """A link and those that hang from it by fixed joints."""
@@ -76,7 +85,10 @@ def read_urdf_tree(robot: Element, weld: frozenset[str]) -> UrdfTree:
             f"links {', '.join(roots)} are nobody's children: expected one robot; join or remove "
             "all but one"
         )
-    tree = UrdfTree(links, tuple(kept), roots[0])
+    below: dict[str, list[Element]] = {}
+    for joint in kept:
+        below.setdefault(_link_of(joint, "parent"), []).append(joint)
+    tree = UrdfTree(links, tuple(kept), below, roots[0])
     _refuse_deep(tree)
     return tree
 
@@ -119,7 +131,7 @@ def _link_of(joint: Element, end: str) -> str:
 
 
 def _refuse_repeated(names: list[str], what: str) -> None:
-    twice = sorted({name for name in names if names.count(name) > 1})
+    twice = sorted(name for name, count in Counter(names).items() if count > 1)
     if twice:
         refuse(f"{what} {', '.join(twice)} stand in the URDF twice: give each a name of its own")
 
