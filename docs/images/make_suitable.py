@@ -9,10 +9,10 @@ from html import escape
 from pathlib import Path
 
 STEPS = (
-    ("Do all joints turn in one plane?", "Hip yaw or roll: delete joint and motor"),
+    ("Do all joints turn in one plane?", "Use --planarise: it welds the others"),
     ("Two equal legs of one to three links each?", "Not supported"),
-    ("All else welded to these links, arms too?", "Delete those joints and their motors"),
-    ("Does each leg end in a sphere, no ankle?", "Use --planarise; ankles cannot stay"),
+    ("All else welded to these links, arms too?", "Use --planarise: it welds arms and waist"),
+    ("Does each leg end in a sphere, no ankle?", "Use --planarise, --feet flat for ankles"),
     ("Are links and joints free of springs?", "Use --planarise: it removes springs"),
     ("A motor with a limit on each leg joint?", "Add them; the root has no motor"),
     ("A range on each leg joint?", "Add it, in the file's unit of angles"),

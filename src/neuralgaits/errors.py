@@ -5,6 +5,7 @@ A message is one line and says what was expected, what was found, and what to do
 
 import errno
 import os
+from collections.abc import Sequence
 
 from neuralgaits._printable import shortened
 
@@ -26,6 +27,18 @@ class InputError(NeuralGaitsError):
 
 class RobotError(InputError):
     """A robot file is malformed, or describes a robot the planar theory cannot treat."""
+
+
+class ManyProblems(RobotError):
+    """A robot file has several problems.
+
+    Attributes:
+        problems: all of them, one line each.
+    """
+
+    def __init__(self, problems: Sequence[str]):
+        super().__init__("; ".join(problems))
+        self.problems = tuple(problems)
 
 
 class SpecError(InputError):

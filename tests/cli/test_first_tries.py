@@ -205,6 +205,26 @@ def test_a_plant_that_is_another_robot_is_said():
     assert said is not None and "left_knee" in said and "kg" not in said
 
 
+def test_a_plant_with_other_joints_welded_is_said():
+    amber = load_robot("amber3m")
+    words = (
+        "<!-- changed:\n  welded at zero, no part of a leg: waist, arm\n  ankle a: removed, x -->"
+    )
+    other = robot_from_text(f"{words}\n{amber.layout.xml}", "amber3m")
+    said = about_other_robot(amber, other)
+    assert said is not None
+    assert "joints welded in its file: waist, arm, a, and in that of the gait: none" in said
+    assert about_other_robot(other, other) is None
+
+
+def test_a_walk_on_other_feet_is_refused_in_a_line(tmp_path, capfd):
+    run = tmp_path / "run"
+    shutil.copytree(SHIPPED, run)
+    assert main(["simulate", str(run), "--plant", "amber3m-feet", "--steps", "1"]) == 2
+    said = "plant amber3m-feet has 6 links, the policy's robot amber3m has 5, and flat feet instead"
+    assert f"{said} of point ones: take a plant with the same joints" in capfd.readouterr().err
+
+
 def test_a_walk_on_another_robot_says_so(tmp_path, capfd):
     run = tmp_path / "run"
     shutil.copytree(SHIPPED, run)

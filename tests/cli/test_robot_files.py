@@ -8,7 +8,7 @@ import pytest
 
 from neuralgaits.cli.main import main
 from neuralgaits.robots import load_robot, registry
-from support import walkers
+from support import door_robots, walkers
 
 
 @pytest.fixture
@@ -41,7 +41,8 @@ def test_a_refusal_names_the_command_that_mends_the_file(place, capfd, verb):
     assert main([verb, "flat.xml"]) == 2
     err = capfd.readouterr().err
     assert "is no foot that is treated" in err
-    assert err.count("\n") == 1
+    # `inspect` has a line for each foot, and one for the command.
+    assert err.count("\n") == (3 if verb == "inspect" else 1)
     assert "`neuralgaits inspect flat.xml --planarise flat-planar.xml`" in err
     assert main(["inspect", "flat.xml", "--planarise", "flat-planar.xml"]) == 0
 
@@ -53,6 +54,60 @@ def test_nothing_is_promised_of_a_file_that_cannot_be_mended(place, capfd):
     err = capfd.readouterr().err
     assert "has no torque limit" in err
     assert "planarise" not in err
+
+
+def test_what_is_unusual_is_a_warning_and_no_refusal(place, capfd):
+    """No rotors, as in a URDF, and feet of 20 cm that become points."""
+    (place / "robot.urdf").write_text(door_robots.humanoid_urdf(), encoding="utf-8")
+    assert main(["inspect", "robot.urdf", "--planarise", "point.xml"]) == 0
+    shown = " ".join(capfd.readouterr().out.split())
+    assert "warning: armature is 0 on every joint" in shown
+    assert "warning: soles of 200 mm, 0.32 of the leg, are cut to points" in shown
+    flat = ["inspect", "robot.urdf", "--planarise", "flat.xml", "--feet", "flat", "--json"]
+    assert main(flat) == 0
+    (warning,) = json.loads(capfd.readouterr().out)["warnings"]
+    assert 'write armature="J" into each <joint>' in warning
+    (place / "h1.xml").write_text(door_robots.humanoid(), encoding="utf-8")
+    assert (
+        main(["inspect", "h1.xml", "--planarise", "h1-flat.xml", "--feet", "flat", "--json"]) == 0
+    )
+    assert json.loads(capfd.readouterr().out)["warnings"] == []
+
+
+def test_feet_that_point_back_are_a_warning(place, capfd):
+    turned = door_robots.humanoid("box").replace('pos="0.055 0 -0.06"', 'pos="-0.055 0 -0.06"')
+    (place / "h1.xml").write_text(turned, encoding="utf-8")
+    assert main(["inspect", "h1.xml", "--planarise", "flat.xml", "--feet", "flat"]) == 0
+    shown = " ".join(capfd.readouterr().out.split())
+    assert "warning: soles reach 155 mm behind the ankle and 45 mm ahead: forward is +x" in shown
+
+
+def test_pictures_that_are_not_there_are_left_out_and_said(place, capfd):
+    shell = '<asset><mesh name="shell" file="shell.stl"/></asset>'
+    text = door_robots.adam().replace("<worldbody>", f"{shell}<worldbody>")
+    geom = '<geom type="mesh" mesh="shell" contype="0" conaffinity="0"/>'
+    shown = text.replace('<inertial pos="0 0 0.15"', f'{geom}<inertial pos="0 0 0.15"')
+    (place / "robot.xml").write_text(shown, encoding="utf-8")
+    assert main(["inspect", "robot.xml", "--planarise", "new.xml", "--json"]) == 0
+    changes = json.loads(capfd.readouterr().out)["changes"]
+    assert "pictures not there, left out: shell.stl; masses are as given" in changes
+    bare = shown.replace('<inertial pos="0 0 0.15" mass="6" diaginertia="0.1 0.1 0.05"/>', "")
+    (place / "robot.xml").write_text(bare, encoding="utf-8")
+    assert main(["inspect", "robot.xml", "--planarise", "other.xml"]) == 2
+    assert "body torso has its mass from mesh shell, whose file is not there" in (
+        capfd.readouterr().err
+    )
+    assert "other.xml" not in listed(place)
+
+
+def test_weld_needs_a_file_to_write(place, capfd):
+    assert main(["inspect", "walker2d.xml", "--weld", "foot_joint"]) == 2
+    assert "--weld: expected --planarise OUT.xml beside it" in capfd.readouterr().err
+    weld = ["--weld", "foot_joint,foot_left_joint"]
+    assert main(["inspect", "walker2d.xml", "--planarise", "welded.xml", *weld]) == 0
+    assert "welded as named, at zero: foot_joint (0), foot_left_joint (0)" in " ".join(
+        capfd.readouterr().out.split()
+    )
 
 
 def test_planarise_writes_a_file_and_says_each_change(place, capfd):

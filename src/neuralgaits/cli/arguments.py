@@ -3,6 +3,7 @@
 `--help` is generated from these classes.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Literal
@@ -20,8 +21,9 @@ from neuralgaits.settings import (
     SimulateSettings,
     SweepSettings,
     TrainSettings,
+    forms,
 )
-from neuralgaits.settings.options import arg
+from neuralgaits.settings.options import arg, option
 from neuralgaits.settings.shared_options import Flag, Run, Seeds, Terrain
 
 
@@ -176,15 +178,18 @@ class DemoOptions:
 
 @dataclass(frozen=True)
 class InspectOptions:
-    """Show the contents of a robot file, and what is wrong with it."""
+    """Show the contents of a robot file, or everything that is wrong with it."""
 
     robot: Annotated[Positional[str], arg(metavar="ROBOT")]
-    """Name of a built-in robot, or path of an MJCF file."""
+    """Name of a built-in robot, or path of an MJCF file; of a URDF beside --planarise."""
     planarise: Annotated[Path | None, arg(metavar="OUT.xml")] = None
-    """Write a copy that this program supports: flat feet become welded point feet, and elements
-    that the theory ignores are removed; every change is listed."""
+    """Write a copy that this program supports, also of a URDF or of a humanoid's section in the
+    plane: flat feet become welded point feet, arms are welded, and elements that the theory ignores
+    are removed; every change is listed."""
     feet: Literal["point", "flat"] = "point"
     """Feet of that copy: flat keeps the ankles and their motors."""
+    weld: Annotated[Sequence[str], option("JOINT,...", forms.weld, ",".join)] = ()
+    """Joints to weld in that copy: at the file's first keyframe, or at zero without one."""
     output: Output = OutputOptions()
 
 

@@ -1,7 +1,8 @@
 """Entry of the command line: one verb, one result, one exit code.
 
 Exit codes: 0 done and good; 1 the answer is no; 2 bad usage or bad input; 3 undecided or out
-of budget; 70 an internal error; 130 interrupted. Every error is one line on stderr.
+of budget; 70 an internal error; 130 interrupted. Every error is one line on stderr; `inspect`
+writes one for each problem of a robot file.
 """
 
 import contextlib
@@ -25,6 +26,7 @@ from neuralgaits._printable import PRINTABLE, printable, shortened, visible
 from neuralgaits.errors import (
     ConvergenceError,
     Interrupted,
+    ManyProblems,
     MismatchError,
     NeuralGaitsError,
     NonFiniteError,
@@ -202,13 +204,17 @@ def _stdout_to_stderr() -> Iterator[None]:
 
 
 def _fail(message: str, error: BaseException, code: int, verbose: bool) -> int:
-    # Lines are joined; blanks within one may be those of a quoted path.
-    line = " ".join(part.strip() for part in message.splitlines() if part.strip())
+    messages = [message]
+    if isinstance(error, ManyProblems):
+        messages = [shortened(problem) for problem in error.problems]
+    # Lines of one message are joined; blanks within one may be those of a quoted path.
+    lines = [" ".join(p.strip() for p in one.splitlines() if p.strip()) for one in messages]
     from neuralgaits.cli.invocation import as_called
 
     # An error that cannot be written, to a full disk or to nobody, still has its exit code.
     with contextlib.suppress(OSError, ValueError):
         if verbose:
             traceback.print_exception(error, file=sys.stderr)
-        print(f"neuralgaits: {visible(printable(as_called(line)))}", file=sys.stderr)
+        for line in lines:
+            print(f"neuralgaits: {visible(printable(as_called(line)))}", file=sys.stderr)
     return code

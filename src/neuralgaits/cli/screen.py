@@ -224,7 +224,7 @@ def show_robot(result: RobotFacts) -> None:
             for motor in result.actuators
         ],
     )
-    apart = ("links", "actuators", "left_out", "written", "changes", "flat_feet")
+    apart = ("links", "actuators", "left_out", "warnings", "written", "changes", "flat_feet")
     show_facts(item for item in result.items() if item[0] not in apart)
     if result.flat_feet is not None:
         feet = result.flat_feet
@@ -233,6 +233,8 @@ def show_robot(result: RobotFacts) -> None:
         show_facts([("flat feet", f"{sole}, {under}")])
     for line in result.left_out:
         show_sentence(Text("left out", "yellow"), f": {line}")
+    for line in result.warnings:
+        show_sentence(Text("warning", "yellow"), f": {line}")
 
 
 def _centre(place: tuple[float, float]) -> str:

@@ -200,14 +200,15 @@ def _inspect(verb: InspectOptions) -> Outcome:
     if verb.planarise is not None:
         from neuralgaits.workflows.planarise import planarise_file
 
-        made = planarise_file(verb.robot, verb.planarise, verb.feet)
+        made = planarise_file(verb.robot, verb.planarise, verb.feet, verb.weld)
         return Outcome(made, True, screen.show_planarised)
     if verb.feet != "point":
         raise InputError("--feet: expected --planarise OUT.xml beside it, found none: add that")
-    from neuralgaits.workflows.inspect import inspect
-    from neuralgaits.workflows.planarise import robot_from
+    if verb.weld:
+        raise InputError("--weld: expected --planarise OUT.xml beside it, found none: add that")
+    from neuralgaits.workflows.planarise import inspect_file
 
-    return Outcome(inspect(robot_from(verb.robot)), True, screen.show_robot)
+    return Outcome(inspect_file(verb.robot), True, screen.show_robot)
 
 
 def _robots(verb: RobotsOptions) -> Outcome:

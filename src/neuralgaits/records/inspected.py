@@ -73,6 +73,7 @@ class RobotFacts(Record):
         flat_feet: flat feet; None for point feet.
         friction: friction coefficient of the feet [1].
         left_out: obstacles in the file that neither the model nor a simulation has, in one line.
+        warnings: what is unusual in the file, and is used as it is, one line each.
         written: file of the changed copy, which this record describes; None if there is none.
         changes: changes in that copy, one line each.
     """
@@ -91,6 +92,7 @@ class RobotFacts(Record):
     friction: float
     gravity_m_s2: float
     left_out: Texts = ()
+    warnings: Texts = ()
     flat_feet: FlatFeetFacts | None = None
     written: str | None = None
     changes: Texts = ()

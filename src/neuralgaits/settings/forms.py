@@ -150,6 +150,11 @@ def controllers(text: str) -> list[str]:
     return _list("controllers", text)
 
 
+def weld(text: str) -> list[str]:
+    """Read names of joints with commas between them. Raises: InputError."""
+    return _list("weld", text)
+
+
 def speeds(text: str) -> list[float | Interval]:
     """Read speeds or ranges of them, `V|A:B,...` in m/s. Raises: InputError."""
     return [_one_of_speeds(word) for word in _list("speeds", text)]

@@ -3,6 +3,7 @@
 `simulate` calls this before anything is compiled.
 """
 
+import re
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -99,12 +100,26 @@ def about_other_robot(robot: PlanarBiped, plant: PlanarBiped) -> str | None:
     joints, others = robot.layout.leg_joints, plant.layout.leg_joints
     if joints != others:
         found.insert(0, f"joints {', '.join(others[0])} instead of {', '.join(joints[0])}")
+    own, other = (welded_joints(one.layout.xml) for one in (robot, plant))
+    if own != other:
+        found.append(
+            f"joints welded in its file: {other or 'none'}, and in that of the gait: "
+            f"{own or 'none'}"
+        )
     if not found:
         return None
     return (
         f"plant {plant.name} is another robot than {robot.name}, which the gait was trained for: "
         f"{'; '.join(found)}; without --plant it walks on its own"
     )
+
+
+def welded_joints(xml: str) -> str:
+    """Return the joints that a file's list of changes has as welded; "" without any."""
+    lines = re.findall(
+        r"^ *(?:welded [^:\n]*: (.*)|ankle ([^:\n]*): removed.*)$", xml, re.MULTILINE
+    )
+    return ", ".join(listed or ankle for listed, ankle in lines)
 
 
 def link_of(

@@ -37,6 +37,30 @@ def inspect(robot: PlanarBiped) -> RobotFacts:
         friction=float(robot.friction),
         gravity_m_s2=float(robot.gravity),
         left_out=obstacles_left_out(layout.xml, robot.name),
+        warnings=(*_about_rotors(robot), *_about_heels(robot)),
+    )
+
+
+def _about_rotors(robot: PlanarBiped) -> tuple[str, ...]:
+    """Return a line if no joint has a rotor's inertia; () otherwise."""
+    if np.any(np.asarray(robot.armature) > 0.0):
+        return ()
+    return (
+        "armature is 0 on every joint: the model has no rotors, so each touchdown changes its "
+        "joint rates more, and its torques are smaller, than on a robot with geared motors, where "
+        'the gait may fall; write armature="J" into each <joint>, with J the rotor\'s inertia '
+        "times the gear ratio squared (kg m^2)",
+    )
+
+
+def _about_heels(robot: PlanarBiped) -> tuple[str, ...]:
+    """Return a line if soles are longer behind the ankle, as of a robot that faces -x."""
+    if robot.feet is None or robot.feet.heel <= robot.feet.toe:
+        return ()
+    return (
+        f"soles reach {1e3 * float(robot.feet.heel):.3g} mm behind the ankle and "
+        f"{1e3 * float(robot.feet.toe):.3g} mm ahead: forward is +x; if the robot faces -x, turn "
+        "it around",
     )
 
 

@@ -1,36 +1,71 @@
 """Make a robot file that the theory covers from one that it does not cover yet."""
 
+from collections.abc import Collection
 from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 
-from neuralgaits.errors import InputError, RobotError
+from neuralgaits._printable import printable
+from neuralgaits.errors import InputError, ManyProblems, RobotError
 from neuralgaits.records.inspected import RobotFacts
 from neuralgaits.robots import PlanarBiped, load_robot, registry
-from neuralgaits.robots.mjcf.loader import robot_text
+from neuralgaits.robots.mjcf.loader import robot_from_text, robot_text
 from neuralgaits.robots.mjcf.planariser import Feet, planarise
+from neuralgaits.robots.mjcf.problems import problems_of_file
+from neuralgaits.robots.mjcf.text import urdf_text
 from neuralgaits.runs.atomic import write_new
 from neuralgaits.runs.shell_words import command
 from neuralgaits.workflows.inspect import inspect
 
+LARGE_FEET = 0.1
+"""Length of a sole, in lengths of the leg, from which on it matters that it becomes a point."""
 
-def planarise_file(source: str | Path, out: Path, feet: Feet = "point") -> RobotFacts:
+MOST_NAMES = 4
+"""Number of files that a line names."""
+
+
+def planarise_file(
+    source: str | Path, out: Path, feet: Feet = "point", weld: Collection[str] = ()
+) -> RobotFacts:
     """Write a changed copy of a robot file, and describe the robot in it.
 
     Args:
-        source: name of a built-in robot, or path of an MJCF file; never changed.
+        source: name of a built-in robot, or path of an MJCF or URDF file; never changed.
         out: file to make; a copy of the source if that needs no change.
         feet: of `planarise`.
+        weld: joints to weld, as in `planarise`.
 
     Returns: `RobotFacts` of the new file, with `written` and `changes`.
     Raises: RobotError if the file cannot be made into a planar biped, InputError if there is a file
         at `out`; nothing is written then.
     """
-    text, name = robot_text(source)
-    made = planarise(text, name, feet)
+    dropped: list[str] = []
+    text, name, folder = _text_of(source, dropped)
+    made = planarise(text, name, feet, weld, folder)
     write_new(out, made.text)
-    changes = (*_resolved(source, text), *made.changes)
-    return replace(inspect(load_robot(out)), written=str(out), changes=changes)
+    resolved = () if folder is not None else _resolved(source, text, dropped)
+    changes = (*resolved, *made.changes)
+    facts = inspect(load_robot(out))
+    warnings = facts.warnings
+    if feet == "point":
+        warnings += _about_cut_feet(text, name, weld, folder)
+    return replace(facts, written=str(out), changes=changes, warnings=warnings)
+
+
+def _about_cut_feet(
+    text: str, name: str, weld: Collection[str], folder: Path | None
+) -> tuple[str, ...]:
+    """Return a line if a robot has large flat feet that become points; () otherwise."""
+    with suppress(RobotError):
+        robot = robot_from_text(planarise(text, name, "flat", weld, folder).text, name)
+        if robot.feet is not None:
+            sole = float(robot.feet.heel + robot.feet.toe)
+            if sole > LARGE_FEET * robot.leg_length:
+                return (
+                    f"soles of {1e3 * sole:.3g} mm, {sole / robot.leg_length:.2g} of the leg, are "
+                    "cut to points, and their ankles' motors are lost: --feet flat keeps them",
+                )
+    return ()
 
 
 def robot_from(source: PlanarBiped | str | Path | None) -> PlanarBiped:
@@ -48,15 +83,80 @@ def robot_from(source: PlanarBiped | str | Path | None) -> PlanarBiped:
     try:
         return load_robot(source)
     except RobotError as error:
-        if "--planarise" in str(error):
-            raise
-        feet = _feet_that_can_be_had(source)
-        if feet is None:
+        if "--planarise" in str(error) or (line := _command_for_copy(source)) is None:
             raise error from None
-        out = f"{Path(source).stem}-planar.xml"
-        more = ("--feet", feet) if feet != "point" else ()
-        line = command("inspect", str(source), "--planarise", out, *more)
-        raise RobotError(f"{error}; or have a copy made that can be treated: `{line}`") from None
+        raise RobotError(f"{error}; or {line}") from None
+
+
+def inspect_file(source: str) -> RobotFacts:
+    """Describe a robot by name or path.
+
+    Raises: RobotError as `load_robot`, ManyProblems with all problems of a file that has several.
+    """
+    try:
+        return inspect(load_robot(source))
+    except RobotError as error:
+        problems = list(_problems(source)) or [str(error)]
+        line = None if any("--planarise" in one for one in problems) else _command_for_copy(source)
+        if len(problems) > 1:
+            raise ManyProblems([*problems, *([line] if line else [])]) from None
+        raise RobotError(problems[0] + (f"; or {line}" if line else "")) from None
+
+
+def _problems(source: str) -> tuple[str, ...]:
+    """Return the problems of a robot file; of a URDF, those that are in the way of a copy."""
+    path = Path(source)
+    try:
+        text = _urdf_at(path)
+    except RobotError as error:
+        return (str(error),)
+    if text is None:
+        return problems_of_file(source)
+    return _problems_of_urdf(source, text, printable(path.stem), path.parent)
+
+
+def _problems_of_urdf(source: str, text: str, name: str, folder: Path) -> tuple[str, ...]:
+    """Return what is in the way of a copy; that the file is no MJCF, if nothing is."""
+    try:
+        planarise(text, name, folder=folder)
+    except ManyProblems as found:
+        return found.problems
+    except RobotError as found:
+        return (str(found),)
+    return problems_of_file(source)
+
+
+def _text_of(source: str | Path, dropped: list[str] | None = None) -> tuple[str, str, Path | None]:
+    """Return the text of a robot and a name for it, and the folder of a URDF; else None.
+
+    The names of pictures that are not there are appended to `dropped`.
+    """
+    path = Path(source)
+    text = _urdf_at(path)
+    if text is not None:
+        return text, printable(path.stem), path.parent
+    return (*robot_text(source, [] if dropped is None else dropped), None)
+
+
+def _urdf_at(path: Path) -> str | None:
+    """Return the text of a URDF at a path; None if something else or nothing is there.
+
+    Raises: RobotError if a file there is unreadable or not XML.
+    """
+    if str(path) in registry.built_in() or not path.is_file():
+        return None
+    return urdf_text(path)
+
+
+def _command_for_copy(source: str | Path) -> str | None:
+    """Return words with the command that makes a copy that can be treated; None if none can."""
+    feet = _feet_that_can_be_had(source)
+    if feet is None:
+        return None
+    out = f"{Path(source).stem}-planar.xml"
+    more = ("--feet", feet) if feet != "point" else ()
+    line = command("inspect", str(source), "--planarise", out, *more)
+    return f"have a copy made that can be treated: `{line}`"
 
 
 def _feet_that_can_be_had(source: str | Path) -> Feet | None:
@@ -64,13 +164,19 @@ def _feet_that_can_be_had(source: str | Path) -> Feet | None:
     kinds: tuple[Feet, ...] = ("flat", "point")
     for feet in kinds:
         with suppress(RobotError):
-            planarise(*robot_text(source), feet)
+            text, name, folder = _text_of(source)
+            planarise(text, name, feet, folder=folder)
             return feet
     return None
 
 
-def _resolved(source: str | Path, text: str) -> tuple[str, ...]:
-    """Return one line of explanation if the text differs from the file's own."""
+def _resolved(source: str | Path, text: str, dropped: list[str]) -> tuple[str, ...]:
+    """Return lines of explanation if the text differs from the file's own."""
     if str(source) in registry.built_in() or Path(source).read_text(encoding="utf-8") == text:
         return ()
-    return ("includes put in place, files of meshes and textures named by their full paths",)
+    lines = ("includes put in place, files of meshes and textures named by their full paths",)
+    if dropped:
+        more = f" and {len(dropped) - MOST_NAMES} more" if len(dropped) > MOST_NAMES else ""
+        listed = ", ".join(dropped[:MOST_NAMES])
+        lines += (f"pictures not there, left out: {listed}{more}; masses are as given",)
+    return lines

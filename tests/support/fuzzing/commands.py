@@ -78,13 +78,25 @@ def _given(place: Place, arguments: list[str]) -> tuple[int, list[str]]:
         code = main(arguments)
     out, err = printed
     words = " ".join(map(ascii, arguments))
-    return code, [f"{words}: {what}" for what in _complaints(code, out, err, "--json" in arguments)]
+    told = _complaints(code, out, err, "--json" in arguments, many=arguments[0] == "inspect")
+    return code, [f"{words}: {what}" for what in told]
 
 
-def _complaints(code: int, out: str, err: str, as_json: bool) -> Iterator[str]:
+def _is_told(lines: list[str]) -> bool:
+    """Return whether there is a line at least, and each is one of the program's own."""
+    return bool(lines) and all(
+        line.startswith("neuralgaits: ") and "\n" not in line for line in lines
+    )
+
+
+def _complaints(
+    code: int, out: str, err: str, as_json: bool, *, many: bool = False
+) -> Iterator[str]:
+    """Yield what is wrong with an answer; `many` may be the problems of a file, a line each."""
+    lines = err.splitlines() if many else [err.removesuffix("\n")]
     if code not in CODES:
         yield f"code {code}: {err.strip()[:300]}"
-    elif code == 2 and (out or not err.startswith("neuralgaits: ") or err.count("\n") != 1):
+    elif code == 2 and (out or not _is_told(lines)):
         yield f"not one line: {out[:200]!r} {err[:300]!r}"
     elif code != 2 and as_json:
         try:

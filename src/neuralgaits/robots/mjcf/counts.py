@@ -14,6 +14,8 @@ MOST_VALUES = 10**8
 """Largest number of values of one asset: pixels of a texture, heights of a field."""
 MOST_OF_SIZE = 10**4
 """Largest number in <size>, but for its memory."""
+MOST_OF_STACK = 10**7
+"""Largest nstack in <size>, which older files set to hundreds of thousands."""
 _COPIES = {"replicate": "count", "composite": "count", "flexcomp": "count"}
 _ASSETS = {"hfield": ("nrow", "ncol"), "texture": ("width", "height")}
 
@@ -41,7 +43,8 @@ def refuse_large_counts(text: str) -> None:
             _refuse(tag, _product(sides), MOST_VALUES, "values")
         if tag == "size":
             for name in set(element.attrib) - {"memory"}:
-                _refuse(f"size {name}", _product(element.attrib[name]), MOST_OF_SIZE, "elements")
+                most = MOST_OF_STACK if name == "nstack" else MOST_OF_SIZE
+                _refuse(f"size {name}", _product(element.attrib[name]), most, "elements")
         left += [(child, copies) for child in element]
 
 

@@ -13,9 +13,7 @@ import numpy as np
 
 from neuralgaits.errors import RobotError
 from neuralgaits.robots.mjcf.planar_tree import body_name
-
-ROOT_DOFS = 3
-"""The first degrees of freedom of a file are the root's."""
+from neuralgaits.robots.mjcf.refusals import refuse
 
 
 def refuse_ignored_physics(model: mujoco.MjModel) -> None:
@@ -26,25 +24,24 @@ def refuse_ignored_physics(model: mujoco.MjModel) -> None:
     _refuse_world(model)
     _refuse_couplings(model)
     for joint in range(model.njnt):
-        _refuse_joint(model, joint, is_root=joint < ROOT_DOFS)
+        parent = int(model.body_parentid[model.jnt_bodyid[joint]])
+        _refuse_joint(model, joint, is_root=int(model.body_weldid[parent]) == 0)
 
 
 def _refuse_world(model: mujoco.MjModel) -> None:
     gravity = model.opt.gravity
     if gravity[0] != 0.0 or gravity[1] != 0.0 or not gravity[2] < 0.0:
         found = " ".join(f"{value:g}" for value in gravity)
-        raise RobotError(f'gravity is ({found}): use <option gravity="0 0 -9.81"/>')
+        refuse(f'gravity is ({found}): use <option gravity="0 0 -9.81"/>')
     if model.opt.density != 0.0 or model.opt.viscosity != 0.0:
-        raise RobotError("the file has air or water: remove density and viscosity from <option>")
+        refuse("the file has air or water: remove density and viscosity from <option>")
     off = mujoco.mjtDisableBit
     needed = off.mjDSBL_GRAVITY | off.mjDSBL_CONTACT | off.mjDSBL_ACTUATION
     if model.opt.disableflags & needed:
-        raise RobotError(
-            "the file switches gravity, contact or actuation off: remove that from <flag>"
-        )
+        refuse("the file switches gravity, contact or actuation off: remove that from <flag>")
     for body in np.flatnonzero(model.body_gravcomp):
         name = body_name(model, int(body))
-        raise RobotError(f"body {name} has gravity compensation: remove its gravcomp")
+        refuse(f"body {name} has gravity compensation: remove its gravcomp")
 
 
 def _refuse_couplings(model: mujoco.MjModel) -> None:
@@ -56,10 +53,37 @@ def _refuse_couplings(model: mujoco.MjModel) -> None:
         (model.npair, "contact pairs", "contact"),
     ):
         if count:
-            raise RobotError(
+            refuse(
                 f"the file has {what}, which the closed form would ignore: "
                 f"remove its <{element}> section"
             )
+
+
+def refuse_loops(model: mujoco.MjModel) -> None:
+    """Refuse constraints that close a loop of links: without them it would be another mechanism.
+
+    Raises: RobotError naming the two bodies.
+    """
+    loops = (int(mujoco.mjtEq.mjEQ_CONNECT), int(mujoco.mjtEq.mjEQ_WELD))
+    for number in range(model.neq):
+        if int(model.eq_type[number]) not in loops:
+            continue
+        ends = _bodies_of(model, number)
+        # One that holds the robot to the world is no loop.
+        if all(model.body_weldid[end] for end in ends):
+            names = " and ".join(body_name(model, end) for end in ends)
+            raise RobotError(
+                f"an equality constraint closes a loop of bodies {names}: expected legs that are "
+                "chains; take the rods of the loop out of the file, and its constraint"
+            )
+
+
+def _bodies_of(model: mujoco.MjModel, number: int) -> tuple[int, int]:
+    """Return the two bodies of a connect or weld constraint."""
+    ends = (int(model.eq_obj1id[number]), int(model.eq_obj2id[number]))
+    if int(model.eq_objtype[number]) == int(mujoco.mjtObj.mjOBJ_SITE):
+        return int(model.site_bodyid[ends[0]]), int(model.site_bodyid[ends[1]])
+    return ends
 
 
 def refuse_excluded(model: mujoco.MjModel, foot: int, floor: int) -> None:
@@ -74,7 +98,7 @@ def refuse_excluded(model: mujoco.MjModel, foot: int, floor: int) -> None:
         # Both bodies' numbers in one, the smaller in the upper half.
         if ends == sorted((int(signature) >> 16, int(signature) & 0xFFFF)):
             names = " and ".join(model.body(end).name for end in ends)
-            raise RobotError(
+            refuse(
                 f"foot {model.geom(foot).name} cannot touch the floor: the file excludes contact "
                 f"between {names}; remove that <exclude>"
             )
@@ -89,16 +113,14 @@ def _refuse_joint(model: mujoco.MjModel, joint: int, *, is_root: bool) -> None:
     }
     for what, present in found.items():
         if present:
-            raise RobotError(f"joint {name} has {what}, which the closed form ignores: remove it")
+            refuse(f"joint {name} has {what}, which the closed form ignores: remove it")
     if is_root and (model.dof_damping[dof] or model.dof_armature[dof]):
-        raise RobotError(
+        refuse(
             f"root joint {name} has damping or armature, but the robot is free in the plane: "
             "remove both"
         )
     if is_root and model.jnt_limited[joint]:
-        raise RobotError(
-            f"root joint {name} has a range, but the robot is free in the plane: remove it"
-        )
+        refuse(f"root joint {name} has a range, but the robot is free in the plane: remove it")
 
 
 def _any(model: mujoco.MjModel, field: str, index: int) -> bool:

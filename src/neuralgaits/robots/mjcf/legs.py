@@ -8,15 +8,17 @@ from dataclasses import dataclass, fields
 import mujoco
 import numpy as np
 
-from neuralgaits.errors import RobotError
 from neuralgaits.robots.derive import LegData
 from neuralgaits.robots.mjcf.motors_and_ranges import Motor, read_motor, read_range
 from neuralgaits.robots.mjcf.physical_numbers import refuse_large_foot, refuse_quantity
 from neuralgaits.robots.mjcf.planar_tree import Joint, PlanarTree
+from neuralgaits.robots.mjcf.refusals import attempt, reads_on, refuse
 from neuralgaits.robots.mjcf.skeleton import Skeleton
 
 _LEG_TOLERANCE = 1e-6
 _MIN_LENGTH_M = 1e-6
+_NO_MOTOR = Motor("", np.nan, np.nan)
+_NO_RANGE = (np.nan, np.nan)
 
 _OF_JOINTS = ("armature", "damping", "torque_limit", "lower", "upper")
 _QUANTITIES = {
@@ -67,7 +69,7 @@ def link_directions(tree: PlanarTree, skeleton: Skeleton) -> dict[int, tuple[com
         for place, index in enumerate(leg):
             upper = skeleton.hip if place == len(leg) - 1 else _between(tree, index, leg[place + 1])
             if abs(upper - lower) < _MIN_LENGTH_M:
-                raise RobotError(
+                refuse(
                     f"body {tree.links[index].name} has no length: its lower and upper joint (or "
                     "foot) are at one point; move one of them"
                 )
@@ -122,7 +124,8 @@ def _leg_joint(
     joint = tree.links[lower if lower_is_child else upper].joint
     sign = -joint.sign if lower_is_child else joint.sign
     offset = float(np.angle(lines[upper][1] / lines[lower][1]))
-    return LegJoint(joint, sign, offset, read_motor(model, joint.index))
+    motor = attempt(_NO_MOTOR, read_motor, model, joint.index)
+    return LegJoint(joint, sign, offset, motor)
 
 
 def leg_data(
@@ -145,12 +148,21 @@ def leg_data(
                 if field.name in _OF_JOINTS:
                     where = f"joint {joints[leg][i].joint.name}"
                 refuse_quantity(field.name, _QUANTITIES[field.name], value.real, where)
-        scale = max(np.max(np.abs(ours), initial=1e-12), np.max(np.abs(theirs), initial=1e-12))
+        if reads_on():
+            # A number that is not there is named where it is missing, and no difference.
+            theirs, ours = (
+                np.where(np.isnan(ours), ours, theirs),
+                np.where(np.isnan(theirs), theirs, ours),
+            )
+            if np.isnan(ours).all():
+                continue
+        largest = np.nanmax if reads_on() else np.max
+        scale = max(largest(np.abs(ours), initial=1e-12), largest(np.abs(theirs), initial=1e-12))
         wrong = np.flatnonzero(np.abs(ours - theirs) > _LEG_TOLERANCE * scale)
         if wrong.size:
             i = int(wrong[0])
             names = [tree.links[leg[i]].name for leg in skeleton.legs]
-            raise RobotError(
+            refuse(
                 f"legs of unequal data: {_QUANTITIES[field.name]} is {ours[i]:.6g} at body "
                 f"{names[0]} and {theirs[i]:.6g} at body {names[1]}; make the legs equal"
             )
@@ -195,5 +207,6 @@ def _one_leg(
 
 
 def _range(model: mujoco.MjModel, joint: LegJoint) -> tuple[float, float]:
-    ends = sorted(joint.sign * end + joint.offset for end in read_range(model, joint.joint.index))
+    ends = attempt(_NO_RANGE, read_range, model, joint.joint.index)
+    ends = sorted(joint.sign * end + joint.offset for end in ends)
     return ends[0], ends[1]

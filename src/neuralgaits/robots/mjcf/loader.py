@@ -155,8 +155,12 @@ def _torso_data(tree: PlanarTree, skeleton: Skeleton) -> derive.TorsoData | None
     return derive.TorsoData(link.mass, link.inertia, (link.com - skeleton.hip) / 1j)
 
 
-def robot_text(name_or_path: str | Path) -> tuple[str, str]:
+def robot_text(name_or_path: str | Path, dropped: list[str] | None = None) -> tuple[str, str]:
     """Return the MJCF text of a built-in robot or a file, and a name for it.
+
+    Args:
+        name_or_path: of the robot.
+        dropped: of `standalone_text`.
 
     Raises: RobotError if there is no such robot, or the file cannot be read.
     """
@@ -175,7 +179,7 @@ def robot_text(name_or_path: str | Path) -> tuple[str, str]:
         raise RobotError(
             f"unknown robot {name}: {hint}use one of {known}, or a path to an MJCF file"
         )
-    return standalone_text(path), printable(path.stem)
+    return standalone_text(path, dropped), printable(path.stem)
 
 
 def _model_name(model: mujoco.MjModel, fallback: str) -> str:

@@ -16,11 +16,13 @@ import numpy as np
 
 from neuralgaits.errors import RobotError
 from neuralgaits.robots.mjcf.planar_tree import joint_name
+from neuralgaits.robots.mjcf.refusals import refuse
 
 LEAST_RANGE = 0.1
 """Smallest range of a joint [rad]: no step fits into less; 1.6 rad read as degrees is 0.03."""
 MOST_RANGE = 4.0 * math.pi
 """Largest range of a joint [rad]: no leg joint turns twice around; 180° read as radians would."""
+_NO_ACTUATORS = "the file has no actuators: add a <motor> for every joint but the root's"
 
 
 @dataclass(frozen=True)
@@ -50,14 +52,22 @@ def read_motor(model: mujoco.MjModel, joint: int) -> Motor:
         for a in range(model.nu)
         if int(model.actuator_trntype[a]) in kinds and int(model.actuator_trnid[a, 0]) == joint
     ]
+    if not model.nu:
+        raise RobotError(_NO_ACTUATORS)
     if not found:
         raise RobotError(
             f'joint {name} is not actuated: add <motor name="{name}" joint="{name}"/>, '
             "or weld its body"
         )
     if len(found) > 1:
-        raise RobotError(f"joint {name} has {len(found)} actuators: expected one; keep one")
-    return _plain_motor(model, found[0], joint)
+        labels = ", ".join(_label(model, actuator) for actuator in found)
+        raise RobotError(
+            f"joint {name} has {len(found)} actuators ({labels}): expected one; keep the <motor> "
+            "and remove the others"
+        )
+    if not model.actuator(found[0]).name:
+        refuse(f"the motor of joint {name} has no name: give it one")
+    return plain_motor(model, found[0], joint)
 
 
 def refuse_other_actuators(model: mujoco.MjModel, joints: list[int]) -> None:
@@ -66,21 +76,20 @@ def refuse_other_actuators(model: mujoco.MjModel, joints: list[int]) -> None:
     Raises: RobotError naming an actuator on the root, a site or a body.
     """
     if model.nu == 0:
-        raise RobotError("the file has no actuators: add a <motor> for every joint but the root's")
+        refuse(_NO_ACTUATORS)
     kinds = (int(mujoco.mjtTrn.mjTRN_JOINT), int(mujoco.mjtTrn.mjTRN_JOINTINPARENT))
     for actuator in range(model.nu):
         label = _label(model, actuator)
         if int(model.actuator_trntype[actuator]) not in kinds:
             what = mujoco.mjtTrn(model.actuator_trntype[actuator]).name
             what = what.removeprefix("mjTRN_").lower()
-            raise RobotError(
+            refuse(
                 f"actuator {label} acts on a {what}, but only motors on joints are treated: write "
                 'joint="JOINT" instead, or remove it where the joint has a motor already'
             )
+            continue
         if int(model.actuator_trnid[actuator, 0]) not in joints:
-            raise RobotError(
-                f"actuator {label} does not drive a leg joint: the root must be free; remove it"
-            )
+            refuse(f"actuator {label} does not drive a leg joint: the root must be free; remove it")
 
 
 def read_range(model: mujoco.MjModel, joint: int) -> tuple[float, float]:
@@ -95,13 +104,13 @@ def read_range(model: mujoco.MjModel, joint: int) -> tuple[float, float]:
         )
     lower, upper = model.jnt_range[joint]
     if upper - lower < LEAST_RANGE:
-        raise RobotError(
+        refuse(
             f"joint {joint_name(model, joint)} can turn by {upper - lower:.2g} rad in all, too "
             "little for a step: widen its range; if it is written in radians, say so with "
             '<compiler angle="radian"/>, or MuJoCo reads degrees'
         )
     if upper - lower > MOST_RANGE:
-        raise RobotError(
+        refuse(
             f"joint {joint_name(model, joint)} can turn by {upper - lower:.3g} rad in all, more "
             "than two turns: narrow its range; if it is written in degrees, leave "
             'angle="radian" out of <compiler>'
@@ -113,10 +122,9 @@ def _label(model: mujoco.MjModel, actuator: int) -> str:
     return model.actuator(actuator).name or f"number {actuator}"
 
 
-def _plain_motor(model: mujoco.MjModel, actuator: int, joint: int) -> Motor:
-    name = model.actuator(actuator).name
-    if not name:
-        raise RobotError(f"the motor of joint {joint_name(model, joint)} has no name: give it one")
+def plain_motor(model: mujoco.MjModel, actuator: int, joint: int) -> Motor:
+    """Return an actuator as a motor of a joint. Raises: RobotError if it is none with a limit."""
+    name = _label(model, actuator)
     plain = (
         model.actuator_dyntype[actuator] == mujoco.mjtDyn.mjDYN_NONE
         and model.actuator_gaintype[actuator] == mujoco.mjtGain.mjGAIN_FIXED
@@ -139,7 +147,7 @@ def _plain_motor(model: mujoco.MjModel, actuator: int, joint: int) -> Motor:
     for attribute in ("ctrlrange", "forcerange"):
         low, high = getattr(model, f"actuator_{attribute}")[actuator]
         if low > high:
-            raise RobotError(
+            refuse(
                 f'motor {name} has {attribute}="{low:g} {high:g}", which limits nothing: write the '
                 "lower end first"
             )
@@ -154,7 +162,7 @@ def _plain_motor(model: mujoco.MjModel, actuator: int, joint: int) -> Motor:
         raise RobotError(f'motor {name} has no torque limit: add forcerange="-LIMIT LIMIT"')
     for low, high in bounds:
         if not np.isclose(low, -high, rtol=1e-9) or high == 0.0:
-            raise RobotError(
+            refuse(
                 f"the limits of motor {name} are {low:g} and {high:g} N m: expected -LIMIT LIMIT"
             )
-    return Motor(name, gear, float(min(abs(high) for _, high in bounds)))
+    return Motor(model.actuator(actuator).name, gear, float(min(abs(high) for _, high in bounds)))

@@ -13,6 +13,7 @@ import mujoco
 import numpy as np
 
 from neuralgaits.errors import RobotError
+from neuralgaits.robots.mjcf.refusals import reads_on, refuse
 
 MOST = 1e6
 """Largest magnitude of any length, angle, mass, torque or coefficient, in SI units: a robot of a
@@ -61,19 +62,19 @@ def refuse_unphysical(model: mujoco.MjModel) -> None:
             rows = values.reshape(len(values), values[:1].size)
             for row, column in zip(*np.nonzero(~(np.abs(rows) <= MOST)), strict=True):
                 label = _label(model, kind, int(row))
-                raise RobotError(
+                refuse(
                     f"{label} has {name} {rows[row, column]:g}, but at most {MOST:g} makes sense "
                     "in SI units: mend that number"
                 )
     for joint, place in enumerate(model.jnt_qposadr):
         if not abs(model.qpos0[place]) <= MOST:
             found = f"{_label(model, 'jnt', joint)} has ref {model.qpos0[place]:g}"
-            raise RobotError(f"{found}, which is no position: leave it out")
+            refuse(f"{found}, which is no position: leave it out")
     gravity = float(np.max(np.abs(model.opt.gravity)))
     if not LEAST <= gravity <= MOST:
-        raise RobotError(f'gravity is {gravity:g} m/s^2: use <option gravity="0 0 -9.81"/>')
+        refuse(f'gravity is {gravity:g} m/s^2: use <option gravity="0 0 -9.81"/>')
     if not LEAST <= model.opt.impratio <= MOST:
-        raise RobotError(
+        refuse(
             f"impratio of <option> is {model.opt.impratio:g}, expected a number above 0: leave it "
             "out"
         )
@@ -95,7 +96,7 @@ def refuse_negative_mass(text: str) -> None:
                 for number in _numbers(element.get(name, "")):
                     if not number >= 0.0:
                         owner = parent if element.tag == "inertial" else element
-                        raise RobotError(
+                        refuse(
                             f"{owner.tag} {owner.get('name', 'without a name')} has {name} "
                             f"{number:g}: expected 0 or more; mend that number"
                         )
@@ -120,14 +121,14 @@ def refuse_quantity(name: str, words: str, value: float, where: str) -> None:
 
     Raises: RobotError if no robot has this value.
     """
+    if reads_on() and np.isnan(value):
+        return  # Named where it is missing.
     if name in POSITIVE and not LEAST <= value <= MOST:
-        raise RobotError(
+        refuse(
             f"{words} is {value:.6g} at {where}: expected {LEAST:g} to {MOST:g}; mend that number"
         )
     if name in NOT_NEGATIVE and not 0.0 <= value <= MOST:
-        raise RobotError(
-            f"{words} is {value:.6g} at {where}: expected 0 to {MOST:g}; mend that number"
-        )
+        refuse(f"{words} is {value:.6g} at {where}: expected 0 to {MOST:g}; mend that number")
 
 
 def refuse_large_foot(radius: float, leg: float, name: str) -> None:
@@ -141,7 +142,7 @@ def refuse_large_foot(radius: float, leg: float, name: str) -> None:
     Raises: RobotError if it is larger than `LARGEST_FOOT` allows.
     """
     if radius > LARGEST_FOOT * leg:
-        raise RobotError(
+        refuse(
             f"foot {name} has a radius of {radius:.6g} m: expected at most a quarter of the leg, "
             f"{LARGEST_FOOT * leg:.6g} m, since larger feet roll and are no points; make the "
             "sphere smaller, with its centre where the leg should end"
@@ -161,7 +162,7 @@ def refuse_frictionless(model: mujoco.MjModel, foot: int, floor: int) -> None:
     for geom in deciding:
         if model.geom_condim[geom] == 1:
             name = f"foot {model.geom(geom).name}" if geom == foot else "the floor"
-            raise RobotError(f'{name} has condim="1", contact without friction: give it condim="3"')
+            refuse(f'{name} has condim="1", contact without friction: give it condim="3"')
 
 
 def refuse_odd_contact(model: mujoco.MjModel, foot: int, floor: int) -> None:
@@ -175,13 +176,13 @@ def refuse_odd_contact(model: mujoco.MjModel, foot: int, floor: int) -> None:
         friction = model.geom_friction[geom]
         if np.any(friction < 0.0):
             found = " ".join(f"{value:g}" for value in friction)
-            raise RobotError(
+            refuse(
                 f'{name} has friction="{found}": expected no negative coefficient; write '
                 'friction="0.6"'
             )
         margin, gap = float(model.geom_margin[geom]), float(model.geom_gap[geom])
         if not 0.0 <= margin <= radius or not 0.0 <= gap <= margin + radius:
-            raise RobotError(
+            refuse(
                 f"{name} has margin {margin:g} and gap {gap:g} m: expected 0 to the foot's radius, "
                 f"{radius:g} m; leave both out"
             )
@@ -209,7 +210,7 @@ def refuse_odd_keyframes(text: str, model: mujoco.MjModel) -> None:
             expected = int(getattr(model, count))
             found = len(key.get(attribute, "").split())
             if attribute in key.attrib and found != expected:
-                raise RobotError(
+                refuse(
                     f"keyframe {label} has {found} numbers in {attribute}: expected {expected}, "
                     f"one for each of its {'motors' if count == 'nu' else 'coordinates'}; mend or "
                     "remove it"

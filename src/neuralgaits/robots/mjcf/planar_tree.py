@@ -15,6 +15,7 @@ import mujoco
 import numpy as np
 
 from neuralgaits.errors import RobotError
+from neuralgaits.robots.mjcf.refusals import refuse
 
 _AXIS_TOLERANCE = 1e-6
 _MIN_MASS_SHARE = 1e-9
@@ -85,7 +86,8 @@ def joint_name(model: mujoco.MjModel, index: int) -> str:
     name = model.joint(index).name
     if not name:
         body = body_name(model, int(model.jnt_bodyid[index]))
-        raise RobotError(f"a joint of body {body} has no name: give it one")
+        refuse(f"a joint of body {body} has no name: give it one")
+        return f"of body {body}"
     return name
 
 
@@ -98,14 +100,14 @@ def read_tree(model: mujoco.MjModel) -> PlanarTree:
     data.qpos[:] = 0.0
     if model.nq != model.nv:
         plain = (int(mujoco.mjtJoint.mjJNT_SLIDE), int(mujoco.mjtJoint.mjJNT_HINGE))
-        bad = next(i for i in range(model.njnt) if int(model.jnt_type[i]) not in plain)
-        raise RobotError(
-            f"joint {joint_name(model, bad)} turns in space: a planar robot has a root of slide x, "
-            "slide z and hinge y, and hinges along y elsewhere"
-        )
+        for bad in (i for i in range(model.njnt) if int(model.jnt_type[i]) not in plain):
+            refuse(
+                f"joint {joint_name(model, bad)} turns in space: a planar robot has a root of "
+                "slide x, slide z and hinge y, and hinges along y elsewhere"
+            )
     mujoco.mj_kinematics(model, data)
     welded = [int(i) for i in model.body_weldid]
-    tops = sorted({top for top in welded if top != 0})
+    tops = _tops(model)
     roots = [top for top in tops if welded[model.body_parentid[top]] == 0]
     if len(roots) != 1:
         names = ", ".join(body_name(model, top) for top in roots)
@@ -127,6 +129,11 @@ def read_tree(model: mujoco.MjModel) -> PlanarTree:
     return PlanarTree(tuple(links), slides)
 
 
+def _tops(model: mujoco.MjModel) -> list[int]:
+    """Return the bodies that move against their parents, in file order."""
+    return sorted({int(top) for top in model.body_weldid} - {0})
+
+
 def _planar(vector: np.ndarray) -> complex:
     return complex(vector[0], vector[2])
 
@@ -143,7 +150,8 @@ def _link(
     masses = model.body_mass[list(bodies)]
     mass = float(masses.sum())
     if mass <= _MIN_MASS_SHARE * float(model.body_mass.sum()):
-        raise RobotError(f"body {name} has no mass: give it an <inertial> or geoms with mass")
+        refuse(f"body {name} has no mass: give it an <inertial> or geoms with mass")
+        return Link(name, bodies, parent, joint, np.nan, complex(np.nan, np.nan), np.nan)
     coms = [_planar(data.xipos[i]) for i in bodies]
     com = sum(m * c for m, c in zip(masses, coms, strict=True)) / mass
     inertia = 0.0
@@ -163,24 +171,29 @@ def _hinge(model: mujoco.MjModel, data: mujoco.MjData, body: int) -> Joint:
     """The one hinge of a link below the root."""
     indices = _joints_of(model, body)
     if len(indices) != 1:
-        raise RobotError(
+        refuse(
             f"body {body_name(model, body)} has {len(indices)} joints: below the root each link "
             "turns about one hinge; put a link with mass between them or remove the others"
         )
-    return _planar_hinge(model, data, indices[0])
+    return _planar_hinge(model, data, indices[-1])
 
 
 def _planar_hinge(model: mujoco.MjModel, data: mujoco.MjData, index: int) -> Joint:
     name = joint_name(model, index)
-    if model.jnt_type[index] != mujoco.mjtJoint.mjJNT_HINGE:
-        raise RobotError(f'joint {name} is a slide: planar robots turn; use type="hinge"')
+    anchor = _planar(data.xanchor[index])
+    if model.jnt_type[index] == mujoco.mjtJoint.mjJNT_SLIDE:
+        refuse(f'joint {name} is a slide: planar robots turn; use type="hinge"')
+        return Joint(index, name, anchor, 1.0)
     axis = data.xaxis[index]
+    if model.jnt_type[index] != mujoco.mjtJoint.mjJNT_HINGE:
+        return Joint(index, name, anchor, 1.0)  # It turns in space, which was said.
     if abs(abs(axis[1]) - 1.0) > _AXIS_TOLERANCE:
         found = " ".join(f"{value:.3g}" for value in axis)
-        raise RobotError(
-            f'joint {name} is not planar: its axis points along ({found}); use axis="0 1 0"'
+        refuse(
+            f"joint {name} is not planar: its axis points along ({found}); for a hip, knee or "
+            'ankle of the plane write axis="0 1 0", else delete the joint and its motor'
         )
-    return Joint(index, name, _planar(data.xanchor[index]), -float(np.sign(axis[1])))
+    return Joint(index, name, anchor, -1.0 if axis[1] >= 0.0 else 1.0)
 
 
 def _root_joints(
@@ -192,8 +205,18 @@ def _root_joints(
     indices = _joints_of(model, body)
     kinds = [int(model.jnt_type[i]) for i in indices]
     slide, hinge = int(mujoco.mjtJoint.mjJNT_SLIDE), int(mujoco.mjtJoint.mjJNT_HINGE)
+    if kinds == [int(mujoco.mjtJoint.mjJNT_FREE)]:
+        return ("", ""), _planar_hinge(model, data, indices[0])
     if kinds != [slide, slide, hinge]:
-        raise RobotError(f"root body {name} has {len(indices)} joint(s), expected {remedy}")
+        said = f"root body {name} has {len(indices)} joint(s), expected {remedy}"
+        if (
+            sum(int(model.body_weldid[model.body_parentid[one]]) == body for one in _tops(model))
+            < 2
+        ):
+            # What hangs below is another link of the root, and no leg.
+            raise RobotError(f"{said}; where several bodies share them, put them into one")
+        refuse(said)
+        return ("", ""), Joint(indices[-1], name, _planar(data.xanchor[indices[-1]]), -1.0)
     slides = {}
     for index in indices[:2]:
         axis = data.xaxis[index]
@@ -201,5 +224,6 @@ def _root_joints(
             if abs(axis[component] - 1.0) < _AXIS_TOLERANCE:
                 slides[label] = joint_name(model, index)
     if len(slides) != 2:
-        raise RobotError(f"the slides of root body {name} are not along +x and +z: use {remedy}")
+        refuse(f"the slides of root body {name} are not along +x and +z: use {remedy}")
+        return ("", ""), _planar_hinge(model, data, indices[2])
     return (slides["x"], slides["z"]), _planar_hinge(model, data, indices[2])

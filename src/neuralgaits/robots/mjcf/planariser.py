@@ -3,24 +3,28 @@
 It is for planar bipeds with features that the theory lacks: flat feet on ankles, a free joint for a
 root, contact of shanks and thighs, springs, sensors, names left out. Masses stay where they are: a
 foot without its joint is welded, and MuJoCo adds it to the shank. Numbers that only the user knows,
-as torque limits and joint ranges, are not made up.
+as torque limits and joint ranges, are not made up. A URDF, a robot with arms or one that moves in
+space becomes its sagittal section first (`section`).
 """
 
-# pyright: reportAttributeAccessIssue=false
-# MuJoCo ships no type stubs.
-
-from collections.abc import Callable
+import re
+from collections.abc import Collection
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Literal
 
-import mujoco
-
-from neuralgaits.errors import RobotError
+from neuralgaits.errors import ManyProblems, RobotError
+from neuralgaits.robots.mjcf.compiled import compile_text
 from neuralgaits.robots.mjcf.edit import MjcfEdit
 from neuralgaits.robots.mjcf.kept_feet import keep_flat_feet
+from neuralgaits.robots.mjcf.lenient_compilation import compile_what_can_be
 from neuralgaits.robots.mjcf.loader import robot_from_text
-from neuralgaits.robots.mjcf.planar_tree import body_name
+from neuralgaits.robots.mjcf.planar_changes import AFTER_FEET, BEFORE_FEET
 from neuralgaits.robots.mjcf.point_feet import give_point_feet
+from neuralgaits.robots.mjcf.problems import note_problems
+from neuralgaits.robots.mjcf.refusals import all_noted, attempt
+from neuralgaits.robots.mjcf.section import needs_section, section
+from neuralgaits.robots.mjcf.urdf import is_urdf, mjcf_of_urdf
 
 
 @dataclass(frozen=True)
@@ -39,168 +43,85 @@ class Planarised:
 Feet = Literal["point", "flat"]
 
 
-def planarise(text: str, name: str, feet: Feet = "point") -> Planarised:
+def planarise(
+    text: str,
+    name: str,
+    feet: Feet = "point",
+    weld: Collection[str] = (),
+    folder: Path | None = None,
+) -> Planarised:
     """Change a robot file into that of a planar biped.
 
     Args:
-        text: MJCF without includes.
+        text: MJCF without includes, or a URDF.
         name: of the robot, unless the file names its model.
         feet: "point" welds ankles and ends both legs in a sphere; "flat" keeps them.
+        weld: names of joints to weld, at the file's first keyframe or at zero.
+        folder: that the meshes of a URDF are looked for from.
 
     Returns: `Planarised`. Raises: RobotError if the file is not a planar biped even so, naming
-    what is in the way.
+    what is in the way; ManyProblems if several things are.
     """
     try:
-        edit = MjcfEdit(text, name)
-        for step in (*_BEFORE, keep_flat_feet if feet == "flat" else give_point_feet, *_AFTER):
-            edit.compile()
-            step(edit)
-        result = edit.text() if edit.changes else text
-        robot_from_text(result, name)
+        made = _changed(text, name, feet, frozenset(weld), folder)
+        robot_from_text(made.text, name)
     except RobotError as error:
-        raise RobotError(f"{name} cannot be planarised: {error}") from None
-    return Planarised(result, tuple(edit.changes))
+        found = _problems(text, name, feet, frozenset(weld), folder)
+        found = [_in_words_of(text, one) for one in found or (str(error),)]
+        lines = [f"{name} cannot be planarised: {one}" for one in found]
+        raise (ManyProblems(lines) if len(lines) > 1 else RobotError(lines[0])) from None
+    return made
 
 
-def _name_joints(edit: MjcfEdit) -> None:
-    """Name joints that have no name, since logs and controllers find joints by name."""
-    for joint, element in enumerate(edit.found.joints):
-        if not element.get("name"):
-            body = body_name(edit.model, int(edit.model.jnt_bodyid[joint]))
-            name = edit.free_name("joint", f"{body}_joint")
-            element.set("name", name)
-            edit.say(f"joint of {body}: named {name}")
+def _changed(
+    text: str, name: str, feet: Feet, weld: frozenset[str], folder: Path | None
+) -> Planarised:
+    """Return the file with all changes, not loaded yet. Raises: RobotError, as `planarise`."""
+    before: tuple[str, ...] = ()
+    urdf = is_urdf(text)
+    if urdf:
+        text, before = mjcf_of_urdf(text, name, folder or Path(), weld)
+    if urdf or weld or needs_section(compile_text(text, name)):
+        text, more = section(text, name, weld)
+        before += more
+    edit = MjcfEdit(text, name)
+    edit.changes += before
+    for step in (*BEFORE_FEET, keep_flat_feet if feet == "flat" else give_point_feet, *AFTER_FEET):
+        edit.compile()
+        attempt(None, step, edit)
+    return Planarised(edit.text() if edit.changes else text, tuple(edit.changes))
 
 
-def _name_motors(edit: MjcfEdit) -> None:
-    for element in edit.found.actuators:
-        if not element.get("name") and element.get("joint"):
-            name = edit.free_name("actuator", element.get("joint", ""))
-            element.set("name", name)
-            edit.say(f"motor of joint {element.get('joint')}: named {name}")
+def _problems(
+    text: str, name: str, feet: Feet, weld: frozenset[str], folder: Path | None
+) -> tuple[str, ...]:
+    """Return everything that is in the way of `planarise`, one line each."""
+    with all_noted() as noted:
+        if not is_urdf(text):
+            _, text = compile_what_can_be(text, name)
+        made = attempt(None, _changed, text, name, feet, weld, folder)
+        if made is not None:
+            attempt(None, note_problems, made.text, name)
+    return tuple(noted)
 
 
-def _drop_couplings(edit: MjcfEdit) -> None:
-    """Remove couplings between links other than joints and motors: tendons, constraints, pairs."""
-    model = edit.model
-    if model.ntendon:
-        names = {model.tendon(i).name for i in range(model.ntendon)}
-        edit.drop_section("tendon", f"{model.ntendon} tendons, which the closed form ignores")
-        edit.drop_references("tendon", names)
-    if model.neq:
-        edit.drop_section("equality", f"{model.neq} constraints, which the closed form ignores")
-    if model.npair:
-        edit.drop_section("contact", "the feet meet the floor by their own friction")
-
-
-def _free_the_root(edit: MjcfEdit) -> None:
-    """Replace a free joint by the slides and the hinge that act in the plane."""
-    model = edit.model
-    free = [i for i in range(model.njnt) if model.jnt_type[i] == mujoco.mjtJoint.mjJNT_FREE]
-    if len(free) != 1:
-        return
-    joint, element = free[0], edit.found.joints[free[0]]
-    body = int(model.jnt_bodyid[joint])
-    data = mujoco.MjData(model)
-    mujoco.mj_kinematics(model, data)
-    into_body = data.xmat[body].reshape(3, 3).T
-    parent, place = edit.parent_and_place(element)
-    name = element.get("name", "root")
-    edit.remove(element)
-    axes = (("x", "slide", (1, 0, 0)), ("z", "slide", (0, 0, 1)), ("pitch", "hinge", (0, 1, 0)))
-    names = []
-    for offset, (label, kind, axis) in enumerate(axes):
-        names.append(edit.free_name("joint", f"{name}_{label}"))
-        given = {"name": names[-1], "type": kind, "pos": "0 0 0"}
-        given["axis"] = " ".join(f"{value:.17g}" for value in into_body @ axis)
-        edit.insert(parent, place + offset, "joint", given | _FREE)
-    edit.drop_references("joint", {name})
-    edit.say(f"free joint {name}: replaced by {', '.join(names)}, which move in the plane x, z")
-    edit.drop_keyframes()
-
-
-_FREE = {
-    "limited": "false",
-    "damping": "0",
-    "armature": "0",
-    "stiffness": "0",
-    "frictionloss": "0",
-    "ref": "0",
-}
-"""Attributes of a root joint that nothing holds, whatever the file's defaults."""
-
-
-def _drop_motors_of_the_root(edit: MjcfEdit) -> None:
-    model = edit.model
-    for joint in range(model.njnt):
-        body = int(model.jnt_bodyid[joint])
-        if model.body_weldid[model.body_parentid[body]] == 0:
-            why = f"root joint {model.joint(joint).name} must be free"
-            edit.drop_actuators(edit.actuators_of(joint), why)
-
-
-def _drop_forces(edit: MjcfEdit) -> None:
-    """Remove springs, dry friction, air and every force that holds the root."""
-    model = edit.model
-    for joint, element in enumerate(edit.found.joints):
-        dof, name = int(model.jnt_dofadr[joint]), model.joint(joint).name
-        body = int(model.jnt_bodyid[joint])
-        held: list[tuple[str, bool]] = [
-            ("stiffness", bool(model.jnt_stiffness[joint])),
-            ("frictionloss", bool(model.dof_frictionloss[dof])),
-        ]
-        root = model.body_weldid[model.body_parentid[body]] == 0
-        if root:
-            held += [
-                ("damping", bool(model.dof_damping[dof].any())),
-                ("armature", bool(model.dof_armature[dof])),
-                ("limited", bool(model.jnt_limited[joint])),
-            ]
-        for attribute, present in held:
-            if present:
-                element.set(attribute, _FREE[attribute])
-                why = "the root is free" if root else "the closed form ignores it"
-                what = "range" if attribute == "limited" else attribute
-                edit.say(f"joint {name}: {what} taken out, {why}")
-    for option in edit.root.iter("option"):
-        for attribute in ("density", "viscosity"):
-            if float(option.get(attribute, "0")):
-                option.set(attribute, "0")
-                edit.say(f"{attribute} of the air taken out")
-    for body, element in enumerate(edit.found.bodies):
-        if model.body_gravcomp[body]:
-            element.set("gravcomp", "0")
-            edit.say(f"body {body_name(model, body)}: gravity compensation taken out")
-
-
-def _lay_floor(edit: MjcfEdit) -> None:
-    if edit.floor() is not None:
-        return
-    name = edit.free_name("geom", "floor")
-    given = {"name": name, "type": "plane", "size": "0 0 0.1", "contype": "1", "conaffinity": "1"}
-    world = edit.found.bodies[0]
-    edit.insert(world, 0, "geom", given)
-    edit.say(f"level floor added: geom {name} at height 0")
-
-
-def _drop_sensors_of_the_floor(edit: MjcfEdit) -> None:
-    """Remove sensors of the file's floor, since a simulation lays floors of its own."""
-    planes = {
-        edit.model.geom(geom).name
-        for geom in range(edit.model.ngeom)
-        if edit.model.geom_type[geom] == mujoco.mjtGeom.mjGEOM_PLANE
-    }
-    edit.drop_references("geom", planes - {""})
-
-
-_BEFORE: tuple[Callable[[MjcfEdit], None], ...] = (
-    _name_joints,
-    _drop_couplings,
-    _free_the_root,
-    _drop_motors_of_the_root,
-    _drop_forces,
-    _lay_floor,
+_IN_URDF = (
+    (
+        r"joint (.+?) is not actuated: add .*",
+        r'joint \1 has no effort limit: write effort="LIMIT" (N m) into its <limit>',
+    ),
+    (
+        r"joint (.+?) has no range: add .*",
+        r"joint \1 has no range: make it revolute, with lower and upper in its <limit>",
+    ),
 )
-_AFTER = (_name_motors, _drop_sensors_of_the_floor)
-"""Changes in order, before and after those of the feet: joints get names before they are referred
-to, and the feet stand on the floor."""
+"""Problems of the MJCF that a URDF was written as, and the words for the URDF."""
+
+
+def _in_words_of(text: str, problem: str) -> str:
+    """Return a problem with a remedy for the file that it was found in, and for this command."""
+    problem = problem.replace("are treated; weld some", "are treated; weld some, by --weld JOINT")
+    if is_urdf(text):
+        for pattern, words in _IN_URDF:
+            problem = re.sub(pattern, words, problem)
+    return problem

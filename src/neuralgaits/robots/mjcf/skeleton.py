@@ -19,10 +19,12 @@ from neuralgaits.errors import RobotError
 from neuralgaits.robots.mjcf.ignored_physics import refuse_excluded
 from neuralgaits.robots.mjcf.physical_numbers import refuse_frictionless, refuse_odd_contact
 from neuralgaits.robots.mjcf.planar_tree import Link, PlanarTree
+from neuralgaits.robots.mjcf.refusals import attempt, refuse
 from neuralgaits.robots.mjcf.soles import read_sole
 
 _HIP_TOLERANCE_M = 1e-6
 _MAX_LEG_LINKS = 3
+_NOWHERE = complex(np.nan, np.nan)
 
 
 @dataclass(frozen=True)
@@ -80,10 +82,17 @@ def read_skeleton(model: mujoco.MjModel, tree: PlanarTree) -> Skeleton:
     flat = [is_flat_foot(model, data, tree, leg, floor) for leg in legs]
     if any(flat):
         _refuse_odd_pair(tree, legs, flat, torso)
-        feet = [_flat_foot(model, data, tree, leg[0], floor) for leg in legs]
+        feet = [
+            attempt(_missing_foot(2), _flat_foot, model, data, tree, leg[0], floor) for leg in legs
+        ]
     else:
-        feet = [_foot(model, data, tree, leg[0], floor) for leg in legs]
+        feet = [attempt(_missing_foot(0), _foot, model, data, tree, leg[0], floor) for leg in legs]
     return Skeleton(torso, legs, hip, (feet[0], feet[1]))
+
+
+def _missing_foot(ends: int) -> Foot:
+    """Return a foot without numbers, with so many ends of a sole, for one that was refused."""
+    return Foot("", _NOWHERE, np.nan, np.nan, (np.nan,) * ends)
 
 
 def _chain(tree: PlanarTree, top: int) -> tuple[int, ...]:
@@ -92,12 +101,17 @@ def _chain(tree: PlanarTree, top: int) -> tuple[int, ...]:
     while below := tree.children(links[-1]):
         if len(below) > 1:
             names = " and ".join(tree.links[i].name for i in below)
-            raise RobotError(
+            refuse(
                 f"body {tree.links[links[-1]].name} carries {names} on joints: a leg is a chain; "
                 "weld all but one of them"
             )
-        links.extend(below)
+        links.append(min(below, key=lambda link: _lowest(tree, link)))
     return tuple(reversed(links))
+
+
+def _lowest(tree: PlanarTree, top: int) -> float:
+    """Return the height of the lowest centre of mass of a link and of those below it (m)."""
+    return min(tree.links[top].com.imag, *(_lowest(tree, one) for one in tree.children(top)), 1e9)
 
 
 def find_legs(
@@ -115,16 +129,20 @@ def find_legs(
     tops = tree.children(0)
     root = tree.links[0].name
     if len(tops) not in (1, 2):
-        raise RobotError(
+        said = (
             f"root body {root} carries {len(tops)} jointed bodies: expected two legs; "
             "weld other bodies to the torso"
         )
+        if not tops:
+            raise RobotError(said)
+        refuse(said)
+        tops = tuple(sorted(sorted(tops, key=lambda top: _lowest(tree, top))[:2]))
     # A root with one child is itself a whole leg: no chain of its own hangs below it.
     own_chain = _chain(tree, tops[0]) if len(tops) == 2 else tuple[int, ...]()
     first, second = own_chain, _chain(tree, tops[-1])
     if max(len(first), len(second)) > max_links:
         longest = max(first, second, key=len)
-        raise RobotError(
+        refuse(
             f"the leg of body {tree.links[longest[-1]].name} has {len(longest)} links: at most "
             f"{max_links} are treated; weld some"
         )
@@ -145,7 +163,7 @@ def _common_hip(tree: PlanarTree, first: int, second: int) -> complex:
     joints = tree.links[first].joint, tree.links[second].joint
     gap = abs(joints[0].anchor - joints[1].anchor)
     if gap > _HIP_TOLERANCE_M:
-        raise RobotError(
+        refuse(
             f"joints {joints[0].name} and {joints[1].name} are {gap:.3g} m apart in the plane: "
             "both hips must be at one point (offsets along y are fine)"
         )
@@ -188,7 +206,7 @@ def _count_feet(model: mujoco.MjModel, tree: PlanarTree, floor: int) -> None:
         )
     ]
     if len(ends) > 2:
-        raise RobotError(
+        refuse(
             f"found {len(ends)} feet, on bodies {', '.join(ends)}: expected two; "
             'set contype="0" conaffinity="0" on other spheres'
         )
@@ -213,7 +231,7 @@ def _refuse_odd_pair(
             f"feet; {remedy}"
         )
     if torso is None:
-        raise RobotError(
+        refuse(
             f"body {tree.links[legs[0][0]].name} is a flat foot of a robot without a torso, which "
             f"is not treated: {remedy}"
         )
@@ -285,14 +303,14 @@ def _foot(
             "floor at its end"
         )
     if len(geoms) > 1:
-        raise RobotError(
+        refuse(
             f"{len(geoms)} geoms of body {link.name} collide with the floor: a point foot is one "
             'sphere; set contype="0" conaffinity="0" on the others'
         )
     geom = spheres[0]
     name = model.geom(geom).name
     if not name:
-        raise RobotError(f"the foot sphere of body {link.name} has no name: give it one")
+        refuse(f"the foot sphere of body {link.name} has no name: give it one")
     refuse_frictionless(model, geom, floor)
     refuse_odd_contact(model, geom, floor)
     refuse_excluded(model, geom, floor)

@@ -11,6 +11,7 @@ import numpy as np
 
 from neuralgaits._types import Float
 from neuralgaits.errors import RobotError
+from neuralgaits.robots.mjcf.refusals import refuse
 
 LEVEL_M = 1e-4
 """Largest difference in height of points of one sole [m]."""
@@ -52,7 +53,7 @@ def read_sole(
         )
     geom = geoms[0]
     if not model.geom(geom).name:
-        raise RobotError(f"the {_shape(model, geom)} of foot {name} has no name: give it one")
+        refuse(f"the {_shape(model, geom)} of foot {name} has no name: give it one")
     ends = _lowest(model, data, geom)
     if ends is None:
         raise RobotError(
@@ -62,20 +63,20 @@ def read_sole(
         )
     level = float(ends[:, 2].min())
     if float(np.ptp(ends[:, 2])) > LEVEL_M:
-        raise RobotError(
+        refuse(
             f"foot {name} is not level at zero coordinates: turn its {_shape(model, geom)} until "
             "its sole is parallel to the floor"
         )
     heel, toe = float(ends[:, 0].min()), float(ends[:, 0].max())
     behind, ahead, high = ankle.real - heel, toe - ankle.real, ankle.imag - level
     if min(behind, ahead) < -LEVEL_M or behind + ahead < SHORTEST_M:
-        raise RobotError(
+        refuse(
             f"foot {name} reaches {1e3 * behind:.3g} mm behind its ankle and {1e3 * ahead:.3g} mm "
             f"ahead, too little to hold the robot: expected none below 0, and "
             f"{1e3 * SHORTEST_M:g} mm in all; move or lengthen it"
         )
     if high <= 0.0:
-        raise RobotError(f"the ankle of foot {name} is not above its sole: move one of them")
+        refuse(f"the ankle of foot {name} is not above its sole: move one of them")
     return Sole(geom, heel, toe, level)
 
 

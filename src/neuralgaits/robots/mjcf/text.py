@@ -12,14 +12,20 @@ from xml.etree import ElementTree
 from neuralgaits._inputs import no_file_at, refuse_unreadable
 from neuralgaits._printable import printable
 from neuralgaits.errors import RobotError, reason
+from neuralgaits.robots.mjcf.refusals import refuse
 
 MOST_NESTED = 100
 """Limit on nested elements: bodies of a leg are four deep, and readers here are recursive."""
 _ASSETS = {"mesh": "meshdir", "skin": "meshdir", "hfield": "meshdir", "texture": "texturedir"}
 
 
-def standalone_text(path: Path) -> str:
+def standalone_text(path: Path, dropped: list[str] | None = None) -> str:
     """Read an MJCF file and resolve what it refers to.
+
+    Args:
+        path: of the file.
+        dropped: takes the names of pictures that are not there, which are left out then; without
+            such a list they are refused.
 
     Returns: MJCF text that compiles from any folder on this machine.
     Raises: RobotError if a file is missing, unreadable or not XML.
@@ -27,8 +33,29 @@ def standalone_text(path: Path) -> str:
     text = _read(path)
     root = _parse(text, path)
     touched = _include(root, path.parent, seen=(path.resolve(),))
-    touched |= _absolute_assets(root, path.parent)
+    touched |= _absolute_assets(root, path.parent, dropped)
     return ElementTree.tostring(root, encoding="unicode") if touched else text
+
+
+def urdf_text(path: Path) -> str | None:
+    """Return the text of a URDF file; None of any other, which `standalone_text` reads.
+
+    Raises: RobotError if the file is unreadable or not XML.
+    """
+    text = _read(path)
+    try:
+        root = ElementTree.fromstring(text)
+    except ElementTree.ParseError as error:
+        if "xacro" in text:
+            raise RobotError(
+                f"{path.name} has xacro macros: expand it first, `xacro FILE > OUT.urdf`"
+            ) from None
+        raise RobotError(f"{path.name} is not well-formed XML ({error}): mend that line") from None
+    if root.tag != "robot":
+        return None
+    if "xacro:" in text or any("xacro" in str(one.tag) for one in root.iter()):
+        raise RobotError(f"{path.name} has xacro macros: expand it first, `xacro FILE > OUT.urdf`")
+    return text
 
 
 def _read(path: Path) -> str:
@@ -46,6 +73,10 @@ def _parse(text: str, path: Path) -> ElementTree.Element:
         root = ElementTree.fromstring(text)
     except ElementTree.ParseError as error:
         raise RobotError(f"{path.name} is not well-formed XML ({error}): mend that line") from None
+    if root.tag == "robot":
+        raise RobotError(
+            f"{path.name} starts with <robot>: expected MJCF, whose root is <mujoco>, found a URDF"
+        )
     if root.tag not in ("mujoco", "mujocoinclude"):
         raise RobotError(
             f"{path.name} starts with <{root.tag}>: expected MJCF, whose root is <mujoco>"
@@ -74,10 +105,13 @@ def _include(
             found = "it names no file"
             if child.get("file"):
                 found = f"{path} is {no_file_at(path, 'not there')}"
-            raise RobotError(
+            refuse(
                 f"expected the file that {seen[-1].name} includes, found that {found}: put it "
                 "there, or remove that <include>"
             )
+            element.remove(child)
+            touched = True
+            continue
         included = _parse(_read(path), path)
         _include(included, folder, (*seen, path.resolve()), depth + 1)
         element.remove(child)
@@ -96,22 +130,61 @@ def missing_asset(kind: str, path: Path | str) -> str:
     )
 
 
-def _absolute_assets(root: ElementTree.Element, folder: Path) -> bool:
+def _absolute_assets(root: ElementTree.Element, folder: Path, dropped: list[str] | None) -> bool:
     options: dict[str, str] = {}
     for compiler in root.iter("compiler"):
         options |= compiler.attrib
     touched = False
     for asset in root.iter("asset"):
-        for entry in asset:
+        for entry in list(asset):
             if entry.tag not in _ASSETS or "file" not in entry.attrib:
                 continue
             below = options.get(_ASSETS[entry.tag], options.get("assetdir", ""))
             path = (folder / below / entry.attrib["file"]).resolve()
             if not path.is_file():
-                raise RobotError(missing_asset(entry.tag, path))
+                if dropped is None:
+                    refuse(missing_asset(entry.tag, path))
+                else:
+                    dropped.append(printable(path.name))
+                _drop_asset(root, asset, entry, bare=dropped is not None)
+                touched = True
+                continue
             entry.set("file", _in_utf8(entry.tag, path))
             touched = True
     return touched
+
+
+def _drop_asset(
+    root: ElementTree.Element,
+    asset: ElementTree.Element,
+    entry: ElementTree.Element,
+    *,
+    bare: bool,
+) -> None:
+    """Remove an asset and the geoms that show it, so that the rest of the file can be read.
+
+    Args:
+        root: of the file.
+        asset: section that has the asset.
+        entry: the asset.
+        bare: whether the file will be used without it, so that no mass may depend on it.
+    """
+    asset.remove(entry)
+    name = entry.get("name", Path(entry.get("file", "")).stem)
+    for parent in list(root.iter()):
+        for child in list(parent):
+            if child.get(entry.tag) != name:
+                continue
+            if child.tag != "geom":
+                del child.attrib[entry.tag]
+                continue
+            parent.remove(child)
+            massless = child.get("mass") == "0" or parent.find("inertial") is not None
+            if bare and parent.tag == "body" and not massless:
+                refuse(
+                    f"body {parent.get('name', 'without a name')} has its mass from {entry.tag} "
+                    f"{name}, whose file is not there: put it there, or give the body an <inertial>"
+                )
 
 
 def _in_utf8(kind: str, path: Path) -> str:

@@ -1,0 +1,86 @@
+"""All problems of a robot file at once, beside the first one at which the loader stops."""
+
+# pyright: reportAttributeAccessIssue=false
+# MuJoCo ships no type stubs.
+
+from pathlib import Path
+
+import mujoco
+
+from neuralgaits.robots.mjcf.ignored_physics import refuse_ignored_physics
+from neuralgaits.robots.mjcf.legs import leg_data, leg_joints, link_directions
+from neuralgaits.robots.mjcf.lenient_compilation import compile_what_can_be
+from neuralgaits.robots.mjcf.loader import robot_text
+from neuralgaits.robots.mjcf.motors_and_ranges import read_motor, read_range, refuse_other_actuators
+from neuralgaits.robots.mjcf.physical_numbers import refuse_odd_keyframes, refuse_unphysical
+from neuralgaits.robots.mjcf.planar_tree import PlanarTree, read_tree
+from neuralgaits.robots.mjcf.refusals import all_noted, attempt
+from neuralgaits.robots.mjcf.skeleton import read_skeleton
+
+_ROOT_JOINTS = 3
+"""Number of joints of a root in the plane."""
+
+
+def problems_of_file(source: str | Path) -> tuple[str, ...]:
+    """Return every problem of a robot file, one line each; () for one that can be loaded.
+
+    Args:
+        source: name of a built-in robot, or path of an MJCF file.
+    """
+    with all_noted() as noted:
+        found = attempt(None, robot_text, source)
+        if found is not None:
+            note_problems(*found)
+    return tuple(noted)
+
+
+def problems_of(text: str, name: str) -> tuple[str, ...]:
+    """Return every problem of MJCF text, one line each."""
+    with all_noted() as noted:
+        note_problems(text, name)
+    return tuple(noted)
+
+
+def note_problems(text: str, name: str) -> None:
+    """Note every problem of MJCF text; the caller notes and does not raise."""
+    model, text = compile_what_can_be(text, name)
+    if model is None:
+        return
+    attempt(None, refuse_unphysical, model)
+    attempt(None, refuse_odd_keyframes, text, model)
+    tree = attempt(None, read_tree, model)
+    attempt(None, refuse_ignored_physics, model)
+    if tree is not None:
+        attempt(None, _note_problems_of_legs, model, tree)
+    joints = _joints_below_the_root(model)
+    for joint in joints:
+        attempt(None, read_motor, model, joint)
+        attempt(None, read_range, model, joint)
+    if joints:
+        attempt(None, refuse_other_actuators, model, joints)
+
+
+def _note_problems_of_legs(model: mujoco.MjModel, tree: PlanarTree) -> None:
+    skeleton = read_skeleton(model, tree)
+    lines = link_directions(tree, skeleton)
+    leg_data(model, tree, skeleton, lines, leg_joints(model, tree, skeleton, lines))
+
+
+def _joints_below_the_root(model: mujoco.MjModel) -> list[int]:
+    """Return the hinges below the root, whose joints may belong to a chain of bodies."""
+    welded = [int(one) for one in model.body_weldid]
+    tops = sorted(set(welded) - {0})
+    above = {top: welded[model.body_parentid[top]] for top in tops}
+    last, joints, roots = 0, 0, set[int]()
+    while joints < _ROOT_JOINTS:
+        below = [top for top in tops if above[top] == last]
+        if len(below) != 1:
+            break
+        last = below[0]
+        roots.add(last)
+        own = model.jnt_type[model.jnt_bodyid == last]
+        free = mujoco.mjtJoint.mjJNT_FREE in own
+        joints += _ROOT_JOINTS if free else len(own)
+    hinges = model.jnt_type == mujoco.mjtJoint.mjJNT_HINGE
+    owners = [welded[body] for body in model.jnt_bodyid]
+    return [joint for joint in range(model.njnt) if hinges[joint] and owners[joint] not in roots]
