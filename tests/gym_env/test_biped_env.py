@@ -260,13 +260,56 @@ def test_a_missing_extra_gets_one_line(monkeypatch):
         importlib.import_module("neuralgaits.gym_env")
 
 
-@pytest.mark.parametrize("options", [{"state": [0.0]}, {"speed": -1.0}, {"pace": 1.0}])
+@pytest.mark.parametrize(
+    "options",
+    [
+        {"state": [0.0]},
+        {"state": "x"},
+        {"state": [[1], [2, 3]]},
+        {"speed": -1.0},
+        {"speed": True},
+        {"speed": "0.5"},
+        {"pace": 1.0},
+        {5: 1, "a": 2},
+        5,
+        "x",
+    ],
+)
 def test_bad_options_get_one_line(env, options):
-    with pytest.raises(InputError):
+    with pytest.raises(InputError) as refusal:
         env.reset(options=options)
+    assert "expected" in str(refusal.value) and "\n" not in str(refusal.value)
+
+
+@pytest.mark.parametrize(
+    "settings",
+    [
+        {"robot": None},
+        {"robot": 5},
+        {"robot": b"x"},
+        {"disturb": 5},
+        {"disturb": "drive_stiffness=5"},
+        {"reward": 5},
+        {"reward": {5: 1.0}},
+        {"ticks": True},
+        {"ticks": 1.5},
+        {"speed": "0.5"},
+        {"push": True},
+    ],
+)
+def test_odd_settings_get_one_line(settings):
+    with pytest.raises(InputError) as refusal:
+        BipedEnv(**settings)
+    assert "expected" in str(refusal.value) and "\n" not in str(refusal.value)
+
+
+def test_a_decision_before_an_episode_is_refused():
+    with pytest.raises(InputError, match="call reset"):
+        BipedEnv("amber3m").step(np.zeros(4))
 
 
 def test_an_action_that_is_no_number_is_refused(env):
     env.reset(seed=0)
-    with pytest.raises(InputError, match="4 finite numbers"):
-        env.step(np.full(4, np.nan))
+    for action in (np.full(4, np.nan), "abcd", [0, 0, 0, "x"], [[0], [0, 1]], {}, [10**400] * 4):
+        with pytest.raises(InputError, match="finite numbers"):
+            env.step(action)

@@ -1,6 +1,7 @@
 """What trials count: against an environment whose walk is known, and against its own episodes."""
 
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -81,10 +82,18 @@ def test_who_does_not_step_runs_out_of_time():
     assert found.up_s == pytest.approx([LONGEST_S])
 
 
-@pytest.mark.parametrize("settings", [{"steps": 0}, {"count": 0}])
+@pytest.mark.parametrize("settings", [{"steps": 0}, {"count": 0}, {"steps": 1.5}, {"count": "a"}])
 def test_nothing_to_walk_is_refused(settings):
-    with pytest.raises(InputError, match="at least 1, found 0"):
+    with pytest.raises(InputError, match="whole number of at least 1, found"):
         of(Known(None), **settings)
+
+
+def test_what_is_no_environment_or_no_policy_is_refused():
+    calls: Any = trials
+    with pytest.raises(InputError, match=r"give `env.unwrapped`"):
+        calls(5, lambda seen: seen, speed=0.6)
+    with pytest.raises(InputError, match="expected a function of an observation"):
+        calls(BipedEnv("amber3m"), 5, speed=0.6)
 
 
 def test_of_a_robot_they_are_its_episodes():

@@ -93,6 +93,9 @@ def test_the_second_checker_refuses_a_changed_file(proofcheck, table, tmp_path, 
 
 FORGED = {
     "no room for the pole": lambda t: robot(t).update(lean=(-0.1).hex()),
+    "a lean beyond level": lambda t: robot(t).update(lean=(3.0).hex()),
+    "a turn of five": lambda t: robot(t).update(turn=(5.0).hex()),
+    "no gear": lambda t: robot(t).update(gear="nan"),
     "no force": lambda t: robot(t).update(force_limit="0x0p+0"),
     "weight that pushes up": lambda t: robot(t).update(gravity=(-9.81).hex()),
     "no weight": lambda t: robot(t).update(gravity="0x0p+0"),

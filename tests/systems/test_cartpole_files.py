@@ -54,6 +54,16 @@ FAULTS = {
     "a timestep of 0": ('timestep="0.002"', 'timestep="0"', "the timestep is 0 s"),
     "a huge mass": ('mass="1"', 'mass="1e300"', "at most 1e+06 makes sense"),
     "no room for the upright": ('axis="0 1 0"', 'axis="0 1 0" range="0.1 1"', "the upright, 0 rad"),
+    "sleep": (
+        "<option",
+        '<option sleep_tolerance="1000"><flag sleep="enable"/></option><option',
+        "may sleep",
+    ),
+    "a pole that meets its cart": (
+        '<geom contype="0" conaffinity="0"/>\n  </default>',
+        '<geom/></default><option><flag filterparent="disable"/></option>',
+        "can collide",
+    ),
     "a second pole": ("</body>", '<body><joint/><geom size="1"/></body></body>', "two joints"),
 }
 

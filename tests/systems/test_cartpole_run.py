@@ -287,3 +287,32 @@ def test_an_interrupted_training_is_trained_again(cartpole_run, tmp_path):
     (run / "summary.json").unlink()
     with pytest.raises(RunError, match="train it again"):
         open_cartpole(run)
+
+
+@pytest.mark.parametrize("own", ["robot.xml", "config.json", "certificate/proof.json"])
+def test_a_page_replaces_no_file_of_its_run(cartpole_run, cartpole_certificate, tmp_path, own):
+    run = shutil.copytree(cartpole_run.path, tmp_path / "run")
+    before = (run / own).read_bytes()
+    with pytest.raises(InputError, match="of a run: name another"):
+        report_cartpole(open_cartpole(run), run / own)
+    assert (run / own).read_bytes() == before
+    with pytest.raises(InputError, match="the report is a page"):
+        report_cartpole(open_cartpole(run), tmp_path / "page.xml")
+
+
+def test_weights_of_no_training_are_refused(cartpole_run, tmp_path):
+    run = shutil.copytree(cartpole_run.path, tmp_path / "run")
+    for odd in (-1e308, np.inf, np.nan):
+        controller = cartpole_run.controller
+        decay = replace(controller.controls.decay, base=np.array(odd))
+        other = replace(controller, controls=replace(controller.controls, decay=decay))
+        RunFolder.open(run).write_tree(WEIGHTS, other)
+        with pytest.raises(RunError, match="expected weights of at most"):
+            open_cartpole(run)
+
+
+def test_a_training_says_what_came_of_its_proof(tmp_path, monkeypatch, capfd):
+    monkeypatch.chdir(tmp_path)
+    words = ["train", "cartpole", "--steps", "1", "--hidden", "2", "--certify", "--json"]
+    assert main([*words, "--budget", "1e-9", "--out", "short"]) == 3
+    assert json.loads(capfd.readouterr().out)["proof"] == "undecided"

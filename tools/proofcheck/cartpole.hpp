@@ -86,6 +86,10 @@ CartPole cartpole_of(const Json& model, const Constants& constants) {
   c.gravity = positive("gravity");
   c.rail = I(0.5) * (I(number("rail_high")) - I(number("rail_low")));
   c.lean = positive("lean");
+  // Beyond a quarter turn the pole would not be upright; 1.5707963267948966 is below pi/2.
+  if (number("lean") > 1.5707963267948966) refuse("a robot whose lean is over a quarter turn");
+  if (number("turn") != 1.0 && number("turn") != -1.0) refuse("a robot whose turn is not 1 or -1");
+  for (const char* unused : {"gear", "upright"}) number(unused);
   c.force_limit = positive("force_limit");
   if (!(c.rail.low() > 0.0)) refuse("a rail without length");
   c.rate = hexadecimal(field(model, "the model", "rate"), "a rate");

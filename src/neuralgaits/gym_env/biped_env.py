@@ -1,6 +1,7 @@
 """A planar biped that follows a speed command, as a Gymnasium environment."""
 
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Any, Literal, SupportsFloat, get_args
 
 import gymnasium
@@ -8,6 +9,7 @@ import jax
 import numpy as np
 from gymnasium import spaces
 
+from neuralgaits._printable import shown
 from neuralgaits._types import Float
 from neuralgaits.control import Pd
 from neuralgaits.errors import InputError
@@ -54,7 +56,7 @@ class BipedEnv(gymnasium.Env):
 
     def __init__(
         self,
-        robot: str | PlanarBiped = "amber3m",
+        robot: str | Path | PlanarBiped = "amber3m",
         *,
         action: Action = "target",
         speed: float | tuple[float, float] = (0.5, 0.9),
@@ -84,9 +86,11 @@ class BipedEnv(gymnasium.Env):
         self._push = _range("push", push, -1e3, 1e3)
         self._reward, self._ticks, self._torques = reward_of(reward), ticks, action == "torque"
         disturbances = _disturbances(disturb)
+        if not isinstance(robot, str | Path | PlanarBiped):
+            raise InputError(f"robot: expected a name, a path or a robot, found {shown(robot)}")
         # A robot's numbers are double precision, whatever a learner has told JAX.
         with jax.enable_x64(True):
-            self.robot = load_robot(robot) if isinstance(robot, str) else robot
+            self.robot = robot if isinstance(robot, PlanarBiped) else load_robot(robot)
             self._plants = [build(self.robot, one) for one in disturbances]
             self.body = Body(self.robot, self._plants[0])
             self._first = FirstStates(self.robot)
@@ -101,7 +105,7 @@ class BipedEnv(gymnasium.Env):
         m = self.body.joints
         self.action_space = spaces.Box(-1.0, 1.0, (m,), np.float32)
         self.observation_space = _observations(m)
-        self._asked = self._speed[0]
+        self._asked, self._begun = self._speed[0], False
         self._before = np.zeros(m)
 
     def reset(
@@ -117,8 +121,10 @@ class BipedEnv(gymnasium.Env):
         Returns: observation, info.
         """
         super().reset(seed=seed)
+        if not isinstance(options, Mapping | None):
+            raise InputError(f"reset options: expected a mapping, found {shown(options)}")
         options, draw = dict(options or {}), self.np_random
-        if stray := sorted(set(options) - {"speed", "state"}):
+        if stray := sorted(map(str, set(options) - {"speed", "state"})):
             raise InputError(f"reset options: expected speed, state, found {stray}")
         self._asked = draw.uniform(*self._speed)
         if "speed" in options:
@@ -131,7 +137,7 @@ class BipedEnv(gymnasium.Env):
             leg, (q, dq) = 0, np.split(self._checked_state(options["state"]), 2)
         seed_of_body = int(draw.integers(2**31))
         self.body.stand(plant, q, dq, leg, push=push, seed=seed_of_body)
-        self._before = np.zeros(self.body.joints)
+        self._before, self._begun = np.zeros(self.body.joints), True
         return self._observed(), self._info(Ending.RUNNING, {}, 0.0)
 
     def step(
@@ -141,7 +147,9 @@ class BipedEnv(gymnasium.Env):
 
         Returns: observation, reward, terminated, truncated (always False here), info.
         """
-        action = np.asarray(action, dtype=np.float64)
+        action = _numbers("action", action)
+        if not self._begun:
+            raise InputError("step: expected an episode that has begun, found none: call reset")
         if action.shape != self.action_space.shape or not np.isfinite(action).all():
             raise InputError(
                 f"action: expected {self.body.joints} finite numbers, found {action.tolist()}"
@@ -192,7 +200,7 @@ class BipedEnv(gymnasium.Env):
         }
 
     def _checked_state(self, state: Any) -> Float[np.ndarray, " two_n"]:
-        x = np.asarray(state, dtype=np.float64)
+        x = _numbers("reset options: state", state)
         if x.shape != (2 * self.robot.n,) or not np.isfinite(x).all():
             raise InputError(
                 f"reset options: expected a finite state of {2 * self.robot.n} numbers, "
@@ -201,18 +209,25 @@ class BipedEnv(gymnasium.Env):
         return x
 
 
+def _numbers(name: str, given: Any) -> Float[np.ndarray, "..."]:
+    """Read an array of numbers. Raises: InputError in one line."""
+    try:
+        return np.asarray(given, dtype=np.float64)
+    except (TypeError, ValueError, OverflowError):
+        raise InputError(f"{name}: expected finite numbers, found {shown(given)}") from None
+
+
 def _range(name: str, given: Any, lowest: float, highest: float) -> tuple[float, float]:
     """Read one value, or (low, high), as a range."""
-    try:
-        values = np.asarray(given, dtype=np.float64).reshape(-1)
-    except (TypeError, ValueError):
-        values = np.zeros(0)
+    # Python takes True for 1, and NumPy "0.5" for 0.5.
+    odd = isinstance(given, str | bytes | bool)
+    values = np.zeros(0) if odd else _numbers(name, given).reshape(-1)
     if values.size not in (1, 2) or not (
         np.isfinite(values).all() and lowest <= values[0] <= values[-1] <= highest
     ):
         raise InputError(
             f"{name}: expected a number or (low, high) within {lowest:g} to {highest:g}, "
-            f"found {given!r}"
+            f"found {shown(given)}"
         )
     return float(values[0]), float(values[-1])
 
@@ -223,14 +238,18 @@ def _refuse_impossible(action: str, render_mode: str | None, ticks: int) -> None
         raise InputError(f"action: expected one of {', '.join(get_args(Action))}, found {action!r}")
     if render_mode is not None:
         raise InputError(f"render_mode: expected None, found {render_mode!r}: it draws nothing")
-    if not isinstance(ticks, int) or not 1 <= ticks <= 1000:
-        raise InputError(f"ticks: expected a whole number from 1 to 1000, found {ticks!r}")
+    if not isinstance(ticks, int | np.integer) or isinstance(ticks, bool) or not 1 <= ticks <= 1000:
+        raise InputError(f"ticks: expected a whole number from 1 to 1000, found {shown(ticks)}")
 
 
 def _disturbances(disturb: Disturbed | Sequence[Disturbed | None] | None) -> list[PlantChanges]:
     """Return the disturbances that episodes draw from. Raises: InputError."""
     if disturb is None or isinstance(disturb, str | Mapping | PlantChanges):
         disturb = [disturb]
+    if not isinstance(disturb, Sequence):
+        raise InputError(
+            f"disturb: expected NAME=VALUE,..., a mapping or several, found {shown(disturb)}"
+        )
     found = [parse(one) for one in disturb]
     if any(one.estimator or one.pitch_noise or one.pitch_offset or one.has_drives for one in found):
         raise InputError(

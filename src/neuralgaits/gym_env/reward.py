@@ -1,8 +1,10 @@
 """The reward of a decision: how well the hip follows the commanded speed, less the effort."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, fields
 
+from neuralgaits._printable import shown
 from neuralgaits.errors import InputError
 
 
@@ -75,6 +77,10 @@ def reward_of(given: "Reward | dict[str, float] | None") -> Reward:
     if isinstance(given, Reward):
         return given
     known = asdict(Reward())
-    if stray := sorted(set(given or {}) - set(known)):
+    if given is not None and not isinstance(given, Mapping):
+        raise InputError(
+            f"reward: expected weights of {', '.join(known)} by name, found {shown(given)}"
+        )
+    if stray := sorted(map(str, set(given or {}) - set(known))):
         raise InputError(f"reward: expected weights of {', '.join(known)}, found {stray}")
     return Reward(**(given or {}))

@@ -3,8 +3,10 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 
+import gymnasium
 import numpy as np
 
+from neuralgaits._printable import shown
 from neuralgaits.errors import InputError
 from neuralgaits.gym_env.biped_env import BipedEnv
 
@@ -66,8 +68,16 @@ def trials(
     Raises: InputError for fewer than one step or episode.
     """
     for name, given in (("steps", steps), ("count", count)):
-        if given < 1:
-            raise InputError(f"{name}: expected at least 1, found {given}")
+        whole = isinstance(given, int | np.integer) and not isinstance(given, bool)
+        if not whole or given < 1:
+            raise InputError(f"{name}: expected a whole number of at least 1, found {shown(given)}")
+    wrapped = isinstance(env, gymnasium.Env) and not isinstance(env, BipedEnv)
+    if wrapped or not hasattr(env, "step"):
+        raise InputError(
+            f"env: expected a BipedEnv, found {shown(env)}: give `env.unwrapped` of a wrapped one"
+        )
+    if not callable(act):
+        raise InputError(f"act: expected a function of an observation, found {shown(act)}")
     walked, up, endings, speeds, costs = [], [], [], [], []
     for seed in range(count):
         seen, info = env.reset(seed=seed, options={"speed": speed})

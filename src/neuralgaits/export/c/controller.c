@@ -582,6 +582,32 @@ void ng_drive(const ng_command *command, ng_real motors[NG_LEGS][NG_LEG_JOINTS])
     }
 }
 
+void ng_impedance(const ng_measurement *reading, const ng_command *command, ng_real kp, ng_real kd,
+                  ng_target targets[NG_LEGS][NG_LEG_JOINTS])
+{
+    const ng_target damped = {NG(0.0), NG(0.0), NG(0.0), kd, NG(0.0)};
+    const int own = command->leg;
+    ng_real y[NG_LEGS][NG_LEG_JOINTS], dy[NG_LEGS][NG_LEG_JOINTS];
+    /* No output says where a stance ankle shall be: it stays where it is. */
+    by_legs(command->y_d, reading->angles[own][0], own, y);
+    by_legs(command->dy_d, reading->rates[own][0], own, dy);
+    for (int leg = 0; leg < NG_LEGS; ++leg) {
+        for (int i = 0; i < NG_LEG_JOINTS; ++i) {
+            const ng_real sign = ng_joint_sign[leg][i];
+            const ng_real ahead = kp * (y[leg][i] - reading->angles[leg][i]) +
+                                  kd * (dy[leg][i] - reading->rates[leg][i]);
+            ng_target *target = &targets[leg][i];
+            *target = damped;
+            if (command->fault == NG_NO_FAULT) {
+                target->q_des = sign * (y[leg][i] - ng_joint_offset[leg][i]);
+                target->dq_des = sign * dy[leg][i];
+                target->kp = kp;
+                target->tau_ff = sign * (command->torque[leg][i] - ahead);
+            }
+        }
+    }
+}
+
 const char *ng_fault_text(ng_fault fault)
 {
     switch (fault) {

@@ -184,6 +184,23 @@ void ng_coordinates(ng_real pitch, const ng_real (*by_leg)[NG_LEG_JOINTS], int l
 /* Motor commands in the order of the joints: torque over gear. */
 void ng_drive(const ng_command *command, ng_real motors[NG_LEGS][NG_LEG_JOINTS]);
 
+/* What a drive with a loop of its own is told: tau_ff + kp (q_des - q) + kd (dq_des - dq). */
+typedef struct {
+    ng_real q_des;  /* [rad] */
+    ng_real dq_des; /* [rad/s] */
+    ng_real kp;     /* [N m/rad] */
+    ng_real kd;     /* [N m s/rad] */
+    ng_real tau_ff; /* [N m] */
+} ng_target;
+
+/*
+ * In place of ng_drive: what to tell such drives after a tick, in the order, signs and zeros of the
+ * robot file's joints, torques of the joints. At the angles of the reading they then give exactly
+ * the torques of the command. After a fault they only damp, with kd.
+ */
+void ng_impedance(const ng_measurement *reading, const ng_command *command, ng_real kp, ng_real kd,
+                  ng_target targets[NG_LEGS][NG_LEG_JOINTS]);
+
 /* The reason of a fault in words. */
 const char *ng_fault_text(ng_fault fault);
 

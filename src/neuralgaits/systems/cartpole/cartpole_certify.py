@@ -17,6 +17,7 @@ from neuralgaits.certificate.run_certificate.certificate_files import (
     refuse_unwritable_certificate,
     write_certificate,
 )
+from neuralgaits.certificate.run_certificate.earlier import put_hidden_aside
 from neuralgaits.certificate.search.branch_and_bound import Search
 from neuralgaits.certificate.search.problem import Problem
 from neuralgaits.certificate.search.root_turns import box_count, explore
@@ -86,6 +87,7 @@ def certify_cartpole(
         kept = f"the proof of level {before} from before stays"
         reason = "; ".join(filter(None, (found.reason, kept)))
         return replace(found, reason=reason, proof=str(run.path / PROOF))
+    put_hidden_aside(run.path)
     write_certificate(run.path, files, to_json(found).encode())
     return found
 

@@ -8,13 +8,14 @@ from matplotlib.figure import Figure
 
 from neuralgaits._digits import at_least
 from neuralgaits._printable import printable
+from neuralgaits.errors import InputError
 from neuralgaits.records.record import Count, Record
 from neuralgaits.report.drawing import style
 from neuralgaits.report.drawing.figure import svg
 from neuralgaits.report.page.html_shell import inline_image, whole
 from neuralgaits.report.page.markup import Html, items, join, paragraph, tag
 from neuralgaits.runs import write_text
-from neuralgaits.runs.atomic import refuse_unwritable
+from neuralgaits.runs.outputs import refuse_outputs
 from neuralgaits.systems.cartpole.cartpole_certify import trace_conditions
 from neuralgaits.systems.cartpole.cartpole_run import CartPoleRun, widths
 from neuralgaits.systems.cartpole.cartpole_simulate import Trace, starts, trace_of
@@ -41,7 +42,9 @@ class CartPoleReport(Record):
 def report_cartpole(run: CartPoleRun, out: Path | None = None) -> CartPoleReport:
     """Write the page of a run. Returns: where it is."""
     place = run.path / FILE if out is None else out
-    refuse_unwritable(place)
+    refuse_outputs([place], run=run.path)
+    if place.suffix.lower() not in ("", ".html", ".htm"):
+        raise InputError(f"expected --out as a file *.html, found {place}: the report is a page")
     traces = [trace_of(run, start, SHOWN_S) for start in starts(run, EPISODES, seed=0)]
     figures = (
         (_planes(run, traces), "Episodes of MuJoCo from the set's face, in two planes"),
@@ -72,10 +75,11 @@ def _about(run: CartPoleRun) -> Html:
         f"{turning:.3g} rad/s.",
         f"Force limit: {robot.force_limit:g} N.",
     ]
-    if done.margins:
+    margins = [margin for name, margin in done.margins.items() if name in CONDITIONS]
+    if margins:
         lines.append(
             f"Recorded in training: at {done.samples} random states the smallest margin of "
-            f"{len(done.margins)} conditions is {min(done.margins.values()):.3g}."
+            f"{len(margins)} conditions is {min(margins):.3g}."
         )
     return tag("section", tag("h2", "Run"), items(lines))
 

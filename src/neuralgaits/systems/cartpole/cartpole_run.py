@@ -26,6 +26,7 @@ from neuralgaits.systems.cartpole.velocity_policy import Controls, ErrorDecay, V
 FAMILY = "cartpole"
 SPEC_NAME = "balancing"
 WIDEST = 256
+LARGEST_WEIGHT = 1e6
 LEAST_WIDTH = 1e-9
 """Least half width of the set along each of its axes (SI units)."""
 
@@ -63,6 +64,7 @@ class CartPoleTrained(Record):
         widths: half widths of the set's projections on x, theta and their rates (SI units).
         volume: of the set [m^2 rad^2/s^2].
         wall_s: elapsed time.
+        proof: verdict of a proof after the training; None without one, and in the file.
     """
 
     run: str
@@ -75,6 +77,7 @@ class CartPoleTrained(Record):
     widths: tuple[float, ...]
     volume: float
     wall_s: float
+    proof: str | None = None
 
     @property
     def holds(self) -> bool:
@@ -126,8 +129,19 @@ def open_cartpole(run: str | Path) -> CartPoleRun:
     config = replace(config, rate=float(config.rate))
     robot, data = read_cartpole(folder.copy(ROBOT), config.robot)
     controller = folder.read_tree(WEIGHTS, untrained(config.width))
+    refuse_odd_weights(controller, folder)
     refuse_no_ellipsoid(controller, folder)
     return CartPoleRun(folder, config, robot, data, jax.tree.map(np.asarray, controller))
+
+
+def refuse_odd_weights(controller: Controller, folder: RunFolder) -> None:
+    """Refuse weights that no training leaves. Raises: RunError."""
+    for leaf in jax.tree.leaves(controller):
+        if not np.all(np.abs(np.asarray(leaf)) <= LARGEST_WEIGHT):
+            raise RunError(
+                f"expected weights of at most {LARGEST_WEIGHT:g} in {folder.path / WEIGHTS}, found "
+                "larger ones, or no numbers: the file was changed; train again"
+            )
 
 
 def refuse_no_ellipsoid(controller: Controller, folder: RunFolder) -> None:

@@ -59,7 +59,8 @@ def of_training(found: CartPoleTrained) -> Screen:
             ("set", sizes),
             ("time", f"{found.wall_s:.0f} s"),
             ("run", found.run),
-            ("next", command("certify", named(found.run))),
+            *([("proof", found.proof)] if found.proof else []),
+            ("next", command("simulate" if found.proof else "certify", named(found.run))),
         ],
     )
 

@@ -1,6 +1,7 @@
 """Verbs on cart-poles. Their arguments are the options that each has for a cart-pole."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 from neuralgaits.errors import InputError
@@ -43,10 +44,13 @@ def train(
         root=root,
         progress=lambda step, loss: watched.trained(step, total, loss),
     )
-    if certify:
-        certify_cartpole(run, budget=budget, progress=watched.proved)
     done = run.summary
-    return VerbResult(done, done.holds, screen.of_training(done), run=run)
+    if certify:
+        proof = certify_cartpole(run, budget=budget, progress=watched.proved)
+        done = replace(done, proof=proof.verdict)
+    good = done.holds and done.proof in (None, "proved")
+    undecided = done.holds and done.proof == "undecided"
+    return VerbResult(done, good, screen.of_training(done), undecided, run=run)
 
 
 def certify(

@@ -151,6 +151,8 @@ def _problems(model: mujoco.MjModel) -> Iterator[str]:
         )
     for count, what in (
         (model.npair, "contact pairs"),
+        (model.nflex, "flexible bodies"),
+        (_may_sleep(model), "bodies that may sleep"),
         (model.neq, "equality constraints"),
         (model.ntendon, "tendons"),
         (model.opt.density != 0.0 or model.opt.viscosity != 0.0, "air or water"),
@@ -188,6 +190,12 @@ def _problems_of_motors(model: mujoco.MjModel, slide: int, names: dict[int, str]
             )
     if on_cart != 1:
         yield f"expected one motor on the cart, found {on_cart}: keep one"
+
+
+def _may_sleep(model: mujoco.MjModel) -> bool:
+    """Return whether MuJoCo may stop moving what is slow; before 3.4 it never does."""
+    sleeps = getattr(mujoco.mjtEnableBit, "mjENBL_SLEEP", None)
+    return sleeps is not None and bool(model.opt.enableflags & sleeps)
 
 
 def _delayed(model: mujoco.MjModel, motor: int) -> bool:
