@@ -187,6 +187,21 @@ REFUSED = {
         'cone="elliptic"><flag contact="disable"/></option>',
         "switches gravity, contact or actuation off",
     ),
+    "sleep": (
+        'cone="elliptic"/>',
+        'cone="elliptic"><flag sleep="enable"/></option>',
+        "the file lets bodies sleep",
+    ),
+    "motors switched off": (
+        'cone="elliptic"/>',
+        'cone="elliptic" actuatorgroupdisable="0"/>',
+        "the file switches motors off",
+    ),
+    "a margin of a joint": (
+        LEFT_HIP,
+        LEFT_HIP.replace("<joint", '<joint margin="0.5"'),
+        "joint hip_left has a margin",
+    ),
     "no floor": (
         '<geom name="floor" type="plane" size="0 0 0.1" contype="1"',
         '<geom name="floor" type="plane" size="0 0 0.1" contype="0"',

@@ -70,7 +70,7 @@ def _show_controller(result: ControllerExport) -> None:
 def _show_monitor(monitor: MonitorExport) -> None:
     first = monitor.builds[0]
     show_sentence(
-        f"monitor of the proved sets of levels {', '.join(map(str, monitor.levels))}: agrees with "
+        f"monitor of the sets of level {', '.join(map(str, monitor.levels))}: agrees with "
         f"Python on {monitor.states} states; an answer takes {first.answer_us.p50:.3g} us"
     )
 

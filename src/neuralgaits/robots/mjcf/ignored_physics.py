@@ -39,6 +39,11 @@ def _refuse_world(model: mujoco.MjModel) -> None:
     needed = off.mjDSBL_GRAVITY | off.mjDSBL_CONTACT | off.mjDSBL_ACTUATION
     if model.opt.disableflags & needed:
         refuse("the file switches gravity, contact or actuation off: remove that from <flag>")
+    sleeps = getattr(mujoco.mjtEnableBit, "mjENBL_SLEEP", None)
+    if sleeps is not None and model.opt.enableflags & sleeps:
+        refuse("the file lets bodies sleep, which stops robots that stand: remove that from <flag>")
+    if model.opt.disableactuator:
+        refuse("the file switches motors off: remove actuatorgroupdisable from <option>")
     for body in np.flatnonzero(model.body_gravcomp):
         name = body_name(model, int(body))
         refuse(f"body {name} has gravity compensation: remove its gravcomp")
@@ -110,6 +115,7 @@ def _refuse_joint(model: mujoco.MjModel, joint: int, *, is_root: bool) -> None:
         "stiffness": _any(model, "jnt_stiffness", joint) or _any(model, "jnt_stiffnesspoly", joint),
         "frictionloss": _any(model, "dof_frictionloss", dof),
         "a damping polynomial": _any(model, "dof_dampingpoly", dof),
+        "a margin": _any(model, "jnt_margin", joint),
     }
     for what, present in found.items():
         if present:

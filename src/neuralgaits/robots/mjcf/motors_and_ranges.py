@@ -131,7 +131,12 @@ def plain_motor(model: mujoco.MjModel, actuator: int, joint: int) -> Motor:
         and model.actuator_biastype[actuator] == mujoco.mjtBias.mjBIAS_NONE
         and not any(
             np.any(getattr(model, field)[actuator])
-            for field in ("actuator_armature", "actuator_damping", "actuator_delay")
+            for field in (
+                "actuator_armature",
+                "actuator_damping",
+                "actuator_dampingpoly",
+                "actuator_delay",
+            )
             if hasattr(model, field)
         )
     )
