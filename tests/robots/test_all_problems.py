@@ -6,8 +6,8 @@ import pytest
 
 from neuralgaits.cli.main import main
 from neuralgaits.errors import ManyProblems, RobotError
+from neuralgaits.robots.mjcf.file_problems import problems_of_file
 from neuralgaits.robots.mjcf.planariser import planarise
-from neuralgaits.robots.mjcf.problems import problems_of_file
 from support import door_robots
 
 PLAIN = door_robots.adam(servos=False, excludes=False, arms=False)

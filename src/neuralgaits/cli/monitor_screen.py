@@ -1,4 +1,4 @@
-"""What the monitor says of walks as a table for a person, on stdout."""
+"""Answers of the monitor about walks, as a table for a person, on stdout."""
 
 from neuralgaits.cli.screen_tables import number, show_sentence, show_table
 from neuralgaits.records.monitored import MonitorFigures

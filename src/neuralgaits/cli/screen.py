@@ -151,6 +151,11 @@ def show_walks(result: Simulated) -> None:
         _link(result.link)
     if result.monitor is not None:
         show_monitor(result.monitor)
+    _settings_of_walks(result)
+
+
+def _settings_of_walks(result: Simulated) -> None:
+    """Show what walked, and under which conditions."""
     asked = ("plant", "simulator", "controller", "engine", "terrain", "start", "push", "run")
     facts = [(name, value) for name in asked if (value := getattr(result, name)) is not None]
     changed = [f"{name}={number(value)}" for name, value in _disturbed(result)]

@@ -1,4 +1,4 @@
-"""What the monitor says of walks: a part of the result of `simulate --monitor`."""
+"""Answers of the monitor about walks: a part of the result of `simulate --monitor`."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass

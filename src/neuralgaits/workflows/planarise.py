@@ -9,9 +9,9 @@ from neuralgaits._printable import printable
 from neuralgaits.errors import InputError, ManyProblems, RobotError
 from neuralgaits.records.inspected import RobotFacts
 from neuralgaits.robots import PlanarBiped, load_robot, registry
+from neuralgaits.robots.mjcf.file_problems import problems_of_file
 from neuralgaits.robots.mjcf.loader import robot_from_text, robot_text
 from neuralgaits.robots.mjcf.planariser import Feet, planarise
-from neuralgaits.robots.mjcf.problems import problems_of_file
 from neuralgaits.robots.mjcf.text import urdf_text
 from neuralgaits.runs.atomic import write_new
 from neuralgaits.runs.shell_words import command

@@ -12,8 +12,8 @@ import mujoco
 import numpy as np
 
 from neuralgaits.errors import RobotError
+from neuralgaits.robots.mjcf.file_refusals import refuse
 from neuralgaits.robots.mjcf.planar_tree import body_name
-from neuralgaits.robots.mjcf.refusals import refuse
 
 
 def refuse_ignored_physics(model: mujoco.MjModel) -> None:

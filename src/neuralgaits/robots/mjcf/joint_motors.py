@@ -17,7 +17,7 @@ _MODEL_OF_TORQUE = (
 
 @dataclass(frozen=True)
 class MotorChoice:
-    """What becomes of a joint's actuators.
+    """Fate of a joint's actuators.
 
     Attributes:
         kept: number of the one that stays; None if none can.

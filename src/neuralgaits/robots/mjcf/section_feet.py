@@ -26,7 +26,7 @@ _DEFAULT_FRICTION = 1.0
 
 @dataclass(frozen=True)
 class SectionFoot:
-    """What a leg stands on.
+    """Foot that a leg stands on.
 
     Attributes:
         kind: "sphere" or "box".

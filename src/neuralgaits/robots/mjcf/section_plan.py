@@ -1,4 +1,4 @@
-"""What of a robot in space moves in the plane: its root, and the joints of its two legs.
+"""Parts of a robot in space that move in the plane: its root, and the joints of its two legs.
 
 The legs are the two chains whose ends reach lowest at the posture. Hinges about y on them are
 kept; every other joint is welded. What both legs hang from is the torso.

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import mujoco
 
+from neuralgaits.robots.mjcf.file_refusals import all_noted, attempt
 from neuralgaits.robots.mjcf.ignored_physics import refuse_ignored_physics
 from neuralgaits.robots.mjcf.legs import leg_data, leg_joints, link_directions
 from neuralgaits.robots.mjcf.lenient_compilation import compile_what_can_be
@@ -14,7 +15,6 @@ from neuralgaits.robots.mjcf.loader import robot_text
 from neuralgaits.robots.mjcf.motors_and_ranges import read_motor, read_range, refuse_other_actuators
 from neuralgaits.robots.mjcf.physical_numbers import refuse_odd_keyframes, refuse_unphysical
 from neuralgaits.robots.mjcf.planar_tree import PlanarTree, read_tree
-from neuralgaits.robots.mjcf.refusals import all_noted, attempt
 from neuralgaits.robots.mjcf.skeleton import read_skeleton
 
 _ROOT_JOINTS = 3
