@@ -10,9 +10,10 @@ import pytest
 import neuralgaits as ng
 from neuralgaits.barriers import Gait, Tube
 from neuralgaits.certificate.levels.level_search import look_at
-from neuralgaits.certificate.levels.orbit import return_map
+from neuralgaits.certificate.levels.orbit import find, return_map
 from neuralgaits.certificate.levels.orbit.find import _periodic, find_orbit
 from neuralgaits.certificate.levels.orbit.margins import margins, thin_gait
+from neuralgaits.certificate.levels.orbit.phase_series import values_at
 from neuralgaits.certificate.levels.orbit.return_map import slope
 from neuralgaits.certificate.levels.orbit.search import fences_of
 from neuralgaits.certificate.levels.walking_set.find import find_set
@@ -202,3 +203,28 @@ def test_nested_tubes_narrow_as_fast_as_the_flow_says(trained, found):
     for u, side in ((jnp.array([0.3, 0.7]), 1), (jnp.array([0.8, 0.2]), 0)):
         rates, said = both(u)
         assert float(said[side]) == pytest.approx(float(rates[side]), rel=1e-5)
+
+
+def test_where_whole_steps_go_to_and_fro_shorter_ones_settle():
+    """Zeta keeps its value in a step, and the reset takes it to 4 - zeta: only 2 stays."""
+
+    def look(points):
+        zeta = 1.0 + 4.0 * points[:, 1]
+        nothing = np.zeros(len(points))
+        after = np.stack([nothing, 4.0 - zeta], axis=1)
+        return {
+            "slope": nothing,
+            "after": after,
+            "foot": nothing,
+            "pace": nothing + 1.0,
+            "foot_rate": nothing - 1.0,
+        }
+
+    def fences(phases):
+        return np.stack([np.full_like(phases, 1.0), np.full_like(phases, 5.0)], axis=1)
+
+    nodes = np.linspace(0.0, 1.0, 37)
+    assert find._iterated(look, fences, 1.0, nodes, 18, 1.0) is None
+    curve = find._periodic(look, fences, 1.0, nodes, 18)
+    assert curve is not None
+    np.testing.assert_allclose(values_at(curve.series, nodes), 2.0, atol=1e-9)

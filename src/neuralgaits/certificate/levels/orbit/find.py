@@ -35,6 +35,8 @@ BOUND_DEGREE = 12
 """Degree of the series that bound dF/dzeta."""
 ROUNDS, SETTLED = 400, 1e-12
 """Iterations of the fixed point, and the relative change that ends them."""
+SHARES = (1.0, 0.5, 0.2)
+"""Shares of an iteration's step that are tried in turn."""
 Z2_WIDTH = 1e-3
 """Width to which the orbit is enclosed [kg m^2/s]."""
 USED = 0.8
@@ -260,7 +262,17 @@ def _periodic(
     """Iterate the curve: integrate F along it, reset, start again there, until it stays.
 
     Where a curve leaves the tube on the way, F is unknown; its value at the fence stands in.
+    Whole steps are the quickest; where the flow is strong they go to and fro, and shorter ones
+    settle.
     """
+    tried = (_iterated(look, fences, unit, nodes, degree, share) for share in SHARES)
+    return next((curve for curve in tried if curve is not None), None)
+
+
+def _iterated(
+    look: Evaluator, fences: Fences, unit: float, nodes: np.ndarray, degree: int, share: float
+) -> _Curve | None:
+    """Do what `_periodic` does, by this share of each step; None if the curve does not settle."""
     constant = np.eye(1, degree + 1)[0]
     middle = fitted(nodes, np.mean(fences(nodes), axis=1), degree)
     curve = _Curve(middle, np.array([[1.0, 0.5]]))
@@ -272,6 +284,8 @@ def _periodic(
         phase, zeta = found["after"][-1]
         series = slope + constant * (zeta / unit - values_at(slope, np.array([phase]))[0])
         step = found["foot"][-1] * found["pace"][-1] / found["foot_rate"][-1]
+        if share < 1.0:
+            series = curve.series + share * (series - curve.series)
         change = np.max(np.abs(values_at(series, nodes) - values_at(curve.series, nodes)))
         if not np.isfinite(change):
             return None
