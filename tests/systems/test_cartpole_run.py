@@ -316,3 +316,15 @@ def test_a_training_says_what_came_of_its_proof(tmp_path, monkeypatch, capfd):
     words = ["train", "cartpole", "--steps", "1", "--hidden", "2", "--certify", "--json"]
     assert main([*words, "--budget", "1e-9", "--out", "short"]) == 3
     assert json.loads(capfd.readouterr().out)["proof"] == "undecided"
+
+
+def test_a_page_says_that_a_proof_counts_for_nothing(cartpole_run, cartpole_certificate, tmp_path):
+    run = shutil.copytree(cartpole_run.path, tmp_path / "run")
+    assert report_cartpole(open_cartpole(run)).damaged is None
+    (run / PROOF).write_bytes((run / PROOF).read_bytes()[:900])
+    done = report_cartpole(open_cartpole(run))
+    assert "is damaged, or about other numbers" in (done.damaged or "")
+    assert "Nothing is proved: " in (run / FILE).read_text()
+    (run / PROOF).unlink()
+    assert report_cartpole(open_cartpole(run)).damaged is None
+    assert "No proof of this run." in (run / FILE).read_text()

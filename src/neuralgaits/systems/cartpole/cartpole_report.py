@@ -21,7 +21,7 @@ from neuralgaits.systems.cartpole.cartpole_run import CartPoleRun, widths
 from neuralgaits.systems.cartpole.cartpole_simulate import Trace, starts, trace_of
 from neuralgaits.systems.cartpole.cartpole_theorem import conclude
 from neuralgaits.systems.cartpole.state_regions import CONDITIONS
-from neuralgaits.systems.cartpole.stated import stated_bounds
+from neuralgaits.systems.cartpole.stated import stated_bounds, why_nothing_is_stated
 
 EPISODES = 12
 """Episodes in the pictures, each from the set's face."""
@@ -32,11 +32,18 @@ FILE = "report.html"
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class CartPoleReport(Record):
-    """Result of `report`. Attributes: report: the page; bytes: its size."""
+    """Result of `report`.
+
+    Attributes:
+        report: the page.
+        bytes: its size.
+        damaged: why a proof file that is there counts for nothing; None if it counts.
+    """
 
     run: str
     report: str
     bytes: Count
+    damaged: str | None = None
 
 
 def report_cartpole(run: CartPoleRun, out: Path | None = None) -> CartPoleReport:
@@ -63,7 +70,13 @@ def report_cartpole(run: CartPoleRun, out: Path | None = None) -> CartPoleReport
     header = tag("header", tag("h1", f"{run.config.robot}: a cart-pole"))
     text = whole(run.config.robot, header, tag("main", main), printable(run.path), ())
     write_text(place, text)
-    return CartPoleReport(run=str(run.path), report=str(place), bytes=len(text.encode()))
+    stated = stated_bounds(run, trace_conditions(run))
+    return CartPoleReport(
+        run=str(run.path),
+        report=str(place),
+        bytes=len(text.encode()),
+        damaged=why_nothing_is_stated(run) if stated is None else None,
+    )
 
 
 def _about(run: CartPoleRun) -> Html:
@@ -88,7 +101,9 @@ def _proof(run: CartPoleRun) -> Html:
     """Return what the run's proof file states, and what follows."""
     bounds = stated_bounds(run, trace_conditions(run))
     if bounds is None:
-        return tag("section", tag("h2", "Proof"), paragraph("No proof of this run."))
+        why = why_nothing_is_stated(run)
+        said = "No proof of this run." if why is None else f"Nothing is proved: {why}."
+        return tag("section", tag("h2", "Proof"), paragraph(said))
     rows = [
         f"{name}, on the {region}: "
         + (f"margin at least {at_least(bounds[name], 2)}" if name in bounds else "not stated")

@@ -117,4 +117,7 @@ def of_export(found: CartPoleExport) -> Screen:
 
 def of_report(found: CartPoleReport) -> Screen:
     """Return the page to open."""
-    return Screen("written", f": {found.bytes / 1e6:.1f} MB", None, [("open", found.report)])
+    facts = [("open", found.report)]
+    if found.damaged is not None:
+        facts.append(("damaged", found.damaged))
+    return Screen("written", f": {found.bytes / 1e6:.1f} MB", None, facts)

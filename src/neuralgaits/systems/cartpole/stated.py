@@ -11,9 +11,23 @@ from neuralgaits.errors import InputError
 from neuralgaits.programs import Program
 from neuralgaits.records.certified import PROOF
 from neuralgaits.runs import plain
+from neuralgaits.runs.shell_words import command, named
 from neuralgaits.systems.cartpole.cartpole_run import CartPoleRun
 from neuralgaits.systems.cartpole.proof_model import model_data
 from neuralgaits.systems.cartpole.state_regions import CHART, CONDITIONS, REGIONS
+
+
+def why_nothing_is_stated(run: CartPoleRun) -> str | None:
+    """Return why a proof file that is there counts for nothing; None if there is none.
+
+    For whoever has got no bounds from `stated_bounds`.
+    """
+    if not (run.path / PROOF).exists():
+        return None
+    again = command("certify", named(run.path))
+    return (
+        f"{PROOF} is damaged, or about other numbers than the run's: prove it again with `{again}`"
+    )
 
 
 def stated_bounds(run: CartPoleRun, program: Program) -> dict[str, float] | None:
