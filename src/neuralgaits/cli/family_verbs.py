@@ -13,7 +13,7 @@ from neuralgaits.cli.proof_screen import show_proof
 from neuralgaits.cli.screen_tables import show_facts, show_sentence, show_table
 from neuralgaits.records.certified import CertificateRecord
 from neuralgaits.systems.family_tasks import task_of
-from neuralgaits.systems.system_family import VerbResult, Watched
+from neuralgaits.systems.system_family import ProgressCallbacks, VerbResult
 
 _WAITS = {"simulate": "simulating", "export": "writing it, comparing it", "report": "drawing it"}
 
@@ -25,8 +25,8 @@ def outcome_of_family(verb: Any, name: str) -> Outcome | None:
     task = task_of(name, verb)
     if task is None:
         return None
-    with _watched(name, quiet=verb.output.json) as watched:
-        done = task(watched)
+    with _progress(name, quiet=verb.output.json) as progress:
+        done = task(progress)
     brief = partial(_show, done)
     whole = show_proof if isinstance(done.result, CertificateRecord) else brief
     return Outcome(done.result, done.good, whole, done.undecided, brief)
@@ -45,16 +45,16 @@ def _show(done: VerbResult, result: Any) -> None:
 
 
 @contextmanager
-def _watched(name: str, quiet: bool) -> Iterator[Watched]:
+def _progress(name: str, quiet: bool) -> Iterator[ProgressCallbacks]:
     """Show the progress of a verb while the context is open."""
     from neuralgaits.cli.progress import ProofProgress, TrainingProgress, waiting
 
     if name == "train":
         with TrainingProgress(quiet) as training:
-            yield Watched(trained=training, proved=training.proved)
+            yield ProgressCallbacks(trained=training, proved=training.proved)
     elif name == "certify":
         with ProofProgress(quiet) as proof:
-            yield Watched(proved=proof)
+            yield ProgressCallbacks(proved=proof)
     else:
         with waiting(_WAITS.get(name, name), quiet) as work:
-            yield Watched(begun=work.begun)
+            yield ProgressCallbacks(begun=work.begun)

@@ -14,7 +14,7 @@ from typing import Any
 from neuralgaits._families import FAMILIES, verbs_module
 from neuralgaits.errors import InputError, RunError
 from neuralgaits.runs import resolve
-from neuralgaits.systems.system_family import SystemFamily, VerbResult, Watched
+from neuralgaits.systems.system_family import ProgressCallbacks, SystemFamily, VerbResult
 
 _OF_ALL = ("run", "robot", "output", "progress", "watch", "begun", "root")
 """Settings that say what a command is about, or how it is shown."""
@@ -52,7 +52,7 @@ def family_of_robot(robot: object) -> SystemFamily | None:
     return next((family for family in all_families() if family.recognises(robot)), None)
 
 
-Task = Callable[[Watched], VerbResult]
+Task = Callable[[ProgressCallbacks], VerbResult]
 """A verb of a family with all that it was given, to be carried out."""
 
 
@@ -89,7 +89,7 @@ def task_with(verb: str, given: Mapping[str, Any]) -> Task | None:
             f"expected a walker's run for this verb, found that of {family.words}, which has "
             f"{', '.join(verbs)} and check-proof"
         )
-    own = [name for name in signature(verbs[verb]).parameters if name != "watched"]
+    own = [name for name in signature(verbs[verb]).parameters if name != "progress"]
     others = [name for name in given if name not in (*own, *_OF_ALL)]
     if others:
         raise InputError(
@@ -102,8 +102,8 @@ def task_with(verb: str, given: Mapping[str, Any]) -> Task | None:
     if known.get("out") is not None:
         known["out"] = Path(known["out"])
 
-    def task(watched: Watched) -> VerbResult:
-        done: VerbResult = verbs[verb](**known, watched=watched)
+    def task(progress: ProgressCallbacks) -> VerbResult:
+        done: VerbResult = verbs[verb](**known, progress=progress)
         return done
 
     return task

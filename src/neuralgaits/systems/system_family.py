@@ -76,7 +76,7 @@ def _nothing(*_: Any) -> None:
 
 
 @dataclass(frozen=True)
-class Watched:
+class ProgressCallbacks:
     """Callbacks of a verb for its progress.
 
     Attributes:
@@ -96,6 +96,6 @@ class Watched:
         trained: Callable[[int, int, float], None] | None = None,
         proved: Callable[[float, int], None] | None = None,
         begun: Callable[[], None] | None = None,
-    ) -> "Watched":
+    ) -> "ProgressCallbacks":
         """Return these callbacks; None for one that nobody wants."""
         return cls(trained or _nothing, proved or _nothing, begun or _nothing)

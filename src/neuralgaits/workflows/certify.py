@@ -50,7 +50,7 @@ from neuralgaits.runs.only_writer import only_writer
 from neuralgaits.settings import CertifySettings, called_with
 from neuralgaits.settings.forms import LEARNED
 from neuralgaits.systems.family_tasks import task_of
-from neuralgaits.systems.system_family import Watched
+from neuralgaits.systems.system_family import ProgressCallbacks
 from neuralgaits.workflows.certify_result import CertifyResult
 from neuralgaits.workflows.finish_certificate import finish_certificate
 
@@ -81,7 +81,7 @@ def certify(settings: CertifySettings) -> CertifyResult:
         far in the folder.
     """
     if (task := task_of("certify", settings)) is not None:
-        return task(Watched.by(proved=settings.progress)).returned
+        return task(ProgressCallbacks.by(proved=settings.progress)).returned
     trained = open_run(settings.run)
     with only_writer(trained.path):
         return certify_alone(trained, settings)

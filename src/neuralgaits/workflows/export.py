@@ -33,7 +33,7 @@ from neuralgaits.runs.hashes import file_hashes
 from neuralgaits.runs.names import ROBOT, WEIGHTS
 from neuralgaits.simulation.setup.starts import momentum_range
 from neuralgaits.systems.family_tasks import task_with
-from neuralgaits.systems.system_family import Watched
+from neuralgaits.systems.system_family import ProgressCallbacks
 
 NO_COMPILER = "no C compiler: the files are written and not checked; install gcc or clang"
 NO_EXTRA = (
@@ -92,7 +92,7 @@ def export_controller(
     others = {"format": (format, "c"), "force": (force, False), "states": (states, STATES)}
     asked |= {name: value for name, (value, usual) in others.items() if value != usual}
     if (task := task_with("export", asked)) is not None:
-        return task(Watched.by(begun=begun)).returned
+        return task(ProgressCallbacks.by(begun=begun)).returned
     trained, folder = open_run(run), Path(out)
     output_folder.refuse_used(folder, force=force)
     certificate = read_certificate(trained.folder)

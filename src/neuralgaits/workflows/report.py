@@ -31,7 +31,7 @@ from neuralgaits.runs.atomic import refuse_unwritable
 from neuralgaits.runs.names import ROBOT
 from neuralgaits.runs.outputs import refuse_outputs
 from neuralgaits.systems.family_tasks import task_with
-from neuralgaits.systems.system_family import Watched
+from neuralgaits.systems.system_family import ProgressCallbacks
 from neuralgaits.workflows.figures import FOLDER, draw, writable_figures
 from neuralgaits.workflows.inspect import inspect
 
@@ -72,7 +72,7 @@ def write_report(
     """
     asked = {"run": run} if out is None else {"run": run, "out": Path(out)}
     if (task := task_with("report", asked)) is not None:
-        return task(Watched.by(begun=begun)).returned
+        return task(ProgressCallbacks.by(begun=begun)).returned
     folder = run.folder if isinstance(run, Run) else resolve(run, finished=False)
     path = folder.path / FILE if out is None else Path(out)
     refuse_outputs([path], run=folder.path)

@@ -47,7 +47,7 @@ from neuralgaits.simulation.simulators import Simulator, check_simulator
 from neuralgaits.simulation.trained_walks import TrainedWalks, at_first, walk_engine_for
 from neuralgaits.simulation.walk import Walk
 from neuralgaits.systems.family_tasks import task_of
-from neuralgaits.systems.system_family import Watched
+from neuralgaits.systems.system_family import ProgressCallbacks
 from neuralgaits.workflows.export import design_of
 from neuralgaits.workflows.monitor_walk import required_monitor, watched
 from neuralgaits.workflows.planarise import robot_from
@@ -124,7 +124,7 @@ def simulate(settings: SimulateSettings) -> Simulation:
     Raises: InputError, RobotError or RunError with one line.
     """
     if (task := task_of("simulate", settings)) is not None:
-        return task(Watched.by(begun=settings.begun)).returned
+        return task(ProgressCallbacks.by(begun=settings.begun)).returned
     plan = _planned(settings)
     run = plan.run
     engine = _engine(run, settings.controller, settings.engine, settings.simulator)

@@ -25,7 +25,7 @@ from neuralgaits.runs.only_writer import only_writer
 from neuralgaits.runs.shell_words import LATEST, resuming
 from neuralgaits.settings import TrainSettings, Watch, called_with
 from neuralgaits.systems.family_tasks import task_of
-from neuralgaits.systems.system_family import Watched
+from neuralgaits.systems.system_family import ProgressCallbacks
 from neuralgaits.training.calibration import calibrated
 from neuralgaits.training.session import take_all_steps
 from neuralgaits.training.train_state import FreshMargins, TrainState
@@ -54,7 +54,7 @@ def train(settings: TrainSettings) -> Run:
     """
     if (task := task_of("train", settings)) is not None:
         proved = None if settings.watch is None else settings.watch.proved
-        return task(Watched.by(trained=settings.progress, proved=proved)).returned
+        return task(ProgressCallbacks.by(trained=settings.progress, proved=proved)).returned
     start_time = time.perf_counter()
     watch, root = settings.watch, settings.root
     if settings.resume is not None:

@@ -6,7 +6,7 @@ from types import SimpleNamespace
 
 from neuralgaits.records.record import Record
 from neuralgaits.runs import RUNS_ROOT, RunFolder, finish, resolve
-from neuralgaits.systems.system_family import Screen, VerbResult, Watched
+from neuralgaits.systems.system_family import ProgressCallbacks, Screen, VerbResult
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -28,7 +28,7 @@ class Angle(Record):
 def train(
     robot: str,
     *,
-    watched: Watched,
+    progress: ProgressCallbacks,
     seed: int = 0,
     out: Path | None = None,
     root: Path = RUNS_ROOT,
@@ -37,7 +37,7 @@ def train(
     folder = RunFolder.create(
         Config(seed=seed), {"robot.xml": ""}, name=robot, seed=seed, root=root, out=out
     )
-    watched.trained(1, 1, 0.0)
+    progress.trained(1, 1, 0.0)
     done = Angle(angle=0.1 * seed)
     finish(folder, done, root)
     return VerbResult(
@@ -45,9 +45,9 @@ def train(
     )
 
 
-def simulate(run: str, *, watched: Watched) -> VerbResult:
+def simulate(run: str, *, progress: ProgressCallbacks) -> VerbResult:
     """Look at it."""
-    watched.begun()
+    progress.begun()
     found = Angle(angle=round(0.1 * int(resolve(run).config["seed"]), 3))
     return VerbResult(found, False, Screen("swings"))
 

@@ -1,5 +1,6 @@
 """The page of a cart-pole's run: its set, an episode from the face, and what is proved."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -52,6 +53,7 @@ def report_cartpole(run: CartPoleRun, out: Path | None = None) -> CartPoleReport
     refuse_outputs([place], run=run.path)
     if place.suffix.lower() not in ("", ".html", ".htm"):
         raise InputError(f"expected --out as a file *.html, found {place}: the report is a page")
+    stated = stated_bounds(run, trace_conditions(run))
     traces = [trace_of(run, start, SHOWN_S) for start in starts(run, EPISODES, seed=0)]
     figures = (
         (_planes(run, traces), "Episodes of MuJoCo from the set's face, in two planes"),
@@ -64,13 +66,12 @@ def report_cartpole(run: CartPoleRun, out: Path | None = None) -> CartPoleReport
                 tag("figure", inline_image("svg+xml", svg(figure), words), tag("figcaption", words))
                 for figure, words in figures
             ),
-            _proof(run),
+            _proof(run, stated),
         ]
     )
     header = tag("header", tag("h1", f"{run.config.robot}: a cart-pole"))
     text = whole(run.config.robot, header, tag("main", main), printable(run.path), ())
     write_text(place, text)
-    stated = stated_bounds(run, trace_conditions(run))
     return CartPoleReport(
         run=str(run.path),
         report=str(place),
@@ -97,9 +98,8 @@ def _about(run: CartPoleRun) -> Html:
     return tag("section", tag("h2", "Run"), items(lines))
 
 
-def _proof(run: CartPoleRun) -> Html:
-    """Return what the run's proof file states, and what follows."""
-    bounds = stated_bounds(run, trace_conditions(run))
+def _proof(run: CartPoleRun, bounds: Mapping[str, float] | None) -> Html:
+    """Return the bounds that the run's proof file states, and what follows."""
     if bounds is None:
         why = why_nothing_is_stated(run)
         said = "No proof of this run." if why is None else f"Nothing is proved: {why}."

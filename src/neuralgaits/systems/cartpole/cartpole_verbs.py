@@ -14,13 +14,13 @@ from neuralgaits.systems.cartpole.cartpole_report import report_cartpole
 from neuralgaits.systems.cartpole.cartpole_run import open_cartpole
 from neuralgaits.systems.cartpole.cartpole_simulate import simulate_cartpole
 from neuralgaits.systems.cartpole.cartpole_train import STEPS, train_cartpole
-from neuralgaits.systems.system_family import VerbResult, Watched
+from neuralgaits.systems.system_family import ProgressCallbacks, VerbResult
 
 
 def train(
     robot: str | Path,
     *,
-    watched: Watched,
+    progress: ProgressCallbacks,
     seed: int = 0,
     steps: int | None = None,
     hidden: tuple[int, ...] | None = None,
@@ -42,11 +42,11 @@ def train(
         width=None if hidden is None else hidden[0],
         out=out,
         root=root,
-        progress=lambda step, loss: watched.trained(step, total, loss),
+        progress=lambda step, loss: progress.trained(step, total, loss),
     )
     done = run.summary
     if certify:
-        proof = certify_cartpole(run, budget=budget, progress=watched.proved)
+        proof = certify_cartpole(run, budget=budget, progress=progress.proved)
         done = replace(done, proof=proof.verdict)
     good = done.holds and done.proof in (None, "proved")
     undecided = done.holds and done.proof == "undecided"
@@ -54,7 +54,11 @@ def train(
 
 
 def certify(
-    run: str | Path, *, watched: Watched, level: int | None = None, budget: float | None = None
+    run: str | Path,
+    *,
+    progress: ProgressCallbacks,
+    level: int | None = None,
+    budget: float | None = None,
 ) -> VerbResult:
     """Prove a run, to level 3 if no other is asked for."""
     level = HIGHEST if level is None else level
@@ -64,45 +68,49 @@ def certify(
             "are about the full order already"
         )
     opened = open_cartpole(run)
-    done = certify_cartpole(opened, level=level, budget=budget, progress=watched.proved)
+    done = certify_cartpole(opened, level=level, budget=budget, progress=progress.proved)
     undecided = done.verdict == "undecided"
     return VerbResult(done, done.verdict == "proved", screen.of_proof(done), undecided)
 
 
-def simulate(run: str | Path, *, watched: Watched, episodes: int = 1, seed: int = 0) -> VerbResult:
+def simulate(
+    run: str | Path, *, progress: ProgressCallbacks, episodes: int = 1, seed: int = 0
+) -> VerbResult:
     """Balance in MuJoCo."""
     opened = open_cartpole(run)
-    watched.begun()
+    progress.begun()
     done = simulate_cartpole(opened, episodes=episodes, seed=seed)
     return VerbResult(done, done.stayed == done.episodes, screen.of_episodes(done))
 
 
-def export(run: str | Path, out: Path, *, watched: Watched, force: bool = False) -> VerbResult:
+def export(
+    run: str | Path, out: Path, *, progress: ProgressCallbacks, force: bool = False
+) -> VerbResult:
     """Write the controller as C."""
     opened = open_cartpole(run)
-    watched.begun()
+    progress.begun()
     done = export_cartpole(opened, out, force=force)
     return VerbResult(done, done.checked, screen.of_export(done), undecided=not done.checked)
 
 
-def report(run: str | Path, out: Path | None = None, *, watched: Watched) -> VerbResult:
+def report(run: str | Path, out: Path | None = None, *, progress: ProgressCallbacks) -> VerbResult:
     """Write the page of a run."""
     opened = open_cartpole(run)
-    watched.begun()
+    progress.begun()
     done = report_cartpole(opened, out)
     return VerbResult(done, True, screen.of_report(done))
 
 
-def inspect(robot: str | Path, *, watched: Watched) -> VerbResult:
+def inspect(robot: str | Path, *, progress: ProgressCallbacks) -> VerbResult:
     """Describe a file."""
-    del watched
+    del progress
     done = inspect_cartpole(robot)
     return VerbResult(done, True, screen.of_robot(done))
 
 
-def robots(robot: str, out: Path | None = None, *, watched: Watched) -> VerbResult:
+def robots(robot: str, out: Path | None = None, *, progress: ProgressCallbacks) -> VerbResult:
     """Write the built-in cart-pole's file."""
-    del robot, watched
+    del robot, progress
     done = write_cartpole(out)
     return VerbResult(done, True, screen.of_written(done))
 

@@ -11,6 +11,7 @@ from neuralgaits.certificate.levels.full_order.theorem import FENCES, FullOrderC
 from neuralgaits.certificate.levels.walking_set import membership as walking_set
 from neuralgaits.certificate.premises import above
 from neuralgaits.gait import ZeroDynamics
+from neuralgaits.gait.zero_coordinates import position_of
 from neuralgaits.robots.dynamics import swing_foot
 
 ENDS = (*walking_set.ENDS, "foot")
@@ -38,7 +39,7 @@ def full_order_membership(
     model = its.model(model)
     eta, z = ZeroDynamics(model.robot, gait.policy).phi(jnp.concatenate([q, dq]))
     xi = scaled_coordinates(eta, model.bandwidth, model.weights)
-    v, bound = xi @ xi, its.bound(gait.phase(z[0]))
+    v, bound = xi @ xi, its.bound(gait.phase(position_of(z)))
     tightened, sigma, unit = _barriers(shape)
     h = model.barriers(z)
     # The tube's ends and z2 > 0; the foot is on or above the ground: p_z(q) >= 0.

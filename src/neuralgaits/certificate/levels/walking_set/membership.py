@@ -10,6 +10,7 @@ from neuralgaits._types import Array, Float, Scalar, ZeroState
 from neuralgaits.barriers import Barrier, Gait
 from neuralgaits.certificate.levels.walking_set.theorem import WalkingSetConstants
 from neuralgaits.gait import ZeroDynamics
+from neuralgaits.gait.zero_coordinates import momentum_of, position_of
 
 ENDS = ("phase-start", "phase-end", "direction")
 """Names of the margins of a step's ends: of its phases, and of z2 > 0."""
@@ -19,8 +20,8 @@ WALLS = ("level-lower", "level-upper")
 
 def ends(gait: Gait, phases: tuple[float, float], z: ZeroState) -> list[Scalar]:
     """Return the margins of `ENDS`: two in phases, z2 in units of the tube's."""
-    phase, (first, last) = gait.phase(z[0]), phases
-    return [phase - first, last - phase, z[1] / jnp.sqrt(2.0 * gait.tube.unit)]
+    phase, (first, last) = gait.phase(position_of(z)), phases
+    return [phase - first, last - phase, momentum_of(z) / jnp.sqrt(2.0 * gait.tube.unit)]
 
 
 def walking_membership(
