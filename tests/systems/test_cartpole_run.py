@@ -43,6 +43,7 @@ from neuralgaits.systems.cartpole.ellipsoid import Ball, direction
 from neuralgaits.systems.cartpole.mjcf import read_cartpole
 from neuralgaits.systems.cartpole.state_regions import CONDITIONS
 from neuralgaits.systems.cartpole.stated import stated_bounds
+from neuralgaits.workflows.certify_result import CertifyResult
 
 
 class Renamed(NamedTuple):
@@ -194,7 +195,7 @@ def test_python_calls_take_cart_poles(cartpole_run, tmp_path):
     run = shutil.copytree(cartpole_run.path, tmp_path / "run")
     assert CALLS.simulate(run, episodes=2).episodes == 2
     short = CALLS.certify(open_cartpole(run), level=1, budget=1e-9)
-    assert short.verdict == "undecided"
+    assert isinstance(short, CertifyResult) and short.verdict == "undecided"
     assert Path(CALLS.write_report(run).report).is_file()
     assert CALLS.export_controller(run, tmp_path / "c").files
     with pytest.raises(InputError, match=r"options of a cart-pole .*--format"):

@@ -81,7 +81,7 @@ def certify(settings: CertifySettings) -> CertifyResult:
         far in the folder.
     """
     if (task := task_of("certify", settings)) is not None:
-        return task(ProgressCallbacks.by(proved=settings.progress)).returned
+        return CertifyResult(task(ProgressCallbacks.by(proved=settings.progress)).result)
     trained = open_run(settings.run)
     with only_writer(trained.path):
         return certify_alone(trained, settings)

@@ -80,7 +80,7 @@ def export_controller(
         states: random states on which C and Python are compared.
         begun: called when the settings are checked and the work begins.
 
-    Returns: `Export`.
+    Returns: `Export`; of a family beside walkers, the record that `--json` prints.
     Raises: InputError, SpecError or RunError with one line for bad input; MismatchError if the code
         does not compile or differs from Python, and nothing is written.
     """

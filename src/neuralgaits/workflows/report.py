@@ -67,6 +67,7 @@ def write_report(
         out: the file; `report.html` in the run if None.
         begun: called when the run is read and the work begins.
 
+    Returns: `Report`; of a family beside walkers, the record that `--json` prints.
     Raises: RunError if the run does not exist or is damaged, TimeLimitError if its own spec does
         not come to an end; InputError if the file cannot be written.
     """

@@ -120,7 +120,8 @@ def simulate(settings: SimulateSettings) -> Simulation:
     The run may be an open one, the controller a law of `control`; disturbances, link and box of
     robots may be mappings, and a mapping of commands is in SI units.
 
-    Returns: `Simulation`; its summary is also in the run folder.
+    Returns: `Simulation`; its summary is also in the run folder. Of a family beside walkers, the
+        record that `--json` prints.
     Raises: InputError, RobotError or RunError with one line.
     """
     if (task := task_of("simulate", settings)) is not None:

@@ -7,14 +7,14 @@ from pathlib import Path
 
 import mujoco
 
-from neuralgaits.robots.mjcf.file_refusals import all_noted, attempt
-from neuralgaits.robots.mjcf.ignored_physics import refuse_ignored_physics
 from neuralgaits.robots.mjcf.legs import leg_data, leg_joints, link_directions
 from neuralgaits.robots.mjcf.lenient_compilation import compile_what_can_be
 from neuralgaits.robots.mjcf.loader import robot_text
 from neuralgaits.robots.mjcf.motors_and_ranges import read_motor, read_range, refuse_other_actuators
 from neuralgaits.robots.mjcf.physical_numbers import refuse_odd_keyframes, refuse_unphysical
 from neuralgaits.robots.mjcf.planar_tree import PlanarTree, read_tree
+from neuralgaits.robots.mjcf.refuse_or_note import all_noted, attempt
+from neuralgaits.robots.mjcf.refused_physics import refuse_unmodelled_physics
 from neuralgaits.robots.mjcf.skeleton import read_skeleton
 
 _ROOT_JOINTS = 3
@@ -49,7 +49,7 @@ def note_problems(text: str, name: str) -> None:
     attempt(None, refuse_unphysical, model)
     attempt(None, refuse_odd_keyframes, text, model)
     tree = attempt(None, read_tree, model)
-    attempt(None, refuse_ignored_physics, model)
+    attempt(None, refuse_unmodelled_physics, model)
     if tree is not None:
         attempt(None, _note_problems_of_legs, model, tree)
     joints = _joints_below_the_root(model)

@@ -9,10 +9,10 @@ import mujoco
 import numpy as np
 
 from neuralgaits.robots.derive import LegData
-from neuralgaits.robots.mjcf.file_refusals import attempt, reads_on, refuse
 from neuralgaits.robots.mjcf.motors_and_ranges import Motor, read_motor, read_range
 from neuralgaits.robots.mjcf.physical_numbers import refuse_large_foot, refuse_quantity
 from neuralgaits.robots.mjcf.planar_tree import Joint, PlanarTree
+from neuralgaits.robots.mjcf.refuse_or_note import attempt, reads_on, refuse
 from neuralgaits.robots.mjcf.skeleton import Skeleton
 
 _LEG_TOLERANCE = 1e-6

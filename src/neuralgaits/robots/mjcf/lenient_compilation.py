@@ -15,7 +15,7 @@ import mujoco
 
 from neuralgaits.errors import RobotError
 from neuralgaits.robots.mjcf.compiled import compile_text
-from neuralgaits.robots.mjcf.file_refusals import refuse
+from neuralgaits.robots.mjcf.refuse_or_note import refuse
 
 _MOST_FAULTS = 50
 """Number of parts that are taken out of one file."""

@@ -27,7 +27,6 @@ from neuralgaits.robots.biped import PlanarBiped
 from neuralgaits.robots.constants import MjcfLayout
 from neuralgaits.robots.feet import FlatFeet
 from neuralgaits.robots.mjcf.compiled import compile_text
-from neuralgaits.robots.mjcf.ignored_physics import refuse_ignored_physics
 from neuralgaits.robots.mjcf.legs import LegJoint, leg_data, leg_joints, link_directions, up_angle
 from neuralgaits.robots.mjcf.link_names import coordinate_names, paired_names, role_names
 from neuralgaits.robots.mjcf.motors_and_ranges import refuse_other_actuators
@@ -36,6 +35,7 @@ from neuralgaits.robots.mjcf.physical_numbers import (
     refuse_unphysical,
 )
 from neuralgaits.robots.mjcf.planar_tree import PlanarTree, read_tree
+from neuralgaits.robots.mjcf.refused_physics import refuse_unmodelled_physics
 from neuralgaits.robots.mjcf.skeleton import Skeleton, read_skeleton
 from neuralgaits.robots.mjcf.text import standalone_text
 
@@ -134,7 +134,7 @@ def _read_anew(text: str, name: str) -> _Parts:
     refuse_unphysical(model)
     refuse_odd_keyframes(text, model)
     tree = read_tree(model)
-    refuse_ignored_physics(model)
+    refuse_unmodelled_physics(model)
     skeleton = read_skeleton(model, tree)
     lines = link_directions(tree, skeleton)
     refuse_other_actuators(model, [link.joint.index for link in tree.links[1:]])

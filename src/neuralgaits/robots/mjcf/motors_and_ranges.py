@@ -15,8 +15,8 @@ import mujoco
 import numpy as np
 
 from neuralgaits.errors import RobotError
-from neuralgaits.robots.mjcf.file_refusals import refuse
 from neuralgaits.robots.mjcf.planar_tree import joint_name
+from neuralgaits.robots.mjcf.refuse_or_note import refuse
 
 LEAST_RANGE = 0.1
 """Smallest range of a joint [rad]: no step fits into less; 1.6 rad read as degrees is 0.03."""

@@ -13,7 +13,7 @@ import mujoco
 import numpy as np
 
 from neuralgaits.errors import RobotError
-from neuralgaits.robots.mjcf.file_refusals import reads_on, refuse
+from neuralgaits.robots.mjcf.refuse_or_note import reads_on, refuse
 
 MOST = 1e6
 """Largest magnitude of any length, angle, mass, torque or coefficient, in SI units: a robot of a

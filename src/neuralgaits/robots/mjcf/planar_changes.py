@@ -11,9 +11,9 @@ from collections.abc import Callable
 import mujoco
 
 from neuralgaits.robots.mjcf.edit import MjcfEdit
-from neuralgaits.robots.mjcf.ignored_physics import refuse_loops
 from neuralgaits.robots.mjcf.joint_motors import choose_motor, said_of
 from neuralgaits.robots.mjcf.planar_tree import body_name
+from neuralgaits.robots.mjcf.refused_physics import refuse_loops
 
 
 def _name_joints(edit: MjcfEdit) -> None:

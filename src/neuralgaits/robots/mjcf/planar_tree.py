@@ -15,7 +15,7 @@ import mujoco
 import numpy as np
 
 from neuralgaits.errors import RobotError
-from neuralgaits.robots.mjcf.file_refusals import refuse
+from neuralgaits.robots.mjcf.refuse_or_note import refuse
 
 _AXIS_TOLERANCE = 1e-6
 _MIN_MASS_SHARE = 1e-9

@@ -17,12 +17,12 @@ from neuralgaits.errors import ManyProblems, RobotError
 from neuralgaits.robots.mjcf.compiled import compile_text
 from neuralgaits.robots.mjcf.edit import MjcfEdit
 from neuralgaits.robots.mjcf.file_problems import note_problems
-from neuralgaits.robots.mjcf.file_refusals import all_noted, attempt
 from neuralgaits.robots.mjcf.kept_feet import keep_flat_feet
 from neuralgaits.robots.mjcf.lenient_compilation import compile_what_can_be
 from neuralgaits.robots.mjcf.loader import robot_from_text
 from neuralgaits.robots.mjcf.planar_changes import AFTER_FEET, BEFORE_FEET
 from neuralgaits.robots.mjcf.point_feet import give_point_feet
+from neuralgaits.robots.mjcf.refuse_or_note import all_noted, attempt
 from neuralgaits.robots.mjcf.section import needs_section, section
 from neuralgaits.robots.mjcf.urdf import is_urdf, mjcf_of_urdf
 

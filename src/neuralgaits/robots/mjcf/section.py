@@ -13,9 +13,9 @@ import mujoco
 import numpy as np
 
 from neuralgaits.robots.mjcf.compiled import compile_text
-from neuralgaits.robots.mjcf.ignored_physics import refuse_loops
 from neuralgaits.robots.mjcf.physical_numbers import refuse_unphysical
 from neuralgaits.robots.mjcf.planar_tree import body_name
+from neuralgaits.robots.mjcf.refused_physics import refuse_loops
 from neuralgaits.robots.mjcf.section_changes import lines_about_plan
 from neuralgaits.robots.mjcf.section_feet import SectionFoot, section_foot
 from neuralgaits.robots.mjcf.section_links import SectionLink, equal_legs, section_links

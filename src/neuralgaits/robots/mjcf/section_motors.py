@@ -8,10 +8,10 @@ from xml.etree import ElementTree
 import mujoco
 
 from neuralgaits.errors import RobotError
-from neuralgaits.robots.mjcf.file_refusals import attempt
 from neuralgaits.robots.mjcf.joint_motors import choose_motor, said_of
 from neuralgaits.robots.mjcf.motors_and_ranges import plain_motor
 from neuralgaits.robots.mjcf.planar_tree import body_name
+from neuralgaits.robots.mjcf.refuse_or_note import attempt
 from neuralgaits.robots.mjcf.section_plan import SectionPlan
 
 _ON_JOINTS = (int(mujoco.mjtTrn.mjTRN_JOINT), int(mujoco.mjtTrn.mjTRN_JOINTINPARENT))

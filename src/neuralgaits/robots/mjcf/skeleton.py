@@ -16,10 +16,10 @@ import mujoco
 import numpy as np
 
 from neuralgaits.errors import RobotError
-from neuralgaits.robots.mjcf.file_refusals import attempt, refuse
-from neuralgaits.robots.mjcf.ignored_physics import refuse_excluded
 from neuralgaits.robots.mjcf.physical_numbers import refuse_frictionless, refuse_odd_contact
 from neuralgaits.robots.mjcf.planar_tree import Link, PlanarTree
+from neuralgaits.robots.mjcf.refuse_or_note import attempt, refuse
+from neuralgaits.robots.mjcf.refused_physics import refuse_excluded
 from neuralgaits.robots.mjcf.soles import read_sole
 
 _HIP_TOLERANCE_M = 1e-6

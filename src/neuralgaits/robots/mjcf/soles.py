@@ -11,7 +11,7 @@ import numpy as np
 
 from neuralgaits._types import Float
 from neuralgaits.errors import RobotError
-from neuralgaits.robots.mjcf.file_refusals import refuse
+from neuralgaits.robots.mjcf.refuse_or_note import refuse
 
 LEVEL_M = 1e-4
 """Largest difference in height of points of one sole [m]."""

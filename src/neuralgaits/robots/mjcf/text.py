@@ -12,7 +12,7 @@ from xml.etree import ElementTree
 from neuralgaits._inputs import no_file_at, refuse_unreadable
 from neuralgaits._printable import printable
 from neuralgaits.errors import RobotError, reason
-from neuralgaits.robots.mjcf.file_refusals import refuse
+from neuralgaits.robots.mjcf.refuse_or_note import refuse
 
 MOST_NESTED = 100
 """Limit on nested elements: bodies of a leg are four deep, and readers here are recursive."""

@@ -14,7 +14,7 @@ import mujoco
 import numpy as np
 
 from neuralgaits._types import Float
-from neuralgaits.robots.mjcf.file_refusals import refuse
+from neuralgaits.robots.mjcf.refuse_or_note import refuse
 from neuralgaits.robots.mjcf.urdf_shapes import Shapes
 from neuralgaits.robots.mjcf.urdf_tree import UrdfTree, read_urdf_tree
 from neuralgaits.robots.mjcf.urdf_values import attribute, numbers, orientation

@@ -5,7 +5,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from neuralgaits.robots.mjcf.file_refusals import refuse
+from neuralgaits.robots.mjcf.refuse_or_note import refuse
 from neuralgaits.robots.mjcf.urdf_values import attribute, numbers, orientation
 
 Element = ElementTree.Element

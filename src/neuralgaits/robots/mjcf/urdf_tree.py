@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from xml.etree import ElementTree
 
 from neuralgaits.errors import RobotError
-from neuralgaits.robots.mjcf.file_refusals import refuse
+from neuralgaits.robots.mjcf.refuse_or_note import refuse
 
 Element = ElementTree.Element
 _KINDS = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")

@@ -7,7 +7,7 @@ from xml.etree import ElementTree
 import numpy as np
 
 from neuralgaits._types import Float
-from neuralgaits.robots.mjcf.file_refusals import refuse
+from neuralgaits.robots.mjcf.refuse_or_note import refuse
 
 _MOST = 1e6
 

@@ -12,11 +12,11 @@ import mujoco
 import numpy as np
 
 from neuralgaits.errors import RobotError
-from neuralgaits.robots.mjcf.file_refusals import refuse
 from neuralgaits.robots.mjcf.planar_tree import body_name
+from neuralgaits.robots.mjcf.refuse_or_note import refuse
 
 
-def refuse_ignored_physics(model: mujoco.MjModel) -> None:
+def refuse_unmodelled_physics(model: mujoco.MjModel) -> None:
     """Check that a compiled robot file holds only what the closed form describes.
 
     Raises: RobotError naming what would be ignored, and the remedy.
