@@ -7,8 +7,10 @@ import numpy as np
 import pytest
 
 from neuralgaits.cli.main import main
+from neuralgaits.errors import InputError
 from neuralgaits.robots import load_robot, registry
-from support import door_robots, walkers
+from neuralgaits.settings import TrainSettings
+from support import brief_spec, door_robots, walkers
 
 
 @pytest.fixture
@@ -72,6 +74,23 @@ def test_what_is_unusual_is_a_warning_and_no_refusal(place, capfd):
         main(["inspect", "h1.xml", "--planarise", "h1-flat.xml", "--feet", "flat", "--json"]) == 0
     )
     assert json.loads(capfd.readouterr().out)["warnings"] == []
+
+
+def test_a_changed_copy_is_trained_in_one_command(place, capfd):
+    urdf = door_robots.files()["rabbit-floating.urdf"]
+    (place / "robot.urdf").write_text(urdf, encoding="utf-8")
+    spec = ("--spec", f"{brief_spec.__file__}:brief")
+    assert (
+        main(["train", "robot.urdf", "--feet", "point", "--steps", "1", *spec, "--out", "run"]) == 0
+    )
+    said = capfd.readouterr().err
+    assert re.search(r"changed: \d+ things in robot.urdf, listed in robot.xml", said)
+    assert main(["inspect", "robot.urdf", "--planarise", "point.xml"]) == 0
+    assert (place / "run" / "robot.xml").read_text() == (place / "point.xml").read_text()
+    assert main(["train", "run/robot.xml", "--weld", "left_knee"]) == 2
+    assert "--weld: expected --feet point or --feet flat" in capfd.readouterr().err
+    with pytest.raises(InputError, match="feet: expected the path of a robot file"):
+        TrainSettings(load_robot("rabbit"), feet="flat")
 
 
 def test_feet_that_point_back_are_a_warning(place, capfd):

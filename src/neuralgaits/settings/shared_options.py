@@ -58,6 +58,7 @@ OwnRobot = Annotated[
 ]
 """Optional robot; a resumed run has its own."""
 Spec = Annotated[AnySpec | None, arg(metavar="SPEC"), PythonType("GaitSpec | str | None")]
+Feet = Annotated[Literal["point", "flat"] | None, arg(metavar="{point,flat}")]
 Init = Annotated[Literal["posture", "random"] | None, arg(metavar="{posture,random}")]
 Widths = Annotated[tuple[int, ...] | None, option("N,N", forms.widths, forms.numbers_word)]
 Number = Annotated[int | None, arg(metavar="N")]

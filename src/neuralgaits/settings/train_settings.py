@@ -20,7 +20,8 @@ from neuralgaits._checks import (
 )
 from neuralgaits.errors import InputError
 from neuralgaits.runs import RUNS_ROOT
-from neuralgaits.settings.options import Settings, arg
+from neuralgaits.settings import forms
+from neuralgaits.settings.options import Settings, arg, option
 from neuralgaits.settings.shared_options import (
     A_PATH,
     AnyName,
@@ -28,9 +29,11 @@ from neuralgaits.settings.shared_options import (
     AnyWatch,
     Begun,
     Box,
+    Feet,
     Flag,
     Folder,
     Init,
+    Names,
     Number,
     OwnRobot,
     Progress,
@@ -72,6 +75,11 @@ class GaitSettings(Settings):
     slope: Slope = None
     """Range of commanded slopes of the ground, as in --slope=-5:5 [degrees]; a pair of numbers in
     Python is in radians."""
+    feet: Feet = None
+    """Train a changed copy of the robot file, as inspect --planarise writes it, on point feet or
+    flat ones; it becomes the run's robot.xml, with the list of changes at its top."""
+    weld: Annotated[Names, option("JOINT,...", forms.weld, ",".join)] = ()
+    """With --feet: joints to weld in that copy, at the file's first keyframe or at zero."""
     parameters: Box = None
     """Box of robots that one policy must walk on, as in mass=2%,com=5mm,inertia=5%,rotor=5%:
     errors of every link's mass, centre of mass and inertia, and of every rotor; and of the floor:
@@ -83,6 +91,12 @@ class GaitSettings(Settings):
             raise InputError(f"expected init posture or random, found {self.init!r}")
         check_widths(self.hidden)
         check_steps(self.steps)
+        if self.weld and self.feet is None:
+            raise InputError(
+                "--weld: expected --feet point or --feet flat beside it, found none: add it"
+            )
+        if self.feet is not None and not isinstance(self.robot, str | Path | None):
+            raise InputError(f"feet: expected the path of a robot file, found {self.robot!r}")
 
 
 @dataclass(frozen=True, kw_only=True)

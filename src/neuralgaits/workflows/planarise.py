@@ -2,7 +2,7 @@
 
 from collections.abc import Collection
 from contextlib import suppress
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from neuralgaits._printable import printable
@@ -24,6 +24,37 @@ MOST_NAMES = 4
 """Number of files that a line names."""
 
 
+@dataclass(frozen=True)
+class PlanarCopy:
+    """A copy of a robot file that the theory covers.
+
+    Attributes:
+        robot: the robot in it.
+        text: MJCF, with the changes in a comment at the top.
+        changes: what is different from the source, a line each.
+        warnings: what the copy lacks that the source has, a line each.
+    """
+
+    robot: PlanarBiped
+    text: str
+    changes: tuple[str, ...]
+    warnings: tuple[str, ...]
+
+
+def planar_copy(source: str | Path, feet: Feet = "point", weld: Collection[str] = ()) -> PlanarCopy:
+    """Return a changed copy of a robot file; the arguments are those of `planarise_file`.
+
+    Raises: RobotError if the file cannot be made into a planar biped.
+    """
+    dropped: list[str] = []
+    text, name, folder = _text_of(source, dropped)
+    made = planarise(text, name, feet, weld, folder)
+    resolved = () if folder is not None else _resolved(source, text, dropped)
+    warnings = _about_cut_feet(text, name, weld, folder) if feet == "point" else ()
+    robot = robot_from_text(made.text, name)
+    return PlanarCopy(robot, made.text, (*resolved, *made.changes), warnings)
+
+
 def planarise_file(
     source: str | Path, out: Path, feet: Feet = "point", weld: Collection[str] = ()
 ) -> RobotFacts:
@@ -39,17 +70,11 @@ def planarise_file(
     Raises: RobotError if the file cannot be made into a planar biped, InputError if there is a file
         at `out`; nothing is written then.
     """
-    dropped: list[str] = []
-    text, name, folder = _text_of(source, dropped)
-    made = planarise(text, name, feet, weld, folder)
+    made = planar_copy(source, feet, weld)
     write_new(out, made.text)
-    resolved = () if folder is not None else _resolved(source, text, dropped)
-    changes = (*resolved, *made.changes)
     facts = inspect(load_robot(out))
-    warnings = facts.warnings
-    if feet == "point":
-        warnings += _about_cut_feet(text, name, weld, folder)
-    return replace(facts, written=str(out), changes=changes, warnings=warnings)
+    warnings = (*facts.warnings, *made.warnings)
+    return replace(facts, written=str(out), changes=made.changes, warnings=warnings)
 
 
 def _about_cut_feet(
@@ -68,8 +93,17 @@ def _about_cut_feet(
     return ()
 
 
-def robot_from(source: PlanarBiped | str | Path | None) -> PlanarBiped:
+def robot_from(
+    source: PlanarBiped | str | Path | None,
+    feet: Feet | None = None,
+    weld: Collection[str] = (),
+) -> PlanarBiped:
     """Return a robot, loaded if it is named; the error for a file names a fix, if there is one.
+
+    Args:
+        source: the robot, its name or the path of its file.
+        feet: those of a changed copy of the file; None for the file as it is.
+        weld: joints to weld in that copy.
 
     Raises: RobotError, as `load_robot`; InputError if there is none.
     """
@@ -80,6 +114,8 @@ def robot_from(source: PlanarBiped | str | Path | None) -> PlanarBiped:
         )
     if isinstance(source, PlanarBiped):
         return source
+    if feet is not None:
+        return planar_copy(source, feet, weld).robot
     try:
         return load_robot(source)
     except RobotError as error:

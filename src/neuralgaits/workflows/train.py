@@ -62,7 +62,7 @@ def train(settings: TrainSettings) -> Run:
         folder, robot, loaded = _resumed(settings.resume, robot, root)
         run = Run(folder, robot, loaded, untrained(folder, loaded))
     else:
-        robot = robot_from(settings.robot)
+        robot = robot_from(settings.robot, settings.feet, settings.weld)
         place = None if settings.out is None else Path(settings.out)
         certify, budget = settings.certify, settings.budget
         new = new_training(robot, settings, settings.seed or 0, certify=certify, budget=budget)

@@ -51,7 +51,8 @@ def train_seeds(settings: TrainSeedsSettings) -> Seeds:
     Raises: InputError on bad settings; Interrupted for KeyboardInterrupt.
     """
     start_time = time.perf_counter()
-    robot, numbers, root = robot_from(settings.robot), range(*settings.seeds), settings.root
+    robot = robot_from(settings.robot, settings.feet, settings.weld)
+    numbers, root = range(*settings.seeds), settings.root
     first = new_training(robot, settings, numbers[0])
     place = None if settings.out is None else Path(settings.out)
     refuse_unwritable(root / LATEST, own=True)

@@ -12,7 +12,7 @@ from neuralgaits.robots.mjcf.compiled import compile_text
 from neuralgaits.robots.mjcf.elements import Element, match_elements, parse
 from neuralgaits.robots.mjcf.skeleton import find_floor
 
-_TITLE = "Changed by neuralgaits inspect, to be treated as a planar biped with point feet:"
+_TITLE = "Changed by neuralgaits, to be treated as a planar biped:"
 _NAMED = {
     "joint": ("joint", "joint1", "joint2", "jointinparent"),
     "actuator": ("actuator",),
