@@ -24,6 +24,7 @@ from neuralgaits.certificate.search.halving import halves, to_text
 from neuralgaits.certificate.search.problem import Problem
 from neuralgaits.certificate.search.root_turns import SearchInterrupted, explore
 from neuralgaits.errors import RunError
+from neuralgaits.programs.native.bounder import Bounder
 from neuralgaits.programs.tracing.tracer import trace
 from neuralgaits.records.certified import Counterexample
 
@@ -204,7 +205,8 @@ def test_boxes_have_an_end_and_a_budget_lifts_it(monkeypatch):
     assert 600 < len(held.tree.first) <= 720
 
 
-def test_a_wide_network_is_bounded_in_smaller_batches():
+def test_without_a_compiler_a_wide_network_is_bounded_in_smaller_batches(monkeypatch):
+    monkeypatch.setattr(Bounder, "of", lambda *program: None)
     narrow, wide = np.ones((8, 2)), np.ones((2048, 2))
 
     def batch(weights):

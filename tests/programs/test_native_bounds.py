@@ -22,25 +22,25 @@ def everything(u):
     return {"first": jnp.stack([inner, root]), "second": smooth * near - 0.7}
 
 
-@pytest.fixture(scope="module")
-def problem():
-    if library(4) is None:
+@pytest.fixture(scope="module", params=[2, 4])
+def problem(request):
+    axes = request.param
+    if library(axes) is None:
         pytest.skip("no C++ compiler")
-    program = trace(everything, {"u": (4,)})
-    return Problem(
-        "all", (-1.0,) * 4, (1.0,) * 4, ("first", "second"), (1.0, 2.0), program, least=(0.1, 0.0)
-    )
+    program = trace(lambda u: everything(jnp.resize(u, 4)), {"u": (axes,)})
+    low, high = (-1.0,) * axes, (1.0,) * axes
+    return Problem("all", low, high, ("first", "second"), (1.0, 2.0), program, least=(0.1, 0.0))
 
 
-def boxes(width, count=300):
+def boxes(problem, width, count=300):
     random = np.random.default_rng(1)
-    low = random.uniform(-1.0, 1.0 - width, (count, 4))
-    return low, low + width * random.uniform(0.0, 1.0, (count, 4))
+    low = random.uniform(-1.0, 1.0 - width, (count, len(problem.low)))
+    return low, low + width * random.uniform(0.0, 1.0, low.shape)
 
 
 @pytest.mark.parametrize("width", [1e-3, 0.1, 0.5])
 def test_they_are_those_of_the_python_rules(problem, width, monkeypatch):
-    low, high = boxes(width)
+    low, high = boxes(problem, width)
     found = problem.bounds(low, high)
     reference = Problem(*(getattr(problem, n) for n in problem.__dataclass_fields__))
     monkeypatch.setitem(vars(reference), "_compiled", None)
@@ -49,7 +49,7 @@ def test_they_are_those_of_the_python_rules(problem, width, monkeypatch):
 
 
 def test_they_hold_at_random_points(problem):
-    low, high = boxes(0.4, count=200)
+    low, high = boxes(problem, 0.4, count=200)
     lower, _ = problem.bounds(low, high)
     random = np.random.default_rng(2)
     for _ in range(20):
@@ -57,7 +57,7 @@ def test_they_hold_at_random_points(problem):
         assert np.all(lower <= problem.values(points))
 
 
-def test_a_box_on_a_singularity_has_no_bound(problem):
+def test_a_box_on_a_singularity_has_no_bound():
     program = trace(lambda u: {"one": 1.0 / u[0] + u[1] * u[2] * u[3]}, {"u": (4,)})
     wide = Problem("all", (-1.0,) * 4, (1.0,) * 4, ("one",), (1.0,), program)
     for side in wide.bounds(np.full((1, 4), -1.0), np.full((1, 4), 1.0)):

@@ -19,7 +19,6 @@ LEAST_BATCH, MOST_BATCH = 64, 512
 cache."""
 COMPILED_BATCH, COMPILED_DEGREE = 8192, 2
 """Number of boxes bounded at once by compiled code, and the degree that it supports."""
-PLANE = 2
 CACHE_BYTES = 2**22
 """Size of the largest result of an operation over a batch [bytes]: about a core's own cache."""
 Boxes = tuple[np.ndarray, np.ndarray]
@@ -173,8 +172,8 @@ class Problem:
 
     @cached_property
     def _compiled(self) -> Bounder | None:
-        """Return compiled code, used in more than two axes; the Python rules are the reference."""
-        if len(self.low) == PLANE or self.degree != COMPILED_DEGREE:
+        """Return compiled code where there is a compiler; the Python rules are the reference."""
+        if self.degree != COMPILED_DEGREE:
             return None
         return Bounder.of(self.program, self.names, self._folded)
 

@@ -6,6 +6,7 @@ from functools import partial
 
 import numpy as np
 
+from neuralgaits.certificate.chart import PLANE
 from neuralgaits.certificate.search.branch_and_bound import (
     MAX_BOXES,
     TIGHTEN_BOXES,
@@ -17,7 +18,7 @@ from neuralgaits.certificate.search.branch_and_bound import (
     start,
     to_split,
 )
-from neuralgaits.certificate.search.problem import PLANE, Problem
+from neuralgaits.certificate.search.problem import Problem
 
 TURN_BOXES = 2**13
 """Boxes that one root may add before the next has its turn. This is no time limit, because the

@@ -19,7 +19,7 @@ from neuralgaits.programs import Program
 
 _PROBLEM, _LOW, _HIGH, _LOWER, _UPPER = "problem.json", "low", "high", "lower", "upper"
 PIECE = 512
-"""Most boxes of a task, in more axes than two: tenths of a second."""
+"""Most boxes of a task for compiled code: tenths of a second."""
 _TUPLES = ("low", "high", "names", "scales", "least")
 
 
