@@ -116,15 +116,15 @@ class SweepOptions(SweepSettings):
 
 @dataclass(frozen=True)
 class ExportOptions:
-    """Write the gait for a robot, as C or ONNX, and compare the result with Python."""
+    """Write the gait for a robot, as C, FMU or ONNX, and compare the result with Python."""
 
     run: Run
     """Run folder, or latest."""
     out: Annotated[Path, arg(metavar="DIR")]
     """Folder to write to; new or empty unless --force."""
-    format: Literal["c", "onnx"] = "c"
+    format: Literal["c", "onnx", "fmu", "fmu2"] = "c"
     """c: the controller in C99 without dependencies. onnx: the policy and its rate; needs the onnx
-    extra."""
+    extra. fmu: the controller for co-simulation by FMI 3.0. fmu2: by FMI 2.0."""
     force: Flag = False
     """Replace the files of an earlier export."""
     output: Output = OutputOptions()

@@ -20,7 +20,7 @@ from neuralgaits.runs.outputs import refuse_folder_of_run
 _EXPORTER_ONLY = frozenset(("check.c", "check_monitor.c"))
 _OF_MONITOR = frozenset(("monitor.h", "monitor.c"))
 """Files that only a gait with a proof has."""
-_SUFFIXES = (".c", ".h", ".onnx")
+_SUFFIXES = (".c", ".h", ".onnx", ".fmu")
 """Suffixes of the files of an export."""
 
 

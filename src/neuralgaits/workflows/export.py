@@ -1,4 +1,4 @@
-"""Write a trained gait for a robot, in C or ONNX, and compare it with Python."""
+"""Write a trained gait for a robot, in C, as an FMU or in ONNX, and compare it with Python."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
@@ -22,6 +22,7 @@ from neuralgaits.export import build, output_folder
 from neuralgaits.export.c_check import check_controller
 from neuralgaits.export.compare import STATES
 from neuralgaits.export.facts import Design, Origin
+from neuralgaits.export.fmu.fmu_archive import fmu_file
 from neuralgaits.export.monitor_source import monitor_files
 from neuralgaits.export.reference import Reference
 from neuralgaits.export.selftest import selftest_file
@@ -40,8 +41,8 @@ NO_EXTRA = (
     "expected the packages onnx and onnxruntime for --format onnx, found no {}: "
     "pip install 'neuralgaits[onnx]'"
 )
-MONITORED = "c"
-"""Format that has a monitor."""
+MONITORED = ("c", "fmu", "fmu2")
+"""Formats that have a monitor."""
 LARGEST = 1e30
 """Largest number of a gait that may be exported: C may compute in single precision."""
 RecordFactory = Callable[..., Exported]
@@ -75,7 +76,8 @@ def export_controller(
     Args:
         run: a run, its folder, or `latest`.
         out: folder to write to; new or empty unless `force`.
-        format: `c`, the controller; `onnx`, its policy and rate, which needs the extra `onnx`.
+        format: `c`, the controller; `onnx`, its policy and rate, which needs the extra `onnx`;
+            `fmu`, the controller for co-simulation by FMI 3.0; `fmu2`, by FMI 2.0.
         force: replace the files of an earlier export.
         states: random states on which C and Python are compared.
         begun: called when the settings are checked and the work begins.
@@ -103,7 +105,7 @@ def export_controller(
     # Numbers that are not finite are refused where they are written.
     with np.errstate(all="ignore"):
         design = design_of(trained, certificate)
-        if format == MONITORED:
+        if format in MONITORED:
             design, lacking = with_monitor(design, trained, certificate)
         files, told = WRITERS[format](design, states)
     return Export(
@@ -214,12 +216,27 @@ def _c(design: Design, states: int) -> tuple[dict[str, str], RecordFactory]:
     """Return the files of the controller, and the factory of its record."""
     reference = Reference(design)
     files = output_folder.shipped() | controller_files(design, reference)
-    compilers = build.compilers()
+    return files, _checked(design, reference, files, build.compilers(), states)
+
+
+def _fmu(design: Design, states: int, version: str) -> tuple[dict[str, str | bytes], RecordFactory]:
+    """Return the FMU, and the factory of its record; its controller is compared as C is."""
+    reference, compilers = Reference(design), build.compilers()
+    files = output_folder.shipped() | controller_files(design, reference)
+    record = _checked(design, reference, files, compilers, states)
+    name, content = fmu_file(design, version, files, compilers)
+    return {name: content}, record
+
+
+def _checked(
+    design: Design, reference: Reference, files: dict[str, str], compilers: list[str], states: int
+) -> RecordFactory:
+    """Compare the controller in C with Python. Returns: the factory of its record."""
     if not compilers:
         known = None if design.monitor is None else MonitorExport(design.monitor.levels)
-        return files, partial(UncheckedExport, reason=NO_COMPILER, monitor=known)
+        return partial(UncheckedExport, reason=NO_COMPILER, monitor=known)
     with output_folder.scratch(files | output_folder.harness()) as place:
-        return files, check_controller(design, reference, place, compilers, states)
+        return check_controller(design, reference, place, compilers, states)
 
 
 def _onnx(design: Design, states: int) -> tuple[dict[str, bytes], RecordFactory]:
@@ -239,6 +256,8 @@ def _onnx(design: Design, states: int) -> tuple[dict[str, bytes], RecordFactory]
 WRITERS: dict[str, Callable[[Design, int], tuple[Mapping[str, str | bytes], RecordFactory]]] = {
     "c": _c,
     "onnx": _onnx,
+    "fmu": partial(_fmu, version="3.0"),
+    "fmu2": partial(_fmu, version="2.0"),
 }
 """Writer of each format: takes a design and a number of test states, returns files and a record
 factory."""

@@ -1,0 +1,93 @@
+"""Make the file of an FMU: description, C sources, and a binary for this machine."""
+
+import io
+import platform
+import sys
+import zipfile
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from neuralgaits.export import build, output_folder
+from neuralgaits.export.facts import Design
+from neuralgaits.export.fmu.fmu_sources import (
+    compiled_files,
+    headers,
+    model_identifier,
+    source_files,
+)
+from neuralgaits.export.fmu.fmu_variables import variables_of
+from neuralgaits.export.fmu.model_description import build_description, model_description
+
+_SHARED = ("-O2", "-fPIC", "-shared", "-fvisibility=hidden")
+"""Flags of the binary: of its functions only those of the standard are seen."""
+_SYSTEMS = {
+    "linux": ("linux", "linux", ".so"),
+    "darwin": ("darwin", "darwin", ".dylib"),
+    "win32": ("windows", "win", ".dll"),
+}
+"""Names of systems in FMI 3.0 and 2.0, and the suffix of their libraries."""
+_MACHINES = {"amd64": "x86_64", "arm64": "aarch64"}
+_EPOCH = (1980, 1, 1, 0, 0, 0)
+"""Date of every entry, so that the same gait gives the same file."""
+
+
+def fmu_file(
+    design: Design, version: str, controller: Mapping[str, str], compilers: Sequence[str]
+) -> tuple[str, bytes]:
+    """Return the name and the content of an FMU.
+
+    Args:
+        design: design of the controller.
+        version: `2.0` or `3.0`.
+        controller: files of the exported controller, those of its monitor included.
+        compilers: compilers that the sources have to suit; the first one makes the binary. Without
+            any, the FMU has sources alone.
+
+    Raises: MismatchError with the first complaint of a compiler.
+    """
+    model, variables = model_identifier(design), variables_of(design)
+    sources, token = source_files(design, variables, version, controller)
+    compiled = compiled_files(design, version)
+    described = model_description(design, variables, version, model, token, compiled)
+    files: dict[str, str | bytes] = {"modelDescription.xml": described}
+    files |= {f"sources/{name}": text for name, text in sources.items()}
+    if version == "3.0":
+        files["sources/buildDescription.xml"] = build_description(model, compiled)
+    folder, suffix = binary_place(version)
+    for number, compiler in enumerate(compilers):
+        binary = _compiled(compiler, model + suffix, sources, compiled)
+        if number == 0:
+            files[f"binaries/{folder}/{model}{suffix}"] = binary
+    return f"{model}.fmu", archive(files)
+
+
+def binary_place(version: str) -> tuple[str, str]:
+    """Return the folder of this machine's binaries, and their suffix."""
+    three, two, suffix = _SYSTEMS.get(sys.platform, _SYSTEMS["linux"])
+    machine = platform.machine().lower()
+    bits = "64" if sys.maxsize > 2**32 else "32"
+    folder = f"{_MACHINES.get(machine, machine)}-{three}" if version == "3.0" else f"{two}{bits}"
+    return folder, suffix
+
+
+def archive(files: Mapping[str, str | bytes]) -> bytes:
+    """Return a zip file with these files, the same bytes for the same content."""
+    out = io.BytesIO()
+    with zipfile.ZipFile(out, "w", zipfile.ZIP_DEFLATED) as made:
+        for name, content in files.items():
+            entry = zipfile.ZipInfo(name, _EPOCH)
+            entry.compress_type = zipfile.ZIP_DEFLATED
+            entry.create_system = 3  # Unix, on every machine: the permissions are Unix's.
+            entry.external_attr = (0o755 if name.startswith("binaries/") else 0o644) << 16
+            made.writestr(entry, content)
+    return out.getvalue()
+
+
+def _compiled(
+    compiler: str, name: str, sources: Mapping[str, str], compiled: Sequence[str]
+) -> bytes:
+    """Return the binary. Raises: MismatchError if it does not compile without a warning."""
+    stripped = ("-s",) if sys.platform == "linux" else ()
+    with output_folder.scratch({**sources, **headers()}) as folder:
+        made: Path = build.build(compiler, folder, name, tuple(compiled), (*_SHARED, *stripped))
+        return made.read_bytes()
