@@ -17,8 +17,11 @@ from neuralgaits.certificate.run_certificate.verified_summary import (
     read_certificate,
 )
 from neuralgaits.control.law_by_name import exported_laws
+from neuralgaits.deployment.deployment_reader import read_deployment
+from neuralgaits.deployment.deployment_template import deployment_text, template
 from neuralgaits.errors import InputError, SpecError
 from neuralgaits.export import build, output_folder
+from neuralgaits.export.board_source import board_files
 from neuralgaits.export.c_check import check_controller
 from neuralgaits.export.compare import STATES
 from neuralgaits.export.facts import Design, Origin
@@ -34,14 +37,17 @@ from neuralgaits.runs.names import ROBOT, WEIGHTS
 from neuralgaits.simulation.setup.starts import momentum_range
 from neuralgaits.systems.family_tasks import task_with
 from neuralgaits.systems.system_family import ProgressCallbacks
+from neuralgaits.workflows.deployed_run import deployed_robot, usual_gains
 
 NO_COMPILER = "no C compiler: the files are written and not checked; install gcc or clang"
 NO_EXTRA = (
     "expected the packages onnx and onnxruntime for --format onnx, found no {}: "
     "pip install 'neuralgaits[onnx]'"
 )
-MONITORED = "c"
-"""Format that has a monitor."""
+CONTROLLERS = ("c",)
+"""Formats that have a whole controller: a monitor, and a map to the hardware."""
+TEMPLATE = "deploy.template.yaml"
+"""Deployment file beside a controller, to be copied and edited."""
 LARGEST = 1e30
 """Largest number of a gait that may be exported: C may compute in single precision."""
 RecordFactory = Callable[..., Exported]
@@ -67,6 +73,7 @@ def export_controller(
     *,
     format: str = "c",
     force: bool = False,
+    config: str | Path | None = None,
     states: int = STATES,
     begun: Callable[[], None] | None = None,
 ) -> Export:
@@ -77,6 +84,8 @@ def export_controller(
         out: folder to write to; new or empty unless `force`.
         format: `c`, the controller; `onnx`, its policy and rate, which needs the extra `onnx`.
         force: replace the files of an earlier export.
+        config: deployment file of the robot, whose map between motors and joints is written, too;
+            a template of one is written if None.
         states: random states on which C and Python are compared.
         begun: called when the settings are checked and the work begins.
 
@@ -88,8 +97,18 @@ def export_controller(
         raise InputError(f"unknown format {format!r}: expected one of {', '.join(WRITERS)}")
     if states < 1:
         raise InputError(f"states: expected 1 or more, found {states}")
+    if config is not None and format not in CONTROLLERS:
+        raise InputError(
+            f"--config: expected --format {' or '.join(CONTROLLERS)} beside it, found {format}: "
+            "leave one of them out"
+        )
     asked = {"run": run, "out": Path(out)}
-    others = {"format": (format, "c"), "force": (force, False), "states": (states, STATES)}
+    others = {
+        "config": (config, None),
+        "format": (format, "c"),
+        "force": (force, False),
+        "states": (states, STATES),
+    }
     asked |= {name: value for name, (value, usual) in others.items() if value != usual}
     if (task := task_with("export", asked)) is not None:
         return task(ProgressCallbacks.by(begun=begun)).returned
@@ -97,15 +116,20 @@ def export_controller(
     output_folder.refuse_used(folder, force=force)
     certificate = read_certificate(trained.folder)
     _refuse_unusable(trained.trained)
+    about = deployed_robot(trained)
+    deployment = None if config is None else read_deployment(config, about)
     if begun is not None:
         begun()
     lacking: list[str] = []
     # Numbers that are not finite are refused where they are written.
     with np.errstate(all="ignore"):
         design = design_of(trained, certificate)
-        if format == MONITORED:
+        if format in CONTROLLERS:
             design, lacking = with_monitor(design, trained, certificate)
+            design = replace(design, deployment=deployment)
         files, told = WRITERS[format](design, states)
+        if format in CONTROLLERS and deployment is None:
+            files = {**files, TEMPLATE: deployment_text(template(about, usual_gains(design)))}
     return Export(
         told(
             run=str(trained.path),
@@ -114,6 +138,7 @@ def export_controller(
             files=tuple(output_folder.publish(folder, files)),
             laws=tuple(design.controllers),
             warnings=(*_warnings(certificate), *lacking),
+            deployment_sha256=None if deployment is None else deployment.sha256,
         )
     )
 
@@ -171,7 +196,7 @@ def with_monitor(
 def controller_files(design: Design, reference: Reference) -> dict[str, str]:
     """Return the files that are specific to this gait."""
     own = gait_files(design) | {"gait_selftest.h": selftest_file(design, reference)}
-    return own | monitor_files(design)
+    return own | monitor_files(design) | board_files(design)
 
 
 def _origin(trained: Run, found: CertificateReading) -> Origin:
