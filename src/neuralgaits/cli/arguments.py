@@ -127,6 +127,9 @@ class ExportOptions:
     extra. fmu: the controller for co-simulation by FMI 3.0. fmu2: by FMI 2.0."""
     force: Flag = False
     """Replace the files of an earlier export."""
+    config: Annotated[Path | None, arg(metavar="deploy.yaml")] = None
+    """Deployment file: writes its map between motors and joints beside the controller. Without it
+    a template of such a file is written."""
     output: Output = OutputOptions()
 
 

@@ -200,7 +200,12 @@ def _export(verb: ExportOptions) -> Outcome:
 
     with waiting("writing it, comparing it with Python", quiet=verb.output.json) as progress:
         done = export_controller(
-            verb.run, verb.out, format=verb.format, force=verb.force, begun=progress.begun
+            verb.run,
+            verb.out,
+            format=verb.format,
+            force=verb.force,
+            config=verb.config,
+            begun=progress.begun,
         )
     return Outcome(done.summary, done.checked, show_export, undecided=not done.checked)
 

@@ -5,6 +5,7 @@ from pathlib import Path
 
 from neuralgaits.errors import MismatchError
 from neuralgaits.export import build
+from neuralgaits.export.board_source import BOARD_SOURCES
 from neuralgaits.export.compare import (
     STEP_TIME,
     Questions,
@@ -49,6 +50,10 @@ def check_controller(
         precision: _sizes(folder, compilers[0], defines)
         for precision, defines in build.PRECISIONS.items()
     }
+    if design.deployment is not None:
+        for compiler in compilers:
+            for defines in build.PRECISIONS.values():
+                _sizes_of(folder, compiler, defines, (*build.CORE, *BOARD_SOURCES))
     monitor = None
     if design.monitor is not None:
         # No more states than were asked for.
@@ -95,15 +100,23 @@ def _built(
 
 def _sizes(folder: Path, compiler: str, defines: tuple[str, ...]) -> Memory:
     """Return the memory of one precision. Raises: MismatchError for heap calls or static memory."""
-    core = build.inspect(compiler, folder, (*build.PLAIN, *defines))
-    if core.foreign or core.static_bytes:
-        raise MismatchError(
-            "expected a controller that calls no library and keeps no memory, found "
-            f"{', '.join(core.foreign) or 'no calls'} and {core.static_bytes} bytes: report it"
-        )
+    core = _sizes_of(folder, compiler, defines, build.CORE)
     program = build.build(compiler, folder, "check", build.CHECKED, (*build.PLAIN, *defines))
     rows = build.run(program, "sizes").decode().split()
     structs = dict(zip(rows[::2], map(int, rows[1::2]), strict=True))
     kept = sum(structs.values())
     stack = core.stack_bytes
     return Memory(core.flash_bytes, None if stack is None else kept + stack, stack, structs)
+
+
+def _sizes_of(
+    folder: Path, compiler: str, defines: tuple[str, ...], sources: tuple[str, ...]
+) -> build.Inspection:
+    """Inspect sources. Raises: MismatchError for heap calls or static memory."""
+    core = build.inspect(compiler, folder, (*build.PLAIN, *defines), sources)
+    if core.foreign or core.static_bytes:
+        raise MismatchError(
+            "expected a controller that calls no library and keeps no memory, found "
+            f"{', '.join(core.foreign) or 'no calls'} and {core.static_bytes} bytes: report it"
+        )
+    return core

@@ -12,6 +12,7 @@ from neuralgaits.analysis.state_monitor import StateMonitor
 from neuralgaits.control import AbstractLaw, Controller
 from neuralgaits.control.measurement import leg_joints, of_all_motors
 from neuralgaits.control.safeguard import SafeguardConfig
+from neuralgaits.deployment.deployment_file import DeploymentFile
 from neuralgaits.gait.commands import Commands
 from neuralgaits.gait.policies.commanded_gait import AnyGait
 from neuralgaits.gait.reset_residual import ResetCorrection
@@ -55,6 +56,7 @@ class Design:
         safeguard: thresholds of faults.
         origin: origin of the design.
         monitor: sets that are proved of the gait; None without.
+        deployment: deployment file that was read; None without.
     """
 
     robot: PlanarBiped
@@ -63,6 +65,7 @@ class Design:
     safeguard: SafeguardConfig
     origin: Origin
     monitor: StateMonitor | None = None
+    deployment: DeploymentFile | None = None
 
     @classmethod
     def of(

@@ -20,6 +20,8 @@ from neuralgaits.runs.outputs import refuse_folder_of_run
 _EXPORTER_ONLY = frozenset(("check.c", "check_monitor.c"))
 _OF_MONITOR = frozenset(("monitor.h", "monitor.c"))
 """Files that only a gait with a proof has."""
+_OF_BOARD = frozenset(("board_map.h", "board_map.c"))
+"""Files that only an export with a deployment file has."""
 _SUFFIXES = (".c", ".h", ".onnx", ".fmu")
 """Suffixes of the files of an export."""
 
@@ -27,7 +29,7 @@ _SUFFIXES = (".c", ".h", ".onnx", ".fmu")
 def shipped() -> dict[str, str]:
     """Return C files that are the same for every gait."""
     folder = resources.files("neuralgaits.export") / "c"
-    apart = _EXPORTER_ONLY | _OF_MONITOR
+    apart = _EXPORTER_ONLY | _OF_MONITOR | _OF_BOARD
     return {
         entry.name: entry.read_text(encoding="utf-8")
         for entry in sorted(folder.iterdir(), key=lambda entry: entry.name)
@@ -43,6 +45,11 @@ def harness() -> dict[str, str]:
 def monitor() -> dict[str, str]:
     """Return C files of the monitor that are the same for every gait that has one."""
     return _files(_OF_MONITOR)
+
+
+def board() -> dict[str, str]:
+    """Return C files of the map between joints and motors that are the same for every board."""
+    return _files(_OF_BOARD)
 
 
 def _files(names: Iterable[str]) -> dict[str, str]:

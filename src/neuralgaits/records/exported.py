@@ -149,6 +149,7 @@ class Exported(Record):
         latency_us: time of its slowest law, or of the model.
         flash_bytes, ram_bytes: memory use; None if unknown.
         monitor: monitor beside the controller; None if nothing is proved, or in another format.
+        deployment_sha256: of the deployment file whose map is beside it; None without one.
     """
 
     run: str
@@ -163,10 +164,13 @@ class Exported(Record):
     flash_bytes: int | None = None
     ram_bytes: int | None = None
     monitor: MonitorExport | None = None
+    deployment_sha256: str | None = None
 
     def unsaid(self) -> Collection[str]:
-        """Return the fields that `--json` omits: the monitor if there is none."""
-        return ("monitor",) if self.monitor is None else ()
+        """Return the fields that `--json` omits: those about monitor and board if there is none."""
+        return tuple(
+            name for name in ("monitor", "deployment_sha256") if getattr(self, name) is None
+        )
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -17,8 +17,11 @@ from neuralgaits.certificate.run_certificate.verified_summary import (
     read_certificate,
 )
 from neuralgaits.control.law_by_name import exported_laws
+from neuralgaits.deployment.deployment_reader import read_deployment
+from neuralgaits.deployment.deployment_template import deployment_text, template
 from neuralgaits.errors import InputError, SpecError
 from neuralgaits.export import build, output_folder
+from neuralgaits.export.board_source import board_files
 from neuralgaits.export.c_check import check_controller
 from neuralgaits.export.compare import STATES
 from neuralgaits.export.facts import Design, Origin
@@ -35,6 +38,7 @@ from neuralgaits.runs.names import ROBOT, WEIGHTS
 from neuralgaits.simulation.setup.starts import momentum_range
 from neuralgaits.systems.family_tasks import task_with
 from neuralgaits.systems.system_family import ProgressCallbacks
+from neuralgaits.workflows.deployed_run import deployed_robot, usual_gains
 
 NO_COMPILER = "no C compiler: the files are written and not checked; install gcc or clang"
 NO_EXTRA = (
@@ -43,6 +47,10 @@ NO_EXTRA = (
 )
 MONITORED = ("c", "fmu", "fmu2")
 """Formats that have a monitor."""
+MAPPED = ("c",)
+"""Formats that have a map between motors and joints."""
+TEMPLATE = "deploy.template.yaml"
+"""Deployment file beside a controller, to be copied and edited."""
 LARGEST = 1e30
 """Largest number of a gait that may be exported: C may compute in single precision."""
 RecordFactory = Callable[..., Exported]
@@ -68,6 +76,7 @@ def export_controller(
     *,
     format: str = "c",
     force: bool = False,
+    config: str | Path | None = None,
     states: int = STATES,
     begun: Callable[[], None] | None = None,
 ) -> Export:
@@ -79,6 +88,8 @@ def export_controller(
         format: `c`, the controller; `onnx`, its policy and rate, which needs the extra `onnx`;
             `fmu`, the controller for co-simulation by FMI 3.0; `fmu2`, by FMI 2.0.
         force: replace the files of an earlier export.
+        config: deployment file of the robot, whose map between motors and joints is written, too;
+            a template of one is written if None.
         states: random states on which C and Python are compared.
         begun: called when the settings are checked and the work begins.
 
@@ -90,8 +101,18 @@ def export_controller(
         raise InputError(f"unknown format {format!r}: expected one of {', '.join(WRITERS)}")
     if states < 1:
         raise InputError(f"states: expected 1 or more, found {states}")
+    if config is not None and format not in MAPPED:
+        raise InputError(
+            f"--config: expected --format {' or '.join(MAPPED)} beside it, found {format}: "
+            "leave one of them out"
+        )
     asked = {"run": run, "out": Path(out)}
-    others = {"format": (format, "c"), "force": (force, False), "states": (states, STATES)}
+    others = {
+        "config": (config, None),
+        "format": (format, "c"),
+        "force": (force, False),
+        "states": (states, STATES),
+    }
     asked |= {name: value for name, (value, usual) in others.items() if value != usual}
     if (task := task_with("export", asked)) is not None:
         return task(ProgressCallbacks.by(begun=begun)).returned
@@ -99,6 +120,8 @@ def export_controller(
     output_folder.refuse_used(folder, force=force)
     certificate = read_certificate(trained.folder)
     _refuse_unusable(trained.trained)
+    about = deployed_robot(trained)
+    deployment = None if config is None else read_deployment(config, about)
     if begun is not None:
         begun()
     lacking: list[str] = []
@@ -107,7 +130,10 @@ def export_controller(
         design = design_of(trained, certificate)
         if format in MONITORED:
             design, lacking = with_monitor(design, trained, certificate)
+        design = replace(design, deployment=deployment)
         files, told = WRITERS[format](design, states)
+        if format in MAPPED and deployment is None:
+            files = {**files, TEMPLATE: deployment_text(template(about, usual_gains(design)))}
     return Export(
         told(
             run=str(trained.path),
@@ -116,6 +142,7 @@ def export_controller(
             files=tuple(output_folder.publish(folder, files)),
             laws=tuple(design.controllers),
             warnings=(*_warnings(certificate), *lacking),
+            deployment_sha256=None if deployment is None else deployment.sha256,
         )
     )
 
@@ -173,7 +200,7 @@ def with_monitor(
 def controller_files(design: Design, reference: Reference) -> dict[str, str]:
     """Return the files that are specific to this gait."""
     own = gait_files(design) | {"gait_selftest.h": selftest_file(design, reference)}
-    return own | monitor_files(design)
+    return own | monitor_files(design) | board_files(design)
 
 
 def _origin(trained: Run, found: CertificateReading) -> Origin:

@@ -1,0 +1,1 @@
+"""The deployment file: how a robot file's joints meet motors, sensors and their signs."""

@@ -1,0 +1,190 @@
+"""Convert between motors and channels of the hardware and the joints of the robot file.
+
+The same map is written in C: `export/c/board_map.c`, with the numbers of the file beside it.
+Joints are by leg, as in `MjcfLayout`: each leg from its lowest joint up. A hip that both legs share
+has two places and one motor.
+"""
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from neuralgaits._types import Float
+from neuralgaits.deployment.deployment_file import DeploymentFile
+from neuralgaits.robots.constants import MjcfLayout
+
+ByLeg = Float[np.ndarray, "2 k"]
+ByMotor = Float[np.ndarray, " motors"]
+
+
+class BoardReadings(NamedTuple):
+    """One reading of the hardware: angles and rates of drives [motors], pitch, contacts."""
+
+    position: np.ndarray
+    """Of each drive [rad]. [motors]"""
+    velocity: np.ndarray
+    """Of each drive [rad/s]. [motors]"""
+    pitch: float
+    """Of the inertial unit [rad]."""
+    dpitch: float
+    """Its rate [rad/s]."""
+    contact: np.ndarray
+    """Of each channel, in its own unit. [channels]"""
+
+
+class JointReadings(NamedTuple):
+    """The same in the signs and zeros of the robot file."""
+
+    joints: np.ndarray
+    """Angles [rad]. [2, k]"""
+    djoints: np.ndarray
+    """Rates [rad/s]. [2, k]"""
+    pitch: float
+    """Of the root [rad]."""
+    dpitch: float
+    """Its rate [rad/s]."""
+    normal_force: np.ndarray
+    """On each foot [N]. [2]"""
+
+
+class DriveTargets(NamedTuple):
+    """What impedance drives are told, each by motor: tau + kp (q - angle) + kd (dq - rate)."""
+
+    q_des: np.ndarray
+    """Angles of the drives [rad]. [motors]"""
+    dq_des: np.ndarray
+    """Rates [rad/s]. [motors]"""
+    kp: np.ndarray
+    """Gains on the angle [N m/rad]. [motors]"""
+    kd: np.ndarray
+    """Gains on the rate [N m s/rad]. [motors]"""
+    tau_ff: np.ndarray
+    """Torques [N m]. [motors]"""
+
+
+@dataclass(frozen=True, eq=False)
+class BoardMap:
+    """The numbers of a deployment file as arrays, and the map that they make.
+
+    Attributes:
+        motor: index of the motor of each joint. int [2, k]
+        sign, zero, gear, lower, upper, torque_limit, kp, kd: as in `DeployedJoint`. [2, k]
+        pitch_sign, pitch_zero: as in `ImuMount`.
+        channel: index of each foot's channel. int [2]
+        newton, contact_zero: as in `ContactChannel`. [2]
+    """
+
+    motor: np.ndarray
+    sign: ByLeg
+    zero: ByLeg
+    gear: ByLeg
+    lower: ByLeg
+    upper: ByLeg
+    torque_limit: ByLeg
+    kp: ByLeg
+    kd: ByLeg
+    pitch_sign: float
+    pitch_zero: float
+    channel: np.ndarray
+    newton: Float[np.ndarray, "2"]
+    contact_zero: Float[np.ndarray, "2"]
+
+    @classmethod
+    def of(cls, deployment: DeploymentFile, layout: MjcfLayout) -> "BoardMap":
+        """Return the map of a deployment file that has been checked against this robot."""
+        by_name = {one.joint: one for one in deployment.joints}
+        rows = [[by_name[name] for name in leg] for leg in layout.leg_joints]
+        by_foot = {one.foot: one for one in deployment.contacts}
+        feet = [by_foot[foot] for foot in layout.feet]
+
+        def column(field: str) -> ByLeg:
+            return np.array([[float(getattr(one, field)) for one in row] for row in rows])
+
+        return cls(
+            motor=np.array([[one.motor for one in row] for row in rows]),
+            sign=column("sign"),
+            zero=column("zero_rad"),
+            gear=column("gear"),
+            lower=column("lower_rad"),
+            upper=column("upper_rad"),
+            torque_limit=column("torque_limit_nm"),
+            kp=column("kp_nm_rad"),
+            kd=column("kd_nms_rad"),
+            pitch_sign=float(deployment.imu.pitch_sign),
+            pitch_zero=deployment.imu.pitch_zero_rad,
+            channel=np.array([one.channel for one in feet]),
+            newton=np.array([one.newton_per_unit for one in feet]),
+            contact_zero=np.array([one.zero_unit for one in feet]),
+        )
+
+    @property
+    def motors(self) -> int:
+        """Length of the arrays by motor: the largest index and one."""
+        return int(self.motor.max()) + 1
+
+    @property
+    def channels(self) -> int:
+        """Length of the arrays by channel."""
+        return int(self.channel.max()) + 1
+
+    def joint_readings(self, readings: BoardReadings) -> JointReadings:
+        """Return a reading of the hardware in the signs and zeros of the robot file."""
+        return JointReadings(
+            joints=self.sign * (readings.position[self.motor] / self.gear - self.zero),
+            djoints=self.sign * readings.velocity[self.motor] / self.gear,
+            pitch=self.pitch_sign * (readings.pitch - self.pitch_zero),
+            dpitch=self.pitch_sign * readings.dpitch,
+            normal_force=self.newton * (readings.contact[self.channel] - self.contact_zero),
+        )
+
+    def board_readings(self, joints: JointReadings) -> BoardReadings:
+        """Return what hardware shows that is as the file says: the inverse of `joint_readings`."""
+        contact = np.zeros(self.channels)
+        contact[self.channel] = joints.normal_force / self.newton + self.contact_zero
+        return BoardReadings(
+            position=self._by_motor(self.gear * (self.sign * joints.joints + self.zero)),
+            velocity=self._by_motor(self.gear * self.sign * joints.djoints),
+            pitch=self.pitch_sign * joints.pitch + self.pitch_zero,
+            dpitch=self.pitch_sign * joints.dpitch,
+            contact=contact,
+        )
+
+    def outside(self, joints: ByLeg) -> int:
+        """Return 0, or 1 + the motor of the first joint outside of its range."""
+        beyond = ~((joints >= self.lower) & (joints <= self.upper))
+        return int(self.motor[beyond][0]) + 1 if beyond.any() else 0
+
+    def motor_torques(self, torque: ByLeg) -> ByMotor:
+        """Return torques of the drives for torques on the joints, within the limits [N m]."""
+        held = np.clip(torque, -self.torque_limit, self.torque_limit)
+        return self._by_motor(self.sign * held / self.gear)
+
+    def drive_targets(
+        self, joints: ByLeg, djoints: ByLeg, q_des: ByLeg, dq_des: ByLeg, torque: ByLeg
+    ) -> DriveTargets:
+        """Return what impedance drives are told, so that at this reading they give the torque.
+
+        Args:
+            joints: angles of the reading [rad].
+            djoints: rates of the reading [rad/s].
+            q_des: desired angles, held within the ranges [rad].
+            dq_des: desired rates [rad/s].
+            torque: on the joints, held within the limits [N m].
+        """
+        wanted = np.clip(q_des, self.lower, self.upper)
+        held = np.clip(torque, -self.torque_limit, self.torque_limit)
+        ahead = self.kp * (wanted - joints) + self.kd * (dq_des - djoints)
+        return DriveTargets(
+            q_des=self._by_motor(self.gear * (self.sign * wanted + self.zero)),
+            dq_des=self._by_motor(self.gear * self.sign * dq_des),
+            kp=self._by_motor(self.kp / self.gear**2),
+            kd=self._by_motor(self.kd / self.gear**2),
+            tau_ff=self._by_motor(self.sign * (held - ahead) / self.gear),
+        )
+
+    def _by_motor(self, by_leg: ByLeg) -> ByMotor:
+        """Return values of joints by motor; those that no joint has are 0."""
+        found = np.zeros(self.motors)
+        found[self.motor] = by_leg
+        return found

@@ -1,0 +1,161 @@
+"""Fields of a YAML tree: each must be known, there, and of its kind; all problems are noted."""
+
+import difflib
+import math
+import re
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from neuralgaits._printable import shown
+from neuralgaits.deployment.yaml_tree import YamlNode
+
+MOST_INDEX = 255
+"""Largest index of a motor or channel: more than a bus of drives has."""
+MOST_ROWS = 64
+"""Longest list."""
+_LARGEST = 1e9
+"""Largest number; C computes in single precision, too."""
+
+
+def _number(text: str) -> float:
+    value = float(text)
+    if not math.isfinite(value) or abs(value) > _LARGEST or "_" in text:
+        raise ValueError
+    return value
+
+
+def _bounded(holds: Callable[[float], bool]) -> Callable[[str], float]:
+    def read(text: str) -> float:
+        value = _number(text)
+        if not holds(value):
+            raise ValueError
+        return value
+
+    return read
+
+
+def _whole(low: int, high: int) -> Callable[[str], int]:
+    def read(text: str) -> int:
+        if not re.fullmatch(r"[+-]?[0-9]{1,9}", text) or not low <= int(text) <= high:
+            raise ValueError
+        return int(text)
+
+    return read
+
+
+def _sign(text: str) -> int:
+    if text not in ("1", "+1", "-1"):
+        raise ValueError
+    return int(text)
+
+
+def _text(text: str) -> str:
+    if not text or len(text) > 1000 or not text.isprintable():
+        raise ValueError
+    return text
+
+
+def _sha256(text: str) -> str:
+    if not re.fullmatch("[0-9a-f]{64}", text):
+        raise ValueError
+    return text
+
+
+KINDS: Mapping[str, tuple[str, Callable[[str], Any]]] = {
+    "text": ("a name", _text),
+    "index": (f"a whole number from 0 to {MOST_INDEX}", _whole(0, MOST_INDEX)),
+    "sign": ("1 or -1", _sign),
+    "number": ("a number", _number),
+    "positive": ("a number above 0", _bounded(lambda value: value > 0.0)),
+    "not negative": ("a number of at least 0", _bounded(lambda value: value >= 0.0)),
+    "sha256": ("a sha256 of 64 hexadecimal digits", _sha256),
+}
+"""Kinds of scalars: words, and a reader that raises ValueError."""
+
+
+class FieldReader:
+    """Read fields of a file. Attributes: problems: what is wrong so far, one line each."""
+
+    def __init__(self, file: str):
+        self.problems: list[str] = []
+        self._file = file
+
+    def note(self, line: int, what: str, expected: str, found: str, remedy: str) -> None:
+        """Note one problem."""
+        self.problems.append(
+            f"{self._file}, line {line}: {what}: expected {expected}, found {found}: {remedy}"
+        )
+
+    def fields(
+        self, node: YamlNode | None, what: str, wanted: Mapping[str, str]
+    ) -> dict[str, Any] | None:
+        """Return the fields of a mapping that could be read, by name; None if it is none.
+
+        Args:
+            node: the mapping; None if it was not there, which has been noted.
+            what: name of the mapping, for messages.
+            wanted: kinds by key: one of KINDS, `keys`, `keys or null` or `list`.
+        """
+        if node is None:
+            return None
+        if not isinstance(node.value, dict):
+            self.note(node.line, what, f"the keys {', '.join(wanted)}", node.kind, "write them")
+            return None
+        unknown = [key for key in node.value if key not in wanted]
+        meant_by = [self._unknown(node.value[key].line, what, key, wanted) for key in unknown]
+        missing = [key for key in wanted if key not in node.value and key not in meant_by]
+        if missing:
+            self.note(node.line, what, f"the key {', '.join(missing)}", "none", "add it")
+        found: dict[str, Any] = {}
+        for key, kind in wanted.items():
+            if key in node.value:
+                self._read(found, node.value[key], f"{what}: {key}", key, kind)
+        return found
+
+    def rows(
+        self, nodes: list[YamlNode] | None, what: str, wanted: Mapping[str, str]
+    ) -> list[dict[str, Any]]:
+        """Return the rows of a list that could be read whole."""
+        found = []
+        for number, node in enumerate(nodes or ()):
+            row = self.fields(node, f"{what}[{number}]", wanted)
+            if row is not None and len(row) == len(wanted):
+                found.append(row)
+        return found
+
+    def _read(self, found: dict[str, Any], node: YamlNode, what: str, key: str, kind: str) -> None:
+        if kind in ("keys", "keys or null"):
+            if kind == "keys or null" and node.value in ("null", "~", ""):
+                found[key] = None
+            else:
+                found[key] = node
+            return
+        if kind == "list":
+            if not isinstance(node.value, list) or len(node.value) > MOST_ROWS:
+                self.note(node.line, what, f"a list of at most {MOST_ROWS}", node.kind, "write one")
+            else:
+                found[key] = node.value
+            return
+        words, read = KINDS[kind]
+        try:
+            if not isinstance(node.value, str):
+                raise ValueError
+            found[key] = read(node.value)
+        except ValueError:
+            self.note(node.line, what, words, node.kind, "correct it")
+
+    def _unknown(self, line: int, what: str, key: str, wanted: Mapping[str, str]) -> str | None:
+        """Note a key that is not known. Returns: the key that was meant, or None.
+
+        One with another unit is told which unit to use.
+        """
+        stem = key.partition("_")[0]
+        same = [one for one in wanted if one.partition("_")[0] == stem and "_" in one]
+        if same and same[0] not in key:
+            close = same[0]
+            remedy = f"write {close}, in that unit" if "_" in key else f"write {close}"
+        else:
+            close = next(iter(difflib.get_close_matches(key, list(wanted), 1)), None)
+            remedy = "delete it" if close is None else f"did you mean {close}?"
+        self.note(line, what, f"one of {', '.join(wanted)}", f"the key {shown(key)}", remedy)
+        return close

@@ -1,0 +1,56 @@
+"""Deployment files of `export`: a template beside the controller, and the map of an edited one."""
+
+import shutil
+
+import pytest
+
+from neuralgaits.cli.main import main
+from neuralgaits.export import build
+from support.shipped_run import SHIPPED
+
+
+@pytest.fixture(scope="module")
+def work(tmp_path_factory):
+    """A folder with a copy of the shipped run and an export of it; nothing is compared here."""
+    folder = tmp_path_factory.mktemp("work")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(build, "compilers", list)
+        patch.chdir(folder)
+        shutil.copytree(SHIPPED, "run")
+        assert main(["export", "run", "--out", "c"]) == 3
+        yield folder
+
+
+@pytest.fixture(scope="module")
+def template(work):
+    """Text of the template that it wrote."""
+    assert not list(work.rglob("board_*"))
+    return (work / "c" / "deploy.template.yaml").read_text()
+
+
+def test_a_template_is_edited_and_exported(work, template, capfd):
+    assert "run: 'run'" in template
+    (work / "deploy.yaml").write_text(template.replace("motor: 3", "motor: 7"))
+    assert main(["export", "run", "--out", "c2", "--config", "deploy.yaml", "--json"]) == 3
+    assert '"deployment_sha256": "' in capfd.readouterr().out
+    facts = (work / "c2" / "board_facts.h").read_text()
+    assert "#define NG_BOARD_MOTORS 8" in facts
+    assert "motor 7: hip_right, sign +1, zero 0 rad, gear 1" in facts
+    assert not (work / "c2" / "deploy.template.yaml").exists()
+
+
+def test_all_mistakes_of_a_file_are_printed_and_nothing_is_written(work, template, capfd):
+    wrong = template.replace("motor: 3", "motor: 0").replace("period_s: 0.001", "period_s: 0.01")
+    (work / "deploy.yaml").write_text(wrong)
+    capfd.readouterr()
+    assert main(["export", "run", "--out", "c3", "--config", "deploy.yaml"]) == 2
+    lines = capfd.readouterr().err.splitlines()
+    assert len(lines) == 2 and all(line.startswith("neuralgaits: deploy.yaml") for line in lines)
+    assert not (work / "c3").exists()
+
+
+@pytest.mark.usefixtures("work")
+def test_a_policy_alone_has_no_map(capfd):
+    words = ["export", "run", "--out", "c4", "--format", "onnx", "--config", "deploy.yaml"]
+    assert main(words) == 2
+    assert "--config: expected --format c" in capfd.readouterr().err
