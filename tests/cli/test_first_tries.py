@@ -19,10 +19,10 @@ from neuralgaits.cli.main import main
 from neuralgaits.control import Fblin
 from neuralgaits.errors import InputError
 from neuralgaits.records.simulated import Simulated
+from neuralgaits.report.page.repeat_commands import settings_of_link
 from neuralgaits.robots import load_robot
 from neuralgaits.robots.mjcf.loader import robot_from_text
 from neuralgaits.simulation.incompatible_settings import about_other_robot, link_of
-from neuralgaits.simulation.setup.disturbance import PlantChanges
 from neuralgaits.workflows import check_proof as checking
 from neuralgaits.workflows import train, train_seeds
 from support.shipped_run import SHIPPED
@@ -142,29 +142,23 @@ def test_a_speed_that_is_refused_is_not_doubted_too(tmp_path, capfd, monkeypatch
     assert "seed from 0" in line_of(capfd, "train", "amber3m", "--speed", "5", "--seed", "-1")
 
 
-ENCODERS = PlantChanges(estimator=1.0)
-
-
 @pytest.mark.parametrize(
-    ("link", "controller", "disturbance", "way"),
+    ("controller", "way"),
     [
-        ("loss=0.1", "fblin", PlantChanges(), "write --controller c --link law=fblin,lockstep=1"),
-        ("loss=0.1", Fblin(), PlantChanges(), "write --controller c --link lockstep=1"),
-        ("loss=0.1", "pd", ENCODERS, "leaving --link out, or write --controller c --link"),
-        ("loss=0.1", "c", ENCODERS, "--controller pd --sensing encoders and without --link"),
-        (None, "c", ENCODERS, "--controller pd --sensing encoders, which estimates"),
+        ("fblin", "write --controller c --link law=fblin,lockstep=1"),
+        (Fblin(), "write --controller c --link lockstep=1"),
     ],
 )
-def test_what_contradicts_names_a_combination_that_works(link, controller, disturbance, way):
+def test_what_contradicts_names_a_combination_that_works(controller, way):
     with pytest.raises(InputError) as found:
-        link_of(link, controller, disturbance)
+        link_of("loss=0.1", controller)
     assert way in str(found.value)
 
 
 def test_the_combinations_that_are_named_work():
-    assert link_of(None, "pd", ENCODERS) is None
+    assert link_of(None, "pd") is None
     for words in ("law=fblin,lockstep=1", "lockstep=1"):
-        assert link_of(words, "c", PlantChanges()) is not None
+        assert link_of(words, "c") is not None
 
 
 @pytest.mark.parametrize(
@@ -176,6 +170,16 @@ def test_late_answers_are_a_share_and_say_whether_they_matter(capsys, mode, word
     screen.show_walks(Simulated.of(WALKED | {"link": link}))
     out = " ".join(capsys.readouterr().out.split())
     assert "892 ticks (4.5%) kept the command of the tick before" in out and words in out
+
+
+def test_somebody_else_s_controller_has_its_address(capsys):
+    link = {"law": "pd", "mode": "lock-step", "ticks": 9, "faults": [0], "address": "robot:9000"}
+    found = Simulated.of(WALKED | {"link": link})
+    screen.show_walks(found)
+    out = " ".join(capsys.readouterr().out.split())
+    assert "process of its own" not in out
+    assert found.link is not None
+    assert settings_of_link(found.link) == "law=pd,lockstep=1,address=robot:9000"
 
 
 def test_no_late_answer_is_no_news(capsys):

@@ -1,15 +1,20 @@
 """A walk through a process boundary, in lock-step: no clock, so the same walk every time."""
 
+import shutil
+import socket
 import struct
 import subprocess
+from threading import Thread
 
 import numpy as np
 import pytest
 
 from neuralgaits import logs
+from neuralgaits.cli.main import main
 from neuralgaits.errors import InputError
 from neuralgaits.export import build, output_folder
 from neuralgaits.export.source import gait_files
+from neuralgaits.simulation.linked import wire
 from neuralgaits.simulation.linked.channel import Channel
 from neuralgaits.simulation.linked.config import LinkConfig, parse_link
 from neuralgaits.simulation.linked.connect import SOURCES
@@ -17,8 +22,10 @@ from neuralgaits.simulation.linked.remote import Remote
 from neuralgaits.simulation.linked.wire import ControllerLink
 from neuralgaits.simulation.setup.starts import full_states, momentum_range
 from neuralgaits.simulation.walk import walk
+from neuralgaits.workflows import demo
 from neuralgaits.workflows.export import design_of
 from neuralgaits.workflows.simulate import simulate
+from support.listening import listening
 
 STEPS = 4
 
@@ -31,16 +38,17 @@ def program(trained, tmp_path_factory):
     return build.build("gcc", folder, "controller", SOURCES, build.PLAIN)
 
 
-def walked(trained, program, config, controller="pd", record=True):
-    """A walk from the centre, through a process if there is a program."""
+def walked(trained, program, config, controller="pd", record=True, watch=None):
+    """A walk from the centre, through a process if there are settings of its link."""
     setting = {
         "controller": controller,
         "steps": STEPS,
         "z2_range": momentum_range(trained.gait),
         "record": record,
+        "watch": watch,
     }
     start = full_states(trained.zero_dynamics, trained.gait, "centre", seed=0, episodes=1)
-    if program is None:
+    if config is None:
         return walk(trained.robot, trained.gait.policy, start, **setting), None
     with Remote(program, ["pd", "fblin", "paper"], config, 1, 0) as remote:
         done = walk(trained.robot, trained.gait.policy, start, remote=remote, **setting)
@@ -182,6 +190,112 @@ def test_a_plant_that_was_silent_for_too_long_is_not_driven_on(link):
     assert faults == [0, 0, 7, 7]
 
 
+def test_a_reading_without_rates_is_answered_from_its_estimate(link):
+    """Rates of later readings are not used then: whatever they are, the answers are the same."""
+    answers = []
+    for rate in (0.0, 3.0):
+        link.start(0, 0, 0, 0.0, 0.0)
+        for sequence in (1, 2, 3):
+            rates = [rate if sequence > 1 else 0.1] * 4
+            packet = reading(sequence, 1000 * sequence, [*STANDING[:10], *rates])
+            (answer,) = ask(link, packet[:12] + struct.pack("<I", 1) + packet[16:])
+        answers.append(answer[:-8])
+    assert answers[0] == answers[1]
+    assert np.any(np.frombuffer(answers[0], "<f8", offset=16)[4:8] != 0.0)
+
+
+def test_somebody_else_s_controller_walks_and_lives_on(trained, program):
+    """As the one that is started here does, and again afterwards: nobody has ended it."""
+    own, _ = walked(trained, program, LinkConfig(lockstep=True))
+    assert own.episodes.record is not None
+    with listening(program) as (process, address):
+        config = LinkConfig(lockstep=True, address=address)
+        for _ in range(2):
+            other, summary = walked(trained, None, config)
+            assert summary is not None and summary["address"] == address
+            found, expected = other.episodes.record, own.episodes.record
+            assert found is not None
+            np.testing.assert_array_equal(found.command.torque, expected.command.torque)
+        assert process.poll() is None
+
+
+@pytest.mark.parametrize("lockstep", [True, False], ids=["lock-step", "real time"])
+def test_a_controller_that_ends_is_one_line(trained, program, lockstep):
+    with listening(program) as (process, address):
+        ticks = []
+
+        def watch(*_):
+            ticks.append(1)
+            if len(ticks) == 20:
+                process.kill()
+                process.wait()
+
+        config = LinkConfig(lockstep=lockstep, address=address)
+        with pytest.raises(InputError, match=rf"controller at {address} to listen, found none"):
+            walked(trained, None, config, watch=watch)
+        assert len(ticks) == 20
+
+
+@pytest.fixture
+def silent():
+    """The address of a socket that never answers."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as made:
+        made.bind(("127.0.0.1", 0))
+        yield "{}:{}".format(*made.getsockname())
+
+
+def test_a_controller_that_never_answers_is_one_line(trained, silent, monkeypatch):
+    monkeypatch.setattr(wire, "_START_TIMEOUT_S", 0.01)
+    config = LinkConfig(lockstep=True, address=silent)
+    with pytest.raises(InputError, match=rf"started from the controller at {silent}, found sil"):
+        walked(trained, None, config)
+
+
+def answers_of(packets):
+    """A thread's address that answers what it gets with these packets in turn."""
+    server = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+    server.bind(("127.0.0.1", 0))
+
+    def serve():
+        with server:
+            for packet in packets:
+                _, peer = server.recvfrom(2048)
+                server.sendto(packet, peer)
+
+    Thread(target=serve, daemon=True).start()
+    return "{}:{}".format(*server.getsockname())
+
+
+STARTED = struct.pack("<4sIII", b"NGA1", 0, 2, 4)
+
+
+@pytest.mark.parametrize(
+    ("packets", "message"),
+    [
+        ([struct.pack("<4sIII", b"NGA1", 0, 3, 6)], r"2 joints a leg and 4 .*found one of 3 and 6"),
+        ([STARTED, struct.pack("<4sIII", b"NGC1", 1, 0, 0)], r"commands of 24 numbers, found 0"),
+    ],
+    ids=["of another robot", "of another length"],
+)
+def test_the_controller_of_another_run_is_one_line(trained, packets, message):
+    config = LinkConfig(lockstep=True, address=answers_of(packets))
+    with pytest.raises(InputError, match=message):
+        walked(trained, None, config)
+
+
+def test_nothing_at_the_address_leaves_the_run_as_it_is(tmp_path, capfd):
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as closed:
+        closed.bind(("127.0.0.1", 0))
+        address = "{}:{}".format(*closed.getsockname())
+    run = shutil.copytree(demo.FOLDER, tmp_path / "run")
+    before = {path: path.read_bytes() for path in run.rglob("*") if path.is_file()}
+    link = f"lockstep=1,address={address}"
+    assert main(["simulate", str(run), "--controller", "c", "--link", link]) == 2
+    *_, line = capfd.readouterr().err.splitlines()
+    assert f"expected the controller at {address} to listen, found none there" in line
+    assert {path: path.read_bytes() for path in run.rglob("*") if path.is_file()} == before
+
+
 def test_the_channel_delays_and_loses_as_told():
     channel = Channel(0.25, 2, (1,))
     arrivals = {}
@@ -207,6 +321,12 @@ def test_the_channel_delays_and_loses_as_told():
         ("lockstep=nan", r"lockstep: expected 0 or 1"),
         ("loss=0.1,loss=0.2", r"loss is given twice"),
         ("loss=0.1,", r"nothing before or after a comma"),
+        ("address=localhost", r"address: expected HOST:PORT with a port from 1 to 65535"),
+        ("address=:9000", r"address: expected HOST:PORT"),
+        ("address=robot:0", r"address: expected HOST:PORT"),
+        ("address=robot:65536", r"address: expected HOST:PORT"),
+        ("address=robot:9000,log=walk.csv", r"log without address, found both"),
+        ({"address": 9000}, r"address: expected HOST:PORT.*found 9000"),
         ({"loss": None}, r"loss: expected a number, found None"),
         ({1: 2}, r"unknown link setting 1: expected one of"),
         (0, r"link: expected NAME=VALUE,... or a mapping, found 0"),
@@ -222,6 +342,11 @@ def test_refusals(trained, program):
         simulate(trained, link="loss=0.1")
     with pytest.raises(InputError, match=r"1 episode in real time"):
         Remote(program, ["pd"], LinkConfig(), 2, 0)
+    elsewhere = LinkConfig(address="127.0.0.1:9000", lockstep=True)
+    with pytest.raises(InputError, match=r"1 episode with --link address, found 2"):
+        Remote(None, ["pd"], elsewhere, 2, 0)
+    with pytest.raises(InputError, match=r"a host that can be reached, found 'no host'"):
+        Remote(None, ["pd"], LinkConfig(address="no host:9000"), 1, 0)
     with pytest.raises(InputError, match=r"link law: expected one of pd, found 'lqr'"):
         Remote(program, ["pd"], LinkConfig(law="lqr"), 1, 0)
 

@@ -177,8 +177,9 @@ def _link(link: LinkFigures) -> None:
     """Show how the connection to a controller process performed."""
     trips = link.round_trip_us
     p50, p99 = (math.nan, math.nan) if trips is None else (trips.p50, trips.p99)
+    place = "in a process of its own" if link.address is None else f"at {link.address}"
     words = (
-        f"{link.law} in a process of its own, {link.mode}: {link.ticks} ticks, "
+        f"{link.law} {place}, {link.mode}: {link.ticks} ticks, "
         f"{link.packets_lost} of {link.packets_sent} packets lost, "
         f"{link.packets_late} late, round trip {p50:.0f} us, p99 {p99:.0f} us"
     )

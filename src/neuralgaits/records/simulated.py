@@ -73,6 +73,7 @@ class LinkFigures(Record):
     Attributes:
         law, mode: its control law, and the mode of the connection.
         loss, jitter_ms, blend_s: as requested.
+        address: of a controller that the user started; None for the run's own.
         ticks: control ticks.
         packets_sent, packets_lost, packets_late, deadline_misses, overruns: counts.
         faults: faults of each controller.
@@ -84,6 +85,7 @@ class LinkFigures(Record):
     loss: float | None = None
     jitter_ms: float | None = None
     blend_s: float | None = None
+    address: str | None = None
     ticks: int = 0
     packets_sent: int = 0
     packets_lost: int = 0

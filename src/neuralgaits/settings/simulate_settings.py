@@ -40,7 +40,8 @@ class SimulateSettings(Settings):
     controller as a process of its own."""
     link: Connection = None
     """Settings of the connection to controller c, as in
-    law=fblin,lockstep=1,loss=0.01,jitter_ms=2."""
+    law=fblin,lockstep=1,loss=0.01,jitter_ms=2; address=HOST:PORT is that of a controller you have
+    started."""
     steps: Annotated[int, arg(metavar="N")] = 50
     """Number of walking steps in each episode."""
     engine: Annotated[Literal["native", "jax"] | None, arg(metavar="{native,jax}")] = None

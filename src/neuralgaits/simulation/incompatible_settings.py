@@ -123,30 +123,15 @@ def welded_joints(xml: str) -> str:
 
 
 def link_of(
-    link: str | Mapping[str, Any] | LinkConfig | None,
-    controller: str | AbstractLaw,
-    disturbance: PlantChanges,
+    link: str | Mapping[str, Any] | LinkConfig | None, controller: str | AbstractLaw
 ) -> LinkConfig | None:
     """Return the settings of the link to a controller's process; None without one."""
     if controller != REMOTE:
         if link is None:
             return None
-        if disturbance.estimator:
-            raise InputError(
-                f"--link needs --controller {REMOTE}, which does not support --sensing encoders: "
-                f"walk with encoders by leaving --link out, or write --controller {REMOTE} --link "
-                "NAME=VALUE without --sensing"
-            )
         raise InputError(
             f"expected --link with --controller {REMOTE} only, found {link!r} with "
             f"{_name(controller)}: {_linked(controller)}, or leave --link out"
-        )
-    if disturbance.estimator:
-        without = " and without --link" if link is not None else ""
-        raise InputError(
-            f"--controller {REMOTE} does not support --sensing encoders, its readings carry rates "
-            f"and velocity: walk with --controller pd --sensing encoders{without}, which estimates "
-            f"them in the same C, or keep --controller {REMOTE} without --sensing"
         )
     return parse_link(link)
 

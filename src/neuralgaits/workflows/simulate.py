@@ -166,7 +166,7 @@ def _planned(settings: SimulateSettings) -> _Plan:
     refuse_outputs([*files, *videos], inputs, run=run.path)
     for video in videos:
         films.check(video)
-    wire = link_of(settings.link, controller, disturbance)
+    wire = link_of(settings.link, controller)
     if _on_workers(settings):
         refuse_shared(controller, settings.log, settings.video, terrain, monitor=settings.monitor)
     monitor = required_monitor(run) if settings.monitor else None

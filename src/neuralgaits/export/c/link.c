@@ -14,6 +14,7 @@
 
 #include "amber_log.h"
 #include "controller.h"
+#include "estimator.h"
 
 #if defined(__BYTE_ORDER__) && __BYTE_ORDER__ != __ORDER_LITTLE_ENDIAN__
 #error "the link's numbers are little-endian: swap them in put and get"
@@ -26,6 +27,7 @@
 #define COMMAND_BYTES (HEAD + 8 * (4 + 3 * NG_ACTUATED + 2 * JOINTS + 2 * NG_COMMANDS))
 #define LARGEST 1024
 
+enum { ESTIMATED = 1 }; /* of a reading: rates and velocity are not measured */
 enum { LEG = 1, TOUCHDOWN = 2, SATURATED = 4, STALE = 8 };
 
 typedef struct {
@@ -33,6 +35,7 @@ typedef struct {
     uint32_t sequence; /* of the last reading used */
     ng_config config;
     ng_state state;
+    ng_estimator estimator;
     ng_measurement reading;
     ng_command command;
     double step_us; /* of the last tick */
@@ -99,6 +102,7 @@ static int begin(session *s, const unsigned char *packet)
     (void)rest;
     ng_start(&s->state, (int)leg);
 #endif
+    ng_estimator_start(&s->estimator);
     const ng_command nothing = {0};
     s->command = nothing;
     s->sequence = get32(packet + 4);
@@ -131,6 +135,9 @@ static int tick(session *s, const unsigned char *packet)
 #endif
     const double began = now_us();
     ng_measure(&encoders, &s->reading);
+    if (get32(packet + 12) & ESTIMATED) {
+        ng_estimate(&s->estimator, &s->state, &s->reading);
+    }
     ng_step(&s->config, &s->state, &s->reading, &s->command);
     s->step_us = now_us() - began;
     s->sequence = get32(packet + 4);

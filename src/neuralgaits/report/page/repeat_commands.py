@@ -189,7 +189,7 @@ def simulating(folder: RunFolder, done: Simulated, run: Path) -> str | None:
         "plant": plant or None,
         "controller": done.controller,
         "steps": 50 if done.steps is None else done.steps,
-        "link": None if done.link is None else _link(done.link),
+        "link": None if done.link is None else settings_of_link(done.link),
         "simulator": done.simulator,
         "start": done.start,
         "seed": done.seed,
@@ -220,9 +220,10 @@ def plant_word(folder: RunFolder, done: Simulated) -> str | None:
     return named(folder.path / given) if (folder.path / given).is_file() else None
 
 
-def _link(link: LinkFigures) -> str:
+def settings_of_link(link: LinkFigures) -> str:
     """Return the settings of a controller's connection, as `--link` takes them."""
     asked = {"loss": link.loss, "jitter_ms": link.jitter_ms, "blend_s": link.blend_s}
     lockstep = ["lockstep=1"] if link.mode == LOCKSTEP else []
     numbers = (f"{name}={value!r}" for name, value in asked.items() if value)
-    return ",".join([f"law={link.law}", *lockstep, *numbers])
+    address = [] if link.address is None else [f"address={link.address}"]
+    return ",".join([f"law={link.law}", *lockstep, *numbers, *address])

@@ -9,6 +9,8 @@ from neuralgaits._digits import decimal
 from neuralgaits._printable import shown
 from neuralgaits.errors import InputError
 
+_PORTS = 2**16
+
 
 @dataclass(frozen=True)
 class LinkConfig:
@@ -21,6 +23,8 @@ class LinkConfig:
         jitter_ms: packets are late by up to this much, each way, whole milliseconds.
         blend_s: from holding the first posture to the gait [s].
         log: file for the first controller's own log, in the format of AMBER-3M; none if empty.
+        address: HOST:PORT of a controller that the user has started; if empty, the run's own is
+            compiled and started.
     """
 
     law: str = "pd"
@@ -29,6 +33,7 @@ class LinkConfig:
     jitter_ms: float = 0.0
     blend_s: float = 0.0
     log: str = ""
+    address: str = ""
 
     def __post_init__(self):
         """Check each value against its range. Raises: InputError."""
@@ -41,6 +46,25 @@ class LinkConfig:
             raise InputError(
                 f"link jitter_ms: expected whole milliseconds, found {self.jitter_ms:g}"
             )
+        if self.address:
+            _ = self.host_and_port
+            if self.log:
+                raise InputError(
+                    "expected link log without address, found both: the log is written by the "
+                    "controller, so give --log to the one that you started"
+                )
+
+    @property
+    def host_and_port(self) -> tuple[str, int]:
+        """Return the two parts of the address. Raises: InputError for anything else."""
+        host, colon, port = str(self.address).rpartition(":")
+        number = int(port) if port.isascii() and port.isdigit() and len(port) < 6 else 0
+        if not (colon and host and 0 < number < _PORTS):
+            raise InputError(
+                f"link address: expected HOST:PORT with a port from 1 to {_PORTS - 1}, found "
+                f"{shown(self.address)}: write it as in 127.0.0.1:9000"
+            )
+        return host.removeprefix("[").removesuffix("]"), number
 
 
 def parse_link(text: "str | Mapping[str, Any] | LinkConfig | None") -> LinkConfig:

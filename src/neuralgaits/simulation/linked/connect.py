@@ -1,4 +1,4 @@
-"""Run the exported controller of a gait as a process that a simulation talks to."""
+"""Connect a simulation to the exported controller of a gait, in a process of its own."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -15,7 +15,7 @@ SOURCES = (*build.CORE, "amber_log.c", "link.c")
 
 @contextmanager
 def connected(design: Design, config: LinkConfig, episodes: int, seed: int) -> Iterator[Remote]:
-    """Write, compile and start the controller of a gait.
+    """Write, compile and start the controller of a gait, or connect to one that runs already.
 
     Args:
         design: design of the controller.
@@ -23,13 +23,18 @@ def connected(design: Design, config: LinkConfig, episodes: int, seed: int) -> I
         episodes: number of controllers.
         seed: seed of the network's loss and delays.
 
-    Raises: InputError if there is no compiler.
+    Raises: InputError if there is no compiler, or no controller at the address.
     """
+    laws = list(design.controllers)
+    if config.address:
+        with Remote(None, laws, config, episodes, seed) as remote:
+            yield remote
+        return
     compilers = build.compilers()
     if not compilers:
         raise InputError("expected a C compiler for --controller c, found none: install gcc")
     files = output_folder.shipped() | gait_files(design)
     with output_folder.scratch(files) as folder:
         program = build.build(compilers[0], folder, "controller", SOURCES, build.PLAIN)
-        with Remote(program, list(design.controllers), config, episodes, seed) as remote:
+        with Remote(program, laws, config, episodes, seed) as remote:
             yield remote

@@ -6,37 +6,33 @@ counts such ticks.
 """
 
 import time as clock
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-import jax
-import jax.numpy as jnp
 import numpy as np
-from jax.flatten_util import ravel_pytree
 
-from neuralgaits._quick_jit import quick_jit
 from neuralgaits._types import Array, Float
-from neuralgaits.control import TickResult
-from neuralgaits.control.measurement import Measurement, coordinates, stance_joints
+from neuralgaits.control.measurement import Measurement
 from neuralgaits.errors import InputError
 from neuralgaits.records.simulated import LOCKSTEP, LinkFigures, LinkTimes
 from neuralgaits.robots import MjcfLayout
+from neuralgaits.simulation.linked.answered_tick import answered_tick, row_of, silent, sizes_of
 from neuralgaits.simulation.linked.channel import Channel
 from neuralgaits.simulation.linked.config import LinkConfig
 from neuralgaits.simulation.linked.wire import (
     Answer,
     ControllerLink,
+    Shape,
     pack_reading,
     sequence_of,
     unpack_answer,
 )
 from neuralgaits.simulation.ticks.batch import Batch
 from neuralgaits.simulation.ticks.scene import Scene
-from neuralgaits.simulation.ticks.sensors import sense
-from neuralgaits.simulation.ticks.tick import account, begin
 
 _ANSWER_TIMEOUT_S = 10.0
+_SILENCE_S = 0.2
+"""Time without any answer, in real time, after which somebody else's controller is gone [s]."""
 _DEADLINE_SHARE = 0.8
 """Share of a tick after which the plant continues without an answer; it needs the rest itself."""
 _SPIN_S = 2e-4
@@ -44,20 +40,20 @@ _SPIN_S = 2e-4
 
 
 class Remote:
-    """Controller processes, one for each episode. Use as a context."""
+    """Controllers in processes, one for each episode. Use as a context."""
 
     def __init__(
         self,
-        program: Path,
+        program: Path | None,
         laws: list[str],
         config: LinkConfig,
         episodes: int,
         seed: int,
     ):
-        """Start the processes.
+        """Start the processes, or connect to the controller at the address of the settings.
 
         Args:
-            program: program compiled from the run's export.
+            program: program compiled from the run's export; None with an address.
             laws: names of its laws, in their order.
             config: settings of the link.
             episodes: number of robots that walk at once; in real time only one.
@@ -69,14 +65,24 @@ class Remote:
             raise InputError(
                 f"expected 1 episode in real time, found {episodes}: add --link lockstep=1"
             )
+        if episodes > 1 and config.address:
+            raise InputError(
+                f"expected 1 episode with --link address, found {episodes}: a controller walks one "
+                "robot at a time"
+            )
         self._config, self._law = config, laws.index(config.law)
         log = Path(config.log) if config.log else None
-        self._links = [ControllerLink(program, log if i == 0 else None) for i in range(episodes)]
+        if program is None:
+            self._links = [ControllerLink.to(*config.host_and_port)]
+        else:
+            logs = [log, *[None] * (episodes - 1)]
+            self._links = [ControllerLink(program, path) for path in logs]
         jitter = round(config.jitter_ms)
         self._up = [Channel[bytes](config.loss, jitter, (seed, i, 4)) for i in range(episodes)]
         self._down = [Channel[Answer](config.loss, jitter, (seed, i, 5)) for i in range(episodes)]
         self._last: list[Answer | None] = [None] * episodes
-        self._tick = -1
+        self._tick, self._answered = -1, 0
+        self._size, self._estimated = 0, False
         self._began, self._period_s = 0.0, 0.0
         self._misses = self._overruns = 0
         self._faults = np.zeros(episodes, dtype=int)
@@ -88,31 +94,31 @@ class Remote:
         return self
 
     def __exit__(self, *_) -> None:
-        """End all processes of the controllers."""
+        """End all processes of the controllers that are ours."""
         for link in self._links:
             link.close()
 
     def batch(self, scene: Scene, local: Batch) -> Batch:
         """Return the tick of a scene with the processes in the place of its law."""
-        look, judge = _compiled(scene)
+        look, judge = answered_tick(scene)
         robot = scene.controller.robot
-        self._period_s = scene.controller.period_s
+        self._period_s, self._estimated = scene.controller.period_s, scene.estimator is not None
         first = np.asarray(scene.first)
-        quiet = np.zeros(2 * (robot.n // 2) * 2 + 3 * (robot.n - 1) + 2)
-        silent = np.concatenate([quiet, first, first, np.zeros(2)])
+        self._size = sum(sizes_of(robot, len(first)))
+        before = silent(robot, first)
         limit = float(np.max(scene.controller.torque_limit))
 
         def tick(arrays: Any, carry: Array, reading: Array):
             if self._tick < 0:
                 # The simulation's first call only compiles.
                 look(reading)
-                judge(carry, reading, np.stack([_row(None, False, silent)] * len(self._links)))
-                self._start(limit, first)
+                judge(carry, reading, np.stack([row_of(None, False, before)] * len(self._links)))
+                self._start(limit, first, Shape(robot.n // 2, robot.n - 1))
                 return local.tick(arrays, carry, reading)
             measured, wanted = look(reading)
             seen = Measurement(*(np.asarray(leaf) for leaf in measured))
             answers = self._exchange(scene.layout, seen, np.asarray(wanted))
-            return judge(carry, reading, np.stack([_row(*one, silent) for one in answers]))
+            return judge(carry, reading, np.stack([row_of(*one, before) for one in answers]))
 
         return local._replace(tick=tick)
 
@@ -125,6 +131,7 @@ class Remote:
             loss=self._config.loss,
             jitter_ms=self._config.jitter_ms,
             blend_s=self._config.blend_s,
+            address=self._config.address or None,
             ticks=self._tick,
             packets_sent=sum(way.sent for way in ways),
             packets_lost=sum(way.lost for way in ways),
@@ -136,9 +143,16 @@ class Remote:
             controller_step_us=_percentiles(self._steps),
         )
 
-    def _start(self, limit: float, first: Float[np.ndarray, " p"]) -> None:
+    def _start(self, limit: float, first: Float[np.ndarray, " p"], shape: Shape) -> None:
+        """Begin an episode. Raises: InputError if a controller is of another robot."""
         for link in self._links:
-            link.start(0, self._law, 0, self._config.blend_s, limit, first)
+            found = link.start(0, self._law, 0, self._config.blend_s, limit, first)
+            if found != shape:
+                raise InputError(
+                    f"expected a controller of {shape.leg_joints} joints a leg and "
+                    f"{shape.actuated} actuated ones, found one of {found.leg_joints} and "
+                    f"{found.actuated}: start the controller of this run"
+                )
         self._tick, self._began = 0, clock.monotonic()
 
     def _exchange(
@@ -154,13 +168,24 @@ class Remote:
         results = []
         for i, link in enumerate(self._links):
             one = Measurement(*(leaf[i] for leaf in seen))
-            self._up[i].send(self._tick, pack_reading(layout, one, self._tick, wanted[i]))
+            packet = pack_reading(
+                layout, self._seen(i, one), self._tick, wanted[i], estimated=self._estimated
+            )
+            self._up[i].send(self._tick, packet)
             packets = self._up[i].arrived(self._tick)
-            for packet in packets:
-                link.write(packet)
+            for arrived in packets:
+                link.write(arrived)
             self._collect(i, {sequence_of(packet) for packet in packets}, sent, deadline)
             results.append(self._newest(i))
         return results
+
+    def _seen(self, i: int, measured: Measurement) -> Measurement:
+        """Leave out rates and velocity where they are estimated, until the first answer."""
+        if not self._estimated or self._last[i] is None:
+            return measured
+        return measured._replace(
+            dpitch=np.zeros(()), rates=np.zeros_like(measured.rates), hip_velocity=np.zeros(2)
+        )
 
     def _wait(self) -> None:
         """Wait until the next tick is due."""
@@ -182,6 +207,12 @@ class Remote:
             packets = self._links[i].read(deadline if waiting else sent)
             for answer in filter(None, map(unpack_answer, packets)):
                 waiting.discard(answer.sequence)
+                if answer.numbers.size != self._size:
+                    raise InputError(
+                        f"expected commands of {self._size} numbers, found "
+                        f"{answer.numbers.size}: start the controller of this run"
+                    )
+                self._answered = self._tick
                 if not answer.stale:
                     self._down[i].send(self._tick, answer)
                     self._steps.append(float(answer.numbers[-1]))
@@ -189,8 +220,9 @@ class Remote:
             if not waiting:
                 return
             if not packets:
-                if self._config.lockstep:
-                    raise InputError("expected an answer of the controller process, found silence")
+                silent_s = (self._tick - self._answered) * self._period_s
+                if self._config.lockstep or (self._config.address and silent_s > _SILENCE_S):
+                    raise self._links[i].silence("a command")
                 return
 
     def _newest(self, i: int) -> tuple[Answer | None, bool]:
@@ -208,63 +240,8 @@ class Remote:
         return last, last is not None and last.leg != leg
 
 
-def _row(answer: Answer | None, touchdown: bool, silent: np.ndarray) -> Float[np.ndarray, " a"]:
-    """Return the numbers of an answer for the compiled part of a tick."""
-    if answer is None:
-        return np.concatenate([[0.0, 0.0, 0.0], silent])
-    flags = [float(answer.leg), float(touchdown), float(answer.saturated)]
-    return np.concatenate([flags, answer.numbers])
-
-
 def _percentiles(values: list[float]) -> LinkTimes | None:
     if not values:
         return None
     p50, p99 = np.percentile(values, [50.0, 99.0])
     return LinkTimes(float(p50), float(p99), float(np.max(values)))
-
-
-def _compiled(scene: Scene) -> tuple[Callable[..., Any], Callable[..., Any]]:
-    """Compile sensing and commands of packed readings, and the results of a tick with answers."""
-    robot = scene.controller.robot
-    leg_joints, m = robot.n // 2, robot.n - 1
-    _, carry_of = ravel_pytree(begin(scene, jnp.zeros((), jnp.int32)))
-
-    def command_of(row: jax.Array, seen: Measurement) -> TickResult:
-        leg, (touchdown, saturated) = row[0].astype(jnp.int32), row[1:3] > 0.5
-        sizes = (2 * leg_joints, 2 * leg_joints, m, m, m, 2, 2 * len(scene.first), 2)
-        ends = np.cumsum(sizes)
-        _, torque, _, y_d, dy_d, z, told, times = jnp.split(row[3:], ends[:-1])
-        torque = torque.reshape(2, leg_joints)
-        q, dq = coordinates(robot, seen, leg)
-        return TickResult(
-            torque=torque,
-            actuated=stance_joints(robot, torque, leg),
-            q=q,
-            dq=dq,
-            y_d=y_d,
-            dy_d=dy_d,
-            z=z,
-            leg=leg,
-            since_touchdown=times[0],
-            told=told.reshape(2, len(scene.first)),
-            touchdown=touchdown,
-            saturated=saturated,
-            relaxed=jnp.zeros(2, bool),
-        )
-
-    @quick_jit
-    @jax.vmap
-    def look(packed: jax.Array) -> tuple[Measurement, Array]:
-        reading = scene.reading(packed)
-        return sense(scene, reading).seen, reading.requested
-
-    @quick_jit
-    @jax.vmap
-    def judge(packed: jax.Array, packed_reading: jax.Array, row: jax.Array) -> tuple[Array, ...]:
-        carry, reading = carry_of(packed), scene.reading(packed_reading)
-        seen = sense(scene, reading).seen
-        command = command_of(row, seen)
-        parts = account(scene, carry, reading, carry.controller, command, seen)
-        return tuple(ravel_pytree(part)[0] for part in parts)
-
-    return look, judge

@@ -6,6 +6,7 @@ import struct
 import subprocess
 import time
 from collections.abc import Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import NamedTuple
 
@@ -13,11 +14,13 @@ import numpy as np
 
 from neuralgaits._types import Float
 from neuralgaits.control.measurement import Measurement
-from neuralgaits.errors import InputError
+from neuralgaits.errors import InputError, reason
 from neuralgaits.robots import MjcfLayout
 
 _HEAD = struct.Struct("<4sIII")
 _START_TIMEOUT_S = 10.0
+_ESTIMATED = 1
+"""Flag of a reading whose rates and velocity are not measured."""
 _LEG, _TOUCHDOWN, _SATURATED, _STALE = 1, 2, 4, 8
 _SEQUENCES = 2**32
 
@@ -47,8 +50,19 @@ def pack_reading(
     measurement: Measurement,
     sequence: int,
     wanted: Sequence[float] | Float[np.ndarray, " p"] = (),
+    *,
+    estimated: bool = False,
 ) -> bytes:
-    """Return a reading's datagram, in the robot file's signs and zeros, with requested commands."""
+    """Return a reading's datagram, in the robot file's signs and zeros.
+
+    Args:
+        layout: layout of the plant's file.
+        measurement: what the sensors measure.
+        sequence: number of the reading.
+        wanted: commands requested from the next touchdown on.
+        estimated: whether the controller has to estimate rates and velocity. Those of the
+            measurement are where its estimator starts.
+    """
     signs, offsets = np.array(layout.leg_joint_signs), np.array(layout.leg_joint_offsets)
     turn = float(measurement.pitch) - layout.root_angle
     dpitch = float(measurement.dpitch)
@@ -64,7 +78,8 @@ def pack_reading(
         ]
     )
     micros = round(1e6 * float(measurement.time)) % _SEQUENCES
-    return _HEAD.pack(b"NGR1", sequence, micros, 0) + numbers.astype("<f8").tobytes()
+    flags = _ESTIMATED if estimated else 0
+    return _HEAD.pack(b"NGR1", sequence, micros, flags) + numbers.astype("<f8").tobytes()
 
 
 def sequence_of(packet: bytes) -> int:
@@ -88,31 +103,56 @@ def unpack_answer(packet: bytes) -> Answer | None:
     )
 
 
+class Shape(NamedTuple):
+    """Sizes of a controller's robot, as it states them."""
+
+    leg_joints: int
+    """Joints of a leg, its hip included."""
+    actuated: int
+    """Actuated coordinates."""
+
+
 class ControllerLink:
-    """A controller process and the socket to it. Use as a context."""
+    """A socket to a controller, and its process if it is one of ours. Use as a context."""
 
     def __init__(self, program: Path, log: Path | None = None):
-        """Start the process.
+        """Start the process of a controller.
 
         Args:
             program: program compiled from an export.
             log: file for the controller's own log.
         """
         extra = [] if log is None else ["--log", str(log)]
-        self._process = subprocess.Popen(
+        process = subprocess.Popen(
             [str(program), *extra],
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
             encoding="utf-8",
             errors="replace",
         )
-        assert self._process.stdout is not None
-        said = self._process.stdout.readline().split()
+        assert process.stdout is not None
+        said = process.stdout.readline().split()
         if len(said) != 2 or said[0] != "port":
-            _, complaint = self._process.communicate()
+            _, complaint = process.communicate()
             raise InputError(f"expected a controller that listens, found: {complaint.strip()}")
-        self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-        self._socket.connect(("127.0.0.1", int(said[1])))
+        self._open(("127.0.0.1", int(said[1])), process)
+
+    @classmethod
+    def to(cls, host: str, port: int) -> "ControllerLink":
+        """Return the link to a controller that somebody else has started, and ends.
+
+        Raises: InputError if the host has no address.
+        """
+        link = cls.__new__(cls)
+        link._open((host, port), None)
+        return link
+
+    def _open(self, place: tuple[str, int], process: "subprocess.Popen[str] | None") -> None:
+        self._process = process
+        self._whose = "the controller process"
+        if process is None:
+            self._whose = f"the controller at {place[0]}:{place[1]}"
+        self._socket = _connected(*place)
         self._socket.setblocking(False)
         self._selector = selectors.DefaultSelector()
         self._selector.register(self._socket, selectors.EVENT_READ)
@@ -133,9 +173,10 @@ class ControllerLink:
         blend_s: float,
         limit: float,
         first: Sequence[float] | Float[np.ndarray, " p"] = (),
-    ) -> None:
+    ) -> Shape:
         """Begin an episode at some commands and wait until the controller is ready.
 
+        Returns: sizes of its robot.
         Raises: InputError if the controller does not start.
         """
         head = _HEAD.pack(b"NGS1", sequence, law, leg)
@@ -143,16 +184,31 @@ class ControllerLink:
         deadline = time.monotonic() + _START_TIMEOUT_S
         while time.monotonic() < deadline:
             for packet in self.read(deadline):
-                if packet[:4] == b"NGA1" and _HEAD.unpack_from(packet)[1] == sequence:
-                    return
-        raise InputError("expected the controller process to start an episode, found silence")
+                if len(packet) == _HEAD.size and packet[:4] == b"NGA1":
+                    _, answered, *sizes = _HEAD.unpack(packet)
+                    if answered == sequence:
+                        return Shape(*sizes)
+        raise self.silence("started")
+
+    def silence(self, wanted: str) -> InputError:
+        """Return the error of a controller that does not answer with the message `wanted`."""
+        remedy = "report it"
+        if self._process is None:
+            remedy = "is it running, and exported from this run?"
+        return InputError(f"expected {wanted} from {self._whose}, found silence: {remedy}")
 
     def write(self, packet: bytes) -> None:
-        """Send one datagram to the controller."""
-        self._socket.send(packet)
+        """Send one datagram to the controller. Raises: InputError if nothing listens there."""
+        try:
+            self._socket.send(packet)
+        except OSError as error:
+            raise self._gone(error) from None
 
     def read(self, deadline: float) -> list[bytes]:
-        """Return datagrams that have come; wait for one until `deadline` (monotonic clock, s)."""
+        """Return datagrams that have come; wait for one until `deadline` (monotonic clock, s).
+
+        Raises: InputError if nothing listens there any more.
+        """
         found = self._drain()
         if not found:
             self._selector.select(max(0.0, deadline - time.monotonic()))
@@ -160,13 +216,15 @@ class ControllerLink:
         return found
 
     def close(self) -> None:
-        """End the process and close the socket."""
-        self.write(_HEAD.pack(b"NGQ1", 0, 0, 0))
-        try:
-            self._process.communicate(timeout=_START_TIMEOUT_S)
-        except subprocess.TimeoutExpired:
-            self._process.kill()
-            self._process.communicate()
+        """Close the socket, and end the process if it is ours."""
+        if self._process is not None:
+            with suppress(InputError):
+                self.write(_HEAD.pack(b"NGQ1", 0, 0, 0))
+            try:
+                self._process.communicate(timeout=_START_TIMEOUT_S)
+            except subprocess.TimeoutExpired:
+                self._process.kill()
+                self._process.communicate()
         self._selector.close()
         self._socket.close()
 
@@ -177,3 +235,30 @@ class ControllerLink:
                 found.append(self._socket.recv(2048))
             except BlockingIOError:
                 return found
+            except OSError as error:
+                raise self._gone(error) from None
+
+    def _gone(self, error: OSError) -> InputError:
+        """Return the error of a socket that nothing listens to."""
+        remedy = "report it" if self._process is not None else "start it first, or again"
+        return InputError(
+            f"expected {self._whose} to listen, found none there ({reason(error)}): {remedy}"
+        )
+
+
+def _connected(host: str, port: int) -> socket.socket:
+    """Return a socket that sends to a place. Raises: InputError if there is no such host."""
+    try:
+        family, kind, _, _, address = socket.getaddrinfo(host, port, type=socket.SOCK_DGRAM)[0]
+        made = socket.socket(family, kind)
+        try:
+            made.connect(address)
+        except OSError:
+            made.close()
+            raise
+    except (OSError, UnicodeError) as error:
+        raise InputError(
+            f"link address: expected a host that can be reached, found {host!r} ({reason(error)}): "
+            "name another, as in 127.0.0.1:9000"
+        ) from None
+    return made

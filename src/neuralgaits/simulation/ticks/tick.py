@@ -93,16 +93,25 @@ def tick(scene: Scene, carry: Carry, reading: PlantReading) -> tuple[Carry, Verd
     """Compute one tick of one episode. Returns: the next carry, the verdict, and the record."""
     seen = sense(scene, reading).seen
     if scene.estimator is not None:
-        carry, seen = _estimated(scene, scene.estimator, carry, seen)
+        carry, seen = estimated(scene, scene.estimator, carry, seen)
     state = tell(scene.controller, carry.controller, reading.requested)
     state, command = step(scene.controller, state, seen)
     return account(scene, carry, reading, state, command, seen)
 
 
-def _estimated(
+def estimated(
     scene: Scene, estimator: Estimator, carry: Carry, seen: Measurement
 ) -> tuple[Carry, Measurement]:
-    """Return the estimate that the controller uses where rates are not measured."""
+    """Return the estimate that the controller uses where rates are not measured.
+
+    Args:
+        scene: scene of the episode.
+        estimator: its estimator.
+        carry: its state before the tick.
+        seen: what the sensors measure.
+
+    Returns: the carry with the estimator's next state, and the estimate.
+    """
     controller = scene.controller
     assert carry.known is not None and carry.believed is not None
     standing, period = carry.controller.stance, controller.period_s

@@ -1,0 +1,157 @@
+"""The main loop of examples/firmware on this machine walks as the link and the package do."""
+
+import struct
+import subprocess
+import time
+from contextlib import ExitStack
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from neuralgaits.export import build, output_folder
+from neuralgaits.export.reference import Reference
+from neuralgaits.export.selftest import selftest_file
+from neuralgaits.export.source import gait_files
+from neuralgaits.simulation.linked.config import LinkConfig
+from neuralgaits.simulation.linked.connect import SOURCES
+from neuralgaits.simulation.linked.remote import Remote
+from neuralgaits.simulation.linked.wire import ControllerLink
+from neuralgaits.simulation.native_walk import engine_of_trained
+from neuralgaits.simulation.setup.disturbance import PlantChanges
+from neuralgaits.simulation.setup.sensing import sensed
+from neuralgaits.simulation.setup.starts import full_states, momentum_range
+from neuralgaits.simulation.walk import walk
+from neuralgaits.workflows.export import design_of
+from support.designs import LAWS, commanded_design
+from support.listening import listening
+
+FIRMWARE = Path(__file__).parents[2] / "examples" / "firmware"
+STEPS, TICKS = 3, 1000
+SENSING = {"perfect": "perfect", "encoders": "encoders,bits=32,pitch_noise=0,delay_ms=0"}
+
+
+def make(target: str, folder: Path, out: Path, *more: str) -> subprocess.CompletedProcess[str]:
+    command = ["make", "-C", str(FIRMWARE), target, f"EXPORT={folder}", f"BUILD={out}", *more]
+    return subprocess.run(command, capture_output=True, text=True)
+
+
+@pytest.fixture(scope="module")
+def exported(trained, tmp_path_factory):
+    """An export whose torques change as fast as a simulation's, which has no such limit."""
+    design = design_of(trained)
+    design = replace(design, safeguard=replace(design.safeguard, torque_swing_s=1e-12))
+    files = output_folder.shipped() | gait_files(design)
+    files["gait_selftest.h"] = selftest_file(design, Reference(design))
+    folder = tmp_path_factory.mktemp("firmware")
+    for name, text in files.items():
+        (folder / name).write_text(text)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def link(exported):
+    return build.build("gcc", exported, "link", SOURCES, build.PLAIN)
+
+
+def walked(trained, sensing: str, address: str | None, steps: int = STEPS):
+    """A walk from the centre: in compiled code in this process, or by whoever listens there."""
+    setting = {
+        "steps": steps,
+        "z2_range": momentum_range(trained.gait),
+        "record": True,
+        "disturbance": sensed(PlantChanges(), SENSING[sensing]),
+    }
+    start = full_states(trained.zero_dynamics, trained.gait, "centre", seed=0, episodes=1)
+    policy = trained.gait.policy
+    if address is None:
+        library = engine_of_trained(trained, "native").library
+        done = walk(trained.robot, policy, start, library=library, **setting).episodes
+    else:
+        config = LinkConfig(lockstep=True, address=address)
+        with Remote(None, ["pd", "fblin", "paper"], config, 1, 0) as remote:
+            done = walk(trained.robot, policy, start, remote=remote, **setting).episodes
+    assert done.record is not None
+    return done.endings, done.record.command
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("sensing", SENSING)
+def test_all_give_the_same_torques(trained, exported, link, tmp_path, sensing):
+    estimate = f"HOST=-DESTIMATE={int(sensing == 'encoders')}"
+    done = make("host", exported, tmp_path, estimate)
+    assert done.returncode == 0, done.stderr
+    inside = walked(trained, sensing, None)
+    with listening(tmp_path / "firmware-host") as (_, address):
+        firmware = walked(trained, sensing, address)
+    with listening(link) as (_, address):
+        linked = walked(trained, sensing, address)
+    endings, expected = inside
+    assert len(expected.leg) > TICKS and np.ptp(expected.torque[:TICKS]) > 10.0
+    for there, found in (firmware, linked):
+        assert there == endings
+        np.testing.assert_array_equal(found.leg[:TICKS], expected.leg[:TICKS])
+        for name in ("torque", "y_d", "z"):
+            theirs, ours = (getattr(command, name)[:TICKS] for command in (found, expected))
+            np.testing.assert_allclose(theirs, ours, rtol=0.0, atol=1e-9)
+
+
+@pytest.fixture(scope="module")
+def commanded(tmp_path_factory):
+    """The main loop and the link of an untrained gait that takes commands, without a self-test."""
+    files = output_folder.shipped() | gait_files(commanded_design("amber3m", {"pd": LAWS["pd"]}))
+    files |= {path.name: path.read_text() for path in FIRMWARE.glob("*.[ch]")}
+    files["no_selftest.c"] = "int ng_selftest(void);\nint ng_selftest(void) { return 0; }\n"
+    folder = tmp_path_factory.mktemp("commanded")
+    for name, text in files.items():
+        (folder / name).write_text(text)
+    sources = {
+        "firmware": (*build.CORE, "main.c", "board_link.c", "no_selftest.c"),
+        "link": SOURCES,
+    }
+    with ExitStack() as stack:
+        addresses = {}
+        for name, files in sources.items():
+            program = build.build("gcc", folder, name, files, ("-O1", "-DESTIMATE=0"))
+            _, addresses[name] = stack.enter_context(listening(program))
+        yield addresses
+
+
+def numbered(sequence: int, numbers) -> bytes:
+    head = struct.pack("<4sIII", b"NGR1", sequence, 1000 * sequence, 0)
+    return head + np.asarray(numbers, dtype="<f8").tobytes()
+
+
+def of_walk(count: int):
+    """Readings of a robot that steps about, with wishes inside and outside of their range."""
+    rng = np.random.default_rng(7)
+    for sequence in range(2, count):
+        loaded = np.roll([200.0, 0.0], sequence // 150)
+        joints = rng.uniform(-0.1, 0.7, 4)
+        speed = rng.uniform(0.5, 1.0)
+        yield numbered(sequence, [0.0, 0.0, 0.6, 0.0, *loaded, *joints, *[0.0] * 4, speed])
+
+
+def exchanged(address: str, packets) -> list[bytes]:
+    """Answers but for the time of the tick, of an episode at 0.7 m/s on leg 1."""
+    host, port = address.split(":")
+    answers = []
+    with ControllerLink.to(host, int(port)) as link:
+        link.start(1, 0, 1, 0.2, 30.0, [0.7])
+        for packet in packets:
+            link.write(packet)
+            (answer,) = link.read(time.monotonic() + 60.0)
+            answers.append(answer[:-8])
+    return answers
+
+
+def test_the_board_speaks_the_link_s_datagrams(commanded):
+    """Bit for bit: commands, touchdowns, late readings, faults, and a second episode."""
+    steps = list(of_walk(700))
+    packets = [*steps, steps[-3], numbered(700, [np.nan] * 15), numbered(701, [0.0] * 15)]
+    expected = exchanged(commanded["link"], packets)
+    heads = np.array([struct.unpack_from("<II", answer, 8) for answer in expected])
+    assert np.any(heads[:, 0] & 2) and heads[-3, 0] & 8 and list(heads[-2:, 1]) == [1, 1]
+    for _ in range(2):
+        assert exchanged(commanded["firmware"], packets) == expected
