@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from neuralgaits.workflows.export import export_controller
     from neuralgaits.workflows.figures import figures
     from neuralgaits.workflows.fit import fit
+    from neuralgaits.workflows.fit_joints import fit_joints
     from neuralgaits.workflows.import_gait import import_gait
     from neuralgaits.workflows.inspect import inspect
     from neuralgaits.workflows.optimise import optimise
@@ -52,6 +53,7 @@ _HOMES = {
     "export_controller": "neuralgaits.workflows.export",
     "figures": "neuralgaits.workflows.figures",
     "fit": "neuralgaits.workflows.fit",
+    "fit_joints": "neuralgaits.workflows.fit_joints",
     "import_gait": "neuralgaits.workflows.import_gait",
     "inspect": "neuralgaits.workflows.inspect",
     "load_robot": "neuralgaits.robots",
@@ -83,6 +85,7 @@ __all__ = [
     "export_controller",
     "figures",
     "fit",
+    "fit_joints",
     "import_gait",
     "inspect",
     "load_robot",

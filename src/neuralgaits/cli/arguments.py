@@ -90,6 +90,11 @@ class CheckProofOptions(CheckProofSettings):
 class FitOptions(FitSettings):
     """Learn what a robot does beyond its model, from logs of a run's policy."""
 
+    joints: Flag = False
+    """Identify dry and viscous friction and rotor inertia of the joints instead, from logs with
+    torques; see the page 'Friction and rotors from logs'."""
+    write: Annotated[Path | None, arg(metavar="OUT.xml")] = None
+    """With --joints: write the robot file with the identified rotors and damping."""
     output: Output = OutputOptions()
 
 

@@ -8,17 +8,39 @@ from neuralgaits.cli.arguments import EpisodesOptions, FitOptions, RefineOptions
 from neuralgaits.cli.argv_parser import given
 from neuralgaits.cli.brief import brief_fit, brief_training
 from neuralgaits.cli.outcome import Outcome
+from neuralgaits.errors import InputError
 from neuralgaits.settings import EpisodesSettings, FitSettings, RefineSettings, Watch
 
 
 def carry_out_fit(verb: FitOptions) -> Outcome:
-    """Carry out `fit`. Good if the residual beats the model alone on unseen strides."""
+    """Carry out `fit`. Good if what is learned beats the model alone on unseen strides."""
+    if verb.joints:
+        return _fit_joints(verb)
+    if verb.write is not None:
+        raise InputError("--write: expected --joints beside it, found none: add that")
     from neuralgaits.cli.progress import TrainingProgress
     from neuralgaits.workflows.fit import fit
 
     with TrainingProgress(quiet=verb.output.json) as progress:
         done = fit(**given(verb, FitSettings, progress=progress)).summary
     return Outcome(done, done.better, learning_screen.show_fit, brief=brief_fit)
+
+
+def _fit_joints(verb: FitOptions) -> Outcome:
+    from neuralgaits.cli.joints_screen import show_joints
+    from neuralgaits.cli.progress import waiting
+    from neuralgaits.workflows.fit_joints import fit_joints
+
+    usual = FitSettings(verb.run, verb.logs)
+    for name in ("optimizer", "seed"):
+        if getattr(verb, name) != getattr(usual, name):
+            raise InputError(
+                f"--{name}: expected it without --joints, found both: joints are identified by "
+                f"least squares, leave --{name} out"
+            )
+    with waiting("identifying", quiet=verb.output.json):
+        done = fit_joints(verb.run, verb.logs, columns=verb.columns, write=verb.write)
+    return Outcome(done, done.better, show_joints)
 
 
 def carry_out_refine(verb: RefineOptions) -> Outcome:

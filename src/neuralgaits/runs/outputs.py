@@ -19,7 +19,7 @@ OWN_FILES = frozenset(
         *(names.CONFIG, names.SUMMARY, names.METRICS, names.NAN, names.NAN_STATE),
         *(names.ROBOT, names.SPEC, names.WEIGHTS, names.STATE, names.START, names.RESIDUAL),
         *(names.GAIT, names.LEARNED_RESIDUAL, names.FIT_SUMMARY, names.MAP, names.MAP_FIGURE),
-        *(names.REPAIR, names.ROUNDS, ".starting", LOCK),
+        *(names.REPAIR, names.ROUNDS, names.JOINTS, ".starting", LOCK),
         *("certificate/proof.json", "certificate/proof.json.gz", "certificate/summary.json"),
         *("simulation/summary.json", "simulation/plant.xml", "walks/summary.json"),
     }

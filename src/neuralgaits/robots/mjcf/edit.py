@@ -74,9 +74,9 @@ class MjcfEdit:
         """Record one line about a change."""
         self.changes.append(change)
 
-    def text(self) -> str:
-        """Return the file's text with all changes, and a comment that lists them."""
-        lines = "\n       ".join((_TITLE, *self.changes)).replace("--", "- -")
+    def text(self, title: str = _TITLE) -> str:
+        """Return the file's text with all changes, and a comment that lists them under a title."""
+        lines = "\n       ".join((title, *self.changes)).replace("--", "- -")
         body = ElementTree.tostring(self.root, encoding="unicode").rstrip()
         return f"{self._prologue}<!-- {lines} -->\n{body}\n"
 
