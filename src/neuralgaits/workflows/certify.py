@@ -31,9 +31,9 @@ from neuralgaits.certificate.run_certificate.certificate_files import (
 )
 from neuralgaits.certificate.run_certificate.earlier import level_reached
 from neuralgaits.certificate.run_certificate.scope import Scope
-from neuralgaits.certificate.search.branch_and_bound import BoundAll, Search
+from neuralgaits.certificate.search.branch_and_bound import Search
 from neuralgaits.certificate.search.checkpoint import boxes_saved, load, save
-from neuralgaits.certificate.search.problem import Problem
+from neuralgaits.certificate.search.problem import BoundAll, Problem
 from neuralgaits.certificate.search.root_turns import (
     SearchInterrupted,
     box_count,

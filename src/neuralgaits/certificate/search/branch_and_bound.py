@@ -15,14 +15,13 @@ from typing import Literal
 import numpy as np
 
 from neuralgaits._types import Float
+from neuralgaits.certificate.search.axis_costs import with_axis_costs
 from neuralgaits.certificate.search.box_tree import BoxTree
-from neuralgaits.certificate.search.problem import Bounds, Boxes, Problem
+from neuralgaits.certificate.search.problem import BoundAll, Bounds, Boxes, Problem
 from neuralgaits.records.certified import Counterexample
 
 Confirm = Callable[[str, np.ndarray], Counterexample | None]
 """Function from (condition, u) to the counterexample there; None if the margin is not negative."""
-BoundAll = Callable[[Problem, Sequence[Boxes]], Generator[Bounds, None, None]]
-"""Function that yields bounds on the boxes of each batch, in order."""
 Phase = Literal["decide", "tighten"]
 
 START_CUTS, MOST_AT_START = 3, 5
@@ -165,7 +164,7 @@ def _round(
     bound_all: BoundAll,
 ) -> Search:
     """Halve the leaves `work`, as many as there is time for."""
-    tree = _measured(problem, state.tree, work, lacking, deadline, bound_all)
+    tree = with_axis_costs(problem, state.tree, work, lacking, deadline, bound_all)
     done, parts = 0, []
     axis = tree.best_axis(work)
     size = problem.batch // 2
@@ -198,57 +197,6 @@ def _of_asked(problem: Problem, low: np.ndarray, high: np.ndarray, bounds: Bound
     """Bound boxes; bounds are infinite on boxes that nothing is required of. [B, C] each."""
     asked = problem.asked(low, high)[:, None]
     return np.where(asked, bounds[0], np.inf), np.where(asked, bounds[1], np.inf)
-
-
-def _measured(
-    problem: Problem,
-    tree: BoxTree,
-    work: np.ndarray,
-    lacking: np.ndarray,
-    deadline: float,
-    bound_all: BoundAll,
-) -> BoxTree:
-    """Return the tree with measured costs of axes, for some boxes of `work` if time permits.
-
-    There are many late axes, and each has little influence, so the cost of another axis is measured
-    with all of them at their own widths.
-    """
-    boxes = tree.unmeasured(work)
-    if not len(boxes):
-        return tree
-    low, high = tree.low[boxes], tree.high[boxes]
-    centre, short = low + (high - low) * 0.5, lacking[np.searchsorted(work, boxes)] > 0.0
-    least, alone = problem.values(centre), np.full(low.shape, -np.inf)
-    late = list(range(low.shape[1] - problem.weak_axes, low.shape[1]))
-    looks = [[axis, *late] if late and axis not in late else [axis] for axis in tree.axes]
-    if late:
-        looks.insert(0, late)
-    # One after the other in one list: a round of few boxes is one call for all axes.
-    ends = [np.concatenate([_with(centre, end, wide) for wide in looks]) for end in (low, high)]
-    slices = [slice(k, k + problem.batch) for k in range(0, len(ends[0]), problem.batch)]
-    parts = []
-    with closing(bound_all(problem, [(ends[0][part], ends[1][part]) for part in slices])) as found:
-        for lower, _ in found:
-            parts.append(lower)
-            if time.monotonic() >= deadline:
-                return tree
-    beside = least
-    for wide, lower in zip(looks, np.split(np.concatenate(parts), len(looks)), strict=True):
-        if wide == late:
-            beside = lower
-            continue
-        with np.errstate(invalid="ignore"):
-            lost = (beside if len(wide) > 1 else least) - lower
-        lost = np.where(np.isfinite(lost), np.maximum(lost, 0.0), np.inf)
-        alone[:, wide[0]] = np.where(short, lost, 0.0).max(axis=1)
-    return tree.measured(boxes, alone)
-
-
-def _with(points: np.ndarray, ends: np.ndarray, axes: Sequence[int]) -> np.ndarray:
-    """Return points with some coordinates replaced. [B, n]."""
-    moved = points.copy()
-    moved[:, axes] = ends[:, axes]
-    return moved
 
 
 def _look(problem: Problem, state: Search, points: np.ndarray, confirm: Confirm) -> Search:

@@ -1,6 +1,6 @@
 """Conditions on one box of the chart, with bounds over boxes and values at points."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Generator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -25,6 +25,8 @@ Boxes = tuple[np.ndarray, np.ndarray]
 """Lower and upper corners of B boxes. [B, n] each."""
 Bounds = tuple[np.ndarray, np.ndarray]
 """Bounds of each condition on each box, from below and above. [B, C] each."""
+BoundAll = Callable[["Problem", Sequence[Boxes]], Generator[Bounds, None, None]]
+"""Function that yields bounds on the boxes of each batch, in order."""
 INPUT = "u"
 MOST_ALONG = 33
 """Most points along an axis of a grid."""

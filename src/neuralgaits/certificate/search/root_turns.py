@@ -10,7 +10,6 @@ from neuralgaits.certificate.chart import PLANE
 from neuralgaits.certificate.search.branch_and_bound import (
     MAX_BOXES,
     TIGHTEN_BOXES,
-    BoundAll,
     Confirm,
     Phase,
     Search,
@@ -18,7 +17,7 @@ from neuralgaits.certificate.search.branch_and_bound import (
     start,
     to_split,
 )
-from neuralgaits.certificate.search.problem import Problem
+from neuralgaits.certificate.search.problem import BoundAll, Problem
 
 TURN_BOXES = 2**13
 """Boxes that one root may add before the next has its turn. This is no time limit, because the

@@ -1,0 +1,135 @@
+"""Cost of each axis of a box: how much of its bounds the width along that axis alone spoils."""
+
+import time
+from collections.abc import Sequence
+from contextlib import closing
+from dataclasses import dataclass
+
+import numpy as np
+
+from neuralgaits._types import Float, Int
+from neuralgaits.certificate.search.box_tree import NEAR, BoxTree
+from neuralgaits.certificate.search.halving import Corners, PerCondition
+from neuralgaits.certificate.search.problem import BoundAll, Problem
+
+
+def with_axis_costs(
+    problem: Problem,
+    tree: BoxTree,
+    work: np.ndarray,
+    lacking: np.ndarray,
+    deadline: float,
+    bound_all: BoundAll,
+) -> BoxTree:
+    """Return the tree with measured costs of axes, for some boxes of `work` if time permits.
+
+    There are many late axes, and each has little influence. So the cost of another axis is measured
+    with all of them at their own widths, and theirs one by one only where all of them together cost
+    about as much as another axis does.
+
+    Args:
+        problem: conditions and root.
+        tree: boxes so far.
+        work: leaves that are to be halved. [W]
+        lacking: how far the bounds on them fall short of their targets; 0 where they do not. [W, C]
+        deadline: on the clock of `time.monotonic` [s].
+        bound_all: bounds batches of boxes.
+    """
+    boxes = tree.unmeasured(work)
+    if not len(boxes):
+        return tree
+    short = lacking[np.searchsorted(work, boxes)] > 0.0
+    here = _Boxes.of(problem, tree.low[boxes], tree.high[boxes], short, deadline, bound_all)
+    first_late = len(problem.low) - problem.weak_axes
+    late = [axis for axis in tree.axes if axis >= first_late]
+    early = [axis for axis in tree.axes if axis < first_late]
+    alone, every = np.full(here.low.shape, -np.inf), np.arange(len(boxes))
+    together = [late] if late else []
+    bounded = here.shrunk([*together, *([axis, *late] for axis in early)], every)
+    if bounded is None:
+        return tree
+    beside = bounded.pop(0) if late else here.least
+    for axis, lower in zip(early, bounded, strict=True):
+        alone[:, axis] = here.cost(beside, lower, every)
+    if late:
+        rivals = alone[:, early].max(axis=1, initial=-np.inf)
+        some = np.flatnonzero(here.cost(here.least, beside, every) >= NEAR * rivals)
+        bounded = here.shrunk([[axis] for axis in late], some) if len(some) else []
+        if bounded is None:
+            return tree
+        for axis, lower in zip(late, bounded, strict=len(some) > 0):
+            alone[some, axis] = here.cost(here.least[some], lower, some)
+    return tree.measured(boxes, alone)
+
+
+@dataclass(frozen=True)
+class _Boxes:
+    """Boxes whose axes are measured.
+
+    Attributes:
+        low, high, centre: corners and centres. [B, n]
+        short: conditions whose bounds are insufficient. [B, C]
+        least: margins at the centres. [B, C]
+    """
+
+    problem: Problem
+    low: Corners
+    high: Corners
+    centre: Corners
+    short: np.ndarray
+    least: PerCondition
+    deadline: float
+    bound_all: BoundAll
+
+    @classmethod
+    def of(
+        cls,
+        problem: Problem,
+        low: Corners,
+        high: Corners,
+        short: np.ndarray,
+        deadline: float,
+        bound_all: BoundAll,
+    ) -> "_Boxes":
+        """Evaluate the margins at the centres."""
+        centre = low + (high - low) * 0.5
+        values = problem.values(centre)
+        return cls(problem, low, high, centre, short, values, deadline, bound_all)
+
+    def shrunk(
+        self, looks: Sequence[Sequence[int]], some: Int[np.ndarray, " P"]
+    ) -> list[PerCondition] | None:
+        """Bound boxes that are shrunk to their centres along all axes but some.
+
+        Args:
+            looks: axes that keep their widths.
+            some: numbers of boxes. [P]
+
+        Returns: bounds from below for each look, [P, C]; None if there was no time.
+        """
+        ends = []
+        for end in (self.low, self.high):
+            corners = np.tile(self.centre[some], (len(looks), 1, 1))
+            for k, wide in enumerate(looks):
+                corners[k][:, wide] = end[some][:, wide]
+            ends.append(corners.reshape(-1, self.low.shape[1]))
+        # One after the other in one list: a round of few boxes is one call for all axes.
+        size, parts = self.problem.batch, []
+        batches = [
+            (ends[0][k : k + size], ends[1][k : k + size]) for k in range(0, len(ends[0]), size)
+        ]
+        with closing(self.bound_all(self.problem, batches)) as found:
+            for lower, _ in found:
+                parts.append(lower)
+                if time.monotonic() >= self.deadline:
+                    return None
+        return np.split(np.concatenate(parts), len(looks))
+
+    def cost(
+        self, above: PerCondition, lower: PerCondition, some: Int[np.ndarray, " P"]
+    ) -> Float[np.ndarray, " P"]:
+        """Return how far insufficient bounds fall from `above` to `lower`; inf if unbounded."""
+        with np.errstate(invalid="ignore"):
+            lost = above - lower
+        lost = np.where(np.isfinite(lost), np.maximum(lost, 0.0), np.inf)
+        return np.where(self.short[some], lost, 0.0).max(axis=1)
