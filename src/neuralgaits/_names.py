@@ -29,5 +29,7 @@ def why_no_name(name: object) -> str | None:
 
 def meant(name: object, known: Iterable[str]) -> str:
     """Return a question that asks for the name most like an unknown one; empty if none is."""
-    close = difflib.get_close_matches(str(name), list(known), 1)
+    # Of the dashes of options nothing follows.
+    bare = {one.lstrip("-"): one for one in known}
+    close = [bare[one] for one in difflib.get_close_matches(str(name).lstrip("-"), bare, 1)]
     return f"did you mean {close[0]}?" if close else ""

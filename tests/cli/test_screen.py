@@ -1,6 +1,7 @@
 """Tables show what the result holds."""
 
 import json
+import re
 import shutil
 from pathlib import Path
 
@@ -68,6 +69,15 @@ def test_why_it_fell_and_what_was_changed(capsys: pytest.CaptureFixture[str]) ->
     assert ["Poincaré", "multiplier,", "model", "0.7"] in lines
 
 
+def test_what_a_walk_met_is_on_its_first_line(capsys: pytest.CaptureFixture[str]) -> None:
+    met = {"push": 10.0, "disturb": {"mass_scale": 1.2, "friction": None}, "plant": "rabbit"}
+    walks = {"fell": [False], "steps_walked": [50], "controller": "pd", "plant_given": "rabbit"}
+    walks |= {"episodes": 1, "start": "centre", "seed": 0, "fall_reasons": [None]}
+    screen.show_walks(Simulated.of(walks | met))
+    (first, *_) = " ".join(capsys.readouterr().out.split()).split("speed")
+    assert "under pd in MuJoCo, plant rabbit, push 10 N s, mass_scale=1.2" in first
+
+
 def test_every_broken_condition_is_listed(capsys: pytest.CaptureFixture[str]) -> None:
     conditions = {"torso-upper": Violations(0.0, 1.5e-7, -1.5e-7, 2.0), "step-length": HOLDS}
     screen.show_training(
@@ -78,7 +88,7 @@ def test_every_broken_condition_is_listed(capsys: pytest.CaptureFixture[str]) ->
     assert "torso-upper" in out
     assert "step-length" not in out
     assert "1.5e-07" in out
-    assert "neuralgaits simulate runs/a" in out
+    assert "neuralgaits simulate" not in out
     assert 'without("torso-upper") in a spec of your own' in out
 
 
@@ -91,7 +101,9 @@ def test_a_run_that_fails_says_how_to_train_it_again(
         Trained(run=str(small_run.path), steps=2, loss=0.0, conditions=broken, wall_s=1.0)
     )
     out = capsys.readouterr().out
-    assert "train longer" in out and "--steps 4" in out
+    # Not twice the two steps that it had: its spec asks for more.
+    recipe = small_run.asked.recipe_steps
+    assert recipe > 4 and re.search(rf"train longer .*--steps {recipe} ", out)
     assert "another seed" in out and "--seed 1" in out
 
 

@@ -67,7 +67,12 @@ def read(arguments: list[str]) -> Verb:
     return tyro.cli(
         _SUBCOMMANDS,  # type: ignore[arg-type]
         prog="neuralgaits",
-        description="Neural walking gaits from barrier conditions on the zero dynamics.",
+        description=(
+            "Train a walking gait, walk it in MuJoCo, prove it.\n\n"
+            "To begin, `neuralgaits demo` shows a proved gait on a live page.\n\n"
+            "`neuralgaits train amber3m` trains one; each command ends with the next to give.\n\n"
+            "`neuralgaits VERB --help` lists the options of a verb."
+        ),
         args=words,
         config=(tyro.conf.FlagCreatePairsOff, tyro.conf.SuppressFixed),
     )

@@ -4,13 +4,14 @@ At most six lines each, long ones wrapped. `-v` prints the whole result instead,
 """
 
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Any
 
 from rich.text import Text
 
 from neuralgaits._digits import at_least
 from neuralgaits.cli.screen_tables import number, show_facts, show_sentence, verdict
-from neuralgaits.records.certified import CertificateRecord
+from neuralgaits.records.certified import PROOF, CertificateRecord
 from neuralgaits.records.checked import Checked
 from neuralgaits.records.fitted import Fitted
 from neuralgaits.records.levels import FULL_ORDER_LEVEL, WORDS
@@ -54,7 +55,9 @@ def brief_walks(result: Simulated) -> None:
     span = f"{min(steps)}" if len(set(steps)) == 1 else f"{min(steps)} to {max(steps)}"
     answer = Text("walks", "green") if result.stayed == count else Text("falls", "red")
     show_sentence(
-        answer, f": {result.stayed} of {count} episodes stayed up, {span} steps, {result.walked_by}"
+        answer,
+        f": {result.stayed} of {count} episodes stayed up, "
+        f"{span} step{'' if span == '1' else 's'}, {result.walked_by}{result.met}",
     )
     reasons = sorted({reason for reason in result.fall_reasons if reason})
     key = (
@@ -81,8 +84,16 @@ def brief_walks(result: Simulated) -> None:
     if (seen := result.monitor) is not None:
         shares = (f"{one.inside:.2%} in the set of level {levels}" for levels, one in seen.by_set)
         facts.append(("monitor", f"of {seen.ticks} ticks, {', '.join(shares)}"))
-    facts.append(("next", command("certify", named(result.run))))
+    facts.append(("next", _after_walks(result)))
     show_facts(facts)
+
+
+def _after_walks(result: Simulated) -> str:
+    """Return the command to give next: look at a fall, prove a gait, read about a proved one."""
+    if result.stayed < len(result.fell):
+        return command("view", named(result.run))
+    proved = (Path(result.run) / PROOF).is_file()
+    return command("report" if proved else "certify", named(result.run))
 
 
 def brief_proof(result: CertificateRecord) -> None:

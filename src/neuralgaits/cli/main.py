@@ -7,6 +7,7 @@ writes one for each problem of a robot file.
 
 import contextlib
 import faulthandler
+import io
 import os
 import re
 import sys
@@ -41,6 +42,32 @@ UNFINISHED = ("player", "portrait")
 """Names of the threads of a live page that may still run when the process ends."""
 
 
+class ProgressStream(io.TextIOWrapper):
+    """Standard error whose reader may leave, as of `2>&1 | head`: the work goes on without it."""
+
+    def write(self, text: str) -> int:
+        """Write a text, to nowhere once nobody reads. Returns: its length."""
+        try:
+            return super().write(text)
+        except BrokenPipeError:
+            to_nowhere(self.fileno())
+            return len(text)
+
+    def flush(self) -> None:
+        """Write what is kept back, as `write` does."""
+        try:
+            super().flush()
+        except BrokenPipeError:
+            to_nowhere(self.fileno())
+
+
+def to_nowhere(stream: int) -> None:
+    """Let a stream that nobody reads end in the null device."""
+    null = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(null, stream)
+    os.close(null)
+
+
 def run() -> None:
     """Run the command line; entry point of the console script `neuralgaits VERB ...`."""
     prepare()
@@ -49,6 +76,10 @@ def run() -> None:
             setattr(sys, stream, open(os.devnull, "w"))
         # A name, or a sign, that the terminal's encoding does not have is no reason to stop.
         getattr(sys, stream).reconfigure(errors=PRINTABLE)
+    encoding = sys.stderr.encoding
+    sys.stderr = ProgressStream(
+        sys.stderr.detach(), encoding=encoding, errors=PRINTABLE, line_buffering=True
+    )
     # Compiled code runs in this process: if it crashes, its place is said.
     with contextlib.suppress(RuntimeError, ValueError, OSError):
         faulthandler.enable()
@@ -72,10 +103,12 @@ def main(arguments: list[str]) -> int:
         return _answer(arguments)
     except KeyboardInterrupt as error:
         return _fail(f"interrupted{_next(arguments, error)}", error, INTERRUPTED, verbose)
-    except BrokenPipeError:
-        # The reader of our output has gone; Python would complain again while it exits.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return GOOD
+    except BrokenPipeError as error:
+        to_nowhere(sys.stdout.fileno())
+        if not arguments or {"-h", "--help"} & set(arguments):
+            return GOOD
+        # Before the answer: that is printed when the work is done, see `_printed`.
+        return _fail("nobody reads what this command prints", error, INTERRUPTED, verbose)
     except (NonFiniteError, MismatchError, ConvergenceError) as error:
         return _fail(str(error), error, NO, verbose)
     except NeuralGaitsError as error:
@@ -106,20 +139,31 @@ def _answer(arguments: list[str]) -> int:
 
     if not verb.output.json:
         outcome = verbs.carry_out(verb)
-        outcome.show(verbose=verb.output.verbose)
+        with _printed():
+            outcome.show(verbose=verb.output.verbose)
     else:
         with _stdout_to_stderr():
             outcome = verbs.carry_out(verb)
         from neuralgaits.runs.plain import to_json
 
         unicode = (sys.stdout.encoding or "utf-8").lower().startswith("utf")
-        sys.stdout.write(to_json(outcome.result, ascii_only=not unicode))
-        sys.stdout.flush()
+        with _printed():
+            sys.stdout.write(to_json(outcome.result, ascii_only=not unicode))
     if outcome.then is not None:
         outcome.then()
     if outcome.undecided:
         return UNDECIDED
     return GOOD if outcome.good else NO
+
+
+@contextlib.contextmanager
+def _printed() -> Iterator[None]:
+    """Print an answer, or what its reader waits for: the exit code is that of the work."""
+    try:
+        yield
+        sys.stdout.flush()
+    except (BrokenPipeError, SystemExit):  # Rich ends the process where a pipe is broken.
+        to_nowhere(sys.stdout.fileno())
 
 
 def _of_system(error: OSError) -> str:

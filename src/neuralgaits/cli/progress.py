@@ -24,6 +24,8 @@ _BAR = 24
 """Width of a bar [characters], with which the whole line fits 80 columns."""
 _QUIET_S = 30.0
 """Longest silence of a task that has not advanced by another tenth [s]."""
+_MANY_BOXES = 100_000
+"""From here on a proof takes this program hours to check, and the C++ checker minutes."""
 _NAMED = 3
 """Conditions that a line names before it gives a count."""
 
@@ -181,9 +183,13 @@ class CheckProgress(_Share):
     def __init__(self, quiet: bool = False) -> None:
         left = (TextColumn("ETA"), TimeRemainingColumn())
         super().__init__("checked", *left, quiet=quiet)
+        self._warned = False
 
     def __call__(self, done: int, leaves: int) -> None:
         """Show how many leaves of the proof's trees are bounded again."""
+        if leaves > _MANY_BOXES and not self._warned:
+            self.say(f"{leaves} boxes take hours here; `make proofcheck` builds a quicker checker")
+            self._warned = True
         self._show(done / leaves if leaves else 1.0, f"{done}/{leaves} boxes")
 
 

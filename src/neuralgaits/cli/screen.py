@@ -55,7 +55,9 @@ def show_training(result: Trained) -> None:
     if result.step_size < 1.0:
         facts.append(("steps", f"{result.step_size:.2g} of the usual size: larger ones met NaN"))
     facts.append(("time", f"{result.wall_s:.0f} s, {result.compile_s:.0f} s compiling"))
-    facts += [("run", result.run), ("next", command("simulate", named(result.run)))]
+    facts.append(("run", result.run))
+    if not result.broken:
+        facts.append(("next", command("simulate", named(result.run))))
     show_facts(facts)
 
 
@@ -104,7 +106,9 @@ def show_walks(result: Simulated) -> None:
     span = _span(walks or (0,))
     answer = Text("walks", "green") if result.stayed == count else Text("falls", "red")
     show_sentence(
-        answer, f": {result.stayed} of {count} episodes stayed up, {span} steps, {result.walked_by}"
+        answer,
+        f": {result.stayed} of {count} episodes stayed up, "
+        f"{span} step{'' if span == '1' else 's'}, {result.walked_by}{result.met}",
     )
     reasons = Counter(reason for reason in result.fall_reasons if reason is not None)
     show_table(("fell because", "episodes"), [(why, str(n)) for why, n in reasons.items()])

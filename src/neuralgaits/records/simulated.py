@@ -239,6 +239,17 @@ class WalkSettings(Record):
     errors: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
 
 
+def disturbances(values: Mapping[str, Any] | None) -> dict[str, float]:
+    """Return the disturbances that differ from their defaults, as a command takes them."""
+    # None is as in the robot's file, and 0 is not.
+    usual = {"mass_scale": 1.0, "friction": None, "torque_limit": None}
+    return {
+        name: value
+        for name, value in (values or {}).items()
+        if value is not None and value != usual.get(name, 0.0)
+    }
+
+
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Simulated(WalkFigures, WalkSettings):
     """A simulation: its settings and results.
@@ -258,6 +269,15 @@ class Simulated(WalkFigures, WalkSettings):
     def walked_by(self) -> str:
         """Control law and simulator in words."""
         return f"under {self.controller} in {self.stepped_by}"
+
+    @property
+    def met(self) -> str:
+        """Differences between the plant and the gait's robot, as options; empty if none."""
+        parts = [f"plant {self.plant}"] if self.plant_given else []
+        if self.push:
+            parts.append(f"push {self.push:g} N s")
+        parts += [f"{name}={value:g}" for name, value in disturbances(self.changed).items()]
+        return "".join(f", {part}" for part in parts)
 
     @property
     def touchdowns_before_push(self) -> int | None:

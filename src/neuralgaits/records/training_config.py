@@ -150,6 +150,12 @@ class TrainingConfig(Record):
         return HIGHEST_OF_MANY if self.commands or many else HIGHEST
 
     @property
+    def recipe_steps(self) -> int:
+        """Gradient steps that the recipe asks for; 0 if it names none."""
+        steps = self.described["recipe"].get("steps")
+        return steps if isinstance(steps, int) else 0
+
+    @property
     def learning_rate(self) -> float | None:
         """Learning rate of the recipe; None if the recipe has none."""
         return self.described["recipe"].get("learning_rate")

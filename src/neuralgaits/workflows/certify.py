@@ -201,7 +201,7 @@ def _concluded(
     if scope.box:
         reason = level_one.worst_robot(verdicts, scope.chart) or reason
     if scope.part is not None:
-        only = f"proved is what is said of {scope.part}: part of the gait's commands"
+        only = f"proved for {scope.part} alone; nothing is said of its other commands"
         verdicts = {name: level_one.of_a_part(entry) for name, entry in verdicts.items()}
         conclusions = [
             replace(one, verdict="undecided", reason=only) if one.proved else one

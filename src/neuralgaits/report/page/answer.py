@@ -55,9 +55,8 @@ def _walked(saved: Saved, shown: ShownWalk | None) -> str:
     """Describe what simulations showed, preferring the more detailed record."""
     done, walks = saved.simulation, saved.walks
     if done is not None:
-        return (
-            f"In a {done.stepped_by} simulation of the whole robot{_where(done)} {_counted(done)}."
-        )
+        walker = f"{_what_walked(done)}{_where(done)}"
+        return f"In a {done.stepped_by} simulation of {walker} {_counted(done)}."
     if walks is not None and walks.steps_walked and walks.share_that_walks is not None:
         count = len(walks.steps_walked)
         stayed = round(walks.share_that_walks * count)
@@ -72,6 +71,10 @@ def _walked(saved: Saved, shown: ShownWalk | None) -> str:
         "In the one walk recorded for this page, a MuJoCo simulation of the whole robot, it "
         f"{ending} {shown.steps_walked} steps."
     )
+
+
+def _what_walked(done: Simulated) -> str:
+    return f"another robot, {done.plant}," if done.plant_given else "the whole robot"
 
 
 def _where(done: Simulated) -> str:

@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from neuralgaits.barriers.quantity_words import QUANTITIES, QuantityWords
+from neuralgaits.records.simulated import disturbances
 from neuralgaits.report.page.markup import Html, join, number, tag
 
 _CHANGES = {
@@ -228,17 +229,6 @@ def _unit(described: Mapping[str, Any]) -> str:
         order = len(alpha) if isinstance(alpha, list) else 1
         return f"{unit} × 1/s" + ("" if order == 1 else "²")
     return unit
-
-
-def disturbances(values: Mapping[str, Any] | None) -> dict[str, float]:
-    """Return the disturbances that differ from their defaults, as a command takes them."""
-    # None is as in the robot's file, and 0 is not.
-    usual = {"mass_scale": 1.0, "friction": None, "torque_limit": None}
-    return {
-        name: value
-        for name, value in (values or {}).items()
-        if value is not None and value != usual.get(name, 0.0)
-    }
 
 
 def changes(values: Mapping[str, Any] | None) -> list[str]:

@@ -133,8 +133,11 @@ def another_seed(folder: RunFolder) -> str | None:
 
 
 def longer(folder: RunFolder) -> str:
-    """Return the command that trains twice as long; a fresh one if `training` has none."""
-    twice = 2 * asked_of(folder).steps
+    """Return the command that trains twice as long, or as long as the recipe asks for if longer.
+
+    It is one that trains afresh if `training` has none.
+    """
+    twice = max(2 * asked_of(folder).steps, asked_of(folder).recipe_steps)
     anew = ("train", robot_word(folder), "--spec", spec_word(folder) or "walking")
     return training(folder, steps=twice) or command(*anew, "--steps", twice)
 

@@ -163,13 +163,20 @@ def leg_data(
             i = int(wrong[0])
             names = [tree.links[leg[i]].name for leg in skeleton.legs]
             refuse(
-                f"legs of unequal data: {_QUANTITIES[field.name]} is {ours[i]:.6g} at body "
-                f"{names[0]} and {theirs[i]:.6g} at body {names[1]}; make the legs equal"
+                f"legs of unequal data: {_QUANTITIES[field.name]} is {_shown(ours[i])} at body "
+                f"{names[0]} and {_shown(theirs[i])} at body {names[1]}; make the legs equal"
             )
     refuse_large_foot(
         float(first.foot_radius[0]), float(np.sum(first.length)), skeleton.feet[0].name
     )
     return first
+
+
+def _shown(value: complex) -> str:
+    """Return a number, or both parts of a place: along the link, and ahead of it."""
+    if not np.iscomplexobj(value):
+        return f"{value:.6g}"
+    return f"({value.real:.6g} along, {-value.imag + 0.0:.6g} ahead)"
 
 
 def _one_leg(
