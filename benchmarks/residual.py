@@ -24,7 +24,8 @@ from neuralgaits.logs import Windows
 from neuralgaits.residual.fitter import FitConfig, Fitter, Optimizer
 from neuralgaits.residual.trajectories import missed, root_mean_square
 from neuralgaits.workflows.fit import JUDGED_SAMPLES, SAMPLES, STEP_S, fit
-from neuralgaits.workflows.simulate import log_files, simulate
+from neuralgaits.workflows.simulate import simulate
+from neuralgaits.workflows.walk_files import log_files
 
 PLANT = "amber3m-tail"
 WALKS, STEPS = 6, 10

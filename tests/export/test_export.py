@@ -62,7 +62,7 @@ def test_a_gait_without_a_proof_is_exported_with_a_warning(exported, tmp_path, c
     proved = open_run(shutil.copytree(demo.FOLDER, tmp_path / "run"))
 
     def warnings():
-        return workflow._warnings(read_certificate(proved.folder))
+        return workflow.unproved_of_export(read_certificate(proved.folder))
 
     assert warnings() == []
     file = proved.path / "certificate" / "summary.json"

@@ -345,7 +345,7 @@ def test_no_claim_without_the_runs_own_proof(change, tmp_path):
     run = copy(tmp_path)
     change(run.path / "certificate" / "proof.json")
     certificate = read_certificate(run.folder)
-    (line,) = workflow._warnings(certificate)
+    (line,) = workflow.unproved_of_export(certificate)
     assert line.startswith("nothing is proved of this gait: certificate/")
     design, more = with_monitor(design_of(run, certificate), run, certificate)
     assert design.monitor is None and more == [] and monitor_files(design) == {}

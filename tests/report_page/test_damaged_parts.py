@@ -11,7 +11,8 @@ from neuralgaits.report.page.closing import failures
 from neuralgaits.report.page.document import document
 from neuralgaits.runs import RunFolder
 from neuralgaits.runs.array_tree import write_tree
-from neuralgaits.workflows.export import _origin, _warnings
+from neuralgaits.workflows.export import _origin
+from neuralgaits.workflows.export_warnings import unproved_of_export
 from neuralgaits.workflows.report import saved_of, write_report
 
 SIMULATED = {
@@ -169,5 +170,5 @@ def test_an_export_does_not_quote_a_damaged_certificate(shipped):
         _written(shipped, file, value)
         found = read_certificate(run.folder)
         assert _origin(run, found).proof_verdict is None
-        (warning,) = _warnings(found)
+        (warning,) = unproved_of_export(found)
         assert warning.startswith("nothing is proved of this gait: certificate/")

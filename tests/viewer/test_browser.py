@@ -47,6 +47,7 @@ def test_on_a_phone_the_controls_leave_the_upper_half_to_the_robot(live, browser
 
 def test_the_answer_and_its_limits_are_in_view_without_a_click(page):
     page.get_by_text("The proof file states level 3 of 5.").wait_for(timeout=60_000)
+    page.get_by_text("Inside the proved set of level 2: yes, margin 0.").wait_for(timeout=60_000)
     for words in ("Proved, to level 3 of 5", "What is not covered."):
         page.get_by_text(words).first.wait_for(state="visible", timeout=60_000)
     # A long path breaks before the edge of the panel.

@@ -10,7 +10,7 @@ from neuralgaits import logs
 from neuralgaits.analysis.run import open_run
 from neuralgaits.robots import load_robot
 from neuralgaits.workflows.train import train
-from support import brief_spec, planted_walk
+from support import brief_spec, planted_walk, rubbing_walk
 
 
 @pytest.fixture(scope="session")
@@ -23,6 +23,12 @@ def brief_run(made_once, tmp_path_factory):
 
     made = made_once("brief", make)
     return open_run(shutil.copytree(made, tmp_path_factory.mktemp("brief") / "run"))
+
+
+@pytest.fixture(scope="session")
+def rubbing(tmp_path_factory):
+    """A copy of the shipped run, and the log of its walk with friction and heavier rotors."""
+    return rubbing_walk.walked(tmp_path_factory.mktemp("rubbing"))
 
 
 @pytest.fixture(scope="session")

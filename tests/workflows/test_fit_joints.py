@@ -20,13 +20,8 @@ pytestmark = pytest.mark.slow
 
 
 @pytest.fixture(scope="module")
-def walk(tmp_path_factory):
-    return rubbing_walk.walked(tmp_path_factory.mktemp("rubbing"))
-
-
-@pytest.fixture(scope="module")
-def found(walk, tmp_path_factory):
-    run, log = walk
+def found(rubbing, tmp_path_factory):
+    run, log = rubbing
     out = tmp_path_factory.mktemp("written") / "robot.xml"
     return fit_joints(run, [log], write=out)
 
@@ -41,8 +36,8 @@ def test_friction_and_rotors_are_found_to_a_tenth(found):
     assert found.better
 
 
-def test_the_record_names_run_and_logs_by_their_hashes(found, walk):
-    run, log = walk
+def test_the_record_names_run_and_logs_by_their_hashes(found, rubbing):
+    run, log = rubbing
     assert dict(found.logs) == {str(log): sha256(log.read_bytes())}
     assert found.sha256 == file_hashes(run, ("robot.xml", "policy.safetensors"))
     assert IdentifiedJoints.read(run / JOINTS) == found
@@ -72,9 +67,9 @@ def test_a_box_of_rotors_holds_every_interval(found):
     assert found.rotor_of_estimates < 0.5 * found.rotor_of_file
 
 
-def test_friction_in_the_joints_has_no_part_in_the_zero_dynamics(walk):
+def test_friction_in_the_joints_has_no_part_in_the_zero_dynamics(rubbing):
     """The momentum about the foot follows from the weight alone, whatever the joints do."""
-    _, log = walk
+    _, log = rubbing
     robot = load_robot("amber3m")
     walked = logs.read(log, robot).log
     (first, *_), _ = logs.cut([walked], robot)
@@ -88,8 +83,8 @@ def test_friction_in_the_joints_has_no_part_in_the_zero_dynamics(walk):
     assert gained == pytest.approx(expected, abs=0.05)
 
 
-def test_the_command_prints_what_the_file_holds(walk, capsys):
-    run, log = walk
+def test_the_command_prints_what_the_file_holds(rubbing, capsys):
+    run, log = rubbing
     assert main(["fit", str(run), str(log), "--joints", "--json"]) == 0
     printed = json.loads(capsys.readouterr().out)
     assert printed == json.loads((run / JOINTS).read_text())
@@ -110,8 +105,8 @@ def test_the_command_prints_what_the_file_holds(walk, capsys):
         (["--joints", "--write", "RUN/robot.xml"], "which is robot.xml of a run: name another"),
     ],
 )
-def test_what_does_not_go_together_is_refused(walk, capsys, words, line):
-    run, log = walk
+def test_what_does_not_go_together_is_refused(rubbing, capsys, words, line):
+    run, log = rubbing
     words = [word.replace("RUN", str(run)).replace("LOG", str(log)) for word in words]
     before = log.read_bytes()
     assert main(["fit", str(run), str(log), *words]) == 2
@@ -119,8 +114,8 @@ def test_what_does_not_go_together_is_refused(walk, capsys, words, line):
     assert log.read_bytes() == before
 
 
-def test_logs_that_say_too_little_are_refused_and_nothing_is_written(walk, tmp_path):
-    run, log = walk
+def test_logs_that_say_too_little_are_refused_and_nothing_is_written(rubbing, tmp_path):
+    run, log = rubbing
     run = shutil.copytree(run, tmp_path / "run", ignore=shutil.ignore_patterns("joints"))
     walked = logs.read(log, load_robot("amber3m")).log
     short, still = tmp_path / "short.csv", tmp_path / "still.csv"

@@ -12,6 +12,7 @@ import pytest
 
 from neuralgaits import logs
 from neuralgaits.analysis.run import open_run
+from neuralgaits.analysis.step_parameters import step_parameters
 from neuralgaits.cli.brief import brief_walks
 from neuralgaits.cli.screen import show_walks
 from neuralgaits.errors import InputError
@@ -120,7 +121,7 @@ def test_steps_of_a_family_are_those_of_its_controller(tmp_path):
     assert isinstance(gait, CommandedGait)
     pairs = [(0.60, 0.61), (0.61, 0.62), (0.60, 0.61), (0.615, 0.612)]
     told = np.array(pairs)[:, :, None]
-    found = monitor_walk._steps(run, told)
+    found = step_parameters(run, told)
     for row, (before, after) in zip(found, pairs, strict=True):
         pair = Pair(jnp.array([before]), jnp.array([after]))
         expected = gait.policy.parameters_of_step(run.robot, pair, None)

@@ -135,6 +135,9 @@ class ExportOptions:
     config: Annotated[Path | None, arg(metavar="deploy.yaml")] = None
     """Deployment file: writes its map between motors and joints beside the controller. Without it
     a template of such a file is written."""
+    joints: Annotated[Path | None, arg(metavar="latest|FILE.json")] = None
+    """Friction and rotors in the torques of pd and fblin, as fit --joints identified them: latest
+    for the run's own, or a file."""
     output: Output = OutputOptions()
 
 

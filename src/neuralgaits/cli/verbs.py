@@ -205,6 +205,7 @@ def _export(verb: ExportOptions) -> Outcome:
             format=verb.format,
             force=verb.force,
             config=verb.config,
+            joints=verb.joints,
             begun=progress.begun,
         )
     return Outcome(done.summary, done.checked, show_export, undecided=not done.checked)

@@ -16,6 +16,7 @@ from neuralgaits._types import Actuated, Array, Bool, Coordinates, Float, Int, S
 from neuralgaits.control import command_state, stance
 from neuralgaits.control.command_state import CommandState
 from neuralgaits.control.inverse_dynamics import impact_consistent_rates
+from neuralgaits.control.joint_model import JointModel
 from neuralgaits.control.law import AbstractLaw, Demand, Desired, MeasuredState, Outputs
 from neuralgaits.control.measurement import (
     Measurement,
@@ -45,6 +46,7 @@ class Controller(eqx.Module):
         stance: thresholds of the stance machine.
         period_s: time between two ticks [s].
         reset_residual: corrects the impact that the steps of a family begin with.
+        joints: rotors and friction that torques are for; None for those of `robot`.
     """
 
     robot: PlanarBiped
@@ -55,6 +57,7 @@ class Controller(eqx.Module):
     stance: StanceConfig = eqx.field(static=True)
     period_s: float = eqx.field(static=True)
     reset_residual: ResetCorrection = None
+    joints: JointModel | None = None
 
     @classmethod
     def init(
@@ -68,6 +71,7 @@ class Controller(eqx.Module):
         stance: StanceConfig | None = None,
         period_s: float = 1e-3,
         reset_residual: ResetCorrection = None,
+        joints: JointModel | None = None,
     ) -> "Controller":
         """Build a controller, with bounds and limits taken from policy and robot.
 
@@ -80,6 +84,7 @@ class Controller(eqx.Module):
             stance: thresholds, the defaults if None.
             period_s: time between two ticks (s).
             reset_residual: corrects the impact that the steps of a family begin with.
+            joints: rotors and friction that torques are for; None for those of `robot`.
         """
         middle = CommandLimits.of(policy.commands).middle
         of_middle = policy.from_step_parameters(_numbers(robot, policy, middle, reset_residual))
@@ -93,6 +98,7 @@ class Controller(eqx.Module):
             stance=StanceConfig() if stance is None else stance,
             period_s=period_s,
             reset_residual=reset_residual,
+            joints=joints,
         )
 
     def latch(self, told: CommandState, touchdown: Bool[Array, ""]) -> CommandState:
@@ -201,15 +207,11 @@ def step(
     controller: Controller, state: ControllerState, measurement: Measurement
 ) -> tuple[ControllerState, TickResult]:
     """Compute one control tick. Returns: the next state, and the `TickResult`."""
-    robot, law = controller.robot, controller.law
+    robot, law, joints = controller.robot, controller.law, controller.joints
     q_before, _ = coordinates(robot, measurement, state.stance.leg)
+    force, period = measurement.normal_force, controller.period_s
     standing, touchdown = stance.advance(
-        controller.stance,
-        robot,
-        state.stance,
-        q_before,
-        measurement.normal_force,
-        controller.period_s,
+        controller.stance, robot, state.stance, q_before, force, period
     )
     q, dq = coordinates(robot, measurement, standing.leg)
     foot_velocity = stance_foot_velocity(robot, q, dq, measurement)
@@ -225,9 +227,12 @@ def step(
         lambda new, old: jnp.where(ask, new, old), _ask(controller, now, reading), state.held
     )
     remaining = jnp.where(ask, law.hold_ticks, state.ticks_to_policy) - 1
-    wanted = law.torque(robot, reading, held)
-    limited = law.apply_limits(robot, Demand(reading, held, wanted, controller.torque_limit))
-    torque = limited.torque
+    model = robot if joints is None else joints.robot(robot)
+    wanted = law.torque(model, reading, held)
+    if joints is not None and law.takes_joints:
+        wanted = wanted + joints.friction_torque(held.dy)
+    demand = Demand(reading, held, wanted, controller.torque_limit)
+    torque, saturated, relaxed = law.apply_limits(model, demand)
     command = TickResult(
         torque=leg_joints(robot, _motor_torques(robot, reading, torque), standing.leg),
         actuated=torque,
@@ -239,8 +244,8 @@ def step(
         leg=standing.leg,
         since_touchdown=standing.since_touchdown,
         touchdown=touchdown,
-        saturated=limited.saturated,
-        relaxed=limited.relaxed,
+        saturated=saturated,
+        relaxed=relaxed,
         told=jnp.stack(now.pair),
         ankle=reading.ankle,
     )

@@ -22,6 +22,11 @@ class Fblin(AbstractLaw):
     bandwidth: float = eqx.field(default=30.0, static=True)
     hold_ticks: int = eqx.field(default=1, static=True)
 
+    @property
+    def takes_joints(self) -> bool:
+        """Its torques are the model's."""
+        return True
+
     def told(self, z: ZeroState) -> ZeroState:
         """Return all of z, unchanged. [2]."""
         return z

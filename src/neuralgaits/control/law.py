@@ -80,6 +80,14 @@ class AbstractLaw(eqx.Module):
         return self
 
     @property
+    def takes_joints(self) -> bool:
+        """Whether torques that make up for friction of identified joints may be added to its own.
+
+        So it is where they are the model's for desired accelerations.
+        """
+        return False
+
+    @property
     def uses_impact_consistent_rates(self) -> bool:
         """Whether at a touchdown it goes by `impact_consistent_rates`, not by those measured."""
         return False

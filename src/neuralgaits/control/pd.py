@@ -59,6 +59,11 @@ class Pd(AbstractLaw):
         return replace(self, bandwidth=w, stiffness=stiffness, damping=damping)
 
     @property
+    def takes_joints(self) -> bool:
+        """Where the model's torques are added."""
+        return self.feed_forward
+
+    @property
     def uses_impact_consistent_rates(self) -> bool:
         """Where z2 is measured: desired rates of a touchdown are held beyond it."""
         return self.measure_z2

@@ -10,6 +10,7 @@ from neuralgaits._quick_jit import quick_filter_jit
 from neuralgaits._types import Actuated, Array, Float
 from neuralgaits.analysis.state_monitor import StateMonitor
 from neuralgaits.control import AbstractLaw, Controller
+from neuralgaits.control.joint_model import JointModel
 from neuralgaits.control.measurement import leg_joints, of_all_motors
 from neuralgaits.control.safeguard import SafeguardConfig
 from neuralgaits.deployment.deployment_file import DeploymentFile
@@ -35,6 +36,7 @@ class Origin:
         proof_verdict: result of that proof, as in `proved at level 3`; None without one.
         spec: name of the gait specification.
         version: version of this package.
+        joints_sha256: sha256 of the file of identified joints; None without.
     """
 
     robot_sha256: str
@@ -43,6 +45,7 @@ class Origin:
     proof_verdict: str | None
     spec: str
     version: str
+    joints_sha256: str | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,6 +80,7 @@ class Design:
         origin: Origin,
         safeguard: SafeguardConfig | None = None,
         reset_residual: ResetCorrection = None,
+        joints: JointModel | None = None,
     ) -> "Design":
         """Return the design of a gait under some laws.
 
@@ -88,10 +92,16 @@ class Design:
             origin: origin of the design.
             safeguard: thresholds, the defaults if None.
             reset_residual: corrects the impact that the steps of a family begin with.
+            joints: rotors and friction that torques are for, those of the robot if None.
         """
         controllers = {
             name: Controller.init(
-                robot, gait.policy, law, z2_range=z2_range, reset_residual=reset_residual
+                robot,
+                gait.policy,
+                law,
+                z2_range=z2_range,
+                reset_residual=reset_residual,
+                joints=joints,
             )
             for name, law in laws.items()
         }

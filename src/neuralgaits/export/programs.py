@@ -156,13 +156,22 @@ def policy_step(
 
 
 def parts(
-    robot: PlanarBiped, policy: AbstractPolicy, reset_residual: ResetCorrection = None
+    robot: PlanarBiped,
+    policy: AbstractPolicy,
+    reset_residual: ResetCorrection = None,
+    torque_model: PlanarBiped | None = None,
 ) -> list[Part]:
     """Return every Program of a controller.
 
+    Args:
+        robot: the model of the gait.
+        policy: desired outputs, or a family of them.
+        reset_residual: corrects the impact that the steps of a family begin with.
+        torque_model: robot that torques are for; the gait's if None.
+
     Raises: SpecError naming the primitive of a policy that cannot be traced.
     """
-    n = robot.n
+    n, model = robot.n, torque_model or robot
 
     def state(q: Coordinates, dq: Coordinates, hip_velocity_: Planar) -> dict[str, Array]:
         foot = hip_velocity_ - hip_velocity(robot, q, dq)
@@ -171,7 +180,7 @@ def parts(
         return {"z": z, "dz": dz, "ddz2": robot.mass * robot.gravity * speed}
 
     def dynamics(q: Coordinates, dq: Coordinates) -> dict[str, Array]:
-        return {"mass": robot.mass_matrix(q), "bias": robot.bias(q, dq)}
+        return {"mass": model.mass_matrix(q), "bias": model.bias(q, dq)}
 
     def feet(q: Coordinates) -> dict[str, Array]:
         return {"foot": swing_foot(robot, q), "hip": hip_position(robot, q)}
@@ -195,7 +204,7 @@ def parts(
         Part(
             "ng_dynamics",
             "Mass matrix [kg m^2] and bias [N m] of mass ddq + bias = (0, torques).",
-            trace(dynamics, of_state, parameters=robot),
+            trace(dynamics, of_state, parameters=model),
         ),
         Part(
             "ng_feet",

@@ -28,7 +28,9 @@ def gait_files(design: Design, further: Sequence[Part] = ()) -> dict[str, str]:
     law that is not one of this package.
     """
     tables = Tables("ng")
-    own = parts(design.robot, design.gait.policy, design.controller.reset_residual)
+    residual, joints = design.controller.reset_residual, design.controller.joints
+    model = None if joints is None else joints.robot(design.robot)
+    own = parts(design.robot, design.gait.policy, residual, model)
     functions = [emit(part.program, part.function, part.about, tables) for part in (*own, *further)]
     return {"gait.h": _header(design, functions), "gait.c": _code(design, functions, tables)}
 

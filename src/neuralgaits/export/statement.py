@@ -7,6 +7,7 @@ import numpy as np
 from neuralgaits.control import AbstractLaw, Fblin, Pd, measurement
 from neuralgaits.control.estimator import Estimator
 from neuralgaits.control.inverse_dynamics import SMALLEST_DENOMINATOR
+from neuralgaits.control.joint_model import FRICTION_RATE
 from neuralgaits.control.safeguard import joint_ranges, torque_rate
 from neuralgaits.control.saturation import Z1_MARGIN
 from neuralgaits.errors import InputError
@@ -41,6 +42,7 @@ def prose(design: Design) -> list[str]:
         f"policy      sha256 {origin.policy_sha256}",
         f"proof       {_proof(design)}",
         f"monitor     {_monitor(design)}",
+        *_identified(design),
         "",
         "Coordinates q, stance leg first [rad]: " + ", ".join(robot.joint_names),
         "Actuated are all but the first."
@@ -109,6 +111,7 @@ def names(design: Design) -> dict[str, str | int]:
         "has_torso": int(robot.torso is not None),
         "ankles": int(robot.feet is not None),
         "law_count": len(design.controllers),
+        **({} if origin.joints_sha256 is None else {"joints_sha256": origin.joints_sha256}),
         **(told if design.commands else {}),
     }
 
@@ -146,6 +149,9 @@ def numbers(design: Design) -> list[Number]:
             ("ankle_limit", robot.feet.torque_limit, "torque of the stance ankle [N m]"),
             ("ankle_damping", robot.damping[0], "of the stance ankle [N m s/rad]"),
         ]
+    if controller.joints is not None:
+        rate = "desired, at which dry friction is made up for [rad/s]"
+        rows.append(("friction_rate", FRICTION_RATE, rate))
     if design.commands:
         rows.append(("z1_share", Z1_MARGIN, "of the step's own interval, as ng_z_margin"))
     reals = [Number(name, float(value), unit) for name, value, unit in rows]
@@ -185,6 +191,8 @@ def arrays(design: Design) -> list[Array]:
             "its commands level off within this much more (m, kg m^2/s)",
         ),
     ]
+    if (joints := controller.joints) is not None:
+        rows.append(("friction", joints.friction, "dry, actuated joints, stance leg first [N m]"))
     if design.commands:
         units = ", ".join(f"{c.name} [{c.unit}]" for c in design.commands)
         limits = CommandLimits.of(design.commands)._asdict()
@@ -206,6 +214,27 @@ def _monitor(design: Design) -> str:
         return "none"
     levels = ", ".join(map(str, design.monitor.levels))
     return f"monitor.h, of the sets of level{'s' * (len(levels) > 1)} {levels}"
+
+
+def _identified(design: Design) -> list[str]:
+    """Describe the identified joints that torques are for."""
+    joints, leg = design.controller.joints, design.leg_joints
+    if joints is None:
+        return []
+    numbers = (
+        ("rotors", joints.armature, "kg m^2"),
+        ("damping", joints.damping, "N m s/rad"),
+        ("dry friction", joints.friction, "N m"),
+    )
+    told = "; ".join(
+        f"{what} {', '.join(f'{value:.4g}' for value in np.asarray(values)[:leg])} {unit}"
+        for what, values, unit in numbers
+    )
+    digest = design.origin.joints_sha256
+    return [
+        f"joints      {'' if digest is None else f'sha256 {digest}, '}identified from logs,",
+        f"            lowest first: {told}",
+    ]
 
 
 def _joints(design: Design) -> list[str]:

@@ -212,6 +212,8 @@ class WalkSettings(Record):
         parameters: half widths by kind of the box that each walk's robot was drawn from; empty for
             one robot.
         errors: parameter errors of each walk's robot, by parameter.
+        joints, joints_sha256: file of identified joints that the torques are for, as requested,
+            and its hash; None without.
     """
 
     run: str = ""
@@ -237,6 +239,8 @@ class WalkSettings(Record):
     terrain: str | None = None
     parameters: Mapping[str, float] = field(default_factory=dict)
     errors: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
+    joints: str | None = None
+    joints_sha256: str | None = None
 
 
 def disturbances(values: Mapping[str, Any] | None) -> dict[str, float]:
@@ -306,7 +310,8 @@ class Simulated(WalkFigures, WalkSettings):
 
     def unsaid(self) -> Collection[str]:
         """Return the fields that `--json` omits: those of features that the walks did not use."""
-        unsaid = [name for name in ("link", "monitor") if getattr(self, name) is None]
+        unsaid = ["link", "monitor", "joints", "joints_sha256"]
+        unsaid = [name for name in unsaid if getattr(self, name) is None]
         for name in ("command_error", "parameters", "errors"):
             unsaid += [] if getattr(self, name) else [name]
         walked = ("command", "commands", "terrain", "foothold_error_m")

@@ -10,7 +10,7 @@ from typing import Any
 
 from neuralgaits._control_laws import names_of_laws
 from neuralgaits.control import AbstractLaw
-from neuralgaits.control.law_by_name import exported_laws
+from neuralgaits.control.law_by_name import exported_laws, law_named
 from neuralgaits.errors import InputError
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.robots.parameter_box import checked_box
@@ -57,6 +57,7 @@ def refuse_shared(
     terrain: str | Path | None,
     *,
     monitor: bool = False,
+    joints: bool = False,
 ) -> None:
     """Refuse options that only work in this process. Raises: InputError."""
     if not isinstance(controller, str) or controller == REMOTE:
@@ -69,13 +70,24 @@ def refuse_shared(
             "expected --workers or --ray without --log and --video, found them together: walk the "
             "one that is to be kept by itself"
         )
-    if monitor:
-        raise InputError(
-            "expected --monitor without --workers or --ray, found them together: leave these out"
-        )
+    for flag, given in (("--monitor", monitor), ("--joints", joints)):
+        if given:
+            raise InputError(
+                f"expected {flag} without --workers or --ray, found them together: leave these out"
+            )
     if terrain is not None:
         raise InputError(
             "expected --terrain without --workers or --ray, found them together: leave these out"
+        )
+
+
+def refuse_without_model(controller: str | AbstractLaw, wire: LinkConfig | None) -> None:
+    """Refuse identified joints for a law whose torques are not the model's. Raises: InputError."""
+    law = controller if wire is None else wire.law
+    if not law_named(law).takes_joints:
+        raise InputError(
+            f"--joints: expected a law whose torques are the model's, pd or fblin, found "
+            f"{_name(law)}: leave --joints out"
         )
 
 

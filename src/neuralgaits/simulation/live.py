@@ -22,7 +22,7 @@ from neuralgaits.robots import PlanarBiped
 from neuralgaits.simulation.live_commands import LiveCommands
 from neuralgaits.simulation.live_floor import Floor
 from neuralgaits.simulation.live_push import PERIOD_S, LivePush
-from neuralgaits.simulation.live_tick import tick_of
+from neuralgaits.simulation.live_tick import MeasuredTick, tick_of
 from neuralgaits.simulation.native.compiled_walk import Library
 from neuralgaits.simulation.setup.course import Course
 from neuralgaits.simulation.setup.disturbance import PlantChanges
@@ -48,8 +48,7 @@ class LiveWalk:
         data: MuJoCo's state of the plant.
         floor: floor under the feet.
         verdict: verdict of the last tick; None before the first.
-        laps: touchdowns of each walk to the end of a course; the robot is then put back to the
-            beginning.
+        laps: touchdowns of each walk to the end of a course, after which it begins again.
     """
 
     def __init__(
@@ -95,12 +94,10 @@ class LiveWalk:
             reset_residual=reset_residual,
         )
         self._limit = np.asarray(controller.torque_limit)
-        orders = None if ground is None else ground.courses.orders
-        self._commands = LiveCommands(policy.commands, orders)
-        falls = FallConfig() if falls is None else falls
-        self._tick = tick_of(library, self.plant, controller, falls, self._commands.first)
-        self._levels = np.zeros((1, 2))
-        self._ticks = 0
+        self._commands = LiveCommands(policy.commands, ground and ground.courses.orders)
+        first, falls = self._commands.first, falls or FallConfig()
+        self._tick = tick_of(library, self.plant, controller, falls, first)
+        self._levels, self._ticks = np.zeros((1, 2)), 0
         self._push = LivePush()
         self._start = np.asarray(start, dtype=np.float64)
         self._stand(self._start, 0.0)
@@ -137,6 +134,11 @@ class LiveWalk:
     def record(self) -> TickRecord | None:
         """Record of the last tick, with a leading axis of one; None before it."""
         return self._tick.record
+
+    @property
+    def measured(self) -> MeasuredTick | None:
+        """State that the controller had at the last tick; None before it."""
+        return self._tick.measured
 
     @property
     def pushing(self) -> Float[np.ndarray, "2"]:

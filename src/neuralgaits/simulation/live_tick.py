@@ -2,7 +2,7 @@
 
 from abc import ABC, abstractmethod
 from ctypes import byref
-from typing import Any
+from typing import Any, NamedTuple
 
 import equinox as eqx
 import numpy as np
@@ -21,6 +21,18 @@ from neuralgaits.simulation.ticks.falls import FallConfig
 from neuralgaits.simulation.ticks.scene import PlantReading, Scene
 from neuralgaits.simulation.ticks.stride_table import width
 from neuralgaits.simulation.ticks.tick import TickRecord, Verdict
+
+
+class MeasuredTick(NamedTuple):
+    """State that the controller had at a tick."""
+
+    q: Float[np.ndarray, " n"]
+    """Measured coordinates [rad]. [n]"""
+    dq: Float[np.ndarray, " n"]
+    """Measured rates [rad/s]. [n]"""
+    told: Float[np.ndarray, "2 p"]
+    """Commands of the step before, and of this one. [2, p]"""
+
 
 ENDLESS = int(np.iinfo(np.int32).max)
 """Number of steps of a walk without end."""
@@ -56,6 +68,11 @@ class LiveTick(ABC):
     @abstractmethod
     def record(self) -> TickRecord | None:
         """Record of the last tick, with a leading axis of one; None before it."""
+
+    @property
+    @abstractmethod
+    def measured(self) -> MeasuredTick | None:
+        """State at the last tick, which is quicker to have than its record; None before it."""
 
 
 class JaxTick(LiveTick):
@@ -118,6 +135,16 @@ class JaxTick(LiveTick):
         if self._found is None or self._batch is None:
             return None
         return self._batch.record_of(self._found)
+
+    @property
+    def measured(self) -> MeasuredTick | None:
+        """State at the last tick; None before it."""
+        if (record := self.record) is None:
+            return None
+        command = record.command
+        return MeasuredTick(
+            *(np.asarray(part)[0] for part in (command.q, command.dq, command.told))
+        )
 
 
 class NativeTick(LiveTick):
@@ -194,6 +221,15 @@ class NativeTick(LiveTick):
     def record(self) -> TickRecord | None:
         """Record of the last tick; None before it."""
         return record_of(self._row, self._plant.robot) if self._walk.ticks else None
+
+    @property
+    def measured(self) -> MeasuredTick | None:
+        """State at the last tick; None before it."""
+        if not self._walk.ticks:
+            return None
+        row = self._row[0]
+        told = row["told"] if "told" in (row.dtype.names or ()) else np.zeros((2, 0))
+        return MeasuredTick(row["q"].copy(), row["dq"].copy(), told.copy())
 
 
 def tick_of(

@@ -13,6 +13,7 @@ from neuralgaits._cache import cache_folder
 from neuralgaits._compiler import Compiler, CompilerError, SharedLibrary
 from neuralgaits.analysis.run import Run
 from neuralgaits.control import Controller
+from neuralgaits.control.joint_model import JointModel
 from neuralgaits.control.law_by_name import exported_laws
 from neuralgaits.errors import InputError, SpecError
 from neuralgaits.export import output_folder
@@ -56,6 +57,7 @@ def engine_of(
     z2_range: tuple[float, float],
     choice: Choice | None = None,
     reset_residual: ResetCorrection = None,
+    joints: JointModel | None = None,
 ) -> WalkEngine:
     """Choose the loop that walks a gait.
 
@@ -65,6 +67,7 @@ def engine_of(
         z2_range: momenta of the region (kg m^2/s).
         choice: `native` to require it, `jax` for the reference, None for native where it works.
         reset_residual: corrects the impact that the steps of a family begin with.
+        joints: rotors and friction that torques are for, those of the robot if None.
 
     Raises: InputError in one line if native was required and does not work.
     """
@@ -73,7 +76,7 @@ def engine_of(
     if choice == "jax":
         return WalkEngine(None, None)
     try:
-        design = _design(robot, gait, z2_range, reset_residual)
+        design = _design(robot, gait, z2_range, reset_residual, joints)
         return _engine(sources(design), design.controller)
     except (NativeError, CompilerError) as error:
         if choice == "native":
@@ -86,10 +89,12 @@ def engine_of_run(run: Run, choice: Choice | None = None) -> WalkEngine:
     return engine_of(run.robot, run.gait, momentum_range(run.gait), choice)
 
 
-def engine_of_trained(run: Run, choice: Choice | None = None) -> WalkEngine:
+def engine_of_trained(
+    run: Run, choice: Choice | None = None, joints: JointModel | None = None
+) -> WalkEngine:
     """Choose the loop for all gaits of a run; a family takes its commands."""
     trained, reset = run.trained, run.residuals.reset
-    return engine_of(run.robot, trained, momentum_range(trained), choice, reset)
+    return engine_of(run.robot, trained, momentum_range(trained), choice, reset, joints)
 
 
 def _design(
@@ -97,10 +102,19 @@ def _design(
     gait: AnyGait,
     z2_range: tuple[float, float],
     reset_residual: ResetCorrection = None,
+    joints: JointModel | None = None,
 ) -> Design:
     # Hashes are for those who get a controller; here the text itself is what is hashed.
     origin = Origin(_UNKNOWN, _UNKNOWN, None, None, "walk", "-")
-    return Design.of(robot, gait, exported_laws(), z2_range, origin, reset_residual=reset_residual)
+    return Design.of(
+        robot,
+        gait,
+        exported_laws(),
+        z2_range,
+        origin,
+        reset_residual=reset_residual,
+        joints=joints,
+    )
 
 
 def sources(design: Design) -> dict[str, str]:

@@ -11,6 +11,7 @@ import numpy as np
 from neuralgaits._control_laws import names_of_laws
 from neuralgaits.analysis.run import Run
 from neuralgaits.control import AbstractLaw
+from neuralgaits.control.joint_model import JointModel
 from neuralgaits.control.law_by_name import law_named
 from neuralgaits.errors import InputError
 from neuralgaits.robots import PlanarBiped
@@ -46,6 +47,7 @@ class TrainedWalks:
         courses: courses of blocks in place of floors, one for each walk; they give the orders.
         threads: number of threads; all cores if None.
         simulator: simulator that steps the plants.
+        joints: rotors and friction that torques are for, those of the run's robot if None.
     """
 
     run: Run
@@ -62,6 +64,7 @@ class TrainedWalks:
     drawn: DrawnRobots | None = None
     threads: int | None = None
     simulator: Simulator = MUJOCO
+    joints: JointModel | None = None
 
     def walk(
         self,
@@ -106,6 +109,7 @@ class TrainedWalks:
             remote=remote,
             first=first,
             simulator=self.simulator,
+            joints=self.joints,
         )
 
 
@@ -122,8 +126,16 @@ def walk_engine_for(
     controller: str | AbstractLaw,
     choice: Choice | None,
     simulator: Simulator = MUJOCO,
+    joints: JointModel | None = None,
 ) -> WalkEngine:
     """Return the loop that walks a run under a law.
+
+    Args:
+        run: the run.
+        controller: law, by name or as an object.
+        choice: `native` or `jax`; None for native where it works.
+        simulator: simulator that steps the plants.
+        joints: rotors and friction that torques are for.
 
     Raises: InputError if native was required and cannot be used.
     """
@@ -136,7 +148,7 @@ def walk_engine_for(
             )
         return WalkEngine(None, None)
     if knows(law):
-        return engine_of_trained(run, choice)
+        return engine_of_trained(run, choice, joints)
     if choice == "native":
         raise InputError(
             f"--engine native: expected {names_of_laws(compiled=True)}, found a law of type "

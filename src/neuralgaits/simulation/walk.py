@@ -10,6 +10,7 @@ from neuralgaits._checks import check_walked
 from neuralgaits._environment import cores
 from neuralgaits._types import Array, Float
 from neuralgaits.control import AbstractLaw, Controller
+from neuralgaits.control.joint_model import JointModel
 from neuralgaits.control.law_by_name import law_named
 from neuralgaits.errors import InputError
 from neuralgaits.gait import AbstractPolicy
@@ -104,6 +105,8 @@ class WalkInputs:
     """Commands of policies that take some; the middle of the ranges if None."""
     reset_residual: ResetCorrection = None
     """Corrects the impact that their steps begin with."""
+    joints: JointModel | None = None
+    """Rotors and friction that torques are for, those of `robot` if None."""
     courses: Courses | None = None
     """Courses of blocks in place of floors, one for each episode; they give the orders."""
     first: int = 0
@@ -206,6 +209,7 @@ def _controller(
         torque_limit=np.minimum(given.robot.torque_limit, plant.torque_limit),
         period_s=SUBSTEPS * TIMESTEP_S,
         reset_residual=given.reset_residual,
+        joints=given.joints,
     )
 
 

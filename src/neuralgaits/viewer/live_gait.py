@@ -18,6 +18,7 @@ from neuralgaits.simulation.setup.live_course import LiveCourse
 from neuralgaits.simulation.setup.starts import momentum_range
 from neuralgaits.simulation.setup.terrain_kinds import commands_from_terrain
 from neuralgaits.simulation.ticks.falls import Ending
+from neuralgaits.viewer.live_monitor import LiveMonitor
 from neuralgaits.viewer.slider import Slider
 from neuralgaits.viewer.walker import Margins, Shown
 
@@ -69,11 +70,16 @@ class LiveGait:
         )
         self._first = self.live.told
         self._look: PointEvaluator | None = None
+        self._monitor: LiveMonitor | None = None
         self._z = self._middle
 
     def look_with(self, look: PointEvaluator) -> None:
         """Enable live evaluation of margins by this evaluator."""
         self._look = look
+
+    def watch_with(self, monitor: LiveMonitor) -> None:
+        """Count from now on which ticks are in the sets that are proved."""
+        self._monitor = monitor
 
     @property
     def settings(self) -> Mapping[str, Slider]:
@@ -121,7 +127,11 @@ class LiveGait:
 
     def tick(self) -> bool:
         """Advance by one control tick. Returns: False once the robot has fallen."""
-        return self.live.tick()
+        walks = self.live.tick()
+        monitor, measured = self._monitor, self.live.measured
+        if walks and monitor is not None and measured is not None:
+            monitor.add(measured)
+        return walks
 
     def shown(self) -> Shown:
         """Return the present moment of the walk."""
@@ -145,6 +155,7 @@ class LiveGait:
             upright=ending.upright,
             tops=None if live.course is None else live.course.tops,
             laps=live.laps,
+            memberships=() if self._monitor is None else self._monitor.memberships(),
         )
 
     def margins(self, z: Float[np.ndarray, "2"]) -> Margins:
@@ -221,6 +232,8 @@ class LiveGait:
         except InputError:
             return False
         self._z = z
+        if self._monitor is not None:
+            self._monitor.restart()
         return True
 
 

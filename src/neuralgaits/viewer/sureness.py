@@ -3,12 +3,25 @@
 from typing import NamedTuple
 
 from neuralgaits.analysis.run import Run
-from neuralgaits.certificate.run_certificate.verified_summary import ProvedPart, read_certificate
+from neuralgaits.analysis.state_monitor import StateMonitor
+from neuralgaits.certificate.run_certificate.proved_monitor import monitor_of
+from neuralgaits.certificate.run_certificate.verified_summary import (
+    CertificateReading,
+    ProvedPart,
+    read_certificate,
+)
+from neuralgaits.errors import SpecError
 from neuralgaits.records import certificate_sentences
 from neuralgaits.records.certified import HIGHEST, PROOF, CertificateRecord
 from neuralgaits.runs import packed
 from neuralgaits.runs.shell_words import command, named
 from neuralgaits.viewer import markdown
+
+_COMPARED = (
+    "**Inside the proved set** compares the controller's state with the set that a level is about. "
+    "That set is one of the model under the proof's own controller: inside, this robot may still "
+    "fall, and outside, nothing is proved."
+)
 
 
 class Sureness(NamedTuple):
@@ -24,6 +37,8 @@ class Sureness(NamedTuple):
     """Whether the map of boxes was made with the proof."""
     theorem: str = ""
     """Statements of the proof file, word by word, in Markdown; empty if there are none."""
+    monitor: StateMonitor | None = None
+    """Sets that are proved of the gait; None if there are none."""
 
 
 def how_sure(run: Run) -> Sureness:
@@ -50,7 +65,18 @@ def how_sure(run: Run) -> Sureness:
         )
     told = "\n\n".join(_lines(run, found.summary, found.part))
     verdict = f"{verdict_of(found.summary, found.part)} {watched}"
-    return Sureness(True, verdict, told, found.map_fits, _theorem(found.summary))
+    monitor = _monitor(run, found)
+    if monitor is not None:
+        told += f"\n\n{_COMPARED}"
+    return Sureness(True, verdict, told, found.map_fits, _theorem(found.summary), monitor)
+
+
+def _monitor(run: Run, found: CertificateReading) -> StateMonitor | None:
+    """Return the monitor of a run; None if nothing above level 1 is proved, or it cannot be."""
+    try:
+        return monitor_of(run, found)
+    except SpecError:
+        return None
 
 
 def verdict_of(answer: CertificateRecord, part: ProvedPart | None) -> str:

@@ -5,6 +5,7 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from neuralgaits._types import Bool, Float
+from neuralgaits.viewer.live_monitor import SetMembership
 
 
 class Shown(NamedTuple):
@@ -38,6 +39,8 @@ class Shown(NamedTuple):
     laps: tuple[int, ...] = ()
     """Touchdowns at each time that the robot reached the end of its ground and was put back to
     the start."""
+    memberships: tuple[SetMembership, ...] = ()
+    """Answers of the monitor for each proved set; () if none is proved."""
 
 
 class Margins(NamedTuple):

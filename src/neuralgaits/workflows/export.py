@@ -10,6 +10,7 @@ import numpy as np
 
 from neuralgaits._argument_types import type_checked
 from neuralgaits._version import __version__
+from neuralgaits.analysis.joint_file import JointFile, read_joints
 from neuralgaits.analysis.run import Run, open_run
 from neuralgaits.certificate.run_certificate.proved_monitor import monitor_of
 from neuralgaits.certificate.run_certificate.verified_summary import (
@@ -39,6 +40,7 @@ from neuralgaits.simulation.setup.starts import momentum_range
 from neuralgaits.systems.family_tasks import task_with
 from neuralgaits.systems.system_family import ProgressCallbacks
 from neuralgaits.workflows.deployed_run import deployed_robot, usual_gains
+from neuralgaits.workflows.export_warnings import unproved_of_export
 
 NO_COMPILER = "no C compiler: the files are written and not checked; install gcc or clang"
 NO_EXTRA = (
@@ -46,7 +48,7 @@ NO_EXTRA = (
     "pip install 'neuralgaits[onnx]'"
 )
 MONITORED = ("c", "fmu", "fmu2")
-"""Formats that have a monitor."""
+"""Formats of a whole controller, with torques and a monitor."""
 MAPPED = ("c",)
 """Formats that have a map between motors and joints."""
 TEMPLATE = "deploy.template.yaml"
@@ -77,6 +79,7 @@ def export_controller(
     format: str = "c",
     force: bool = False,
     config: str | Path | None = None,
+    joints: str | Path | None = None,
     states: int = STATES,
     begun: Callable[[], None] | None = None,
 ) -> Export:
@@ -90,6 +93,8 @@ def export_controller(
         force: replace the files of an earlier export.
         config: deployment file of the robot, whose map between motors and joints is written, too;
             a template of one is written if None.
+        joints: identified joints that the torques of pd and fblin are for: `latest` for those that
+            `fit_joints` wrote into the run, or a file.
         states: random states on which C and Python are compared.
         begun: called when the settings are checked and the work begins.
 
@@ -111,6 +116,7 @@ def export_controller(
         "config": (config, None),
         "format": (format, "c"),
         "force": (force, False),
+        "joints": (joints, None),
         "states": (states, STATES),
     }
     asked |= {name: value for name, (value, usual) in others.items() if value != usual}
@@ -122,12 +128,13 @@ def export_controller(
     _refuse_unusable(trained.trained)
     about = deployed_robot(trained)
     deployment = None if config is None else read_deployment(config, about)
+    found = None if joints is None else _joints_for(trained, format, joints)
     if begun is not None:
         begun()
     lacking: list[str] = []
     # Numbers that are not finite are refused where they are written.
     with np.errstate(all="ignore"):
-        design = design_of(trained, certificate)
+        design = design_of(trained, certificate, found)
         if format in MONITORED:
             design, lacking = with_monitor(design, trained, certificate)
         design = replace(design, deployment=deployment)
@@ -141,10 +148,20 @@ def export_controller(
             out=str(folder),
             files=tuple(output_folder.publish(folder, files)),
             laws=tuple(design.controllers),
-            warnings=(*_warnings(certificate), *lacking),
+            warnings=(*unproved_of_export(certificate), *lacking),
             deployment_sha256=None if deployment is None else deployment.sha256,
         )
     )
+
+
+def _joints_for(trained: Run, format: str, joints: str | Path) -> JointFile:
+    """Return identified joints for an export. Raises: InputError for one without torques."""
+    if format not in MONITORED:
+        raise InputError(
+            f"--joints: expected --format {' or '.join(MONITORED)}, whose controller gives "
+            f"torques, found {format}: leave --joints out"
+        )
+    return read_joints(trained, joints)
 
 
 def _refuse_unusable(gait: AnyGait) -> None:
@@ -161,12 +178,17 @@ def _refuse_unusable(gait: AnyGait) -> None:
         )
 
 
-def design_of(trained: Run, certificate: CertificateReading | None = None) -> Design:
+def design_of(
+    trained: Run,
+    certificate: CertificateReading | None = None,
+    joints: JointFile | None = None,
+) -> Design:
     """Return everything that the exported controller of a run is made of.
 
     Args:
         trained: the run.
         certificate: its certificate; read if None.
+        joints: identified joints that torques are for; those of the run's robot if None.
     """
     certificate = certificate or read_certificate(trained.folder)
     gait = trained.trained
@@ -175,8 +197,9 @@ def design_of(trained: Run, certificate: CertificateReading | None = None) -> De
         gait,
         exported_laws(),
         momentum_range(gait),
-        _origin(trained, certificate),
+        _origin(trained, certificate, None if joints is None else joints.sha256),
         reset_residual=trained.residuals.reset,
+        joints=None if joints is None else joints.model,
     )
 
 
@@ -203,7 +226,7 @@ def controller_files(design: Design, reference: Reference) -> dict[str, str]:
     return own | monitor_files(design) | board_files(design)
 
 
-def _origin(trained: Run, found: CertificateReading) -> Origin:
+def _origin(trained: Run, found: CertificateReading, joints: str | None = None) -> Origin:
     about, verdict = found.summary, None
     if about is not None and found.proof is not None:
         verdict = f"{about.verdict} at level {about.level}"
@@ -215,28 +238,8 @@ def _origin(trained: Run, found: CertificateReading) -> Origin:
         proof_verdict=verdict,
         spec=trained.asked.spec,
         version=__version__,
+        joints_sha256=joints,
     )
-
-
-def _warnings(found: CertificateReading) -> list[str]:
-    """List what is not proved of this gait; agreement with Python says nothing about that."""
-    if found.summary is None:
-        why = found.reason or "it has no certificate"
-        return [f"nothing is proved of this gait: {why}"]
-    warnings = []
-    for name, row in found.summary.conditions.items():
-        if row.counterexample is not None:
-            z1, z2 = (f"{value:.4g}" for value in row.counterexample.z)
-            warnings.append(
-                f"this gait is refuted: {name} is broken at z1 = {z1} m, z2 = {z2} kg m^2/s, as "
-                "certify recorded"
-            )
-    if left := found.summary.named("undecided"):
-        warnings.append(f"not proved of this gait: {', '.join(left)}")
-    for level in found.summary.levels:
-        if not level.proved:
-            warnings.append(f"level {level.level} is not proved of this gait: {level.reason}")
-    return warnings
 
 
 def _c(design: Design, states: int) -> tuple[dict[str, str], RecordFactory]:

@@ -7,27 +7,17 @@ the monitor in C is written from.
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
-import jax
 import numpy as np
 
-from neuralgaits._blocks import in_blocks
-from neuralgaits._quick_jit import quick_filter_jit
-from neuralgaits._types import Array, Float
 from neuralgaits.analysis.run import Run
 from neuralgaits.analysis.state_monitor import StateMonitor, StateSet
+from neuralgaits.analysis.step_parameters import step_parameters
 from neuralgaits.certificate.run_certificate.proved_monitor import monitor_of
 from neuralgaits.certificate.run_certificate.verified_summary import read_certificate
 from neuralgaits.errors import InputError
-from neuralgaits.gait import AbstractPolicy
-from neuralgaits.gait.commands import Pair
-from neuralgaits.gait.reset_residual import ResetCorrection
 from neuralgaits.records.monitored import LevelWatched, MonitorFigures, TickOutside
-from neuralgaits.robots import PlanarBiped
 from neuralgaits.runs.shell_words import command, named
 from neuralgaits.simulation.ticks.tick import TickRecord
-
-_AT_ONCE = 64
-"""Steps whose parameters are computed together."""
 
 
 class _Ticks(NamedTuple):
@@ -68,7 +58,7 @@ def watched(run: Run, monitor: StateMonitor, records: Sequence[TickRecord]) -> M
     before, after = ticks.told[:, 0], ticks.told[:, 1]
     inputs = {"q": ticks.q, "dq": ticks.dq}
     if monitor.commands:
-        inputs |= {"before": before, "after": after, "step": _steps(run, ticks.told)}
+        inputs |= {"before": before, "after": after, "step": step_parameters(run, ticks.told)}
     levels = {}
     for one in monitor.sets:
         found = _level(one, one.margins(**inputs), ticks)
@@ -119,23 +109,3 @@ def _in_time(monitor: StateMonitor, records: Sequence[TickRecord]) -> float | No
         return None
     gaps = [np.diff(np.round(1e6 * np.asarray(one.time)), prepend=np.nan) for one in records]
     return float(np.mean(~(np.concatenate(gaps) > monitor.hold_us)))
-
-
-def _steps(run: Run, told: Float[np.ndarray, "N 2 p"]) -> Float[np.ndarray, "N s"]:
-    """Return the parameters that the controller had for the step of each tick."""
-    pairs, which = np.unique(told.reshape(len(told), -1), axis=0, return_inverse=True)
-    sides = pairs.reshape(len(pairs), 2, -1)
-    policy, robot, residual = run.trained.policy, run.robot, run.residuals.reset
-
-    def some(before: np.ndarray, after: np.ndarray) -> tuple[Array]:
-        return (_of_steps(policy, robot, residual, Pair(before, after)),)
-
-    (found,) = in_blocks(some, _AT_ONCE, sides[:, 0], sides[:, 1])
-    return np.asarray(found)[which.reshape(-1)]
-
-
-@quick_filter_jit
-def _of_steps(
-    policy: AbstractPolicy, robot: PlanarBiped, residual: ResetCorrection, pairs: Pair
-) -> Float[Array, "N s"]:
-    return jax.vmap(lambda told: policy.parameters_of_step(robot, told, residual))(pairs)

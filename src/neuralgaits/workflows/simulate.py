@@ -6,15 +6,13 @@ from pathlib import Path
 
 from neuralgaits import logs
 from neuralgaits._control_laws import names_of_laws
+from neuralgaits.analysis.joint_file import JointFile, read_joints
 from neuralgaits.analysis.run import Run, open_run
 from neuralgaits.analysis.state_monitor import StateMonitor
-from neuralgaits.control import AbstractLaw
 from neuralgaits.control.law_by_name import fields_of_law
 from neuralgaits.engine import worker_pool_for as engine_of_workers
 from neuralgaits.errors import InputError
 from neuralgaits.records.simulated import PLANT, SUMMARY, LinkFigures, Simulated, WalkSettings
-from neuralgaits.robots import PlanarBiped, registry
-from neuralgaits.runs import write_text
 from neuralgaits.runs.atomic import refuse_unwritable
 from neuralgaits.runs.hashes import file_hashes
 from neuralgaits.runs.names import ROBOT, WEIGHTS
@@ -29,11 +27,12 @@ from neuralgaits.simulation.incompatible_settings import (
     link_of,
     refuse_beside_terrain,
     refuse_shared,
+    refuse_without_model,
 )
 from neuralgaits.simulation.linked.config import LinkConfig
 from neuralgaits.simulation.linked.connect import connected
 from neuralgaits.simulation.metrics import summary
-from neuralgaits.simulation.native_walk import Choice, WalkEngine
+from neuralgaits.simulation.native_walk import WalkEngine
 from neuralgaits.simulation.setup.command_schedule import CommandSchedule, on_slope, orders_of
 from neuralgaits.simulation.setup.disturbance import PlantChanges, parse
 from neuralgaits.simulation.setup.drawn_robots import DrawnRobots
@@ -43,7 +42,7 @@ from neuralgaits.simulation.setup.starts import periodic_orbit
 from neuralgaits.simulation.setup.terrain_kinds import commands_from_terrain
 from neuralgaits.simulation.setup.terrains import Courses, courses_of
 from neuralgaits.simulation.shared_walks import SharedWalks
-from neuralgaits.simulation.simulators import Simulator, check_simulator
+from neuralgaits.simulation.simulators import check_simulator
 from neuralgaits.simulation.trained_walks import TrainedWalks, at_first, walk_engine_for
 from neuralgaits.simulation.walk import Walk
 from neuralgaits.systems.family_tasks import task_of
@@ -51,6 +50,7 @@ from neuralgaits.systems.system_family import ProgressCallbacks
 from neuralgaits.workflows.export import design_of
 from neuralgaits.workflows.monitor_walk import required_monitor, watched
 from neuralgaits.workflows.planarise import robot_from
+from neuralgaits.workflows.walk_files import kept_plant, log_files
 
 _ALL = 2**31 - 1
 """Number of ticks of a log that means all ticks."""
@@ -99,6 +99,7 @@ class _Plan:
         logs, films: files to write.
         wire: connection to the exported controller; None for any other.
         monitor: proved sets whose states are counted; None if they are not.
+        joints: identified joints that torques are for; None for those of the run's robot.
     """
 
     run: Run
@@ -111,6 +112,7 @@ class _Plan:
     films: list[Path]
     wire: LinkConfig | None
     monitor: StateMonitor | None
+    joints: JointFile | None
 
 
 @called_with(SimulateSettings)
@@ -128,7 +130,7 @@ def simulate(settings: SimulateSettings) -> Simulation:
         return task(ProgressCallbacks.by(begun=settings.begun)).returned
     plan = _planned(settings)
     run = plan.run
-    engine = _engine(run, settings.controller, settings.engine, settings.simulator)
+    engine = _engine(plan, settings)
     walked, link = _walked(settings, plan, engine)
     record = _record(settings, plan, walked, engine_note=engine.note, link=link)
     figures = summary(walked, periodic_orbit(run.zero_dynamics, run.gait))
@@ -162,13 +164,19 @@ def _planned(settings: SimulateSettings) -> _Plan:
     files = [] if settings.log is None else log_files(Path(settings.log), settings.episodes)
     refuse_unwritable(*(run.path / file for file in (SUMMARY, PLANT)), own=True)
     videos = [] if settings.video is None else [Path(settings.video)]
-    inputs = [Path(given) for given in (plant, commands, terrain) if isinstance(given, str | Path)]
+    named = (plant, commands, terrain, settings.joints)
+    inputs = [Path(given) for given in named if isinstance(given, str | Path)]
     refuse_outputs([*files, *videos], inputs, run=run.path)
     for video in videos:
         films.check(video)
     wire = link_of(settings.link, controller)
     if _on_workers(settings):
-        refuse_shared(controller, settings.log, settings.video, terrain, monitor=settings.monitor)
+        known = {"monitor": settings.monitor, "joints": settings.joints is not None}
+        refuse_shared(controller, settings.log, settings.video, terrain, **known)
+    joints = None
+    if settings.joints is not None:
+        refuse_without_model(controller, wire)
+        joints = read_joints(run, settings.joints)
     monitor = required_monitor(run) if settings.monitor else None
     constant = run.trained.commands and commands is None
     run, courses = at_first(run, orders.first), None
@@ -181,7 +189,9 @@ def _planned(settings: SimulateSettings) -> _Plan:
         own = commands_from_terrain(terrain)
         kept = {name: value for name, value in (run.command or {}).items() if name not in own}
         run = at_first(run, courses.orders.first)
-    return _Plan(run, disturbance, drawn, orders, courses, kept, files, videos, wire, monitor)
+    return _Plan(
+        run, disturbance, drawn, orders, courses, kept, files, videos, wire, monitor, joints
+    )
 
 
 def _on_workers(settings: SimulateSettings) -> bool:
@@ -207,12 +217,15 @@ def _walked(
         courses=plan.courses,
         simulator=settings.simulator,
         drawn=plan.drawn,
+        joints=None if plan.joints is None else plan.joints.model,
     )
     if settings.begun is not None:
         settings.begun()
     record, longest = bool(plan.films), _ALL if plan.logs or plan.monitor else 0
     if wire is not None:
-        with connected(design_of(plan.run), wire, count, settings.seed) as remote:
+        with connected(
+            design_of(plan.run, joints=plan.joints), wire, count, settings.seed
+        ) as remote:
             walked = walks.walk(0, count, record=record, longest=longest, remote=remote)
         return walked, remote.summary()
     if _on_workers(settings):
@@ -249,13 +262,15 @@ def _record(
         steps=settings.steps,
         logs=tuple(str(file) for file in plan.logs),
         sha256=file_hashes(run.path, (ROBOT, WEIGHTS)),
-        plant_given=_kept_plant(run, settings.plant, walked),
+        plant_given=kept_plant(run, settings.plant, walked),
         link=link,
         command=plan.command or None,
         commands=_text(settings.commands),
         terrain=_text(settings.terrain),
         parameters={} if drawn is None else drawn.box,
         errors={} if drawn is None else _errors(drawn, settings.episodes),
+        joints=_text(settings.joints),
+        joints_sha256=None if plan.joints is None else plan.joints.sha256,
     )
 
 
@@ -265,12 +280,12 @@ def _errors(drawn: DrawnRobots, episodes: int) -> dict[str, tuple[float, ...]]:
     return {name: tuple(column) for name, column in zip(drawn.names, columns, strict=True)}
 
 
-def _engine(
-    trained: Run, controller: str | AbstractLaw, choice: Choice | None, simulator: Simulator
-) -> WalkEngine:
+def _engine(plan: _Plan, settings: SimulateSettings) -> WalkEngine:
     """Choose the engine. Raises: InputError if native code was requested but is not possible."""
+    controller, choice = settings.controller, settings.engine
     if controller != REMOTE:
-        return walk_engine_for(trained, controller, choice, simulator)
+        joints = None if plan.joints is None else plan.joints.model
+        return walk_engine_for(plan.run, controller, choice, settings.simulator, joints)
     if choice == "native":
         raise InputError(
             f"--engine native: expected {names_of_laws(compiled=True)}, found {REMOTE}, which is a "
@@ -279,19 +294,5 @@ def _engine(
     return WalkEngine(None, None)
 
 
-def _kept_plant(trained: Run, plant: PlanarBiped | str | Path | None, walked: Walk) -> str | None:
-    """Return the name that gives the same plant: a built-in robot, or a copy that the run keeps."""
-    if plant is None or str(plant) in registry.built_in():
-        return None if plant is None else str(plant)
-    write_text(trained.path / PLANT, walked.plant.robot.layout.xml)
-    return PLANT
-
-
 def _text(path: str | Path | None) -> str | None:
     return None if path is None else str(path)
-
-
-def log_files(first: Path, episodes: int) -> list[Path]:
-    """Return the paths of all walks' logs; each has its own file, since each has its own clock."""
-    more = (first.with_stem(f"{first.stem}-{number}") for number in range(1, episodes))
-    return [first, *more]

@@ -14,6 +14,7 @@ from neuralgaits.errors import SpecError
 from neuralgaits.report.page.phrases import any_condition
 from neuralgaits.viewer import live_server, markdown
 from neuralgaits.viewer.live_gait import LiveGait
+from neuralgaits.viewer.live_monitor import LiveMonitor
 from neuralgaits.viewer.panel import Panel
 from neuralgaits.viewer.phase_board import portrait
 from neuralgaits.viewer.player import Picture, Player
@@ -113,6 +114,8 @@ class LiveView:
             plane = portrait(run, look, certified=sure.certified and sure.map_fits)
             with self._showing:
                 if not self._closed.is_set():
+                    if sure.monitor is not None:
+                        self.gait.watch_with(LiveMonitor(run, sure.monitor))
                     self._panel.tell_how_sure(sure.verdict, sure.words, sure.theorem)
                     self._stage.hang(plane, self._clicked)
         except SpecError as error:

@@ -261,6 +261,11 @@ static void torques(const ng_law *law, const ng_real q[NG_COORDINATES],
     }
     if (law->model) {
         inverse_dynamics(law, q, dq, wanted, ankle, torque);
+#ifdef NG_FRICTION_RATE
+        for (int i = 0; i < NG_ACTUATED; ++i) {
+            torque[i] += ng_friction[i] * ng_tanh(wanted->dy[i] / NG_FRICTION_RATE);
+        }
+#endif
     }
     for (int i = 0; i < NG_ACTUATED; ++i) {
         torque[i] -= law->stiffness[i] * (q[i + 1] - wanted->y[i]) +

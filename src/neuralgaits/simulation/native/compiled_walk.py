@@ -76,6 +76,7 @@ def _written(controller: Controller) -> tuple:
         controller.stance,
         controller.period_s,
         controller.reset_residual,
+        controller.joints,
     )
 
 

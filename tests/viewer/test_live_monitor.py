@@ -1,0 +1,137 @@
+"""The monitor of a live page: the answers of `simulate --monitor`, tick by tick, while it walks."""
+
+import shutil
+from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from neuralgaits.analysis.run import open_run
+from neuralgaits.certificate.run_certificate.proved_monitor import monitor_of
+from neuralgaits.viewer.live_gait import LiveGait
+from neuralgaits.viewer.live_monitor import LiveMonitor, SetMembership, membership_lines
+from neuralgaits.viewer.panel import Panel
+from neuralgaits.viewer.player import Picture
+from neuralgaits.viewer.sureness import how_sure
+from neuralgaits.workflows.demo import TOLD
+from neuralgaits.workflows.monitor_walk import watched
+
+TICKS = 700
+
+
+@pytest.fixture(scope="module")
+def monitor(shipped):
+    found = monitor_of(shipped)
+    assert found is not None
+    return found
+
+
+@pytest.fixture
+def gait(shipped, monitor):
+    walker = LiveGait(shipped)
+    walker.watch_with(LiveMonitor(shipped, monitor))
+    return walker
+
+
+def test_shares_and_margins_are_those_of_the_monitor_of_walks(shipped, monitor, gait):
+    records, found = [], ()
+    for number in range(TICKS):
+        gait.tick()
+        # Looked at every 20 ms, as a page does.
+        if number % 20 == 0:
+            found = gait.shown().memberships
+        if number >= TICKS - 5:
+            records.append(gait.live.record)
+    (found,) = gait.shown().memberships
+    (figures,) = watched(shipped, monitor, records[-1:]).levels.values()
+    assert (found.levels, found.inside, found.admissible) == ("2", True, True)
+    assert found.margin == pytest.approx(figures.margin, rel=1e-12)
+    assert found.name == figures.name
+    # One touchdown by now, with some ticks outside around it.
+    assert 0.98 < found.share < 1.0
+    assert found.share * TICKS == pytest.approx(round(found.share * TICKS), abs=1e-6)
+
+
+def test_another_start_counts_from_zero(gait):
+    for _ in range(TICKS):
+        gait.tick()
+    assert gait.shown().memberships[0].share < 1.0
+    gait.reset()
+    assert gait.shown().memberships == ()
+    gait.tick()
+    assert gait.shown().memberships[0].share == 1.0
+
+
+def test_a_state_outside_is_said_to_be(gait):
+    gait.push(np.array([-20.0, 0.0]))
+    for _ in range(150):
+        gait.tick()
+    (found,) = gait.shown().memberships
+    assert not found.inside and found.margin < 0.0 and found.name == "level-lower"
+    assert 0.0 < found.share < 1.0
+    # A robot that has fallen is no longer counted.
+    gait.push(np.array([-40.0, 0.0]))
+    while gait.tick():
+        pass
+    last = gait.shown().memberships
+    gait.tick()
+    assert gait.shown().memberships == last
+
+
+def test_a_gait_with_commands_is_watched_at_those_that_are_proved():
+    run = open_run(TOLD)
+    monitor = monitor_of(run)
+    assert monitor is not None
+    (span,) = monitor.commands
+    walker = LiveGait(run)
+    for commands, admissible in (
+        (monitor.commands, True),
+        ((span._replace(low=span.high),), False),
+    ):
+        walker.watch_with(LiveMonitor(run, replace(monitor, commands=commands)))
+        for _ in range(50):
+            walker.tick()
+        (found,) = walker.shown().memberships
+        assert (found.admissible, found.inside, found.share) == (admissible,) * 2 + (
+            float(admissible),
+        )
+        assert found.margin > 0.0
+
+
+SEEN = SetMembership("2", True, 0.314, "level-upper", True, 0.99999)
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        # Not all ticks were inside: no 100 %.
+        ({}, "set of level 2: yes, margin 0.31 (upper fence) · 99.9 % of ticks so far"),
+        ({"share": 1.0}, "100.0 % of ticks so far"),
+        ({"levels": "4, 5", "name": "knee-clears"}, "set of levels 4 and 5: yes"),
+        ({"inside": False, "margin": -0.02}, "no, margin -0.02 (upper fence)"),
+        ({"inside": False, "admissible": False}, "no, it is not about this command"),
+    ],
+)
+def test_a_set_is_one_line_of_the_page(changes, words):
+    assert words in membership_lines((SEEN._replace(**changes),))
+
+
+def test_the_status_has_the_line_and_none_without_a_proof(unproved):
+    panel: Any = SimpleNamespace(_player=SimpleNamespace(speed=1.0), _answer="", _answer_left=0)
+    for memberships, count in (((SEEN,), 2), ((), 1)):
+        shown: Any = SimpleNamespace(
+            steps=0, speed=0.0, time=0.0, fall=None, memberships=memberships
+        )
+        status = Panel.status(panel, Picture(shown, None, False, 1.0, None, None))
+        assert status.count("<div") == count
+    sure = how_sure(open_run(unproved))
+    assert sure.monitor is None and "Inside the proved set" not in sure.words
+
+
+@pytest.fixture
+def unproved(shipped, tmp_path):
+    """The shipped run without its certificate."""
+    ignored = shutil.ignore_patterns("certificate", "__pycache__")
+    return shutil.copytree(shipped.path, tmp_path / "run", ignore=ignored)
