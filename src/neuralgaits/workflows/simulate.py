@@ -164,6 +164,8 @@ def _planned(settings: SimulateSettings) -> _Plan:
     videos = [] if settings.video is None else [Path(settings.video)]
     inputs = [Path(given) for given in (plant, commands, terrain) if isinstance(given, str | Path)]
     refuse_outputs([*files, *videos], inputs, run=run.path)
+    for file in files:
+        logs.refuse_unwritable_log(file)
     for video in videos:
         films.check(video)
     wire = link_of(settings.link, controller)
