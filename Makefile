@@ -64,5 +64,5 @@ endef
 	@touch $@
 
 .venv/dev.stamp: pyproject.toml constraints.txt
-	$(INSTALL) '.[dev,gym,hzd,onnx,video]'
+	$(INSTALL) '.[dev,gym,hzd,mcap,onnx,video]'
 	@touch .venv/run.stamp $@

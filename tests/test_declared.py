@@ -40,7 +40,7 @@ def test_every_import_is_declared() -> None:
     installed = NOT_INSTALLED | dict(packages_distributions())
     needed = {_distribution(module, installed) for module in _imported()}
     extras = PROJECT["optional-dependencies"]
-    shipped = ("deploy", "drake", "gym", "hzd", "onnx", "ray", "video")
+    shipped = ("deploy", "drake", "gym", "hzd", "mcap", "onnx", "ray", "video")
     optional = set().union(*(_names(extras[name]) for name in shipped))
     assert needed <= _names(PROJECT["dependencies"]) | optional
     assert optional <= needed

@@ -224,7 +224,7 @@ def test_an_empty_file_and_a_missing_one(refused, amber, tmp_path):
 
 
 def test_no_file_at_all(amber):
-    with pytest.raises(InputError, match="expected at least one CSV file"):
+    with pytest.raises(InputError, match="expected at least one CSV or MCAP file"):
         logs.read_all([], amber)
 
 

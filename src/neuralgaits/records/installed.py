@@ -58,6 +58,7 @@ class Machine(Record):
     hzd: Finding
     drake: Finding
     onnx: Finding
+    mcap: Finding
     gym: Finding
     ray: Finding
 

@@ -48,7 +48,7 @@ class FitSettings(Settings):
     run: Run
     """Run folder, or latest."""
     logs: Annotated[Positional[Paths], arg(metavar="LOG.csv..."), SOME_PATHS]
-    """Logs of walks, falls included; see the page 'Your own logs'."""
+    """Logs of walks in CSV or MCAP, falls included; see the page 'Your own logs'."""
     _: KW_ONLY
     columns: Columns = None
     """Names, units and signs of a robot's own columns; see the page 'Your own logs'."""

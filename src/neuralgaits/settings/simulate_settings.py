@@ -88,7 +88,8 @@ class SimulateSettings(Settings):
     workers: Workers = None
     ray: Ray = None
     log: Annotated[AnyPath | None, arg(metavar="FILE.csv"), A_PATH] = None
-    """Write the first walk's log; further walks get FILE-1.csv, FILE-2.csv, ... beside it."""
+    """Write the first walk's log; further walks get FILE-1.csv, FILE-2.csv, ... beside it. A
+    name that ends in .mcap asks for MCAP, which needs the mcap extra."""
     video: Annotated[AnyPath | None, arg(metavar="FILE.mp4"), A_PATH] = None
     """Write a video of the first walk; needs the video extra."""
     monitor: Flag = False

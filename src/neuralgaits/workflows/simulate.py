@@ -167,6 +167,8 @@ def _planned(settings: SimulateSettings) -> _Plan:
     named = (plant, commands, terrain, settings.joints)
     inputs = [Path(given) for given in named if isinstance(given, str | Path)]
     refuse_outputs([*files, *videos], inputs, run=run.path)
+    for file in files:
+        logs.refuse_unwritable_log(file)
     for video in videos:
         films.check(video)
     wire = link_of(settings.link, controller)

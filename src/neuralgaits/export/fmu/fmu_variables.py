@@ -1,11 +1,14 @@
 """Variables of the controller's FMU: names, places, units, descriptions and start values."""
 
+# pyright: reportAttributeAccessIssue=false
+# MuJoCo ships no type stubs.
+
 import re
-import xml.etree.ElementTree as ET
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from enum import Enum
 
+import mujoco
 import numpy as np
 
 from neuralgaits.analysis.state_monitor import StateMonitor
@@ -82,9 +85,8 @@ class JointList:
         """List the joints of a design's robot."""
         legs = design.robot.layout.leg_joints
         own = [*legs[0], *(name for name in legs[1] if name not in legs[0])]
-        tree = ET.fromstring(design.robot.layout.xml)
-        places = {one.get("name"): k for k, one in enumerate(tree.iter("joint"))}
-        self.names: list[str] = sorted(own, key=lambda name: places.get(name, len(places)))
+        model = mujoco.MjModel.from_xml_string(design.robot.layout.xml)
+        self.names: list[str] = sorted(own, key=lambda name: model.joint(name).id)
         self.parts = [identifier(name, f"joint{k}") for k, name in enumerate(self.names)]
         """Parts of variables' names."""
         self.by_leg = [[self.names.index(name) for name in leg] for leg in legs]

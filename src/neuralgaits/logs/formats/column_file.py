@@ -68,6 +68,11 @@ class ColumnFile:
     path: Path
     sources: Mapping[str, ColumnSource]
 
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """Return the columns that the quantities are from, each once."""
+        return tuple(dict.fromkeys(source.column for source in self.sources.values()))
+
     def has(self, table: str) -> bool:
         """Return whether the file has a quantity, or a table of them."""
         return any(key == table or key.startswith(f"{table}.") for key in self.sources)

@@ -13,6 +13,9 @@ from neuralgaits.logs.formats import amber3m as amber3m_format
 from neuralgaits.logs.formats import mapped as mapped_format
 from neuralgaits.logs.formats import si as si_format
 from neuralgaits.logs.formats.column_file import PAGE, ColumnFile, read_columns
+from neuralgaits.logs.formats.mcap_reader import is_mcap
+from neuralgaits.logs.formats.mcap_table import table_of
+from neuralgaits.logs.formats.mcap_walk import walk_of
 from neuralgaits.logs.formats.sheet import Text, text_of
 from neuralgaits.logs.labels import Labels
 from neuralgaits.logs.outliers import outliers
@@ -45,8 +48,8 @@ def read(
     """Read a log of a robot.
 
     Args:
-        path: of a CSV file: the project's own format, or that of the AMBER-3M robot, or with
-            `columns` any other.
+        path: of a CSV or MCAP file: the project's own format, or that of the AMBER-3M robot, or
+            with `columns` any other.
         robot: the run's own model, whose joints and z the log must have.
         columns: file that describes the columns of a robot's own log: see `column_file`.
         policy: that walked; it gives the desired outputs that a robot's own log lacks.
@@ -54,9 +57,9 @@ def read(
     Raises: InputError in one line that names file, row, column and remedy.
     """
     path = Path(path)
-    text = text_of(path)
     if columns is not None:
         file = columns if isinstance(columns, ColumnFile) else read_columns(columns, robot)
+        text = table_of(path, file.columns) if is_mcap(path) else text_of(path)
         log, labels = mapped_format.read(text, robot, file, policy)
         try:
             good = check(log, robot, labels)
@@ -66,6 +69,7 @@ def read(
                 "there)"
             ) from None
     else:
+        text = walk_of(path) if is_mcap(path) else text_of(path)
         log, labels = _of_known_format(text, robot)
         good = check(log, robot, labels)
     spikes = outliers(log) & good
@@ -85,7 +89,7 @@ def _of_known_format(text: Text, robot: PlanarBiped) -> tuple[Log, Labels]:
     if amber3m_format.recognised(text):
         return amber3m_format.read(text, robot)
     raise InputError(
-        f"log {text.path}, row 1: expected columns name[unit] as in t[s],stance[-],..., or the "
+        f"{text.header_place}: expected columns name[unit] as in t[s],stance[-],..., or the "
         f"{len(amber3m_format.COLUMNS)} columns of the AMBER-3M robot, found "
         f"{','.join(text.header)[:60] or f'{text.width} columns without names'!r}, without "
         f"{si_format.missing(text, robot)}: say with --columns FILE what the columns are, or add "
@@ -112,7 +116,7 @@ def read_all(
         strides would be learned from and reported on at once.
     """
     if not paths:
-        raise InputError("logs: expected at least one CSV file, found none: name them")
+        raise InputError("logs: expected at least one CSV or MCAP file, found none: name them")
     file = None if columns is None else read_columns(columns, robot)
     readings = [read(path, robot, columns=file, policy=policy) for path in paths]
     for (one, _), (other, _) in combinations(readings, 2):

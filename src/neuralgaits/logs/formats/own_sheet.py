@@ -110,13 +110,13 @@ def _check_header(text: Text, columns: ColumnFile, names: tuple[str, ...]) -> No
         else:
             remedy = f"name columns of the log in {columns.path}"
         raise InputError(
-            f"log {text.path}, row 1: expected the columns {', '.join(missing or names)} that "
+            f"{text.header_place}: expected the columns {', '.join(missing or names)} that "
             f"{columns.path} names, found {found}: {remedy}"
         )
     twice = [name for name in names if text.header.count(name) > 1]
     if twice:
         raise InputError(
-            f"log {text.path}, row 1: expected every column once, found {twice[0]} twice: rename "
+            f"{text.header_place}: expected every column once, found {twice[0]} twice: rename "
             "or delete one"
         )
 

@@ -32,17 +32,24 @@ class Sheet:
 
 @dataclass(frozen=True)
 class Text:
-    """Cells of a CSV file.
+    """Cells of a CSV file, or of what was made a table.
 
     Attributes:
         path: of the file.
         header: cells of the first row; empty if that row holds numbers.
         cells: of the other rows, each with its number in the file.
+        head: place of the header, for messages.
     """
 
     path: Path
     header: tuple[str, ...]
     cells: list[tuple[int, list[str]]]
+    head: str = "row 1"
+
+    @property
+    def header_place(self) -> str:
+        """Place of the header, with the file, for messages."""
+        return f"log {self.path}, {self.head}"
 
     @property
     def width(self) -> int:

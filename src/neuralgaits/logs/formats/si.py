@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
+from neuralgaits._types import Float
 from neuralgaits.errors import InputError
 from neuralgaits.logs.formats.column_file import PAGE
 from neuralgaits.logs.formats.sheet import Text, sheet_of
@@ -28,17 +29,26 @@ def write(path: Path, log: Log) -> None:
 
     Raises: InputError for a log without z, which the format requires.
     """
-    if log.z is None:
-        raise InputError(f"log {log.source}: expected z beside q and dq, found none to write")
-    heads = columns(log.joint_names, plant=log.z2_plant is not None)
-    plant = () if log.z2_plant is None else (log.z2_plant,)
-    parts = (log.t, log.stance, log.q, log.dq, log.qd, log.dqd, log.tau, log.z)
-    table = np.column_stack([*parts, log.pitch, log.dpitch, *plant]).astype(np.float64)
+    table = numbers_of(log)
     out = io.StringIO()
     writer = csv.writer(out, lineterminator="\n")
-    writer.writerow([_head(head) for head in heads])
+    writer.writerow([_head(head) for head in header_of(log)])
     writer.writerows([map(_number, row) for row in table.tolist()])
     write_text(path, out.getvalue())
+
+
+def header_of(log: Log) -> tuple[Column, ...]:
+    """Return names and units of the columns of a log."""
+    return columns(log.joint_names, plant=log.z2_plant is not None)
+
+
+def numbers_of(log: Log) -> Float[np.ndarray, "k c"]:
+    """Return the numbers of a log, a column each of `header_of`. Raises: InputError without z."""
+    if log.z is None:
+        raise InputError(f"log {log.source}: expected z beside q and dq, found none to write")
+    plant = () if log.z2_plant is None else (log.z2_plant,)
+    parts = (log.t, log.stance, log.q, log.dq, log.qd, log.dqd, log.tau, log.z)
+    return np.column_stack([*parts, log.pitch, log.dpitch, *plant]).astype(np.float64)
 
 
 def recognised(text: Text) -> bool:
@@ -106,7 +116,7 @@ def _check_header(text: Text, robot: PlanarBiped, heads: tuple[Column, ...]) -> 
         assert head is not None
         if head["name"] in found:
             raise InputError(
-                f"log {text.path}, row 1, column {column}: expected every column once, found "
+                f"{text.header_place}, column {column}: expected every column once, found "
                 f"{head['name']} twice: rename or delete one"
             )
         found[head["name"]] = head["unit"]
@@ -115,7 +125,7 @@ def _check_header(text: Text, robot: PlanarBiped, heads: tuple[Column, ...]) -> 
         joints = [cell for cell in text.header if cell.startswith("q_")]
         many = "s" if len(missing) > 1 else ""
         raise InputError(
-            f"log {text.path}, row 1: expected column{many} {_some(missing)} of robot "
+            f"{text.header_place}: expected column{many} {_some(missing)} of robot "
             f"{robot.name}, found none (angles found: {', '.join(joints) or 'none'}): give a log "
             f"of this robot, add the column{many}, or say with --columns FILE what the columns "
             f"are: {PAGE}"
@@ -123,7 +133,7 @@ def _check_header(text: Text, robot: PlanarBiped, heads: tuple[Column, ...]) -> 
     for name, unit in heads:
         if found[name] != unit:
             raise InputError(
-                f"log {text.path}, row 1, column {name}[{found[name]}]: expected unit {unit}, "
+                f"{text.header_place}, column {name}[{found[name]}]: expected unit {unit}, "
                 f"found {found[name]}: convert the column to SI units"
             )
 
