@@ -12,6 +12,7 @@ from tyro.conf import Positional
 
 from neuralgaits.settings import (
     CertifySettings,
+    CheckDeploySettings,
     CheckProofSettings,
     EpisodesSettings,
     FitSettings,
@@ -135,6 +136,13 @@ class ExportOptions:
     config: Annotated[Path | None, arg(metavar="deploy.yaml")] = None
     """Deployment file: writes its map between motors and joints beside the controller. Without it
     a template of such a file is written."""
+    output: Output = OutputOptions()
+
+
+@dataclass(frozen=True, kw_only=True)
+class CheckDeployOptions(CheckDeploySettings):
+    """Compare a deployment file with a log of the robot in a stand, joints moved one by one."""
+
     output: Output = OutputOptions()
 
 

@@ -97,15 +97,7 @@ def export_controller(
     Raises: InputError, SpecError or RunError with one line for bad input; MismatchError if the code
         does not compile or differs from Python, and nothing is written.
     """
-    if format not in WRITERS:
-        raise InputError(f"unknown format {format!r}: expected one of {', '.join(WRITERS)}")
-    if states < 1:
-        raise InputError(f"states: expected 1 or more, found {states}")
-    if config is not None and format not in MAPPED:
-        raise InputError(
-            f"--config: expected --format {' or '.join(MAPPED)} beside it, found {format}: "
-            "leave one of them out"
-        )
+    _refuse_settings(format, states, config)
     asked = {"run": run, "out": Path(out)}
     others = {
         "config": (config, None),
@@ -145,6 +137,19 @@ def export_controller(
             deployment_sha256=None if deployment is None else deployment.sha256,
         )
     )
+
+
+def _refuse_settings(format: str, states: int, config: str | Path | None) -> None:
+    """Refuse settings that make no sense, alone or together. Raises: InputError."""
+    if format not in WRITERS:
+        raise InputError(f"unknown format {format!r}: expected one of {', '.join(WRITERS)}")
+    if states < 1:
+        raise InputError(f"states: expected 1 or more, found {states}")
+    if config is not None and format not in MAPPED:
+        raise InputError(
+            f"--config: expected --format {' or '.join(MAPPED)} beside it, found {format}: "
+            "leave one of them out"
+        )
 
 
 def _refuse_unusable(gait: AnyGait) -> None:
