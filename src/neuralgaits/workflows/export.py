@@ -28,6 +28,7 @@ from neuralgaits.export.facts import Design, Origin
 from neuralgaits.export.fmu.fmu_archive import fmu_file
 from neuralgaits.export.monitor_source import monitor_files
 from neuralgaits.export.reference import Reference
+from neuralgaits.export.ros2_source import ros2_files
 from neuralgaits.export.selftest import selftest_file
 from neuralgaits.export.source import gait_files
 from neuralgaits.gait.policies.commanded_gait import AnyGait
@@ -45,9 +46,9 @@ NO_EXTRA = (
     "expected the packages onnx and onnxruntime for --format onnx, found no {}: "
     "pip install 'neuralgaits[onnx]'"
 )
-MONITORED = ("c", "fmu", "fmu2")
+MONITORED = ("c", "fmu", "fmu2", "ros2")
 """Formats that have a monitor."""
-MAPPED = ("c",)
+MAPPED = ("c", "ros2")
 """Formats that have a map between motors and joints."""
 TEMPLATE = "deploy.template.yaml"
 """Deployment file beside a controller, to be copied and edited."""
@@ -86,7 +87,8 @@ def export_controller(
         run: a run, its folder, or `latest`.
         out: folder to write to; new or empty unless `force`.
         format: `c`, the controller; `onnx`, its policy and rate, which needs the extra `onnx`;
-            `fmu`, the controller for co-simulation by FMI 3.0; `fmu2`, by FMI 2.0.
+            `fmu`, the controller for co-simulation by FMI 3.0; `fmu2`, by FMI 2.0; `ros2`, a package
+            for ros2_control around the controller.
         force: replace the files of an earlier export.
         config: deployment file of the robot, whose map between motors and joints is written, too;
             a template of one is written if None.
@@ -122,10 +124,13 @@ def export_controller(
         design = design_of(trained, certificate)
         if format in MONITORED:
             design, lacking = with_monitor(design, trained, certificate)
-        design = replace(design, deployment=deployment)
+        usual = template(about, usual_gains(design))
+        # A ROS 2 package always has a map: without a file that of the robot file itself.
+        mapped = usual if format == "ros2" and deployment is None else deployment
+        design = replace(design, deployment=mapped)
         files, told = WRITERS[format](design, states)
         if format in MAPPED and deployment is None:
-            files = {**files, TEMPLATE: deployment_text(template(about, usual_gains(design)))}
+            files = {**files, TEMPLATE: deployment_text(usual)}
     return Export(
         told(
             run=str(trained.path),
@@ -271,6 +276,12 @@ def _checked(
         return check_controller(design, reference, place, compilers, states)
 
 
+def _ros2(design: Design, states: int) -> tuple[dict[str, str], RecordFactory]:
+    """Return the files of a ROS 2 package, and the factory of the record of its controller in C."""
+    files, told = _c(design, states)
+    return ros2_files(design, files), told
+
+
 def _onnx(design: Design, states: int) -> tuple[dict[str, bytes], RecordFactory]:
     """Return the models of the policy, and the factory of their record.
 
@@ -290,6 +301,7 @@ WRITERS: dict[str, Callable[[Design, int], tuple[Mapping[str, str | bytes], Reco
     "onnx": _onnx,
     "fmu": partial(_fmu, version="3.0"),
     "fmu2": partial(_fmu, version="2.0"),
+    "ros2": _ros2,
 }
 """Writer of each format: takes a design and a number of test states, returns files and a record
 factory."""
