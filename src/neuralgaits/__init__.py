@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     )
     from neuralgaits.robots import load_robot
     from neuralgaits.workflows.certify import certify
+    from neuralgaits.workflows.check_deploy import check_deploy
     from neuralgaits.workflows.check_proof import check_proof
     from neuralgaits.workflows.demo import demo
     from neuralgaits.workflows.doctor import doctor
@@ -46,6 +47,7 @@ _HOMES = {
     "MLPPolicy": "neuralgaits.gait",
     "ZeroDynamics": "neuralgaits.gait",
     "certify": "neuralgaits.workflows.certify",
+    "check_deploy": "neuralgaits.workflows.check_deploy",
     "check_proof": "neuralgaits.workflows.check_proof",
     "demo": "neuralgaits.workflows.demo",
     "doctor": "neuralgaits.workflows.doctor",
@@ -78,6 +80,7 @@ __all__ = [
     "ZeroDynamics",
     "__version__",
     "certify",
+    "check_deploy",
     "check_proof",
     "demo",
     "doctor",

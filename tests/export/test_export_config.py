@@ -54,3 +54,15 @@ def test_a_policy_alone_has_no_map(capfd):
     words = ["export", "run", "--out", "c4", "--format", "onnx", "--config", "deploy.yaml"]
     assert main(words) == 2
     assert "--config: expected --format c" in capfd.readouterr().err
+
+
+def test_a_ros2_package_is_written_with_the_robots_own_map(work, capfd):
+    assert main(["export", "run", "--out", "ros2", "--format", "ros2", "--json"]) == 3
+    assert '"format": "ros2"' in capfd.readouterr().out
+    written = {path.name for path in (work / "ros2").iterdir()}
+    assert written >= {"package.xml", "plugin.xml", "CMakeLists.txt", "gait_controller.cpp"}
+    assert written >= {"gait.c", "board_facts.c", "monitor_set.c", "deploy.template.yaml"}
+    assert "link.c" not in written
+    facts = (work / "ros2" / "ros2_facts.h").read_text()
+    assert '{"knee_left", "hip_left", "knee_right", "hip_right"}' in facts
+    assert "#define NG_ROS2_MONITOR 1" in facts

@@ -12,6 +12,7 @@ from tyro.conf import Positional
 
 from neuralgaits.settings import (
     CertifySettings,
+    CheckDeploySettings,
     CheckProofSettings,
     EpisodesSettings,
     FitSettings,
@@ -121,15 +122,16 @@ class SweepOptions(SweepSettings):
 
 @dataclass(frozen=True)
 class ExportOptions:
-    """Write the gait for a robot, as C, FMU or ONNX, and compare the result with Python."""
+    """Write the gait for a robot, as C, FMU, ROS 2 package or ONNX, and compare it with Python."""
 
     run: Run
     """Run folder, or latest."""
     out: Annotated[Path, arg(metavar="DIR")]
     """Folder to write to; new or empty unless --force."""
-    format: Literal["c", "onnx", "fmu", "fmu2"] = "c"
+    format: Literal["c", "onnx", "fmu", "fmu2", "ros2"] = "c"
     """c: the controller in C99 without dependencies. onnx: the policy and its rate; needs the onnx
-    extra. fmu: the controller for co-simulation by FMI 3.0. fmu2: by FMI 2.0."""
+    extra. fmu: the controller for co-simulation by FMI 3.0. fmu2: by FMI 2.0. ros2: a
+    package for ros2_control around the controller in C."""
     force: Flag = False
     """Replace the files of an earlier export."""
     config: Annotated[Path | None, arg(metavar="deploy.yaml")] = None
@@ -138,6 +140,13 @@ class ExportOptions:
     joints: Annotated[Path | None, arg(metavar="latest|FILE.json")] = None
     """Friction and rotors in the torques of pd and fblin, as fit --joints identified them: latest
     for the run's own, or a file."""
+    output: Output = OutputOptions()
+
+
+@dataclass(frozen=True, kw_only=True)
+class CheckDeployOptions(CheckDeploySettings):
+    """Compare a deployment file with a log of the robot in a stand, joints moved one by one."""
+
     output: Output = OutputOptions()
 
 

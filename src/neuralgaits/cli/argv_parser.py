@@ -25,6 +25,7 @@ Verb = (
     | of.OptimiseOptions
     | of.ImportGaitOptions
     | of.ExportOptions
+    | of.CheckDeployOptions
     | of.ReportOptions
     | of.ViewOptions
     | of.DemoOptions

@@ -8,6 +8,7 @@ from neuralgaits._environment import render_without_screen
 from neuralgaits.cli import brief, proof_screen, screen
 from neuralgaits.cli.arguments import (
     CertifyOptions,
+    CheckDeployOptions,
     CheckProofOptions,
     DemoOptions,
     DoctorOptions,
@@ -37,6 +38,7 @@ from neuralgaits.cli.viewer_verbs import carry_out_demo, carry_out_view
 from neuralgaits.errors import InputError, Interrupted
 from neuralgaits.settings import (
     CertifySettings,
+    CheckDeploySettings,
     CheckProofSettings,
     SimulateSettings,
     TrainSettings,
@@ -74,6 +76,8 @@ def carry_out(verb: Verb) -> Outcome:
             return carry_out_sweep(verb)
         case ExportOptions():
             return _export(verb)
+        case CheckDeployOptions():
+            return _check_deploy(verb)
         case ReportOptions():
             return carry_out_report(verb)
         case ViewOptions():
@@ -209,6 +213,15 @@ def _export(verb: ExportOptions) -> Outcome:
             begun=progress.begun,
         )
     return Outcome(done.summary, done.checked, show_export, undecided=not done.checked)
+
+
+def _check_deploy(verb: CheckDeployOptions) -> Outcome:
+    from neuralgaits.cli.deploy_screen import show_deployment_check
+    from neuralgaits.workflows.check_deploy import check_deploy
+
+    done = check_deploy(**given(verb, CheckDeploySettings))
+    undecided = done.agrees and not done.complete
+    return Outcome(done, done.agrees and done.complete, show_deployment_check, undecided)
 
 
 def _inspect(verb: InspectOptions) -> Outcome:

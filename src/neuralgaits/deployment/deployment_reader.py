@@ -3,7 +3,6 @@
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import NamedTuple
 
 from neuralgaits._printable import printable
 from neuralgaits.deployment.deployed_robot import DeployedRobot
@@ -40,14 +39,7 @@ JOINT_FIELDS = {
 """Keys of a joint, and what each must be."""
 
 
-class RunOfDeployment(NamedTuple):
-    """What a deployment file says of its run before that is opened."""
-
-    run: str
-    tree: YamlNode
-
-
-def run_of_deployment(path: str | Path) -> RunOfDeployment:
+def run_of_deployment(path: str | Path) -> str:
     """Return the run that a deployment file names.
 
     Raises: InputError as `yaml_tree`, or if the file names none.
@@ -59,7 +51,7 @@ def run_of_deployment(path: str | Path) -> RunOfDeployment:
             f"{printable(Path(path))}: expected the key run with the folder of a run, found none: "
             "name the run beside the file"
         )
-    return RunOfDeployment(value.value, tree)
+    return value.value
 
 
 def read_deployment(path: str | Path, about: DeployedRobot) -> DeploymentFile:

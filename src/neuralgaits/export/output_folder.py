@@ -22,7 +22,7 @@ _OF_MONITOR = frozenset(("monitor.h", "monitor.c"))
 """Files that only a gait with a proof has."""
 _OF_BOARD = frozenset(("board_map.h", "board_map.c"))
 """Files that only an export with a deployment file has."""
-_SUFFIXES = (".c", ".h", ".onnx", ".fmu")
+_SUFFIXES = (".c", ".h", ".onnx", ".fmu", ".cpp", ".hpp", ".xml", ".txt")
 """Suffixes of the files of an export."""
 
 

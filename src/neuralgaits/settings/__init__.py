@@ -2,6 +2,7 @@
 
 from neuralgaits._called_with import called_with
 from neuralgaits.settings.certify_settings import CertifySettings, CheckProofSettings
+from neuralgaits.settings.deploy_settings import CheckDeploySettings
 from neuralgaits.settings.learn_settings import EpisodesSettings, FitSettings, RefineSettings
 from neuralgaits.settings.shared_options import Watch
 from neuralgaits.settings.simulate_settings import SimulateSettings
@@ -16,6 +17,7 @@ from neuralgaits.settings.train_settings import (
 
 __all__ = [
     "CertifySettings",
+    "CheckDeploySettings",
     "CheckProofSettings",
     "EpisodesSettings",
     "FitSettings",

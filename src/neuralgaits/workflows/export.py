@@ -29,6 +29,7 @@ from neuralgaits.export.facts import Design, Origin
 from neuralgaits.export.fmu.fmu_archive import fmu_file
 from neuralgaits.export.monitor_source import monitor_files
 from neuralgaits.export.reference import Reference
+from neuralgaits.export.ros2_source import ros2_files
 from neuralgaits.export.selftest import selftest_file
 from neuralgaits.export.source import gait_files
 from neuralgaits.gait.policies.commanded_gait import AnyGait
@@ -47,9 +48,9 @@ NO_EXTRA = (
     "expected the packages onnx and onnxruntime for --format onnx, found no {}: "
     "pip install 'neuralgaits[onnx]'"
 )
-MONITORED = ("c", "fmu", "fmu2")
+MONITORED = ("c", "fmu", "fmu2", "ros2")
 """Formats of a whole controller, with torques and a monitor."""
-MAPPED = ("c",)
+MAPPED = ("c", "ros2")
 """Formats that have a map between motors and joints."""
 TEMPLATE = "deploy.template.yaml"
 """Deployment file beside a controller, to be copied and edited."""
@@ -89,7 +90,8 @@ def export_controller(
         run: a run, its folder, or `latest`.
         out: folder to write to; new or empty unless `force`.
         format: `c`, the controller; `onnx`, its policy and rate, which needs the extra `onnx`;
-            `fmu`, the controller for co-simulation by FMI 3.0; `fmu2`, by FMI 2.0.
+            `fmu`, the controller for co-simulation by FMI 3.0; `fmu2`, by FMI 2.0; `ros2`, a
+            package for ros2_control around it.
         force: replace the files of an earlier export.
         config: deployment file of the robot, whose map between motors and joints is written, too;
             a template of one is written if None.
@@ -102,24 +104,12 @@ def export_controller(
     Raises: InputError, SpecError or RunError with one line for bad input; MismatchError if the code
         does not compile or differs from Python, and nothing is written.
     """
-    if format not in WRITERS:
-        raise InputError(f"unknown format {format!r}: expected one of {', '.join(WRITERS)}")
-    if states < 1:
-        raise InputError(f"states: expected 1 or more, found {states}")
-    if config is not None and format not in MAPPED:
-        raise InputError(
-            f"--config: expected --format {' or '.join(MAPPED)} beside it, found {format}: "
-            "leave one of them out"
-        )
-    asked = {"run": run, "out": Path(out)}
-    others = {
-        "config": (config, None),
-        "format": (format, "c"),
-        "force": (force, False),
-        "joints": (joints, None),
-        "states": (states, STATES),
-    }
-    asked |= {name: value for name, (value, usual) in others.items() if value != usual}
+    _refuse_settings(format, states, config)
+    usually = {"format": "c", "force": False, "config": None, "joints": None, "states": STATES}
+    others = {"format": format, "force": force, "config": config, "joints": joints}
+    others |= {"states": states}
+    asked = {name: value for name, value in others.items() if value != usually[name]}
+    asked |= {"run": run, "out": Path(out)}
     if (task := task_with("export", asked)) is not None:
         return task(ProgressCallbacks.by(begun=begun)).returned
     trained, folder = open_run(run), Path(out)
@@ -131,16 +121,15 @@ def export_controller(
     found = None if joints is None else _joints_for(trained, format, joints)
     if begun is not None:
         begun()
-    lacking: list[str] = []
     # Numbers that are not finite are refused where they are written.
     with np.errstate(all="ignore"):
-        design = design_of(trained, certificate, found)
-        if format in MONITORED:
-            design, lacking = with_monitor(design, trained, certificate)
-        design = replace(design, deployment=deployment)
-        files, told = WRITERS[format](design, states)
+        design, lacking = _designed(trained, certificate, format, found)
+        usual = template(about, usual_gains(design))
+        # A ROS 2 package always has a map: without a file that of the robot file itself.
+        mapped = usual if format == "ros2" and deployment is None else deployment
+        files, told = WRITERS[format](replace(design, deployment=mapped), states)
         if format in MAPPED and deployment is None:
-            files = {**files, TEMPLATE: deployment_text(template(about, usual_gains(design)))}
+            files = {**files, TEMPLATE: deployment_text(usual)}
     return Export(
         told(
             run=str(trained.path),
@@ -154,6 +143,14 @@ def export_controller(
     )
 
 
+def _designed(
+    trained: Run, certificate: CertificateReading, format: str, joints: JointFile | None
+) -> tuple[Design, list[str]]:
+    """Return everything that the files are made of, and why there is no monitor, if none is."""
+    design = design_of(trained, certificate, joints)
+    return with_monitor(design, trained, certificate) if format in MONITORED else (design, [])
+
+
 def _joints_for(trained: Run, format: str, joints: str | Path) -> JointFile:
     """Return identified joints for an export. Raises: InputError for one without torques."""
     if format not in MONITORED:
@@ -162,6 +159,19 @@ def _joints_for(trained: Run, format: str, joints: str | Path) -> JointFile:
             f"torques, found {format}: leave --joints out"
         )
     return read_joints(trained, joints)
+
+
+def _refuse_settings(format: str, states: int, config: str | Path | None) -> None:
+    """Refuse settings that make no sense, alone or together. Raises: InputError."""
+    if format not in WRITERS:
+        raise InputError(f"unknown format {format!r}: expected one of {', '.join(WRITERS)}")
+    if states < 1:
+        raise InputError(f"states: expected 1 or more, found {states}")
+    if config is not None and format not in MAPPED:
+        raise InputError(
+            f"--config: expected --format {' or '.join(MAPPED)} beside it, found {format}: "
+            "leave one of them out"
+        )
 
 
 def _refuse_unusable(gait: AnyGait) -> None:
@@ -269,6 +279,12 @@ def _checked(
         return check_controller(design, reference, place, compilers, states)
 
 
+def _ros2(design: Design, states: int) -> tuple[dict[str, str], RecordFactory]:
+    """Return the files of a ROS 2 package, and the factory of the record of its controller in C."""
+    files, told = _c(design, states)
+    return ros2_files(design, files), told
+
+
 def _onnx(design: Design, states: int) -> tuple[dict[str, bytes], RecordFactory]:
     """Return the models of the policy, and the factory of their record.
 
@@ -288,6 +304,7 @@ WRITERS: dict[str, Callable[[Design, int], tuple[Mapping[str, str | bytes], Reco
     "onnx": _onnx,
     "fmu": partial(_fmu, version="3.0"),
     "fmu2": partial(_fmu, version="2.0"),
+    "ros2": _ros2,
 }
 """Writer of each format: takes a design and a number of test states, returns files and a record
 factory."""

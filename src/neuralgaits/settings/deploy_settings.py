@@ -1,0 +1,23 @@
+"""Settings of the verb `check-deploy`."""
+
+from dataclasses import KW_ONLY, dataclass
+from pathlib import Path
+from typing import Annotated
+
+from tyro.conf import Positional
+
+from neuralgaits.settings.options import Settings, arg
+from neuralgaits.settings.shared_options import A_PATH, AnyName
+
+
+@dataclass(frozen=True)
+class CheckDeploySettings(Settings):
+    """Settings of `check-deploy`."""
+
+    file: Annotated[Positional[Path], arg(metavar="deploy.yaml")]
+    """Deployment file."""
+    log: Annotated[Positional[Path], arg(metavar="LOG.csv")]
+    """Log of the robot in a stand; see the page 'The deployment file'."""
+    _: KW_ONLY
+    run: Annotated[AnyName | None, arg(metavar="RUN"), A_PATH] = None
+    """Run folder, or latest, that the file is about; the one that it names if not given."""
