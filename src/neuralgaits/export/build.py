@@ -17,7 +17,7 @@ NATIVE = ("-O3", "-march=native", "-ffp-contract=fast")
 PRECISIONS = {"double": (), "float": ("-DNG_FLOAT",)}
 CORE = ("gait.c", "controller.c", "estimator.c")
 """Files that run on the robot, without the self-test."""
-CHECKED = (*CORE, "selftest.c", "check.c")
+CHECKED = (*CORE, "supervisor.c", "selftest.c", "check.c")
 _RUN_S = 300.0
 _FREESTANDING = frozenset(("memcpy", "memset", "memmove"))
 """Functions that a C compiler may call by itself, even without a library."""

@@ -4,6 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from neuralgaits._types import Float
 from neuralgaits.control import AbstractLaw, Fblin, Pd, measurement
 from neuralgaits.control.estimator import Estimator
 from neuralgaits.control.inverse_dynamics import SMALLEST_DENOMINATOR
@@ -12,7 +13,14 @@ from neuralgaits.control.safeguard import joint_ranges, torque_rate
 from neuralgaits.control.saturation import Z1_MARGIN
 from neuralgaits.errors import InputError
 from neuralgaits.export.facts import Design
+from neuralgaits.export.standing import StandingPostures, standing_postures
 from neuralgaits.gait.commands import Command, CommandLimits
+
+_FIRST_MOMENTUM = 0.09
+"""Momentum beyond that which just tips over the foot, with which a first step begins, in units of a
+point mass on the leg that turns at the pendulum's rate."""
+_OVER_FOOT = 0.1
+"""Centre of mass outside of the feet, as a share of the leg length, from which none comes back."""
 
 
 class Number(NamedTuple):
@@ -112,6 +120,7 @@ def names(design: Design) -> dict[str, str | int]:
         "ankles": int(robot.feet is not None),
         "law_count": len(design.controllers),
         **({} if origin.joints_sha256 is None else {"joints_sha256": origin.joints_sha256}),
+        **_standing_counts(design),
         **(told if design.commands else {}),
     }
 
@@ -152,6 +161,12 @@ def numbers(design: Design) -> list[Number]:
     if controller.joints is not None:
         rate = "desired, at which dry friction is made up for [rad/s]"
         rows.append(("friction_rate", FRICTION_RATE, rate))
+    rows += [
+        ("weight", weight, "[N]"),
+        ("pendulum", _pendulum(design), "rate of falling over a foot [rad/s]"),
+        ("first_momentum", _first_momentum(design), "beyond just tipping over [kg m^2/s]"),
+        ("over_foot", _OVER_FOOT * robot.leg_length, "centre of mass outside of the feet [m]"),
+    ]
     if design.commands:
         rows.append(("z1_share", Z1_MARGIN, "of the step's own interval, as ng_z_margin"))
     reals = [Number(name, float(value), unit) for name, value, unit in rows]
@@ -193,11 +208,46 @@ def arrays(design: Design) -> list[Array]:
     ]
     if (joints := controller.joints) is not None:
         rows.append(("friction", joints.friction, "dry, actuated joints, stance leg first [N m]"))
+    postures, pd = _postures(design), Pd().with_gains_for(robot)
+    rows += [
+        ("stand_stiffness", _of_leg(design, pd.stiffness), "joints of a leg [N m/rad]"),
+        ("stand_damping", _of_leg(design, pd.damping), "[N m s/rad]"),
+        ("stand_path", postures.path, "from standing to the first step, front leg first [rad]"),
+        ("wide_path", postures.wide, "where a walk ends, leaning back and forward, likewise [rad]"),
+        ("braking", postures.braking, "before that touchdown, rear leg first [rad]"),
+    ]
     if design.commands:
         units = ", ".join(f"{c.name} [{c.unit}]" for c in design.commands)
         limits = CommandLimits.of(design.commands)._asdict()
         rows += [(f"command_{name}", value, units) for name, value in limits.items()]
     return [Array(name, np.asarray(value, dtype=np.float64), unit) for name, value, unit in rows]
+
+
+def _postures(design: Design) -> StandingPostures:
+    """Return the standing postures, or zeros of a robot that has none."""
+    n = design.robot.n
+    nothing = StandingPostures(np.zeros((2, n)), np.zeros((2, n)), np.zeros(n))
+    return standing_postures(design.robot) or nothing
+
+
+def _of_leg(design: Design, gains: tuple[float, ...]) -> Float[np.ndarray, " k"]:
+    """Return a gain for each joint of a leg: the smaller of both legs, lowest joint first."""
+    return np.min(np.abs(design.by_leg(np.array(gains))), axis=0)
+
+
+def _standing_counts(design: Design) -> dict[str, int]:
+    found = standing_postures(design.robot)
+    return {"has_standing": int(found is not None), "stand_knots": len(_postures(design).path)}
+
+
+def _pendulum(design: Design) -> float:
+    """Return the rate of an inverted pendulum as long as the leg (rad/s)."""
+    return float(np.sqrt(design.robot.gravity / design.robot.leg_length))
+
+
+def _first_momentum(design: Design) -> float:
+    robot = design.robot
+    return _FIRST_MOMENTUM * float(robot.mass) * robot.leg_length**2 * _pendulum(design)
 
 
 def _proof(design: Design) -> str:

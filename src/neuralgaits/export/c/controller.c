@@ -25,8 +25,8 @@ static void stance_first(const ng_real (*by_leg)[NG_LEG_JOINTS], int leg,
 }
 
 /* The inverse, with the value of a stance ankle, which is not among the actuated joints. */
-static void by_legs(const ng_real actuated[NG_ACTUATED], ng_real ankle, int leg,
-                    ng_real by_leg[NG_LEGS][NG_LEG_JOINTS])
+void ng_by_legs(const ng_real actuated[NG_ACTUATED], ng_real ankle, int leg,
+                ng_real by_leg[NG_LEGS][NG_LEG_JOINTS])
 {
     by_leg[leg][0] = ankle; /* on point feet another joint's place, which is filled below */
     for (int i = NG_ANKLES; i < NG_LEG_JOINTS; ++i) {
@@ -322,9 +322,7 @@ static int all_finite(const ng_measurement *reading)
     return finite;
 }
 
-/* Whether a reading can be trusted. */
-static ng_fault check(const ng_config *config, const ng_state *state,
-                      const ng_measurement *reading)
+ng_fault ng_check(const ng_config *config, const ng_state *state, const ng_measurement *reading)
 {
     const uint32_t gap = reading->time_us - state->last_us; /* backwards: very long */
     if (!all_finite(reading)) {
@@ -365,7 +363,7 @@ static ng_fault guard(const ng_config *config, ng_state *state, const ng_measure
     const ng_real share = s * s * (NG(3.0) - NG(2.0) * s);
     const ng_real change = config->torque_rate * NG_PERIOD;
     ng_real limits[NG_LEGS][NG_LEG_JOINTS];
-    by_legs(config->torque_limit, ANKLE_LIMIT, 0, limits);
+    ng_by_legs(config->torque_limit, ANKLE_LIMIT, 0, limits);
     for (int leg = 0; leg < NG_LEGS; ++leg) {
         for (int i = 0; i < NG_LEG_JOINTS; ++i) {
             const ng_real limit = ng_abs(limits[leg][i]), before = state->torque[leg][i];
@@ -441,19 +439,24 @@ static void follow(const ng_config *config, ng_state *state, const ng_measuremen
         state->ticks_to_policy = law->hold_ticks;
     }
     state->ticks_to_policy -= 1;
-    torques(law, command->q, command->dq, &state->held, command->ankle, command->actuated);
+    ng_desired desired = state->held;
+    for (int i = 0; i < NG_ACTUATED; ++i) {
+        desired.y[i] += state->shift[i];
+        desired.dy[i] += state->shift_rate[i];
+    }
+    torques(law, command->q, command->dq, &desired, command->ankle, command->actuated);
     command->relaxed[0] = command->relaxed[1] = 0;
     command->saturated = law->apply_limits
-                             ? law->apply_limits(config, &state->held, command)
+                             ? law->apply_limits(config, &desired, command)
                              : saturate(config, command->actuated);
     const ng_real ankle = moment_at_foot(NG(0.0), command->dq[0], command->ankle);
-    by_legs(command->actuated, ng_clamp(-ankle, -ANKLE_LIMIT, ANKLE_LIMIT), state->leg, wanted);
+    ng_by_legs(command->actuated, ng_clamp(-ankle, -ANKLE_LIMIT, ANKLE_LIMIT), state->leg, wanted);
     for (int i = 0; i < NG_COORDINATES; ++i) {
         command->dq[i] = measured[i];
     }
     for (int i = 0; i < NG_ACTUATED; ++i) {
-        command->y_d[i] = state->held.y[i];
-        command->dy_d[i] = state->held.dy[i];
+        command->y_d[i] = desired.y[i];
+        command->dy_d[i] = desired.dy[i];
     }
     command->leg = state->leg;
     command->since_touchdown = state->since_touchdown;
@@ -463,7 +466,7 @@ void ng_step(const ng_config *config, ng_state *state, const ng_measurement *rea
              ng_command *command)
 {
     ng_real wanted[NG_LEGS][NG_LEG_JOINTS];
-    ng_fault fault = state->fault != NG_NO_FAULT ? state->fault : check(config, state, reading);
+    ng_fault fault = state->fault != NG_NO_FAULT ? state->fault : ng_check(config, state, reading);
     if (fault == NG_NO_FAULT) {
         fault = check_contact(config, state, reading);
     }
@@ -594,8 +597,8 @@ void ng_impedance(const ng_measurement *reading, const ng_command *command, ng_r
     const int own = command->leg;
     ng_real y[NG_LEGS][NG_LEG_JOINTS], dy[NG_LEGS][NG_LEG_JOINTS];
     /* No output says where a stance ankle shall be: it stays where it is. */
-    by_legs(command->y_d, reading->angles[own][0], own, y);
-    by_legs(command->dy_d, reading->rates[own][0], own, dy);
+    ng_by_legs(command->y_d, reading->angles[own][0], own, y);
+    ng_by_legs(command->dy_d, reading->rates[own][0], own, dy);
     for (int leg = 0; leg < NG_LEGS; ++leg) {
         for (int i = 0; i < NG_LEG_JOINTS; ++i) {
             const ng_real sign = ng_joint_sign[leg][i];

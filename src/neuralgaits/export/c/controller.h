@@ -119,6 +119,8 @@ typedef struct {
     ng_real torque[NG_LEGS][NG_LEG_JOINTS]; /* of the last tick [N m] */
     ng_real airborne;                       /* time since a foot felt the ground [s] */
     ng_real ankle;                          /* torque of a stance ankle at the last tick [N m] */
+    ng_real shift[NG_ACTUATED];             /* added to what the policy wants [rad]; a host's */
+    ng_real shift_rate[NG_ACTUATED];        /* its rate [rad/s] */
     ng_fault fault;
 #if NG_COMMANDS
     ng_real requested[NG_COMMANDS];         /* wish for the steps to come, see ng_tell */
@@ -174,12 +176,19 @@ int ng_tell(ng_state *state, const ng_real command[NG_COMMANDS]);
 void ng_step(const ng_config *config, ng_state *state, const ng_measurement *reading,
              ng_command *command);
 
+/* Whether a reading can be trusted: its fault, which the state does not keep. */
+ng_fault ng_check(const ng_config *config, const ng_state *state, const ng_measurement *reading);
+
 /* From the robot file's joints to the signs and zeros of the theory. */
 void ng_measure(const ng_encoders *encoders, ng_measurement *reading);
 
 /* Coordinates of the robot standing on `leg`; of rates, their rates. */
 void ng_coordinates(ng_real pitch, const ng_real (*by_leg)[NG_LEG_JOINTS], int leg,
                     ng_real q[NG_COORDINATES]);
+
+/* The inverse of its actuated part, with the value of a stance ankle, by leg. */
+void ng_by_legs(const ng_real actuated[NG_ACTUATED], ng_real ankle, int leg,
+                ng_real by_leg[NG_LEGS][NG_LEG_JOINTS]);
 
 /* Motor commands in the order of the joints: torque over gear. */
 void ng_drive(const ng_command *command, ng_real motors[NG_LEGS][NG_LEG_JOINTS]);

@@ -1,0 +1,144 @@
+"""Postures with both feet on the floor, for a robot that starts and stops.
+
+Each is given by the distance of the feet, the height of the hip, and where the centre of mass is
+between the feet. Newton's method finds the joint angles.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from neuralgaits._types import Float
+from neuralgaits.robots import PlanarBiped
+
+_KNOTS = 9
+"""Number of postures on the path from standing to the first step."""
+_GUESS_KNEE = 0.5
+"""Flexion of the knees that Newton's method starts from [rad]."""
+_NEWTON_STEPS = 60
+_ACCURACY = 1e-10
+_DIFFERENCE = 1e-6
+_LONGEST_MOVE = 0.3
+
+
+class Stand(NamedTuple):
+    """A posture on two feet.
+
+    Lengths are shares of the leg length.
+    """
+
+    spacing: float
+    """Distance from the rear foot to the front foot."""
+    height: float
+    """Height of the hip."""
+    ahead: float
+    """Centre of mass ahead of the front foot, as a share of the distance of the feet."""
+    lean: float = -0.1
+    """Absolute angle of the torso, backwards positive [rad]."""
+
+
+_SPACING, _WIDE_SPACING = 0.40, 0.50
+"""Distance of the feet before and after a walk, as `Stand.spacing`."""
+_HEIGHTS = (0.91, 0.89, 0.87, 0.85, 0.83)
+_LEANING, _BRAKING, _SWAY = 0.0, -0.6, (-0.7, -0.3)
+"""Centre of mass where the first step begins, where the last one ends, and the two ends of how far
+it goes afterwards, as `Stand.ahead`."""
+
+
+class StandingPostures(NamedTuple):
+    """Postures of a robot that starts and stops, as coordinates q with the front leg in stance."""
+
+    path: Float[np.ndarray, "K n"]
+    """From standing to where the first step begins [rad]."""
+    wide: Float[np.ndarray, "2 n"]
+    """Where a walk ends, with the feet far apart: leaning back, and forward [rad]."""
+    braking: Float[np.ndarray, " n"]
+    """At the touchdown before that, with the rear leg in stance [rad]."""
+
+
+def standing_postures(robot: PlanarBiped) -> StandingPostures | None:
+    """Return the postures of a robot; None if its legs cannot take them at any height."""
+    found = (_at_height(robot, height) for height in _HEIGHTS)
+    return next((postures for postures in found if postures is not None), None)
+
+
+def _at_height(robot: PlanarBiped, height: float) -> StandingPostures | None:
+    """Return the postures with the hip at a height, as `Stand.height`; None if there are none."""
+    path, sway = [], []
+    guess = None
+    for ahead in np.linspace(-0.5, _LEANING, _KNOTS):
+        guess = posture(robot, Stand(_SPACING, height, float(ahead)), guess)
+        if guess is None:
+            return None
+        path.append(guess)
+    for ahead in (_BRAKING, *_SWAY):
+        guess = posture(robot, Stand(_WIDE_SPACING, height, ahead), path[0])
+        if guess is None:
+            return None
+        sway.append(guess)
+    return StandingPostures(np.array(path), np.array(sway[1:]), robot.relabel @ sway[0])
+
+
+def posture(
+    robot: PlanarBiped, wanted: Stand, guess: Float[np.ndarray, " n"] | None = None
+) -> Float[np.ndarray, " n"] | None:
+    """Return the coordinates of a posture with the front leg in stance; None if there is none.
+
+    Args:
+        robot: the biped.
+        wanted: the posture.
+        guess: coordinates to start from; bent knees if None.
+    """
+    q = _bent(robot) if guess is None else np.array(guess)
+    for _ in range(_NEWTON_STEPS):
+        missed = _missed(robot, wanted, q)
+        if np.max(np.abs(missed)) < _ACCURACY:
+            fits = np.all((q[1:] >= robot.joint_lower) & (q[1:] <= robot.joint_upper))
+            return q if fits else None
+        nearby = [_missed(robot, wanted, q + row) for row in _DIFFERENCE * np.eye(len(q))]
+        slope = (np.array(nearby) - missed).T / _DIFFERENCE
+        # Legs of more links than two have further freedom: they stay near the guess.
+        move = np.linalg.lstsq(slope, missed, rcond=None)[0]
+        q = q - move * min(1.0, _LONGEST_MOVE / float(np.max(np.abs(move))))
+    return None
+
+
+def _missed(
+    robot: PlanarBiped, wanted: Stand, q: Float[np.ndarray, " n"]
+) -> Float[np.ndarray, " n"]:
+    """Return how far coordinates are from a posture: a number for each coordinate."""
+    theta = robot.link_angles @ q
+    length = robot.leg_length
+    foot, hip = _point(robot.foot, theta), _point(robot.hip, theta)
+    spacing = wanted.spacing * length
+    parts = [
+        foot[0] + spacing,
+        foot[1],
+        hip[1] - wanted.height * length,
+        centre_of_mass(robot, q)[0] - wanted.ahead * spacing,
+    ]
+    if robot.torso is not None:
+        parts.append(theta[robot.torso] - wanted.lean)
+    if robot.feet is not None:
+        parts.append(theta[-1])
+    return np.array(parts, dtype=np.float64)
+
+
+def centre_of_mass(robot: PlanarBiped, q: Float[np.ndarray, " n"]) -> Float[np.ndarray, "2"]:
+    """Return the centre of mass from the stance foot, as `robots.dynamics` has it (m)."""
+    theta = robot.link_angles @ q
+    if robot.mass_moment_phase is not None:
+        theta = theta + robot.mass_moment_phase
+    return _point(np.asarray(robot.mass_moment), theta) / float(robot.mass)
+
+
+def _point(
+    coefficients: Float[np.ndarray, " n"], theta: Float[np.ndarray, " n"]
+) -> Float[np.ndarray, "2"]:
+    return np.array([-(coefficients @ np.sin(theta)), coefficients @ np.cos(theta)])
+
+
+def _bent(robot: PlanarBiped) -> Float[np.ndarray, " n"]:
+    """Return coordinates of a robot with bent knees, the middle of each joint's range at most."""
+    middle = 0.5 * (robot.joint_lower + robot.joint_upper)
+    return np.concatenate([[0.0], np.clip(middle, -_GUESS_KNEE, _GUESS_KNEE)])

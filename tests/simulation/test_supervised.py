@@ -1,0 +1,210 @@
+"""The supervisor in C on a robot in MuJoCo: it stands, walks, stops and damps."""
+
+import numpy as np
+import pytest
+
+from neuralgaits.analysis.run import open_run
+from neuralgaits.control.safeguard import Fault
+from neuralgaits.export import build
+from neuralgaits.export.standing import Stand, posture
+from neuralgaits.simulation.setup.disturbance import PlantChanges
+from neuralgaits.simulation.setup.sensing import sensed
+from neuralgaits.simulation.supervised.supervised_robot import (
+    Mode,
+    Reason,
+    Request,
+    SupervisedRobot,
+    Waiting,
+)
+from neuralgaits.workflows import demo
+from neuralgaits.workflows.export import design_of
+
+
+@pytest.fixture(scope="module")
+def design():
+    return design_of(open_run(demo.FOLDER))
+
+
+@pytest.fixture(scope="module", params=build.PRECISIONS)
+def robot(request, design):
+    return SupervisedRobot(design, precision=request.param)
+
+
+@pytest.fixture(scope="module")
+def double(design):
+    return SupervisedRobot(design)
+
+
+def until(robot, request, done, most=8000):
+    """Ticks under a request up to one that is the last, which must come."""
+    ticks = []
+    for _ in range(most):
+        ticks.append(robot.tick(request))
+        if done(ticks):
+            return ticks
+    raise AssertionError(f"not within {most} ticks: {ticks[-1]}")
+
+
+def steps(count):
+    return lambda ticks: sum(tick.touchdown for tick in ticks) == count
+
+
+def changed(ticks):
+    return ticks[-1].reason != Reason.NO_CHANGE
+
+
+def settled(ticks):
+    return ticks[-1].reason == Reason.SETTLED
+
+
+def changes(ticks):
+    return [(tick.mode, tick.reason) for tick in ticks if tick.reason]
+
+
+def test_it_stands_walks_stops_and_walks_again(robot):
+    robot.start()
+    first = until(robot, Request.WALK, steps(6))
+    assert changes(first) == [
+        (Mode.STAND, Reason.AS_REQUESTED),
+        (Mode.WALK, Reason.AS_REQUESTED),
+    ]
+    assert {tick.waiting for tick in first} == {Waiting.NOTHING, Waiting.FOR_STANDING}
+    stopped = until(robot, Request.STAND, settled)
+    assert changes(stopped) == [
+        (Mode.STOP, Reason.AS_REQUESTED),
+        (Mode.STAND, Reason.SETTLED),
+    ]
+    until(robot, Request.STAND, lambda ticks: len(ticks) == 1000)
+    at = robot.data.qpos.copy()
+    still = until(robot, Request.STAND, lambda ticks: len(ticks) == 1000)[-1]
+    assert still.mode == Mode.STAND and np.max(np.abs(robot.data.qpos - at)) < 0.02
+    assert np.all(robot.data.sensordata[-2:] > 20.0)
+    again = until(robot, Request.WALK, steps(6))
+    assert changes(again) == [(Mode.WALK, Reason.AS_REQUESTED)]
+    assert not any(tick.fault for tick in (*first, *stopped, *again))
+
+
+def test_drives_and_torques_agree_at_the_reading(robot):
+    """In every mode: what drives make of their targets is the torque of the tick."""
+    robot.start()
+    seen = set()
+    joints = robot.plant.state_map.joints
+    for number in range(3500):
+        q, dq = robot.data.qpos[joints], robot.data.qvel[joints]
+        request = Request.WALK if number < 2200 else Request.STAND
+        tick = robot.tick(request if number > 20 else Request.DAMP)
+        q_des, dq_des, kp, kd, ahead = np.moveaxis(tick.targets, -1, 0)
+        torque = ahead + kp * (q_des - q) + kd * (dq_des - dq)
+        seen.add(tick.mode)
+        if tick.mode != Mode.DAMP:
+            # Single precision rounds kp times an angle.
+            np.testing.assert_allclose(torque, tick.torques, atol=2e-3)
+        assert np.all(np.abs(tick.torques) <= 41.0 * (1.0 + 1e-6))
+    assert seen == set(Mode)
+
+
+@pytest.mark.parametrize("stop", range(1200, 2400, 240))
+def test_it_stops_at_any_tick(double, stop):
+    double.start()
+    for _ in range(stop):
+        walking = double.tick(Request.WALK)
+    assert walking.mode == Mode.WALK
+    ticks = until(double, Request.STAND, lambda ticks: ticks[-1].mode in (Mode.STAND, Mode.DAMP))
+    assert ticks[-1].mode == Mode.STAND and ticks[-1].fault == Fault.NONE
+
+
+@pytest.mark.parametrize(
+    "stand",
+    [Stand(0.12, 0.94, -0.4, 0.0), Stand(0.44, 0.87, -0.75, -0.2)],
+    ids=["feet together", "far apart, leaning back"],
+)
+@pytest.mark.parametrize("front", [0, 1])
+def test_it_walks_from_other_postures(double, stand, front):
+    q = posture(double.plant.robot, stand)
+    assert q is not None
+    double.start(q, front=front)
+    ticks = until(double, Request.WALK, steps(3))
+    # The foot in front stands first.
+    first = next(tick for tick in ticks if tick.mode == Mode.WALK)
+    assert first.leg == front
+
+
+def test_a_robot_in_mid_step_walks_on(double, design):
+    run = open_run(demo.FOLDER)
+    z = run.gait.z(np.array([0.5, 0.5]))
+    q, dq = np.split(np.asarray(run.zero_dynamics.phi_inv(z)), 2)
+    double.start()
+    place = (0.0, float(double.plant.robot.foot_radius))
+    double.data.qpos[:], double.data.qvel[:] = double.plant.state_map.to_mjcf(q, dq, 1, place)
+    first = double.tick(Request.WALK)
+    assert (first.mode, first.reason, first.leg) == (Mode.WALK, Reason.FROM_MID_STEP, 1)
+    until(double, Request.WALK, steps(3))
+
+
+def test_a_fault_damps_every_joint_once_and_for_all(robot):
+    robot.start()
+    until(robot, Request.WALK, steps(2))
+    robot.data.qpos[robot.plant.state_map.joints[0, 0]] = 5.0
+    fault = robot.tick(Request.WALK)
+    assert (fault.mode, fault.reason, fault.fault) == (Mode.DAMP, Reason.BY_FAULT, Fault.ANGLE)
+    assert fault.fault_is_new
+    np.testing.assert_array_equal(fault.targets[..., [0, 1, 2, 4]], 0.0)
+    assert np.all(fault.targets[..., 3] > 10.0)
+    for request in (Request.DAMP, Request.STAND, Request.WALK):
+        rates = robot.data.qvel[robot.plant.state_map.joints]
+        later = robot.tick(request)
+        assert (later.mode, later.fault, later.fault_is_new) == (Mode.DAMP, Fault.ANGLE, False)
+        moving = (np.abs(rates) > 1.0) & (np.abs(later.torques) > 1.0)
+        assert np.all(later.torques[moving] * rates[moving] < 0.0)
+    robot.start()
+    assert robot.tick(Request.STAND).mode == Mode.STAND
+
+
+def test_in_the_air_it_stands_and_waits_to_walk(double):
+    double.start()
+    height = double.plant.state_map.root[1]
+    for _ in range(1500):
+        double.data.qpos[height], double.data.qvel[height] = 1.5, 0.0
+        tick = double.tick(Request.WALK)
+    assert (tick.mode, tick.waiting) == (Mode.STAND, Waiting.FOR_TWO_FEET)
+
+
+def test_a_robot_that_tips_over_damps_and_waits_for_the_operator(double):
+    double.start()
+    until(double, Request.STAND, lambda ticks: len(ticks) == 700)
+    double.data.qvel[double.plant.state_map.root[0]] -= 1.0
+    ticks = until(double, Request.STAND, changed)
+    assert (ticks[-1].mode, ticks[-1].reason) == (Mode.DAMP, Reason.TIPPED_OVER)
+    assert double.tick(Request.WALK).waiting == Waiting.FOR_DAMP
+    double.tick(Request.DAMP)
+    # Now it tries again, as far over as it is.
+    tick = double.tick(Request.STAND)
+    assert (tick.waiting, tick.reason) == (Waiting.NOTHING, Reason.TIPPED_OVER)
+
+
+def test_a_walk_that_does_not_begin_goes_back_to_standing(double):
+    """Held by its hip, it cannot lean forward."""
+    double.start()
+    until(double, Request.WALK, lambda ticks: ticks[-1].mode == Mode.WALK)
+    forward = double.plant.state_map.root[0]
+    at = double.data.qpos[forward]
+    for _ in range(6000):
+        double.data.qpos[forward], double.data.qvel[forward] = at, 0.0
+        tick = double.tick(Request.WALK)
+        if tick.reason:
+            break
+    assert (tick.mode, tick.reason) == (Mode.STAND, Reason.TOO_LATE)
+
+
+def test_encoders_are_enough(design):
+    robot = SupervisedRobot(design, sensed(PlantChanges(), "encoders"))
+    robot.start()
+    until(robot, Request.WALK, steps(4))
+    until(robot, Request.STAND, settled)
+
+
+def test_torques_alone_are_enough(design):
+    robot = SupervisedRobot(design, drives=False)
+    robot.start()
+    until(robot, Request.WALK, steps(4))
+    until(robot, Request.STAND, settled)
