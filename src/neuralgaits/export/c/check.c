@@ -38,8 +38,10 @@ static const double *take(const double *from, ng_real *to, int count)
 
 static void read_case(const double *in, ng_case *one)
 {
+    const ng_state fresh = {0}; /* what no case sets */
     ng_state *state = &one->state;
     ng_encoders *encoders = &one->encoders;
+    *state = fresh;
     one->config = ng_config_of(&ng_laws[(int)in[0]]);
     one->config.blend_s = (ng_real)in[1];
     one->config.torque_rate = (ng_real)in[2];
