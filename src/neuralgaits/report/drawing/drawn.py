@@ -21,6 +21,10 @@ class Drawn:
     path_png: Path
     path_svg: Path
 
+    def __repr__(self) -> str:
+        """Return the title and one of the files, in a line."""
+        return f"<Figure {self.title!r}: {self.path_png}>"
+
     def _repr_png_(self) -> bytes:
         """Return the PNG file, for a notebook. Raises: OSError if the file is missing."""
         return self.path_png.read_bytes()
@@ -40,3 +44,7 @@ class Missing:
     title: str
     reason: str
     command: str
+
+    def __repr__(self) -> str:
+        """Return the title, what is missing and what makes it, in a line."""
+        return f"<No figure {self.title!r}: {self.reason}; `{self.command}`>"
