@@ -49,7 +49,7 @@ def test_the_first_fall_is_walked_again_to_its_end(shipped):
 
 def test_a_process_of_its_own_and_another_simulator_are_not_repeated(shipped):
     linked = {"controller": "c", "link": {"law": "pd", "mode": "lock-step"}}
-    for other in (linked, {"simulator": "drake"}):
+    for other in (linked, {"simulator": "drake"}, {"joints": "latest"}):
         assert "not repeating" in _simulated(shipped, **other).origin
     for drawn in ({"push": 4.0}, {"disturb": vars(PlantChanges(encoder_noise=0.001))}):
         assert "repeats the last simulation" in _simulated(shipped, **drawn).origin

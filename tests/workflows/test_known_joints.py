@@ -84,6 +84,7 @@ def test_the_record_and_the_repeated_command_name_them(run, known):
     summary = known[0].summary
     assert summary.joints == "latest"
     assert summary.joints_sha256 == sha256((run.path / JOINTS).read_bytes())
+    assert summary.walked_by == "under pd with identified joints in MuJoCo"
     recorded = Simulated.read(run.path / SUMMARY)
     line = simulating(run.folder, recorded, run.path)
     assert line is not None

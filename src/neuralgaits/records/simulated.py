@@ -272,7 +272,8 @@ class Simulated(WalkFigures, WalkSettings):
     @property
     def walked_by(self) -> str:
         """Control law and simulator in words."""
-        return f"under {self.controller} in {self.stepped_by}"
+        known = "" if self.joints is None else " with identified joints"
+        return f"under {self.controller}{known} in {self.stepped_by}"
 
     @property
     def met(self) -> str:

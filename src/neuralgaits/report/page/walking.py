@@ -8,6 +8,7 @@ from neuralgaits.records.simulated import Simulated
 from neuralgaits.report.page import markup as html
 from neuralgaits.report.page import phrases
 from neuralgaits.report.page.markup import Html, Section
+from neuralgaits.report.page.monitored import monitored
 from neuralgaits.report.page.saved import Contents, Saved
 from neuralgaits.runs import plain
 from neuralgaits.runs.shell_words import command
@@ -176,6 +177,7 @@ def simulations(saved: Saved) -> Html:
         ),
         _walks(done),
         html.facts("Means and extremes over these walks", rows),
+        monitored(saved, done),
     )
 
 

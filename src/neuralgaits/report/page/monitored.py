@@ -1,0 +1,79 @@
+"""Part of the page about the monitor: how much of the saved walks was in the proved sets."""
+
+import math
+
+from neuralgaits.records.certified import PROOF
+from neuralgaits.records.monitored import LevelWatched, MonitorFigures, margin_in_words
+from neuralgaits.records.simulated import Simulated
+from neuralgaits.report.page import markup as html
+from neuralgaits.report.page.markup import Html
+from neuralgaits.report.page.saved import Saved
+from neuralgaits.runs.shell_words import command
+
+_LEAST = 2
+"""Lowest level that is about a set of states."""
+
+
+def monitored(saved: Saved, done: Simulated) -> Html:
+    """Return how much of a simulation was in the sets of the run's proof.
+
+    Without a proof of such a set there is nothing to say; without figures of this proof there is
+    the command that makes them.
+    """
+    if saved.confirmed_level < _LEAST:
+        return Html("")
+    seen = done.monitor
+    if seen is None or seen.proof_sha256 != saved.hashes.get(PROOF):
+        was = "not compared" if seen is None else "compared with those of another proof, not"
+        return html.missing(
+            f"Optional, not made yet: this simulation was {was} with the sets that are proved.",
+            line=command("simulate", saved.name, "--monitor"),
+        )
+    return html.tag("div", _sets(seen), html.paragraph(_said(seen)))
+
+
+def _sets(seen: MonitorFigures) -> Html:
+    """Return a table with a row for each set."""
+    rows = [
+        (
+            f"level{'s' * (',' in levels)} {levels.replace(', ', ' and ')}",
+            f"{share(one.inside)} %",
+            f"{html.number(one.margin)}, {margin_in_words(one.name)}",
+            _outside(one),
+        )
+        for levels, one in seen.by_set
+    ]
+    head = ("proved set of", "inside", "smallest margin", "last tick outside")
+    return html.table(f"States at all {seen.ticks} control ticks", head, rows)
+
+
+def share(value: float) -> str:
+    """Return a share in per cent, rounded down: all of it is 100 only."""
+    return f"{math.floor(1000.0 * value) / 10.0:.1f}"
+
+
+def _outside(one: LevelWatched) -> str:
+    tick = one.last_outside
+    if tick is None:
+        return "none"
+    name = margin_in_words(tick.name)
+    return f"walk {tick.walk}, {tick.time_s:.3f} s: {html.number(tick.margin)}, {name}"
+
+
+def _said(seen: MonitorFigures) -> str:
+    """Say what the table is not."""
+    told = (
+        ""
+        if seen.admissible == 1.0
+        else (f" At {share(seen.admissible)} % of the ticks the commands were those of the proof.")
+    )
+    late = (
+        ""
+        if seen.in_time is None
+        else (f" {share(seen.in_time)} % of the ticks came within the hold that level 5 allows.")
+    )
+    return (
+        "A margin is negative outside. The sets are those of the model under the proof's own "
+        "controller: inside, a simulation may still fall, and outside, nothing is proved."
+        f"{told}{late}"
+    )
