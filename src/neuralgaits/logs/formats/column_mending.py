@@ -13,7 +13,6 @@ from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
-from scipy.optimize import minimize_scalar
 
 from neuralgaits.errors import InputError
 from neuralgaits.gait import AbstractPolicy
@@ -76,6 +75,8 @@ class ColumnMending:
 
     def _moved(self, columns: ColumnFile, source: ColumnSource) -> _Change:
         """Return the best change of a zero."""
+        from scipy.optimize import minimize_scalar  # Slow to import, and seldom needed.
+
         unit = 1.0 if source.factor is None else source.factor
 
         def with_zero(shift: float) -> ColumnFile:
