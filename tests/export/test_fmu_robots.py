@@ -4,12 +4,14 @@
 # MuJoCo ships no type stubs.
 
 import io
+import re
 import zipfile
 from functools import partial
 
 import mujoco
 import numpy as np
 import pytest
+from fmpy import read_model_description
 from fmpy.validation import validate_fmu
 
 from neuralgaits.export import build, output_folder
@@ -19,11 +21,12 @@ from neuralgaits.export.fmu.fmu_variables import identifier, variables_of
 from neuralgaits.export.reference import Reference
 from neuralgaits.export.source import gait_files
 from neuralgaits.records.exported import UncheckedExport
+from neuralgaits.robots import load_robot
 from neuralgaits.workflows import demo
 from neuralgaits.workflows import export as workflow
 from neuralgaits.workflows.export import export_controller
 from support.designs import FOOTHOLDS, LAWS, SPEED, commanded_design, design_for
-from support.fmu_host import FmuPlant, UnpackedFmu, made_fmu
+from support.fmu_host import VERSIONS, FmuPlant, UnpackedFmu, made_fmu
 from support.random_biped import random_biped
 
 PD = {"pd": LAWS["pd"]}
@@ -77,6 +80,29 @@ def test_joints_have_the_order_of_the_robot_file(awkward):
     names = [one.name for one in variables_of(design) if one.name.startswith("angle.")]
     places = [order.index(name.removeprefix("angle.").strip("'")) for name in names]
     assert places == sorted(places)
+
+
+@pytest.mark.parametrize("version", VERSIONS)
+def test_names_of_robot_files_become_no_markup(version, tmp_path):
+    """And none is lost: where a name of a variable cannot have it, its description does."""
+    text = load_robot("amber3m").layout.xml
+    names = {"knee_left": "knee &lt;b&gt; &amp;amp; ]]&gt;", "hip_left": "Hüfte 'links' &quot;/*"}
+    for name, other in names.items():
+        text = text.replace(f'"{name}"', f'"{other}"')
+    file = tmp_path / "robot %s.xml"
+    file.write_text(text)
+    design = design_for(str(file), PD)
+    files = output_folder.shipped() | gait_files(design)
+    name, content = fmu_file(design, version, files, [])
+    (tmp_path / name).write_bytes(content)
+    assert validate_fmu(str(tmp_path / name)) == []
+    described = read_model_description(str(tmp_path / name)).modelVariables
+    angles = {one.name: one.description for one in described if one.name.startswith("angle.")}
+    assert [key for key, about in angles.items() if "knee <b> &amp; ]]>" in about] == [
+        "angle.'knee <b> &amp; ]]>'"
+    ]
+    (hip,) = (key for key, about in angles.items() if "Hüfte 'links' \"/*" in about)
+    assert re.fullmatch(r"angle\.joint\d", hip)
 
 
 @pytest.mark.slow

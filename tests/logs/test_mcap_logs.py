@@ -10,11 +10,12 @@ import pytest
 from neuralgaits import logs
 from neuralgaits.errors import InputError
 from neuralgaits.logs.formats import mcap_reader
+from neuralgaits.logs.formats.column_file import read_columns
 from neuralgaits.logs.formats.mcap_reader import opened
 from neuralgaits.logs.formats.mcap_walk import SCHEMA, TOPIC
 from neuralgaits.logs.formats.message_fields import Stamp, fields_of
 from neuralgaits.workflows.simulate import simulate
-from support import mcap_files, own_columns
+from support import mcap_files, own_columns, pages
 from support.mcap_files import COLUMNS, robot_messages, write_json, write_ros2
 from support.shipped_run import SHIPPED
 
@@ -113,6 +114,15 @@ def test_a_robot_s_own_topics_are_read_as_its_columns(write, named, own, amber, 
     gaps = np.abs(found.log.dq - expected.log.dq)
     assert np.quantile(gaps, 0.95) < 1e-9 and np.max(gaps) < 0.1
     np.testing.assert_array_equal(found.log.stance, expected.log.stance)
+
+
+def test_the_page_s_file_of_columns_is_one(amber, tmp_path):
+    page = pages.ROOT / "docs" / "mcap.md"
+    (block,) = pages.blocks(page, "toml")
+    (tmp_path / "columns.toml").write_text(block.text)
+    columns = read_columns(tmp_path / "columns.toml", amber).columns
+    (tmp_path / "short.toml").write_text(COLUMNS)
+    assert columns == read_columns(tmp_path / "short.toml", amber).columns
 
 
 def test_joints_are_found_by_name_in_any_order(named, own, amber, zd, tmp_path):

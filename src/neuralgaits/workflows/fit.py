@@ -69,7 +69,7 @@ def fit(settings: FitSettings) -> Fit:
     refuse_unwritable(trained.path / LEARNED_RESIDUAL, trained.path / FIT_SUMMARY, own=True)
     refuse_logs_of_another(trained, logs)
     policy = trained.gait.policy
-    read, left_out = walks.read_all(logs, trained.robot, columns=columns, policy=policy)
+    read, left_out = walks.read_all(logs, trained.robot, columns=columns, policy=policy, mend=True)
     cut = walks.cut(read, trained.robot)
     long, short = _long_enough(cut.strides)
     zd = ZeroDynamics(trained.robot, policy)

@@ -18,15 +18,12 @@ from neuralgaits.export.fmu.fmu_sources import (
 from neuralgaits.export.fmu.fmu_variables import variables_of
 from neuralgaits.export.fmu.model_description import build_description, model_description
 
-_SHARED = ("-O2", "-fPIC", "-shared", "-fvisibility=hidden")
-"""Flags of the binary: of its functions only those of the standard are seen."""
 _SYSTEMS = {
     "linux": ("linux", "linux", ".so"),
     "darwin": ("darwin", "darwin", ".dylib"),
     "win32": ("windows", "win", ".dll"),
 }
 """Names of systems in FMI 3.0 and 2.0, and the suffix of their libraries."""
-_MACHINES = {"amd64": "x86_64", "arm64": "aarch64"}
 _EPOCH = (1980, 1, 1, 0, 0, 0)
 """Date of every entry, so that the same gait gives the same file."""
 
@@ -64,9 +61,9 @@ def fmu_file(
 def binary_place(version: str) -> tuple[str, str]:
     """Return the folder of this machine's binaries, and their suffix."""
     three, two, suffix = _SYSTEMS.get(sys.platform, _SYSTEMS["linux"])
-    machine = platform.machine().lower()
+    machine = platform.machine().lower().replace("amd64", "x86_64").replace("arm64", "aarch64")
     bits = "64" if sys.maxsize > 2**32 else "32"
-    folder = f"{_MACHINES.get(machine, machine)}-{three}" if version == "3.0" else f"{two}{bits}"
+    folder = f"{machine}-{three}" if version == "3.0" else f"{two}{bits}"
     return folder, suffix
 
 
@@ -87,7 +84,9 @@ def _compiled(
     compiler: str, name: str, sources: Mapping[str, str], compiled: Sequence[str]
 ) -> bytes:
     """Return the binary. Raises: MismatchError if it does not compile without a warning."""
+    # Of its functions only those of the standard are seen.
+    flags = (*build.PLAIN, "-fPIC", "-shared", "-fvisibility=hidden")
     stripped = ("-s",) if sys.platform == "linux" else ()
     with output_folder.scratch({**sources, **headers()}) as folder:
-        made: Path = build.build(compiler, folder, name, tuple(compiled), (*_SHARED, *stripped))
+        made: Path = build.build(compiler, folder, name, tuple(compiled), (*flags, *stripped))
         return made.read_bytes()

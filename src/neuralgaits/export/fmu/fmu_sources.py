@@ -12,7 +12,6 @@ from neuralgaits.export.fmu.fmu_variables import FmuVariable, JointList, Variabl
 from neuralgaits.export.source import quoted
 from neuralgaits.programs.c99.constant_arrays import wrapped
 
-_COMMON = ("fmu.c", "fmu.h")
 _ADAPTERS = {"3.0": ("fmi3.c", "fmi3_unused.c"), "2.0": ("fmi2.c", "fmi2_unused.c")}
 _NAMES = {
     VariableType.REAL: ("real", "double"),
@@ -59,7 +58,7 @@ def source_files(
     folder = resources.files("neuralgaits.export.fmu") / "c"
     own = {
         name: (folder / name).read_text(encoding="utf-8")
-        for name in (*_COMMON, *_ADAPTERS[version])
+        for name in ("fmu.c", "fmu.h", *_ADAPTERS[version])
     }
     wanted = {name for name in compiled_files(design, version) if name in controller}
     wanted |= {name for name in controller if name.endswith(".h")} - {"amber_log.h"}

@@ -16,7 +16,6 @@ from neuralgaits.control.safeguard import Fault
 from neuralgaits.export.facts import Design
 from neuralgaits.gait.commands import CommandLimits
 
-_IDENTIFIER = re.compile(r"[A-Za-z_][A-Za-z_0-9]*")
 _QUOTABLE = re.compile(r"[A-Za-z0-9_ !#$%&()*+,\-./:;<>=?@\[\]^{}|~]+")
 """Characters of a name that the standard accepts between single quotes."""
 DEFAULT_GAINS = (100.0, 3.0)
@@ -73,7 +72,7 @@ class FmuVariable:
 
 def identifier(name: str, otherwise: str) -> str:
     """Return a name as a part of a structured one: as it is, in quotes, or `otherwise`."""
-    if _IDENTIFIER.fullmatch(name):
+    if name.isascii() and name.isidentifier():
         return name
     return f"'{name}'" if _QUOTABLE.fullmatch(name) else otherwise
 

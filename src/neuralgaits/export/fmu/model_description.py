@@ -85,8 +85,7 @@ def model_description(
         _annotation(ET.SubElement(root, "VendorAnnotations"), "Tool", "name", design)
         _variables2(root, variables)
         _structure2(root, variables)
-    ET.indent(root)
-    return _DECLARATION + ET.tostring(root, encoding="unicode") + "\n"
+    return _document(root)
 
 
 def build_description(model: str, sources: Sequence[str]) -> str:
@@ -96,11 +95,13 @@ def build_description(model: str, sources: Sequence[str]) -> str:
     files = ET.SubElement(configuration, "SourceFileSet", {"language": "C99"})
     for name in sources:
         ET.SubElement(files, "SourceFile", {"name": name})
+    return _document(root)
+
+
+def _document(root: ET.Element) -> str:
     ET.indent(root)
-    return _DECLARATION + ET.tostring(root, encoding="unicode") + "\n"
-
-
-_DECLARATION = '<?xml version="1.0" encoding="UTF-8"?>\n'
+    text = ET.tostring(root, encoding="unicode")
+    return f'<?xml version="1.0" encoding="UTF-8"?>\n{text}\n'
 
 
 def _shown(text: str) -> str:

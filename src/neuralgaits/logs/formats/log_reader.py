@@ -7,12 +7,14 @@ from typing import NamedTuple
 
 import numpy as np
 
+from neuralgaits._types import Bool
 from neuralgaits.errors import InputError
 from neuralgaits.gait import AbstractPolicy
 from neuralgaits.logs.formats import amber3m as amber3m_format
 from neuralgaits.logs.formats import mapped as mapped_format
 from neuralgaits.logs.formats import si as si_format
 from neuralgaits.logs.formats.column_file import PAGE, ColumnFile, read_columns
+from neuralgaits.logs.formats.column_mending import ColumnMending
 from neuralgaits.logs.formats.mcap_reader import is_mcap
 from neuralgaits.logs.formats.mcap_table import table_of
 from neuralgaits.logs.formats.mcap_walk import walk_of
@@ -44,6 +46,7 @@ def read(
     *,
     columns: str | Path | ColumnFile | None = None,
     policy: AbstractPolicy | None = None,
+    mend: bool = False,
 ) -> CleanedLog:
     """Read a log of a robot.
 
@@ -53,31 +56,49 @@ def read(
         robot: the run's own model, whose joints and z the log must have.
         columns: file that describes the columns of a robot's own log: see `column_file`.
         policy: that walked; it gives the desired outputs that a robot's own log lacks.
+        mend: where a log with `columns` is refused, look for the one sign or zero of them with
+            which it fits, for some seconds, and name it.
 
     Raises: InputError in one line that names file, row, column and remedy.
     """
     path = Path(path)
-    if columns is not None:
-        file = columns if isinstance(columns, ColumnFile) else read_columns(columns, robot)
-        text = table_of(path, file.columns) if is_mcap(path) else text_of(path)
-        log, labels = mapped_format.read(text, robot, file, policy)
-        try:
-            good = check(log, robot, labels)
-        except InputError as error:
-            raise InputError(
-                f"{error} (these are numbers after unit, sign and offset of {file.path}: mend them "
-                "there)"
-            ) from None
-    else:
+    if columns is None:
         text = walk_of(path) if is_mcap(path) else text_of(path)
         log, labels = _of_known_format(text, robot)
+        return _cleaned(log, labels, check(log, robot, labels))
+    file = columns if isinstance(columns, ColumnFile) else read_columns(columns, robot)
+    text = table_of(path, file.columns) if is_mcap(path) else text_of(path)
+    try:
+        return _of_own_columns(text, robot, file, policy)
+    except InputError as error:
+        words = ColumnMending(text, robot, policy).words(file) if mend else None
+        if words is None:
+            raise
+        raise InputError(f"{error}; {words}, all else as it is") from None
+
+
+def _of_own_columns(
+    text: Text, robot: PlanarBiped, file: ColumnFile, policy: AbstractPolicy | None
+) -> CleanedLog:
+    log, labels = mapped_format.read(text, robot, file, policy)
+    try:
         good = check(log, robot, labels)
+    except InputError as error:
+        raise InputError(
+            f"{error} (these are numbers after unit, sign and offset of {file.path}: mend them "
+            "there)"
+        ) from None
+    return _cleaned(log, labels, good)
+
+
+def _cleaned(log: Log, labels: Labels, good: Bool[np.ndarray, " k"]) -> CleanedLog:
+    """Leave out rows that stand out. Raises: InputError if the stance leg never changes."""
     spikes = outliers(log) & good
     if not (log.stance[1:] != log.stance[:-1]).any():
         raise InputError(
-            f"log {path}, row {log.rows[-1]}, column {labels['stance'][0]}: expected at least one "
-            f"complete stride, found leg {log.stance[0]} standing throughout: log until after a "
-            "touchdown"
+            f"log {log.source}, row {log.rows[-1]}, column {labels['stance'][0]}: expected at "
+            f"least one complete stride, found leg {log.stance[0]} standing throughout: log until "
+            "after a touchdown"
         )
     left_out = {"missing": _missing(log), "outliers": int(np.count_nonzero(~good | spikes))}
     return CleanedLog(log.only(good & ~spikes), left_out)
@@ -103,6 +124,7 @@ def read_all(
     *,
     columns: str | Path | None = None,
     policy: AbstractPolicy | None = None,
+    mend: bool = False,
 ) -> tuple[list[Log], dict[str, int]]:
     """Read several logs. Returns: the logs, and the rows left out of all of them by reason.
 
@@ -111,6 +133,7 @@ def read_all(
         robot: the run's own model.
         columns: file that describes their columns; as for `read`.
         policy: that walked; as for `read`.
+        mend: name what would mend the columns; as for `read`.
 
     Raises: InputError as `read` does, if there is no path, and for a walk that is given twice: its
         strides would be learned from and reported on at once.
@@ -118,7 +141,7 @@ def read_all(
     if not paths:
         raise InputError("logs: expected at least one CSV or MCAP file, found none: name them")
     file = None if columns is None else read_columns(columns, robot)
-    readings = [read(path, robot, columns=file, policy=policy) for path in paths]
+    readings = [read(path, robot, columns=file, policy=policy, mend=mend) for path in paths]
     for (one, _), (other, _) in combinations(readings, 2):
         if _is_same_walk(one, other):
             raise InputError(
