@@ -20,9 +20,9 @@ def test_bars_have_the_length_of_their_margins():
 
 
 def test_a_page_without_numbers_says_why():
-    margins = Margins(np.full(2, np.nan), np.zeros(2, dtype=bool))
+    margins = Margins(np.full(2, np.nan), np.zeros(2, dtype=bool), "they are still being computed")
     page = bars.render(["one", "two"], margins)
-    assert "gets another command than the gait on the board" in page
+    assert "No margins at present: they are still being computed." in page
     assert "–" not in page and "height:9px" not in page
 
 

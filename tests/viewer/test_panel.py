@@ -35,7 +35,9 @@ def typed(slider, value):
 
 
 def frame(made, laps=()):
-    shown: Any = SimpleNamespace(steps=0, speed=0.0, time=0.0, fall=None, laps=laps, memberships=())
+    shown: Any = SimpleNamespace(
+        steps=0, speed=0.0, time=0.0, walked=0.0, fall=None, laps=laps, memberships=()
+    )
     made.show(Picture(shown, None, False, 1.0, None, None))
 
 
@@ -131,7 +133,7 @@ def test_sliders_and_keys_tell_the_robot_and_lay_stones():
 def test_the_end_of_a_walk_says_what_to_do_next(built, upright, left, words):
     made, _ = built
     shown: Any = SimpleNamespace(
-        fall="too slow", upright=upright, steps=4, speed=0.0, time=0.0, memberships=()
+        fall="too slow", upright=upright, steps=4, speed=0.0, time=0.0, walked=0.0, memberships=()
     )
     picture: Any = SimpleNamespace(shown=shown, reset_in=left, paused=False, pace=1.0)
     assert words in made.status(picture)

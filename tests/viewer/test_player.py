@@ -27,9 +27,8 @@ class Clockwork:
 
     def shown(self):
         nothing = np.zeros(2)
-        return Shown(
-            self.ticks * PERIOD_S, nothing, nothing, 0.0, 0.0, nothing, 0, 0.0, nothing, self.fall
-        )
+        now = self.ticks * PERIOD_S
+        return Shown(now, now, nothing, nothing, 0.0, 0.0, nothing, 0, 0.0, nothing, self.fall)
 
     def margins(self, z):
         return Margins(np.zeros(1), np.ones(1, dtype=bool))

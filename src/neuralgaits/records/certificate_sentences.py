@@ -27,9 +27,9 @@ _PROVED_UNEVEN = (
 )
 """Entry of `PROVED` if footholds may be higher or lower than intended."""
 _RIGID = (
-    "links are rigid; the foot on the ground, a point or flat, neither slips, rolls nor tips; an "
-    "impact is sudden and without bounce; the ground is level, or as the gait is told, or no "
-    "further off than is stated; {robot}; the gait's numbers are those stored in the run"
+    "links are rigid; the foot on the ground neither slips, rolls nor tips; an impact is sudden "
+    "and without bounce; the ground is where the gait expects it, or no further off than is "
+    "stated; {robot}; the gait's numbers are those stored in the run"
 )
 _ONE_ROBOT = "masses and lengths are those of the robot file"
 _EXACT = "joints are exactly where the gait wants them"
@@ -136,7 +136,7 @@ def proved(found: CertificateRecord, told: bool) -> str:
     return (
         f"Proved, to level {level} of {HIGHEST}{robots}: {meant} Every one of the "
         f"{count} conditions was shown at every state of its region, rounding errors included, "
-        f"with at least {_least(found)} of its typical size to spare.{more}"
+        f"with at least {_least(found)} of its typical size to spare{_tightest(found)}.{more}"
     )
 
 
@@ -156,6 +156,12 @@ def not_proved(found: CertificateRecord) -> str:
 def left_open(level: int, robots: str | None = None) -> str:
     """Return a sentence with the assumptions of a proof up to this level; see `assumptions`."""
     return f"The proof assumes that {'; '.join(assumptions(level, robots))}."
+
+
+def _tightest(found: CertificateRecord) -> str:
+    """Return which condition has the smallest margin, in brackets; empty without margins."""
+    known = {name: one.margin for name, one in found.conditions.items() if one.margin is not None}
+    return f" (tightest: {min(known, key=lambda name: known[name])})" if known else ""
 
 
 def _least(found: CertificateRecord) -> str:

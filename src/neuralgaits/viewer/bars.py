@@ -18,10 +18,8 @@ def render(names: Sequence[str], margins: Margins, words: Mapping[str, str] | No
         words: what they state, by name; their names where there is nothing.
     """
     if not np.isfinite(margins.values).any():
-        return note(
-            "No margins at present: they are still being computed, the robot gets another command "
-            "than the gait on the board, or its state is far outside of the region."
-        )
+        why = margins.why_none or "they are not numbers here"
+        return note(f"No margins at present: {why}.")
     rows = [
         _row(name, float(value), bool(inside), (words or {}).get(name, ""))
         for name, value, inside in zip(names, margins.values, margins.inside, strict=True)

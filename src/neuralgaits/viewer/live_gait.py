@@ -11,6 +11,7 @@ from neuralgaits.analysis.run import Run
 from neuralgaits.control.law_by_name import law_named
 from neuralgaits.errors import InputError
 from neuralgaits.gait.zero_coordinates import momentum_of
+from neuralgaits.robots.mjcf_state import Sensors
 from neuralgaits.simulation.live import PERIOD_S, LiveWalk
 from neuralgaits.simulation.native_walk import engine_of_trained
 from neuralgaits.simulation.setup.command_schedule import CommandSchedule
@@ -20,6 +21,7 @@ from neuralgaits.simulation.setup.terrain_kinds import commands_from_terrain
 from neuralgaits.simulation.ticks.falls import Ending
 from neuralgaits.viewer.live_monitor import LiveMonitor
 from neuralgaits.viewer.slider import Slider
+from neuralgaits.viewer.step_speed import StepSpeed
 from neuralgaits.viewer.walker import Margins, Shown
 
 
@@ -72,6 +74,8 @@ class LiveGait:
         self._look: PointEvaluator | None = None
         self._monitor: LiveMonitor | None = None
         self._z = self._middle
+        self._begun = 0.0
+        self._pace = StepSpeed()
 
     def look_with(self, look: PointEvaluator) -> None:
         """Enable live evaluation of margins by this evaluator."""
@@ -128,6 +132,7 @@ class LiveGait:
     def tick(self) -> bool:
         """Advance by one control tick. Returns: False once the robot has fallen."""
         walks = self.live.tick()
+        self._pace.see(self.steps, self.live.time, float(self._sensors().base[0]))
         monitor, measured = self._monitor, self.live.measured
         if walks and monitor is not None and measured is not None:
             monitor.add(measured)
@@ -135,21 +140,21 @@ class LiveGait:
 
     def shown(self) -> Shown:
         """Return the present moment of the walk."""
-        live = self.live
-        record, verdict = live.record, live.verdict
+        live, record = self.live, self.live.record
         if record is not None:
             self._z = np.asarray(record.command.z)[0]
-        sensors = live.plant.state_map.sensors(live.data.qpos, live.data.qvel)
+        sensors, mean = self._sensors(), self._pace.mean
         ending: Ending = live.ending
         return Shown(
             time=live.time,
+            walked=live.time - self._begun,
             qpos=live.data.qpos.copy(),
             hip=sensors.base,
             slope=live.floor.slope,
             ground=live.height(float(sensors.base[0])),
             z=self._z,
-            steps=0 if verdict is None else int(verdict.steps[0]),
-            speed=float(sensors.base_velocity[0]),
+            steps=self.steps,
+            speed=float(sensors.base_velocity[0]) if mean is None else mean,
             force=live.pushing,
             fall=ending.reason,
             upright=ending.upright,
@@ -157,6 +162,16 @@ class LiveGait:
             laps=live.laps,
             memberships=() if self._monitor is None else self._monitor.memberships(),
         )
+
+    @property
+    def steps(self) -> int:
+        """Return the number of touchdowns since the last start."""
+        verdict = self.live.verdict
+        return 0 if verdict is None else int(verdict.steps[0])
+
+    def _sensors(self) -> Sensors:
+        live = self.live
+        return live.plant.state_map.sensors(live.data.qpos, live.data.qvel)
 
     def margins(self, z: Float[np.ndarray, "2"]) -> Margins:
         """Return margins of all conditions at a state, or at the nearest state where they apply.
@@ -166,10 +181,17 @@ class LiveGait:
         conditions = self.run.spec.conditions
         with np.errstate(all="ignore"):
             here = np.concatenate(self.chart.chart(np.asarray(z)[None]))
-            if self._look is None or self._elsewhere or not np.all(np.isfinite(here)):
-                # Far outside, the fences' series have no meaning.
+            why = ""
+            if self._look is None:
+                why = "they are still being computed"
+            elif self._elsewhere:
+                why = "the robot gets another command than the gait on the board"
+            elif not np.all(np.isfinite(here)):
+                # The fences' series have no meaning there.
+                why = "the robot's state is far outside of the region"
+            if why or self._look is None:
                 nothing = np.full(len(conditions), np.nan)
-                return Margins(nothing, np.zeros(len(conditions), dtype=bool))
+                return Margins(nothing, np.zeros(len(conditions), dtype=bool), why)
             asked = [_nearest(here, self.run.spec.regions[c.region]) for c in conditions]
             points = np.unique(np.array(asked), axis=0)
             states = self.chart.z(points[:, 0], points[:, 1])
@@ -232,6 +254,7 @@ class LiveGait:
         except InputError:
             return False
         self._z = z
+        self._begun, self._pace = self.live.time, StepSpeed()
         if self._monitor is not None:
             self._monitor.restart()
         return True

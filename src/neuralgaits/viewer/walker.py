@@ -13,6 +13,8 @@ class Shown(NamedTuple):
 
     time: float
     """Simulated time [s]."""
+    walked: float
+    """Simulated time since the last start [s]."""
     qpos: Float[np.ndarray, " q"]
     """Generalised coordinates of MuJoCo."""
     hip: Float[np.ndarray, "2"]
@@ -26,7 +28,7 @@ class Shown(NamedTuple):
     steps: int
     """Touchdowns since the last start."""
     speed: float
-    """Forward speed of the hip [m/s]."""
+    """Mean forward speed over the last whole step; the hip's own before there is one [m/s]."""
     force: Float[np.ndarray, "2"]
     """Push under way, along x and z [N]."""
     fall: str | None
@@ -51,6 +53,8 @@ class Margins(NamedTuple):
     inside: Bool[np.ndarray, " c"]
     """Whether the state is in each condition's region; otherwise the margin is of the nearest
     state."""
+    why_none: str = ""
+    """Reason why there are no numbers; empty if there are."""
 
 
 class Walker(Protocol):

@@ -200,6 +200,13 @@ def _sampled(saved: Saved) -> str:
     return f"All {count} conditions held at every random sample, {recorded}."
 
 
+def headline(saved: Saved) -> str:
+    """Return what the page is about: it says walking of no gait that fell or breaks a condition."""
+    done = saved.simulation
+    fails = bool(saved.failing) or saved.nan is not None or (done is not None and any(done.fell))
+    return f"{'A gait' if fails else 'A walking gait'} for {saved.robot}"
+
+
 def title(saved: Saved) -> Html:
     """Return the heading of the page, with its subject below."""
     about = [
@@ -209,7 +216,7 @@ def title(saved: Saved) -> Html:
     ]
     return join(
         [
-            tag("h1", f"A walking gait for {saved.robot}"),
+            tag("h1", headline(saved)),
             paragraph(", ".join(about), ". Run ", tag("code", saved.name), ".", class_="quiet"),
         ]
     )

@@ -1,7 +1,7 @@
 """The whole page: its parts in the order that a newcomer needs, in one self-contained file."""
 
 from neuralgaits.report.drawing.drawn import Drawn
-from neuralgaits.report.page.answer import answer, title
+from neuralgaits.report.page.answer import answer, headline, title
 from neuralgaits.report.page.closing import failures, figures, glossary, missing, reproduction
 from neuralgaits.report.page.command_family import family
 from neuralgaits.report.page.html_shell import inline_image, whole
@@ -40,7 +40,7 @@ def document(contents: Contents) -> str:
     ]
     contained = tag("nav", tag("ul", *links), aria_label="Contents")
     header = tag("header", title(contents.saved))
-    name = f"A walking gait for {contents.saved.robot}"
+    name = headline(contents.saved)
     main = tag("main", *first, contained, *parts)
     return whole(name, header, main, "the files of the run", ("hints.js", "scene.js", "player.js"))
 
