@@ -350,4 +350,7 @@ def test_the_file_holds_what_the_standards_want(files, walker):
         assert origin.robot_sha256 in described and origin.policy_sha256 in described
         assert not [name for name in names if re.search(r"fmi\d\w+\.h$", name)]
         assert ("sources/buildDescription.xml" in names) == (version == "3.0")
+        headers = {Path(name).stem for name in names if name.endswith(".h")}
+        own = {"gait", "controller", "estimator", "ng_math", "monitor", "monitor_set"}
+        assert headers == own | {"fmu", "fmu_model"}
         assert sum(name.startswith("binaries/") for name in names) == 1

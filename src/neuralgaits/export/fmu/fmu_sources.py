@@ -2,7 +2,7 @@
 
 import hashlib
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from importlib import resources
 from itertools import groupby
 
@@ -41,6 +41,17 @@ def compiled_files(design: Design, version: str) -> tuple[str, ...]:
     return (*build.CORE, *monitor, "fmu_model.c", "fmu.c", *_ADAPTERS[version])
 
 
+def _included(names: Iterable[str], files: Mapping[str, str]) -> set[str]:
+    """Return those of some files that are among `names`, or that these include."""
+    found, ahead = set[str](), [name for name in names if name in files]
+    while ahead:
+        name = ahead.pop()
+        if name not in found:
+            found.add(name)
+            ahead += [one for one in re.findall(r'#include "(.*?)"', files[name]) if one in files]
+    return found
+
+
 def source_files(
     design: Design,
     variables: Sequence[FmuVariable],
@@ -56,14 +67,10 @@ def source_files(
         controller: files of the exported controller.
     """
     folder = resources.files("neuralgaits.export.fmu") / "c"
-    own = {
-        name: (folder / name).read_text(encoding="utf-8")
-        for name in ("fmu.c", "fmu.h", *_ADAPTERS[version])
-    }
-    wanted = {name for name in compiled_files(design, version) if name in controller}
-    wanted |= {name for name in controller if name.endswith(".h")} - {"amber_log.h"}
-    files = own | {name: controller[name] for name in wanted if name != "gait_selftest.h"}
-    files["fmu_model.c"] = _tables(design, variables)
+    known = dict(controller) | {"fmu_model.c": _tables(design, variables)}
+    for name in ("fmu.c", "fmu.h", *_ADAPTERS[version]):
+        known[name] = (folder / name).read_text(encoding="utf-8")
+    files = {name: known[name] for name in _included(compiled_files(design, version), known)}
     # The token is a hash of everything else, names of variables included.
     whole = hashlib.sha256(_header(design, variables, "").encode())
     for name in sorted(files):
