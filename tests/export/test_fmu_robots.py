@@ -97,7 +97,7 @@ def test_names_of_robot_files_become_no_markup(version, tmp_path):
     (tmp_path / name).write_bytes(content)
     assert validate_fmu(str(tmp_path / name)) == []
     described = read_model_description(str(tmp_path / name)).modelVariables
-    angles = {one.name: one.description for one in described if one.name.startswith("angle.")}
+    angles = {one.name: str(one.description) for one in described if one.name[:6] == "angle."}
     assert [key for key, about in angles.items() if "knee <b> &amp; ]]>" in about] == [
         "angle.'knee <b> &amp; ]]>'"
     ]
