@@ -27,7 +27,7 @@ def problem(request):
     axes = request.param
     if library(axes) is None:
         pytest.skip("no C++ compiler")
-    program = trace(lambda u: everything(jnp.resize(u, 4)), {"u": (axes,)})
+    program = trace(lambda u: everything(jnp.resize(u, (4,))), {"u": (axes,)})
     low, high = (-1.0,) * axes, (1.0,) * axes
     return Problem("all", low, high, ("first", "second"), (1.0, 2.0), program, least=(0.1, 0.0))
 

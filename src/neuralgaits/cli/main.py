@@ -76,10 +76,9 @@ def run() -> None:
             setattr(sys, stream, open(os.devnull, "w"))
         # A name, or a sign, that the terminal's encoding does not have is no reason to stop.
         getattr(sys, stream).reconfigure(errors=PRINTABLE)
-    encoding = sys.stderr.encoding
-    sys.stderr = ProgressStream(
-        sys.stderr.detach(), encoding=encoding, errors=PRINTABLE, line_buffering=True
-    )
+    if isinstance(sys.stderr, io.TextIOWrapper):
+        encoding, buffer = sys.stderr.encoding, sys.stderr.detach()
+        sys.stderr = ProgressStream(buffer, encoding, PRINTABLE, line_buffering=True)
     # Compiled code runs in this process: if it crashes, its place is said.
     with contextlib.suppress(RuntimeError, ValueError, OSError):
         faulthandler.enable()

@@ -111,7 +111,7 @@ def _train(verb: TrainOptions) -> Outcome:
     robot = None if verb.robot is None or verb.feet else robot_from(verb.robot)
     with TrainingProgress(quiet=verb.output.json) as progress:
         if verb.robot is not None and verb.feet is not None:
-            copy = planar_copy(verb.robot, verb.feet, verb.weld)
+            copy = planar_copy(str(verb.robot), verb.feet, verb.weld)
             count = len(copy.changes)
             things = f"{count} thing{'' if count == 1 else 's'}"
             progress.say(f"changed: {things} in {verb.robot}, listed in robot.xml of the run")
