@@ -10,6 +10,7 @@ from neuralgaits.deployment.labelled_motion import LabelledMotion, joint_angles,
 from neuralgaits.deployment.leg_fit import KNOWN_ZERO, ZERO_PRIOR, LegFit, LegFitter, LegSeries
 from neuralgaits.errors import InputError, ManyProblems
 from neuralgaits.records.deployed import DeploymentFinding, JointCheck
+from neuralgaits.robots import PlanarBiped
 
 FLIP_COST = 10.0
 """How much better a log must be explained for each sign that is turned around."""
@@ -51,11 +52,7 @@ def compared(
                 for one in missing
             ]
         )
-    if not about.robot.layout.torso:
-        raise InputError(
-            f"expected a robot with a torso to be held by, found none at {about.robot.name}: check "
-            "it by hand"
-        )
+    refuse_without_torso(about.robot)
     labelled = labelled_motion(file, log)
     fits: list[tuple[tuple[str, ...], LegFit]] = []
     if log.torque is None:
@@ -67,6 +64,15 @@ def compared(
     _common_zero(labelled, fits, about)
     _ranges(labelled, about, log)
     return labelled.findings, _checks(labelled, fits), labelled.unchecked
+
+
+def refuse_without_torso(robot: PlanarBiped) -> None:
+    """Refuse a robot that no stand can hold by its torso. Raises: InputError."""
+    if not robot.layout.torso:
+        raise InputError(
+            f"expected a robot with a torso to be held by, found none at {robot.name}: check it "
+            "by hand"
+        )
 
 
 def _fitted(
