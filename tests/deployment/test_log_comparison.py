@@ -210,6 +210,14 @@ def test_a_robot_without_a_torso_is_refused(amber):
         compared(hardware, about(robot), whole)
 
 
+def test_rows_in_which_the_torso_swings_are_left_out(plain):
+    known, hardware, log = plain
+    swung = log.pitch + 0.3 * np.sin(3.0 * log.time) * (np.array(log.moved) != "pitch")
+    findings, _, unchecked = compared(hardware, known, replace(log, pitch=swung))
+    assert not findings
+    assert sum("the torso swung by" in one for one in unchecked) == len(hardware.joints)
+
+
 def test_a_log_without_a_motor_is_refused(amber):
     known, hardware, log = amber
     lacking = _changed(hardware, 0, motor=99)

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from neuralgaits._types import Float
 from neuralgaits.deployment.deployed_robot import DeployedRobot
 from neuralgaits.deployment.deployment_file import DeploymentFile
 from neuralgaits.deployment.hanging_leg import HangingLeg
@@ -26,6 +27,8 @@ TILT = 0.1
 """Smallest tilt that shows the sign of the pitch [rad]."""
 LEAST_ROWS = 30
 """Fewest rows that torques are fitted on."""
+SWING = 0.1
+"""Largest motion of a torso that is held [rad]."""
 BEYOND = 0.05
 """How far beyond its range a joint may be [rad]."""
 
@@ -85,10 +88,7 @@ def _fitted(
     imu = labelled.file.imu
     pitch = imu.pitch_sign * (log.pitch - imu.pitch_zero_rad)
     model = HangingLeg.of(about.robot)
-    by_drives = {*joints, "pitch"}
-    driven = np.zeros(len(log.time))
-    for name, _, rows in log.windows():
-        driven[rows] = float(name in by_drives)
+    driven = _driven(labelled, log)
     choices: dict[float, list[tuple[tuple[str, ...], LegFit]]] = {1.0: [], -1.0: []}
     for leg, names in enumerate(layout.leg_joints):
         assert log.torque is not None
@@ -132,6 +132,24 @@ def _fitted(
             f"sign of the pitch: tilt the stand by {3 * TILT:g} rad, in rows labelled +pitch"
         )
     return choices[1.0]
+
+
+def _driven(labelled: LabelledMotion, log: HungLog) -> Float[np.ndarray, " t"]:
+    """Return 1 for rows in which only drives and the weight act on the legs, else 0. [t].
+
+    A torso that swings pulls at the legs, which the model does not know.
+    """
+    driven = np.zeros(len(log.time))
+    joints = {one.joint for one in labelled.file.joints}
+    for name, _, rows in log.windows():
+        swing = float(np.ptp(log.pitch[rows]))
+        if name in joints and swing > SWING:
+            labelled.unchecked.append(
+                f"torques of {name}: the torso swung by {swing:.2g} rad meanwhile: hold it"
+            )
+            continue
+        driven[rows] = float(name in joints or name == "pitch")
+    return driven
 
 
 def _cost(fit: LegFit) -> float:
