@@ -64,5 +64,5 @@ endef
 	@touch $@
 
 .venv/dev.stamp: pyproject.toml constraints.txt
-	$(INSTALL) '.[dev,gym,hzd,mcap,onnx,video]'
+	$(INSTALL) '.[deploy,dev,gym,hzd,mcap,onnx,video]'
 	@touch .venv/run.stamp $@

@@ -210,7 +210,7 @@ DOCTOR = {
     "neuralgaits": "0.1",
     **dict.fromkeys(("python", "device", "x64", "opengl", "video"), READY),
     "compiler": {"ok": False, "needed": False, "found": "none", "fix": "apt-get install gcc " * 4},
-    **dict.fromkeys(("hzd", "drake", "onnx", "mcap", "gym", "ray"), READY),
+    **dict.fromkeys(("hzd", "drake", "onnx", "mcap", "deploy", "gym", "ray"), READY),
 }
 ROBOTS = {
     "robots": [{"name": "amber3m-paper", "about": "nominal model of the paper, without " * 4}],

@@ -7,7 +7,7 @@ import pytest
 from neuralgaits.analysis.run import open_run
 from neuralgaits.cli.main import main
 from neuralgaits.deployment.deployment_template import deployment_text, template
-from neuralgaits.deployment.hung_log import read_hung_log, write_hung_log
+from neuralgaits.deployment.hung_log import hung_log_text, read_hung_log
 from neuralgaits.deployment.hung_robot import HungRobotSettings, hung_log
 from neuralgaits.errors import InputError, ManyProblems
 from neuralgaits.workflows.deployed_run import deployed_robot
@@ -24,7 +24,7 @@ def work(tmp_path_factory):
     file = template(deployed_robot(run), (100.0, 3.0))
     (folder / "deploy.yaml").write_text(deployment_text(file))
     settings = HungRobotSettings(directions=True, zero=True, seconds=1.6)
-    write_hung_log(folder / "log.csv", hung_log(run.robot, file, 1, settings))
+    (folder / "log.csv").write_text(hung_log_text(hung_log(run.robot, file, 1, settings)))
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(folder)
         yield folder
@@ -68,6 +68,16 @@ def test_a_file_without_a_run_needs_one(work, capfd):
     assert capfd.readouterr().err.count("\n") == 1
 
 
+def test_a_rehearsal_writes_a_log_and_nothing_twice(work, capfd):
+    words = ["check-deploy", "deploy.yaml", "rehearsal.csv", "--rehearse"]
+    assert main(words) == 0
+    before = (work / "rehearsal.csv").read_bytes()
+    capfd.readouterr()
+    assert main(words) == 2
+    assert "--rehearse: expected no file at rehearsal.csv" in capfd.readouterr().err
+    assert (work / "rehearsal.csv").read_bytes() == before
+
+
 def _rows(count: int = 120) -> list[str]:
     head = "t[s],position_0[rad],torque_0[N m],pitch[rad],moved"
     return [head, *(f"{0.01 * i:.2f},0.1,1.0,0.0,hip_left" for i in range(count))]
@@ -85,6 +95,8 @@ def test_a_log_is_read_back(work):
 BAD = {
     "a number": (3, "0.02,x,1.0,0.0,hip_left", "row 4, column position_0[rad]: expected a finite"),
     "NaN": (3, "0.02,nan,1.0,0.0,hip_left", "row 4, column position_0[rad]: expected a finite"),
+    "far": (3, "0.02,1e99,1.0,0.0,hip_left", "row 4, column position_0[rad]: expected a finite"),
+    "long": (120, "9000,0.1,1.0,0.0,hip_left", "and at most 3600 s, found 0.01 s and 9e+03 s"),
     "width": (3, "0.02,0.1", "row 4: expected 5 columns, found 2"),
     "time": (3, "0.00,0.1,1.0,0.0,hip_left", "row 4: expected times that increase"),
     "label": (3, "0.02,0.1,1.0,0.0,hip_lefd", "moved: expected one of knee_left"),

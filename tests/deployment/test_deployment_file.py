@@ -1,6 +1,7 @@
 """Deployment files: what is written is read, and all that is wrong is named at once."""
 
 import re
+import sys
 
 import pytest
 
@@ -132,3 +133,9 @@ def test_what_is_no_file_is_refused(robot, tmp_path):
     for path, said in ((tmp_path, "a folder"), (tmp_path / "none.yaml", "found none")):
         with pytest.raises(InputError, match=re.escape(said)):
             read_deployment(path, about(robot))
+
+
+def test_without_its_package_a_line_says_which_extra(robot, write, monkeypatch):
+    monkeypatch.setitem(sys.modules, "yaml", None)
+    (problem,) = _problems(write(deployment_text(plain(robot))), robot)
+    assert problem.endswith("found none: pip install 'neuralgaits[deploy]'")

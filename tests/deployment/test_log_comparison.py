@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from neuralgaits.deployment.board_map import BoardMap, JointReadings
 from neuralgaits.deployment.deployment_file import DeploymentFile
 from neuralgaits.deployment.hanging_leg import HangingLeg
 from neuralgaits.deployment.hung_robot import HungRobotSettings, hung_log
@@ -13,7 +14,9 @@ from neuralgaits.deployment.leg_fit import LegSeries
 from neuralgaits.deployment.log_comparison import compared
 from neuralgaits.errors import InputError
 from neuralgaits.robots import load_robot
+from neuralgaits.robots.mjcf.loader import robot_from_text
 from support.deployments import about, drawn
+from support.random_biped import random_biped
 
 WHOLE = HungRobotSettings(directions=True, zero=True)
 PLAIN = HungRobotSettings()
@@ -41,6 +44,10 @@ def _changed(file: DeploymentFile, number: int, **changes) -> DeploymentFile:
     return replace(file, joints=tuple(joints))
 
 
+def _random(links: int, *, torso: bool):
+    return robot_from_text(random_biped(links, links, torso=torso), "random")
+
+
 def _swapped(file: DeploymentFile) -> DeploymentFile:
     first, second = file.joints[1].motor, file.joints[3].motor
     return _changed(_changed(file, 1, motor=second), 3, motor=first)
@@ -50,9 +57,10 @@ def _named(file, known, log) -> set[tuple[str, str]]:
     return {(one.about, one.kind) for one in compared(file, known, log)[0]}
 
 
-@pytest.mark.parametrize("name", ["amber3m", "amber3m-feet"])
+@pytest.mark.parametrize("name", ["amber3m-feet", 1, 2, 3])
 def test_the_model_gives_mujocos_torques(name):
-    robot = load_robot(name)
+    """Of a robot with feet, and of random ones with one to three links a leg."""
+    robot = load_robot(name) if isinstance(name, str) else _random(name, torso=True)
     hardware = drawn(robot, 2)
     log = hung_log(robot, hardware, 3, EXACT)
     layout, joints = robot.layout, {one.joint: one for one in hardware.joints}
@@ -184,6 +192,30 @@ def test_what_a_log_does_not_say_is_said(amber):
     assert not any(one.motor or one.sign or one.zero_error_rad for one in joints.values())
     assert "torques: the log has none" in unchecked
     assert sum("motor of" in one for one in unchecked) == len(hardware.joints)
+
+
+def test_a_robot_without_a_torso_is_refused(amber):
+    """Its shared hip has one motor and two places in the map."""
+    _, _, log = amber
+    robot = _random(2, torso=False)
+    hardware = drawn(robot, 3)
+    assert len(hardware.joints) == 3
+    board = BoardMap.of(hardware, robot.layout)
+    assert board.motor[0, -1] == board.motor[1, -1]
+    q = np.array([[0.1, 0.2], [0.3, 0.2]])
+    readings = board.board_readings(JointReadings(q, 2.0 * q, 0.1, 0.2, np.array([50.0, 0.0])))
+    np.testing.assert_allclose(board.joint_readings(readings).joints, q, atol=1e-14)
+    whole = replace(log, motors=tuple(range(9)), position=np.zeros((len(log.time), 9)))
+    with pytest.raises(InputError, match="expected a robot with a torso to be held by"):
+        compared(hardware, about(robot), whole)
+
+
+def test_rows_in_which_the_torso_swings_are_left_out(plain):
+    known, hardware, log = plain
+    swung = log.pitch + 0.3 * np.sin(3.0 * log.time) * (np.array(log.moved) != "pitch")
+    findings, _, unchecked = compared(hardware, known, replace(log, pitch=swung))
+    assert not findings
+    assert sum("the torso swung by" in one for one in unchecked) == len(hardware.joints)
 
 
 def test_a_log_without_a_motor_is_refused(amber):

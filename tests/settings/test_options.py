@@ -60,7 +60,10 @@ TOLD: tuple[tuple[str, Any], ...] = (
     ("certify", of.CertifySettings("latest", disturbance=(0.01, 0.3), parameters={}, resume=True)),
     ("certify", of.CertifySettings("r", disturbance="learned", within={"speed": (0.7, 0.72)})),
     ("check-proof", of.CheckProofSettings(Path("a b.json"), run="latest")),
-    ("check-deploy", of.CheckDeploySettings(Path("deploy.yaml"), Path("a b.csv"), run="r")),
+    (
+        "check-deploy",
+        of.CheckDeploySettings(Path("deploy.yaml"), Path("a b.csv"), run="r", rehearse=True),
+    ),
     ("fit", of.FitSettings("latest", (Path("a.csv"), Path("b c.csv")), optimizer="nero")),
     ("refine", of.RefineSettings("latest", residual=Path("r.safetensors"), steps=5)),
     ("episodes", of.EpisodesSettings("amber3m", plant="rabbit", rounds=1, controller="fblin")),

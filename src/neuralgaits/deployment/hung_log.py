@@ -14,6 +14,12 @@ from neuralgaits.logs.formats.sheet import Text, text_of
 
 ROWS = 100
 """Fewest rows of a log."""
+LARGEST, LATEST = 1e7, 1e12
+"""Largest number in a log, and largest time, which may count from any day [s]."""
+LONGEST_STEP, LONGEST = 0.05, 3600.0
+"""Longest time between two rows, by the median, and longest log [s]."""
+SHORTEST_STEP = 5e-4
+"""Shortest time between two rows, likewise [s]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,8 +63,8 @@ class HungLog:
         return found
 
 
-def write_hung_log(path: Path, log: HungLog) -> None:
-    """Write a log as the CSV file that `read_hung_log` reads."""
+def hung_log_text(log: HungLog) -> str:
+    """Return a log as the CSV text that `read_hung_log` reads."""
     head = ["t[s]"]
     columns = [log.time]
     for k, motor in enumerate(log.motors):
@@ -74,7 +80,7 @@ def write_hung_log(path: Path, log: HungLog) -> None:
         columns.append(log.contact[:, k])
     rows = (",".join(f"{value:.9g}" for value in row) for row in np.stack(columns, axis=1))
     lines = (f"{row},{label}" for row, label in zip(rows, log.moved, strict=True))
-    path.write_text("\n".join([",".join([*head, "moved"]), *lines]) + "\n", encoding="utf-8")
+    return "\n".join([",".join([*head, "moved"]), *lines]) + "\n"
 
 
 def read_hung_log(path: str | Path, names: tuple[str, ...]) -> HungLog:
@@ -152,10 +158,11 @@ def _numbers(text: Text, columns: dict[str, int], file: str) -> Float[np.ndarray
                 found[k, column] = float(cell)
             except ValueError:
                 found[k, column] = np.nan
-            if not np.isfinite(found[k, column]):
+            most = LATEST if column == columns["t[s]"] else LARGEST
+            if not abs(found[k, column]) <= most:
                 raise InputError(
-                    f"{file}, row {row}, column {text.header[column]}: expected a finite number, "
-                    f"found {shown(cell)}: delete the row"
+                    f"{file}, row {row}, column {text.header[column]}: expected a finite number of "
+                    f"at most {most:g}, found {shown(cell)}: delete the row"
                 )
     if len(found) < ROWS:
         raise InputError(f"{file}: expected {ROWS} rows or more, found {len(found)}: record longer")
@@ -164,6 +171,12 @@ def _numbers(text: Text, columns: dict[str, int], file: str) -> Float[np.ndarray
         row = text.cells[int(np.argmax(steps <= 0.0)) + 1][0]
         raise InputError(
             f"{file}, row {row}: expected times that increase, found one that does not: sort rows"
+        )
+    step, whole = float(np.median(steps)), float(np.sum(steps))
+    if not (SHORTEST_STEP <= step <= LONGEST_STEP and whole <= LONGEST):
+        raise InputError(
+            f"{file}: expected {SHORTEST_STEP:g} to {LONGEST_STEP:g} s from row to row and at most "
+            f"{LONGEST:g} s, found {step:.3g} s and {whole:.3g} s: times are in seconds"
         )
     return found
 

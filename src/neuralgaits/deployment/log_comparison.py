@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from neuralgaits._types import Float
 from neuralgaits.deployment.deployed_robot import DeployedRobot
 from neuralgaits.deployment.deployment_file import DeploymentFile
 from neuralgaits.deployment.hanging_leg import HangingLeg
@@ -10,6 +11,7 @@ from neuralgaits.deployment.labelled_motion import LabelledMotion, joint_angles,
 from neuralgaits.deployment.leg_fit import KNOWN_ZERO, ZERO_PRIOR, LegFit, LegFitter, LegSeries
 from neuralgaits.errors import InputError, ManyProblems
 from neuralgaits.records.deployed import DeploymentFinding, JointCheck
+from neuralgaits.robots import PlanarBiped
 
 FLIP_COST = 10.0
 """How much better a log must be explained for each sign that is turned around."""
@@ -25,6 +27,8 @@ TILT = 0.1
 """Smallest tilt that shows the sign of the pitch [rad]."""
 LEAST_ROWS = 30
 """Fewest rows that torques are fitted on."""
+SWING = 0.1
+"""Largest motion of a torso that is held [rad]."""
 BEYOND = 0.05
 """How far beyond its range a joint may be [rad]."""
 
@@ -51,11 +55,7 @@ def compared(
                 for one in missing
             ]
         )
-    if not about.robot.layout.torso:
-        raise InputError(
-            f"expected a robot with a torso to be held by, found none at {about.robot.name}: check "
-            "it by hand"
-        )
+    refuse_without_torso(about.robot)
     labelled = labelled_motion(file, log)
     fits: list[tuple[tuple[str, ...], LegFit]] = []
     if log.torque is None:
@@ -69,6 +69,15 @@ def compared(
     return labelled.findings, _checks(labelled, fits), labelled.unchecked
 
 
+def refuse_without_torso(robot: PlanarBiped) -> None:
+    """Refuse a robot that no stand can hold by its torso. Raises: InputError."""
+    if not robot.layout.torso:
+        raise InputError(
+            f"expected a robot with a torso to be held by, found none at {robot.name}: check it "
+            "by hand"
+        )
+
+
 def _fitted(
     labelled: LabelledMotion, about: DeployedRobot, log: HungLog
 ) -> list[tuple[tuple[str, ...], LegFit]]:
@@ -79,10 +88,7 @@ def _fitted(
     imu = labelled.file.imu
     pitch = imu.pitch_sign * (log.pitch - imu.pitch_zero_rad)
     model = HangingLeg.of(about.robot)
-    by_drives = {*joints, "pitch"}
-    driven = np.zeros(len(log.time))
-    for name, _, rows in log.windows():
-        driven[rows] = float(name in by_drives)
+    driven = _driven(labelled, log)
     choices: dict[float, list[tuple[tuple[str, ...], LegFit]]] = {1.0: [], -1.0: []}
     for leg, names in enumerate(layout.leg_joints):
         assert log.torque is not None
@@ -126,6 +132,24 @@ def _fitted(
             f"sign of the pitch: tilt the stand by {3 * TILT:g} rad, in rows labelled +pitch"
         )
     return choices[1.0]
+
+
+def _driven(labelled: LabelledMotion, log: HungLog) -> Float[np.ndarray, " t"]:
+    """Return 1 for rows in which only drives and the weight act on the legs, else 0. [t].
+
+    A torso that swings pulls at the legs, which the model does not know.
+    """
+    driven = np.zeros(len(log.time))
+    joints = {one.joint for one in labelled.file.joints}
+    for name, _, rows in log.windows():
+        swing = float(np.ptp(log.pitch[rows]))
+        if name in joints and swing > SWING:
+            labelled.unchecked.append(
+                f"torques of {name}: the torso swung by {swing:.2g} rad meanwhile: hold it"
+            )
+            continue
+        driven[rows] = float(name in joints or name == "pitch")
+    return driven
 
 
 def _cost(fit: LegFit) -> float:

@@ -12,7 +12,7 @@ from neuralgaits.export.build import CORE
 from neuralgaits.export.facts import Design
 from neuralgaits.export.source import quoted
 
-_HOSTS = ("link.c", "amber_log.c", "amber_log.h")
+_UNUSED = ("link.c", "amber_log.c", "amber_log.h", "supervisor.c", "supervisor.h")
 """Files of the controller in C that a plugin has no use for."""
 
 
@@ -28,7 +28,7 @@ def ros2_files(design: Design, controller: dict[str, str]) -> dict[str, str]:
     """
     if design.deployment is None:
         raise SpecError("expected a design with a deployment file, found none: give it one")
-    own = {name: text for name, text in controller.items() if name not in _HOSTS}
+    own = {name: text for name, text in controller.items() if name not in _UNUSED}
     folder = resources.files("neuralgaits.export") / "ros2"
     texts = {
         entry.name: entry.read_text(encoding="utf-8")

@@ -59,6 +59,7 @@ class Machine(Record):
     drake: Finding
     onnx: Finding
     mcap: Finding
+    deploy: Finding
     gym: Finding
     ray: Finding
 

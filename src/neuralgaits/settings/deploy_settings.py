@@ -7,7 +7,7 @@ from typing import Annotated
 from tyro.conf import Positional
 
 from neuralgaits.settings.options import Settings, arg
-from neuralgaits.settings.shared_options import A_PATH, AnyName
+from neuralgaits.settings.shared_options import A_PATH, AnyName, Flag
 
 
 @dataclass(frozen=True)
@@ -21,3 +21,6 @@ class CheckDeploySettings(Settings):
     _: KW_ONLY
     run: Annotated[AnyName | None, arg(metavar="RUN"), A_PATH] = None
     """Run folder, or latest, that the file is about; the one that it names if not given."""
+    rehearse: Flag = False
+    """First write LOG.csv, as a simulated robot that fits the file would record it; then change
+    the file and see what is found."""

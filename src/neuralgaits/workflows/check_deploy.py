@@ -4,10 +4,15 @@ import time
 from pathlib import Path
 
 from neuralgaits.analysis.run import open_run
+from neuralgaits.deployment.deployment_file import DeploymentFile
 from neuralgaits.deployment.deployment_reader import read_deployment, run_of_deployment
-from neuralgaits.deployment.hung_log import read_hung_log
-from neuralgaits.deployment.log_comparison import compared
+from neuralgaits.deployment.hung_log import hung_log_text, read_hung_log
+from neuralgaits.deployment.hung_robot import HungRobotSettings, hung_log
+from neuralgaits.deployment.log_comparison import compared, refuse_without_torso
+from neuralgaits.errors import InputError
 from neuralgaits.records.deployed import DeploymentCheck
+from neuralgaits.robots import PlanarBiped
+from neuralgaits.runs.atomic import refuse_unwritable, write_bytes
 from neuralgaits.settings import CheckDeploySettings, called_with
 from neuralgaits.workflows.deployed_run import deployed_robot
 
@@ -29,6 +34,8 @@ def check_deploy(settings: CheckDeploySettings) -> DeploymentCheck:
     trained = open_run(run)
     about = deployed_robot(trained)
     file = read_deployment(settings.file, about)
+    if settings.rehearse:
+        _rehearse(Path(settings.log), about.robot, file)
     joints = [one.joint for one in file.joints]
     log = read_hung_log(settings.log, (*joints, *about.feet, "pitch", "zero"))
     findings, checks, unchecked = compared(file, about, log)
@@ -43,3 +50,19 @@ def check_deploy(settings: CheckDeploySettings) -> DeploymentCheck:
         unchecked=tuple(unchecked),
         wall_s=time.perf_counter() - start_time,
     )
+
+
+def _rehearse(path: Path, robot: PlanarBiped, file: DeploymentFile) -> None:
+    """Write the log of a simulated robot that fits a file.
+
+    Raises: InputError if something is at the path already.
+    """
+    refuse_without_torso(robot)
+    if path.exists():
+        raise InputError(
+            f"--rehearse: expected no file at {path}, found one: name another, or leave --rehearse "
+            "out to read it"
+        )
+    refuse_unwritable(path)
+    log = hung_log(robot, file, 0, HungRobotSettings(directions=True, zero=True))
+    write_bytes(path, hung_log_text(log).encode())

@@ -22,6 +22,7 @@ _EXTRAS = {
     "drake": ("pydrake", "Drake", "`simulate --simulator drake`"),
     "onnx": ("onnxruntime", "ONNX Runtime", "`export --format onnx`"),
     "mcap": ("mcap", "MCAP", "logs in MCAP"),
+    "deploy": ("yaml", "PyYAML", "deployment files"),
     "gym": ("gymnasium", "Gymnasium", "`neuralgaits.gym_env`"),
     "ray": ("ray", "Ray", "`--ray`"),
 }
@@ -33,7 +34,7 @@ def doctor() -> Machine:
 
     Returns: a mapping of what `doctor --json` prints: `ok` (everything needed is available),
         `neuralgaits` (version) and python, device, x64, opengl, video, compiler, hzd, drake, onnx,
-        mcap, gym, ray: {ok, needed, found, fix} each.
+        mcap, deploy, gym, ray: {ok, needed, found, fix} each.
     """
     basic = (_python(), _device(), _double_precision(), _opengl())
     video, *others = (_extra(name, *about) for name, about in _EXTRAS.items())
