@@ -17,7 +17,8 @@ from common import show, trained
 from neuralgaits.analysis.run import Run
 from neuralgaits.export import build, output_folder
 from neuralgaits.export.reference import Reference
-from neuralgaits.workflows.export import controller_files, design_of, export_controller
+from neuralgaits.workflows.export import design_of, export_controller
+from neuralgaits.workflows.export_formats import controller_files
 from neuralgaits.workflows.simulate import simulate
 
 STEPS = int(os.environ.get("STEPS", "1000"))

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from neuralgaits.cli import screen
+from neuralgaits.cli import robot_screen, screen
 from neuralgaits.cli.usage import condense
 from neuralgaits.records.installed import BuiltIn, CatalogueEntry
 from neuralgaits.records.simulated import Simulated
@@ -136,7 +136,7 @@ def test_conditions_that_hold_are_one_line(capsys: pytest.CaptureFixture[str]) -
 
 
 def test_names_are_not_read_as_markup(capsys: pytest.CaptureFixture[str]) -> None:
-    screen.show_names(BuiltIn((CatalogueEntry("[red]robot[/red]", "x"),), ()))
+    robot_screen.show_names(BuiltIn((CatalogueEntry("[red]robot[/red]", "x"),), ()))
     assert "[red]robot[/red]" in capsys.readouterr().out
 
 

@@ -10,6 +10,7 @@ from neuralgaits.cli import (
     learning_screen,
     proof_screen,
     report_verb,
+    robot_screen,
     screen,
 )
 from neuralgaits.cli.screen_tables import ROWS, show_facts, show_sentence, show_table
@@ -269,11 +270,11 @@ SCREENS = {
     "fit": (learning_screen.show_fit, Fitted.of(FIT)),
     "export": (export_screen.show_export, ControllerExport.of(EXPORT)),
     "report": (report_verb.show_report, Reported.of(REPORT)),
-    "doctor": (screen.show_findings, Machine.of(DOCTOR)),
-    "robots": (screen.show_names, BuiltIn.of(ROBOTS)),
-    "robot-file": (screen.show_written, BuiltIn.of({**ROBOTS, "written": PATH})),
-    "inspect": (screen.show_robot, RobotFacts.of(INSPECTED)),
-    "planarise": (screen.show_planarised, RobotFacts.of(INSPECTED)),
+    "doctor": (robot_screen.show_findings, Machine.of(DOCTOR)),
+    "robots": (robot_screen.show_names, BuiltIn.of(ROBOTS)),
+    "robot-file": (robot_screen.show_written, BuiltIn.of({**ROBOTS, "written": PATH})),
+    "inspect": (robot_screen.show_robot, RobotFacts.of(INSPECTED)),
+    "planarise": (robot_screen.show_planarised, RobotFacts.of(INSPECTED)),
 }
 BRIEF = {
     "proof": (brief.brief_proof, CertificateRecord.of(PROOF)),

@@ -14,7 +14,7 @@ from neuralgaits.cli.export_screen import show_export
 from neuralgaits.errors import InputError, MismatchError, RunError, SpecError
 from neuralgaits.export import build
 from neuralgaits.runs import to_json
-from neuralgaits.workflows import demo
+from neuralgaits.workflows import demo, export_formats
 from neuralgaits.workflows import export as workflow
 from neuralgaits.workflows.export import export_controller
 from support.refuted_run import refute
@@ -141,14 +141,14 @@ def test_without_a_compiler_files_are_written_and_not_checked(trained, tmp_path,
 
 
 def test_a_mismatch_leaves_nothing(trained, tmp_path, monkeypatch):
-    real = workflow.gait_files
+    real = export_formats.gait_files
 
     def spoilt(design):
         files = real(design)
         files["gait.c"] = files["gait.c"].replace(".damping = {NG(", ".damping = {NG(1.001 * ")
         return files
 
-    monkeypatch.setattr(workflow, "gait_files", spoilt)
+    monkeypatch.setattr(export_formats, "gait_files", spoilt)
     with pytest.raises(MismatchError, match=r"disagree"):
         export_controller(trained, tmp_path / "c", states=STATES)
     assert list(tmp_path.iterdir()) == []

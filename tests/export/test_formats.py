@@ -7,7 +7,7 @@ import pytest
 from neuralgaits.errors import InputError
 from neuralgaits.records.exported import UncheckedExport
 from neuralgaits.workflows import demo
-from neuralgaits.workflows import export as workflow
+from neuralgaits.workflows import export_formats as workflow
 from neuralgaits.workflows.export import export_controller
 
 

@@ -181,7 +181,8 @@ def test_the_yaml_has_every_parameter(package):
     code = (folder / "gait_controller.cpp").read_text()
     # ROS 2 reads no empty list, so this one stands in a comment.
     assert "# base_velocity: [" in (folder / "controllers.yaml").read_text()
-    assert {*parameters, "base_velocity"} == set(re.findall(r'auto_declare<[^(]*>\(\s*"(\w+)"', code))
+    declared = re.findall(r'auto_declare<[^(]*>\(\s*"(\w+)"', code)
+    assert {*parameters, "base_velocity"} == set(declared)
     manager = given["controller_manager"]["ros__parameters"]
     assert manager["update_rate"] == 1000
     by_motor = {one.motor: one.joint for one in design.deployment.joints}

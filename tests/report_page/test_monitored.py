@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 
 from neuralgaits.records.monitored import LevelWatched, MonitorFigures, TickOutside
-from neuralgaits.report.page.monitored import monitored, share
+from neuralgaits.report.page.monitor_table import monitored, share
 
 PROOF = "a" * 64
 WALKING = LevelWatched(0.9996, -0.25, "level-lower", TickOutside(2, 24.983, "phase-end", -0.01))

@@ -1,4 +1,4 @@
-"""What a log says of a deployment file, for a person, on stdout."""
+"""Findings about a deployment file, for a person, on stdout."""
 
 from rich.text import Text
 

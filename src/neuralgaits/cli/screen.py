@@ -18,9 +18,8 @@ from neuralgaits.cli.screen_tables import (
     verdict,
 )
 from neuralgaits.errors import RunError
-from neuralgaits.records.inspected import RobotFacts
-from neuralgaits.records.installed import BuiltIn, Machine
-from neuralgaits.records.simulated import LOCKSTEP, LinkFigures, Simulated
+from neuralgaits.records.link_figures import LOCKSTEP, LinkFigures
+from neuralgaits.records.simulated import Simulated
 from neuralgaits.records.trained import Trained, TrainingProof
 from neuralgaits.records.training_config import asked_of
 from neuralgaits.runs import RunFolder
@@ -204,93 +203,6 @@ def _missed(link: LinkFigures) -> str:
         "an answer was lost or came too late. A busy machine does that, and the walk differs from "
         "one time to the next; --link lockstep=1 waits for every answer"
     )
-
-
-def show_robot(result: RobotFacts) -> None:
-    """Show links, joints by both names, actuators and overall properties."""
-    show_table(
-        ("link", "your body", "length m", "mass kg", "centre of mass m", "inertia kg m²"),
-        [
-            (
-                link.name,
-                link.body,
-                number(link.length_m),
-                number(link.mass_kg),
-                _centre(link.centre_of_mass_m),
-                number(link.inertia_kg_m2),
-            )
-            for link in result.links
-        ],
-    )
-    show_table(
-        ("actuated joint", "your joint", "your motor"),
-        [(motor.joint, motor.file_joint, motor.file_motor) for motor in result.actuators],
-    )
-    columns = ("torque_limit_nm", "lower_rad", "upper_rad", "armature_kg_m2", "damping_nms_rad")
-    show_table(
-        ("actuated joint", "torque N m", "from rad", "to rad", "armature kg m²", "damping N m s"),
-        [
-            (motor.joint, *(number(getattr(motor, column)) for column in columns))
-            for motor in result.actuators
-        ],
-    )
-    apart = ("links", "actuators", "left_out", "warnings", "written", "changes", "flat_feet")
-    show_facts(item for item in result.items() if item[0] not in apart)
-    if result.flat_feet is not None:
-        feet = result.flat_feet
-        sole = f"sole from {number(feet.heel_m)} m behind the ankle to {number(feet.toe_m)} m ahead"
-        under = f"{number(feet.ankle_height_m)} m under it, {number(feet.mass_kg)} kg"
-        show_facts([("flat feet", f"{sole}, {under}")])
-    for line in result.left_out:
-        show_sentence(Text("left out", "yellow"), f": {line}")
-    for line in result.warnings:
-        show_sentence(Text("warning", "yellow"), f": {line}")
-
-
-def _centre(place: tuple[float, float]) -> str:
-    """Format a centre of mass: its distance up the link and, if it is off the line, to the side."""
-    up, ahead = place
-    if abs(ahead) < 1e-9:
-        return number(up)
-    return f"{number(up)}, {number(abs(ahead))} {'ahead' if ahead > 0.0 else 'behind'}"
-
-
-def show_planarised(result: RobotFacts) -> None:
-    """Show the changes to a robot file, one on each line, and the robot of the new file."""
-    if result.changes:
-        show_sentence(
-            Text("changed", "yellow"),
-            f": {len(result.changes)} thing{'' if len(result.changes) == 1 else 's'}",
-        )
-        for change in result.changes:
-            show_sentence("- ", change, hang=2)
-    else:
-        show_sentence(Text("nothing to change", "green"), ": the new file is a copy")
-    show_robot(result)
-    show_facts([("written", result.written), ("next", command("train", str(result.written)))])
-
-
-def show_written(result: BuiltIn) -> None:
-    """Show where a built-in robot was written."""
-    facts = [("robot", one.name) for one in result.robots]
-    next_line = command("inspect", str(result.written))
-    show_facts([*facts, ("written", result.written), ("next", next_line)])
-
-
-def show_names(result: BuiltIn) -> None:
-    """Show the built-in robots and specs with a line about each."""
-    for kind, entries in (("robot", result.robots), ("spec", result.specs)):
-        show_table((kind, "about"), [(entry.name, entry.about) for entry in entries])
-
-
-def show_findings(result: Machine) -> None:
-    """Show the findings about this machine, with a fix for each problem."""
-    rows = []
-    for name, finding in result.findings.items():
-        bad = Text("missing", "red") if finding.needed else Text("optional", "yellow")
-        state = Text("ok", "green") if finding.ok else bad
-        rows.append((name, state, finding.found, finding.fix or ""))
-    show_table(("what", "state", "found", "fix"), rows)
 
 
 def _held(count: int) -> str:

@@ -5,7 +5,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from neuralgaits._environment import render_without_screen
-from neuralgaits.cli import brief, proof_screen, screen
+from neuralgaits.cli import brief, proof_screen, robot_screen, screen
 from neuralgaits.cli.arguments import (
     CertifyOptions,
     CheckDeployOptions,
@@ -229,14 +229,14 @@ def _inspect(verb: InspectOptions) -> Outcome:
         from neuralgaits.workflows.planarise import planarise_file
 
         made = planarise_file(verb.robot, verb.planarise, verb.feet, verb.weld)
-        return Outcome(made, True, screen.show_planarised)
+        return Outcome(made, True, robot_screen.show_planarised)
     if verb.feet != "point":
         raise InputError("--feet: expected --planarise OUT.xml beside it, found none: add that")
     if verb.weld:
         raise InputError("--weld: expected --planarise OUT.xml beside it, found none: add that")
     from neuralgaits.workflows.planarise import inspect_file
 
-    return Outcome(inspect_file(verb.robot), True, screen.show_robot)
+    return Outcome(inspect_file(verb.robot), True, robot_screen.show_robot)
 
 
 def _robots(verb: RobotsOptions) -> Outcome:
@@ -247,8 +247,8 @@ def _robots(verb: RobotsOptions) -> Outcome:
             "expected a robot to write, found none: write `neuralgaits robots ROBOT --out FILE.xml`"
         )
     if verb.robot is not None:
-        return Outcome(write_built_in(verb.robot, verb.out), True, screen.show_written)
-    return Outcome(robots(), True, screen.show_names)
+        return Outcome(write_built_in(verb.robot, verb.out), True, robot_screen.show_written)
+    return Outcome(robots(), True, robot_screen.show_names)
 
 
 def _doctor() -> Outcome:
@@ -256,4 +256,4 @@ def _doctor() -> Outcome:
     from neuralgaits.workflows.doctor import doctor
 
     result = doctor()
-    return Outcome(result, result.ok, screen.show_findings)
+    return Outcome(result, result.ok, robot_screen.show_findings)

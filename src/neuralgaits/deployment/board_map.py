@@ -34,7 +34,7 @@ class BoardReadings(NamedTuple):
 
 
 class JointReadings(NamedTuple):
-    """The same in the signs and zeros of the robot file."""
+    """Readings in the signs and zeros of the robot file."""
 
     joints: np.ndarray
     """Angles [rad]. [2, k]"""
@@ -49,7 +49,7 @@ class JointReadings(NamedTuple):
 
 
 class DriveTargets(NamedTuple):
-    """What impedance drives are told, each by motor: tau + kp (q - angle) + kd (dq - rate)."""
+    """Targets of impedance drives, each by motor: tau + kp (q - angle) + kd (dq - rate)."""
 
     q_des: np.ndarray
     """Angles of the drives [rad]. [motors]"""

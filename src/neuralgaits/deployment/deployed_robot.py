@@ -1,4 +1,4 @@
-"""What a deployment file must match: names, ranges and limits of a run's robot."""
+"""Names, ranges and limits of a run's robot, which a deployment file must match."""
 
 from dataclasses import dataclass
 
@@ -31,7 +31,7 @@ class JointFacts:
 
 @dataclass(frozen=True, eq=False)
 class DeployedRobot:
-    """What a deployment file is compared with.
+    """Robot that a deployment file is compared with.
 
     Attributes:
         robot: the biped of the run.

@@ -1,4 +1,4 @@
-"""What the labels of a log say: which motor moved, which way, and what a zero shows.
+"""Evidence of the labels of a log: which motor moved, which way, and what a zero shows.
 
 A label names the joint, foot or tilt that a person moved; with a sign, which way it first went.
 Every correction that follows is made in the file before torques are looked at.
@@ -25,7 +25,7 @@ ZERO_TOLERANCE = 0.05
 
 @dataclass
 class LabelledMotion:
-    """What the labels say of a deployment file.
+    """Evidence of a log's labels about a deployment file.
 
     Attributes:
         file: the file with what the labels correct.

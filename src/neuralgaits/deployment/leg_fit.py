@@ -29,7 +29,7 @@ MASS_PRIOR = 0.15
 
 @dataclass(frozen=True, eq=False)
 class LegSeries:
-    """What a log says of a leg, in the robot file's signs, as the deployment file has them.
+    """Motion and torques of a leg in a log, in the robot file's signs by the deployment file.
 
     Attributes:
         q, dq, ddq: joints, lowest first [rad], [rad/s], [rad/s^2]. [t, k]

@@ -33,7 +33,7 @@ class YamlNode:
 
     @property
     def kind(self) -> str:
-        """What it is, in words."""
+        """Kind of the value, in words."""
         if isinstance(self.value, str):
             return shown(self.value)
         return "a list" if isinstance(self.value, list) else "keys with values"

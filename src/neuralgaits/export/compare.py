@@ -16,7 +16,7 @@ from neuralgaits.export.float_bound import largest_errors
 from neuralgaits.export.programs import Part
 from neuralgaits.export.reference import Reference, Results, policy_path, results_of
 from neuralgaits.records.exported import Agreement, ExportTolerance, FloatBound
-from neuralgaits.records.simulated import Percentiles
+from neuralgaits.records.link_figures import Percentiles
 
 STATES = 100_000
 """Random states of the region on which C and Python are compared."""

@@ -14,7 +14,7 @@ from neuralgaits.export.drawn_states import drawn_commands, lifted
 from neuralgaits.export.facts import Design
 from neuralgaits.gait.commands import Pair
 from neuralgaits.records.exported import MonitorBuild
-from neuralgaits.records.simulated import Percentiles
+from neuralgaits.records.link_figures import Percentiles
 
 SOURCES = (*build.CORE, "monitor.c", "monitor_set.c")
 """Files of a controller with a monitor that run on the robot."""

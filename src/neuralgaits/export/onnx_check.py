@@ -13,7 +13,7 @@ from neuralgaits.export.compare import limits, model_questions
 from neuralgaits.export.facts import Design
 from neuralgaits.export.onnx_model import FILES, REALS
 from neuralgaits.records.exported import Model, ModelAgreement, ModelExport, ModelLimits
-from neuralgaits.records.simulated import Percentiles
+from neuralgaits.records.link_figures import Percentiles
 
 _TIMED_CALLS = 20_000
 _RUNTIME_SHARE = {"double": 1.0, "float": 2.0}

@@ -26,7 +26,7 @@ class DeploymentFinding:
 
 @dataclass(frozen=True)
 class JointCheck:
-    """What a log says of one joint.
+    """Result of the comparison of one joint with a log.
 
     Attributes:
         motor: whether the log says which motor moves it.

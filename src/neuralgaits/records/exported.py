@@ -3,8 +3,8 @@
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 
+from neuralgaits.records.link_figures import Percentiles
 from neuralgaits.records.record import Count, Record, Texts
-from neuralgaits.records.simulated import Percentiles
 
 
 @dataclass(frozen=True)

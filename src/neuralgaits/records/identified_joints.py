@@ -101,7 +101,7 @@ class IdentifiedJoints(Record):
 
     @property
     def rotor_of_estimates(self) -> float | None:
-        """The same around the estimates, which the written robot file has; None if one is 0."""
+        """Half width of a box around the estimates, as the written file has; None if one is 0."""
         return _half_width([(one.armature_kg_m2.value, one.armature_kg_m2) for one in self.joints])
 
 

@@ -1,4 +1,4 @@
-r"""What the torques of a walk say about friction and rotors: one equation a window and joint.
+r"""Equations for friction and rotors from the torques of a walk, one a window and joint.
 
 On a foot that does not move, the coordinates q of the stance leg need no ground force. With p the
 momenta and L the Lagrangian of the links alone, joint j with rotor inertia a, dry friction f,

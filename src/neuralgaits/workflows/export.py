@@ -1,9 +1,9 @@
 """Write a trained gait for a robot, in C, as an FMU or in ONNX, and compare it with Python."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import partial
 from pathlib import Path
+from typing import Any
 
 import jax
 import numpy as np
@@ -21,43 +21,26 @@ from neuralgaits.control.law_by_name import exported_laws
 from neuralgaits.deployment.deployment_reader import read_deployment
 from neuralgaits.deployment.deployment_template import deployment_text, template
 from neuralgaits.errors import InputError, SpecError
-from neuralgaits.export import build, output_folder
-from neuralgaits.export.board_source import board_files
-from neuralgaits.export.c_check import check_controller
+from neuralgaits.export import output_folder
 from neuralgaits.export.compare import STATES
 from neuralgaits.export.facts import Design, Origin
-from neuralgaits.export.fmu.fmu_archive import fmu_file
 from neuralgaits.export.monitor_source import monitor_files
-from neuralgaits.export.reference import Reference
-from neuralgaits.export.ros2_source import ros2_files
-from neuralgaits.export.selftest import selftest_file
-from neuralgaits.export.source import gait_files
 from neuralgaits.gait.policies.commanded_gait import AnyGait
 from neuralgaits.records.certified import PROOF
-from neuralgaits.records.exported import Exported, MonitorExport, UncheckedExport
+from neuralgaits.records.exported import Exported
 from neuralgaits.runs.hashes import file_hashes
 from neuralgaits.runs.names import ROBOT, WEIGHTS
 from neuralgaits.simulation.setup.starts import momentum_range
 from neuralgaits.systems.family_tasks import task_with
 from neuralgaits.systems.system_family import ProgressCallbacks
 from neuralgaits.workflows.deployed_run import deployed_robot, usual_gains
+from neuralgaits.workflows.export_formats import MAPPED, MONITORED, WRITERS
 from neuralgaits.workflows.export_warnings import unproved_of_export
 
-NO_COMPILER = "no C compiler: the files are written and not checked; install gcc or clang"
-NO_EXTRA = (
-    "expected the packages onnx and onnxruntime for --format onnx, found no {}: "
-    "pip install 'neuralgaits[onnx]'"
-)
-MONITORED = ("c", "fmu", "fmu2", "ros2")
-"""Formats of a whole controller, with torques and a monitor."""
-MAPPED = ("c", "ros2")
-"""Formats that have a map between motors and joints."""
 TEMPLATE = "deploy.template.yaml"
 """Deployment file beside a controller, to be copied and edited."""
 LARGEST = 1e30
 """Largest number of a gait that may be exported: C may compute in single precision."""
-RecordFactory = Callable[..., Exported]
-"""Makes a record of what is known of files, once it is said where they are."""
 
 
 @dataclass(frozen=True)
@@ -89,9 +72,8 @@ def export_controller(
     Args:
         run: a run, its folder, or `latest`.
         out: folder to write to; new or empty unless `force`.
-        format: `c`, the controller; `onnx`, its policy and rate, which needs the extra `onnx`;
-            `fmu`, the controller for co-simulation by FMI 3.0; `fmu2`, by FMI 2.0; `ros2`, a
-            package for ros2_control around it.
+        format: `c`, the controller; `onnx`, its policy and rate; `fmu`, the controller for
+            co-simulation by FMI 3.0; `fmu2`, by FMI 2.0; `ros2`, a package for ros2_control.
         force: replace the files of an earlier export.
         config: deployment file of the robot, whose map between motors and joints is written, too;
             a template of one is written if None.
@@ -105,12 +87,8 @@ def export_controller(
         does not compile or differs from Python, and nothing is written.
     """
     _refuse_settings(format, states, config)
-    usually = {"format": "c", "force": False, "config": None, "joints": None, "states": STATES}
-    others = {"format": format, "force": force, "config": config, "joints": joints}
-    others |= {"states": states}
-    asked = {name: value for name, value in others.items() if value != usually[name]}
-    asked |= {"run": run, "out": Path(out)}
-    if (task := task_with("export", asked)) is not None:
+    given = _given(format=format, force=force, config=config, joints=joints, states=states)
+    if (task := task_with("export", {"run": run, "out": Path(out)} | given)) is not None:
         return task(ProgressCallbacks.by(begun=begun)).returned
     trained, folder = open_run(run), Path(out)
     output_folder.refuse_used(folder, force=force)
@@ -141,6 +119,12 @@ def export_controller(
             deployment_sha256=None if deployment is None else deployment.sha256,
         )
     )
+
+
+def _given(**settings: Any) -> dict[str, Any]:
+    """Return the settings that are not the usual ones."""
+    usual = {"format": "c", "force": False, "states": STATES}
+    return {name: value for name, value in settings.items() if value != usual.get(name)}
 
 
 def _designed(
@@ -230,12 +214,6 @@ def with_monitor(
     return monitored, []
 
 
-def controller_files(design: Design, reference: Reference) -> dict[str, str]:
-    """Return the files that are specific to this gait."""
-    own = gait_files(design) | {"gait_selftest.h": selftest_file(design, reference)}
-    return own | monitor_files(design) | board_files(design)
-
-
 def _origin(trained: Run, found: CertificateReading, joints: str | None = None) -> Origin:
     about, verdict = found.summary, None
     if about is not None and found.proof is not None:
@@ -250,61 +228,3 @@ def _origin(trained: Run, found: CertificateReading, joints: str | None = None) 
         version=__version__,
         joints_sha256=joints,
     )
-
-
-def _c(design: Design, states: int) -> tuple[dict[str, str], RecordFactory]:
-    """Return the files of the controller, and the factory of its record."""
-    reference = Reference(design)
-    files = output_folder.shipped() | controller_files(design, reference)
-    return files, _checked(design, reference, files, build.compilers(), states)
-
-
-def _fmu(design: Design, states: int, version: str) -> tuple[dict[str, str | bytes], RecordFactory]:
-    """Return the FMU, and the factory of its record; its controller is compared as C is."""
-    reference, compilers = Reference(design), build.compilers()
-    files = output_folder.shipped() | controller_files(design, reference)
-    record = _checked(design, reference, files, compilers, states)
-    name, content = fmu_file(design, version, files, compilers)
-    return {name: content}, record
-
-
-def _checked(
-    design: Design, reference: Reference, files: dict[str, str], compilers: list[str], states: int
-) -> RecordFactory:
-    """Compare the controller in C with Python. Returns: the factory of its record."""
-    if not compilers:
-        known = None if design.monitor is None else MonitorExport(design.monitor.levels)
-        return partial(UncheckedExport, reason=NO_COMPILER, monitor=known)
-    with output_folder.scratch(files | output_folder.harness()) as place:
-        return check_controller(design, reference, place, compilers, states)
-
-
-def _ros2(design: Design, states: int) -> tuple[dict[str, str], RecordFactory]:
-    """Return the files of a ROS 2 package, and the factory of the record of its controller in C."""
-    files, told = _c(design, states)
-    return ros2_files(design, files), told
-
-
-def _onnx(design: Design, states: int) -> tuple[dict[str, bytes], RecordFactory]:
-    """Return the models of the policy, and the factory of their record.
-
-    Raises: InputError without the extra.
-    """
-    try:
-        from neuralgaits.export.onnx_check import check_models
-        from neuralgaits.export.onnx_model import model_files
-    except ModuleNotFoundError as error:
-        raise InputError(NO_EXTRA.format(error.name)) from None
-    files = model_files(design)
-    return files, check_models(design, files, states)
-
-
-WRITERS: dict[str, Callable[[Design, int], tuple[Mapping[str, str | bytes], RecordFactory]]] = {
-    "c": _c,
-    "onnx": _onnx,
-    "fmu": partial(_fmu, version="3.0"),
-    "fmu2": partial(_fmu, version="2.0"),
-    "ros2": _ros2,
-}
-"""Writer of each format: takes a design and a number of test states, returns files and a record
-factory."""

@@ -12,7 +12,8 @@ from neuralgaits.analysis.state_monitor import StateMonitor
 from neuralgaits.control.law_by_name import fields_of_law
 from neuralgaits.engine import worker_pool_for as engine_of_workers
 from neuralgaits.errors import InputError
-from neuralgaits.records.simulated import PLANT, SUMMARY, LinkFigures, Simulated, WalkSettings
+from neuralgaits.records.link_figures import LinkFigures
+from neuralgaits.records.simulated import PLANT, SUMMARY, Simulated, WalkSettings
 from neuralgaits.runs.atomic import refuse_unwritable
 from neuralgaits.runs.hashes import file_hashes
 from neuralgaits.runs.names import ROBOT, WEIGHTS

@@ -11,7 +11,8 @@ from typing import Any, ParamSpec
 from neuralgaits._control_laws import CONTROL_LAWS
 from neuralgaits.barriers import specs
 from neuralgaits.errors import InputError
-from neuralgaits.records.simulated import LOCKSTEP, LinkFigures, Simulated
+from neuralgaits.records.link_figures import LOCKSTEP, LinkFigures
+from neuralgaits.records.simulated import Simulated
 from neuralgaits.records.training_config import GaitOrigin, TrainingConfig, asked_of
 from neuralgaits.report.page import phrases
 from neuralgaits.robots import registry

@@ -8,7 +8,7 @@ from neuralgaits.records.simulated import Simulated
 from neuralgaits.report.page import markup as html
 from neuralgaits.report.page import phrases
 from neuralgaits.report.page.markup import Html, Section
-from neuralgaits.report.page.monitored import monitored
+from neuralgaits.report.page.monitor_table import monitored
 from neuralgaits.report.page.saved import Contents, Saved
 from neuralgaits.runs import plain
 from neuralgaits.runs.shell_words import command

@@ -54,39 +54,7 @@ def answered_tick(scene: Scene) -> tuple[Callable[..., Any], Callable[..., Any]]
     Returns: `look`, from packed readings to measurements and requested commands, and `judge`, from
     carries, packed readings and rows of answers to the packed results of a tick.
     """
-    robot = scene.controller.robot
     _, carry_of = ravel_pytree(begin(scene, jnp.zeros((), jnp.int32)))
-    ends = np.cumsum(sizes_of(robot, len(scene.first)))
-
-    def command_of(row: jax.Array, seen: Measurement) -> TickResult:
-        leg, (touchdown, saturated) = row[0].astype(jnp.int32), row[1:3] > 0.5
-        _, torque, _, y_d, dy_d, z, told, times = jnp.split(row[3:], ends[:-1])
-        torque = torque.reshape(2, robot.n // 2)
-        q, dq = coordinates(robot, seen, leg)
-        return TickResult(
-            torque=torque,
-            actuated=stance_joints(robot, torque, leg),
-            q=q,
-            dq=dq,
-            y_d=y_d,
-            dy_d=dy_d,
-            z=z,
-            leg=leg,
-            since_touchdown=times[0],
-            told=told.reshape(2, len(scene.first)),
-            touchdown=touchdown,
-            saturated=saturated,
-            relaxed=jnp.zeros(2, bool),
-        )
-
-    def state_after(state: ControllerState, command: TickResult) -> ControllerState:
-        """Return what an estimator needs to know of the controller at the next tick."""
-        standing = StanceState(command.leg, command.since_touchdown)
-        if robot.feet is None:
-            return state._replace(stance=standing)
-        # The motor of a stance ankle makes up for the joint's own friction.
-        motor = command.torque[command.leg, 0]
-        return state._replace(stance=standing, ankle=robot.damping[0] * command.dq[0] - motor)
 
     @quick_jit
     @jax.vmap
@@ -101,9 +69,45 @@ def answered_tick(scene: Scene) -> tuple[Callable[..., Any], Callable[..., Any]]
         seen = sense(scene, reading).seen
         if scene.estimator is not None:
             carry, seen = estimated(scene, scene.estimator, carry, seen)
-        command = command_of(row, seen)
-        state = state_after(carry.controller, command)
+        command = _command_of(scene, row, seen)
+        state = _state_after(scene, carry.controller, command)
         parts = account(scene, carry, reading, state, command, seen)
         return tuple(ravel_pytree(part)[0] for part in parts)
 
     return look, judge
+
+
+def _command_of(scene: Scene, row: jax.Array, seen: Measurement) -> TickResult:
+    """Return what a controller answered, a row of `answered_tick`, as the result of a tick."""
+    robot, count = scene.controller.robot, len(scene.first)
+    ends = np.cumsum(sizes_of(robot, count))
+    leg, (touchdown, saturated) = row[0].astype(jnp.int32), row[1:3] > 0.5
+    _, torque, _, y_d, dy_d, z, told, times = jnp.split(row[3:], ends[:-1])
+    torque = torque.reshape(2, robot.n // 2)
+    q, dq = coordinates(robot, seen, leg)
+    return TickResult(
+        torque=torque,
+        actuated=stance_joints(robot, torque, leg),
+        q=q,
+        dq=dq,
+        y_d=y_d,
+        dy_d=dy_d,
+        z=z,
+        leg=leg,
+        since_touchdown=times[0],
+        told=told.reshape(2, count),
+        touchdown=touchdown,
+        saturated=saturated,
+        relaxed=jnp.zeros(2, bool),
+    )
+
+
+def _state_after(scene: Scene, state: ControllerState, command: TickResult) -> ControllerState:
+    """Return what an estimator needs to know of the controller at the next tick."""
+    robot = scene.controller.robot
+    standing = StanceState(command.leg, command.since_touchdown)
+    if robot.feet is None:
+        return state._replace(stance=standing)
+    # The motor of a stance ankle makes up for the joint's own friction.
+    motor = command.torque[command.leg, 0]
+    return state._replace(stance=standing, ankle=robot.damping[0] * command.dq[0] - motor)

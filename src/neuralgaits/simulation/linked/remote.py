@@ -14,7 +14,7 @@ import numpy as np
 from neuralgaits._types import Array, Float
 from neuralgaits.control.measurement import Measurement
 from neuralgaits.errors import InputError
-from neuralgaits.records.simulated import LOCKSTEP, LinkFigures, LinkTimes
+from neuralgaits.records.link_figures import LOCKSTEP, LinkFigures, LinkTimes
 from neuralgaits.robots import MjcfLayout
 from neuralgaits.simulation.linked.answered_tick import answered_tick, row_of, silent, sizes_of
 from neuralgaits.simulation.linked.channel import Channel
