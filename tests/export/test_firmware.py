@@ -133,7 +133,8 @@ def in_mid_step(family):
     """The numbers of a reading, but for the wish, of a robot in the middle of a step on leg 1."""
     state = family.zero_dynamics.phi_inv(family.gait.z(np.array([0.5, 0.5])))
     at = plant.build(family.robot).state_map
-    q, dq = at.to_mjcf(*np.split(np.asarray(state), 2), 1, (0.0, 0.0))
+    coordinates, rates = np.split(np.asarray(state), 2)
+    q, dq = at.to_mjcf(coordinates, rates, 1)
     root = [q[at.root[2]], dq[at.root[2]], *dq[at.root[:2]]]
     return [*root, 0.0, 200.0, *q[at.joints].reshape(-1), *dq[at.joints].reshape(-1)]
 
