@@ -4,7 +4,7 @@ Asked: 50 of 50 starts walk 50 steps; 200 of 200 stops end without a fault, on t
 Starts are at rest, in MuJoCo, full order, no boom, of two kinds: the centre of mass between the
 feet, over a range of feet, heights and leans; and every joint at random about the standing posture,
 turned so that both feet touch, where some cannot be held. Each stop is followed by five more steps.
-STARTS, STOPS, STEPS, ROBOTS and RUN (a run folder; the shipped one if not given) change it.
+STARTS, STOPS, STEPS, SENSING, ROBOTS and RUN (a run folder; the shipped one if not given) change it.
 """
 
 import os
@@ -152,10 +152,10 @@ def measure(name: str, run: Run, sensing: str | None) -> None:
 
 
 def main() -> None:
-    """Measure the shipped gait with both sensings, then gaits that are trained for it."""
+    """Measure the shipped gait with each sensing, then gaits that are trained for it."""
     shipped = open_run(os.environ.get("RUN", SHIPPED))
-    measure(f"{shipped.robot.name}", shipped, None)
-    measure(f"{shipped.robot.name}, encoders", shipped, "encoders")
+    for sensing in filter(None, os.environ.get("SENSING", "perfect,encoders").split(",")):
+        measure(f"{shipped.robot.name}, {sensing}", shipped, sensing)
     for name in filter(None, os.environ.get("ROBOTS", "rabbit,amber3m-feet").split(",")):
         spec = "walking-flat-feet" if "feet" in name else "walking"
         measure(name, trained(name, 0, spec), None)

@@ -585,6 +585,20 @@ static void leave_walk(const ng_supervisor_config *config, ng_supervisor *own,
     }
 }
 
+/* A robot that tips over its front foot steps on: to walk, or to end that step far ahead. */
+static void catch_fall(const ng_supervisor_config *config, ng_supervisor *own,
+                       const ng_measurement *reading, ng_request request,
+                       ng_supervision *decided)
+{
+    begin_walk(own, config, reading, own->state.leg);
+    own->braked = own->steps_to_brake = 0;
+    if (request == NG_REQUEST_WALK) {
+        change(own, NG_WALK, STEPPING, NG_TIPS_FORWARD, decided);
+    } else {
+        change(own, NG_STOP, LAST_STEPS, NG_TIPS_FORWARD, decided);
+    }
+}
+
 /* The operator's request, where the mode follows it. */
 static void follow_request(const ng_supervisor_config *config, ng_supervisor *own,
                            const ng_measurement *reading, ng_request request,
@@ -603,15 +617,16 @@ static void follow_request(const ng_supervisor_config *config, ng_supervisor *ow
         return;
     }
     look(reading, own->state.leg, &pose);
+    if (own->mode == NG_STAND && pose.tips > config->first_momentum && pose.foot[0] < NG(0.0) &&
+        reading->normal_force[own->state.leg] >= config->walk.contact_force) {
+        catch_fall(config, own, reading, request, decided);
+        return;
+    }
     if (request == NG_REQUEST_STAND && own->mode == NG_WALK) {
         leave_walk(config, own, &pose, decided);
     } else if (request == NG_REQUEST_WALK && own->mode != NG_WALK) {
         decided->waiting = waiting(config, own, reading, &pose);
-        if (own->mode == NG_STAND && pose.tips > config->first_momentum &&
-            pose.foot[0] < NG(0.0) && reading->normal_force[own->state.leg] >= NG_CONTACT_FORCE) {
-            begin_walk(own, config, reading, own->state.leg);
-            change(own, NG_WALK, STEPPING, NG_TIPS_FORWARD, decided);
-        } else if (own->mode == NG_STAND && own->part == FEET_APART) {
+        if (own->mode == NG_STAND && own->part == FEET_APART) {
             begin_move(config, own, &pose, ng_stand_path[0]);
             enter(own, NG_STAND, MOVING);
         } else if (decided->waiting == NG_NOTHING) {
@@ -744,7 +759,7 @@ const char *ng_reason_text(ng_reason reason)
         "no change",
         "as requested",
         "the robot was in mid-step already",
-        "the robot tips over its front foot already",
+        "the robot tips over its front foot",
         "the walk has ended on two feet",
         "not there in time",
         "the centre of mass has left the feet",

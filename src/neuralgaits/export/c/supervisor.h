@@ -28,7 +28,7 @@ typedef enum {
     NG_NO_CHANGE,
     NG_AS_REQUESTED,
     NG_FROM_MID_STEP,  /* to walk: the robot was on the gait already */
-    NG_TIPS_FORWARD,   /* to walk: the robot tips over its front foot already */
+    NG_TIPS_FORWARD,   /* to walk or stop: the robot tips over its front foot */
     NG_SETTLED,        /* to stand: the walk has ended on two feet */
     NG_TOO_LATE,       /* not there in time: to damp, or from a walk that does not begin to stand */
     NG_TIPPED_OVER,    /* to damp: the centre of mass has left the feet */
