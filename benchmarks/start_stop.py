@@ -4,7 +4,7 @@ Asked: 50 of 50 starts walk 50 steps; 200 of 200 stops end without a fault, on t
 Starts are at rest, in MuJoCo, full order, no boom, of two kinds: the centre of mass between the
 feet, over a range of feet, heights and leans; and every joint at random about the standing posture,
 turned so that both feet touch, where some cannot be held. Each stop is followed by five more steps.
-STARTS, STOPS, STEPS, SENSING, ROBOTS and RUN (a run folder; the shipped one if not given) change it.
+STARTS, STOPS, STEPS, SENSING, ROBOTS and RUN (a run folder, else the shipped one) change it.
 """
 
 import os
