@@ -108,8 +108,10 @@ def stopped(robot: SupervisedRobot, ticks: int) -> tuple[str, float, bool]:
         tick = robot.tick(Request.STAND)
         took += 1
     how = f"{tick.mode.name} {tick.reason.name}" + (f" {tick.fault.name}" if tick.fault else "")
-    for _ in range(2000):
+    for more in range(8000):
         tick = robot.tick(Request.STAND)
+        if more >= 2000 and tick.mode != Mode.STOP:
+            break
     if tick.mode != Mode.STAND:
         return f"{how}, then {tick.mode.name}", 1e-3 * took, False
     steps = 0

@@ -316,6 +316,7 @@ static void begin_walk(ng_supervisor *own, const ng_supervisor_config *config,
                        const ng_measurement *reading, int leg)
 {
     stand_on(own, leg);
+    own->state.running = 0; /* the reading has been checked, and may have been used at this tick */
     ng_state trial = own->state;
     ng_command command;
     ng_step(&config->walk, &trial, reading, &command);
