@@ -191,6 +191,16 @@ def test_a_step_catches_a_push_forward(double, push):
     assert changes(ticks) == [(Mode.STOP, Reason.TIPS_FORWARD), (Mode.STAND, Reason.SETTLED)]
 
 
+def test_a_second_step_brakes_where_the_first_is_not_enough(double):
+    double.start()
+    until(double, Request.WALK, steps(3))
+    first = until(double, Request.STAND, lambda ticks: len(ticks) == 520)
+    double.data.qvel[double.plant.state_map.root[0]] += 0.7
+    rest = until(double, Request.STAND, settled)
+    assert sum(tick.touchdown for tick in (*first, *rest)) == 2
+    assert rest[-1].fault == Fault.NONE
+
+
 @pytest.mark.parametrize("late", [300, 450, 600])
 def test_a_request_to_stand_while_it_leans_is_met(double, late):
     double.start()
