@@ -188,16 +188,18 @@ int board_enabled(void)
     }
 }
 
-int board_configure(ng_config *config)
+void board_configure(ng_supervisor_config *config)
 {
     ng_real options[2];
     get_numbers(board.start + HEAD, options, 2);
-    config->blend_s = options[0] > NG(0.0) && ng_finite(options[0]) ? options[0] : NG(0.0);
+    config->walk.blend_s = options[0] > NG(0.0) && ng_finite(options[0]) ? options[0] : NG(0.0);
     for (int i = 0; i < NG_ACTUATED && options[1] > NG(0.0) && ng_finite(options[1]); ++i) {
-        config->torque_limit[i] = ng_clamp(options[1], NG(0.0), ng_torque_limit[i]);
+        config->walk.torque_limit[i] = ng_clamp(options[1], NG(0.0), ng_torque_limit[i]);
     }
-    return (int)get32(board.start + 12);
 }
+
+/* A robot in mid-step walks on; any other one stands first. */
+ng_request board_request(void) { return NG_REQUEST_WALK; }
 
 /* A datagram is a tick. */
 int board_wait_for_tick(void) { return 1; }
@@ -228,9 +230,13 @@ void board_drive(ng_real motors[NG_LEGS][NG_LEG_JOINTS])
     memcpy(board.motors, motors, sizeof board.motors);
 }
 
+/* Plants of the link take torques. */
+void board_aim(ng_target targets[NG_LEGS][NG_LEG_JOINTS]) { (void)targets; }
+
 /* The answer is sent here, where all that it holds is known. */
-void board_log(const ng_state *state, const ng_command *command)
+void board_log(const ng_supervisor *supervisor, const ng_supervision *decided)
 {
+    const ng_command *command = &decided->command;
     const uint32_t flags = (command->leg ? LEG : 0u) | (command->touchdown ? TOUCHDOWN : 0u) |
                            (command->saturated ? SATURATED : 0u);
     unsigned char *at = put_head(board.reply, "NGC1", get32(board.reading + 4), flags,
@@ -242,10 +248,10 @@ void board_log(const ng_state *state, const ng_command *command)
     at = put_numbers(at, command->dy_d, NG_ACTUATED);
     at = put_numbers(at, command->z, 2);
 #if NG_COMMANDS
-    at = put_numbers(at, state->before, NG_COMMANDS);
-    at = put_numbers(at, state->after, NG_COMMANDS);
+    at = put_numbers(at, supervisor->state.before, NG_COMMANDS);
+    at = put_numbers(at, supervisor->state.after, NG_COMMANDS);
 #else
-    (void)state;
+    (void)supervisor;
 #endif
     const ng_real times[2] = {command->since_touchdown, (ng_real)(now_us() - board.began_us)};
     at = put_numbers(at, times, 2);
@@ -253,13 +259,14 @@ void board_log(const ng_state *state, const ng_command *command)
     answer(board.reply, board.reply_bytes);
 }
 
-void board_report(int fault)
+void board_changed(const ng_supervision *decided)
 {
-    if (fault != NG_NO_FAULT) {
-        static int shown;
-        if (fault != shown) {
-            fprintf(stderr, "firmware: fault %d, %s\n", fault, ng_fault_text((ng_fault)fault));
-        }
-        shown = fault;
-    }
+    fprintf(stderr, "firmware: %s, %s\n", ng_mode_text(decided->mode),
+            decided->fault_is_new ? ng_fault_text(decided->fault)
+                                  : ng_reason_text(decided->reason));
+}
+
+void board_failed(int line)
+{
+    fprintf(stderr, "firmware: line %d of the self-test failed\n", line);
 }

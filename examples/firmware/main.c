@@ -1,5 +1,6 @@
 /*
- * A bare main loop around an exported controller: self-test, then a tick every NG_PERIOD.
+ * A bare main loop around an exported controller: self-test, then a tick every NG_PERIOD. The
+ * supervisor stands the robot up, walks, stops, and damps it after a fault.
  * No operating system, no heap; all memory stands below.
  */
 #include "board.h"
@@ -8,57 +9,55 @@
 #ifndef ESTIMATE
 #define ESTIMATE 1 /* 0 for a board that measures rates and the velocity of the base */
 #endif
-#define BLEND_S NG(1.0) /* from holding the posture found to the gait [s] */
-#define FIRST_SELFTEST_LINE 100
-
-/* Standing on the board's leg, at the operator's commands if the gait takes some. */
-static void start(ng_config *config, ng_state *state)
-{
-    *config = ng_config_of(&ng_laws[NG_LAW_PD]);
-    config->blend_s = BLEND_S;
-    const int leg = board_configure(config);
-#if NG_COMMANDS
-    ng_real requested[NG_COMMANDS];
-    board_requested(requested);
-    ng_start_at(state, leg, requested);
-#else
-    ng_start(state, leg);
+#ifndef DRIVES
+#define DRIVES 0 /* 1 for drives that close a loop of their own */
 #endif
+
+static void send(ng_supervisor *supervisor, const ng_supervision *decided)
+{
+#if DRIVES
+    board_aim(supervisor->targets);
+#else
+    ng_real motors[NG_LEGS][NG_LEG_JOINTS];
+    ng_drive(&decided->command, motors);
+    board_drive(motors);
+#endif
+    board_log(supervisor, decided);
+    if (decided->reason != NG_NO_CHANGE || decided->fault_is_new) {
+        board_changed(decided);
+    }
 }
 
-static void walk(void)
+static void run(void)
 {
-    ng_config config;
-    ng_state state;
+    ng_supervisor_config config = ng_supervisor_config_of(&ng_laws[NG_LAW_PD]);
+    ng_supervisor supervisor;
+    ng_supervision decided;
     ng_estimator estimator;
     ng_encoders encoders;
     ng_measurement reading;
-    ng_command command;
-    ng_real motors[NG_LEGS][NG_LEG_JOINTS];
-    start(&config, &state);
+    board_configure(&config);
+    ng_supervisor_start(&supervisor);
     ng_estimator_start(&estimator);
+#if NG_COMMANDS
+    ng_real requested[NG_COMMANDS];
+    board_requested(requested);
+    ng_start_at(&supervisor.state, 0, requested);
+#endif
     while (board_enabled()) {
-        if (!board_wait_for_tick()) {
-            /* A late tick is one long gap between readings: the controller judges it. */
-            board_report(NG_FAULT_TIME);
-        }
+        /* A late tick is one long gap between readings: the controller judges it. */
+        (void)board_wait_for_tick();
         board_read(&encoders);
 #if NG_COMMANDS
-        ng_real requested[NG_COMMANDS];
         board_requested(requested);
-        ng_tell(&state, requested);
+        ng_tell(&supervisor.state, requested);
 #endif
         ng_measure(&encoders, &reading);
 #if ESTIMATE
-        ng_estimate(&estimator, &state, &reading);
+        ng_estimate(&estimator, &supervisor.state, &reading);
 #endif
-        ng_step(&config, &state, &reading, &command);
-        ng_drive(&command, motors);
-        board_drive(motors);
-        board_log(&state, &command);
-        if (command.fault != NG_NO_FAULT) {
-            board_report((int)command.fault);
-        }
+        ng_supervise(&config, &supervisor, &reading, board_request(), &decided);
+        send(&supervisor, &decided);
     }
 }
 
@@ -66,13 +65,12 @@ int main(void)
 {
     const int failed = ng_selftest();
     if (failed != 0) {
-        board_report(FIRST_SELFTEST_LINE + failed);
+        board_failed(failed);
         return 1;
     }
     for (;;) {
         if (board_enabled()) {
-            board_report(NG_NO_FAULT);
-            walk();
+            run();
         }
     }
 }

@@ -54,7 +54,7 @@ static int allowed(const ng_supervision *now)
     if (now->mode == NG_DAMP && now->reason == NG_TIPPED_OVER) {
         return 1;
     }
-    static const int ways[4][4] = {{1, 1, 1, 0}, {1, 1, 1, 0}, {1, 1, 1, 1}, {1, 1, 0, 1}};
+    static const int ways[4][4] = {{1, 1, 1, 0}, {1, 1, 1, 1}, {1, 1, 1, 1}, {1, 1, 0, 1}};
     return ways[now->before][now->mode] &&
            (now->before != now->mode) == (now->reason != NG_NO_CHANGE);
 }

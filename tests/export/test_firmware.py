@@ -10,6 +10,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from neuralgaits.analysis.run import open_run
+from neuralgaits.control.safeguard import Fault
 from neuralgaits.export import build, output_folder
 from neuralgaits.export.reference import Reference
 from neuralgaits.export.selftest import selftest_file
@@ -19,12 +21,13 @@ from neuralgaits.simulation.linked.connect import SOURCES
 from neuralgaits.simulation.linked.remote import Remote
 from neuralgaits.simulation.linked.wire import ControllerLink
 from neuralgaits.simulation.native_walk import engine_of_trained
+from neuralgaits.simulation.setup import plant
 from neuralgaits.simulation.setup.disturbance import PlantChanges
 from neuralgaits.simulation.setup.sensing import sensed
 from neuralgaits.simulation.setup.starts import full_states, momentum_range
 from neuralgaits.simulation.walk import walk
+from neuralgaits.workflows import demo
 from neuralgaits.workflows.export import design_of
-from support.designs import LAWS, commanded_design
 from support.listening import listening
 
 FIRMWARE = Path(__file__).parents[2] / "examples" / "firmware"
@@ -98,22 +101,25 @@ def test_all_give_the_same_torques(trained, exported, link, tmp_path, sensing):
 
 
 @pytest.fixture(scope="module")
+def family():
+    """The shipped gait with a speed command, at a speed in its range."""
+    return open_run(demo.TOLD).at(speed=0.7)
+
+
+@pytest.fixture(scope="module")
 def commanded(tmp_path_factory):
-    """The main loop and the link of an untrained gait that takes commands, without a self-test."""
-    files = output_folder.shipped() | gait_files(commanded_design("amber3m", {"pd": LAWS["pd"]}))
+    """The main loop and the link of a gait that takes commands, without a self-test."""
+    files = output_folder.shipped() | gait_files(design_of(open_run(demo.TOLD)))
     files |= {path.name: path.read_text() for path in FIRMWARE.glob("*.[ch]")}
     files["no_selftest.c"] = "int ng_selftest(void);\nint ng_selftest(void) { return 0; }\n"
     folder = tmp_path_factory.mktemp("commanded")
     for name, text in files.items():
         (folder / name).write_text(text)
-    sources = {
-        "firmware": (*build.CORE, "main.c", "board_link.c", "no_selftest.c"),
-        "link": SOURCES,
-    }
+    firmware = (*build.CORE, "supervisor.c", "main.c", "board_link.c", "no_selftest.c")
     with ExitStack() as stack:
         addresses = {}
-        for name, files in sources.items():
-            program = build.build("gcc", folder, name, files, ("-O1", "-DESTIMATE=0"))
+        for name, sources in (("firmware", firmware), ("link", SOURCES)):
+            program = build.build("gcc", folder, name, sources, ("-O1", "-DESTIMATE=0"))
             _, addresses[name] = stack.enter_context(listening(program))
         yield addresses
 
@@ -123,10 +129,21 @@ def numbered(sequence: int, numbers) -> bytes:
     return head + np.asarray(numbers, dtype="<f8").tobytes()
 
 
-def of_walk(count: int):
+def in_mid_step(family):
+    """The numbers of a reading, but for the wish, of a robot in the middle of a step on leg 1."""
+    state = family.zero_dynamics.phi_inv(family.gait.z(np.array([0.5, 0.5])))
+    at = plant.build(family.robot).state_map
+    coordinates, rates = np.split(np.asarray(state), 2)
+    q, dq = at.to_mjcf(coordinates, rates, 1)
+    root = [q[at.root[2]], dq[at.root[2]], *dq[at.root[:2]]]
+    return [*root, 0.0, 200.0, *q[at.joints].reshape(-1), *dq[at.joints].reshape(-1)]
+
+
+def of_walk(first, count: int):
     """Readings of a robot that steps about, with wishes inside and outside of their range."""
     rng = np.random.default_rng(7)
-    for sequence in range(2, count):
+    yield numbered(2, [*first, 0.7])
+    for sequence in range(3, count):
         loaded = np.roll([200.0, 0.0], sequence // 150)
         joints = rng.uniform(-0.1, 0.7, 4)
         speed = rng.uniform(0.5, 1.0)
@@ -146,12 +163,23 @@ def exchanged(address: str, packets) -> list[bytes]:
     return answers
 
 
-def test_the_board_speaks_the_link_s_datagrams(commanded):
-    """Bit for bit: commands, touchdowns, late readings, faults, and a second episode."""
-    steps = list(of_walk(700))
-    packets = [*steps, steps[-3], numbered(700, [np.nan] * 15), numbered(701, [0.0] * 15)]
+def test_the_board_speaks_the_link_s_datagrams(commanded, family):
+    """Bit for bit: commands, touchdowns, late readings, and a second episode."""
+    steps = list(of_walk(in_mid_step(family), 700))
+    packets = [*steps, steps[-3]]
     expected = exchanged(commanded["link"], packets)
-    heads = np.array([struct.unpack_from("<II", answer, 8) for answer in expected])
-    assert np.any(heads[:, 0] & 2) and heads[-3, 0] & 8 and list(heads[-2:, 1]) == [1, 1]
+    flags = np.array([struct.unpack_from("<I", answer, 8)[0] for answer in expected])
+    assert np.sum(flags & 2) > 2 and flags[-1] & 8
     for _ in range(2):
         assert exchanged(commanded["firmware"], packets) == expected
+
+
+def test_after_a_fault_the_board_damps(commanded, family):
+    """Where the link's torques are zero."""
+    first = in_mid_step(family)
+    moving = [*first[:-4], *[1.0] * 4, 0.7]
+    packets = [numbered(2, [*first, 0.7]), numbered(3, [np.nan] * 15), numbered(4, moving)]
+    *_, last = exchanged(commanded["firmware"], [*packets, *(numbered(n, moving) for n in (5, 6))])
+    assert struct.unpack_from("<I", last, 12)[0] == Fault.NOT_FINITE
+    torque = np.frombuffer(last, "<f8", offset=16)[4:8]
+    np.testing.assert_array_equal(torque, -30.0)

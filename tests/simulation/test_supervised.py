@@ -182,6 +182,36 @@ def test_a_robot_that_tips_over_damps_and_waits_for_the_operator(double):
     assert (tick.waiting, tick.reason) == (Waiting.NOTHING, Reason.TIPPED_OVER)
 
 
+@pytest.mark.parametrize("push", [0.7, 1.0])
+def test_a_step_catches_a_push_forward(double, push):
+    double.start()
+    until(double, Request.STAND, lambda ticks: len(ticks) == 700)
+    double.data.qvel[double.plant.state_map.root[0]] += push
+    ticks = until(double, Request.STAND, settled)
+    assert changes(ticks) == [(Mode.STOP, Reason.TIPS_FORWARD), (Mode.STAND, Reason.SETTLED)]
+
+
+def test_a_second_step_brakes_where_the_first_is_not_enough(double):
+    double.start()
+    until(double, Request.WALK, steps(3))
+    first = until(double, Request.STAND, lambda ticks: len(ticks) == 520)
+    double.data.qvel[double.plant.state_map.root[0]] += 0.7
+    rest = until(double, Request.STAND, settled)
+    assert sum(tick.touchdown for tick in (*first, *rest)) == 2
+    assert rest[-1].fault == Fault.NONE
+
+
+@pytest.mark.parametrize("late", [300, 450, 600])
+def test_a_request_to_stand_while_it_leans_is_met(double, late):
+    double.start()
+    until(double, Request.WALK, lambda ticks: ticks[-1].mode == Mode.WALK)
+    leaning = until(double, Request.WALK, lambda ticks: len(ticks) == late)
+    assert not any(tick.touchdown for tick in leaning)
+    ticks = until(double, Request.STAND, lambda ticks: len(ticks) == 4000)
+    assert ticks[-1].mode == Mode.STAND
+    assert not any(tick.mode == Mode.DAMP for tick in ticks)
+
+
 def test_a_walk_that_does_not_begin_goes_back_to_standing(double):
     """Held by its hip, it cannot lean forward."""
     double.start()

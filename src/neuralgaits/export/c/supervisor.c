@@ -1,6 +1,8 @@
 /* See supervisor.h. */
 #include "supervisor.h"
 
+#define LIGHT_REAR_FOOT (3 * NG_STAND_KNOTS / 4) /* knot at which it carries an eighth */
+
 /* Parts of the modes. */
 enum { FEET_APART, MOVING, HOLDING }; /* of NG_STAND: where a walk ended; on the way; there */
 enum { LEANING, STEPPING };           /* of NG_WALK */
@@ -64,6 +66,7 @@ static void enter(ng_supervisor *own, ng_mode mode, int part)
     }
     own->mode = mode;
     own->part = part;
+    own->knot = 0;
     own->elapsed = NG(0.0);
 }
 
@@ -82,6 +85,16 @@ static void give_up(ng_supervisor *own, ng_reason reason, ng_supervision *decide
     change(own, NG_DAMP, 0, reason, decided);
 }
 
+/* Where a tick decides a second time, its torques still change from those of the tick before. */
+static void copy_torques(const ng_real (*from)[NG_LEG_JOINTS], ng_real (*to)[NG_LEG_JOINTS])
+{
+    for (int leg = 0; leg < NG_LEGS; ++leg) {
+        for (int i = 0; i < NG_LEG_JOINTS; ++i) {
+            to[leg][i] = from[leg][i];
+        }
+    }
+}
+
 /* The controller's state for another stance leg; torques go on from those of the last tick. */
 static void stand_on(ng_supervisor *own, int leg)
 {
@@ -91,11 +104,7 @@ static void stand_on(ng_supervisor *own, int leg)
 #else
     ng_start(&own->state, leg);
 #endif
-    for (int i = 0; i < NG_LEGS; ++i) {
-        for (int j = 0; j < NG_LEG_JOINTS; ++j) {
-            own->state.torque[i][j] = last.torque[i][j];
-        }
-    }
+    copy_torques(last.torque, own->state.torque);
     own->state.running = last.running;
     own->state.last_us = last.last_us;
     own->state.elapsed = last.elapsed;
@@ -193,6 +202,27 @@ static ng_real furthest(const ng_real a[NG_COORDINATES], const ng_real b[NG_COOR
     return found;
 }
 
+/*
+ * Follow the pitch, slowly. On two feet no estimate of the robot's turning holds, which takes one
+ * of them for the pivot: it rests if its pitch is where it was for some time.
+ */
+static void follow_pitch(const ng_supervisor_config *config, ng_supervisor *own, ng_real pitch)
+{
+    const ng_real off = pitch - own->pitch;
+    own->pitch += off * NG_PERIOD / config->rest_s;
+    const int still = ng_abs(off) <= config->at_rest * config->rest_s;
+    own->still_s = still ? own->still_s + NG_PERIOD : NG(0.0);
+}
+
+/* Whether neither a joint moves, nor the whole robot. */
+static int at_rest(const ng_supervisor_config *config, const ng_supervisor *own,
+                   const ng_pose *pose)
+{
+    static const ng_real rest[NG_COORDINATES];
+    return own->still_s >= NG(3.0) * config->rest_s &&
+           furthest(pose->dq, rest) <= config->at_rest;
+}
+
 /* Begin to move from where the robot is; the fastest joint takes its rate. */
 static void begin_move(const ng_supervisor_config *config, ng_supervisor *own,
                        const ng_pose *pose, const ng_real to[NG_COORDINATES])
@@ -230,6 +260,7 @@ static void damp(const ng_supervisor_config *config, ng_supervisor *own,
     ng_real wanted[NG_LEGS][NG_LEG_JOINTS];
     const ng_command nothing = {0};
     *command = nothing;
+    copy_torques((const ng_real(*)[NG_LEG_JOINTS])own->given, own->state.torque);
     for (int leg = 0; leg < NG_LEGS; ++leg) {
         for (int i = 0; i < NG_LEG_JOINTS; ++i) {
             const ng_real rate = reading->rates[leg][i];
@@ -268,7 +299,6 @@ static int both_feet(const ng_supervisor_config *config, const ng_measurement *r
 static ng_waiting waiting(const ng_supervisor_config *config, const ng_supervisor *own,
                           const ng_measurement *reading, const ng_pose *pose)
 {
-    static const ng_real rest[NG_COORDINATES];
     if (own->mode != NG_STAND || own->part != HOLDING) {
         return NG_FOR_STANDING;
     }
@@ -278,7 +308,7 @@ static ng_waiting waiting(const ng_supervisor_config *config, const ng_superviso
     if (furthest(pose->q, ng_stand_path[0]) > config->near_posture) {
         return NG_FOR_POSTURE;
     }
-    return furthest(pose->dq, rest) > config->at_rest ? NG_FOR_REST : NG_NOTHING;
+    return at_rest(config, own, pose) ? NG_NOTHING : NG_FOR_REST;
 }
 
 /* Begin to walk on a leg; what the robot does now fades into what the gait wants. */
@@ -286,6 +316,7 @@ static void begin_walk(ng_supervisor *own, const ng_supervisor_config *config,
                        const ng_measurement *reading, int leg)
 {
     stand_on(own, leg);
+    own->state.running = 0; /* the reading has been checked, and may have been used at this tick */
     ng_state trial = own->state;
     ng_command command;
     ng_step(&config->walk, &trial, reading, &command);
@@ -437,6 +468,7 @@ static int last_steps(const ng_supervisor_config *config, ng_supervisor *own,
     if (!decided->command.touchdown || own->steps_to_brake-- > 0) {
         return 0;
     }
+    copy_torques((const ng_real(*)[NG_LEG_JOINTS])own->given, own->state.torque);
     look(reading, own->state.leg, pose);
     own->place = NG(0.5);
     begin_move(config, own, pose, ng_wide_path[0]);
@@ -448,7 +480,6 @@ static int last_steps(const ng_supervisor_config *config, ng_supervisor *own,
 static void stop(const ng_supervisor_config *config, ng_supervisor *own,
                  const ng_measurement *reading, ng_pose *pose, ng_supervision *decided)
 {
-    static const ng_real rest[NG_COORDINATES];
     if (own->part == LAST_STEPS && !last_steps(config, own, reading, pose, decided)) {
         return;
     }
@@ -466,10 +497,34 @@ static void stop(const ng_supervisor_config *config, ng_supervisor *own,
     balance(config, own, pose, wide);
     move_to(config, own, pose, wide, &decided->command);
     if (own->elapsed > own->move_s && both_feet(config, reading) &&
-        furthest(pose->dq, rest) <= config->at_rest) {
+        at_rest(config, own, pose)) {
         change(own, NG_STAND, FEET_APART, NG_SETTLED, decided);
     } else if (own->elapsed > config->stop_timeout_s) {
         give_up(own, NG_TOO_LATE, decided);
+    }
+}
+
+/*
+ * Move to the standing posture. Friction may hold a foot where it is: then lean forward, where the
+ * rear foot carries little and gives way, and back again.
+ */
+static void move_to_standing(const ng_supervisor_config *config, ng_supervisor *own,
+                             const ng_pose *pose, ng_supervision *decided)
+{
+    const ng_real *posture = ng_stand_path[own->knot];
+    move_to(config, own, pose, posture, &decided->command);
+    if (own->elapsed <= own->move_s) {
+        return;
+    }
+    if (own->knot == 0 && furthest(pose->q, posture) <= config->near_posture) {
+        enter(own, NG_STAND, HOLDING);
+    } else if (own->in_mode > config->stand_timeout_s) {
+        give_up(own, NG_TOO_LATE, decided);
+    } else if (own->elapsed > own->move_s + config->settle_s) {
+        const int knot = own->knot == 0 ? LIGHT_REAR_FOOT : 0;
+        begin_move(config, own, pose, ng_stand_path[knot]);
+        enter(own, NG_STAND, MOVING);
+        own->knot = knot;
     }
 }
 
@@ -477,22 +532,14 @@ static void stand(const ng_supervisor_config *config, ng_supervisor *own,
                   const ng_pose *pose, ng_supervision *decided)
 {
     static const ng_real rest[NG_COORDINATES];
-    const ng_real *posture = ng_stand_path[0];
-    if (own->part == FEET_APART) {
-        ng_real wide[NG_COORDINATES];
+    ng_real wide[NG_COORDINATES];
+    if (own->part == MOVING) {
+        move_to_standing(config, own, pose, decided);
+    } else if (own->part == HOLDING) {
+        hold(config, own, pose, ng_stand_path[0], rest, &decided->command);
+    } else {
         balance(config, own, pose, wide);
         hold(config, own, pose, wide, rest, &decided->command);
-        return;
-    }
-    if (own->part == HOLDING) {
-        hold(config, own, pose, posture, rest, &decided->command);
-        return;
-    }
-    move_to(config, own, pose, posture, &decided->command);
-    if (own->elapsed > own->move_s && furthest(pose->q, posture) <= config->near_posture) {
-        enter(own, NG_STAND, HOLDING);
-    } else if (own->elapsed > own->move_s + config->stand_timeout_s) {
-        give_up(own, NG_TOO_LATE, decided);
     }
 }
 
@@ -539,6 +586,20 @@ static void leave_walk(const ng_supervisor_config *config, ng_supervisor *own,
     }
 }
 
+/* A robot that tips over its front foot steps on: to walk, or to end that step far ahead. */
+static void catch_fall(const ng_supervisor_config *config, ng_supervisor *own,
+                       const ng_measurement *reading, ng_request request,
+                       ng_supervision *decided)
+{
+    begin_walk(own, config, reading, own->state.leg);
+    own->braked = own->steps_to_brake = 0;
+    if (request == NG_REQUEST_WALK) {
+        change(own, NG_WALK, STEPPING, NG_TIPS_FORWARD, decided);
+    } else {
+        change(own, NG_STOP, LAST_STEPS, NG_TIPS_FORWARD, decided);
+    }
+}
+
 /* The operator's request, where the mode follows it. */
 static void follow_request(const ng_supervisor_config *config, ng_supervisor *own,
                            const ng_measurement *reading, ng_request request,
@@ -557,6 +618,11 @@ static void follow_request(const ng_supervisor_config *config, ng_supervisor *ow
         return;
     }
     look(reading, own->state.leg, &pose);
+    if (own->mode == NG_STAND && pose.tips > config->first_momentum && pose.foot[0] < NG(0.0) &&
+        reading->normal_force[own->state.leg] >= config->walk.contact_force) {
+        catch_fall(config, own, reading, request, decided);
+        return;
+    }
     if (request == NG_REQUEST_STAND && own->mode == NG_WALK) {
         leave_walk(config, own, &pose, decided);
     } else if (request == NG_REQUEST_WALK && own->mode != NG_WALK) {
@@ -619,16 +685,12 @@ void ng_supervise(const ng_supervisor_config *config, ng_supervisor *own,
     ng_fault fault = latched != NG_NO_FAULT ? latched
                                             : ng_check(&config->walk, &own->state, reading);
     if (fault == NG_NO_FAULT) {
-        const ng_state before = own->state;
+        follow_pitch(config, own, reading->pitch);
         follow_request(config, own, reading, request, decided);
         carry_on(config, own, reading, decided);
         own->state.running = 1;
         own->state.last_us = reading->time_us;
         fault = own->state.fault;
-        if (fault != NG_NO_FAULT) {
-            /* The controller has set its torques to zero: damping begins with those before. */
-            own->state = before;
-        }
     }
     own->state.fault = decided->fault = fault;
     decided->fault_is_new = fault != NG_NO_FAULT && latched == NG_NO_FAULT;
@@ -644,6 +706,7 @@ void ng_supervise(const ng_supervisor_config *config, ng_supervisor *own,
     } else {
         aim(config, own, reading, &decided->command);
     }
+    copy_torques((const ng_real(*)[NG_LEG_JOINTS])own->state.torque, own->given);
 }
 
 void ng_supervisor_start(ng_supervisor *supervisor)
@@ -660,7 +723,8 @@ ng_supervisor_config ng_supervisor_config_of(const ng_law *law)
         .joint_rate = NG(0.5),
         .near_posture = NG(0.1),
         .at_rest = NG(0.1),
-        .stand_timeout_s = NG(3.0),
+        .rest_s = NG(0.1),
+        .stand_timeout_s = NG(15.0),
         .lean_s = NG(2.5) / NG_PENDULUM,
         .lean_timeout_s = NG(10.0) / NG_PENDULUM,
         .first_momentum = NG_FIRST_MOMENTUM,
@@ -696,6 +760,7 @@ const char *ng_reason_text(ng_reason reason)
         "no change",
         "as requested",
         "the robot was in mid-step already",
+        "the robot tips over its front foot",
         "the walk has ended on two feet",
         "not there in time",
         "the centre of mass has left the feet",

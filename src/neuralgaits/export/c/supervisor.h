@@ -28,6 +28,7 @@ typedef enum {
     NG_NO_CHANGE,
     NG_AS_REQUESTED,
     NG_FROM_MID_STEP,  /* to walk: the robot was on the gait already */
+    NG_TIPS_FORWARD,   /* to walk or stop: the robot tips over its front foot */
     NG_SETTLED,        /* to stand: the walk has ended on two feet */
     NG_TOO_LATE,       /* not there in time: to damp, or from a walk that does not begin to stand */
     NG_TIPPED_OVER,    /* to damp: the centre of mass has left the feet */
@@ -42,7 +43,7 @@ typedef enum {
     NG_FOR_STANDING,  /* no posture is held yet */
     NG_FOR_TWO_FEET,  /* a foot does not feel the floor */
     NG_FOR_POSTURE,   /* a joint is too far from the posture */
-    NG_FOR_REST       /* a joint moves */
+    NG_FOR_REST       /* a joint or the robot moves */
 } ng_waiting;
 
 /* What may differ from one robot to the next. */
@@ -52,8 +53,9 @@ typedef struct {
     ng_real kd[NG_LEG_JOINTS];/* likewise; alone while damping [N m s/rad] */
     ng_real joint_rate;       /* fastest joint on the way to a posture [rad/s] */
     ng_real near_posture;     /* a joint there is no further from it [rad] */
-    ng_real at_rest;          /* a joint at rest is no faster [rad/s] */
-    ng_real stand_timeout_s;  /* to reach the posture [s] */
+    ng_real at_rest;          /* a joint, or a robot, at rest turns no faster [rad/s] */
+    ng_real rest_s;           /* time in which that shows in the pitch [s] */
+    ng_real stand_timeout_s;  /* to hold the posture [s] */
     ng_real lean_s;           /* from standing to where the first step begins [s] */
     ng_real lean_timeout_s;   /* to tip over the front foot [s] */
     ng_real first_momentum;   /* about the front foot, beyond what just tips over it, with which
@@ -86,10 +88,14 @@ typedef struct {
     ng_real place;                   /* between both ends of ng_wide_path */
     ng_real lead[NG_ACTUATED];       /* outputs ahead of the gait's, which fade [rad] */
     ng_real lead_rate[NG_ACTUATED];  /* at the beginning [rad/s] */
+    ng_real pitch;                   /* followed slowly [rad] */
+    ng_real still_s;                 /* for which the robot has not left it [s] */
     int steps_to_brake;              /* touchdowns before the step that brakes */
     int braked;                      /* steps that did */
+    int knot;                        /* of ng_stand_path, to which the robot moves */
     int refused;                     /* until the operator requests damp */
-    ng_target targets[NG_LEGS][NG_LEG_JOINTS]; /* of the last tick */
+    ng_real given[NG_LEGS][NG_LEG_JOINTS];     /* torques of the last tick [N m] */
+    ng_target targets[NG_LEGS][NG_LEG_JOINTS]; /* likewise */
 } ng_supervisor;
 
 /* What a tick has decided. */

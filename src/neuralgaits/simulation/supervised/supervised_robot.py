@@ -53,10 +53,11 @@ class Reason(IntEnum):
     NO_CHANGE = 0
     AS_REQUESTED = 1
     FROM_MID_STEP = 2
-    SETTLED = 3
-    TOO_LATE = 4
-    TIPPED_OVER = 5
-    BY_FAULT = 6
+    TIPS_FORWARD = 3
+    SETTLED = 4
+    TOO_LATE = 5
+    TIPPED_OVER = 6
+    BY_FAULT = 7
 
 
 class Waiting(IntEnum):
