@@ -75,16 +75,13 @@ def export_controller(
         format: `c`, the controller; `onnx`, its policy and rate; `fmu`, the controller for
             co-simulation by FMI 3.0; `fmu2`, by FMI 2.0; `ros2`, a package for ros2_control.
         force: replace the files of an earlier export.
-        config: deployment file of the robot, whose map between motors and joints is written, too;
-            a template of one is written if None.
-        joints: identified joints that the torques of pd and fblin are for: `latest` for those that
-            `fit_joints` wrote into the run, or a file.
+        config: deployment file of the robot; a template of one is written if None.
+        joints: identified joints that the torques are for: `latest`, or a file of `fit_joints`.
         states: random states on which C and Python are compared.
         begun: called when the settings are checked and the work begins.
 
     Returns: `Export`; of a family beside walkers, the record that `--json` prints.
-    Raises: InputError, SpecError or RunError with one line for bad input; MismatchError if the code
-        does not compile or differs from Python, and nothing is written.
+    Raises: InputError, SpecError or RunError; MismatchError if the code differs from Python.
     """
     _refuse_settings(format, states, config)
     given = _given(format=format, force=force, config=config, joints=joints, states=states)

@@ -285,11 +285,10 @@ def _errors(drawn: DrawnRobots, episodes: int) -> dict[str, tuple[float, ...]]:
 
 def _engine(plan: _Plan, settings: SimulateSettings) -> WalkEngine:
     """Choose the engine. Raises: InputError if native code was requested but is not possible."""
-    controller, choice = settings.controller, settings.engine
-    if controller != REMOTE:
+    if (controller := settings.controller) != REMOTE:
         joints = None if plan.joints is None else plan.joints.model
-        return walk_engine_for(plan.run, controller, choice, settings.simulator, joints)
-    if choice == "native":
+        return walk_engine_for(plan.run, controller, settings.engine, settings.simulator, joints)
+    if settings.engine == "native":
         raise InputError(
             f"--engine native: expected {names_of_laws(compiled=True)}, found {REMOTE}, which is a "
             "process of its own: leave --engine out, or --controller"

@@ -31,7 +31,7 @@ _DECIDED, _TARGET = 9, 5
 
 
 class Mode(IntEnum):
-    """What a supervised robot does, `ng_mode` in C."""
+    """Mode of a supervised robot, `ng_mode` in C."""
 
     DAMP = 0
     STAND = 1
@@ -40,7 +40,7 @@ class Mode(IntEnum):
 
 
 class Request(IntEnum):
-    """What the operator wants, `ng_request` in C."""
+    """Request of the operator, `ng_request` in C."""
 
     DAMP = 0
     STAND = 1
@@ -61,7 +61,7 @@ class Reason(IntEnum):
 
 
 class Waiting(IntEnum):
-    """What the operator's request waits for, `ng_waiting` in C."""
+    """Reason why a request waits, `ng_waiting` in C."""
 
     NOTHING = 0
     FOR_DAMP = 1
@@ -73,7 +73,7 @@ class Waiting(IntEnum):
 
 
 class Supervision(NamedTuple):
-    """What a tick of the supervisor has decided."""
+    """Decisions of a tick of the supervisor."""
 
     mode: Mode
     """What the robot does."""
