@@ -23,7 +23,8 @@ static int tick(const double *in)
     ng_measurement reading;
     ng_state state;
     ng_command command;
-    ng_target plain[NG_LEGS][NG_LEG_JOINTS], targets[NG_BOARD_MOTORS];
+    ng_target plain[NG_LEGS][NG_LEG_JOINTS], targets[NG_BOARD_MOTORS], mapped[NG_BOARD_MOTORS];
+    ng_target stiff[NG_LEGS][NG_LEG_JOINTS];
     ng_real torques[NG_BOARD_MOTORS];
     int done = 1, outside;
     for (int i = 0; i < NG_BOARD_MOTORS; ++i) {
@@ -42,6 +43,8 @@ static int tick(const double *in)
     ng_impedance(&reading, &command, NG(0.0), NG(0.0), plain);
     ng_board_torques(&command, torques);
     ng_board_targets(&reading, &command, targets);
+    ng_impedance(&reading, &command, NG(70.0), NG(4.0), stiff);
+    ng_board_map_targets((const ng_target(*)[NG_LEG_JOINTS])stiff, mapped);
     for (int leg = 0; leg < NG_LEGS; ++leg) {
         for (int i = 0; i < NG_LEG_JOINTS; ++i) {
             done &= put(plain[leg][i].q_des) && put(plain[leg][i].dq_des) &&
@@ -53,7 +56,7 @@ static int tick(const double *in)
     done &= put(encoders.normal_force[0]) && put(encoders.normal_force[1]);
     done &= put((ng_real)outside);
     for (int i = 0; i < NG_BOARD_MOTORS; ++i) {
-        done &= put(torques[i]) && put_targets(&targets[i]);
+        done &= put(torques[i]) && put_targets(&targets[i]) && put_targets(&mapped[i]);
     }
     return done;
 }

@@ -61,7 +61,7 @@ def test_c_and_python_agree(deployed, precision, within):
         plain = row[: 5 * size].reshape(size, 5).T.reshape(5, *board.motor.shape)
         q_des, dq_des, torque, joints, djoints = plain
         fault, pitch, dpitch, left, right, beyond = row[5 * size : 5 * size + 6]
-        by_motor = row[5 * size + 6 :].reshape(board.motors, 6).T
+        by_motor = row[5 * size + 6 :].reshape(board.motors, 11).T
         own = board.joint_readings(reading)
         expected = [*own.joints.ravel(), *own.djoints.ravel(), own.pitch, own.dpitch]
         found = [*joints.ravel(), *djoints.ravel(), pitch, dpitch]
@@ -78,8 +78,14 @@ def test_c_and_python_agree(deployed, precision, within):
             continue
         walked += 1
         targets = board.drive_targets(joints, djoints, q_des, dq_des, torque)
-        for one, own_target in zip(by_motor[1:], targets, strict=True):
+        for one, own_target in zip(by_motor[1:6], targets, strict=True):
             np.testing.assert_allclose(one, own_target, rtol=10 * within, atol=1e3 * within)
+        # Targets with gains of their own: at the reading they give the joints' torques.
+        aim, aim_rate, kp, kd, ahead = by_motor[6:]
+        given = ahead + kp * (aim - reading.position) + kd * (aim_rate - reading.velocity)
+        plain_torque = board.sign * torque / board.gear
+        np.testing.assert_allclose(given[board.motor], plain_torque, rtol=within, atol=1e3 * within)
+        np.testing.assert_allclose((board.gear**2 * kp[board.motor]), 70.0, rtol=10 * within)
     assert 0 < outside < STATES < 2 * walked
 
 

@@ -155,7 +155,7 @@ def test_a_mismatch_leaves_nothing(trained, tmp_path, monkeypatch):
 
 
 def test_c_that_does_not_compile_is_a_mismatch(trained, tmp_path, monkeypatch):
-    monkeypatch.setattr(workflow, "gait_files", lambda design: {"gait.h": "int unused = x;"})
+    monkeypatch.setattr(export_formats, "gait_files", lambda design: {"gait.h": "int unused = x;"})
     with pytest.raises(MismatchError, match=r"compiles without warnings"):
         export_controller(trained, tmp_path / "c", states=STATES)
     assert list(tmp_path.iterdir()) == []

@@ -22,8 +22,7 @@ from neuralgaits.export.reference import Reference
 from neuralgaits.export.source import gait_files
 from neuralgaits.records.exported import UncheckedExport
 from neuralgaits.robots import load_robot
-from neuralgaits.workflows import demo
-from neuralgaits.workflows import export as workflow
+from neuralgaits.workflows import demo, export_formats
 from neuralgaits.workflows.export import export_controller
 from support.designs import FOOTHOLDS, LAWS, SPEED, commanded_design, design_for
 from support.fmu_host import VERSIONS, FmuPlant, UnpackedFmu, made_fmu
@@ -165,7 +164,7 @@ def test_the_controller_of_an_fmu_is_compared_with_python(tmp_path, monkeypatch)
         return partial(UncheckedExport, reason="not now")
 
     monkeypatch.setattr(build, "COMPILERS", build.COMPILERS[:1])
-    monkeypatch.setattr(workflow, "check_controller", compared)
+    monkeypatch.setattr(export_formats, "check_controller", compared)
     export_controller(demo.FOLDER, tmp_path / "out", format="fmu2", states=7)
     assert asked == [(True, ["gcc"], 7)]
     with zipfile.ZipFile(tmp_path / "out" / "neuralgaits_amber3m.fmu") as opened:

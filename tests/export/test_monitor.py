@@ -165,6 +165,9 @@ def test_ticks_are_late_and_times_outside_add_up(made, cases, program):
     assert [one[2, 3] for one in levels] == ["0", "1234", "2469", "2469", "3369"]
     assert [one[2, 4] for one in levels] == ["0", "1234", "2469", "0", "900"]
     assert all(r[-2:] == ["a" * 64, "b" * 64] for r in rows)
+    # A clock that went back is late, and adds nothing to the time outside.
+    back = monitored.ticks(program, cases, [out, out], [5000, 4000])
+    assert back[1][1] == "0" and np.array(back[1][3:-2]).reshape(3, 5)[2, 3] == "0"
 
 
 MAIN = """

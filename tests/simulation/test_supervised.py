@@ -160,6 +160,47 @@ def test_a_fault_damps_every_joint_once_and_for_all(robot):
     assert robot.tick(Request.STAND).mode == Mode.STAND
 
 
+def test_a_reading_that_is_no_number_damps_with_estimated_rates(design):
+    """The estimator keeps nothing of it: joints go on damping, and a new start is a new start."""
+    robot = SupervisedRobot(design, sensed(PlantChanges(), "encoders"))
+    robot.start()
+    until(robot, Request.WALK, steps(2))
+    sense, joints = robot._sense, robot.plant.state_map.joints
+    fastest = int(np.argmax(np.abs(robot.data.qvel[joints])))
+
+    def spoilt():
+        sense()
+        robot._sensors[6 + fastest] = np.nan
+
+    robot._sense = spoilt
+    tick = robot.tick(Request.WALK)
+    assert (tick.mode, tick.fault) == (Mode.DAMP, Fault.NOT_FINITE)
+    robot._sense = sense
+    damped = np.zeros(tick.torques.shape, bool)
+    for _ in range(20):
+        rates = robot.data.qvel[joints]
+        tick = robot.tick(Request.WALK)
+        moving = np.abs(rates) > 1.0
+        assert np.all(tick.torques[moving] * rates[moving] < 0.0)
+        damped |= moving
+    # The joint whose reading was spoilt is among them.
+    assert damped.reshape(-1)[fastest]
+
+
+def test_the_time_to_stand_counts_from_the_request(double):
+    """Not from the end of the walk before, after which it may have stood for long."""
+    double.start()
+    until(double, Request.WALK, steps(2))
+    until(double, Request.STAND, settled)
+    until(double, Request.STAND, lambda ticks: len(ticks) == 16000, most=16000)
+    knee = double.plant.state_map.joints[1, 0]
+    at = double.data.qpos[knee]
+    for _ in range(2500):
+        double.data.qpos[knee], double.data.qvel[knee] = at, 0.0
+        tick = double.tick(Request.WALK)
+        assert tick.mode == Mode.STAND and tick.reason == Reason.NO_CHANGE
+
+
 def test_in_the_air_it_stands_and_waits_to_walk(double):
     double.start()
     height = double.plant.state_map.root[1]

@@ -126,7 +126,7 @@ def test_rows_left_out_are_counted(brief_run, planted_logs, tmp_path):
 @pytest.mark.parametrize(
     ("files", "found"),
     [
-        (slice(0, 0), "expected at least one CSV file, found none"),
+        (slice(0, 0), "expected at least one CSV or MCAP file, found none"),
         (slice(0, 1), "expected at least 3 strides of 0.1 s or more"),
     ],
 )

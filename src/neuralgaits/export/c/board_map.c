@@ -46,6 +46,27 @@ void ng_board_torques(const ng_command *command, ng_real torques[NG_BOARD_MOTORS
     }
 }
 
+void ng_board_map_targets(const ng_target joints[NG_LEGS][NG_LEG_JOINTS],
+                          ng_target targets[NG_BOARD_MOTORS])
+{
+    const ng_target nothing = {NG(0.0), NG(0.0), NG(0.0), NG(0.0), NG(0.0)};
+    for (int motor = 0; motor < NG_BOARD_MOTORS; ++motor) {
+        targets[motor] = nothing;
+    }
+    for (int leg = 0; leg < NG_LEGS; ++leg) {
+        for (int i = 0; i < NG_LEG_JOINTS; ++i) {
+            const ng_target *from = &joints[leg][i];
+            const ng_real sign = ng_board_sign[leg][i], gear = ng_board_gear[leg][i];
+            ng_target *to = &targets[ng_board_motor[leg][i]];
+            to->q_des = gear * (sign * from->q_des + ng_board_zero[leg][i]);
+            to->dq_des = gear * sign * from->dq_des;
+            to->kp = from->kp / (gear * gear);
+            to->kd = from->kd / (gear * gear);
+            to->tau_ff = sign * from->tau_ff / gear;
+        }
+    }
+}
+
 void ng_board_targets(const ng_measurement *reading, const ng_command *command,
                       ng_target targets[NG_BOARD_MOTORS])
 {

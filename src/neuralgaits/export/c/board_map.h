@@ -37,4 +37,11 @@ void ng_board_torques(const ng_command *command, ng_real torques[NG_BOARD_MOTORS
 void ng_board_targets(const ng_measurement *reading, const ng_command *command,
                       ng_target targets[NG_BOARD_MOTORS]);
 
+/*
+ * Targets of the joints, as those of ng_impedance or of the supervisor, for the drives. Their gains
+ * and torques are taken as they are.
+ */
+void ng_board_map_targets(const ng_target joints[NG_LEGS][NG_LEG_JOINTS],
+                          ng_target targets[NG_BOARD_MOTORS]);
+
 #endif

@@ -49,9 +49,38 @@ static void stand(ng_measurement *now, int leg, ng_real z2, ng_real extra)
     }
 }
 
+/* Whether a number that is followed is none: following it would never end. */
+static int is_no_number(const ng_measurement *reading)
+{
+    int finite = ng_finite(reading->pitch);
+    for (int leg = 0; leg < NG_LEGS; ++leg) {
+        for (int i = 0; i < NG_LEG_JOINTS; ++i) {
+            finite &= ng_finite(reading->angles[leg][i]);
+        }
+    }
+    return !finite;
+}
+
+/* The rates of the last tick beside angles that the controller refuses. */
+static void keep_rates(const ng_measurement *last, ng_measurement *reading)
+{
+    reading->dpitch = last->dpitch;
+    reading->hip_velocity[0] = last->hip_velocity[0];
+    reading->hip_velocity[1] = last->hip_velocity[1];
+    for (int leg = 0; leg < NG_LEGS; ++leg) {
+        for (int i = 0; i < NG_LEG_JOINTS; ++i) {
+            reading->rates[leg][i] = last->rates[leg][i];
+        }
+    }
+}
+
 void ng_estimate(ng_estimator *estimator, const ng_state *state, ng_measurement *reading)
 {
     ng_measurement *now = &estimator->estimate;
+    if (is_no_number(reading)) {
+        keep_rates(now, reading);
+        return;
+    }
     if (!estimator->started) {
         estimator->started = 1;
         *now = *reading;

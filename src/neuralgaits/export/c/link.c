@@ -199,6 +199,7 @@ static int serve(int handle, FILE *log)
     session s = {0};
     double time_us = 0.0;
     uint32_t last_us = 0u;
+    int timed = 0; /* whether last_us is of this episode */
     (void)log; /* without a log in the format of AMBER-3M */
     for (;;) {
         struct sockaddr_in peer;
@@ -214,7 +215,7 @@ static int serve(int handle, FILE *log)
             continue; /* not of this protocol */
         }
         const uint32_t sequence = get32(packet + 4);
-        if (memcmp(packet, heads[2], 4) == 0) {
+        if (memcmp(packet, heads[2], 4) == 0 && got == HEAD) {
             return 0;
         }
         if (memcmp(packet, heads[0], 4) == 0 && got == START_BYTES && begin(&s, packet)) {
@@ -223,13 +224,16 @@ static int serve(int handle, FILE *log)
             memcpy(reply + 4, &sequence, 4);
             memcpy(reply + 8, shape, sizeof shape);
             size = HEAD;
+            timed = 0;
         } else if (memcmp(packet, heads[1], 4) == 0 && got == READING_BYTES && s.started) {
             const int used = tick(&s, packet);
             size = answer(&s, sequence, used, reply);
             if (used) {
                 const uint32_t at = s.reading.time_us;
-                time_us += (double)(at - last_us);
+                /* Rows of two episodes do not follow each other. */
+                time_us += timed ? (double)(at - last_us) : time_us > 0.0 ? 1e6 : 0.0;
                 last_us = at;
+                timed = 1;
             }
 #if NG_HAS_AMBER_LOG
             if (used && log != NULL && s.command.fault == NG_NO_FAULT &&

@@ -75,11 +75,12 @@ void ng_monitor_step(ng_monitor *monitor, const ng_state *state, uint32_t time_u
                      ng_command *command, ng_monitor_answer *answer)
 {
     const uint32_t gap = monitor->running ? time_us - monitor->last_us : 0u;
+    const uint32_t passed = gap < 0x80000000u ? gap : 0u; /* a clock that went back */
     memberships(state, command, 0, NG_MONITOR_LEVELS, answer->levels);
     for (int k = 0; k < NG_MONITOR_LEVELS; ++k) {
         ng_membership *one = &answer->levels[k];
-        monitor->outside_us[k] += one->inside ? 0u : gap;
-        monitor->stretch_us[k] = one->inside ? 0u : monitor->stretch_us[k] + gap;
+        monitor->outside_us[k] += one->inside ? 0u : passed;
+        monitor->stretch_us[k] = one->inside ? 0u : monitor->stretch_us[k] + passed;
         one->outside_us = monitor->outside_us[k];
         one->stretch_us = monitor->stretch_us[k];
     }

@@ -396,6 +396,10 @@ static int stalled(const ng_supervisor_config *config, ng_supervisor *own,
     if (own->in_step <= config->step_timeout_s) {
         return 0;
     }
+    if (!NG_HAS_STANDING) {
+        give_up(own, NG_TOO_LATE, decided); /* no posture to go back to */
+        return 1;
+    }
     stand_on(own, front_leg(reading));
     look(reading, own->state.leg, pose);
     begin_move(config, own, pose, ng_stand_path[0]);
@@ -431,7 +435,9 @@ static void walk(const ng_supervisor_config *config, ng_supervisor *own,
         enter(own, NG_WALK, STEPPING);
     }
     if (stalled(config, own, reading, pose, decided)) {
-        move_to(config, own, pose, ng_stand_path[0], &decided->command);
+        if (own->mode == NG_STAND) {
+            move_to(config, own, pose, ng_stand_path[0], &decided->command);
+        }
         return;
     }
     fade(config, own);
@@ -457,7 +463,9 @@ static int last_steps(const ng_supervisor_config *config, ng_supervisor *own,
                       const ng_measurement *reading, ng_pose *pose, ng_supervision *decided)
 {
     if (stalled(config, own, reading, pose, decided)) {
-        move_to(config, own, pose, ng_stand_path[0], &decided->command);
+        if (own->mode == NG_STAND) {
+            move_to(config, own, pose, ng_stand_path[0], &decided->command);
+        }
         return 0;
     }
     fade(config, own);
@@ -630,6 +638,7 @@ static void follow_request(const ng_supervisor_config *config, ng_supervisor *ow
         if (own->mode == NG_STAND && own->part == FEET_APART) {
             begin_move(config, own, &pose, ng_stand_path[0]);
             enter(own, NG_STAND, MOVING);
+            own->in_mode = NG(0.0); /* its time-out counts from the request */
         } else if (decided->waiting == NG_NOTHING) {
             change(own, NG_WALK, LEANING, NG_AS_REQUESTED, decided);
         }
@@ -680,6 +689,7 @@ void ng_supervise(const ng_supervisor_config *config, ng_supervisor *own,
 {
     const ng_supervision nothing = {0};
     const ng_fault latched = own->state.fault;
+    const ng_real since = own->state.since_touchdown;
     *decided = nothing;
     decided->before = own->mode;
     ng_fault fault = latched != NG_NO_FAULT ? latched
@@ -690,6 +700,9 @@ void ng_supervise(const ng_supervisor_config *config, ng_supervisor *own,
         carry_on(config, own, reading, decided);
         own->state.running = 1;
         own->state.last_us = reading->time_us;
+        if (own->state.since_touchdown == since && since < NG_NEVER) {
+            own->state.since_touchdown += NG_PERIOD; /* no step counted it: for ng_estimate */
+        }
         fault = own->state.fault;
     }
     own->state.fault = decided->fault = fault;

@@ -294,6 +294,9 @@ CallbackReturn GaitController::on_activate(const rclcpp_lifecycle::State &)
 CallbackReturn GaitController::on_deactivate(const rclcpp_lifecycle::State &)
 {
     hold_still();
+    const std::lock_guard<std::mutex> lock(mutex_);
+    /* A fault is reported on; a robot that no longer walks is not said to. */
+    snapshot_.valid = snapshot_.valid && snapshot_.command.fault != NG_NO_FAULT;
     return CallbackReturn::SUCCESS;
 }
 
@@ -409,7 +412,7 @@ return_type GaitController::update(const rclcpp::Time & time, const rclcpp::Dura
         snapshot_.valid = true;
         mutex_.unlock();
     }
-    // The controller manager deactivates a controller that returns ERROR.
+    // Newer controller managers deactivate a controller that returns ERROR.
     return command_.fault == NG_NO_FAULT ? return_type::OK : return_type::ERROR;
 }
 
@@ -446,6 +449,7 @@ void GaitController::publish()
         status.values.push_back(
             pair(level + " outside since activation [us]", std::to_string(one.outside_us)));
     }
+    inside = inside && now.answer.admissible;
     status.values.push_back(pair("commands as proved", now.answer.admissible ? "yes" : "no"));
     status.values.push_back(pair("proof sha256", now.answer.proof_sha256));
 #endif
