@@ -85,6 +85,7 @@ def test_a_changed_copy_is_trained_in_one_command(place, capfd):
     )
     said = capfd.readouterr().err
     assert re.search(r"changed: \d+ things in robot.urdf, listed in robot.xml", said)
+    assert "warning: armature is 0 on every joint" in said
     assert main(["inspect", "robot.urdf", "--planarise", "point.xml"]) == 0
     assert (place / "run" / "robot.xml").read_text() == (place / "point.xml").read_text()
     assert main(["train", "run/robot.xml", "--weld", "left_knee"]) == 2

@@ -1,6 +1,7 @@
 """The verb `check-deploy`: exit codes, screens, and logs that are refused in a line."""
 
 import json
+import shutil
 
 import pytest
 
@@ -57,6 +58,38 @@ def test_a_log_that_says_too_little_is_undecided(work, capfd):
     assert main(["check-deploy", "deploy.yaml", "short.csv"]) == 3
     out = capfd.readouterr().out
     assert "not checked: motor of hip_left: no row is labelled hip_left" in out
+
+
+def test_a_contact_that_answers_to_nothing_was_not_checked(work, capfd):
+    rows = [line.split(",") for line in (work / "log.csv").read_text().splitlines()]
+    before = rows[0].index("pitch[rad]")
+    contacts = [["contact_0", "contact_1"], *([["0", "0"]] * (len(rows) - 1))]
+    rows = [row[:before] + two + row[before:] for row, two in zip(rows, contacts, strict=True)]
+    rows += [[*rows[-1][:-1], "foot_left"] for _ in range(200)]
+    for i in range(200):
+        rows[-200 + i][0] = repr(float(rows[-201][0]) + 0.002 * (i + 1))
+    (work / "dead.csv").write_text("\n".join(map(",".join, rows)))
+    # Of the joints it shows all.
+    assert main(["check-deploy", "deploy.yaml", "dead.csv"]) == 0
+    assert "contact of foot_left: no channel answers to it" in capfd.readouterr().out
+
+
+def test_a_log_of_less_than_the_filter_is_not_checked_for_torques(work, capfd):
+    lines = (work / "log.csv").read_text().splitlines()
+    (work / "few.csv").write_text("\n".join(lines[:151]))
+    assert main(["check-deploy", "deploy.yaml", "few.csv"]) == 3
+    assert "torques: too few rows" in capfd.readouterr().out
+
+
+def test_a_rehearsal_replaces_no_file_of_a_run(work, capfd):
+    words = ["check-deploy", "deploy.yaml", str(SHIPPED / "rehearsal.csv"), "--rehearse"]
+    inside = work / "run"
+    shutil.copytree(SHIPPED, inside)
+    (inside / "certificate" / "proof.json").unlink()
+    words[2] = str(inside / "certificate" / "proof.json")
+    assert main([*words, "--run", str(inside)]) == 2
+    assert not (inside / "certificate" / "proof.json").exists()
+    capfd.readouterr()
 
 
 def test_a_file_without_a_run_needs_one(work, capfd):

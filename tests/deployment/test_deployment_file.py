@@ -56,7 +56,11 @@ def test_a_number_may_be_written_as_people_write_it(robot, write):
 
 WRONG = {
     "    sign: 1": ("    sign: 2", "joints[0]: sign: expected 1 or -1, found '2'"),
-    "gear: 1.0": ("gear: 0", "joints[0]: gear: expected a number above 0, found '0'"),
+    "gear: 1.0": ("gear: 0", "joints[0]: gear: expected a number from 1e-06 to 1e+06, found '0'"),
+    "gear: 1.0\n    lower": (
+        "gear: 1e-300\n    lower",
+        "joints[0]: gear: expected a number from 1e-06 to 1e+06, found '1e-300'",
+    ),
     "motor: 1": ("motor: 0", "motor: expected each index once, found 0 at knee_left, hip_left"),
     "    zero_rad: 0.0": (
         "    zero_deg: 0.0",
@@ -74,7 +78,10 @@ WRONG = {
     "upper_rad: 1.5": ("upper_rad: -1", "expected lower_rad below upper_rad, found 0 and -1"),
     "upper_rad: 1.6": ("upper_rad: 1.7", "a range within the robot file's, -1.6 to 1.6 rad"),
     "torque_limit_nm: 41.0": ("torque_limit_nm: 42.0", "at most the robot file's 41 N m"),
-    "torque_limit_nm: 4": ("torque_limit_nm: .inf#", "expected a number above 0, found '.inf#1.0'"),
+    "torque_limit_nm: 4": (
+        "torque_limit_nm: .inf#",
+        "expected a number from 1e-06 to 1e+06, found '.inf#1.0'",
+    ),
     "deployment: 1": ("deployment: 2", "deployment: expected 1, found 2: update the package"),
     "proof: null": (f"proof: {{name: p, sha256: {'3' * 64}}}", "files.proof: expected null"),
     "joints:": ("joint:", "found the key 'joint': did you mean joints?"),

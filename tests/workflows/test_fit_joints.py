@@ -131,4 +131,19 @@ def test_logs_that_say_too_little_are_refused_and_nothing_is_written(rubbing, tm
     still.write_text("\n".join(map(",".join, cells)))
     with pytest.raises(InputError, match="expected torques of the joints for --joints, found none"):
         fit_joints(run, [still], write=tmp_path / "out.xml")
+
+    def spoilt(change, only=""):
+        rows = [row.split(",") for row in log.read_text().splitlines()]
+        for i, name in enumerate(rows[0]):
+            if name.startswith("tau_") and only in name:
+                for row in rows[1:]:
+                    row[i] = change(row[i])
+        still.write_text("\n".join(map(",".join, rows)))
+
+    spoilt(lambda cell: "0", only="knee")
+    with pytest.raises(InputError, match="expected a torque of joint knee_left that changes"):
+        fit_joints(run, [still])
+    spoilt(lambda cell: repr(-float(cell)))
+    with pytest.raises(InputError, match=r"at most 0.05 s late or early, found -?\d"):
+        fit_joints(run, [still])
     assert not (tmp_path / "out.xml").exists() and not (run / JOINTS).exists()

@@ -1,6 +1,7 @@
 """Walks and exports whose torques are for joints that were identified from logs."""
 
 import json
+import os
 import shutil
 
 import numpy as np
@@ -114,6 +115,10 @@ def test_without_them_nothing_is_written_of_them(run):
         (["--controller", "clf-qp"], "found clf-qp: leave --joints out"),
         (["--controller", "c", "--link", "law=paper,lockstep=1"], "found paper"),
         (["--workers", "2"], "expected --joints without --workers or --ray"),
+        (
+            ["--controller", "c", "--link", "address=127.0.0.1:9,lockstep=1"],
+            "expected --joints with a controller of this run, found --link address",
+        ),
     ],
 )
 def test_laws_without_a_model_and_workers_are_refused(run, capsys, words, line):
@@ -128,6 +133,14 @@ def test_files_that_hold_no_joints_of_the_robot_are_refused(run, tmp_path):
     (tmp_path / "damaged.json").write_text(json.dumps({"joints": []}))
     with pytest.raises(InputError, match="found another file: write them with"):
         simulate(run, joints=tmp_path / "damaged.json")
+    os.mkfifo(tmp_path / "pipe")
+    with pytest.raises(InputError, match="found a FIFO"):
+        simulate(run, joints=tmp_path / "pipe")
+    no_joint = json.loads((run.path / JOINTS).read_text())
+    no_joint["joints"][0]["friction_nm"]["value"] = -5.0
+    (tmp_path / "less.json").write_text(json.dumps(no_joint))
+    with pytest.raises(InputError, match="expected rotors and friction from 0 to"):
+        simulate(run, joints=tmp_path / "less.json")
     other["sha256"]["robot.xml"] = "0" * 64
     (tmp_path / "other.json").write_text(json.dumps(other))
     with pytest.raises(InputError, match="found those of another in"):

@@ -3,6 +3,7 @@
 from pathlib import Path
 from typing import NamedTuple
 
+from neuralgaits._inputs import refuse_unreadable
 from neuralgaits.analysis.run import Run
 from neuralgaits.control.joint_model import JointModel
 from neuralgaits.errors import InputError, RunError
@@ -11,6 +12,9 @@ from neuralgaits.runs.hashes import file_hashes, sha256
 from neuralgaits.runs.latest import LATEST
 from neuralgaits.runs.names import JOINTS, ROBOT
 from neuralgaits.runs.shell_words import command, named
+
+MOST = 1e6
+"""Largest rotor inertia or friction of a joint, in SI units: no robot has so much."""
 
 
 class JointFile(NamedTuple):
@@ -37,6 +41,7 @@ def read_joints(run: Run, given: str | Path) -> JointFile:
     own = str(given) == LATEST
     path = run.path / JOINTS if own else Path(given)
     fit = command("fit", named(run.path), "LOG.csv", "--joints")
+    refuse_unreadable(path, remedy="is it a file of `fit --joints`?")
     try:
         content = path.read_bytes()
         found = IdentifiedJoints.read(path)
@@ -57,4 +62,9 @@ def read_joints(run: Run, given: str | Path) -> JointFile:
         [getattr(joint, name).value for joint in found.joints]
         for name in ("armature_kg_m2", "damping_nms_rad", "friction_nm")
     ]
+    if not all(0.0 <= value <= MOST for column in columns for value in column):
+        raise InputError(
+            f"--joints: expected rotors and friction from 0 to {MOST:g}, found others in {path}: "
+            f"identify them again with `{fit}`"
+        )
     return JointFile(JointModel.of_leg(run.robot, *columns), sha256(content))

@@ -19,6 +19,8 @@ TYPICAL_MOTION = 0.5
 """What the largest motion of a motor is taken for if all of them moved [rad]."""
 LEAST_MOTION = 0.05
 """Smallest motion that counts [rad]."""
+LEAST_FORCE_SHARE = 0.05
+"""Least change of a contact that is pressed, as a share of the largest reading of any."""
 ZERO_TOLERANCE = 0.05
 """Largest angle that a joint may show where the robot file's is 0 [rad]."""
 
@@ -202,7 +204,12 @@ def _contacts(found: LabelledMotion, log: HungLog) -> None:
         # For most of the log no foot is pressed.
         span = np.abs(pressed - np.median(log.contact, axis=0)).max(axis=0)
         actual = log.channels[int(np.argmax(span))]
-        if actual != one.channel and span.max() > 0.0:
+        # A reading that only trembles answers to nothing.
+        least = LEAST_FORCE_SHARE * np.abs(log.contact).max(initial=0.0)
+        if not span.max() > least:
+            found.unchecked.append(f"contact of {one.foot}: no channel answers to it")
+            continue
+        if actual != one.channel:
             found.findings.append(
                 DeploymentFinding(
                     one.foot,

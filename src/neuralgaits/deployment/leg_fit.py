@@ -70,6 +70,9 @@ class LegSeries:
         data = np.column_stack(rows)
         window = max(5, 2 * round(SMOOTHED_S / step / 2.0) + 1)
         k = q.shape[1]
+        if len(even) < 3 * window:
+            none = np.zeros((0, k))
+            return cls(none, none, none, none, np.zeros(0))
         every = slice(window, len(even) - window, max(1, round(1.0 / ROWS_HZ / step)))
 
         def filtered(order: int) -> Float[np.ndarray, "t c"]:

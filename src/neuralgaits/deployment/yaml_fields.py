@@ -13,6 +13,8 @@ MOST_INDEX = 255
 """Largest index of a motor or channel: more than a bus of drives has."""
 MOST_ROWS = 64
 """Longest list."""
+LEAST = 1e-6
+"""Least of the numbers above 0: with a smaller gear, single precision overflows."""
 _LARGEST = 1e9
 """Largest number; C computes in single precision, too."""
 
@@ -66,7 +68,10 @@ KINDS: Mapping[str, tuple[str, Callable[[str], Any]]] = {
     "index": (f"a whole number from 0 to {MOST_INDEX}", _whole(0, MOST_INDEX)),
     "sign": ("1 or -1", _sign),
     "number": ("a number", _number),
-    "positive": ("a number above 0", _bounded(lambda value: value > 0.0)),
+    "positive": (
+        f"a number from {LEAST:g} to {1.0 / LEAST:g}",
+        _bounded(lambda value: LEAST <= value <= 1.0 / LEAST),
+    ),
     "not negative": ("a number of at least 0", _bounded(lambda value: value >= 0.0)),
     "sha256": ("a sha256 of 64 hexadecimal digits", _sha256),
 }

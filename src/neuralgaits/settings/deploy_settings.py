@@ -1,22 +1,21 @@
 """Settings of the verb `check-deploy`."""
 
 from dataclasses import KW_ONLY, dataclass
-from pathlib import Path
 from typing import Annotated
 
 from tyro.conf import Positional
 
 from neuralgaits.settings.options import Settings, arg
-from neuralgaits.settings.shared_options import A_PATH, AnyName, Flag
+from neuralgaits.settings.shared_options import A_PATH, ONE_PATH, AnyName, AnyPath, Flag
 
 
 @dataclass(frozen=True)
 class CheckDeploySettings(Settings):
     """Settings of `check-deploy`."""
 
-    file: Annotated[Positional[Path], arg(metavar="deploy.yaml")]
+    file: Annotated[Positional[AnyPath], arg(metavar="deploy.yaml"), ONE_PATH]
     """Deployment file."""
-    log: Annotated[Positional[Path], arg(metavar="LOG.csv")]
+    log: Annotated[Positional[AnyPath], arg(metavar="LOG.csv"), ONE_PATH]
     """Log of the robot in a stand; see the page 'The deployment file'."""
     _: KW_ONLY
     run: Annotated[AnyName | None, arg(metavar="RUN"), A_PATH] = None

@@ -45,6 +45,7 @@ else:
     Controller = Literal[(*CONTROL_LAWS, "c")]
 
 A_PATH = PythonType("str | Path | None", (str, Path))
+ONE_PATH = PythonType("str | Path", (str, Path))
 SOME_PATHS = PythonType("Sequence[str | Path]", (list, tuple), (str, Path))
 Flag = Annotated[bool, arg()]
 Run = Annotated[Positional[AnyRun], arg(metavar="RUN"), PythonType("Run | str | Path")]

@@ -84,6 +84,11 @@ def refuse_shared(
 def refuse_without_model(controller: str | AbstractLaw, wire: LinkConfig | None) -> None:
     """Refuse identified joints for a law whose torques are not the model's. Raises: InputError."""
     law = controller if wire is None else wire.law
+    if wire is not None and wire.address:
+        raise InputError(
+            "expected --joints with a controller of this run, found --link address: that process "
+            "was compiled without them here; export it with --joints, and leave --joints out"
+        )
     if not law_named(law).takes_joints:
         raise InputError(
             f"--joints: expected a law whose torques are the model's, pd or fblin, found "

@@ -13,6 +13,7 @@ from neuralgaits.errors import InputError
 from neuralgaits.records.deployed import DeploymentCheck
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.runs.atomic import refuse_unwritable, write_bytes
+from neuralgaits.runs.outputs import refuse_outputs
 from neuralgaits.settings import CheckDeploySettings, called_with
 from neuralgaits.workflows.deployed_run import deployed_robot
 
@@ -30,14 +31,15 @@ def check_deploy(settings: CheckDeploySettings) -> DeploymentCheck:
     start_time = time.perf_counter()
     run = settings.run
     if run is None:
-        run = run_of_deployment(settings.file)
+        run = run_of_deployment(Path(settings.file))
     trained = open_run(run)
     about = deployed_robot(trained)
-    file = read_deployment(settings.file, about)
+    file = read_deployment(Path(settings.file), about)
     if settings.rehearse:
+        refuse_outputs([Path(settings.log)], [Path(settings.file)], run=trained.path)
         _rehearse(Path(settings.log), about.robot, file)
     joints = [one.joint for one in file.joints]
-    log = read_hung_log(settings.log, (*joints, *about.feet, "pitch", "zero"))
+    log = read_hung_log(Path(settings.log), (*joints, *about.feet, "pitch", "zero"))
     findings, checks, unchecked = compared(file, about, log)
     return DeploymentCheck(
         file=str(Path(settings.file)),

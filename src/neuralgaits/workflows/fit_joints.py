@@ -32,6 +32,8 @@ from neuralgaits.runs.outputs import refuse_outputs
 FEWEST_STRIDES, FEWEST_WINDOWS = 10, 20
 """Least number of strides, and of windows of each joint, in logs that joints are identified
 from."""
+LONGEST_DELAY_S = 0.05
+"""Longest time by which torques act late or early: beyond, they are not those of the motion."""
 HELD_OUT = 5
 """Every fifth stride is reported on, and the others are identified from."""
 
@@ -143,7 +145,18 @@ def _estimate(
             f"{windows.names[0]} turns at {SLOWEST_RAD_S:g} rad/s or faster all through, found "
             f"{len(windows.torque)}: walk longer or faster"
         )
+    if not np.ptp(windows.features[:, -1]) > 0.0:
+        raise InputError(
+            f"logs: expected a torque of joint {windows.names[0]} that changes, found one that "
+            "does not: name the column of its torques, or leave --joints out"
+        )
     found = identified(windows)
+    if not abs(delay := float(found.value[-1])) <= LONGEST_DELAY_S:
+        raise InputError(
+            f"logs: expected torques of joint {windows.names[0]} at most {LONGEST_DELAY_S:g} s "
+            f"late or early, found {delay:.3g} s: they do not belong to its motion; look at their "
+            "sign, unit, time and column"
+        )
     file = np.array([robot.armature[1 + place], 0.0, robot.damping[1 + place], 0.0])
     armature, friction, damping, delay = (
         Estimate(*(float(part) for part in parts)) for parts in zip(*found, file, strict=True)

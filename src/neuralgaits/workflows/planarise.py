@@ -32,7 +32,7 @@ class PlanarCopy:
         robot: the robot in it.
         text: MJCF, with the changes in a comment at the top.
         changes: what is different from the source, a line each.
-        warnings: what the copy lacks that the source has, a line each.
+        warnings: what is unusual about the copy, or lost in it, a line each.
     """
 
     robot: PlanarBiped
@@ -52,6 +52,7 @@ def planar_copy(source: str | Path, feet: Feet = "point", weld: Collection[str] 
     resolved = () if folder is not None else _resolved(source, text, dropped)
     warnings = _about_cut_feet(text, name, weld, folder) if feet == "point" else ()
     robot = robot_from_text(made.text, name)
+    warnings = (*inspect(robot).warnings, *warnings)
     return PlanarCopy(robot, made.text, (*resolved, *made.changes), warnings)
 
 
@@ -73,8 +74,7 @@ def planarise_file(
     made = planar_copy(source, feet, weld)
     write_new(out, made.text)
     facts = inspect(load_robot(out))
-    warnings = (*facts.warnings, *made.warnings)
-    return replace(facts, written=str(out), changes=made.changes, warnings=warnings)
+    return replace(facts, written=str(out), changes=made.changes, warnings=made.warnings)
 
 
 def _about_cut_feet(
