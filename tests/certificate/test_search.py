@@ -15,6 +15,7 @@ from neuralgaits.certificate.search.box_tree import BoxTree
 from neuralgaits.certificate.search.branch_and_bound import (
     MOST_AT_START,
     Search,
+    bound_here,
     missing,
     search,
     start,
@@ -365,6 +366,32 @@ def test_nothing_is_asked_where_axes_are_not_near():
     (statement,) = prove(near, state)
     assert not state.refuted and 0.0 <= statement.bounds["near"] <= 0.05
     assert float(state.seen[0]) >= 0.05 - 1e-12
+
+
+@pytest.mark.parametrize(("weak", "one_by_one"), [(1e-4, False), (0.3, True)])
+def test_weak_axes_are_measured_one_by_one_only_where_together_they_cost_much(weak, one_by_one):
+    def margin(u):
+        curve = jnp.sin(6.0 * u[0]) + weak * (jnp.sin(6.0 * u[2]) + jnp.sin(6.0 * u[3]))
+        return 1.01 + 2.0 * weak + curve + 1e-3 * u[1]
+
+    problem = replace(_problem((0.0,) * 4, (1.0,) * 4, margin=margin), weak_axes=2)
+    widths = []
+
+    def bound_all(asked, batches):
+        widths.extend(high - low for low, high in batches)
+        yield from bound_here(asked, batches)
+
+    search(
+        problem,
+        Search.untouched(problem),
+        _confirm(problem),
+        phase="decide",
+        most=10**5,
+        bound_all=bound_all,
+    )
+    wide = np.concatenate(widths) > 0.0
+    alone = (wide.sum(axis=1) == 1) & wide[:, 2:].any(axis=1)
+    assert alone.any() == one_by_one
 
 
 @pytest.mark.parametrize("late", [0, 2])

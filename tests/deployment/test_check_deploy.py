@@ -75,20 +75,22 @@ def test_a_contact_that_answers_to_nothing_was_not_checked(work, capfd):
 
 
 def test_a_log_of_less_than_the_filter_is_not_checked_for_torques(work, capfd):
-    lines = (work / "log.csv").read_text().splitlines()
-    (work / "few.csv").write_text("\n".join(lines[:151]))
+    head, *lines = (work / "log.csv").read_text().splitlines()
+    # As a log of 1 kHz, these rows are shorter than what torques are smoothed over.
+    rows = [f"{0.001 * i},{line.partition(',')[2]}" for i, line in enumerate(lines[:150])]
+    (work / "few.csv").write_text("\n".join([head, *rows]))
     assert main(["check-deploy", "deploy.yaml", "few.csv"]) == 3
     assert "torques: too few rows" in capfd.readouterr().out
 
 
 def test_a_rehearsal_replaces_no_file_of_a_run(work, capfd):
-    words = ["check-deploy", "deploy.yaml", str(SHIPPED / "rehearsal.csv"), "--rehearse"]
-    inside = work / "run"
-    shutil.copytree(SHIPPED, inside)
-    (inside / "certificate" / "proof.json").unlink()
-    words[2] = str(inside / "certificate" / "proof.json")
-    assert main([*words, "--run", str(inside)]) == 2
-    assert not (inside / "certificate" / "proof.json").exists()
+    inside = shutil.copytree(SHIPPED, work / "run")
+    own = inside / "joints" / "joints.json"
+    words = ["check-deploy", "deploy.yaml", str(own), "--rehearse", "--run", str(inside)]
+    assert main(words) == 2
+    assert "joints.json" in capfd.readouterr().err and not own.exists()
+    words[2] = str(inside / "hung.csv")
+    assert main(words) == 0 and (inside / "hung.csv").exists()
     capfd.readouterr()
 
 

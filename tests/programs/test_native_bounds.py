@@ -29,7 +29,10 @@ def problem(request):
         pytest.skip("no C++ compiler")
     program = trace(lambda u: everything(jnp.resize(u, (4,))), {"u": (axes,)})
     low, high = (-1.0,) * axes, (1.0,) * axes
-    return Problem("all", low, high, ("first", "second"), (1.0, 2.0), program, least=(0.1, 0.0))
+    names, scales = ("first", "second"), (1.0, 2.0)
+    made = Problem("all", low, high, names, scales, program, least=(0.1, 0.0))
+    assert made.compiled
+    return made
 
 
 def boxes(problem, width, count=300):

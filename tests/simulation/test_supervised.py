@@ -5,7 +5,7 @@ import pytest
 
 from neuralgaits.analysis.run import open_run
 from neuralgaits.control.safeguard import Fault
-from neuralgaits.export import build
+from neuralgaits.export import build, statement
 from neuralgaits.export.standing import Stand, posture
 from neuralgaits.simulation.setup.disturbance import PlantChanges
 from neuralgaits.simulation.setup.sensing import sensed
@@ -139,6 +139,27 @@ def test_a_robot_in_mid_step_walks_on(double, design):
     first = double.tick(Request.WALK)
     assert (first.mode, first.reason, first.leg) == (Mode.WALK, Reason.FROM_MID_STEP, 1)
     until(double, Request.WALK, steps(3))
+
+
+def test_without_a_posture_to_stand_in_a_step_that_does_not_end_damps(design, monkeypatch):
+    """Its standing postures are zeros then, which no leg is to be driven to."""
+    monkeypatch.setattr(statement, "standing_postures", lambda robot: None)
+    robot = SupervisedRobot(design)
+    run = open_run(demo.FOLDER)
+    z = run.gait.z(np.array([0.5, 0.5]))
+    q, dq = np.split(np.asarray(run.zero_dynamics.phi_inv(z)), 2)
+    robot.start()
+    place = (0.0, float(robot.plant.robot.foot_radius))
+    qpos, qvel = robot.plant.state_map.to_mjcf(q, dq, 1, place)
+    for _ in range(4000):
+        robot.data.qpos[:], robot.data.qvel[:] = qpos, qvel
+        tick = robot.tick(Request.WALK)
+        if tick.mode == Mode.WALK and tick.reason:
+            continue
+        if tick.reason:
+            break
+    assert (tick.mode, tick.reason) == (Mode.DAMP, Reason.TOO_LATE)
+    assert not np.any(tick.targets[..., 2])
 
 
 def test_a_fault_damps_every_joint_once_and_for_all(robot):

@@ -132,7 +132,8 @@ class LiveGait:
     def tick(self) -> bool:
         """Advance by one control tick. Returns: False once the robot has fallen."""
         walks = self.live.tick()
-        self._pace.see(self.steps, self.live.time, float(self._sensors().base[0]))
+        if self.steps != self._pace.steps:
+            self._pace.touch_down(self.steps, self.live.time, float(self._sensors().base[0]))
         monitor, measured = self._monitor, self.live.measured
         if walks and monitor is not None and measured is not None:
             monitor.add(measured)

@@ -5,25 +5,24 @@ class StepSpeed:
     """Mean forward speed between the last two touchdowns.
 
     Attributes:
-        mean: it [m/s]; None before the second touchdown.
+        steps: touchdowns so far.
+        mean: the speed [m/s]; None before the second touchdown.
     """
 
     def __init__(self) -> None:
+        self.steps = 0
         self.mean: float | None = None
-        self._steps = 0
         self._last: tuple[float, float] | None = None
 
-    def see(self, steps: int, time: float, place: float) -> None:
-        """Take note of a tick.
+    def touch_down(self, steps: int, time: float, place: float) -> None:
+        """Take note of a touchdown.
 
         Args:
             steps: touchdowns so far.
             time: simulated [s].
-            place: of the hip, forward [m].
+            place: position of the hip, forward [m].
         """
-        if steps == self._steps:
-            return
-        self._steps = steps
+        self.steps = steps
         if self._last is not None and time > self._last[0] and place > self._last[1]:
             self.mean = (place - self._last[1]) / (time - self._last[0])
         # Where it was put back to the beginning of its ground, the next step counts again.

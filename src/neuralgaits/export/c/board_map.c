@@ -70,32 +70,25 @@ void ng_board_map_targets(const ng_target joints[NG_LEGS][NG_LEG_JOINTS],
 void ng_board_targets(const ng_measurement *reading, const ng_command *command,
                       ng_target targets[NG_BOARD_MOTORS])
 {
-    const ng_target nothing = {NG(0.0), NG(0.0), NG(0.0), NG(0.0), NG(0.0)};
     ng_target wanted[NG_LEGS][NG_LEG_JOINTS];
-    for (int motor = 0; motor < NG_BOARD_MOTORS; ++motor) {
-        targets[motor] = nothing;
-    }
     /* Without gains, tau_ff is the whole torque. */
     ng_impedance(reading, command, NG(0.0), NG(0.0), wanted);
     for (int leg = 0; leg < NG_LEGS; ++leg) {
         for (int i = 0; i < NG_LEG_JOINTS; ++i) {
             const ng_real own = ng_joint_sign[leg][i];
-            const ng_real sign = ng_board_sign[leg][i], gear = ng_board_gear[leg][i];
-            const ng_real kp = ng_board_kp[leg][i], kd = ng_board_kd[leg][i];
             const ng_real q = own * (reading->angles[leg][i] - ng_joint_offset[leg][i]);
             const ng_real dq = own * reading->rates[leg][i];
-            const ng_real q_des =
-                ng_clamp(wanted[leg][i].q_des, ng_board_lower[leg][i], ng_board_upper[leg][i]);
-            const ng_real dq_des = wanted[leg][i].dq_des;
-            const ng_real ahead = kp * (q_des - q) + kd * (dq_des - dq);
-            ng_target *to = &targets[ng_board_motor[leg][i]];
-            to->kd = kd / (gear * gear);
-            if (command->fault == NG_NO_FAULT) {
-                to->q_des = gear * (sign * q_des + ng_board_zero[leg][i]);
-                to->dq_des = gear * sign * dq_des;
-                to->kp = kp / (gear * gear);
-                to->tau_ff = sign * (joint_torque(command, leg, i) - ahead) / gear;
-            }
+            ng_target *to = &wanted[leg][i];
+            to->q_des = ng_clamp(to->q_des, ng_board_lower[leg][i], ng_board_upper[leg][i]);
+            to->kp = ng_board_kp[leg][i];
+            to->kd = ng_board_kd[leg][i];
+            to->tau_ff = joint_torque(command, leg, i) - to->kp * (to->q_des - q) -
+                         to->kd * (to->dq_des - dq);
         }
+    }
+    ng_board_map_targets((const ng_target(*)[NG_LEG_JOINTS])wanted, targets);
+    for (int motor = 0; command->fault != NG_NO_FAULT && motor < NG_BOARD_MOTORS; ++motor) {
+        targets[motor].q_des = targets[motor].dq_des = NG(0.0);
+        targets[motor].kp = targets[motor].tau_ff = NG(0.0);
     }
 }

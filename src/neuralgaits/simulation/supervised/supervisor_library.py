@@ -1,11 +1,10 @@
 """Compile the supervisor of a run's export into a library of this process."""
 
 import ctypes
-import tempfile
 from ctypes import c_double, c_int, c_size_t, c_uint32, c_void_p
 from importlib import resources
-from pathlib import Path
 
+from neuralgaits._cache import cache_folder
 from neuralgaits._compiler import Compiler, SharedLibrary
 from neuralgaits.errors import InputError
 from neuralgaits.export import build, output_folder
@@ -33,8 +32,7 @@ def supervisor_library(design: Design, precision: str = "double") -> ctypes.CDLL
     files[_HOST] = (folder / _HOST).read_text(encoding="utf-8")
     flags = (*_FLAGS, *build.PRECISIONS[precision])
     wanted = SharedLibrary("supervisor", files, (*build.CORE, "supervisor.c", _HOST), flags)
-    with tempfile.TemporaryDirectory(prefix="neuralgaits-") as place:
-        library = ctypes.CDLL(str(compiler.compile(wanted, Path(place))))
+    library = ctypes.CDLL(str(compiler.kept(wanted, cache_folder())))
     library.ng_host_bytes.restype = c_size_t
     library.ng_host_start.argtypes = [c_void_p, c_int, c_int]
     library.ng_host_tell.argtypes = [c_void_p, c_void_p]
