@@ -104,23 +104,12 @@ def _train(verb: TrainOptions) -> Outcome:
     if verb.seeds is not None:
         return carry_out_seeds(verb)
     from neuralgaits.cli.progress import TrainingProgress
-    from neuralgaits.workflows.planarise import planar_copy, robot_from
     from neuralgaits.workflows.train import train
 
     resume = None if verb.resume is None else _unfinished(verb.resume, verb.output.json)
-    robot = None if verb.robot is None or verb.feet else robot_from(verb.robot)
     with TrainingProgress(quiet=verb.output.json) as progress:
-        if verb.robot is not None and verb.feet is not None:
-            copy = planar_copy(str(verb.robot), verb.feet, verb.weld)
-            count = len(copy.changes)
-            things = f"{count} thing{'' if count == 1 else 's'}"
-            progress.say(f"changed: {things} in {verb.robot}, listed in robot.xml of the run")
-            for line in copy.warnings:
-                progress.say(f"warning: {line}")
-            robot = copy.robot
         watch = Watch(progress.proved, progress.round_ended, progress.say)
-        others = {"robot": robot, "resume": resume, "progress": progress, "watch": watch}
-        others |= {"feet": None, "weld": ()}  # They are in the robot by now.
+        others = {"resume": resume, "progress": progress, "watch": watch}
         run = train(**given(verb, TrainSettings, **others))
     done = run.summary
     # What failed, and what may mend it, is shown whole.

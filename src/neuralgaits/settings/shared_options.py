@@ -121,7 +121,8 @@ class Watch:
     Attributes:
         proved: called with the proved share so far, and the number of boxes.
         ended: called after each round of proof and repair.
-        doubted: called before the training with one line, if no such gait is likely.
+        doubted: called before the training with a line about what is unusual: changes of the robot
+            file that --feet makes, a robot without rotors, a speed at which no gait is likely.
     """
 
     proved: Callable[[float, int], None] | None = None

@@ -155,7 +155,7 @@ class TrainSeedsSettings(GaitSettings):
     """Called with (steps of all seeds done, in all, mean loss) now and then, from one thread at a
     time, which need not be the caller's."""
     doubted: Fixed[Callable[[str], None] | None] = None
-    """Called with one line, before the training, if no gait at that speed is likely."""
+    """Called before the training with a line about what is unusual, as `Watch.doubted`."""
     root: Root = RUNS_ROOT
 
     def __post_init__(self) -> None:

@@ -1,6 +1,6 @@
 """Make a robot file that the theory covers from one that it does not cover yet."""
 
-from collections.abc import Collection
+from collections.abc import Callable, Collection
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -97,6 +97,7 @@ def robot_from(
     source: PlanarBiped | str | Path | None,
     feet: Feet | None = None,
     weld: Collection[str] = (),
+    say: Callable[[str], None] | None = None,
 ) -> PlanarBiped:
     """Return a robot, loaded if it is named; the error for a file names a fix, if there is one.
 
@@ -104,6 +105,7 @@ def robot_from(
         source: the robot, its name or the path of its file.
         feet: those of a changed copy of the file; None for the file as it is.
         weld: joints to weld in that copy.
+        say: called with a line about its changes, and with each of its warnings.
 
     Raises: RobotError, as `load_robot`; InputError if there is none.
     """
@@ -115,7 +117,13 @@ def robot_from(
     if isinstance(source, PlanarBiped):
         return source
     if feet is not None:
-        return planar_copy(source, feet, weld).robot
+        copy = planar_copy(source, feet, weld)
+        if say is not None:
+            things = f"{len(copy.changes)} thing{'' if len(copy.changes) == 1 else 's'}"
+            say(f"changed: {things} in {source}, listed in robot.xml of the run")
+            for line in copy.warnings:
+                say(f"warning: {line}")
+        return copy.robot
     try:
         return load_robot(source)
     except RobotError as error:

@@ -62,13 +62,14 @@ def train(settings: TrainSettings) -> Run:
         folder, robot, loaded = _resumed(settings.resume, robot, root)
         run = Run(folder, robot, loaded, untrained(folder, loaded))
     else:
-        robot = robot_from(settings.robot, settings.feet, settings.weld)
+        say = None if watch is None else watch.doubted
+        robot = robot_from(settings.robot, settings.feet, settings.weld, say)
         place = None if settings.out is None else Path(settings.out)
         certify, budget = settings.certify, settings.budget
         new = new_training(robot, settings, settings.seed or 0, certify=certify, budget=budget)
         doubt = gait_doubt(robot, settings.speed, settings.step_length)
-        if doubt is not None and watch is not None and watch.doubted is not None:
-            watch.doubted(doubt)
+        if doubt is not None and say is not None:
+            say(doubt)
         run = new.begun(root, place)
     return train_to_the_end(
         run, progress=settings.progress, watch=watch, root=root, start_time=start_time

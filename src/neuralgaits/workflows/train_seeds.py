@@ -51,7 +51,7 @@ def train_seeds(settings: TrainSeedsSettings) -> Seeds:
     Raises: InputError on bad settings; Interrupted for KeyboardInterrupt.
     """
     start_time = time.perf_counter()
-    robot = robot_from(settings.robot, settings.feet, settings.weld)
+    robot = robot_from(settings.robot, settings.feet, settings.weld, settings.doubted)
     numbers, root = range(*settings.seeds), settings.root
     first = new_training(robot, settings, numbers[0])
     place = None if settings.out is None else Path(settings.out)
