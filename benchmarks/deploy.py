@@ -16,9 +16,11 @@ from pathlib import Path
 import jax
 import numpy as np
 
+from neuralgaits.control.safeguard import joint_ranges, torque_limits
 from neuralgaits.deployment.deployed_robot import DeployedRobot, joint_facts
 from neuralgaits.deployment.deployment_file import DeploymentFile, FileHash, ImuMount
 from neuralgaits.deployment.deployment_template import template
+from neuralgaits.deployment.hanging_leg import HangingLeg
 from neuralgaits.deployment.hung_robot import HungRobotSettings, hung_log
 from neuralgaits.deployment.log_comparison import compared
 from neuralgaits.robots import PlanarBiped, load_robot
@@ -43,7 +45,16 @@ PROCEDURES = {
 def about(robot: PlanarBiped) -> DeployedRobot:
     """What a deployment file of this robot must match."""
     files = {name: FileHash(name, "0" * 64) for name in ("robot", "policy")}
-    return DeployedRobot(robot, joint_facts(robot), "run", {**files, "proof": None}, 1e-3)
+    return DeployedRobot(
+        name=robot.name,
+        layout=robot.layout,
+        leg=HangingLeg.of(robot.layout, robot.name, float(robot.gravity)),
+        weight_n=float(robot.mass * robot.gravity),
+        joints=joint_facts(robot.layout, joint_ranges(robot), torque_limits(robot)),
+        run="run",
+        files={**files, "proof": None},
+        period_s=1e-3,
+    )
 
 
 def hardware(known: DeployedRobot, rng: np.random.Generator) -> DeploymentFile:
@@ -91,7 +102,7 @@ def outcomes(settings: HungRobotSettings, *, torques: bool) -> Counter[str]:
         robot = robots[case % len(robots)]
         known = about(robot)
         true = hardware(known, rng)
-        log = hung_log(robot, true, case, settings)
+        log = hung_log(robot.layout, true, case, settings)
         if not torques:
             log = replace(log, torque=None)
         alarms, _, _ = compared(true, known, log)

@@ -79,8 +79,8 @@ def reading(robot, q, dq, force):
         time=jnp.zeros(()),
         pitch=jnp.asarray(float(np.sum(q[:3]))),
         dpitch=jnp.asarray(float(np.sum(dq[:3]))),
-        angles=leg_joints(robot, jnp.asarray(q[1:]), jnp.asarray(0)),
-        rates=leg_joints(robot, jnp.asarray(dq[1:]), jnp.asarray(0)),
+        angles=leg_joints(robot.layout, jnp.asarray(q[1:]), jnp.asarray(0)),
+        rates=leg_joints(robot.layout, jnp.asarray(dq[1:]), jnp.asarray(0)),
         hip_velocity=hip_velocity(robot, q, dq),
         normal_force=jnp.asarray(force),
     )

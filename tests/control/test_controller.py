@@ -24,8 +24,8 @@ def a_measurement(amber, q, dq, leg=0, force=(0.0, 0.0)):
         time=jnp.zeros(()),
         pitch=jnp.asarray(pitch),
         dpitch=jnp.asarray(dpitch),
-        angles=leg_joints(amber, jnp.asarray(q[1:]), jnp.asarray(leg)),
-        rates=leg_joints(amber, jnp.asarray(dq[1:]), jnp.asarray(leg)),
+        angles=leg_joints(amber.layout, jnp.asarray(q[1:]), jnp.asarray(leg)),
+        rates=leg_joints(amber.layout, jnp.asarray(dq[1:]), jnp.asarray(leg)),
         hip_velocity=hip_velocity(amber, q, dq),
         normal_force=jnp.asarray(force),
     )

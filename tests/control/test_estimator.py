@@ -33,7 +33,7 @@ def standing(leg, since=1.0):
 def measured(robot, q, dq, leg):
     """Exact sensors of a robot on a foot that stands still."""
     pitch, dpitch = pitch_rate(robot, q, leg), pitch_rate(robot, dq, leg)
-    angles, rates = (leg_joints(robot, values[1:], leg) for values in (q, dq))
+    angles, rates = (leg_joints(robot.layout, values[1:], leg) for values in (q, dq))
     nothing = jnp.zeros(())
     return Measurement(
         nothing, pitch, dpitch, angles, rates, hip_velocity(robot, q, dq), jnp.zeros(2)

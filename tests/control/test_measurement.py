@@ -38,9 +38,9 @@ def test_velocity_of_the_stance_foot_is_that_of_the_plant(robot, rng, leg):
 @pytest.mark.parametrize("leg", [0, 1])
 def test_joints_by_leg_and_by_stance_are_inverse(robot, rng, leg):
     actuated = rng.uniform(-1, 1, robot.n - 1)
-    by_leg = leg_joints(robot, jnp.asarray(actuated), jnp.asarray(leg))
+    by_leg = leg_joints(robot.layout, jnp.asarray(actuated), jnp.asarray(leg))
     assert by_leg.shape == (2, robot.n // 2)
-    np.testing.assert_array_equal(stance_joints(robot, by_leg, jnp.asarray(leg)), actuated)
+    np.testing.assert_array_equal(stance_joints(robot.layout, by_leg, jnp.asarray(leg)), actuated)
     if robot.torso is None:
         assert by_leg[0, -1] == -by_leg[1, -1]
 

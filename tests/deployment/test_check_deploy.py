@@ -25,7 +25,7 @@ def work(tmp_path_factory):
     file = template(deployed_robot(run), (100.0, 3.0))
     (folder / "deploy.yaml").write_text(deployment_text(file))
     settings = HungRobotSettings(directions=True, zero=True, seconds=1.6)
-    (folder / "log.csv").write_text(hung_log_text(hung_log(run.robot, file, 1, settings)))
+    (folder / "log.csv").write_text(hung_log_text(hung_log(run.robot.layout, file, 1, settings)))
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(folder)
         yield folder

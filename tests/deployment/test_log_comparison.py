@@ -28,14 +28,14 @@ def amber():
     """Robot, hardware, and its log with all labels."""
     robot = load_robot("amber3m")
     hardware = drawn(robot, 7)
-    return about(robot), hardware, hung_log(robot, hardware, 1, WHOLE)
+    return about(robot), hardware, hung_log(robot.layout, hardware, 1, WHOLE)
 
 
 @pytest.fixture(scope="module")
 def plain(amber):
     """The same hardware with labels that say no direction, and no rows at zero."""
     known, hardware, _ = amber
-    return known, hardware, hung_log(known.robot, hardware, 1, PLAIN)
+    return known, hardware, hung_log(known.layout, hardware, 1, PLAIN)
 
 
 def _changed(file: DeploymentFile, number: int, **changes) -> DeploymentFile:
@@ -62,7 +62,7 @@ def test_the_model_gives_mujocos_torques(name):
     """Of a robot with feet, and of random ones with one to three links a leg."""
     robot = load_robot(name) if isinstance(name, str) else _random(name, torso=True)
     hardware = drawn(robot, 2)
-    log = hung_log(robot, hardware, 3, EXACT)
+    log = hung_log(robot.layout, hardware, 3, EXACT)
     layout, joints = robot.layout, {one.joint: one for one in hardware.joints}
     driven = np.ones(len(log.time))
     pitch = hardware.imu.pitch_sign * (log.pitch - hardware.imu.pitch_zero_rad)
@@ -73,7 +73,7 @@ def test_the_model_gives_mujocos_torques(name):
         columns = [one.sign * one.gear * log.torque[:, log.motors.index(one.motor)] for one in own]
         one = LegSeries.smoothed(log.time, q, np.column_stack(columns), pitch, driven)
         signs, offsets = np.array(layout.leg_joint_signs[leg]), layout.leg_joint_offsets[leg]
-        plain, links = HangingLeg.of(robot).torques(
+        plain, links = HangingLeg.of(layout, robot.name, float(robot.gravity)).torques(
             layout.pitch_sign * one.pitch,
             signs * one.q + np.array(offsets),
             signs * one.dq,

@@ -43,7 +43,7 @@ def test_every_shape_is_where_mujoco_draws_it(name):
     model, rng = plant.model, np.random.default_rng(1)
     states = _states(model, rng, 5)
     moved = animation.motion(model, states)
-    shapes = animation.shapes(model, moved, plant.robot)
+    shapes = animation.shapes(model, moved, plant.robot.layout)
     drawn = [
         g
         for g in range(model.ngeom)
@@ -112,7 +112,7 @@ def test_a_robot_without_pictures_is_drawn_as_sticks_between_its_joints():
     model = plant.model
     states = _states(model, np.random.default_rng(3), 2)
     moved = animation.motion(model, states)
-    shapes = animation.shapes(model, moved, robot)
+    shapes = animation.shapes(model, moved, robot.layout)
     sticks = [shape for shape in shapes if shape["kind"] == "capsule"]
     data = mujoco.MjData(model)
     data.qpos[:] = states[1][1 : 1 + model.nq]

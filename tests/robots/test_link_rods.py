@@ -60,7 +60,7 @@ def test_a_robot_with_shapes_of_its_own_gets_none():
 @pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
 def test_the_live_page_draws_every_link(path):
     robot = load_robot(path)
-    model = stage._alone(robot)
+    model = stage._alone(robot.layout)
     feet = len(robot.layout.feet)
     assert model.ngeom >= feet + 2 * len(robot.layout.leg_lengths)
     assert not np.any(model.geom_type == mujoco.mjtGeom.mjGEOM_PLANE)

@@ -4,16 +4,27 @@ from dataclasses import replace
 
 import numpy as np
 
+from neuralgaits.control.safeguard import joint_ranges, torque_limits
 from neuralgaits.deployment.deployed_robot import DeployedRobot, joint_facts
 from neuralgaits.deployment.deployment_file import DeploymentFile, FileHash, ImuMount
 from neuralgaits.deployment.deployment_template import template
+from neuralgaits.deployment.hanging_leg import HangingLeg
 from neuralgaits.robots import PlanarBiped
 
 
 def about(robot: PlanarBiped) -> DeployedRobot:
     """What a deployment file of an untrained gait must match."""
     files = {name: FileHash(name, digit * 64) for name, digit in (("robot", "0"), ("policy", "1"))}
-    return DeployedRobot(robot, joint_facts(robot), "a run", {**files, "proof": None}, 1e-3)
+    return DeployedRobot(
+        name=robot.name,
+        layout=robot.layout,
+        leg=HangingLeg.of(robot.layout, robot.name, float(robot.gravity)),
+        weight_n=float(robot.mass * robot.gravity),
+        joints=joint_facts(robot.layout, joint_ranges(robot), torque_limits(robot)),
+        run="a run",
+        files={**files, "proof": None},
+        period_s=1e-3,
+    )
 
 
 def plain(robot: PlanarBiped) -> DeploymentFile:

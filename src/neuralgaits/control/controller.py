@@ -234,7 +234,7 @@ def step(
     demand = Demand(reading, held, wanted, controller.torque_limit)
     torque, saturated, relaxed = law.apply_limits(model, demand)
     command = TickResult(
-        torque=leg_joints(robot, _motor_torques(robot, reading, torque), standing.leg),
+        torque=leg_joints(robot.layout, _motor_torques(robot, reading, torque), standing.leg),
         actuated=torque,
         q=q,
         dq=dq,
@@ -295,4 +295,4 @@ def _motor_torques(
         return torque
     own = robot.damping[0] * reading.dq[0] - reading.ankle
     limit = robot.flat_feet.torque_limit
-    return of_all_motors(robot, torque, jnp.clip(own, -limit, limit))
+    return of_all_motors(robot.layout, torque, jnp.clip(own, -limit, limit))

@@ -136,7 +136,7 @@ def estimate(
         rates=rates + gains[1] * error,
     )
     q, _ = coordinates(robot, now, leg)
-    actuated = stance_joints(robot, now.rates, leg)
+    actuated = stance_joints(robot.layout, now.rates, leg)
     dq, hip = pinned(robot, q, actuated, momentum_of(z) + period_s * falling, push * missed)
     now = now._replace(dpitch=pitch_rate(robot, dq, leg), hip_velocity=hip)
     after = EstimatorState(now, known.accelerations + gains[2] * error, jnp.ones((), bool))

@@ -6,6 +6,7 @@ import jax.numpy as jnp
 
 from neuralgaits._types import Array, Coordinates, Float, Int, Planar, Scalar
 from neuralgaits.robots import PlanarBiped
+from neuralgaits.robots.constants import MjcfLayout
 from neuralgaits.robots.dynamics import hip_velocity
 
 
@@ -34,52 +35,60 @@ class Measurement(NamedTuple):
 
 
 def stance_joints(
-    robot: PlanarBiped, by_leg: Float[Array, "2 k"], stance: Int[Array, ""]
+    layout: MjcfLayout, by_leg: Float[Array, "2 k"], stance: Int[Array, ""]
 ) -> Float[Array, " m"]:
     """Joint values per leg in the order of the actuated coordinates. Returns: [m]."""
     swing = by_leg[1 - stance][::-1]
-    if robot.torso is None:
+    if not layout.torso:
         swing = swing[1:]
-    if robot.feet is not None:
+    if layout.ankles:
         # The stance ankle's angle is the first coordinate.
         return jnp.concatenate([by_leg[stance][1:], swing])
     return jnp.concatenate([by_leg[stance], swing])
 
 
 def of_all_motors(
-    robot: PlanarBiped, actuated: Float[Array, " m"], ankle: Scalar | None = None
+    layout: MjcfLayout, actuated: Float[Array, " m"], ankle: Scalar | None = None
 ) -> Float[Array, " motors"]:
     """Put a stance ankle's value before those of the actuated coordinates; none on point feet.
 
     Args:
-        robot: the biped.
+        layout: of the robot file.
         actuated: values of the actuated coordinates.
         ankle: value of the stance ankle; that of the swing ankle if None.
 
     Returns: [m], or [m + 1] with flat feet.
     """
-    if robot.feet is None:
+    if not layout.ankles:
         return actuated
     own = actuated[-1] if ankle is None else ankle
     return jnp.concatenate([own[None], actuated])
 
 
 def leg_joints(
-    robot: PlanarBiped, actuated: Float[Array, " motors"], stance: Int[Array, ""]
+    layout: MjcfLayout, actuated: Float[Array, " motors"], stance: Int[Array, ""]
 ) -> Float[Array, "2 k"]:
     """Values of all motors by leg: the inverse of `stance_joints` on point feet.
 
     Args:
-        robot: the biped.
+        layout: of the robot file.
         actuated: values in the order of `of_all_motors`.
         stance: stance leg.
 
     Returns: [2, k], legs in the order of the robot file.
     """
-    k = robot.n // 2
-    swing = actuated[-k:][::-1] if robot.torso is not None else _with_shared_hip(actuated, k)
+    k = layout.joints_of_leg
+    swing = actuated[-k:][::-1] if layout.torso else _with_shared_hip(actuated, k)
     rows = jnp.stack([actuated[:k], swing])
     return rows[jnp.stack([stance, 1 - stance])]
+
+
+def by_leg(layout: MjcfLayout, actuated: Float[Array, " m"]) -> Float[Array, "2 k"]:
+    """Values of the actuated coordinates by leg, leg 0 in stance; an ankle's is the swing ankle's.
+
+    Returns: [2, k], legs in the order of the robot file.
+    """
+    return leg_joints(layout, of_all_motors(layout, actuated), jnp.zeros((), jnp.int32))
 
 
 def _with_shared_hip(actuated: Float[Array, " m"], k: int) -> Float[Array, " k"]:
@@ -95,8 +104,8 @@ def coordinates(
     Returns: q, dq: [n] (rad), [n] (rad/s).
     """
     row = pitch_row(robot, stance)
-    actuated = stance_joints(robot, measurement.angles, stance)
-    rates = stance_joints(robot, measurement.rates, stance)
+    actuated = stance_joints(robot.layout, measurement.angles, stance)
+    rates = stance_joints(robot.layout, measurement.rates, stance)
     first = measurement.pitch - row[1:] @ actuated
     dfirst = measurement.dpitch - row[1:] @ rates
     return (

@@ -15,7 +15,7 @@ import numpy as np
 
 from neuralgaits._types import Array, Bool, Float, Int, Scalar
 from neuralgaits.control.controller import Controller, TickResult
-from neuralgaits.control.measurement import Measurement, leg_joints, of_all_motors
+from neuralgaits.control.measurement import Measurement, by_leg
 from neuralgaits.control.pd import BANDWIDTH
 from neuralgaits.gait.joint_inertia import joint_inertia
 from neuralgaits.robots import PlanarBiped
@@ -108,11 +108,15 @@ def start(robot: PlanarBiped) -> SafeguardState:
 @eqx.filter_jit
 def joint_ranges(robot: PlanarBiped) -> tuple[Float[Array, "2 k"], Float[Array, "2 k"]]:
     """Return the lower and upper joint angles by leg (rad)."""
-    first = jnp.zeros((), jnp.int32)
-    low = leg_joints(robot, of_all_motors(robot, jnp.asarray(robot.joint_lower)), first)
-    high = leg_joints(robot, of_all_motors(robot, jnp.asarray(robot.joint_upper)), first)
+    low = by_leg(robot.layout, jnp.asarray(robot.joint_lower))
+    high = by_leg(robot.layout, jnp.asarray(robot.joint_upper))
     # A shared hip changes its sign from one leg to the other.
     return jnp.minimum(low, high), jnp.maximum(low, high)
+
+
+def torque_limits(robot: PlanarBiped) -> Float[Array, "2 k"]:
+    """Return the torque limits of the joints by leg (N m)."""
+    return jnp.abs(by_leg(robot.layout, jnp.asarray(robot.torque_limit)))
 
 
 def torque_rate(controller: Controller, config: SafeguardConfig) -> Scalar:
@@ -169,8 +173,7 @@ def guard(
     Returns: state, and joint torques per leg, zero after a fault (N m). [2, k]
     """
     posture = jnp.where(state.running, state.posture, measurement.angles)
-    limits = of_all_motors(controller.robot, controller.torque_limit)
-    limit = jnp.abs(leg_joints(controller.robot, limits, jnp.zeros((), jnp.int32)))
+    limit = jnp.abs(by_leg(controller.robot.layout, controller.torque_limit))
     hold = -config.hold_stiffness * (measurement.angles - posture)
     hold = jnp.clip(hold - config.hold_damping * measurement.rates, -limit, limit)
     blending = state.elapsed < config.blend_s

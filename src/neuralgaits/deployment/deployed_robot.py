@@ -2,13 +2,12 @@
 
 from dataclasses import dataclass
 
-import jax.numpy as jnp
 import numpy as np
 
-from neuralgaits.control.measurement import leg_joints, of_all_motors
-from neuralgaits.control.safeguard import joint_ranges
+from neuralgaits._types import Array, Float
 from neuralgaits.deployment.deployment_file import FileHash
-from neuralgaits.robots import PlanarBiped
+from neuralgaits.deployment.hanging_leg import HangingLeg
+from neuralgaits.robots.constants import MjcfLayout
 
 
 @dataclass(frozen=True)
@@ -34,14 +33,20 @@ class DeployedRobot:
     """Robot that a deployment file is compared with.
 
     Attributes:
-        robot: the biped of the run.
+        name: of the robot.
+        layout: of its file.
+        leg: either leg, as it hangs from a torso that is held.
+        weight_n: weight of the robot [N].
         joints: its joints, leg 0 first, each leg from its lowest joint up.
         run: folder of the run, as it was given.
         files: robot, policy and proof of the run by name; a proof may be missing.
         period_s: period of the controller [s].
     """
 
-    robot: PlanarBiped
+    name: str
+    layout: MjcfLayout
+    leg: HangingLeg
+    weight_n: float
     joints: tuple[JointFacts, ...]
     run: str
     files: dict[str, FileHash | None]
@@ -50,17 +55,25 @@ class DeployedRobot:
     @property
     def feet(self) -> tuple[str, str]:
         """Names of the feet in the robot file."""
-        return self.robot.layout.feet
+        return self.layout.feet
 
 
-def joint_facts(robot: PlanarBiped) -> tuple[JointFacts, ...]:
-    """Return the joints of a robot file, each once, in the order of the legs."""
-    layout = robot.layout
-    motors = of_all_motors(robot, jnp.asarray(robot.torque_limit))
-    torque_limit = np.asarray(leg_joints(robot, motors, jnp.zeros((), jnp.int32)))
+def joint_facts(
+    layout: MjcfLayout,
+    ranges: tuple[Float[Array, "2 k"], Float[Array, "2 k"]],
+    torque_limits: Float[Array, "2 k"],
+) -> tuple[JointFacts, ...]:
+    """Return the joints of a robot file, each once, in the order of the legs.
+
+    Args:
+        layout: of the file.
+        ranges: lower and upper angles by leg, in the signs of the theory [rad].
+        torque_limits: of the motors by leg [N m].
+    """
     signs, offsets = np.array(layout.leg_joint_signs), np.array(layout.leg_joint_offsets)
-    ends = [signs * (np.asarray(bound) - offsets) for bound in joint_ranges(robot)]
+    ends = [signs * (np.asarray(bound) - offsets) for bound in ranges]
     lower, upper = np.minimum(*ends), np.maximum(*ends)
+    largest = np.asarray(torque_limits)
     found: dict[str, JointFacts] = {}
     for leg, names in enumerate(layout.leg_joints):
         for i, name in enumerate(names):
@@ -68,7 +81,7 @@ def joint_facts(robot: PlanarBiped) -> tuple[JointFacts, ...]:
                 one = found[name]
                 found[name] = JointFacts(name, (*one.places, (leg, i)), *_numbers(one))
                 continue
-            numbers = (lower[leg, i], upper[leg, i], abs(torque_limit[leg, i]))
+            numbers = (lower[leg, i], upper[leg, i], largest[leg, i])
             found[name] = JointFacts(name, ((leg, i),), *(float(f"{x:.12g}") for x in numbers))
     return tuple(found.values())
 

@@ -26,7 +26,7 @@ def template(about: DeployedRobot, gains: tuple[float, float]) -> DeploymentFile
     robot, policy = about.files["robot"], about.files["policy"]
     assert robot is not None and policy is not None
     kp, kd = gains
-    weight = float(np.ceil(float(about.robot.mass * about.robot.gravity)))
+    weight = float(np.ceil(about.weight_n))
     return DeploymentFile(
         run=about.run,
         robot=robot,

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from neuralgaits._types import Float
-from neuralgaits.robots import PlanarBiped
+from neuralgaits.robots.constants import MjcfLayout
 from neuralgaits.robots.derive import LegData
 from neuralgaits.robots.mjcf.loader import links_from_text
 
@@ -27,10 +27,10 @@ class HangingLeg:
     gravity: float
 
     @classmethod
-    def of(cls, robot: PlanarBiped) -> "HangingLeg":
-        """Return either leg of a robot; both are equal."""
-        leg, _ = links_from_text(robot.layout.xml, robot.name)
-        return cls(leg, float(robot.gravity))
+    def of(cls, layout: MjcfLayout, name: str, gravity: float) -> "HangingLeg":
+        """Return either leg of a robot file; both are equal. Gravity is in m/s^2."""
+        leg, _ = links_from_text(layout.xml, name)
+        return cls(leg, gravity)
 
     def torques(
         self,

@@ -14,7 +14,6 @@ import numpy as np
 from neuralgaits.deployment.board_map import BoardMap, JointReadings
 from neuralgaits.deployment.deployment_file import DeploymentFile
 from neuralgaits.deployment.hung_log import HungLog
-from neuralgaits.robots import PlanarBiped
 from neuralgaits.robots.constants import MjcfLayout
 
 
@@ -46,7 +45,7 @@ class HungRobotSettings:
 
 
 def hung_log(
-    robot: PlanarBiped,
+    layout: MjcfLayout,
     hardware: DeploymentFile,
     seed: int,
     settings: HungRobotSettings | None = None,
@@ -54,16 +53,16 @@ def hung_log(
     """Return the log of a robot in a stand: each joint in turn, then the stand tilts forward.
 
     Args:
-        robot: the biped.
+        layout: of the robot file.
         hardware: what its motors and sensors really are.
         seed: of differences from the robot file, and of noise.
         settings: the defaults if None.
     """
     settings = settings or HungRobotSettings()
     rng = np.random.default_rng(seed)
-    stand = _Stand(robot, settings, rng)
-    board = BoardMap.of(hardware, robot.layout)
-    names = list(dict.fromkeys(name for leg in robot.layout.leg_joints for name in leg))
+    stand = _Stand(layout, settings, rng)
+    board = BoardMap.of(hardware, layout)
+    names = list(dict.fromkeys(name for leg in layout.leg_joints for name in leg))
     rows, moved = [], []
     for label in (*(["zero"] if settings.zero else []), *names, "pitch"):
         for at in np.arange(0.0, settings.seconds, 1.0 / settings.rate_hz):
@@ -77,7 +76,7 @@ def hung_log(
     q = q + settings.angle_noise_rad * rng.normal(size=q.shape)
     tau = tau + settings.torque_noise * np.abs(tau).max(axis=0) * rng.normal(size=tau.shape)
     pitch = pitch + settings.angle_noise_rad * rng.normal(size=pitch.shape)
-    place = [[names.index(name) for name in leg] for leg in robot.layout.leg_joints]
+    place = [[names.index(name) for name in leg] for leg in layout.leg_joints]
     position, torque, shown = [], [], []
     still = np.zeros((2, len(place[0])))
     for q_row, tau_row, lean in zip(q, tau, pitch, strict=True):
@@ -102,8 +101,7 @@ def hung_log(
 class _Stand:
     """MuJoCo's model of the robot with its torso fixed, and PD control of all joints."""
 
-    def __init__(self, robot: PlanarBiped, settings: HungRobotSettings, rng: np.random.Generator):
-        layout = robot.layout
+    def __init__(self, layout: MjcfLayout, settings: HungRobotSettings, rng: np.random.Generator):
         spec = mujoco.MjSpec.from_string(layout.xml)
         for key in list(spec.keys):
             spec.delete(key)

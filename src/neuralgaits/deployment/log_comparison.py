@@ -5,13 +5,11 @@ import numpy as np
 from neuralgaits._types import Float
 from neuralgaits.deployment.deployed_robot import DeployedRobot
 from neuralgaits.deployment.deployment_file import DeploymentFile
-from neuralgaits.deployment.hanging_leg import HangingLeg
 from neuralgaits.deployment.hung_log import HungLog
 from neuralgaits.deployment.labelled_motion import LabelledMotion, joint_angles, labelled_motion
 from neuralgaits.deployment.leg_fit import KNOWN_ZERO, ZERO_PRIOR, LegFit, LegFitter, LegSeries
 from neuralgaits.errors import InputError, ManyProblems
 from neuralgaits.records.deployed import DeploymentFinding, JointCheck
-from neuralgaits.robots import PlanarBiped
 
 FLIP_COST = 10.0
 """How much better a log must be explained for each sign that is turned around."""
@@ -55,7 +53,7 @@ def compared(
                 for one in missing
             ]
         )
-    refuse_without_torso(about.robot)
+    refuse_without_torso(about)
     labelled = labelled_motion(file, log)
     fits: list[tuple[tuple[str, ...], LegFit]] = []
     if log.torque is None:
@@ -69,11 +67,11 @@ def compared(
     return labelled.findings, _checks(labelled, fits), labelled.unchecked
 
 
-def refuse_without_torso(robot: PlanarBiped) -> None:
+def refuse_without_torso(about: DeployedRobot) -> None:
     """Refuse a robot that no stand can hold by its torso. Raises: InputError."""
-    if not robot.layout.torso:
+    if not about.layout.torso:
         raise InputError(
-            f"expected a robot with a torso to be held by, found none at {robot.name}: check it "
+            f"expected a robot with a torso to be held by, found none at {about.name}: check it "
             "by hand"
         )
 
@@ -82,12 +80,11 @@ def _fitted(
     labelled: LabelledMotion, about: DeployedRobot, log: HungLog
 ) -> list[tuple[tuple[str, ...], LegFit]]:
     """Return the best fit of each leg; the sign of the pitch is common to both."""
-    layout = about.robot.layout
+    layout = about.layout
     joints = {one.joint: one for one in labelled.file.joints}
     facts = {one.name: one for one in about.joints}
     imu = labelled.file.imu
     pitch = imu.pitch_sign * (log.pitch - imu.pitch_zero_rad)
-    model = HangingLeg.of(about.robot)
     driven = _driven(labelled, log)
     choices: dict[float, list[tuple[tuple[str, ...], LegFit]]] = {1.0: [], -1.0: []}
     for leg, names in enumerate(layout.leg_joints):
@@ -102,7 +99,7 @@ def _fitted(
             labelled.unchecked.append("torques: too few rows in which drives move joints")
             return []
         fitter = LegFitter(
-            model,
+            about.leg,
             np.array(layout.leg_joint_signs[leg]),
             np.array(layout.leg_joint_offsets[leg]),
             layout.pitch_sign,
@@ -217,7 +214,7 @@ def _common_zero(
     about: DeployedRobot,
 ) -> None:
     """Put one finding in the place of two: hips that are off alike are a pitch that is off."""
-    layout = about.robot.layout
+    layout = about.layout
     hips = [names[-1] for names, _ in fits]
     zeros = [one for one in labelled.findings if one.kind == "zero" and one.about in hips]
     if len(zeros) < 2 or "pitch" in labelled.zeros:

@@ -7,11 +7,11 @@ import jax.numpy as jnp
 import numpy as np
 
 from neuralgaits._quick_jit import quick_filter_jit
-from neuralgaits._types import Actuated, Array, Float
+from neuralgaits._types import Actuated, Float
 from neuralgaits.analysis.state_monitor import StateMonitor
 from neuralgaits.control import AbstractLaw, Controller
 from neuralgaits.control.joint_model import JointModel
-from neuralgaits.control.measurement import leg_joints, of_all_motors
+from neuralgaits.control.measurement import by_leg
 from neuralgaits.control.safeguard import SafeguardConfig
 from neuralgaits.deployment.deployment_file import DeploymentFile
 from neuralgaits.gait.commands import Commands
@@ -19,10 +19,7 @@ from neuralgaits.gait.policies.commanded_gait import AnyGait
 from neuralgaits.gait.reset_residual import ResetCorrection
 from neuralgaits.robots import PlanarBiped
 
-
-@quick_filter_jit
-def _by_leg(robot: PlanarBiped, actuated: Actuated) -> Float[Array, "2 k"]:
-    return leg_joints(robot, of_all_motors(robot, actuated), jnp.zeros((), jnp.int32))
+_by_leg = quick_filter_jit(by_leg)
 
 
 @dataclass(frozen=True)
@@ -124,4 +121,4 @@ class Design:
 
     def by_leg(self, actuated: Actuated) -> Float[np.ndarray, "2 k"]:
         """Return values of actuated coordinates by leg, leg 0 in stance."""
-        return np.asarray(_by_leg(self.robot, jnp.asarray(actuated)))
+        return np.asarray(_by_leg(self.robot.layout, jnp.asarray(actuated)))

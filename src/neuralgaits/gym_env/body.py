@@ -57,7 +57,7 @@ class Body:
         # Once each: the hip of a robot without a torso is in the rows of both legs.
         actuators = plant.state_map.actuators.ravel()
         self._kept = np.sort(np.unique(actuators, return_index=True)[1])
-        by_leg = leg_joints(robot, np.arange(robot.n - 1.0), np.asarray(0))
+        by_leg = leg_joints(robot.layout, np.arange(robot.n - 1.0), np.asarray(0))
         self._order = np.asarray(by_leg).ravel()[self._kept].astype(int)
         self._rng = np.random.default_rng(0)
         self._take(plant)

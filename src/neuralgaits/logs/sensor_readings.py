@@ -135,7 +135,7 @@ def _states(robot: PlanarBiped, rows: Float[Array, "b c"]) -> Float[Array, "b d"
 @quick_filter_jit
 def _stance_first(robot: PlanarBiped, rows: Float[Array, "b c"]) -> Float[Array, "b m"]:
     def one(row: Array) -> Array:
-        return stance_joints(robot, row[1:].reshape(2, -1), row[0].astype(int))
+        return stance_joints(robot.layout, row[1:].reshape(2, -1), row[0].astype(int))
 
     return jax.vmap(one)(rows)
 

@@ -14,8 +14,8 @@ import mujoco
 import numpy as np
 
 from neuralgaits._types import Float
-from neuralgaits.robots import PlanarBiped
-from neuralgaits.robots.link_rods import THICKNESS, bones, is_drawn
+from neuralgaits.robots.constants import MjcfLayout
+from neuralgaits.robots.link_rods import bones, is_drawn
 
 FRAME_S = 0.02
 """Time between two frames [s]; the page interpolates, and 50 frames a second show an impact."""
@@ -68,23 +68,23 @@ def ground_force(
     return force
 
 
-def shapes(model: mujoco.MjModel, moved: BodyMotion, robot: PlanarBiped) -> list[dict[str, Any]]:
+def shapes(model: mujoco.MjModel, moved: BodyMotion, layout: MjcfLayout) -> list[dict[str, Any]]:
     """Return the robot's shapes, placed in the frames of their bodies in the first state.
 
     Args:
         model: compiled model.
         moved: poses of the model; only the first set is used.
-        robot: robot of the model; rods stand for the links of one whose file has no shapes.
+        layout: of the robot; rods stand for the links of one whose file has no shapes.
 
     Returns: one dict for each shape, with body (counted from 0), kind, size (m), pos (m), quat and
         colour.
     """
     found = [_shape(model, geom, moved) for geom in range(model.ngeom) if is_drawn(model, geom)]
-    for bone in bones(model, robot.layout):
+    for bone in bones(model, layout):
         along, quat = bone.ends[1] - bone.ends[0], np.zeros(4)
         length = float(np.linalg.norm(along))
         mujoco.mju_quatZ2Vec(quat, along / length)
-        size = np.array([THICKNESS * robot.leg_length, 0.5 * length, 0.0])
+        size = np.array([bone.radius, 0.5 * length, 0.0])
         rod = _placed(model, bone.body, moved, "capsule", size, bone.ends.mean(axis=0), quat)
         found.append(rod | {"colour": list(bone.colour[:3])})
     return found

@@ -236,7 +236,7 @@ def _shown(run: Run, asked: AskedWalk, walked: Walk, key: str) -> ShownWalk:
     legs = np.asarray(record.command.leg)[ticks].astype(int)
     floors = np.asarray(episodes.floors)[ticks]
     frames = {
-        "shapes": animation.shapes(plant.model, moved, plant.robot),
+        "shapes": animation.shapes(plant.model, moved, plant.robot.layout),
         "contacts": animation.contacts(plant.model, moved, plant.robot.layout.feet),
         "poses": np.round(moved.poses.reshape(len(ticks), -1), 4),
         "leg": legs,

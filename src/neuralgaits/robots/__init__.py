@@ -5,12 +5,14 @@ from neuralgaits.robots.constants import BipedConstants, MjcfLayout
 from neuralgaits.robots.impact import Impact
 from neuralgaits.robots.mjcf.loader import load_robot
 from neuralgaits.robots.registry import built_in, describe
+from neuralgaits.robots.robot_source import RobotSource
 
 __all__ = [
     "BipedConstants",
     "Impact",
     "MjcfLayout",
     "PlanarBiped",
+    "RobotSource",
     "built_in",
     "describe",
     "load_robot",

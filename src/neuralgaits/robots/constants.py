@@ -70,6 +70,16 @@ class MjcfLayout:
     gears: tuple[tuple[float, ...], tuple[float, ...]]
     ankles: bool = False
 
+    @property
+    def joints_of_leg(self) -> int:
+        """Number of joints of a leg, its hip included."""
+        return len(self.leg_joints[0])
+
+    @property
+    def leg_length(self) -> float:
+        """Length of the straight leg, without a flat foot [m]."""
+        return float(sum(self.leg_lengths))
+
     def hip_arm(self, turn: Any, xp: ModuleType) -> tuple[Any, Any]:
         """Vector from the pitch axis to the hip, and its derivative by pitch. [..., 2] (m).
 

@@ -24,6 +24,8 @@ class Bone(NamedTuple):
     """Number of the body in the compiled model, since bodies may have no names."""
     ends: Float[np.ndarray, "2 3"]
     """End points in the body's frame [m]."""
+    radius: float
+    """[m]."""
     colour: tuple[float, float, float, float]
     """Red, green, blue, opacity."""
 
@@ -52,14 +54,14 @@ def bones(model, layout: MjcfLayout) -> list[Bone]:
     data = mujoco.MjData(model)
     mujoco.mj_kinematics(model, data)
     mujoco.mj_comPos(model, data)
-    found = []
+    radius, found = THICKNESS * layout.leg_length, []
     for leg, joints in enumerate(layout.leg_joints):
         foot = model.geom(layout.feet[leg])
         body, below = int(foot.bodyid[0]), data.geom_xpos[foot.id]
         for name in joints:
             joint = model.joint(name)
             above = data.xanchor[joint.id]
-            found.append(_bone(data, body, (below, above), COLOURS[leg]))
+            found.append(_bone(data, body, (below, above), radius, COLOURS[leg]))
             # Only the last, the hip, may be a joint of the other leg.
             body, below = int(model.body_parentid[joint.bodyid[0]]), above
     if layout.torso:
@@ -68,7 +70,7 @@ def bones(model, layout: MjcfLayout) -> list[Bone]:
         # In the torso's own plane, between the legs.
         hip = np.array([below[0], centre[1], below[2]])
         if np.linalg.norm(centre - hip) > 0.0:
-            found.append(_bone(data, root, (hip, 2.0 * centre - hip), COLOURS[2]))
+            found.append(_bone(data, root, (hip, 2.0 * centre - hip), radius, COLOURS[2]))
     return found
 
 
@@ -78,7 +80,7 @@ def _centre(model, data, root: int) -> np.ndarray:
     return model.body_mass[one] @ data.xipos[one] / model.body_mass[one].sum()
 
 
-def _bone(data, body: int, ends, colour) -> Bone:
+def _bone(data, body: int, ends, radius: float, colour) -> Bone:
     turn = data.xmat[body].reshape(3, 3)
     local = [(place - data.xpos[body]) @ turn for place in ends]
-    return Bone(body, np.array(local), colour)
+    return Bone(body, np.array(local), radius, colour)

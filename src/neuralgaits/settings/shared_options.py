@@ -22,12 +22,12 @@ if TYPE_CHECKING:
     from neuralgaits.analysis.run import Run as OpenRun
     from neuralgaits.barriers import GaitSpec
     from neuralgaits.control import AbstractLaw
-    from neuralgaits.robots import PlanarBiped
+    from neuralgaits.robots.robot_source import RobotSource
     from neuralgaits.simulation.linked.config import LinkConfig
     from neuralgaits.simulation.setup.disturbance import PlantChanges
 
     AnyRun = OpenRun | str | Path
-    AnyRobot = PlanarBiped | str | Path
+    AnyRobot = RobotSource
     AnySpec = GaitSpec | str
     AnyPath = str | Path
     AnyName = str | Path

@@ -12,7 +12,7 @@ from neuralgaits._control_laws import names_of_laws
 from neuralgaits.control import AbstractLaw
 from neuralgaits.control.law_by_name import exported_laws, law_named
 from neuralgaits.errors import InputError
-from neuralgaits.robots import PlanarBiped
+from neuralgaits.robots import PlanarBiped, RobotSource
 from neuralgaits.robots.parameter_box import checked_box
 from neuralgaits.simulation.linked.config import LinkConfig, parse_link
 from neuralgaits.simulation.setup.command_schedule import parsed
@@ -30,7 +30,7 @@ def drawn_robots(
     robot: PlanarBiped,
     parameters: Mapping[str, float] | None,
     seed: int,
-    plant: PlanarBiped | str | Path | None,
+    plant: RobotSource | None,
     terrain: str | Path | None,
     controller: str | AbstractLaw,
 ) -> DrawnRobots | None:

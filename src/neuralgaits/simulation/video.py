@@ -17,7 +17,7 @@ import numpy as np
 
 from neuralgaits._types import Float
 from neuralgaits.errors import InputError
-from neuralgaits.robots.link_rods import THICKNESS, Bone, bones
+from neuralgaits.robots.link_rods import Bone, bones
 from neuralgaits.runs import write_bytes
 from neuralgaits.simulation.setup.plant import SECOND_FLOOR_GROUP, SUBSTEPS, TIMESTEP_S, Plant
 
@@ -131,7 +131,7 @@ def _frame(
     mujoco.mj_forward(model, data)
     renderer.update_scene(data, _camera(plant, data), option)
     for bone in skeleton:
-        _draw(renderer.scene, bone, data, THICKNESS * plant.robot.leg_length)
+        _draw(renderer.scene, bone, data)
     frame = renderer.render()
     if not np.any(model.tex_type == mujoco.mjtTexture.mjTEXTURE_SKYBOX):
         # Where nothing is drawn.
@@ -139,7 +139,7 @@ def _frame(
     return frame
 
 
-def _draw(scene, bone: Bone, data, radius: float) -> None:
+def _draw(scene, bone: Bone, data) -> None:
     """Add a rod to the rendered scene, because the simulated model has none."""
     body = data.body(bone.body)
     ends = body.xpos + bone.ends @ body.xmat.reshape(3, 3).T
@@ -147,7 +147,7 @@ def _draw(scene, bone: Bone, data, radius: float) -> None:
     capsule, nowhere = mujoco.mjtGeom.mjGEOM_CAPSULE, np.zeros(3)
     colour = np.array(bone.colour, dtype=np.float32)
     mujoco.mjv_initGeom(geom, capsule, nowhere, nowhere, np.eye(3).ravel(), colour)
-    mujoco.mjv_connector(geom, capsule, radius, *ends)
+    mujoco.mjv_connector(geom, capsule, bone.radius, *ends)
     scene.ngeom += 1
 
 

@@ -6,8 +6,7 @@ from typing import Any
 from neuralgaits._inputs import same_folder
 from neuralgaits.barriers import specs as known_specs
 from neuralgaits.barriers.commanded_spec import commands_of
-from neuralgaits.robots import load_robot
-from neuralgaits.robots.mjcf.loader import robot_text
+from neuralgaits.robots.mjcf.loader import load_robot, robot_text
 from neuralgaits.sweeps.grid import refuse_same, speed_of
 
 

@@ -17,8 +17,8 @@ import viser
 from mjviser import ViserMujocoScene
 
 from neuralgaits._types import Float
-from neuralgaits.robots import PlanarBiped
-from neuralgaits.robots.link_rods import THICKNESS, bones
+from neuralgaits.robots.constants import MjcfLayout
+from neuralgaits.robots.link_rods import bones
 from neuralgaits.viewer.blocks import Blocks
 from neuralgaits.viewer.framing import Framing
 from neuralgaits.viewer.portrait import HEIGHT_PX, WIDTH_PX, Portrait
@@ -33,11 +33,11 @@ _RED = (214, 39, 40)
 class Stage:
     """Robot, ground, push and board in the scene."""
 
-    def __init__(self, server: viser.ViserServer, robot: PlanarBiped):
+    def __init__(self, server: viser.ViserServer, layout: MjcfLayout):
         """Put the robot on the floor of the scene."""
         self._server = server
-        self._leg = float(robot.leg_length)
-        self._model = _alone(robot)
+        self._leg = layout.leg_length
+        self._model = _alone(layout)
         self._data = mujoco.MjData(self._model)
         server.scene.set_up_direction("+z")
         self._robot = ViserMujocoScene(server, self._model, 1)
@@ -218,19 +218,19 @@ class _Board:
         self._trail.clear()
 
 
-def _alone(robot: PlanarBiped):
+def _alone(layout: MjcfLayout):
     """Return the robot's model without its floor: the page has a floor of its own."""
-    spec = mujoco.MjSpec.from_string(robot.layout.xml)
+    spec = mujoco.MjSpec.from_string(layout.xml)
     for geom in list(spec.geoms):
         if geom.type == mujoco.mjtGeom.mjGEOM_PLANE:
             spec.delete(geom)
-    drawn = bones(spec.compile(), robot.layout)
+    drawn = bones(spec.compile(), layout)
     bodies = {body.id: body for body in spec.bodies}
     for bone in drawn:
         bodies[bone.body].add_geom(
             type=mujoco.mjtGeom.mjGEOM_CAPSULE,
             fromto=bone.ends.ravel(),
-            size=[THICKNESS * robot.leg_length, 0.0, 0.0],
+            size=[bone.radius, 0.0, 0.0],
             rgba=bone.colour,
             mass=0.0,
         )

@@ -4,6 +4,7 @@ import time
 from pathlib import Path
 
 from neuralgaits.analysis.run import open_run
+from neuralgaits.deployment.deployed_robot import DeployedRobot
 from neuralgaits.deployment.deployment_file import DeploymentFile
 from neuralgaits.deployment.deployment_reader import read_deployment, run_of_deployment
 from neuralgaits.deployment.hung_log import hung_log_text, read_hung_log
@@ -11,7 +12,6 @@ from neuralgaits.deployment.hung_robot import HungRobotSettings, hung_log
 from neuralgaits.deployment.log_comparison import compared, refuse_without_torso
 from neuralgaits.errors import InputError
 from neuralgaits.records.deployed import DeploymentCheck
-from neuralgaits.robots import PlanarBiped
 from neuralgaits.runs.atomic import refuse_unwritable, write_bytes
 from neuralgaits.runs.outputs import refuse_outputs
 from neuralgaits.settings import CheckDeploySettings, called_with
@@ -37,7 +37,7 @@ def check_deploy(settings: CheckDeploySettings) -> DeploymentCheck:
     file = read_deployment(Path(settings.file), about)
     if settings.rehearse:
         refuse_outputs([Path(settings.log)], [Path(settings.file)], run=trained.path)
-        _rehearse(Path(settings.log), about.robot, file)
+        _rehearse(Path(settings.log), about, file)
     joints = [one.joint for one in file.joints]
     log = read_hung_log(Path(settings.log), (*joints, *about.feet, "pitch", "zero"))
     findings, checks, unchecked = compared(file, about, log)
@@ -54,17 +54,17 @@ def check_deploy(settings: CheckDeploySettings) -> DeploymentCheck:
     )
 
 
-def _rehearse(path: Path, robot: PlanarBiped, file: DeploymentFile) -> None:
+def _rehearse(path: Path, about: DeployedRobot, file: DeploymentFile) -> None:
     """Write the log of a simulated robot that fits a file.
 
     Raises: InputError if something is at the path already.
     """
-    refuse_without_torso(robot)
+    refuse_without_torso(about)
     if path.exists():
         raise InputError(
             f"--rehearse: expected no file at {path}, found one: name another, or leave --rehearse "
             "out to read it"
         )
     refuse_unwritable(path)
-    log = hung_log(robot, file, 0, HungRobotSettings(directions=True, zero=True))
+    log = hung_log(about.layout, file, 0, HungRobotSettings(directions=True, zero=True))
     write_bytes(path, hung_log_text(log).encode())

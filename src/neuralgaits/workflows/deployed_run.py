@@ -5,8 +5,10 @@ import numpy as np
 from neuralgaits.analysis.run import Run
 from neuralgaits.control import Pd
 from neuralgaits.control.controller import Controller
+from neuralgaits.control.safeguard import joint_ranges, torque_limits
 from neuralgaits.deployment.deployed_robot import DeployedRobot, joint_facts
 from neuralgaits.deployment.deployment_file import FileHash
+from neuralgaits.deployment.hanging_leg import HangingLeg
 from neuralgaits.export.facts import Design
 from neuralgaits.records.certified import PROOF
 from neuralgaits.runs.hashes import file_hashes
@@ -22,11 +24,14 @@ def deployed_robot(trained: Run) -> DeployedRobot:
         role: None if (found := hashes[name]) is None else FileHash(name, found)
         for role, name in by_role.items()
     }
-    gait = trained.trained
-    controller = Controller.init(trained.robot, gait.policy, Pd(), z2_range=momentum_range(gait))
+    gait, robot = trained.trained, trained.robot
+    controller = Controller.init(robot, gait.policy, Pd(), z2_range=momentum_range(gait))
     return DeployedRobot(
-        robot=trained.robot,
-        joints=joint_facts(trained.robot),
+        name=robot.name,
+        layout=robot.layout,
+        leg=HangingLeg.of(robot.layout, robot.name, float(robot.gravity)),
+        weight_n=float(robot.mass * robot.gravity),
+        joints=joint_facts(robot.layout, joint_ranges(robot), torque_limits(robot)),
         run=str(trained.path),
         files=files,
         period_s=controller.period_s,

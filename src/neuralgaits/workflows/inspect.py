@@ -115,7 +115,7 @@ def _actuators(robot: PlanarBiped) -> tuple[MotorFacts, ...]:
     """Return the joints in the order of q, with leg 0 in stance."""
     layout, first = robot.layout, 1 if robot.feet is None else 0
     torques, lower, upper = (
-        np.asarray(of_all_motors(robot, jnp.asarray(values)))
+        np.asarray(of_all_motors(robot.layout, jnp.asarray(values)))
         for values in (robot.torque_limit, robot.joint_lower, robot.joint_upper)
     )
     joints = list(zip(layout.leg_joints[0], layout.actuators[0], strict=True))

@@ -8,7 +8,7 @@ from pathlib import Path
 from neuralgaits._printable import printable
 from neuralgaits.errors import InputError, ManyProblems, RobotError
 from neuralgaits.records.inspected import RobotFacts
-from neuralgaits.robots import PlanarBiped, load_robot, registry
+from neuralgaits.robots import PlanarBiped, RobotSource, load_robot, registry
 from neuralgaits.robots.mjcf.file_problems import problems_of_file
 from neuralgaits.robots.mjcf.loader import robot_from_text, robot_text
 from neuralgaits.robots.mjcf.planariser import Feet, planarise
@@ -94,7 +94,7 @@ def _about_cut_feet(
 
 
 def robot_from(
-    source: PlanarBiped | str | Path | None,
+    source: RobotSource | None,
     feet: Feet | None = None,
     weld: Collection[str] = (),
     say: Callable[[str], None] | None = None,

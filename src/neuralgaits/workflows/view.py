@@ -45,7 +45,7 @@ class LiveView:
             self.gait = LiveGait(run, terrain)
             self._run = self.gait.run
             self.player = Player(self.gait, self._show)
-            self._stage = Stage(self._server, run.robot)
+            self._stage = Stage(self._server, run.robot.layout)
             self._stage.show(self.gait.shown())
             self._panel = self._build_panel()
         except BaseException:

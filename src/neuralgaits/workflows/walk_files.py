@@ -4,7 +4,7 @@ from pathlib import Path
 
 from neuralgaits.analysis.run import Run
 from neuralgaits.records.simulated import PLANT
-from neuralgaits.robots import PlanarBiped, registry
+from neuralgaits.robots import RobotSource, registry
 from neuralgaits.runs import write_text
 from neuralgaits.simulation.walk import Walk
 
@@ -15,7 +15,7 @@ def log_files(first: Path, episodes: int) -> list[Path]:
     return [first, *more]
 
 
-def kept_plant(trained: Run, plant: PlanarBiped | str | Path | None, walked: Walk) -> str | None:
+def kept_plant(trained: Run, plant: RobotSource | None, walked: Walk) -> str | None:
     """Return the name that gives the same plant: a built-in robot, or a copy that the run keeps."""
     if plant is None or str(plant) in registry.built_in():
         return None if plant is None else str(plant)

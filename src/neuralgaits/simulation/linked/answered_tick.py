@@ -87,7 +87,7 @@ def _command_of(scene: Scene, row: jax.Array, seen: Measurement) -> TickResult:
     q, dq = coordinates(robot, seen, leg)
     return TickResult(
         torque=torque,
-        actuated=stance_joints(robot, torque, leg),
+        actuated=stance_joints(robot.layout, torque, leg),
         q=q,
         dq=dq,
         y_d=y_d,

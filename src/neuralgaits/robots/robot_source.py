@@ -1,0 +1,8 @@
+"""What a caller may name a robot by: the robot itself, a built-in name, or the path of its file."""
+
+from pathlib import Path
+
+from neuralgaits.robots.biped import PlanarBiped
+
+RobotSource = PlanarBiped | str | Path
+"""A loaded robot, the name of a built-in one, or the path of a robot file."""
