@@ -6,6 +6,7 @@ import shutil
 import numpy as np
 import pytest
 
+from neuralgaits.certificate.run_certificate import run_proof
 from neuralgaits.cli import proof_screen
 from neuralgaits.cli.main import main
 from neuralgaits.cli.progress import ProofProgress
@@ -16,7 +17,6 @@ from neuralgaits.records.certified import (
     ConditionVerdict,
     Counterexample,
 )
-from neuralgaits.workflows import certify as certifying
 
 Captured = pytest.CaptureFixture[str]
 
@@ -70,7 +70,7 @@ def test_ctrl_c_after_the_search_goes_on_from_its_boxes(run, capfd: Captured, mo
     def ctrl_c(*_: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(certifying, "_conclusions", ctrl_c)
+    monkeypatch.setattr(run_proof, "_conclusions", ctrl_c)
     assert main(["certify", str(path)]) == 130
     last = capfd.readouterr().err.splitlines()[-1]
     assert "--resume" in last and "nothing is kept" not in last

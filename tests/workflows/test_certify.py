@@ -10,10 +10,10 @@ import pytest
 
 from neuralgaits.analysis.run import open_run
 from neuralgaits.certificate.proof_file.reader import read_claims
+from neuralgaits.certificate.run_certificate import run_proof
 from neuralgaits.certificate.search.root_turns import SearchInterrupted
 from neuralgaits.errors import InputError, RunError, SpecError
 from neuralgaits.runs import read_arrays
-from neuralgaits.workflows import certify as certify_module
 from neuralgaits.workflows.certify import certify
 
 FIELDS = {"verdict", "level", "conditions", "wall_s", "proof"}
@@ -231,7 +231,7 @@ def test_a_proof_of_what_cannot_be_traced_any_more_is_removed(gait, tmp_path, mo
     def untraceable(*parts):
         raise SpecError("a kink in mine.py:7")
 
-    monkeypatch.setattr(certify_module, "trace_certificate", untraceable)
+    monkeypatch.setattr(run_proof, "trace_certificate", untraceable)
     done = certify(run, level=1)
     assert (done.verdict, done.summary["proof"]) == ("undecided", None)
     assert "mine.py:7" in done.summary["reason"]

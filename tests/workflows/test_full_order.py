@@ -33,7 +33,7 @@ from neuralgaits.certificate.proof_file.check import check
 from neuralgaits.certificate.proof_file.reader import Claims, Statement, read_claims
 from neuralgaits.certificate.proof_file.statement_check import StatementCheck
 from neuralgaits.certificate.proof_file.theorem_tables import Theorems
-from neuralgaits.certificate.run_certificate import retrace
+from neuralgaits.certificate.run_certificate import retrace, run_proof
 from neuralgaits.certificate.run_certificate.run_comparison import differences_of_program
 from neuralgaits.certificate.search.root_turns import SearchInterrupted
 from neuralgaits.gait.full_order import FullPoint
@@ -41,7 +41,6 @@ from neuralgaits.programs import POINT, Program, evaluate
 from neuralgaits.programs.algebras.ball import BallAlgebra
 from neuralgaits.programs.prune import prune
 from neuralgaits.records.certified import PROOF, Conclusion
-from neuralgaits.workflows import certify as certifying
 from neuralgaits.workflows.certify import CertifyResult, certify
 from support.full_order_check import (
     check_by_force,
@@ -103,7 +102,7 @@ def result(trained, found, tmp_path_factory):
 
     with pytest.MonkeyPatch.context() as patch:
         for name in ("find_sets", "trace_certificate"):
-            patch.setattr(certifying, name, keep(name, getattr(certifying, name)))
+            patch.setattr(run_proof, name, keep(name, getattr(run_proof, name)))
         return Result(certify(folder, level=4), folder / PROOF)
 
 
@@ -344,7 +343,7 @@ def test_an_interrupted_level_4_is_resumed(result, found, monkeypatch, tmp_path)
     bare = shutil.ignore_patterns("certificate")
     folder = shutil.copytree(result.file.parents[1], tmp_path / "run", ignore=bare)
     for name, value in found.items():
-        monkeypatch.setattr(certifying, name, lambda *_, value=value: value)
+        monkeypatch.setattr(run_proof, name, lambda *_, value=value: value)
 
     def ctrl_c(share, boxes):
         if boxes > result.certificate.summary.boxes / 2:

@@ -5,16 +5,16 @@ made of them, are the same whoever bounded them.
 """
 
 import json
-from collections.abc import Generator, Sequence
-from contextlib import closing
+from collections.abc import Generator, Iterator, Sequence
+from contextlib import closing, contextmanager
 from dataclasses import fields
 from functools import lru_cache
 
 import numpy as np
 
 from neuralgaits.certificate.chart import CoupledAxes
-from neuralgaits.certificate.search.problem import Bounds, Boxes, Problem
-from neuralgaits.engine import Files, Job, Settings, WorkerPool
+from neuralgaits.certificate.search.problem import BoundAll, Bounds, Boxes, Problem
+from neuralgaits.engine import Files, Job, Settings, WorkerPool, worker_pool_for
 from neuralgaits.programs import Program
 
 _PROBLEM, _LOW, _HIGH, _LOWER, _UPPER = "problem.json", "low", "high", "lower", "upper"
@@ -67,6 +67,16 @@ class SharedBounds:
                 while wanted in found:
                     yield found.pop(wanted)
                     wanted += 1
+
+
+@contextmanager
+def bounding(workers: int | None, ray: str | None) -> Iterator[BoundAll | None]:
+    """Yield the function that bounds boxes on workers; None bounds them in this process."""
+    if workers is None and ray is None:
+        yield None
+        return
+    with worker_pool_for(workers, ray) as pool:
+        yield SharedBounds(pool)
 
 
 def _pieces(problem: Problem, batch: Boxes) -> list[Boxes]:
