@@ -40,7 +40,7 @@ def test_published_step_times(published):
     """From the published state after touchdown to the guard."""
     name, gait, zd, x = published
     eta, z = start_of(zd, x)
-    step = swing(motion_of(zd), np.asarray(z)[None], Mesh.of_robot(zd.robot))
+    step = swing(motion_of(zd), np.asarray(z)[None], Mesh.of_leg(zd.robot.leg_length))
     assert np.max(np.abs(eta[:4])) < 1e-3
     assert step.landed.all()
     duration = float(step.t[-1, 0])

@@ -35,7 +35,7 @@ def recorded(amber, zd):
 
 @pytest.fixture(scope="session")
 def log(amber, recorded):
-    return log_of(amber, recorded, "episode 0")
+    return log_of(amber.joint_names, recorded, "episode 0")
 
 
 @pytest.fixture

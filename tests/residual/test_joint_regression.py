@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+import equinox as eqx
 import jax
 import numpy as np
 import pytest
@@ -10,6 +11,7 @@ from neuralgaits.logs import Log, Stride
 from neuralgaits.residual.joint_regression import identified, torque_error
 from neuralgaits.residual.joint_windows import JointWindows, joint_windows
 from neuralgaits.robots import load_robot
+from neuralgaits.robots.link_momenta import link_momenta
 from neuralgaits.robots.mjcf.loader import robot_from_text
 from support.random_biped import random_biped
 
@@ -75,6 +77,10 @@ def _stride(robot, number, t, q, dq, tau) -> tuple[Log, Stride]:
     return log, stride
 
 
+def _windows(robot, strides) -> tuple[JointWindows, ...]:
+    return joint_windows(robot.layout, eqx.Partial(link_momenta, robot), strides)
+
+
 @pytest.fixture(scope="module", params=["amber3m", "without a torso"])
 def robot(request):
     if request.param == "amber3m":
@@ -84,7 +90,7 @@ def robot(request):
 
 def test_the_numbers_of_an_exact_motion_are_found(robot):
     damped = replace(robot, damping=np.full(robot.n, 0.3))
-    for place, windows in enumerate(joint_windows(robot, moved(damped, 1.5))):
+    for place, windows in enumerate(_windows(robot, moved(damped, 1.5))):
         value = identified(windows).value
         expected = [robot.armature[1 + place], 1.5, 0.3, 0.0]
         np.testing.assert_allclose(value, expected, rtol=1e-4, atol=1e-4)
@@ -95,7 +101,7 @@ def test_the_numbers_of_an_exact_motion_are_found(robot):
 def test_torques_that_act_late_or_early_are_noticed(delay_s):
     """Held to second order in the delay."""
     robot = load_robot("amber3m")
-    for windows in joint_windows(robot, moved(robot, 1.0, delay_s)):
+    for windows in _windows(robot, moved(robot, 1.0, delay_s)):
         found = identified(windows)
         assert found.value[3] == pytest.approx(delay_s, rel=0.1)
         assert found.value[1] == pytest.approx(1.0, rel=0.02)
@@ -103,7 +109,7 @@ def test_torques_that_act_late_or_early_are_noticed(delay_s):
 
 def test_left_and_right_are_one_joint():
     robot = load_robot("amber3m")
-    found = joint_windows(robot, moved(robot, 0.0))
+    found = _windows(robot, moved(robot, 0.0))
     assert [one.names for one in found] == [("knee_left", "knee_right"), ("hip_left", "hip_right")]
     # Windows of stance and swing joints.
     assert all({0, 1} == set(one.phase % 2) for one in found)
@@ -112,13 +118,13 @@ def test_left_and_right_are_one_joint():
 def test_no_window_reaches_across_a_gap_or_a_stop():
     robot = load_robot("amber3m")
     (log, stride), *_ = moved(robot, 0.0)
-    whole = joint_windows(robot, [(log, stride)])
+    whole = _windows(robot, [(log, stride)])
     # Every window of 0.15 s would hold the gap, but for those before and after it.
     cut = replace(stride, piece=(stride.t > 0.3).astype(int))
-    parts = joint_windows(robot, [(log, cut)])
+    parts = _windows(robot, [(log, cut)])
     assert sum(len(one.torque) for one in parts) < sum(len(one.torque) for one in whole)
     slow = replace(stride, dq=0.01 * stride.dq)
-    assert all(not len(one.torque) for one in joint_windows(robot, [(log, slow)]))
+    assert all(not len(one.torque) for one in _windows(robot, [(log, slow)]))
 
 
 def test_intervals_hold_the_truth_as_often_as_they_say():

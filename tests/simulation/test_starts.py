@@ -57,7 +57,7 @@ def test_the_fixed_point_is_that_of_the_poincare_map(zd, gait):
 def test_the_fixed_point_of_a_learned_robot_is_that_of_its_corrected_dynamics(amber, zd, gait):
     heavier = ZeroDynamics(amber, gait.policy, lambda z: jnp.array([0.0, -0.3]))
     _, z = zd.phi(states(heavier, gait, "fixed-point")[0])
-    mesh, start = Mesh.of_robot(amber), np.array(z[1:])
+    mesh, start = Mesh.of_leg(amber.leg_length), np.array(z[1:])
     assert returns(motion_of(heavier), start, mesh).z2 == pytest.approx(start, rel=1e-8)
     assert returns(motion_of(zd), start, mesh).z2 > start + 0.01
 

@@ -14,7 +14,6 @@ import numpy as np
 
 from neuralgaits._types import Bool, Float
 from neuralgaits.gait.runge_kutta import DOPRI5
-from neuralgaits.robots import PlanarBiped
 
 Quantity = Callable[[np.ndarray], np.ndarray]
 """Function of states [N, 2] (m, kg m^2/s)."""
@@ -58,13 +57,13 @@ class Mesh(NamedTuple):
         return cls((guard - start) / steps, guard + BEHIND * (guard - start))
 
     @classmethod
-    def of_robot(cls, robot: PlanarBiped) -> "Mesh":
-        """Return a mesh for any gait.
+    def of_leg(cls, length: float) -> "Mesh":
+        """Return a mesh for any gait of a robot with legs of this length (m).
 
         It reaches one leg's length, since a hip that far ahead of the foot is on the ground
         itself.
         """
-        return cls(OF_LEG * robot.leg_length, robot.leg_length)
+        return cls(OF_LEG * length, length)
 
 
 class Swing(NamedTuple):

@@ -13,7 +13,6 @@ from neuralgaits.errors import RunError
 from neuralgaits.gait import Residuals
 from neuralgaits.gait.flow_residual import Residual
 from neuralgaits.gait.reset_residual import ResetResidual
-from neuralgaits.robots import PlanarBiped
 from neuralgaits.runs import read_arrays, read_tree, write_tree
 
 _LAYER = "flow.network.biases[{}]"
@@ -42,8 +41,8 @@ class Learned(eqx.Module):
         write_tree(path, self)
 
     @classmethod
-    def read(cls, path: Path, robot: PlanarBiped) -> "Learned":
-        """Read a file of `write` for a robot.
+    def read(cls, path: Path, joints: int) -> "Learned":
+        """Read a file of `write` for a robot with so many actuated joints.
 
         Raises: RunError if it is missing, damaged, no residual, or of a robot with other joints.
         """
@@ -64,7 +63,7 @@ class Learned(eqx.Module):
         has_reset = any(name.startswith("reset.") for name in arrays)
         like = cls(
             Residual.like(tuple(sizes[:-1])),
-            ResetResidual.like(robot.n - 1) if has_reset else None,
+            ResetResidual.like(joints) if has_reset else None,
             np.zeros(2),
         )
         return read_tree(path, like)

@@ -44,7 +44,7 @@ def residual_data(run: Run) -> ResidualData | None:
             arrays, words = {}, {}
         if SHA256 in words and words.get("of") == of:
             return ResidualData(gait, arrays["epsilon"], arrays["visited"], trained)
-    flow = Learned.read(path, run.robot).flow
+    flow = Learned.read(path, run.robot.n - 1).flow
     look = PointEvaluator(lambda z: {"epsilon": flow(z)})
     z1, z2 = gait["plane/z1"], gait["plane/z2"]
     grid = np.stack(np.meshgrid(z1, z2), axis=-1)

@@ -135,7 +135,7 @@ class Run:
         """
         if RESIDUAL not in self.folder.copies:
             return None
-        return Learned.read(self.folder.copied(RESIDUAL), self.robot)
+        return Learned.read(self.folder.copied(RESIDUAL), self.robot.n - 1)
 
     @property
     def residuals(self) -> Residuals:

@@ -146,7 +146,7 @@ def _walk(
         library=engine.library,
     )
     records = walked.episodes.records
-    return summary(walked), [log_of(run.robot, record, "walk") for record in records]
+    return summary(walked), [log_of(run.robot.joint_names, record, "walk") for record in records]
 
 
 def logs_of(logs: Path, number: int) -> list[Path]:

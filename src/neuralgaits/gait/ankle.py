@@ -4,8 +4,6 @@ It enters the zero dynamics as dz2 = M g x_com + u_a(z): with it a policy also s
 robot falls. Source: Westervelt et al. (2007), section 10.4.
 """
 
-from typing import TYPE_CHECKING
-
 import equinox as eqx
 import numpy as np
 from jaxtyping import PRNGKeyArray
@@ -14,9 +12,7 @@ from neuralgaits._types import Array, Float, Scalar, ZeroState
 from neuralgaits.gait.activations import logistic
 from neuralgaits.gait.network import Network, scaled_inputs
 from neuralgaits.gait.posture import Posture
-
-if TYPE_CHECKING:
-    from neuralgaits.robots import PlanarBiped
+from neuralgaits.robots.feet import FlatFeet
 
 HIDDEN = (8,)
 """Widths of the hidden layers: the torque is one smooth bump."""
@@ -39,16 +35,16 @@ class AnkleTorque(eqx.Module):
     input_shift: Float[Array, "2"]
 
     @classmethod
-    def init(cls, robot: "PlanarBiped", posture: Posture, *, key: PRNGKeyArray) -> "AnkleTorque":
+    def init(cls, feet: FlatFeet, posture: Posture, *, key: PRNGKeyArray) -> "AnkleTorque":
         """Start near a torque of zero.
 
         Args:
-            robot: with flat feet.
+            feet: flat feet, whose motors bound the torque.
             posture: nominal posture, for the scales of z.
             key: random key of the network.
         """
         network = Network.init((2, *HIDDEN, 1), activation="tanh", key=key, near=np.zeros(1))
-        most = np.asarray(SHARE * robot.flat_feet.torque_limit)
+        most = np.asarray(SHARE * feet.torque_limit)
         return cls(network, most, posture.input_scale, posture.input_shift)
 
     def __call__(self, z: ZeroState) -> Scalar:

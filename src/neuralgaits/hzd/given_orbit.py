@@ -38,7 +38,7 @@ def steady(zd: ZeroDynamics) -> Steady | str:
     robot = zd.robot
     weight, leg = float(robot.mass * robot.gravity), robot.leg_length
     pace = float(robot.mass) * leg * np.sqrt(float(robot.gravity) * leg)
-    motion, mesh = motion_of(zd), Mesh.of_robot(robot)
+    motion, mesh = motion_of(zd), Mesh.of_leg(robot.leg_length)
     z2 = pace * np.linspace(SLOWEST, FASTEST, TRIED)
     with np.errstate(all="ignore"):
         orbit = orbit_between(motion, z2, returns(motion, z2, mesh).z2, mesh)

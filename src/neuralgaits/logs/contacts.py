@@ -4,14 +4,13 @@ import numpy as np
 
 from neuralgaits._types import Bool, Float, Int
 from neuralgaits.control.stance import StanceConfig
-from neuralgaits.robots import PlanarBiped
 
 UNKNOWN = -1
 """Leg number of the rows before exactly one foot was on the ground."""
 
 
 def stance_legs(
-    robot: PlanarBiped,
+    leg_length: float,
     t: Float[np.ndarray, " k"],
     contact: Bool[np.ndarray, "k 2"],
     ahead: Float[np.ndarray, " k"],
@@ -23,7 +22,7 @@ def stance_legs(
     glitches and a foot that scuffs end no step. See `control.stance.StanceConfig`.
 
     Args:
-        robot: for the leg length.
+        leg_length: of the robot (m).
         t: times, increasing (s). [k]
         contact: of both feet, legs in the order of the robot file. [k, 2]
         ahead: foot of leg 1 ahead of that of leg 0 (m). [k]
@@ -39,7 +38,7 @@ def stance_legs(
         return legs
     first = int(single[0])
     leg = int(stays[first, 1])
-    far = config.advance_share * robot.leg_length
+    far = config.advance_share * leg_length
     lands = np.column_stack([stays[:, 0] & (-ahead > far), stays[:, 1] & (ahead > far)])
     last = -np.inf
     begin = first
@@ -54,6 +53,11 @@ def stance_legs(
         leg, last, begin = 1 - leg, t[end], end
 
 
-def loaded(robot: PlanarBiped, force: Float[np.ndarray, " k"]) -> Bool[np.ndarray, " k"]:
-    """Return whether a foot with this normal force (N) is in stance or lands. [k]."""
-    return force > StanceConfig().force_share * float(robot.mass * robot.gravity)
+def loaded(weight: float, force: Float[np.ndarray, " k"]) -> Bool[np.ndarray, " k"]:
+    """Return whether a foot with this normal force is in stance or lands. [k].
+
+    Args:
+        weight: of the robot (N).
+        force: normal force on the foot (N). [k]
+    """
+    return force > StanceConfig().force_share * weight

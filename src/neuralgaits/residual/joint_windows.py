@@ -15,7 +15,7 @@ an equation without any acceleration, linear in (a, f, d, s):
 Source: the weak form, as in Messenger and Bortz (2021), doi:10.1137/20M1343166.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import jax
@@ -23,9 +23,9 @@ import numpy as np
 
 from neuralgaits._blocks import in_blocks
 from neuralgaits._quick_jit import quick_filter_jit
-from neuralgaits._types import Actuated, Array, Coordinates, Float, Int, Scalar
+from neuralgaits._types import Actuated, Array, Coordinates, Float, Int
 from neuralgaits.logs import Log, Stride
-from neuralgaits.robots import PlanarBiped, dynamics
+from neuralgaits.robots.constants import MjcfLayout
 
 WINDOW_S, EVERY_S = 0.15, 0.02
 """Length of a window, and time from the start of one to that of the next [s]."""
@@ -35,6 +35,10 @@ friction, and noise decides about its sign."""
 FEWEST_ROWS = 8
 """Least number of rows in a window, for its integrals."""
 _AT_ONCE = 4096
+
+LinkMomenta = Callable[[Coordinates, Coordinates], tuple[Actuated, Actuated]]
+"""Momenta and generalised forces dL/dq of the actuated joints without rotors, at (q, dq): see
+`robots.link_momenta`. A pytree, as of `equinox.Partial`, so that robots share compiled code."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,20 +73,21 @@ class JointWindows:
 
 
 def joint_windows(
-    robot: PlanarBiped, strides: Sequence[tuple[Log, Stride]]
+    layout: MjcfLayout, links: LinkMomenta, strides: Sequence[tuple[Log, Stride]]
 ) -> tuple[JointWindows, ...]:
     """Return the equations of every joint, lowest first, left and right joint together.
 
     Args:
-        robot: model of the links, on point feet.
+        layout: of a robot file on point feet.
+        links: model of the links.
         strides: pieces of walks with the logs that they are from.
     """
-    parts = [_of_stride(robot, log, stride, number) for number, (log, stride) in enumerate(strides)]
-    first, second = robot.layout.leg_joints
+    parts = [_of_stride(links, log, stride, number) for number, (log, stride) in enumerate(strides)]
+    first, second = layout.leg_joints
     found = []
     for place, (one, other) in enumerate(zip(first, second, strict=True)):
         # Stance joints go up the leg and swing joints down: both ends belong to one joint.
-        actuated = sorted({place, robot.n - 2 - place})
+        actuated = sorted({place, len(parts[0]) - 1 - place})
         rows = [part[j] for part in parts for j in actuated]
         found.append(
             JointWindows(
@@ -94,12 +99,12 @@ def joint_windows(
 
 
 def _of_stride(
-    robot: PlanarBiped, log: Log, stride: Stride, number: int
+    links: LinkMomenta, log: Log, stride: Stride, number: int
 ) -> list[tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]]:
     """Return features, torques, stride and phase of the windows of each actuated joint."""
     t, q, dq = stride.t, stride.q, stride.dq
     tau = log.tau[np.searchsorted(log.t, t)]
-    momenta, forces = _links(robot, q, dq)
+    momenta, forces = _links(links, q, dq)
     starts = _starts(stride)
     # Rows by windows: weights of rows, of their slopes, and of the torque from a row to the next.
     area = 0.5 * (np.diff(t, append=t[-1]) + np.diff(t, prepend=t[0]))
@@ -108,7 +113,7 @@ def _of_stride(
     whole = 0.375 * WINDOW_S  # Integral of the weight.
     inside = (t >= starts[:, None]) & (t <= starts[:, None] + WINDOW_S)
     found = []
-    for j in range(robot.n - 1):
+    for j in range(q.shape[1] - 1):
         rate = dq[:, 1 + j]
         slowest = np.min(np.where(inside, np.abs(rate), np.inf), axis=1, initial=np.inf)
         used = (slowest >= SLOWEST_RAD_S) & (np.count_nonzero(inside, axis=1) >= FEWEST_ROWS)
@@ -117,7 +122,7 @@ def _of_stride(
         features = [rotor, by_weight @ np.sign(rate), by_weight @ rate, late]
         torque = by_weight @ forces[:, j] + by_slope @ momenta[:, j] + held[used] @ tau[:, j]
         # A joint of the stance leg and of the swing leg move differently.
-        phase = 2 * np.flatnonzero(used) + int(j >= robot.n // 2)
+        phase = 2 * np.flatnonzero(used) + int(j >= q.shape[1] // 2)
         column = np.full(len(phase), number)
         found.append((np.column_stack(features) / whole, torque / whole, column, phase))
     return found
@@ -146,26 +151,14 @@ def _weights(
 
 
 def _links(
-    robot: PlanarBiped, q: Float[np.ndarray, "k n"], dq: Float[np.ndarray, "k n"]
+    links: LinkMomenta, q: Float[np.ndarray, "k n"], dq: Float[np.ndarray, "k n"]
 ) -> tuple[Float[np.ndarray, "k m"], Float[np.ndarray, "k m"]]:
     """Return momenta and generalised forces dL/dq of the actuated joints, without rotors."""
-    return in_blocks(lambda *rows: _momenta_and_forces(robot, *rows), _AT_ONCE, q, dq)
+    return in_blocks(lambda *rows: _momenta_and_forces(links, *rows), _AT_ONCE, q, dq)
 
 
 @quick_filter_jit
 def _momenta_and_forces(
-    robot: PlanarBiped, q: Float[Array, "k n"], dq: Float[Array, "k n"]
+    links: LinkMomenta, q: Float[Array, "k n"], dq: Float[Array, "k n"]
 ) -> tuple[Float[Array, "k m"], Float[Array, "k m"]]:
-    return jax.vmap(lambda at, rate: _of_links(robot, at, rate))(q, dq)
-
-
-def _of_links(robot: PlanarBiped, q: Coordinates, dq: Coordinates) -> tuple[Actuated, Actuated]:
-    turn = robot.link_angles
-
-    def mass(at: Coordinates) -> Float[Array, "n n"]:
-        return turn.T @ dynamics.link_mass_matrix(robot, turn @ at) @ turn
-
-    def lagrangian(at: Coordinates) -> Scalar:
-        return 0.5 * dq @ (mass(at) @ dq) - robot.potential_energy(at)
-
-    return (mass(q) @ dq)[1:], jax.grad(lagrangian)(q)[1:]
+    return jax.vmap(links)(q, dq)

@@ -3,15 +3,14 @@
 import numpy as np
 
 from neuralgaits.logs import Log
-from neuralgaits.robots import PlanarBiped
 from neuralgaits.simulation.ticks.tick import TickRecord
 
 
-def log_of(robot: PlanarBiped, record: TickRecord, source: str) -> Log:
+def log_of(joint_names: tuple[str, ...], record: TickRecord, source: str) -> Log:
     """Return the log of a recorded episode.
 
     Args:
-        robot: the controller's model.
+        joint_names: of the controller's model, one a coordinate.
         record: record of the episode; every leaf has a leading axis of ticks.
         source: name of the episode in messages.
     """
@@ -29,6 +28,6 @@ def log_of(robot: PlanarBiped, record: TickRecord, source: str) -> Log:
         z=np.asarray(command.z),
         z2_plant=np.asarray(record.z_plant[:, 1]),
         rows=np.arange(1, 1 + len(record.time)),
-        joint_names=robot.joint_names,
+        joint_names=joint_names,
         source=source,
     )

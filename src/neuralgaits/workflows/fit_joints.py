@@ -4,6 +4,7 @@ import time
 from collections.abc import Sequence
 from pathlib import Path
 
+import equinox as eqx
 import numpy as np
 
 from neuralgaits import logs as walks
@@ -21,7 +22,7 @@ from neuralgaits.residual.joint_windows import (
     JointWindows,
     joint_windows,
 )
-from neuralgaits.robots import PlanarBiped
+from neuralgaits.robots.link_momenta import link_momenta
 from neuralgaits.robots.mjcf.joint_numbers import JointConstants, text_with_joints
 from neuralgaits.runs import write_text
 from neuralgaits.runs.atomic import refuse_unwritable
@@ -63,7 +64,7 @@ def fit_joints(
     start_time = time.perf_counter()
     trained, paths = open_run(run), [Path(log) for log in logs]
     robot, out = trained.robot, None if write is None else Path(write)
-    _refuse_flat_feet(robot)
+    _refuse_flat_feet(trained)
     refuse_unwritable(trained.path / JOINTS, own=True)
     if out is not None:
         given = paths if columns is None else [*paths, Path(columns)]
@@ -71,15 +72,16 @@ def fit_joints(
     refuse_logs_of_another(trained, paths)
     read, left_out = walks.read_all(paths, robot, columns=columns, policy=trained.gait.policy)
     _refuse_without_torques(read)
-    strides, more_left_out = _strides(read, robot)
+    strides, more_left_out = _strides(read, trained)
     numbers = range(len(strides))
     heldout = [number for number in numbers if number % HELD_OUT == HELD_OUT - 1]
     kept = [number for number in numbers if number not in heldout]
+    links = eqx.Partial(link_momenta, robot)
     joints = tuple(
-        _estimate(robot, place, windows.of(kept), windows.of(heldout))
-        for place, windows in enumerate(joint_windows(robot, strides))
+        _estimate(trained, place, windows.of(kept), windows.of(heldout))
+        for place, windows in enumerate(joint_windows(robot.layout, links, strides))
     )
-    files = {} if out is None else {out: _text(robot, joints)}
+    files = {} if out is None else {out: _text(trained, joints)}
     result = IdentifiedJoints(
         run=str(trained.path),
         file=str(trained.path / JOINTS),
@@ -101,11 +103,12 @@ def fit_joints(
     return result
 
 
-def _refuse_flat_feet(robot: PlanarBiped) -> None:
-    if robot.feet is not None:
+def _refuse_flat_feet(trained: Run) -> None:
+    if trained.robot.feet is not None:
         raise InputError(
-            f"--joints: expected a robot on point feet, found flat feet at {robot.name}: logs do "
-            "not hold the torque of the stance ankle; leave --joints out"
+            "--joints: expected a robot on point feet, found flat feet at "
+            f"{trained.robot.name}: logs do not hold the torque of the stance ankle; leave "
+            "--joints out"
         )
 
 
@@ -118,11 +121,9 @@ def _refuse_without_torques(read: Sequence[Log]) -> None:
             )
 
 
-def _strides(
-    read: Sequence[Log], robot: PlanarBiped
-) -> tuple[list[tuple[Log, Stride]], dict[str, int]]:
+def _strides(read: Sequence[Log], trained: Run) -> tuple[list[tuple[Log, Stride]], dict[str, int]]:
     """Return the strides, each with its log, and the number of rows left out by reason."""
-    cuts = [walks.cut([log], robot) for log in read]
+    cuts = [walks.cut([log], trained.robot) for log in read]
     found = [(log, stride) for log, cut in zip(read, cuts, strict=True) for stride in cut.strides]
     left_out = {why: sum(cut.left_out[why] for cut in cuts) for why in cuts[0].left_out}
     if len(found) < FEWEST_STRIDES:
@@ -135,7 +136,7 @@ def _strides(
 
 
 def _estimate(
-    robot: PlanarBiped, place: int, windows: JointWindows, heldout: JointWindows
+    trained: Run, place: int, windows: JointWindows, heldout: JointWindows
 ) -> JointEstimate:
     """Return the estimates of a joint, by its place in a leg."""
     fewest = min(len(windows.torque), FEWEST_WINDOWS * len(heldout.torque))
@@ -157,6 +158,7 @@ def _estimate(
             f"late or early, found {delay:.3g} s: they do not belong to its motion; look at their "
             "sign, unit, time and column"
         )
+    robot = trained.robot
     file = np.array([robot.armature[1 + place], 0.0, robot.damping[1 + place], 0.0])
     armature, friction, damping, delay = (
         Estimate(*(float(part) for part in parts)) for parts in zip(*found, file, strict=True)
@@ -173,7 +175,7 @@ def _estimate(
     )
 
 
-def _text(robot: PlanarBiped, joints: Sequence[JointEstimate]) -> str:
+def _text(trained: Run, joints: Sequence[JointEstimate]) -> str:
     """Return the robot file with the identified numbers."""
     constants = {
         name: JointConstants(
@@ -182,4 +184,5 @@ def _text(robot: PlanarBiped, joints: Sequence[JointEstimate]) -> str:
         for joint in joints
         for name in joint.names
     }
+    robot = trained.robot
     return text_with_joints(robot.layout.xml, robot.name, constants)

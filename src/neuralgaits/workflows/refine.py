@@ -46,7 +46,7 @@ def refine(settings: RefineSettings) -> Run:
             f"expected a residual of {parent.path}, found no {LEARNED_RESIDUAL} in it: learn one "
             f"from a robot's logs, or as in `{learning(parent.path)}`, or give --residual FILE"
         )
-    learned = Learned.read(file, parent.robot)
+    learned = Learned.read(file, parent.robot.n - 1)
     refuse_residual_of_another(parent, file)
     disturbance = settings.disturbance
     if disturbance == LEARNED:

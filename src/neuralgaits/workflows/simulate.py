@@ -141,7 +141,7 @@ def simulate(settings: SimulateSettings) -> Simulation:
     # First, so that nothing that can go wrong with a log or a video costs the walk.
     run.folder.write_json(SUMMARY, result)
     for number, (file, rows) in enumerate(zip(plan.logs, states, strict=bool(plan.logs))):
-        logs.write(file, log_of(run.robot, rows, f"episode {number}"))
+        logs.write(file, log_of(run.robot.joint_names, rows, f"episode {number}"))
     for film in plan.films:
         films.write(film, walked.plant, walked.episodes.states, walked.episodes.floors)
     return Simulation(walked, result)

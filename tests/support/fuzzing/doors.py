@@ -218,7 +218,7 @@ def resume_proof(place: Place, path: Path) -> None:
 
 def read_residual(place: Place, path: Path) -> None:
     """`refine RUN`, up to where it trains."""
-    Learned.read(path, place.robot)
+    Learned.read(path, place.robot.n - 1)
 
 
 def sure(place: Place, path: Path) -> None:

@@ -64,7 +64,7 @@ READERS: tuple[Reader, ...] = (
     _reads(lambda place, text: resolve(text, place.root)),
     _reads(lambda place, text: resolve_unfinished(text, place.root)),
     _reads(lambda place, text: EpisodeFolder.find(text, place.root)),
-    _reads(lambda place, text: Learned.read(Path(text), place.robot)),
+    _reads(lambda place, text: Learned.read(Path(text), place.robot.n - 1)),
     _reads(lambda place, text: parse(text)),
     _reads(lambda place, text: parse_link(text)),
     _reads(lambda place, text: forms.disturbance(text)),

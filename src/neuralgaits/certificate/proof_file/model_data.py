@@ -5,12 +5,12 @@ referred to by that name. Nothing derived from the links is stored: no mass matr
 of a position. Such a reader shares no formula with the Program.
 """
 
-from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
 from neuralgaits.barriers import GaitSpec
+from neuralgaits.certificate.proof_file.array_tables import array_table, hexes
 from neuralgaits.gait import NO_RESIDUALS, HybridInvariantPolicy, MLPPolicy, Residuals
 from neuralgaits.gait.commands import Command
 from neuralgaits.gait.flow_residual import Residual
@@ -71,9 +71,9 @@ def model_data(
     return {
         "robot": _robot(robot, leg, torso),
         "policy": policy,
-        "tube": _arrays("tube", arrays, program.parameters),
+        "tube": array_table("tube", arrays, program.parameters),
         "regions": {
-            name: [{"low": _hex(box["low"]), "high": _hex(box["high"])} for box in boxes]
+            name: [{"low": hexes(box["low"]), "high": hexes(box["high"])} for box in boxes]
             for name, boxes in described["regions"].items()
         },
         "conditions": {row.pop("name"): row for row in described["conditions"]},
@@ -126,7 +126,7 @@ def _policy(policy: AbstractPolicy, program: Program) -> dict[str, Any] | None:
         "activation": policy.network.activation,
         "layers": len(policy.network.weights),
         "z2_dependence": bool(getattr(policy, "z2_dependence", True)),
-        "arrays": _arrays("policy", arrays, program.parameters),
+        "arrays": array_table("policy", arrays, program.parameters),
         **_ankle(policy, program),
         **({"commands": [_command(one) for one in policy.commands]} if policy.commands else {}),
     }
@@ -142,7 +142,7 @@ def _ankle(policy: AbstractPolicy, program: Program) -> dict[str, Any]:
     return {
         "ankle": {
             "layers": len(ankle.network.weights),
-            "arrays": _arrays("policy.ankle", arrays, program.parameters),
+            "arrays": array_table("policy.ankle", arrays, program.parameters),
         }
     }
 
@@ -170,7 +170,7 @@ def _residuals(residuals: Residuals) -> dict[str, Any] | None:
         if part == "flow":
             arrays |= _layers(learned.network)
             found[part]["layers"] = len(learned.network.weights)
-        found[part]["arrays"] = _arrays("residuals", arrays, {})
+        found[part]["arrays"] = array_table("residuals", arrays, {})
     return found
 
 
@@ -181,29 +181,3 @@ def _layers(network: Any) -> dict[str, Any]:
         for what in ("weights", "biases")
         for layer, array in enumerate(getattr(network, what))
     }
-
-
-def _arrays(
-    owner: str, arrays: Mapping[str, Any], constants: Mapping[str, np.ndarray]
-) -> dict[str, Any]:
-    """Return arrays by name: as the name of an identical Program constant, else as numbers."""
-    table: dict[str, Any] = {}
-    for name, value in arrays.items():
-        if value is None:
-            table[name] = None
-            continue
-        array, path = np.asarray(value, dtype=np.float64), f"{owner}.{name}"
-        stored = constants.get(path)
-        if (
-            stored is not None
-            and stored.shape == array.shape
-            and stored.tobytes() == array.tobytes()
-        ):
-            table[name] = {"constant": path}
-        else:
-            table[name] = {"shape": list(array.shape), "values": _hex(array.ravel())}
-    return table
-
-
-def _hex(values: Any) -> list[str]:
-    return [float(value).hex() for value in values]

@@ -6,13 +6,14 @@ and one bit for each box. It holds no intermediate result that a reader must tru
 
 import json
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from neuralgaits.certificate.chart import Chart
+from neuralgaits.certificate.proof_file.array_tables import hexes
 from neuralgaits.certificate.search.box_tree import BoxTree
 from neuralgaits.certificate.search.branch_and_bound import Search
 from neuralgaits.certificate.search.halving import to_text
@@ -112,10 +113,6 @@ def _row(statement: StatementRecord) -> dict[str, Any]:
         "scales": dict(statement.scales),
         "bounds": dict(statement.bounds),
         "degree": statement.degree,
-        "root": {"low": _hex(statement.low), "high": _hex(statement.high)},
+        "root": {"low": hexes(statement.low), "high": hexes(statement.high)},
         "tree": statement.tree,
     }
-
-
-def _hex(corner: Sequence[float]) -> list[str]:
-    return [float(value).hex() for value in corner]

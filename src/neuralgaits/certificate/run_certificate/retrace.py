@@ -10,6 +10,7 @@ import json
 import subprocess
 import sys
 import tempfile
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -179,12 +180,16 @@ def _errors(robot: Any, chart: Chart, told: int) -> Any:
     return ()
 
 
-def _main(run: str, file: str) -> None:
+def answer(describe: Callable[[Path, Theorems, Chart], dict[str, Any]]) -> None:
+    """Describe a run as the process that `retrace_in_subprocess` starts: JSON in, JSON out.
+
+    Args:
+        describe: the family's own function, with the arguments of `describe_run`.
+    """
+    run, file = sys.argv[1:]
     try:
         given = json.load(sys.stdin)
-        found = describe_run(
-            Path(run), Theorems.read(given["theorems"]), Chart.read(given["chart"])
-        )
+        found = describe(Path(run), Theorems.read(given["theorems"]), Chart.read(given["chart"]))
     except (NeuralGaitsError, OSError) as error:
         found = {"error": str(error)}
     except Exception as error:
@@ -195,4 +200,4 @@ def _main(run: str, file: str) -> None:
 
 
 if __name__ == "__main__":
-    _main(*sys.argv[1:])
+    answer(describe_run)

@@ -10,7 +10,6 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
-from threadpoolctl import threadpool_limits
 
 from neuralgaits.analysis.run import Run
 from neuralgaits.certificate.levels.conditions import verdicts as level_one
@@ -162,7 +161,7 @@ def _searched(
     confirm = confirmer(scope.spec, run.trained, run.zero_dynamics, sets)
     interrupted = False
     try:
-        with threadpool_limits(1), bounding(effort.workers, effort.ray) as bound_all:
+        with bounding(effort.workers, effort.ray) as bound_all:
             states = explore(
                 problems,
                 before,
@@ -206,7 +205,7 @@ def _concluded(
         claimed = tuple(found.level for found in conclusions if found.proved)
         theorems = Theorems(sets.parameters, claimed)
         model = model_data(run.robot, run.trained, run.spec, program, run.residuals)
-        proof = proof_of(run, program, statements, theorems, model, scope.chart).content()
+        proof = proof_of(run.folder, program, statements, model, scope.chart, theorems).content()
     reached = level_reached(verdicts.values(), conclusions)
     reason = None
     if any(verdict.verdict == "undecided" for verdict in verdicts.values()):

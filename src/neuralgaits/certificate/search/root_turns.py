@@ -5,6 +5,7 @@ from collections.abc import Callable, Sequence
 from functools import partial
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
 from neuralgaits.certificate.chart import PLANE
 from neuralgaits.certificate.search.branch_and_bound import (
@@ -82,7 +83,9 @@ def explore(
             progress(proved_share(problems, current), box_count(current))
 
     try:
-        _explore(problems, current, confirm, deadline, keep, bound_all)
+        # Boxes are bounded in parallel by processes; threads of one matrix product only wait.
+        with threadpool_limits(1):
+            _explore(problems, current, confirm, deadline, keep, bound_all)
     except MemoryError:
         # A round is added whole or not at all: what was there still stands.
         pass

@@ -99,7 +99,7 @@ class HybridInvariantPolicy(StepPolicy):
         network = Network.init((2, *hidden, m), activation=activation, key=key, near=posture.bend)
         ankle = None
         if robot.feet is not None:
-            ankle = AnkleTorque.init(robot, posture, key=jax.random.fold_in(key, 1))
+            ankle = AnkleTorque.init(robot.feet, posture, key=jax.random.fold_in(key, 1))
         zeros = np.zeros(m)
         policy = cls(
             network=network,

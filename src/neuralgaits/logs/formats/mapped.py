@@ -127,7 +127,9 @@ def _stance(
 ) -> Int[np.ndarray, " k"]:
     """Find the stance leg, UNKNOWN at first. Raises: InputError if the contacts show none."""
     contact = found.contact
-    stance = stance_legs(robot, found.t, contact, feet_apart(robot, found.pitch, found.angles))
+    stance = stance_legs(
+        robot.leg_length, found.t, contact, feet_apart(robot, found.pitch, found.angles)
+    )
     where = f"log {source}, columns {both_contacts(robot, columns)}"
     if np.all(stance == UNKNOWN):
         raise InputError(

@@ -139,7 +139,7 @@ def _contact(
     source = columns.sources[f"contact.{foot}"]
     value = found[source.key]
     if source.factor is not None:
-        return loaded(robot, value)
+        return loaded(float(robot.mass * robot.gravity), value)
     bad = np.flatnonzero((value != 0.0) & (value != 1.0))
     if bad.size:
         raise InputError(

@@ -1,6 +1,5 @@
 """Prove a cart-pole's run: its conditions on their regions, and what follows."""
 
-import hashlib
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
@@ -8,10 +7,10 @@ from functools import partial
 
 import jax.numpy as jnp
 import numpy as np
-from threadpoolctl import threadpool_limits
 
 from neuralgaits.certificate.levels.conditions.verdicts import verdict_on
-from neuralgaits.certificate.proof_file.writer import Proof, prove
+from neuralgaits.certificate.proof_file.proof_from_run import proof_of
+from neuralgaits.certificate.proof_file.writer import prove
 from neuralgaits.certificate.run_certificate.certificate_files import (
     hashes_with,
     refuse_unwritable_certificate,
@@ -21,12 +20,10 @@ from neuralgaits.certificate.run_certificate.earlier import put_hidden_aside
 from neuralgaits.certificate.search.branch_and_bound import Search
 from neuralgaits.certificate.search.problem import Problem
 from neuralgaits.certificate.search.root_turns import box_count, explore
-from neuralgaits.certificate.search.statement_record import StatementRecord
 from neuralgaits.programs import Program
 from neuralgaits.programs.prune import prune
 from neuralgaits.programs.tracing.tracer import trace
 from neuralgaits.records.certified import PROOF, CertificateRecord, ConditionVerdict, Counterexample
-from neuralgaits.runs.names import ROBOT, SPEC, WEIGHTS
 from neuralgaits.runs.plain import to_json
 from neuralgaits.systems.cartpole.balancing import margins
 from neuralgaits.systems.cartpole.cartpole_run import CartPoleRun
@@ -66,19 +63,21 @@ def certify_cartpole(
     program = trace_conditions(run)
     problems = condition_problems(program)
     deadline = time.monotonic() + (np.inf if budget is None else budget)
-    with threadpool_limits(1):
-        states = explore(
-            problems,
-            [None] * len(problems),
-            partial(_counterexample, run),
-            deadline=deadline,
-            progress=progress,
-        )
-    searched = list(zip(problems, states, strict=True))
-    statements = tuple(one for pair in searched for one in prove(*pair))
+    states = explore(
+        problems,
+        [None] * len(problems),
+        partial(_counterexample, run),
+        deadline=deadline,
+        progress=progress,
+    )
+    by_name = dict(zip(CONDITIONS, zip(problems, states, strict=True), strict=True))
+    statements = tuple(one for pair in by_name.values() for one in prove(*pair))
     bounds = {name: one.bounds[name] for one in statements for name in one.conditions}
-    verdicts = {pair[0].names[0]: _verdict(pair, bounds) for pair in searched}
-    files = {PROOF: proof_of(run, program, statements).content()} if statements else {}
+    verdicts = {name: verdict_on(name, [pair], bounds.get(name)) for name, pair in by_name.items()}
+    files = {}
+    if statements:
+        model = model_data(run, program)
+        files[PROOF] = proof_of(run.folder, program, statements, model, CHART).content()
     found = _summary(run, verdicts, bounds, files, level, start_time, states)
     before = _level_of(stated_bounds(run, program) or {}, run.config.rate)
     # A condition that is broken somewhere is stated by no true proof.
@@ -116,20 +115,6 @@ def condition_problems(program: Program) -> list[Problem]:
     ]
 
 
-def proof_of(run: CartPoleRun, program: Program, statements: tuple[StatementRecord, ...]) -> Proof:
-    """Return the proof about a run: its robot, spec and weights by name and sha256."""
-    copies = run.folder.copies
-    return Proof(
-        {"name": run.config.robot, "sha256": copies[ROBOT]},
-        {"name": run.config.spec, "sha256": copies[SPEC]},
-        hashlib.sha256((run.path / WEIGHTS).read_bytes()).hexdigest(),
-        program,
-        CHART,
-        statements,
-        model=model_data(run, program),
-    )
-
-
 def _counterexample(run: CartPoleRun, name: str, u: np.ndarray) -> Counterexample | None:
     """Evaluate a condition's own function at a point of the chart."""
     point = jnp.asarray(u)
@@ -138,11 +123,6 @@ def _counterexample(run: CartPoleRun, name: str, u: np.ndarray) -> Counterexampl
         return None
     x, theta = run.controller.ball.state(point[0], direction(point[1:]))[:2]
     return Counterexample(tuple(map(float, u)), (float(x), float(theta)), value)
-
-
-def _verdict(pair: tuple[Problem, Search], bounds: Mapping[str, float]) -> ConditionVerdict:
-    name = pair[0].names[0]
-    return verdict_on(name, [pair], bounds.get(name))
 
 
 def _level_of(bounds: Mapping[str, float], rate: float) -> int:
@@ -164,13 +144,11 @@ def _summary(
     """Return the summary of a search."""
     levels = conclude(bounds, run.config.rate, level)
     open_ = [name for name, one in verdicts.items() if one.verdict == "undecided"]
-    answers = {one.verdict for one in verdicts.values()}
-    proved = answers == {"proved"} and all(one.proved for one in levels)
-    return CertificateRecord(
+    summary = CertificateRecord(
         run=str(run.path),
         robot=run.config.robot,
         spec=run.config.spec,
-        verdict="refuted" if "refuted" in answers else "proved" if proved else "undecided",
+        verdict="undecided",
         level=level,
         conditions=verdicts,
         levels=levels,
@@ -180,3 +158,4 @@ def _summary(
         reason=f"the search ran out of time or boxes at {', '.join(open_)}" if open_ else None,
         proof=str(run.path / PROOF) if files else None,
     )
+    return replace(summary, verdict=summary.of_all)

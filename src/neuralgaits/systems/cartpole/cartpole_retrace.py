@@ -1,24 +1,24 @@
 """Trace a cart-pole's run again to data that a proof of it must match, in a process of its own.
 
-It has the interface of `certificate.run_certificate.retrace`'s process: theorems and chart come in,
-JSON goes out.
+It answers as `certificate.run_certificate.retrace` asks.
 """
 
-import json
-import sys
 from pathlib import Path
 from typing import Any
 
-from neuralgaits.errors import NeuralGaitsError
-from neuralgaits.runs import plain, write_text
+from neuralgaits.certificate.chart import Chart
+from neuralgaits.certificate.proof_file.theorem_tables import Theorems
+from neuralgaits.certificate.run_certificate.retrace import answer
+from neuralgaits.runs import plain
 from neuralgaits.systems.cartpole.cartpole_certify import trace_conditions
 from neuralgaits.systems.cartpole.cartpole_run import open_cartpole
 from neuralgaits.systems.cartpole.proof_model import model_data
 from neuralgaits.systems.cartpole.state_regions import CHART
 
 
-def describe_cartpole(run: Path) -> dict[str, Any]:
+def describe_cartpole(run: Path, theorems: Theorems, chart: Chart) -> dict[str, Any]:
     """Describe what a proof of a run must be about, see `retrace.describe_run`."""
+    del theorems, chart
     opened = open_cartpole(run)
     program = trace_conditions(opened)
     model = model_data(opened, program)
@@ -42,14 +42,5 @@ def _numbers(corner: list[str]) -> list[float]:
     return [float.fromhex(value) for value in corner]
 
 
-def _main(run: str, file: str) -> None:
-    sys.stdin.read()
-    try:
-        found = describe_cartpole(Path(run))
-    except (NeuralGaitsError, OSError) as error:
-        found = {"error": str(error)}
-    write_text(Path(file), json.dumps(found))
-
-
 if __name__ == "__main__":
-    _main(*sys.argv[1:])
+    answer(describe_cartpole)
