@@ -39,6 +39,7 @@ from neuralgaits.workflows.export_warnings import unproved_of_export
 
 TEMPLATE = "deploy.template.yaml"
 """Deployment file beside a controller, to be copied and edited."""
+KEPT = "{} was kept: it was edited, or is of another run; delete it for a new template"
 LARGEST = 1e30
 """Largest number of a gait that may be exported: C may compute in single precision."""
 
@@ -99,6 +100,8 @@ def export_controller(
         return task(ProgressCallbacks.by(begun=begun)).returned
     trained, folder = open_run(run), Path(out)
     output_folder.refuse_used(folder, force=force)
+    if format == "c" and config is None:
+        output_folder.refuse_stale_map(folder)
     certificate = read_certificate(trained.folder)
     _refuse_unusable(trained.trained)
     about = deployed_robot(trained)
@@ -115,7 +118,11 @@ def export_controller(
         made = replace(design, deployment=mapped, supervised=supervisor)
         files, told = WRITERS[format](made, states)
         if format in MAPPED and deployment is None:
-            files = {**files, TEMPLATE: deployment_text(usual)}
+            text = deployment_text(usual)
+            if output_folder.differs(folder / TEMPLATE, text):
+                lacking = [*lacking, KEPT.format(folder / TEMPLATE)]
+            else:
+                files = {**files, TEMPLATE: text}
     return Export(
         told(
             run=str(trained.path),
