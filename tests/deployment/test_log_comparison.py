@@ -184,6 +184,68 @@ def test_contacts_are_compared_by_the_foot_that_was_pressed(amber):
     assert (first.foot, "contact") in found
 
 
+def _again(log, label: str, source: str, edit=lambda values: values):
+    """The log with the rows of `source` once more at its end, labelled `label`."""
+    rows = np.flatnonzero(np.array(log.moved) == source)
+    assert rows.size
+    more = {
+        name: edit(getattr(log, name)[rows])
+        for name in ("position", "torque", "pitch", "contact")
+        if getattr(log, name) is not None
+    }
+    step = log.time[1] - log.time[0]
+    time = log.time[-1] + step * np.arange(1, 2 * rows.size + 1)
+    # Rows about nothing keep it apart from the last window.
+    halves = {name: np.concatenate([getattr(log, name), part, part]) for name, part in more.items()}
+    moved = (*log.moved, *[""] * rows.size, *[label] * rows.size)
+    return replace(log, time=np.concatenate([log.time, time]), moved=moved, **halves)
+
+
+def test_a_second_label_that_agrees_changes_nothing(amber):
+    known, hardware, log = amber
+    for label in ("+knee_left", "zero"):
+        findings, joints, unchecked = compared(hardware, known, _again(log, label, label))
+        assert not findings and all(one.motor and one.sign for one in joints.values())
+        assert not any("contradict" in one for one in unchecked)
+
+
+def test_a_second_label_that_contradicts_the_first_is_said(amber):
+    """Which of the two is wrong, nobody knows: neither counts."""
+    known, hardware, log = amber
+    log = replace(log, torque=None)
+    other_way = _again(log, "-knee_left", "+knee_left")
+    findings, joints, unchecked = compared(hardware, known, other_way)
+    assert not findings and joints["knee_left"].sign is None
+    (said,) = [one for one in unchecked if "contradict" in one]
+    assert said.startswith("sign of knee_left: labels contradict each other (as the file at ")
+    assert "against the file at " in said
+
+    other_joint = _again(log, "+knee_left", "+hip_right")
+    findings, joints, unchecked = compared(hardware, known, other_joint)
+    assert not findings and not joints["knee_left"].motor
+    assert any(one.startswith("motor of knee_left: rows of the same label") for one in unchecked)
+
+    moved = _again(log, "zero", "zero", lambda values: values + 0.5)
+    findings, joints, unchecked = compared(hardware, known, moved)
+    assert not [one for one in findings if one.kind == "zero"]
+    assert joints["hip_left"].zero_error_rad is None
+    assert any(one.startswith("zero of pitch: rows labelled zero contradict") for one in unchecked)
+
+
+def test_a_foot_that_two_channels_answer_to_is_said(amber):
+    known, hardware, log = amber
+    first, second = hardware.contacts
+    contact, moved = np.zeros((len(log.time), 2)), list(log.moved)
+    for rows, column in ((slice(0, 100), 0), (slice(200, 300), 1)):
+        moved[rows] = [first.foot] * 100
+        contact[rows, column] = 50.0
+    channels = (first.channel, second.channel)
+    log = replace(log, contact=contact, channels=channels, moved=tuple(moved))
+    findings, _, unchecked = compared(hardware, known, log)
+    assert not [one for one in findings if one.kind == "contact"]
+    assert any(one.startswith(f"contact of {first.foot}: rows of the same") for one in unchecked)
+
+
 def test_what_a_log_does_not_say_is_said(amber):
     known, hardware, log = amber
     silent = replace(log, moved=("",) * len(log.moved), torque=None)

@@ -1,50 +1,13 @@
 /* Invariants of the supervisor at random readings and requests: see test_supervisor.py. */
-#include "supervisor.h"
+#include "supervisor_readings.h"
 
 #include <stdio.h>
-#include <stdlib.h>
 
-static double drawn(void) { return 2.0 * rand() / RAND_MAX - 1.0; }
 static double size_of(double value) { return value < 0.0 ? -value : value; }
 static void worse(double *worst, double value)
 {
     if (!(size_of(value) <= *worst)) {
         *worst = size_of(value);
-    }
-}
-
-/*
- * Every 4000 ticks a robot that stands, leans forward, jumps from foot to foot, and stands; in some
- * it does so wildly. Twice in 20000 ticks a sensor is broken.
- */
-static void draw(ng_encoders *encoders, int tick)
-{
-    static const ng_encoders nothing;
-    const int at = tick % 4000, jumping = at >= 2000 && at < 3200;
-    const double wild = tick / 4000 % 5 == 3 ? 0.2 : 0.002;
-    const int front = jumping ? at / 150 % 2 : at >= 3200;
-    int knot = at < 1500 ? 0 : (at - 1500) / 40;
-    knot = jumping || knot >= NG_STAND_KNOTS ? NG_STAND_KNOTS - 1 : knot;
-    knot = at >= 3300 ? 0 : knot;
-    ng_real by_leg[NG_LEGS][NG_LEG_JOINTS];
-    const uint32_t last = encoders->time_us;
-    *encoders = nothing;
-    encoders->time_us = last + 1000u;
-    ng_by_legs(ng_stand_path[knot] + 1, ng_stand_path[knot][0], front, by_leg);
-    encoders->pitch = NG_PITCH_SIGN * (wild * drawn() - NG_ROOT_ANGLE);
-    encoders->base_velocity[0] = (ng_real)(at >= 1500 && at < 3200 ? 0.5 : 0.0);
-    for (int leg = 0; leg < NG_LEGS; ++leg) {
-        encoders->normal_force[leg] = (ng_real)(jumping && leg != front ? 0.0 : 100.0);
-        for (int i = 0; i < NG_LEG_JOINTS; ++i) {
-            encoders->joints[leg][i] = ng_joint_sign[leg][i] *
-                                       (by_leg[leg][i] - ng_joint_offset[leg][i] + wild * drawn());
-            encoders->djoints[leg][i] = (ng_real)(wild * drawn());
-        }
-    }
-    if (tick % 20000 == 9999) {
-        encoders->joints[0][0] = (ng_real)(0.0 / (tick - tick));
-    } else if (tick % 20000 == 18999) {
-        encoders->djoints[1][0] = NG(1.0e6);
     }
 }
 
@@ -78,7 +41,7 @@ int main(void)
     for (int tick = 0; tick < 200000; ++tick) {
         ng_measurement reading;
         ng_supervision now;
-        draw(&encoders, tick);
+        draw_readings(&encoders, tick);
         ng_measure(&encoders, &reading);
         const int at = tick % 4000, walk = at >= 1200 && at < 2800;
         const int request = at == 3999 || at == 600 * (tick / 4000 % 9) ? 0 : 1 + walk;

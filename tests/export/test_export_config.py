@@ -66,3 +66,37 @@ def test_a_ros2_package_is_written_with_the_robots_own_map(work, capfd):
     facts = (work / "ros2" / "ros2_facts.h").read_text()
     assert '{"knee_left", "hip_left", "knee_right", "hip_right"}' in facts
     assert "#define NG_ROS2_MONITOR 1" in facts
+
+
+def test_a_config_in_the_folder_itself_is_kept(work, template):
+    (work / "c5").mkdir()
+    (work / "c5" / "deploy.template.yaml").write_text(template.replace("motor: 3", "motor: 8"))
+    mine = (work / "c5" / "deploy.template.yaml").read_bytes()
+    words = ["export", "run", "--out", "c5", "--config", "c5/deploy.template.yaml", "--force"]
+    assert main(words) == 3
+    assert (work / "c5" / "deploy.template.yaml").read_bytes() == mine
+    assert "#define NG_BOARD_MOTORS 9" in (work / "c5" / "board_facts.h").read_text()
+
+
+def test_an_edited_template_is_kept_and_said(work, template, capfd):
+    edited = template.replace("motor: 3", "motor: 8").encode()
+    shutil.copytree(work / "c", work / "c6")
+    (work / "c6" / "deploy.template.yaml").write_bytes(edited)
+    assert main(["export", "run", "--out", "c6", "--force"]) == 3
+    assert (work / "c6" / "deploy.template.yaml").read_bytes() == edited
+    said = " ".join(capfd.readouterr().out.split())
+    assert "c6/deploy.template.yaml was kept: it was edited, or is of another run" in said
+    (work / "c6" / "deploy.template.yaml").unlink()
+    assert main(["export", "run", "--out", "c6", "--force"]) == 3
+    assert (work / "c6" / "deploy.template.yaml").read_text() == template
+
+
+def test_the_map_of_an_earlier_export_does_not_stay_beside_another_controller(work, capfd):
+    shutil.copytree(work / "c", work / "c7")
+    (work / "c7" / "board_facts.c").write_text("int of_another_robot;")
+    before = (work / "c7" / "gait.c").stat().st_mtime_ns
+    assert main(["export", "run", "--out", "c7", "--force"]) == 2
+    (line,) = capfd.readouterr().err.splitlines()
+    assert "expected no board_facts.c in c7, found that of an export with --config" in line
+    assert line.endswith("give --config again, or delete board_facts.c")
+    assert (work / "c7" / "gait.c").stat().st_mtime_ns == before

@@ -2,7 +2,6 @@
 
 import re
 import shutil
-import subprocess
 from dataclasses import replace
 from xml.etree import ElementTree
 
@@ -10,63 +9,25 @@ import numpy as np
 import pytest
 
 from neuralgaits.control import Pd
-from neuralgaits.export import build, output_folder
-from neuralgaits.export.board_source import board_files
-from neuralgaits.export.monitor_source import monitor_files
-from neuralgaits.export.reference import Reference
 from neuralgaits.export.ros2_source import package_name, ros2_files
-from neuralgaits.export.selftest import selftest_file
-from neuralgaits.export.source import gait_files
 from support import monitored
-from support.deployments import drawn, plain
+from support.deployments import plain
 from support.designs import commanded_design, design_for
+from support.ros2_package import built, package_of, report_of
 
 pytestmark = pytest.mark.skipif(shutil.which("g++") is None, reason="g++ is not installed")
-STRICT = ("-std=c++17", "-O0", "-Wall", "-Wextra", "-Werror", "-pedantic")
-
-
-def _files(design) -> dict[str, str]:
-    controller = output_folder.shipped() | gait_files(design) | board_files(design)
-    controller |= monitor_files(design)
-    controller["gait_selftest.h"] = selftest_file(design, Reference(design))
-    return ros2_files(design, controller)
-
-
-def _package(folder, made, seed: int):
-    """Write a package for hardware that differs from the robot file in everything."""
-    design = replace(made, deployment=drawn(made.robot, seed))
-    for name, text in _files(design).items():
-        (folder / name).write_text(text)
-    return design, folder
 
 
 @pytest.fixture(scope="module")
 def package(tmp_path_factory):
     """Design and folder of a package."""
-    return _package(tmp_path_factory.mktemp("ros2"), design_for("amber3m", {"pd": Pd()}), 4)
-
-
-def _built(folder, here, *flags: str):
-    """Compile the plugin and its driver, as the package's own list of sources says."""
-    cmake = (folder / "CMakeLists.txt").read_text()
-    (listed,) = re.findall(r"add_library\(\S+ SHARED\s(.*?)\)", cmake, re.DOTALL)
-    sources = listed.split()
-    objects = []
-    for name in (one for one in sources if one.endswith(".c")):
-        objects.append(folder / f"{name}.o")
-        command = ["gcc", *build.STRICT, "-O1", "-c", str(folder / name), "-o", str(objects[-1])]
-        subprocess.run(command, check=True)
-    plugins = [str(folder / one) for one in sources if one.endswith(".cpp")]
-    include = ["-I", str(folder), "-I", str(here / "ros2_stubs")]
-    command = ["g++", *STRICT, *flags, *include, *plugins, str(here / "ros2_main.cpp")]
-    subprocess.run([*command, *map(str, objects), "-o", str(folder / "driver")], check=True)
-    return folder / "driver"
+    return package_of(tmp_path_factory.mktemp("ros2"), design_for("amber3m", {"pd": Pd()}), 4)
 
 
 @pytest.fixture(scope="module")
 def driver(package, request):
     """The driver, against interfaces as ros2_control first had them."""
-    return _built(package[1], request.path.parent)
+    return built(package[1], request.path.parent)
 
 
 @pytest.fixture(scope="module", params=["monitor", "commands"])
@@ -76,15 +37,8 @@ def further(tmp_path_factory, request):
         made = monitored.made_up()[2]
     else:
         made = commanded_design("amber3m", {"pd": Pd()})
-    _, folder = _package(tmp_path_factory.mktemp(request.param), made, 6)
-    return request.param, _built(folder, request.path.parent, "-DSTUB_OF_LATER_RELEASE")
-
-
-def _said(driver, word: str) -> tuple[dict[str, str], str]:
-    done = subprocess.run([str(driver), word], capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stderr
-    rows = (line.split(" ", 1) for line in done.stdout.splitlines() if " " in line)
-    return {key: value for key, value in rows if key != "value"}, done.stdout + done.stderr
+    _, folder = package_of(tmp_path_factory.mktemp(request.param), made, 6)
+    return request.param, built(folder, request.path.parent, "-DSTUB_OF_LATER_RELEASE")
 
 
 def _share(found: dict[str, str]) -> float:
@@ -95,7 +49,7 @@ def _share(found: dict[str, str]) -> float:
 @pytest.mark.slow
 @pytest.mark.parametrize("word", ["estimated", "measured", "estimated impedance"])
 def test_it_gives_the_torques_of_the_controller_in_c(driver, word):
-    found, everything = _said(driver, word)
+    found, everything = report_of(driver, word)
     assert int(found["ticks"]) == 2000
     assert _share(found) <= 1e-12 < 1e-3 < float(found["largest"])
     assert int(found["touchdowns"]) > 3
@@ -107,7 +61,7 @@ def test_it_gives_the_torques_of_the_controller_in_c(driver, word):
 @pytest.mark.slow
 def test_monitor_and_commands_go_along(further):
     kind, program = further
-    found, everything = _said(program, "measured")
+    found, everything = report_of(program, "measured")
     assert int(found["ticks"]) == 2000 and _share(found) <= 1e-12
     if kind == "monitor":
         assert "value level 2 inside: " in everything and "value proof sha256: " in everything
@@ -117,7 +71,7 @@ def test_monitor_and_commands_go_along(further):
 @pytest.mark.slow
 @pytest.mark.parametrize("word", ["estimated", "estimated impedance"])
 def test_after_a_fault_it_returns_error_and_lets_go(driver, word):
-    found, everything = _said(driver, word)
+    found, everything = report_of(driver, word)
     assert found["refused"] == "1" and float(found["held"]) == 0.0
     # Drives with a loop of their own damp until the controller is deactivated.
     assert found["damping"] == str(int("impedance" in word))
@@ -127,7 +81,7 @@ def test_after_a_fault_it_returns_error_and_lets_go(driver, word):
 
 @pytest.mark.slow
 def test_bad_parameters_are_named_in_one_line(driver):
-    _, said = _said(driver, "bad")
+    _, said = report_of(driver, "bad")
     assert said.count("\n") == 1
     for one in (
         "joints: expected",
@@ -146,8 +100,18 @@ def test_bad_parameters_are_named_in_one_line(driver):
 @pytest.mark.slow
 def test_parameters_of_another_type_and_lacking_interfaces_are_refused(driver):
     for word, part in (("type", "another type"), ("lacking", "correct joints, imu and contacts")):
-        _, said = _said(driver, word)
+        _, said = report_of(driver, word)
         assert said.count("\n") == 1 and part in said
+
+
+def test_the_manifest_of_a_supervised_package_has_what_it_uses(package):
+    files = ros2_files(replace(package[0], supervised=True), {"supervisor.c": "", "link.c": ""})
+    assert "<depend>rcl_interfaces</depend>" in files["package.xml"]
+    assert "find_package(rcl_interfaces REQUIRED)" in files["CMakeLists.txt"]
+    assert "supervisor.c" in files["CMakeLists.txt"] and "link.c" not in files
+    plain_files = ros2_files(package[0], {"supervisor.c": ""})
+    assert "rcl_interfaces" not in plain_files["package.xml"] + plain_files["CMakeLists.txt"]
+    assert "supervisor.c" not in plain_files
 
 
 def test_names_agree_across_the_files_of_the_package(package):
@@ -172,17 +136,22 @@ def test_names_agree_across_the_files_of_the_package(package):
             assert not re.search("@[A-Z]+@|neuralgaits_package", text), source.name
 
 
-def test_the_yaml_has_every_parameter(package):
+@pytest.mark.parametrize("supervised", [False, True])
+def test_the_yaml_has_every_parameter(package, supervised):
     import yaml
 
-    design, folder = package
-    given = yaml.safe_load((folder / "controllers.yaml").read_text())
+    design, _ = package
+    files = ros2_files(replace(design, supervised=supervised), {})
+    given = yaml.safe_load(files["controllers.yaml"])
     parameters = given["gait_controller"]["ros__parameters"]
-    code = (folder / "gait_controller.cpp").read_text()
     # ROS 2 reads no empty list, so this one stands in a comment.
-    assert "# base_velocity: [" in (folder / "controllers.yaml").read_text()
+    assert "# base_velocity: [" in files["controllers.yaml"]
+    branch = r"#if NG_ROS2_SUPERVISOR\n(.*?)(?:#else\n(.*?))?#endif"
+    kept = r"\1" if supervised else r"\2"
+    code = re.sub(branch, kept, files["gait_controller.cpp"], flags=re.DOTALL)
     declared = re.findall(r'auto_declare<[^(]*>\(\s*"(\w+)"', code)
     assert {*parameters, "base_velocity"} == set(declared)
+    assert ("request" in parameters) == supervised
     manager = given["controller_manager"]["ros__parameters"]
     assert manager["update_rate"] == 1000
     by_motor = {one.motor: one.joint for one in design.deployment.joints}

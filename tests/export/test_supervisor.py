@@ -16,6 +16,7 @@ from support.compiled import folder_with
 from support.designs import LAWS, commanded_design, design_for
 
 MAIN = Path(__file__).with_name("supervisor_main.c")
+READINGS = MAIN.with_name("supervisor_readings.h")
 DESIGNS = {
     "amber3m": lambda: design_for("amber3m", {"pd": LAWS["pd"]}),
     "amber3m-feet": lambda: design_for("amber3m-feet", {"pd": LAWS["pd"]}),
@@ -25,7 +26,8 @@ DESIGNS = {
 
 @pytest.fixture(scope="module", params=DESIGNS)
 def folder(request, tmp_path_factory):
-    files = gait_files(DESIGNS[request.param]()) | {MAIN.name: MAIN.read_text()}
+    files = gait_files(DESIGNS[request.param]())
+    files |= {file.name: file.read_text() for file in (MAIN, READINGS)}
     return folder_with(tmp_path_factory.mktemp("supervisor"), files)
 
 

@@ -166,6 +166,30 @@ def test_files_without_an_index_are_read_too(settings, named, own, amber, zd, tm
     assert len(logs.read(path, amber, columns=named / "mcap.toml", policy=zd.policy).log) > 1000
 
 
+@pytest.mark.parametrize("silent", [0, 3])
+def test_many_topics_are_listed_in_one_pass(silent, tmp_path, monkeypatch):
+    """A pass for each topic takes a time that grows with their square."""
+    import mcap.reader
+
+    passes = []
+    breakup = mcap.reader.breakup_chunk
+
+    def counted(chunk, **settings):
+        passes.append(chunk)
+        return breakup(chunk, **settings)
+
+    monkeypatch.setattr(mcap.reader, "breakup_chunk", counted)
+    topics = [f"/t{k:03}" for k in range(60)]
+    # One topic comes late, and some channels hold nothing.
+    messages = [(topic, k, {"x": k}) for k in range(3) for topic in topics[1:]]
+    messages.append((topics[0], 9, {"x": 7}))
+    out = write_json(tmp_path / "many.mcap", messages, unused=[f"/none{k}" for k in range(silent)])
+    with opened(out) as file:
+        found = file.first_messages()
+    assert list(found) == topics and found[topics[0]].content == {"x": 7}
+    assert len(passes) == 1
+
+
 def test_fields_of_a_message():
     message = {
         "header": {"stamp": {"sec": 3, "nanosec": 7}},

@@ -5,7 +5,7 @@
 
 import ctypes
 import shutil
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -171,7 +171,13 @@ class FmuPlant:
 
 
 def walked(
-    fmu: FmuInstance, plant: FmuPlant, ticks: int, *, rates: bool, late: bool = False
+    fmu: FmuInstance,
+    plant: FmuPlant,
+    ticks: int,
+    *,
+    rates: bool,
+    late: bool = False,
+    requests: Sequence[int] = (),
 ) -> tuple[int, list[Reading], list[dict[str, float]]]:
     """Walk a robot in MuJoCo with the FMU in the loop.
 
@@ -182,6 +188,7 @@ def walked(
         rates: whether rates and velocity are measured.
         late: apply the motor commands of a tick one tick later, as a host does that steps plant
             and controller at the same time.
+        requests: of the operator, one a tick, for an FMU with a supervisor.
 
     Returns: steps (touchdowns), inputs and outputs of every tick.
     """
@@ -189,6 +196,8 @@ def walked(
     motors = {f"motor.{name}": 0.0 for name in plant.joints}
     for tick in range(ticks):
         given.append(plant.reading(rates=rates))
+        if requests:
+            given[-1]["request"] = requests[tick]
         fmu.set(given[-1])
         fmu.step(1e-3 * tick)
         found.append(fmu.outputs())

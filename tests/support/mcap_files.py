@@ -2,7 +2,7 @@
 
 import io
 import json
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -79,12 +79,14 @@ def robot_messages(
     return found
 
 
-def write_json(path: Path, messages: Iterable[Message], **settings: Any) -> Path:
-    """Write messages in JSON."""
+def write_json(
+    path: Path, messages: Iterable[Message], unused: Sequence[str] = (), **settings: Any
+) -> Path:
+    """Write messages in JSON; topics in `unused` have none."""
     out = io.BytesIO()
     writer = Writer(out, **settings)
     writer.start()
-    channels: dict[str, int] = {}
+    channels = {topic: writer.register_channel(topic, "json", 0) for topic in unused}
     for topic, time, content in messages:
         if topic not in channels:
             channels[topic] = writer.register_channel(topic, "json", 0)

@@ -17,7 +17,7 @@ import pytest
 from neuralgaits import logs
 from neuralgaits.analysis.run import open_run
 from neuralgaits.episode_rounds import round_walks as episode_walks
-from neuralgaits.episode_rounds.round_walks import Field, nominal_momentum, walk_round
+from neuralgaits.episode_rounds.round_walks import Field, logs_of, nominal_momentum, walk_round
 from neuralgaits.errors import InputError, NeuralGaitsError, NonFiniteError, RunError
 from neuralgaits.records.episode_records import EpisodesDone
 from neuralgaits.records.fitted import Fitted, StrideCounts
@@ -344,3 +344,11 @@ def test_the_figure_draws_rounds_with_and_without_figures(tmp_path):
     assert len(errors.lines) == 1
     empty = EpisodesDone.of({"rounds": [], **names})
     assert figure.draw_file(empty, tmp_path / "none.png").stat().st_size > 1000
+
+
+def test_logs_of_a_round_are_csv_and_mcap(tmp_path):
+    for name in ("b.csv", "a.mcap", "notes.txt"):
+        (tmp_path / name).touch()
+    assert [file.name for file in logs_of(tmp_path, 0)] == ["a.mcap", "b.csv"]
+    with pytest.raises(InputError, match=r"expected logs \*.csv or \*.mcap in .*round-1"):
+        logs_of(tmp_path, 1)

@@ -23,7 +23,7 @@ pytestmark = pytest.mark.slow
 def found(rubbing, tmp_path_factory):
     run, log = rubbing
     out = tmp_path_factory.mktemp("written") / "robot.xml"
-    return fit_joints(run, [log], write=out)
+    return fit_joints(run, str(log), write=out)
 
 
 def test_friction_and_rotors_are_found_to_a_tenth(found):

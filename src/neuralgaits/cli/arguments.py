@@ -140,6 +140,8 @@ class ExportOptions:
     joints: Annotated[Path | None, arg(metavar="latest|FILE.json")] = None
     """Friction and rotors in the torques of pd and fblin, as fit --joints identified them: latest
     for the run's own, or a file."""
+    supervisor: Flag = False
+    """With --format fmu, fmu2 or ros2: stand, walk and stop on request, and damp after a fault."""
     output: Output = OutputOptions()
 
 

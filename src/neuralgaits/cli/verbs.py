@@ -199,6 +199,7 @@ def _export(verb: ExportOptions) -> Outcome:
             force=verb.force,
             config=verb.config,
             joints=verb.joints,
+            supervisor=verb.supervisor,
             begun=progress.begun,
         )
     return Outcome(done.summary, done.checked, show_export, undecided=not done.checked)

@@ -18,6 +18,9 @@ LARGEST, LATEST = 1e7, 1e12
 """Largest number in a log, and largest time, which may count from any day [s]."""
 LONGEST_STEP, LONGEST = 0.05, 3600.0
 """Longest time between two rows, by the median, and longest log [s]."""
+LONGEST_GAP, GAP_STEPS = 0.1, 3.0
+"""Longest gap in a log [s], or this many usual steps where those are longer: nobody knows a motion
+that went on in it."""
 SHORTEST_STEP = 5e-4
 """Shortest time between two rows, likewise [s]."""
 
@@ -61,6 +64,10 @@ class HungLog:
             if label:
                 found.append((label.removeprefix(direction), direction, slice(start, end)))
         return found
+
+    def when(self, rows: slice) -> str:
+        """Return when rows begin, in words."""
+        return f"at {self.time[rows.start]:.3g} s"
 
 
 def hung_log_text(log: HungLog) -> str:
@@ -178,7 +185,21 @@ def _numbers(text: Text, columns: dict[str, int], file: str) -> Float[np.ndarray
             f"{file}: expected {SHORTEST_STEP:g} to {LONGEST_STEP:g} s from row to row and at most "
             f"{LONGEST:g} s, found {step:.3g} s and {whole:.3g} s: times are in seconds"
         )
+    _refuse_gaps(text, steps, step, file)
     return found
+
+
+def _refuse_gaps(text: Text, steps: Float[np.ndarray, " s"], usual: float, file: str) -> None:
+    """Refuse a log with pauses. Raises: ManyProblems with each of them."""
+    longest = max(LONGEST_GAP, GAP_STEPS * usual)
+    gaps = [
+        f"{file}, row {text.cells[k + 1][0]}: expected at most {longest:.2g} s from row to row, "
+        f"found {steps[k]:.3g} s: record without a pause, and keep rows that are about nothing, "
+        "with an empty label"
+        for k in np.flatnonzero(steps > longest)
+    ]
+    if gaps:
+        raise ManyProblems(gaps[:20])
 
 
 def _labels(

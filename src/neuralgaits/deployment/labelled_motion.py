@@ -4,6 +4,7 @@ A label names the joint, foot or tilt that a person moved; with a sign, which wa
 Every correction that follows is made in the file before torques are looked at.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -11,6 +12,7 @@ import numpy as np
 from neuralgaits._types import Float
 from neuralgaits.deployment.deployment_file import DeployedJoint, DeploymentFile
 from neuralgaits.deployment.hung_log import HungLog
+from neuralgaits.deployment.pressed_feet import pressed_feet
 from neuralgaits.records.deployed import DeploymentFinding
 
 CLEAR = 2.0
@@ -19,8 +21,6 @@ TYPICAL_MOTION = 0.5
 """What the largest motion of a motor is taken for if all of them moved [rad]."""
 LEAST_MOTION = 0.05
 """Smallest motion that counts [rad]."""
-LEAST_FORCE_SHARE = 0.05
-"""Least change of a contact that is pressed, as a share of the largest reading of any."""
 ZERO_TOLERANCE = 0.05
 """Largest angle that a joint may show where the robot file's is 0 [rad]."""
 
@@ -52,7 +52,9 @@ def labelled_motion(file: DeploymentFile, log: HungLog) -> LabelledMotion:
     _motors(found, log)
     _signs(found, log)
     _zeros(found, log)
-    _contacts(found, log)
+    findings, unchecked = pressed_feet(file, log)
+    found.findings += findings
+    found.unchecked += unchecked
     return found
 
 
@@ -62,12 +64,12 @@ def joint_angles(joint: DeployedJoint, log: HungLog) -> Float[np.ndarray, " t"]:
     return joint.sign * (raw / joint.gear - joint.zero_rad)
 
 
-def _motors(found: LabelledMotion, log: HungLog) -> None:
-    """Find which motor moves each joint, and correct the file."""
+def _motors_seen(found: LabelledMotion, log: HungLog) -> dict[str, list[tuple[int, slice]]]:
+    """Return which motor moved in the rows of each joint, and those rows."""
     joints = found.file.joints
     by_joint = {one.joint for one in joints}
     gears = {one.motor: one.gear for one in joints}
-    moves: dict[str, int] = {}
+    seen: dict[str, list[tuple[int, slice]]] = {}
     scale = np.array([gears.get(one, 1.0) for one in log.motors])
     windows = [(name, rows) for name, _, rows in log.windows() if name in by_joint]
     if {name for name, _ in windows} == by_joint:
@@ -84,18 +86,33 @@ def _motors(found: LabelledMotion, log: HungLog) -> None:
                 f"and the next {second:.2g} rad: move it alone, by {5 * LEAST_MOTION:g} rad or more"
             )
             continue
-        moves.setdefault(name, log.motors[order[0]])
-    taken = [moves[name] for name in moves]
-    unclear = {name for name in moves if taken.count(moves[name]) > 1}
-    for name in sorted(unclear):
+        seen.setdefault(name, []).append((log.motors[order[0]], rows))
+    return seen
+
+
+def _motors(found: LabelledMotion, log: HungLog) -> None:
+    """Find which motor moves each joint, and correct the file."""
+    joints, seen = found.file.joints, _motors_seen(found, log)
+    torn = {name for name, all_seen in seen.items() if len({motor for motor, _ in all_seen}) > 1}
+    for name in sorted(torn):
+        shown = ", ".join(f"motor {motor} {log.when(rows)}" for motor, rows in seen[name])
+        found.unchecked.append(
+            f"motor of {name}: rows of the same label contradict each other ({shown}): correct the "
+            "labels, or record it again"
+        )
+    moves = {name: all_seen[0][0] for name, all_seen in seen.items() if name not in torn}
+    taken = list(moves.values())
+    twice = {name for name in moves if taken.count(moves[name]) > 1}
+    for name in sorted(twice):
         found.unchecked.append(
             f"motor of {name}: motor {moves[name]} moved for another label, too: record it again"
         )
+    unclear = twice | torn
     by_motor = {one.motor: one.joint for one in joints}
     for one in joints:
         actual = moves.get(one.joint)
         if actual is None or one.joint in unclear:
-            if actual is None and one.joint not in " ".join(found.unchecked):
+            if actual is None and not any(f"motor of {one.joint}:" in x for x in found.unchecked):
                 found.unchecked.append(f"motor of {one.joint}: no row is labelled {one.joint}")
             continue
         found.known_motors.add(one.joint)
@@ -132,27 +149,36 @@ def _first_way(angle: Float[np.ndarray, " t"]) -> float:
 def _signs(found: LabelledMotion, log: HungLog) -> None:
     """Compare directions with labels, and correct the file."""
     joints, imu = {one.joint: one for one in found.file.joints}, found.file.imu
+    seen: dict[str, list[tuple[bool, slice]]] = {}
     for name, direction, rows in log.windows():
-        if not direction:
+        if not direction or not (name == "pitch" or name in joints):
             continue
-        if name == "pitch":
-            way = imu.pitch_sign * _first_way(log.pitch[rows])
-        elif name in joints:
-            way = _first_way(joint_angles(joints[name], log)[rows])
-        else:
-            continue
-        if way == 0.0 or name in found.known_signs:
+        angle = imu.pitch_sign * log.pitch if name == "pitch" else joint_angles(joints[name], log)
+        if (way := _first_way(angle[rows])) != 0.0:
+            seen.setdefault(name, []).append((way == float(f"{direction}1"), rows))
+    for name, all_seen in seen.items():
+        as_labelled = {agrees for agrees, _ in all_seen}
+        if len(as_labelled) > 1:
+            shown = ", ".join(
+                f"{'as' if agrees else 'against'} the file {log.when(rows)}"
+                for agrees, rows in all_seen
+            )
+            found.unchecked.append(
+                f"sign of {name}: labels contradict each other ({shown}): correct the labels, or "
+                "record it again"
+            )
             continue
         found.known_signs.add(name)
-        if way == float(f"{direction}1"):
+        if as_labelled == {True}:
             continue
         sign = -imu.pitch_sign if name == "pitch" else -joints[name].sign
         key = "pitch_sign" if name == "pitch" else "sign"
+        label = log.moved[all_seen[0][1].start]
         found.findings.append(
             DeploymentFinding(
                 name,
                 "sign",
-                f"{name} counts the other way: it went to {direction} and shows the opposite",
+                f"{name} counts the other way: it went to {label[0]} and shows the opposite",
                 f"write {key}: {sign}",
             )
         )
@@ -165,67 +191,48 @@ def _signs(found: LabelledMotion, log: HungLog) -> None:
 
 def _zeros(found: LabelledMotion, log: HungLog) -> None:
     """Compare the rows labelled `zero` with zero, and correct the file."""
-    rows = [rows for name, _, rows in log.windows() if name == "zero"]
-    if not rows:
+    windows = [rows for name, _, rows in log.windows() if name == "zero"]
+    if not windows:
         return
-    chosen = np.concatenate([np.arange(len(log.time))[one] for one in rows])
-    joints = []
+    joints, imu = [], found.file.imu
     for one in found.file.joints:
-        shown = float(np.mean(joint_angles(one, log)[chosen]))
-        found.zeros[one.joint] = shown
-        if abs(shown) > ZERO_TOLERANCE:
+        shown = _shown_zero(found, log, one.joint, joint_angles(one, log), windows)
+        if shown is not None and abs(shown) > ZERO_TOLERANCE:
             zero = one.zero_rad + one.sign * shown
             found.findings.append(_zero_finding(one.joint, shown, f"zero_rad: {zero:.4f}"))
             one = replace(one, zero_rad=zero)
         joints.append(one)
-    imu = found.file.imu
-    shown = imu.pitch_sign * (float(np.mean(log.pitch[chosen])) - imu.pitch_zero_rad)
-    found.zeros["pitch"] = shown
-    if abs(shown) > ZERO_TOLERANCE:
+    pitch = imu.pitch_sign * (log.pitch - imu.pitch_zero_rad)
+    shown = _shown_zero(found, log, "pitch", pitch, windows)
+    if shown is not None and abs(shown) > ZERO_TOLERANCE:
         zero = imu.pitch_zero_rad + imu.pitch_sign * shown
         found.findings.append(_zero_finding("pitch", shown, f"pitch_zero_rad: {zero:.4f}"))
         imu = replace(imu, pitch_zero_rad=zero)
     found.file = replace(found.file, joints=tuple(joints), imu=imu)
 
 
+def _shown_zero(
+    found: LabelledMotion,
+    log: HungLog,
+    name: str,
+    angle: Float[np.ndarray, " t"],
+    windows: Sequence[slice],
+) -> float | None:
+    """Return and note what an angle showed in the rows at zero; None if they contradict."""
+    means = [float(np.mean(angle[rows])) for rows in windows]
+    if np.ptp(means) > ZERO_TOLERANCE:
+        shown = ", ".join(
+            f"{mean:+.2g} rad {log.when(rows)}" for mean, rows in zip(means, windows, strict=True)
+        )
+        found.unchecked.append(
+            f"zero of {name}: rows labelled zero contradict each other ({shown}): correct the "
+            "labels, or record it again"
+        )
+        return None
+    found.zeros[name] = float(np.mean(np.concatenate([angle[rows] for rows in windows])))
+    return found.zeros[name]
+
+
 def _zero_finding(about: str, shown: float, remedy: str) -> DeploymentFinding:
     words = f"zero of {about} is off by {shown:+.2g} rad, in the rows labelled zero"
     return DeploymentFinding(about, "zero", words, f"write {remedy}")
-
-
-def _contacts(found: LabelledMotion, log: HungLog) -> None:
-    """Compare the channel that moved while a foot was pressed with the file's."""
-    for one in found.file.contacts:
-        rows = [rows for name, _, rows in log.windows() if name == one.foot]
-        if not rows or not log.channels:
-            found.unchecked.append(f"contact of {one.foot}: no row is labelled {one.foot}")
-            continue
-        pressed = log.contact[rows[0]]
-        # For most of the log no foot is pressed.
-        span = np.abs(pressed - np.median(log.contact, axis=0)).max(axis=0)
-        actual = log.channels[int(np.argmax(span))]
-        # A reading that only trembles answers to nothing.
-        least = LEAST_FORCE_SHARE * np.abs(log.contact).max(initial=0.0)
-        if not span.max() > least:
-            found.unchecked.append(f"contact of {one.foot}: no channel answers to it")
-            continue
-        if actual != one.channel:
-            found.findings.append(
-                DeploymentFinding(
-                    one.foot,
-                    "contact",
-                    f"channel {actual} answers to {one.foot}, and the file has {one.channel}",
-                    f"write channel: {actual}",
-                )
-            )
-            continue
-        force = one.newton_per_unit * (pressed[:, log.channels.index(actual)] - one.zero_unit)
-        if np.abs(force).max() > 0.0 and force[np.argmax(np.abs(force))] < 0.0:
-            found.findings.append(
-                DeploymentFinding(
-                    one.foot,
-                    "contact",
-                    f"the force on {one.foot} is negative while it is pressed",
-                    f"write newton_per_unit: {-one.newton_per_unit:g}, or another zero_unit",
-                )
-            )

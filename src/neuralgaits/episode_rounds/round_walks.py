@@ -154,10 +154,12 @@ def logs_of(logs: Path, number: int) -> list[Path]:
     place = logs / f"round-{number}"
     if number == 0 and not place.is_dir():
         place = logs
-    files = sorted(place.glob("*.csv"))
+    files = sorted([*place.glob("*.csv"), *place.glob("*.mcap")])
     if not files:
         found = "none" if place.is_dir() else "no such folder"
-        raise InputError(f"expected logs *.csv in {place}, found {found}: put the robot's there")
+        raise InputError(
+            f"expected logs *.csv or *.mcap in {place}, found {found}: put the robot's there"
+        )
     return files
 
 

@@ -57,6 +57,8 @@ class Design:
         origin: origin of the design.
         monitor: sets that are proved of the gait; None without.
         deployment: deployment file that was read; None without.
+        supervised: whether an FMU or a ROS 2 package stands, walks and stops on request; the C
+            controller always can.
     """
 
     robot: PlanarBiped
@@ -66,6 +68,7 @@ class Design:
     origin: Origin
     monitor: StateMonitor | None = None
     deployment: DeploymentFile | None = None
+    supervised: bool = False
 
     @classmethod
     def of(

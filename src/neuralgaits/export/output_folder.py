@@ -21,7 +21,8 @@ _EXPORTER_ONLY = frozenset(("check.c", "check_monitor.c"))
 _OF_MONITOR = frozenset(("monitor.h", "monitor.c"))
 """Files that only a gait with a proof has."""
 _OF_BOARD = frozenset(("board_map.h", "board_map.c"))
-"""Files that only an export with a deployment file has."""
+"""Files that only an export with a deployment file has, but for its numbers."""
+_BOARD_FACTS = frozenset(("board_facts.h", "board_facts.c"))
 _SUFFIXES = (".c", ".h", ".onnx", ".fmu", ".cpp", ".hpp", ".xml", ".txt")
 """Suffixes of the files of an export."""
 
@@ -73,6 +74,24 @@ def refuse_used(out: Path, *, force: bool) -> None:
     ours = [out / entry.name for entry in there if entry.suffix in _SUFFIXES]
     refuse_unwritable(*ours, own=True)
     refuse_unwritable(out / "gait.h")
+
+
+def refuse_stale_map(out: Path) -> None:
+    """Refuse a folder with the map of an earlier export, beside a controller that has none.
+
+    Raises: InputError if there is such a file.
+    """
+    stale = sorted(name for name in _OF_BOARD | _BOARD_FACTS if (out / name).exists())
+    if stale:
+        raise InputError(
+            f"expected no {stale[0]} in {out}, found that of an export with --config, whose map "
+            f"would stay beside this controller: give --config again, or delete {', '.join(stale)}"
+        )
+
+
+def differs(file: Path, text: str) -> bool:
+    """Return whether there is a file with another text."""
+    return file.is_file() and file.read_bytes() != text.encode()
 
 
 @contextmanager

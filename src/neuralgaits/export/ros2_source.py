@@ -12,8 +12,23 @@ from neuralgaits.export.build import CORE
 from neuralgaits.export.facts import Design
 from neuralgaits.export.source import quoted
 
-_UNUSED = ("link.c", "amber_log.c", "amber_log.h", "supervisor.c", "supervisor.h")
+_UNUSED = ("link.c", "amber_log.c", "amber_log.h")
 """Files of the controller in C that a plugin has no use for."""
+_SUPERVISOR = ("supervisor.c", "supervisor.h")
+_PLAIN = {
+    "START": "blend_s: 1.0  # from holding the first posture to the gait\n    stance_leg: 0",
+    "DEPEND": "",
+    "FIND": "",
+    "USED": "",
+}
+"""Words of a package that walks once it is activated."""
+_SUPERVISED = {
+    "START": "request: damp  # damp, stand or walk; it may be set while the controller is active",
+    "DEPEND": "<depend>rcl_interfaces</depend>",
+    "FIND": "find_package(rcl_interfaces REQUIRED)",
+    "USED": " rcl_interfaces",
+}
+"""Words of a package with the supervisor, which asks for the result of setting a parameter."""
 
 
 def ros2_files(design: Design, controller: dict[str, str]) -> dict[str, str]:
@@ -28,7 +43,8 @@ def ros2_files(design: Design, controller: dict[str, str]) -> dict[str, str]:
     """
     if design.deployment is None:
         raise SpecError("expected a design with a deployment file, found none: give it one")
-    own = {name: text for name, text in controller.items() if name not in _UNUSED}
+    unused = _UNUSED if design.supervised else _UNUSED + _SUPERVISOR
+    own = {name: text for name, text in controller.items() if name not in unused}
     folder = resources.files("neuralgaits.export") / "ros2"
     texts = {
         entry.name: entry.read_text(encoding="utf-8")
@@ -39,6 +55,8 @@ def ros2_files(design: Design, controller: dict[str, str]) -> dict[str, str]:
     package = package_name(design)
     for name, text in texts.items():
         for key, value in words.items():
+            # A word that is empty leaves no empty line.
+            text = re.sub(rf"^ *@{key}@\n", "", text, flags=re.MULTILINE) if not value else text
             text = text.replace(f"@{key}@", value)
         own[name] = text.replace("neuralgaits_package", package)
     return own | {"ros2_facts.h": _facts(design)}
@@ -53,7 +71,8 @@ def package_name(design: Design) -> str:
 def _sources(files: dict[str, str]) -> list[str]:
     """Return the C files to compile."""
     monitor = [name for name in ("monitor.c", "monitor_set.c") if name in files]
-    return [*CORE, "selftest.c", *BOARD_SOURCES, *monitor]
+    supervisor = [name for name in ("supervisor.c",) if name in files]
+    return [*CORE, *supervisor, "selftest.c", *BOARD_SOURCES, *monitor]
 
 
 def _joints(design: Design) -> list[str]:
@@ -88,6 +107,7 @@ def _words(design: Design, files: dict[str, str]) -> dict[str, str]:
         "JOINTS": ", ".join(_yaml(name) for name in _joints(design)),
         "CONTACTS": ", ".join(_yaml(name) for name in _contacts(design)),
         "LAW": next(iter(design.controllers)),
+        **(_SUPERVISED if design.supervised else _PLAIN),
     }
 
 
@@ -97,13 +117,14 @@ def _yaml(text: str) -> str:
 
 
 def _facts(design: Design) -> str:
-    """Return `ros2_facts.h`: names of interfaces, and whether there is a monitor."""
+    """Return `ros2_facts.h`: names of interfaces, and what there is beside the controller."""
     lines = [
         "/* Names that the controller asks for, by motor and by channel. Written by a program. */",
         "#ifndef NG_ROS2_FACTS_H",
         "#define NG_ROS2_FACTS_H",
         "",
         f"#define NG_ROS2_MONITOR {int(design.monitor is not None)}",
+        f"#define NG_ROS2_SUPERVISOR {int(design.supervised)}",
         "",
         *_array("joints", _joints(design)),
         *_array("contacts", _contacts(design)),

@@ -14,6 +14,7 @@ from neuralgaits._types import Array, Float, FullState
 from neuralgaits.gait import ZeroDynamics
 from neuralgaits.gait.zero_coordinates import ZeroCoordinates
 from neuralgaits.robots import PlanarBiped
+from neuralgaits.robots.dynamics import centre_of_mass
 
 BLOCK = 2048
 """Number of states evaluated at once."""
@@ -31,6 +32,11 @@ def foot_heights(robot: PlanarBiped, q: Float[np.ndarray, "k n"]) -> Float[np.nd
     return in_blocks(partial(_foot_heights, robot), BLOCK, q)
 
 
+def weight_moments(robot: PlanarBiped, q: Float[np.ndarray, "k n"]) -> Float[np.ndarray, " k"]:
+    """Compute moments of the weight about the stance foot, forward positive (N m). Returns: [k]."""
+    return in_blocks(partial(_weight_moments, robot), BLOCK, q)
+
+
 def output_states(
     zd: ZeroDynamics, q: Float[np.ndarray, "k n"], dq: Float[np.ndarray, "k n"]
 ) -> Float[np.ndarray, "k two_m"]:
@@ -46,6 +52,12 @@ def _zero_states(robot: PlanarBiped, x: Float[Array, "b two_n"]) -> Float[Array,
 @quick_filter_jit
 def _foot_heights(robot: PlanarBiped, q: Float[Array, "b n"]) -> Float[Array, " b"]:
     return jax.vmap(lambda one: robot.swing_foot(one)[1])(q)
+
+
+@quick_filter_jit
+def _weight_moments(robot: PlanarBiped, q: Float[Array, "b n"]) -> Float[Array, " b"]:
+    weight = robot.mass * robot.gravity
+    return weight * jax.vmap(lambda one: centre_of_mass(robot, one)[0])(q)
 
 
 @quick_filter_jit

@@ -116,8 +116,8 @@ class EpisodesSettings(Settings):
     controller: Annotated[Literal["pd", "fblin"] | None, arg(metavar="{pd,fblin}")] = None
     """Joint PD (if not given), or input-output linearisation with the model."""
     logs: Folder = None
-    """Folder of a robot's own logs in place of a plant: CSV files in DIR/round-0 and so on. The
-    rounds stop at the first missing logs, and continue once those exist."""
+    """Folder of a robot's own logs in place of a plant: CSV or MCAP files in DIR/round-0 and
+    so on. The rounds stop at the first missing logs, and continue once those exist."""
     columns: Columns = None
     """With --logs: names, units and signs of these logs' columns; see the page 'Your own logs'."""
     rounds: Number = None

@@ -37,7 +37,8 @@ class SimulateSettings(Settings):
     controller: Law = "pd"
     """Joint PD, input-output linearisation, the PD of the paper (soft, z2 = 0), a quadratic program
     with a control Lyapunov function within limits of torque and friction, or the exported
-    controller as a process of its own."""
+    controller as a process of its own. With the supervisor: c, and --link address=HOST:PORT of
+    the firmware in examples/firmware."""
     link: Connection = None
     """Settings of the connection to controller c, as in
     law=fblin,lockstep=1,loss=0.01,jitter_ms=2; address=HOST:PORT is that of a controller you have

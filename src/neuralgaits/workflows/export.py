@@ -34,11 +34,12 @@ from neuralgaits.simulation.setup.starts import momentum_range
 from neuralgaits.systems.family_tasks import task_with
 from neuralgaits.systems.system_family import ProgressCallbacks
 from neuralgaits.workflows.deployed_run import deployed_robot, usual_gains
-from neuralgaits.workflows.export_formats import MAPPED, MONITORED, WRITERS
+from neuralgaits.workflows.export_formats import MAPPED, MONITORED, SUPERVISED, WRITERS
 from neuralgaits.workflows.export_warnings import unproved_of_export
 
 TEMPLATE = "deploy.template.yaml"
 """Deployment file beside a controller, to be copied and edited."""
+KEPT = "{} was kept: it was edited, or is of another run; delete it for a new template"
 LARGEST = 1e30
 """Largest number of a gait that may be exported: C may compute in single precision."""
 
@@ -64,6 +65,7 @@ def export_controller(
     force: bool = False,
     config: str | Path | None = None,
     joints: str | Path | None = None,
+    supervisor: bool = False,
     states: int = STATES,
     begun: Callable[[], None] | None = None,
 ) -> Export:
@@ -77,18 +79,29 @@ def export_controller(
         force: replace the files of an earlier export.
         config: deployment file of the robot; a template of one is written if None.
         joints: identified joints that the torques are for: `latest`, or a file of `fit_joints`.
+        supervisor: put the supervisor into an FMU or a ROS 2 package, which then stands, walks and
+            stops on request; C always has it.
         states: random states on which C and Python are compared.
         begun: called when the settings are checked and the work begins.
 
     Returns: `Export`; of a family beside walkers, the record that `--json` prints.
     Raises: InputError, SpecError or RunError; MismatchError if the code differs from Python.
     """
-    _refuse_settings(format, states, config)
-    given = _given(format=format, force=force, config=config, joints=joints, states=states)
+    _refuse_settings(format, states, config, supervisor)
+    given = _given(
+        format=format,
+        force=force,
+        config=config,
+        joints=joints,
+        supervisor=supervisor,
+        states=states,
+    )
     if (task := task_with("export", {"run": run, "out": Path(out)} | given)) is not None:
         return task(ProgressCallbacks.by(begun=begun)).returned
     trained, folder = open_run(run), Path(out)
     output_folder.refuse_used(folder, force=force)
+    if format == "c" and config is None:
+        output_folder.refuse_stale_map(folder)
     certificate = read_certificate(trained.folder)
     _refuse_unusable(trained.trained)
     about = deployed_robot(trained)
@@ -102,9 +115,14 @@ def export_controller(
         usual = template(about, usual_gains(design))
         # A ROS 2 package always has a map: without a file that of the robot file itself.
         mapped = usual if format == "ros2" and deployment is None else deployment
-        files, told = WRITERS[format](replace(design, deployment=mapped), states)
+        made = replace(design, deployment=mapped, supervised=supervisor)
+        files, told = WRITERS[format](made, states)
         if format in MAPPED and deployment is None:
-            files = {**files, TEMPLATE: deployment_text(usual)}
+            text = deployment_text(usual)
+            if output_folder.differs(folder / TEMPLATE, text):
+                lacking = [*lacking, KEPT.format(folder / TEMPLATE)]
+            else:
+                files = {**files, TEMPLATE: text}
     return Export(
         told(
             run=str(trained.path),
@@ -120,7 +138,7 @@ def export_controller(
 
 def _given(**settings: Any) -> dict[str, Any]:
     """Return the settings that are not the usual ones."""
-    usual = {"format": "c", "force": False, "states": STATES}
+    usual = {"format": "c", "force": False, "supervisor": False, "states": STATES}
     return {name: value for name, value in settings.items() if value != usual.get(name)}
 
 
@@ -142,7 +160,7 @@ def _joints_for(trained: Run, format: str, joints: str | Path) -> JointFile:
     return read_joints(trained, joints)
 
 
-def _refuse_settings(format: str, states: int, config: str | Path | None) -> None:
+def _refuse_settings(format: str, states: int, config: str | Path | None, supervisor: bool) -> None:
     """Refuse settings that make no sense, alone or together. Raises: InputError."""
     if format not in WRITERS:
         raise InputError(f"unknown format {format!r}: expected one of {', '.join(WRITERS)}")
@@ -152,6 +170,12 @@ def _refuse_settings(format: str, states: int, config: str | Path | None) -> Non
         raise InputError(
             f"--config: expected --format {' or '.join(MAPPED)} beside it, found {format}: "
             "leave one of them out"
+        )
+    if supervisor and format not in SUPERVISED:
+        remedy = "C always has the supervisor" if format == "c" else "it has no torques"
+        raise InputError(
+            f"--supervisor: expected --format {' or '.join(SUPERVISED)} beside it, found {format}: "
+            f"leave --supervisor out, {remedy}"
         )
 
 

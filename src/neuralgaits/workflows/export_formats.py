@@ -25,6 +25,8 @@ MONITORED = ("c", "fmu", "fmu2", "ros2")
 """Formats of a whole controller, with torques and a monitor."""
 MAPPED = ("c", "ros2")
 """Formats that have a map between motors and joints."""
+SUPERVISED = ("fmu", "fmu2", "ros2")
+"""Formats that may have the supervisor in the place of the controller alone."""
 RecordFactory = Callable[..., Exported]
 """Makes a record of what is known of files, once it is said where they are."""
 

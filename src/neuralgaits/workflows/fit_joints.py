@@ -42,7 +42,7 @@ HELD_OUT = 5
 @type_checked
 def fit_joints(
     run: Run | str | Path,
-    logs: Sequence[str | Path],
+    logs: str | Path | Sequence[str | Path],
     *,
     columns: str | Path | None = None,
     write: str | Path | None = None,
@@ -54,7 +54,7 @@ def fit_joints(
 
     Args:
         run: a run, its folder, or `latest`.
-        logs: logs of walks on point feet, with the torques at the joints.
+        logs: log, or logs, of walks on point feet, with the torques at the joints.
         columns: file that describes their columns.
         write: robot file to write, the run's own with the identified rotors and damping.
 
@@ -62,7 +62,8 @@ def fit_joints(
     Raises: InputError with file, row, column and remedy; then nothing is written.
     """
     start_time = time.perf_counter()
-    trained, paths = open_run(run), [Path(log) for log in logs]
+    named = [logs] if isinstance(logs, str | Path) else logs
+    trained, paths = open_run(run), [Path(log) for log in named]
     robot, out = trained.robot, None if write is None else Path(write)
     _refuse_flat_feet(trained)
     refuse_unwritable(trained.path / JOINTS, own=True)

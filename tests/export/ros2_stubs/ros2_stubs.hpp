@@ -111,7 +111,28 @@ private:
     }
     Any value_;
 };
+
+class Parameter
+{
+public:
+    Parameter(std::string name, ParameterValue value) : name_(name), value_(value) {}
+    const std::string & get_name() const { return name_; }
+    std::string as_string() const { return value_.as_string(); }
+
+private:
+    std::string name_;
+    ParameterValue value_;
+};
 }  // namespace rclcpp
+
+namespace rcl_interfaces::msg
+{
+struct SetParametersResult
+{
+    bool successful = false;
+    std::string reason;
+};
+}  // namespace rcl_interfaces::msg
 
 namespace diagnostic_msgs::msg
 {
@@ -169,9 +190,33 @@ public:
         timer = std::make_shared<rclcpp::TimerBase>(work);
         return timer;
     }
+    using Heeds = std::function<rcl_interfaces::msg::SetParametersResult(
+        const std::vector<rclcpp::Parameter> &)>;
+    // Lives as long as the node's owner keeps it, as in ROS.
+    std::shared_ptr<Heeds> add_on_set_parameters_callback(Heeds heeds)
+    {
+        auto made = std::make_shared<Heeds>(std::move(heeds));
+        heeds_ = made;
+        return made;
+    }
+    // What `ros2 param set` does.
+    rcl_interfaces::msg::SetParametersResult set_parameter(const rclcpp::Parameter & one,
+                                                           rclcpp::ParameterValue value)
+    {
+        const auto heeds = heeds_.lock();
+        const auto result =
+            heeds ? (*heeds)({one}) : rcl_interfaces::msg::SetParametersResult{true, ""};
+        if (result.successful) {
+            parameters[one.get_name()] = value;
+        }
+        return result;
+    }
     std::map<std::string, rclcpp::ParameterValue> parameters;
     rclcpp::TimerBase::SharedPtr timer;
     std::shared_ptr<void> published, subscribed;
+
+private:
+    std::weak_ptr<Heeds> heeds_;
 };
 }  // namespace rclcpp_lifecycle
 

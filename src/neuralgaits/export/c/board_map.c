@@ -92,3 +92,20 @@ void ng_board_targets(const ng_measurement *reading, const ng_command *command,
         targets[motor].kp = targets[motor].tau_ff = NG(0.0);
     }
 }
+
+void ng_board_limit_targets(const ng_measurement *reading,
+                            ng_target joints[NG_LEGS][NG_LEG_JOINTS])
+{
+    for (int leg = 0; leg < NG_LEGS; ++leg) {
+        for (int i = 0; i < NG_LEG_JOINTS; ++i) {
+            ng_target *to = &joints[leg][i];
+            const ng_real own = ng_joint_sign[leg][i], limit = ng_board_torque_limit[leg][i];
+            const ng_real q = own * (reading->angles[leg][i] - ng_joint_offset[leg][i]);
+            const ng_real dq = own * reading->rates[leg][i];
+            const ng_real torque = to->tau_ff + to->kp * (to->q_des - q) + to->kd * (to->dq_des - dq);
+            if (to->kp != NG(0.0)) {
+                to->tau_ff += ng_clamp(torque, -limit, limit) - torque;
+            }
+        }
+    }
+}

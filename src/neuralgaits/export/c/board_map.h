@@ -44,4 +44,11 @@ void ng_board_targets(const ng_measurement *reading, const ng_command *command,
 void ng_board_map_targets(const ng_target joints[NG_LEGS][NG_LEG_JOINTS],
                           ng_target targets[NG_BOARD_MOTORS]);
 
+/*
+ * Hold targets of the joints, in place, so that at the angles of the reading they give no torque
+ * beyond the deployment file's. Drives that only damp are left as they are.
+ */
+void ng_board_limit_targets(const ng_measurement *reading,
+                            ng_target joints[NG_LEGS][NG_LEG_JOINTS]);
+
 #endif

@@ -38,7 +38,8 @@ def headers() -> dict[str, str]:
 def compiled_files(design: Design, version: str) -> tuple[str, ...]:
     """Return the names of the C files that make the binary."""
     monitor = () if design.monitor is None else ("monitor.c", "monitor_set.c")
-    return (*build.CORE, *monitor, "fmu_model.c", "fmu.c", *_ADAPTERS[version])
+    control = ("supervisor.c", "fmu_supervised.c") if design.supervised else ("fmu_gait.c",)
+    return (*build.CORE, *monitor, *control, "fmu_model.c", "fmu.c", *_ADAPTERS[version])
 
 
 def _included(names: Iterable[str], files: Mapping[str, str]) -> set[str]:
@@ -68,7 +69,7 @@ def source_files(
     """
     folder = resources.files("neuralgaits.export.fmu") / "c"
     known = dict(controller) | {"fmu_model.c": _tables(design, variables)}
-    for name in ("fmu.c", "fmu.h", *_ADAPTERS[version]):
+    for name in ("fmu.c", "fmu.h", "fmu_gait.c", "fmu_supervised.c", *_ADAPTERS[version]):
         known[name] = (folder / name).read_text(encoding="utf-8")
     files = {name: known[name] for name in _included(compiled_files(design, version), known)}
     # The token is a hash of everything else, names of variables included.
@@ -91,10 +92,11 @@ def _header(design: Design, variables: Sequence[FmuVariable], token: str) -> str
         "#ifndef NG_FMU_MODEL_H",
         "#define NG_FMU_MODEL_H",
         "",
-        '#include "gait.h"',
+        '#include "supervisor.h"' if design.supervised else '#include "gait.h"',
         "",
         f"#define NG_FMU_TOKEN {quoted(token)}",
         f"#define NG_FMU_MONITOR {int(design.monitor is not None)}",
+        f"#define NG_FMU_SUPERVISOR {int(design.supervised)}",
         "",
         "/* Value references: of the time, and of the first variable of each type. */",
         "#define NG_FMU_TIME 0u",
@@ -124,6 +126,11 @@ def _header(design: Design, variables: Sequence[FmuVariable], token: str) -> str
             f"extern const char ng_fmu_{name}_kind[NG_FMU_{name.upper()}S + 1];",
             f"extern const {c_type} ng_fmu_{name}_start[NG_FMU_{name.upper()}S];",
         ]
+    lines += [
+        "",
+        "/* Largest value of an integer that may be set; the smallest is 0. */",
+        "extern const int32_t ng_fmu_integer_most[NG_FMU_INTEGERS];",
+    ]
     return "\n".join([*lines, "", "#endif"]) + "\n"
 
 
@@ -143,4 +150,6 @@ def _tables(design: Design, variables: Sequence[FmuVariable]) -> str:
             f'const char ng_fmu_{name}_kind[{size} + 1] =\n    "{kinds}";',
             wrapped(f"const {c_type} ng_fmu_{name}_start[{size}] = {{{starts}}};"),
         ]
+    most = ", ".join(str(one.high or 0) for one in _of(variables, VariableType.INTEGER))
+    sections.append(f"const int32_t ng_fmu_integer_most[NG_FMU_INTEGERS] = {{{most}}};")
     return "\n\n".join(sections) + "\n"

@@ -14,6 +14,7 @@ import numpy as np
 from neuralgaits.analysis.state_monitor import StateMonitor
 from neuralgaits.control.safeguard import Fault
 from neuralgaits.export.facts import Design
+from neuralgaits.export.supervisor_codes import Mode, Reason, Request, Waiting, listed
 from neuralgaits.gait.commands import CommandLimits
 
 _QUOTABLE = re.compile(r"[A-Za-z0-9_ !#$%&()*+,\-./:;<>=?@\[\]^{}|~]+")
@@ -97,8 +98,10 @@ def variables_of(design: Design) -> list[FmuVariable]:
     joints = JointList(design)
     found = [*_inputs(design, joints), *_parameters(design)]
     found += [*_joint_outputs(joints), *_outputs(design)]
+    if design.supervised:
+        found += _supervision()
     if design.monitor is not None:
-        found += _monitor(design.monitor)
+        found += _monitor(design.monitor, design.supervised)
     return [one for type in VariableType for one in found if one.type is type]
 
 
@@ -127,6 +130,17 @@ def _inputs(design: Design, joints: JointList) -> Iterator[FmuVariable]:
         yield real(f"angle.{part}", "ANGLE", "rad", text)
     for name, part in zip(joints.names, joints.parts, strict=True):
         yield real(f"rate.{part}", "RATE", "rad/s", f"rate of {name}; {only}")
+    if design.supervised:
+        yield FmuVariable(
+            "request",
+            "REQUEST",
+            VariableType.INTEGER,
+            Role.INPUT,
+            int(Request.DAMP),
+            f"request of the operator ({listed(Request)})",
+            low=0,
+            high=int(max(Request)),
+        )
     if design.commands:
         limits = CommandLimits.of(design.commands)
         ranges = zip(design.commands, limits.low, limits.high, strict=True)
@@ -148,20 +162,22 @@ def _parameters(design: Design) -> Iterator[FmuVariable]:
     real, limit = VariableType.REAL, float(np.max(design.controller.torque_limit))
     stiffness, damping = DEFAULT_GAINS
     drives = "of drives with a loop of their own"
+    limited = (
+        "torque_limit",
+        "TORQUE_LIMIT",
+        Role.FIXED,
+        limit,
+        "largest torque of a joint; the robot file's limit holds where it is lower",
+        "N.m",
+    )
     texts = (
         ("kp", "KP", Role.TUNABLE, stiffness, f"stiffness {drives}", "N.m/rad"),
         ("kd", "KD", Role.TUNABLE, damping, f"damping {drives}", "N.m.s/rad"),
         ("blend", "BLEND", Role.FIXED, 0.0, "time from holding the first posture to the gait", "s"),
-        (
-            "torque_limit",
-            "TORQUE_LIMIT",
-            Role.FIXED,
-            limit,
-            "largest torque of a joint; the robot file's limit holds where it is lower",
-            "N.m",
-        ),
+        limited,
     )
-    for name, place, role, start, text, unit in texts:
+    # The supervisor has gains, a way to the first step and a first stance leg of its own.
+    for name, place, role, start, text, unit in (limited,) if design.supervised else texts:
         yield FmuVariable(name, place, real, role, start, text, unit=unit)
     laws = ", ".join(f"{k}: {name}" for k, name in enumerate(design.controllers))
     yield FmuVariable(
@@ -175,16 +191,17 @@ def _parameters(design: Design) -> Iterator[FmuVariable]:
         high=len(design.controllers) - 1,
     )
     feet = " and ".join(f"{k} on {foot}" for k, foot in enumerate(design.robot.layout.feet))
-    yield FmuVariable(
-        "first_leg",
-        "FIRST_LEG",
-        VariableType.INTEGER,
-        Role.FIXED,
-        0,
-        f"stance leg at the start ({feet})",
-        low=0,
-        high=1,
-    )
+    if not design.supervised:
+        yield FmuVariable(
+            "first_leg",
+            "FIRST_LEG",
+            VariableType.INTEGER,
+            Role.FIXED,
+            0,
+            f"stance leg at the start ({feet})",
+            low=0,
+            high=1,
+        )
     yield FmuVariable(
         "estimate",
         "ESTIMATE",
@@ -230,7 +247,8 @@ def _outputs(design: Design) -> Iterator[FmuVariable]:
     text = "z2, angular momentum about the stance foot, forward positive"
     yield FmuVariable("momentum", "MOMENTUM", real, out, 0.0, text, unit="kg.m2/s")
     yield FmuVariable("stance_leg", "STANCE_LEG", integer, out, 0, f"stance leg ({feet})")
-    text = f"reason of zero torque until reset ({faults})"
+    effect = "damping" if design.supervised else "zero torque"
+    text = f"reason of {effect} until reset ({faults})"
     yield FmuVariable("fault", "FAULT", integer, out, 0, text)
     text = "whether the stance leg changed at this tick"
     yield FmuVariable("touchdown", "TOUCHDOWN", boolean, out, False, text)
@@ -238,8 +256,20 @@ def _outputs(design: Design) -> Iterator[FmuVariable]:
     yield FmuVariable("saturated", "SATURATED", boolean, out, False, text)
 
 
-def _monitor(monitor: StateMonitor) -> Iterator[FmuVariable]:
+def _supervision() -> Iterator[FmuVariable]:
+    """Yield the state of the supervisor."""
+    texts = (
+        ("mode", "MODE", f"what the robot does ({listed(Mode)})"),
+        ("reason", "REASON", f"why the mode has changed last ({listed(Reason)})"),
+        ("waiting", "WAITING", f"what the request waits for ({listed(Waiting)})"),
+    )
+    for name, place, text in texts:
+        yield FmuVariable(name, place, VariableType.INTEGER, Role.OUTPUT, 0, text)
+
+
+def _monitor(monitor: StateMonitor, supervised: bool) -> Iterator[FmuVariable]:
     """Return the monitor's answers by level, those of one kind after each other."""
+    nameless = "-1: fault, or no walk" if supervised else "-1: fault"
     real, integer, boolean = VariableType
     out = Role.OUTPUT
     for level in monitor.levels:
@@ -253,7 +283,7 @@ def _monitor(monitor: StateMonitor) -> Iterator[FmuVariable]:
         yield FmuVariable(f"monitor.level{level}.stretch", "STRETCH", real, out, 0.0, text, "s")
     for level in monitor.levels:
         names = ", ".join(f"{k}: {one}" for k, one in enumerate(monitor.set_of(level).names))
-        text = f"name of that margin (-1: fault, {names})"
+        text = f"name of that margin ({nameless}, {names})"
         yield FmuVariable(f"monitor.level{level}.name", "MARGIN_NAME", integer, out, 0, text)
     text = "1: in the proved hold of level 5, 0: later, -1: none is proved"
     yield FmuVariable("monitor.in_time", "IN_TIME", integer, out, 0, text)

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstdint>
+#include <iterator>
 #include <memory>
 #include <set>
 #include <type_traits>
@@ -23,6 +24,21 @@ using controller_interface::return_type;
 const char * const kOrientation[] = {"orientation.x", "orientation.y", "orientation.z",
                                      "orientation.w"};
 const char * const kTargets[] = {"position", "velocity", "effort", "stiffness", "damping"};
+#if NG_ROS2_SUPERVISOR
+const char * const kRequests[] = {"damp", "stand", "walk"};  // in the order of ng_request
+
+// The number of a request, or -1.
+int request_of(const std::string & word)
+{
+    const auto at = std::find(std::begin(kRequests), std::end(kRequests), word);
+    return at == std::end(kRequests) ? -1 : static_cast<int>(at - std::begin(kRequests));
+}
+
+std::string bad_request(const std::string & word)
+{
+    return "request: expected damp, stand or walk, found '" + word + "'";
+}
+#endif
 
 // Releases of ros2_control differ in how a value is read.
 template <typename Interface>
@@ -96,8 +112,12 @@ CallbackReturn GaitController::on_init()
         auto_declare<std::string>("imu", "imu");
         auto_declare<std::string>("law", ng_laws[0].name);
         auto_declare<std::string>("mode", "effort");
+#if NG_ROS2_SUPERVISOR
+        auto_declare<std::string>("request", kRequests[NG_REQUEST_DAMP]);
+#else
         auto_declare<double>("blend_s", 1.0);
         auto_declare<std::int64_t>("stance_leg", 0);
+#endif
     } catch (const std::exception & error) {
         RCLCPP_ERROR(get_node()->get_logger(), "parameters: %s", error.what());
         return CallbackReturn::ERROR;
@@ -149,19 +169,25 @@ std::vector<std::string> GaitController::problems()
     if (mode_ != "effort" && mode_ != "impedance") {
         found.push_back("mode: expected effort or impedance, found '" + mode_ + "'");
     }
+#if !NG_ROS2_SUPERVISOR
     if (!(blend_s_ >= 0.0 && blend_s_ <= 60.0)) {
         found.push_back("blend_s: expected 0 to 60, found " + std::to_string(blend_s_));
     }
     if (stance_leg_ != 0 && stance_leg_ != 1) {
         found.push_back("stance_leg: expected 0 or 1, found " + std::to_string(stance_leg_));
     }
-    config_.law = nullptr;
+#endif
+    gait().law = nullptr;
     for (int law = 0; law < NG_LAW_COUNT; ++law) {
         if (law_ == ng_laws[law].name) {
+#if NG_ROS2_SUPERVISOR
+            config_ = ng_supervisor_config_of(&ng_laws[law]);
+#else
             config_ = ng_config_of(&ng_laws[law]);
+#endif
         }
     }
-    if (config_.law == nullptr) {
+    if (gait().law == nullptr) {
         found.push_back("law: expected one of " + laws() + ", found '" + law_ + "'");
     }
     const double ticks_hz = 1.0 / static_cast<double>(NG_PERIOD);
@@ -185,9 +211,17 @@ CallbackReturn GaitController::on_configure(const rclcpp_lifecycle::State &)
         imu_ = node->get_parameter("imu").as_string();
         law_ = node->get_parameter("law").as_string();
         mode_ = node->get_parameter("mode").as_string();
+#if NG_ROS2_SUPERVISOR
+        const std::string request = node->get_parameter("request").as_string();
+        found = problems();
+        if (request_of(request) < 0) {
+            found.push_back(bad_request(request));
+        }
+#else
         blend_s_ = node->get_parameter("blend_s").as_double();
         stance_leg_ = node->get_parameter("stance_leg").as_int();
         found = problems();
+#endif
     } catch (const std::exception & error) {
         found.push_back(error.what());
     }
@@ -201,7 +235,12 @@ CallbackReturn GaitController::on_configure(const rclcpp_lifecycle::State &)
             "line %d: build without -ffast-math", failed);
         return CallbackReturn::FAILURE;
     }
+#if NG_ROS2_SUPERVISOR
+    request_handle_ = node->add_on_set_parameters_callback(
+        [this](const std::vector<rclcpp::Parameter> & changed) { return heed(changed); });
+#else
     config_.blend_s = static_cast<ng_real>(blend_s_);
+#endif
     publisher_ = node->create_publisher<diagnostic_msgs::msg::DiagnosticArray>("/diagnostics", 10);
     timer_ = node->create_wall_timer(std::chrono::milliseconds(100), [this]() { publish(); });
 #if NG_COMMANDS
@@ -280,16 +319,69 @@ CallbackReturn GaitController::on_activate(const rclcpp_lifecycle::State &)
             joined(state_interface_configuration().names, ", ").c_str());
         return CallbackReturn::ERROR;
     }
-    ng_start(&state_, static_cast<int>(stance_leg_));
-    ng_estimator_start(&estimator_);
-#if NG_ROS2_MONITOR
-    ng_monitor_start(&monitor_);
+#if NG_ROS2_SUPERVISOR
+    // Whoever activates it again after a fault does not mean the walk before.
+    const std::string request = get_node()->get_parameter("request").as_string();
+    if (request != kRequests[NG_REQUEST_DAMP]) {
+        RCLCPP_ERROR(
+            get_node()->get_logger(),
+            "request: expected damp at activation, found '%s': set the parameter to damp first",
+            request.c_str());
+        return CallbackReturn::FAILURE;
+    }
+    request_ = NG_REQUEST_DAMP;
 #endif
+    start();
     const std::lock_guard<std::mutex> lock(mutex_);
     snapshot_.valid = false;
     has_request_ = false;
     return CallbackReturn::SUCCESS;
 }
+
+// Before the first tick.
+void GaitController::start()
+{
+#if NG_ROS2_SUPERVISOR
+    ng_supervisor_start(&supervisor_);
+    reason_ = NG_NO_CHANGE;
+#else
+    ng_start(&state_, static_cast<int>(stance_leg_));
+#endif
+    ng_estimator_start(&estimator_);
+#if NG_ROS2_MONITOR
+    ng_monitor_start(&monitor_);
+#endif
+}
+
+#if NG_ROS2_SUPERVISOR
+// A request counts from the next tick on; another word is refused.
+rcl_interfaces::msg::SetParametersResult GaitController::heed(
+    const std::vector<rclcpp::Parameter> & changed)
+{
+    rcl_interfaces::msg::SetParametersResult result;
+    int request = -1;
+    result.successful = true;
+    for (const auto & one : changed) {
+        if (one.get_name() != "request") {
+            continue;
+        }
+        try {
+            request = request_of(one.as_string());
+            if (request < 0) {
+                result.reason = bad_request(one.as_string());
+            }
+        } catch (const std::exception & error) {
+            request = -1;
+            result.reason = std::string("request: expected a text, ") + error.what();
+        }
+        result.successful = request >= 0;
+    }
+    if (request >= 0) {
+        request_ = request;
+    }
+    return result;
+}
+#endif
 
 CallbackReturn GaitController::on_deactivate(const rclcpp_lifecycle::State &)
 {
@@ -349,7 +441,12 @@ void GaitController::write()
     ng_real torques[NG_BOARD_MOTORS];
     ng_target targets[NG_BOARD_MOTORS];
     ng_board_torques(&command_, torques);
+#if NG_ROS2_SUPERVISOR
+    ng_board_limit_targets(&reading_, supervisor_.targets);
+    ng_board_map_targets(supervisor_.targets, targets);
+#else
     ng_board_targets(&reading_, &command_, targets);
+#endif
     for (std::size_t motor = 0; motor < joints_.size(); ++motor) {
         if (joints_[motor].empty()) {
             continue;
@@ -385,7 +482,7 @@ return_type GaitController::update(const rclcpp::Time & time, const rclcpp::Dura
             std::transform(requested_.begin(), requested_.end(), wish, [](double value) {
                 return static_cast<ng_real>(value);
             });
-            (void)ng_tell(&state_, wish);
+            (void)ng_tell(&gait_state(), wish);
             has_request_ = false;
         }
         mutex_.unlock();
@@ -396,25 +493,63 @@ return_type GaitController::update(const rclcpp::Time & time, const rclcpp::Dura
     outside_ = ng_board_encoders(&readings_, &encoders);
     ng_measure(&encoders, &reading_);
     if (estimates()) {
-        ng_estimate(&estimator_, &state_, &reading_);
+        ng_estimate(&estimator_, &gait_state(), &reading_);
     }
-    ng_step(&config_, &state_, &reading_, &command_);
+    control();
 #if NG_ROS2_MONITOR
-    ng_monitor_step(&monitor_, &state_, reading_.time_us, &command_, &answer_);
+    monitor();
 #endif
     write();
     if (mutex_.try_lock()) {
         snapshot_.command = command_;
+#if NG_ROS2_SUPERVISOR
+        snapshot_.decided = decided_;
+        snapshot_.reason = reason_;
+#endif
 #if NG_ROS2_MONITOR
         snapshot_.answer = answer_;
+        snapshot_.monitored = walks();
 #endif
         snapshot_.outside = outside_;
         snapshot_.valid = true;
         mutex_.unlock();
     }
+#if NG_ROS2_SUPERVISOR
+    // Deactivated, it would not damp any more.
+    return return_type::OK;
+#else
     // Newer controller managers deactivate a controller that returns ERROR.
     return command_.fault == NG_NO_FAULT ? return_type::OK : return_type::ERROR;
+#endif
 }
+
+// The tick of the controller itself.
+void GaitController::control()
+{
+#if NG_ROS2_SUPERVISOR
+    const auto request = static_cast<ng_request>(request_.load());
+    ng_supervise(&config_, &supervisor_, &reading_, request, &decided_);
+    command_ = decided_.command;
+    command_.fault = decided_.fault;
+    if (decided_.reason != NG_NO_CHANGE) {
+        reason_ = decided_.reason;
+    }
+#else
+    ng_step(&config_, &state_, &reading_, &command_);
+#endif
+}
+
+#if NG_ROS2_MONITOR
+// The proved sets are about walking: with each walk the monitor starts anew.
+void GaitController::monitor()
+{
+    if (walks()) {
+        ng_monitor_step(&monitor_, &gait_state(), reading_.time_us, &command_, &answer_);
+    } else {
+        ng_monitor_start(&monitor_);
+    }
+}
+#endif
 
 void GaitController::publish()
 {
@@ -438,7 +573,7 @@ void GaitController::publish()
     status.values.push_back(pair("motor of a joint outside of its range", now.outside == 0 ?
         "none" : std::to_string(now.outside - 1)));
 #if NG_ROS2_MONITOR
-    for (int k = 0; k < NG_MONITOR_LEVELS && !fault; ++k) {
+    for (int k = 0; k < NG_MONITOR_LEVELS && !fault && now.monitored; ++k) {
         const ng_membership & one = now.answer.levels[k];
         const std::string level = "level " + std::to_string(one.level);
         inside = inside && one.inside;
@@ -449,14 +584,26 @@ void GaitController::publish()
         status.values.push_back(
             pair(level + " outside since activation [us]", std::to_string(one.outside_us)));
     }
-    inside = inside && now.answer.admissible;
-    status.values.push_back(pair("commands as proved", now.answer.admissible ? "yes" : "no"));
-    status.values.push_back(pair("proof sha256", now.answer.proof_sha256));
+    if (now.monitored) {
+        inside = inside && now.answer.admissible;
+        status.values.push_back(pair("commands as proved", now.answer.admissible ? "yes" : "no"));
+    }
+    status.values.push_back(pair("proof sha256", NG_MONITOR_PROOF_SHA256));
 #endif
+    std::string mode = "walking";
+    bool refuses = false;
+#if NG_ROS2_SUPERVISOR
+    mode = now.decided.mode == NG_WALK ? mode : ng_mode_text(now.decided.mode);
+    refuses = now.decided.waiting == NG_FOR_DAMP || now.decided.waiting == NG_FOR_LEGS;
+    status.values.push_back(pair("mode", ng_mode_text(now.decided.mode)));
+    status.values.push_back(pair("reason of the last change", ng_reason_text(now.reason)));
+    status.values.push_back(pair("request waits for", ng_waiting_text(now.decided.waiting)));
+#endif
+    const bool good = inside && now.outside == 0 && !refuses;
     status.level = fault ? DiagnosticStatus::ERROR
-                 : inside && now.outside == 0 ? DiagnosticStatus::OK : DiagnosticStatus::WARN;
+                 : good ? DiagnosticStatus::OK : DiagnosticStatus::WARN;
     status.message = fault ? ng_fault_text(now.command.fault)
-                   : inside ? "walking" : "walking, outside of a proved set";
+                   : inside ? mode : mode + ", outside of a proved set";
     diagnostic_msgs::msg::DiagnosticArray array;
     array.header.stamp = get_node()->now();
     array.status.push_back(status);

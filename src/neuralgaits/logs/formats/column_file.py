@@ -13,7 +13,7 @@ TOML, one line a quantity, in the coordinates of the robot file: its joints, its
 import math
 import tomllib
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
@@ -76,6 +76,18 @@ class ColumnFile:
     def has(self, table: str) -> bool:
         """Return whether the file has a quantity, or a table of them."""
         return any(key == table or key.startswith(f"{table}.") for key in self.sources)
+
+    def turned(self, *keys: str) -> "ColumnFile":
+        """Return the file with the signs of these angles turned, and of the rates beside them."""
+        rates = [_rate_of(key) for key in keys]
+        both = [self.sources[key] for key in (*keys, *rates) if key in self.sources]
+        changed = {one.key: replace(one, sign=-one.sign) for one in both}
+        return replace(self, sources={**self.sources, **changed})
+
+
+def _rate_of(key: str) -> str:
+    """Return the key of the rate of an angle."""
+    return "pitch_rate" if key == "pitch" else f"rates.{key.removeprefix('joints.')}"
 
 
 def joints_of(robot: PlanarBiped) -> tuple[str, ...]:

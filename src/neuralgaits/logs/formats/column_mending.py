@@ -68,7 +68,7 @@ class ColumnMending:
     def _changes(self, columns: ColumnFile) -> Iterator[_Change]:
         for key, source in columns.sources.items():
             if key == "pitch" or key.startswith("joints."):
-                turned = _turned(columns, source)
+                turned = columns.turned(key)
                 words = f"{key} fits with sign = {-source.sign:g}"
                 yield _Change(self._error(turned), words, turned)
                 yield self._moved(columns, source)
@@ -117,11 +117,3 @@ class ColumnMending:
 
 def _with(columns: ColumnFile, *changed: ColumnSource) -> ColumnFile:
     return replace(columns, sources={**columns.sources, **{one.key: one for one in changed}})
-
-
-def _turned(columns: ColumnFile, source: ColumnSource) -> ColumnFile:
-    """Turn a sign, and that of the rate beside it."""
-    name = source.key.removeprefix("joints.")
-    rate = columns.sources.get("pitch_rate" if source.key == "pitch" else f"rates.{name}")
-    both = [source] if rate is None else [source, rate]
-    return _with(columns, *(replace(one, sign=-one.sign) for one in both))

@@ -19,6 +19,7 @@ from neuralgaits.logs.formats.mcap_reader import is_mcap
 from neuralgaits.logs.formats.mcap_table import table_of
 from neuralgaits.logs.formats.mcap_walk import walk_of
 from neuralgaits.logs.formats.sheet import Text, text_of
+from neuralgaits.logs.formats.sign_check import SignCheck
 from neuralgaits.logs.labels import Labels
 from neuralgaits.logs.outliers import outliers
 from neuralgaits.logs.row_checks import check
@@ -88,6 +89,7 @@ def _of_own_columns(
             f"{error} (these are numbers after unit, sign and offset of {file.path}: mend them "
             "there)"
         ) from None
+    SignCheck(text, robot, policy).refuse(log.only(good), file)
     return _cleaned(log, labels, good)
 
 

@@ -73,9 +73,36 @@ class McapFile:
         """Topics that can be decoded, sorted."""
         return sorted({one.topic for one in self.channels.values() if one.decode is not None})
 
+    def first_messages(self) -> dict[str, McapMessage]:
+        """Return the first message of each topic that can be decoded, in one pass over the file.
+
+        It ends where every topic that has messages was seen.
+        """
+        known = set(self.topics)
+        awaited = known - self._silent()
+        found: dict[str, McapMessage] = {}
+        for _, channel, message in self._reader.iter_messages(topics=known):
+            decode = self.channels[channel.id].decode
+            if decode is not None and channel.topic not in found:
+                content = decode(message.data)
+                found[channel.topic] = McapMessage(channel.topic, message.log_time, content)
+                awaited.discard(channel.topic)
+                if not awaited:
+                    break
+        return {topic: found[topic] for topic in sorted(found)}
+
+    def _silent(self) -> set[str]:
+        """Return the topics that have no message, as far as the file says so."""
+        summary = self._reader.get_summary()
+        if summary is None or summary.statistics is None:
+            return set()
+        counts = summary.statistics.channel_message_counts
+        heard = {one.topic for number, one in self.channels.items() if counts.get(number)}
+        return {one.topic for one in self.channels.values()} - heard
+
     def messages(self, topics: Set[str]) -> Iterator[McapMessage]:
         """Yield the messages of some topics in the order of their log times."""
-        for _, channel, message in self._reader.iter_messages(topics=sorted(topics)):
+        for _, channel, message in self._reader.iter_messages(topics=topics):
             known = self.channels[channel.id]
             if known.decode is not None:
                 yield McapMessage(known.topic, message.log_time, known.decode(message.data))

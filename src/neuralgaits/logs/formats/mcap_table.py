@@ -43,12 +43,7 @@ def table_of(path: Path, columns: Sequence[str]) -> Text:
 
 def _first_fields(file: McapFile) -> dict[str, Row]:
     """Return the numbers in the first message of each topic."""
-    found: dict[str, Row] = {}
-    for topic in file.topics:
-        message = next(file.messages({topic}), None)
-        if message is not None:
-            found[topic] = fields_of(message.content)
-    return found
+    return {topic: fields_of(one.content) for topic, one in file.first_messages().items()}
 
 
 def _empty(file: McapFile) -> InputError:

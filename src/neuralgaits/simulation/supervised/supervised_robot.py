@@ -7,10 +7,8 @@ the five numbers of each drive, whose loop runs once every step of MuJoCo.
 # pyright: reportAttributeAccessIssue=false
 # MuJoCo ships no type stubs.
 
-import ctypes
 from collections import deque
 from collections.abc import Sequence
-from enum import IntEnum
 from typing import NamedTuple
 
 import mujoco
@@ -21,55 +19,16 @@ from neuralgaits.control.safeguard import Fault
 from neuralgaits.errors import InputError
 from neuralgaits.export.facts import Design
 from neuralgaits.export.standing import standing_postures
+from neuralgaits.export.supervisor_codes import Mode, Reason, Request, Waiting
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.simulation.setup.disturbance import PlantChanges
 from neuralgaits.simulation.setup.plant import SUBSTEPS, build
-from neuralgaits.simulation.supervised.supervisor_library import supervisor_library
+from neuralgaits.simulation.supervised.supervisor_library import (
+    SupervisorTick,
+    supervisor_library,
+)
 
 _TICK_US = 1000
-_DECIDED, _TARGET = 9, 5
-
-
-class Mode(IntEnum):
-    """Mode of a supervised robot, `ng_mode` in C."""
-
-    DAMP = 0
-    STAND = 1
-    WALK = 2
-    STOP = 3
-
-
-class Request(IntEnum):
-    """Request of the operator, `ng_request` in C."""
-
-    DAMP = 0
-    STAND = 1
-    WALK = 2
-
-
-class Reason(IntEnum):
-    """Why the mode has changed, `ng_reason` in C."""
-
-    NO_CHANGE = 0
-    AS_REQUESTED = 1
-    FROM_MID_STEP = 2
-    TIPS_FORWARD = 3
-    SETTLED = 4
-    TOO_LATE = 5
-    TIPPED_OVER = 6
-    BY_FAULT = 7
-
-
-class Waiting(IntEnum):
-    """Reason why a request waits, `ng_waiting` in C."""
-
-    NOTHING = 0
-    FOR_DAMP = 1
-    FOR_LEGS = 2
-    FOR_STANDING = 3
-    FOR_TWO_FEET = 4
-    FOR_POSTURE = 5
-    FOR_REST = 6
 
 
 class Supervision(NamedTuple):
@@ -127,14 +86,12 @@ class SupervisedRobot:
         """
         self.plant = build(design.robot, disturbance)
         self.data = mujoco.MjData(self.plant.model)
-        self._library = supervisor_library(design, precision)
-        self._memory = ctypes.create_string_buffer(self._library.ng_host_bytes())
         self._drives, self._seed = drives, seed
         self._joints = self.plant.state_map.joints
-        shape = self._joints.shape
+        legs, joints = self._joints.shape
         self._sensors = np.zeros(6 + 2 * self._joints.size)
-        self._decided = np.zeros(_DECIDED)
-        self._targets, self._torques = np.zeros((*shape, _TARGET)), np.zeros(shape)
+        library = supervisor_library(design, precision)
+        self._controller = SupervisorTick(library, (legs, joints))
 
     def start(
         self,
@@ -158,11 +115,7 @@ class SupervisedRobot:
         mujoco.mj_resetData(self.plant.model, self.data)
         self.data.qpos[:], self.data.qvel[:] = state_map.to_mjcf(q, np.zeros_like(q), front, place)
         mujoco.mj_forward(self.plant.model, self.data)
-        estimate = int(self.plant.disturbance.estimator)
-        self._library.ng_host_start(self._memory, 0, estimate)
-        if commands:
-            wanted = np.asarray(commands, dtype=np.float64)
-            self._library.ng_host_tell(self._memory, wanted.ctypes.data)
+        self._controller.start(estimate=bool(self.plant.disturbance.estimator), commands=commands)
         self._ticks, self._noise = 0, np.random.default_rng(self._seed)
         self._late: deque[np.ndarray] = deque(maxlen=self.plant.delay_ticks + 1)
 
@@ -170,23 +123,15 @@ class SupervisedRobot:
         """Decide at the present state, and let the plant move for one tick."""
         self._sense()
         self._ticks += 1
-        arrays = (self._decided, self._targets, self._torques)
-        self._library.ng_host_tick(
-            *(
-                self._memory,
-                _TICK_US * self._ticks % 2**32,
-                self._sensors.ctypes.data,
-                int(request),
-            ),
-            *(array.ctypes.data for array in arrays),
-        )
-        self._late.append(np.concatenate([self._targets, self._torques[..., None]], axis=-1))
+        own = self._controller
+        own.tick(_TICK_US * self._ticks, self._sensors, request)
+        self._late.append(np.concatenate([own.targets, own.torques[..., None]], axis=-1))
         self._advance(self._late[0])
-        mode, reason, waiting, fault, new, leg, touchdown = map(int, self._decided[:7])
+        mode, reason, waiting, fault, new, leg, touchdown = map(int, own.decided[:7])
         return Supervision(
             *(Mode(mode), Reason(reason), Waiting(waiting), Fault(fault), bool(new)),
-            *(leg, bool(touchdown), self._decided[7:].copy()),
-            *(self._targets.copy(), self._torques.copy()),
+            *(leg, bool(touchdown), own.decided[7:].copy()),
+            *(own.targets.copy(), own.torques.copy()),
         )
 
     def _sense(self) -> None:

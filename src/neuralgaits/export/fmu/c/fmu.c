@@ -42,22 +42,7 @@ ng_fmu_status ng_fmu_enter_initialization(ng_fmu *fmu, double start_time)
 /* Start controller, estimator and monitor with the parameters. */
 static void start(ng_fmu_memory *memory)
 {
-    const int leg = memory->integers[NG_FMU_FIRST_LEG];
-    const ng_real limit = (ng_real)memory->reals[NG_FMU_TORQUE_LIMIT];
-    memory->config = ng_config_of(&ng_laws[memory->integers[NG_FMU_LAW]]);
-    memory->config.blend_s = (ng_real)memory->reals[NG_FMU_BLEND];
-    for (int i = 0; i < NG_ACTUATED; ++i) {
-        memory->config.torque_limit[i] = ng_clamp(limit, NG(0.0), ng_torque_limit[i]);
-    }
-#if NG_COMMANDS
-    ng_real first[NG_COMMANDS];
-    for (int i = 0; i < NG_COMMANDS; ++i) {
-        first[i] = (ng_real)memory->reals[NG_FMU_COMMAND + i];
-    }
-    ng_start_at(&memory->state, leg, first);
-#else
-    ng_start(&memory->state, leg);
-#endif
+    ng_fmu_start_control(memory);
     ng_estimator_start(&memory->estimator);
 #if NG_FMU_MONITOR
     ng_monitor_start(&memory->monitor);
@@ -104,14 +89,12 @@ static void read_encoders(const ng_fmu_memory *memory, ng_encoders *encoders)
 }
 
 /* Torques, motor commands and targets of drives, in the robot file's signs. */
-static void write_joints(ng_fmu_memory *memory, const ng_measurement *reading,
-                         const ng_command *command)
+static void write_joints(ng_fmu_memory *memory, const ng_command *command,
+                         const ng_target targets[NG_LEGS][NG_LEG_JOINTS])
 {
     double *out = memory->reals;
     ng_real motors[NG_LEGS][NG_LEG_JOINTS];
-    ng_target targets[NG_LEGS][NG_LEG_JOINTS];
     ng_drive(command, motors);
-    ng_impedance(reading, command, (ng_real)out[NG_FMU_KP], (ng_real)out[NG_FMU_KD], targets);
     for (int leg = 0; leg < NG_LEGS; ++leg) {
         for (int i = 0; i < NG_LEG_JOINTS; ++i) {
             const int joint = ng_fmu_joint[leg][i];
@@ -140,10 +123,28 @@ static int32_t number_of(const char *name, int level)
     return -1;
 }
 
+/* Answers where nothing is asked: the robot is not inside, and its times begin anew. */
+static void stop_monitor(ng_fmu_memory *memory)
+{
+    ng_monitor_start(&memory->monitor);
+    for (int k = 0; k < NG_MONITOR_LEVELS; ++k) {
+        memory->booleans[NG_FMU_INSIDE + k] = 0;
+        memory->integers[NG_FMU_MARGIN_NAME + k] = -1;
+        memory->reals[NG_FMU_MARGIN + k] = 0.0;
+        memory->reals[NG_FMU_OUTSIDE + k] = memory->reals[NG_FMU_STRETCH + k] = 0.0;
+    }
+    memory->booleans[NG_FMU_ADMISSIBLE] = 0;
+    memory->integers[NG_FMU_IN_TIME] = -1;
+}
+
 static void ask_monitor(ng_fmu_memory *memory, uint32_t time_us, ng_command *command)
 {
     ng_monitor_answer answer;
-    ng_monitor_step(&memory->monitor, &memory->state, time_us, command, &answer);
+    if (!ng_fmu_walks(memory)) {
+        stop_monitor(memory);
+        return;
+    }
+    ng_monitor_step(&memory->monitor, ng_fmu_state(memory), time_us, command, &answer);
     for (int k = 0; k < NG_MONITOR_LEVELS; ++k) {
         const ng_membership *level = &answer.levels[k];
         memory->booleans[NG_FMU_INSIDE + k] = level->inside;
@@ -161,27 +162,29 @@ static void ask_monitor(ng_fmu_memory *memory, uint32_t time_us, ng_command *com
 static void tick(ng_fmu *fmu)
 {
     ng_fmu_memory *memory = &fmu->memory;
-    const ng_fault before = memory->state.fault;
+    ng_state *state = ng_fmu_state(memory);
+    const ng_fault before = state->fault;
     ng_encoders encoders;
     ng_measurement reading;
     ng_command command = {0};
+    ng_target targets[NG_LEGS][NG_LEG_JOINTS];
     read_encoders(memory, &encoders);
     ng_measure(&encoders, &reading);
     if (memory->booleans[NG_FMU_ESTIMATE]) {
-        ng_estimate(&memory->estimator, &memory->state, &reading);
+        ng_estimate(&memory->estimator, state, &reading);
     }
 #if NG_COMMANDS
     ng_real wish[NG_COMMANDS];
     for (int i = 0; i < NG_COMMANDS; ++i) {
         wish[i] = (ng_real)memory->reals[NG_FMU_COMMAND + i];
     }
-    ng_tell(&memory->state, wish);
+    ng_tell(state, wish);
 #endif
-    ng_step(&memory->config, &memory->state, &reading, &command);
+    ng_fmu_control(memory, &reading, &command, targets);
 #if NG_FMU_MONITOR
     ask_monitor(memory, reading.time_us, &command);
 #endif
-    write_joints(memory, &reading, &command);
+    write_joints(memory, &command, (const ng_target(*)[NG_LEG_JOINTS])targets);
     memory->reals[NG_FMU_SINCE_TOUCHDOWN] = (double)command.since_touchdown;
     memory->reals[NG_FMU_HIP_AHEAD] = (double)command.z[0];
     memory->reals[NG_FMU_MOMENTUM] = (double)command.z[1];
@@ -191,8 +194,9 @@ static void tick(ng_fmu *fmu)
     memory->booleans[NG_FMU_SATURATED] = command.saturated;
     if (fmu->events && command.fault != before) {
         char message[MESSAGE];
-        snprintf(message, sizeof message, "fault at %.6f s: %s; torques are zero until reset",
-                 memory->time, ng_fault_text(command.fault));
+        snprintf(message, sizeof message, "fault at %.6f s: %s; %s until reset", memory->time,
+                 ng_fault_text(command.fault),
+                 NG_FMU_SUPERVISOR ? "joints damp" : "torques are zero");
         fmu->log(fmu, NG_FMU_OK, message);
     }
 }
@@ -304,7 +308,7 @@ ng_fmu_status ng_fmu_write_integer(ng_fmu *fmu, uint32_t reference, int32_t valu
     if (i < 0 || !writable(fmu, ng_fmu_integer_kind[i], reference)) {
         return NG_FMU_ERROR;
     }
-    const int32_t most = i == NG_FMU_LAW ? NG_LAW_COUNT - 1 : NG_LEGS - 1;
+    const int32_t most = ng_fmu_integer_most[i];
     if (value < 0 || value > most) {
         char message[MESSAGE];
         snprintf(message, sizeof message, "value reference %lu: expected 0 to %ld, found %ld",
@@ -312,9 +316,11 @@ ng_fmu_status ng_fmu_write_integer(ng_fmu *fmu, uint32_t reference, int32_t valu
         return ng_fmu_refuse(fmu, message);
     }
     fmu->memory.integers[i] = value;
+#if !NG_FMU_SUPERVISOR
     if (i == NG_FMU_FIRST_LEG) {
         fmu->memory.integers[NG_FMU_STANCE_LEG] = value; /* until the first step */
     }
+#endif
     return NG_FMU_OK;
 }
 

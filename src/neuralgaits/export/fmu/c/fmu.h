@@ -33,8 +33,13 @@ typedef struct {
     double reals[NG_FMU_REALS];
     int32_t integers[NG_FMU_INTEGERS];
     int booleans[NG_FMU_BOOLEANS];
+#if NG_FMU_SUPERVISOR
+    ng_supervisor_config config;
+    ng_supervisor supervisor;
+#else
     ng_config config;
     ng_state state;
+#endif
     ng_estimator estimator;
 #if NG_FMU_MONITOR
     ng_monitor monitor;
@@ -77,6 +82,20 @@ ng_fmu_status ng_fmu_write_boolean(ng_fmu *fmu, uint32_t reference, int value);
 
 /* A copy of everything that a later ng_fmu_restore brings back, or NULL without memory. */
 ng_fmu_memory *ng_fmu_save(const ng_fmu *fmu);
+
+/*
+ * The controller of an instance: that of fmu_gait.c is in the middle of a walk from its first tick,
+ * that of fmu_supervised.c damps, stands, walks and stops as requested.
+ */
+void ng_fmu_start_control(ng_fmu_memory *memory);
+ng_state *ng_fmu_state(ng_fmu_memory *memory);
+
+/* One tick: torques, and targets of the drives in the robot file's order and signs. */
+void ng_fmu_control(ng_fmu_memory *memory, const ng_measurement *reading, ng_command *command,
+                    ng_target targets[NG_LEGS][NG_LEG_JOINTS]);
+
+/* Whether the robot walks, so that its state may be compared with sets of a walk. */
+int ng_fmu_walks(const ng_fmu_memory *memory);
 
 /* Report an error. */
 ng_fmu_status ng_fmu_refuse(ng_fmu *fmu, const char *message);

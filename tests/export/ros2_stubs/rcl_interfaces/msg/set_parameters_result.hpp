@@ -1,0 +1,1 @@
+#include "ros2_stubs.hpp"
