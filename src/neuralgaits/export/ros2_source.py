@@ -12,7 +12,10 @@ from neuralgaits.export.build import CORE
 from neuralgaits.export.facts import Design
 from neuralgaits.export.source import quoted
 
-_UNUSED = ("link.c", "amber_log.c", "amber_log.h", "supervisor.c", "supervisor.h")
+_UNUSED = (
+    *("link.c", "amber_log.c", "amber_log.h", "supervisor.c", "supervisor.h"),
+    *("adapt.c", "adapt.h"),
+)
 """Files of the controller in C that a plugin has no use for."""
 
 

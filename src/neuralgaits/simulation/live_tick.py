@@ -215,6 +215,8 @@ class NativeTick(LiveTick):
             stride=stride,
             feet=row["feet"],
             rise=np.zeros(1),
+            hips=np.zeros((1, 2)),
+            commands=np.zeros((1, 2, 0)),
         )
 
     @property
