@@ -2,7 +2,7 @@
 
 Asked: within 0.02 m/s of what is told after 10 steps, and no fall of 20. At the ends of the range
 of speeds an adapter cannot help: a row says for which share of the steps the command stood there.
-Twenty walks a row from random states of the region, in MuJoCo; all rows take about 20 minutes.
+Twenty walks a row from random states of the region, in MuJoCo; all rows take about 10 minutes.
 DISTURB, TOLD, LAWS and WALKS in the environment choose others.
 """
 
@@ -18,13 +18,14 @@ from common import whole
 
 from neuralgaits.analysis.run import Run, open_run
 from neuralgaits.records.adapted_speeds import SETTLED_STEPS
+from neuralgaits.simulation.native.compiled_walk import Library
 from neuralgaits.simulation.setup.command_schedule import orders_of
 from neuralgaits.simulation.setup.disturbance import parse
 from neuralgaits.simulation.ticks.stride_table import Strides
 from neuralgaits.simulation.trained_walks import TrainedWalks, at_first, walk_engine_for
 from support.shipped_run import SHIPPED
 
-WALKS, STEPS = whole("WALKS", 20), 50
+WALKS, STEPS = whole("WALKS", 20), 30
 ASKED_M_S = 0.02
 DISTURBANCES = (
     "",
@@ -61,8 +62,12 @@ def main() -> None:
         place = Path(folder) / "run"
         run = open_run(shutil.copytree(SHIPPED.with_name("demo_speed_run"), place))
         for law in laws:
+            library = walk_engine_for(run, law, None).library
             for told, disturb in _grid(speeds, disturbances):
-                off, on = (_walked(run, law, told, disturb, adapt=adapt) for adapt in (False, True))
+                off, on = (
+                    _walked(run, library, law, told, disturb, adapt=adapt)
+                    for adapt in (False, True)
+                )
                 good = abs(on.speed - told) <= ASKED_M_S and on.falls == 0
                 print(
                     f"| {law} | {disturb or 'nothing'} | {told:.2f} | {off.speed:.3f}, {off.falls} "
@@ -78,13 +83,15 @@ def _grid(speeds: list[float], disturbances: tuple[str, ...]) -> Iterator[tuple[
             yield told, disturb
 
 
-def _walked(run: Run, law: str, told: float, disturb: str, *, adapt: bool) -> Row:
+def _walked(
+    run: Run, library: Library | None, law: str, told: float, disturb: str, *, adapt: bool
+) -> Row:
     """Walk as often as is wanted."""
     orders = orders_of(run.trained.commands, {"speed": told})
     first = at_first(run, orders.first)
     walked = TrainedWalks(
         run=first,
-        library=walk_engine_for(first, law, None).library,
+        library=library,
         plant=None,
         controller=law,
         steps=STEPS,

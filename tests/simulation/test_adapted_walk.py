@@ -7,10 +7,13 @@ import numpy as np
 import pytest
 
 from neuralgaits.analysis.run import open_run
+from neuralgaits.control import Pd
 from neuralgaits.errors import InputError
+from neuralgaits.simulation.live import LiveWalk
 from neuralgaits.simulation.native_walk import engine_of_trained
 from neuralgaits.simulation.setup.command_schedule import orders_of
 from neuralgaits.simulation.setup.disturbance import parse
+from neuralgaits.simulation.setup.starts import full_states, momentum_range
 from neuralgaits.simulation.trained_walks import TrainedWalks, at_first
 from neuralgaits.workflows.simulate import simulate
 from support.shipped_run import SHIPPED
@@ -110,6 +113,44 @@ def test_without_a_proof_none_is_claimed(run, tmp_path):
     found = simulate(place, adapt="speed", steps=3).summary.adapted
     assert found is not None and found.proved_level is None
     assert "no proof of this run" in found.in_words and "too few steps" in found.in_words
+
+
+def live_speeds(run, *, native, steps, adapt=True):
+    """Speeds of each step of a live walk on a slope that the controller does not know."""
+    start = full_states(run.zero_dynamics, run.gait, "centre", seed=0, episodes=1)[0]
+    live = LiveWalk(
+        run.robot,
+        run.trained.policy,
+        Pd(),
+        start,
+        z2_range=momentum_range(run.trained),
+        library=engine_of_trained(run).library if native else None,
+    )
+    live.disturb(slope_deg=1.0)
+    live.tell(speed=0.7)
+    live.control.adapt(adapt)
+    found = []
+    while len(found) < steps:
+        assert live.tick() and live.verdict is not None
+        if live.verdict.touchdown[0]:
+            found.append(live.control.speeds)
+    live.reset()
+    assert live.control.speeds is None
+    return found
+
+
+@pytest.mark.slow
+def test_live_walks_adapt_until_they_are_told_not_to(run):
+    """The command of a live walk begins in the middle of its range."""
+    ours = live_speeds(run, native=True, steps=24)
+    theirs = live_speeds(run, native=False, steps=5)
+    assert ours[0] is None and theirs[0] is None
+    np.testing.assert_allclose(np.array(ours[1:5]), np.array(theirs[1:]), rtol=1e-8)
+    assert abs(ours[-1].walked - 0.7) < 5e-3 and ours[-1].told == pytest.approx(0.7)
+    assert abs(ours[-1].commanded - 0.7) > 0.01
+    off = live_speeds(run, native=True, steps=12, adapt=False)[-1]
+    assert off.told == off.commanded == pytest.approx(0.7)
+    assert abs(off.walked - 0.7) > 0.02
 
 
 def test_a_gait_without_a_speed_command_is_refused():

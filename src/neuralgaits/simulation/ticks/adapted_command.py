@@ -15,6 +15,7 @@ class AdaptedCommand:
 
     Attributes:
         active: whether commands are adapted; speeds are measured in any case.
+        place: place of the speed among the commands; None if it is not there.
         ended: reference and measured speed of the step that ended last [m/s]; NaN if unknown.
     """
 
@@ -23,18 +24,18 @@ class AdaptedCommand:
         self.active = active
         self.ended: tuple[float, float] = (math.nan, math.nan)
         self._adapter = speed_adapter.adapter_for(commands)
-        self._place = place_of(commands, ADAPTED)
+        self.place = place_of(commands, ADAPTED)
         self._odometer = StepOdometer()
         if self._adapter is not None:
-            self._state = speed_adapter.start(self._adapter, float(first[self._place]))
+            self._state = speed_adapter.start(self._adapter, float(first[self.place]))
 
     def request(self, told: Float[np.ndarray, " p"]) -> Float[np.ndarray, " p"]:
         """Return what the controller is to be told in the place of these commands."""
         if self._adapter is None or not self.active:
             return told
         adapted = np.array(told)
-        speed = float(told[self._place])
-        adapted[self._place] = speed_adapter.command_for(self._adapter, self._state, speed)
+        speed = float(told[self.place])
+        adapted[self.place] = speed_adapter.command_for(self._adapter, self._state, speed)
         return adapted
 
     def touch_down(
@@ -56,7 +57,7 @@ class AdaptedCommand:
             return
         self._odometer, walked = self._odometer.touch_down(time, float(hips[0]), float(hips[1]))
         self.ended = self._state.reference, math.nan if walked is None else walked
-        speed, before, after = (float(one[self._place]) for one in (told, *latched))
+        speed, before, after = (float(one[self.place]) for one in (told, *latched))
         self._state = speed_adapter.advance(
             self._adapter, self._state, speed, before, after, walked
         )
