@@ -8,10 +8,11 @@ import pytest
 
 from neuralgaits._quick_jit import quick_filter_jit
 from neuralgaits.control import speed_adapter
-from neuralgaits.control.measurement import Measurement
-from neuralgaits.control.speed_adapter import StepOdometer, hip_over_foot
+from neuralgaits.control.measurement import Measurement, coordinates
+from neuralgaits.control.speed_adapter import StepOdometer, hips_over_feet
 from neuralgaits.export import build, output_folder
 from neuralgaits.export.source import gait_files
+from neuralgaits.workflows import export_formats
 from neuralgaits.workflows.export_formats import controller_files
 from support.compiled import folder_with
 from support.designs import FOOTHOLDS, LAWS, SPEED, commanded_design, design_for
@@ -89,7 +90,7 @@ def expected_of(design, rows):
     """What Python makes of them."""
     robot, adapter = design.robot, speed_adapter.adapter_for(design.commands)
     assert adapter is not None
-    hips = quick_filter_jit(lambda one, leg: hip_over_foot(robot, one, leg))
+    standing = quick_filter_jit(lambda one, leg: coordinates(robot, one, leg)[0])
     state, odometer = speed_adapter.start(adapter, 0.7), StepOdometer()
     requested = before = after = 0.7
     last_us, passed_us, walked, found = rows[0, 1], 0.0, None, []
@@ -104,8 +105,8 @@ def expected_of(design, rows):
             seen = Measurement(
                 zero, np.asarray(pitch), zero, by_leg, by_leg, np.zeros(2), np.zeros(2)
             )
-            ends = (float(hips(seen, np.asarray(one, np.int32))) for one in (1 - leg, leg))
-            odometer, walked = odometer.touch_down(1e-6 * passed_us, *ends)
+            hips = hips_over_feet(robot, np.asarray(standing(seen, np.asarray(leg, np.int32))))
+            odometer, walked = odometer.touch_down(1e-6 * passed_us, *hips)
             state = speed_adapter.advance(adapter, state, speed, before, after, walked)
         found.append([requested, after, *state, -1.0 if walked is None else walked])
     return np.array(found)
@@ -131,7 +132,8 @@ def test_the_files_are_inspected_as_those_of_a_robot(told, tmp_path):
 
 
 def test_only_gaits_with_a_commanded_speed_have_them(told, monkeypatch):
-    monkeypatch.setattr("neuralgaits.workflows.export_formats.selftest_file", lambda *_: "")
+    for name, files in (("selftest_file", ""), ("gait_files", {})):
+        monkeypatch.setattr(export_formats, name, lambda *_, files=files: files)
     nobodys: Any = None
     assert {"adapt.h", "adapt.c"} <= set(controller_files(told, nobodys))
     for other in (

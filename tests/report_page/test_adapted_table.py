@@ -3,12 +3,12 @@
 from types import SimpleNamespace
 from typing import Any
 
-from neuralgaits.records.adapted_speeds import AdaptedSpeeds
+from neuralgaits.records.adapted_speeds import AdaptedSpeeds, LearnedLean
 from neuralgaits.report.page.adapted_table import adapted
 
 
 def page(speeds: AdaptedSpeeds | None) -> str:
-    done: Any = SimpleNamespace(adapted=speeds)
+    done: Any = SimpleNamespace(adapted=speeds, learned_lean=LearnedLean(-0.0123, 2e-4, 29))
     return str(adapted(done))
 
 
@@ -28,6 +28,7 @@ def test_a_long_walk_is_shortened_and_says_where_it_settled():
     said = page(speeds_of(30))
     assert "the first 20 of 30" in said and said.count("<tr>") == 21
     assert "walked 0.704 m/s for 0.700 m/s" in said
+    assert "12.3 mm behind the file" in said
 
 
 def test_without_adaptation_there_is_nothing():

@@ -7,8 +7,10 @@ import numpy as np
 import pytest
 
 from neuralgaits.analysis.run import open_run
+from neuralgaits.analysis.torso_lean import leans_of
 from neuralgaits.control import Pd
 from neuralgaits.errors import InputError
+from neuralgaits.robots import load_robot
 from neuralgaits.simulation.live import LiveWalk
 from neuralgaits.simulation.native_walk import engine_of_trained
 from neuralgaits.simulation.setup.command_schedule import orders_of
@@ -82,6 +84,31 @@ def test_what_is_told_is_walked(run, disturb):
     assert np.max(np.abs(np.diff(told))) <= LARGEST_CHANGE + 1e-12
 
 
+LEANS_MM = {
+    "": 0.0,
+    AHEAD: 10.0,
+    "torso_shift_m=-0.02": -20.0,
+    "mass_scale=1.15": 0.0,
+    "friction=0.4": 0.0,
+    "slope_deg=2": 0.0,
+}
+
+
+@pytest.mark.parametrize("disturb", LEANS_MM)
+def test_joint_angles_show_how_far_the_torso_is_ahead(run, disturb):
+    """Whatever the masses are as a whole; a slope or friction is not taken for a lean."""
+    record = walks_of(run, disturb, steps=6).walk(0, 1, record=True).episodes.record
+    command = record.command
+    leans = leans_of(run.robot, record.time, command.q, np.asarray(command.touchdown) > 0.5)
+    assert leans is not None and len(leans) == 5
+    np.testing.assert_allclose(1e3 * leans, LEANS_MM[disturb], atol=0.5)
+
+
+def test_only_robots_with_a_torso_on_point_feet_have_a_lean(run):
+    none = np.zeros(0), np.zeros((0, 5)), np.zeros(0, bool)
+    assert leans_of(load_robot("amber3m-feet"), *none) is None
+
+
 def test_without_it_nothing_changes_and_speeds_are_measured(run):
     (walked,) = strides_of(walks_of(run, AHEAD, commands="random", adapt=False))
     np.testing.assert_array_equal(walked.told[:, 0], walked.reference)
@@ -99,9 +126,12 @@ def test_the_verb_adapts_and_says_so(run):
     assert found.adapt == "speed" and found["adapt"] == "speed"
     assert len(speeds.told) == len(found["adapted"]["walked"]) == 13
     assert speeds.commanded[-1] < 0.65 < 0.695 < speeds.walked[-1] < 0.715
+    assert found.learned_lean.mean_m == pytest.approx(0.01, abs=5e-4)
+    assert found.learned_lean.steps == 13 and "mm ahead of" in found.learned_lean.in_words
     assert speeds.proved_level == 3 and "every sequence of commands" in speeds.in_words
     off: Any = simulate(run, **settings).summary
-    assert off.adapted is None and "adapted" not in off and "adapt" not in off
+    assert off.adapted is None and off.learned_lean is None
+    assert not {"adapted", "adapt", "learned_lean"} & set(off)
     # The error is that of what the user told, not of the command.
     assert off.command_error["speed"].mean > 0.08
     assert found.command_error["speed"].mean < 0.6 * off.command_error["speed"].mean

@@ -15,11 +15,11 @@ it.
 import math
 from typing import NamedTuple
 
-from neuralgaits._types import Array, Int, Scalar
-from neuralgaits.control.measurement import Measurement, coordinates
+import numpy as np
+
+from neuralgaits._types import Float
 from neuralgaits.gait.commands import Commands, command_named
 from neuralgaits.robots import PlanarBiped
-from neuralgaits.robots.dynamics import hip_position
 
 ADAPTED = "speed"
 """Command that is adapted."""
@@ -62,7 +62,7 @@ class StepOdometer(NamedTuple):
     time: float = math.nan
     """Time of the touchdown [s]."""
     hip: float = math.nan
-    """`hip_over_foot` of the leg that the step stands on [m]."""
+    """Hip over the foot that the step stands on, see `hips_over_feet` [m]."""
 
     def touch_down(
         self, time: float, hip: float, next_hip: float
@@ -71,8 +71,8 @@ class StepOdometer(NamedTuple):
 
         Args:
             time: time of the touchdown (s).
-            hip: `hip_over_foot` of the leg that the step stood on (m).
-            next_hip: that of the leg that the next step stands on (m).
+            hip: hip over the foot that the step stood on, see `hips_over_feet` (m).
+            next_hip: hip over the foot that the next step stands on (m).
 
         Returns: the odometer of the next step, and the mean forward speed of the hip over the step
         that ended (m/s); None if it was not measured.
@@ -82,22 +82,23 @@ class StepOdometer(NamedTuple):
         return StepOdometer(time, next_hip), walked if math.isfinite(walked) else None
 
 
-def hip_over_foot(robot: PlanarBiped, measurement: Measurement, leg: Int[Array, ""]) -> Scalar:
-    """Return how far the hip is ahead of a foot that stands: its way since the leg was upright.
+def hips_over_feet(robot: PlanarBiped, q: Float[np.ndarray, " n"]) -> tuple[float, float]:
+    """Return how far the hip is ahead of each foot while that foot stands.
 
     A point foot rolls on its sphere, and moves the hip by that as well. Only joint angles and pitch
     are needed.
 
     Args:
         robot: the model.
-        measurement: reading of the sensors.
-        leg: the leg of the foot.
+        q: coordinates (rad).
 
-    Returns: scalar (m), less a constant on point feet.
+    Returns: of the swing leg and of the stance leg (m); less a constant on point feet.
     """
-    q, _ = coordinates(robot, measurement, leg)
-    hip = hip_position(robot, q)[0]
-    return hip if robot.feet is not None else hip - robot.foot_radius * q[0]
+    angles = robot.link_angles @ q
+    ahead = -(robot.hip @ np.sin(angles))
+    foot = -(robot.foot @ np.sin(angles))
+    radius = 0.0 if robot.feet is not None else robot.foot_radius
+    return float(ahead - foot - radius * angles[-1]), float(ahead - radius * angles[0])
 
 
 def adapter_for(commands: Commands) -> SpeedAdapter | None:

@@ -9,6 +9,30 @@ SETTLED_STEPS = 10
 
 
 @dataclass(frozen=True)
+class LearnedLean:
+    """How far the torso's centre of mass is ahead of the file's, by the first walk's joint angles.
+
+    Attributes:
+        mean_m: mean over its whole steps, positive forward [m].
+        spread_m: standard deviation from step to step [m].
+        steps: number of these steps.
+    """
+
+    mean_m: float
+    spread_m: float
+    steps: Count
+
+    @property
+    def in_words(self) -> str:
+        """The lean in millimetres, and from what."""
+        side = "ahead of" if self.mean_m >= 0.0 else "behind"
+        return (
+            f"torso's centre of mass {abs(1e3 * self.mean_m):.1f} mm {side} the file's, by "
+            f"{self.steps} steps (spread {1e3 * self.spread_m:.1f} mm)"
+        )
+
+
+@dataclass(frozen=True)
 class AdaptedSpeeds:
     """Speeds of the first walk, a value for each step between two touchdowns [m/s].
 

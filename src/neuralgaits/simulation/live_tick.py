@@ -127,8 +127,9 @@ class JaxTick(LiveTick):
     def restart(self) -> None:
         """Clear the memory of stance and policy."""
         self._carry = self._found = self.speeds = None
-        commands, first = self._scene.controller.policy.commands, np.asarray(self._scene.first)
-        self._adapted = AdaptedCommand(commands, first, active=self._active)
+        controller, first = self._scene.controller, np.asarray(self._scene.first)
+        commands, robot = controller.policy.commands, controller.robot
+        self._adapted = AdaptedCommand(robot, commands, first, active=self._active)
 
     def tell(self, wanted: Float[np.ndarray, " p"]) -> None:
         """Request other commands from the next touchdown on."""
@@ -160,8 +161,9 @@ class JaxTick(LiveTick):
         self._carry, judged, self._found = self._batch.tick(self._arrays, carry, pack(reading))
         verdict = self._batch.verdict_of(judged)
         if verdict.touchdown[0]:
-            hips, latched = np.asarray(verdict.hips[0]), np.asarray(verdict.commands[0])
-            self._adapted.touch_down(float(data.time), hips, latched, self._wanted)
+            command = self._batch.record_of(self._found).command
+            latched = np.asarray(command.told[0])
+            self._adapted.touch_down(float(data.time), command.q[0], latched, self._wanted)
             self.speeds = _speeds(self._adapted.ended, latched[0], self._adapted.place)
         return verdict
 
@@ -249,8 +251,11 @@ class NativeTick(LiveTick):
         self._library.tick(
             byref(self._scene), byref(walk), data._address, pointer(self._controls), pointer(row)
         )
-        if walk.strides_used and self._wanted.size:
-            self.speeds = _speeds(tuple(stride[0, 5:7]), stride[0, 7:], self._place)
+        if self._wanted.size:
+            if walk.strides_used:
+                self.speeds = _speeds(tuple(stride[0, 5:7]), stride[0, 7:], self._place)
+            # As the tick in JAX has it, without speeds.
+            stride = np.delete(stride, (5, 6), axis=1)
         return Verdict(
             controls=self._controls,
             ending=np.array([walk.ending]),
@@ -262,8 +267,6 @@ class NativeTick(LiveTick):
             stride=stride,
             feet=row["feet"],
             rise=np.zeros(1),
-            hips=np.zeros((1, 2)),
-            commands=np.zeros((1, 2, 0)),
         )
 
     @property

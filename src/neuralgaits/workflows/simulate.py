@@ -33,7 +33,7 @@ from neuralgaits.simulation.incompatible_settings import (
 )
 from neuralgaits.simulation.linked.config import LinkConfig
 from neuralgaits.simulation.linked.connect import connected
-from neuralgaits.simulation.metrics import adapted_speeds, summary
+from neuralgaits.simulation.metrics import summary
 from neuralgaits.simulation.native_walk import WalkEngine
 from neuralgaits.simulation.setup.command_schedule import CommandSchedule, on_slope, orders_of
 from neuralgaits.simulation.setup.disturbance import PlantChanges, parse
@@ -49,10 +49,10 @@ from neuralgaits.simulation.trained_walks import TrainedWalks, at_first, walk_en
 from neuralgaits.simulation.walk import Walk
 from neuralgaits.systems.family_tasks import task_of
 from neuralgaits.systems.system_family import ProgressCallbacks
+from neuralgaits.workflows.adapted_walk import adaptation
 from neuralgaits.workflows.export import design_of
 from neuralgaits.workflows.monitor_walk import required_monitor, watched
 from neuralgaits.workflows.planarise import robot_from
-from neuralgaits.workflows.proved_sequences import proved_sequences
 from neuralgaits.workflows.walk_files import kept_plant, log_files
 
 _ALL = 2**31 - 1
@@ -139,8 +139,8 @@ def simulate(settings: SimulateSettings) -> Simulation:
     figures = summary(walked, periodic_orbit(run.zero_dynamics, run.gait))
     states = walked.episodes.records
     seen = None if plan.monitor is None else watched(run, plan.monitor, states)
-    adapted = None if settings.adapt is None else adapted_speeds(walked, proved_sequences(run))
-    result = Simulated(**vars(record), **vars(figures), monitor=seen, adapted=adapted)
+    adapted = {} if settings.adapt is None else adaptation(run, walked)
+    result = Simulated(**vars(record), **vars(figures), monitor=seen, **adapted)
     # First, so that nothing that can go wrong with a log or a video costs the walk.
     run.folder.write_json(SUMMARY, result)
     for number, (file, rows) in enumerate(zip(plan.logs, states, strict=bool(plan.logs))):
@@ -229,7 +229,7 @@ def _walked(
     )
     if settings.begun is not None:
         settings.begun()
-    record, longest = bool(plan.films), _ALL if plan.logs or plan.monitor else 0
+    record, longest = bool(plan.films or settings.adapt), _ALL if plan.logs or plan.monitor else 0
     if wire is not None:
         with connected(
             design_of(plan.run, joints=plan.joints), wire, count, settings.seed

@@ -26,9 +26,16 @@ def adapted(done: Simulated) -> Html:
         html.table(f"Speeds of the first walk in m/s{rest}", head, rows, numbers="nnnnn"),
         html.paragraph(
             "The command was adapted at each touchdown, within the range of the gait's commands, "
-            f"to the speed that the robot measures by its joint angles and pitch. {_settled(done)}"
+            "to the speed that the robot measures by its joint angles and pitch. "
+            f"{_settled(done)}{_learned(done)}"
         ),
     )
+
+
+def _learned(done: Simulated) -> str:
+    """Say what the joint angles show of the torso."""
+    lean = done.learned_lean
+    return "" if lean is None else f" Learned from joint angles and pitch: {lean.in_words}."
 
 
 def _settled(done: Simulated) -> str:

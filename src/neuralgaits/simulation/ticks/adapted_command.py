@@ -8,6 +8,7 @@ from neuralgaits._types import Float
 from neuralgaits.control import speed_adapter
 from neuralgaits.control.speed_adapter import ADAPTED, StepOdometer
 from neuralgaits.gait.commands import Commands, place_of
+from neuralgaits.robots import PlanarBiped
 
 
 class AdaptedCommand:
@@ -19,13 +20,20 @@ class AdaptedCommand:
         ended: reference and measured speed of the step that ended last [m/s]; NaN if unknown.
     """
 
-    def __init__(self, commands: Commands, first: Float[np.ndarray, " p"], *, active: bool):
-        """Begin at the commands of the first step. [p]."""
+    def __init__(
+        self,
+        robot: PlanarBiped,
+        commands: Commands,
+        first: Float[np.ndarray, " p"],
+        *,
+        active: bool,
+    ):
+        """Begin at the commands of the first step. [p]. `robot` is the controller's model."""
         self.active = active
         self.ended: tuple[float, float] = (math.nan, math.nan)
         self._adapter = speed_adapter.adapter_for(commands)
         self.place = place_of(commands, ADAPTED)
-        self._odometer = StepOdometer()
+        self._robot, self._odometer = robot, StepOdometer()
         if self._adapter is not None:
             self._state = speed_adapter.start(self._adapter, float(first[self.place]))
 
@@ -41,7 +49,7 @@ class AdaptedCommand:
     def touch_down(
         self,
         time: float,
-        hips: Float[np.ndarray, "2"],
+        q: Float[np.ndarray, " n"],
         latched: Float[np.ndarray, "2 p"],
         told: Float[np.ndarray, " p"],
     ) -> None:
@@ -49,13 +57,14 @@ class AdaptedCommand:
 
         Args:
             time: time of the touchdown (s).
-            hips: `hip_over_foot` of the leg that stood, and of the one that stands now (m).
+            q: coordinates, standing on the leg that stands now (rad).
             latched: commands of the step that ended, and of the one that begins.
             told: what the user told the step that begins.
         """
         if self._adapter is None:
             return
-        self._odometer, walked = self._odometer.touch_down(time, float(hips[0]), float(hips[1]))
+        hips = speed_adapter.hips_over_feet(self._robot, np.asarray(q))
+        self._odometer, walked = self._odometer.touch_down(time, *hips)
         self.ended = self._state.reference, math.nan if walked is None else walked
         speed, before, after = (float(one[self.place]) for one in (told, *latched))
         self._state = speed_adapter.advance(

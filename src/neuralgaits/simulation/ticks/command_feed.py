@@ -1,12 +1,15 @@
 """The commands that the next touchdown of every episode latches."""
 
+from collections.abc import Callable
+
 import numpy as np
 
 from neuralgaits._types import Float
+from neuralgaits.robots import PlanarBiped
 from neuralgaits.simulation.setup.command_schedule import CommandSchedule
 from neuralgaits.simulation.setup.course import Courses
 from neuralgaits.simulation.ticks.adapted_command import AdaptedCommand
-from neuralgaits.simulation.ticks.tick import Verdict
+from neuralgaits.simulation.ticks.tick import TickRecord, Verdict
 
 
 class CommandFeed:
@@ -17,25 +20,39 @@ class CommandFeed:
     """
 
     def __init__(
-        self, orders: CommandSchedule, episodes: range, courses: Courses | None, *, adapt: bool
+        self,
+        robot: PlanarBiped,
+        orders: CommandSchedule,
+        episodes: range,
+        courses: Courses | None,
+        *,
+        adapt: bool,
     ):
-        """Begin at the first command of each episode."""
+        """Begin at the first command of each episode. `robot` is the controller's model."""
         self._courses = courses
         self._orders = [orders.of(i) for i in episodes]
         first = [next(rows) for rows in self._orders]
         self._told = np.array(first, dtype=np.float64).reshape(len(episodes), -1)
-        commands = orders.commands
-        self._adapted = [AdaptedCommand(commands, orders.first, active=adapt) for _ in episodes]
+        commands, first_of_all = orders.commands, orders.first
+        self._adapted = [
+            AdaptedCommand(robot, commands, first_of_all, active=adapt) for _ in episodes
+        ]
         self.requested = np.array(self._told)
 
-    def advance(self, verdict: Verdict) -> None:
-        """Advance to the next command after a latch; on a course, look ahead again."""
+    def advance(self, verdict: Verdict, record: Callable[[], TickRecord]) -> None:
+        """Advance to the next command after a latch; on a course, look ahead again.
+
+        Args:
+            verdict: verdicts of a tick, with a leading axis of episodes.
+            record: gives its records, which are needed only at touchdowns.
+        """
         if not self.requested.size and self._courses is None:
             return
-        for i in np.flatnonzero(verdict.touchdown):
-            time, hips = float(verdict.stride[i, 0]), np.asarray(verdict.hips[i])
-            latched = np.asarray(verdict.commands[i])
-            self._adapted[i].touch_down(time, hips, latched, self._told[i])
+        if self.requested.size and verdict.touchdown.any():
+            command = record().command
+            for i in np.flatnonzero(verdict.touchdown):
+                time, latched = float(verdict.stride[i, 0]), np.asarray(command.told[i])
+                self._adapted[i].touch_down(time, command.q[i], latched, self._told[i])
         if self._courses is not None:
             for i, told in enumerate(self._told):
                 self._courses.look(told, i, int(verdict.steps[i]), np.asarray(verdict.feet[i, 1]))

@@ -6,11 +6,13 @@ and an episode's course does not depend on the other episodes.
 
 import time as clock
 from collections.abc import Callable
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
 
 from neuralgaits._types import Array, Float, Int
+from neuralgaits.robots import PlanarBiped
 from neuralgaits.simulation.setup.episode_inputs import EpisodeInputs
 from neuralgaits.simulation.setup.plant import SUBSTEPS, TIMESTEP_S, Plant
 from neuralgaits.simulation.ticks.batch import Batch, pack
@@ -73,6 +75,7 @@ class Noise:
 
 
 def run(
+    robot: PlanarBiped,
     plant: Plant,
     batch: Batch,
     world: World,
@@ -82,6 +85,7 @@ def run(
     """Run every episode to its end.
 
     Args:
+        robot: the controllers' model.
         plant: plant of all episodes, or of the first one on a course.
         batch: the compiled control tick.
         world: the plants of all episodes at their starts.
@@ -96,7 +100,7 @@ def run(
     noise = Noise(shape, given.seed, count, silent=not given.noisy, first=first)
     late = _Late(plant.delay_ticks, count, plant.state_map.nu)
     episodes = range(first, first + count)
-    told = CommandFeed(given.orders, episodes, courses, adapt=given.adapt)
+    told = CommandFeed(robot, given.orders, episodes, courses, adapt=given.adapt)
     levels = terrain.levels if courses is None else courses.first_levels()
     results = _Results(batch, given, told, count)
     carry, time, plant_steps = batch.carry, 0.0, 0
@@ -107,7 +111,7 @@ def run(
         reading = _reading(world, levels, noise, told)
         carry, packed, record = batch.tick(batch.arrays, carry, reading)
         verdict = batch.verdict_of(packed)
-        told.advance(verdict)
+        told.advance(verdict, partial(batch.record_of, record))
         if watch is not None:
             watch(batch.record_of(record), results.active)
         results.add(carry, verdict, record, world.states[0], levels[0])

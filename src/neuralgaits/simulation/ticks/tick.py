@@ -19,7 +19,6 @@ from neuralgaits.control import (
 )
 from neuralgaits.control.estimator import Estimator, EstimatorState, estimate
 from neuralgaits.control.estimator import start as nothing_known
-from neuralgaits.control.speed_adapter import hip_over_foot
 from neuralgaits.gait.commands import place_of
 from neuralgaits.robots.dynamics import hip_position, swing_foot
 from neuralgaits.simulation.setup.drives import held_by_drives
@@ -68,10 +67,6 @@ class Verdict(NamedTuple):
     """Stance foot and swing foot in the world, (x, z) of their spheres [m]."""
     rise: Scalar
     """Commanded height of the next foothold [m]; 0 without a command."""
-    hips: Float[Array, "2"]
-    """`hip_over_foot` of the swing leg and of the stance leg, as measured [m]."""
-    commands: Float[Array, "2 p"]
-    """Commands of the step before, and of this one."""
 
 
 class TickRecord(NamedTuple):
@@ -165,7 +160,6 @@ def account(
     numbers = jnp.stack([truth.time, hip[0], -ahead, -up, place.feet[0, 0]])
     stride = jnp.concatenate([numbers, command.told[0]])
     z_plant = true_z(scene.plant_robot, truth, command.leg)
-    robot, leg = scene.controller.robot, command.leg
     return (
         carry._replace(controller=state, gauge=gauge, age=age),
         Verdict(
@@ -179,8 +173,6 @@ def account(
             stride=jnp.where(command.touchdown, stride, 0.0),
             feet=place.feet,
             rise=place.rise,
-            hips=jnp.stack([hip_over_foot(robot, seen, one) for one in (1 - leg, leg)]),
-            commands=command.told,
         ),
         TickRecord(truth.time, command, truth.pitch, truth.dpitch, z_plant),
     )
