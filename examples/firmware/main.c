@@ -12,6 +12,12 @@
 #ifndef DRIVES
 #define DRIVES 0 /* 1 for drives that close a loop of their own */
 #endif
+#ifndef ADAPT
+#define ADAPT 0 /* 1 to adapt the commanded speed, for a gait that takes one */
+#endif
+#if ADAPT
+#include "adapt.h"
+#endif
 
 static void send(ng_supervisor *supervisor, const ng_supervision *decided)
 {
@@ -44,19 +50,33 @@ static void run(void)
     board_requested(requested);
     ng_start_at(&supervisor.state, 0, requested);
 #endif
+#if ADAPT
+    ng_adapt adapt;
+    ng_adapt_start(&adapt, requested);
+#endif
     while (board_enabled()) {
         /* A late tick is one long gap between readings: the controller judges it. */
         (void)board_wait_for_tick();
         board_read(&encoders);
 #if NG_COMMANDS
         board_requested(requested);
+#if ADAPT
+        ng_adapt_tell(&adapt, &supervisor.state, requested);
+#else
         ng_tell(&supervisor.state, requested);
+#endif
 #endif
         ng_measure(&encoders, &reading);
 #if ESTIMATE
         ng_estimate(&estimator, &supervisor.state, &reading);
 #endif
         ng_supervise(&config, &supervisor, &reading, board_request(), &decided);
+#if ADAPT
+        ng_adapt_step(&adapt, &supervisor.state, &reading, &decided.command, requested);
+        if (decided.mode == NG_DAMP || decided.mode == NG_STAND) {
+            adapt.begun = 0; /* the next touchdown ends no step */
+        }
+#endif
         send(&supervisor, &decided);
     }
 }

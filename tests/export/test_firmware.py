@@ -110,16 +110,22 @@ def family():
 def commanded(tmp_path_factory):
     """The main loop and the link of a gait that takes commands, without a self-test."""
     files = output_folder.shipped() | gait_files(design_of(open_run(demo.TOLD)))
+    files |= output_folder.adaptation()
     files |= {path.name: path.read_text() for path in FIRMWARE.glob("*.[ch]")}
     files["no_selftest.c"] = "int ng_selftest(void);\nint ng_selftest(void) { return 0; }\n"
     folder = tmp_path_factory.mktemp("commanded")
     for name, text in files.items():
         (folder / name).write_text(text)
     firmware = (*build.CORE, "supervisor.c", "main.c", "board_link.c", "no_selftest.c")
+    programs = (
+        ("firmware", firmware, ()),
+        ("adapted", (*firmware, "adapt.c"), ("-DADAPT=1",)),
+        ("link", SOURCES, ()),
+    )
     with ExitStack() as stack:
         addresses = {}
-        for name, sources in (("firmware", firmware), ("link", SOURCES)):
-            program = build.build("gcc", folder, name, sources, ("-O1", "-DESTIMATE=0"))
+        for name, sources, more in programs:
+            program = build.build("gcc", folder, name, sources, ("-O1", "-DESTIMATE=0", *more))
             _, addresses[name] = stack.enter_context(listening(program))
         yield addresses
 
@@ -172,6 +178,16 @@ def test_the_board_speaks_the_link_s_datagrams(commanded, family):
     assert np.sum(flags & 2) > 2 and flags[-1] & 8
     for _ in range(2):
         assert exchanged(commanded["firmware"], packets) == expected
+
+
+def test_a_board_that_adapts_changes_commands_after_the_first_measured_step(commanded, family):
+    """The second touchdown measures a step, and the third latches what follows from it."""
+    packets = list(of_walk(in_mid_step(family), 700))
+    told, adapted = (exchanged(commanded[name], packets) for name in ("link", "adapted"))
+    flags = np.array([struct.unpack_from("<I", answer, 8)[0] for answer in told])
+    third = np.flatnonzero(flags & 2)[2]
+    assert adapted[:third] == told[:third]
+    assert adapted[third] != told[third]
 
 
 def test_after_a_fault_the_board_damps(commanded, family):

@@ -189,7 +189,15 @@ def test_errors_are_those_of_the_steady_steps():
     hip, told = np.array([0.0, 9.0, 9.6, 11.0]), np.array([0.9, 0.9, 0.6, 0.7])
     heights = np.array([0.0, 0.0, 0.03, -0.01])
     strides = Strides(
-        time, hip, np.full(4, 0.3), heights, hip, np.stack([told, np.zeros(4)], axis=1)
+        time,
+        hip,
+        np.full(4, 0.3),
+        heights,
+        hip,
+        # The command was adapted; the error is of what the user told.
+        np.stack([told - 0.05, np.zeros(4)], axis=1),
+        reference=told,
+        measured=told,
     )
     found = command_errors(commands, [strides])
     # From the second touchdown on: 2 m in 3 s, told 0.6 m/s for 1 s and 0.7 m/s for 2 s.

@@ -122,7 +122,13 @@ def test_the_status_has_the_line_and_none_without_a_proof(unproved):
     panel: Any = SimpleNamespace(_player=SimpleNamespace(speed=1.0), _answer="", _answer_left=0)
     for memberships, count in (((SEEN,), 2), ((), 1)):
         shown: Any = SimpleNamespace(
-            steps=0, speed=0.0, time=0.0, walked=0.0, fall=None, memberships=memberships
+            steps=0,
+            speed=0.0,
+            time=0.0,
+            walked=0.0,
+            fall=None,
+            memberships=memberships,
+            speeds=None,
         )
         status = Panel.status(panel, Picture(shown, None, False, 1.0, None, None))
         assert status.count("<div") == count

@@ -6,6 +6,7 @@ from typing import Any
 
 import pytest
 
+from neuralgaits.simulation.live_tick import StepSpeeds
 from neuralgaits.viewer import live_server, panel
 from neuralgaits.viewer.panel import PUSH, Panel
 from neuralgaits.viewer.player import SPEED, Picture
@@ -34,10 +35,11 @@ def typed(slider, value):
     slider._impl.value, slider._impl.update_timestamp = value, time.time()
 
 
-def frame(made, laps=()):
+def frame(made, laps=(), speeds=None):
     shown: Any = SimpleNamespace(
         steps=0, speed=0.0, time=0.0, walked=0.0, fall=None, laps=laps, memberships=()
     )
+    shown.speeds = speeds
     made.show(Picture(shown, None, False, 1.0, None, None))
 
 
@@ -81,6 +83,30 @@ def test_the_end_of_the_ground_is_said_once_each_time(built):
     assert "End of the ground" not in made._status.content
     frame(made, laps=(600, 412))
     assert words.format(412) in made._status.content
+
+
+def test_the_switch_adapts_and_the_speeds_of_the_last_step_are_said():
+    server, asked, heard = live_server.open_server("test"), [], []
+    player: Any = SimpleNamespace(paused=False, speed=1.0, ask=asked.append)
+    walker: Any = SimpleNamespace(adapt=heard.append)
+    made: Any = {"title": "x", "settings": {}, "conditions": (), "restarted": lambda: None}
+    try:
+        panels = [Panel(server, player, **made, adapts=adapts) for adapts in (False, True)]
+        handles: Any = server.gui._gui_input_handle_from_uuid
+        (switch,) = (one for one in handles.values() if one.label == "adapt the speed")
+        for value in (True, False):
+            switch.value = value
+        for wish in asked:
+            wish(walker)
+        assert heard == [True, False]
+        told = "told 0.700, commanded 0.612, walked 0.701 m/s"
+        for speeds, said in ((None, False), (StepSpeeds(0.7, 0.612, 0.7008), True)):
+            for _ in range(2 * panel._STATUS_EVERY):
+                frame(panels[1], speeds=speeds)
+            assert (told in panels[1]._status.content) == said
+    finally:
+        with live_server.quiet():
+            server.stop()
 
 
 def test_sliders_and_keys_tell_the_robot_and_lay_stones():
@@ -135,6 +161,7 @@ def test_the_end_of_a_walk_says_what_to_do_next(built, upright, left, words):
     shown: Any = SimpleNamespace(
         fall="too slow", upright=upright, steps=4, speed=0.0, time=0.0, walked=0.0, memberships=()
     )
+    shown.speeds = None
     picture: Any = SimpleNamespace(shown=shown, reset_in=left, paused=False, pace=1.0)
     assert words in made.status(picture)
 

@@ -42,6 +42,9 @@ class Clockwork:
     def tell(self, name, value):
         raise ValueError(f"{name} {value}")
 
+    def adapt(self, active):
+        raise ValueError(f"adapt {active}")
+
     def resize(self, name, size):
         raise ValueError(f"{name} {size}")
 

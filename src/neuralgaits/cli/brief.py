@@ -84,6 +84,10 @@ def brief_walks(result: Simulated) -> None:
     if (seen := result.monitor) is not None:
         shares = (f"{one.inside:.2%} in the set of level {levels}" for levels, one in seen.by_set)
         facts.append(("monitor", f"of {seen.ticks} ticks, {', '.join(shares)}"))
+    if result.adapted is not None:
+        facts.append(("adapted", result.adapted.in_words))
+    if result.learned_lean is not None:
+        facts.append(("learned", result.learned_lean.in_words))
     facts.append(("next", _after_walks(result)))
     show_facts(facts)
 

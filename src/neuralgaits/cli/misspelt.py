@@ -48,7 +48,8 @@ class _Setting:
     def expected(self) -> str:
         """Expected value of the option, in words."""
         if isinstance(self.kind, tuple):
-            return " or ".join((", ".join(self.kind[:-1]), self.kind[-1]))
+            *others, last = self.kind
+            return " or ".join((", ".join(others), last)) if others else last
         return _NUMBERS[self.kind][0] if self.kind in _NUMBERS else "a value"
 
 

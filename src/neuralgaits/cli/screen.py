@@ -154,6 +154,10 @@ def show_walks(result: Simulated) -> None:
         _link(result.link)
     if result.monitor is not None:
         show_monitor(result.monitor)
+    if result.adapted is not None:
+        show_sentence(f"adapted {result.adapted.in_words}")
+    if result.learned_lean is not None:
+        show_sentence(f"learned {result.learned_lean.in_words}")
     _settings_of_walks(result)
 
 

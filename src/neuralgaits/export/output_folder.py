@@ -20,6 +20,8 @@ from neuralgaits.runs.outputs import refuse_folder_of_run
 _EXPORTER_ONLY = frozenset(("check.c", "check_monitor.c"))
 _OF_MONITOR = frozenset(("monitor.h", "monitor.c"))
 """Files that only a gait with a proof has."""
+_OF_ADAPTATION = frozenset(("adapt.h", "adapt.c"))
+"""Files that only a gait with a commanded speed has."""
 _OF_BOARD = frozenset(("board_map.h", "board_map.c"))
 """Files that only an export with a deployment file has, but for its numbers."""
 _BOARD_FACTS = frozenset(("board_facts.h", "board_facts.c"))
@@ -30,7 +32,7 @@ _SUFFIXES = (".c", ".h", ".onnx", ".fmu", ".cpp", ".hpp", ".xml", ".txt")
 def shipped() -> dict[str, str]:
     """Return C files that are the same for every gait."""
     folder = resources.files("neuralgaits.export") / "c"
-    apart = _EXPORTER_ONLY | _OF_MONITOR | _OF_BOARD
+    apart = _EXPORTER_ONLY | _OF_MONITOR | _OF_ADAPTATION | _OF_BOARD
     return {
         entry.name: entry.read_text(encoding="utf-8")
         for entry in sorted(folder.iterdir(), key=lambda entry: entry.name)
@@ -46,6 +48,11 @@ def harness() -> dict[str, str]:
 def monitor() -> dict[str, str]:
     """Return C files of the monitor that are the same for every gait that has one."""
     return _files(_OF_MONITOR)
+
+
+def adaptation() -> dict[str, str]:
+    """Return C files that adapt a commanded speed."""
+    return _files(_OF_ADAPTATION)
 
 
 def board() -> dict[str, str]:

@@ -12,7 +12,7 @@ from neuralgaits.export.build import CORE
 from neuralgaits.export.facts import Design
 from neuralgaits.export.source import quoted
 
-_UNUSED = ("link.c", "amber_log.c", "amber_log.h")
+_UNUSED = ("link.c", "amber_log.c", "amber_log.h", "adapt.c", "adapt.h")
 """Files of the controller in C that a plugin has no use for."""
 _SUPERVISOR = ("supervisor.c", "supervisor.h")
 _PLAIN = {

@@ -11,6 +11,9 @@ import numpy as np
 from neuralgaits._types import Float
 from neuralgaits.robots import PlanarBiped
 
+_FIRST_MOMENTUM = 0.09
+"""Momentum beyond that which just tips over the foot, with which a first step begins, in units of a
+point mass on the leg that turns at the pendulum's rate."""
 _KNOTS = 9
 """Number of postures on the path from standing to the first step."""
 _GUESS_KNEE = 0.5
@@ -142,3 +145,13 @@ def _bent(robot: PlanarBiped) -> Float[np.ndarray, " n"]:
     """Return coordinates of a robot with bent knees, the middle of each joint's range at most."""
     middle = 0.5 * (robot.joint_lower + robot.joint_upper)
     return np.concatenate([[0.0], np.clip(middle, -_GUESS_KNEE, _GUESS_KNEE)])
+
+
+def pendulum_rate(robot: PlanarBiped) -> float:
+    """Return the rate of an inverted pendulum as long as the leg (rad/s)."""
+    return float(np.sqrt(robot.gravity / robot.leg_length))
+
+
+def first_momentum(robot: PlanarBiped) -> float:
+    """Return the momentum beyond just tipping over, with which a first step begins (kg m^2/s)."""
+    return _FIRST_MOMENTUM * float(robot.mass) * robot.leg_length**2 * pendulum_rate(robot)

@@ -11,14 +11,17 @@ from neuralgaits.control.inverse_dynamics import SMALLEST_DENOMINATOR
 from neuralgaits.control.joint_model import FRICTION_RATE
 from neuralgaits.control.safeguard import joint_ranges, torque_rate
 from neuralgaits.control.saturation import Z1_MARGIN
+from neuralgaits.control.speed_adapter import ADAPTED
 from neuralgaits.errors import InputError
 from neuralgaits.export.facts import Design
-from neuralgaits.export.standing import StandingPostures, standing_postures
-from neuralgaits.gait.commands import Command, CommandLimits
+from neuralgaits.export.standing import (
+    StandingPostures,
+    first_momentum,
+    pendulum_rate,
+    standing_postures,
+)
+from neuralgaits.gait.commands import Command, CommandLimits, place_of
 
-_FIRST_MOMENTUM = 0.09
-"""Momentum beyond that which just tips over the foot, with which a first step begins, in units of a
-point mass on the leg that turns at the pendulum's rate."""
 _OVER_FOOT = 0.1
 """Centre of mass outside of the feet, as a share of the leg length, from which none comes back."""
 
@@ -106,7 +109,13 @@ def _each(gains: tuple[float, ...]) -> str:
 def names(design: Design) -> dict[str, str | int]:
     """Return the words and counts of a controller, by name."""
     robot, origin = design.robot, design.origin
-    told = {"commands": len(design.commands), "step": design.gait.policy.step_size}
+    speed = place_of(design.commands, ADAPTED)
+    told = {
+        "commands": len(design.commands),
+        "step": design.gait.policy.step_size,
+        # Counted from 1; 0 without it.
+        "speed_command": 0 if speed is None else speed + 1,
+    }
     return {
         "robot": robot.name,
         "robot_sha256": origin.robot_sha256,
@@ -163,12 +172,14 @@ def numbers(design: Design) -> list[Number]:
         rows.append(("friction_rate", FRICTION_RATE, rate))
     rows += [
         ("weight", weight, "[N]"),
-        ("pendulum", _pendulum(design), "rate of falling over a foot [rad/s]"),
-        ("first_momentum", _first_momentum(design), "beyond just tipping over [kg m^2/s]"),
+        ("pendulum", pendulum_rate(robot), "rate of falling over a foot [rad/s]"),
+        ("first_momentum", first_momentum(robot), "beyond just tipping over [kg m^2/s]"),
         ("over_foot", _OVER_FOOT * robot.leg_length, "centre of mass outside of the feet [m]"),
     ]
     if design.commands:
         rows.append(("z1_share", Z1_MARGIN, "of the step's own interval, as ng_z_margin"))
+        radius = robot.foot_radius if robot.feet is None else 0.0
+        rows.append(("rolling_radius", radius, "on which a standing foot rolls [m]"))
     reals = [Number(name, float(value), unit) for name, value, unit in rows]
     return [*reals, Number("gap_us", round(safe.gap_s * 1e6), "between two readings [us]")]
 
@@ -238,16 +249,6 @@ def _of_leg(design: Design, gains: tuple[float, ...]) -> Float[np.ndarray, " k"]
 def _standing_counts(design: Design) -> dict[str, int]:
     found = standing_postures(design.robot)
     return {"has_standing": int(found is not None), "stand_knots": len(_postures(design).path)}
-
-
-def _pendulum(design: Design) -> float:
-    """Return the rate of an inverted pendulum as long as the leg (rad/s)."""
-    return float(np.sqrt(design.robot.gravity / design.robot.leg_length))
-
-
-def _first_momentum(design: Design) -> float:
-    robot = design.robot
-    return _FIRST_MOMENTUM * float(robot.mass) * robot.leg_length**2 * _pendulum(design)
 
 
 def _proof(design: Design) -> str:

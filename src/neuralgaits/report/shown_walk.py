@@ -96,6 +96,7 @@ def asked_of(run: Run) -> AskedWalk:
         disturbance, episode = PlantChanges(**done.disturb), fallen[0] if fallen else 0
         other = done.link is not None or law not in CONTROL_LAWS or done.commands is not None
         other = other or done.simulator != MUJOCO or done.joints is not None
+        other = other or done.adapt is not None
         if done.terrain is not None:
             origin = "walks on level ground, unlike the last simulation of this run"
         elif other:

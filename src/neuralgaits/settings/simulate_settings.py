@@ -75,6 +75,9 @@ class SimulateSettings(Settings):
     command: Constant = None
     """Constant command of a gait that takes commands, as in speed=0.7 or slope=3 [degrees]; the
     middle of its ranges if not given. A mapping in Python is in SI units."""
+    adapt: Annotated[Literal["speed"] | None, arg(metavar="speed")] = None
+    """Adapt the commanded speed at each touchdown, within its range, until the robot walks as told;
+    for a gait that takes speeds as command."""
     commands: Annotated[AnyName | None, arg(metavar="FILE.csv|random"), A_PATH] = None
     """Command for each step: a file with a row a step, step,speed[m/s],..., or new random
     commands at each touchdown."""

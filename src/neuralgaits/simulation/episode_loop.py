@@ -70,7 +70,7 @@ class EpisodeLoop(NamedTuple):
         if remote is not None:
             batch = remote.batch(scene, batch)
         world = world_of(simulator, self.plants, self.states, self.threads)
-        return lockstep.run(plant, batch, world, given, watch)
+        return lockstep.run(one.robot, plant, batch, world, given, watch)
 
 
 def _stacked(controllers: list[Controller]) -> Controller:

@@ -11,7 +11,9 @@ from typing import Any
 from neuralgaits._control_laws import names_of_laws
 from neuralgaits.control import AbstractLaw
 from neuralgaits.control.law_by_name import exported_laws, law_named
+from neuralgaits.control.speed_adapter import ADAPTED
 from neuralgaits.errors import InputError
+from neuralgaits.gait.commands import Commands, place_of
 from neuralgaits.robots import PlanarBiped, RobotSource
 from neuralgaits.robots.parameter_box import checked_box
 from neuralgaits.simulation.linked.config import LinkConfig, parse_link
@@ -79,6 +81,17 @@ def refuse_shared(
         raise InputError(
             "expected --terrain without --workers or --ray, found them together: leave these out"
         )
+
+
+def refuse_without_speed(adapt: str | None, commands: Commands) -> None:
+    """Refuse to adapt the speed of a gait that takes no speed as command. Raises: InputError."""
+    if adapt is None or place_of(commands, ADAPTED) is not None:
+        return
+    taken = ", ".join(one.name for one in commands) or "no command"
+    raise InputError(
+        f"--adapt {adapt}: expected a gait that takes {ADAPTED} as command, found one that takes "
+        f"{taken}: train one with --speed A:B, or leave --adapt out"
+    )
 
 
 def refuse_without_model(controller: str | AbstractLaw, wire: LinkConfig | None) -> None:

@@ -47,6 +47,7 @@ class LiveWalk:
         plant: plant with its present disturbances.
         data: MuJoCo's state of the plant.
         floor: floor under the feet.
+        control: its control tick.
         verdict: verdict of the last tick; None before the first.
         laps: touchdowns of each walk to the end of a course, after which it begins again.
     """
@@ -96,15 +97,14 @@ class LiveWalk:
         self._limit = np.asarray(controller.torque_limit)
         self._commands = LiveCommands(policy.commands, ground and ground.courses.orders)
         first, falls = self._commands.first, falls or FallConfig()
-        self._tick = tick_of(library, self.plant, controller, falls, first)
-        self._levels, self._ticks = np.zeros((1, 2)), 0
-        self._push = LivePush()
+        self.control = tick_of(library, self.plant, controller, falls, first)
+        self._levels, self._ticks, self._push = np.zeros((1, 2)), 0, LivePush()
         self._start = np.asarray(start, dtype=np.float64)
         self._stand(self._start, 0.0)
 
     def compile(self) -> None:
         """Compile the control tick; without this call the first `tick` compiles it."""
-        self._tick.compile()
+        self.control.compile()
 
     @property
     def course(self) -> Course | None:
@@ -133,12 +133,12 @@ class LiveWalk:
     @property
     def record(self) -> TickRecord | None:
         """Record of the last tick, with a leading axis of one; None before it."""
-        return self._tick.record
+        return self.control.record
 
     @property
     def measured(self) -> MeasuredTick | None:
         """State that the controller had at the last tick; None before it."""
-        return self._tick.measured
+        return self.control.measured
 
     @property
     def pushing(self) -> Float[np.ndarray, "2"]:
@@ -162,7 +162,7 @@ class LiveWalk:
         if self._ticks % _TILT_TICKS == 0:
             self._tilt()
         self._ticks += 1
-        self.verdict = verdict = self._tick.decide(self.data, self._levels[0])
+        self.verdict = verdict = self.control.decide(self.data, self._levels[0])
         if self.ending.fell:
             return False
         if self._ground is not None and self._walk_on(self._ground, verdict):
@@ -192,7 +192,7 @@ class LiveWalk:
             self.reset()
             return True
         ground.courses.look(self._commands.requested, 0, steps, feet[0, 1])
-        self._tick.tell(self._commands.requested)
+        self.control.tell(self._commands.requested)
         down, leg = np.asarray(verdict.touchdown), np.asarray(verdict.leg)
         ground.courses.stand(self._levels, down, leg, feet)
         return False
@@ -234,7 +234,7 @@ class LiveWalk:
         Raises: InputError for another name, or a value outside of its range.
         """
         self._commands.request(commands)
-        self._tick.tell(self._commands.requested)
+        self.control.tell(self._commands.requested)
 
     @property
     def told(self) -> Float[np.ndarray, "2 p"]:
@@ -274,7 +274,7 @@ class LiveWalk:
         for name in ("ctrl", "qfrc_applied", "sensordata"):
             getattr(self.data, name)[:] = 0.0
         self.verdict = None
-        self._tick.restart()
+        self.control.restart()
         self._push.drop()
         if self._ground is not None:
             self._levels[:] = self._ground.courses.first_levels()
@@ -297,4 +297,4 @@ class LiveWalk:
             self._levels[:] = floor.level
             self.data.mocap_pos[:] = self.plant.floor_positions(self._levels).reshape(-1, 3)
             self.data.mocap_quat[:] = floor.quaternion
-        self._tick.change(self.plant, self._limit, floor.slope)
+        self.control.change(self.plant, self._limit, floor.slope)

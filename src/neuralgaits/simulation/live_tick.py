@@ -9,13 +9,16 @@ import numpy as np
 
 from neuralgaits._types import Float
 from neuralgaits.control import Controller
+from neuralgaits.control.speed_adapter import ADAPTED
 from neuralgaits.errors import InputError
+from neuralgaits.gait.commands import place_of
 from neuralgaits.simulation.native.compiled_walk import Library
 from neuralgaits.simulation.native.native_scene import scene_of
 from neuralgaits.simulation.native.records import record_of
 from neuralgaits.simulation.native.struct_layout import pointer
 from neuralgaits.simulation.setup.plant import Plant
 from neuralgaits.simulation.setup.push import Push
+from neuralgaits.simulation.ticks.adapted_command import AdaptedCommand
 from neuralgaits.simulation.ticks.batch import Batch, compile_batch, numbers, pack
 from neuralgaits.simulation.ticks.falls import FallConfig
 from neuralgaits.simulation.ticks.scene import PlantReading, Scene
@@ -34,12 +37,29 @@ class MeasuredTick(NamedTuple):
     """Commands of the step before, and of this one. [2, p]"""
 
 
+class StepSpeeds(NamedTuple):
+    """Speeds of the last whole step, of a gait that takes a speed as command [m/s]."""
+
+    told: float
+    """Speed that the step was to have, spread over steps as told."""
+    commanded: float
+    """Command of the step; another one than told where it is adapted."""
+    walked: float
+    """Mean speed by joint angles and pitch."""
+
+
 ENDLESS = int(np.iinfo(np.int32).max)
 """Number of steps of a walk without end."""
 
 
 class LiveTick(ABC):
-    """A control tick that keeps the state of stance and policy from one call to the next."""
+    """A control tick that keeps the state of stance and policy from one call to the next.
+
+    Attributes:
+        speeds: speeds of the last whole step; None before one, or without a commanded speed.
+    """
+
+    speeds: StepSpeeds | None = None
 
     @abstractmethod
     def compile(self) -> None:
@@ -52,6 +72,10 @@ class LiveTick(ABC):
     @abstractmethod
     def tell(self, wanted: Float[np.ndarray, " p"]) -> None:
         """Request other commands from the next touchdown on."""
+
+    @abstractmethod
+    def adapt(self, active: bool) -> None:
+        """Adapt the commanded speed from now on, or no longer; see `control.speed_adapter`."""
 
     @abstractmethod
     def change(self, plant: Plant, torque_limit: Float[np.ndarray, " m"], slope: float) -> None:
@@ -91,6 +115,7 @@ class JaxTick(LiveTick):
         self._batch: Batch | None = None
         self._noise = np.zeros((1, 2, 1 + plant.state_map.joints.size))
         self._wanted = np.array(self._scene.first)
+        self._active = False
         self.restart()
 
     def compile(self) -> None:
@@ -101,11 +126,18 @@ class JaxTick(LiveTick):
 
     def restart(self) -> None:
         """Clear the memory of stance and policy."""
-        self._carry = self._found = None
+        self._carry = self._found = self.speeds = None
+        controller, first = self._scene.controller, np.asarray(self._scene.first)
+        commands, robot = controller.policy.commands, controller.robot
+        self._adapted = AdaptedCommand(robot, commands, first, active=self._active)
 
     def tell(self, wanted: Float[np.ndarray, " p"]) -> None:
         """Request other commands from the next touchdown on."""
         self._wanted = np.array(wanted, dtype=np.float64)
+
+    def adapt(self, active: bool) -> None:
+        """Adapt the commanded speed from now on, or no longer."""
+        self._active = self._adapted.active = active
 
     def change(self, plant: Plant, torque_limit: Float[np.ndarray, " m"], slope: float) -> None:
         """Exchange the plant, torque limits and slope without a new compilation."""
@@ -122,12 +154,18 @@ class JaxTick(LiveTick):
             self.compile()
         assert self._batch is not None
         state = np.concatenate([[data.time], data.qpos, data.qvel])
-        wanted = self._wanted[None]
+        wanted = self._adapted.request(self._wanted)[None]
         touch = data.sensordata[None, -2:]
         reading = PlantReading(state[None], touch, levels[None], self._noise, wanted)
         carry = self._batch.carry if self._carry is None else self._carry
         self._carry, judged, self._found = self._batch.tick(self._arrays, carry, pack(reading))
-        return self._batch.verdict_of(judged)
+        verdict = self._batch.verdict_of(judged)
+        if verdict.touchdown[0]:
+            command = self._batch.record_of(self._found).command
+            latched = np.asarray(command.told[0])
+            self._adapted.touch_down(float(data.time), command.q[0], latched, self._wanted)
+            self.speeds = _speeds(self._adapted.ended, latched[0], self._adapted.place)
+        return verdict
 
     @property
     def record(self) -> TickRecord | None:
@@ -168,6 +206,7 @@ class NativeTick(LiveTick):
         self._walk = library.layout.walk()
         self._row = np.zeros(1, library.layout.record)
         self._first, self._wanted = np.array(first, dtype=np.float64), np.array(first)
+        self._active, self._place = 0, place_of(controller.policy.commands, ADAPTED)
         self.change(plant, np.asarray(controller.torque_limit), plant.slope)
         self.restart()
 
@@ -177,12 +216,20 @@ class NativeTick(LiveTick):
     def restart(self) -> None:
         """Clear the memory of stance and policy."""
         self._library.start(byref(self._walk), 0, pointer(self._first))
+        self.speeds = None
         if self._wanted.size:
             self._walk.orders, self._walk.orders_used = pointer(self._wanted), 0
+            self._walk.adapt.active = self._active
 
     def tell(self, wanted: Float[np.ndarray, " p"]) -> None:
         """Request other commands from the next touchdown on."""
         self._wanted[:] = wanted
+
+    def adapt(self, active: bool) -> None:
+        """Adapt the commanded speed from now on, or no longer."""
+        self._active = int(active)
+        if self._wanted.size:
+            self._walk.adapt.active = self._active
 
     def change(self, plant: Plant, torque_limit: Float[np.ndarray, " m"], slope: float) -> None:
         """Exchange the scene of the walk."""
@@ -204,6 +251,11 @@ class NativeTick(LiveTick):
         self._library.tick(
             byref(self._scene), byref(walk), data._address, pointer(self._controls), pointer(row)
         )
+        if self._wanted.size:
+            if walk.strides_used:
+                self.speeds = _speeds(tuple(stride[0, 5:7]), stride[0, 7:], self._place)
+            # As the tick in JAX has it, without speeds.
+            stride = np.delete(stride, (5, 6), axis=1)
         return Verdict(
             controls=self._controls,
             ending=np.array([walk.ending]),
@@ -230,6 +282,21 @@ class NativeTick(LiveTick):
         row = self._row[0]
         told = row["told"] if "told" in (row.dtype.names or ()) else np.zeros((2, 0))
         return MeasuredTick(row["q"].copy(), row["dq"].copy(), told.copy())
+
+
+def _speeds(
+    ended: tuple[float, float], commands: Float[np.ndarray, " p"], place: int | None
+) -> StepSpeeds | None:
+    """Return the speeds of a step that ended; None if it was not measured.
+
+    Args:
+        ended: its reference, and its measured speed (m/s); NaN where unknown.
+        commands: its commands. [p]
+        place: place of the speed among them; None if it is not there.
+    """
+    if place is None or not np.all(np.isfinite(ended)):
+        return None
+    return StepSpeeds(float(ended[0]), float(commands[place]), float(ended[1]))
 
 
 def tick_of(

@@ -4,8 +4,10 @@ import numpy as np
 
 from neuralgaits._types import Array, Float
 from neuralgaits.control import ClfQp
+from neuralgaits.control.speed_adapter import ADAPTED
 from neuralgaits.gait import Orbit
-from neuralgaits.gait.commands import UNITS, Commands
+from neuralgaits.gait.commands import UNITS, Commands, place_of
+from neuralgaits.records.adapted_speeds import AdaptedSpeeds
 from neuralgaits.records.simulated import CommandError, ModelOrbit, Relaxed, WalkFigures
 from neuralgaits.simulation.setup.course import Courses
 from neuralgaits.simulation.setup.plant import SUBSTEPS, TIMESTEP_S
@@ -78,8 +80,8 @@ def _relaxed(walk: Walk) -> Relaxed | None:
 def command_errors(commands: Commands, strides: list[Strides]) -> dict[str, CommandError]:
     """Return how far walks were from their commands; the first START_UP_STEPS are left out.
 
-    The error of speed is the mean over a walk minus the mean of its commands; that of footholds is
-    of each step.
+    The error of speed is the mean over a walk minus the mean of what it was told, also where the
+    command was adapted; that of footholds is of each step.
     """
     found = {}
     for i, command in enumerate(commands):
@@ -123,13 +125,33 @@ def _misses(name: str, i: int, walked: Strides) -> Float[np.ndarray, " K"]:
     if len(walked.time) < 2:
         return np.zeros(0)
     told = walked.told[1:, i]
-    if name == "speed":
-        time = np.diff(walked.time)
+    if name == ADAPTED:
+        # The command itself may have been adapted.
+        told, time = walked.reference[1:], np.diff(walked.time)
         mean = (walked.hip[-1] - walked.hip[0]) / np.sum(time)
         return np.array([mean - np.sum(told * time) / np.sum(time)])
     length, height = walked.length[1:], walked.height[1:]
     steps = {"step_length": length, "step_height": height, "slope": np.arctan2(height, length)}
     return steps.get(name, told) - told
+
+
+def adapted_speeds(walk: Walk, proved_level: int | None) -> AdaptedSpeeds:
+    """Return the speeds of the first walk, step by step, where the commanded speed was adapted.
+
+    Args:
+        walk: the simulated walk.
+        proved_level: level of the run's proof about every sequence of commands; None without one.
+    """
+    walked, place = walk.episodes.strides[0], place_of(walk.commands, ADAPTED)
+    speeds = np.diff(walked.hip) / np.diff(walked.time)
+    measured = (None if np.isnan(one) else float(one) for one in walked.measured[1:])
+    return AdaptedSpeeds(
+        told=tuple(walked.reference[1:].tolist()),
+        commanded=tuple(walked.told[1:, place].ravel().tolist()),
+        walked=tuple(speeds.tolist()),
+        measured=tuple(measured),
+        proved_level=proved_level,
+    )
 
 
 def _orbit(orbit: Orbit) -> ModelOrbit:

@@ -29,9 +29,12 @@ from neuralgaits.simulation.setup.starts import momentum_range
 Choice = Literal["native", "jax"]
 FLAGS = ("-std=gnu99", "-O3", "-ffp-contract=off", "-fPIC", "-shared")
 """Compiler flags. Products and sums are not fused, so a walk is the same on every machine."""
-SOURCES = ("walk.c", "clf_qp.c", "controller.c", "estimator.c", "gait.c")
+SOURCES = ("walk.c", "clf_qp.c", "controller.c", "estimator.c", "adapt.c", "gait.c")
 _LOOP = ("walk.c", "walk.h", "clf_qp.c", "clf_qp.h")
-_SHIPPED = ("controller.h", "ng_math.h", "estimator.h", "controller.c", "estimator.c")
+_SHIPPED = (
+    *("controller.h", "ng_math.h", "estimator.h", "adapt.h"),
+    *("controller.c", "estimator.c", "adapt.c"),
+)
 _UNKNOWN = "0" * 64
 _own_folders: list[tempfile.TemporaryDirectory] = []
 """Folders that are deleted when this process ends."""
@@ -123,7 +126,7 @@ def sources(design: Design) -> dict[str, str]:
         own = gait_files(design, (ground(design.robot),))
     except SpecError as error:
         raise NativeError(f"C cannot express its policy ({error})") from None
-    shipped = output_folder.shipped()
+    shipped = output_folder.shipped() | output_folder.adaptation()
     folder = resources.files("neuralgaits.simulation.native") / "c"
     loop = {name: (folder / name).read_text(encoding="utf-8") for name in _LOOP}
     return own | loop | {name: shipped[name] for name in _SHIPPED}

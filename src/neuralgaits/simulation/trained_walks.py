@@ -48,6 +48,7 @@ class TrainedWalks:
         threads: number of threads; all cores if None.
         simulator: simulator that steps the plants.
         joints: rotors and friction that torques are for, those of the run's robot if None.
+        adapt: whether the commanded speed is adapted.
     """
 
     run: Run
@@ -65,6 +66,7 @@ class TrainedWalks:
     threads: int | None = None
     simulator: Simulator = MUJOCO
     joints: JointModel | None = None
+    adapt: bool = False
 
     def walk(
         self,
@@ -110,6 +112,7 @@ class TrainedWalks:
             first=first,
             simulator=self.simulator,
             joints=self.joints,
+            adapt=self.adapt,
         )
 
 

@@ -111,6 +111,8 @@ class WalkInputs:
     """Courses of blocks in place of floors, one for each episode; they give the orders."""
     first: int = 0
     """Number of the first episode, on which random numbers depend."""
+    adapt: bool = False
+    """Adapt the commanded speed to the walked one, see `control.speed_adapter`."""
     simulator: Simulator = MUJOCO
     """`drake` in MuJoCo's place; needs the extra of that name."""
 
@@ -180,6 +182,7 @@ def _inputs(given: WalkInputs, plant: Plant, orders: CommandSchedule, count: int
         first=first,
         record=given.record,
         longest=given.longest,
+        adapt=given.adapt,
     )
 
 

@@ -9,6 +9,7 @@ from neuralgaits._types import Float
 from neuralgaits.analysis.point_evaluator import ENDS, PlaneChart, PointEvaluator
 from neuralgaits.analysis.run import Run
 from neuralgaits.control.law_by_name import law_named
+from neuralgaits.control.speed_adapter import adapter_for
 from neuralgaits.errors import InputError
 from neuralgaits.gait.zero_coordinates import momentum_of
 from neuralgaits.robots.mjcf_state import Sensors
@@ -129,6 +130,15 @@ class LiveGait:
         if name == "slope":
             self.live.disturb(slope_deg=math.degrees(value))
 
+    @property
+    def adapts(self) -> bool:
+        """Return whether the gait takes a speed as command, which can be adapted."""
+        return adapter_for(self.run.trained.commands) is not None
+
+    def adapt(self, active: bool) -> None:
+        """Adapt the commanded speed to the walked one from now on, or no longer."""
+        self.live.control.adapt(active)
+
     def tick(self) -> bool:
         """Advance by one control tick. Returns: False once the robot has fallen."""
         walks = self.live.tick()
@@ -161,6 +171,7 @@ class LiveGait:
             upright=ending.upright,
             tops=None if live.course is None else live.course.tops,
             laps=live.laps,
+            speeds=live.control.speeds,
             memberships=() if self._monitor is None else self._monitor.memberships(),
         )
 

@@ -38,6 +38,7 @@ class Panel:
         restarted: Callable[[], None],
         commands: Mapping[str, Slider] | None = None,
         sizes: Mapping[str, Slider] | None = None,
+        adapts: bool = False,
     ):
         """Build the panel.
 
@@ -51,6 +52,7 @@ class Panel:
             restarted: called in the player's thread after the robot was put back.
             commands: sliders of the commands that the gait takes at each touchdown, by name.
             sizes: sliders of the sizes of the blocks ahead, by name.
+            adapts: whether there is a commanded speed to adapt.
         """
         self._player, self._conditions, self._restarted = player, tuple(conditions), restarted
         self._words = conditions if isinstance(conditions, Mapping) else {}
@@ -69,6 +71,8 @@ class Panel:
         if commands:
             heard = "heard at the next touchdown; large changes take several steps"
             self._add_told(gui, "Commands", commands, heard, lambda walker: walker.tell)
+        if adapts:
+            self._add_adaptation(gui)
         if sizes:
             ahead = "of the stones that the robot has not heard of yet"
             self._add_told(gui, "Stones ahead", sizes, ahead, lambda walker: walker.resize)
@@ -208,6 +212,15 @@ class Panel:
                     step = 0.1 * way * (slider.high - slider.low)
                     gui.add_command(word, hotkey=key).on_trigger(partial(ask, step=step))
 
+    def _add_adaptation(self, gui: viser.GuiApi) -> None:
+        hint = "corrects the command at each touchdown until the robot walks as told"
+        switch = gui.add_checkbox("adapt the speed", False, hint=hint)
+
+        @switch.on_update
+        def _(_event: object) -> None:
+            active = switch.value is True
+            self._player.ask(lambda walker: walker.adapt(active))
+
     def _add_plant(self, gui: viser.GuiApi, settings: Mapping[str, Slider]) -> None:
         restore = []
         with gui.add_folder("Robot and floor"):
@@ -259,7 +272,7 @@ class Panel:
             slow = f" · plays at ×{picture.pace:.2f}" if lags else ""
             lines = line(f"Walks · {facts}{slow}", GOOD)
         said = line(self._answer, SAID) if self._answer_left else ""
-        return lines + membership_lines(shown.memberships) + said
+        return lines + _speeds(shown) + membership_lines(shown.memberships) + said
 
     def _of_lap(self, picture: Picture) -> str | None:
         """Return a message when the robot has reached the end of the ground, once for each time."""
@@ -268,6 +281,15 @@ class Panel:
             return None
         self._laps = len(laps)
         return f"End of the ground after {laps[-1]} steps: the robot is back at its beginning."
+
+
+def _speeds(shown: Shown) -> str:
+    """Return a line of HTML with the speeds of the last step, if it had a commanded one."""
+    if shown.speeds is None:
+        return ""
+    told, commanded, walked = shown.speeds
+    text = f"Last step: told {told:.3f}, commanded {commanded:.3f}, walked {walked:.3f} m/s"
+    return line(text, QUIET)
 
 
 def ended(shown: Shown, left: float | None) -> str:

@@ -5,6 +5,7 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from neuralgaits._types import Bool, Float
+from neuralgaits.simulation.live_tick import StepSpeeds
 from neuralgaits.viewer.live_monitor import SetMembership
 
 
@@ -41,6 +42,8 @@ class Shown(NamedTuple):
     laps: tuple[int, ...] = ()
     """Touchdowns at each time that the robot reached the end of its ground and was put back to
     the start."""
+    speeds: StepSpeeds | None = None
+    """Speeds of the last whole step; None before one, or without a commanded speed."""
     memberships: tuple[SetMembership, ...] = ()
     """Answers of the monitor for each proved set; () if none is proved."""
 
@@ -85,6 +88,10 @@ class Walker(Protocol):
 
     def tell(self, name: str, value: float) -> None:
         """Request a command, which takes effect at the next touchdown."""
+        ...
+
+    def adapt(self, active: bool) -> None:
+        """Adapt the commanded speed to the walked one from now on, or no longer."""
         ...
 
     def resize(self, name: str, size: float) -> None:

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Mapping
 from functools import partial
 
+from neuralgaits.control.speed_adapter import adapter_for
 from neuralgaits.errors import InputError
 from neuralgaits.export import build, output_folder
 from neuralgaits.export.board_source import board_files
@@ -34,7 +35,8 @@ RecordFactory = Callable[..., Exported]
 def controller_files(design: Design, reference: Reference) -> dict[str, str]:
     """Return the files that are specific to this gait."""
     own = gait_files(design) | {"gait_selftest.h": selftest_file(design, reference)}
-    return own | monitor_files(design) | board_files(design)
+    adaptation = {} if adapter_for(design.commands) is None else output_folder.adaptation()
+    return own | monitor_files(design) | adaptation | board_files(design)
 
 
 def _c(design: Design, states: int) -> tuple[dict[str, str], RecordFactory]:

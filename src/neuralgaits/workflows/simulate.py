@@ -29,6 +29,7 @@ from neuralgaits.simulation.incompatible_settings import (
     refuse_beside_terrain,
     refuse_shared,
     refuse_without_model,
+    refuse_without_speed,
 )
 from neuralgaits.simulation.linked.config import LinkConfig
 from neuralgaits.simulation.linked.connect import connected
@@ -48,6 +49,7 @@ from neuralgaits.simulation.trained_walks import TrainedWalks, at_first, walk_en
 from neuralgaits.simulation.walk import Walk
 from neuralgaits.systems.family_tasks import task_of
 from neuralgaits.systems.system_family import ProgressCallbacks
+from neuralgaits.workflows.adapted_walk import adaptation
 from neuralgaits.workflows.export import design_of
 from neuralgaits.workflows.monitor_walk import required_monitor, watched
 from neuralgaits.workflows.planarise import robot_from
@@ -137,7 +139,8 @@ def simulate(settings: SimulateSettings) -> Simulation:
     figures = summary(walked, periodic_orbit(run.zero_dynamics, run.gait))
     states = walked.episodes.records
     seen = None if plan.monitor is None else watched(run, plan.monitor, states)
-    result = Simulated(**vars(record), **vars(figures), monitor=seen)
+    adapted = {} if settings.adapt is None else adaptation(run, walked)
+    result = Simulated(**vars(record), **vars(figures), monitor=seen, **adapted)
     # First, so that nothing that can go wrong with a log or a video costs the walk.
     run.folder.write_json(SUMMARY, result)
     for number, (file, rows) in enumerate(zip(plan.logs, states, strict=bool(plan.logs))):
@@ -158,6 +161,7 @@ def _planned(settings: SimulateSettings) -> _Plan:
     if drawn is not None:
         disturbance = drawn.on_its_floor(disturbance)
     orders = orders_of(run.trained.commands, command, commands, seed)
+    refuse_without_speed(settings.adapt, run.trained.commands)
     if terrain is None:
         disturbance = on_slope(disturbance, orders)
     else:
@@ -221,10 +225,11 @@ def _walked(
         simulator=settings.simulator,
         drawn=plan.drawn,
         joints=None if plan.joints is None else plan.joints.model,
+        adapt=settings.adapt is not None,
     )
     if settings.begun is not None:
         settings.begun()
-    record, longest = bool(plan.films), _ALL if plan.logs or plan.monitor else 0
+    record, longest = bool(plan.films or settings.adapt), _ALL if plan.logs or plan.monitor else 0
     if wire is not None:
         with connected(
             design_of(plan.run, joints=plan.joints), wire, count, settings.seed
@@ -269,18 +274,13 @@ def _record(
         link=link,
         command=plan.command or None,
         commands=_text(settings.commands),
+        adapt=settings.adapt,
         terrain=_text(settings.terrain),
         parameters={} if drawn is None else drawn.box,
-        errors={} if drawn is None else _errors(drawn, settings.episodes),
+        errors={} if drawn is None else drawn.errors_by_name(settings.episodes),
         joints=_text(settings.joints),
         joints_sha256=None if plan.joints is None else plan.joints.sha256,
     )
-
-
-def _errors(drawn: DrawnRobots, episodes: int) -> dict[str, tuple[float, ...]]:
-    """Return the parameter errors of every walk's robot, by name."""
-    columns = drawn.errors(0, episodes).T.tolist()
-    return {name: tuple(column) for name, column in zip(drawn.names, columns, strict=True)}
 
 
 def _engine(plan: _Plan, settings: SimulateSettings) -> WalkEngine:

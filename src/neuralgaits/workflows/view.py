@@ -99,6 +99,7 @@ class LiveView:
             restarted=self._stage.restart,
             commands=self.gait.commands,
             sizes=self.gait.sizes,
+            adapts=self.gait.adapts,
         )
 
     def _bring_to_life(self) -> None:

@@ -201,6 +201,7 @@ def simulating(folder: RunFolder, done: Simulated, run: Path) -> str | None:
         "push": done.push or None,
         "command": command_word(done.command) if done.command else None,
         "commands": done.commands,
+        "adapt": done.adapt,
         "joints": done.joints,
         "parameters": done.parameters or None,
         "terrain": done.terrain,

@@ -7,6 +7,7 @@ from neuralgaits.records.report_walk import ShownWalk
 from neuralgaits.records.simulated import Simulated
 from neuralgaits.report.page import markup as html
 from neuralgaits.report.page import phrases
+from neuralgaits.report.page.adapted_table import adapted
 from neuralgaits.report.page.markup import Html, Section
 from neuralgaits.report.page.monitor_table import monitored
 from neuralgaits.report.page.saved import Contents, Saved
@@ -177,6 +178,7 @@ def simulations(saved: Saved) -> Html:
         ),
         _walks(done),
         html.facts("Means and extremes over these walks", rows),
+        adapted(done),
         monitored(saved, done),
     )
 

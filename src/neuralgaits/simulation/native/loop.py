@@ -128,6 +128,8 @@ class _Episode:
         self._number = given.first + episode
         first = np.array(given.orders.first, dtype=np.float64)
         library.start(byref(walk), 0, pointer(first))
+        if first.size:
+            walk.adapt.active = int(given.adapt)
         self._orders = _Orders(given.orders, self._number)
         self._rises = np.zeros(0)
         self._meet_ground()

@@ -16,7 +16,7 @@ import numpy as np
 
 from neuralgaits.export import output_folder
 
-_OF_THE_CONTROLLER = ("controller.h", "estimator.h")
+_OF_THE_CONTROLLER = ("controller.h", "estimator.h", "adapt.h")
 _OF_THE_LOOP = ("clf_qp.h", "walk.h")
 _PLAIN = {"int": c_int, "uint32_t": c_uint32, "double": c_double, "ng_real": c_double}
 _COMMENT = re.compile(r"/\*.*?\*/", re.DOTALL)
@@ -72,7 +72,7 @@ def layout_of(leg_joints: int, actuated: int, commands: int = 0, step: int = 0) 
 @cache
 def _headers() -> str:
     """Return the headers that declare the structures, without comments."""
-    shipped = output_folder.shipped()
+    shipped = output_folder.shipped() | output_folder.adaptation()
     folder = resources.files("neuralgaits.simulation.native") / "c"
     texts = [shipped[name] for name in _OF_THE_CONTROLLER]
     texts += [(folder / name).read_text(encoding="utf-8") for name in _OF_THE_LOOP]

@@ -44,6 +44,11 @@ class DrawnRobots:
         ]
         return halves * np.array(rows).reshape(count, len(halves))
 
+    def errors_by_name(self, count: int) -> dict[str, tuple[float, ...]]:
+        """Return the errors of the robots of the first walks, by name."""
+        columns = self.errors(0, count).T.tolist()
+        return {name: tuple(column) for name, column in zip(self.names, columns, strict=True)}
+
     def of(self, first: int, count: int) -> list[PlanarBiped]:
         """Return those robots. Raises: InputError if some point of the box is no robot."""
         if not self.names:

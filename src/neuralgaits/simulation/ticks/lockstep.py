@@ -6,16 +6,17 @@ and an episode's course does not depend on the other episodes.
 
 import time as clock
 from collections.abc import Callable
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
 
 from neuralgaits._types import Array, Float, Int
-from neuralgaits.simulation.setup.command_schedule import CommandSchedule
-from neuralgaits.simulation.setup.course import Courses
+from neuralgaits.robots import PlanarBiped
 from neuralgaits.simulation.setup.episode_inputs import EpisodeInputs
 from neuralgaits.simulation.setup.plant import SUBSTEPS, TIMESTEP_S, Plant
 from neuralgaits.simulation.ticks.batch import Batch, pack
+from neuralgaits.simulation.ticks.command_feed import CommandFeed
 from neuralgaits.simulation.ticks.falls import Ending
 from neuralgaits.simulation.ticks.gauge import Gauge
 from neuralgaits.simulation.ticks.recorder import Recorder
@@ -74,6 +75,7 @@ class Noise:
 
 
 def run(
+    robot: PlanarBiped,
     plant: Plant,
     batch: Batch,
     world: World,
@@ -83,6 +85,7 @@ def run(
     """Run every episode to its end.
 
     Args:
+        robot: the controllers' model.
         plant: plant of all episodes, or of the first one on a course.
         batch: the compiled control tick.
         world: the plants of all episodes at their starts.
@@ -96,9 +99,10 @@ def run(
     shape = (2, 1 + plant.state_map.joints.size)
     noise = Noise(shape, given.seed, count, silent=not given.noisy, first=first)
     late = _Late(plant.delay_ticks, count, plant.state_map.nu)
-    told = _CommandFeed(given.orders, range(first, first + count), courses)
+    episodes = range(first, first + count)
+    told = CommandFeed(robot, given.orders, episodes, courses, adapt=given.adapt)
     levels = terrain.levels if courses is None else courses.first_levels()
-    results = _Results(batch, given, count)
+    results = _Results(batch, given, told, count)
     carry, time, plant_steps = batch.carry, 0.0, 0
     # The first call compiles; its result is thrown away.
     batch.tick(batch.arrays, carry, _reading(world, levels, noise, told))
@@ -107,7 +111,7 @@ def run(
         reading = _reading(world, levels, noise, told)
         carry, packed, record = batch.tick(batch.arrays, carry, reading)
         verdict = batch.verdict_of(packed)
-        told.advance(verdict)
+        told.advance(verdict, partial(batch.record_of, record))
         if watch is not None:
             watch(batch.record_of(record), results.active)
         results.add(carry, verdict, record, world.states[0], levels[0])
@@ -132,9 +136,9 @@ class _Results:
         active: numbers of the episodes that are still running. [a]
     """
 
-    def __init__(self, batch: Batch, given: EpisodeInputs, count: int):
+    def __init__(self, batch: Batch, given: EpisodeInputs, told: CommandFeed, count: int):
         self.active = np.arange(count)
-        self._batch, self._given = batch, given
+        self._batch, self._given, self._told = batch, given, told
         self._endings = np.zeros(count, dtype=int)
         self._carries = np.array(batch.carry)
         self._strides: list[list[np.ndarray]] = [[] for _ in range(count)]
@@ -163,7 +167,7 @@ class _Results:
         """
         active = self.active
         for i in active[verdict.touchdown[active]]:
-            self._strides[i].append(verdict.stride[i])
+            self._strides[i].append(self._told.row(int(i), np.asarray(verdict.stride[i])))
         if self._recorder is not None:
             self._recorder(self._batch.record_of(record), active)
         if self._given.record and self._endings[0] == Ending.RUNNING:
@@ -196,29 +200,10 @@ class _Results:
 
 
 def _reading(
-    world: World, levels: Float[np.ndarray, "B 2"], noise: Noise, told: "_CommandFeed"
+    world: World, levels: Float[np.ndarray, "B 2"], noise: Noise, told: CommandFeed
 ) -> Float[np.ndarray, "B r"]:
     """Return the present inputs of the tick, packed."""
     return pack(PlantReading(world.states, world.touch, levels, noise.next(), told.requested))
-
-
-class _CommandFeed:
-    """Commands that the next touchdown of every episode latches."""
-
-    def __init__(self, orders: CommandSchedule, episodes: range, courses: Courses | None):
-        self._courses = courses
-        self._orders = [orders.of(i) for i in episodes]
-        first = [next(rows) for rows in self._orders]
-        self.requested = np.array(first, dtype=np.float64).reshape(len(episodes), -1)
-
-    def advance(self, verdict: Verdict) -> None:
-        """Advance to the next command after a latch; on a course, look ahead again."""
-        if self._courses is not None:
-            for i, wanted in enumerate(self.requested):
-                self._courses.look(wanted, i, int(verdict.steps[i]), np.asarray(verdict.feet[i, 1]))
-        elif self.requested.size:
-            for i in np.flatnonzero(verdict.touchdown):
-                self.requested[i] = next(self._orders[i])
 
 
 class _Late:

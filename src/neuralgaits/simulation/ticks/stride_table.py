@@ -22,14 +22,22 @@ class Strides(NamedTuple):
     """Places of the new footholds, forward [m]."""
     told: Float[np.ndarray, "K p"]
     """Commands of that step, in their units."""
+    reference: Float[np.ndarray, " K"]
+    """Speed that the step was to have, as told, see `speed_adapter`; NaN without that command
+    [m/s]."""
+    measured: Float[np.ndarray, " K"]
+    """Mean speed of the step by joint angles and pitch; NaN where it is not measured [m/s]."""
 
     @classmethod
     def of_rows(cls, rows: Float[np.ndarray, "K r"]) -> "Strides":
         """Return touchdowns from the rows of numbers that the loops keep."""
         time, hip, length, height, place = rows[:, :5].T
-        return cls(time, hip, length, height, place, rows[:, 5:])
+        reference = measured = np.full(len(rows), np.nan)
+        if rows.shape[1] > 5:
+            reference, measured = rows[:, 5:7].T
+        return cls(time, hip, length, height, place, rows[:, 7:], reference, measured)
 
 
 def width(commands: int) -> int:
     """Return how many numbers a row has."""
-    return 5 + commands
+    return 7 + commands if commands else 5

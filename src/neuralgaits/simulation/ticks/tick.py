@@ -62,7 +62,7 @@ class Verdict(NamedTuple):
     clearance: Scalar
     """Swing foot above the floor through the stance foothold [m]."""
     stride: Float[Array, " r"]
-    """Row of `strides.Strides` at a touchdown; zeros at other ticks."""
+    """Row of `stride_table.Strides` at a touchdown, without speeds; zeros at other ticks."""
     feet: Float[Array, "2 2"]
     """Stance foot and swing foot in the world, (x, z) of their spheres [m]."""
     rise: Scalar

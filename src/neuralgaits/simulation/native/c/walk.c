@@ -79,6 +79,8 @@ void ng_walk_start(ng_walk *walk, int leg, const double *command)
     if (command != NULL) {
         ng_start_at(&walk->controller, leg, command);
     }
+    ng_adapt_start(&walk->adapt, walk->controller.requested);
+    walk->adapt.active = 0;
 #else
     (void)command;
 #endif
@@ -306,8 +308,9 @@ static void keep(const ng_walk *walk, const mjData *data, const truth_of_tick *t
 #endif
 }
 
-/* Keep a touchdown. */
-static void stride(ng_walk *walk, const ng_command *command, double time, double hip)
+/* Keep a touchdown; `reference` is that of the step that ended. */
+static void stride(ng_walk *walk, const ng_command *command, double time, double hip,
+                   double reference)
 {
     double *row = walk->strides + NG_STRIDE * walk->strides_used++;
     double foot[2], unused[2];
@@ -318,7 +321,11 @@ static void stride(ng_walk *walk, const ng_command *command, double time, double
     row[3] = -foot[1];
     row[4] = walk->feet[0][0];
 #if NG_COMMANDS
-    memcpy(row + 5, walk->controller.before, sizeof walk->controller.before);
+    row[5] = NG_SPEED_COMMAND > 0 ? reference : NAN;
+    row[6] = NG_SPEED_COMMAND > 0 && walk->adapt.measured ? walk->adapt.walked : NAN;
+    memcpy(row + 7, walk->controller.before, sizeof walk->controller.before);
+#else
+    (void)reference;
 #endif
 }
 
@@ -393,20 +400,22 @@ static void decide(const ng_scene *scene, ng_walk *walk, const mjData *data, con
     if (scene->estimator) {
         ng_estimate(&walk->estimator, &walk->controller, &seen);
     }
+    double reference = 0.0;
 #if NG_COMMANDS
-    if (walk->seen != NULL) {
-        ng_tell(&walk->controller, walk->told);
-    } else if (walk->orders != NULL) {
-        ng_tell(&walk->controller, walk->orders + NG_COMMANDS * walk->orders_used);
-    }
+    const double *told = walk->seen != NULL     ? walk->told
+                         : walk->orders != NULL ? walk->orders + NG_COMMANDS * walk->orders_used
+                                                : walk->controller.requested;
+    reference = walk->adapt.reference;
+    ng_adapt_tell(&walk->adapt, &walk->controller, told);
 #endif
     ng_step(&scene->config, &walk->controller, &seen, command);
 #if NG_COMMANDS
+    ng_adapt_step(&walk->adapt, &walk->controller, &seen, command, told);
     walk->orders_used += command->touchdown;
 #endif
     place_feet(walk, &truth, command);
     if (command->touchdown && walk->strides != NULL) {
-        stride(walk, command, data->time, truth.hip[0]);
+        stride(walk, command, data->time, truth.hip[0], reference);
     }
     walk->time_us += (uint32_t)(NG_PERIOD * MICROSECONDS + 0.5);
     walk->age = command->touchdown ? 0.0 : walk->age + NG_PERIOD;

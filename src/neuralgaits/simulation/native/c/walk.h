@@ -11,6 +11,7 @@
 #include <mujoco/mjdata.h>
 #include <mujoco/mjmodel.h>
 
+#include "adapt.h"
 #include "clf_qp.h"
 #include "controller.h"
 #include "estimator.h"
@@ -102,9 +103,10 @@ typedef struct {
 
 /*
  * A touchdown in numbers: time [s], hip [m], the new foothold from the old one, (x, z) [m], its x
- * in the world [m], and what the step that ended there was told.
+ * in the world [m]; of a gait with commands also the reference of its speed and the measured one
+ * [m/s], see ng_adapt, and the commands of the step that ended there.
  */
-#define NG_STRIDE (5 + NG_COMMANDS)
+#define NG_STRIDE (5 + (NG_COMMANDS ? 2 + NG_COMMANDS : 0))
 
 /* One walk. */
 typedef struct {
@@ -135,6 +137,7 @@ typedef struct {
                                  and the slope seen there [rad]; or NULL */
     int seen_rows;
     double told[NG_COMMANDS]; /* on a course, of the next touchdown */
+    ng_adapt adapt;           /* of the speed; the host says whether it is active */
 #endif
     int ticks;
     int steps;

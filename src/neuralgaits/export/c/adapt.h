@@ -1,0 +1,46 @@
+/*
+ * Adapt the commanded speed from step to step, so that a robot that is not its file walks as told:
+ * another centre of mass, a slope, other friction. A gait that takes the command `speed` has this.
+ *
+ * Call ng_adapt_start beside ng_start_at, ng_adapt_tell in place of ng_tell, and ng_adapt_step after
+ * every ng_step. The commands stay in the range, and the controller limits their change, so a proof
+ * about every sequence of commands is about these, however wrong the measured speed is.
+ */
+#ifndef NG_ADAPT_H
+#define NG_ADAPT_H
+
+#include "controller.h"
+
+#if NG_COMMANDS
+/* What is remembered from step to step. */
+typedef struct {
+    int active;        /* 1: commands are adapted; 0: they are those told. At any tick */
+    int begun;         /* 0 before the first touchdown; set it to 0 where a walk ends */
+    int measured;      /* whether the step before the last touchdown was measured */
+    uint32_t last_us;  /* time of the last touchdown [us] */
+    ng_real hip;       /* ahead of the foot there, see ng_adapt_step [m] */
+    ng_real walked;    /* mean speed of the last measured step [m/s] */
+    ng_real reference; /* what this step is to walk: as told, spread over steps [m/s] */
+    ng_real integral;  /* of errors [m/s] */
+    ng_real error;     /* of the last measured step: reference - walked [m/s] */
+} ng_adapt;
+
+/* Before the first tick; commands as in ng_start_at. Active. */
+void ng_adapt_start(ng_adapt *adapt, const ng_real told[NG_COMMANDS]);
+
+/*
+ * In place of ng_tell, before ng_step: what the operator tells, the speed adapted. Returns as
+ * ng_tell does.
+ */
+int ng_adapt_tell(const ng_adapt *adapt, ng_state *state, const ng_real told[NG_COMMANDS]);
+
+/*
+ * After every ng_step, with its state, reading and command, and what was told before it. At a
+ * touchdown it measures the step that ended: how far the hip went over the foot, by joint angles
+ * and pitch, in that time.
+ */
+void ng_adapt_step(ng_adapt *adapt, const ng_state *state, const ng_measurement *reading,
+                   const ng_command *command, const ng_real told[NG_COMMANDS]);
+#endif
+
+#endif

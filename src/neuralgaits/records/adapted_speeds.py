@@ -1,0 +1,74 @@
+"""Speeds of a walk whose commanded speed was adapted: a part of the result of `simulate`."""
+
+from dataclasses import dataclass
+
+from neuralgaits.records.record import Count
+
+SETTLED_STEPS = 10
+"""Steps at the start of a walk after which an adapted speed has settled, where it can."""
+
+
+@dataclass(frozen=True)
+class LearnedLean:
+    """How far the torso's centre of mass is ahead of the file's, by the first walk's joint angles.
+
+    Attributes:
+        mean_m: mean over its whole steps, positive forward [m].
+        spread_m: standard deviation from step to step [m].
+        steps: number of these steps.
+    """
+
+    mean_m: float
+    spread_m: float
+    steps: Count
+
+    @property
+    def in_words(self) -> str:
+        """The lean in millimetres, and from what."""
+        side = "ahead of" if self.mean_m >= 0.0 else "behind"
+        return (
+            f"torso's centre of mass {abs(1e3 * self.mean_m):.1f} mm {side} the file's, by "
+            f"{self.steps} steps (spread {1e3 * self.spread_m:.1f} mm)"
+        )
+
+
+@dataclass(frozen=True)
+class AdaptedSpeeds:
+    """Speeds of the first walk, a value for each step between two touchdowns [m/s].
+
+    Attributes:
+        told: speed that the user told the step, spread over steps as the gait's changes are.
+        commanded: speed that the adapter chose and the controller latched.
+        walked: mean forward speed of the hip in the simulator.
+        measured: the same by the robot's joint angles and pitch; None where it is not known.
+        proved_level: level up to which the run's proof is about every sequence of commands in the
+            range that is adapted in; None without such a proof.
+    """
+
+    SAME_LENGTH = ("told", "commanded", "walked", "measured")
+
+    told: tuple[float, ...]
+    commanded: tuple[float, ...]
+    walked: tuple[float, ...]
+    measured: tuple[float | None, ...]
+    proved_level: Count | None = None
+
+    @property
+    def settled(self) -> tuple[float, float] | None:
+        """Mean told and walked speed after the first steps (m/s); None of a shorter walk."""
+        told, walked = self.told[SETTLED_STEPS:], self.walked[SETTLED_STEPS:]
+        return (sum(told) / len(told), sum(walked) / len(walked)) if told else None
+
+    @property
+    def in_words(self) -> str:
+        """How near the walked speed came, and what is proved of the commands."""
+        found = "too few steps to settle"
+        if (means := self.settled) is not None:
+            found = f"walked {means[1]:.3f} m/s for {means[0]:.3f} m/s after {SETTLED_STEPS} steps"
+        about = "no proof of this run is about the commands that it can choose"
+        if self.proved_level is not None:
+            about = (
+                f"the run's proof, to level {self.proved_level}, is about every sequence of "
+                "commands that it can choose"
+            )
+        return f"speed: {found}; {about}"

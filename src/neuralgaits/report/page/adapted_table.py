@@ -1,0 +1,46 @@
+"""Part of the page about a commanded speed that was adapted: the steps of the first walk."""
+
+from neuralgaits.records.simulated import Simulated
+from neuralgaits.report.page import markup as html
+from neuralgaits.report.page.markup import Html
+
+MOST_STEPS = 20
+"""Steps that the table shows: an adapted speed has settled by then."""
+
+
+def adapted(done: Simulated) -> Html:
+    """Return the speeds of a walk's steps; nothing where no command was adapted."""
+    speeds = done.adapted
+    if speeds is None or not speeds.told:
+        return Html("")
+    columns = zip(speeds.told, speeds.commanded, speeds.walked, speeds.measured, strict=True)
+    rows = [
+        (str(number), *("unknown" if one is None else f"{one:.3f}" for one in row))
+        for number, row in enumerate(columns, start=2)
+    ][:MOST_STEPS]
+    count = len(speeds.told)
+    rest = f", the first {MOST_STEPS} of {count}" if count > MOST_STEPS else ""
+    head = ("step", "told", "commanded", "walked", "measured by the robot")
+    return html.tag(
+        "div",
+        html.table(f"Speeds of the first walk in m/s{rest}", head, rows, numbers="nnnnn"),
+        html.paragraph(
+            "The command was adapted at each touchdown, within the range of the gait's commands, "
+            "to the speed that the robot measures by its joint angles and pitch. "
+            f"{_settled(done)}{_learned(done)}"
+        ),
+    )
+
+
+def _learned(done: Simulated) -> str:
+    """Say what the joint angles show of the torso."""
+    lean = done.learned_lean
+    return "" if lean is None else f" Learned from joint angles and pitch: {lean.in_words}."
+
+
+def _settled(done: Simulated) -> str:
+    """Say how near the walked speed came to the told one."""
+    means = None if done.adapted is None else done.adapted.settled
+    if means is None:
+        return "The walk is too short for it to settle."
+    return f"In the mean of the later steps it walked {means[1]:.3f} m/s for {means[0]:.3f} m/s."

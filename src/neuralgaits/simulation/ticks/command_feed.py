@@ -1,0 +1,69 @@
+"""The commands that the next touchdown of every episode latches."""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from neuralgaits._types import Float
+from neuralgaits.robots import PlanarBiped
+from neuralgaits.simulation.setup.command_schedule import CommandSchedule
+from neuralgaits.simulation.setup.course import Courses
+from neuralgaits.simulation.ticks.adapted_command import AdaptedCommand
+from neuralgaits.simulation.ticks.tick import TickRecord, Verdict
+
+
+class CommandFeed:
+    """Commands from a schedule or from a course, adapted if that is wanted.
+
+    Attributes:
+        requested: commands that the next touchdown of each episode latches. [B, p]
+    """
+
+    def __init__(
+        self,
+        robot: PlanarBiped,
+        orders: CommandSchedule,
+        episodes: range,
+        courses: Courses | None,
+        *,
+        adapt: bool,
+    ):
+        """Begin at the first command of each episode. `robot` is the controller's model."""
+        self._courses = courses
+        self._orders = [orders.of(i) for i in episodes]
+        first = [next(rows) for rows in self._orders]
+        self._told = np.array(first, dtype=np.float64).reshape(len(episodes), -1)
+        commands, first_of_all = orders.commands, orders.first
+        self._adapted = [
+            AdaptedCommand(robot, commands, first_of_all, active=adapt) for _ in episodes
+        ]
+        self.requested = np.array(self._told)
+
+    def advance(self, verdict: Verdict, record: Callable[[], TickRecord]) -> None:
+        """Advance to the next command after a latch; on a course, look ahead again.
+
+        Args:
+            verdict: verdicts of a tick, with a leading axis of episodes.
+            record: gives its records, which are needed only at touchdowns.
+        """
+        if not self.requested.size and self._courses is None:
+            return
+        if self.requested.size and verdict.touchdown.any():
+            command = record().command
+            for i in np.flatnonzero(verdict.touchdown):
+                time, latched = float(verdict.stride[i, 0]), np.asarray(command.told[i])
+                self._adapted[i].touch_down(time, command.q[i], latched, self._told[i])
+        if self._courses is not None:
+            for i, told in enumerate(self._told):
+                self._courses.look(told, i, int(verdict.steps[i]), np.asarray(verdict.feet[i, 1]))
+                self.requested[i] = self._adapted[i].request(told)
+            return
+        for i in np.flatnonzero(verdict.touchdown):
+            self._told[i] = next(self._orders[i])
+            self.requested[i] = self._adapted[i].request(self._told[i])
+
+    def row(self, episode: int, stride: Float[np.ndarray, " r"]) -> Float[np.ndarray, " w"]:
+        """Return a row of `Strides`: that of the tick, with the speeds of the step that ended."""
+        if not self.requested.shape[1]:
+            return stride
+        return np.insert(stride, 5, self._adapted[episode].ended)

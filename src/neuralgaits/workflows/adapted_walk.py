@@ -1,0 +1,50 @@
+"""Results of `simulate --adapt`: speeds of the first walk, and what its joint angles show."""
+
+from typing import Any
+
+import numpy as np
+
+from neuralgaits.analysis.run import Run
+from neuralgaits.analysis.torso_lean import leans_of
+from neuralgaits.certificate.run_certificate.verified_summary import read_certificate
+from neuralgaits.records.adapted_speeds import LearnedLean
+from neuralgaits.simulation.metrics import adapted_speeds
+from neuralgaits.simulation.walk import Walk
+
+SEQUENCES = 2
+"""Lowest level that is about more than one step: about walks for ever, whatever they are told."""
+
+
+def adaptation(run: Run, walk: Walk) -> dict[str, Any]:
+    """Return the fields `adapted` and `learned_lean` of a walk whose speed was adapted."""
+    return {
+        "adapted": adapted_speeds(walk, proved_sequences(run)),
+        "learned_lean": _learned_lean(run, walk),
+    }
+
+
+def proved_sequences(run: Run) -> int | None:
+    """Return the proved level of a gait with commands, if the proof is about all of their ranges.
+
+    Only what the run's proof file bears out counts, see `verified_summary`.
+
+    Returns: the level; None if there is no such proof.
+    """
+    found = read_certificate(run.folder)
+    if found.summary is None or found.part is not None or found.summary.within is not None:
+        return None
+    level = found.summary.proved_level
+    return level if level >= SEQUENCES else None
+
+
+def _learned_lean(run: Run, walk: Walk) -> LearnedLean | None:
+    """Return the lean of the torso that the first walk shows; None without a record of it."""
+    record = walk.episodes.record
+    if record is None:
+        return None
+    command = record.command
+    ticks = (record.time, command.q, np.asarray(command.touchdown) > 0.5)
+    leans = leans_of(run.robot, *map(np.asarray, ticks))
+    if leans is None or not leans.size:
+        return None
+    return LearnedLean(float(np.mean(leans)), float(np.std(leans)), len(leans))

@@ -1,0 +1,35 @@
+"""What a page says of a commanded speed that was adapted."""
+
+from types import SimpleNamespace
+from typing import Any
+
+from neuralgaits.records.adapted_speeds import AdaptedSpeeds, LearnedLean
+from neuralgaits.report.page.adapted_table import adapted
+
+
+def page(speeds: AdaptedSpeeds | None) -> str:
+    done: Any = SimpleNamespace(adapted=speeds, learned_lean=LearnedLean(-0.0123, 2e-4, 29))
+    return str(adapted(done))
+
+
+def speeds_of(steps: int) -> AdaptedSpeeds:
+    walked = tuple(0.8 - 0.0049 * k for k in range(steps))
+    return AdaptedSpeeds((0.7,) * steps, (0.65,) * steps, walked, (None, *walked[1:]), 3)
+
+
+def test_each_step_has_a_row():
+    said = page(speeds_of(3))
+    for cell in ("Speeds of the first walk in m/s<", "0.700", "0.650", "0.795", "unknown"):
+        assert cell in said, cell
+    assert said.count("<tr>") == 4 and "too short" in said
+
+
+def test_a_long_walk_is_shortened_and_says_where_it_settled():
+    said = page(speeds_of(30))
+    assert "the first 20 of 30" in said and said.count("<tr>") == 21
+    assert "walked 0.704 m/s for 0.700 m/s" in said
+    assert "12.3 mm behind the file" in said
+
+
+def test_without_adaptation_there_is_nothing():
+    assert page(None) == page(speeds_of(0)) == ""
