@@ -27,7 +27,7 @@ Verdict = Literal["holds", "rejected", "undecided"]
 
 BATCH = 64
 """Number of boxes bounded at a time."""
-MANY = 128
+MANY = 250
 """Number of leaves from which on symbols for remainders are worth choosing."""
 MORE_CUTS = 6
 """Most halvings of every axis of a leaf before the check gives up on it."""
