@@ -1,5 +1,7 @@
 """Bounds by compiled code are those of the Python rules, and hold at points."""
 
+from dataclasses import replace
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -7,6 +9,7 @@ import pytest
 
 from neuralgaits.certificate.search.problem import Problem
 from neuralgaits.programs.native.compiled_rules import ENGINE, library
+from neuralgaits.programs.remainder_symbols import MOST_SYMBOLS, count_of, numbered
 from neuralgaits.programs.tracing.tracer import trace
 
 WEIGHTS = np.random.default_rng(4).normal(size=(6, 4))
@@ -22,15 +25,20 @@ def everything(u):
     return {"first": jnp.stack([inner, root]), "second": smooth * near - 0.7}
 
 
-@pytest.fixture(scope="module", params=[2, 4])
+@pytest.fixture(scope="module", params=[(2, False), (4, False), (4, True)])
 def problem(request):
-    axes = request.param
-    if library(axes) is None:
+    axes, symbols = request.param
+    if library(axes, 0) is None:
         pytest.skip("no C++ compiler")
     program = trace(lambda u: everything(jnp.resize(u, (4,))), {"u": (axes,)})
     low, high = (-1.0,) * axes, (1.0,) * axes
     names, scales = ("first", "second"), (1.0, 2.0)
     made = Problem("all", low, high, names, scales, program, least=(0.1, 0.0))
+    if symbols:
+        numbers = range(program.first_operation, len(program.sizes))
+        varying = [k for k in numbers if program.varies[k] and program.sizes[k] <= 3]
+        made = replace(made, symbols=(*varying[2:4], *varying[-3:-1]))
+        assert 4 <= count_of(program, numbered(program, made.symbols)) <= MOST_SYMBOLS
     assert made.compiled
     return made
 
@@ -70,5 +78,5 @@ def test_a_box_on_a_singularity_has_no_bound():
 def test_the_python_rules_can_be_asked_for(monkeypatch):
     monkeypatch.setenv(ENGINE, "numpy")
     library.cache_clear()
-    assert library(4) is None
+    assert library(4, 0) is None
     library.cache_clear()

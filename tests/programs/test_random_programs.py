@@ -12,8 +12,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from neuralgaits.programs import evaluate
+from neuralgaits.programs.algebras.ball import BallAlgebra
 from neuralgaits.programs.algebras.taylor_algebra import TaylorAlgebra
 from neuralgaits.programs.program import Constant, Input, Operation, Output, Program
+from neuralgaits.programs.remainder_symbols import numbered
 
 MOST = 8
 """Dimensions of u that are tried: up to this many."""
@@ -118,3 +120,37 @@ def test_random_programs(degree, steps, axes, seed, half):
         exact = evaluate(program, {"u": points.T}, extended)["h"]
     bounded = np.isfinite(low) & np.isfinite(high)
     assert np.all(((low <= exact) & (exact <= high)) | ~bounded)
+
+
+@given(
+    steps=_programs(),
+    axes=AXES,
+    seed=st.integers(0, 2**20),
+    half=_eight(HALF),
+    chosen=st.sets(st.integers(0, 12), min_size=1, max_size=5),
+)
+def test_random_programs_with_symbols_for_remainders(steps, axes, seed, half, chosen):
+    draw = np.random.default_rng(seed)
+    program = _program(steps, draw.normal(size=(3, axes)))
+    centre, half = draw.uniform(-2.0, 2.0, size=axes), np.array(half[:axes])
+    points = np.longdouble(centre) + np.longdouble(half) * np.longdouble(CORNERS[:, :axes])
+    count = len(program.operations)
+    symbols = numbered(program, sorted({program.first_operation + k % count for k in chosen}))
+    with np.errstate(all="ignore"):
+        extended: Any = _Extended()
+        exact = evaluate(program, {"u": points.T}, extended)["h"]
+        boxes = {"u": (centre[None], half[None])}
+        low, high = evaluate(program, boxes, TaylorAlgebra(2, 15), None, symbols)["h"].range()
+        ends = {
+            "u": (np.nextafter(centre - half, -9.0)[None], np.nextafter(centre + half, 9.0)[None])
+        }
+        balls = evaluate(program, ends, BallAlgebra(2), None, symbols)["h"].range()
+    bounded = np.isfinite(low) & np.isfinite(high)
+    assert np.all(((low <= exact) & (exact <= high)) | ~bounded)
+    for row, (ball,) in enumerate(balls):
+        if ball.is_finite():
+            least, most = (np.longdouble(float(end)) for end in (ball.lower(), ball.upper()))
+            # Extended precision has errors of its own, of 1e-19 of what is added up.
+            slack = 1e-15 * max(1.0, float(ball.abs_upper()))
+            seen = exact[row][np.isfinite(exact[row])]
+            assert np.all((least - slack <= seen) & (seen <= most + slack))

@@ -163,6 +163,8 @@ class Bounder {
  public:
   virtual ~Bounder() = default;
   virtual size_t most_boxes() const = 0;
+  // Says that boxes will lie in this one.
+  virtual void within(const Box&) {}
   // Takes these boxes up: what follows is about them. Other claims need no bound.
   virtual void over(const vector<const Box*>& boxes, const vector<const Claim*>& claims) = 0;
   // Margins of a claim on one of the boxes.
@@ -412,6 +414,7 @@ class Checker {
       if (claim.output->unknown.empty()) known_.push_back(&claim);
     for (size_t k = 0; k < threads; ++k) {
       bounders_.push_back(bounding());
+      bounders_[k]->within(statement_.root_box);
       checkers_.push_back(std::make_unique<LeafChecker>(*bounders_[k], chart_, statement_));
     }
   }

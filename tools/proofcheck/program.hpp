@@ -1,7 +1,7 @@
 #pragma once
 
 #include "check.hpp"
-#include "lanes.hpp"
+#include "symbols.hpp"
 
 namespace {
 
@@ -269,9 +269,10 @@ class Listing {
 template <int N>
 class Evaluation {
  public:
-  Evaluation(const Listing& listing, const vector<const Claim*>& claims)
-      : axes_(listing.axes), layout_{listing.fibres}, arithmetic_(layout_),
-        place_(listing.elements.size(), kNone) {
+  // Boxes will lie in `region`, if one is given.
+  Evaluation(const Listing& listing, const vector<const Claim*>& claims, const Box* region)
+      : axes_(listing.axes), layout_{listing.fibres, region ? kSymbols : 0}, arithmetic_(layout_),
+        polynomials_(layout_, true), place_(listing.elements.size(), kNone) {
     for (const Claim* claim : claims)
       for (const size_t element : listing.outputs.at(claim->name)) place_[element] = 0;
     for (size_t k = place_.size(); k-- > 0;)
@@ -286,6 +287,7 @@ class Evaluation {
     values_.resize(numbers);
     for (size_t k = 0; k < place_.size(); ++k)
       if (place_[k] != kNone) write_down(listing.elements, k);
+    if (region) name_remainders(listing, claims, middle_of(*region));
   }
 
   // What depends on axes only along which no lane has another box than before still holds.
@@ -302,7 +304,10 @@ class Evaluation {
         changed |= std::uint32_t{1} << axis;
       }
     for (const Instruction& one : instructions_)
-      if (first || (one.needs & changed)) carry_out(one);
+      if (first || (one.needs & changed)) {
+        carry_out(one);
+        if (one.symbol != kNone) arithmetic_.named(one.y, one.symbol);
+      }
   }
 
   // An element on one of the boxes.
@@ -321,10 +326,12 @@ class Evaluation {
     size_t count = 0;                    // and how many there are.
     I value;
     Expansion (*near)(double, double) = nullptr;
+    size_t element = 0, symbol = kNone;  // What it is, and what its remainder is an element of f.
+    bool wide = false;                   // Whether it depends on f or xi.
   };
   const size_t axes_;
   const Layout<N> layout_;
-  const Arithmetic<N> arithmetic_;
+  const Arithmetic<N> arithmetic_, polynomials_;
   vector<size_t> place_;  // Of each element's numbers among values_; kNone if it is not needed.
   vector<V> values_;
   vector<Instruction> instructions_;
@@ -342,6 +349,8 @@ class Evaluation {
     one.which = e.which;
     one.value = e.value;
     one.near = e.near;
+    one.element = k;
+    one.wide = e.needs & kXi;
     if (e.kind == Element::row) {
       one.which = terms_.size();
       one.count = e.operands.size() / 2;
@@ -357,19 +366,45 @@ class Evaluation {
     instructions_.push_back(one);
   }
 
+  // Gives remainders symbols, those that cancel most on a box first, while it helps.
+  void name_remainders(const Listing& listing, const vector<const Claim*>& claims, const Box& box) {
+    vector<size_t> outputs;
+    for (const Claim* claim : claims)
+      for (const size_t element : listing.outputs.at(claim->name)) outputs.push_back(element);
+    SymbolChoice choice(listing.elements, outputs);
+    for (size_t symbol = 0; symbol < layout_.symbols; ++symbol) {
+      ends_.clear();
+      over({&box});
+      vector<Found> found(listing.elements.size());
+      for (const Instruction& one : instructions_)
+        found[one.element] = {one.y[0][0], one.y[layout_.remainder()][0]};
+      const std::optional<size_t> best = choice.next(found);
+      if (!best) break;
+      vector<bool> wide(listing.elements.size());
+      for (Instruction& one : instructions_) {
+        if (one.element == *best) one.symbol = symbol;
+        for (const size_t operand : listing.elements[one.element].operands)
+          if (wide[operand]) one.wide = true;
+        wide[one.element] = one.wide || one.symbol != kNone;
+      }
+    }
+    ends_.clear();
+  }
+
   void carry_out(const Instruction& one) {
+    const Arithmetic<N>& by = one.wide ? arithmetic_ : polynomials_;
     switch (one.kind) {
-      case Element::axis: return arithmetic_.coordinate(one.y, one.which, ends_[one.which]);
-      case Element::fibre: return arithmetic_.fibre(one.y, one.which);
-      case Element::number: return arithmetic_.constant(one.y, one.value);
-      case Element::negative: return arithmetic_.negative(one.a, one.y);
-      case Element::plus: return arithmetic_.plus(one.a, one.b, one.y);
-      case Element::minus: return arithmetic_.minus(one.a, one.b, one.y);
-      case Element::times: return arithmetic_.times(one.a, one.b, one.y);
-      case Element::scaled: return arithmetic_.scaled(one.a, one.b, one.y);
-      case Element::expanded: return arithmetic_.expanded(one.near, one.a, one.y);
+      case Element::axis: return by.coordinate(one.y, one.which, ends_[one.which]);
+      case Element::fibre: return by.fibre(one.y, one.which);
+      case Element::number: return by.constant(one.y, one.value);
+      case Element::negative: return by.negative(one.a, one.y);
+      case Element::plus: return by.plus(one.a, one.b, one.y);
+      case Element::minus: return by.minus(one.a, one.b, one.y);
+      case Element::times: return by.times(one.a, one.b, one.y);
+      case Element::scaled: return by.scaled(one.a, one.b, one.y);
+      case Element::expanded: return by.expanded(one.near, one.a, one.y);
       case Element::row:
-        return arithmetic_.row(&weights_[one.which], &terms_[one.which], one.count, one.a, one.y);
+        return by.row(&weights_[one.which], &terms_[one.which], one.count, one.a, one.y);
     }
   }
 };
@@ -380,12 +415,13 @@ class ListingBounder : public Bounder {
  public:
   explicit ListingBounder(std::shared_ptr<const Listing> listing) : listing_(std::move(listing)) {}
   size_t most_boxes() const override { return kLanes; }
+  void within(const Box& region) override { region_ = region; }
 
   void over(const vector<const Box*>& boxes, const vector<const Claim*>& claims) override {
     auto found = known_.find(claims);
     if (found == known_.end()) {
       if (known_.size() == kMostKnown) known_.clear();
-      found = known_.emplace(claims, std::make_unique<Evaluation<N>>(*listing_, claims)).first;
+      found = known_.emplace(claims, std::make_unique<Evaluation<N>>(*listing_, claims, region_ ? &*region_ : nullptr)).first;
     }
     now_ = found->second.get();
     now_->over(boxes);
@@ -408,6 +444,7 @@ class ListingBounder : public Bounder {
  private:
   static constexpr size_t kMostKnown = 8;
   const std::shared_ptr<const Listing> listing_;
+  std::optional<Box> region_;
   std::map<vector<const Claim*>, std::unique_ptr<Evaluation<N>>> known_;
   Evaluation<N>* now_ = nullptr;
 };

@@ -6,7 +6,8 @@ algebra: a search over boxes takes `fold(program, balls)`, turns it into its own
 it to every call of `evaluate`.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from types import MappingProxyType
 from typing import Any, Protocol, TypeVar, runtime_checkable
 
 import numpy as np
@@ -14,6 +15,7 @@ import numpy as np
 from neuralgaits.programs.program import Operation, Program
 
 V = TypeVar("V")
+NO_SYMBOLS: Mapping[int, int] = MappingProxyType({})
 
 
 @runtime_checkable
@@ -37,6 +39,14 @@ class Algebra(Protocol[V]):
         """
         del program, inputs
         return outputs
+
+    def named(self, value: V, first: int) -> V:
+        """Give the remainder of each element a symbol of its own, from `first` on.
+
+        By default return the value unchanged: it has no remainder.
+        """
+        del first
+        return value
 
     def constant(self, array: np.ndarray) -> V:
         """Return exactly these doubles as a value, flat. [size]."""
@@ -91,6 +101,7 @@ def evaluate(
     inputs: Mapping[str, Any],
     algebra: Algebra[V],
     folded: Mapping[int, V] | None = None,
+    symbols: Mapping[int, int] = NO_SYMBOLS,
 ) -> dict[str, Any]:
     """Evaluate a Program.
 
@@ -99,23 +110,52 @@ def evaluate(
         inputs: what the algebra's `enter` takes for each input name.
         algebra: the rules.
         folded: the result of `fold`, as values of this algebra; computed if absent.
+        symbols: see `results`.
 
     Returns: what the algebra's `leave` gives for each output name.
     """
     constants = fold(program, algebra) if folded is None else folded
-    values: dict[int, V] = dict(constants)
+    wanted = {output.value for output in program.outputs}
+    values = {number: value for number, value in constants.items() if number in wanted}
+    for number, value in results(program, inputs, algebra, constants, symbols):
+        if number in wanted:
+            values[number] = value
+    outputs = {output.name: values[output.value] for output in program.outputs}
+    return algebra.leave(program, outputs, inputs)
+
+
+def results(
+    program: Program,
+    inputs: Mapping[str, Any],
+    algebra: Algebra[V],
+    folded: Mapping[int, V],
+    symbols: Mapping[int, int] = NO_SYMBOLS,
+) -> Iterator[tuple[int, V]]:
+    """Yield the number and value of every input, and of every operation that depends on one.
+
+    Args:
+        program: what to evaluate.
+        inputs: what the algebra's `enter` takes for each input name.
+        algebra: the rules.
+        folded: the result of `fold`, as values of this algebra.
+        symbols: first symbols of the values whose remainders have symbols of their own.
+    """
+    values: dict[int, V] = dict(folded)
     entered = algebra.enter(program, inputs)
     values |= {number: entered[item.name] for number, item in enumerate(program.inputs)}
+    yield from ((number, values[number]) for number in range(len(program.inputs)))
     varies, plan = program.varies, zip(program.operations, program.spent, strict=True)
     for number, (operation, spent) in enumerate(plan, start=program.first_operation):
         if not varies[number]:
             continue
-        values[number] = _apply(algebra, operation, values)
+        value = _apply(algebra, operation, values)
+        if number in symbols:
+            value = algebra.named(value, symbols[number])
+        values[number] = value
+        yield number, value
         for operand in spent:
             # A large batch should hold only the values still needed.
             values.pop(operand, None)
-    outputs = {output.name: values[output.value] for output in program.outputs}
-    return algebra.leave(program, outputs, inputs)
 
 
 def _apply(algebra: Algebra[V], operation: Operation, values: Mapping[int, V]) -> V:

@@ -12,7 +12,7 @@ import numpy as np
 from onnx import GraphProto, NodeProto, TensorProto, ValueInfoProto, helper, numpy_helper
 
 from neuralgaits.errors import SpecError
-from neuralgaits.programs.evaluation import evaluate, fold
+from neuralgaits.programs.evaluation import Algebra, evaluate, fold
 from neuralgaits.programs.ops import rule
 from neuralgaits.programs.point_algebra import POINT
 from neuralgaits.programs.program import Input, Output, Program
@@ -52,7 +52,7 @@ class Tensor:
 
 
 @dataclass
-class OnnxAlgebra:
+class OnnxAlgebra(Algebra[Tensor]):
     """Rules that append nodes.
 
     Attributes:

@@ -10,12 +10,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from neuralgaits.errors import InputError
+from neuralgaits.programs.evaluation import Algebra
 from neuralgaits.programs.ops import rule
 from neuralgaits.programs.program import Program
 
 
 @dataclass(frozen=True)
-class PointAlgebra:
+class PointAlgebra(Algebra[np.ndarray]):
     """IEEE double arithmetic; the reference for the other interpreters.
 
     An input has the shape it was traced with, or that shape behind one batch axis. Inputs

@@ -57,7 +57,8 @@ class PieceBounder:
         number = piece.statement
         if number not in self._known:
             # One at a time: a statement's constants are folded once, and then let go.
-            checker = StatementCheck.of(self._program, self._statements[number])
+            leaves = len(self._trees[number][0])
+            checker = StatementCheck.of(self._program, self._statements[number], leaves)
             self._known = {number: checker}
         checker, chosen = self._known[number], slice(piece.start, piece.start + piece.leaves)
         before = checker.boxes

@@ -1,6 +1,8 @@
 """Bound one statement of a proof file again, leaf by leaf, with Taylor models in balls.
 
-A leaf that does not reach its bound is split further, a few times. A comparison with a ball is true
+A leaf that does not reach its bound is split further, a few times. Where there are many leaves,
+remainders have symbols of their own: the search that made them had these too, but a proof file does
+not say which, and the check chooses its own. A comparison with a ball is true
 only if it holds for all of the ball, so neither rounding nor NaN can pass.
 """
 
@@ -15,15 +17,18 @@ from flint import arb
 
 from neuralgaits.certificate.chart import asked_for
 from neuralgaits.certificate.proof_file.reader import Corners, Statement, halves
-from neuralgaits.programs.algebras.ball import BallAlgebra
-from neuralgaits.programs.evaluation import evaluate, fold
+from neuralgaits.programs.algebras.ball import BallAlgebra, ball_remainders
+from neuralgaits.programs.evaluation import NO_SYMBOLS, evaluate, fold
 from neuralgaits.programs.program import Program
 from neuralgaits.programs.prune import prune
+from neuralgaits.programs.remainder_symbols import Symbols, numbered, values_with_symbols
 
 Verdict = Literal["holds", "rejected", "undecided"]
 
 BATCH = 64
 """Number of boxes bounded at a time."""
+MANY = 250
+"""Number of leaves from which on symbols for remainders are worth choosing."""
 MORE_CUTS = 6
 """Most halvings of every axis of a leaf before the check gives up on it."""
 MOST_MORE = 2**13
@@ -36,8 +41,8 @@ MOST_CORNERS = 64
 class StatementCheck:
     """One statement under check: its operations, its thresholds and the results so far."""
 
-    def __init__(self, program: Program, statement: Statement):
-        self.program, self.statement = program, statement
+    def __init__(self, program: Program, statement: Statement, symbols: Symbols = NO_SYMBOLS):
+        self.program, self.statement, self.symbols = program, statement, symbols
         self.algebra = BallAlgebra(statement.degree)
         self.folded = fold(program, self.algebra)
         self.least = {
@@ -51,9 +56,19 @@ class StatementCheck:
         self.reason: str | None = None
 
     @classmethod
-    def of(cls, program: Program, statement: Statement) -> "StatementCheck":
-        """Return a check that evaluates only the operations of the statement's conditions."""
-        return cls(prune(program, statement.conditions), statement)
+    def of(cls, program: Program, statement: Statement, leaves: int = 0) -> "StatementCheck":
+        """Return a check that evaluates only the operations of the statement's conditions.
+
+        Args:
+            program: of the proof file.
+            statement: to be checked.
+            leaves: how many leaves it has.
+        """
+        part = prune(program, statement.conditions)
+        if leaves < MANY:
+            return cls(part, statement)
+        chosen = values_with_symbols(part, statement.low, statement.high, ball_remainders)
+        return cls(part, statement, numbered(part, chosen))
 
     def walk(self, leaves: Corners) -> Iterator[int]:
         """Bound all leaves, until one fails. Yields: how many leaves are done."""
@@ -104,7 +119,7 @@ class StatementCheck:
         return lows[asked], highs[asked]
 
     def _ranges(self, low: np.ndarray, high: np.ndarray) -> dict[str, np.ndarray]:
-        models = evaluate(self.program, {"u": (low, high)}, self.algebra, self.folded)
+        models = evaluate(self.program, {"u": (low, high)}, self.algebra, self.folded, self.symbols)
         return {name: np.atleast_2d(model.range()) for name, model in models.items()}
 
     def _reached(self, low: np.ndarray, high: np.ndarray) -> np.ndarray:

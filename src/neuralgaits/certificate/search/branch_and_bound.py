@@ -32,6 +32,9 @@ MAX_BOXES, TIGHTEN_BOXES = 150_000, 20_000
 """Most boxes added by one search of a root without a deadline, to decide and to raise margins."""
 MOST_POINTS = 2**14
 """Most centres of new boxes that are evaluated; those with the lowest bounds are chosen."""
+HARD = 500
+"""Number of boxes from which on bounds are made with symbols for remainders: choosing them takes as
+long as bounding thousands of boxes, and the bounds are tighter."""
 CORNER_ROUNDS = 2
 """Number of searches for ends of late axes at which margins are smaller."""
 POINTS = 33 * 33
@@ -118,7 +121,9 @@ def search(
         if not len(work):
             break
         lacking = missing(problem, state, phase)[work]
-        state = _round(problem, state, work, lacking, confirm, deadline, bound_all or bound_here)
+        hard = len(state.tree.first) >= HARD
+        by = problem.with_symbols if hard else problem
+        state = _round(by, state, work, lacking, confirm, deadline, bound_all or bound_here)
         if progress is not None:
             progress(state)
     return state

@@ -1,7 +1,7 @@
 """Conditions on one box of the chart, with bounds over boxes and values at points."""
 
 from collections.abc import Callable, Generator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -10,9 +10,10 @@ from neuralgaits._types import Float
 from neuralgaits.certificate.chart import CoupledAxes
 from neuralgaits.certificate.search.halving import Corners, PerCondition, wide_axes
 from neuralgaits.programs import POINT, Program, evaluate, fold
-from neuralgaits.programs.algebras.taylor_algebra import TaylorAlgebra
+from neuralgaits.programs.algebras.taylor_algebra import TaylorAlgebra, taylor_remainders
 from neuralgaits.programs.algebras.taylor_model import terms
 from neuralgaits.programs.native.bounder import Bounder
+from neuralgaits.programs.remainder_symbols import count_of, numbered, values_with_symbols
 
 LEAST_BATCH, MOST_BATCH = 64, 512
 """Numbers of boxes bounded at once: fewer waste time in calls, more exhaust the processor's
@@ -55,6 +56,7 @@ class Problem:
             evaluated.
         coupled_axes: axes whose values must be near each other; points with larger differences are
             left out.
+        symbols: values whose remainders have symbols of their own.
     """
 
     region: str
@@ -69,6 +71,14 @@ class Problem:
     tight: float = 0.95
     weak_axes: int = 0
     coupled_axes: tuple[CoupledAxes, ...] = ()
+    symbols: tuple[int, ...] = ()
+
+    @cached_property
+    def with_symbols(self) -> "Problem":
+        """Return the same problem, bounded with symbols for the remainders that cancel most."""
+        return replace(
+            self, symbols=values_with_symbols(self.program, self.low, self.high, taylor_remainders)
+        )
 
     @property
     def compiled(self) -> bool:
@@ -93,7 +103,9 @@ class Problem:
         # Up by two last places: the corners lie inside whatever the centre was rounded to.
         half = np.maximum(high - centre, centre - low) * (1.0 + 2.0**-51)
         with np.errstate(all="ignore"):
-            models = evaluate(self.program, {INPUT: (centre, half)}, self._algebra, self._folded)
+            models = evaluate(
+                self.program, {INPUT: (centre, half)}, self._algebra, self._folded, self._named
+            )
             ranges = [models[name].range() for name in self.names]
         return self._smallest([r[0] for r in ranges], low), self._smallest(
             [r[1] for r in ranges], low
@@ -177,11 +189,15 @@ class Problem:
         """Return compiled code where there is a compiler; the Python rules are the reference."""
         if self.degree != COMPILED_DEGREE:
             return None
-        return Bounder.of(self.program, self.names, self._folded)
+        return Bounder.of(self.program, self.names, self._folded, self._named)
+
+    @cached_property
+    def _named(self) -> dict[int, int]:
+        return numbered(self.program, self.symbols)
 
     @cached_property
     def _algebra(self) -> TaylorAlgebra:
-        return TaylorAlgebra(self.degree)
+        return TaylorAlgebra(self.degree, count_of(self.program, self._named))
 
     @cached_property
     def _folded(self):

@@ -20,7 +20,7 @@ from neuralgaits.programs import Program
 _PROBLEM, _LOW, _HIGH, _LOWER, _UPPER = "problem.json", "low", "high", "lower", "upper"
 PIECE = 512
 """Most boxes of a task for compiled code: tenths of a second."""
-_TUPLES = ("low", "high", "names", "scales", "least")
+_TUPLES = ("low", "high", "names", "scales", "least", "symbols")
 
 
 class SharedBounds:

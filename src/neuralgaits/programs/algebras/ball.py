@@ -1,10 +1,11 @@
 """The algebra of Taylor models in Arb balls, with which proofs are checked. Needs no JAX.
 
 Arb bounds every rounding, and what exceeds the degree joins the constant term as a ball about
-zero, so a model needs no separate remainder; so does what is of second order in xi, or of first
-order in both u and xi. A unary function is expanded about the midpoint of the constant term, its
-next derivative enclosed over the range of the model. A box on which a function is undefined gives
-NaN, which fails every comparison. It shares no formula with `taylor`, whose results it checks.
+zero, so a model needs no separate remainder; so does what is of second order in xi or in symbols of
+remainders, or of first order in one of these and something else. A unary function is expanded about
+the midpoint of the constant term, its next derivative enclosed over the range of the model. A box
+on which a function is undefined gives NaN, which fails every comparison. It shares no formula with
+`taylor`, whose results it checks.
 Source: Makino and Berz (2003); Johansson, "Arb" (2017).
 """
 
@@ -17,9 +18,10 @@ from flint import arb, arb_mat
 
 from neuralgaits.programs.algebras import ball_functions as functions
 from neuralgaits.programs.algebras.ball_model import BallModel, Balls, Key, plus, times
-from neuralgaits.programs.evaluation import Algebra
+from neuralgaits.programs.evaluation import Algebra, fold, results
 from neuralgaits.programs.ops import rule
 from neuralgaits.programs.program import Program, box_and_ball
+from neuralgaits.programs.remainder_symbols import Symbols
 
 
 @dataclass(frozen=True)
@@ -51,6 +53,16 @@ class BallAlgebra(Algebra[BallModel]):
             slope: dict[Key, Balls] = {(-1 - k,): unit[:, None] for k, unit in enumerate(units)}
             models[ball.name] = BallModel({(): _balls(np.zeros((len(units), 1))), **slope})
         return models
+
+    def named(self, value: BallModel, first: int) -> BallModel:
+        """Make what lies about the midpoint of the constant a term of a symbol of its own."""
+        terms = {**value.terms, (): _middle(value.constant)}
+        radii = _radius(value.constant)
+        for row in range(len(radii)):
+            term = np.full_like(radii, arb(0))
+            term[row] = radii[row]
+            terms[-1, first + row] = term
+        return BallModel(terms)
 
     def constant(self, array: np.ndarray) -> BallModel:
         """Return exactly these doubles, on every box."""
@@ -182,6 +194,16 @@ class BallAlgebra(Algebra[BallModel]):
         return terms
 
 
+def ball_remainders(
+    program: Program, low: np.ndarray, high: np.ndarray, symbols: Symbols
+) -> dict[int, np.ndarray]:
+    """Return the remainder of each result over one box, as `Remainders` asks."""
+    algebra = BallAlgebra(2)
+    box = {program.inputs[0].name: (low[None], high[None])}
+    rows = results(program, box, algebra, fold(program, algebra), symbols)
+    return {number: _radius(model.constant[:, 0]).astype(np.float64) for number, model in rows}
+
+
 _ARITHMETIC = {
     "add": BallAlgebra.add,
     "sub": BallAlgebra.sub,
@@ -192,7 +214,7 @@ _ARITHMETIC = {
 }
 _ZERO = np.array([[arb(0)]], dtype=object)
 _ball = functions.each(arb)
-_middle = functions.each(arb.mid)
+_middle, _radius = functions.each(arb.mid), functions.each(arb.rad)
 
 
 def _balls(array: np.ndarray) -> Balls:

@@ -1,8 +1,9 @@
 """A vector of Taylor models in Arb balls over a batch of boxes, and its range. Needs no JAX.
 
-A value is a polynomial of degree one or two in symbols e_0, e_1, ... in [-1, 1], plus s . xi with
-xi in the unit ball. A term is known by its symbols; those that are zero on every box are absent,
-so what depends on one symbol, or on none, costs less. Remainders are in the constant term.
+A value is a polynomial of degree one or two in symbols e_0, e_1, ... in [-1, 1], plus t . f with
+f_0, f_1, ... in [-1, 1], plus s . xi with xi in the unit ball. The f stand for remainders of
+earlier results. A term is known by its symbols; those that are zero on every box are absent, so
+what depends on one symbol, or on none, costs less. Other remainders are in the constant term.
 
 Coefficients lie in NumPy arrays of `flint.arb` [size, batch]; NumPy only loops over them.
 """
@@ -17,8 +18,8 @@ from flint import arb
 from neuralgaits.programs.algebras.ball_functions import each
 
 Key = tuple[int, ...]
-"""Symbols of a term: () of the constant, (i,) of e_i, (i, j) with i <= j of e_i e_j, and (-1 - k,)
-of element k of xi."""
+"""Symbols of a term: () of the constant, (i,) of e_i, (i, j) with i <= j of e_i e_j, (-1 - k,) of
+element k of xi, and (-1, k) of f_k."""
 Balls = np.ndarray
 """A ball for each element on each box. [size, batch]."""
 
@@ -63,15 +64,20 @@ class BallModel:
     @cached_property
     def length(self) -> Balls | None:
         """Range of s . xi: at most the Euclidean norm of s."""
-        squares = total(term * term for key, term in self.terms.items() if key and key[0] < 0)
+        squares = total(term * term for key, term in self.terms.items() if is_ball(key))
         # The square of a ball may reach below zero: what is largest in the sum does not.
         return None if squares is None else _root(_most(squares)) * UNIT
 
     @cached_property
+    def remainders(self) -> Balls | None:
+        """Range of t . f; None if there is none."""
+        return total(term * UNIT for key, term in self.terms.items() if is_remainder(key))
+
+    @cached_property
     def rest(self) -> Balls | None:
-        """Enclosure of the quadratic part and of s . xi."""
-        quadratic = total(term * UNIT for key, term in self.terms.items() if len(key) == 2)
-        return plus(quadratic, self.length)
+        """Enclosure of the quadratic part, of t . f and of s . xi."""
+        quadratic = total(term * UNIT for key, term in self.terms.items() if is_product(key))
+        return plus(plus(quadratic, self.remainders), self.length)
 
     @cached_property
     def spread(self) -> Balls | None:
@@ -79,14 +85,29 @@ class BallModel:
         return plus(self.linear, self.rest)
 
     def range(self) -> Balls:
-        """Balls that contain the value everywhere on each box and for every xi."""
+        """Balls that contain the value everywhere on each box, for every f and xi."""
         value = self.constant
-        for part in (self.linear, self.length):
+        for part in (self.linear, self.remainders, self.length):
             value = value if part is None else value + part
         for key, term in self.terms.items():
-            if len(key) == 2:
+            if is_product(key):
                 value = value + term * (SQUARE if key[0] == key[1] else UNIT)
         return value
+
+
+def is_product(key: Key) -> bool:
+    """Return whether a term is of e_i e_j."""
+    return len(key) == 2 and key[0] >= 0
+
+
+def is_remainder(key: Key) -> bool:
+    """Return whether a term is of f."""
+    return len(key) == 2 and key[0] < 0
+
+
+def is_ball(key: Key) -> bool:
+    """Return whether a term is of xi."""
+    return len(key) == 1 and key[0] < 0
 
 
 def plus(a: Balls | None, b: Balls | None) -> Balls | None:

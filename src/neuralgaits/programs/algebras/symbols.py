@@ -10,12 +10,13 @@ from typing import Any
 
 import numpy as np
 
+from neuralgaits.programs.evaluation import Algebra
 from neuralgaits.programs.ops import rule
 from neuralgaits.programs.program import Program
 
 
 @dataclass(frozen=True)
-class SymbolAlgebra:
+class SymbolAlgebra(Algebra[Any]):
     """Columns of scalar expressions.
 
     Attributes:

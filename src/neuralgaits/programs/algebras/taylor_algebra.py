@@ -2,9 +2,10 @@
 
 Operations keep the polynomial part exact up to rounding and bound what they drop; a unary function
 is expanded about the constant term with a bound on its next derivative over the model's range.
-Terms of second order in xi, or of first order in both u and xi, join the remainder, so bounds over
-the whole unit ball are tight where it is small, and no box of xi is ever cut. Source: Makino and
-Berz (2003).
+Terms of second order in xi or in symbols of remainders, or of first order in one of these and
+something else, join the remainder: bounds over the whole unit ball are tight where it is small, and
+no box of xi is ever cut. Source: Makino and Berz (2003); symbols for remainders are the noise
+symbols of affine arithmetic, de Figueiredo and Stolfi (2004).
 
 Rounding: NumPy's + - x / sqrt are IEEE; sin, cos, tanh, exp, log1p are assumed within 4 ulp. After
 every operation the remainder grows by `SLACK` times the sum of all coefficient magnitudes, which
@@ -27,9 +28,10 @@ from neuralgaits.programs.algebras.taylor_model import (
     rounded,
     together,
 )
-from neuralgaits.programs.evaluation import Algebra
+from neuralgaits.programs.evaluation import Algebra, fold, results
 from neuralgaits.programs.ops import rule
 from neuralgaits.programs.program import Program, box_and_ball
+from neuralgaits.programs.remainder_symbols import Symbols, count_of
 
 
 @dataclass(frozen=True)
@@ -40,9 +42,11 @@ class TaylorAlgebra(Algebra[Taylor]):
 
     Attributes:
         degree: 1 or 2; searches use 2 (`certificate/search/problem.py`).
+        symbols: how many symbols stand for remainders (`programs/remainder_symbols.py`).
     """
 
     degree: int
+    symbols: int = 0
 
     def enter(
         self, program: Program, inputs: Mapping[str, tuple[np.ndarray, np.ndarray]]
@@ -58,9 +62,20 @@ class TaylorAlgebra(Algebra[Taylor]):
         models = {box.name: Taylor(poly, np.zeros((axes, batch)), layout)}
         if ball is not None:
             size = math.prod(ball.shape)
+            layout = layout._replace(named=self.symbols)
             slope = np.concatenate([np.zeros((layout.slope.start, size)), np.eye(size)])
             models[ball.name] = Taylor(slope[:, :, None], np.zeros((size, 1)), layout)
         return models
+
+    def named(self, value: Taylor, first: int) -> Taylor:
+        """Make the remainders coefficients of symbols of their own, which is exact."""
+        size, batch = value.radius.shape
+        layout = value.layout._replace(named=self.symbols)
+        poly = np.zeros((max(len(value.poly), layout.slope.start), size, batch))
+        poly[: len(value.poly)] = value.poly
+        every = np.arange(size)
+        poly[layout.remainders.start + first + every, every] = value.radius
+        return Taylor(poly, np.zeros_like(value.radius), layout)
 
     def constant(self, array: np.ndarray) -> Taylor:
         """Return exactly these doubles, on every box."""
@@ -182,6 +197,16 @@ class TaylorAlgebra(Algebra[Taylor]):
         if self.degree == 1:
             return a.spread * b.spread
         return a.rest * b.spread + a.linear * b.rest
+
+
+def taylor_remainders(
+    program: Program, low: np.ndarray, high: np.ndarray, symbols: Symbols
+) -> dict[int, np.ndarray]:
+    """Return the remainder of each result over one box, as `Remainders` asks."""
+    algebra = TaylorAlgebra(2, count_of(program, symbols))
+    box = {program.inputs[0].name: ((low + high)[None] / 2.0, (high - low)[None] / 2.0)}
+    rows = results(program, box, algebra, fold(program, algebra), symbols)
+    return {number: model.radius[:, 0] for number, model in rows}
 
 
 _ARITHMETIC = {

@@ -1,8 +1,9 @@
 """A vector of Taylor models over a batch of boxes: coefficients, a remainder, their range.
 
-A value is a polynomial of degree one or two in (e_1 .. e_n) in [-1, 1]^n, plus s . xi with xi in
-the unit ball, plus a remainder [-r, r]. A value that does not depend on xi has no coefficients
-for it, and a constant has one coefficient: absent ones are zero and cost nothing.
+A value is a polynomial of degree one or two in (e_1 .. e_n) in [-1, 1]^n, plus t . f with the
+elements of f in [-1, 1], plus s . xi with xi in the unit ball, plus a remainder [-r, r]. The f
+stand for remainders of earlier results. A value that does not depend on xi has no coefficients for
+it, and a constant has one coefficient: absent ones are zero and cost nothing.
 """
 
 from collections.abc import Callable
@@ -27,15 +28,17 @@ def terms(degree: int, axes: int) -> int:
 
 
 class CoefficientLayout(NamedTuple):
-    """Order of coefficients: 1, e_1 .. e_n, e_i e_j for i <= j in lexical order, then xi.
+    """Order of coefficients: 1, e_1 .. e_n, e_i e_j for i <= j in lexical order, then f, then xi.
 
     Attributes:
         degree: 1 or 2.
         axes: number of symbols n; 0 for constants.
+        named: number of symbols f that stand for remainders; 0 where none is behind.
     """
 
     degree: int
     axes: int
+    named: int = 0
 
     @property
     def linear(self) -> slice:
@@ -45,12 +48,17 @@ class CoefficientLayout(NamedTuple):
     @property
     def quadratic(self) -> slice:
         """Slice of the coefficients of the products; empty at degree 1."""
-        return slice(1 + self.axes, terms(*self))
+        return slice(1 + self.axes, terms(self.degree, self.axes))
+
+    @property
+    def remainders(self) -> slice:
+        """Slice of the coefficients of f."""
+        return slice(self.quadratic.stop, self.quadratic.stop + self.named)
 
     @property
     def slope(self) -> slice:
         """Slice of the coefficients of the elements of xi."""
-        return slice(terms(*self), None)
+        return slice(self.remainders.stop, None)
 
     @property
     def squares(self) -> np.ndarray:
@@ -63,8 +71,9 @@ class CoefficientLayout(NamedTuple):
 class Taylor:
     """A vector of Taylor models over a batch of boxes.
 
-    Sums of magnitudes below are of few enough doubles (45 at degree 2 in eight symbols, 256
-    elements of xi) to be off by less than half of SLACK, which every use of them allows for.
+    Sums of magnitudes below are of few enough doubles (45 at degree 2 in eight axes, a few
+    remainders, 256 elements of xi) to be off by less than half of SLACK, which every use of them
+    allows for.
 
     Attributes:
         poly: coefficients, in the order of `layout`. [terms, size, batch]
@@ -88,15 +97,16 @@ class Taylor:
 
     @cached_property
     def length(self) -> Bounds | float:
-        """Bound on s . xi: the Euclidean norm of s."""
-        slope = self.poly[self.layout.slope]
+        """Bound on t . f + s . xi: the sum of magnitudes of t and the Euclidean norm of s."""
+        named, slope = self.poly[self.layout.remainders], self.poly[self.layout.slope]
+        length = np.add.reduce(np.abs(named)) if len(named) else 0.0
         if not len(slope):
-            return 0.0
-        return np.sqrt(np.add.reduce(np.square(slope))) * (1.0 + SLACK) + TINY
+            return length
+        return length + np.sqrt(np.add.reduce(np.square(slope))) * (1.0 + SLACK) + TINY
 
     @cached_property
     def rest(self) -> Bounds:
-        """Bound on the quadratic part and on s . xi."""
+        """Bound on the quadratic part, on t . f and on s . xi."""
         return np.add.reduce(np.abs(self.poly[self.layout.quadratic])) + self.length
 
     @cached_property
@@ -110,7 +120,7 @@ class Taylor:
         return np.abs(self.poly[0]) + self.spread
 
     def range(self) -> tuple[Bounds, Bounds]:
-        """Lower and upper bounds over each box and all xi of the unit ball."""
+        """Lower and upper bounds over each box, all f and all xi of the unit ball."""
         straight = self.linear + self.length + self.radius
         low, high = self.centre - straight, self.centre + straight
         quadratic = self.poly[self.layout.quadratic]

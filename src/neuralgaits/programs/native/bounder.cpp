@@ -1,9 +1,9 @@
 // Taylor models of degree 2 of a Program's outputs over many boxes: the rules of
 // programs/algebras/taylor_algebra.py, as many boxes at a time as a register holds, on all cores.
 //
-// A value is a run of elements. An element is K coefficients, in the order 1, e_1 .. e_n, e_i e_j for
-// i <= j, and the radius of the remainder, each a vector over these boxes. What is added to the
-// remainder for rounding is what the Python rules add: it exceeds the rounding of an operation many
+// A value is a run of elements. An element is its coefficients, in the order 1, e_1 .. e_n, e_i e_j for
+// i <= j, then of the symbols that stand for remainders (programs/remainder_symbols.py), and the
+// radius of the remainder, each a vector over these boxes. What is added to the remainder for rounding is what the Python rules add: it exceeds the rounding of an operation many
 // times over, whatever order its sums are in. Nothing here is trusted: the checkers decide.
 
 #include <algorithm>
@@ -51,35 +51,49 @@ enum Kind : int64_t {
 struct Operand {
   int64_t at, size;
 };
+// Its results get the symbols from `symbol` on, if that is not negative. `reads` says whether an
+// operand may depend on symbols.
 struct Operation {
-  int64_t kind, out, size, columns, index, operands;
+  int64_t kind, out, size, columns, index, operands, symbol, reads;
   Operand operand[3];
 };
-constexpr int64_t kFields = 12;
+constexpr int64_t kFields = 14;
 
-template <int N>
+// Of so many axes and symbols: compiled for each number, since each takes seconds.
+constexpr int kAxes = NG_AXES, kSymbols = NG_SYMBOLS;
+constexpr int kLinear = 1 + kAxes, kTerms = kLinear + kAxes * (kAxes + 1) / 2;
+constexpr int kAll = kTerms + kSymbols;
+
 struct Element {
-  static constexpr int kLinear = 1 + N, kTerms = 1 + N + N * (N + 1) / 2;
-  V c[kTerms];
+  V c[kAll];
   V r;
-
-  V linear() const {
-    V sum = size(c[1]);
-    for (int i = 2; i < kLinear; ++i) sum += size(c[i]);
-    return sum;
-  }
-  V rest() const {
-    V sum = size(c[kLinear]);
-    for (int i = kLinear + 1; i < kTerms; ++i) sum += size(c[i]);
-    return sum;
-  }
-  V bound() const { return size(c[0]) + linear() + rest(); }
 };
 
-// The remainder grown by what the operation may have rounded.
-template <int N>
-inline void rounded(Element<N>& a, V more) {
-  a.r += kSlack * (a.bound() + a.r + more) + kTiny;
+// The parts of an element that functions below need; All: whether it may depend on symbols. If not,
+// their coefficients are zero, and nobody reads them.
+template <bool All>
+struct Parts {
+  static constexpr int kUsed = All ? kAll : kTerms;
+  V linear, rest, spread, bound;
+
+  explicit Parts(const Element& a) : linear(size(a.c[1])), rest(size(a.c[kLinear])) {
+    for (int i = 2; i < kLinear; ++i) linear += size(a.c[i]);
+    for (int i = kLinear + 1; i < kUsed; ++i) rest += size(a.c[i]);
+    spread = linear + rest;
+    bound = size(a.c[0]) + spread;
+  }
+};
+
+// The remainder grown by what the operation may have rounded; what is not used, zero.
+template <bool All>
+inline void rounded(Element& a, V more) {
+  a.r += kSlack * (Parts<All>(a).bound + a.r + more) + kTiny;
+  for (int i = Parts<All>::kUsed; i < kAll; ++i) a.c[i] = all(0.0);
+}
+
+inline void clear(Element& a) {
+  for (V& c : a.c) c = all(0.0);
+  a.r = all(0.0);
 }
 
 struct Expansion {
@@ -143,72 +157,68 @@ inline Expansion expanded(int64_t kind, V c, V r) {
   }
 }
 
-template <int N>
-void multiply(const Element<N>& a, const Element<N>& b, Element<N>& y) {
-  using E = Element<N>;
-  const V la = a.linear(), lb = b.linear(), ra = a.rest(), rb = b.rest();
-  const V bound_a = size(a.c[0]) + la + ra, bound_b = size(b.c[0]) + lb + rb;
-  E out;
+template <bool All>
+void multiply(const Element& a, const Element& b, Element& y) {
+  const Parts<All> pa(a), pb(b);
+  Element out;
   out.c[0] = a.c[0] * b.c[0];
-  for (int i = 1; i < E::kTerms; ++i) out.c[i] = a.c[0] * b.c[i] + a.c[i] * b.c[0];
-  for (int i = 0, pair = E::kLinear; i < N; ++i) {
+  for (int i = 1; i < Parts<All>::kUsed; ++i) out.c[i] = a.c[0] * b.c[i] + a.c[i] * b.c[0];
+  for (int i = 0, pair = kLinear; i < kAxes; ++i) {
     out.c[pair++] += a.c[1 + i] * b.c[1 + i];
-    for (int j = i + 1; j < N; ++j)
+    for (int j = i + 1; j < kAxes; ++j)
       out.c[pair++] += a.c[1 + i] * b.c[1 + j] + a.c[1 + j] * b.c[1 + i];
   }
-  out.r = a.r * (bound_b + b.r) + b.r * bound_a + ra * (lb + rb) + la * rb;
-  rounded(out, bound_a * bound_b);
+  out.r = a.r * (pb.bound + b.r) + b.r * pa.bound + pa.rest * pb.spread + pa.linear * pb.rest;
+  rounded<All>(out, pa.bound * pb.bound);
   y = out;
 }
 
-template <int N>
-void unary(const Element<N>& a, const Expansion& f, Element<N>& y) {
-  using E = Element<N>;
-  const V linear = a.linear(), rest = a.rest(), spread = linear + rest;
+template <bool All>
+void unary(const Element& a, const Expansion& f, Element& y) {
+  const Parts<All> p(a);
   const V half = 0.5 * f.second;
-  E out;
+  Element out;
   out.c[0] = f.value;
-  for (int i = 1; i < E::kTerms; ++i) out.c[i] = f.first * a.c[i];
-  for (int i = 0, pair = E::kLinear; i < N; ++i) {
+  for (int i = 1; i < Parts<All>::kUsed; ++i) out.c[i] = f.first * a.c[i];
+  for (int i = 0, pair = kLinear; i < kAxes; ++i) {
     out.c[pair++] += half * a.c[1 + i] * a.c[1 + i];
-    for (int j = i + 1; j < N; ++j) out.c[pair++] += f.second * a.c[1 + i] * a.c[1 + j];
+    for (int j = i + 1; j < kAxes; ++j) out.c[pair++] += f.second * a.c[1 + i] * a.c[1 + j];
   }
   out.r = size(f.first) * a.r + f.remainder +
-          size(half) * (a.r * (2.0 * spread + a.r) + rest * spread + linear * rest);
-  rounded(out, f.error);
+          size(half) * (a.r * (2.0 * p.spread + a.r) + p.rest * p.spread + p.linear * p.rest);
+  rounded<All>(out, f.error);
   y = out;
 }
 
-template <int N>
-V reach(const Element<N>& a) {
-  const V found = (a.linear() + a.rest() + a.r) * (1.0 + kSlack);
+template <bool All>
+V reach(const Element& a) {
+  const V found = (Parts<All>(a).spread + a.r) * (1.0 + kSlack);
   return size(a.c[0]) < std::numeric_limits<double>::infinity() ? found : all(kNaN);
 }
 
 // Plus or minus the elements of another.
-template <int N>
-void add(const Element<N>& a, const Element<N>& b, double sign, Element<N>& y) {
-  Element<N> out;
-  for (int i = 0; i < Element<N>::kTerms; ++i) out.c[i] = a.c[i] + sign * b.c[i];
+template <bool All>
+void add(const Element& a, const Element& b, double sign, Element& y) {
+  Element out;
+  for (int i = 0; i < Parts<All>::kUsed; ++i) out.c[i] = a.c[i] + sign * b.c[i];
   out.r = a.r + b.r;
-  rounded(out, all(0.0));
+  rounded<All>(out, all(0.0));
   y = out;
 }
 
-template <int N>
-class BounderOf {
+class Bounder {
  public:
-  using E = Element<N>;
+  using E = Element;
 
-  BounderOf(const int64_t* code, int64_t operations, const int64_t* index, int64_t indices,
+  Bounder(const int64_t* code, int64_t operations, const int64_t* index, int64_t indices,
             const double* constants, int64_t count, const int64_t* outputs, int64_t output_count,
             int64_t workspace)
       : index_(index, index + indices), centres_(constants, constants + count),
         radii_(constants + count, constants + 2 * count), workspace_(workspace) {
     for (int64_t k = 0; k < operations; ++k) {
       const int64_t* f = code + k * kFields;
-      Operation op = {f[0], f[1], f[2], f[3], f[4], f[5], {}};
-      for (int64_t j = 0; j < 3; ++j) op.operand[j] = {f[6 + 2 * j], f[7 + 2 * j]};
+      Operation op = {f[0], f[1], f[2], f[3], f[4], f[5], f[6], f[7], {}};
+      for (int64_t j = 0; j < 3; ++j) op.operand[j] = {f[8 + 2 * j], f[9 + 2 * j]};
       operations_.push_back(op);
     }
     for (int64_t k = 0; k < output_count; ++k)
@@ -237,13 +247,12 @@ class BounderOf {
   int64_t workspace_;
 
   void enter(E* space, const double* low, const double* high, int64_t first, int64_t lanes) const {
-    for (int axis = 0; axis < N; ++axis) {
+    for (int axis = 0; axis < kAxes; ++axis) {
       E& u = space[axis];
-      for (V& c : u.c) c = all(0.0);
-      u.r = all(0.0);
+      clear(u);
       for (int lane = 0; lane < kLanes; ++lane) {
         const int64_t box = first + std::min<int64_t>(lane, lanes - 1);
-        const double a = low[box * N + axis], b = high[box * N + axis];
+        const double a = low[box * kAxes + axis], b = high[box * kAxes + axis];
         const double centre = a + (b - a) * 0.5;
         u.c[0][lane] = centre;
         u.c[1 + axis][lane] = std::max(b - centre, centre - a) * (1.0 + 0x1p-51);
@@ -258,7 +267,7 @@ class BounderOf {
   }
   const E& fetch(const E* space, int64_t place, E& spare) const {
     if (place >= 0) return space[place];
-    for (V& c : spare.c) c = all(0.0);
+    clear(spare);
     spare.c[0] = all(centres_[static_cast<size_t>(-1 - place)]);
     spare.r = all(radii_[static_cast<size_t>(-1 - place)]);
     return spare;
@@ -267,7 +276,10 @@ class BounderOf {
   void over(E* space, const double* low, const double* high, int64_t first, int64_t lanes,
             double* lower, double* upper) const {
     enter(space, low, high, first, lanes);
-    for (const Operation& op : operations_) apply(op, space);
+    for (const Operation& op : operations_) {
+      op.reads ? apply<true>(op, space) : apply<false>(op, space);
+      if (op.symbol >= 0) name(op, space);
+    }
     const int64_t count = static_cast<int64_t>(outputs_.size());
     for (int64_t k = 0; k < count; ++k) {
       V least_low = all(HUGE_VAL), least_high = all(HUGE_VAL);
@@ -286,22 +298,34 @@ class BounderOf {
     }
   }
 
+  // What is left of each result gets a symbol of its own: then it cancels where it meets itself.
+  static void name(const Operation& op, E* space) {
+    for (int64_t i = 0; i < op.size; ++i) {
+      E& result = space[op.out + i];
+      result.c[kTerms + op.symbol + i] = result.r;
+      result.r = all(0.0);
+    }
+  }
+
   static void range(const E& a, V& low, V& high) {
-    const V straight = a.linear() + a.r;
+    const Parts<true> parts(a);
+    V straight = parts.linear + a.r;
+    for (int i = kTerms; i < kAll; ++i) straight += size(a.c[i]);
     low = a.c[0] - straight;
     high = a.c[0] + straight;
-    for (int i = 0, pair = E::kLinear; i < N; ++i)
-      for (int j = i; j < N; ++j, ++pair) {
+    for (int i = 0, pair = kLinear; i < kAxes; ++i)
+      for (int j = i; j < kAxes; ++j, ++pair) {
         const V q = a.c[pair];
         // A square is between 0 and 1, a mixed product between -1 and 1.
         low += i == j ? least(q, all(0.0)) : -size(q);
         high += i == j ? -least(-q, all(0.0)) : size(q);
       }
-    const V slack = kSlack * (a.bound() + a.r) + kTiny;
+    const V slack = kSlack * (parts.bound + a.r) + kTiny;
     low -= slack;
     high += slack;
   }
 
+  template <bool All>
   void apply(const Operation& op, E* space) const {
     E one, two;
     E* out = space + op.out;
@@ -312,57 +336,58 @@ class BounderOf {
           out[i] = from;
         }
         return;
-      case kAffine: return affine(op, space);
+      case kAffine: return affine<All>(op, space);
       case kSum:
-      case kInner: return sum(op, space);
+      case kInner: return sum<All>(op, space);
       default: break;
     }
     for (int64_t i = 0; i < op.size; ++i) {
       const E& a = at(space, op.operand[0], i, one);
       switch (op.kind) {
-        case kAdd: add(a, at(space, op.operand[1], i, two), 1.0, out[i]); break;
-        case kSub: add(a, at(space, op.operand[1], i, two), -1.0, out[i]); break;
-        case kMul: multiply(a, at(space, op.operand[1], i, two), out[i]); break;
-        case kSquare: multiply(a, a, out[i]); break;
+        case kAdd: add<All>(a, at(space, op.operand[1], i, two), 1.0, out[i]); break;
+        case kSub: add<All>(a, at(space, op.operand[1], i, two), -1.0, out[i]); break;
+        case kMul: multiply<All>(a, at(space, op.operand[1], i, two), out[i]); break;
+        case kSquare: multiply<All>(a, a, out[i]); break;
         case kDiv: {
           const E& b = at(space, op.operand[1], i, two);
           E inverse;
-          unary(b, reciprocal(b.c[0], reach(b)), inverse);
-          multiply(a, inverse, out[i]);
+          unary<All>(b, reciprocal(b.c[0], reach<All>(b)), inverse);
+          multiply<All>(a, inverse, out[i]);
           break;
         }
         case kNeg:
-          for (int k = 0; k < E::kTerms; ++k) out[i].c[k] = -a.c[k];
+          for (int k = 0; k < kAll; ++k) out[i].c[k] = -a.c[k];
           out[i].r = a.r;
           break;
-        default: unary(a, expanded(op.kind, a.c[0], reach(a)), out[i]);
+        default: unary<All>(a, expanded(op.kind, a.c[0], reach<All>(a)), out[i]);
       }
     }
   }
 
+  template <bool All>
   void sum(const Operation& op, E* space) const {
     const int64_t count = op.operand[0].size / op.size;
     for (int64_t i = 0; i < op.size; ++i) {
       E total, one, two, product;
-      for (V& c : total.c) c = all(0.0);
-      total.r = all(0.0);
+      clear(total);
       V magnitude = all(0.0);
       for (int64_t j = i * count; j < (i + 1) * count; ++j) {
         const E* term = &at(space, op.operand[0], j, one);
         if (op.kind == kInner) {
-          multiply(*term, at(space, op.operand[1], j, two), product);
+          multiply<All>(*term, at(space, op.operand[1], j, two), product);
           term = &product;
         }
-        for (int k = 0; k < E::kTerms; ++k) total.c[k] += term->c[k];
+        for (int k = 0; k < Parts<All>::kUsed; ++k) total.c[k] += term->c[k];
         total.r += term->r;
-        magnitude += term->bound();
+        magnitude += Parts<All>(*term).bound;
       }
       total.r += static_cast<double>(count) * kSlack / 16.0 * (magnitude + total.r);
-      rounded(total, all(0.0));
+      rounded<All>(total, all(0.0));
       space[op.out + i] = total;
     }
   }
 
+  template <bool All>
   void affine(const Operation& op, E* space) const {
     const int64_t rows = op.size / op.columns, inner = op.operand[1].size / op.columns;
     const int64_t matrix = -1 - op.operand[0].at;
@@ -371,24 +396,23 @@ class BounderOf {
     for (int64_t column = 0; column < op.columns; ++column) {
       for (int64_t k = 0; k < inner; ++k) {
         const E& x = at(space, op.operand[1], k * op.columns + column, one);
-        magnitude[static_cast<size_t>(k)] = x.bound() + x.r;
+        magnitude[static_cast<size_t>(k)] = Parts<All>(x).bound + x.r;
       }
       for (int64_t row = 0; row < rows; ++row) {
         E total;
-        for (V& c : total.c) c = all(0.0);
-        total.r = all(0.0);
+        clear(total);
         for (int64_t k = 0; k < inner; ++k) {
           const E& x = at(space, op.operand[1], k * op.columns + column, one);
           const auto place = static_cast<size_t>(matrix + row * inner + k);
           const double w = centres_[place], wide = std::abs(w);
-          for (int i = 0; i < E::kTerms; ++i) total.c[i] += w * x.c[i];
+          for (int i = 0; i < Parts<All>::kUsed; ++i) total.c[i] += w * x.c[i];
           const V m = magnitude[static_cast<size_t>(k)];
           total.r += wide * (x.r + static_cast<double>(inner) * kSlack / 16.0 * m) + radii_[place] * m;
         }
-        rounded(total, all(0.0));
+        rounded<All>(total, all(0.0));
         if (op.operands == 3) {
           E sum;
-          add(total, at(space, op.operand[2], row, two), 1.0, sum);
+          add<All>(total, at(space, op.operand[2], row, two), 1.0, sum);
           total = sum;
         }
         space[op.out + row * op.columns + column] = total;
@@ -397,18 +421,14 @@ class BounderOf {
   }
 };
 
-using Bounder = BounderOf<NG_AXES>;
-
 }  // namespace
 
 extern "C" {
 
-// A bounder in `axes` axes; null if there is none.
-void* ng_bounder(int64_t axes, const int64_t* code, int64_t operations, const int64_t* index,
+// A bounder of a Program in NG_AXES axes with at most NG_SYMBOLS symbols.
+void* ng_bounder(const int64_t* code, int64_t operations, const int64_t* index,
                  int64_t indices, const double* constants, int64_t count, const int64_t* outputs,
                  int64_t output_count, int64_t workspace) {
-  // Compiled for one number of axes: each takes seconds.
-  if (axes != NG_AXES) return nullptr;
   return new Bounder(code, operations, index, indices, constants, count, outputs, output_count,
                      workspace);
 }

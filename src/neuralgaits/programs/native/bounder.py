@@ -9,34 +9,40 @@ import numpy as np
 from neuralgaits._environment import cores
 from neuralgaits._types import Float
 from neuralgaits.programs.algebras.taylor_model import Taylor
+from neuralgaits.programs.evaluation import NO_SYMBOLS
 from neuralgaits.programs.native.compiled_rules import library
 from neuralgaits.programs.program import Operation, Program
+from neuralgaits.programs.remainder_symbols import MOST_SYMBOLS
 
 KINDS = (
     *("move", "add", "sub", "mul", "div", "neg", "square", "sum", "affine", "inner"),
     *("sqrt", "exp", "log1p", "sin", "cos", "tanh", "logistic"),
 )
 """Kinds of operations in the order in which the compiled code numbers them."""
-FIELDS = 12
+FIELDS = 14
 MOST_THREADS = 16
 
 
 class Bounder:
     """Bounds on the smallest element of some outputs over boxes of u."""
 
-    def __init__(self, code: "_Code", axes: int, rules: ctypes.CDLL):
+    def __init__(self, code: "_Code", rules: ctypes.CDLL):
         self._rules, self._outputs, self._threads = rules, len(code.outputs), _cores()
         arrays = (code.operations, code.index, code.constants, code.outputs)
         table, index, constants, outputs = (np.ascontiguousarray(array) for array in arrays)
         self._handle = rules.ng_bounder(
-            *(axes, table.ctypes.data, len(table), index.ctypes.data, len(index)),
+            *(table.ctypes.data, len(table), index.ctypes.data, len(index)),
             *(constants.ctypes.data, constants.shape[1], outputs.ctypes.data, len(outputs)),
             code.workspace,
         )
 
     @classmethod
     def of(
-        cls, program: Program, names: Sequence[str], folded: Mapping[int, Taylor]
+        cls,
+        program: Program,
+        names: Sequence[str],
+        folded: Mapping[int, Taylor],
+        symbols: Mapping[int, int] = NO_SYMBOLS,
     ) -> "Bounder | None":
         """Create a bounder for outputs of a Program of u alone; None without compiled code.
 
@@ -44,12 +50,14 @@ class Bounder:
             program: whose only input is u, over which boxes are given.
             names: of the outputs.
             folded: its constant values, as `fold` gives them.
+            symbols: first symbols of the values whose remainders have symbols; `MOST_SYMBOLS` at
+                most.
         """
         if len(program.inputs) != 1:
             return None
         (axes,) = program.inputs[0].shape
-        rules = library(axes)
-        return None if rules is None else cls(_encode(program, names, folded), axes, rules)
+        rules = library(axes, MOST_SYMBOLS if symbols else 0)
+        return None if rules is None else cls(_encode(program, names, folded, symbols), rules)
 
     def __del__(self):
         """Free the Program in the compiled code."""
@@ -76,7 +84,8 @@ class _Code(NamedTuple):
 
     Attributes:
         operations: kind, place and size of the result, columns, place in `index`, number of
-            operands, and (place, size) of three of them. [n, FIELDS]
+            operands, first symbol of the result or -1, whether an operand may depend on symbols,
+            and (place, size) of three of them. [n, FIELDS]
         index: of all moves: places of elements.
         constants: centres and radii of all constant elements. [2, m]
         outputs: (place, size). [C, 2]
@@ -90,7 +99,12 @@ class _Code(NamedTuple):
     workspace: int
 
 
-def _encode(program: Program, names: Sequence[str], folded: Mapping[int, Taylor]) -> _Code:
+def _encode(
+    program: Program,
+    names: Sequence[str],
+    folded: Mapping[int, Taylor],
+    symbols: Mapping[int, int],
+) -> _Code:
     """Encode a Program; constants have places -1 - number, results reuse freed places."""
     places: dict[int, int] = {0: 0}
     centres: list[np.ndarray] = []
@@ -106,13 +120,17 @@ def _encode(program: Program, names: Sequence[str], folded: Mapping[int, Taylor]
     last = _last_uses(program, wanted)
     room, sizes = _Workspace(program.sizes[0]), program.sizes
     table, index = [], []
+    behind: set[int] = set()
     for number, operation in enumerate(program.operations, start=program.first_operation):
         if not program.varies[number] or number not in last:
             continue
         places[number] = room.take(operation.size)
         row = [KINDS.index(operation.kind), places[number], operation.size, operation.columns]
         operands = operation.operands
-        row += [len(index), len(operands)]
+        reads = any(operand in behind for operand in operands)
+        if reads or number in symbols:
+            behind.add(number)
+        row += [len(index), len(operands), symbols.get(number, -1), int(reads)]
         if operation.kind == "move":
             index += _sources(operation, places, sizes)
             operands = ()

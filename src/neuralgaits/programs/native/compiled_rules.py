@@ -1,4 +1,4 @@
-"""The compiled rules of Taylor models: compiled once for each number of axes, kept in the cache.
+"""The compiled rules of Taylor models: compiled once for each number of axes and symbols, and kept.
 
 The Python rules in `algebras.taylor_algebra` are the reference, and the fallback where no C++
 compiler is at hand. NEURALGAITS_ENGINE=numpy selects them.
@@ -24,8 +24,11 @@ ENGINE = "NEURALGAITS_ENGINE"
 
 
 @cache
-def library(axes: int) -> ctypes.CDLL | None:
-    """Return the rules in so many axes; None where they cannot be compiled or are not wanted."""
+def library(axes: int, symbols: int) -> ctypes.CDLL | None:
+    """Return the rules in so many axes, with so many symbols at most.
+
+    None where they cannot be compiled or are not wanted.
+    """
     compiler = Compiler.first_of(COMPILERS)
     if compiler is None or os.environ.get(ENGINE) == "numpy":
         return None
@@ -34,7 +37,7 @@ def library(axes: int) -> ctypes.CDLL | None:
         "bounder",
         {SOURCE: source.read_text(encoding="utf-8")},
         (SOURCE,),
-        (*FLAGS, f"-DNG_AXES={axes}"),
+        (*FLAGS, f"-DNG_AXES={axes}", f"-DNG_SYMBOLS={symbols}"),
         # Code for this processor need not run on another machine that has the same cache.
         depends_on=(platform.node(),),
     )
@@ -47,7 +50,7 @@ def _declared(found: ctypes.CDLL) -> ctypes.CDLL:
     whole, pointer = ctypes.c_int64, ctypes.c_void_p
     found.ng_bounder.restype = pointer
     found.ng_bounder.argtypes = [
-        *(whole, pointer, whole, pointer, whole, pointer, whole, pointer, whole, whole)
+        *(pointer, whole, pointer, whole, pointer, whole, pointer, whole, whole)
     ]
     found.ng_bounds.argtypes = [pointer, pointer, pointer, whole, ctypes.c_int, pointer, pointer]
     found.ng_bounds.restype = None

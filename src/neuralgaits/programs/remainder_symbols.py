@@ -1,0 +1,140 @@
+"""Which remainders get symbols of their own, so that they cancel where they meet themselves.
+
+What a Taylor model cannot expand is a remainder [-r, r], bounded anew wherever the result is read,
+though it is one number everywhere: in a sum of products it counts with the sum of magnitudes. As
+r e, with a symbol e in [-1, 1] of its own, it counts with the magnitude of the sum. Where bounds on
+barrier conditions fail, 95 to 99 percent of what they lack is such a remainder, and nearly all of
+that is false.
+
+A symbol costs time in every operation behind it, so there are few. Let d be the derivative of an
+output by an element, and p the sum of the magnitudes of all paths to it. A symbol takes r (p - |d|)
+from the output's remainder. The value with the largest sum of these, in units of the output's own
+remainder, gets symbols first; then r and p are computed again. Whatever is chosen, bounds are true:
+the choice is only about how near they come.
+"""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+
+import numpy as np
+
+from neuralgaits.programs.evaluation import fold, results
+from neuralgaits.programs.point_algebra import POINT
+from neuralgaits.programs.program import Program
+from neuralgaits.programs.sensitivity import Sensitivity, sensitivities
+
+MOST_SYMBOLS = 16
+"""Most symbols of a Program. Four hard conditions over all speeds took 279 thousand boxes and 21 s
+with 8, 151 thousand and 15 s with 16; one of them alone took over 600 thousand with none."""
+SHARES = (0.05, 0.005)
+"""Widths of the box on which remainders are compared, in those of the region: the next one if the
+first has no bounds."""
+LEAST_GAIN = 0.02
+"""Least part of an output's remainder for which a value gets symbols."""
+MOST_NUMBERS = 2**23
+"""Most sensitivities: of larger Programs nothing is chosen."""
+
+Symbols = Mapping[int, int]
+"""By the number of a value whose remainders have symbols, the first of these, from 0 on."""
+Remainders = Callable[[Program, np.ndarray, np.ndarray, Symbols], dict[int, np.ndarray]]
+"""Function from Program, corners of a box [n] and symbols to remainders of all results [size]."""
+
+
+def count_of(program: Program, symbols: Symbols) -> int:
+    """Return how many symbols there are."""
+    return sum(program.sizes[number] for number in symbols)
+
+
+def numbered(program: Program, values: Sequence[int]) -> dict[int, int]:
+    """Return the symbols of some values."""
+    found, count = {}, 0
+    for number in sorted(values):
+        found[number], count = count, count + program.sizes[number]
+    return found
+
+
+def values_with_symbols(
+    program: Program, low: Sequence[float], high: Sequence[float], remainders: Remainders
+) -> tuple[int, ...]:
+    """Choose the values of a Program whose remainders get symbols.
+
+    Args:
+        program: of u, over which boxes are given, its first input; a second one is in the unit
+            ball.
+        low: lower corner of the region in which boxes are. [n]
+        high: upper corner. [n]
+        remainders: those of the algebra that is to have symbols.
+
+    Returns: their numbers; none where none helps, or where nothing has a bound.
+    """
+    outputs = sorted({output.value for output in program.outputs})
+    columns = sum(program.sizes[number] for number in outputs if program.varies[number])
+    if not 0 < sum(program.sizes) * columns <= MOST_NUMBERS:
+        return ()
+    with np.errstate(all="ignore"):
+        for share in SHARES:
+            looks = _Looks(program, outputs, np.array(low), np.array(high), share, remainders)
+            if np.all(np.isfinite(looks.of_outputs(looks.remainders([])))):
+                return tuple(sorted(looks.greedy()))
+    return ()
+
+
+class _Looks:
+    """Remainders and sensitivities of a Program in the middle of its region."""
+
+    def __init__(
+        self,
+        program: Program,
+        outputs: list[int],
+        low: np.ndarray,
+        high: np.ndarray,
+        share: float,
+        remainders: Remainders,
+    ):
+        self.program, self._remainders = program, remainders
+        self.outputs = [number for number in outputs if program.varies[number]]
+        centre, half = (low + high) / 2.0, share * (high - low) / 2.0
+        self.low, self.high = centre - half, centre + half
+        point = {
+            item.name: np.zeros(item.shape) if k else centre
+            for k, item in enumerate(program.inputs)
+        }
+        constants = fold(program, POINT)
+        values = {**constants, **dict(results(program, point, POINT, constants))}
+        self.values = {number: value[:, 0] for number, value in values.items()}
+        sizes = [program.sizes[number] for number in self.outputs]
+        places = np.split(np.eye(sum(sizes)), np.cumsum(sizes)[:-1])
+        self.seeds = dict(zip(self.outputs, places, strict=True))
+
+    def remainders(self, chosen: Sequence[int]) -> dict[int, np.ndarray]:
+        """Return the remainder of each result; 0 of those that have symbols. [size]."""
+        return self._remainders(self.program, self.low, self.high, numbered(self.program, chosen))
+
+    def of_outputs(self, remainders: Mapping[int, np.ndarray]) -> np.ndarray:
+        """Return the remainders of all elements of outputs. [m]."""
+        return np.concatenate([remainders[number] for number in self.outputs])
+
+    def greedy(self) -> Iterator[int]:
+        """Yield values while there are symbols left for one that helps."""
+        program, chosen, left = self.program, [], MOST_SYMBOLS
+        remainders = self.remainders(chosen)
+        whole = self.of_outputs(remainders)
+        while True:
+            reached = sensitivities(program, self.values, self.seeds, chosen)
+            gains = {
+                number: _gain(remainders[number], reached[number], whole)
+                for number in remainders
+                if number in reached and program.sizes[number] <= left
+            }
+            best = max(gains, key=lambda number: gains[number].sum(), default=None)
+            if best is None or not gains[best].max() >= LEAST_GAIN:
+                return
+            yield best
+            chosen.append(best)
+            left -= program.sizes[best]
+            remainders = self.remainders(chosen)
+
+
+def _gain(remainder: np.ndarray, reached: Sensitivity, whole: np.ndarray) -> np.ndarray:
+    """Return the parts of the outputs' remainders that symbols for a value would take away. [m]."""
+    gain = remainder @ (reached.paths - np.abs(reached.derivative)) / whole
+    return np.where(np.isfinite(gain), gain, 0.0)
