@@ -224,6 +224,17 @@ def relu_run(made_once):
     return _two_steps(made_once, "relu")
 
 
+@pytest.fixture(scope="session")
+def small_cartpole(made_once):
+    """Folder of a cart-pole's run with a small set, near the linear start: nobody changes it."""
+    from neuralgaits.systems.cartpole.cartpole_train import train_cartpole
+
+    def make(run: Path) -> None:
+        train_cartpole("cartpole", seed=0, steps=20, width=2, out=run, root=run.parent)
+
+    return made_once("small-cartpole", make)
+
+
 def _two_steps(made_once: Callable[[str, Maker], Path], name: str):
     from neuralgaits.analysis.run import open_run
     from neuralgaits.robots import load_robot
