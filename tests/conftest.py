@@ -125,12 +125,12 @@ def dialects_are_loaded_once():
 
 
 @pytest.fixture(scope="session")
-def runs_traced_once():
+def runs_traced_once(tmp_path_factory: pytest.TempPathFactory):
     """What proofs are compared with, of each run once for all tests that read the same bytes."""
     from neuralgaits.certificate.run_certificate import run_comparison
     from support.traced_once import TracedOnce
 
-    traced = TracedOnce()
+    traced = TracedOnce(_of_all_workers(tmp_path_factory))
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(run_comparison, "retrace", traced)
         for name in ("setattr", "delattr", "setitem", "delitem"):
@@ -144,11 +144,16 @@ def trust_in_what_was_traced(runs_traced_once):
     runs_traced_once.trusted = True
 
 
+def _of_all_workers(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return a folder of this test run, the same one for all of its workers."""
+    base = tmp_path_factory.getbasetemp()
+    return base.parent if "PYTEST_XDIST_WORKER" in os.environ else base
+
+
 @pytest.fixture(scope="session")
 def made_once(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str, Maker], Path]:
     """A folder by its name, which the first worker to ask makes and the others wait for."""
-    base = tmp_path_factory.getbasetemp()
-    shared = base.parent if "PYTEST_XDIST_WORKER" in os.environ else base
+    shared = _of_all_workers(tmp_path_factory)
 
     def once(name: str, make: Maker) -> Path:
         folder, done, failed = (shared / f"{name}{end}" for end in ("", "-done", "-failed"))
@@ -217,6 +222,17 @@ def small_run(made_once):
 def relu_run(made_once):
     """The same with the paper's activation, which cannot be proved."""
     return _two_steps(made_once, "relu")
+
+
+@pytest.fixture(scope="session")
+def small_cartpole(made_once):
+    """Folder of a cart-pole's run with a small set, near the linear start: nobody changes it."""
+    from neuralgaits.systems.cartpole.cartpole_train import train_cartpole
+
+    def make(run: Path) -> None:
+        train_cartpole("cartpole", seed=0, steps=20, width=2, out=run, root=run.parent)
+
+    return made_once("small-cartpole", make)
 
 
 def _two_steps(made_once: Callable[[str, Maker], Path], name: str):

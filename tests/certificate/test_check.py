@@ -34,6 +34,13 @@ def test_program_may_be_a_string_and_conditions_unclaimed(tmp_path, mutated):
     assert "1 of 2 conditions are not claimed: wave" in str(report.reason)
 
 
+def test_a_program_is_parsed_once_and_any_other_anew(tmp_path, proof):
+    first = read_claims(write(tmp_path, proof)).program
+    assert read_claims(write(tmp_path, proof)).program is first
+    other = with_program(copy.deepcopy(proof), program(floor=0.0625))
+    assert read_claims(write(tmp_path, other)).program != first
+
+
 def test_coarse_leaves_are_split_further(tmp_path, mutated):
     mutated["statements"][0]["tree"] = "-"
     report = checked(tmp_path, mutated)

@@ -2,10 +2,14 @@
 
 import contextlib
 import json
+import os
 import shutil
+import subprocess
+import sys
 
 import pytest
 
+from neuralgaits._own_process import environment_of
 from neuralgaits.certificate.chart import Axis, Chart
 from neuralgaits.certificate.levels import problems
 from neuralgaits.certificate.proof_file.reader import read_claims
@@ -15,6 +19,7 @@ from neuralgaits.certificate.run_certificate.verified_summary import read_certif
 from neuralgaits.errors import RunError
 from neuralgaits.records.certified import PROOF
 from neuralgaits.runs import RunFolder
+from neuralgaits.workflows import certify
 from support import traced_once
 from support.shipped_run import SHIPPED
 from support.traced_once import TracedOnce
@@ -124,3 +129,51 @@ def test_a_test_that_patches_traces_its_own(run, runs_traced_once, monkeypatch):
     monkeypatch.setattr(problems, "step_at", problems.step_at)
     assert read_certificate(RunFolder.open(run)).reason is None
     assert not runs_traced_once.trusted and runs_traced_once.traced == before + 1
+
+
+@pytest.mark.usefixtures("no_trace")
+def test_whoever_asks_of_a_built_in_spec_and_in_whatever_process_has_one_trace(about, tmp_path):
+    one, other = TracedOnce(tmp_path), TracedOnce(tmp_path)
+    first = one.here_if_built_in(SHIPPED, *about)
+    assert one.retrace_in_subprocess(SHIPPED, *about) == first
+    assert other.retrace_in_subprocess(SHIPPED, *about) == first
+    other.here_if_built_in(SHIPPED, Theorems())
+    assert (one.traced, other.traced) == (1, 1)
+
+
+@pytest.mark.parametrize(
+    ("patched", "trusted"),
+    [
+        ((certify, "find_sets", None), True),
+        (("neuralgaits.workflows.certify.find_sets", None), True),
+        ((os, "fsync", None), True),
+        ((os, "getcwd", None), False),
+        ((problems, "step_at", None), False),
+        (("neuralgaits.certificate.levels.problems.step_at", None), False),
+        (("neuralgaits.workflows.certify.json.dumps", None), False),
+        ((TracedOnce, "_once", None), False),
+    ],
+)
+def test_only_a_patch_of_what_no_trace_calls_leaves_trust(patched, trusted):
+    shared = TracedOnce()
+    with pytest.MonkeyPatch.context() as patch:
+        # A function that does nothing in the place of the one that patches.
+        patch.setattr(pytest.MonkeyPatch, "setattr", lambda *_: None)
+        shared.distrusting("setattr")(patch, *patched)
+    assert shared.trusted == trusted
+
+
+def test_a_trace_imports_no_room_whose_patches_leave_trust():
+    code = f"""
+import sys
+from pathlib import Path
+from neuralgaits.certificate.proof_file.reader import read_claims
+from neuralgaits.certificate.run_certificate.retrace import describe_run
+claims = read_claims(Path({str(SHIPPED / PROOF)!r}))
+found = describe_run(Path({str(SHIPPED)!r}), claims.theorems, claims.chart)
+assert found["program_hash"] == claims.program_hash
+print(*[name for name in sys.modules if name.startswith({traced_once.UNINVOLVED!r})])
+"""
+    command = [sys.executable, "-c", code]
+    done = subprocess.run(command, env=environment_of(), capture_output=True, text=True)
+    assert (done.stdout, done.stderr) == ("\n", "")

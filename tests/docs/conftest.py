@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from neuralgaits.barriers import GaitSpec
+from neuralgaits.export import build
 from neuralgaits.viewer.player import Player
 from neuralgaits.workflows import export as exporting
 from neuralgaits.workflows import train as training
@@ -29,6 +30,9 @@ def place(trained, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.setattr(
         exporting, "export_controller", partial(exporting.export_controller, states=STATES)
     )
+    # What pages export is compared with Python elsewhere, compiled as users do.
+    monkeypatch.setattr(build, "PLAIN", ("-O0",))
+    monkeypatch.setattr(build, "NATIVE", ("-O0", "-march=native"))
     # A page that closes its viewer at once has its wishes all the same, and hears what failed.
     monkeypatch.setattr(Player, "stop", _stop_when_all_is_granted)
     return tmp_path

@@ -2,6 +2,7 @@
 
 import copy
 import json
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +14,6 @@ from neuralgaits.errors import InputError
 from neuralgaits.programs import POINT, evaluate
 from neuralgaits.systems.cartpole.cartpole_certify import certify_cartpole
 from neuralgaits.systems.cartpole.cartpole_run import open_cartpole
-from neuralgaits.systems.cartpole.cartpole_train import train_cartpole
 from neuralgaits.systems.cartpole.conclusions import with_cartpole_levels
 
 HALF = [(0.5).hex()] + [(1.0).hex()] * 3
@@ -24,10 +24,9 @@ pytestmark = pytest.mark.slow
 
 
 @pytest.fixture(scope="module")
-def proof(tmp_path_factory) -> Path:
-    root = tmp_path_factory.mktemp("cartpole")
-    done = train_cartpole("cartpole", seed=0, steps=20, width=2, out=root / "run", root=root)
-    return Path(str(certify_cartpole(open_cartpole(done.path)).proof))
+def proof(small_cartpole, tmp_path_factory) -> Path:
+    run = shutil.copytree(small_cartpole, tmp_path_factory.mktemp("cartpole") / "run")
+    return Path(str(certify_cartpole(open_cartpole(run)).proof))
 
 
 @pytest.fixture(scope="module")

@@ -11,8 +11,13 @@ from neuralgaits.certificate.proof_file.reader import read_claims
 from support.checker_case import Case
 from support.full_case import FullCase
 
-TABLE = json.loads(json.dumps(Case("amber3m-feet").table))
 ONE = (1.0).hex()
+
+
+@pytest.fixture(scope="module")
+def written():
+    """The table of a proof file."""
+    return json.loads(json.dumps(Case("amber3m-feet").table))
 
 
 def ankle(table):
@@ -56,13 +61,13 @@ def taken(answer):
     return answer.returncode != 2 and (not last.startswith("rejected: ") or " boxes, " in last)
 
 
-def test_as_it_was_written_nothing_is_wrong(asked):
-    assert taken(asked(TABLE))
+def test_as_it_was_written_nothing_is_wrong(asked, written):
+    assert taken(asked(written))
 
 
 @pytest.mark.parametrize("change", ALTERED)
-def test_what_is_altered_is_rejected(asked, change):
-    table = copy.deepcopy(TABLE)
+def test_what_is_altered_is_rejected(asked, written, change):
+    table = copy.deepcopy(written)
     ALTERED[change](table)
     assert not taken(asked(table))
 

@@ -12,6 +12,9 @@ import pytest
 
 from neuralgaits.errors import RobotError
 from neuralgaits.robots import registry
+from neuralgaits.robots.mjcf import edit as edit_module
+from neuralgaits.robots.mjcf.compiled import compile_text
+from neuralgaits.robots.mjcf.edit import MjcfEdit
 from neuralgaits.robots.mjcf.loader import robot_from_text
 from neuralgaits.robots.mjcf.planariser import planarise
 from neuralgaits.simulation.setup.plant import build
@@ -329,3 +332,21 @@ def test_a_three_dimensional_robot_is_refused():
     text = free.replace('<joint name="hip_left"', '<joint name="hip_left" axis="1 0 0"')
     with pytest.raises(RobotError, match="joint hip_left is not planar"):
         planarise(text, "humanoid")
+
+
+def test_only_a_changed_file_is_compiled_again(monkeypatch):
+    compiled = []
+
+    def counted(text, name):
+        compiled.append(text)
+        return compile_text(text, name)
+
+    monkeypatch.setattr(edit_module, "compile_text", counted)
+    edit = MjcfEdit(registry.model_file("amber3m").read_text(), "amber3m")
+    edit.compile()
+    assert len(compiled) == 1
+    next(edit.root.iter("inertial")).set("mass", "7.5")
+    edit.compile()
+    edit.compile()
+    assert len(compiled) == 2
+    assert 7.5 in edit.model.body_mass

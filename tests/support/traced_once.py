@@ -3,13 +3,16 @@
 import functools
 import hashlib
 import json
+import os
 import sys
 from collections.abc import Callable
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 import pytest
 
+from neuralgaits._families import retrace_module
 from neuralgaits.certificate.chart import PLANE_ONLY, Chart
 from neuralgaits.certificate.proof_file.theorem_tables import Theorems
 from neuralgaits.certificate.run_certificate import retrace
@@ -20,6 +23,13 @@ from neuralgaits.runs.names import CONFIG, GAIT, RESIDUAL, ROBOT, SPEC, START, W
 
 READ = frozenset((CONFIG, GAIT, RESIDUAL, ROBOT, SPEC, START, WEIGHTS))
 """Files of a run that it is opened from, if its spec is built in."""
+UNINVOLVED = tuple(
+    f"neuralgaits.{room}."
+    for room in ("cli", "export", "report", "simulation", "training", "viewer", "workflows")
+)
+"""Rooms whose modules no trace of a built-in spec imports."""
+_WRITES = frozenset(("fsync", "replace"))
+"""Functions of `os` that only those call who write files, which no trace does."""
 _PROBLEMS = "neuralgaits.certificate.levels.problems"
 Key = tuple[str, ...]
 
@@ -32,16 +42,20 @@ class TracedOnce:
     of these is changed, the run is traced again. A result is kept as JSON, and each caller reads it
     anew. Errors are not kept.
 
+    A built-in spec is traced in this process, whoever asks: the tests of `retrace` itself compare
+    that with what a process of its own finds.
+
     Attributes:
         trusted: whether the program is as it was written. If not, each run is traced.
         traced: count of runs that were traced.
     """
 
-    def __init__(self) -> None:
-        """Start with no result."""
+    def __init__(self, shared: Path | None = None) -> None:
+        """Start with no result of this process, and those that others keep in a shared folder."""
         self.trusted = True
         self.traced = 0
         self._known: dict[Key, str] = {}
+        self._shared = shared
 
     def retrace_in_subprocess(
         self, run: Path, theorems: Theorems, chart: Chart = PLANE_ONLY
@@ -56,13 +70,17 @@ class TracedOnce:
         return self._once("here_if_built_in", run, theorems, chart)
 
     def distrusting(self, name: str) -> Callable[..., None]:
-        """Return the method of `pytest.MonkeyPatch` of this name, after which no run is trusted."""
+        """Return the method of `pytest.MonkeyPatch` of this name, after which no run is trusted.
+
+        A patch of what no trace of a built-in spec calls changes no result.
+        """
         change = getattr(pytest.MonkeyPatch, name)
 
         @functools.wraps(change)
-        def changed(*given: Any, **how: Any) -> None:
-            self.trusted = False
-            change(*given, **how)
+        def changed(patch: pytest.MonkeyPatch, *given: Any, **how: Any) -> None:
+            if not _uninvolved(*given):
+                self.trusted = False
+            change(patch, *given, **how)
 
         return changed
 
@@ -71,11 +89,39 @@ class TracedOnce:
         if not self.trusted or _replaced():
             self.traced += 1
             return trace(run, theorems, chart)
+        if _is_of_a_built_in_walker(run):
+            name, trace = "describe_run", retrace.describe_run
         key = name, json.dumps([theorems.tables(), chart.table()]), *_contents(run)
         if key not in self._known:
-            self.traced += 1
-            self._known[key] = json.dumps(trace(run, theorems, chart))
+            self._known[key] = self._read_or_traced(key, lambda: trace(run, theorems, chart))
         return json.loads(self._known[key])
+
+    def _read_or_traced(self, key: Key, trace: Callable[[], dict[str, Any]]) -> str:
+        """Return a result as JSON: that of another process, or a new one that others may read."""
+        digest = hashlib.sha256(json.dumps(key).encode()).hexdigest()
+        kept = None if self._shared is None else self._shared / f"traced-{digest}.json"
+        if kept is not None and kept.exists():
+            return kept.read_text(encoding="utf-8")
+        self.traced += 1
+        text = json.dumps(trace())
+        if kept is not None:
+            # Whole or not there, whoever else writes the same.
+            written = kept.with_suffix(f".{os.getpid()}")
+            written.write_text(text, encoding="utf-8")
+            written.rename(kept)
+        return text
+
+
+def _uninvolved(target: Any, *given: Any) -> bool:
+    """Return whether a patch, by the arguments of `setattr`, changes what no trace calls."""
+    if isinstance(target, str):
+        target, _, name = target.rpartition(".")
+        target = sys.modules.get(target)
+    else:
+        name = given[0] if given else None
+    if not isinstance(target, ModuleType):
+        return False
+    return target.__name__.startswith(UNINVOLVED) or (target is os and name in _WRITES)
 
 
 def _contents(run: Path) -> Key:
@@ -103,6 +149,11 @@ def _is_built_in(run: Path) -> bool:
         return specs.is_built_in(asked_of(RunFolder.open(run)).spec)
     except NeuralGaitsError:
         return False
+
+
+def _is_of_a_built_in_walker(run: Path) -> bool:
+    """Return whether a run is of a built-in spec and of no other family."""
+    return _is_built_in(run) and not retrace_module(RunFolder.open(run).config)
 
 
 def _replaced() -> bool:

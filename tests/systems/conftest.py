@@ -1,18 +1,19 @@
 """A cart-pole's run, trained for a few steps and certified."""
 
+import shutil
+
 import pytest
 
 from neuralgaits.systems.cartpole.cartpole_certify import certify_cartpole
 from neuralgaits.systems.cartpole.cartpole_run import open_cartpole
-from neuralgaits.systems.cartpole.cartpole_train import train_cartpole
 
 
 @pytest.fixture(scope="session")
-def cartpole_run(tmp_path_factory):
-    """A small set, near the linear start."""
-    root = tmp_path_factory.mktemp("cartpole")
-    done = train_cartpole("cartpole", seed=0, steps=20, width=2, out=root / "run", root=root)
-    return open_cartpole(done.path)
+def cartpole_run(small_cartpole, tmp_path_factory):
+    """A copy, which is certified later."""
+    return open_cartpole(
+        shutil.copytree(small_cartpole, tmp_path_factory.mktemp("cartpole") / "run")
+    )
 
 
 @pytest.fixture(scope="session")

@@ -206,6 +206,7 @@ def test_python_calls_take_cart_poles(cartpole_run, tmp_path):
 
 def test_the_command_line_trains_and_proves(tmp_path, monkeypatch, capfd):
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("neuralgaits.systems.cartpole.cartpole_report.EPISODES", 2)
     assert main(["train", "cartpole", "--steps", "20", "--hidden", "2", "--certify"]) == 0
     assert main(["certify", "latest"]) == 0
     assert "proved to level 3" in capfd.readouterr().out
@@ -319,7 +320,10 @@ def test_a_training_says_what_came_of_its_proof(tmp_path, monkeypatch, capfd):
     assert json.loads(capfd.readouterr().out)["proof"] == "undecided"
 
 
-def test_a_page_says_that_a_proof_counts_for_nothing(cartpole_run, cartpole_certificate, tmp_path):
+def test_a_page_says_that_a_proof_counts_for_nothing(
+    cartpole_run, cartpole_certificate, tmp_path, monkeypatch
+):
+    monkeypatch.setattr("neuralgaits.systems.cartpole.cartpole_report.EPISODES", 1)
     run = shutil.copytree(cartpole_run.path, tmp_path / "run")
     assert report_cartpole(open_cartpole(run)).damaged is None
     (run / PROOF).write_bytes((run / PROOF).read_bytes()[:900])

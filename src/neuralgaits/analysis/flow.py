@@ -150,14 +150,17 @@ def _rate(motion: FlowQuantities, y: np.ndarray) -> np.ndarray:
 def _step(motion: FlowQuantities, y: np.ndarray, h: np.ndarray) -> np.ndarray:
     """Take one step of length h [N] of the method of Dormand and Prince. [N, 3]."""
     slopes: list[np.ndarray] = []
-
-    def ahead(shares: np.ndarray) -> np.ndarray:
-        known = zip(shares, slopes, strict=False)
-        return y + h[:, None] * sum(share * slope for share, slope in known if share)
-
     for shares in DOPRI5.stages:
-        slopes.append(_rate(motion, ahead(shares)))
-    return ahead(DOPRI5.weights)
+        slopes.append(_rate(motion, _ahead(y, h, shares, slopes)))
+    return _ahead(y, h, DOPRI5.weights, slopes)
+
+
+def _ahead(
+    y: np.ndarray, h: np.ndarray, shares: np.ndarray, slopes: list[np.ndarray]
+) -> np.ndarray:
+    """Return the states after a step h [N] along shares [s] of the slopes known so far. [N, 3]."""
+    known = zip(shares, slopes, strict=False)
+    return y + h[:, None] * sum(share * slope for share, slope in known if share)
 
 
 def _foot(motion: FlowQuantities, y: np.ndarray) -> np.ndarray:

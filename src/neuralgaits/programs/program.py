@@ -270,7 +270,8 @@ def _problem(program: Program) -> str | None:
         if sorted(set(names)) != names:
             return f"names {names} that are not unique and sorted"
     for number, operation in enumerate(program.operations, start=program.first_operation):
-        if any(not 0 <= operand < number for operand in operation.operands):
+        operands = operation.operands
+        if operands and not 0 <= min(operands) <= max(operands) < number:
             return f"operation {number} with operands {operation.operands} that come later"
     return _problem_of_operations(program)
 

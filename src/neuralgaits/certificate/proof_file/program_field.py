@@ -5,7 +5,7 @@ Only the standard library and NumPy are needed.
 
 import json
 from collections.abc import Sequence
-from functools import partial
+from functools import lru_cache, partial
 from typing import Any
 
 from neuralgaits.certificate.proof_file.json_fields import parse
@@ -33,18 +33,25 @@ def program_of(given: Any, axes: int) -> Program:
     table = parse(text, fractions=False)
     _refuse_long(table)
     canonical = json.dumps(table, sort_keys=True, separators=(",", ":"), ensure_ascii=True)
-    try:
-        program = Program.from_json(canonical)
-    except InputError as error:
-        raise ValueError(str(error)) from None
-    if program.to_json() != canonical:
-        raise ValueError("a Program with fields that this version does not know")
+    program = _program_of_text(canonical)
     names, shapes = [item.name for item in program.inputs], [item.shape for item in program.inputs]
     if names not in (["u"], ["u", FIBRE]) or shapes[0] != (axes,) or len(shapes[-1]) != 1:
         raise ValueError(f"a Program that is no function of {axes} axes u, or of u and {FIBRE}")
     if any(0 in output.shape for output in program.outputs):
         raise ValueError("a Program with an output without elements")
     _refuse_large(program)
+    return program
+
+
+@lru_cache(maxsize=2)
+def _program_of_text(canonical: str) -> Program:
+    """Return the Program that is written so. A command reads one file several times."""
+    try:
+        program = Program.from_json(canonical)
+    except InputError as error:
+        raise ValueError(str(error)) from None
+    if program.to_json() != canonical:
+        raise ValueError("a Program with fields that this version does not know")
     return program
 
 

@@ -38,12 +38,15 @@ class MjcfEdit:
         self._name = name
         self._prologue, self.root = parse(text)
         self.changes: list[str] = []
+        self._compiled = ""
         self.compile()
 
     def compile(self) -> None:
         """Compile the file and number everything again. Raises: RobotError if MuJoCo cannot."""
         text = ElementTree.tostring(self.root, encoding="unicode")
-        self.model = compile_text(text, self._name)
+        if text != self._compiled:  # Most changes find nothing to change in most files.
+            self.model = compile_text(text, self._name)
+            self._compiled = text
         self.found = match_elements(self.root, self.model)
 
     def at_zero(self) -> mujoco.MjData:
