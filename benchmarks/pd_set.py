@@ -23,6 +23,7 @@ from neuralgaits.certificate.levels.full_order.model import BANDWIDTH, FullOrder
 from neuralgaits.certificate.levels.full_order.norm import FULL, HELD_SPARE, IMPACT, STRIP, Seen
 from neuralgaits.certificate.levels.full_order.sample_evaluators import looks_of, what_is_seen
 from neuralgaits.control.pd import Pd
+from neuralgaits.gait.joint_inertia import JointResponse
 from neuralgaits.robots import load_robot
 
 BANDWIDTHS = tuple(map(float, os.environ.get("BANDWIDTHS", "45,60,80,110").split(",")))
@@ -35,7 +36,7 @@ class Closed:
     """The outputs under PD at points of the step, in plain (y, dy)."""
 
     def __init__(self, robot, seen: Seen, push_torque: np.ndarray, w: float):
-        law, m = Pd(bandwidth=w).with_gains_for(robot), len(seen.inertia)
+        law, m = Pd(bandwidth=w).with_gains_for(JointResponse(robot)), len(seen.inertia)
         limits = np.asarray(robot.torque_limit)
         self.m, self.seen = m, seen
         inertia = push_torque * limits[:, None]

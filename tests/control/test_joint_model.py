@@ -9,6 +9,7 @@ from neuralgaits.control import PAPER, ClfQp, Fblin, Pd
 from neuralgaits.control.inverse_dynamics import consistent_acceleration
 from neuralgaits.control.joint_model import FRICTION_RATE, JointModel
 from neuralgaits.control.law import Desired, MeasuredState
+from neuralgaits.gait.joint_inertia import JointResponse
 from neuralgaits.robots import load_robot
 from neuralgaits.robots.mjcf.loader import robot_from_text
 from support.random_biped import random_biped
@@ -21,7 +22,7 @@ def amber():
 
 @pytest.fixture(scope="module")
 def joints(amber):
-    return JointModel.of_leg(amber, [0.5, 0.6], [0.1, 0.2], [1.0, 2.0])
+    return JointModel.of_leg(amber.n - 1, [0.5, 0.6], [0.1, 0.2], [1.0, 2.0])
 
 
 def some_state(robot):
@@ -35,15 +36,19 @@ def test_both_legs_have_the_joints_of_one(joints):
     assert joints.armature.tolist() == [0.5, 0.6, 0.6, 0.5]
     assert joints.friction.tolist() == [1.0, 2.0, 2.0, 1.0]
     shared = robot_from_text(random_biped(1, 2, torso=False), "random")
-    assert JointModel.of_leg(shared, [1, 2], [1, 2], [1, 2]).damping.tolist() == [1.0, 2.0, 1.0]
+    assert JointModel.of_leg(shared.n - 1, [1, 2], [1, 2], [1, 2]).damping.tolist() == [
+        1.0,
+        2.0,
+        1.0,
+    ]
 
 
 @pytest.mark.parametrize("law", [Pd(), Fblin()], ids=["pd", "fblin"])
 def test_rotors_and_damping_change_the_torque_by_what_they_take(amber, joints, law):
     """The accelerations stay: no rotor turns about the foot."""
     reading, desired = some_state(amber)
-    law = law.with_gains_for(amber)
-    model = joints.robot(amber)
+    law = law.with_gains_for(JointResponse(amber))
+    model = amber.with_joints(joints.armature, joints.damping)
 
     @jax.jit
     def torques():

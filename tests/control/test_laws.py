@@ -11,7 +11,7 @@ from neuralgaits.control.law import MeasuredState
 from neuralgaits.control.momentum import zero_state
 from neuralgaits.control.pd import BANDWIDTH, MOST, SLOWEST
 from neuralgaits.gait import BezierPolicy, ZeroDynamics
-from neuralgaits.gait.joint_inertia import joint_inertia
+from neuralgaits.gait.joint_inertia import JointResponse
 from neuralgaits.gait.posture import momentum_unit, walking_posture
 
 
@@ -95,7 +95,7 @@ def test_pd_is_spring_and_damper_around_the_policy(amber, rng):
 
 def test_the_feed_forward_keeps_outputs_that_are_met(robot, rng):
     """Where the outputs have no error, they get none: by differentiating along the dynamics."""
-    law = Pd().with_gains_for(robot)
+    law = Pd().with_gains_for(JointResponse(robot))
     bezier = BezierPolicy(rng.uniform(-0.3, 0.3, (robot.n - 1, 5)), (-0.2, 0.2))
     zd = ZeroDynamics(robot, bezier)
 
@@ -132,8 +132,8 @@ def responses(robot):
 def test_gains_fit_the_inertia_that_a_motor_feels(robot):
     """A step in one torque alone, by the full dynamics; given gains are left as they are."""
     law, given = (
-        Pd(bandwidth=30.0).with_gains_for(robot),
-        Pd(stiffness=(7.0,)).with_gains_for(robot),
+        Pd(bandwidth=30.0).with_gains_for(JointResponse(robot)),
+        Pd(stiffness=(7.0,)).with_gains_for(JointResponse(robot)),
     )
     inertia = 1.0 / jnp.diag(responses(robot))
     np.testing.assert_allclose(law.stiffness, 900.0 * inertia, rtol=1e-9)
@@ -145,9 +145,9 @@ def test_joints_do_not_give_way_together_slowly(robot):
     """Natural frequencies of errors under the fitted stiffness, by the full dynamics."""
     light = eqx.tree_at(lambda r: r.armature, robot, jnp.zeros(robot.n))
     for model in (robot, light):
-        stiffness = np.array(Pd().with_gains_for(model).stiffness)
+        stiffness = np.array(Pd().with_gains_for(JointResponse(model)).stiffness)
         squares = np.linalg.eigvals(np.asarray(responses(model)).T * stiffness).real
-        w = float(np.sqrt(stiffness[0] / joint_inertia(model)[0]))
+        w = float(np.sqrt(stiffness[0] / JointResponse(model).inertia[0]))
         assert BANDWIDTH <= w * (1 + 1e-9) and w <= MOST * (1 + 1e-9)
         if w < MOST * (1 - 1e-9):
             assert np.sqrt(np.min(squares)) >= SLOWEST * (1 - 1e-9)
@@ -166,6 +166,7 @@ def test_the_papers_controller_tells_the_policy_no_momentum(amber, rng):
 
 @pytest.mark.parametrize("law", [Pd(), Fblin()])
 def test_laws_work_under_jit(amber, rng, law):
+    law = law.with_gains_for(JointResponse(amber))
     policy, q, dq = a_case(amber, rng)
     reading = reading_of(amber, q, dq)
 

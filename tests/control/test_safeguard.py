@@ -9,6 +9,7 @@ from neuralgaits.control import Measurement, Pd, safeguard
 from neuralgaits.control.controller import Controller, start, step
 from neuralgaits.control.safeguard import Fault, SafeguardConfig
 from neuralgaits.gait import HybridInvariantPolicy
+from neuralgaits.gait.joint_inertia import JointResponse
 from neuralgaits.robots import load_robot
 
 CALM = SafeguardConfig(torque_swing_s=1e-9)
@@ -128,6 +129,6 @@ def test_blending_starts_at_the_posture_it_finds(controller):
 
 def test_the_hold_has_the_lowest_gains_of_the_default_law():
     robot = load_robot("amber3m")
-    config, law = SafeguardConfig.for_robot(robot), Pd().with_gains_for(robot)
+    config, law = SafeguardConfig.for_robot(robot), Pd().with_gains_for(JointResponse(robot))
     assert config.hold_stiffness == pytest.approx(min(law.stiffness))
     assert config.hold_damping == pytest.approx(min(law.damping))

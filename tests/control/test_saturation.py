@@ -7,10 +7,12 @@ from hypothesis import strategies as st
 from neuralgaits.control.saturation import (
     SPEED_BOUNDS,
     ZeroStateBounds,
+    momenta_of_walking,
     saturate,
     zero_state_bounds,
 )
 from neuralgaits.gait import BezierPolicy
+from neuralgaits.gait.posture import momentum_unit
 
 BOUNDS = ZeroStateBounds(np.array([-0.2, 5.0]), np.array([0.2, 25.0]), np.array([0.02, 2.0]))
 z1, z2 = st.floats(-3, 3), st.floats(-1e3, 1e3)
@@ -48,11 +50,11 @@ def test_value_slope_and_curvature_are_continuous_at_the_edges():
 
 def test_bounds_of_a_policy_follow_its_step_and_the_robot(amber):
     policy = jax.tree.map(jnp.asarray, BezierPolicy(np.zeros((4, 3)), (-0.18, 0.16)))
-    free = zero_state_bounds(amber, policy)
+    free = zero_state_bounds(policy, momenta_of_walking(momentum_unit(amber)))
     np.testing.assert_allclose((free.lower[0], free.upper[0]), (-0.18, 0.16))
     speeds = np.array([free.lower[1], free.upper[1]]) / float(amber.mass * amber.leg_length)
     np.testing.assert_allclose(speeds**2 / (9.81 * amber.leg_length), np.square(SPEED_BOUNDS))
-    known = zero_state_bounds(amber, policy, (10.0, 20.0))
+    known = zero_state_bounds(policy, (10.0, 20.0))
     assert (known.lower[1], known.upper[1]) == (10.0, 20.0)
 
 

@@ -18,7 +18,7 @@ from neuralgaits.export.programs import policy_rate
 from neuralgaits.export.reference import Reference
 from neuralgaits.export.selftest import selftest_file
 from neuralgaits.export.source import gait_files
-from neuralgaits.gait.joint_inertia import joint_inertia
+from neuralgaits.gait.joint_inertia import JointResponse
 from support.compiled import folder_with
 from support.designs import design_for
 from support.random_biped import random_biped
@@ -167,7 +167,7 @@ def test_facts_are_in_the_header(design, files):
     text = files["gait.h"]
     for name in (*design.robot.joint_names, "knee_left", "hip_right", "0" * 64, "1" * 64):
         assert name in text
-    stiffness = BANDWIDTH**2 * joint_inertia(design.robot)
+    stiffness = BANDWIDTH**2 * JointResponse(design.robot).inertia
     gains = "/".join(f"{gain:.4g}" for gain in stiffness) + " N m/rad"
     for fact in (gains, "578 N m/rad", "30 rad/s", "41 N m", "0.001 s", "-1.6 to 1.6 rad"):
         assert fact in text

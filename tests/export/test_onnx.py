@@ -13,7 +13,7 @@ import pytest
 
 from neuralgaits.control.pd import BANDWIDTH
 from neuralgaits.errors import InputError, MismatchError, SpecError
-from neuralgaits.gait.joint_inertia import joint_inertia
+from neuralgaits.gait.joint_inertia import JointResponse
 from neuralgaits.programs import POINT, evaluate
 from neuralgaits.programs.tracing.tracer import trace
 from neuralgaits.runs import to_json
@@ -140,7 +140,7 @@ def test_facts_are_those_of_the_header(exported, trained):
         assert facts["policy_sha256"] == weights
         assert json.loads(facts["coordinate_names"]) == list(trained.robot.joint_names)
         laws = json.loads(facts["laws"])
-        stiffness = BANDWIDTH**2 * joint_inertia(trained.robot)
+        stiffness = BANDWIDTH**2 * JointResponse(trained.robot).inertia
         assert "/".join(f"{gain:.4g}" for gain in stiffness) + " N m/rad" in laws["pd"]
         assert laws["paper"].startswith("578 N m/rad")
         assert set(json.loads(facts["units"])) <= set(facts)

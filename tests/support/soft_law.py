@@ -9,8 +9,8 @@ class Soft(AbstractLaw):
     hold_ticks: int = 2
     pd: Pd = Pd()
 
-    def with_gains_for(self, robot):
-        return Soft(self.hold_ticks, self.pd.with_gains_for(robot))
+    def with_gains_for(self, joints):
+        return Soft(self.hold_ticks, self.pd.with_gains_for(joints))
 
     def told(self, z):
         return self.pd.told(z)

@@ -67,4 +67,4 @@ def read_joints(run: Run, given: str | Path) -> JointFile:
             f"--joints: expected rotors and friction from 0 to {MOST:g}, found others in {path}: "
             f"identify them again with `{fit}`"
         )
-    return JointFile(JointModel.of_leg(run.robot, *columns), sha256(content))
+    return JointFile(JointModel.of_leg(run.robot.n - 1, *columns), sha256(content))

@@ -16,6 +16,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from neuralgaits._types import Actuated, Array, Coordinates, Float, Planar, Scalar, ZeroState
+from neuralgaits.control.driven_mechanism import DrivenMechanism
 from neuralgaits.control.fblin import Fblin
 from neuralgaits.control.interior_point import QuadraticProgram, minimise
 from neuralgaits.control.law import (
@@ -27,8 +28,6 @@ from neuralgaits.control.law import (
     Outputs,
     errors,
 )
-from neuralgaits.robots import PlanarBiped
-from neuralgaits.robots.dynamics import ground_reaction_force
 from neuralgaits.robots.linear import solve
 
 DECAY = 0.75
@@ -79,15 +78,15 @@ class ClfQp(AbstractLaw):
         """Return all of z, unchanged. [2]."""
         return z
 
-    def desired(self, robot: PlanarBiped, outputs: Outputs, reading: MeasuredState) -> Desired:
+    def desired(self, robot: DrivenMechanism, outputs: Outputs, reading: MeasuredState) -> Desired:
         """Return desired outputs, rates, and the terms of their accelerations, a `Desired`."""
         return self.linearising.desired(robot, outputs, reading)
 
-    def torque(self, robot: PlanarBiped, reading: MeasuredState, desired: Desired) -> Actuated:
+    def torque(self, robot: DrivenMechanism, reading: MeasuredState, desired: Desired) -> Actuated:
         """Return the linearising torques. [m] (N m)."""
         return self.linearising.torque(robot, reading, desired)
 
-    def apply_limits(self, robot: PlanarBiped, demand: Demand) -> Limited:
+    def apply_limits(self, robot: DrivenMechanism, demand: Demand) -> Limited:
         """Solve the program. Returns: `Limited`."""
         torque, limit = demand.torque, demand.limit
         m, unit = robot.n - 1, jnp.max(limit)
@@ -99,7 +98,7 @@ class ClfQp(AbstractLaw):
         at_limit = jnp.any(jnp.abs(within) >= (1.0 - AT_LIMIT) * limit)
         return Limited(within, at_limit, given_up | ~found.converged)
 
-    def program(self, robot: PlanarBiped, demand: Demand) -> QuadraticProgram:
+    def program(self, robot: DrivenMechanism, demand: Demand) -> QuadraticProgram:
         """The program of one state. Torques are in units of the largest limit.
 
         Returns: `QuadraticProgram` of x = (u/unit, delta, sigma).
@@ -125,7 +124,11 @@ class ClfQp(AbstractLaw):
         )
 
     def _decrease(
-        self, robot: PlanarBiped, reading: MeasuredState, desired: Desired, free: "Accelerations"
+        self,
+        robot: DrivenMechanism,
+        reading: MeasuredState,
+        desired: Desired,
+        free: "Accelerations",
     ) -> tuple[Actuated, Scalar]:
         """Return the row of V: slope @ u <= rest means that sqrt V falls fast enough."""
         w = self.bandwidth
@@ -134,7 +137,7 @@ class ClfQp(AbstractLaw):
         size = jnp.sqrt(one @ one + two @ two)
         divisor = jnp.maximum(size, SMALLEST_OUTPUT)
         lead = (one + 2.0 * two) / (w * divisor)
-        gradient = robot.hip_gradient
+        gradient = robot.position_rows[0]
         along = desired.slope
         by_torque = free.by_torque[1:] - along[:, None] * (gradient @ free.by_torque)[None, :]
         without = free.without[1:] - along * (gradient @ free.without) - desired.drift
@@ -151,7 +154,7 @@ class Accelerations(NamedTuple):
     """Change by each torque [rad/s^2 / N m]. [n, m]"""
 
 
-def accelerations(robot: PlanarBiped, reading: MeasuredState) -> Accelerations:
+def accelerations(robot: DrivenMechanism, reading: MeasuredState) -> Accelerations:
     """Accelerations of the robot pinned at its stance foot."""
     mass, bias = robot.mass_matrix(reading.q), robot.bias(reading.q, reading.dq)
     if reading.ankle is not None:
@@ -163,16 +166,16 @@ def accelerations(robot: PlanarBiped, reading: MeasuredState) -> Accelerations:
 
 
 def ground_force(
-    robot: PlanarBiped, q: Coordinates, dq: Coordinates
+    robot: DrivenMechanism, q: Coordinates, dq: Coordinates
 ) -> tuple[Planar, Float[Array, "2 n"]]:
     """Force of the floor on the stance foot, affine in the accelerations.
 
     Returns: without any (weights) [2], and by each (weights s^2/rad) [2, n]; (tangential, normal).
     """
-    weight = robot.mass * robot.gravity
+    weight = robot.weight()
 
     def force(ddq: Coordinates) -> Planar:
-        return ground_reaction_force(robot, q, dq, ddq) / weight
+        return robot.ground_reaction_force(q, dq, ddq) / weight
 
     still, push = jax.linearize(force, jnp.zeros(robot.n))
     return still, jnp.stack([push(unit) for unit in jnp.eye(robot.n)], axis=1)

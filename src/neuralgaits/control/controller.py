@@ -26,10 +26,12 @@ from neuralgaits.control.measurement import (
     stance_foot_velocity,
 )
 from neuralgaits.control.momentum import zero_state
-from neuralgaits.control.saturation import ZeroStateBounds, zero_state_bounds
+from neuralgaits.control.saturation import ZeroStateBounds, momenta_of_walking, zero_state_bounds
 from neuralgaits.control.stance import StanceConfig, StanceState
 from neuralgaits.gait import AbstractPolicy
 from neuralgaits.gait.commands import CommandLimits
+from neuralgaits.gait.joint_inertia import JointResponse
+from neuralgaits.gait.posture import momentum_unit
 from neuralgaits.gait.reset_residual import ResetCorrection
 from neuralgaits.robots import PlanarBiped
 
@@ -89,11 +91,12 @@ class Controller(eqx.Module):
         middle = CommandLimits.of(policy.commands).middle
         of_middle = policy.from_step_parameters(_numbers(robot, policy, middle, reset_residual))
         limit = robot.torque_limit if torque_limit is None else torque_limit
+        momenta = z2_range or momenta_of_walking(momentum_unit(robot))
         return cls(
             robot=robot,
             policy=policy,
-            law=law.with_gains_for(robot),
-            bounds=zero_state_bounds(robot, of_middle, z2_range),
+            law=law.with_gains_for(JointResponse(robot)),
+            bounds=zero_state_bounds(of_middle, momenta),
             torque_limit=np.asarray(limit, dtype=np.float64),
             stance=StanceConfig() if stance is None else stance,
             period_s=period_s,
@@ -198,9 +201,8 @@ def tell(
     controller: Controller, state: ControllerState, requested: Float[Array, " p"]
 ) -> ControllerState:
     """Request other commands from the next touchdown on, see `command_state.tell`."""
-    return state._replace(
-        told=command_state.tell(controller.policy.commands, state.told, requested)
-    )
+    told = command_state.tell(controller.policy.commands, state.told, requested)
+    return state._replace(told=told)
 
 
 def step(
@@ -227,7 +229,7 @@ def step(
         lambda new, old: jnp.where(ask, new, old), _ask(controller, now, reading), state.held
     )
     remaining = jnp.where(ask, law.hold_ticks, state.ticks_to_policy) - 1
-    model = robot if joints is None else joints.robot(robot)
+    model = robot if joints is None else robot.with_joints(joints.armature, joints.damping)
     wanted = law.torque(model, reading, held)
     if joints is not None and law.takes_joints:
         wanted = wanted + joints.friction_torque(held.dy)

@@ -6,9 +6,9 @@ Source: Westervelt et al. (2007), section 5.
 import equinox as eqx
 
 from neuralgaits._types import Actuated, ZeroState
+from neuralgaits.control.driven_mechanism import DrivenMechanism
 from neuralgaits.control.inverse_dynamics import accelerated, inverse_dynamics
 from neuralgaits.control.law import AbstractLaw, Desired, MeasuredState, Outputs, errors
-from neuralgaits.robots import PlanarBiped
 
 
 class Fblin(AbstractLaw):
@@ -31,11 +31,11 @@ class Fblin(AbstractLaw):
         """Return all of z, unchanged. [2]."""
         return z
 
-    def desired(self, robot: PlanarBiped, outputs: Outputs, reading: MeasuredState) -> Desired:
+    def desired(self, robot: DrivenMechanism, outputs: Outputs, reading: MeasuredState) -> Desired:
         """Return desired outputs, rates, and the terms of their accelerations, a `Desired`."""
         return accelerated(robot, outputs, reading)
 
-    def torque(self, robot: PlanarBiped, reading: MeasuredState, desired: Desired) -> Actuated:
+    def torque(self, robot: DrivenMechanism, reading: MeasuredState, desired: Desired) -> Actuated:
         """Joint torques before saturation. Returns: [m] (N m)."""
         error, rate = errors(reading, desired)
         pull = -(self.bandwidth**2) * error - 2.0 * self.bandwidth * rate

@@ -9,17 +9,17 @@ import jax
 import jax.numpy as jnp
 
 from neuralgaits._types import Actuated, Coordinates, Scalar, ZeroState
+from neuralgaits.control.driven_mechanism import DrivenMechanism
 from neuralgaits.control.law import Desired, MeasuredState, Outputs
 from neuralgaits.gait.policy import OutputJet
 from neuralgaits.gait.zero_coordinates import ZeroCoordinates, combined, momentum_of
-from neuralgaits.robots import PlanarBiped
 
 # Smallest |momentum per unit ddz1| that is divided by, in units of mass times leg length. A walk
 # stays near 1; below this the robot falls in a posture where hip and momentum part company.
 SMALLEST_DENOMINATOR = 0.03
 
 
-def accelerated(robot: PlanarBiped, outputs: Outputs, reading: MeasuredState) -> Desired:
+def accelerated(robot: DrivenMechanism, outputs: Outputs, reading: MeasuredState) -> Desired:
     """Return desired outputs, rates, and the terms of their accelerations, a `Desired`."""
     z, dz = reading.z, reading.dz
     jet, change = jax.linearize(lambda point: _jet(outputs, point), z)
@@ -32,7 +32,7 @@ def accelerated(robot: PlanarBiped, outputs: Outputs, reading: MeasuredState) ->
 
 
 def impact_consistent_rates(
-    robot: PlanarBiped, outputs: Outputs, reading: MeasuredState
+    robot: DrivenMechanism, outputs: Outputs, reading: MeasuredState
 ) -> MeasuredState:
     """The state with the rates that meet the outputs at this momentum about the foot.
 
@@ -49,7 +49,7 @@ def impact_consistent_rates(
 
 
 def inverse_dynamics(
-    robot: PlanarBiped, reading: MeasuredState, slope: Actuated, known: Actuated
+    robot: DrivenMechanism, reading: MeasuredState, slope: Actuated, known: Actuated
 ) -> Actuated:
     """Joint torques of ddq_a = slope ddz1 + known, with no torque at the foot but an ankle's.
 
@@ -61,7 +61,7 @@ def inverse_dynamics(
 
 
 def consistent_acceleration(
-    robot: PlanarBiped, reading: MeasuredState, slope: Actuated, known: Actuated
+    robot: DrivenMechanism, reading: MeasuredState, slope: Actuated, known: Actuated
 ) -> Coordinates:
     """The acceleration with ddq_a = slope ddz1 + known under no torque at the foot but an ankle's.
 
@@ -75,7 +75,7 @@ def consistent_acceleration(
 
 
 def _balanced(
-    robot: PlanarBiped, reading: MeasuredState, slope: Actuated, known: Actuated, moment: Scalar
+    robot: DrivenMechanism, reading: MeasuredState, slope: Actuated, known: Actuated, moment: Scalar
 ) -> tuple[Coordinates, Scalar]:
     """Rates or accelerations x, x_a = slope x1 + known, with D x about the foot of -moment.
 
@@ -86,7 +86,7 @@ def _balanced(
     along = coordinates.along(slope[:, None])[:, 0]
     rest = coordinates.still(known)
     denominator = row @ along
-    smallest = SMALLEST_DENOMINATOR * robot.mass * jnp.sum(robot.hip)
+    smallest = SMALLEST_DENOMINATOR * robot.moment_scale()
     size = jnp.maximum(jnp.abs(denominator), smallest)
     of_z1 = -(moment + row @ rest) / jnp.where(denominator < 0.0, -size, size)
     return along * of_z1 + rest, of_z1

@@ -11,7 +11,6 @@ import jax.numpy as jnp
 import numpy as np
 
 from neuralgaits._types import Actuated, Array, Float
-from neuralgaits.robots import PlanarBiped
 
 FRICTION_RATE = 0.05
 """Desired rate at which three quarters of a joint's dry friction are made up for, and beyond which
@@ -34,7 +33,7 @@ class JointModel(eqx.Module):
     @classmethod
     def of_leg(
         cls,
-        robot: PlanarBiped,
+        joints: int,
         armature: Sequence[float],
         damping: Sequence[float],
         friction: Sequence[float],
@@ -42,20 +41,14 @@ class JointModel(eqx.Module):
         """Return the model of two equal legs.
 
         Args:
-            robot: on point feet.
+            joints: number of actuated joints of a robot on point feet.
             armature: rotor inertia of the joints of a leg, from the lowest up [kg m^2].
             damping: their viscous friction [N m s/rad].
             friction: their dry friction [N m].
         """
         # The last joint of a leg is its hip; without a torso both legs share it.
-        places = [min(j, robot.n - 2 - j) for j in range(robot.n - 1)]
+        places = [min(j, joints - 1 - j) for j in range(joints)]
         return cls(*(np.array(one, np.float64)[places] for one in (armature, damping, friction)))
-
-    def robot(self, robot: PlanarBiped) -> PlanarBiped:
-        """Return a robot with these rotors and this damping."""
-        armature = jnp.concatenate([robot.armature[:1], self.armature])
-        damping = jnp.concatenate([robot.damping[:1], self.damping])
-        return eqx.tree_at(lambda one: (one.armature, one.damping), robot, (armature, damping))
 
     def friction_torque(self, dy: Actuated) -> Actuated:
         """Return the torque that makes up for dry friction at desired rates dy. [m] (N m)."""

@@ -8,8 +8,9 @@ import equinox as eqx
 import jax.numpy as jnp
 
 from neuralgaits._types import Actuated, Array, Bool, Coordinates, Scalar, ZeroState
+from neuralgaits.control.driven_mechanism import DrivenMechanism
 from neuralgaits.control.saturation import saturate
-from neuralgaits.robots import PlanarBiped
+from neuralgaits.gait.joint_inertia import JointResponse
 
 
 class MeasuredState(NamedTuple):
@@ -75,8 +76,8 @@ class AbstractLaw(eqx.Module):
     hold_ticks: eqx.AbstractVar[int]
     """Control ticks between two evaluations of the policy."""
 
-    def with_gains_for(self, robot: PlanarBiped) -> "AbstractLaw":
-        """Return the law with gains that suit a robot's inertias, if it has gains."""
+    def with_gains_for(self, joints: JointResponse) -> "AbstractLaw":
+        """Return the law with gains that suit the joints' inertias, if it has gains."""
         return self
 
     @property
@@ -97,14 +98,14 @@ class AbstractLaw(eqx.Module):
         """Return z as the policy gets it, from the measured and bounded z. [2]."""
 
     @abstractmethod
-    def desired(self, robot: PlanarBiped, outputs: Outputs, reading: MeasuredState) -> Desired:
+    def desired(self, robot: DrivenMechanism, outputs: Outputs, reading: MeasuredState) -> Desired:
         """Evaluate the policy at a reading. Returns: `Desired`."""
 
     @abstractmethod
-    def torque(self, robot: PlanarBiped, reading: MeasuredState, desired: Desired) -> Actuated:
+    def torque(self, robot: DrivenMechanism, reading: MeasuredState, desired: Desired) -> Actuated:
         """Joint torques before saturation. Returns: [m] (N m)."""
 
-    def apply_limits(self, robot: PlanarBiped, demand: Demand) -> Limited:
+    def apply_limits(self, robot: DrivenMechanism, demand: Demand) -> Limited:
         """Clip the torques that the law asks for. Returns: `Limited`."""
         clipped, saturated = saturate(demand.torque, demand.limit)
         return Limited(clipped, saturated, jnp.zeros(2, bool))

@@ -9,10 +9,11 @@ import jax.numpy as jnp
 import numpy as np
 
 from neuralgaits._types import Actuated, ZeroState
+from neuralgaits.control.driven_mechanism import DrivenMechanism
 from neuralgaits.control.inverse_dynamics import accelerated, inverse_dynamics
 from neuralgaits.control.law import AbstractLaw, Desired, MeasuredState, Outputs, errors
-from neuralgaits.gait.joint_inertia import joint_inertia, slowest_mode
-from neuralgaits.robots import PlanarBiped
+from neuralgaits.errors import InputError
+from neuralgaits.gait.joint_inertia import JointResponse
 
 BANDWIDTH = 45.0
 """w of the default gains where the joints share little [rad/s]."""
@@ -29,8 +30,8 @@ class Pd(AbstractLaw):
     """Torque = feed-forward - stiffness (q_a - y_d) - damping (dq_a - dy_d).
 
     The feed-forward is the model's torque for the policy's own accelerations. Gains are fitted
-    to a robot, stiffness = I w^2 and damping = 2 I w with I of `joint_inertia`, unless they are
-    given; w is raised where all joints together would give way too slowly.
+    to a robot, stiffness = I w^2 and damping = 2 I w with I of `JointResponse.inertia`, unless they
+    are given; w is raised where all joints together would give way too slowly.
 
     Attributes:
         bandwidth: w of fitted gains [rad/s]; `fitted_bandwidth` if none is given.
@@ -48,15 +49,15 @@ class Pd(AbstractLaw):
     hold_ticks: int = eqx.field(default=2, static=True)
     measure_z2: bool = eqx.field(default=True, static=True)
 
-    def with_gains_for(self, robot: PlanarBiped) -> "Pd":
-        """Return this law with gains for each joint of a robot."""
+    def with_gains_for(self, joints: JointResponse) -> "Pd":
+        """Return this law with gains for each of a robot's joints."""
         if self.stiffness and self.damping:
-            stiffness, damping = _each(self.stiffness, robot), _each(self.damping, robot)
-            return replace(self, stiffness=stiffness, damping=damping)
-        w, inertia = self.bandwidth or fitted_bandwidth(robot), joint_inertia(robot)
-        stiffness = _each(self.stiffness or w * w * inertia, robot)
-        damping = _each(self.damping or 2.0 * w * inertia, robot)
-        return replace(self, bandwidth=w, stiffness=stiffness, damping=damping)
+            w, stiffness, damping = self.bandwidth, self.stiffness, self.damping
+        else:
+            w, inertia = self.bandwidth or fitted_bandwidth(joints), joints.inertia
+            stiffness, damping = self.stiffness or w * w * inertia, self.damping or 2 * w * inertia
+        gains = (_each(stiffness, joints.count), _each(damping, joints.count))
+        return replace(self, bandwidth=w, stiffness=gains[0], damping=gains[1])
 
     @property
     def takes_joints(self) -> bool:
@@ -72,30 +73,33 @@ class Pd(AbstractLaw):
         """All of z, or z1 with z2 = 0. Returns: [2]."""
         return z if self.measure_z2 else z * jnp.array([1.0, 0.0])
 
-    def desired(self, robot: PlanarBiped, outputs: Outputs, reading: MeasuredState) -> Desired:
+    def desired(self, robot: DrivenMechanism, outputs: Outputs, reading: MeasuredState) -> Desired:
         """Desired outputs and rates at the measured z. Returns: `Desired`."""
         if self.feed_forward:
             return accelerated(robot, outputs, reading)
         y, dy = jax.jvp(outputs, (reading.z,), (reading.dz,))
         return Desired(y, dy, jnp.zeros_like(y), jnp.zeros_like(y))
 
-    def torque(self, robot: PlanarBiped, reading: MeasuredState, desired: Desired) -> Actuated:
+    def torque(self, robot: DrivenMechanism, reading: MeasuredState, desired: Desired) -> Actuated:
         """Joint torques before saturation. Returns: [m] (N m)."""
-        law = self.with_gains_for(robot)
+        if not (self.stiffness and self.damping):
+            raise InputError(
+                "Pd: expected gains, found none: fit them to a robot's joints by `with_gains_for`"
+            )
         error, rate = errors(reading, desired)
-        torque = -jnp.array(law.stiffness) * error - jnp.array(law.damping) * rate
+        torque = -jnp.array(self.stiffness) * error - jnp.array(self.damping) * rate
         if not self.feed_forward:
             return torque
         return torque + inverse_dynamics(robot, reading, desired.slope, desired.drift)
 
 
-def fitted_bandwidth(robot: PlanarBiped) -> float:
+def fitted_bandwidth(joints: JointResponse) -> float:
     """W of the gains that suit a robot. Returns: `BANDWIDTH` to `MOST` [rad/s]."""
-    return float(np.clip(SLOWEST / slowest_mode(robot), BANDWIDTH, MOST))
+    return float(np.clip(SLOWEST / joints.slowest_mode, BANDWIDTH, MOST))
 
 
-def _each(gains: Sequence[float] | Actuated, robot: PlanarBiped) -> tuple[float, ...]:
-    return tuple(float(gain) for gain in np.broadcast_to(np.asarray(gains), robot.n - 1))
+def _each(gains: Sequence[float] | Actuated, count: int) -> tuple[float, ...]:
+    return tuple(float(gain) for gain in np.broadcast_to(np.asarray(gains), count))
 
 
 PAPER = Pd(stiffness=(578.0,), damping=(16.2,), feed_forward=False, measure_z2=False)

@@ -17,7 +17,7 @@ from neuralgaits._types import Array, Bool, Float, Int, Scalar
 from neuralgaits.control.controller import Controller, TickResult
 from neuralgaits.control.measurement import Measurement, by_leg
 from neuralgaits.control.pd import BANDWIDTH
-from neuralgaits.gait.joint_inertia import joint_inertia
+from neuralgaits.gait.joint_inertia import JointResponse
 from neuralgaits.robots import PlanarBiped
 
 CLOCK_S = 1e-6
@@ -75,7 +75,7 @@ class SafeguardConfig:
     @classmethod
     def for_robot(cls, robot: PlanarBiped) -> "SafeguardConfig":
         """Defaults that hold with the lowest gains that `Pd` has for a joint of the robot."""
-        inertia = float(np.min(joint_inertia(robot)))
+        inertia = float(np.min(JointResponse(robot).inertia))
         return cls(hold_stiffness=BANDWIDTH**2 * inertia, hold_damping=2.0 * BANDWIDTH * inertia)
 
 

@@ -7,7 +7,6 @@ import jax.numpy as jnp
 import numpy as np
 
 from neuralgaits._types import Actuated, Array, Bool, Float, ZeroState
-from neuralgaits.robots import PlanarBiped
 
 if TYPE_CHECKING:
     from neuralgaits.gait import AbstractPolicy
@@ -61,21 +60,18 @@ class ZeroStateBounds(eqx.Module):
         )
 
 
-def zero_state_bounds(
-    robot: PlanarBiped,
-    policy: "AbstractPolicy",
-    z2_range: tuple[float, float] | None = None,
-) -> ZeroStateBounds:
+def momenta_of_walking(unit: float) -> tuple[float, float]:
+    """Return bounds of z2 where no tube is known, from its unit m l sqrt(g l) (kg m^2/s)."""
+    return SPEED_BOUNDS[0] * unit, SPEED_BOUNDS[1] * unit
+
+
+def zero_state_bounds(policy: "AbstractPolicy", z2_range: tuple[float, float]) -> ZeroStateBounds:
     """Bounds for a policy: its own z1 interval, and momenta of a walk.
 
     Args:
-        robot: sets the scale of z2 where `z2_range` is None.
         policy: its `z1_range` is the step's interval.
-        z2_range: smallest and largest momentum the policy was trained on (kg m^2/s).
+        z2_range: smallest and largest momentum (kg m^2/s).
     """
-    if z2_range is None:
-        pendulum = robot.mass * robot.leg_length * np.sqrt(robot.gravity * robot.leg_length)
-        z2_range = (SPEED_BOUNDS[0] * float(pendulum), SPEED_BOUNDS[1] * float(pendulum))
     start, guard = (np.asarray(value, dtype=np.float64) for value in policy.z1_range)
     lower = np.stack([start, np.asarray(z2_range[0])])
     upper = np.stack([guard, np.asarray(z2_range[1])])

@@ -29,7 +29,7 @@ def gait_files(design: Design, further: Sequence[Part] = ()) -> dict[str, str]:
     """
     tables = Tables("ng")
     residual, joints = design.controller.reset_residual, design.controller.joints
-    model = None if joints is None else joints.robot(design.robot)
+    model = None if joints is None else design.robot.with_joints(joints.armature, joints.damping)
     own = parts(design.robot, design.gait.policy, residual, model)
     functions = [emit(part.program, part.function, part.about, tables) for part in (*own, *further)]
     return {"gait.h": _header(design, functions), "gait.c": _code(design, functions, tables)}

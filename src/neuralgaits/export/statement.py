@@ -21,6 +21,7 @@ from neuralgaits.export.standing import (
     standing_postures,
 )
 from neuralgaits.gait.commands import Command, CommandLimits, place_of
+from neuralgaits.gait.joint_inertia import JointResponse
 
 _OVER_FOOT = 0.1
 """Centre of mass outside of the feet, as a share of the leg length, from which none comes back."""
@@ -219,7 +220,7 @@ def arrays(design: Design) -> list[Array]:
     ]
     if (joints := controller.joints) is not None:
         rows.append(("friction", joints.friction, "dry, actuated joints, stance leg first [N m]"))
-    postures, pd = _postures(design), Pd().with_gains_for(robot)
+    postures, pd = _postures(design), Pd().with_gains_for(JointResponse(robot))
     rows += [
         ("stand_stiffness", _of_leg(design, pd.stiffness), "joints of a leg [N m/rad]"),
         ("stand_damping", _of_leg(design, pd.damping), "[N m s/rad]"),

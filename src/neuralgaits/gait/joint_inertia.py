@@ -1,5 +1,8 @@
 """Inertias by which joint gains are scaled."""
 
+from dataclasses import dataclass
+from functools import cached_property
+
 import jax
 import numpy as np
 
@@ -9,41 +12,57 @@ from neuralgaits.gait.posture import walking_posture
 from neuralgaits.robots import PlanarBiped
 
 
-def joint_inertia(robot: PlanarBiped) -> Actuated:
-    """Inertia that each motor feels while all else is free to give way, rotors included.
+@dataclass(frozen=True, eq=False)
+class JointResponse:
+    """How a robot's joints give way to torques in a nominal posture; computed when it is asked for.
 
-    The inverses of the diagonal of D^-1 in a nominal posture: how fast a joint answers to its own
-    torque, which bounds the gains that a control rate allows. With the other joints locked it
-    would be several times as much, and most of that is shared.
-
-    Returns: [m] (kg m^2).
+    Attributes:
+        robot: the biped.
     """
-    return 1.0 / np.diag(_response(robot))
 
+    robot: PlanarBiped
 
-def slowest_mode(robot: PlanarBiped) -> float:
-    """Compute how much slower all joints together give way under such gains than one alone.
+    @property
+    def count(self) -> int:
+        """Number of actuated joints."""
+        return self.robot.n - 1
 
-    With the stiffness I w^2, I of `joint_inertia`, the linearised errors of a nominal posture have
-    the natural frequencies w sqrt(eigenvalues of (D^-1)_aa diag(I)), the least of which is the
-    legs' buckling under the whole body. Rotors keep it near w.
+    @property
+    def inertia(self) -> Actuated:
+        """Inertia that each motor feels while all else is free to give way, rotors included.
 
-    Returns: the least frequency over w, at most 1.
-    """
-    response, inertia = _response(robot), joint_inertia(robot)
-    root = np.sqrt(inertia)
-    return float(np.sqrt(np.linalg.eigvalsh(root[:, None] * response * root)[0]))
+        The inverses of the diagonal of D^-1: how fast a joint answers to its own torque, which
+        bounds the gains that a control rate allows. With the other joints locked it would be
+        several times as much, and most of that is shared.
 
+        Returns: [m] (kg m^2).
+        """
+        return 1.0 / np.diag(self.accelerations)
 
-def _response(robot: PlanarBiped) -> Float[np.ndarray, "m m"]:
-    """Accelerations of the actuated joints for unit torques in a nominal posture."""
-    posture = walking_posture(robot)
-    outputs = posture.guard_outputs
-    ahead = posture.z_guard - robot.hip_gradient[1:] @ outputs
-    q = np.concatenate([[ahead / robot.hip_gradient[0]], outputs])
-    with jax.ensure_compile_time_eval():  # Gains are numbers, whoever asks for them.
-        mass = np.asarray(_mass(robot, q))
-    return np.linalg.inv(mass)[1:, 1:]
+    @property
+    def slowest_mode(self) -> float:
+        """How much slower all joints together give way under such gains than one alone.
+
+        With the stiffness I w^2, I of `inertia`, the linearised errors have the natural frequencies
+        w sqrt(eigenvalues of (D^-1)_aa diag(I)), the least of which is the legs' buckling under the
+        whole body. Rotors keep it near w.
+
+        Returns: the least frequency over w, at most 1.
+        """
+        root = np.sqrt(self.inertia)
+        squares = np.linalg.eigvalsh(root[:, None] * self.accelerations * root)
+        return float(np.sqrt(squares[0]))
+
+    @cached_property
+    def accelerations(self) -> Float[np.ndarray, "m m"]:
+        """Accelerations of the actuated joints for unit torques, (D^-1)_aa."""
+        robot, posture = self.robot, walking_posture(self.robot)
+        outputs = posture.guard_outputs
+        ahead = posture.z_guard - robot.hip_gradient[1:] @ outputs
+        q = np.concatenate([[ahead / robot.hip_gradient[0]], outputs])
+        with jax.ensure_compile_time_eval():  # Gains are numbers, whoever asks for them.
+            mass = np.asarray(_mass(robot, q))
+        return np.linalg.inv(mass)[1:, 1:]
 
 
 @quick_filter_jit

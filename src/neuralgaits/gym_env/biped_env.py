@@ -13,6 +13,7 @@ from neuralgaits._printable import shown
 from neuralgaits._types import Float
 from neuralgaits.control import Pd
 from neuralgaits.errors import InputError
+from neuralgaits.gait.joint_inertia import JointResponse
 from neuralgaits.gait.posture import walking_posture
 from neuralgaits.gym_env.body import PERIOD_S, Body, Joints
 from neuralgaits.gym_env.first_states import FirstStates
@@ -94,7 +95,8 @@ class BipedEnv(gymnasium.Env):
             self._plants = [build(self.robot, one) for one in disturbances]
             self.body = Body(self.robot, self._plants[0])
             self._first = FirstStates(self.robot)
-            law, posture = Pd().with_gains_for(self.robot), walking_posture(self.robot)
+            law = Pd().with_gains_for(JointResponse(self.robot))
+            posture = walking_posture(self.robot)
         self._stiffness = self.body.by_joint(np.asarray(law.stiffness))
         self._damping = self.body.by_joint(np.asarray(law.damping))
         self._low = self.body.by_joint(posture.lower)

@@ -16,8 +16,9 @@ from neuralgaits.control.law import MeasuredState
 from neuralgaits.control.measurement import coordinates, stance_foot_velocity, stance_joints
 from neuralgaits.control.momentum import zero_state
 from neuralgaits.control.pd import Pd
-from neuralgaits.control.saturation import ZeroStateBounds, zero_state_bounds
+from neuralgaits.control.saturation import ZeroStateBounds, momenta_of_walking, zero_state_bounds
 from neuralgaits.gait import AbstractPolicy
+from neuralgaits.gait.posture import momentum_unit
 from neuralgaits.logs.zero_states import BLOCK
 from neuralgaits.robots import PlanarBiped
 
@@ -85,7 +86,8 @@ def asked(
 
     Returns: [k, m] (rad), [k, m] (rad/s).
     """
-    asking = _Asking(robot, policy, zero_state_bounds(robot, policy))
+    momenta = momenta_of_walking(momentum_unit(robot))
+    asking = _Asking(robot, policy, zero_state_bounds(policy, momenta))
     found = in_blocks(partial(_asked, asking), BLOCK, np.concatenate([*of], axis=1))
     m = robot.n - 1
     return found[:, :m], found[:, m:]

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 
+import equinox as eqx
 import jax.numpy as jnp
 from jax.core import Tracer
 
@@ -105,6 +106,27 @@ class PlanarBiped(BipedConstants):
     def ground_reaction_force(self, q: Coordinates, dq: Coordinates, ddq: Coordinates) -> Planar:
         """Force of the ground on the stance foot. Returns: [2] (tangential, normal) (N)."""
         return dynamics.ground_reaction_force(self, *self._checked(q=q, dq=dq, ddq=ddq))
+
+    def with_joints(self, armature: Actuated, damping: Actuated) -> "PlanarBiped":
+        """Return the robot with these rotors and this damping of its actuated joints.
+
+        Args:
+            armature: rotor inertia, stance leg first [kg m^2]. [m]
+            damping: viscous friction [N m s/rad]. [m]
+        """
+        whole = [
+            jnp.concatenate([own[:1], joints])
+            for own, joints in ((self.armature, armature), (self.damping, damping))
+        ]
+        return eqx.tree_at(lambda robot: (robot.armature, robot.damping), self, tuple(whole))
+
+    def weight(self) -> Scalar:
+        """Weight, without flat feet [N]."""
+        return self.mass * self.gravity
+
+    def moment_scale(self) -> Scalar:
+        """Mass times leg length: size of z2 per rate of z1 [kg m]."""
+        return self.mass * jnp.sum(self.hip)
 
     @property
     def position_rows(self) -> Float[Array, "1 n"]:

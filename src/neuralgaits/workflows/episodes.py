@@ -28,7 +28,6 @@ from neuralgaits.logs import read_all
 from neuralgaits.records.episode_records import SUMMARY, EpisodesDone, Round, WalkedRound
 from neuralgaits.records.fitted import Fitted
 from neuralgaits.report.figures.rounds import draw_file
-from neuralgaits.robots import PlanarBiped
 from neuralgaits.runs import plain
 from neuralgaits.runs.atomic import refuse_unwritable
 from neuralgaits.runs.names import CONFIG, FIT_SUMMARY
@@ -170,8 +169,13 @@ def _begin(
         if asked["disturb"] is not None:
             raise InputError("expected --disturb with a plant, found it with --logs: drop it")
         logs_of(Path(logs), 0)
-    start = None if resume is None else _start(resume, asked["robot"])
-    if asked["robot"] is None:
+    start, robot = None if resume is None else open_run(resume), asked["robot"]
+    if start is not None and robot is not None and start.robot.layout.xml != robot.layout.xml:
+        raise InputError(
+            f"expected a run of robot {robot.name}, found one of {start.robot.name} in "
+            f"{start.path}: name its robot"
+        )
+    if robot is None:
         if start is None:
             raise InputError(
                 "expected ROBOT, found none: name the model, or what to go on with by --resume RUN"
@@ -186,16 +190,6 @@ def _begin(
             policy=start.gait.policy,
         )
     return EpisodeFolder.create(config, start, out=out, root=root)
-
-
-def _start(run: str | Path, robot: PlanarBiped | None) -> Run:
-    start = open_run(run)
-    if robot is not None and start.robot.layout.xml != robot.layout.xml:
-        raise InputError(
-            f"expected a run of robot {robot.name}, found one of {start.robot.name} in "
-            f"{start.path}: name its robot"
-        )
-    return start
 
 
 @dataclass(frozen=True)

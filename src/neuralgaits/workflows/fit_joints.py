@@ -74,9 +74,8 @@ def fit_joints(
     read, left_out = walks.read_all(paths, robot, columns=columns, policy=trained.gait.policy)
     _refuse_without_torques(read)
     strides, more_left_out = _strides(read, trained)
-    numbers = range(len(strides))
-    heldout = [number for number in numbers if number % HELD_OUT == HELD_OUT - 1]
-    kept = [number for number in numbers if number not in heldout]
+    heldout = list(range(HELD_OUT - 1, len(strides), HELD_OUT))
+    kept = [number for number in range(len(strides)) if number not in heldout]
     links = eqx.Partial(link_momenta, robot)
     joints = tuple(
         _estimate(trained, place, windows.of(kept), windows.of(heldout))

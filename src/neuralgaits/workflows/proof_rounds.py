@@ -7,6 +7,7 @@ the folder are always those that the certificate in the folder is about.
 
 import time
 from collections import Counter
+from dataclasses import replace
 from typing import NamedTuple
 
 import jax
@@ -15,13 +16,11 @@ import numpy as np
 
 from neuralgaits._types import Array
 from neuralgaits.analysis.run import Run
-from neuralgaits.barriers import GaitSpec
 from neuralgaits.certificate.search.checkpoint import OpenBoxes, open_boxes
 from neuralgaits.gait.policies.commanded_gait import AnyGait
 from neuralgaits.records.certified import FOLDER, PROOF
 from neuralgaits.records.trained import ProofHistory, ProofRound, TrainingProof
-from neuralgaits.robots import PlanarBiped
-from neuralgaits.runs import RunFolder, names, packed
+from neuralgaits.runs import names, packed
 from neuralgaits.runs.hashes import file_hashes
 from neuralgaits.runs.names import WEIGHTS
 from neuralgaits.settings import CertifySettings, Watch
@@ -48,15 +47,8 @@ class RepairState(NamedTuple):
 class ProofRounds:
     """Runner of the proof rounds of one run."""
 
-    def __init__(
-        self,
-        folder: RunFolder,
-        robot: PlanarBiped,
-        spec: GaitSpec,
-        steps: GradientSteps,
-        watch: Watch,
-    ):
-        self.folder, self.robot, self.spec = folder, robot, spec
+    def __init__(self, trained: Run, steps: GradientSteps, watch: Watch):
+        self.trained, self.folder = trained, trained.folder
         self.steps, self.watch = steps, watch
 
     def run(
@@ -73,7 +65,7 @@ class ProofRounds:
         """
         start_time = time.monotonic()
         deadline = start_time + (np.inf if budget is None else budget)
-        repairer = trainer.repairing(max(round(SHARE * self.spec.recipe.steps), 1))
+        repairer = trainer.repairing(max(round(SHARE * self.trained.spec.recipe.steps), 1))
         state = self._under_way(repairer, gait)
         history = self._rounds_before(state)
         while True:
@@ -137,7 +129,7 @@ class ProofRounds:
             # It would be kept, and is about the gait of the round before, which is gone.
             packed.remove(path / PROOF)
         left = deadline - time.monotonic()
-        run = Run(self.folder, self.robot, self.spec, gait)
+        run = replace(self.trained, trained=gait)
         # Without any time left it still says what was to be proved.
         budget = None if left == np.inf else max(left, 1e-3)
         settings = CertifySettings(run, level=1, budget=budget, progress=self.watch.proved)

@@ -11,14 +11,12 @@ import numpy as np
 from neuralgaits.analysis.poincare_map import poincare
 from neuralgaits.analysis.run import Run, open_parts, untrained
 from neuralgaits.analysis.walking_speeds import gait_doubt
-from neuralgaits.barriers import GaitSpec
 from neuralgaits.certificate.traced import after_impact, trace_spec
 from neuralgaits.errors import Interrupted, NonFiniteError, RunError
 from neuralgaits.gait.policies.commanded_gait import CommandedGait
 from neuralgaits.records.trained import Trained, TrainingProof, Violations, measured_hashes
 from neuralgaits.records.training_config import asked_of
-from neuralgaits.robots import PlanarBiped
-from neuralgaits.runs import RunFolder, finish, resolve_unfinished
+from neuralgaits.runs import finish, resolve_unfinished
 from neuralgaits.runs.atomic import refuse_unwritable
 from neuralgaits.runs.names import ROBOT, STATE, SUMMARY, WEIGHTS
 from neuralgaits.runs.only_writer import only_writer
@@ -58,9 +56,7 @@ def train(settings: TrainSettings) -> Run:
     start_time = time.perf_counter()
     watch, root = settings.watch, settings.root
     if settings.resume is not None:
-        robot = None if settings.robot is None else robot_from(settings.robot)
-        folder, robot, loaded = _resumed(settings.resume, robot, root)
-        run = Run(folder, robot, loaded, untrained(folder, loaded))
+        run = _resumed(settings, settings.resume)
     else:
         say = None if watch is None else watch.doubted
         robot = robot_from(settings.robot, settings.feet, settings.weld, say)
@@ -118,7 +114,7 @@ def _train_alone(
         if run.asked.certify is None:
             run.folder.write_tree(WEIGHTS, gait)
         else:
-            rounds = ProofRounds(run.folder, run.robot, run.spec, session.steps, watch)
+            rounds = ProofRounds(run, session.steps, watch)
             gait, proof = rounds.run(session.trainer, gait, run.asked.certify.budget_s)
         done = replace(run, trained=gait)
         report = partial(session.trainer.report, seed=FRESH_SAMPLES_SEED)
@@ -237,22 +233,17 @@ def violations(margins: np.ndarray, scale: float) -> Violations:
     return Violations(float(np.mean(below)), float(np.max(below)), least, float(scale))
 
 
-def _resumed(
-    run: str | Path, robot: PlanarBiped | None, root: Path
-) -> tuple[RunFolder, PlanarBiped, GaitSpec]:
-    """Open an unfinished run, with the robot and spec it started with."""
-    folder = resolve_unfinished(run, root)
-    asked_of(folder)
+def _resumed(settings: TrainSettings, resumed: str | Path) -> Run:
+    """Open an unfinished run, with the robot and spec it started with, and its untrained gait."""
+    robot = None if settings.robot is None else robot_from(settings.robot)
+    folder = resolve_unfinished(resumed, settings.root)
+    asked = asked_of(folder)
     files = (folder.path / file for file in (STATE, WEIGHTS, SUMMARY))
-    refuse_unwritable(*files, root / LATEST, own=True)
-    if robot is not None:
-        _same_robot(folder, robot)
-    return folder, *open_parts(folder)
-
-
-def _same_robot(folder: RunFolder, robot: PlanarBiped) -> None:
-    if folder.copy(ROBOT) != robot.layout.xml:
+    refuse_unwritable(*files, settings.root / LATEST, own=True)
+    if robot is not None and folder.copy(ROBOT) != robot.layout.xml:
         raise RunError(
-            f"expected the robot the run started with ({asked_of(folder).robot}), found another "
+            f"expected the robot the run started with ({asked.robot}), found another "
             f"robot file ({robot.name}): leave it out, `{resuming(folder.path)}`"
         )
+    own, spec = open_parts(folder)
+    return Run(folder, own, spec, untrained(folder, spec))

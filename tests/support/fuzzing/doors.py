@@ -17,7 +17,7 @@ from neuralgaits import logs
 from neuralgaits.analysis import gait_data, residual_data
 from neuralgaits.analysis import run as runs
 from neuralgaits.analysis.learned import Learned
-from neuralgaits.analysis.run import asked_of, open_run, untrained
+from neuralgaits.analysis.run import asked_of, open_run
 from neuralgaits.barriers import specs
 from neuralgaits.certificate.chart import Chart
 from neuralgaits.certificate.proof_file.check import check, in_words
@@ -38,6 +38,7 @@ from neuralgaits.robots import load_robot
 from neuralgaits.robots.mjcf.loader import robot_from_text
 from neuralgaits.runs import read_arrays, resolve, to_json
 from neuralgaits.runs.names import ROBOT, STATE
+from neuralgaits.settings import TrainSettings
 from neuralgaits.viewer.sureness import how_sure
 from neuralgaits.workflows import episodes as rounds
 from neuralgaits.workflows import (
@@ -196,9 +197,8 @@ def resume_training(place: Place, path: Path) -> None:
     summary = place.root / RUN / "summary.json"
     away = summary.rename(summary.with_suffix(".away"))
     try:
-        folder, _, spec = train._resumed(place.root / RUN, place.robot, place.root)
-        folder.read_metrics()
-        untrained(folder, spec)
+        settings = TrainSettings(place.robot, resume=place.root / RUN, root=place.root)
+        train._resumed(settings, place.root / RUN).folder.read_metrics()
     finally:
         away.rename(summary)
 
