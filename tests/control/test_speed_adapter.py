@@ -69,6 +69,12 @@ def test_at_the_end_of_the_range_the_integral_waits():
     assert np.max(np.abs(speeds[85:] - 0.7)) < 0.01
 
 
+def test_the_integral_is_no_larger_than_the_range():
+    """However long the error stays, within the limits of the command."""
+    state = AdapterState(0.6, 0.34, 0.0)
+    assert advance(ADAPTER, state, 0.6, 0.7, 0.7, 0.3).integral == pytest.approx(0.35)
+
+
 def test_a_step_that_was_not_measured_leaves_integral_and_error():
     state = AdapterState(0.7, 0.03, 0.02)
     for walked in (None, math.nan, math.inf):

@@ -77,12 +77,17 @@ def readings():
     speeds = rng.uniform(0.5, 0.95, ROWS)
     speeds[rng.uniform(size=ROWS) < 0.05] = np.nan
     # The clock of a robot wraps around; two touchdowns at one time measure nothing.
-    passed = rng.integers(1, 6, ROWS) * 100_000 * (rng.uniform(size=ROWS) > 0.05)
+    passed = rng.integers(200_000, 500_000, ROWS) * (rng.uniform(size=ROWS) > 0.05)
     time = (2**32 - 3_000_000 + np.cumsum(passed)) % 2**32
     down = rng.uniform(size=ROWS) < 0.6
     leg = np.cumsum(down) % 2
     active = rng.uniform(size=ROWS) < 0.9
-    pitch, angles = 1.6 + 0.05 * rng.standard_normal(ROWS), rng.uniform(-0.4, 0.4, (ROWS, 4))
+    # The leg that has come down is in front, the other one behind.
+    pitch, angles = 0.05 * rng.standard_normal(ROWS), rng.uniform(-0.1, 0.1, (ROWS, 2, 2))
+    rows = np.arange(ROWS)
+    angles[rows, leg, 1] -= 0.2
+    angles[rows, 1 - leg, 1] += 0.2
+    angles = angles.reshape(ROWS, 4)
     return np.column_stack([speeds, time, pitch, down, leg, active, angles])
 
 

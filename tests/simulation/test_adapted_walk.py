@@ -1,6 +1,7 @@
 """Walks whose commanded speed is adapted: engines alike, what is told is walked, or refused."""
 
 import shutil
+from types import SimpleNamespace
 from typing import Any, cast
 
 import numpy as np
@@ -17,6 +18,7 @@ from neuralgaits.simulation.setup.command_schedule import orders_of
 from neuralgaits.simulation.setup.disturbance import parse
 from neuralgaits.simulation.setup.starts import full_states, momentum_range
 from neuralgaits.simulation.trained_walks import TrainedWalks, at_first
+from neuralgaits.workflows import adapted_walk
 from neuralgaits.workflows.simulate import simulate
 from support.shipped_run import SHIPPED
 
@@ -98,8 +100,9 @@ LEANS_MM = {
 def test_joint_angles_show_how_far_the_torso_is_ahead(run, disturb):
     """Whatever the masses are as a whole; a slope or friction is not taken for a lean."""
     record = walks_of(run, disturb, steps=6).walk(0, 1, record=True).episodes.record
-    command = record.command
-    leans = leans_of(run.robot, record.time, command.q, np.asarray(command.touchdown) > 0.5)
+    assert record is not None
+    time, q, down = map(np.asarray, (record.time, record.command.q, record.command.touchdown))
+    leans = leans_of(run.robot, time, q, down > 0.5)
     assert leans is not None and len(leans) == 5
     np.testing.assert_allclose(1e3 * leans, LEANS_MM[disturb], atol=0.5)
 
@@ -183,8 +186,23 @@ def test_live_walks_adapt_until_they_are_told_not_to(run):
     assert abs(off.walked - 0.7) > 0.02
 
 
-def test_a_gait_without_a_speed_command_is_refused():
+@pytest.mark.parametrize(
+    ("level", "part", "within", "expected"),
+    [(3, None, None, 3), (1, None, None, None), (3, "0.6", None, None), (3, None, {}, None)],
+)
+def test_a_proof_of_one_step_or_of_some_commands_is_none(
+    run, monkeypatch, level, part, within, expected
+):
+    found: Any = SimpleNamespace(
+        summary=SimpleNamespace(proved_level=level, within=within), part=part
+    )
+    monkeypatch.setattr(adapted_walk, "read_certificate", lambda folder: found)
+    assert adapted_walk.proved_sequences(run) == expected
+
+
+def test_a_gait_without_a_speed_command_is_refused(tmp_path):
+    plain = shutil.copytree(SHIPPED, tmp_path / "run")
     with pytest.raises(InputError, match=r"--adapt speed: expected .* takes no command: train"):
-        simulate(SHIPPED, adapt="speed")
+        simulate(plain, adapt="speed")
     with pytest.raises(InputError, match="adapt: expected one of speed, found 'lean'"):
-        simulate(SHIPPED, adapt=cast(Any, "lean"))
+        simulate(plain, adapt=cast(Any, "lean"))

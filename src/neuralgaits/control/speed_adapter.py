@@ -23,6 +23,9 @@ from neuralgaits.robots import PlanarBiped
 
 ADAPTED = "speed"
 """Command that is adapted."""
+NEAR = 1e-3
+"""A command nearer to a limit than this share of the largest change is at the limit, whatever the
+rounding."""
 
 
 class SpeedAdapter(NamedTuple):
@@ -164,8 +167,8 @@ def advance(
         return state._replace(reference=reference)
     width = adapter.high - adapter.low
     error = _clamp(state.reference - walked, -width, width)
-    highest = after >= adapter.high or after >= before + adapter.change
-    lowest = after <= adapter.low or after <= before - adapter.change
+    highest = after >= min(adapter.high, before + adapter.change) - NEAR * adapter.change
+    lowest = after <= max(adapter.low, before - adapter.change) + NEAR * adapter.change
     integral = state.integral
     if not ((highest and error > 0.0) or (lowest and error < 0.0)):
         integral = _clamp(integral + adapter.integral_gain * error, -width, width)

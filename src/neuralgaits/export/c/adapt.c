@@ -4,6 +4,7 @@
 #if NG_COMMANDS
 #define INTEGRAL_GAIN NG(0.2)
 #define ERROR_GAIN NG(0.3)
+#define NEAR NG(1.0e-3) /* a command this near to a limit is at it, a share of the change */
 /* Place of the speed; 0 for a gait that takes none, which is never adapted. */
 #define SPEED (NG_SPEED_COMMAND > 0 ? NG_SPEED_COMMAND - 1 : 0)
 #define LOW ng_command_low[SPEED]
@@ -49,8 +50,9 @@ static int measure(ng_adapt *adapt, const ng_measurement *reading, int leg)
 static void integrate(ng_adapt *adapt, ng_real before, ng_real after)
 {
     const ng_real width = HIGH - LOW, error = adapt->error;
-    const int highest = after >= HIGH || after >= before + CHANGE;
-    const int lowest = after <= LOW || after <= before - CHANGE;
+    const ng_real top = ng_clamp(before + CHANGE, LOW, HIGH), near = NEAR * CHANGE;
+    const ng_real bottom = ng_clamp(before - CHANGE, LOW, HIGH);
+    const int highest = after >= top - near, lowest = after <= bottom + near;
     if (!((highest && error > NG(0.0)) || (lowest && error < NG(0.0)))) {
         adapt->integral = ng_clamp(adapt->integral + INTEGRAL_GAIN * error, -width, width);
     }

@@ -50,9 +50,10 @@ class CommandFeed:
             return
         if self.requested.size and verdict.touchdown.any():
             command = record().command
+            q, latched = np.asarray(command.q), np.asarray(command.told)
             for i in np.flatnonzero(verdict.touchdown):
-                time, latched = float(verdict.stride[i, 0]), np.asarray(command.told[i])
-                self._adapted[i].touch_down(time, command.q[i], latched, self._told[i])
+                time = float(verdict.stride[i, 0])
+                self._adapted[i].touch_down(time, q[i], latched[i], self._told[i])
         if self._courses is not None:
             for i, told in enumerate(self._told):
                 self._courses.look(told, i, int(verdict.steps[i]), np.asarray(verdict.feet[i, 1]))
