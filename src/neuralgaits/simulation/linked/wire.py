@@ -198,11 +198,11 @@ class ControllerLink:
             for packet in self.read(deadline):
                 if len(packet) != _HEAD.size:
                     continue
-                letters, answered, *numbers = _HEAD.unpack(packet)
+                letters, answered, one, other = _HEAD.unpack(packet)
                 if letters == b"NGA1" and answered == sequence:
-                    return Shape(*numbers)
+                    return Shape(one, other)
                 if letters == b"NGX1" and answered == sequence:
-                    raise self._refusal(*numbers, law, len(first), laws)
+                    raise self._refusal(one, other, law, len(first), laws)
         raise self.silence("started")
 
     def silence(self, wanted: str) -> InputError:
