@@ -25,6 +25,7 @@
 #define LARGEST 1024
 
 enum { LEG = 1, TOUCHDOWN = 2, SATURATED = 4, STALE = 8 };
+enum { OTHER_LAW = 1, OTHER_COMMANDS = 2 }; /* why a start is refused */
 enum { IDLE, STARTING, RUNNING };
 
 /* All that this board knows. Ahead of the controller it is a wire and no more. */
@@ -120,11 +121,30 @@ static void answer(const unsigned char *packet, size_t bytes)
     }
 }
 
-/* A start of this gait under `pd`, the law of the main loop. */
+static void answer_refused(const unsigned char *packet, uint32_t why, uint32_t number)
+{
+    unsigned char refused[HEAD];
+    put_head(refused, "NGX1", get32(packet + 4), why, number);
+    answer(refused, sizeof refused);
+}
+
+/* A start of this gait under `pd`, the law of the main loop. Others are refused, with the reason. */
 static int is_start(const unsigned char *packet, ssize_t bytes)
 {
-    return bytes == START_BYTES && memcmp(packet, "NGS1", 4) == 0 &&
-           get32(packet + 8) == NG_LAW_PD && get32(packet + 12) < NG_LEGS;
+    if (bytes < HEAD || memcmp(packet, "NGS1", 4) != 0) {
+        return 0;
+    }
+    if (bytes != START_BYTES) {
+        fprintf(stderr, "firmware: refused a start: this gait takes %d commands\n", NG_COMMANDS);
+        answer_refused(packet, OTHER_COMMANDS, NG_COMMANDS);
+        return 0;
+    }
+    if (get32(packet + 8) != NG_LAW_PD) {
+        fprintf(stderr, "firmware: refused a start: its main loop has the law pd alone\n");
+        answer_refused(packet, OTHER_LAW, NG_LAW_PD);
+        return 0;
+    }
+    return get32(packet + 12) < NG_LEGS;
 }
 
 static void keep_start(const unsigned char *packet)

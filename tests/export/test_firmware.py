@@ -12,6 +12,7 @@ import pytest
 
 from neuralgaits.analysis.run import open_run
 from neuralgaits.control.safeguard import Fault
+from neuralgaits.errors import InputError
 from neuralgaits.export import build, output_folder
 from neuralgaits.export.reference import Reference
 from neuralgaits.export.selftest import selftest_file
@@ -199,3 +200,30 @@ def test_after_a_fault_the_board_damps(commanded, family):
     assert struct.unpack_from("<I", last, 12)[0] == Fault.NOT_FINITE
     torque = np.frombuffer(last, "<f8", offset=16)[4:8]
     np.testing.assert_array_equal(torque, -30.0)
+
+
+def refused(address: str, law: int, first: list[float]) -> str:
+    """The line with which a start is refused."""
+    host, port = address.split(":")
+    with ControllerLink.to(host, int(port)) as link:
+        with pytest.raises(InputError) as error:
+            link.start(4, law, 0, 0.0, 0.0, first, ["pd", "fblin", "paper"])
+        # The next one may begin.
+        assert link.start(5, 0, 0, 0.0, 0.0, [0.7]).leg_joints == 2
+    return str(error.value).replace(address, "there")
+
+
+@pytest.mark.parametrize("kind", ["firmware", "link"])
+def test_a_start_of_another_gait_is_refused_with_the_reason(commanded, kind):
+    assert refused(commanded[kind], 0, []) == (
+        "expected started from the controller at there, found that its gait takes 1 commands, and "
+        "this one 0: start the controller of this run"
+    )
+
+
+def test_a_law_that_the_firmware_does_not_have_is_named(commanded):
+    assert refused(commanded["firmware"], 1, [0.7]) == (
+        "expected started from the controller at there, found that it has law pd and not fblin: "
+        "add law=pd to --link"
+    )
+    assert "it has law pd and not number 9" in refused(commanded["link"], 9, [0.7])

@@ -162,14 +162,26 @@ def test_old_readings_are_not_used(link):
         b"NGXX" + bytes(200),
         reading(3, 0, STANDING)[:-1],
         reading(3, 0, [*STANDING, 0.0]),
-        b"NGS1" + struct.pack("<III", 1, 99, 0) + bytes(16),
         bytes(1400),
     ],
-    ids=["empty", "short", "unknown", "cut", "long", "no such law", "zeros"],
+    ids=["empty", "short", "unknown", "cut", "long", "zeros"],
 )
 def test_other_datagrams_are_ignored(link, packet):
     link.start(0, 0, 0, 0.0, 0.0)
     assert ask(link, packet) == []
+    assert len(ask(link, reading(7, 1000, STANDING))) == 1
+
+
+@pytest.mark.parametrize(
+    ("rest", "why"), [((99, 0), (1, 0)), ((0, 0, 0.7), (2, 0))], ids=["no such law", "commands"]
+)
+def test_a_start_that_is_not_of_this_gait_is_refused_and_changes_nothing(link, rest, why):
+    link.start(0, 0, 0, 0.0, 0.0)
+    law, leg, *further = rest
+    packet = (
+        b"NGS1" + struct.pack("<III", 8, law, leg) + np.array([0, 0, *further], "<f8").tobytes()
+    )
+    assert ask(link, packet) == [b"NGX1" + struct.pack("<III", 8, *why)]
     assert len(ask(link, reading(7, 1000, STANDING))) == 1
 
 

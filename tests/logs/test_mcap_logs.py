@@ -169,16 +169,15 @@ def test_files_without_an_index_are_read_too(settings, named, own, amber, zd, tm
 @pytest.mark.parametrize("silent", [0, 3])
 def test_many_topics_are_listed_in_one_pass(silent, tmp_path, monkeypatch):
     """A pass for each topic takes a time that grows with their square."""
-    import mcap.reader
+    from mcap.stream_reader import breakup_chunk
 
     passes = []
-    breakup = mcap.reader.breakup_chunk
 
     def counted(chunk, **settings):
         passes.append(chunk)
-        return breakup(chunk, **settings)
+        return breakup_chunk(chunk, **settings)
 
-    monkeypatch.setattr(mcap.reader, "breakup_chunk", counted)
+    monkeypatch.setattr("mcap.reader.breakup_chunk", counted)
     topics = [f"/t{k:03}" for k in range(60)]
     # One topic comes late, and some channels hold nothing.
     messages = [(topic, k, {"x": k}) for k in range(3) for topic in topics[1:]]

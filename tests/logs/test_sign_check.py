@@ -78,9 +78,10 @@ def test_the_right_signs_are_read_with_noise_and_a_small_wrong_zero(own, read):
 
 def test_masses_and_joints_of_another_robot_are_no_matter_of_signs(amber, log):
     """The misfit of a walk is small, of models that are off by a tenth as well."""
-    assert momentum_misfit(log, amber) < 0.03
     heavier = replace(amber, mass_moment=1.1 * np.asarray(amber.mass_moment))
-    assert momentum_misfit(log, heavier) < 0.3
+    found = [momentum_misfit(log, robot) for robot in (amber, heavier)]
+    assert None not in found
+    assert np.all(np.array(found, dtype=float) < [0.03, 0.3])
     assert momentum_misfit(log, load_robot("amber3m-feet")) is None
     assert momentum_misfit(log.only(np.arange(len(log)) < 5), amber) is None
 

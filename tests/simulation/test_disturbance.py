@@ -59,7 +59,7 @@ def test_the_set_has_every_kind_of_disturbance_and_each_changes_one_thing():
     # What a controller is told has a set of its own in `sensing`.
     told = {"pitch_noise", "pitch_offset", "estimator"}
     # And drives are no error of a model.
-    told |= {"drive_stiffness", "drive_damping"}
+    told |= {"drive_stiffness", "drive_damping", "drive_rate"}
     assert {name for one in changed for name in one} == set(usual) - told
     assert min(one.get("mass_scale", 1.0) for one in changed) == 0.85
     assert min(one.get("torso_shift_m", 0.0) for one in changed) == -0.03

@@ -75,3 +75,42 @@ def test_odd_gains_are_refused_in_one_line(disturb, gains, says):
         with_gains(parse(disturb), gains)
     assert says in str(refusal.value) and "\n" not in str(refusal.value)
     assert with_gains(parse("friction=0.4"), None) == PlantChanges(friction=0.4)
+
+
+def test_a_rate_of_the_drives_is_one_of_mujocos_steps():
+    """A drive that damps far too much for 2 kHz chatters there, and not at 20 kHz."""
+    robot = load_robot("amber3m")
+
+    def chatter(rate: float) -> float:
+        plant = build(robot, PlantChanges(drive_damping=3000.0, drive_rate=rate))
+        model, data = plant.model, mujoco.MjData(plant.model)
+        assert plant.substeps == round(rate / 1e3)
+        assert plant.substeps * model.opt.timestep == pytest.approx(1e-3, rel=1e-12)
+        # In the air; damping that MuJoCo integrates implicitly would hide the rate.
+        model.opt.integrator = mujoco.mjtIntegrator.mjINT_EULER
+        data.qpos[plant.state_map.root[1]] = 2.0
+        data.qvel[plant.state_map.joints] = 1.0
+        for _ in range(20 * plant.substeps):
+            mujoco.mj_step(model, data)
+        return float(np.abs(data.qvel[plant.state_map.joints]).max())
+
+    assert chatter(20e3) < 0.005 < chatter(2e3)
+
+
+@pytest.mark.parametrize(
+    ("disturb", "gains", "rate", "says"),
+    [
+        ("", None, 1e4, "expected --gains beside --drive-rate"),
+        ("", (300.0, 5.0), 2500.0, "drive_rate: expected whole kilohertz"),
+        ("", (300.0, 5.0), 5e4, "drive_rate: expected 1000 to 40000"),
+        ("", (300.0, 5.0), float("nan"), "drive_rate: expected 1000 to 40000"),
+        ("drive_damping=1,drive_rate=5000", None, 1e4, "found --drive-rate beside drive_rate"),
+        ("drive_rate=5000", None, None, "drive_rate: expected drives with a loop"),
+    ],
+)
+def test_odd_rates_are_refused_in_one_line(disturb, gains, rate, says):
+    with pytest.raises(InputError) as refusal:
+        with_gains(parse(disturb), gains, rate)
+    assert says in str(refusal.value) and "\n" not in str(refusal.value)
+    found = with_gains(parse("drive_stiffness=5"), None, 1e4)
+    assert found == PlantChanges(drive_stiffness=5.0, drive_rate=1e4)

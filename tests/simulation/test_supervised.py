@@ -61,6 +61,61 @@ def changes(ticks):
     return [(tick.mode, tick.reason) for tick in ticks if tick.reason]
 
 
+def follow_touchdowns(ticks):
+    """Whether the time since a touchdown is that, in modes without steps, too."""
+    since = None
+    for tick in ticks:
+        if tick.touchdown:
+            since = 0.0
+        elif since is not None:
+            since += 1e-3
+        if since is not None:
+            assert tick.since_touchdown == pytest.approx(since, abs=2e-3), tick.mode
+    assert since is not None
+
+
+def test_the_time_since_a_touchdown_goes_on_in_every_mode(double):
+    double.start()
+    before = until(double, Request.WALK, lambda ticks: ticks[-1].mode == Mode.WALK)
+    assert min(tick.since_touchdown for tick in before) == 1e30
+    walking = until(double, Request.WALK, steps(2))
+    stopped = until(double, Request.STAND, settled)
+    later = until(double, Request.STAND, lambda ticks: len(ticks) == 50)
+    damped = until(double, Request.DAMP, lambda ticks: len(ticks) == 50)
+    assert {tick.mode for tick in (*stopped, *later, *damped)} == set(Mode) - {Mode.WALK}
+    follow_touchdowns([*walking, *stopped, *later, *damped])
+
+
+def test_feet_that_friction_holds_apart_are_said_to_be(double):
+    """Its motors are too weak to pull them together: it damps after two tries, not in 15 s."""
+    robot = double.plant.robot
+    q = posture(robot, Stand(0.67, 0.86, -0.5, -0.1))
+    assert q is not None
+    double.start(q)
+    ticks = until(double, Request.WALK, lambda ticks: ticks[-1].mode == Mode.DAMP)
+    assert (ticks[-1].reason, ticks[-1].fault) == (Reason.FEET_HELD, Fault.NONE)
+    assert len(ticks) < 8000
+    assert double.tick(Request.WALK).waiting == Waiting.FOR_DAMP
+
+
+@pytest.mark.parametrize(("ahead", "walks"), [(0.06, True), (0.12, False), (0.18, False)])
+def test_with_the_weight_before_the_feet_it_steps_or_says_why_not(double, ahead, walks):
+    """Nearly all steps from further ahead ended in a fall."""
+    robot = double.plant.robot
+    spacing = 0.18
+    q = posture(robot, Stand(spacing, 0.9, ahead / (spacing * robot.leg_length), -0.25))
+    assert q is not None
+    double.start(q)
+    if walks:
+        ticks = until(double, Request.WALK, steps(4))
+        assert (Mode.WALK, Reason.TIPS_FORWARD) in changes(ticks)
+    else:
+        ticks = until(double, Request.WALK, changed, most=5)
+        if ticks[-1].reason == Reason.AS_REQUESTED:
+            ticks = until(double, Request.WALK, changed, most=5)
+        assert (ticks[-1].mode, ticks[-1].reason) == (Mode.DAMP, Reason.TIPPED_OVER)
+
+
 def test_it_stands_walks_stops_and_walks_again(robot):
     robot.start()
     first = until(robot, Request.WALK, steps(6))
@@ -259,6 +314,14 @@ def test_a_second_step_brakes_where_the_first_is_not_enough(double):
     first = until(double, Request.STAND, lambda ticks: len(ticks) == 520)
     double.data.qvel[double.plant.state_map.root[0]] += 0.7
     rest = until(double, Request.STAND, settled)
+    # The second step begins the controller anew, and as after a touchdown: rates of joints are
+    # filtered more quickly, and for 0.1 s no foot that is on the floor counts as landed.
+    both = [*first, *rest]
+    since = [tick.since_touchdown for tick in both]
+    begun = [k for k, time in enumerate(since) if k and time < since[k - 1]]
+    landed = [k for k, tick in enumerate(both) if tick.touchdown]
+    assert set(landed) < set(begun) and len(begun) == 3
+    assert since[begun[1]] < 0.002 and both[begun[1]].mode == Mode.STOP
     assert sum(tick.touchdown for tick in (*first, *rest)) == 2
     assert rest[-1].fault == Fault.NONE
 

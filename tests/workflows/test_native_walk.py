@@ -57,6 +57,7 @@ PLANTS = {
     "coarse, late and weak": "encoder_step=0.001,delay_ms=3,torque_limit=30,friction=0.4",
     "estimated": "estimator=1,encoder_step=4e-4,pitch_noise=1e-3,pitch_offset=2e-3,delay_ms=2",
     "drives": "drive_stiffness=300,drive_damping=5,torque_limit=30,delay_ms=1,encoder_step=0.001",
+    "fast drives": "drive_stiffness=300,drive_damping=5,drive_rate=5000,encoder_step=0.001",
     "another robot": "mass_scale=1.1,torso_shift_m=0.02,joint_friction=0.5",
 }
 WALKS = [

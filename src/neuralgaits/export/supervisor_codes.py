@@ -31,6 +31,7 @@ class Reason(IntEnum):
     TOO_LATE = 5
     TIPPED_OVER = 6
     BY_FAULT = 7
+    FEET_HELD = 8
 
 
 class Waiting(IntEnum):

@@ -196,7 +196,7 @@ class WalkSettings(Record):
 def disturbances(values: Mapping[str, Any] | None) -> dict[str, float]:
     """Return the disturbances that differ from their defaults, as a command takes them."""
     # None is as in the robot's file, and 0 is not.
-    usual = {"mass_scale": 1.0, "friction": None, "torque_limit": None}
+    usual = {"mass_scale": 1.0, "friction": None, "torque_limit": None, "drive_rate": 2e3}
     return {
         name: value
         for name, value in (values or {}).items()

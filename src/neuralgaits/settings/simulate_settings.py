@@ -61,6 +61,9 @@ class SimulateSettings(Settings):
     gains: Gains = None
     """Gains of the joints' drives [N m/rad, N m s/rad], as in 100,3: between two ticks each drive
     holds what it was told with a loop of its own. Joint PD control then has these gains, too."""
+    drive_rate: Annotated[float | None, arg(metavar="HZ")] = None
+    """Rate of the drives' loops, whole kilohertz up to 40000 [Hz]; 2000 if not given. MuJoCo takes
+    a step for each, so a walk takes longer."""
     sensing: Annotated[str | None, arg(metavar="perfect|encoders[,NAME=VALUE...]")] = None
     """Measurements of the controller: perfect (the plant's own rates and hip velocity), or
     encoders (only angles, pitch and contact), as in

@@ -27,7 +27,7 @@ from neuralgaits.simulation.native.compiled_walk import Library
 from neuralgaits.simulation.setup.course import Course
 from neuralgaits.simulation.setup.disturbance import PlantChanges
 from neuralgaits.simulation.setup.live_course import LiveCourse
-from neuralgaits.simulation.setup.plant import SUBSTEPS, build
+from neuralgaits.simulation.setup.plant import build
 from neuralgaits.simulation.setup.terrain_kinds import Size
 from neuralgaits.simulation.ticks.falls import Ending, FallConfig
 from neuralgaits.simulation.ticks.tick import TickRecord, Verdict
@@ -171,7 +171,7 @@ class LiveWalk:
         self.data.qfrc_applied[self.plant.state_map.root[:2]] = self.pushing
         # As in an episode, where every tick is a rollout of its own: the walk is the same to a bit.
         self.data.qacc_warmstart[:] = 0.0
-        for _ in range(SUBSTEPS):
+        for _ in range(self.plant.substeps):
             mujoco.mj_step(self.plant.model, self.data)
         self._push.advance()
         return True

@@ -156,7 +156,8 @@ def _planned(settings: SimulateSettings) -> _Plan:
     run, seed, terrain = open_run(settings.run), settings.seed, _text(settings.terrain)
     plant, controller = settings.plant, settings.controller
     command, commands = settings.command, settings.commands
-    disturbance = with_gains(sensed(parse(settings.disturb), settings.sensing), settings.gains)
+    changes = sensed(parse(settings.disturb), settings.sensing)
+    disturbance = with_gains(changes, settings.gains, settings.drive_rate)
     drawn = drawn_robots(run.robot, settings.parameters, seed, plant, terrain, controller)
     if drawn is not None:
         disturbance = drawn.on_its_floor(disturbance)

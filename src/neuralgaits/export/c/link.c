@@ -29,6 +29,7 @@
 
 enum { ESTIMATED = 1 }; /* of a reading: rates and velocity are not measured */
 enum { LEG = 1, TOUCHDOWN = 2, SATURATED = 4, STALE = 8 };
+enum { OTHER_LAW = 1, OTHER_COMMANDS = 2 }; /* why a start is refused */
 
 typedef struct {
     int started;
@@ -172,6 +173,16 @@ static size_t answer(const session *s, uint32_t sequence, int used, unsigned cha
     return COMMAND_BYTES;
 }
 
+/* Why a start cannot be one of this gait; 0 for none, and for other datagrams. */
+static uint32_t refusal(const unsigned char *packet, ssize_t got)
+{
+    if (memcmp(packet, "NGS1", 4) != 0) {
+        return 0u;
+    }
+    return got != START_BYTES ? OTHER_COMMANDS
+           : get32(packet + 8) >= (uint32_t)NG_LAW_COUNT ? OTHER_LAW : 0u;
+}
+
 /* A socket bound to an address. Prints the port, which may have been left to the system. */
 static int listen_on(const char *address, int port)
 {
@@ -218,7 +229,14 @@ static int serve(int handle, FILE *log)
         if (memcmp(packet, heads[2], 4) == 0 && got == HEAD) {
             return 0;
         }
-        if (memcmp(packet, heads[0], 4) == 0 && got == START_BYTES && begin(&s, packet)) {
+        const uint32_t why = refusal(packet, got);
+        if (why != 0u) {
+            const uint32_t about[2] = {why, why == OTHER_COMMANDS ? (uint32_t)NG_COMMANDS : 0u};
+            memcpy(reply, "NGX1", 4);
+            memcpy(reply + 4, &sequence, 4);
+            memcpy(reply + 8, about, sizeof about);
+            size = HEAD;
+        } else if (memcmp(packet, heads[0], 4) == 0 && got == START_BYTES && begin(&s, packet)) {
             const uint32_t shape[2] = {NG_LEG_JOINTS, NG_ACTUATED};
             memcpy(reply, "NGA1", 4);
             memcpy(reply + 4, &sequence, 4);

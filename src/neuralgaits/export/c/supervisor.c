@@ -67,6 +67,7 @@ static void enter(ng_supervisor *own, ng_mode mode, int part)
     own->mode = mode;
     own->part = part;
     own->knot = 0;
+    own->apart = NG(0.0);
     own->elapsed = NG(0.0);
 }
 
@@ -514,7 +515,7 @@ static void stop(const ng_supervisor_config *config, ng_supervisor *own,
 
 /*
  * Move to the standing posture. Friction may hold a foot where it is: then lean forward, where the
- * rear foot carries little and gives way, and back again.
+ * rear foot carries little and gives way, and back again. If it does not, more tries are in vain.
  */
 static void move_to_standing(const ng_supervisor_config *config, ng_supervisor *own,
                              const ng_pose *pose, ng_supervision *decided)
@@ -524,15 +525,22 @@ static void move_to_standing(const ng_supervisor_config *config, ng_supervisor *
     if (own->elapsed <= own->move_s) {
         return;
     }
-    if (own->knot == 0 && furthest(pose->q, posture) <= config->near_posture) {
+    const ng_real off = furthest(pose->q, posture), apart = ng_abs(pose->foot[0]);
+    const int tried = own->knot == 0 && own->elapsed > own->move_s + config->settle_s;
+    if (own->knot == 0 && off <= config->near_posture) {
         enter(own, NG_STAND, HOLDING);
     } else if (own->in_mode > config->stand_timeout_s) {
         give_up(own, NG_TOO_LATE, decided);
+    } else if (tried && own->apart > NG(0.0) && own->apart - apart < config->feet_held &&
+               off > NG(2.0) * config->near_posture) {
+        give_up(own, NG_FEET_HELD, decided);
     } else if (own->elapsed > own->move_s + config->settle_s) {
         const int knot = own->knot == 0 ? LIGHT_REAR_FOOT : 0;
+        const ng_real last = tried ? apart : own->apart;
         begin_move(config, own, pose, ng_stand_path[knot]);
         enter(own, NG_STAND, MOVING);
         own->knot = knot;
+        own->apart = last;
     }
 }
 
@@ -627,7 +635,8 @@ static void follow_request(const ng_supervisor_config *config, ng_supervisor *ow
     }
     look(reading, own->state.leg, &pose);
     if (own->mode == NG_STAND && pose.tips > config->first_momentum && pose.foot[0] < NG(0.0) &&
-        reading->normal_force[own->state.leg] >= config->walk.contact_force) {
+        reading->normal_force[own->state.leg] >= config->walk.contact_force &&
+        !tipped_over(config, reading, &pose)) {
         catch_fall(config, own, reading, request, decided);
         return;
     }
@@ -754,6 +763,9 @@ ng_supervisor_config ng_supervisor_config_of(const ng_law *law)
         .balance_s = NG(1.0),
         .stop_timeout_s = NG(4.0),
     };
+    ng_real foot[2], hip[2];
+    ng_feet(ng_stand_path[0], foot, hip);
+    config.feet_held = NG(0.01) * ng_abs(foot[0]);
     for (int i = 0; i < NG_LEG_JOINTS; ++i) {
         config.kp[i] = ng_stand_stiffness[i];
         config.kd[i] = ng_stand_damping[i];
@@ -778,8 +790,9 @@ const char *ng_reason_text(ng_reason reason)
         "not there in time",
         "the centre of mass has left the feet",
         "a fault",
+        "the feet stay where they are: friction, or a motor at its limit",
     };
-    return reason <= NG_BY_FAULT ? words[reason] : "unknown reason";
+    return reason <= NG_FEET_HELD ? words[reason] : "unknown reason";
 }
 
 const char *ng_waiting_text(ng_waiting waiting)

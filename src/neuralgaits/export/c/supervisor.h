@@ -32,7 +32,8 @@ typedef enum {
     NG_SETTLED,        /* to stand: the walk has ended on two feet */
     NG_TOO_LATE,       /* not there in time: to damp, or from a walk that does not begin to stand */
     NG_TIPPED_OVER,    /* to damp: the centre of mass has left the feet */
-    NG_BY_FAULT        /* to damp, until ng_supervisor_start */
+    NG_BY_FAULT,       /* to damp, until ng_supervisor_start */
+    NG_FEET_HELD       /* to damp: friction or a motor's limit keeps the feet where they are */
 } ng_reason;
 
 /* What the operator's request waits for. */
@@ -56,6 +57,7 @@ typedef struct {
     ng_real at_rest;          /* a joint, or a robot, at rest turns no faster [rad/s] */
     ng_real rest_s;           /* time in which that shows in the pitch [s] */
     ng_real stand_timeout_s;  /* to hold the posture [s] */
+    ng_real feet_held;        /* feet that come together by less in a try are held [m] */
     ng_real lean_s;           /* from standing to where the first step begins [s] */
     ng_real lean_timeout_s;   /* to tip over the front foot [s] */
     ng_real first_momentum;   /* about the front foot, beyond what just tips over it, with which
@@ -93,6 +95,7 @@ typedef struct {
     int steps_to_brake;              /* touchdowns before the step that brakes */
     int braked;                      /* steps that did */
     int knot;                        /* of ng_stand_path, to which the robot moves */
+    ng_real apart;                   /* feet after the last try to stand; 0 before the first [m] */
     int refused;                     /* until the operator requests damp */
     ng_real given[NG_LEGS][NG_LEG_JOINTS];     /* torques of the last tick [N m] */
     ng_target targets[NG_LEGS][NG_LEG_JOINTS]; /* likewise */

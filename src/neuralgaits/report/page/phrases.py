@@ -24,6 +24,7 @@ _CHANGES = {
     "estimator": "speeds estimated, not measured",
     "drive_stiffness": "drives holding joints with {} N m/rad",
     "drive_damping": "drives damping joints with {} N m s/rad",
+    "drive_rate": "loops of the drives at {} Hz",
 }
 """Differences between simulation and model, in words."""
 GLOSSARY = (

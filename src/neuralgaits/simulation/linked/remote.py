@@ -70,7 +70,7 @@ class Remote:
                 f"expected 1 episode with --link address, found {episodes}: a controller walks one "
                 "robot at a time"
             )
-        self._config, self._law = config, laws.index(config.law)
+        self._config, self._law, self._laws = config, laws.index(config.law), laws
         log = Path(config.log) if config.log else None
         if program is None:
             self._links = [ControllerLink.to(*config.host_and_port)]
@@ -146,7 +146,7 @@ class Remote:
     def _start(self, limit: float, first: Float[np.ndarray, " p"], shape: Shape) -> None:
         """Begin an episode. Raises: InputError if a controller is of another robot."""
         for link in self._links:
-            found = link.start(0, self._law, 0, self._config.blend_s, limit, first)
+            found = link.start(0, self._law, 0, self._config.blend_s, limit, first, self._laws)
             if found != shape:
                 raise InputError(
                     f"expected a controller of {shape.leg_joints} joints a leg and "

@@ -21,6 +21,8 @@ _HEAD = struct.Struct("<4sIII")
 _START_TIMEOUT_S = 10.0
 _ESTIMATED = 1
 """Flag of a reading whose rates and velocity are not measured."""
+_OTHER_LAW, _OTHER_COMMANDS = 1, 2
+"""Reasons of a controller that refuses a start: it lacks the law, or takes other commands."""
 _LEG, _TOUCHDOWN, _SATURATED, _STALE = 1, 2, 4, 8
 _SEQUENCES = 2**32
 
@@ -173,21 +175,34 @@ class ControllerLink:
         blend_s: float,
         limit: float,
         first: Sequence[float] | Float[np.ndarray, " p"] = (),
+        laws: Sequence[str] = (),
     ) -> Shape:
         """Begin an episode at some commands and wait until the controller is ready.
 
+        Args:
+            sequence: number of the start.
+            law: number of the law.
+            leg: stance leg.
+            blend_s: time from holding the first posture to the gait [s].
+            limit: torque limit [N m].
+            first: commands of the first step.
+            laws: names of the laws, for messages.
+
         Returns: sizes of its robot.
-        Raises: InputError if the controller does not start.
+        Raises: InputError if the controller does not start, with its reason if it has one.
         """
         head = _HEAD.pack(b"NGS1", sequence, law, leg)
         self.write(head + np.array([blend_s, limit, *first]).astype("<f8").tobytes())
         deadline = time.monotonic() + _START_TIMEOUT_S
         while time.monotonic() < deadline:
             for packet in self.read(deadline):
-                if len(packet) == _HEAD.size and packet[:4] == b"NGA1":
-                    _, answered, *sizes = _HEAD.unpack(packet)
-                    if answered == sequence:
-                        return Shape(*sizes)
+                if len(packet) != _HEAD.size:
+                    continue
+                letters, answered, one, other = _HEAD.unpack(packet)
+                if letters == b"NGA1" and answered == sequence:
+                    return Shape(one, other)
+                if letters == b"NGX1" and answered == sequence:
+                    raise self._refusal(one, other, law, len(first), laws)
         raise self.silence("started")
 
     def silence(self, wanted: str) -> InputError:
@@ -196,6 +211,21 @@ class ControllerLink:
         if self._process is None:
             remedy = "is it running, and exported from this run?"
         return InputError(f"expected {wanted} from {self._whose}, found silence: {remedy}")
+
+    def _refusal(
+        self, why: int, number: int, law: int, commands: int, laws: Sequence[str]
+    ) -> InputError:
+        """Return the error of a controller that refuses a start, with its reason."""
+        names = dict(enumerate(laws))
+        found, remedy = "a refusal without a reason", "is it exported from this run?"
+        if why == _OTHER_LAW:
+            own, wanted = (names.get(one, f"number {one}") for one in (number, law))
+            found = f"that it has law {own} and not {wanted}"
+            remedy = f"add law={own} to --link"
+        elif why == _OTHER_COMMANDS:
+            found = f"that its gait takes {number} commands, and this one {commands}"
+            remedy = "start the controller of this run"
+        return InputError(f"expected started from {self._whose}, found {found}: {remedy}")
 
     def write(self, packet: bytes) -> None:
         """Send one datagram to the controller. Raises: InputError if nothing listens there."""

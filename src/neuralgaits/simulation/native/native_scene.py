@@ -10,7 +10,7 @@ from neuralgaits.errors import InputError
 from neuralgaits.gait.commands import place_of
 from neuralgaits.simulation.native.compiled_walk import Library
 from neuralgaits.simulation.native.struct_layout import StructLayout
-from neuralgaits.simulation.setup.plant import SUBSTEPS, Plant
+from neuralgaits.simulation.setup.plant import Plant
 from neuralgaits.simulation.setup.push import DURATION_S, Push
 from neuralgaits.simulation.setup.terrain import ROOM_UNDER_FOOT
 from neuralgaits.simulation.ticks.falls import FallConfig
@@ -54,7 +54,7 @@ def scene_of(
     scene.pitch_noise, scene.pitch_offset = disturbance.noise_of_pitch, disturbance.pitch_offset
     scene.estimator = int(disturbance.estimator)
     scene.encoder_step = disturbance.encoder_step
-    scene.delay_ticks, scene.substeps = plant.delay_ticks, SUBSTEPS
+    scene.delay_ticks, scene.substeps = plant.delay_ticks, plant.substeps
     scene.drive_stiffness = disturbance.drive_stiffness
     scene.drive_damping = disturbance.drive_damping
     scene.slope, scene.room_under_foot = plant.slope, ROOM_UNDER_FOOT

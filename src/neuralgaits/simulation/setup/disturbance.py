@@ -42,6 +42,7 @@ class PlantChanges:
             angles, pitch and contact; 0 for one that gets them.
         drive_stiffness, drive_damping: gains of the drives of all joints, which hold the angles and
             rates of the last tick with them between ticks, see `drives` [N m/rad], [N m s/rad].
+        drive_rate: rate of these loops, and of MuJoCo's steps; a multiple of the controller's [Hz].
     """
 
     friction: float | None = _quantity(None, 0.0, 10.0, "friction coefficient of the feet")
@@ -60,6 +61,7 @@ class PlantChanges:
     estimator: float = _quantity(0.0, 0.0, 1.0, "1: rates are estimated, not measured")
     drive_stiffness: float = _quantity(0.0, 0.0, 1e5, "stiffness of the drives [N m/rad]")
     drive_damping: float = _quantity(0.0, 0.0, 1e4, "damping of the drives [N m s/rad]")
+    drive_rate: float = _quantity(2e3, 1e3, 4e4, "rate of the drives' own loops [Hz]")
 
     def __post_init__(self):
         """Check every value against its range."""
@@ -76,6 +78,16 @@ class PlantChanges:
         if self.delay_ms != int(self.delay_ms):
             raise InputError(
                 f"disturbance delay_ms: expected whole milliseconds, found {self.delay_ms:g}"
+            )
+        if self.drive_rate % 1e3:
+            raise InputError(
+                "disturbance drive_rate: expected whole kilohertz, which the controller's ticks "
+                f"divide, found {self.drive_rate:g} Hz"
+            )
+        if self.drive_rate != PlantChanges.drive_rate and not self.has_drives:
+            raise InputError(
+                "disturbance drive_rate: expected drives with a loop of their own, found none: "
+                "give their --gains, or leave it out"
             )
         if self.estimator not in (0.0, 1.0):
             raise InputError(f"disturbance estimator: expected 0 or 1, found {self.estimator:g}")

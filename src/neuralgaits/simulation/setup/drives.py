@@ -24,13 +24,25 @@ from neuralgaits.robots.mjcf_state import StateMap
 from neuralgaits.simulation.setup.disturbance import PlantChanges
 
 
-def with_gains(disturbance: PlantChanges, gains: tuple[float, float] | None) -> PlantChanges:
-    """Return a plant's changes with drives of these gains; None changes nothing.
+def with_gains(
+    disturbance: PlantChanges, gains: tuple[float, float] | None, rate_hz: float | None = None
+) -> PlantChanges:
+    """Return a plant's changes with drives of these gains, and of this rate; None changes nothing.
 
-    Raises: InputError if both say what the gains are, or if they are no gains.
+    Raises: InputError if both say what the gains or the rate are, or if they are none.
     """
+    if rate_hz is not None:
+        if gains is None and not disturbance.has_drives:
+            raise InputError("expected --gains beside --drive-rate, found none: add --gains KP,KD")
+        if disturbance.drive_rate != PlantChanges.drive_rate:
+            raise InputError(
+                "expected the rate of the drives once, found --drive-rate beside drive_rate: leave "
+                "one of them out"
+            )
+    else:
+        rate_hz = disturbance.drive_rate
     if gains is None:
-        return disturbance
+        return replace(disturbance, drive_rate=rate_hz)
     if disturbance.has_drives:
         raise InputError(
             "expected the gains of the drives once, found --gains beside drive_stiffness or "
@@ -42,7 +54,9 @@ def with_gains(disturbance: PlantChanges, gains: tuple[float, float] | None) -> 
             f"expected --gains KP,KD above 0, found {stiffness:g},{damping:g}: leave it out for "
             "drives that give the law's torque alone"
         )
-    return replace(disturbance, drive_stiffness=stiffness, drive_damping=damping)
+    return replace(
+        disturbance, drive_stiffness=stiffness, drive_damping=damping, drive_rate=rate_hz
+    )
 
 
 def law_of_drives(law: AbstractLaw, disturbance: PlantChanges | None) -> AbstractLaw:

@@ -24,7 +24,7 @@ from neuralgaits.simulation.setup.drives import add_drives
 
 TIMESTEP_S = 5e-4
 SUBSTEPS = 2
-"""MuJoCo steps per control tick: control runs at 1 kHz."""
+"""MuJoCo steps per control tick: control runs at 1 kHz. Drives with a faster loop take more."""
 
 CONTROL_SPEC = (
     mujoco.mjtState.mjSTATE_CTRL
@@ -76,11 +76,21 @@ class Plant:
         """Return the number of control ticks from a reading to its torque."""
         return round(self.disturbance.delay_ms * 1e-3 / (SUBSTEPS * TIMESTEP_S))
 
+    @property
+    def substeps(self) -> int:
+        """Return the number of MuJoCo's steps in a control tick."""
+        return substeps_of(self.disturbance)
+
     def floor_positions(self, levels: Float[np.ndarray, "B 2"]) -> Float[np.ndarray, "B 6"]:
         """Return mocap positions that put the floors at these levels at x = 0. [B, 6] (m)."""
         positions = np.zeros((levels.shape[0], 2, 3))
         positions[:, :, 2] = levels
         return positions.reshape(-1, 6)
+
+
+def substeps_of(disturbance: PlantChanges) -> int:
+    """Return the number of MuJoCo's steps in a control tick: one for each of the drives' loops."""
+    return round(SUBSTEPS * TIMESTEP_S * disturbance.drive_rate)
 
 
 def build(
@@ -135,7 +145,7 @@ def _add_floors(
 
     The feet keep the contact parameters of the file; priority makes them count alone.
     """
-    spec.option.timestep = TIMESTEP_S
+    spec.option.timestep = SUBSTEPS * TIMESTEP_S / substeps_of(disturbance)
     pictures = [(geom.rgba.copy(), geom.material) for geom in _planes(spec)][:1]
     for geom in list(_planes(spec)):
         spec.delete(geom)

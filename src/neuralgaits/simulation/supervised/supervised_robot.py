@@ -22,7 +22,7 @@ from neuralgaits.export.standing import standing_postures
 from neuralgaits.export.supervisor_codes import Mode, Reason, Request, Waiting
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.simulation.setup.disturbance import PlantChanges
-from neuralgaits.simulation.setup.plant import SUBSTEPS, build
+from neuralgaits.simulation.setup.plant import build
 from neuralgaits.simulation.supervised.supervisor_library import (
     SupervisorTick,
     supervisor_library,
@@ -50,6 +50,8 @@ class Supervision(NamedTuple):
     """Whether a step has just ended."""
     z: Float[np.ndarray, "2"]
     """Measured z (m, kg m^2/s)."""
+    since_touchdown: float
+    """Time since a touchdown, 1e30 before the first [s]: joint rates are filtered by it."""
     targets: Float[np.ndarray, "2 k 5"]
     """Of each drive: q_des [rad], dq_des [rad/s], kp [N m/rad], kd [N m s/rad], tau_ff [N m]."""
     torques: Float[np.ndarray, "2 k"]
@@ -130,7 +132,7 @@ class SupervisedRobot:
         mode, reason, waiting, fault, new, leg, touchdown = map(int, own.decided[:7])
         return Supervision(
             *(Mode(mode), Reason(reason), Waiting(waiting), Fault(fault), bool(new)),
-            *(leg, bool(touchdown), own.decided[7:].copy()),
+            *(leg, bool(touchdown), own.decided[7:9].copy(), float(own.decided[9])),
             *(own.targets.copy(), own.torques.copy()),
         )
 
@@ -157,7 +159,7 @@ class SupervisedRobot:
         """Step MuJoCo through a tick, with the drives' own loops."""
         data, state_map = self.data, self.plant.state_map
         q_des, dq_des, kp, kd, ahead, torque = np.moveaxis(due, -1, 0)
-        for _ in range(SUBSTEPS):
+        for _ in range(self.plant.substeps):
             if self._drives:
                 torque = ahead + kp * (q_des - data.qpos[self._joints])
                 torque = torque + kd * (dq_des - data.qvel[self._joints])

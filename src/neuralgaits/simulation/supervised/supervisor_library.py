@@ -15,7 +15,7 @@ from neuralgaits.export import build, output_folder
 from neuralgaits.export.facts import Design
 from neuralgaits.export.source import gait_files
 
-_DECIDED, _TARGET = 9, 5
+_DECIDED, _TARGET = 10, 5
 _HOST = "supervisor_host.c"
 _FLAGS = ("-std=c99", "-O2", "-fPIC", "-shared")
 
@@ -54,7 +54,7 @@ class SupervisorTick:
 
     Attributes:
         decided: mode, reason, what the request waits for, fault, whether it is new, stance leg,
-            touchdown, z (m, kg m^2/s). [9]
+            touchdown, z (m, kg m^2/s), time since a touchdown, 1e30 before the first [s]. [10]
         targets: of each drive: q_des [rad], dq_des [rad/s], kp [N m/rad], kd [N m s/rad], tau_ff
             [N m]. [2, k, 5]
         torques: of the file's joints [N m]. [2, k]

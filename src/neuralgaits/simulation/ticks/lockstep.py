@@ -125,7 +125,7 @@ def run(
         time += SUBSTEPS * TIMESTEP_S
         if results.active.size:
             world.advance(results.active, controls, force)
-            plant_steps += SUBSTEPS * results.active.size
+            plant_steps += plant.substeps * results.active.size
     return results.whole(plant_steps, clock.perf_counter() - start_time)
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from mujoco import rollout
 
 from neuralgaits._types import Float, Int
-from neuralgaits.simulation.setup.plant import CONTROL_SPEC, SUBSTEPS, Plant
+from neuralgaits.simulation.setup.plant import CONTROL_SPEC, Plant
 
 Some = Int[np.ndarray, " a"]
 """Numbers of some of the episodes."""
@@ -77,9 +77,9 @@ class MujocoWorld(World):
         self._models = [model] * episodes if models is None else list(models)
         self._touch = np.zeros((episodes, model.nsensordata))
         size = mujoco.mj_stateSize(model, CONTROL_SPEC)
-        self._inputs = np.zeros((episodes, SUBSTEPS, size))
-        self._out = np.zeros((episodes, SUBSTEPS, states.shape[1]))
-        self._sensed = np.zeros((episodes, SUBSTEPS, model.nsensordata))
+        self._inputs = np.zeros((episodes, plant.substeps, size))
+        self._out = np.zeros((episodes, plant.substeps, states.shape[1]))
+        self._sensed = np.zeros((episodes, plant.substeps, model.nsensordata))
         self.lay_floors(np.zeros((episodes, 2)))
 
     @property
@@ -113,7 +113,7 @@ class MujocoWorld(World):
             self._inputs if everyone else self._inputs[active],
             control_spec=CONTROL_SPEC,
             skip_checks=True,
-            nstep=SUBSTEPS,
+            nstep=self._plant.substeps,
             state=out,
             sensordata=sensed,
         )

@@ -59,7 +59,8 @@ static const double *take(const double *from, ng_real *to, int count)
 
 /*
  * sensors: pitch, its rate, velocity (x, z), force on each foot, joints, their rates. decided: mode,
- * reason, what the request waits for, fault, whether it is new, leg, touchdown, z. targets: the five
+ * reason, what the request waits for, fault, whether it is new, leg, touchdown, z, time since a
+ * touchdown. targets: the five
  * numbers of each joint. torques: of the file's joints [N m].
  */
 void ng_host_tick(ng_host *host, uint32_t time_us, const double *sensors, int request,
@@ -82,7 +83,8 @@ void ng_host_tick(ng_host *host, uint32_t time_us, const double *sensors, int re
     ng_supervise(&host->config, &host->supervisor, &reading, (ng_request)request, &now);
     const double found[] = {now.mode,         now.reason,        now.waiting,
                             now.fault,        now.fault_is_new,  now.command.leg,
-                            now.command.touchdown, now.command.z[0], now.command.z[1]};
+                            now.command.touchdown, now.command.z[0], now.command.z[1],
+                            now.command.since_touchdown};
     memcpy(decided, found, sizeof found);
     for (int leg = 0; leg < NG_LEGS; ++leg) {
         for (int i = 0; i < NG_LEG_JOINTS; ++i) {
