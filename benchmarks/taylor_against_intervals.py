@@ -23,7 +23,7 @@ from neuralgaits.analysis.run import Run
 from neuralgaits.certificate.search.halving import Corners, halves, wide_axes
 from neuralgaits.certificate.search.problem import Problem
 from neuralgaits.certificate.traced import trace_spec
-from neuralgaits.programs import POINT, Program, evaluate, fold
+from neuralgaits.programs import POINT, Algebra, Program, evaluate, fold
 from neuralgaits.programs.prune import prune
 
 CASES = {
@@ -52,7 +52,7 @@ class Interval:
     high: np.ndarray
 
 
-class IntervalAlgebra:
+class IntervalAlgebra(Algebra[Interval]):
     """Rules for `evaluate`: every operation gives the range of its operands' ranges."""
 
     def enter(

@@ -11,7 +11,7 @@ import pytest
 
 from neuralgaits.errors import SpecError
 from neuralgaits.export.float_bound import RoundingAlgebra
-from neuralgaits.programs import POINT, evaluate, fold
+from neuralgaits.programs import POINT, Algebra, evaluate, fold
 from neuralgaits.programs.algebras.ball import BallAlgebra
 from neuralgaits.programs.algebras.taylor_algebra import TaylorAlgebra
 from neuralgaits.programs.ops import KINDS
@@ -28,7 +28,7 @@ RATIONAL = {
 
 
 @dataclass
-class Rationals:
+class Rationals(Algebra[list]):
     """Vectors are lists of fractions. Counts the operations it is asked for."""
 
     calls: list[str] = field(default_factory=list)
