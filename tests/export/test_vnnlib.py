@@ -81,7 +81,7 @@ def test_a_model_alone_has_the_margins_that_certify_bounds(exported, problems):
         share = np.array([[0.0, 0.0], [1.0, 1.0], [0.3, 0.8]])
         low, high = np.array(problem.low), np.array(problem.high)
         points = low + share * (high - low)
-        found = np.array([np.asarray(model.run(["Y"], {"X": u[None]})[0]) for u in points])
+        found = np.array([model.run(["Y"], {"X": u[None]}) for u in points])[:, 0]
         expected = problem.values(points)[:, index] * problem.scales[index]
         np.testing.assert_allclose(found.min(axis=(1, 2)), expected, rtol=1e-11, atol=1e-12)
 
@@ -188,13 +188,24 @@ def test_without_the_extra_it_says_what_to_install(shipped, tmp_path, monkeypatc
 
 
 def test_file_names_differ_on_any_disk():
-    names = ["Knee", "knee", "über allem", "*?<>", "con", "a" * 150, "a" * 150 + "b", "NUL"]
+    names = [
+        "Knee",
+        "knee",
+        "hip",
+        "Hip",
+        "über allem",
+        "*?<>",
+        "con",
+        "a" * 150,
+        "a" * 150 + "b",
+        "NUL",
+    ]
     files = file_names(names)
     assert list(files) == names
     assert len({file.lower() for file in files.values()}) == len(names)
     for file in files.values():
         assert file.isascii() and 0 < len(file) <= 75 and set(file) & set(".:/\\*?<> ") == set()
-    assert files["Knee"] == "Knee" and files["knee"] == "knee_2"
+    assert files["Knee"] == "Knee" and files["knee"] == "knee_2" and files["Hip"] == "Hip_2"
     assert {files["con"], files["NUL"]} == {"condition-con", "condition-NUL"}
 
 

@@ -21,7 +21,7 @@ class QueryAxis:
 
 @dataclass(frozen=True)
 class QueryBox:
-    """A box of X. Attributes: low, high: its corners. [n]"""
+    """A box of X. Attributes: low, high: its corners. [n]."""
 
     low: tuple[float, ...]
     high: tuple[float, ...]

@@ -1,4 +1,4 @@
-"""The conditions of a run as queries for other provers: Programs and boxes as `certify` has them."""
+"""The conditions of a run as queries for other provers: what `certify` searches at level 1."""
 
 import jax.numpy as jnp
 
