@@ -122,16 +122,17 @@ class SweepOptions(SweepSettings):
 
 @dataclass(frozen=True)
 class ExportOptions:
-    """Write the gait for a robot, as C, FMU, ROS 2 package or ONNX, and compare it with Python."""
+    """Write the gait as C, FMU, ROS 2 package, ONNX or VNN-LIB, and compare it with Python."""
 
     run: Run
     """Run folder, or latest."""
     out: Annotated[Path, arg(metavar="DIR")]
     """Folder to write to; new or empty unless --force."""
-    format: Literal["c", "onnx", "fmu", "fmu2", "ros2"] = "c"
+    format: Literal["c", "onnx", "fmu", "fmu2", "ros2", "vnnlib"] = "c"
     """c: the controller in C99 without dependencies. onnx: the policy and its rate; needs the onnx
     extra. fmu: the controller for co-simulation by FMI 3.0. fmu2: by FMI 2.0. ros2: a
-    package for ros2_control around the controller in C."""
+    package for ros2_control around the controller in C. vnnlib: the conditions as ONNX models and
+    VNN-LIB queries, for other provers; needs the onnx extra."""
     force: Flag = False
     """Replace the files of an earlier export."""
     config: Annotated[Path | None, arg(metavar="deploy.yaml")] = None

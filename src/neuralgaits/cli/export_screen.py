@@ -14,6 +14,7 @@ from neuralgaits.records.exported import (
     ModelAgreement,
     ModelExport,
     MonitorExport,
+    QueryExport,
     UncheckedExport,
 )
 
@@ -29,6 +30,9 @@ def show_export(result: Exported) -> None:
     elif isinstance(result, ModelExport):
         _agrees(result.states, count)
         _show_models(result.builds)
+    elif isinstance(result, QueryExport):
+        _agrees(result.states, count)
+        _show_queries(result)
     elif isinstance(result, ControllerExport):
         _agrees(result.states, count)
         _show_controller(result)
@@ -88,6 +92,19 @@ def _show_models(models: Sequence[Model]) -> None:
     ]
     show_table(("model", "y_d, of its range", "p50 us", "p99 us", "bytes"), rows)
     show_sentence(f"{models[0].runtime}, one thread, called from Python")
+
+
+def _show_queries(result: QueryExport) -> None:
+    """Show how many queries there are, and how far the models are from Python."""
+    queries = sum(len(model.queries) for model in result.models)
+    double = max(model.difference for model in result.models)
+    single = max(model.float_difference for model in result.models)
+    show_sentence(f"{len(result.models)} conditions, {queries} queries: unsat if one holds")
+    show_sentence(
+        f"margins differ from Python's by up to {double:.1e} of a scale in double precision, as "
+        f"written, and {single:.1e} in single ({result.runtime})"
+    )
+    show_sentence(f"Open {result.out}/README.md for axes, answers and their limits.")
 
 
 def _worst_output(agreement: Agreement | ModelAgreement) -> str:

@@ -14,6 +14,7 @@ from neuralgaits.control.joint_model import JointModel
 from neuralgaits.control.measurement import by_leg
 from neuralgaits.control.safeguard import SafeguardConfig
 from neuralgaits.deployment.deployment_file import DeploymentFile
+from neuralgaits.export.condition_query import ConditionQuery
 from neuralgaits.gait.commands import Commands
 from neuralgaits.gait.policies.commanded_gait import AnyGait
 from neuralgaits.gait.reset_residual import ResetCorrection
@@ -59,6 +60,7 @@ class Design:
         deployment: deployment file that was read; None without.
         supervised: whether an FMU or a ROS 2 package stands, walks and stops on request; the C
             controller always can.
+        queries: conditions for other provers; empty in formats of a controller.
     """
 
     robot: PlanarBiped
@@ -69,6 +71,7 @@ class Design:
     monitor: StateMonitor | None = None
     deployment: DeploymentFile | None = None
     supervised: bool = False
+    queries: tuple[ConditionQuery, ...] = ()
 
     @classmethod
     def of(

@@ -25,7 +25,7 @@ _OF_ADAPTATION = frozenset(("adapt.h", "adapt.c"))
 _OF_BOARD = frozenset(("board_map.h", "board_map.c"))
 """Files that only an export with a deployment file has, but for its numbers."""
 _BOARD_FACTS = frozenset(("board_facts.h", "board_facts.c"))
-_SUFFIXES = (".c", ".h", ".onnx", ".fmu", ".cpp", ".hpp", ".xml", ".txt")
+_SUFFIXES = (".c", ".h", ".onnx", ".fmu", ".cpp", ".hpp", ".xml", ".txt", ".vnnlib", ".csv", ".md")
 """Suffixes of the files of an export."""
 
 
@@ -93,6 +93,21 @@ def refuse_stale_map(out: Path) -> None:
         raise InputError(
             f"expected no {stale[0]} in {out}, found that of an export with --config, whose map "
             f"would stay beside this controller: give --config again, or delete {', '.join(stale)}"
+        )
+
+
+def refuse_stale_queries(out: Path, files: Iterable[str]) -> None:
+    """Refuse a folder with queries of an earlier export that these files do not replace.
+
+    Raises: InputError if there is such a file.
+    """
+    new = set(files)
+    stale = sorted(file.name for file in out.glob("*.vnnlib") if file.name not in new)
+    if stale:
+        raise InputError(
+            f"expected queries of this run alone in {out}, found {stale[0]}"
+            f"{f' and {len(stale) - 1} more' if stale[1:] else ''} of another: name another "
+            "folder, or delete them"
         )
 
 

@@ -218,3 +218,41 @@ class ModelExport(Exported):
     states: int
     limits: Mapping[str, ModelLimits]
     builds: tuple[Model, ...]
+
+
+@dataclass(frozen=True)
+class QueryModel:
+    """The model of one condition.
+
+    Attributes:
+        condition: name of the condition.
+        file, queries: names of the model, and of a query for each box.
+        difference: largest distance from Python in double precision, in scales of the condition or
+            shares of larger margins.
+        float_difference: the same of that model in single precision, which is not written.
+        model_bytes: size of the model.
+    """
+
+    condition: str
+    file: str
+    queries: Texts
+    difference: float
+    float_difference: float
+    model_bytes: int
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class QueryExport(Exported):
+    """Conditions for other provers.
+
+    Attributes:
+        states: number of points on which models were compared, of all conditions.
+        limit: limit on `difference`.
+        runtime: program that ran the models.
+        models: one for each condition.
+    """
+
+    states: int
+    limit: float
+    runtime: str
+    models: tuple[QueryModel, ...]

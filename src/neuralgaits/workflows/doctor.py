@@ -20,7 +20,7 @@ _EXTRAS = {
     "video": ("imageio_ffmpeg", "imageio-ffmpeg", "videos"),
     "hzd": ("casadi", "CasADi", "`optimise`"),
     "drake": ("pydrake", "Drake", "`simulate --simulator drake`"),
-    "onnx": ("onnxruntime", "ONNX Runtime", "`export --format onnx`"),
+    "onnx": ("onnxruntime", "ONNX Runtime", "`export --format onnx` and `vnnlib`"),
     "mcap": ("mcap", "MCAP", "logs in MCAP"),
     "deploy": ("yaml", "PyYAML", "deployment files"),
     "gym": ("gymnasium", "Gymnasium", "`neuralgaits.gym_env`"),

@@ -1,4 +1,4 @@
-"""Write a trained gait for a robot, in C, as an FMU or in ONNX, and compare it with Python."""
+"""Write a trained gait for a robot, or its conditions for provers, and compare with Python."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -33,8 +33,9 @@ from neuralgaits.runs.names import ROBOT, WEIGHTS
 from neuralgaits.simulation.setup.starts import momentum_range
 from neuralgaits.systems.family_tasks import task_with
 from neuralgaits.systems.system_family import ProgressCallbacks
+from neuralgaits.workflows.condition_queries import queries_of
 from neuralgaits.workflows.deployed_run import deployed_robot, usual_gains
-from neuralgaits.workflows.export_formats import MAPPED, MONITORED, SUPERVISED, WRITERS
+from neuralgaits.workflows.export_formats import MAPPED, MONITORED, QUERIED, SUPERVISED, WRITERS
 from neuralgaits.workflows.export_warnings import unproved_of_export
 
 TEMPLATE = "deploy.template.yaml"
@@ -75,7 +76,8 @@ def export_controller(
         run: a run, its folder, or `latest`.
         out: folder to write to; new or empty unless `force`.
         format: `c`, the controller; `onnx`, its policy and rate; `fmu`, the controller for
-            co-simulation by FMI 3.0; `fmu2`, by FMI 2.0; `ros2`, a package for ros2_control.
+            co-simulation by FMI 3.0; `fmu2`, by FMI 2.0; `ros2`, a package for ros2_control;
+            `vnnlib`, its conditions as ONNX and VNN-LIB, for other provers.
         force: replace the files of an earlier export.
         config: deployment file of the robot; a template of one is written if None.
         joints: identified joints that the torques are for: `latest`, or a file of `fit_joints`.
@@ -115,8 +117,11 @@ def export_controller(
         usual = template(about, usual_gains(design))
         # A ROS 2 package always has a map: without a file that of the robot file itself.
         mapped = usual if format == "ros2" and deployment is None else deployment
-        made = replace(design, deployment=mapped, supervised=supervisor)
+        queries = queries_of(trained) if format == QUERIED else ()
+        made = replace(design, deployment=mapped, supervised=supervisor, queries=queries)
         files, told = WRITERS[format](made, states)
+        if format == QUERIED:
+            output_folder.refuse_stale_queries(folder, files)
         if format in MAPPED and deployment is None:
             text = deployment_text(usual)
             if output_folder.differs(folder / TEMPLATE, text):

@@ -19,13 +19,15 @@ from neuralgaits.records.exported import Exported, MonitorExport, UncheckedExpor
 
 NO_COMPILER = "no C compiler: the files are written and not checked; install gcc or clang"
 NO_EXTRA = (
-    "expected the packages onnx and onnxruntime for --format onnx, found no {}: "
+    "expected the packages onnx and onnxruntime for --format {}, found no {}: "
     "pip install 'neuralgaits[onnx]'"
 )
 MONITORED = ("c", "fmu", "fmu2", "ros2")
 """Formats of a whole controller, with torques and a monitor."""
 MAPPED = ("c", "ros2")
 """Formats that have a map between motors and joints."""
+QUERIED = "vnnlib"
+"""Format of conditions, without a controller."""
 SUPERVISED = ("fmu", "fmu2", "ros2")
 """Formats that may have the supervisor in the place of the controller alone."""
 RecordFactory = Callable[..., Exported]
@@ -81,9 +83,21 @@ def _onnx(design: Design, states: int) -> tuple[dict[str, bytes], RecordFactory]
         from neuralgaits.export.onnx_check import check_models
         from neuralgaits.export.onnx_model import model_files
     except ModuleNotFoundError as error:
-        raise InputError(NO_EXTRA.format(error.name)) from None
+        raise InputError(NO_EXTRA.format("onnx", error.name)) from None
     files = model_files(design)
     return files, check_models(design, files, states)
+
+
+def _vnnlib(design: Design, states: int) -> tuple[dict[str, str | bytes], RecordFactory]:
+    """Return the conditions for other provers, and the factory of their record.
+
+    Raises: InputError without the extra.
+    """
+    try:
+        from neuralgaits.export.query_models import query_files
+    except ModuleNotFoundError as error:
+        raise InputError(NO_EXTRA.format("vnnlib", error.name)) from None
+    return query_files(design, states)
 
 
 WRITERS: dict[str, Callable[[Design, int], tuple[Mapping[str, str | bytes], RecordFactory]]] = {
@@ -92,6 +106,7 @@ WRITERS: dict[str, Callable[[Design, int], tuple[Mapping[str, str | bytes], Reco
     "fmu": partial(_fmu, version="3.0"),
     "fmu2": partial(_fmu, version="2.0"),
     "ros2": _ros2,
+    "vnnlib": _vnnlib,
 }
 """Writer of each format: takes a design and a number of test states, returns files and a record
 factory."""
