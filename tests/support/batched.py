@@ -26,7 +26,27 @@ def batched(function: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def unnamed(robot: PlanarBiped) -> PlanarBiped:
-    """The robot's numbers: names and the file's layout are in no formula, and differ."""
+    """The robot's numbers: names and places in the file are in no formula, and differ.
+
+    Which joints there are is in some: of the layout torso, ankles and the number of joints stay.
+    """
     blank = ("",) * robot.n
+    leg = ("",) * robot.layout.joints_of_leg
     nowhere = cast(Any, None)
-    return replace(robot, name="", link_names=blank, joint_names=blank, layout=nowhere)
+    joints = replace(
+        robot.layout,
+        xml="",
+        root_joints=nowhere,
+        root_origin=nowhere,
+        pitch_sign=nowhere,
+        root_angle=nowhere,
+        root_to_hip=nowhere,
+        leg_lengths=nowhere,
+        leg_joints=(leg, leg),
+        leg_joint_signs=nowhere,
+        leg_joint_offsets=nowhere,
+        feet=nowhere,
+        actuators=nowhere,
+        gears=nowhere,
+    )
+    return replace(robot, name="", link_names=blank, joint_names=blank, layout=joints)

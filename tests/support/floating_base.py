@@ -129,7 +129,9 @@ def motor_controls(
     return np.asarray(jax.vmap(lambda row: controls(states, row))(jnp.asarray(by_leg)))
 
 
-_leg_joints = batched(leg_joints)
+@batched
+def _leg_joints(robot: PlanarBiped, torque: Any, leg: Any) -> Any:
+    return leg_joints(robot.layout, torque, leg)
 
 
 def plastic_impact(

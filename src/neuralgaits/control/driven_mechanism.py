@@ -1,4 +1,4 @@
-"""What a control law asks of the mechanism that it drives: its equations, and what its foot bears.
+"""Mechanisms as control laws ask for them: their equations, and what their foot bears.
 
 No leg, no hip and no impact: a law works on any mechanism with zero dynamics whose first coordinate
 has no motor. `tests/control/test_laws_of_a_pendulum.py` has one that does not walk.

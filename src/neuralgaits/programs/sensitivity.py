@@ -18,7 +18,7 @@ Values = Mapping[int, np.ndarray]
 
 
 class Sensitivity(NamedTuple):
-    """Of m elements of outputs, by the elements of one value.
+    """Sensitivity of m elements of outputs to the elements of one value.
 
     Attributes:
         derivative: signed. [size, m]

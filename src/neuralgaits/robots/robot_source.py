@@ -1,4 +1,4 @@
-"""What a caller may name a robot by: the robot itself, a built-in name, or the path of its file."""
+"""Robots as callers name them: the robot itself, a built-in name, or the path of its file."""
 
 from pathlib import Path
 

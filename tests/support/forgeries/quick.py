@@ -48,10 +48,10 @@ def statements_taken_as_checked(known: Container[str] | None = None) -> Iterator
     """
     check = StatementCheck.of
 
-    def of(program: Program, statement: claims.Statement) -> Any:
+    def of(program: Program, statement: claims.Statement, leaves: int) -> Any:
         if known is None or _stated(program, statement) in known:
             return _Taken()
-        return check(program, statement)
+        return check(program, statement, leaves)
 
     with ExitStack() as stack:
         stack.enter_context(mock.patch.object(StatementCheck, "of", of))
