@@ -360,6 +360,7 @@ int answer_bounds(const ProofFile& file, std::istream& in) {
     Box box = {vector<double>(file.chart.size()), vector<double>(file.chart.size())};
     for (double& x : box.low) x = asked(in);
     for (double& x : box.high) x = asked(in);
+    bounder->within(box);  // Symbols for remainders are chosen on the first.
     bounder->over({&box}, all);
     for (const Claim* claim : all) {
       const char* name = claim->name.c_str();
