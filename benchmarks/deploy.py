@@ -13,17 +13,17 @@ from collections import Counter
 from dataclasses import replace
 from pathlib import Path
 
+import common  # noqa: F401 - tests/support is found by it
 import jax
 import numpy as np
 
-from neuralgaits.control.safeguard import joint_ranges, torque_limits
-from neuralgaits.deployment.deployed_robot import DeployedRobot, joint_facts
-from neuralgaits.deployment.deployment_file import DeploymentFile, FileHash, ImuMount
+from neuralgaits.deployment.deployed_robot import DeployedRobot
+from neuralgaits.deployment.deployment_file import DeploymentFile, ImuMount
 from neuralgaits.deployment.deployment_template import template
-from neuralgaits.deployment.hanging_leg import HangingLeg
 from neuralgaits.deployment.hung_robot import HungRobotSettings, hung_log
 from neuralgaits.deployment.log_comparison import compared
-from neuralgaits.robots import PlanarBiped, load_robot
+from neuralgaits.robots import load_robot
+from support.deployments import about
 
 jax.config.update("jax_enable_x64", True)
 CASES = int(os.environ.get("CASES", "40"))
@@ -40,21 +40,6 @@ PROCEDURES = {
     "torques, plain labels": HungRobotSettings(),
     "all": HungRobotSettings(directions=True, zero=True),
 }
-
-
-def about(robot: PlanarBiped) -> DeployedRobot:
-    """What a deployment file of this robot must match."""
-    files = {name: FileHash(name, "0" * 64) for name in ("robot", "policy")}
-    return DeployedRobot(
-        name=robot.name,
-        layout=robot.layout,
-        leg=HangingLeg.of(robot.layout, robot.name, float(robot.gravity)),
-        weight_n=float(robot.mass * robot.gravity),
-        joints=joint_facts(robot.layout, joint_ranges(robot), torque_limits(robot)),
-        run="run",
-        files={**files, "proof": None},
-        period_s=1e-3,
-    )
 
 
 def hardware(known: DeployedRobot, rng: np.random.Generator) -> DeploymentFile:

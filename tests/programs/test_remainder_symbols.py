@@ -5,6 +5,8 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
+from neuralgaits.certificate.proof_file.reader import Statement
+from neuralgaits.certificate.proof_file.statement_check import MANY, StatementCheck
 from neuralgaits.certificate.search import branch_and_bound
 from neuralgaits.certificate.search.problem import Problem
 from neuralgaits.programs import POINT, Program, evaluate, fold
@@ -141,3 +143,16 @@ def test_a_search_needs_fewer_boxes(monkeypatch):
         assert np.all(state.tree.lower[leaves] >= 0.0)
         counts[hard] = len(leaves)
     assert counts[0] < 0.7 * counts[10**9]
+
+
+def test_a_check_of_many_leaves_halves_them_less():
+    """Its leaves are those of a search with symbols: without any they would be halved again."""
+    program = traced(cancelling)
+    statement = Statement(("h",), "all", {"h": 1.0}, {"h": -0.24}, 2, LOW, HIGH, "-")
+    boxes = {}
+    for leaves in (1, MANY):
+        check = StatementCheck.of(program, statement, leaves)
+        assert list(check.walk((np.array([LOW]), np.array([HIGH])))) == [1]
+        assert check.verdict == "holds"
+        boxes[leaves] = check.boxes
+    assert boxes[MANY] < 0.8 * boxes[1]

@@ -16,6 +16,7 @@ from neuralgaits.programs.program import Operation, Program
 
 V = TypeVar("V")
 NO_SYMBOLS: Mapping[int, int] = MappingProxyType({})
+"""Symbols of a Program whose remainders have none."""
 
 
 @runtime_checkable

@@ -123,11 +123,8 @@ def export_controller(
         if format == QUERIED:
             output_folder.refuse_stale_queries(folder, files)
         if format in MAPPED and deployment is None:
-            text = deployment_text(usual)
-            if output_folder.differs(folder / TEMPLATE, text):
-                lacking = [*lacking, KEPT.format(folder / TEMPLATE)]
-            else:
-                files = {**files, TEMPLATE: text}
+            more, kept = _template_file(folder, deployment_text(usual))
+            files, lacking = {**files, **more}, [*lacking, *kept]
     return Export(
         told(
             run=str(trained.path),
@@ -139,6 +136,13 @@ def export_controller(
             deployment_sha256=None if deployment is None else deployment.sha256,
         )
     )
+
+
+def _template_file(folder: Path, text: str) -> tuple[dict[str, str], list[str]]:
+    """Return the template to write, if none that differs is there, and a warning if one is."""
+    if output_folder.differs(folder / TEMPLATE, text):
+        return {}, [KEPT.format(folder / TEMPLATE)]
+    return {TEMPLATE: text}, []
 
 
 def _given(**settings: Any) -> dict[str, Any]:

@@ -75,10 +75,9 @@ class Problem:
 
     @cached_property
     def with_symbols(self) -> "Problem":
-        """Return the same problem, bounded with symbols for the remainders that cancel most."""
-        return replace(
-            self, symbols=values_with_symbols(self.program, self.low, self.high, taylor_remainders)
-        )
+        """Return the problem with symbols for remainders that cancel; itself if there are none."""
+        chosen = values_with_symbols(self.program, self.low, self.high, taylor_remainders)
+        return replace(self, symbols=chosen) if chosen else self
 
     @property
     def compiled(self) -> bool:
