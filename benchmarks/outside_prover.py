@@ -2,7 +2,7 @@
 
 Codac 2 evaluates each margin over a box as one of its analytic functions, in natural and centred
 form, with rounding outward; boxes are halved along their longest side here. Needs `pip install
-codac`, which seems to set upward rounding for its whole process once it is imported: it is the last thing
+codac`, which seems to set upward rounding for its whole process once imported: it is the last thing
 here. LIMIT: seconds of processor time for a condition.
 """
 
