@@ -15,6 +15,7 @@ from neuralgaits.settings import (
     CheckDeploySettings,
     CheckProofSettings,
     EpisodesSettings,
+    ExportSettings,
     FitSettings,
     ImportGaitSettings,
     OptimiseSettings,
@@ -120,29 +121,10 @@ class SweepOptions(SweepSettings):
     output: Output = OutputOptions()
 
 
-@dataclass(frozen=True)
-class ExportOptions:
+@dataclass(frozen=True, kw_only=True)
+class ExportOptions(ExportSettings):
     """Write the gait as C, FMU, ROS 2 package, ONNX or VNN-LIB, and compare it with Python."""
 
-    run: Run
-    """Run folder, or latest."""
-    out: Annotated[Path, arg(metavar="DIR")]
-    """Folder to write to; new or empty unless --force."""
-    format: Literal["c", "onnx", "fmu", "fmu2", "ros2", "vnnlib"] = "c"
-    """c: the controller in C99 without dependencies. onnx: the policy and its rate; needs the onnx
-    extra. fmu: the controller for co-simulation by FMI 3.0. fmu2: by FMI 2.0. ros2: a
-    package for ros2_control around the controller in C. vnnlib: the conditions as ONNX models and
-    VNN-LIB queries, for other provers; needs the onnx extra."""
-    force: Flag = False
-    """Replace the files of an earlier export."""
-    config: Annotated[Path | None, arg(metavar="deploy.yaml")] = None
-    """Deployment file: writes its map between motors and joints beside the controller. Without it
-    a template of such a file is written."""
-    joints: Annotated[Path | None, arg(metavar="latest|FILE.json")] = None
-    """Friction and rotors in the torques of pd and fblin, as fit --joints identified them: latest
-    for the run's own, or a file."""
-    supervisor: Flag = False
-    """With --format fmu, fmu2 or ros2: stand, walk and stop on request, and damp after a fault."""
     output: Output = OutputOptions()
 
 

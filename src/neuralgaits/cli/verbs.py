@@ -40,6 +40,7 @@ from neuralgaits.settings import (
     CertifySettings,
     CheckDeploySettings,
     CheckProofSettings,
+    ExportSettings,
     SimulateSettings,
     TrainSettings,
     Watch,
@@ -192,16 +193,7 @@ def _export(verb: ExportOptions) -> Outcome:
     from neuralgaits.workflows.export import export_controller
 
     with waiting("writing it, comparing it with Python", quiet=verb.output.json) as progress:
-        done = export_controller(
-            verb.run,
-            verb.out,
-            format=verb.format,
-            force=verb.force,
-            config=verb.config,
-            joints=verb.joints,
-            supervisor=verb.supervisor,
-            begun=progress.begun,
-        )
+        done = export_controller(**given(verb, ExportSettings, begun=progress.begun))
     return Outcome(done.summary, done.checked, show_export, undecided=not done.checked)
 
 

@@ -18,8 +18,6 @@ from neuralgaits.export.reference import Reference, Results, policy_path, result
 from neuralgaits.records.exported import Agreement, ExportTolerance, FloatBound
 from neuralgaits.records.link_figures import Percentiles
 
-STATES = 100_000
-"""Random states of the region on which C and Python are compared."""
 SEED = 20220117
 _WIDE = 64
 """Widest hidden layer for which the tighter limit of single precision holds."""
@@ -67,7 +65,7 @@ def limits(design: Design, precision: str) -> ExportTolerance:
     return ExportTolerance(2e-6 if max(widths) <= _WIDE else 1e-5, torque)
 
 
-def questions(design: Design, reference: Reference, states: int = STATES) -> Questions:
+def questions(design: Design, reference: Reference, states: int) -> Questions:
     """Draw the cases and compute Python's answers.
 
     Raises: InputError if the controller faults in every state of the region.

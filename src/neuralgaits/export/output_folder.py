@@ -97,13 +97,13 @@ def refuse_stale_map(out: Path) -> None:
 
 
 def refuse_stale_queries(out: Path, files: Iterable[str]) -> None:
-    """Refuse a folder with queries of an earlier export that these files do not replace.
+    """Refuse a folder with queries of an earlier export that queries among these do not replace.
 
     Raises: InputError if there is such a file.
     """
-    new = set(files)
+    new = {name for name in files if name.endswith(".vnnlib")}
     stale = sorted(file.name for file in out.glob("*.vnnlib") if file.name not in new)
-    if stale:
+    if new and stale:
         raise InputError(
             f"expected queries of this run alone in {out}, found {stale[0]}"
             f"{f' and {len(stale) - 1} more' if stale[1:] else ''} of another: name another "

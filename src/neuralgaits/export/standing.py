@@ -58,6 +58,11 @@ class StandingPostures(NamedTuple):
     braking: Float[np.ndarray, " n"]
     """At the touchdown before that, with the rear leg in stance [rad]."""
 
+    @classmethod
+    def none_of(cls, n: int) -> "StandingPostures":
+        """Return zeros for a robot of n coordinates that has no such postures."""
+        return cls(np.zeros((2, n)), np.zeros((2, n)), np.zeros(n))
+
 
 def standing_postures(robot: PlanarBiped) -> StandingPostures | None:
     """Return the postures of a robot; None if its legs cannot take them at any height."""

@@ -237,9 +237,7 @@ def arrays(design: Design) -> list[Array]:
 
 def _postures(design: Design) -> StandingPostures:
     """Return the standing postures, or zeros of a robot that has none."""
-    n = design.robot.n
-    nothing = StandingPostures(np.zeros((2, n)), np.zeros((2, n)), np.zeros(n))
-    return standing_postures(design.robot) or nothing
+    return standing_postures(design.robot) or StandingPostures.none_of(design.robot.n)
 
 
 def _of_leg(design: Design, gains: tuple[float, ...]) -> Float[np.ndarray, " k"]:

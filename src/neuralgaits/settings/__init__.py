@@ -3,6 +3,7 @@
 from neuralgaits._called_with import called_with
 from neuralgaits.settings.certify_settings import CertifySettings, CheckProofSettings
 from neuralgaits.settings.deploy_settings import CheckDeploySettings
+from neuralgaits.settings.export_settings import ExportSettings
 from neuralgaits.settings.learn_settings import EpisodesSettings, FitSettings, RefineSettings
 from neuralgaits.settings.shared_options import Watch
 from neuralgaits.settings.simulate_settings import SimulateSettings
@@ -20,6 +21,7 @@ __all__ = [
     "CheckDeploySettings",
     "CheckProofSettings",
     "EpisodesSettings",
+    "ExportSettings",
     "FitSettings",
     "GaitSettings",
     "ImportGaitSettings",

@@ -1,14 +1,11 @@
 """Write a trained gait for a robot, or its conditions for provers, and compare with Python."""
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
 
 import jax
 import numpy as np
 
-from neuralgaits._argument_types import type_checked
 from neuralgaits._version import __version__
 from neuralgaits.analysis.joint_file import JointFile, read_joints
 from neuralgaits.analysis.run import Run, open_run
@@ -22,7 +19,6 @@ from neuralgaits.deployment.deployment_reader import read_deployment
 from neuralgaits.deployment.deployment_template import deployment_text, template
 from neuralgaits.errors import InputError, SpecError
 from neuralgaits.export import output_folder
-from neuralgaits.export.compare import STATES
 from neuralgaits.export.facts import Design, Origin
 from neuralgaits.export.monitor_source import monitor_files
 from neuralgaits.gait.policies.commanded_gait import AnyGait
@@ -30,8 +26,9 @@ from neuralgaits.records.certified import PROOF
 from neuralgaits.records.exported import Exported
 from neuralgaits.runs.hashes import file_hashes
 from neuralgaits.runs.names import ROBOT, WEIGHTS
+from neuralgaits.settings import ExportSettings, called_with
 from neuralgaits.simulation.setup.starts import momentum_range
-from neuralgaits.systems.family_tasks import task_with
+from neuralgaits.systems.family_tasks import task_of
 from neuralgaits.systems.system_family import ProgressCallbacks
 from neuralgaits.workflows.condition_queries import queries_of
 from neuralgaits.workflows.deployed_run import deployed_robot, usual_gains
@@ -57,74 +54,39 @@ class Export:
         return self.summary.checked
 
 
-@type_checked
-def export_controller(
-    run: Run | str | Path,
-    out: str | Path,
-    *,
-    format: str = "c",
-    force: bool = False,
-    config: str | Path | None = None,
-    joints: str | Path | None = None,
-    supervisor: bool = False,
-    states: int = STATES,
-    begun: Callable[[], None] | None = None,
-) -> Export:
+@called_with(ExportSettings)
+def export_controller(settings: ExportSettings) -> Export:
     """Write a run's gait for a robot.
-
-    Args:
-        run: a run, its folder, or `latest`.
-        out: folder to write to; new or empty unless `force`.
-        format: `c`, the controller; `onnx`, its policy and rate; `fmu`, the controller for
-            co-simulation by FMI 3.0; `fmu2`, by FMI 2.0; `ros2`, a package for ros2_control;
-            `vnnlib`, its conditions as ONNX and VNN-LIB, for other provers.
-        force: replace the files of an earlier export.
-        config: deployment file of the robot; a template of one is written if None.
-        joints: identified joints that the torques are for: `latest`, or a file of `fit_joints`.
-        supervisor: put the supervisor into an FMU or a ROS 2 package, which then stands, walks and
-            stops on request; C always has it.
-        states: random states on which C and Python are compared.
-        begun: called when the settings are checked and the work begins.
 
     Returns: `Export`; of a family beside walkers, the record that `--json` prints.
     Raises: InputError, SpecError or RunError; MismatchError if the code differs from Python.
     """
-    _refuse_settings(format, states, config, supervisor)
-    given = _given(
-        format=format,
-        force=force,
-        config=config,
-        joints=joints,
-        supervisor=supervisor,
-        states=states,
-    )
-    if (task := task_with("export", {"run": run, "out": Path(out)} | given)) is not None:
-        return task(ProgressCallbacks.by(begun=begun)).returned
-    trained, folder = open_run(run), Path(out)
-    output_folder.refuse_used(folder, force=force)
-    if format == "c" and config is None:
+    _refuse_settings(settings)
+    if (task := task_of("export", settings)) is not None:
+        return task(ProgressCallbacks.by(begun=settings.begun)).returned
+    trained, folder, format = open_run(settings.run), Path(settings.out), settings.format
+    output_folder.refuse_used(folder, force=settings.force)
+    if format == "c" and settings.config is None:
         output_folder.refuse_stale_map(folder)
     certificate = read_certificate(trained.folder)
     _refuse_unusable(trained.trained)
     about = deployed_robot(trained)
-    deployment = None if config is None else read_deployment(config, about)
-    found = None if joints is None else _joints_for(trained, format, joints)
-    if begun is not None:
-        begun()
+    deployment = None if settings.config is None else read_deployment(settings.config, about)
+    joints = None if settings.joints is None else _joints_for(trained, format, settings.joints)
+    if settings.begun is not None:
+        settings.begun()
     # Numbers that are not finite are refused where they are written.
     with np.errstate(all="ignore"):
-        design, lacking = _designed(trained, certificate, format, found)
+        design, lacking = _designed(trained, certificate, format, joints)
         usual = template(about, usual_gains(design))
         # A ROS 2 package always has a map: without a file that of the robot file itself.
         mapped = usual if format == "ros2" and deployment is None else deployment
-        queries = queries_of(trained) if format == QUERIED else ()
-        made = replace(design, deployment=mapped, supervised=supervisor, queries=queries)
-        files, told = WRITERS[format](made, states)
-        if format == QUERIED:
-            output_folder.refuse_stale_queries(folder, files)
-        if format in MAPPED and deployment is None:
-            more, kept = _template_file(folder, deployment_text(usual))
-            files, lacking = {**files, **more}, [*lacking, *kept]
+        made = replace(design, deployment=mapped, supervised=settings.supervisor)
+        files, told = WRITERS[format](made, settings.states)
+    output_folder.refuse_stale_queries(folder, files)
+    if format in MAPPED and deployment is None:
+        more, kept = _template_file(folder, deployment_text(usual))
+        files, lacking = {**files, **more}, [*lacking, *kept]
     return Export(
         told(
             run=str(trained.path),
@@ -145,17 +107,13 @@ def _template_file(folder: Path, text: str) -> tuple[dict[str, str], list[str]]:
     return {TEMPLATE: text}, []
 
 
-def _given(**settings: Any) -> dict[str, Any]:
-    """Return the settings that are not the usual ones."""
-    usual = {"format": "c", "force": False, "supervisor": False, "states": STATES}
-    return {name: value for name, value in settings.items() if value != usual.get(name)}
-
-
 def _designed(
     trained: Run, certificate: CertificateReading, format: str, joints: JointFile | None
 ) -> tuple[Design, list[str]]:
     """Return everything that the files are made of, and why there is no monitor, if none is."""
     design = design_of(trained, certificate, joints)
+    if format == QUERIED:
+        return replace(design, queries=queries_of(trained)), []
     return with_monitor(design, trained, certificate) if format in MONITORED else (design, [])
 
 
@@ -169,18 +127,17 @@ def _joints_for(trained: Run, format: str, joints: str | Path) -> JointFile:
     return read_joints(trained, joints)
 
 
-def _refuse_settings(format: str, states: int, config: str | Path | None, supervisor: bool) -> None:
-    """Refuse settings that make no sense, alone or together. Raises: InputError."""
+def _refuse_settings(settings: ExportSettings) -> None:
+    """Refuse settings that make no sense together. Raises: InputError."""
+    format = settings.format
     if format not in WRITERS:
         raise InputError(f"unknown format {format!r}: expected one of {', '.join(WRITERS)}")
-    if states < 1:
-        raise InputError(f"states: expected 1 or more, found {states}")
-    if config is not None and format not in MAPPED:
+    if settings.config is not None and format not in MAPPED:
         raise InputError(
             f"--config: expected --format {' or '.join(MAPPED)} beside it, found {format}: "
             "leave one of them out"
         )
-    if supervisor and format not in SUPERVISED:
+    if settings.supervisor and format not in SUPERVISED:
         remedy = "C always has the supervisor" if format == "c" else "it has no torques"
         raise InputError(
             f"--supervisor: expected --format {' or '.join(SUPERVISED)} beside it, found {format}: "

@@ -81,7 +81,6 @@ def fit_joints(
         _estimate(trained, place, windows.of(kept), windows.of(heldout))
         for place, windows in enumerate(joint_windows(robot.layout, links, strides))
     )
-    files = {} if out is None else {out: _text(trained, joints)}
     result = IdentifiedJoints(
         run=str(trained.path),
         file=str(trained.path / JOINTS),
@@ -97,8 +96,8 @@ def fit_joints(
         written=None if out is None else str(out),
         wall_s=time.perf_counter() - start_time,
     )
-    for path, text in files.items():
-        write_text(path, text)
+    if out is not None:
+        write_text(out, _text(trained, joints))
     trained.folder.write_json(JOINTS, result)
     return result
 

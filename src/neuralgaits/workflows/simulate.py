@@ -232,9 +232,8 @@ def _walked(
         settings.begun()
     record, longest = bool(plan.films or settings.adapt), _ALL if plan.logs or plan.monitor else 0
     if wire is not None:
-        with connected(
-            design_of(plan.run, joints=plan.joints), wire, count, settings.seed
-        ) as remote:
+        design = design_of(plan.run, joints=plan.joints)
+        with connected(design, wire, count, settings.seed) as remote:
             walked = walks.walk(0, count, record=record, longest=longest, remote=remote)
         return walked, remote.summary()
     if _on_workers(settings):

@@ -17,6 +17,7 @@ from neuralgaits.certificate.levels.orbit.phase_series import (
     coefficients,
     fitted,
     over_a_step,
+    series_above,
     values_at,
 )
 from neuralgaits.certificate.levels.orbit.theorem import Attraction, OrbitConstants
@@ -115,10 +116,7 @@ def find_contraction(look: Evaluator, shape: WalkingSetConstants) -> OrbitPropos
         shape: parameters of the walking set.
     """
     phases, levels = np.linspace(*shape.ends, 61), np.linspace(0.0, 1.0, 5)
-    grid = np.stack(np.meshgrid(phases, levels, indexing="ij"), axis=-1).reshape(-1, 2)
-    largest = look(grid)["expansion"].reshape(len(phases), -1).max(axis=1)
-    series = fitted(phases, largest, BOUND_DEGREE)
-    series[0] += np.max(largest - values_at(series, phases))
+    series = series_above(phases, _largest(look, phases, levels), BOUND_DEGREE)
     ends = np.linspace(1.0 - shape.guard_strip, 1.0 + shape.guard_strip, 3)
     strip = np.stack(np.meshgrid(ends, levels, indexing="ij"), axis=-1).reshape(-1, 2)
     guard = look(strip)
@@ -213,7 +211,9 @@ class _Curve(NamedTuple):
 
     def points(self, fences: Fences, phases: np.ndarray) -> Float[np.ndarray, "n 2"]:
         """Return chart points of the orbit at some phases. [n, 2]."""
-        return np.stack([phases, _level(fences, phases, values_at(self.series, phases))], axis=1)
+        low, high = fences(phases).T
+        levels = (values_at(self.series, phases) - low) / (high - low)
+        return np.stack([phases, levels], axis=1)
 
 
 def _crossing(
@@ -248,12 +248,15 @@ def _defect(
 def _bounds(look: Evaluator, shape: WalkingSetConstants, guard: float) -> tuple[np.ndarray, float]:
     """Return series above dF/dzeta on the walking set, and a number above |rho| on its guard."""
     levels, phases = np.linspace(0.0, 1.0, 33), np.linspace(*shape.ends, 121)
-    grid = np.stack(np.meshgrid(phases, levels, indexing="ij"), axis=-1)
-    largest = look(grid.reshape(-1, 2))["expansion"].reshape(grid.shape[:2]).max(axis=1)
-    series = fitted(phases, largest, BOUND_DEGREE)
-    series[0] += ROOM + np.max(largest - values_at(series, phases))
+    series = series_above(phases, _largest(look, phases, levels), BOUND_DEGREE, ROOM)
     gains = look(np.stack([np.full_like(levels, guard), levels], axis=1))["gain"]
     return series, float(np.abs(gains).max() * (1.0 + THIN_ROOM))
+
+
+def _largest(look: Evaluator, phases: np.ndarray, levels: np.ndarray) -> np.ndarray:
+    """Return dF/dzeta at some phases, at the worst of some levels."""
+    grid = np.stack(np.meshgrid(phases, levels, indexing="ij"), axis=-1).reshape(-1, 2)
+    return look(grid)["expansion"].reshape(len(phases), -1).max(axis=1)
 
 
 def _periodic(
@@ -289,14 +292,9 @@ def _iterated(
         change = np.max(np.abs(values_at(series, nodes) - values_at(curve.series, nodes)))
         if not np.isfinite(change):
             return None
-        curve = _Curve(series, curve.guard)
-        curve = _Curve(series, curve.points(fences, np.clip(crossing - step, 0.9, 1.05)))
+        ahead = np.clip(crossing - step, 0.9, 1.05)
+        curve = _Curve(series, _Curve(series, curve.guard).points(fences, ahead))
         if change < SETTLED * abs(series[0]) and abs(step) < SETTLED:
             inside = curve.points(fences, nodes)[:, 1]
             return curve if np.all((inside > 0.0) & (inside < 1.0)) else None
     return None
-
-
-def _level(fences: Fences, phases: np.ndarray, zeta: np.ndarray) -> np.ndarray:
-    low, high = fences(phases).T
-    return (zeta - low) / (high - low)

@@ -9,6 +9,15 @@ def fitted(phases: np.ndarray, values: np.ndarray, degree: int) -> np.ndarray:
     return chebyshev.chebfit(2.0 * phases - 1.0, values, degree)
 
 
+def series_above(
+    phases: np.ndarray, values: np.ndarray, degree: int, room: float = 0.0
+) -> np.ndarray:
+    """Return a series that is nowhere below values, with room beside the closest one."""
+    series = fitted(phases, values, degree)
+    series[0] += room + np.max(values - values_at(series, phases))
+    return series
+
+
 def values_at(series: np.ndarray, phases: np.ndarray) -> np.ndarray:
     """Return a series' values."""
     return chebyshev.chebval(2.0 * phases - 1.0, series)
