@@ -70,6 +70,31 @@ inline void worse(double & worst, double value)
     }
 }
 
+// Largest difference between what the plugin wrote and what the C alone gives.
+inline double difference(
+    const Hardware & hardware, const ng_real * torques, const ng_target * targets, bool impedance)
+{
+    double worst = 0.0;
+    for (int motor = 0; motor < NG_BOARD_MOTORS; ++motor) {
+        const std::string joint = ng_ros2_joints[motor];
+        if (joint.empty()) {
+            continue;
+        }
+        const auto at = [&](const char * name) { return hardware.commands.at(joint + "/" + name); };
+        if (!impedance) {
+            worse(worst, at("effort") - torques[motor]);
+            continue;
+        }
+        const ng_target & to = targets[motor];
+        worse(worst, at("position") - to.q_des);
+        worse(worst, at("velocity") - to.dq_des);
+        worse(worst, at("effort") - to.tau_ff);
+        worse(worst, at("stiffness") - to.kp);
+        worse(worst, at("damping") - to.kd);
+    }
+    return worst;
+}
+
 inline DiagnosticArray last(controller_interface::ControllerInterface & plugin)
 {
     auto node = plugin.get_node();

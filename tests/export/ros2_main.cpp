@@ -73,29 +73,6 @@ private:
     bool measured_;
 };
 
-double difference(Hardware & hardware, const Reference & own, bool impedance)
-{
-    double worst = 0.0;
-    for (int motor = 0; motor < NG_BOARD_MOTORS; ++motor) {
-        const std::string joint = ng_ros2_joints[motor];
-        if (joint.empty()) {
-            continue;
-        }
-        const auto at = [&](const char * name) { return hardware.commands.at(joint + "/" + name); };
-        const ng_target & to = own.targets[motor];
-        if (!impedance) {
-            worse(worst, at("effort") - own.torques[motor]);
-            continue;
-        }
-        worse(worst, at("position") - to.q_des);
-        worse(worst, at("velocity") - to.dq_des);
-        worse(worst, at("effort") - to.tau_ff);
-        worse(worst, at("stiffness") - to.kp);
-        worse(worst, at("damping") - to.kd);
-    }
-    return worst;
-}
-
 // Activate, walk, fault, deactivate.
 int walk(bool measured, bool impedance)
 {
@@ -148,7 +125,7 @@ int walk(bool measured, bool impedance)
         }
         own.tick(readings);
         touchdowns += own.command.touchdown;
-        worse(worst, difference(hardware, own, impedance));
+        worse(worst, difference(hardware, own.torques, own.targets, impedance));
         worse(most, largest(hardware));
     }
 #if NG_COMMANDS
