@@ -80,5 +80,5 @@ WORDS = {
 """Words by the number of the level."""
 HIGHEST_OF_MANY = max(number for number, words in WORDS.items() if not words.one_gait)
 """Highest level that covers gaits with commands, and boxes of robots or floors."""
-FULL_ORDER_LEVEL = 4
-"""First level about the full state of the robot, with outputs off zero."""
+ORBIT_LEVEL, FULL_ORDER_LEVEL = 3, 4
+"""Level at which walks converge, and the first one about the full state, with outputs off zero."""

@@ -4,9 +4,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
+import numpy as np
 from matplotlib.figure import Figure
 
 from neuralgaits.analysis.box_map import BoxMap
+from neuralgaits.analysis.command_walks import alternating, drawn, walks_under
 from neuralgaits.analysis.data import GaitData, MeasuredWalk
 from neuralgaits.analysis.family_data import family_data
 from neuralgaits.analysis.gait_data import gait_data
@@ -15,6 +17,7 @@ from neuralgaits.analysis.run import Run
 from neuralgaits.analysis.walk_log import measured_walk
 from neuralgaits.errors import RunError
 from neuralgaits.records.episode_records import ASKED, SUMMARY, EpisodesDone
+from neuralgaits.records.levels import ORBIT_LEVEL
 from neuralgaits.records.simulated import LOG
 from neuralgaits.records.training_config import TrainingConfig
 from neuralgaits.report.certificate import ProvedOfGait
@@ -22,6 +25,7 @@ from neuralgaits.report.drawing import command_words
 from neuralgaits.report.figures import (
     barrier_sketches,
     certificate_map,
+    command_walks,
     family,
     full_order_set,
     gait_tiles,
@@ -37,6 +41,9 @@ from neuralgaits.report.figures import (
 from neuralgaits.report.page import repeat_commands
 from neuralgaits.runs.names import MAP
 from neuralgaits.runs.shell_words import command, learning, named
+
+STEPS = 24
+"""Number of steps of walks under commands: walks that settle have settled."""
 
 
 @dataclass(frozen=True)
@@ -239,11 +246,23 @@ class RunFigures:
             raise Absent("no periodic orbit was found at any command: train longer", line)
         return family.caption(found), family.draw(found)
 
+    def command_walks(self) -> Made:
+        """Draw walks under commands that repeat, and under others."""
+        told = self.run.trained.commands
+        repeated, random = walks_under(self.run, alternating(told, STEPS), drawn(told, STEPS))
+        if not (np.isfinite(repeated.z2).all() and np.isfinite(random.z2).all()):
+            line = repeat_commands.longer(self.run.folder)
+            raise Absent("a walk from a fence of the tube does not come back: train longer", line)
+        name, proved = told[0].name, self.certificate.level >= ORBIT_LEVEL
+        words = command_walks.caption(name, repeated, proved)
+        return words, command_walks.draw(name, repeated, random)
+
 
 Maker = tuple[str, str, Callable[[RunFigures], Made]]
 """Name, title and drawing function of a figure."""
 MAKERS: tuple[Maker, ...] = (
-    (command_words.FIGURE, "A family of gaits", RunFigures.family),
+    (command_words.FAMILY, "A family of gaits", RunFigures.family),
+    (command_words.WALKS, "Commands that repeat, and some that do not", RunFigures.command_walks),
     ("gait-tiles", "The gait", RunFigures.gait_tiles),
     ("walk-tiles", "The gait in simulation", RunFigures.walk_tiles),
     ("phase-portrait", "Every step in one picture", RunFigures.phase_portrait),
@@ -263,6 +282,6 @@ MAKERS: tuple[Maker, ...] = (
 
 def makers_of(asked: TrainingConfig) -> list[Maker]:
     """Return the figures that count as missing if a run with these settings lacks them."""
-    never = set() if asked.commands else {command_words.FIGURE}
+    never = set() if asked.commands else set(command_words.FIGURES)
     never |= set() if asked.as_given is None else {"loss"}
     return [one for one in MAKERS if one[0] not in never]

@@ -5,8 +5,8 @@ from typing import NamedTuple
 
 from neuralgaits._digits import at_least, at_most
 
-FIGURE = "family"
-"""Name of the figure of a gait that takes commands."""
+FIGURES = FAMILY, WALKS = "family", "command-walks"
+"""Names of the figures that only a gait with commands has."""
 _DIGITS = 4
 """Significant digits of a value on the page: half a millimetre of a step, a hundredth of a
 degree."""

@@ -8,7 +8,7 @@ from pathlib import Path
 from neuralgaits.records import certificate_sentences
 from neuralgaits.records.certificate_sentences import ORBIT
 from neuralgaits.records.certified import PROOF, CertificateRecord
-from neuralgaits.report.drawing.command_words import FIGURE as FAMILY
+from neuralgaits.report.drawing.command_words import FIGURES as OF_COMMANDS
 from neuralgaits.report.drawing.drawn import Drawn, Missing
 from neuralgaits.report.page import markup as html
 from neuralgaits.report.page import phrases, repeat_commands
@@ -213,7 +213,7 @@ def figures(contents: Contents, pictures: Mapping[str, Html]) -> Html:
         pictures: an image element for each drawn figure, by name.
     """
     # What is told has a part of its own, with its figure.
-    here = [figure for figure in contents.figures if figure.name != FAMILY]
+    here = [figure for figure in contents.figures if figure.name not in OF_COMMANDS]
     drawn = [
         html.captioned(figure.title, figure.caption, pictures[figure.name])
         for figure in here

@@ -118,11 +118,11 @@ def _statements(level: int) -> str:
 def _figure(contents: Contents, pictures: Mapping[str, Html]) -> Iterator[Html]:
     """Yield the figure, or one line that says why it is missing."""
     for figure in contents.figures:
-        if figure.name != command_words.FIGURE:
+        if figure.name not in command_words.FIGURES:
             continue
         if isinstance(figure, Drawn):
             yield captioned(figure.title, figure.caption, pictures[figure.name])
         else:
             link = tag("a", "What is missing", href="#missing")
-            said = f"Orbits and postures are not drawn: {figure.reason}. "
+            said = f"{figure.title}: not drawn, {figure.reason}. "
             yield paragraph(said, link, " has the command.", class_="quiet")
