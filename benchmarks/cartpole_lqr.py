@@ -22,13 +22,15 @@ from scipy.linalg import solve_continuous_are
 
 from neuralgaits.certificate.search.root_turns import explore
 from neuralgaits.programs.tracing.tracer import trace
-from neuralgaits.systems.cartpole.cartpole_certify import certify_cartpole, condition_problems
 from neuralgaits.systems.cartpole.cartpole_model import CartPole
-from neuralgaits.systems.cartpole.cartpole_run import CartPoleRun, open_cartpole
-from neuralgaits.systems.cartpole.cartpole_train import RATE, STEPS, train_cartpole
-from neuralgaits.systems.cartpole.cartpole_training import SAMPLES, TARGET, TARGETS, WORST
-from neuralgaits.systems.cartpole.ellipsoid import Ball, direction
-from neuralgaits.systems.cartpole.state_regions import AXES, CONDITIONS, CORE
+from neuralgaits.systems.cartpole.cartpole_training import RECIPE
+from neuralgaits.systems.cartpole.cartpole_verbs import SYSTEM
+from neuralgaits.systems.equilibrium.ellipsoid import Ball, direction
+from neuralgaits.systems.equilibrium.ellipsoid_regions import AXES, CORE
+from neuralgaits.systems.equilibrium.equilibrium_system import RATE
+from neuralgaits.systems.family_certificate import certify_family, condition_problems
+from neuralgaits.systems.family_run import FamilyRun, open_family_run
+from neuralgaits.systems.family_training import train_family
 
 DRAWS = 400
 GAIN = 0.03
@@ -50,7 +52,7 @@ def rates(robot: CartPole, gains, state):
 
 
 def margins(robot: CartPole, gains, rate, ball: Ball, radius, normal) -> Mapping[str, jax.Array]:
-    """Margins by the names of `regions.CONDITIONS`."""
+    """Margins by their names in the table of the family."""
 
     def moved(distance):
         found, force = rates(robot, gains, ball.state(distance, normal))
@@ -70,17 +72,21 @@ def margins(robot: CartPole, gains, rate, ball: Ball, radius, normal) -> Mapping
 def sampled(robot: CartPole, gains, rate, shape, key) -> Mapping[str, jax.Array]:
     """Margins at random states of the regions, most of them on a face."""
     first, second = jax.random.split(key)
-    normal = jax.random.normal(first, (SAMPLES, 4))
+    normal = jax.random.normal(first, (RECIPE.samples, 4))
     normal = normal / jnp.linalg.norm(normal, axis=1, keepdims=True)
-    share = jax.random.uniform(second, (SAMPLES,))
-    share = jnp.where(jnp.arange(SAMPLES) % 2 == 0, 1.0, share)
+    share = jax.random.uniform(second, (RECIPE.samples,))
+    share = jnp.where(jnp.arange(RECIPE.samples) % 2 == 0, 1.0, share)
     found = {}
     ends = {"face": (1.0, 1.0), "ring": (CORE, 1.0), "core": (0.0, CORE), "set": (0.0, 1.0)}
     for region, (low, high) in ends.items():
         rows = jax.vmap(partial(margins, robot, gains, rate, Ball(shape)))(
             low + (high - low) * share, normal
         )
-        found |= {name: rows[name].reshape(-1) for name, r in CONDITIONS.items() if r == region}
+        found |= {
+            name: rows[name].reshape(-1)
+            for name, r in SYSTEM.table.conditions.items()
+            if r == region
+        }
     return found
 
 
@@ -139,12 +145,14 @@ def trained_linear(robot: CartPole, gains: np.ndarray, shape: np.ndarray):
         force, form = unpacked(weights)
         found = sampled(robot, force, RATE, form, key)
         short = [
-            jax.lax.top_k(jax.nn.relu(TARGETS.get(name, TARGET) - row), WORST)[0]
+            jax.lax.top_k(jax.nn.relu(RECIPE.targets.get(name, RECIPE.target) - row), RECIPE.worst)[
+                0
+            ]
             for name, row in found.items()
         ]
         return 2.0 * sum(jnp.mean(row) for row in short) - GAIN * jnp.sum(weights["sizes"])
 
-    optimiser = optax.adam(optax.cosine_decay_schedule(0.02, STEPS, 0.01))
+    optimiser = optax.adam(optax.cosine_decay_schedule(0.02, SYSTEM.steps, 0.01))
 
     @jax.jit
     def step(weights, state, key):
@@ -152,7 +160,7 @@ def trained_linear(robot: CartPole, gains: np.ndarray, shape: np.ndarray):
         return optax.apply_updates(weights, update), state
 
     weights, state = start, optimiser.init(start)
-    for number in range(STEPS):
+    for number in range(SYSTEM.steps):
         weights, state = step(weights, state, jax.random.fold_in(jax.random.key(1), number))
     return tuple(map(np.asarray, unpacked(weights)))
 
@@ -169,7 +177,7 @@ def largest_proved(
             ),
             {"u": (len(AXES),)},
         )
-        problems = condition_problems(program)
+        problems = condition_problems(program, SYSTEM.table, SYSTEM.claimed)
         states = explore(problems, [None] * len(problems), lambda name, u: None)
         if all(np.all(s.tree.lower[s.tree.is_leaf] >= 0.0) for s in states):
             return shape
@@ -196,12 +204,12 @@ def volumes_of(robot: CartPole, shape: np.ndarray) -> tuple[float, float]:
     return projected(robot, shape), 0.5 * np.pi**2 * float(np.linalg.det(shape))
 
 
-def opened(seed: int) -> CartPoleRun:
+def opened(seed: int) -> FamilyRun:
     """The run of a seed, trained now or earlier."""
     folder = Path(ROOT) / f"cartpole-{seed}"
     if not (folder / "summary.json").is_file():
-        train_cartpole("cartpole", seed=seed, out=folder, root=ROOT)
-    return open_cartpole(folder)
+        train_family(SYSTEM, "cartpole", seed=seed, out=folder, root=ROOT)
+    return open_family_run(SYSTEM, folder)
 
 
 def main() -> None:
@@ -217,7 +225,7 @@ def main() -> None:
         gain = ", ".join(f"{x:.3g}" for x in rows[name][0])
         show(f"{name}: volume of z, of the full state", f"{z:.4g}, {full:.4g}", f"K = {gain}")
     for run in runs:
-        verdict = certify_cartpole(run)
+        verdict = certify_family(run)
         seed, (z, full) = run.config.seed, volumes_of(robot, np.asarray(run.controller.ball.shape))
         show(
             f"seed {seed}: verdict, level", f"{verdict.verdict}, {verdict.proved_level}", "asked: 3"

@@ -227,10 +227,11 @@ def relu_run(made_once):
 @pytest.fixture(scope="session")
 def small_cartpole(made_once):
     """Folder of a cart-pole's run with a small set, near the linear start: nobody changes it."""
-    from neuralgaits.systems.cartpole.cartpole_train import train_cartpole
+    from neuralgaits.systems.cartpole.cartpole_verbs import SYSTEM
+    from neuralgaits.systems.family_training import train_family
 
     def make(run: Path) -> None:
-        train_cartpole("cartpole", seed=0, steps=20, width=2, out=run, root=run.parent)
+        train_family(SYSTEM, "cartpole", seed=0, steps=20, hidden=(2,), out=run, root=run.parent)
 
     return made_once("small-cartpole", make)
 

@@ -12,9 +12,10 @@ from neuralgaits.certificate.proof_file.check import check
 from neuralgaits.certificate.proof_file.reader import read_claims
 from neuralgaits.errors import InputError
 from neuralgaits.programs import POINT, evaluate
-from neuralgaits.systems.cartpole.cartpole_certify import certify_cartpole
-from neuralgaits.systems.cartpole.cartpole_run import open_cartpole
-from neuralgaits.systems.cartpole.conclusions import with_cartpole_levels
+from neuralgaits.systems.cartpole import LEVELS
+from neuralgaits.systems.cartpole.cartpole_verbs import SYSTEM
+from neuralgaits.systems.family_certificate import certify_family
+from neuralgaits.systems.family_run import open_family_run
 
 HALF = [(0.5).hex()] + [(1.0).hex()] * 3
 QUICK = ("rail", "upright", "force", "inward")
@@ -26,7 +27,7 @@ pytestmark = pytest.mark.slow
 @pytest.fixture(scope="module")
 def proof(small_cartpole, tmp_path_factory) -> Path:
     run = shutil.copytree(small_cartpole, tmp_path_factory.mktemp("cartpole") / "run")
-    return Path(str(certify_cartpole(open_cartpole(run)).proof))
+    return Path(str(certify_family(open_family_run(SYSTEM, run)).proof))
 
 
 @pytest.fixture(scope="module")
@@ -145,7 +146,7 @@ def test_the_first_checker_bounds_the_program_and_draws_level_2(table, tmp_path)
     report = check(claims)
     assert report.verdict == "undecided"  # Two conditions are not claimed.
     assert set(report.unclaimed) == {"descent", "settling"}
-    levels = with_cartpole_levels(report, claims).levels
+    levels = LEVELS.with_levels(report, claims).levels
     assert [(one.level, one.verdict) for one in levels] == [(2, "consistent")]
 
 
@@ -154,7 +155,7 @@ def test_the_first_checker_rejects_regions_that_are_not_the_specs(table, tmp_pat
     low = ["0x0p+0"] * 4
     spoilt["model"]["regions"]["core"][0] = {"low": low, "high": [(0.1).hex()] + [(1.0).hex()] * 3}
     claims = read_claims(written(spoilt, tmp_path))
-    report = with_cartpole_levels(check(claims), claims)
+    report = LEVELS.with_levels(check(claims), claims)
     assert (report.verdict, report.levels) == ("rejected", ())
 
 

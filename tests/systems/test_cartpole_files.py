@@ -5,9 +5,10 @@ import pytest
 from neuralgaits.cli.main import main
 from neuralgaits.errors import RobotError
 from neuralgaits.robots import registry
-from neuralgaits.systems.cartpole.mjcf import cartpole_text, is_cartpole, read_cartpole
+from neuralgaits.systems.cartpole.cartpole_verbs import SYSTEM
+from neuralgaits.systems.cartpole.mjcf import is_cartpole, read_cartpole
 
-PLAIN, _ = cartpole_text("cartpole")
+PLAIN = SYSTEM.robot_file.read_text(encoding="utf-8")
 GYMNASIUM = """<mujoco model="inverted pendulum">
   <compiler inertiafromgeom="true"/>
   <default><joint armature="0" damping="1" limited="true"/></default>

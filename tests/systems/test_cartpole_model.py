@@ -12,12 +12,12 @@ import numpy as np
 import pytest
 
 from neuralgaits.robots.mjcf.compiled import compile_text
-from neuralgaits.systems.cartpole.cartpole_model import motion, zero_state
 from neuralgaits.systems.cartpole.cartpole_training import linear_start
-from neuralgaits.systems.cartpole.ellipsoid import ANGLES, Ball, direction
-from neuralgaits.systems.cartpole.mjcf import cartpole_text, read_cartpole
+from neuralgaits.systems.cartpole.cartpole_verbs import SYSTEM
+from neuralgaits.systems.cartpole.mjcf import read_cartpole
+from neuralgaits.systems.equilibrium.ellipsoid import ANGLES, Ball, direction
 
-PLAIN, _ = cartpole_text("cartpole")
+PLAIN = SYSTEM.robot_file.read_text(encoding="utf-8")
 GEAR = 'gear="-2" ctrlrange="-3 4"'
 OTHERS = {
     "as it is": PLAIN,
@@ -49,7 +49,7 @@ def test_accelerations_under_the_computed_force_are_those_of_mujoco(name, contro
     model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_LIMIT)
     model.actuator_ctrllimited[:] = 0
     world = mujoco.MjData(model)
-    moving = jax.jit(lambda state: motion(robot, controls, state))
+    moving = jax.jit(lambda state: robot.motion(controls, state))
     for state in np.random.default_rng(0).uniform(-1.0, 1.0, (10, 4)) * [1.0, 1.4, 2.0, 4.0]:
         found = moving(jnp.asarray(state))
         world.qpos[:] = [
@@ -67,19 +67,19 @@ def test_the_error_of_the_velocity_decays_as_said(controls):
     robot, _ = read_cartpole(PLAIN, "cartpole")
 
     def error(state):
-        return state[2] - controls.policy(zero_state(robot, state))
+        return state[2] - controls.policy(robot.zero_state(state))
 
     for state in np.random.default_rng(1).uniform(-1.0, 1.0, (5, 4)):
         at = jnp.asarray(state)
-        _, rate = jax.jvp(error, (at,), (motion(robot, controls, at).rates,))
-        y = jnp.append(zero_state(robot, at), error(at))
+        _, rate = jax.jvp(error, (at,), (robot.motion(controls, at).rates,))
+        y = jnp.append(robot.zero_state(at), error(at))
         assert float(rate) == pytest.approx(float(-controls.decay(y) * error(at)), rel=1e-9)
 
 
 def test_the_flow_at_the_opposite_of_a_state_is_the_opposite(controls):
     robot, _ = read_cartpole(PLAIN, "cartpole")
     state = jnp.array([0.3, -0.7, 0.9, 2.0])
-    one, other = motion(robot, controls, state), motion(robot, controls, -state)
+    one, other = robot.motion(controls, state), robot.motion(controls, -state)
     np.testing.assert_allclose(one.rates, -other.rates, rtol=1e-12)
     assert float(one.force) == pytest.approx(-float(other.force), rel=1e-12)
 

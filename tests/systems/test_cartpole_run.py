@@ -25,24 +25,23 @@ from neuralgaits.programs import POINT, evaluate
 from neuralgaits.records.certified import PROOF, CertificateRecord
 from neuralgaits.runs import RunFolder
 from neuralgaits.runs.names import WEIGHTS
-from neuralgaits.systems.cartpole import cartpole_certify as certify_module
-from neuralgaits.systems.cartpole.balancing import margins
-from neuralgaits.systems.cartpole.cartpole_certify import certify_cartpole, trace_conditions
-from neuralgaits.systems.cartpole.cartpole_export import export_cartpole
-from neuralgaits.systems.cartpole.cartpole_report import FILE, report_cartpole
-from neuralgaits.systems.cartpole.cartpole_run import open_cartpole, widths
-from neuralgaits.systems.cartpole.cartpole_simulate import (
-    Trace,
+from neuralgaits.systems import family_certificate
+from neuralgaits.systems.cartpole import LEVELS
+from neuralgaits.systems.cartpole.cartpole_verbs import SYSTEM
+from neuralgaits.systems.cartpole.mjcf import read_cartpole
+from neuralgaits.systems.controller_export import export_family
+from neuralgaits.systems.equilibrium.ellipsoid import Ball, direction
+from neuralgaits.systems.equilibrium.radial_conditions import radial_margins
+from neuralgaits.systems.equilibrium.rest_episodes import (
+    RestTrace,
     settling_time,
-    simulate_cartpole,
     trace_of,
 )
-from neuralgaits.systems.cartpole.cartpole_theorem import conclude
-from neuralgaits.systems.cartpole.conclusions import with_cartpole_levels
-from neuralgaits.systems.cartpole.ellipsoid import Ball, direction
-from neuralgaits.systems.cartpole.mjcf import read_cartpole
-from neuralgaits.systems.cartpole.state_regions import CONDITIONS
-from neuralgaits.systems.cartpole.stated import stated_bounds
+from neuralgaits.systems.family_certificate import certify_family
+from neuralgaits.systems.family_page import PAGE, report_family
+from neuralgaits.systems.family_run import FamilyRun, open_family_run
+from neuralgaits.systems.proof_model import trace_conditions
+from neuralgaits.systems.run_statements import stated_bounds
 from neuralgaits.workflows.certify_result import CertifyResult
 
 
@@ -59,6 +58,11 @@ class Renamed(NamedTuple):
 pytestmark = pytest.mark.slow
 
 
+def opened(run: Path) -> FamilyRun:
+    """The run in a folder."""
+    return open_family_run(SYSTEM, run)
+
+
 def test_a_trained_set_is_proved_to_level_3(cartpole_run, cartpole_certificate):
     assert cartpole_run.summary.holds
     assert cartpole_certificate.verdict == "proved"
@@ -72,7 +76,13 @@ def test_the_program_computes_the_margins_of_the_conditions(cartpole_run):
     points = np.random.default_rng(0).uniform(0.1, 1.0, (20, 4))
     found = evaluate(program, {"u": points}, POINT)
     for row, u in enumerate(points):
-        own = margins(cartpole_run.robot, cartpole_run.controller, 0.05, jnp.asarray(u))
+        own = radial_margins(
+            cartpole_run.robot,
+            cartpole_run.controller,
+            0.05,
+            jnp.asarray(u[0]),
+            direction(jnp.asarray(u[1:])),
+        )
         for name, value in own.items():
             column = found[name].reshape(len(points), -1)[row]
             np.testing.assert_allclose(column, np.ravel(value), rtol=1e-9, atol=1e-11)
@@ -92,19 +102,19 @@ def test_a_proof_is_that_of_its_run_and_of_no_other(cartpole_run, cartpole_certi
 
 def test_a_search_that_came_to_less_leaves_the_proof(cartpole_run, cartpole_certificate):
     there = (cartpole_run.path / PROOF).read_bytes()
-    spent = certify_cartpole(cartpole_run, budget=1e-9)
+    spent = certify_family(cartpole_run, budget=1e-9)
     assert spent.verdict == "undecided"
     assert "the proof of level 3 from before stays" in str(spent.reason)
-    assert "stays" in str(certify_cartpole(cartpole_run, level=1).reason)
+    assert "stays" in str(certify_family(cartpole_run, level=1).reason)
     assert (cartpole_run.path / PROOF).read_bytes() == there
 
 
 def test_a_proof_is_believed_of_its_own_run_only(cartpole_run, cartpole_certificate, tmp_path):
     program = trace_conditions(cartpole_run)
-    assert set(stated_bounds(cartpole_run, program) or ()) == set(CONDITIONS)
+    assert set(stated_bounds(cartpole_run, program) or ()) == set(LEVELS.table.conditions)
     folder = tmp_path / "copy"
     shutil.copytree(cartpole_run.path, folder)
-    copy = open_cartpole(folder)
+    copy = opened(folder)
     table = json.loads((folder / PROOF).read_text())
     table["statements"][0]["bounds"] = {name: 50.0 for name in table["statements"][0]["bounds"]}
     (folder / PROOF).write_text(json.dumps(table))
@@ -133,15 +143,15 @@ def test_a_file_without_names_is_simulated(cartpole_run):
 
 
 def test_episodes_are_counted(cartpole_run, monkeypatch):
-    monkeypatch.setattr("neuralgaits.systems.cartpole.cartpole_simulate.SECONDS", 1.0)
-    done = simulate_cartpole(cartpole_run, episodes=2)
+    monkeypatch.setattr("neuralgaits.systems.equilibrium.rest_episodes.SECONDS", 1.0)
+    done, _ = SYSTEM.episodes(cartpole_run, 2, 0)
     assert (done.episodes, done.stayed, done.clamped) == (2, 2, 0.0)
     # One second is too short to come to rest from the face.
     assert done.settled_s is None
 
 
 def test_the_exported_force_is_pythons(cartpole_run, tmp_path):
-    done = export_cartpole(cartpole_run, tmp_path / "c")
+    done = export_family(cartpole_run, tmp_path / "c")
     assert sorted(path.name for path in (tmp_path / "c").iterdir()) == [
         "cartpole.c",
         "cartpole.h",
@@ -150,16 +160,16 @@ def test_the_exported_force_is_pythons(cartpole_run, tmp_path):
     assert (done.states == 1000) is done.checked
     assert (done.max_abs_error or 0.0) < 1e-10
     with pytest.raises(InputError, match="found files in it"):
-        export_cartpole(cartpole_run, tmp_path / "c")
+        export_family(cartpole_run, tmp_path / "c")
 
 
 def test_the_page_says_what_is_proved_and_what_is_not(
     cartpole_run, cartpole_certificate, tmp_path, monkeypatch
 ):
-    monkeypatch.setattr("neuralgaits.systems.cartpole.cartpole_report.EPISODES", 2)
-    monkeypatch.setattr("neuralgaits.systems.cartpole.cartpole_report.SHOWN_S", 0.2)
-    done = report_cartpole(cartpole_run, tmp_path / FILE)
-    text = (tmp_path / FILE).read_text()
+    monkeypatch.setattr("neuralgaits.systems.equilibrium.equilibrium_system.EPISODES", 2)
+    monkeypatch.setattr("neuralgaits.systems.equilibrium.equilibrium_system.SHOWN_S", 0.2)
+    done = report_family(cartpole_run, tmp_path / PAGE)
+    text = (tmp_path / PAGE).read_text()
     assert done.bytes == len(text.encode())
     assert "level 3: proved" in text
     assert "No proof" not in text
@@ -169,13 +179,13 @@ def test_the_page_says_what_is_proved_and_what_is_not(
 def test_without_a_premise_no_level_follows(missing):
     names = ("inward", "force", "rail", "upright", "descent", "settling")
     bounds = {name: 0.1 for name in names if name != missing}
-    assert [one.verdict for one in conclude(bounds, 0.2)] == ["undecided", "undecided"]
+    assert [one.verdict for one in LEVELS.conclude(bounds, 0.2)] == ["undecided", "undecided"]
 
 
 def test_level_2_needs_a_flow_that_points_inward_and_level_3_more():
     bounds: dict[str, float | None] = dict.fromkeys(("inward", "force", "rail", "upright"), 0.1)
-    assert [one.verdict for one in conclude(bounds, 0.2)] == ["proved", "undecided"]
-    assert conclude(bounds | {"inward": 0.0}, 0.2)[0].verdict == "undecided"
+    assert [one.verdict for one in LEVELS.conclude(bounds, 0.2)] == ["proved", "undecided"]
+    assert LEVELS.conclude(bounds | {"inward": 0.0}, 0.2)[0].verdict == "undecided"
 
 
 def test_what_belongs_to_walkers_is_refused_in_one_line(cartpole_run, capfd):
@@ -194,7 +204,7 @@ CALLS: Any = ng
 def test_python_calls_take_cart_poles(cartpole_run, tmp_path):
     run = shutil.copytree(cartpole_run.path, tmp_path / "run")
     assert CALLS.simulate(run, episodes=2).episodes == 2
-    short = CALLS.certify(open_cartpole(run), level=1, budget=1e-9)
+    short = CALLS.certify(opened(run), level=1, budget=1e-9)
     assert isinstance(short, CertifyResult) and short.verdict == "undecided"
     assert Path(CALLS.write_report(run).report).is_file()
     assert CALLS.export_controller(run, tmp_path / "c").files
@@ -206,7 +216,7 @@ def test_python_calls_take_cart_poles(cartpole_run, tmp_path):
 
 def test_the_command_line_trains_and_proves(tmp_path, monkeypatch, capfd):
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("neuralgaits.systems.cartpole.cartpole_report.EPISODES", 2)
+    monkeypatch.setattr("neuralgaits.systems.equilibrium.equilibrium_system.EPISODES", 2)
     assert main(["train", "cartpole", "--steps", "20", "--hidden", "2", "--certify"]) == 0
     assert main(["certify", "latest"]) == 0
     assert "proved to level 3" in capfd.readouterr().out
@@ -216,27 +226,29 @@ def test_the_command_line_trains_and_proves(tmp_path, monkeypatch, capfd):
 
 
 def test_a_rate_that_is_not_above_0_promises_nothing(cartpole_run, cartpole_certificate, tmp_path):
-    held = dict.fromkeys(CONDITIONS, 1.0)
-    assert [one.proved for one in conclude(held, -5.0)] == [True, False]
+    held = dict.fromkeys(LEVELS.table.conditions, 1.0)
+    assert [one.proved for one in LEVELS.conclude(held, -5.0)] == [True, False]
     run = shutil.copytree(cartpole_run.path, tmp_path / "run")
     config = json.loads((run / "config.json").read_text())
     (run / "config.json").write_text(json.dumps(config | {"rate": -5.0}))
     with pytest.raises(RunError, match="rate: expected a number above 0"):
-        open_cartpole(run)
+        opened(run)
     (run / "config.json").write_text(json.dumps(config | {"rate": 5}))
-    assert open_cartpole(run).config.rate == 5.0
+    assert opened(run).config.rate == 5.0
     claims = read_claims(run / PROOF)
     other = replace(claims, model=dict(claims.model or {}) | {"rate": (-5.0).hex()})
     report = CheckResult("proved", None, (), (), (), 1, holds=True)
-    assert with_cartpole_levels(report, claims).levels
-    assert with_cartpole_levels(report, other).verdict == "rejected"
+    assert LEVELS.with_levels(report, claims).levels
+    assert LEVELS.with_levels(report, other).verdict == "rejected"
 
 
 def test_a_refuted_run_keeps_no_proof(cartpole_run, cartpole_certificate, tmp_path, monkeypatch):
-    run = open_cartpole(shutil.copytree(cartpole_run.path, tmp_path / "run"))
+    run = opened(shutil.copytree(cartpole_run.path, tmp_path / "run"))
     broken = replace(run, config=replace(run.config, rate=50.0))
-    monkeypatch.setattr(certify_module, "stated_bounds", lambda *_: dict.fromkeys(CONDITIONS, 1.0))
-    done = certify_cartpole(broken, budget=5.0)
+    monkeypatch.setattr(
+        family_certificate, "stated_bounds", lambda *_: dict.fromkeys(LEVELS.table.conditions, 1.0)
+    )
+    done = certify_family(broken, budget=5.0)
     assert done.verdict == "refuted" and "stays" not in (done.reason or "")
 
 
@@ -248,11 +260,11 @@ def test_a_set_is_a_lower_triangular_matrix(cartpole_run, tmp_path):
         other[place] = value
         RunFolder.open(run).write_tree(WEIGHTS, replace(controller, ball=Ball(other)))
         with pytest.raises(RunError, match="lower triangular"):
-            open_cartpole(run)
+            opened(run)
 
 
 def test_a_proof_of_other_numbers_is_not_stated(cartpole_run, cartpole_certificate, tmp_path):
-    run = open_cartpole(shutil.copytree(cartpole_run.path, tmp_path / "run"))
+    run = opened(shutil.copytree(cartpole_run.path, tmp_path / "run"))
     program, table = trace_conditions(run), json.loads((run.path / PROOF).read_text())
     assert stated_bounds(run, program) is not None
     table["model"]["rate"] = (4.0).hex()
@@ -264,31 +276,31 @@ def test_the_page_measures_the_set_itself(cartpole_run, tmp_path):
     run = shutil.copytree(cartpole_run.path, tmp_path / os.fsdecode(b"run\xff"))
     summary = json.loads((run / "summary.json").read_text())
     (run / "summary.json").write_text(json.dumps(summary | {"widths": [9.0], "margins": {}}))
-    report_cartpole(open_cartpole(run))
-    text = (run / FILE).read_text()
-    assert f"cart up to {widths(cartpole_run.controller)[0]:.3g} m" in text
+    report_family(opened(run))
+    text = (run / PAGE).read_text()
+    assert f"cart up to {cartpole_run.controller.ball.widths[0]:.3g} m" in text
 
 
 def test_exported_words_are_those_of_the_proof_file(cartpole_run, cartpole_certificate, tmp_path):
     with_proof, without = tmp_path / "with", tmp_path / "without"
     run = shutil.copytree(cartpole_run.path, tmp_path / "run")
-    export_cartpole(open_cartpole(run), with_proof)
+    export_family(opened(run), with_proof)
     assert "states level 3" in (with_proof / "cartpole.h").read_text()
     shutil.rmtree(run / "certificate")
-    export_cartpole(open_cartpole(run), without)
+    export_family(opened(run), without)
     assert "Nothing is proved" in (without / "cartpole.h").read_text()
 
 
 def test_a_radius_that_is_no_number_is_not_at_rest():
     nothing = np.full(3, np.nan)
-    assert settling_time(Trace(np.arange(3.0), np.zeros((3, 4)), nothing, nothing)) is None
+    assert settling_time(RestTrace(np.arange(3.0), np.zeros((3, 4)), nothing, nothing)) is None
 
 
 def test_an_interrupted_training_is_trained_again(cartpole_run, tmp_path):
     run = shutil.copytree(cartpole_run.path, tmp_path / "run")
     (run / "summary.json").unlink()
     with pytest.raises(RunError, match="train it again"):
-        open_cartpole(run)
+        opened(run)
 
 
 @pytest.mark.parametrize("own", ["robot.xml", "config.json", "certificate/proof.json"])
@@ -296,10 +308,10 @@ def test_a_page_replaces_no_file_of_its_run(cartpole_run, cartpole_certificate, 
     run = shutil.copytree(cartpole_run.path, tmp_path / "run")
     before = (run / own).read_bytes()
     with pytest.raises(InputError, match="of a run: name another"):
-        report_cartpole(open_cartpole(run), run / own)
+        report_family(opened(run), run / own)
     assert (run / own).read_bytes() == before
     with pytest.raises(InputError, match="the report is a page"):
-        report_cartpole(open_cartpole(run), tmp_path / "page.xml")
+        report_family(opened(run), tmp_path / "page.xml")
 
 
 def test_weights_of_no_training_are_refused(cartpole_run, tmp_path):
@@ -310,7 +322,7 @@ def test_weights_of_no_training_are_refused(cartpole_run, tmp_path):
         other = replace(controller, controls=replace(controller.controls, decay=decay))
         RunFolder.open(run).write_tree(WEIGHTS, other)
         with pytest.raises(RunError, match="expected weights of at most"):
-            open_cartpole(run)
+            opened(run)
 
 
 def test_a_training_says_what_came_of_its_proof(tmp_path, monkeypatch, capfd):
@@ -323,13 +335,13 @@ def test_a_training_says_what_came_of_its_proof(tmp_path, monkeypatch, capfd):
 def test_a_page_says_that_a_proof_counts_for_nothing(
     cartpole_run, cartpole_certificate, tmp_path, monkeypatch
 ):
-    monkeypatch.setattr("neuralgaits.systems.cartpole.cartpole_report.EPISODES", 1)
+    monkeypatch.setattr("neuralgaits.systems.equilibrium.equilibrium_system.EPISODES", 1)
     run = shutil.copytree(cartpole_run.path, tmp_path / "run")
-    assert report_cartpole(open_cartpole(run)).damaged is None
+    assert report_family(opened(run)).damaged is None
     (run / PROOF).write_bytes((run / PROOF).read_bytes()[:900])
-    done = report_cartpole(open_cartpole(run))
+    done = report_family(opened(run))
     assert "is damaged, or about other numbers" in (done.damaged or "")
-    assert "Nothing is proved: " in (run / FILE).read_text()
+    assert "Nothing is proved: " in (run / PAGE).read_text()
     (run / PROOF).unlink()
-    assert report_cartpole(open_cartpole(run)).damaged is None
-    assert "No proof of this run." in (run / FILE).read_text()
+    assert report_family(opened(run)).damaged is None
+    assert "No proof of this run." in (run / PAGE).read_text()

@@ -6,16 +6,8 @@ from types import SimpleNamespace
 
 from neuralgaits.records.record import Record
 from neuralgaits.runs import RUNS_ROOT, RunFolder, finish, resolve
+from neuralgaits.systems.family_run import FamilyConfig
 from neuralgaits.systems.system_family import ProgressCallbacks, Screen, VerbResult
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Config(Record):
-    """What was asked."""
-
-    family: str = "pendulum"
-    robot: str = "pendulum"
-    seed: int
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -34,9 +26,8 @@ def train(
     root: Path = RUNS_ROOT,
 ) -> VerbResult:
     """Leave a run."""
-    folder = RunFolder.create(
-        Config(seed=seed), {"robot.xml": ""}, name=robot, seed=seed, root=root, out=out
-    )
+    config = FamilyConfig(family="pendulum", robot=robot, spec="hanging", seed=seed, steps=1)
+    folder = RunFolder.create(config, {"robot.xml": ""}, name=robot, seed=seed, root=root, out=out)
     progress.trained(1, 1, 0.0)
     done = Angle(angle=0.1 * seed)
     finish(folder, done, root)

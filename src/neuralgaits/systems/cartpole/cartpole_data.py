@@ -1,8 +1,16 @@
 """Numbers of a cart-pole's file, from which its model is derived."""
 
+# pyright: reportAttributeAccessIssue=false
+# MuJoCo ships no type stubs.
+
 from dataclasses import asdict, dataclass
 
+import mujoco
+import numpy as np
+
 from neuralgaits.systems.cartpole.cartpole_model import CartPole
+from neuralgaits.systems.joint_map import JointMap
+from neuralgaits.systems.mjcf_problems import HINGE, SLIDE
 
 
 @dataclass(frozen=True)
@@ -61,3 +69,10 @@ class CartPoleData:
             force_limit=self.force_limit,
             name=name,
         )
+
+    def joint_map(self, model: mujoco.MjModel) -> JointMap:
+        """Return where the coordinates x and theta are in a compiled model of the file."""
+        joints = [int(np.flatnonzero(model.jnt_type == kind)[0]) for kind in (SLIDE, HINGE)]
+        motor = int(np.flatnonzero(model.actuator_trnid[:, 0] == joints[0])[0])
+        zeros = (0.5 * (self.rail_low + self.rail_high), self.upright)
+        return JointMap((joints[0], joints[1]), zeros, (1.0, self.turn), motor, self.gear)

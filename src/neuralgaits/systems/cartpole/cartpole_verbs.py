@@ -1,126 +1,131 @@
-"""Verbs on cart-poles. Their arguments are the options that each has for a cart-pole."""
+"""The cart-pole's own part of its verbs: names, units and words."""
 
-from collections.abc import Callable
-from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
-from neuralgaits.errors import InputError
-from neuralgaits.runs import RUNS_ROOT
-from neuralgaits.systems.cartpole import cartpole_screen as screen
-from neuralgaits.systems.cartpole.cartpole_certify import HIGHEST, certify_cartpole
-from neuralgaits.systems.cartpole.cartpole_export import export_cartpole
-from neuralgaits.systems.cartpole.cartpole_inspect import inspect_cartpole, write_cartpole
-from neuralgaits.systems.cartpole.cartpole_report import report_cartpole
-from neuralgaits.systems.cartpole.cartpole_run import open_cartpole
-from neuralgaits.systems.cartpole.cartpole_simulate import simulate_cartpole
-from neuralgaits.systems.cartpole.cartpole_train import STEPS, train_cartpole
-from neuralgaits.systems.system_family import ProgressCallbacks, VerbResult
+import numpy as np
+from jaxtyping import PRNGKeyArray
+
+from neuralgaits.systems.cartpole import FAMILY, LEVELS, cartpole_model
+from neuralgaits.systems.cartpole.cartpole_data import CartPoleData
+from neuralgaits.systems.cartpole.cartpole_model import CartPole
+from neuralgaits.systems.cartpole.cartpole_records import CartPoleEpisodes, CartPoleFacts
+from neuralgaits.systems.cartpole.cartpole_training import RECIPE, linear_start
+from neuralgaits.systems.cartpole.mjcf import read_cartpole
+from neuralgaits.systems.controller_header import ControllerHeader
+from neuralgaits.systems.equilibrium import radial_conditions
+from neuralgaits.systems.equilibrium.ellipsoid_training import EllipsoidStart
+from neuralgaits.systems.equilibrium.equilibrium_system import (
+    EquilibriumSystem,
+)
+from neuralgaits.systems.equilibrium.rest_figures import StateLabels
+from neuralgaits.systems.family_run import FamilyRun
+from neuralgaits.systems.family_verbs import FamilyVerbs
+from neuralgaits.systems.system_family import Screen
 
 
-def train(
-    robot: str | Path,
-    *,
-    progress: ProgressCallbacks,
-    seed: int = 0,
-    steps: int | None = None,
-    hidden: tuple[int, ...] | None = None,
-    out: Path | None = None,
-    certify: bool = False,
-    budget: float | None = None,
-    root: Path = RUNS_ROOT,
-) -> VerbResult:
-    """Train a controller and its set, and prove it if asked for."""
-    if hidden is not None and len(hidden) != 1:
-        raise InputError(
-            f"expected one hidden layer, found {len(hidden)}: give one width, as in --hidden 16"
+class CartPoleSystem(EquilibriumSystem):
+    """The family of cart-poles."""
+
+    family, levels, table, recipe = FAMILY, LEVELS, LEVELS.table, RECIPE
+    spec_name = "balancing"
+    steps, hidden = 3000, 16
+    why_highest = "a cart-pole's levels 2 and 3 are about the full order already"
+    spec_files = (Path(radial_conditions.__file__), Path(cartpole_model.__file__))
+    robot_file = Path(__file__).with_name("cartpole.xml")
+    state_names = ("x", "theta", "x'", "theta'")
+    state_units = ("m", "rad", "m/s", "rad/s")
+    widest = 1
+
+    def read(self, text: str, name: str) -> tuple[CartPole, CartPoleData]:
+        """Read model and numbers from MJCF text. Raises: RobotError with all that is wrong."""
+        return read_cartpole(text, name)
+
+    def start(self, robot: CartPole, width: int, key: PRNGKeyArray) -> EllipsoidStart:
+        """Return weights of a linear-quadratic policy, and a small ellipsoid."""
+        return linear_start(robot, width, key)
+
+    def labels(self, robot: CartPole) -> StateLabels:
+        """Return the words of the figures' axes."""
+        names = ("cart x [m]", "pole theta [rad]", "cart x' [m/s]", "rate [rad/s]")
+        return StateLabels(names, "cart", robot.rail, "force [N]", robot.force_limit)
+
+    def robot_facts(self, robot: CartPole, data: CartPoleData) -> CartPoleFacts:
+        """Describe a cart-pole's file."""
+        return CartPoleFacts(
+            robot=robot.name,
+            cart_mass_kg=data.cart_mass + data.cart_armature,
+            pole_mass_kg=data.pole_mass,
+            com_distance_m=data.distance,
+            inertia_kg_m2=robot.inertia,
+            cart_damping_ns_m=data.cart_damping,
+            pole_damping_nms_rad=data.pole_damping,
+            gravity_m_s2=data.gravity,
+            rail_m=(data.rail_low, data.rail_high),
+            lean_rad=data.lean,
+            force_limit_n=data.force_limit,
+            slide=data.slide,
+            hinge=data.hinge,
+            motor=data.motor,
         )
-    total = steps or STEPS
-    run = train_cartpole(
-        str(robot),
-        seed=seed,
-        steps=steps,
-        width=None if hidden is None else hidden[0],
-        out=out,
-        root=root,
-        progress=lambda step, loss: progress.trained(step, total, loss),
-    )
-    done = run.summary
-    if certify:
-        proof = certify_cartpole(run, budget=budget, progress=progress.proved)
-        done = replace(done, proof=proof.verdict)
-    good = done.holds and done.proof in (None, "proved")
-    undecided = done.holds and done.proof == "undecided"
-    return VerbResult(done, good, screen.of_training(done), undecided, run=run)
 
-
-def certify(
-    run: str | Path,
-    *,
-    progress: ProgressCallbacks,
-    level: int | None = None,
-    budget: float | None = None,
-) -> VerbResult:
-    """Prove a run, to level 3 if no other is asked for."""
-    level = HIGHEST if level is None else level
-    if level > HIGHEST:
-        raise InputError(
-            f"expected a level from 1 to {HIGHEST}, found {level}: a cart-pole's levels 2 and 3 "
-            "are about the full order already"
+    def robot_screen(self, facts: CartPoleFacts) -> Screen:
+        """Return a cart-pole's numbers for a person."""
+        low, high = facts.rail_m
+        pole = (
+            f"{facts.pole_mass_kg:.4g} kg, centre of mass {facts.com_distance_m:.4g} m from its "
+            f"hinge, inertia about it {facts.inertia_kg_m2:.4g} kg m^2"
         )
-    opened = open_cartpole(run)
-    done = certify_cartpole(opened, level=level, budget=budget, progress=progress.proved)
-    undecided = done.verdict == "undecided"
-    return VerbResult(done, done.verdict == "proved", screen.of_proof(done), undecided)
+        motor = f"{facts.motor or 'no name'}, up to {facts.force_limit_n:.4g} N on the cart"
+        return Screen(
+            facts=[
+                ("robot", f"{facts.robot}, a cart-pole"),
+                ("cart", f"{facts.cart_mass_kg:.4g} kg, rail from {low:g} to {high:g} m"),
+                ("pole", pole),
+                ("motor", motor),
+                ("joints", f"{facts.slide} (slide), {facts.hinge or 'no name'} (hinge)"),
+            ]
+        )
+
+    def episode_record(
+        self, run: FamilyRun, fields: dict[str, Any], largest: float
+    ) -> CartPoleEpisodes:
+        """Return the record of episodes."""
+        return CartPoleEpisodes(**fields, largest_x=largest, rail=run.robot.rail)
+
+    def reach_in_words(self, done: CartPoleEpisodes) -> tuple[str, str]:
+        """Return how far the cart went."""
+        return "cart", f"up to {done.largest_x:.4g} of {done.rail:g} m from the middle"
+
+    def header(self, run: FamilyRun) -> ControllerHeader:
+        """Return names and numbers of the exported controller."""
+        robot = run.robot
+        return ControllerHeader(
+            file="cartpole",
+            function="ng_cartpole_force",
+            title=f"the cart-pole {run.config.robot}",
+            about="The force on the cart at a measured state (x, theta, x', theta') in m, rad, "
+            "m/s, rad/s: x\n * from the middle of the rail, theta from the upright, positive where "
+            "the pole leans to +x.\n * barrier is 1 - r^2, not negative in the set",
+            advice="Clamp the force at NG_FORCE_LIMIT",
+            constants={
+                "FORCE_LIMIT": (robot.force_limit, "N"),
+                "RAIL": (robot.rail, "m, from the middle of the rail to its end"),
+            },
+            unit="N",
+            limit=robot.force_limit,
+        )
+
+    def page_lines(self, run: FamilyRun) -> list[str]:
+        """Return the sentences at the head of a run's page, about robot and set."""
+        x, theta, velocity, turning = run.controller.ball.widths
+        return [
+            f"Set: cart up to {x:.3g} m from the middle of a rail of +-{run.robot.rail:g} m, pole "
+            f"up to {np.degrees(theta):.3g} degrees from the upright, at up to {velocity:.3g} m/s "
+            f"and {turning:.3g} rad/s.",
+            f"Force limit: {run.robot.force_limit:g} N.",
+        ]
 
 
-def simulate(
-    run: str | Path, *, progress: ProgressCallbacks, episodes: int = 1, seed: int = 0
-) -> VerbResult:
-    """Balance in MuJoCo."""
-    opened = open_cartpole(run)
-    progress.begun()
-    done = simulate_cartpole(opened, episodes=episodes, seed=seed)
-    return VerbResult(done, done.stayed == done.episodes, screen.of_episodes(done))
-
-
-def export(
-    run: str | Path, out: Path, *, progress: ProgressCallbacks, force: bool = False
-) -> VerbResult:
-    """Write the controller as C."""
-    opened = open_cartpole(run)
-    progress.begun()
-    done = export_cartpole(opened, out, force=force)
-    return VerbResult(done, done.checked, screen.of_export(done), undecided=not done.checked)
-
-
-def report(run: str | Path, out: Path | None = None, *, progress: ProgressCallbacks) -> VerbResult:
-    """Write the page of a run."""
-    opened = open_cartpole(run)
-    progress.begun()
-    done = report_cartpole(opened, out)
-    return VerbResult(done, True, screen.of_report(done))
-
-
-def inspect(robot: str | Path, *, progress: ProgressCallbacks) -> VerbResult:
-    """Describe a file."""
-    del progress
-    done = inspect_cartpole(robot)
-    return VerbResult(done, True, screen.of_robot(done))
-
-
-def robots(robot: str, out: Path | None = None, *, progress: ProgressCallbacks) -> VerbResult:
-    """Write the built-in cart-pole's file."""
-    del robot, progress
-    done = write_cartpole(out)
-    return VerbResult(done, True, screen.of_written(done))
-
-
-VERBS: dict[str, Callable[..., VerbResult]] = {
-    "train": train,
-    "certify": certify,
-    "simulate": simulate,
-    "export": export,
-    "report": report,
-    "inspect": inspect,
-    "robots": robots,
-}
+SYSTEM = CartPoleSystem()
+VERBS = FamilyVerbs(SYSTEM).by_name()

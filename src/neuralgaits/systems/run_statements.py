@@ -12,12 +12,11 @@ from neuralgaits.programs import Program
 from neuralgaits.records.certified import PROOF
 from neuralgaits.runs import plain
 from neuralgaits.runs.shell_words import command, named
-from neuralgaits.systems.cartpole.cartpole_run import CartPoleRun
-from neuralgaits.systems.cartpole.proof_model import model_data
-from neuralgaits.systems.cartpole.state_regions import CHART, CONDITIONS, REGIONS
+from neuralgaits.systems.family_run import FamilyRun
+from neuralgaits.systems.proof_model import model_data, trace_conditions
 
 
-def why_nothing_is_stated(run: CartPoleRun) -> str | None:
+def why_nothing_is_stated(run: FamilyRun) -> str | None:
     """Return why a proof file that is there counts for nothing; None if there is none.
 
     For whoever has got no bounds from `stated_bounds`.
@@ -30,18 +29,19 @@ def why_nothing_is_stated(run: CartPoleRun) -> str | None:
     )
 
 
-def stated_bounds(run: CartPoleRun, program: Program) -> dict[str, float] | None:
+def stated_bounds(run: FamilyRun, program: Program | None = None) -> dict[str, float] | None:
     """Return the bounds that a run's proof file states of its conditions, on all of their regions.
 
     Args:
         run: the run.
-        program: its conditions, traced.
+        program: its conditions, traced; None to trace them.
 
     Returns: None if there is no such file, or if it is about another run or contradicts itself.
     """
+    program = trace_conditions(run) if program is None else program
     try:
         claims = read_claims(run.path / PROOF)
-        if claims.asked is None or claims.chart != CHART or claims.asked.regions != REGIONS:
+        if claims.asked is None or not run.system.table.is_that_of(claims):
             return None
         if claims.program_hash != program.hash or claims.model != plain(model_data(run, program)):
             return None
@@ -51,9 +51,4 @@ def stated_bounds(run: CartPoleRun, program: Program) -> dict[str, float] | None
             return None
     except InputError:
         return None
-    found = {}
-    for one in claims.statements:
-        for name in one.conditions:
-            if (one.low, one.high) == REGIONS[CONDITIONS[name]][0]:
-                found[name] = one.bounds[name]
-    return found
+    return run.system.table.stated_bounds(claims)

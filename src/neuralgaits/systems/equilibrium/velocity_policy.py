@@ -1,4 +1,9 @@
-"""The policy, the cart's desired velocity, and how quickly the velocity's error decays."""
+"""The policy, the driven joint's desired velocity, and how quickly the velocity's error decays.
+
+A state of the zero dynamics has three numbers; a fourth is the error of the velocity.
+"""
+
+from typing import Any
 
 import equinox as eqx
 import jax
@@ -14,12 +19,12 @@ SMALL = 0.01
 
 
 class VelocityPolicy(eqx.Module):
-    """v_d(z) = gains . a + output . tanh(hidden a) with a = z / scale and z = (x, theta, s).
+    """v_d(z) = gains . a + output . tanh(hidden a) with a = z / scale.
 
-    Without biases it is odd, so the upright at the middle of the rail is an equilibrium exactly.
+    Without biases it is odd, so 0 is an equilibrium exactly.
 
     Attributes:
-        gains: of the linear part [m/s]. [3]
+        gains: of the linear part, in units of the velocity. [3]
         hidden: weights of the hidden layer. [h, 3]
         output: weights of the output. [h]
         scale: sizes of z, which training leaves as they are. [3]
@@ -39,7 +44,7 @@ class VelocityPolicy(eqx.Module):
         return cls(jnp.asarray(gains * scale), hidden, output, jnp.asarray(scale))
 
     def __call__(self, z: Float[Array, "3"]) -> Float[Array, ""]:
-        """Return the desired velocity [m/s]."""
+        """Return the desired velocity."""
         inputs = z / self.scale
         return self.gains @ inputs + self.output @ tanh(self.hidden @ inputs)
 
@@ -79,3 +84,14 @@ class Controls(eqx.Module):
 
     policy: VelocityPolicy
     decay: ErrorDecay
+
+    @classmethod
+    def zeros(cls, width: int) -> "Controls":
+        """Return functions of zeros, to read arrays into."""
+        policy = VelocityPolicy(np.zeros(3), np.zeros((width, 3)), np.zeros(width), np.zeros(3))
+        decay = ErrorDecay(np.zeros(()), np.zeros((width, 4)), np.zeros(width), np.zeros(4))
+        return cls(policy, decay)
+
+    def input_sizes(self) -> tuple[Any, Any]:
+        """Return the sizes of inputs, which training leaves as they are."""
+        return self.policy.scale, self.decay.scale

@@ -1,0 +1,157 @@
+"""A family's controller in C99: one function of the measured state, without a heap."""
+
+import ctypes
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from neuralgaits._compiler import Compiler, SharedLibrary
+from neuralgaits._printable import printable
+from neuralgaits.errors import MismatchError
+from neuralgaits.export.output_folder import publish, refuse_used, shipped
+from neuralgaits.programs import POINT, evaluate
+from neuralgaits.programs.c99.constant_arrays import Tables
+from neuralgaits.programs.c99.function import emit
+from neuralgaits.programs.program import Program
+from neuralgaits.programs.tracing.tracer import trace
+from neuralgaits.records.record import Count, Record, Texts
+from neuralgaits.systems.controller_header import ControllerHeader
+from neuralgaits.systems.family_run import FamilyRun
+from neuralgaits.systems.run_statements import stated_bounds
+
+STATES = 1000
+"""States of the set at which C and Python are compared."""
+AGREES = 1e-9
+"""Largest difference that is rounding, as a share of the limit of the compared output."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class ControllerExport(Record):
+    """Result of `export`.
+
+    Attributes:
+        run, robot: of the run.
+        files: what was written.
+        checked: whether a C compiler was there, so that C could be compared with Python.
+        states: how many states were compared.
+        max_abs_error: largest difference of the first output; None if it was not compared.
+    """
+
+    run: str
+    robot: str
+    files: Texts
+    checked: bool
+    states: Count
+    max_abs_error: float | None
+
+
+def export_family(run: FamilyRun, out: Path, *, force: bool = False) -> ControllerExport:
+    """Write the controller as C, and compare it with Python if there is a compiler.
+
+    Raises: InputError if the folder cannot be used; MismatchError if C differs from Python.
+    """
+    refuse_used(out, force=force)
+    program, header = controller_program(run), run.system.header(run)
+    files = c_files(run, program, header)
+    error = _largest_difference(run, program, files, header)
+    written = publish(out, files)
+    return ControllerExport(
+        run=str(run.path),
+        robot=run.config.robot,
+        files=tuple(written),
+        checked=error is not None,
+        states=0 if error is None else STATES,
+        max_abs_error=error,
+    )
+
+
+def controller_program(run: FamilyRun) -> Program:
+    """Return the outputs of the exported controller as a Program of the state."""
+    size = run.system.states(run, 1, seed=0).shape[1]
+    return trace(run.system.law(run), {"state": (size,)}, parameters=run.controller)
+
+
+def c_files(run: FamilyRun, program: Program, header: ControllerHeader) -> dict[str, str]:
+    """Return the text of header file, source file and `ng_math.h`."""
+    tables = Tables("ng")
+    function = emit(program, header.function, header.about, tables)
+    title = printable(header.title).replace("*/", "* /").replace("/*", "/ *")
+    guard = f"NG_{header.file.upper()}_H"
+    text = "\n".join(
+        [
+            f"/* Controller of {title}. Written by neuralgaits.",
+            f" * {header.advice}.",
+            f" * {header.about}.",
+            f" * {_proof_in_words(run)} */",
+            f"#ifndef {guard}",
+            f"#define {guard}",
+            '#include "ng_math.h"',
+            *(
+                f"#define NG_{name} {value!r} /* {about} */"
+                for name, (value, about) in header.constants.items()
+            ),
+            f"{function.prototype};",
+            "#endif",
+            "",
+        ]
+    )
+    code = [f'#include "{header.file}.h"', *tables.texts.values(), function.body]
+    return {
+        f"{header.file}.h": text,
+        f"{header.file}.c": "\n\n".join(code) + "\n",
+        "ng_math.h": shipped()["ng_math.h"],
+    }
+
+
+def _proof_in_words(run: FamilyRun) -> str:
+    """Return what the run's proof file states, which nobody has checked here."""
+    system, bounds = run.system, stated_bounds(run) or {}
+    levels = system.conclude(bounds, run.config, system.highest)
+    proved = [one.level for one in levels if one.proved]
+    if not proved:
+        return "Nothing is proved of the set"
+    return (
+        f"The proof file of this run states level {max(proved)} of states in the set, in\n"
+        " * continuous time and exact arithmetic: there the force is within the limit. Verify it\n"
+        " * with check-proof or build/proofcheck"
+    )
+
+
+def _largest_difference(
+    run: FamilyRun, program: Program, files: dict[str, str], header: ControllerHeader
+) -> float | None:
+    """Compile the files and return the largest difference of the first output; None if none can.
+
+    Raises: MismatchError.
+    """
+    compiler = Compiler.for_c()
+    if compiler is None:
+        return None
+    flags = ("-std=c99", "-O2", "-Wall", "-Wextra", "-Werror", "-pedantic", "-fPIC", "-shared")
+    library = SharedLibrary(header.file, files, (f"{header.file}.c",), flags)
+    states, first = run.system.states(run, STATES, seed=1), program.outputs[0].name
+    expected = evaluate(program, {"state": states}, POINT)[first].reshape(-1)
+    with tempfile.TemporaryDirectory(prefix="neuralgaits-") as folder:
+        compiled = ctypes.CDLL(str(compiler.compile(library, Path(folder))))
+        function = getattr(compiled, header.function)
+        found = [_called(function, program, state)[first] for state in states]
+    error = float(np.abs(np.array(found) - expected).max())
+    # Rounding grows with the largest of the outputs, limits aside.
+    if not error <= AGREES * max(header.limit, float(np.abs(expected).max())):
+        raise MismatchError(
+            f"expected the {first}s of Python from C, found a difference of {error:.3g} "
+            f"{header.unit}: report it"
+        )
+    return error
+
+
+def _called(function: Any, program: Program, state: np.ndarray) -> dict[str, float]:
+    """Call the C function at one state. Returns: its outputs by name."""
+    doubles = ctypes.c_double * len(state)
+    answers = {output.name: ctypes.c_double() for output in program.outputs}
+    function.restype = None
+    function(doubles(*state), *(ctypes.byref(answer) for answer in answers.values()))
+    return {name: answer.value for name, answer in answers.items()}

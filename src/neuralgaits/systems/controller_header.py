@@ -1,0 +1,29 @@
+"""Names and numbers of a controller that is exported as one function in C99."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class ControllerHeader:
+    """Words of the header of an exported controller.
+
+    Attributes:
+        file: name of header and source file, without their endings.
+        function: name of the C function.
+        title: what it controls, with the robot's name.
+        about: inputs and outputs in words, lines of a C comment.
+        advice: what the caller has to do.
+        constants: value and comment of each #define, by name.
+        unit: of the first output.
+        limit: of the first output, to which rounding is compared.
+    """
+
+    file: str
+    function: str
+    title: str
+    about: str
+    advice: str
+    constants: Mapping[str, tuple[float, str]]
+    unit: str
+    limit: float

@@ -1,0 +1,269 @@
+"""The part of a family's verbs that follows where its proved set is an ellipsoid at rest."""
+
+from abc import abstractmethod
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any
+
+import jax
+import numpy as np
+from jaxtyping import PRNGKeyArray
+from matplotlib.figure import Figure
+
+from neuralgaits._types import Array, Float
+from neuralgaits.errors import InputError, RunError
+from neuralgaits.records.certified import Conclusion
+from neuralgaits.runs.shape import POSITIVE, whole
+from neuralgaits.runs.shell_words import command, named
+from neuralgaits.systems.equilibrium.ellipsoid import Ball, direction
+from neuralgaits.systems.equilibrium.ellipsoid_levels import EllipsoidLevels
+from neuralgaits.systems.equilibrium.ellipsoid_training import (
+    EllipsoidRecipe,
+    EllipsoidStart,
+    sampled_margins,
+    train_ellipsoid,
+)
+from neuralgaits.systems.equilibrium.radial_conditions import Controller, radial_margins
+from neuralgaits.systems.equilibrium.rest_episodes import (
+    RestEpisodes,
+    law_of,
+    simulate_at_rest,
+    trace_of,
+)
+from neuralgaits.systems.equilibrium.rest_figures import StateLabels, draw_planes, draw_times
+from neuralgaits.systems.equilibrium.velocity_policy import Controls
+from neuralgaits.systems.family_run import FamilyConfig, FamilyRun, TrainedSummary
+from neuralgaits.systems.proved_system import ProvedSystem, TrainingProgress
+from neuralgaits.systems.system_family import Screen
+
+WIDEST = 256
+"""Largest width of a hidden layer."""
+RATE = 0.05
+"""Required decay of the set's radius [1/s]."""
+FRESH_SEED, FRESH = 2**31, 2**16
+"""Seed and number of the states on which the summary is measured; no run can have that seed."""
+LEAST_WIDTH = 1e-9
+"""Least half width of the set along each of its axes (SI units)."""
+EPISODES, SHOWN_S = 12, 8.0
+"""Episodes in the pictures, each from the set's face, and their length [s]."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class EquilibriumConfig(FamilyConfig):
+    """Configuration of a training.
+
+    Attributes:
+        width: of the networks' hidden layer.
+        rate: required decay of the ellipsoid's radius [1/s].
+    """
+
+    width: Annotated[int, whole(1, WIDEST)]
+    rate: Annotated[float, POSITIVE]
+
+    def __post_init__(self) -> None:
+        # A file may have it as a whole number.
+        object.__setattr__(self, "rate", float(self.rate))
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class EllipsoidTrained(TrainedSummary):
+    """Result of `train`.
+
+    Attributes:
+        widths: half widths of the set's projections on the coordinates of a state (SI units).
+        volume: of the set, in the product of their units.
+    """
+
+    widths: tuple[float, ...]
+    volume: float
+
+
+class EquilibriumSystem(ProvedSystem):
+    """A family whose trajectories come to rest in an ellipsoid of states.
+
+    Attributes:
+        levels: what follows from its conditions.
+        recipe: numbers of its training.
+        spec_name: name of its spec.
+        hidden: usual width of its networks' hidden layers.
+        state_names, state_units: of coordinates and rates.
+        widest: coordinate that is largest at the start of the first episode.
+    """
+
+    summary = EllipsoidTrained
+    config = EquilibriumConfig
+    highest = 3
+    about_proofs = "the rigid model's full state, in continuous time"
+    levels: EllipsoidLevels
+    recipe: EllipsoidRecipe
+    spec_name: str
+    hidden: int
+    state_names: Sequence[str]
+    state_units: Sequence[str]
+    widest: int
+
+    @abstractmethod
+    def start(self, robot: Any, width: int, key: PRNGKeyArray) -> EllipsoidStart:
+        """Return weights of a linear controller that comes to rest, and a small ellipsoid."""
+
+    @abstractmethod
+    def labels(self, robot: Any) -> StateLabels:
+        """Return the words of the figures' axes."""
+
+    @abstractmethod
+    def episode_record(self, run: FamilyRun, fields: dict[str, Any], largest: float) -> Any:
+        """Return the record of episodes.
+
+        Args:
+            run: the run.
+            fields: of a `RestEpisodes`.
+            largest: value of the first coordinate, on either side.
+        """
+
+    @abstractmethod
+    def reach_in_words(self, done: Any) -> tuple[str, str]:
+        """Return name and words of how far the first coordinate went."""
+
+    def new_config(
+        self, *, seed: int, steps: int, hidden: tuple[int, ...] | None, robot: str
+    ) -> EquilibriumConfig:
+        """Return the configuration of a training. Raises: InputError on bad settings."""
+        if hidden is not None and len(hidden) != 1:
+            raise InputError(
+                f"expected one hidden layer, found {len(hidden)}: give one width, as in --hidden 16"
+            )
+        width = self.hidden if hidden is None else hidden[0]
+        if not 1 <= width <= WIDEST:
+            raise InputError(f"hidden: expected a width from 1 to {WIDEST}, found {width}")
+        return EquilibriumConfig(
+            family=self.family.name,
+            robot=robot,
+            spec=self.spec_name,
+            seed=seed,
+            steps=steps,
+            width=width,
+            rate=RATE,
+        )
+
+    def untrained(self, config: EquilibriumConfig) -> Controller:
+        """Return a controller of zeros, to read arrays into."""
+        return Controller(Controls.zeros(config.width), Ball(np.zeros((4, 4))))
+
+    def refuse_controller(self, controller: Controller, file: Path) -> None:
+        """Refuse a ball that is no lower triangular matrix: its radius is solved for by rows.
+
+        Raises: RunError.
+        """
+        shape = np.asarray(controller.ball.shape)
+        if not np.array_equal(shape, np.tril(shape)) or not np.all(np.diag(shape) >= LEAST_WIDTH):
+            raise RunError(
+                f"expected a lower triangular matrix with a diagonal of {LEAST_WIDTH:g} or more "
+                f"for the set in {file}, found another: the file was changed; train again"
+            )
+
+    def train(
+        self, robot: Any, config: EquilibriumConfig, progress: TrainingProgress | None
+    ) -> Controller:
+        """Train a controller and its ellipsoid."""
+        key = jax.random.key(config.seed)
+        start = self.start(robot, config.width, key)
+        return train_ellipsoid(
+            robot,
+            start,
+            self.recipe,
+            key=key,
+            steps=config.steps,
+            rate=config.rate,
+            progress=progress,
+        )
+
+    def measured(self, run: FamilyRun) -> dict[str, Any]:
+        """Return the margins at fresh random states, and the set's sizes."""
+        key, ball = jax.random.key(FRESH_SEED), run.controller.ball
+        found = sampled_margins(run.robot, run.controller, run.config.rate, key, FRESH)
+        return {
+            "margins": {name: float(np.min(rows)) for name, rows in found.items()},
+            "samples": FRESH,
+            "widths": ball.widths,
+            "volume": ball.volume,
+        }
+
+    def sizes(self, done: EllipsoidTrained) -> str:
+        """Return the half widths of the set in words."""
+        rows = zip(self.state_names, done.widths, self.state_units, strict=True)
+        return ", ".join(f"{name} +-{width:.3g} {unit}" for name, width, unit in rows)
+
+    def margins(self, run: FamilyRun, u: Float[Array, "4"]) -> Mapping[str, Array]:
+        """Return the margins at a point of the chart: radius and angles."""
+        return radial_margins(run.robot, run.controller, run.config.rate, u[0], direction(u[1:]))
+
+    def place(self, run: FamilyRun, u: Float[Array, "4"]) -> tuple[float, float]:
+        """Return the coordinates of the state at a point of the chart."""
+        first, second = run.controller.ball.state(u[0], direction(u[1:]))[:2]
+        return float(first), float(second)
+
+    def place_in_words(self, place: tuple[float, float]) -> str:
+        """Return the coordinates of a state in words."""
+        rows = zip(self.state_names, place, self.state_units, strict=False)
+        return ", ".join(f"{name} = {value:.4g} {unit}" for name, value, unit in rows)
+
+    def spec_numbers(self, config: EquilibriumConfig) -> Mapping[str, float]:
+        """Return the rate that descent and settling are about."""
+        return {"rate": config.rate}
+
+    def conclude(
+        self, bounds: Mapping[str, float | None], config: EquilibriumConfig, level: int
+    ) -> tuple[Conclusion, ...]:
+        """Draw the conclusions about trajectories that proved bounds of conditions allow."""
+        return self.levels.conclude(bounds, config.rate, level)
+
+    def law(self, run: FamilyRun) -> Callable[[Float[Array, "4"]], dict[str, Array]]:
+        """Return the exported controller: force and barrier."""
+        law = law_of(run)
+
+        def outputs(state: Float[Array, "4"]) -> dict[str, Array]:
+            force, radius_squared = law(state)
+            return {"force": force, "barrier": 1.0 - radius_squared}
+
+        return outputs
+
+    def states(self, run: FamilyRun, count: int, seed: int) -> Float[np.ndarray, "count 4"]:
+        """Return random states of the set's face."""
+        ball: Ball = run.controller.ball
+        return ball.face(count, seed, self.widest)
+
+    def episodes(self, run: FamilyRun, count: int, seed: int) -> tuple[RestEpisodes, bool]:
+        """Simulate in MuJoCo from the set's face."""
+        fields, traces = simulate_at_rest(run, episodes=count, seed=seed, widest=self.widest)
+        first = max(float(np.abs(one.state[:, 0]).max()) for one in traces)
+        done = self.episode_record(run, fields, first)
+        return done, done.stayed == done.episodes
+
+    def episodes_screen(self, done: RestEpisodes) -> Screen:
+        """Return how many episodes stayed in the set, and how close they came to its limits."""
+        good = done.stayed == done.episodes
+        rest = "not all" if done.settled_s is None else f"within {done.settled_s:.3g} s"
+        return Screen(
+            "balances" if good else "leaves the set",
+            f": {done.stayed} of {done.episodes} episodes of {done.seconds:g} s stayed in it",
+            None,
+            [
+                ("at rest", rest),
+                ("force", f"up to {done.largest_force:.4g} of {done.force_limit:g} N"),
+                self.reach_in_words(done),
+                ("radius", f"up to {done.largest_radius:.6g}; 1 is the set's face"),
+                ("next", command("report", named(done.run))),
+            ],
+        )
+
+    def page_figures(self, run: FamilyRun) -> Sequence[tuple[Figure, str]]:
+        """Draw episodes of MuJoCo from the set's face."""
+        labels = self.labels(run.robot)
+        traces = [trace_of(run, start, SHOWN_S) for start in self.states(run, EPISODES, seed=0)]
+        planes = draw_planes(traces, run.controller.ball.shape, labels)
+        times = draw_times(traces, run.config.rate, labels)
+        return (
+            (planes, "Episodes of MuJoCo from the set's face, in two planes"),
+            (times, f"Radius, force and {labels.moved} of the same episodes over time"),
+        )

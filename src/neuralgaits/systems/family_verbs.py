@@ -1,0 +1,131 @@
+"""Verbs of a family beside walkers. Their arguments are the options that each has for a family."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from neuralgaits.errors import InputError
+from neuralgaits.runs import RUNS_ROOT
+from neuralgaits.systems import family_screens as screens
+from neuralgaits.systems.controller_export import export_family
+from neuralgaits.systems.family_certificate import certify_family
+from neuralgaits.systems.family_files import inspect_robot, write_robot
+from neuralgaits.systems.family_page import report_family
+from neuralgaits.systems.family_run import open_family_run
+from neuralgaits.systems.family_training import train_family
+from neuralgaits.systems.proved_system import ProvedSystem
+from neuralgaits.systems.system_family import ProgressCallbacks, VerbResult
+
+
+@dataclass(frozen=True)
+class FamilyVerbs:
+    """Verbs on a family's systems. Attributes: system: the family's own part."""
+
+    system: ProvedSystem
+
+    def train(
+        self,
+        robot: str | Path,
+        *,
+        progress: ProgressCallbacks,
+        seed: int = 0,
+        steps: int | None = None,
+        hidden: tuple[int, ...] | None = None,
+        out: Path | None = None,
+        certify: bool = False,
+        budget: float | None = None,
+        root: Path = RUNS_ROOT,
+    ) -> VerbResult:
+        """Train a controller and its set, and prove it if asked for."""
+        total = steps or self.system.steps
+        run = train_family(
+            self.system,
+            str(robot),
+            seed=seed,
+            steps=steps,
+            hidden=hidden,
+            out=out,
+            root=root,
+            progress=lambda step, loss: progress.trained(step, total, loss),
+        )
+        done = run.summary
+        if certify:
+            proof = certify_family(run, budget=budget, progress=progress.proved)
+            done = replace(done, proof=proof.verdict)
+        good = done.holds and done.proof in (None, "proved")
+        undecided = done.holds and done.proof == "undecided"
+        screen = screens.screen_of_training(self.system, done)
+        return VerbResult(done, good, screen, undecided, run=run)
+
+    def certify(
+        self,
+        run: str | Path,
+        *,
+        progress: ProgressCallbacks,
+        level: int | None = None,
+        budget: float | None = None,
+    ) -> VerbResult:
+        """Prove a run, to the highest level if no other is asked for."""
+        highest = self.system.highest
+        if level is not None and level > highest:
+            raise InputError(
+                f"expected a level from 1 to {highest}, found {level}: {self.system.why_highest}"
+            )
+        opened = open_family_run(self.system, run)
+        done = certify_family(opened, level=level, budget=budget, progress=progress.proved)
+        screen = screens.screen_of_proof(self.system, done)
+        return VerbResult(done, done.verdict == "proved", screen, done.verdict == "undecided")
+
+    def simulate(
+        self, run: str | Path, *, progress: ProgressCallbacks, episodes: int = 1, seed: int = 0
+    ) -> VerbResult:
+        """Simulate episodes in MuJoCo."""
+        opened = open_family_run(self.system, run)
+        progress.begun()
+        done, good = self.system.episodes(opened, episodes, seed)
+        return VerbResult(done, good, self.system.episodes_screen(done))
+
+    def export(
+        self, run: str | Path, out: Path, *, progress: ProgressCallbacks, force: bool = False
+    ) -> VerbResult:
+        """Write the controller as C."""
+        opened = open_family_run(self.system, run)
+        progress.begun()
+        done = export_family(opened, out, force=force)
+        screen = screens.screen_of_export(self.system.header(opened).unit, done)
+        return VerbResult(done, done.checked, screen, undecided=not done.checked)
+
+    def report(
+        self, run: str | Path, out: Path | None = None, *, progress: ProgressCallbacks
+    ) -> VerbResult:
+        """Write the page of a run."""
+        opened = open_family_run(self.system, run)
+        progress.begun()
+        done = report_family(opened, out)
+        return VerbResult(done, True, screens.screen_of_report(done))
+
+    def inspect(self, robot: str | Path, *, progress: ProgressCallbacks) -> VerbResult:
+        """Describe a file."""
+        del progress
+        done = inspect_robot(self.system, robot)
+        return VerbResult(done, True, self.system.robot_screen(done))
+
+    def robots(
+        self, robot: str, out: Path | None = None, *, progress: ProgressCallbacks
+    ) -> VerbResult:
+        """Write a built-in robot's file."""
+        del progress
+        done = write_robot(self.system, robot, out)
+        return VerbResult(done, True, screens.screen_of_written(done))
+
+    def by_name(self) -> dict[str, Callable[..., VerbResult]]:
+        """Return all verbs by name."""
+        return {
+            "train": self.train,
+            "certify": self.certify,
+            "simulate": self.simulate,
+            "export": self.export,
+            "report": self.report,
+            "inspect": self.inspect,
+            "robots": self.robots,
+        }
