@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 
 from neuralgaits.programs import evaluate
 from neuralgaits.programs.algebras.ball import BallAlgebra
+from neuralgaits.programs.algebras.double_algebra import DoubleAlgebra
 from neuralgaits.programs.algebras.taylor_algebra import TaylorAlgebra
 from neuralgaits.programs.program import Constant, Input, Operation, Output, Program
 from neuralgaits.programs.remainder_symbols import numbered
@@ -120,6 +121,32 @@ def test_random_programs(degree, steps, axes, seed, half):
         exact = evaluate(program, {"u": points.T}, extended)["h"]
     bounded = np.isfinite(low) & np.isfinite(high)
     assert np.all(((low <= exact) & (exact <= high)) | ~bounded)
+
+
+@given(
+    steps=_programs(),
+    axes=AXES,
+    seed=st.integers(0, 2**20),
+    half=_eight(HALF),
+    chosen=st.sets(st.integers(0, 12), max_size=5),
+)
+def test_random_programs_in_doubles(steps, axes, seed, half, chosen):
+    draw = np.random.default_rng(seed)
+    program = _program(steps, draw.normal(size=(3, axes)))
+    low, width = draw.uniform(-2.0, 2.0, size=axes), 2.0 * np.array(half[:axes])
+    high = low + width
+    share = np.longdouble(0.5 + 0.5 * CORNERS[:, :axes])
+    points = np.longdouble(low) + np.longdouble(high - low) * share
+    count = len(program.operations)
+    symbols = numbered(program, sorted({program.first_operation + k % count for k in chosen}))
+    with np.errstate(all="ignore"):
+        extended: Any = _Extended()
+        exact = evaluate(program, {"u": points.T}, extended)["h"]
+        boxes = {"u": (low[None], high[None])}
+        algebra = DoubleAlgebra.of(program, symbols)
+        lower, upper = evaluate(program, boxes, algebra, None, symbols)["h"].range()
+    bounded = np.isfinite(lower) & np.isfinite(upper)
+    assert np.all(((lower <= exact) & (exact <= upper)) | ~bounded)
 
 
 @given(

@@ -10,7 +10,8 @@ from neuralgaits.certificate.proof_file.statement_check import MANY, StatementCh
 from neuralgaits.certificate.search import branch_and_bound
 from neuralgaits.certificate.search.problem import Problem
 from neuralgaits.programs import POINT, Program, evaluate, fold
-from neuralgaits.programs.algebras.ball import BallAlgebra, ball_remainders
+from neuralgaits.programs.algebras.ball import BallAlgebra
+from neuralgaits.programs.algebras.double_algebra import DoubleAlgebra, double_remainders
 from neuralgaits.programs.algebras.taylor_algebra import TaylorAlgebra, taylor_remainders
 from neuralgaits.programs.evaluation import results
 from neuralgaits.programs.remainder_symbols import (
@@ -23,7 +24,7 @@ from neuralgaits.programs.sensitivity import sensitivities
 from neuralgaits.programs.tracing.tracer import trace
 
 LOW, HIGH = (-1.0, -1.0), (1.0, 1.0)
-REMAINDERS = pytest.mark.parametrize("remainders", [taylor_remainders, ball_remainders])
+REMAINDERS = pytest.mark.parametrize("remainders", [taylor_remainders, double_remainders])
 
 
 def cancelling(u):
@@ -45,7 +46,7 @@ def width(program: Program, algebra, boxes, symbols) -> float:
     model = evaluate(program, boxes, algebra, None, symbols)["h"]
     low, high = (
         model.range()
-        if isinstance(algebra, TaylorAlgebra)
+        if isinstance(algebra, TaylorAlgebra | DoubleAlgebra)
         else (model.range()[0, 0].lower(), model.range()[0, 0].upper())
     )
     return float(np.asarray(high - low).reshape(-1)[0])
@@ -60,11 +61,13 @@ def test_a_value_that_cancels_later_has_a_symbol(remainders):
     assert count_of(program, numbered(program, chosen)) <= MOST_SYMBOLS
     symbols = numbered(program, chosen)
     middle, half = np.array([[0.2, 0.1]]), np.array([[0.2, 0.2]])
+    corners = {"u": (middle - half, middle + half)}
     if remainders is taylor_remainders:
-        algebra, boxes = TaylorAlgebra(2, len(symbols)), {"u": (middle, half)}
+        asked = [(TaylorAlgebra(2, len(symbols)), {"u": (middle, half)})]
     else:
-        algebra, boxes = BallAlgebra(2), {"u": (middle - half, middle + half)}
-    assert width(program, algebra, boxes, symbols) < 0.5 * width(program, algebra, boxes, {})
+        asked = [(DoubleAlgebra.of(program, symbols), corners), (BallAlgebra(2), corners)]
+    for algebra, boxes in asked:
+        assert width(program, algebra, boxes, symbols) < 0.5 * width(program, algebra, boxes, {})
 
 
 @REMAINDERS

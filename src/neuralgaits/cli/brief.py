@@ -140,6 +140,15 @@ def brief_proof(result: CertificateRecord) -> None:
     show_facts(facts)
 
 
+def _arithmetic(result: Checked) -> str:
+    """Return in what arithmetic boxes were bounded."""
+    if result.arithmetic == "balls":
+        return "all in balls"
+    if result.boxes_in_balls:
+        return f"in doubles, {result.boxes_in_balls} in balls"
+    return "in doubles"
+
+
 def brief_check(result: Checked) -> None:
     """Print the verdict on a proof file, what it is about, and that it rests on assumptions."""
     reason = f": {result.reason}" if result.reason else ""
@@ -149,7 +158,7 @@ def brief_check(result: Checked) -> None:
         ("about", f"{result.robot}, spec {result.spec}, weights {result.weights_sha256[:12]}..."),
         ("claims", f"{len(result.statements)} statements; levels above 1: {levels or 'none'}"),
         *([("open", _list(result.unclaimed))] if result.unclaimed else []),
-        ("boxes", f"{result.boxes} bounded in {result.wall_s:.0f} s"),
+        ("boxes", f"{result.boxes} bounded in {result.wall_s:.0f} s, {_arithmetic(result)}"),
         ("assumes", f"{len(result.assumptions)} things; -v prints them and every statement"),
     ]
     show_facts(facts)

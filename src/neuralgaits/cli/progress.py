@@ -15,6 +15,8 @@ from rich.progress import (
     TimeRemainingColumn,
 )
 
+from neuralgaits.records.checked import Arithmetic
+
 if TYPE_CHECKING:
     from neuralgaits.records.trained import ProofRound
 
@@ -24,7 +26,7 @@ _BAR = 24
 """Width of a bar [characters], with which the whole line fits 80 columns."""
 _QUIET_S = 30.0
 """Longest silence of a task that has not advanced by another tenth [s]."""
-_MANY_BOXES = 100_000
+MANY_BOXES: dict[Arithmetic, int] = {"doubles": 10_000_000, "balls": 100_000}
 """From here on a proof takes this program hours to check, and the C++ checker minutes."""
 _NAMED = 3
 """Conditions that a line names before it gives a count."""
@@ -180,14 +182,14 @@ class ProofProgress(_Share):
 class CheckProgress(_Share):
     """A callback `(leaves done, leaves)` for the check of a proof, open while it runs."""
 
-    def __init__(self, quiet: bool = False) -> None:
+    def __init__(self, quiet: bool = False, many: int = MANY_BOXES["doubles"]) -> None:
         left = (TextColumn("ETA"), TimeRemainingColumn())
         super().__init__("checked", *left, quiet=quiet)
-        self._warned = False
+        self._warned, self._many = False, many
 
     def __call__(self, done: int, leaves: int) -> None:
         """Show how many leaves of the proof's trees are bounded again."""
-        if leaves > _MANY_BOXES and not self._warned:
+        if leaves > self._many and not self._warned:
             self.say(f"{leaves} boxes take hours here; `make proofcheck` builds a quicker checker")
             self._warned = True
         self._show(done / leaves if leaves else 1.0, f"{done}/{leaves} boxes")

@@ -100,7 +100,8 @@ def show_check(result: Checked) -> None:
     show_sentence("assuming that")
     for assumption in result.assumptions:
         show_sentence(assumption, indent=_INDENT, hang=_INDENT)
-    show_facts([("boxes", result.boxes), ("time", f"{result.wall_s:.0f} s")])
+    boxes = f"{result.boxes}, {result.boxes_in_balls} of them in balls"
+    show_facts([("boxes", boxes), ("time", f"{result.wall_s:.0f} s")])
 
 
 def _show_levels(levels: Sequence[Conclusion]) -> None:

@@ -176,10 +176,10 @@ def _resumed_proof(verb: CertifyOptions) -> str:
 
 
 def _check_proof(verb: CheckProofOptions) -> Outcome:
-    from neuralgaits.cli.progress import CheckProgress
+    from neuralgaits.cli.progress import MANY_BOXES, CheckProgress
     from neuralgaits.workflows.check_proof import check_proof
 
-    with CheckProgress(quiet=verb.output.json) as progress:
+    with CheckProgress(verb.output.json, MANY_BOXES[verb.arithmetic]) as progress:
         result = check_proof(**given(verb, CheckProofSettings, progress=progress))
     verdict = result.verdict
     good = verdict in ("proved", "consistent")

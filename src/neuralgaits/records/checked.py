@@ -6,6 +6,10 @@ from typing import Literal
 from neuralgaits.records.certified import Conclusion
 from neuralgaits.records.record import Record, Texts
 
+Arithmetic = Literal["doubles", "balls"]
+"""How boxes are bounded: in doubles with bounded rounding, and in Arb's balls where that does not
+decide; or all of them in balls."""
+
 
 @dataclass(frozen=True, eq=False)
 class Checked(Record):
@@ -20,6 +24,8 @@ class Checked(Record):
         levels: conclusions of the levels above 1, with verdicts of the same kind.
         unclaimed: conditions without a statement on all of their region.
         boxes: number of boxes that were bounded.
+        boxes_in_balls: number of them that were bounded in balls.
+        arithmetic: "doubles" where boxes were bounded in doubles first, "balls" otherwise.
         assumptions: what the verdict rests on.
         wall_s: elapsed time.
     """
@@ -35,5 +41,7 @@ class Checked(Record):
     levels: tuple[Conclusion, ...]
     unclaimed: Texts
     boxes: int
+    boxes_in_balls: int
+    arithmetic: Arithmetic
     assumptions: Texts
     wall_s: float

@@ -10,6 +10,7 @@ from tyro.conf import Fixed, Positional
 from neuralgaits._checks import check_bandwidth, check_budget, check_disturbance
 from neuralgaits.errors import InputError
 from neuralgaits.records.certified import LEVELS
+from neuralgaits.records.checked import Arithmetic
 from neuralgaits.records.levels import FULL_ORDER_LEVEL, HIGHEST_OF_MANY, WORDS
 from neuralgaits.settings import forms
 from neuralgaits.settings.forms import Interval
@@ -104,5 +105,8 @@ class CheckProofSettings(Settings):
     run: Annotated[AnyName | None, arg(metavar="RUN"), A_PATH] = None
     """Run folder, or latest, that the proof must be about. Without it only consistency is
     checked, not which robot it is about."""
+    arithmetic: Arithmetic = "doubles"
+    """How boxes are bounded. doubles: with every rounding bounded, and in Arb's balls where that
+    does not decide; balls: all of them in balls, which takes a hundred times as long."""
     progress: Fixed[Callable[[int, int], None] | None] = None
     """Called with (boxes checked, boxes in all) now and then."""

@@ -17,7 +17,7 @@ from neuralgaits.runs import packed
 from neuralgaits.runs.shell_words import command, named
 from neuralgaits.viewer import markdown
 
-MANY_BOXES = 100_000
+MANY_BOXES = 10_000_000
 """A proof of more boxes is checked by the C++ checker, in minutes."""
 
 _COMPARED = (

@@ -1,4 +1,4 @@
-"""Check a proof file again, with balls, and compare it with the run that it should be about.
+"""Check a proof file again, in other arithmetic, and compare it with a run.
 
 Without a run, no JAX is imported, and the best verdict is `consistent`: nothing ties the Program
 in the file to a robot. With a run, a separate process traces the Program again from the run's own
@@ -9,12 +9,14 @@ the run's own: its code runs only after they hold.
 
 import time
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 from neuralgaits.certificate.proof_file.check import (
     ASSUMPTIONS,
     DERIVED_ELSEWHERE,
     OWN_SPEC,
+    TRUSTED,
     CheckResult,
     all_in_words,
     check,
@@ -40,8 +42,8 @@ def check_proof(settings: CheckProofSettings) -> Checked:
 
     Returns: `Checked`, a mapping of what `check-proof --json` prints: verdict ("proved" with a run,
         "consistent" without; "rejected" or "undecided"), reason (None if proved), statements (in
-        words), levels, unclaimed, boxes, wall_s, assumptions, proof, run, robot, spec,
-        weights_sha256.
+        words), levels, unclaimed, boxes, boxes_in_balls, arithmetic, wall_s, assumptions, proof,
+        run, robot, spec, weights_sha256.
     Raises: InputError in one line if the file is no proof file; RunError if the run does not exist.
     """
     start_time = time.perf_counter()
@@ -55,7 +57,8 @@ def check_proof(settings: CheckProofSettings) -> Checked:
         # A spec of this package runs no code of the file's author, so the boxes can wait.
         comparison = compare_with_run(claims, folder)
         wrong = list(comparison.wrong)
-    report = _rejected(claims, wrong) if wrong else check(claims, settings.progress)
+    ask = partial(check, progress=settings.progress, arithmetic=settings.arithmetic)
+    report = _rejected(claims, wrong) if wrong else ask(claims)
     if folder is not None and report.holds:
         report = against(claims, report, comparison or compare_with_run(claims, folder))
         own_spec = own
@@ -65,6 +68,7 @@ def check_proof(settings: CheckProofSettings) -> Checked:
     elif not claims.chart.walks:
         # Without a model nothing says what the axes are.
         always = ASSUMPTIONS[0], ASSUMPTIONS[-1]
+    always = (*always[:-1], TRUSTED[settings.arithmetic])
     assumed = (*own_spec, *always) if folder is not None else (DERIVED_ELSEWHERE, *always)
     found = {name: value for name, value in vars(report).items() if name != "holds"}
     return Checked(
@@ -73,6 +77,7 @@ def check_proof(settings: CheckProofSettings) -> Checked:
         robot=claims.robot[0],
         spec=claims.spec[0],
         weights_sha256=claims.weights_sha256,
+        arithmetic=settings.arithmetic,
         assumptions=assumed,
         wall_s=time.perf_counter() - start_time,
         **found,

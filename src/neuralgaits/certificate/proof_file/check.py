@@ -19,6 +19,7 @@ from neuralgaits.certificate.proof_file.reader import FIBRE, Claims, Inconsisten
 from neuralgaits.certificate.proof_file.shared_check import bound_all
 from neuralgaits.certificate.proof_file.theorem_tables import BY_NUMBER
 from neuralgaits.records.certified import Conclusion
+from neuralgaits.records.checked import Arithmetic
 
 Verdict = Literal["proved", "consistent", "rejected", "undecided"]
 Progress = Callable[[int, int], None]
@@ -43,6 +44,13 @@ OWN_SPEC = (
     "the spec is code of the run's own, spec.py, which was run in a process of its own to trace "
     "it: read it, for it says what its conditions are and could say anything"
 )
+TRUSTED: dict[Arithmetic, str] = {
+    "doubles": "trusted: this checker, its bounds on the rounding of doubles, that +, -, x, / and "
+    "square roots in NumPy are those of IEEE 754 and its sums sums of these, python-flint (Arb) "
+    "where doubles do not decide, Python",
+    "balls": "trusted: this checker, python-flint (Arb), NumPy's handling of arrays, Python",
+}
+"""What a check rests on, by its arithmetic: the last of the assumptions of every family."""
 ASSUMPTIONS = (
     "the Program was traced rightly from the formulas of robot, policy and spec: derivatives by "
     "JAX's forward mode and the activations' own rules, which are not derived again here",
@@ -54,7 +62,7 @@ ASSUMPTIONS = (
     "level 4 is about the full order under exact input-output linearisation in continuous time, "
     "with rigid contact; level 5 about the same with errors of the outputs' acceleration up to a "
     "bound, or with torques held between ticks, one of them at each touchdown",
-    "trusted: this checker, python-flint (Arb), NumPy's handling of arrays, Python",
+    TRUSTED["doubles"],
 )
 
 
@@ -69,6 +77,7 @@ class CheckResult:
         levels: the conclusions of the levels above 1 that the file claims.
         unclaimed: conditions that are not claimed on all of their region.
         boxes: how many boxes were bounded.
+        boxes_in_balls: how many of them were bounded in balls.
         holds: whether every statement holds and every claimed level follows, complete or not.
     """
 
@@ -78,15 +87,19 @@ class CheckResult:
     levels: tuple[Conclusion, ...]
     unclaimed: tuple[str, ...]
     boxes: int
+    boxes_in_balls: int = 0
     holds: bool = False
 
 
-def check(claims: Claims, progress: Progress | None = None) -> CheckResult:
+def check(
+    claims: Claims, progress: Progress | None = None, arithmetic: Arithmetic = "doubles"
+) -> CheckResult:
     """Check every statement of a proof file; stop at the first that is wrong.
 
     Args:
         claims: result of `read_claims`.
         progress: called with (leaves done, leaves) now and then.
+        arithmetic: "balls" for boxes that are all bounded in balls.
     """
     report = CheckResult(
         verdict="consistent",
@@ -102,8 +115,8 @@ def check(claims: Claims, progress: Progress | None = None) -> CheckResult:
         trees = [statement.leaves() for statement in claims.statements]
     except InconsistentError as error:
         return replace(report, verdict="rejected", reason=str(error))
-    found = bound_all(claims.program, claims.statements, trees, progress)
-    report = replace(report, boxes=found.boxes)
+    found = bound_all(claims.program, claims.statements, trees, progress, arithmetic)
+    report = replace(report, boxes=found.boxes, boxes_in_balls=found.boxes_in_balls)
     if found.verdict != "holds":
         return replace(report, verdict=found.verdict, reason=found.reason)
     return _concluded(claims, report)

@@ -21,6 +21,7 @@ from neuralgaits.certificate.chart import CoupledAxes
 from neuralgaits.certificate.proof_file.reader import Corners, Statement
 from neuralgaits.certificate.proof_file.statement_check import BATCH, StatementCheck, Verdict
 from neuralgaits.programs.program import Program
+from neuralgaits.records.checked import Arithmetic
 
 FEW = 512
 """Leaves that are bounded before another process starts."""
@@ -38,18 +39,26 @@ class Piece(NamedTuple):
 
 
 class PieceResult(NamedTuple):
-    """Verdict on a piece, and how many boxes it took."""
+    """Verdict on a piece, how many boxes it took, and how many of them were bounded in balls."""
 
     verdict: Verdict
     reason: str | None
     boxes: int
+    boxes_in_balls: int
 
 
 class PieceBounder:
     """A callable that bounds pieces in this process."""
 
-    def __init__(self, program: Program, statements: Sequence[Statement], trees: Sequence[Corners]):
+    def __init__(
+        self,
+        program: Program,
+        statements: Sequence[Statement],
+        trees: Sequence[Corners],
+        arithmetic: Arithmetic,
+    ):
         self._program, self._statements, self._trees = program, statements, trees
+        self._arithmetic: Arithmetic = arithmetic
         self._known: dict[int, StatementCheck] = {}
 
     def __call__(self, piece: Piece) -> PieceResult:
@@ -57,17 +66,18 @@ class PieceBounder:
         number = piece.statement
         if number not in self._known:
             # One at a time: a statement's constants are folded once, and then let go.
-            leaves = len(self._trees[number][0])
-            checker = StatementCheck.of(self._program, self._statements[number], leaves)
+            leaves, statement = len(self._trees[number][0]), self._statements[number]
+            checker = StatementCheck.of(self._program, statement, leaves, self._arithmetic)
             self._known = {number: checker}
         checker, chosen = self._known[number], slice(piece.start, piece.start + piece.leaves)
-        before = checker.boxes
+        before = checker.boxes, checker.boxes_in_balls
         low, high = self._trees[number]
         for _ in checker.walk((low[chosen], high[chosen])):
             pass
         if checker.verdict != "holds":
             self._known = {}
-        return PieceResult(checker.verdict, checker.reason, checker.boxes - before)
+        counts = checker.boxes - before[0], checker.boxes_in_balls - before[1]
+        return PieceResult(checker.verdict, checker.reason, *counts)
 
 
 def pieces_of(trees: Sequence[Corners]) -> list[Piece]:
@@ -84,6 +94,7 @@ def bound_all(
     statements: Sequence[Statement],
     trees: Sequence[Corners],
     progress: Callable[[int, int], None] | None = None,
+    arithmetic: Arithmetic = "doubles",
 ) -> PieceResult:
     """Bound every leaf, up to the first piece that is rejected.
 
@@ -92,27 +103,31 @@ def bound_all(
         statements: statements of the file.
         trees: leaves of each statement.
         progress: called with (leaves done, leaves) now and then.
+        arithmetic: "balls" for boxes that are all bounded in balls.
 
     Returns: that all hold; or the first that is rejected; or, without one, the first undecided.
     """
-    pieces, here = pieces_of(trees), PieceBounder(program, statements, trees)
+    pieces, here = pieces_of(trees), PieceBounder(program, statements, trees, arithmetic)
     total = sum(piece.leaves for piece in pieces)
     count = min(cores(), MOST_PROCESSES) if total > FEW else 1
-    answer, boxes, done = PieceResult("holds", None, 0), 0, 0
+    answer, boxes, in_balls, done = PieceResult("holds", None, 0, 0), 0, 0, 0
     with contextlib.ExitStack() as stack:
         beside = [
-            stack.enter_context(contextlib.closing(Beside(program, statements, k, count)))
+            stack.enter_context(
+                contextlib.closing(Beside(program, statements, k, count, arithmetic))
+            )
             for k in range(1, count)
         ]
         for piece, found in zip(pieces, _in_order(pieces, here, beside), strict=False):
-            boxes, done = boxes + found.boxes, done + piece.leaves
+            boxes, in_balls = boxes + found.boxes, in_balls + found.boxes_in_balls
+            done += piece.leaves
             if answer.verdict == "holds" or found.verdict == "rejected":
                 answer = found
             if found.verdict == "rejected":
                 break
             if progress is not None:
                 progress(done, total)
-    return answer._replace(boxes=boxes)
+    return answer._replace(boxes=boxes, boxes_in_balls=in_balls)
 
 
 def _in_order(
@@ -142,10 +157,18 @@ class Beside:
         found: its results so far, in the order of its pieces.
     """
 
-    def __init__(self, program: Program, statements: Sequence[Statement], turn: int, count: int):
+    def __init__(
+        self,
+        program: Program,
+        statements: Sequence[Statement],
+        turn: int,
+        count: int,
+        arithmetic: Arithmetic,
+    ):
         self.found: list[PieceResult] = []
         rows = [asdict(statement) for statement in statements]
         task = {"program": program.to_json(), "statements": rows, "turn": turn, "count": count}
+        task["arithmetic"] = arithmetic
         self._process = None
         with contextlib.suppress(OSError, TypeError):  # TypeError: Python has no executable.
             self._process = subprocess.Popen(
@@ -197,7 +220,8 @@ def _bound_share(task: dict[str, Any]) -> Iterator[PieceResult]:
         for row in task["statements"]
     ]
     trees = [statement.leaves() for statement in statements]
-    here = PieceBounder(Program.from_json(task["program"]), statements, trees)
+    program = Program.from_json(task["program"])
+    here = PieceBounder(program, statements, trees, task["arithmetic"])
     for piece in itertools.islice(pieces_of(trees), task["turn"], None, task["count"]):
         found = here(piece)
         yield found

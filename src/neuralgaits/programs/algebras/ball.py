@@ -1,4 +1,4 @@
-"""The algebra of Taylor models in Arb balls, with which proofs are checked. Needs no JAX.
+"""The algebra of Taylor models in Arb balls, which judge where doubles do not. Needs no JAX.
 
 Arb bounds every rounding, and what exceeds the degree joins the constant term as a ball about
 zero, so a model needs no separate remainder; so does what is of second order in xi or in symbols of
@@ -18,10 +18,9 @@ from flint import arb, arb_mat
 
 from neuralgaits.programs.algebras import ball_functions as functions
 from neuralgaits.programs.algebras.ball_model import BallModel, Balls, Key, plus, times
-from neuralgaits.programs.evaluation import Algebra, fold, results
+from neuralgaits.programs.evaluation import Algebra
 from neuralgaits.programs.ops import rule
 from neuralgaits.programs.program import Program, box_and_ball
-from neuralgaits.programs.remainder_symbols import Symbols
 
 
 @dataclass(frozen=True)
@@ -192,16 +191,6 @@ class BallAlgebra(Algebra[BallModel]):
                 for (j,), q in b.symbols.items():
                     _collect(terms, (min(i, j), max(i, j)), p * q)
         return terms
-
-
-def ball_remainders(
-    program: Program, low: np.ndarray, high: np.ndarray, symbols: Symbols
-) -> dict[int, np.ndarray]:
-    """Return the remainder of each result over one box, as `Remainders` asks."""
-    algebra = BallAlgebra(2)
-    box = {program.inputs[0].name: (low[None], high[None])}
-    rows = results(program, box, algebra, fold(program, algebra), symbols)
-    return {number: _radius(model.constant[:, 0]).astype(np.float64) for number, model in rows}
 
 
 _ARITHMETIC = {
