@@ -10,6 +10,7 @@ from neuralgaits.barriers import specs
 from neuralgaits.barriers.commanded_spec import commands_of
 from neuralgaits.errors import InputError, SpecError
 from neuralgaits.gait import HybridInvariantPolicy, ZeroDynamics
+from neuralgaits.gait.believed_robot import believed_robot
 from neuralgaits.gait.command_polynomials import plain_curves
 from neuralgaits.gait.commands import Command, Pair, all_pairs, pair_at, values
 from neuralgaits.gait.policies.commanded import CommandedPolicy
@@ -24,10 +25,12 @@ LENGTH, HEIGHT = Command("step_length", 0.3, 0.4), Command("step_height", -0.01,
 SLOPE = Command("slope", -0.03, 0.03, 0.02)
 SHORT = Command("step_length", 0.28, 0.36)
 """Within reach of the leg downhill as well."""
+LEAN = Command("lean", -0.02, 0.02, 0.0048)
 FAMILIES = {
     "speed": (SPEED,),
     "footholds": (LENGTH, HEIGHT),
     "all": (SPEED, SHORT, SLOPE),
+    "lean": (LEAN, SPEED),
 }
 
 
@@ -45,7 +48,7 @@ def wild(family, key):
     )
 
 
-ON = {"speed": "rabbit", "footholds": "amber3m", "all": "amber3m"}
+ON = {"speed": "rabbit", "footholds": "amber3m", "all": "amber3m", "lean": "amber3m"}
 
 
 @pytest.fixture(scope="module", params=ON.items(), ids=list(ON))
@@ -69,9 +72,11 @@ def test_whatever_follows_begins_where_the_impact_leaves_the_robot(family):
         now = policy.at(robot, Pair(first, second), exact=True)
         then = policy.at(robot, Pair(second, third), exact=True)
         momentum = 3.0 * now.input_scale[1]
-        point = ZeroDynamics(robot, now).point(jnp.stack([now.z_guard, momentum]))
+        # The impact is that of the robot that the gait believes in.
+        walks = believed_robot(robot, policy.commands, second)
+        point = ZeroDynamics(walks, now).point(jnp.stack([now.z_guard, momentum]))
         after = point.impact
-        eta, z = ZeroDynamics(robot, then).phi(jnp.concatenate([after.q, after.dq]))
+        eta, z = ZeroDynamics(walks, then).phi(jnp.concatenate([after.q, after.dq]))
         ratio = z[1] / momentum - now.momentum_ratio
         return eta, z[0] - then.z_start, ratio, point.foot_above_ground
 

@@ -3,12 +3,17 @@
 from types import SimpleNamespace
 from typing import Any
 
-from neuralgaits.records.adapted_speeds import AdaptedSpeeds, LearnedLean
+from neuralgaits.records.adapted_speeds import AdaptedSpeeds, BelievedLean, LearnedLean
 from neuralgaits.report.page.adapted_table import adapted
 
 
-def page(speeds: AdaptedSpeeds | None) -> str:
-    done: Any = SimpleNamespace(adapted=speeds, learned_lean=LearnedLean(-0.0123, 2e-4, 29))
+def page(
+    speeds: AdaptedSpeeds | None, adapt: str = "speed", belief: BelievedLean | None = None
+) -> str:
+    lean = LearnedLean(-0.0123, 2e-4, 29)
+    done: Any = SimpleNamespace(
+        adapt=adapt, adapted=speeds, learned_lean=lean, believed_lean=belief
+    )
     return str(adapted(done))
 
 
@@ -33,3 +38,13 @@ def test_a_long_walk_is_shortened_and_says_where_it_settled():
 
 def test_without_adaptation_there_is_nothing():
     assert page(None) == page(speeds_of(0)) == ""
+
+
+def test_a_belief_is_said_with_speeds_and_without():
+    belief = BelievedLean((0.0, -0.0048, -0.0096))
+    said = page(speeds_of(3), "lean", belief)
+    assert "believed 9.6 mm behind the file" in said
+    assert "The commanded speed was not adapted" in said and "was adapted at each" not in said
+    alone = page(None, "lean", belief)
+    assert "9.6 mm behind" in alone and "<table" not in alone
+    assert "too few steps" in page(None, "lean", BelievedLean(()))

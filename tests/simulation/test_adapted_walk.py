@@ -34,7 +34,7 @@ def run(tmp_path_factory):
     return open_run(shutil.copytree(SHIPPED.with_name("demo_speed_run"), place))
 
 
-def walks_of(run, disturb="", *, commands=None, native=True, steps=8, adapt=True):
+def walks_of(run, disturb="", *, commands=None, native=True, steps=8, adapt=("speed",)):
     told = "speed=0.7" if commands is None else None
     orders = orders_of(run.trained.commands, told, commands, 3)
     first = at_first(run, orders.first)
@@ -113,7 +113,7 @@ def test_only_robots_with_a_torso_on_point_feet_have_a_lean(run):
 
 
 def test_without_it_nothing_changes_and_speeds_are_measured(run):
-    (walked,) = strides_of(walks_of(run, AHEAD, commands="random", adapt=False))
+    (walked,) = strides_of(walks_of(run, AHEAD, commands="random", adapt=()))
     np.testing.assert_array_equal(walked.told[:, 0], walked.reference)
     speeds = np.diff(walked.hip) / np.diff(walked.time)
     assert np.max(np.abs(walked.measured[1:] - speeds)) < 2e-3
@@ -204,5 +204,7 @@ def test_a_gait_without_a_speed_command_is_refused(tmp_path):
     plain = shutil.copytree(SHIPPED, tmp_path / "run")
     with pytest.raises(InputError, match=r"--adapt speed: expected .* takes no command: train"):
         simulate(plain, adapt="speed")
-    with pytest.raises(InputError, match="adapt: expected one of speed, found 'lean'"):
-        simulate(plain, adapt=cast(Any, "lean"))
+    with pytest.raises(InputError, match=r"--adapt lean: expected .* takes lean .* train one with"):
+        simulate(plain, adapt="lean")
+    with pytest.raises(InputError, match=r"adapt: expected one of speed, lean, .* found 'mass'"):
+        simulate(plain, adapt=cast(Any, "mass"))

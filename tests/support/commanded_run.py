@@ -23,21 +23,22 @@ from support.shipped_run import SHIPPED
 SPEED = Command("speed", 0.60, 0.62, 0.01)
 MOVED = 0.0003
 """How far the guard moves from the middle of the range to its end [m]."""
+LEANS = Command("lean", -0.012, 0.012, 0.0048)
 
 
-def family_of(run: Run) -> CommandedGait:
-    """The run's gait, with a guard that moves with the speed."""
+def family_of(run: Run, command: Command = SPEED) -> CommandedGait:
+    """The run's gait, with a guard that moves with the speed; that of a lean does not."""
     plain = run.gait
     policy = plain.policy
     assert isinstance(policy, HybridInvariantPolicy)
     share = (policy.guard_outputs - policy.lower) / (policy.upper - policy.lower)
-    family = CommandedPolicy.init(run.robot, (SPEED,), key=jax.random.key(0))
+    family = CommandedPolicy.init(run.robot, (command,), key=jax.random.key(0))
     weights = policy.network.weights
     first = np.hstack([weights[0], np.zeros((len(weights[0]), 2))])
     zeros = np.zeros_like(family.guard_outputs)
     outputs, slopes, z1 = zeros.copy(), zeros.copy(), np.zeros(len(zeros))
     outputs[0], slopes[0] = np.log(share / (1.0 - share)), policy.guard_slopes
-    z1[:2] = float(policy.z_guard), MOVED
+    z1[:2] = float(policy.z_guard), MOVED if command == SPEED else 0.0
     family = eqx.tree_at(
         lambda p: (p.network, p.guard_outputs, p.guard_slopes, p.guard_z1),
         family,
@@ -48,13 +49,13 @@ def family_of(run: Run) -> CommandedGait:
     )
     scales = (policy.lower, policy.upper, policy.input_scale, policy.input_shift)
     family = eqx.tree_at(lambda p: (p.lower, p.upper, p.input_scale, p.input_shift), family, scales)
-    return CommandedGait(family, CommandedTube.around(plain.tube, (SPEED,)))
+    return CommandedGait(family, CommandedTube.around(plain.tube, (command,)))
 
 
-def make(place: Path) -> Run:
+def make(place: Path, command: Command = SPEED) -> Run:
     """A finished run of it in a new folder."""
     shipped = open_run(SHIPPED)
-    spec = specs.commanded(shipped.robot, (SPEED,))
+    spec = specs.commanded(shipped.robot, (command,))
     asked = TrainingConfig(
         robot=shipped.robot.name,
         spec="walking",
@@ -64,13 +65,14 @@ def make(place: Path) -> Run:
         steps=1,
         described=spec.describe(),
         not_provable_because=None,
-        commands={SPEED.name: Range(SPEED.low, SPEED.high, SPEED.largest_change)},
+        commands={command.name: Range(command.low, command.high, command.largest_change)},
     )
     copies = {ROBOT: shipped.robot.layout.xml, SPEC: (SHIPPED / SPEC).read_text()}
     folder = RunFolder.create(
         asked, copies, name=shipped.robot.name, seed=0, root=place.parent, out=place
     )
-    gait = jax.tree.map(lambda leaf: np.asarray(leaf, np.float64), family_of(shipped))
+    gait = family_of(shipped, command)
+    gait = jax.tree.map(lambda leaf: np.asarray(leaf, np.float64), gait)
     folder.write_tree(WEIGHTS, gait)
     finish(folder, {}, place.parent)
     return open_run(place)

@@ -16,6 +16,7 @@ from neuralgaits.analysis.learned import Learned
 from neuralgaits.barriers import Gait, GaitSpec, specs
 from neuralgaits.errors import RunError
 from neuralgaits.gait import NO_RESIDUALS, AbstractPolicy, Residuals, ZeroDynamics
+from neuralgaits.gait.believed_robot import robot_of_step
 from neuralgaits.gait.commands import Command, Pair, values
 from neuralgaits.gait.policies.commanded import CommandedPolicy
 from neuralgaits.gait.policies.commanded_gait import AnyGait, CommandedGait
@@ -144,8 +145,12 @@ class Run:
 
     @property
     def zero_dynamics(self) -> ZeroDynamics:
-        """The hybrid zero dynamics of the run's robot under its policy, residuals included."""
-        return ZeroDynamics(self.robot, self.gait.policy, *self.residuals)
+        """The hybrid zero dynamics of the run's robot under its policy, residuals included.
+
+        The robot leans as it is told, if the gait is told that.
+        """
+        robot = robot_of_step(self.robot, self.gait, np.zeros(0))
+        return ZeroDynamics(robot, self.gait.policy, *self.residuals)
 
 
 LARGEST = 1e30

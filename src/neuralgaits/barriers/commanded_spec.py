@@ -20,12 +20,13 @@ from neuralgaits.barriers.spec import GaitSpec, Init
 from neuralgaits.barriers.walking import RESETS, pendulum_height, start_tube, walking
 from neuralgaits.gait import walking_posture
 from neuralgaits.gait.command_polynomials import factors
-from neuralgaits.gait.commands import Command, Commands, command_named
+from neuralgaits.gait.commands import LEAN, Command, Commands, command_named
 from neuralgaits.gait.gaits import Gait
 from neuralgaits.gait.policies.commanded import CommandedPolicy
 from neuralgaits.gait.policies.commanded_gait import CommandedGait
 from neuralgaits.gait.reach import refuse_speed, refuse_unreachable
-from neuralgaits.gait.tubes import CommandedTube
+from neuralgaits.gait.tubes import CommandedTube, Tube
+from neuralgaits.robots.mjcf.parameters import axes_of
 
 if TYPE_CHECKING:
     from neuralgaits.robots import PlanarBiped
@@ -55,20 +56,23 @@ class ForCommand(NamedTuple):
     steps: int = 5000
 
 
+# Tubes that are to fit many speeds give way at a lower fence that falls to zero; those that
+# are to take little torque, at all fences.
+_MANY_SPEEDS = ForCommand(
+    {
+        "forward": 5.0,
+        "flow-above-lower-fence": 3.0,
+        "flow-below-upper-fence": 2.0,
+        "tube-width": 2.0,
+        **dict.fromkeys(RESETS, 3.0),
+    },
+    effort=4.0,
+    steps=6500,
+)
 FOR_COMMANDS = {
-    # Tubes that are to fit many speeds give way at a lower fence that falls to zero; those that
-    # are to take little torque, at all fences.
-    "speed": ForCommand(
-        {
-            "forward": 5.0,
-            "flow-above-lower-fence": 3.0,
-            "flow-below-upper-fence": 2.0,
-            "tube-width": 2.0,
-            **dict.fromkeys(RESETS, 3.0),
-        },
-        effort=4.0,
-        steps=6500,
-    ),
+    "speed": _MANY_SPEEDS,
+    # A belief that is off by a centimetre is off by a tenth of the speed.
+    LEAN: _MANY_SPEEDS,
     # Where any foothold may follow any, the reset gives way, and a foot that leaves the longest and
     # highest step for the shortest does not rise.
     "step_length": ForCommand(dict.fromkeys((*RESETS, "foot-rises"), 2.0)),
@@ -87,6 +91,11 @@ Interval = tuple[float, float]
 """Lower and upper end of a range."""
 _LARGEST_CHANGES = {"speed": SPEED_CHANGE, "slope": SPEED_CHANGE}
 """Largest changes as shares of the range; footholds may follow each other freely."""
+LEAN_CHANGE = 4.8e-3
+"""Largest change of a believed lean a step, or half its range if that is less [m]: for AMBER-3M it
+asks of a tube what a change of speed by 0.042 m/s does."""
+LEAN_ERROR = 3e-3
+"""How far the torso may be from the belief [m]: AMBER-3M walks 0.027 m/s faster or slower then."""
 
 
 def commands_of(**ranges: Interval | None) -> Commands:
@@ -99,25 +108,49 @@ def commands_of(**ranges: Interval | None) -> Commands:
     for name, interval in ranges.items():
         if interval is not None:
             low, high = interval
-            share = _LARGEST_CHANGES.get(name)
             # Few digits: it stands, exactly, in statements that people read.
-            change = None if share is None else float(f"{share * abs(high - low):.6g}")
+            change = float(f"{_largest_change(name, abs(high - low)):.6g}")
             found.append(Command(name, low, high, change or None))
     return tuple(found)
 
 
-def commanded(robot: "PlanarBiped", commands: Commands, *, z2_dependence: bool = True) -> GaitSpec:
+def _largest_change(name: str, width: float) -> float:
+    """Return the largest change of a command with such a range; 0 where any may follow any."""
+    if name == LEAN:
+        return min(LEAN_CHANGE, 0.5 * width)
+    return _LARGEST_CHANGES.get(name, 0.0) * width
+
+
+def commanded(
+    robot: "PlanarBiped",
+    commands: Commands,
+    *,
+    z2_dependence: bool = True,
+    speed: float | None = None,
+    lean_error: float = LEAN_ERROR,
+) -> GaitSpec:
     """Return the default specification of a gait that takes `commands`.
+
+    One that takes a lean is for every robot whose lean is near the one that it is told, and knows
+    z1 alone: z2 follows from masses that it only believes in.
 
     Args:
         robot: with knees.
         commands: at least one.
         z2_dependence: of `CommandedPolicy`.
+        speed: mean speed to aim at where none is commanded (m/s); None for any.
+        lean_error: how far the robot's lean may be from the one that it is told (m).
 
     Raises: SpecError if a range has steps that the robot cannot take at all.
     """
     refuse_unreachable(robot, commands)
+    if speed is not None:
+        refuse_speed(robot, speed)
+    leans = command_named(commands, LEAN) is not None
+    z2_dependence = z2_dependence and not leans
     lowest = {command.name: command.low for command in commands}
+    if speed is not None:
+        lowest["speed"] = speed
     plain = walking(
         robot,
         forward=SLOWEST * lowest["speed"] if "speed" in lowest else None,
@@ -125,8 +158,8 @@ def commanded(robot: "PlanarBiped", commands: Commands, *, z2_dependence: bool =
         highest=_highest(commands),
     )
     aims = _middle_aims()
-    if any(c.name == "speed" for c in commands):
-        aims = (*aims, MeanSpeed("mean-speed", "middle", 0.015, 0.015))
+    if "speed" in lowest:
+        aims = (*aims, MeanSpeed("mean-speed", "middle", 0.015, 0.015, speed))
     samples = {name: MORE_SAMPLES * count for name, count in plain.recipe.samples.items()}
     asked = [FOR_COMMANDS.get(command.name, ForCommand()) for command in commands]
     weights = {name: value for one in asked for name, value in one.weights.items()}
@@ -146,11 +179,12 @@ def commanded(robot: "PlanarBiped", commands: Commands, *, z2_dependence: bool =
     return replace(
         plain.with_conditions(FencesApart("fences-apart", "fence-lower", APART)),
         regions=dict(plain.regions) | {"middle": (MIDDLE,)},
-        new_gait=partial(_new_gait, robot, commands, z2_dependence=z2_dependence),
+        new_gait=partial(_new_gait, robot, commands, speed, z2_dependence=z2_dependence),
         recipe=recipe,
         commands=commands,
         aims=aims,
         weights=dict(plain.weights) | weights,
+        parameters=axes_of(robot, {LEAN: lean_error}) if leans else (),
     )
 
 
@@ -198,14 +232,20 @@ def _new_gait_at(
 ) -> Gait:
     gait = walking(robot).new_gait(key, init, hidden)
     assert isinstance(gait, Gait)
-    lower, upper = np.array(gait.tube.lower), np.array(gait.tube.upper)
+    return Gait(gait.policy, _at_speed(robot, gait.tube, speed))
+
+
+def _at_speed(robot: "PlanarBiped", tube: Tube, speed: float) -> Tube:
+    """Return a tube around the walks of a linear inverted pendulum at a mean speed (m/s)."""
+    lower, upper = np.array(tube.lower), np.array(tube.upper)
     lower[0], upper[0] = (_energy(robot, side, speed**2) for side in SIDES)
-    return eqx.tree_at(lambda g: (g.tube.lower, g.tube.upper), gait, (lower, upper))
+    return eqx.tree_at(lambda t: (t.lower, t.upper), tube, (lower, upper))
 
 
 def _new_gait(
     robot: "PlanarBiped",
     commands: Commands,
+    speed: float | None,
     key: PRNGKeyArray,
     init: Init,
     hidden: tuple[int, ...] | None,
@@ -221,7 +261,10 @@ def _new_gait(
             lambda p: p.network.weights, policy, (*policy.network.weights[:-1], full)
         )
     guard = walking_posture(robot).z_guard
-    tube = CommandedTube.around(start_tube(robot, None, (-guard, guard)), commands)
+    first = start_tube(robot, None, (-guard, guard))
+    if speed is not None:
+        first = _at_speed(robot, first, speed)
+    tube = CommandedTube.around(first, commands)
     for i, command in enumerate(commands):
         if command.name == "speed":
             tube = _faster(robot, tube, i, command)

@@ -21,7 +21,7 @@ from neuralgaits.barriers.quantities import (
 from neuralgaits.barriers.spec import GaitSpec
 from neuralgaits.barriers.walking import RESETS, new_hybrid_invariant, units, walking
 from neuralgaits.errors import SpecError
-from neuralgaits.gait.commands import Commands
+from neuralgaits.gait.commands import LEAN, Commands, command_named
 from neuralgaits.gait.posture import REFERENCE_LEG_M
 from neuralgaits.robots.mjcf.parameters import axes_of
 from neuralgaits.robots.parameter_box import GROUND, Box, checked_box
@@ -55,6 +55,8 @@ def robust(robot: "PlanarBiped", box: Box, commands: Commands = ()) -> GaitSpec:
     Raises: SpecError if there are commands and the floor's height is unknown.
     """
     box = checked_box(box)
+    if command_named(commands, LEAN) is not None or LEAN in box:
+        return _leaning(robot, box, commands)
     if commands:
         if "floor" in box:
             raise SpecError(
@@ -89,6 +91,22 @@ def robust(robot: "PlanarBiped", box: Box, commands: Commands = ()) -> GaitSpec:
         parameters=axes_of(robot, box),
         ground={kind: box[kind] for kind in GROUND if kind in box},
     )
+
+
+def _leaning(robot: "PlanarBiped", box: Box, commands: Commands) -> GaitSpec:
+    """Return the specification of a gait that is told a lean. Raises: SpecError on other boxes."""
+    if command_named(commands, LEAN) is None:
+        raise SpecError(
+            "--parameters lean: expected a gait that takes lean as command, found one that does "
+            "not: train with --lean SIZE, or write com=SIZE"
+        )
+    if set(box) != {LEAN}:
+        others = ", ".join(kind for kind in box if kind != LEAN)
+        raise SpecError(
+            f"--parameters: expected lean alone for a gait that takes lean as command, found "
+            f"{others}: leave that out, or --lean"
+        )
+    return commanded(robot, commands, lean_error=box[LEAN])
 
 
 def _on_friction(condition: AbstractCondition, least: float | None) -> AbstractCondition:

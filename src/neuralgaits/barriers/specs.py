@@ -189,7 +189,9 @@ def load(
                 f"expected spec walking for a gait with a speed or commands, found {name!r}: leave "
                 "--spec out, or build a spec with specs.commanded in a file of your own"
             )
-        return commanded(robot, commands) if commands else at_speed(robot, float(speed or 0.0))
+        if commands:
+            return commanded(robot, commands, speed=speed)
+        return at_speed(robot, float(speed or 0.0))
     if name in _BUILT_IN:
         return _BUILT_IN[name](robot)
     return spec_from_file(name, robot, _BUILT_IN)

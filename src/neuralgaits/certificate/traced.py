@@ -14,12 +14,13 @@ from neuralgaits.barriers.functions import (
 from neuralgaits.certificate.chart import PLANE
 from neuralgaits.errors import SpecError
 from neuralgaits.gait import NO_RESIDUALS, Residuals, ZeroDynamics
+from neuralgaits.gait.believed_robot import robot_of_step
 from neuralgaits.gait.commands import Pair, all_pairs
 from neuralgaits.gait.policies.commanded_gait import AnyGait
 from neuralgaits.programs import POINT, Program, evaluate
 from neuralgaits.programs.tracing.tracer import trace
 from neuralgaits.robots import PlanarBiped
-from neuralgaits.robots.mjcf.parameters import Model, model_of, nominal_robot, robot_at
+from neuralgaits.robots.mjcf.parameters import Model, model_of, nominal_robot
 
 GUARD_LEVELS = 33
 """Number of levels of the guard at which the impact is evaluated."""
@@ -60,7 +61,7 @@ def step_at(
         step = eqx.tree_at(
             lambda g: g.policy.anchor, step, anchor, is_leaf=lambda leaf: leaf is None
         )
-    return step, ZeroDynamics(robot_at(model, u[end:]), step.policy, *residuals)
+    return step, ZeroDynamics(robot_of_step(model, step, u[end:]), step.policy, *residuals)
 
 
 def after_impact(

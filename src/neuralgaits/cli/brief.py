@@ -86,7 +86,9 @@ def brief_walks(result: Simulated) -> None:
         facts.append(("monitor", f"of {seen.ticks} ticks, {', '.join(shares)}"))
     if result.adapted is not None:
         facts.append(("adapted", result.adapted.in_words))
-    if result.learned_lean is not None:
+    if result.believed_lean is not None:
+        facts.append(("lean", result.believed_lean.in_words))
+    elif result.learned_lean is not None:
         facts.append(("learned", result.learned_lean.in_words))
     facts.append(("next", _after_walks(result)))
     show_facts(facts)

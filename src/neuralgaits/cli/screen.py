@@ -156,6 +156,8 @@ def show_walks(result: Simulated) -> None:
         show_monitor(result.monitor)
     if result.adapted is not None:
         show_sentence(f"adapted {result.adapted.in_words}")
+    if result.believed_lean is not None:
+        show_sentence(f"adapted lean: {result.believed_lean.in_words}")
     if result.learned_lean is not None:
         show_sentence(f"learned {result.learned_lean.in_words}")
     _settings_of_walks(result)

@@ -29,6 +29,7 @@ from neuralgaits.control.momentum import zero_state
 from neuralgaits.control.saturation import ZeroStateBounds, momenta_of_walking, zero_state_bounds
 from neuralgaits.control.stance import StanceConfig, StanceState
 from neuralgaits.gait import AbstractPolicy
+from neuralgaits.gait.believed_robot import believed_robot
 from neuralgaits.gait.commands import CommandLimits
 from neuralgaits.gait.joint_inertia import JointResponse
 from neuralgaits.gait.posture import momentum_unit
@@ -40,7 +41,7 @@ class Controller(eqx.Module):
     """Everything a control tick needs that does not change from tick to tick.
 
     Attributes:
-        robot: the model the controller believes in.
+        robot: the model the controller believes in, but for a lean that it is told.
         policy: desired outputs y_d(z), or a family of them that takes commands.
         law: how torques follow from them, fitted to the robot.
         bounds: of the measured z; the law selects the part that the policy gets.
@@ -103,6 +104,10 @@ class Controller(eqx.Module):
             reset_residual=reset_residual,
             joints=joints,
         )
+
+    def believed(self, told: CommandState) -> PlanarBiped:
+        """Return the model of the step under way: leaning as it was told, if that is a command."""
+        return believed_robot(self.robot, self.policy.commands, told.pair.after)
 
     def latch(self, told: CommandState, touchdown: Bool[Array, ""]) -> CommandState:
         """Take over what was requested, if the tick is a touchdown. Returns: `CommandState`."""
@@ -218,6 +223,7 @@ def step(
     q, dq = coordinates(robot, measurement, standing.leg)
     foot_velocity = stance_foot_velocity(robot, q, dq, measurement)
     now = controller.latch(state.told, touchdown)
+    robot = controller.believed(now)
     reading = MeasuredState(q, dq, *zero_state(robot, q, dq, foot_velocity))
     reading = _with_ankle(controller, now, reading)
     if law.uses_impact_consistent_rates:
@@ -255,7 +261,7 @@ def step(
 
 
 def _ask(controller: Controller, now: CommandState, reading: MeasuredState) -> Desired:
-    return controller.law.desired(controller.robot, _outputs(controller, now), reading)
+    return controller.law.desired(controller.believed(now), _outputs(controller, now), reading)
 
 
 def _outputs(controller: Controller, now: CommandState) -> Outputs:

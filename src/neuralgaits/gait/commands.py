@@ -19,11 +19,19 @@ from neuralgaits._printable import shown
 from neuralgaits._types import Array, Float, Scalar
 from neuralgaits.errors import InputError, SpecError
 
-UNITS = {"speed": "m/s", "step_length": "m", "step_height": "m", "slope": "rad"}
+LEAN = "lean"
+"""Command that says how far ahead of the file the torso's centre of mass is believed to be."""
+UNITS = {"speed": "m/s", "step_length": "m", "step_height": "m", "slope": "rad", LEAN: "m"}
 """Commands that this package knows the meaning of, and their units."""
 FASTEST = 100.0
 """Largest speed [m/s]: no robot on legs walks faster, so more is a slip of the keyboard."""
-MOST = {"speed": FASTEST, "step_length": 100.0, "step_height": 100.0, "slope": 0.5 * math.pi}
+MOST = {
+    "speed": FASTEST,
+    "step_length": 100.0,
+    "step_height": 100.0,
+    "slope": 0.5 * math.pi,
+    LEAN: 0.5,
+}
 LEAST_WIDTH = 1e-6
 """Smallest width of the range of a command, in its unit."""
 MOST_OF_ANY = 1e6

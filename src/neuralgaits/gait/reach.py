@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from neuralgaits.errors import SpecError
-from neuralgaits.gait.commands import FASTEST, Commands, command_named
+from neuralgaits.gait.commands import FASTEST, LEAN, Commands, command_named
 from neuralgaits.gait.posture import GUARD, walking_posture
+from neuralgaits.robots.mjcf.leaning import lean_series
 
 if TYPE_CHECKING:
     from neuralgaits.robots import PlanarBiped
@@ -40,6 +41,7 @@ def refuse_unreachable(robot: "PlanarBiped", commands: Commands) -> None:
             f"command step_length: expected lengths above 0 m, found {length.low:g}:"
             f"{length.high:g}: begin the range at {0.1 * robot.leg_length:.2g} or more"
         )
+    _refuse_lean(robot, commands)
     _refuse_steep(commands)
     _refuse_high(robot, commands)
     _refuse_far(robot, commands)
@@ -57,6 +59,26 @@ def refuse_speed(robot: "PlanarBiped", speed: float) -> None:
             f"expected a speed of at most {most:.3g} m/s for legs of {robot.leg_length:.2f} m, "
             f"which is twice that at which feet leave the floor, found {speed:g}: ask for "
             f"less than {0.5 * most:.2g}"
+        )
+
+
+def _refuse_lean(robot: "PlanarBiped", commands: Commands) -> None:
+    """Refuse leans of a robot without a torso, and leans that keep the weight off the foot."""
+    lean = command_named(commands, LEAN)
+    if lean is None:
+        return
+    if robot.torso is None:
+        raise SpecError(
+            f"command lean: expected a robot with a torso, found {robot.name}, which has none: "
+            "leave --lean out"
+        )
+    moment = lean_series(robot.layout.xml, robot.name).moment_across[1]
+    share = float(np.sum(np.abs(moment)) / robot.mass)
+    farthest, most = max(abs(lean.low), abs(lean.high)), walking_posture(robot).z_guard / share
+    if not farthest < most:
+        raise SpecError(
+            f"command lean: expected leans below {most:.3g} m, where the centre of mass does not "
+            f"pass the foot in a step, found {farthest:.3g} m: ask for less"
         )
 
 

@@ -25,11 +25,37 @@ class LearnedLean:
     @property
     def in_words(self) -> str:
         """The lean in millimetres, and from what."""
-        side = "ahead of" if self.mean_m >= 0.0 else "behind"
         return (
-            f"torso's centre of mass {abs(1e3 * self.mean_m):.1f} mm {side} the file's, by "
+            f"torso's centre of mass {abs(1e3 * self.mean_m):.1f} mm {_side(self.mean_m)} the "
+            "file's, by "
             f"{self.steps} steps (spread {1e3 * self.spread_m:.1f} mm)"
         )
+
+
+@dataclass(frozen=True)
+class BelievedLean:
+    """Leans that the first walk believed in.
+
+    Attributes:
+        believed_m: lean of each step that ended with a touchdown, positive forward [m].
+    """
+
+    believed_m: tuple[float, ...]
+
+    @property
+    def in_words(self) -> str:
+        """The last belief, in millimetres."""
+        if not self.believed_m:
+            return "too few steps to learn it"
+        last = self.believed_m[-1]
+        return (
+            f"believed {abs(1e3 * last):.1f} mm {_side(last)} the file's after "
+            f"{len(self.believed_m)} steps"
+        )
+
+
+def _side(lean: float) -> str:
+    return "ahead of" if lean >= 0.0 else "behind"
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,7 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from neuralgaits.records.adapted_speeds import AdaptedSpeeds, LearnedLean
+from neuralgaits.records.adapted_speeds import AdaptedSpeeds, BelievedLean, LearnedLean
 from neuralgaits.records.certified import box_in_words
 from neuralgaits.records.link_figures import LinkFigures
 from neuralgaits.records.monitored import MonitorFigures
@@ -156,7 +156,7 @@ class WalkSettings(Record):
         link: statistics of the connection; None without a process for the controller.
         command: constant command, by name; None if it changed, or for a gait without commands.
         commands: file of the commands, or `random`; None for neither.
-        adapt: command that was adapted, `speed`; None if none was.
+        adapt: commands that were adapted, `speed`, `lean` or both with a comma; None if none was.
         terrain: requested terrain; None for a floor.
         parameters: half widths by kind of the box that each walk's robot was drawn from; empty for
             one robot.
@@ -211,12 +211,15 @@ class Simulated(WalkFigures, WalkSettings):
     Attributes:
         monitor: its states and the sets that are proved of the gait; None without `--monitor`.
         adapted: speeds of the first walk, step by step; None without `--adapt`.
+        believed_lean: leans that the first walk believed in; None without `--adapt`, or of a gait
+            that takes no lean.
         learned_lean: lean of the torso that its joint angles show; None without `--adapt`, on
             workers, and for a robot that has no torso or flat feet.
     """
 
     monitor: MonitorFigures | None = None
     adapted: AdaptedSpeeds | None = None
+    believed_lean: BelievedLean | None = None
     learned_lean: LearnedLean | None = None
 
     @property
@@ -267,7 +270,8 @@ class Simulated(WalkFigures, WalkSettings):
     def unsaid(self) -> Collection[str]:
         """Return the fields that `--json` omits: those of features that the walks did not use."""
         unsaid = ["link", "monitor", "joints", "joints_sha256", "adapt", "adapted"]
-        unsaid = [name for name in (*unsaid, "learned_lean") if getattr(self, name) is None]
+        unsaid += ["believed_lean", "learned_lean"]
+        unsaid = [name for name in unsaid if getattr(self, name) is None]
         for name in ("command_error", "parameters", "errors"):
             unsaid += [] if getattr(self, name) else [name]
         walked = ("command", "commands", "terrain", "foothold_error_m")

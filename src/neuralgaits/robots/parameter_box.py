@@ -16,6 +16,7 @@ UNITS: dict[str, dict[str, float]] = {
     "com": {"mm": 1e-3, "cm": 1e-2, "m": 1.0},
     "inertia": {"%": 0.01, "": 1.0},
     "rotor": {"%": 0.01, "": 1.0},
+    "lean": {"mm": 1e-3, "cm": 1e-2, "m": 1.0},
     "floor": {"mm": 1e-3, "cm": 1e-2, "m": 1.0},
     "friction": {"": 1.0},
 }
@@ -24,6 +25,7 @@ GROUND = "floor", "friction"
 """Kinds of parameter of the floor, which have no axes: no quantity at a state depends on them."""
 _MOST = {
     "com": (0.5, " m", "write a unit, as in 5mm"),
+    "lean": (0.5, " m", "write a unit, as in 3mm"),
     "floor": (0.5, " m", "write a unit, as in 5mm"),
     "friction": (5.0, "", "it is the least coefficient, as in 0.5"),
 }

@@ -1,13 +1,20 @@
 """Forms of values on the command line: each is read from one word, or refused in one line."""
 
 import math
+import re
 from collections.abc import Iterable, Mapping
 from typing import Literal
 
 from neuralgaits._digits import decimal, whole
 from neuralgaits.errors import InputError
 
-COMMAND_UNITS = {"speed": "m/s", "step_length": "m", "step_height": "m", "slope": "degrees"}
+COMMAND_UNITS = {
+    "speed": "m/s",
+    "step_length": "m",
+    "step_height": "m",
+    "slope": "degrees",
+    "lean": "m",
+}
 """Commands of a gait, with their units on the command line."""
 LEARNED: Literal["learned"] = "learned"
 """Word that stands for the two bounds of the run's residual."""
@@ -34,6 +41,18 @@ def slope(text: str) -> Interval:
     """Read `LOW:HIGH` in degrees. Returns: radians. Raises: InputError."""
     low, high = _interval("slope", text)
     return math.radians(low), math.radians(high)
+
+
+def lean(text: str) -> Interval:
+    """Read `LOW:HIGH` in m, or one length with a unit, as in `2cm`, which is either way."""
+    length = re.fullmatch(r"([0-9.]+(?:[eE][-+]?[0-9]+)?) *(mm|cm|m)", text.strip())
+    if length is None:
+        return _interval("lean", text)
+    try:
+        half = decimal(length[1]) * {"mm": 1e-3, "cm": 1e-2, "m": 1.0}[length[2]]
+    except ValueError:
+        raise InputError(f"--lean: expected a length as in 2cm, found {text!r}") from None
+    return -half, half
 
 
 def _interval(name: str, text: str) -> Interval:

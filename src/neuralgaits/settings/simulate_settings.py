@@ -78,9 +78,11 @@ class SimulateSettings(Settings):
     command: Constant = None
     """Constant command of a gait that takes commands, as in speed=0.7 or slope=3 [degrees]; the
     middle of its ranges if not given. A mapping in Python is in SI units."""
-    adapt: Annotated[Literal["speed"] | None, arg(metavar="speed")] = None
-    """Adapt the commanded speed at each touchdown, within its range, until the robot walks as told;
-    for a gait that takes speeds as command."""
+    adapt: Annotated[
+        Literal["speed", "lean", "speed,lean"] | None, arg(metavar="speed|lean|speed,lean")
+    ] = None
+    """Adapt commands at each touchdown, within their ranges: the speed until the robot walks as
+    told, the lean to what the joint angles show of it; for a gait that takes them as commands."""
     commands: Annotated[AnyName | None, arg(metavar="FILE.csv|random"), A_PATH] = None
     """Command for each step: a file with a row a step, step,speed[m/s],..., or new random
     commands at each touchdown."""
@@ -108,3 +110,8 @@ class SimulateSettings(Settings):
     def __post_init__(self) -> None:
         super().__post_init__()
         check_walks(self.episodes, self.seed, self.push)
+
+    @property
+    def adapted_commands(self) -> tuple[str, ...]:
+        """Names of the commands that are adapted."""
+        return () if self.adapt is None else tuple(self.adapt.split(","))

@@ -33,6 +33,7 @@ from neuralgaits.settings.shared_options import (
     Flag,
     Folder,
     Init,
+    Lean,
     Names,
     Number,
     OwnRobot,
@@ -75,6 +76,10 @@ class GaitSettings(Settings):
     slope: Slope = None
     """Range of commanded slopes of the ground, as in --slope=-5:5 [degrees]; a pair of numbers in
     Python is in radians."""
+    lean: Lean = None
+    """Range of commanded leans: how far the torso's centre of mass is believed to be ahead of the
+    file's, as in 2cm, either way, or --lean=-0.02:0.02 [m]. Gaits are trained for torsos up to 3 mm
+    from the belief, or --parameters lean=SIZE; `simulate --adapt lean` then learns it."""
     feet: Feet = None
     """Train a changed copy of the robot file, as inspect --planarise writes it, on point feet or
     flat ones; it becomes the run's robot.xml, with the list of changes at its top."""

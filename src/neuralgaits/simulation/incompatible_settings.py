@@ -13,7 +13,7 @@ from neuralgaits.control import AbstractLaw
 from neuralgaits.control.law_by_name import exported_laws, law_named
 from neuralgaits.control.speed_adapter import ADAPTED
 from neuralgaits.errors import InputError
-from neuralgaits.gait.commands import Commands, place_of
+from neuralgaits.gait.commands import LEAN, Commands, place_of
 from neuralgaits.robots import PlanarBiped, RobotSource
 from neuralgaits.robots.parameter_box import checked_box
 from neuralgaits.simulation.linked.config import LinkConfig, parse_link
@@ -83,14 +83,17 @@ def refuse_shared(
         )
 
 
-def refuse_without_speed(adapt: str | None, commands: Commands) -> None:
-    """Refuse to adapt the speed of a gait that takes no speed as command. Raises: InputError."""
-    if adapt is None or place_of(commands, ADAPTED) is not None:
+def refuse_without_command(adapt: tuple[str, ...], commands: Commands) -> None:
+    """Refuse to adapt commands that a gait does not take. Raises: InputError."""
+    absent = [name for name in adapt if place_of(commands, name) is None]
+    if not absent:
         return
     taken = ", ".join(one.name for one in commands) or "no command"
+    flags = {ADAPTED: "--speed A:B", LEAN: "--lean SIZE"}
+    remedy = " ".join(flags[name] for name in absent)
     raise InputError(
-        f"--adapt {adapt}: expected a gait that takes {ADAPTED} as command, found one that takes "
-        f"{taken}: train one with --speed A:B, or leave --adapt out"
+        f"--adapt {','.join(adapt)}: expected a gait that takes {' and '.join(absent)} as command, "
+        f"found one that takes {taken}: train one with {remedy}, or leave --adapt out"
     )
 
 

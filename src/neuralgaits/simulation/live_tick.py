@@ -18,7 +18,7 @@ from neuralgaits.simulation.native.records import record_of
 from neuralgaits.simulation.native.struct_layout import pointer
 from neuralgaits.simulation.setup.plant import Plant
 from neuralgaits.simulation.setup.push import Push
-from neuralgaits.simulation.ticks.adapted_command import AdaptedCommand
+from neuralgaits.simulation.ticks.adapted_command import ADAPTABLE, AdaptedCommand
 from neuralgaits.simulation.ticks.batch import Batch, compile_batch, numbers, pack
 from neuralgaits.simulation.ticks.falls import FallConfig
 from neuralgaits.simulation.ticks.scene import PlantReading, Scene
@@ -75,7 +75,7 @@ class LiveTick(ABC):
 
     @abstractmethod
     def adapt(self, active: bool) -> None:
-        """Adapt the commanded speed from now on, or no longer; see `control.speed_adapter`."""
+        """Adapt the commands that can be, from now on, or no longer; see `AdaptedCommand`."""
 
     @abstractmethod
     def change(self, plant: Plant, torque_limit: Float[np.ndarray, " m"], slope: float) -> None:
@@ -115,7 +115,7 @@ class JaxTick(LiveTick):
         self._batch: Batch | None = None
         self._noise = np.zeros((1, 2, 1 + plant.state_map.joints.size))
         self._wanted = np.array(self._scene.first)
-        self._active = False
+        self._adapted_names: tuple[str, ...] = ()
         self.restart()
 
     def compile(self) -> None:
@@ -129,15 +129,15 @@ class JaxTick(LiveTick):
         self._carry = self._found = self.speeds = None
         controller, first = self._scene.controller, np.asarray(self._scene.first)
         commands, robot = controller.policy.commands, controller.robot
-        self._adapted = AdaptedCommand(robot, commands, first, active=self._active)
+        self._adapted = AdaptedCommand(robot, commands, first, self._adapted_names)
 
     def tell(self, wanted: Float[np.ndarray, " p"]) -> None:
         """Request other commands from the next touchdown on."""
         self._wanted = np.array(wanted, dtype=np.float64)
 
     def adapt(self, active: bool) -> None:
-        """Adapt the commanded speed from now on, or no longer."""
-        self._active = self._adapted.active = active
+        """Adapt the commanded speed, and the lean if there is one, from now on, or no longer."""
+        self._adapted_names = self._adapted.names = ADAPTABLE if active else ()
 
     def change(self, plant: Plant, torque_limit: Float[np.ndarray, " m"], slope: float) -> None:
         """Exchange the plant, torque limits and slope without a new compilation."""
@@ -163,7 +163,8 @@ class JaxTick(LiveTick):
         if verdict.touchdown[0]:
             command = self._batch.record_of(self._found).command
             latched = np.asarray(command.told[0])
-            self._adapted.touch_down(float(data.time), command.q[0], latched, self._wanted)
+            lean = float(verdict.lean[0])
+            self._adapted.touch_down(float(data.time), command.q[0], latched, self._wanted, lean)
             self.speeds = _speeds(self._adapted.ended, latched[0], self._adapted.place)
         return verdict
 
@@ -267,6 +268,7 @@ class NativeTick(LiveTick):
             stride=stride,
             feet=row["feet"],
             rise=np.zeros(1),
+            lean=np.full(1, np.nan),
         )
 
     @property

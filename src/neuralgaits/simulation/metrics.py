@@ -6,8 +6,8 @@ from neuralgaits._types import Array, Float
 from neuralgaits.control import ClfQp
 from neuralgaits.control.speed_adapter import ADAPTED
 from neuralgaits.gait import Orbit
-from neuralgaits.gait.commands import UNITS, Commands, place_of
-from neuralgaits.records.adapted_speeds import AdaptedSpeeds
+from neuralgaits.gait.commands import LEAN, UNITS, Commands, place_of
+from neuralgaits.records.adapted_speeds import AdaptedSpeeds, BelievedLean
 from neuralgaits.records.simulated import CommandError, ModelOrbit, Relaxed, WalkFigures
 from neuralgaits.simulation.setup.course import Courses
 from neuralgaits.simulation.setup.plant import SUBSTEPS, TIMESTEP_S
@@ -87,7 +87,8 @@ def command_errors(commands: Commands, strides: list[Strides]) -> dict[str, Comm
     for i, command in enumerate(commands):
         misses = [_misses(command.name, i, walked) for walked in strides]
         all_of_them = np.abs(np.concatenate([np.zeros(0), *misses]))
-        if command.name in UNITS:
+        # A lean that is told is a belief, and no step has to meet it.
+        if command.name in UNITS and command.name != LEAN:
             known = all_of_them.size > 0
             found[command.name] = CommandError(
                 float(np.mean(all_of_them)) if known else None,
@@ -135,14 +136,16 @@ def _misses(name: str, i: int, walked: Strides) -> Float[np.ndarray, " K"]:
     return steps.get(name, told) - told
 
 
-def adapted_speeds(walk: Walk, proved_level: int | None) -> AdaptedSpeeds:
-    """Return the speeds of the first walk, step by step, where the commanded speed was adapted.
+def adapted_speeds(walk: Walk, proved_level: int | None) -> AdaptedSpeeds | None:
+    """Return the speeds of the first walk, step by step; None of a gait that takes no speed.
 
     Args:
         walk: the simulated walk.
         proved_level: level of the run's proof about every sequence of commands; None without one.
     """
     walked, place = walk.episodes.strides[0], place_of(walk.commands, ADAPTED)
+    if place is None:
+        return None
     speeds = np.diff(walked.hip) / np.diff(walked.time)
     measured = (None if np.isnan(one) else float(one) for one in walked.measured[1:])
     return AdaptedSpeeds(
@@ -152,6 +155,14 @@ def adapted_speeds(walk: Walk, proved_level: int | None) -> AdaptedSpeeds:
         measured=tuple(measured),
         proved_level=proved_level,
     )
+
+
+def believed_lean(walk: Walk) -> BelievedLean | None:
+    """Return what the first walk believed of its lean; None of a gait that takes none."""
+    place = place_of(walk.commands, LEAN)
+    if place is None:
+        return None
+    return BelievedLean(tuple(walk.episodes.strides[0].told[:, place].tolist()))
 
 
 def _orbit(orbit: Orbit) -> ModelOrbit:

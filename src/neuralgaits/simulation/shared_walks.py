@@ -91,7 +91,7 @@ class SharedWalks:
             "simulator": walks.simulator,
             "command": None if self.command is None else dict(self.command),
             "random": self.commands == RANDOM,
-            "adapt": walks.adapt,
+            "adapt": list(walks.adapt),
             "parameters": None if walks.drawn is None else dict(walks.drawn.box),
         }
         for first in range(0, episodes, count):
@@ -160,5 +160,5 @@ def _opened(about: str, files: tuple[tuple[str, bytes], ...]) -> TrainedWalks:
         drawn=None if box is None else DrawnRobots(run.robot, box, told["seed"]),
         threads=1,
         simulator=told["simulator"],
-        adapt=told["adapt"],
+        adapt=tuple(told["adapt"]),
     )

@@ -48,7 +48,7 @@ class TrainedWalks:
         threads: number of threads; all cores if None.
         simulator: simulator that steps the plants.
         joints: rotors and friction that torques are for, those of the run's robot if None.
-        adapt: whether the commanded speed is adapted.
+        adapt: commands that are adapted.
     """
 
     run: Run
@@ -66,7 +66,7 @@ class TrainedWalks:
     threads: int | None = None
     simulator: Simulator = MUJOCO
     joints: JointModel | None = None
-    adapt: bool = False
+    adapt: tuple[str, ...] = ()
 
     def walk(
         self,

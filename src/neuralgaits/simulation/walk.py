@@ -111,8 +111,8 @@ class WalkInputs:
     """Courses of blocks in place of floors, one for each episode; they give the orders."""
     first: int = 0
     """Number of the first episode, on which random numbers depend."""
-    adapt: bool = False
-    """Adapt the commanded speed to the walked one, see `control.speed_adapter`."""
+    adapt: tuple[str, ...] = ()
+    """Commands that are adapted, see `control.speed_adapter` and `control.lean_belief`."""
     simulator: Simulator = MUJOCO
     """`drake` in MuJoCo's place; needs the extra of that name."""
 

@@ -13,6 +13,7 @@ from neuralgaits._quick_jit import quick_filter_jit
 from neuralgaits._types import Array, Float
 from neuralgaits.analysis.poincare_map import poincare
 from neuralgaits.gait import Residuals, ZeroDynamics
+from neuralgaits.gait.believed_robot import robot_of_step
 from neuralgaits.gait.command_polynomials import CURVE_TERMS, plain_curves
 from neuralgaits.gait.commands import Number
 from neuralgaits.gait.policies.commanded_gait import CommandedGait
@@ -59,7 +60,8 @@ def _speed(
         value = speed if i == at else 0.5 * (command.low + command.high)
         v += command.coordinates(value, value)
     step = _steady(gait, robot, np.array(v), residuals)
-    moving = ZeroDynamics(robot, step.policy, *residuals)
+    walking = robot_of_step(robot, step, np.zeros(0))
+    moving = ZeroDynamics(walking, step.policy, *residuals)
     return poincare(moving, step.z(jnp.array([0.5, 0.5]))).speed_m_s
 
 

@@ -15,8 +15,9 @@ from neuralgaits._types import Array, Bool, Float, Scalar
 from neuralgaits.barriers import Barrier, GaitSpec
 from neuralgaits.barriers.aims import middle_of
 from neuralgaits.gait import NO_RESIDUALS, Residuals, ZeroDynamics
+from neuralgaits.gait.believed_robot import robot_of_step
 from neuralgaits.gait.policies.commanded_gait import AnyGait
-from neuralgaits.robots.mjcf.parameters import Model, nominal_robot, robot_at
+from neuralgaits.robots.mjcf.parameters import Model, nominal_robot
 from neuralgaits.training.disturbance_corners import DisturbedResidual
 from neuralgaits.training.sampling import Sampler, contains
 
@@ -60,7 +61,7 @@ def lay_out(spec: GaitSpec, robot: Model, gait: AnyGait, sampler: Sampler) -> Ma
     def margins(u):
         at = spec.parted(u)
         step = gait.at(nominal_robot(robot), at.told)
-        zd = ZeroDynamics(robot_at(robot, at.errors), step.policy)
+        zd = ZeroDynamics(robot_of_step(robot, step, at.errors), step.policy)
         point = zd.point(step.z(at.plane))
         return {c.name: c.margins(step, zd, point) for c in asked}
 
@@ -123,7 +124,7 @@ def margin_matrix(
         moved = flow if push is None else DisturbedResidual(flow, push)
         at = spec.parted(sample)
         step = gait.at(nominal_robot(robot), at.told, reset)
-        zd = ZeroDynamics(robot_at(robot, at.errors), step.policy, moved, reset)
+        zd = ZeroDynamics(robot_of_step(robot, step, at.errors), step.policy, moved, reset)
         return step, zd, zd.point(step.z(at.plane))
 
     def one(sample, push):

@@ -1,4 +1,4 @@
-"""Results of `simulate --adapt`: speeds of the first walk, and what its joint angles show."""
+"""Results of `simulate --adapt`: speeds and beliefs of the first walk, and what it shows."""
 
 from typing import Any
 
@@ -8,17 +8,26 @@ from neuralgaits.analysis.run import Run
 from neuralgaits.analysis.torso_lean import leans_of
 from neuralgaits.certificate.run_certificate.verified_summary import read_certificate
 from neuralgaits.records.adapted_speeds import LearnedLean
-from neuralgaits.simulation.metrics import adapted_speeds
+from neuralgaits.simulation.metrics import adapted_speeds, believed_lean
 from neuralgaits.simulation.walk import Walk
 
 SEQUENCES = 2
 """Lowest level that is about more than one step: about walks for ever, whatever they are told."""
 
 
-def adaptation(run: Run, walk: Walk) -> dict[str, Any]:
-    """Return the fields `adapted` and `learned_lean` of a walk whose speed was adapted."""
+def adaptation(run: Run, walk: Walk, names: tuple[str, ...]) -> dict[str, Any]:
+    """Return the fields `adapted`, `believed_lean` and `learned_lean` of a walk.
+
+    Args:
+        run: the run.
+        walk: its walk.
+        names: commands that were adapted; without any there are no such fields.
+    """
+    if not names:
+        return {}
     return {
         "adapted": adapted_speeds(walk, proved_sequences(run)),
+        "believed_lean": believed_lean(walk),
         "learned_lean": _learned_lean(run, walk),
     }
 

@@ -15,7 +15,7 @@ from neuralgaits.barriers.commanded_spec import commands_of
 from neuralgaits.barriers.spec import Init
 from neuralgaits.certificate.provable import refuse_many_axes, refuse_untraceable, why_not_provable
 from neuralgaits.errors import InputError, SpecError
-from neuralgaits.gait.commands import Commands
+from neuralgaits.gait.commands import LEAN, Commands
 from neuralgaits.gait.policies.commanded_gait import AnyGait
 from neuralgaits.records.training_config import Proving, Range, TrainingConfig
 from neuralgaits.robots import PlanarBiped
@@ -130,8 +130,9 @@ def _meant_for(settings: GaitSettings) -> tuple[float | None, Commands, dict[str
         step_length=settings.step_length,
         step_height=settings.step_height,
         slope=settings.slope,
+        lean=settings.lean,
     )
-    if one is not None and told:
+    if one is not None and {command.name for command in told} - {LEAN}:
         raise InputError(
             "expected one speed, or a range of it beside other commands, found --speed "
             f"{one:g} with {', '.join(c.name for c in told)}: give --speed LOW:HIGH"

@@ -28,8 +28,8 @@ from neuralgaits.simulation.incompatible_settings import (
     link_of,
     refuse_beside_terrain,
     refuse_shared,
+    refuse_without_command,
     refuse_without_model,
-    refuse_without_speed,
 )
 from neuralgaits.simulation.linked.config import LinkConfig
 from neuralgaits.simulation.linked.connect import connected
@@ -139,7 +139,7 @@ def simulate(settings: SimulateSettings) -> Simulation:
     figures = summary(walked, periodic_orbit(run.zero_dynamics, run.gait))
     states = walked.episodes.records
     seen = None if plan.monitor is None else watched(run, plan.monitor, states)
-    adapted = {} if settings.adapt is None else adaptation(run, walked)
+    adapted = adaptation(run, walked, settings.adapted_commands)
     result = Simulated(**vars(record), **vars(figures), monitor=seen, **adapted)
     # First, so that nothing that can go wrong with a log or a video costs the walk.
     run.folder.write_json(SUMMARY, result)
@@ -162,7 +162,7 @@ def _planned(settings: SimulateSettings) -> _Plan:
     if drawn is not None:
         disturbance = drawn.on_its_floor(disturbance)
     orders = orders_of(run.trained.commands, command, commands, seed)
-    refuse_without_speed(settings.adapt, run.trained.commands)
+    refuse_without_command(settings.adapted_commands, run.trained.commands)
     if terrain is None:
         disturbance = on_slope(disturbance, orders)
     else:
@@ -226,7 +226,7 @@ def _walked(
         simulator=settings.simulator,
         drawn=plan.drawn,
         joints=None if plan.joints is None else plan.joints.model,
-        adapt=settings.adapt is not None,
+        adapt=settings.adapted_commands,
     )
     if settings.begun is not None:
         settings.begun()

@@ -11,7 +11,7 @@ from neuralgaits.certificate.chart import Chart
 from neuralgaits.certificate.provable import refuse_many_axes, why_not_robust
 from neuralgaits.certificate.run_certificate.friction_requirement import friction_needed
 from neuralgaits.errors import InputError
-from neuralgaits.gait.commands import Command
+from neuralgaits.gait.commands import LEAN, Command, command_named
 from neuralgaits.records.levels import HIGHEST_OF_MANY
 from neuralgaits.robots.mjcf.parameters import axes_of, box_of
 from neuralgaits.robots.parameter_box import checked_box
@@ -45,6 +45,7 @@ class Scope:
         cls, run: Run, level: int, within: Ranges | None, parameters: Mapping[str, float] | None
     ) -> "Scope":
         """Return the scope of `certify`'s options. Raises: InputError if no theorem covers them."""
+        _refuse_beliefs(run)
         box = _box(run, parameters)
         errors = axes_of(run.robot, box) if box else ()
         _refuse_level(run, level, box)
@@ -60,6 +61,15 @@ class Scope:
         if self.chart.of_commands(len(commands)) == Chart.of(commands):
             return None
         return "; ".join(self.chart.sequences([c.name for c in commands]) or ())
+
+
+def _refuse_beliefs(run: Run) -> None:
+    """Refuse a gait that is told a lean, which no theorem here is about. Raises: InputError."""
+    if command_named(run.spec.commands, LEAN) is not None:
+        raise InputError(
+            "expected a gait without the command lean, found one that takes it: proofs about "
+            "beliefs are not made yet; train without --lean to prove a gait"
+        )
 
 
 def _box(run: Run, parameters: Mapping[str, float] | None) -> Mapping[str, float]:

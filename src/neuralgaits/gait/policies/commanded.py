@@ -16,6 +16,7 @@ from jaxtyping import PRNGKeyArray
 
 from neuralgaits._types import Actuated, Array, Float, Scalar, ZeroState
 from neuralgaits.errors import InputError
+from neuralgaits.gait.believed_robot import believed_robot
 from neuralgaits.gait.command_polynomials import factors, plain_curves, powers, scaled
 from neuralgaits.gait.commands import Commands, Ground, Pair, Step
 from neuralgaits.gait.network import Network, movable
@@ -183,7 +184,7 @@ class CommandedPolicy(NetworkPolicy):
         """The policy of one step.
 
         Args:
-            robot: whose impact it is matched to.
+            robot: whose impact it is matched to, leaning as it is told if that is a command.
             pair: commands of the step before and of this one.
             reset_residual: corrects that impact.
             exact: leave out the clip that keeps a training off the bounds of the outputs: one
@@ -193,7 +194,8 @@ class CommandedPolicy(NetworkPolicy):
 
         def ends(command: Float[Array, " p"]) -> tuple[Guard, Start]:
             guard = self.guard(robot, command, bounded=bounded)
-            return guard, start_after(robot, guard, reset_residual)
+            believed = believed_robot(robot, self.commands, command)
+            return guard, start_after(believed, guard, reset_residual)
 
         # Both at once: what is compiled, or bounded in a proof, is half as long.
         both = jax.vmap(ends)(jnp.stack(pair))

@@ -26,6 +26,7 @@ class Words(NamedTuple):
 def words(name: str) -> Words:
     """Return a command in words; a command of a spec's own is described by its name."""
     ahead = "how high above the foot that stands the next foothold is"
+    torso = "how far ahead of the file the torso's centre of mass is believed to be"
     known = {
         "speed": Words("mean speed", "the mean speed to walk at", "m/s"),
         "slope": Words(
@@ -33,6 +34,7 @@ def words(name: str) -> Words:
         ),
         "step_length": Words("step length", "how far ahead the next foothold is", "m"),
         "step_height": Words("step height", ahead, "m"),
+        "lean": Words("lean of the torso", torso, "m"),
     }
     return known.get(name, Words(name, name, ""))
 

@@ -9,8 +9,10 @@ MOST_STEPS = 20
 
 
 def adapted(done: Simulated) -> Html:
-    """Return the speeds of a walk's steps; nothing where no command was adapted."""
+    """Return the speeds of a walk's steps; the belief alone where no speed is commanded."""
     speeds = done.adapted
+    if speeds is None and done.believed_lean is not None:
+        return html.paragraph(_learned(done).strip())
     if speeds is None or not speeds.told:
         return Html("")
     columns = zip(speeds.told, speeds.commanded, speeds.walked, speeds.measured, strict=True)
@@ -24,18 +26,25 @@ def adapted(done: Simulated) -> Html:
     return html.tag(
         "div",
         html.table(f"Speeds of the first walk in m/s{rest}", head, rows, numbers="nnnnn"),
-        html.paragraph(
-            "The command was adapted at each touchdown, within the range of the gait's commands, "
-            "to the speed that the robot measures by its joint angles and pitch. "
-            f"{_settled(done)}{_learned(done)}"
-        ),
+        html.paragraph(f"{_way(done)}{_settled(done)}{_learned(done)}"),
+    )
+
+
+def _way(done: Simulated) -> str:
+    """Say how the speed was adapted, if it was."""
+    if "speed" not in (done.adapt or "").split(","):
+        return "The commanded speed was not adapted. "
+    return (
+        "The command was adapted at each touchdown, within the range of the gait's commands, "
+        "to the speed that the robot measures by its joint angles and pitch. "
     )
 
 
 def _learned(done: Simulated) -> str:
-    """Say what the joint angles show of the torso."""
-    lean = done.learned_lean
-    return "" if lean is None else f" Learned from joint angles and pitch: {lean.in_words}."
+    """Say what the joint angles show of the torso, and what the robot believed of it."""
+    lean, belief = done.learned_lean, done.believed_lean
+    said = "" if lean is None else f" Learned from joint angles and pitch: {lean.in_words}."
+    return said + ("" if belief is None else f" The lean that it was told: {belief.in_words}.")
 
 
 def _settled(done: Simulated) -> str:

@@ -41,6 +41,7 @@ class _Types:
     joints: tuple[str, ...]
     link: tuple[int, ...]
     joint: tuple[int, ...]
+    torso: bool
 
 
 def _types(robot: PlanarBiped) -> _Types:
@@ -56,6 +57,7 @@ def _types(robot: PlanarBiped) -> _Types:
         tuple(_plain_names(joints, "joint")),
         tuple(link),
         tuple(int(i) for i in row),
+        torso,
     )
 
 
@@ -84,6 +86,8 @@ def _names(types: _Types) -> Iterator[tuple[str, str]]:
         yield "inertia", f"inertia of {link} {_RELATIVE}"
     for joint in types.joints:
         yield "rotor", f"rotor inertia of {joint} {_RELATIVE}"
+    if types.torso:
+        yield "lean", f"lean of {types.links[-1]} beyond the belief (error in m)"
 
 
 def kinds_of(robot: PlanarBiped, names: tuple[str, ...]) -> tuple[str, ...]:
@@ -208,10 +212,13 @@ Model = PlanarBiped | RobotFamily
 
 
 def model_of(robot: PlanarBiped, axes: tuple[ParameterAxis, ...]) -> Model:
-    """Return the family that has these parameters; the robot itself without any."""
-    if not axes:
-        return robot
-    return RobotFamily.of(robot, kinds_of(robot, tuple(axis.name for axis in axes)))
+    """Return the family that has these parameters; the robot itself without any.
+
+    The lean is added to the one that a gait is told, so it makes no family of its own: see
+    `gait.believed_robot`.
+    """
+    kinds = kinds_of(robot, tuple(axis.name for axis in axes)) if axes else ()
+    return RobotFamily.of(robot, kinds) if kinds and kinds != ("lean",) else robot
 
 
 def nominal_robot(model: Model) -> PlanarBiped:

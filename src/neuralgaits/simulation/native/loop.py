@@ -20,6 +20,7 @@ import numpy as np
 
 from neuralgaits._types import Float
 from neuralgaits.control import Controller
+from neuralgaits.control.speed_adapter import ADAPTED
 from neuralgaits.errors import InputError, NonFiniteError
 from neuralgaits.simulation.native.compiled_walk import Library
 from neuralgaits.simulation.native.native_scene import scene_of
@@ -129,7 +130,7 @@ class _Episode:
         first = np.array(given.orders.first, dtype=np.float64)
         library.start(byref(walk), 0, pointer(first))
         if first.size:
-            walk.adapt.active = int(given.adapt)
+            walk.adapt.active = int(ADAPTED in given.adapt)
         self._orders = _Orders(given.orders, self._number)
         self._rises = np.zeros(0)
         self._meet_ground()

@@ -22,7 +22,7 @@ class EpisodeInputs:
         first: number of the first episode, on which what is random depends.
         record: keep records and states of episode 0.
         longest: keep records of the first so many ticks of every episode.
-        adapt: whether the commanded speed is adapted, see `control.speed_adapter`.
+        adapt: commands that are adapted, see `control.speed_adapter` and `control.lean_belief`.
     """
 
     terrain: Terrain
@@ -34,4 +34,4 @@ class EpisodeInputs:
     first: int
     record: bool = False
     longest: int = 0
-    adapt: bool = False
+    adapt: tuple[str, ...] = ()

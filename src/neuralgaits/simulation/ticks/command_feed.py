@@ -26,7 +26,7 @@ class CommandFeed:
         episodes: range,
         courses: Courses | None,
         *,
-        adapt: bool,
+        adapt: tuple[str, ...],
     ):
         """Begin at the first command of each episode. `robot` is the controller's model."""
         self._courses = courses
@@ -34,9 +34,7 @@ class CommandFeed:
         first = [next(rows) for rows in self._orders]
         self._told = np.array(first, dtype=np.float64).reshape(len(episodes), -1)
         commands, first_of_all = orders.commands, orders.first
-        self._adapted = [
-            AdaptedCommand(robot, commands, first_of_all, active=adapt) for _ in episodes
-        ]
+        self._adapted = [AdaptedCommand(robot, commands, first_of_all, adapt) for _ in episodes]
         self.requested = np.array(self._told)
 
     def advance(self, verdict: Verdict, record: Callable[[], TickRecord]) -> None:
@@ -53,7 +51,8 @@ class CommandFeed:
             q, latched = np.asarray(command.q), np.asarray(command.told)
             for i in np.flatnonzero(verdict.touchdown):
                 time = float(verdict.stride[i, 0])
-                self._adapted[i].touch_down(time, q[i], latched[i], self._told[i])
+                lean = float(verdict.lean[i])
+                self._adapted[i].touch_down(time, q[i], latched[i], self._told[i], lean)
         if self._courses is not None:
             for i, told in enumerate(self._told):
                 self._courses.look(told, i, int(verdict.steps[i]), np.asarray(verdict.feet[i, 1]))

@@ -13,13 +13,15 @@ from neuralgaits.control import (
     ControllerState,
     Measurement,
     TickResult,
+    lean_sums,
     start,
     step,
     tell,
 )
 from neuralgaits.control.estimator import Estimator, EstimatorState, estimate
 from neuralgaits.control.estimator import start as nothing_known
-from neuralgaits.gait.commands import place_of
+from neuralgaits.control.lean_sums import LeanSums
+from neuralgaits.gait.commands import LEAN, place_of
 from neuralgaits.robots.dynamics import hip_position, swing_foot
 from neuralgaits.simulation.setup.drives import held_by_drives
 from neuralgaits.simulation.ticks import gauge as gauges
@@ -42,6 +44,8 @@ class Carry(NamedTuple):
     believed: Float[Array, " d"] | None = None
     """The estimator's last hip speeds, newest first: the number of ticks of delay, plus one
     [m/s]."""
+    lean: LeanSums | None = None
+    """Sums from which the lean of the torso is learned; None of a gait that is told none."""
 
 
 class Verdict(NamedTuple):
@@ -67,6 +71,8 @@ class Verdict(NamedTuple):
     """Stance foot and swing foot in the world, (x, z) of their spheres [m]."""
     rise: Scalar
     """Commanded height of the next foothold [m]; 0 without a command."""
+    lean: Scalar
+    """Lean of the torso that the step that has just ended shows [m]; NaN where none is learned."""
 
 
 class TickRecord(NamedTuple):
@@ -83,6 +89,8 @@ class TickRecord(NamedTuple):
 def begin(scene: Scene, leg: Int[Array, ""]) -> Carry:
     """Return the carry of an episode that starts on `leg`."""
     first = Carry(start(scene.controller, leg, scene.first), Gauge.start(), jnp.zeros(()))
+    if place_of(scene.controller.policy.commands, LEAN) is not None:
+        first = first._replace(lean=lean_sums.start(scene.controller.robot))
     if scene.estimator is None:
         return first
     known = nothing_known(scene.controller.robot)
@@ -116,7 +124,8 @@ def estimated(
     assert carry.known is not None and carry.believed is not None
     standing, period = carry.controller.stance, controller.period_s
     ankle = carry.controller.ankle
-    known = estimate(estimator, controller.robot, carry.known, seen, standing, period, ankle)
+    robot = controller.believed(carry.controller.told)
+    known = estimate(estimator, robot, carry.known, seen, standing, period, ankle)
     speed = known.estimate.hip_velocity[:1]
     believed = jnp.concatenate([speed, carry.believed[:-1]])
     return carry._replace(known=known, believed=believed), known.estimate
@@ -160,8 +169,9 @@ def account(
     numbers = jnp.stack([truth.time, hip[0], -ahead, -up, place.feet[0, 0]])
     stride = jnp.concatenate([numbers, command.told[0]])
     z_plant = true_z(scene.plant_robot, truth, command.leg)
+    sums, lean = _learned(scene, carry, command, seen)
     return (
-        carry._replace(controller=state, gauge=gauge, age=age),
+        carry._replace(controller=state, gauge=gauge, age=age, lean=sums),
         Verdict(
             controls=_controls(scene, command, seen),
             ending=_ending(scene, reading, command, place, truth.pitch, age, gauge.steps),
@@ -173,9 +183,20 @@ def account(
             stride=jnp.where(command.touchdown, stride, 0.0),
             feet=place.feet,
             rise=place.rise,
+            lean=lean,
         ),
         TickRecord(truth.time, command, truth.pitch, truth.dpitch, z_plant),
     )
+
+
+def _learned(
+    scene: Scene, carry: Carry, command: TickResult, seen: Measurement
+) -> tuple[LeanSums | None, Scalar]:
+    """Return the next sums, and the lean that a step which has just ended shows (m)."""
+    if carry.lean is None:
+        return None, jnp.full((), jnp.nan)
+    ticks = command.q, seen.time, command.since_touchdown, command.touchdown
+    return lean_sums.advance(scene.controller.robot, carry.lean, *ticks)
 
 
 def _controls(scene: Scene, command: TickResult, seen: Measurement) -> Float[Array, " u"]:

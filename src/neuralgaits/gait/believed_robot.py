@@ -1,0 +1,37 @@
+"""The robot that a gait believes in: that of the file, leaning as it was told at the touchdown."""
+
+from neuralgaits._types import Array, Float
+from neuralgaits.gait.commands import LEAN, Commands, Step, place_of
+from neuralgaits.gait.gaits import Gait
+from neuralgaits.robots import PlanarBiped
+from neuralgaits.robots.mjcf.leaning import leaning_robot
+from neuralgaits.robots.mjcf.parameters import Model, nominal_robot, robot_at
+
+
+def believed_robot(
+    robot: PlanarBiped, commands: Commands, command: Float[Array, " p"]
+) -> PlanarBiped:
+    """Return the robot that a gait with these commands believes in.
+
+    Args:
+        robot: of the file.
+        commands: of the gait.
+        command: their values.
+    """
+    at = place_of(commands, LEAN)
+    return robot if at is None else leaning_robot(robot, command[at])
+
+
+def robot_of_step(model: Model, step: Gait, errors: Float[Array, " k"]) -> PlanarBiped:
+    """Return the robot that a step is walked by.
+
+    Args:
+        model: a robot, or those of a box around it.
+        step: of a gait; one that is told a lean latched it at the beginning of the step.
+        errors: of the robot's parameters; with such a step, of the lean alone (m).
+    """
+    told = getattr(step.policy, "told", None)
+    if not isinstance(told, Step) or LEAN not in told.names:
+        return robot_at(model, errors)
+    lean = told.pair.after[told.names.index(LEAN)]
+    return leaning_robot(nominal_robot(model), lean + errors[0] if errors.shape[0] else lean)

@@ -1,0 +1,63 @@
+"""What is learned of a lean, and what is made of it: sums as a robot keeps them, and the belief."""
+
+import math
+
+import jax
+import numpy as np
+import pytest
+
+from neuralgaits.analysis.torso_lean import leans_of
+from neuralgaits.control import lean_sums
+from neuralgaits.control.lean_belief import LeanBelief, belief_for, next_belief
+from neuralgaits.gait.commands import Command
+
+LEAN = Command("lean", -0.02, 0.03, 0.0048)
+BELIEF = LeanBelief(-0.02, 0.03)
+
+
+def test_sums_give_the_lean_of_each_whole_step(amber):
+    """Any motion, ticks that are not alike: as the analysis of the whole record has it."""
+    ticks, period = 260, 1e-3
+    rng = np.random.default_rng(2)
+    time = np.cumsum(period * rng.uniform(0.5, 1.5, ticks))
+    touchdown = np.isin(np.arange(ticks), (30, 110, 215))
+    rates = rng.normal(size=(2, amber.n, 1))
+    q = np.moveaxis(rates[0] * np.sin(9.0 * rates[1] * time), 0, 1)
+    since = np.full(ticks, math.inf)
+    for first in np.flatnonzero(touchdown):
+        since[first:] = time[first:] - time[first]
+
+    @jax.jit
+    def tick(sums, row):
+        return lean_sums.advance(amber, sums, *row)
+
+    sums, found = lean_sums.start(amber), []
+    for row in zip(q, time, since, touchdown, strict=True):
+        sums, lean = tick(sums, row)
+        found.append(float(lean))
+    expected = leans_of(amber, time, q, touchdown)
+    assert expected is not None and len(expected) == 2
+    np.testing.assert_allclose([found[110], found[215]], expected, rtol=1e-6)
+    # Not of the step that did not begin with a touchdown, nor in mid-step.
+    assert np.isnan(np.delete(found, (110, 215))).all()
+
+
+def test_a_belief_goes_to_what_is_shown_and_stays_where_nothing_is():
+    belief, seen = 0.0, []
+    for _ in range(12):
+        belief = next_belief(BELIEF, belief, 0.012)
+        seen.append(belief)
+    assert np.all(np.diff(seen) > 0.0) and seen[0] == pytest.approx(0.0036)
+    assert seen[-1] == pytest.approx(0.012, abs=2e-4)
+    for nothing in (math.nan, math.inf, -math.inf):
+        assert next_belief(BELIEF, belief, nothing) == belief
+
+
+@pytest.mark.parametrize(("shown", "end"), [(0.3, 0.03), (-9.0, -0.02)])
+def test_a_belief_stays_in_the_range_of_its_command(shown, end):
+    assert next_belief(BELIEF, 0.01, shown) == end
+
+
+def test_limits_are_those_of_the_command():
+    assert belief_for((LEAN,)) == BELIEF
+    assert belief_for((Command("speed", 0.5, 0.9, 0.04),)) is None

@@ -1,0 +1,162 @@
+"""Walks of gaits that are told a lean: it is learned, used, kept in its range, or refused."""
+
+import math
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+import pytest
+
+from neuralgaits.cli.main import main
+from neuralgaits.control import Pd
+from neuralgaits.errors import InputError
+from neuralgaits.gait.commands import Command
+from neuralgaits.simulation.live import LiveWalk
+from neuralgaits.simulation.native_walk import engine_of_trained
+from neuralgaits.simulation.setup.starts import full_states, momentum_range
+from neuralgaits.simulation.ticks.adapted_command import AdaptedCommand
+from neuralgaits.workflows.export import export_controller
+from neuralgaits.workflows.simulate import simulate
+from support.commanded_run import LEANS, make
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory):
+    """A family around the shipped gait that is told a lean up to 12 mm either way."""
+    return make(tmp_path_factory.mktemp("leaning") / "run", LEANS)
+
+
+def walked(run, shift, *, adapt: Any = None, lean=0.0, disturb=None, steps=10) -> Any:
+    changes = {"torso_shift_m": shift} | (disturb or {})
+    command = {"lean": lean}
+    return simulate(run, command=command, adapt=adapt, disturb=changes, steps=steps).summary
+
+
+@pytest.mark.slow
+def test_the_lean_is_learned_and_settles(run):
+    found = walked(run, 0.01, adapt="lean", steps=14)
+    leans = np.array(found.believed_lean.believed_m)
+    # What the first whole step shows is latched at the touchdown after it.
+    np.testing.assert_array_equal(leans[:3], 0.0)
+    assert np.all(np.diff(leans[2:]) > 0.0)
+    assert np.max(np.diff(leans)) <= LEANS.largest_change + 1e-12
+    assert leans[-1] == pytest.approx(0.01, abs=7e-4)
+    assert leans[3] == pytest.approx(0.3 * found.learned_lean.mean_m, rel=5e-3)
+    assert "mm ahead of the file's after 14 steps" in found.believed_lean.in_words
+    assert found.adapted is None and found["adapt"] == "lean"
+    assert "lean" not in found.command_error
+
+
+@pytest.mark.slow
+def test_a_belief_stays_in_its_range_and_goes_both_ways(run):
+    leans = np.array(walked(run, -0.03, adapt="lean", steps=9).believed_lean.believed_m)
+    assert leans[-1] == LEANS.low
+    np.testing.assert_allclose(np.diff(leans[2:5]), -LEANS.largest_change, rtol=1e-9)
+
+
+@pytest.mark.slow
+def test_torques_are_those_of_the_robot_that_is_believed(run):
+    """With the right belief joints follow as well as those of the robot of the file do."""
+    plain, wrong, right = (
+        walked(run, shift, lean=lean, steps=6).max_output_error_rad
+        for shift, lean in ((0.0, 0.0), (0.012, 0.0), (0.012, 0.012))
+    )
+    assert right < 0.5 * wrong and right < 1.5 * plain
+
+
+@pytest.mark.slow
+def test_an_observer_is_told_the_belief(run):
+    """Of encoders alone it knows the hip's speed with the right model only."""
+    encoders = {"estimator": 1, "encoder_step": 0.0004}
+    wrong, right = (
+        walked(run, 0.012, lean=lean, steps=6, disturb=encoders).hip_speed_error_m_s
+        for lean in (0.0, 0.012)
+    )
+    assert right < 0.7 * wrong
+
+
+@pytest.mark.slow
+def test_live_walks_learn_it_until_they_are_told_not_to(run):
+    start = full_states(run.zero_dynamics, run.gait, "centre", seed=0, episodes=1)[0]
+    live = LiveWalk(
+        run.robot, run.trained.policy, Pd(), start, z2_range=momentum_range(run.trained)
+    )
+    live.disturb(mass_scale=1.1)
+    live.control.adapt(True)
+    latched = []
+    while len(latched) < 6:
+        assert live.tick() and live.verdict is not None and live.measured is not None
+        if live.verdict.touchdown[0]:
+            latched.append(float(live.measured.told[1, 0]))
+            if len(latched) == 4:
+                live.control.adapt(False)
+    assert latched[1] == 0.0 and latched[3] > 0.0 and latched[3] != latched[2]
+    # What a visitor tells counts again.
+    assert latched[5] == 0.0
+
+
+@pytest.mark.parametrize(("names", "waits"), [(("speed", "lean"), True), (("speed",), False)])
+def test_a_speed_waits_for_a_belief_that_is_on_its_way(run, names, waits):
+    """The errors of such steps say little about the next ones."""
+    speed = Command("speed", 0.5, 0.9, 0.05)
+    adapted = AdaptedCommand(run.robot, (speed, LEANS), np.array([0.7, 0.0]), names)
+    told, q = np.array([0.7, 0.0]), np.full(run.robot.n, 0.1)
+    beliefs = 0.0, 0.004, 0.008, 0.0085
+    wanted = []
+    for k, (before, after) in enumerate(pairwise(beliefs)):
+        latched = np.array([[0.7, before], [0.7, after]])
+        # The hip stays over the foot: the robot is far too slow.
+        adapted.touch_down(0.5 * k, q, latched, told, 0.01)
+        wanted.append(adapted.request(told)[0])
+    assert wanted[0] == 0.7 and (wanted[1] == 0.7) == waits and wanted[2] > 0.7
+
+
+def test_what_is_not_adapted_is_as_it_is_told(run):
+    adapted = AdaptedCommand(run.robot, (LEANS,), np.array([0.002]), ())
+    latched = np.full((2, 1), 0.002)
+    adapted.touch_down(0.0, np.zeros(run.robot.n), latched, np.array([0.002]), 0.01)
+    np.testing.assert_array_equal(adapted.request(np.array([0.003])), [0.003])
+    adapted.names = ("lean",)
+    # From the belief of the step under way towards what was shown.
+    assert adapted.request(np.array([0.003]))[0] == pytest.approx(0.002 + 0.3 * 0.008)
+
+
+def test_a_compiled_walk_is_refused_and_jax_walks(run):
+    assert "not told" not in str(engine_of_trained(run, "jax").note)
+    found = engine_of_trained(run)
+    assert found.library is None and "told a lean, which compiled walks are not" in str(found.note)
+    with pytest.raises(InputError, match="--engine native: expected a compiled walk, but its gait"):
+        engine_of_trained(run, "native")
+
+
+@pytest.mark.parametrize("format", ["c", "onnx", "fmu"])
+def test_an_export_is_refused(run, tmp_path, format):
+    with pytest.raises(InputError, match="expected a gait without the command lean"):
+        export_controller(run, tmp_path / "out", format=format)
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_proof_is_refused(run, capfd):
+    assert main(["certify", str(run.path)]) == 2
+    assert "expected a gait without the command lean" in capfd.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("words", "found"),
+    [
+        ("--command lean=0.02", "expected lean between -0.012 and 0.012 m, found 0.02"),
+        ("--command lean=nan", "expected --command as NAME=VALUE"),
+        ("--adapt speed", "--adapt speed: expected a gait that takes speed as command"),
+        ("--adapt speed,lean", "a gait that takes speed as command, found one that takes lean"),
+    ],
+)
+def test_what_the_gait_does_not_take_is_one_line(run, capfd, words, found):
+    assert main(["simulate", str(run.path), "--steps", "2", *words.split()]) == 2
+    [line] = capfd.readouterr().err.splitlines()
+    assert found in line
+
+
+@pytest.mark.parametrize("lean", [math.nan, math.inf, -0.0121])
+def test_python_refuses_it_as_well(run, lean):
+    with pytest.raises(InputError, match="lean"):
+        simulate(run, command={"lean": lean}, steps=2)
