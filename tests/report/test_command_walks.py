@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from neuralgaits.analysis.command_walks import alternating, drawn, walks_under
 from neuralgaits.analysis.poincare_map import poincare
 from neuralgaits.analysis.run import open_run
+from neuralgaits.analysis.walks_by_command import alternating, drawn, walks_under
 from neuralgaits.errors import InputError
 from neuralgaits.gait.commands import Command
 from neuralgaits.report.figures import command_walks as drawing

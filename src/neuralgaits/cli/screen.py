@@ -154,13 +154,18 @@ def show_walks(result: Simulated) -> None:
         _link(result.link)
     if result.monitor is not None:
         show_monitor(result.monitor)
+    _adapted(result)
+    _settings_of_walks(result)
+
+
+def _adapted(result: Simulated) -> None:
+    """Show what was adapted and learned from step to step."""
     if result.adapted is not None:
         show_sentence(f"adapted {result.adapted.in_words}")
     if result.believed_lean is not None:
         show_sentence(f"adapted lean: {result.believed_lean.in_words}")
     if result.learned_lean is not None:
         show_sentence(f"learned {result.learned_lean.in_words}")
-    _settings_of_walks(result)
 
 
 def _settings_of_walks(result: Simulated) -> None:

@@ -8,13 +8,13 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from neuralgaits.analysis.box_map import BoxMap
-from neuralgaits.analysis.command_walks import alternating, drawn, walks_under
 from neuralgaits.analysis.data import GaitData, MeasuredWalk
 from neuralgaits.analysis.family_data import family_data
 from neuralgaits.analysis.gait_data import gait_data
 from neuralgaits.analysis.residual_data import residual_data
 from neuralgaits.analysis.run import Run
 from neuralgaits.analysis.walk_log import measured_walk
+from neuralgaits.analysis.walks_by_command import alternating, drawn, walks_under
 from neuralgaits.errors import RunError
 from neuralgaits.records.episode_records import ASKED, SUMMARY, EpisodesDone
 from neuralgaits.records.levels import ORBIT_LEVEL

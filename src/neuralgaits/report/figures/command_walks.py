@@ -4,7 +4,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from neuralgaits.analysis.command_walks import CommandWalks
+from neuralgaits.analysis.walks_by_command import CommandWalks
 from neuralgaits.report.drawing import command_words
 from neuralgaits.report.drawing.style import (
     BLACK,
