@@ -104,6 +104,8 @@ CHECK = {
     "unclaimed": ["a-condition"] * 20,
     "assumptions": ["the model is the rigid-body zero dynamics, " * 4],
     "boxes": 4402,
+    "boxes_in_balls": 0,
+    "arithmetic": "doubles",
     "wall_s": 13.0,
 }  # fmt: skip
 TRAINED = {
