@@ -7,6 +7,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
+from neuralgaits.certificate.proof_file import double_bounds
 from neuralgaits.certificate.proof_file.check import TRUSTED, check
 from neuralgaits.certificate.proof_file.double_bounds import (
     BoxAnswers,
@@ -64,6 +65,16 @@ def test_what_doubles_cannot_decide_goes_to_balls(tmp_path, proof, monkeypatch):
     report = check(_claims(tmp_path, proof))
     assert report.verdict == "consistent"
     assert report.boxes_in_balls == report.boxes > 0
+
+
+def test_a_program_too_large_for_doubles_is_bounded_in_balls(tmp_path, proof, monkeypatch):
+    claims = _claims(tmp_path, proof)
+    monkeypatch.setattr(double_bounds, "MOST_COEFFICIENTS", 11)
+    report = check(claims)
+    assert report.verdict == "consistent"
+    assert report.boxes_in_balls == report.boxes
+    monkeypatch.setattr(double_bounds, "MOST_COEFFICIENTS", 12)
+    assert check(claims).boxes_in_balls == 0
 
 
 def test_boxes_are_halved_in_doubles_before_balls_are_asked(tmp_path, mutated):

@@ -13,14 +13,15 @@ from neuralgaits.certificate.proof_file.reader import Statement
 from neuralgaits.programs.algebras.ball import BallAlgebra
 from neuralgaits.programs.algebras.ball_model import BallModel
 from neuralgaits.programs.algebras.double_algebra import DoubleAlgebra
-from neuralgaits.programs.evaluation import evaluate, fold
+from neuralgaits.programs.evaluation import NO_SYMBOLS, evaluate, fold
 from neuralgaits.programs.program import Program
 from neuralgaits.programs.remainder_symbols import Symbols
 
 MOST_BOXES = 256
 """Most boxes bounded at a time: 0.26 ms a box in four axes, 0.4 ms with 64."""
 MOST_COEFFICIENTS = 2**26
-"""Most coefficients of all results at a time, unless one box has more."""
+"""Most coefficients of all results at a time: half a gigabyte. Where the largest result has more on
+a single box, doubles are not used: balls leave out what is zero."""
 
 
 class BoxAnswers(NamedTuple):
@@ -34,6 +35,20 @@ class BoxAnswers(NamedTuple):
 
     reached: np.ndarray
     hopeless: np.ndarray
+
+
+def coefficients(program: Program, symbols: Symbols = NO_SYMBOLS) -> list[int]:
+    """Return how many coefficients each result that varies has on a box, at most."""
+    layout = DoubleAlgebra.of(program, symbols).layout
+    ball = sum(program.sizes[1 : len(program.inputs)])
+    one = layout.quadratic + layout.named + ball
+    sizes = zip(program.sizes, program.varies, strict=True)
+    return [one * size for size, varies in sizes if varies]
+
+
+def fits(program: Program) -> bool:
+    """Return whether a box of a Program fits in memory in doubles."""
+    return max(coefficients(program)) <= MOST_COEFFICIENTS
 
 
 class DoubleBounds:
@@ -59,8 +74,7 @@ class DoubleBounds:
         with np.errstate(all="ignore"):
             self._folded = fold(program, self._algebra)
         self._least = {name: least_margin(statement, name) for name in statement.conditions}
-        layout = self._algebra.layout
-        one = (layout.quadratic + layout.named) * sum(program.sizes)
+        one = sum(coefficients(program, symbols))
         self.batch = min(max(MOST_COEFFICIENTS // one, 1), MOST_BOXES)
 
     def ask(self, low: np.ndarray, high: np.ndarray) -> BoxAnswers:

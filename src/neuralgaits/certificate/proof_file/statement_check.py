@@ -18,7 +18,7 @@ import numpy as np
 from flint import arb
 
 from neuralgaits.certificate.chart import asked_for
-from neuralgaits.certificate.proof_file.double_bounds import MOST_BOXES, DoubleBounds
+from neuralgaits.certificate.proof_file.double_bounds import MOST_BOXES, DoubleBounds, fits
 from neuralgaits.certificate.proof_file.reader import Corners, Statement, halves
 from neuralgaits.programs.algebras.ball import BallAlgebra
 from neuralgaits.programs.algebras.double_algebra import double_remainders
@@ -60,7 +60,7 @@ class StatementCheck:
         self.algebra = BallAlgebra(statement.degree)
         self.folded = fold(program, self.algebra)
         self.doubles = None
-        if arithmetic == "doubles":
+        if arithmetic == "doubles" and fits(program):
             self.doubles = DoubleBounds(program, statement, symbols, self.folded)
         self.least = {
             name: arb(statement.bounds[name]) * arb(statement.scales[name])
@@ -89,7 +89,7 @@ class StatementCheck:
             arithmetic: "balls" for boxes that are all bounded in balls.
         """
         part = prune(program, statement.conditions)
-        if leaves < MANY:
+        if leaves < MANY or not fits(part):
             return cls(part, statement, NO_SYMBOLS, arithmetic)
         chosen = values_with_symbols(part, statement.low, statement.high, double_remainders)
         return cls(part, statement, numbered(part, chosen), arithmetic)

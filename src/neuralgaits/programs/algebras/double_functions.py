@@ -59,36 +59,40 @@ def sums(z: Values, last: int, first: int, step: int, sign: float) -> Values:
 def exponential(x: Values) -> Values:
     """Return exp(x) with a relative error of at most ERROR; NaN for |x| > MOST_EXPONENT.
 
-    x = k ln 2 + r. |k| < 2^11, so k LN2[0] is exact. k LN2[1], the two differences, and what LN2
-    lacks, move r by less than 3 UNIT. |r| <= 0.7 even where k was rounded to the wrong side. The
-    sum to r^17 / 17! lacks 0.7^18 / 18! e^0.7 < 2^-60. By `sums` with 18 terms, magnitudes adding
-    up to e^0.7 < 2.02, it is off by 38 UNIT x 2.02 < 77 UNIT, which is less than 155 UNIT of
-    e^r >= 0.496. Powers of two are exact: 2^k e^r is a normal number.
+    x = k ln 2 + r with a whole k, |k| < 2^10, so k LN2[0] is exact. k LN2[1], the two differences,
+    and what LN2 lacks, move r by less than 3 UNIT. |r| <= 0.7, though k may have been rounded to
+    the wrong side. The sum to r^17 / 17! lacks 0.7^18 / 18! e^0.7 < 2^-60. By `sums` with 18 terms,
+    magnitudes adding up to e^0.7 < 2.02, it is off by 38 UNIT x 2.02 < 77 UNIT, which is less than
+    155 UNIT of e^r >= 0.496. The product with 2^k, made from its bits, is a normal number: exact.
     """
     inside = np.abs(x) <= MOST_EXPONENT
     x = np.where(inside, x, 0.0)
-    k = np.rint(x * (1.0 / LN2[0]))
+    whole = np.rint(x * (1.0 / LN2[0])).astype(np.int64)
+    k = whole.astype(np.float64)
     r = (x - k * LN2[0]) - k * LN2[1]
-    value = np.ldexp(sums(r, last=17, first=0, step=1, sign=1.0), k.astype(np.int64))
-    return np.where(inside, value, np.nan)
+    power = ((whole + 1023) << 52).view(np.float64)
+    value = sums(r, last=17, first=0, step=1, sign=1.0) * power
+    return np.where(inside & (np.abs(r) <= 0.699), value, np.nan)
 
 
 def sine_cosine(x: Values) -> tuple[Values, Values]:
     """Return sin x and cos x with errors of at most ERROR; NaN for |x| > MOST_ANGLE.
 
-    x = k pi/2 + r. |k| < 2^20, so k HALF_PI[0] and k HALF_PI[1] are exact. The three differences,
-    the third product, and what HALF_PI lacks, move r by less than 6 UNIT, as |r| <= 1.6 and
-    k HALF_PI[1] < 2^-13. The sums to r^21 / 21! and r^22 / 22! lack less than 2^-58. By `sums`
-    with twelve terms at most, r^2 rounded once more in each power, they are off by
-    (26 + 12) UNIT cosh(1.6) < 98 UNIT.
+    x = k pi/2 + r with a whole k, |k| < 2^20, so k HALF_PI[0] and k HALF_PI[1] are exact. What the
+    three differences and the third product round, and what HALF_PI lacks, move r by less than
+    6 UNIT, as |r| <= 1.6 and k HALF_PI[1] < 2^-13. The sums to r^21 / 21! and r^22 / 22! lack less
+    than 2^-58. By `sums` with twelve terms at most, r^2 rounded once more in each power, they are
+    off by (26 + 12) UNIT cosh(1.6) < 98 UNIT.
     """
     inside = np.abs(x) <= MOST_ANGLE
     x = np.where(inside, x, 0.0)
-    k = np.rint(x * (1.0 / HALF_PI[0]))
+    whole = np.rint(x * (1.0 / HALF_PI[0])).astype(np.int64)
+    k = whole.astype(np.float64)
     r = ((x - k * HALF_PI[0]) - k * HALF_PI[1]) - k * HALF_PI[2]
     sine = r * sums(r * r, last=21, first=1, step=2, sign=-1.0)
     cosine = sums(r * r, last=22, first=0, step=2, sign=-1.0)
-    quarter = k.astype(np.int64) & 3
+    inside &= np.abs(r) <= 1.599
+    quarter = whole & 3
     turned = quarter & 1 == 1
     first, second = np.where(turned, cosine, sine), np.where(turned, sine, cosine)
     first = np.where(quarter >= 2, -first, first)
