@@ -15,7 +15,7 @@ from neuralgaits.certificate.levels.full_order.sample_evaluators import (
 from neuralgaits.certificate.levels.full_order.theorem import FullOrderConstants, weighting
 from neuralgaits.errors import InputError
 from neuralgaits.workflows.certify import certify
-from support.full_order_check import check_by_force, model_of
+from support.full_order_check import check_by_force, model_of, walker
 
 pytestmark = pytest.mark.slow
 W = 20.0
@@ -50,11 +50,12 @@ def test_it_is_larger_than_the_usual_one_at_both_ends_of_a_step(trained, shape):
 
 
 def test_no_walk_of_the_model_leaves_it(trained, shape):
-    found = check_by_force(trained, shape, walks=300, steps=2)
+    walking = walker(trained, shape.bandwidth, 2, shape.weights)
+    found = check_by_force(trained, shape, walks=300, steps=2, walking=walking)
     assert found.left == 0, found.least
     # Walks that begin on the rim of a set a little larger than the theorem's are not all inside.
     larger = replace(shape, radius=1.5 * shape.radius, shrink=1.6 * shape.shrink)
-    assert check_by_force(trained, larger, walks=300, steps=2).left > 0
+    assert check_by_force(trained, larger, walks=300, steps=2, walking=walking).left > 0
 
 
 def test_without_a_norm_of_its_own_impacts_would_not_fit_in(seen):

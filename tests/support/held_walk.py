@@ -5,6 +5,7 @@ nor zero dynamics have a formula of their own here. Each touchdown is a tick. Sa
 would show a wrong formula that proof and theorem of level 5 share.
 """
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import jax
@@ -43,22 +44,43 @@ class HeldWalks(NamedTuple):
     touchdowns: int
 
 
-def walk_held(
-    run: Run, shape: FullOrderConstants, hold: float, *, walks: int, ticks: int, seed: int = 0
-) -> HeldWalks:
-    """Walk from states of the set. Args: ticks of at most `hold` seconds each."""
+Ticked = Callable[[States, float], tuple[States, "_Seen"]]
+"""One hold of walks, of so many seconds."""
+
+
+def ticker(run: Run, shape: FullOrderConstants) -> Ticked:
+    """One hold of walks from a set, compiled for holds of any length."""
     model, edges = model_of(run, shape.bandwidth, shape.weights), Edges.of(shape)
-    z, eta = states_of(model, shape, walks, seed)
-    starts = quick_jit(jax.vmap(run.zero_dynamics.phi_inv))(z, eta)
+    return quick_jit(lambda x, hold: _ticked(run, model, edges, x, hold))
 
-    @quick_jit
-    def ticked(x):
-        return _ticked(run, model, edges, x, hold)
 
-    x, inside = starts, np.ones(walks, dtype=bool)
+def walk_held(
+    run: Run,
+    shape: FullOrderConstants,
+    hold: float,
+    ticked: Ticked,
+    *,
+    walks: int,
+    ticks: int,
+    seed: int = 0,
+) -> HeldWalks:
+    """Walk from states of the set.
+
+    Args:
+        run: of the theorem.
+        shape: of the set.
+        hold: length of a tick without a touchdown [s].
+        ticked: `ticker` of this run and set.
+        walks: how many.
+        ticks: of each walk.
+        seed: of the starts.
+    """
+    z, eta = states_of(model_of(run, shape.bandwidth, shape.weights), shape, walks, seed)
+    x = quick_jit(jax.vmap(run.zero_dynamics.phi_inv))(z, eta)
+    inside = np.ones(walks, dtype=bool)
     error, slack, touchdowns = 0.0, np.inf, np.zeros(walks, dtype=int)
     for _ in range(ticks):
-        x, seen = ticked(x)
+        x, seen = ticked(x, hold)
         inside &= np.asarray(seen.inside) >= -1e-9
         error, slack = max(error, float(seen.error.max())), min(slack, float(seen.slack.min()))
         touchdowns += np.asarray(seen.landed)
@@ -73,7 +95,7 @@ class _Seen(NamedTuple):
 
 
 def _ticked(
-    run: Run, model: FullOrderModel, edges: Edges, x: States, hold: float
+    run: Run, model: FullOrderModel, edges: Edges, x: States, hold: Scalar
 ) -> tuple[States, _Seen]:
     """One hold of each walk, or as much of it as there is before a touchdown, and what is then."""
     zd, n = run.zero_dynamics, run.robot.n
@@ -93,7 +115,7 @@ def _ticked(
     return seen(end, torque, landed)
 
 
-def _moved(run: Run, x: State, torque: Torque, time: Scalar | float) -> State:
+def _moved(run: Run, x: State, torque: Torque, time: Scalar) -> State:
     """The state after a time under held torques."""
     robot, n = run.robot, run.robot.n
 
@@ -111,7 +133,7 @@ def _moved(run: Run, x: State, torque: Torque, time: Scalar | float) -> State:
     return jax.lax.scan(step, x, None, length=STEPS_OF_TICK)[0]
 
 
-def _touchdown(run: Run, x: State, torque: Torque, hold: float) -> State:
+def _touchdown(run: Run, x: State, torque: Torque, hold: Scalar) -> State:
     """The state in which the swing foot is on the ground, for a walk that lands within a hold."""
 
     def foot(time):
@@ -123,7 +145,7 @@ def _touchdown(run: Run, x: State, torque: Torque, hold: float) -> State:
         apart = jnp.where(second == first, 1.0, second - first)
         return (late, late - second * jnp.where(second == first, 0.0, (late - early) / apart)), None
 
-    (_, time), _ = jax.lax.scan(secant, (0.0 * hold, jnp.asarray(hold)), None, length=SECANTS)
+    (_, time), _ = jax.lax.scan(secant, (0.0 * hold, hold), None, length=SECANTS)
     return _moved(run, x, torque, time)
 
 

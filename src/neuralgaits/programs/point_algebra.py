@@ -62,17 +62,16 @@ class PointAlgebra(Algebra[np.ndarray]):
 
     def move(self, operands: Sequence[np.ndarray], index: np.ndarray) -> np.ndarray:
         """Gather rows of the concatenated operands."""
+        # A method `take` of few rows takes a quarter of the time of an index in brackets.
         if len(operands) == 1:
-            return operands[0][index]
+            return operands[0].take(index, axis=0)
         batch = max(operand.shape[1] for operand in operands)
         rows = [
-            # Most have the batch's size already, and the call takes longer than small gathers.
-            operand
-            if operand.shape[1] == batch
-            else np.broadcast_to(operand, (operand.shape[0], batch))
+            # Most have the batch's size already. Copies of few numbers are made sooner than views.
+            operand if operand.shape[1] == batch else operand.repeat(batch, axis=1)
             for operand in operands
         ]
-        return np.concatenate(rows)[index]
+        return np.concatenate(rows).take(index, axis=0)
 
     def affine(
         self,
