@@ -19,6 +19,9 @@ from neuralgaits.workflows.export import export_controller
 from neuralgaits.workflows.simulate import simulate
 from support.commanded_run import LEANS, make
 
+CHANGE = 0.0048
+"""Largest change of the lean from step to step [m]."""
+
 
 @pytest.fixture(scope="module")
 def run(tmp_path_factory):
@@ -39,7 +42,7 @@ def test_the_lean_is_learned_and_settles(run):
     # What the first whole step shows is latched at the touchdown after it.
     np.testing.assert_array_equal(leans[:3], 0.0)
     assert np.all(np.diff(leans[2:]) > 0.0)
-    assert np.max(np.diff(leans)) <= LEANS.largest_change + 1e-12
+    assert np.max(np.diff(leans)) <= CHANGE + 1e-12
     assert leans[-1] == pytest.approx(0.01, abs=7e-4)
     assert leans[3] == pytest.approx(0.3 * found.learned_lean.mean_m, rel=5e-3)
     assert "mm ahead of the file's after 14 steps" in found.believed_lean.in_words
@@ -51,7 +54,7 @@ def test_the_lean_is_learned_and_settles(run):
 def test_a_belief_stays_in_its_range_and_goes_both_ways(run):
     leans = np.array(walked(run, -0.03, adapt="lean", steps=9).believed_lean.believed_m)
     assert leans[-1] == LEANS.low
-    np.testing.assert_allclose(np.diff(leans[2:5]), -LEANS.largest_change, rtol=1e-9)
+    np.testing.assert_allclose(np.diff(leans[2:5]), -CHANGE, rtol=1e-9)
 
 
 @pytest.mark.slow
