@@ -139,17 +139,13 @@ def test_an_export_is_refused(run, tmp_path, format):
     assert not (tmp_path / "out").exists()
 
 
-def test_a_proof_is_refused(run, capfd):
-    assert main(["certify", str(run.path)]) == 2
-    assert "expected a gait without the command lean" in capfd.readouterr().err
-
-
 @pytest.mark.parametrize(
     ("words", "found"),
     [
         ("--command lean=0.02", "expected lean between -0.012 and 0.012 m, found 0.02"),
         ("--command lean=nan", "expected --command as NAME=VALUE"),
         ("--adapt speed", "--adapt speed: expected a gait that takes speed as command"),
+        ("--monitor", "--monitor: expected a gait without the command lean, found one that takes"),
         ("--adapt speed,lean", "a gait that takes speed as command, found one that takes lean"),
     ],
 )
