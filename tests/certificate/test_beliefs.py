@@ -1,4 +1,4 @@
-"""Proofs of gaits that are told a lean: about robots near what they believe, and about no others."""
+"""Proofs of gaits that are told a lean: about robots near what they believe, and no others."""
 
 import copy
 import json
@@ -190,5 +190,3 @@ def test_a_page_says_which_robots_it_is_about():
     rigid, _ = certificate_sentences.assumptions(1, "lean=3mm")
     assert "torso's centre of mass, which is up to 3mm from where the robot believes it" in rigid
     assert "lean" not in certificate_sentences.assumptions(1, "mass=1%")[0]
-
-

@@ -54,7 +54,9 @@ def conclude(
             reason = f"level {open_below[0]} is not proved"
             found[level.number] = Conclusion(level.number, "undecided", reason, (), {})
         elif not _beliefs_fit(told, chart.behind(len(told))):
-            reason = "the distance from a belief is an axis where one is told, alone, and only there"
+            reason = (
+                "the distance from a belief is an axis where one is told, alone, and only there"
+            )
             found[level.number] = Conclusion(level.number, "undecided", reason, (), {})
         elif told and pairs is None:
             reason = f"the chart has no axes of the commands {', '.join(told)}"
