@@ -45,7 +45,7 @@ def test_the_lean_is_learned_and_settles(run):
     assert np.max(np.diff(leans)) <= CHANGE + 1e-12
     assert leans[-1] == pytest.approx(0.01, abs=7e-4)
     assert leans[3] == pytest.approx(0.3 * found.learned_lean.mean_m, rel=5e-3)
-    assert "mm ahead of the file's after 14 steps" in found.believed_lean.in_words
+    assert "mm ahead of the file's after 14 steps; no proof" in found.believed_lean.in_words
     assert found.adapted is None and found["adapt"] == "lean"
     assert "lean" not in found.command_error
 
