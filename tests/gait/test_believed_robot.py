@@ -16,6 +16,8 @@ from neuralgaits.errors import SpecError
 from neuralgaits.gait import ZeroDynamics
 from neuralgaits.gait.believed_robot import robot_of_step
 from neuralgaits.gait.commands import Command, Pair
+from neuralgaits.gait.gaits import Gait
+from neuralgaits.gait.policies.commanded_gait import CommandedGait
 from neuralgaits.programs import POINT, evaluate
 from neuralgaits.robots import load_robot
 from neuralgaits.robots.mjcf.loader import robot_from_text
@@ -33,6 +35,7 @@ def leaning():
     """A spec of gaits that are told a lean, its gait before any training, and the one of a step."""
     spec = specs.commanded(load_robot("amber3m"), (LEAN,), speed=0.7)
     gait = spec.new_gait(jax.random.key(3), "posture", (8,))
+    assert isinstance(gait, CommandedGait)
     pair = Pair(jnp.array([BEFORE]), jnp.array([AFTER]))
     return spec, gait, eqx.filter_jit(gait.of_pair)(load_robot("amber3m"), pair)
 
@@ -56,6 +59,7 @@ def test_a_step_is_walked_by_the_robot_near_the_belief_of_that_step(leaning):
 
 def test_a_gait_without_leans_is_walked_by_the_robot_itself(amber):
     gait = specs.walking(amber).new_gait(jax.random.key(0), "posture", (4,))
+    assert isinstance(gait, Gait)
     assert robot_of_step(amber, gait, np.zeros(0)) is amber
 
 

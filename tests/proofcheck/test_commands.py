@@ -114,3 +114,15 @@ def test_axes_of_other_commands_are_left_open(asked, table):
     table["model"]["policy"]["commands"][0]["name"] = "pace"
     answer = asked(table)
     assert answer.returncode == 3 and "--program" in answer.stdout
+
+
+def test_a_gait_that_is_told_a_lean_is_left_open(asked, table):
+    """Its policy is of another robot each step, and the formulas here are of the file's."""
+    told = table["model"]["policy"]["commands"][0]
+    told["name"] = "lean"
+    for axis, when in zip(table["chart"][2:4], ("before", "after"), strict=True):
+        assert axis["name"] == f"speed {when}"
+        axis["name"] = f"lean {when}"
+    answer = asked(table)
+    assert answer.returncode == 3 and "told the lean of its torso" in answer.stdout
+    assert not holds(answer)

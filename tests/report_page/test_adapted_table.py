@@ -48,3 +48,9 @@ def test_a_belief_is_said_with_speeds_and_without():
     alone = page(None, "lean", belief)
     assert "9.6 mm behind" in alone and "<table" not in alone
     assert "too few steps" in page(None, "lean", BelievedLean(()))
+
+
+def test_what_is_proved_of_beliefs_is_said_with_the_robots_that_it_is_about():
+    proved = page(None, "lean", BelievedLean((0.01,), 3, 0.0025))
+    assert "to level 3, is about every sequence of beliefs, of robots within 2.5 mm" in proved
+    assert "no proof of this run" in page(None, "lean", BelievedLean((0.01,)))

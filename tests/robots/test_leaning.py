@@ -50,6 +50,7 @@ def test_its_centre_of_mass_is_that_of_the_plant_that_is_disturbed(name):
 def test_it_can_be_traced_and_derived():
     """In a Program, and in single precision in training: the numbers of `RobotFamily`."""
     robot = robot_from_text(random_biped(5, 2, torso=True), "random")
+    assert robot.torso is not None
     family, q = RobotFamily.of(robot, ("com",)), np.full(robot.n, 0.3)
     row = jnp.zeros(family.size).at[2 * family.link[robot.torso] + 1].set(-1.0)
 
@@ -61,7 +62,7 @@ def test_it_can_be_traced_and_derived():
     np.testing.assert_allclose(found, expected, rtol=1e-12)
     assert np.abs(found).max() > 1.0
     single = jax.tree.map(lambda leaf: np.asarray(leaf, np.float32), robot)
-    assert leaning_robot(single, np.float32(0.01)).coupling.dtype == jnp.float32
+    assert leaning_robot(single, jnp.float32(0.01)).coupling.dtype == jnp.float32
 
 
 def test_legs_alone_cannot_lean():

@@ -190,14 +190,11 @@ def test_live_walks_adapt_until_they_are_told_not_to(run):
     ("level", "part", "within", "expected"),
     [(3, None, None, 3), (1, None, None, None), (3, "0.6", None, None), (3, None, {}, None)],
 )
-def test_a_proof_of_one_step_or_of_some_commands_is_none(
-    run, monkeypatch, level, part, within, expected
-):
+def test_a_proof_of_one_step_or_of_some_commands_is_none(level, part, within, expected):
     found: Any = SimpleNamespace(
         summary=SimpleNamespace(proved_level=level, within=within), part=part
     )
-    monkeypatch.setattr(adapted_walk, "read_certificate", lambda folder: found)
-    assert adapted_walk.proved_sequences(run) == expected
+    assert adapted_walk.proved_sequences(found) == expected
 
 
 def test_a_gait_without_a_speed_command_is_refused(tmp_path):

@@ -48,6 +48,9 @@ class CommandRange(Protocol):
 
 
 Commands = Iterable[CommandRange]
+BELIEVED, NEAR_BELIEF = "lean", " beyond the belief (error in m)"
+"""Command that says which robot the gait believes in, and the end of the name of the axis that says
+how far the robot is from it."""
 
 
 class Axis(NamedTuple):

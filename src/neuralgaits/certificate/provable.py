@@ -1,6 +1,7 @@
 """Reasons why a proof cannot be made: a gait's policy, its axes, or a user's own conditions."""
 
 import contextlib
+from collections.abc import Collection
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -16,6 +17,7 @@ from neuralgaits.barriers.functions import (
 from neuralgaits.certificate.chart import MOST_AXES, PLANE
 from neuralgaits.certificate.traced import trace_spec
 from neuralgaits.errors import InputError, NeuralGaitsError, SpecError
+from neuralgaits.gait.commands import LEAN, Commands, command_named
 from neuralgaits.gait.policies.commanded_gait import AnyGait
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.runs import plain
@@ -40,6 +42,24 @@ def why_not_robust(run: "Run") -> str | None:
         # On the robot z2 would be computed from masses that nobody knows.
         return "a policy of z1 and z2, and z2 depends on masses that the robot does not know"
     return None
+
+
+def why_not_of_beliefs(commands: Commands, kinds: Collection[str]) -> str | None:
+    """Explain why no proof is about these kinds of parameter of a gait's robot, or return None.
+
+    A robot that learns its lean is never exactly where it believes it to be, so a proof about one
+    lean would be about no robot; and only a gait that is told one has a belief to be near to.
+
+    Args:
+        commands: of the gait.
+        kinds: of `parameter_box.UNITS`.
+    """
+    if command_named(commands, LEAN) is None:
+        return None if LEAN not in kinds else "a gait that is told no lean: leave lean out"
+    if set(kinds) == {LEAN}:
+        return None
+    others = ", ".join(kinds) or "none"
+    return f"a gait that is told a lean with a box of {others}: give --parameters lean=SIZE alone"
 
 
 def refuse_many_axes(spec: GaitSpec) -> None:

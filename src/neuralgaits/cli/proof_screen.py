@@ -54,7 +54,7 @@ def show_proof(result: CertificateRecord) -> None:
     show_sentence(verdict(result.verdict), f"{asked}{reason}")
     facts: list[tuple[str, Any]] = [("boxes", result.boxes), ("time", f"{result.wall_s:.0f} s")]
     if result.robots is not None:
-        facts.append(("robots", f"all within {result.robots} of the file's"))
+        facts.append(("robots", f"all {result.all_robots}"))
     if result.ground is not None:
         facts.append(("floor", result.ground))
     facts += [("proof", result.proof), ("map", result.map)]

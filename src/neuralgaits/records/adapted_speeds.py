@@ -38,20 +38,32 @@ class BelievedLean:
 
     Attributes:
         believed_m: lean of each step that ended with a touchdown, positive forward [m].
+        proved_level: level up to which the run's proof is about every sequence of beliefs in the
+            range of the command; None without such a proof.
+        near_m: how far from its belief a robot may be that the proof is about [m]; None without.
     """
 
     believed_m: tuple[float, ...]
+    proved_level: Count | None = None
+    near_m: float | None = None
 
     @property
     def in_words(self) -> str:
-        """The last belief, in millimetres."""
-        if not self.believed_m:
-            return "too few steps to learn it"
-        last = self.believed_m[-1]
-        return (
-            f"believed {abs(1e3 * last):.1f} mm {_side(last)} the file's after "
-            f"{len(self.believed_m)} steps"
-        )
+        """The last belief, in millimetres, and what is proved of beliefs."""
+        found = "too few steps to learn it"
+        if self.believed_m:
+            last = self.believed_m[-1]
+            found = (
+                f"believed {abs(1e3 * last):.1f} mm {_side(last)} the file's after "
+                f"{len(self.believed_m)} steps"
+            )
+        about = "no proof of this run is about what it believes"
+        if self.proved_level is not None and self.near_m is not None:
+            about = (
+                f"the run's proof, to level {self.proved_level}, is about every sequence of "
+                f"beliefs, of robots within {1e3 * self.near_m:g} mm of theirs"
+            )
+        return f"{found}; {about}"
 
 
 def _side(lean: float) -> str:

@@ -71,7 +71,12 @@ def assumptions(level: int, robots: str | None = None) -> tuple[str, ...]:
         robots: box of robots that it is about, in words; None for the robot of the file.
     """
     robot = _ONE_ROBOT
-    if robots is not None:
+    if robots is not None and robots.startswith("lean="):
+        robot = (
+            f"{_ONE_ROBOT}, but for the torso's centre of mass, which is up to "
+            f"{robots.partition('=')[2]} from where the robot believes it at each touchdown"
+        )
+    elif robots is not None:
         robot = (
             f"lengths are those of the robot file, and what the box {robots} names is within it of "
             "the file's, the same in both legs"
@@ -123,7 +128,7 @@ def proved(found: CertificateRecord, told: bool) -> str:
     robots = ""
     if found.robots:
         own = ", each with a motion of its own" if level >= ORBIT and not uneven else ""
-        robots = f", of every robot within {found.robots} of the file's{own}"
+        robots = f", of every robot {found.all_robots}{own}"
     if found.ground:
         robots += f", on every floor with {found.ground}"
     more = ""

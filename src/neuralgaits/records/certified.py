@@ -25,7 +25,7 @@ Verdict = Literal["proved", "refuted", "undecided"]
 
 def box_in_words(parameters: Mapping[str, float]) -> str:
     """Write a box of robots for people, `mass=2%,com=5mm`, with every digit; empty if no box."""
-    units = {"com": (1000, "mm"), "floor": (1000, "mm"), "friction": (1, "")}
+    units = dict.fromkeys(("com", "floor", "lean"), (1000, "mm")) | {"friction": (1, "")}
     sizes = ((name, half, *units.get(name, (100, "%"))) for name, half in parameters.items())
     return ",".join(
         f"{name}={(scale * Decimal(repr(float(half)))).normalize():f}{unit}"
@@ -178,6 +178,17 @@ class CertificateRecord(Record):
         """Box of robots as `--parameters` writes it; None for the robot of the file alone."""
         of_robots = {k: half for k, half in self.parameters.items() if k not in GROUND}
         return box_in_words(of_robots) or None
+
+    @property
+    def all_robots(self) -> str | None:
+        """Robots that the proof covers, in words; None for the robot of the file alone."""
+        if (lean := self.parameters.get("lean")) is not None:
+            return (
+                "whose torso's centre of mass stays within "
+                f"{box_in_words({'lean': lean}).partition('=')[2]} of where it believes it at each "
+                "touchdown"
+            )
+        return None if self.robots is None else f"within {self.robots} of the file's"
 
     @property
     def ground(self) -> str | None:

@@ -249,6 +249,6 @@ def command_word(values: Mapping[str, float]) -> str:
 
 def box_word(parameters: Mapping[str, float]) -> str:
     """Write a box of robots, every number exactly; `none` if it is empty."""
-    units = {"com": "m", "floor": "m"}
+    units = {"com": "m", "floor": "m", "lean": "m"}
     sizes = (f"{name}={half!r}{units.get(name, '')}" for name, half in parameters.items())
     return ",".join(sizes) or "none"

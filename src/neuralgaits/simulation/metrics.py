@@ -157,12 +157,21 @@ def adapted_speeds(walk: Walk, proved_level: int | None) -> AdaptedSpeeds | None
     )
 
 
-def believed_lean(walk: Walk) -> BelievedLean | None:
-    """Return what the first walk believed of its lean; None of a gait that takes none."""
+def believed_lean(
+    walk: Walk, proved_level: int | None, near_m: float | None
+) -> BelievedLean | None:
+    """Return what the first walk believed of its lean; None of a gait that takes none.
+
+    Args:
+        walk: the simulated walk.
+        proved_level: level of the run's proof about every sequence of beliefs; None without one.
+        near_m: how far from its belief a robot may be that the proof is about (m).
+    """
     place = place_of(walk.commands, LEAN)
     if place is None:
         return None
-    return BelievedLean(tuple(walk.episodes.strides[0].told[:, place].tolist()))
+    believed = tuple(walk.episodes.strides[0].told[:, place].tolist())
+    return BelievedLean(believed, proved_level, near_m)
 
 
 def _orbit(orbit: Orbit) -> ModelOrbit:

@@ -6,7 +6,11 @@ import numpy as np
 
 from neuralgaits.analysis.run import Run
 from neuralgaits.analysis.torso_lean import leans_of
-from neuralgaits.certificate.run_certificate.verified_summary import read_certificate
+from neuralgaits.certificate.run_certificate.verified_summary import (
+    CertificateReading,
+    read_certificate,
+)
+from neuralgaits.gait.commands import LEAN
 from neuralgaits.records.adapted_speeds import LearnedLean
 from neuralgaits.simulation.metrics import adapted_speeds, believed_lean
 from neuralgaits.simulation.walk import Walk
@@ -25,21 +29,24 @@ def adaptation(run: Run, walk: Walk, names: tuple[str, ...]) -> dict[str, Any]:
     """
     if not names:
         return {}
+    found = read_certificate(run.folder)
+    level = proved_sequences(found)
+    near = None if found.summary is None else found.summary.parameters.get(LEAN)
     return {
-        "adapted": adapted_speeds(walk, proved_sequences(run)),
-        "believed_lean": believed_lean(walk),
+        "adapted": adapted_speeds(walk, level),
+        "believed_lean": believed_lean(walk, level, near),
         "learned_lean": _learned_lean(run, walk),
     }
 
 
-def proved_sequences(run: Run) -> int | None:
+def proved_sequences(found: CertificateReading) -> int | None:
     """Return the proved level of a gait with commands, if the proof is about all of their ranges.
 
-    Only what the run's proof file bears out counts, see `verified_summary`.
+    Args:
+        found: what the run's proof file bears out, see `verified_summary`.
 
     Returns: the level; None if there is no such proof.
     """
-    found = read_certificate(run.folder)
     if found.summary is None or found.part is not None or found.summary.within is not None:
         return None
     level = found.summary.proved_level

@@ -15,6 +15,7 @@ from neuralgaits.analysis.step_parameters import step_parameters
 from neuralgaits.certificate.run_certificate.proved_monitor import monitor_of
 from neuralgaits.certificate.run_certificate.verified_summary import read_certificate
 from neuralgaits.errors import InputError
+from neuralgaits.gait.commands import LEAN, place_of
 from neuralgaits.records.monitored import LevelWatched, MonitorFigures, TickOutside
 from neuralgaits.runs.shell_words import command, named
 from neuralgaits.simulation.ticks.tick import TickRecord
@@ -35,6 +36,11 @@ def required_monitor(run: Run) -> StateMonitor:
     """Return the monitor of a run. Raises: InputError without a proof of level 2 or more."""
     certificate = read_certificate(run.folder)
     found = monitor_of(run, certificate)
+    if place_of(run.trained.commands, LEAN) is not None:
+        raise InputError(
+            "--monitor: expected a gait without the command lean, found one that takes it, whose "
+            "proved set is of a momentum that the robot only believes in: leave --monitor out"
+        )
     if found is None:
         reason = certificate.reason or (
             "it has no certificate" if certificate.summary is None else "no level above 1 is proved"

@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
-from neuralgaits.certificate.chart import PLANE_ONLY, Chart, Corner
+from neuralgaits.certificate.chart import BELIEVED, NEAR_BELIEF, PLANE_ONLY, Chart, Corner
 from neuralgaits.certificate.level import Parameters
 from neuralgaits.certificate.levels.disturbed.level import LEVEL as DISTURBED
 from neuralgaits.certificate.levels.full_order.level import LEVEL as FULL_ORDER
@@ -53,6 +53,11 @@ def conclude(
         if open_below:
             reason = f"level {open_below[0]} is not proved"
             found[level.number] = Conclusion(level.number, "undecided", reason, (), {})
+        elif not _beliefs_fit(told, chart.behind(len(told))):
+            reason = (
+                "the distance from a belief is an axis where one is told, alone, and only there"
+            )
+            found[level.number] = Conclusion(level.number, "undecided", reason, (), {})
         elif told and pairs is None:
             reason = f"the chart has no axes of the commands {', '.join(told)}"
             found[level.number] = Conclusion(level.number, "undecided", reason, (), {})
@@ -68,6 +73,22 @@ def _of_parameters(chart: Chart, pairs: Sequence[str] | None) -> Iterator[str]:
     """State the admissible pairs of commands, and the fixed axes of a chart behind them, if any."""
     if pairs is not None:
         yield f"admissible are commands of {' and '.join(pairs)}"
-    if chart.parameters:
+    if chart.parameters and chart.parameters[0].name.endswith(NEAR_BELIEF):
+        yield (
+            f"this holds for every robot whose lean stays within {chart.parameters[0].high!r} m "
+            "of what it believes at each touchdown, whatever sequence of beliefs it is told; of a "
+            "robot further from its belief it says nothing"
+        )
+    elif chart.parameters:
         fixed = " and ".join(chart.intervals())
         yield f"this holds for each fixed {fixed}; of one that changes it says nothing"
+
+
+def _beliefs_fit(told: Sequence[str], behind: Chart) -> bool:
+    """Return whether the axes behind those of commands suit a gait that is told a belief, or not.
+
+    A robot is never exactly where it believes to be; and without a belief there is nothing to be
+    near to.
+    """
+    near = [axis.name.endswith(NEAR_BELIEF) for axis in behind.parameters]
+    return near == [True] if BELIEVED in told else not any(near)

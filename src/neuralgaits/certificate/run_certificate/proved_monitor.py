@@ -29,7 +29,7 @@ from neuralgaits.certificate.run_certificate.verified_summary import (
 )
 from neuralgaits.errors import SpecError
 from neuralgaits.gait import ZeroDynamics
-from neuralgaits.gait.commands import Pair
+from neuralgaits.gait.commands import LEAN, Pair, place_of
 from neuralgaits.gait.policies.commanded_gait import CommandedGait
 from neuralgaits.gait.zero_coordinates import ZeroCoordinates
 from neuralgaits.programs.tracing.tracer import trace
@@ -42,7 +42,7 @@ OF_STEP = ("before", "after")
 
 
 def monitor_of(run: Run, certificate: CertificateReading | None = None) -> StateMonitor | None:
-    """Return the monitor of a run; None if no level above 1 is proved of it.
+    """Return the monitor of a run; None if no level above 1 is proved, or of a believed lean.
 
     Args:
         run: the run.
@@ -53,6 +53,9 @@ def monitor_of(run: Run, certificate: CertificateReading | None = None) -> State
     found = certificate or read_certificate(run.folder)
     proof, summary, levels = found.proof, found.summary, proved_levels(found)
     if proof is None or summary is None or not levels:
+        return None
+    if place_of(run.trained.commands, LEAN) is not None:
+        # z2 of such a set is that of the robot as it is, which no controller knows.
         return None
     sets, theorems = [], proof.theorems
     walking, full = theorems.walking, theorems.full

@@ -130,7 +130,8 @@ def describe_run(run: Path, theorems: Theorems, chart: Chart = PLANE_ONLY) -> di
     from neuralgaits.certificate.levels.problems import trace_certificate
     from neuralgaits.certificate.levels.walking_set.find import names_of
     from neuralgaits.certificate.proof_file.model_data import model_data
-    from neuralgaits.certificate.provable import why_not_robust
+    from neuralgaits.certificate.provable import why_not_of_beliefs, why_not_robust
+    from neuralgaits.robots.mjcf.parameters import box_of
 
     opened = open_run(run)
     spec, robot, gait, residuals = opened.spec, opened.robot, opened.trained, opened.residuals
@@ -141,6 +142,9 @@ def describe_run(run: Path, theorems: Theorems, chart: Chart = PLANE_ONLY) -> di
             f"dynamics carry a learned residual, {run}: level 4 is not about it"
         )
     spec = replace(spec, parameters=_errors(robot, chart, 2 * len(spec.commands)))
+    kinds = box_of(robot, spec.parameters) if spec.parameters else {}
+    if why := why_not_of_beliefs(spec.commands, kinds):
+        raise InputError(f"expected a proof about the robots of the run's gait, found {why}")
     if spec.parameters and (why := why_not_robust(opened)):
         raise InputError(f"expected a run that can be proved for a box of robots, found {why}")
     described = plain(spec.describe())

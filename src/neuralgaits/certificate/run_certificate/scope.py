@@ -8,10 +8,10 @@ import numpy as np
 from neuralgaits.analysis.run import Run
 from neuralgaits.barriers import GaitSpec
 from neuralgaits.certificate.chart import Chart
-from neuralgaits.certificate.provable import refuse_many_axes, why_not_robust
+from neuralgaits.certificate.provable import refuse_many_axes, why_not_of_beliefs, why_not_robust
 from neuralgaits.certificate.run_certificate.friction_requirement import friction_needed
 from neuralgaits.errors import InputError
-from neuralgaits.gait.commands import LEAN, Command, command_named
+from neuralgaits.gait.commands import Command
 from neuralgaits.records.levels import HIGHEST_OF_MANY
 from neuralgaits.robots.mjcf.parameters import axes_of, box_of
 from neuralgaits.robots.parameter_box import checked_box
@@ -45,7 +45,6 @@ class Scope:
         cls, run: Run, level: int, within: Ranges | None, parameters: Mapping[str, float] | None
     ) -> "Scope":
         """Return the scope of `certify`'s options. Raises: InputError if no theorem covers them."""
-        _refuse_beliefs(run)
         box = _box(run, parameters)
         errors = axes_of(run.robot, box) if box else ()
         _refuse_level(run, level, box)
@@ -63,20 +62,13 @@ class Scope:
         return "; ".join(self.chart.sequences([c.name for c in commands]) or ())
 
 
-def _refuse_beliefs(run: Run) -> None:
-    """Refuse a gait that is told a lean, which no theorem here is about. Raises: InputError."""
-    if command_named(run.spec.commands, LEAN) is not None:
-        raise InputError(
-            "expected a gait without the command lean, found one that takes it: proofs about "
-            "beliefs are not made yet; train without --lean to prove a gait"
-        )
-
-
 def _box(run: Run, parameters: Mapping[str, float] | None) -> Mapping[str, float]:
     """Return the box of robots and floors. Raises: InputError if it cannot be proved."""
     spec = run.spec
     own = {**box_of(run.robot, spec.parameters), **spec.ground}
     box = own if parameters is None else checked_box(parameters)
+    if why := why_not_of_beliefs(spec.commands, box):
+        raise InputError(f"--parameters: expected parameters of the gait's robots, found {why}")
     if "friction" in box and not (need := friction_needed(spec.describe())) <= box["friction"]:
         has = (
             f"one that needs {need:g}" if need < np.inf else "one that does not say when feet slip"
