@@ -36,11 +36,9 @@ from neuralgaits.programs.algebras.taylor_algebra import TaylorAlgebra
 from neuralgaits.programs.native.bounder import Bounder
 from neuralgaits.programs.prune import prune, reading
 from neuralgaits.programs.remainder_symbols import Symbols, count_of, numbered, values_with_symbols
-from neuralgaits.systems.cartpole.cartpole_certify import certify_cartpole
-from neuralgaits.systems.cartpole.cartpole_run import open_cartpole
-from neuralgaits.systems.cartpole.cartpole_train import train_cartpole
 from neuralgaits.workflows.certify import certify
 from neuralgaits.workflows.check_proof import proof_file_at
+from neuralgaits.workflows.train import train
 
 BOXES, POINTS, BATCH = 5120, 196, 256
 """Random points in a box, beside its four corners."""
@@ -238,9 +236,9 @@ def proofs(named: list[str]) -> Iterator[tuple[str, Claims]]:
     yield "level 5", read_claims(proof_file_at(fifth))
     cart = ROOT / "cartpole-0"
     if not (cart / "summary.json").is_file():
-        train_cartpole("cartpole", seed=0, out=cart, root=ROOT)
+        train("cartpole", seed=0, out=cart, root=ROOT)
     if not (cart / "certificate").is_dir():
-        certify_cartpole(open_cartpole(cart))
+        certify(cart)
     yield "cart-pole", read_claims(proof_file_at(cart))
 
 

@@ -126,8 +126,8 @@ def test_a_rule_encloses_the_exact_result(name, small):
 @pytest.mark.parametrize("columns", [1, 2])
 def test_a_matrix_product_encloses_the_exact_result(small, columns):
     draw = np.random.default_rng(8)
-    matrix = model(draw, 1e-6, size=3 * SIZE // columns, batch=1, terms="constant")
-    offset = model(draw, 1e-6, size=3, batch=1, terms="constant")
+    matrix = model(draw, small, size=3 * SIZE // columns, batch=1, terms="constant")
+    offset = model(draw, small, size=3, batch=1, terms="constant")
     right = model(draw, small)
     found = ALGEBRA.affine(matrix, right, offset, columns)
     inner = SIZE // columns
@@ -174,6 +174,23 @@ def test_a_function_encloses_the_exact_result(name, small):
                     assert off <= arb(float(found.radius[row, column]))
     finally:
         ctx.prec = 53
+
+
+@pytest.mark.parametrize("width", [0.5, 0.9])
+def test_quotients_and_roots_are_enclosed_at_the_end_of_a_wide_box(width):
+    """Where the divisor is smallest, what is left over of the quotient counts most."""
+    terms = np.zeros((ALGEBRA.layout.quadratic, 1, 1))
+    terms[:2, 0, 0] = 1.0, width
+    one = DoubleModel(terms, np.zeros((1, 1)), ALGEBRA.layout, np.abs(terms).sum(axis=0))
+    least = 1 - Fraction(width)
+    e = [Fraction(1), Fraction(-1), Fraction(0), Fraction(0), Fraction(1)]
+    quotient = ALGEBRA.div(ALGEBRA.constant(np.ones(1)), one)
+    off = abs(1 / least - value(quotient, e, 0, 0))
+    assert off <= Fraction(float(quotient.radius[0, 0])) <= off * Fraction(101, 100)
+    root = ALGEBRA.sqrt(one)
+    radius, mine = (Fraction(float(x)) for x in (root.radius[0, 0], value(root, e, 0, 0)))
+    assert mine > radius
+    assert (mine - radius) ** 2 <= least <= (mine - Fraction(9, 10) * radius) ** 2
 
 
 def test_remainders_become_symbols():

@@ -22,15 +22,10 @@ from neuralgaits.programs.remainder_symbols import (
 )
 from neuralgaits.programs.sensitivity import sensitivities
 from neuralgaits.programs.tracing.tracer import trace
+from support.program_cases import cancelling
 
 LOW, HIGH = (-1.0, -1.0), (1.0, 1.0)
 REMAINDERS = pytest.mark.parametrize("remainders", [taylor_remainders, double_remainders])
-
-
-def cancelling(u):
-    """A hard value that is read twice, and nearly cancels: 0.3 y + 0.3 u."""
-    y = jnp.exp(jnp.sin(3.0 * u[0]) * u[1]) / (2.0 + jnp.cos(2.0 * u[1]))
-    return {"h": y * (10.0 + u[1]) - y * (9.7 + u[1]) + 0.3 * u[0]}
 
 
 def straight(u):

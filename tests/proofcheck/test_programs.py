@@ -2,13 +2,16 @@
 
 import hashlib
 import json
+import re
 
 import numpy as np
 import pytest
 
 from neuralgaits.programs import POINT, Program, evaluate
+from neuralgaits.programs.tracing.tracer import trace
 from support.checker_case import bounds, chart_table
 from support.program_case import MORE, bowl, file_of, halved, random_program
+from support.program_cases import cancelling
 
 
 @pytest.fixture
@@ -46,6 +49,15 @@ def test_values_of_random_programs_lie_within_bounds(proofcheck, tmp_path, axes)
                 assert np.all(ranges[:, 0] - slack <= value.min(axis=0)), (seed, box, name)
                 assert np.all(value.max(axis=0) <= ranges[:, 1] + slack), (seed, box, name)
     assert bounded > 0.7 * total
+
+
+def test_remainders_that_cancel_cost_few_boxes(by_program):
+    """The symbols that it chooses show in their number only: without any, 127 boxes are needed."""
+    program = trace(lambda u: {"h": cancelling(u)["h"] - 0.098}, {"u": (2,)})
+    answer = by_program(file_of(program, {"h": 0.0}))
+    assert answer.returncode == 0, answer.stdout + answer.stderr
+    (boxes,) = re.findall(r"level in \[0, 1\]; (\d+) boxes", answer.stdout)
+    assert 8 < int(boxes) < 60
 
 
 @pytest.mark.parametrize("axes", [2, 4, 6])

@@ -33,6 +33,12 @@ def tables(x):
     return {"y": jnp.sum(turned, axis=1) * x[2], "z": mixed, "s": jnp.sum(mixed) + turned @ x}
 
 
+def cancelling(u):
+    """A hard value that is read twice, and nearly cancels: 0.3 y + 0.3 u."""
+    y = jnp.exp(jnp.sin(3.0 * u[0]) * u[1]) / (2.0 + jnp.cos(2.0 * u[1]))
+    return {"h": y * (10.0 + u[1]) - y * (9.7 + u[1]) + 0.3 * u[0]}
+
+
 def network(widths):
     return MLPPolicy.init(load_robot("amber3m"), key=jax.random.key(1), hidden=widths)
 
