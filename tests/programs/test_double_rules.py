@@ -11,7 +11,9 @@ import numpy as np
 import pytest
 from flint import arb, ctx
 
+from neuralgaits.programs.algebras import double_algebra
 from neuralgaits.programs.algebras.double_algebra import DoubleAlgebra
+from neuralgaits.programs.algebras.double_functions import LocalExpansion
 from neuralgaits.programs.algebras.double_model import DoubleModel, raised
 
 AXES, NAMED, BALL, SIZE, BATCH = 3, 2, 2, 4, 5
@@ -191,6 +193,21 @@ def test_quotients_and_roots_are_enclosed_at_the_end_of_a_wide_box(width):
     radius, mine = (Fraction(float(x)) for x in (root.radius[0, 0], value(root, e, 0, 0)))
     assert mine > radius
     assert (mine - radius) ** 2 <= least <= (mine - Fraction(9, 10) * radius) ** 2
+
+
+@pytest.mark.parametrize("order", [0, 1, 2])
+def test_errors_of_functions_join_the_remainder(monkeypatch, order):
+    """A sine whose value or derivative is off by as much as it says: the exact one is enclosed."""
+    right = double_algebra.POINT_FUNCTIONS["sin"]
+
+    def off(c, r):
+        values, errors, third = right(c, r)
+        values, errors = list(values), list(errors)
+        values[order], errors[order] = values[order] + 1e3, 1e3 + errors[order]
+        return LocalExpansion(tuple(values), tuple(errors), third)
+
+    monkeypatch.setitem(double_algebra.POINT_FUNCTIONS, "sin", off)
+    test_a_function_encloses_the_exact_result("sin", 1e-6)
 
 
 def test_remainders_become_symbols():
