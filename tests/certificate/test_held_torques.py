@@ -4,7 +4,11 @@ import pytest
 
 from neuralgaits.certificate.levels.disturbed.find import find_disturbed
 from neuralgaits.certificate.levels.disturbed.theorem import DisturbedConstants
-from neuralgaits.certificate.levels.full_order.sample_evaluators import looks_in, set_of
+from neuralgaits.certificate.levels.full_order.sample_evaluators import (
+    looks_in,
+    looks_of,
+    set_of,
+)
 from neuralgaits.certificate.levels.full_order.theorem import FullOrderConstants
 from support.full_order_check import model_of
 from support.held_walk import ticker, walk_held
@@ -15,9 +19,10 @@ W, WALKS = 50.0, 100
 
 def test_no_walk_leaves_the_set_while_torques_are_held(trained):
     model = model_of(trained, W)
-    shape = set_of(model, pushed=True, widest=True)
+    looks = looks_of(model)
+    shape = set_of(model, pushed=True, widest=True, looks=looks)
     assert isinstance(shape, FullOrderConstants), shape
-    found = find_disturbed(looks_in(model, shape), shape)
+    found = find_disturbed(looks_in(model, shape, looks), shape)
     assert isinstance(found, DisturbedConstants), found
     assert found.hold > 1e-3
     ticks, ticked = round(0.8 / found.hold), ticker(trained, shape)

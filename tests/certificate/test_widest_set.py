@@ -27,13 +27,18 @@ def model(trained):
 
 
 @pytest.fixture(scope="module")
-def seen(model):
-    return what_is_seen(looks_of(model))
+def looks(model):
+    return looks_of(model)
 
 
 @pytest.fixture(scope="module")
-def shape(model):
-    found = set_of(model, widest=True)
+def seen(looks):
+    return what_is_seen(looks)
+
+
+@pytest.fixture(scope="module")
+def shape(model, looks):
+    found = set_of(model, widest=True, looks=looks)
     assert isinstance(found, FullOrderConstants), found
     return found
 

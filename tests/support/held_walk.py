@@ -51,7 +51,7 @@ Ticked = Callable[[States, float], tuple[States, "_Seen"]]
 def ticker(run: Run, shape: FullOrderConstants) -> Ticked:
     """One hold of walks from a set, compiled for holds of any length."""
     model, edges = model_of(run, shape.bandwidth, shape.weights), Edges.of(shape)
-    return quick_jit(lambda x, hold: _ticked(run, model, edges, x, hold))
+    return quick_jit(lambda x, hold: _ticked(run, model, edges, x, jnp.asarray(hold)))
 
 
 def walk_held(

@@ -1,7 +1,7 @@
 """Target of the search for a level's set, and the functions that search."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, NamedTuple
 
@@ -31,6 +31,7 @@ class SearchTarget:
         pushed: whether the set at full order is to stand a disturbance as well (level 5).
         bandwidth: double pole of the outputs at full order, for which the largest set is looked
             for [rad/s]; None for the usual one, and the usual set.
+        left: what the search of a level left to those above it, by its number.
     """
 
     spec: GaitSpec
@@ -41,6 +42,7 @@ class SearchTarget:
     floor: float = 0.0
     pushed: bool = False
     bandwidth: float | None = None
+    left: dict[int, Any] = field(default_factory=dict)
 
     @cached_property
     def look(self) -> Evaluator:

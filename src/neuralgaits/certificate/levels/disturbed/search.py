@@ -16,7 +16,7 @@ from neuralgaits.gait import ZeroDynamics
 def _find(of: SearchTarget, known: Parameters) -> tuple[Any, Mapping[str, float]] | str:
     assert isinstance(of.gait, Gait)
     model = FullOrderModel(of.zd.robot, of.gait, of.spec, known[4].bandwidth)
-    found = find_disturbed(looks_in(model, known[4]), known[4])
+    found = find_disturbed(looks_in(model, known[4], of.left.get(4)), known[4])
     return found if isinstance(found, str) else (found, {})
 
 

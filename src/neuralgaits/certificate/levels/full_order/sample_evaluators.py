@@ -1,6 +1,7 @@
 """Functions that the finder of level 4 evaluates, and the choice of the set."""
 
 from collections.abc import Callable, Mapping
+from functools import cache
 
 import jax
 import numpy as np
@@ -23,7 +24,7 @@ from neuralgaits.certificate.levels.full_order.theorem import (
 )
 from neuralgaits.certificate.search.problem import Problem
 from neuralgaits.gait.full_order import held_jerk
-from neuralgaits.programs import POINT, evaluate, fold
+from neuralgaits.programs import POINT, Program, evaluate, fold
 from neuralgaits.programs.prune import prune, reading
 from neuralgaits.programs.tracing.tracer import trace
 
@@ -42,7 +43,11 @@ SHARES = (0.6, 0.3, 0.1)
 
 
 def set_of(
-    model: FullOrderModel, pushed: bool = False, widest: bool = False
+    model: FullOrderModel,
+    pushed: bool = False,
+    widest: bool = False,
+    *,
+    looks: SampleEvaluators | None = None,
 ) -> FullOrderConstants | str:
     """Return the largest set tried whose constants fit together, or a sentence with the reason.
 
@@ -50,10 +55,11 @@ def set_of(
         model: model of the gait.
         pushed: try sets for a disturbance first (level 5), in a norm of their own and with a floor.
         widest: try the largest set first, in a norm of its own, and accept more boxes.
+        looks: `looks_of` the model, made here if they are not given.
 
     Raises: SpecError if a barrier of the spec or the policy cannot be traced.
     """
-    looks, reason, w = looks_of(model), "", float(model.bandwidth)
+    looks, reason, w = looks or looks_of(model), "", float(model.bandwidth)
     seen = what_is_seen(looks) if pushed or widest else None
     small, smaller = (SMALLER, WIDEST) if widest else (SMALL, PLANNED)
     plan = None
@@ -79,9 +85,17 @@ def set_of(
     return reason
 
 
-def looks_in(model: FullOrderModel, shape: FullOrderConstants) -> SampleEvaluators:
-    """Return the functions to evaluate in the norm of a set. Raises: SpecError."""
-    plain, joints = looks_of(model), model.size // 2
+def looks_in(
+    model: FullOrderModel, shape: FullOrderConstants, looks: SampleEvaluators | None = None
+) -> SampleEvaluators:
+    """Return the functions to evaluate in the norm of a set.
+
+    Args:
+        model: model of the gait, in no norm.
+        shape: set of the gait.
+        looks: `looks_of` the model, made here if they are not given.
+    """
+    plain, joints = looks or looks_of(model), model.size // 2
     return plain.in_norm(np.array(weighting(shape.weights, joints)))
 
 
@@ -116,7 +130,11 @@ def bounded(model: FullOrderModel, shape: FullOrderConstants, small: float = SMA
 
 
 def looks_of(model: FullOrderModel) -> SampleEvaluators:
-    """Return the functions that the finder evaluates. Raises: SpecError if one cannot be traced."""
+    """Return the functions that the finder evaluates.
+
+    Each is traced when it is first called: level 4 alone asks for no pushes, level 5 for no guard
+    any more. Calls raise SpecError if it cannot be.
+    """
 
     def step(u, xi):
         def moving(at):
@@ -202,10 +220,13 @@ def what_is_seen(looks: SampleEvaluators) -> Seen | None:
 
 
 def _look(function: Callable, size: int) -> SampleEvaluator:
-    program = trace(function, {"u": (2,), "xi": (size,)})
-    folded = fold(program, POINT)
+    @cache
+    def traced() -> tuple[Program, Mapping[int, np.ndarray]]:
+        program = trace(function, {"u": (2,), "xi": (size,)})
+        return program, fold(program, POINT)
 
     def look(u: np.ndarray, xi: np.ndarray) -> Mapping[str, np.ndarray]:
+        program, folded = traced()
         with np.errstate(all="ignore"):
             return evaluate(program, {"u": u, "xi": xi}, POINT, folded)
 

@@ -9,7 +9,7 @@ from neuralgaits.certificate.level import Parameters
 from neuralgaits.certificate.level_target import LevelSearch, SearchTarget
 from neuralgaits.certificate.levels.full_order.margins import margins
 from neuralgaits.certificate.levels.full_order.model import FullOrderModel
-from neuralgaits.certificate.levels.full_order.sample_evaluators import set_of
+from neuralgaits.certificate.levels.full_order.sample_evaluators import looks_of, set_of
 from neuralgaits.errors import SpecError
 from neuralgaits.gait import ZeroDynamics
 
@@ -23,7 +23,8 @@ def _find(of: SearchTarget, known: Parameters) -> tuple[Any, Mapping[str, float]
         model = FullOrderModel(of.zd.robot, of.gait, of.spec)
         if of.bandwidth is not None:
             model = replace(model, bandwidth=of.bandwidth)
-        found = set_of(model, of.pushed, of.bandwidth is not None)
+        of.left[4] = looks = looks_of(model)
+        found = set_of(model, of.pushed, of.bandwidth is not None, looks=looks)
     except SpecError as error:  # The levels below read less of the robot.
         return str(error)
     return found if isinstance(found, str) else (found, {})

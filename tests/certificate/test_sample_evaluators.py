@@ -1,0 +1,53 @@
+"""What is evaluated at points for levels 4 and 5: traced when it is asked for, and once."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from neuralgaits.analysis.run import open_run
+from neuralgaits.certificate.level_target import SearchTarget
+from neuralgaits.certificate.levels.disturbed import search as disturbed
+from neuralgaits.certificate.levels.full_order import sample_evaluators
+from neuralgaits.certificate.levels.full_order import search as full_order
+from neuralgaits.errors import SpecError
+from support.shipped_run import SHIPPED
+
+AT = np.array([[0.5, 0.5]])
+
+
+@pytest.fixture(scope="module")
+def target():
+    run = open_run(SHIPPED)
+    return SearchTarget(run.spec, run.gait, run.zero_dynamics, lambda: lambda u: {}, pushed=True)
+
+
+def test_a_function_is_traced_when_it_is_called_first(monkeypatch, target):
+    traced = []
+
+    def trace(function, inputs):
+        traced.append(inputs)
+        raise SpecError("no trace")
+
+    monkeypatch.setattr(sample_evaluators, "trace", trace)
+    assert full_order.SEARCH.find(target, {}) == "no trace" and len(traced) == 1
+    looks = target.left[4]
+    assert looks.pushed is not None
+    with pytest.raises(SpecError, match="no trace"):
+        looks.pushed(AT)
+    assert [shape["xi"] for shape in traced] == [(8,), (12,)]
+
+
+def test_level_5_evaluates_what_level_4_left(monkeypatch, target):
+    calls = []
+
+    def leaving(model, *given, looks):
+        calls.append(looks)
+        return "no set"
+
+    monkeypatch.setattr(full_order, "set_of", leaving)
+    assert full_order.SEARCH.find(target, {}) == "no set"
+    monkeypatch.setattr(disturbed, "find_disturbed", lambda looks, full: looks)
+    monkeypatch.setattr(disturbed, "looks_in", lambda model, full, looks: (looks, {}))
+    found, _ = disturbed.SEARCH.find(target, {4: SimpleNamespace(bandwidth=30.0)})
+    assert found[0] is calls[0] is target.left[4]
