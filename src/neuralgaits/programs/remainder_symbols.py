@@ -66,16 +66,30 @@ def values_with_symbols(
 
     Returns: their numbers; none where none helps, or where nothing has a bound.
     """
-    outputs = sorted({output.value for output in program.outputs})
-    columns = sum(program.sizes[number] for number in outputs if program.varies[number])
-    if not 0 < sum(program.sizes) * columns <= MOST_NUMBERS:
+    if too_large(program):
         return ()
     with np.errstate(all="ignore"):
         for share in SHARES:
-            looks = _Looks(program, outputs, np.array(low), np.array(high), share, remainders)
+            looks = _Looks(program, *middle(low, high, share), remainders)
             if np.all(np.isfinite(looks.of_outputs(looks.remainders([])))):
                 return tuple(sorted(looks.greedy()))
     return ()
+
+
+def too_large(program: Program) -> bool:
+    """Return whether nothing is chosen: outputs have too many sensitivities, or are constants."""
+    outputs = {output.value for output in program.outputs}
+    columns = sum(program.sizes[number] for number in outputs if program.varies[number])
+    return not 0 < sum(program.sizes) * columns <= MOST_NUMBERS
+
+
+def middle(
+    low: Sequence[float], high: Sequence[float], share: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return the corners of a box in the middle of a region, a share of its width wide. [n]."""
+    ends = np.array(low), np.array(high)
+    centre, half = (ends[0] + ends[1]) / 2.0, share * (ends[1] - ends[0]) / 2.0
+    return centre - half, centre + half
 
 
 class _Looks:
@@ -84,16 +98,15 @@ class _Looks:
     def __init__(
         self,
         program: Program,
-        outputs: list[int],
         low: np.ndarray,
         high: np.ndarray,
-        share: float,
         remainders: Remainders,
     ):
         self.program, self._remainders = program, remainders
+        outputs = sorted({output.value for output in program.outputs})
         self.outputs = [number for number in outputs if program.varies[number]]
-        centre, half = (low + high) / 2.0, share * (high - low) / 2.0
-        self.low, self.high = centre - half, centre + half
+        self.low, self.high = low, high
+        centre = (low + high) / 2.0
         point = {
             item.name: np.zeros(item.shape) if k else centre
             for k, item in enumerate(program.inputs)

@@ -32,9 +32,9 @@ MAX_BOXES, TIGHTEN_BOXES = 150_000, 20_000
 """Most boxes added by one search of a root without a deadline, to decide and to raise margins."""
 MOST_POINTS = 2**14
 """Most centres of new boxes that are evaluated; those with the lowest bounds are chosen."""
-HARD = 500
-"""Number of boxes from which on bounds are made with symbols for remainders: choosing them takes as
-long as bounding thousands of boxes, and the bounds are tighter."""
+HARD = 64
+"""Number of boxes from which on bounds are made with symbols for remainders: more than those of the
+start in few axes. Choosing symbols takes as long as bounding about a hundred boxes."""
 CORNER_ROUNDS = 2
 """Number of searches for ends of late axes at which margins are smaller."""
 POINTS = 33 * 33

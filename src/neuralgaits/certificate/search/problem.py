@@ -13,6 +13,7 @@ from neuralgaits.programs import POINT, Program, evaluate, fold
 from neuralgaits.programs.algebras.taylor_algebra import TaylorAlgebra, taylor_remainders
 from neuralgaits.programs.algebras.taylor_model import terms
 from neuralgaits.programs.native.bounder import Bounder
+from neuralgaits.programs.native.compiled_choice import compiled_choice
 from neuralgaits.programs.remainder_symbols import count_of, numbered, values_with_symbols
 
 LEAST_BATCH, MOST_BATCH = 64, 512
@@ -76,7 +77,10 @@ class Problem:
     @cached_property
     def with_symbols(self) -> "Problem":
         """Return the problem with symbols for remainders that cancel; itself if there are none."""
-        chosen = values_with_symbols(self.program, self.low, self.high, taylor_remainders)
+        of = self.program, self.low, self.high
+        chosen = compiled_choice(*of, self._folded) if self.compiled else None
+        if chosen is None:
+            chosen = values_with_symbols(*of, taylor_remainders)
         return replace(self, symbols=chosen) if chosen else self
 
     @property

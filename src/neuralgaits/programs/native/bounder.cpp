@@ -239,7 +239,7 @@ class Bounder {
     for (std::thread& one : others) one.join();
   }
 
- private:
+ protected:
   std::vector<Operation> operations_;
   std::vector<int64_t> index_;
   std::vector<double> centres_, radii_;
@@ -421,6 +421,8 @@ class Bounder {
   }
 };
 
+#include "symbol_choice.hpp"
+
 }  // namespace
 
 extern "C" {
@@ -437,6 +439,18 @@ void* ng_bounder(const int64_t* code, int64_t operations, const int64_t* index,
 void ng_bounds(const void* bounder, const double* low, const double* high, int64_t boxes,
                int threads, double* lower, double* upper) {
   static_cast<const Bounder*>(bounder)->bounds(low, high, boxes, threads, lower, upper);
+}
+
+// Numbers of the operations whose remainders should have symbols, for bounds on the outputs over one
+// box, of code that reuses no places. Returns how many; -1 where an output has no bound.
+int64_t ng_choose_symbols(const int64_t* code, int64_t operations, const int64_t* index,
+                          int64_t indices, const double* constants, int64_t count,
+                          const int64_t* outputs, int64_t output_count, int64_t workspace,
+                          const double* low, const double* high, double least_gain,
+                          int64_t* chosen) {
+  return SymbolChoice(code, operations, index, indices, constants, count, outputs, output_count,
+                      workspace)
+      .choose(low, high, least_gain, chosen);
 }
 
 void ng_forget(void* bounder) { delete static_cast<Bounder*>(bounder); }

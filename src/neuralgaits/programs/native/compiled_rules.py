@@ -14,7 +14,7 @@ from importlib import resources
 from neuralgaits._cache import cache_folder
 from neuralgaits._compiler import Compiler, CompilerError, SharedLibrary
 
-SOURCE = "bounder.cpp"
+SOURCE, HEADER = "bounder.cpp", "symbol_choice.hpp"
 FLAGS = (
     *("-std=c++17", "-O3", "-march=native", "-fno-math-errno", "-fno-trapping-math"),
     *("-fPIC", "-shared", "-pthread"),
@@ -32,10 +32,10 @@ def library(axes: int, symbols: int) -> ctypes.CDLL | None:
     compiler = Compiler.first_of(COMPILERS)
     if compiler is None or os.environ.get(ENGINE) == "numpy":
         return None
-    source = resources.files("neuralgaits.programs.native").joinpath(SOURCE)
+    folder = resources.files("neuralgaits.programs.native")
     rules = SharedLibrary(
         "bounder",
-        {SOURCE: source.read_text(encoding="utf-8")},
+        {name: folder.joinpath(name).read_text(encoding="utf-8") for name in (SOURCE, HEADER)},
         (SOURCE,),
         (*FLAGS, f"-DNG_AXES={axes}", f"-DNG_SYMBOLS={symbols}"),
         # Code for this processor need not run on another machine that has the same cache.
@@ -49,9 +49,10 @@ def library(axes: int, symbols: int) -> ctypes.CDLL | None:
 def _declared(found: ctypes.CDLL) -> ctypes.CDLL:
     whole, pointer = ctypes.c_int64, ctypes.c_void_p
     found.ng_bounder.restype = pointer
-    found.ng_bounder.argtypes = [
-        *(pointer, whole, pointer, whole, pointer, whole, pointer, whole, whole)
-    ]
+    code = [pointer, whole, pointer, whole, pointer, whole, pointer, whole, whole]
+    found.ng_bounder.argtypes = code
+    found.ng_choose_symbols.restype = whole
+    found.ng_choose_symbols.argtypes = [*code, pointer, pointer, ctypes.c_double, pointer]
     found.ng_bounds.argtypes = [pointer, pointer, pointer, whole, ctypes.c_int, pointer, pointer]
     found.ng_bounds.restype = None
     found.ng_forget.argtypes = [pointer]
