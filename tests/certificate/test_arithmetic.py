@@ -16,10 +16,12 @@ from neuralgaits.certificate.proof_file.double_bounds import (
 )
 from neuralgaits.certificate.proof_file.reader import read_claims
 from neuralgaits.cli.main import main
+from neuralgaits.programs import Constant, Operation, Output
 from neuralgaits.programs.algebras import double_algebra
 from neuralgaits.programs.algebras.double_algebra import DoubleAlgebra
 from neuralgaits.records.checked import Arithmetic
 from neuralgaits.workflows.check_proof import check_proof
+from support.program_case import MORE, bowl, file_of
 from support.small_proof import CENTRE, program, with_program, write
 
 
@@ -75,6 +77,38 @@ def test_a_program_too_large_for_doubles_is_bounded_in_balls(tmp_path, proof, mo
     assert report.boxes_in_balls == report.boxes
     monkeypatch.setattr(double_bounds, "MOST_COEFFICIENTS", 12)
     assert check(claims).boxes_in_balls == 0
+
+
+@pytest.mark.parametrize("axes", [2, 8, 16])
+def test_a_corner_that_breaks_a_bound_is_found_in_any_number_of_axes(tmp_path, axes):
+    """The centre does not break it, so doubles see a box that could be halved."""
+    about = bowl(axes, 1.0)
+    ends = np.array([(0.0, 1.0), (0.0, 1.0), *((low, high) for _, low, high in MORE)])[:axes]
+    centre = 0.3 * ends[:, 0] + 0.7 * ends[:, 1]
+    # The squared distance is largest at the lower corner: turned round, that has the least.
+    least = 1.0 + np.sum((ends[:, 0] - centre) ** 2)
+    turned = replace(
+        about,
+        constants=(
+            Constant(None, centre),
+            *about.constants[1:],
+            Constant(None, np.array([least - 1e-6])),
+        ),
+        operations=(
+            *(_moved(operation, 6) for operation in about.operations),
+            Operation("sub", (6, 18), 1),
+        ),
+        outputs=(Output("margin", (), 19),),
+    )
+    report = check(_claims(tmp_path, file_of(turned, {"margin": 0.0})))
+    assert report.verdict == "rejected"
+    assert "less than 0" in str(report.reason)
+
+
+def _moved(operation: Operation, first: int) -> Operation:
+    """The operation behind one more constant."""
+    operands = tuple(k + (k >= first) for k in operation.operands)
+    return replace(operation, operands=operands)
 
 
 def test_boxes_are_halved_in_doubles_before_balls_are_asked(tmp_path, mutated):

@@ -1,4 +1,4 @@
-"""The checker in balls objects to every altered proof, and accepts the true one.
+"""`check-proof` objects to every altered proof, and accepts the true one.
 
 More of them, and the C++ checker: benchmarks/mutations.py.
 """

@@ -32,9 +32,9 @@ Verdict = Literal["holds", "rejected", "undecided"]
 
 BATCH, BATCH_OF_BALLS = MOST_BOXES, 64
 """Number of boxes bounded at a time: in doubles, and in balls."""
-CUTS_IN_DOUBLES = 2
-"""Halvings of every axis of a leaf from which on balls bound what doubles do not decide. Before,
-two more boxes in doubles take a hundredth of the time of one in balls."""
+HALVINGS_IN_DOUBLES = (2, 8)
+"""Halvings of every axis, and of all together, from which on balls bound what doubles do not decide
+of a leaf. Before, two more boxes in doubles take a hundredth of the time of one in balls."""
 MANY = 250
 """Number of leaves from which on symbols for remainders are worth choosing."""
 MORE_CUTS = 6
@@ -109,9 +109,11 @@ class StatementCheck:
     def _bound(self, low: np.ndarray, high: np.ndarray) -> None:
         """Bound boxes, splitting those that fail depth first, so that a failure shows early."""
         stack, most = [(low, high, 0)], self.boxes + len(low) + MOST_MORE
+        each, together = HALVINGS_IN_DOUBLES
+        early = min(each * len(self.wide), together)
         while stack:
             low, high, depth = stack.pop()
-            failing = self._failing(low, high, depth)
+            failing = self._failing(low, high, depth < early and self.boxes <= most)
             if self.verdict == "rejected":
                 return
             if not failing.any():
@@ -131,17 +133,17 @@ class StatementCheck:
                 some = slice(start, start + BATCH)
                 stack.append((lows[some], highs[some], depth + 1))
 
-    def _failing(self, low: np.ndarray, high: np.ndarray, depth: int) -> np.ndarray:
+    def _failing(self, low: np.ndarray, high: np.ndarray, early: bool) -> np.ndarray:
         """Return which boxes do not reach their bounds; rejects where a point breaks one. [boxes].
 
-        Balls are asked about what doubles cannot decide, or only with many more boxes.
+        Balls are asked about what doubles do not decide; early, only where smaller boxes would not
+        help.
         """
         self.boxes += len(low)
         failing = asked = np.ones(len(low), dtype=bool)
         if self.doubles is not None:
             answers = self.doubles.ask(low, high)
             failing = ~answers.reached
-            early = depth < CUTS_IN_DOUBLES * len(self.wide)
             asked = failing & answers.hopeless if early else failing
         places = np.flatnonzero(asked)
         for start in range(0, len(places), BATCH_OF_BALLS):
