@@ -15,7 +15,6 @@ from neuralgaits.simulation.live import LiveWalk
 from neuralgaits.simulation.native_walk import engine_of_trained
 from neuralgaits.simulation.setup.starts import full_states, momentum_range
 from neuralgaits.simulation.ticks.adapted_command import AdaptedCommand
-from neuralgaits.workflows.export import export_controller
 from neuralgaits.workflows.simulate import simulate
 from support.commanded_run import LEANS, make
 
@@ -79,10 +78,17 @@ def test_an_observer_is_told_the_belief(run):
 
 
 @pytest.mark.slow
-def test_live_walks_learn_it_until_they_are_told_not_to(run):
+@pytest.mark.parametrize("native", [True, False])
+def test_live_walks_learn_it_until_they_are_told_not_to(run, native):
+    library = engine_of_trained(run).library if native else None
     start = full_states(run.zero_dynamics, run.gait, "centre", seed=0, episodes=1)[0]
     live = LiveWalk(
-        run.robot, run.trained.policy, Pd(), start, z2_range=momentum_range(run.trained)
+        run.robot,
+        run.trained.policy,
+        Pd(),
+        start,
+        z2_range=momentum_range(run.trained),
+        library=library,
     )
     live.disturb(mass_scale=1.1)
     live.control.adapt(True)
@@ -124,19 +130,26 @@ def test_what_is_not_adapted_is_as_it_is_told(run):
     assert adapted.request(np.array([0.003]))[0] == pytest.approx(0.002 + 0.3 * 0.008)
 
 
-def test_a_compiled_walk_is_refused_and_jax_walks(run):
-    assert "not told" not in str(engine_of_trained(run, "jax").note)
-    found = engine_of_trained(run)
-    assert found.library is None and "told a lean, which compiled walks are not" in str(found.note)
-    with pytest.raises(InputError, match="--engine native: expected a compiled walk, but its gait"):
-        engine_of_trained(run, "native")
-
-
-@pytest.mark.parametrize("format", ["c", "onnx", "fmu"])
-def test_an_export_is_refused(run, tmp_path, format):
-    with pytest.raises(InputError, match="expected a gait without the command lean"):
-        export_controller(run, tmp_path / "out", format=format)
-    assert not (tmp_path / "out").exists()
+@pytest.mark.slow
+@pytest.mark.parametrize("law", ["pd", "clf-qp"])
+def test_both_engines_believe_alike(run, law):
+    """The compiled walk is of the exported controller, estimator and adaptation."""
+    walked = [
+        simulate(
+            run,
+            adapt="lean",
+            controller=law,
+            disturb={"torso_shift_m": 0.01, "estimator": 1},
+            steps=5,
+            engine=engine,
+        ).summary
+        for engine in ("native", "jax")
+    ]
+    ours, theirs = (np.array(one.believed_lean.believed_m) for one in walked)
+    np.testing.assert_allclose(ours, theirs, rtol=1e-8)
+    assert [one.engine for one in walked] == ["native", "jax"] and ours[-1] > 0.004
+    assert walked[0].speed_m_s == pytest.approx(walked[1].speed_m_s, rel=1e-8)
+    assert walked[0].max_output_error_rad == pytest.approx(walked[1].max_output_error_rad, rel=1e-6)
 
 
 @pytest.mark.parametrize(
