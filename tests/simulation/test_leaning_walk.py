@@ -38,12 +38,12 @@ def walked(run, shift, *, adapt: Any = None, lean=0.0, disturb=None, steps=10) -
 def test_the_lean_is_learned_and_settles(run):
     found = walked(run, 0.01, adapt="lean", steps=14)
     leans = np.array(found.believed_lean.believed_m)
-    # What the first whole step shows is latched at the touchdown after it.
-    np.testing.assert_array_equal(leans[:3], 0.0)
-    assert np.all(np.diff(leans[2:]) > 0.0)
+    # What the first step shows is latched at the touchdown after its own.
+    np.testing.assert_array_equal(leans[:2], 0.0)
+    assert np.all(np.diff(leans[1:]) > 0.0)
     assert np.max(np.diff(leans)) <= CHANGE + 1e-12
     assert leans[-1] == pytest.approx(0.01, abs=7e-4)
-    assert leans[3] == pytest.approx(0.3 * found.learned_lean.mean_m, rel=5e-3)
+    assert leans[2] == pytest.approx(0.3 * found.learned_lean.mean_m, rel=0.06)
     assert "mm ahead of the file's after 14 steps; no proof" in found.believed_lean.in_words
     assert found.adapted is None and found["adapt"] == "lean"
     assert "lean" not in found.command_error
@@ -53,7 +53,7 @@ def test_the_lean_is_learned_and_settles(run):
 def test_a_belief_stays_in_its_range_and_goes_both_ways(run):
     leans = np.array(walked(run, -0.03, adapt="lean", steps=9).believed_lean.believed_m)
     assert leans[-1] == LEANS.low
-    np.testing.assert_allclose(np.diff(leans[2:5]), -CHANGE, rtol=1e-9)
+    np.testing.assert_allclose(np.diff(leans[1:3]), -CHANGE, rtol=1e-9)
 
 
 @pytest.mark.slow
@@ -99,7 +99,7 @@ def test_live_walks_learn_it_until_they_are_told_not_to(run, native):
             latched.append(float(live.measured.told[1, 0]))
             if len(latched) == 4:
                 live.control.adapt(False)
-    assert latched[1] == 0.0 and latched[3] > 0.0 and latched[3] != latched[2]
+    assert latched[0] == 0.0 and latched[3] > latched[2] > 0.0
     # What a visitor tells counts again.
     assert latched[5] == 0.0
 

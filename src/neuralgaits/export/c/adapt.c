@@ -64,6 +64,7 @@ static void integrate(ng_adapt *adapt, ng_real before, ng_real after)
 #if NG_LEAN_COMMAND
 #define LEAN (NG_LEAN_COMMAND - 1)
 #define SETTLING NG(0.015)    /* of a foot after a touchdown [s] */
+#define FIRST NG(0.2)         /* shortest window of a step without a touchdown before it [s] */
 #define LEAN_GAIN NG(0.3)     /* share of the way to what a step shows */
 #define LEAN_SETTLED NG(1e-3) /* a belief that moves by less a step has settled [m] */
 
@@ -109,11 +110,10 @@ static void learn(ng_adapt *adapt, const ng_state *state, const ng_measurement *
                   const ng_command *command)
 {
     const ng_real passed = (ng_real)(reading->time_us - adapt->tick_us) * NG(1.0e-6);
-    const int settled = command->since_touchdown >= SETTLING - NG(1.0e-6) &&
-                        command->since_touchdown < NG_NEVER * NG(0.5);
+    const int first = command->since_touchdown >= NG_NEVER * NG(0.5);
     if (command->touchdown) {
         adapt->believed = state->after[LEAN];
-        if (adapt->since >= NG(0.0)) {
+        if (adapt->since > adapt->least && adapt->since > NG(0.0)) {
             const ng_real shown = lean_shown(adapt);
             if (ng_finite(shown)) {
                 const ng_real wish = adapt->believed + LEAN_GAIN * (shown - adapt->believed);
@@ -124,8 +124,9 @@ static void learn(ng_adapt *adapt, const ng_state *state, const ng_measurement *
         adapt->since = NG(-1.0);
     } else if (adapt->since >= NG(0.0)) {
         add_interval(adapt, command->q, passed);
-    } else if (settled) {
+    } else if (command->since_touchdown >= SETTLING - NG(1.0e-6)) {
         adapt->since = NG(0.0);
+        adapt->least = first ? FIRST : NG(0.0);
         for (int i = 0; i < 3; ++i) {
             for (int j = 0; j < 2; ++j) {
                 adapt->of_momentum[i][j] = adapt->of_ahead[i][j] = NG(0.0);

@@ -26,9 +26,10 @@ typedef struct {
     ng_real error;     /* of the last measured step: reference - walked [m/s] */
     int learns;        /* 1: the lean is learned; 0: it is the one told. At any tick */
     ng_real believed;  /* lean that the next touchdown is to latch, if it is learned [m] */
-    ng_real shown;     /* lean that the last whole step showed [m] */
+    ng_real shown;     /* lean that the last step showed [m] */
     uint32_t tick_us;  /* time of the last tick [us] */
     ng_real since;     /* of the window of the step under way, to the last tick; else -1 [s] */
+    ng_real least;     /* shortest window that counts [s] */
     ng_real q[NG_COORDINATES];   /* at the last tick [rad] */
     ng_real of_momentum[3][2];   /* sums over the window, see control/lean_sums.py */
     ng_real of_ahead[3][2];
