@@ -38,7 +38,7 @@ def test_sums_give_the_lean_of_each_whole_step(amber):
     expected = leans_of(amber, time, q, touchdown)
     assert expected is not None and len(expected) == 2
     np.testing.assert_allclose([found[110], found[215]], expected, rtol=1e-6)
-    # Not of the step that did not begin with a touchdown, nor in mid-step.
+    # Not of a first step that was hardly seen, nor in mid-step.
     assert np.isnan(np.delete(found, (110, 215))).all()
 
 
@@ -61,3 +61,25 @@ def test_a_belief_stays_in_the_range_of_its_command(shown, end):
 def test_limits_are_those_of_the_command():
     assert belief_for((LEAN,)) == BELIEF
     assert belief_for((Command("speed", 0.5, 0.9, 0.04),)) is None
+
+
+def test_a_first_step_counts_if_it_was_seen_for_long(amber):
+    """It begins without a touchdown; sums are those of its own window."""
+
+    @jax.jit
+    def tick(sums, row):
+        return lean_sums.advance(amber, sums, *row)
+
+    sums, ticks = lean_sums.start(amber), 230
+    for k in range(ticks + 1):
+        q = np.full(amber.n, 0.1) * np.sin(5e-3 * k)
+        sums, lean = tick(sums, (q, 1e-3 * k, math.inf if k < ticks else 0.0, k == ticks))
+    assert np.isfinite(float(lean))
+    time = 1e-3 * np.arange(ticks + 1)
+    q = 0.1 * np.sin(5e-3 * np.arange(ticks + 1))[:, None] * np.ones(amber.n)
+    # As a step after a touchdown so long before that the foot has settled.
+    down = np.zeros(ticks + 2, bool)
+    down[[0, -1]] = True
+    late = np.concatenate([[-lean_sums.SETTLING_S], time])
+    (expected,) = leans_of(amber, late, np.concatenate([q[:1], q]), down)
+    assert float(lean) == pytest.approx(expected, rel=1e-6)

@@ -12,6 +12,7 @@ from neuralgaits.export.programs import policy_in_one, policy_rate
 from neuralgaits.export.reference import Reference
 from neuralgaits.export.selftest import selftest_file
 from neuralgaits.export.source import gait_files
+from neuralgaits.gait.commands import Command
 from neuralgaits.programs import evaluate
 from neuralgaits.programs.point_algebra import POINT
 from support.compiled import folder_with
@@ -23,6 +24,9 @@ STATES = 500
 
 def files_of(design, reference):
     return gait_files(design) | {"gait_selftest.h": selftest_file(design, reference)}
+
+
+LEAN = Command("lean", -0.02, 0.02, 0.0048)
 
 
 def compiled(folder, files, flags=()):
@@ -54,6 +58,26 @@ def test_c_does_what_python_does(told, files, asked, tmp_path):
         asking = limits(told, precision)
         assert max(agreement.output, agreement.rate) <= asking.output
         assert 0.0 < agreement.torque <= asking.torque
+
+
+@pytest.mark.slow
+def test_a_gait_that_is_told_a_lean_has_the_torques_of_the_robot_that_it_believes_in(tmp_path):
+    """Where momentum, feed-forward or the step's start forget the lean, they are of the file's."""
+    told = commanded_design("amber3m", {"fblin": LAWS["fblin"]}, (SPEED, LEAN))
+    files = files_of(told, Reference(told))
+    asked = questions(told, Reference(told), STATES)
+    assert np.ptp(asked.ticks.after[:, 1]) > 0.01
+    agreement = agree(told, asked, compiled(tmp_path, files), "double")
+    asking = limits(told, "double")
+    assert max(agreement.output, agreement.rate) <= asking.output
+    assert 0.0 < agreement.torque <= asking.torque
+    own = (tmp_path / "controller.c").read_text()
+    place = "command->lean = state->after[NG_LEAN_COMMAND - 1];"
+    assert place in own
+    (tmp_path / "controller.c").write_text(own.replace(place, ""))
+    program = build.build("gcc", tmp_path, "check", build.CHECKED, ("-O0",))
+    with pytest.raises(MismatchError, match=r"disagree|selftest"):
+        agree(told, asked, program, "double")
 
 
 PLANTED = {

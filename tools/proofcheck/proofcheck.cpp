@@ -324,7 +324,14 @@ int check(const ProofFile& file, size_t threads) {
           const Axis& axis = file.chart[k];
           given += (k > first ? " and " : "") + axis_words(axis, axis.low, axis.high);
         }
-        say("  this holds for each fixed " + given + "; of one that changes it says nothing");
+        const Axis& last = file.chart.back();
+        // The distance of the robot from what it believes changes with each belief.
+        if (last.name.find(" beyond the belief (error in m)") != string::npos)
+          say("  this holds for every robot whose lean stays within " + brief(last.high) +
+              " m of what it believes at each touchdown, whatever sequence of beliefs it is told; of "
+              "a robot further from its belief it says nothing");
+        else
+          say("  this holds for each fixed " + given + "; of one that changes it says nothing");
       }
       answer += ", level " + std::to_string(level);
     }

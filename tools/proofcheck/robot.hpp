@@ -309,8 +309,6 @@ vector<Command> commands_of(const Json& list) {
     Command c;
     c.name = text_of(*row.find("name"), "a command's name");
     only_a_name(c.name, "a command");
-    // It says which robot the policy is of, and this program derives the one of the file.
-    if (c.name == "lean") throw Unknown{"a gait that is told the lean of its torso"};
     c.low = hexadecimal(*row.find("low"), c.name);
     c.high = hexadecimal(*row.find("high"), c.name);
     const Json& change = *row.find("largest_change");

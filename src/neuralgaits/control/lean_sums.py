@@ -27,6 +27,8 @@ from neuralgaits.robots.mjcf.leaning import leaning_robot
 
 SETTLING_S = 0.015
 """Time after a touchdown that a window leaves out: the foot settles [s]."""
+FIRST_S = 0.2
+"""Shortest window that counts of the first step, which begins without a touchdown [s]."""
 
 
 class LeanSums(NamedTuple):
@@ -38,6 +40,8 @@ class LeanSums(NamedTuple):
     """Time of the last tick [s]."""
     since: Scalar
     """Time of the last tick since the window began; negative before it does [s]."""
+    least: Scalar
+    """Shortest window that counts [s]."""
     momentum: Float[Array, "3 2"]
     """Sums of t, t^2 and t^3 times z dt, and times w dt."""
     ahead: Float[Array, "3 2"]
@@ -52,7 +56,8 @@ def can_lean(robot: PlanarBiped) -> bool:
 def start(robot: PlanarBiped) -> LeanSums:
     """Return the sums before the first tick."""
     none = jnp.zeros((3, 2))
-    return LeanSums(jnp.zeros(robot.n), jnp.zeros(()), -jnp.ones(()), none, none)
+    zero = jnp.zeros(())
+    return LeanSums(jnp.zeros(robot.n), zero, -jnp.ones(()), zero, none, none)
 
 
 def advance(
@@ -74,11 +79,11 @@ def advance(
         touchdown: whether a step begins.
 
     Returns: the sums, and the lean that the step that ended shows (m), positive forward; NaN at
-        other ticks, and of a step that did not begin with a touchdown.
+        other ticks, and after a first step that was seen for less than `FIRST_S`.
     """
-    settled = jnp.isfinite(since_touchdown) & (since_touchdown >= SETTLING_S - 1e-9)
+    settled = since_touchdown >= SETTLING_S - 1e-9
     begun = sums.since >= 0.0
-    lean = jnp.where(touchdown & begun, learned(robot, sums), jnp.nan)
+    lean = jnp.where(touchdown & (sums.since > sums.least), learned(robot, sums), jnp.nan)
     passed = time - sums.time
     (z, w), (x, c) = with_derivative(robot, 0.5 * (sums.q + q), q - sums.q)
     middle = sums.since + 0.5 * passed
@@ -88,7 +93,8 @@ def advance(
     adding = begun & ~touchdown
     since = jnp.where(adding, sums.since + passed, jnp.where(settled & ~touchdown, 0.0, -1.0))
     kept = (jnp.where(adding, new, 0.0) for new in (momentum, ahead))
-    return LeanSums(q, time, since, *kept), lean
+    least = jnp.where(jnp.isfinite(since_touchdown), 0.0, FIRST_S)
+    return LeanSums(q, time, since, jnp.where(begun, sums.least, least), *kept), lean
 
 
 def learned(robot: PlanarBiped, sums: LeanSums) -> Scalar:

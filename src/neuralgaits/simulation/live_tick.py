@@ -220,7 +220,7 @@ class NativeTick(LiveTick):
         self.speeds = None
         if self._wanted.size:
             self._walk.orders, self._walk.orders_used = pointer(self._wanted), 0
-            self._walk.adapt.active = self._active
+            self._walk.adapt.active = self._walk.adapt.learns = self._active
 
     def tell(self, wanted: Float[np.ndarray, " p"]) -> None:
         """Request other commands from the next touchdown on."""
@@ -230,7 +230,7 @@ class NativeTick(LiveTick):
         """Adapt the commanded speed from now on, or no longer."""
         self._active = int(active)
         if self._wanted.size:
-            self._walk.adapt.active = self._active
+            self._walk.adapt.active = self._walk.adapt.learns = self._active
 
     def change(self, plant: Plant, torque_limit: Float[np.ndarray, " m"], slope: float) -> None:
         """Exchange the scene of the walk."""

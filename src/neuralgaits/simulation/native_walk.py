@@ -20,7 +20,6 @@ from neuralgaits.export import output_folder
 from neuralgaits.export.facts import Design, Origin
 from neuralgaits.export.programs import ground
 from neuralgaits.export.source import gait_files
-from neuralgaits.gait.commands import LEAN, place_of
 from neuralgaits.gait.policies.commanded_gait import AnyGait
 from neuralgaits.gait.reset_residual import ResetCorrection
 from neuralgaits.robots import PlanarBiped
@@ -81,8 +80,6 @@ def engine_of(
     if choice == "jax":
         return WalkEngine(None, None)
     try:
-        if place_of(gait.commands, LEAN) is not None:
-            raise NativeError("its gait is told a lean, which compiled walks are not")
         design = _design(robot, gait, z2_range, reset_residual, joints)
         return _engine(sources(design), design.controller)
     except (NativeError, CompilerError) as error:
@@ -127,7 +124,7 @@ def _design(
 def sources(design: Design) -> dict[str, str]:
     """Return all files to compile. Raises: NativeError for a policy that C cannot express."""
     try:
-        own = gait_files(design, (ground(design.robot),))
+        own = gait_files(design, (ground(design.robot, design.gait.policy),))
     except SpecError as error:
         raise NativeError(f"C cannot express its policy ({error})") from None
     shipped = output_folder.shipped() | output_folder.adaptation()

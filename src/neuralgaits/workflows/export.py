@@ -21,7 +21,6 @@ from neuralgaits.errors import InputError, SpecError
 from neuralgaits.export import output_folder
 from neuralgaits.export.facts import Design, Origin
 from neuralgaits.export.monitor_source import monitor_files
-from neuralgaits.gait.commands import LEAN, place_of
 from neuralgaits.gait.policies.commanded_gait import AnyGait
 from neuralgaits.records.certified import PROOF
 from neuralgaits.records.exported import Exported
@@ -171,16 +170,9 @@ def design_of(
         trained: the run.
         certificate: its certificate; read if None.
         joints: identified joints that torques are for; those of the run's robot if None.
-
-    Raises: InputError for a gait that takes a lean, whose controller has another model each step.
     """
     certificate = certificate or read_certificate(trained.folder)
     gait = trained.trained
-    if place_of(gait.commands, LEAN) is not None:
-        raise InputError(
-            "expected a gait without the command lean, found one that takes it: exported "
-            "controllers are not told what to believe; leave --lean out, or use `simulate`"
-        )
     return Design.of(
         trained.robot,
         gait,

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Mapping
 from functools import partial
 
+from neuralgaits.control.lean_belief import belief_for
 from neuralgaits.control.speed_adapter import adapter_for
 from neuralgaits.errors import InputError
 from neuralgaits.export import build, output_folder
@@ -37,7 +38,8 @@ RecordFactory = Callable[..., Exported]
 def controller_files(design: Design, reference: Reference) -> dict[str, str]:
     """Return the files that are specific to this gait."""
     own = gait_files(design) | {"gait_selftest.h": selftest_file(design, reference)}
-    adaptation = {} if adapter_for(design.commands) is None else output_folder.adaptation()
+    adapts = adapter_for(design.commands) or belief_for(design.commands)
+    adaptation = output_folder.adaptation() if adapts else {}
     return own | monitor_files(design) | adaptation | board_files(design)
 
 

@@ -1,4 +1,7 @@
-/* See adapt.h. Source of the mathematics: neuralgaits.control.speed_adapter, repeated here. */
+/*
+ * See adapt.h. Source of the mathematics: neuralgaits.control.speed_adapter, lean_sums and
+ * lean_belief, repeated here.
+ */
 #include "adapt.h"
 
 #if NG_COMMANDS
@@ -58,10 +61,102 @@ static void integrate(ng_adapt *adapt, ng_real before, ng_real after)
     }
 }
 
+#if NG_LEAN_COMMAND
+#define LEAN (NG_LEAN_COMMAND - 1)
+#define SETTLING NG(0.015)    /* of a foot after a touchdown [s] */
+#define FIRST NG(0.2)         /* shortest window of a step without a touchdown before it [s] */
+#define LEAN_GAIN NG(0.3)     /* share of the way to what a step shows */
+#define LEAN_SETTLED NG(1e-3) /* a belief that moves by less a step has settled [m] */
+
+/* The lean of a window's sums. */
+static ng_real lean_shown(const ng_adapt *adapt)
+{
+    const ng_real length = adapt->since, square = length * length;
+    const ng_real slope[3] = {NG(2.0) * square, NG(-6.0) * length, NG(4.0)};
+    const ng_real share[3] = {square, NG(-2.0) * length, NG(1.0)};
+    ng_real sums[2] = {NG(0.0), NG(0.0)};
+    for (int i = 0; i < 3; ++i) {
+        for (int j = 0; j < 2; ++j) {
+            sums[j] += slope[i] * adapt->of_momentum[i][j] +
+                       NG_WEIGHT * share[i] * adapt->of_ahead[i][j];
+        }
+    }
+    return -sums[0] / sums[1];
+}
+
+/* What the interval since the last tick adds to the sums. */
+static void add_interval(ng_adapt *adapt, const ng_real q[NG_COORDINATES], ng_real passed)
+{
+    ng_real middle[NG_COORDINATES], change[NG_COORDINATES], ahead[2], momentum[2];
+    for (int i = 0; i < NG_COORDINATES; ++i) {
+        middle[i] = NG(0.5) * (adapt->q[i] + q[i]);
+        change[i] = q[i] - adapt->q[i];
+    }
+    ng_lean(change, middle, ahead, momentum);
+    ng_real power = adapt->since + NG(0.5) * passed;
+    const ng_real time = power;
+    for (int i = 0; i < 3; ++i) {
+        for (int j = 0; j < 2; ++j) {
+            adapt->of_momentum[i][j] += power * momentum[j];
+            adapt->of_ahead[i][j] += power * time * passed * ahead[j];
+        }
+        power *= time;
+    }
+    adapt->since += passed;
+}
+
+/* Take note of a tick; at a touchdown, of the lean that the step before it showed. */
+static void learn(ng_adapt *adapt, const ng_state *state, const ng_measurement *reading,
+                  const ng_command *command)
+{
+    const ng_real passed = (ng_real)(reading->time_us - adapt->tick_us) * NG(1.0e-6);
+    const int first = command->since_touchdown >= NG_NEVER * NG(0.5);
+    if (command->touchdown) {
+        adapt->believed = state->after[LEAN];
+        if (adapt->since > adapt->least && adapt->since > NG(0.0)) {
+            const ng_real shown = lean_shown(adapt);
+            if (ng_finite(shown)) {
+                const ng_real wish = adapt->believed + LEAN_GAIN * (shown - adapt->believed);
+                adapt->believed = ng_clamp(wish, ng_command_low[LEAN], ng_command_high[LEAN]);
+                adapt->shown = shown;
+            }
+        }
+        adapt->since = NG(-1.0);
+    } else if (adapt->since >= NG(0.0)) {
+        add_interval(adapt, command->q, passed);
+    } else if (command->since_touchdown >= SETTLING - NG(1.0e-6)) {
+        adapt->since = NG(0.0);
+        adapt->least = first ? FIRST : NG(0.0);
+        for (int i = 0; i < 3; ++i) {
+            for (int j = 0; j < 2; ++j) {
+                adapt->of_momentum[i][j] = adapt->of_ahead[i][j] = NG(0.0);
+            }
+        }
+    }
+    adapt->tick_us = reading->time_us;
+    for (int i = 0; i < NG_COORDINATES; ++i) {
+        adapt->q[i] = command->q[i];
+    }
+}
+
+/* Whether a belief is on its way, so that a speed says little about the next one. */
+static int believes_anew(const ng_adapt *adapt, const ng_state *state)
+{
+    return adapt->learns && ng_abs(state->after[LEAN] - state->before[LEAN]) > LEAN_SETTLED;
+}
+#endif
+
 void ng_adapt_start(ng_adapt *adapt, const ng_real told[NG_COMMANDS])
 {
     const ng_adapt fresh = {0};
     *adapt = fresh;
+    adapt->since = NG(-1.0);
+#if NG_LEAN_COMMAND
+    const ng_real low = ng_command_low[LEAN], high = ng_command_high[LEAN];
+    adapt->learns = 1;
+    adapt->believed = told[LEAN] == told[LEAN] ? ng_clamp(told[LEAN], low, high)
+                                               : NG(0.5) * (low + high);
+#endif
     adapt->active = NG_SPEED_COMMAND > 0;
     adapt->reference = told[SPEED] == told[SPEED] ? ng_clamp(told[SPEED], LOW, HIGH)
                                                   : NG(0.5) * (LOW + HIGH);
@@ -78,18 +173,31 @@ int ng_adapt_tell(const ng_adapt *adapt, ng_state *state, const ng_real told[NG_
                                    ERROR_GAIN * adapt->error,
                                LOW, HIGH);
     }
+#if NG_LEAN_COMMAND
+    if (adapt->learns) {
+        wish[LEAN] = adapt->believed;
+    }
+#endif
     return ng_tell(state, wish);
 }
 
 void ng_adapt_step(ng_adapt *adapt, const ng_state *state, const ng_measurement *reading,
                    const ng_command *command, const ng_real told[NG_COMMANDS])
 {
-    if (command->fault != NG_NO_FAULT || !command->touchdown) {
+    if (command->fault != NG_NO_FAULT) {
+        return;
+    }
+    int heard = 1;
+#if NG_LEAN_COMMAND
+    learn(adapt, state, reading, command);
+    heard = !believes_anew(adapt, state);
+#endif
+    if (!command->touchdown) {
         return;
     }
     const ng_real width = HIGH - LOW;
     adapt->measured = measure(adapt, reading, command->leg);
-    if (adapt->measured) {
+    if (adapt->measured && heard) {
         adapt->error = ng_clamp(adapt->reference - adapt->walked, -width, width);
         integrate(adapt, state->before[SPEED], state->after[SPEED]);
     }

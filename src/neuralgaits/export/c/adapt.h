@@ -1,6 +1,7 @@
 /*
  * Adapt the commanded speed from step to step, so that a robot that is not its file walks as told:
  * another centre of mass, a slope, other friction. A gait that takes the command `speed` has this.
+ * Of a gait that takes the command `lean` it is learned where the torso's centre of mass is.
  *
  * Call ng_adapt_start beside ng_start_at, ng_adapt_tell in place of ng_tell, and ng_adapt_step after
  * every ng_step. The commands stay in the range, and the controller limits their change, so a proof
@@ -23,9 +24,18 @@ typedef struct {
     ng_real reference; /* what this step is to walk: as told, spread over steps [m/s] */
     ng_real integral;  /* of errors [m/s] */
     ng_real error;     /* of the last measured step: reference - walked [m/s] */
+    int learns;        /* 1: the lean is learned; 0: it is the one told. At any tick */
+    ng_real believed;  /* lean that the next touchdown is to latch, if it is learned [m] */
+    ng_real shown;     /* lean that the last step showed [m] */
+    uint32_t tick_us;  /* time of the last tick [us] */
+    ng_real since;     /* of the window of the step under way, to the last tick; else -1 [s] */
+    ng_real least;     /* shortest window that counts [s] */
+    ng_real q[NG_COORDINATES];   /* at the last tick [rad] */
+    ng_real of_momentum[3][2];   /* sums over the window, see control/lean_sums.py */
+    ng_real of_ahead[3][2];
 } ng_adapt;
 
-/* Before the first tick; commands as in ng_start_at. Active. */
+/* Before the first tick; commands as in ng_start_at. Both are adapted. */
 void ng_adapt_start(ng_adapt *adapt, const ng_real told[NG_COMMANDS]);
 
 /*
@@ -37,7 +47,7 @@ int ng_adapt_tell(const ng_adapt *adapt, ng_state *state, const ng_real told[NG_
 /*
  * After every ng_step, with its state, reading and command, and what was told before it. At a
  * touchdown it measures the step that ended: how far the hip went over the foot, by joint angles
- * and pitch, in that time.
+ * and pitch, in that time. The lean follows from every tick in between.
  */
 void ng_adapt_step(ng_adapt *adapt, const ng_state *state, const ng_measurement *reading,
                    const ng_command *command, const ng_real told[NG_COMMANDS]);

@@ -194,7 +194,8 @@ static ng_real balanced(const ng_real mass[NG_COORDINATES * NG_COORDINATES], ng_
  * impact that is under way, while z2 already is what it will be.
  */
 static void impact_consistent_rates(const ng_state *state, const ng_real q[NG_COORDINATES],
-                                    const ng_real z[2], ng_real dz2, ng_real dq[NG_COORDINATES])
+                                    const ng_real z[2], ng_real dz2, const ng_real *lean,
+                                    ng_real dq[NG_COORDINATES])
 {
     ng_real at[2], first[2], second[2], y[NG_ACTUATED];
     ng_real mass[NG_COORDINATES * NG_COORDINATES], bias[NG_COORDINATES];
@@ -203,7 +204,8 @@ static void impact_consistent_rates(const ng_state *state, const ng_real q[NG_CO
     const ng_real by_z1[2] = {first[0], NG(0.0)}, by_z2[2] = {NG(0.0), first[1] * dz2};
     POLICY_RATE(by_z1, at, along + 1, y);
     POLICY_RATE(by_z2, at, rest + 1, y);
-    ng_dynamics(dq, q, bias, mass);
+    (void)lean;
+    ng_dynamics(dq, NG_BELIEVED(lean) q, bias, mass);
     const ng_real dz1 = balanced(mass, z[1], along, rest);
     for (int i = 0; i < NG_COORDINATES; ++i) {
         dq[i] = along[i] * dz1 + rest[i];
@@ -228,7 +230,7 @@ static ng_real moment_at_foot(ng_real bias, ng_real dq, ng_real ankle)
 /* Torques of ddq_a = slope ddz1 + known, where ddz1 follows from the torque at the foot. */
 static void inverse_dynamics(const ng_law *law, const ng_real q[NG_COORDINATES],
                              const ng_real dq[NG_COORDINATES], const ng_desired *wanted,
-                             ng_real ankle, ng_real torque[NG_ACTUATED])
+                             ng_real ankle, const ng_real *lean, ng_real torque[NG_ACTUATED])
 {
     const ng_real w = law->bandwidth;
     ng_real mass[NG_COORDINATES * NG_COORDINATES], bias[NG_COORDINATES];
@@ -238,7 +240,8 @@ static void inverse_dynamics(const ng_law *law, const ng_real q[NG_COORDINATES],
         along[i] = wanted->slope[i - 1];
         rest[i] = wanted->drift[i - 1] - w * w * error - NG(2.0) * w * rate;
     }
-    ng_dynamics(dq, q, bias, mass);
+    (void)lean;
+    ng_dynamics(dq, NG_BELIEVED(lean) q, bias, mass);
     const ng_real ddz1 = balanced(mass, moment_at_foot(bias[0], dq[0], ankle), along, rest);
     for (int i = 0; i < NG_ACTUATED; ++i) {
         torque[i] = bias[i + 1];
@@ -254,13 +257,13 @@ static void inverse_dynamics(const ng_law *law, const ng_real q[NG_COORDINATES],
 /* Before limits. */
 static void torques(const ng_law *law, const ng_real q[NG_COORDINATES],
                     const ng_real dq[NG_COORDINATES], const ng_desired *wanted,
-                    ng_real ankle, ng_real torque[NG_ACTUATED])
+                    ng_real ankle, const ng_real *lean, ng_real torque[NG_ACTUATED])
 {
     for (int i = 0; i < NG_ACTUATED; ++i) {
         torque[i] = NG(0.0);
     }
     if (law->model) {
-        inverse_dynamics(law, q, dq, wanted, ankle, torque);
+        inverse_dynamics(law, q, dq, wanted, ankle, lean, torque);
 #ifdef NG_FRICTION_RATE
         for (int i = 0; i < NG_ACTUATED; ++i) {
             torque[i] += ng_friction[i] * ng_tanh(wanted->dy[i] / NG_FRICTION_RATE);
@@ -413,7 +416,12 @@ static void follow(const ng_config *config, ng_state *state, const ng_measuremen
 #endif
     ng_coordinates(reading->pitch, reading->angles, state->leg, command->q);
     ng_coordinates(reading->dpitch, reading->rates, state->leg, command->dq);
-    ng_zero_state(command->dq, reading->hip_velocity, command->q, ddz2, dz, command->z);
+    command->lean = NG(0.0);
+#if NG_LEAN_COMMAND
+    command->lean = state->after[NG_LEAN_COMMAND - 1];
+#endif
+    ng_zero_state(command->dq, reading->hip_velocity, NG_BELIEVED(&command->lean) command->q, ddz2,
+                  dz, command->z);
     command->ankle = NG(0.0);
 #if NG_ANKLES
     const ng_real by_weight = ddz2[0];
@@ -426,8 +434,9 @@ static void follow(const ng_config *config, ng_state *state, const ng_measuremen
     }
     if (command->touchdown && law->uses_impact_consistent_rates) {
         ng_real pinned_z[2]; /* not what is measured */
-        impact_consistent_rates(state, command->q, command->z, dz[1], command->dq);
-        ng_zero_state(command->dq, reading->hip_velocity, command->q, ddz2, dz, pinned_z);
+        impact_consistent_rates(state, command->q, command->z, dz[1], &command->lean, command->dq);
+        ng_zero_state(command->dq, reading->hip_velocity, NG_BELIEVED(&command->lean) command->q,
+                      ddz2, dz, pinned_z);
 #if NG_ANKLES
         dz[1] += command->ankle;
         ddz2[0] += ankle_rate;
@@ -444,7 +453,8 @@ static void follow(const ng_config *config, ng_state *state, const ng_measuremen
         desired.y[i] += state->shift[i];
         desired.dy[i] += state->shift_rate[i];
     }
-    torques(law, command->q, command->dq, &desired, command->ankle, command->actuated);
+    torques(law, command->q, command->dq, &desired, command->ankle, &command->lean,
+            command->actuated);
     command->relaxed[0] = command->relaxed[1] = 0;
     command->saturated = law->apply_limits
                              ? law->apply_limits(config, &desired, command)

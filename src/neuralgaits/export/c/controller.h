@@ -13,6 +13,15 @@
 #ifndef NG_COMMANDS
 #define NG_COMMANDS 0 /* a gait that is told nothing */
 #endif
+#ifndef NG_LEAN_COMMAND
+#define NG_LEAN_COMMAND 0 /* or that is not told how far the torso's centre of mass is ahead */
+#endif
+#if NG_LEAN_COMMAND
+/* Functions of the robot have the lean as an argument: the one that is believed. */
+#define NG_BELIEVED(lean) lean,
+#else
+#define NG_BELIEVED(lean)
+#endif
 
 typedef struct ng_config ng_config;
 typedef struct ng_desired ng_desired;
@@ -139,6 +148,7 @@ struct ng_command {
     ng_real y_d[NG_ACTUATED];               /* [rad] */
     ng_real dy_d[NG_ACTUATED];              /* [rad/s] */
     ng_real ankle;                          /* of a stance ankle, forward; 0 on point feet [N m] */
+    ng_real lean;                           /* that the model of this step has; 0 without [m] */
     ng_real z[2];                           /* hip ahead of the foot [m], momentum [kg m^2/s] */
     int leg;
     ng_real since_touchdown;                /* [s] */

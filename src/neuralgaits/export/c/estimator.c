@@ -8,12 +8,13 @@ void ng_estimator_start(ng_estimator *estimator)
 }
 
 /* Momentum about the foot that stands now, one period later. */
-static ng_real momentum(const ng_measurement *last, int leg, ng_real ankle)
+static ng_real momentum(const ng_measurement *last, int leg, ng_real ankle, const ng_real *lean)
 {
     ng_real q[NG_COORDINATES], dq[NG_COORDINATES], z[2], dz[2], ddz2[1];
     ng_coordinates(last->pitch, last->angles, leg, q);
     ng_coordinates(last->dpitch, last->rates, leg, dq);
-    ng_zero_state(dq, last->hip_velocity, q, ddz2, dz, z);
+    (void)lean;
+    ng_zero_state(dq, last->hip_velocity, NG_BELIEVED(lean) q, ddz2, dz, z);
     return z[1] + NG_PERIOD * (dz[1] + ankle);
 }
 
@@ -36,13 +37,14 @@ static void follow_joints(ng_estimator *estimator, const ng_real gains[3],
 }
 
 /* Rates of all links from the momentum, and with them the hip's velocity. */
-static void stand(ng_measurement *now, int leg, ng_real z2, ng_real extra)
+static void stand(ng_measurement *now, int leg, ng_real z2, ng_real extra, const ng_real *lean)
 {
     ng_real q[NG_COORDINATES], rates[NG_COORDINATES], dq[NG_COORDINATES];
     const ng_measurement *seen = now;
     ng_coordinates(seen->pitch, seen->angles, leg, q);
     ng_coordinates(NG(0.0), seen->rates, leg, rates);
-    ng_pinned(rates + 1, &extra, q, &z2, dq, now->hip_velocity);
+    (void)lean;
+    ng_pinned(rates + 1, &extra, NG_BELIEVED(lean) q, &z2, dq, now->hip_velocity);
     now->dpitch = dq[0];
     for (int i = 1; i < NG_COORDINATES; ++i) {
         now->dpitch += ng_pitch_row[leg][i] * dq[i];
@@ -87,12 +89,17 @@ void ng_estimate(ng_estimator *estimator, const ng_state *state, ng_measurement 
         return;
     }
     const int quick = state->since_touchdown < NG_QUICK;
-    const ng_real z2 = momentum(now, state->leg, state->ankle);
+#if NG_LEAN_COMMAND
+    const ng_real *lean = &state->after[NG_LEAN_COMMAND - 1];
+#else
+    const ng_real *lean = 0;
+#endif
+    const ng_real z2 = momentum(now, state->leg, state->ankle, lean);
     const ng_real pitch = now->pitch + NG_PERIOD * now->dpitch;
     const ng_real missed = reading->pitch - pitch;
     follow_joints(estimator, ng_joint_gain[quick], reading);
     now->pitch = pitch + ng_pitch_gain[0] * missed;
-    stand(now, state->leg, z2, ng_pitch_gain[1] * missed);
+    stand(now, state->leg, z2, ng_pitch_gain[1] * missed, lean);
     now->time_us = reading->time_us;
     for (int leg = 0; leg < NG_LEGS; ++leg) {
         now->normal_force[leg] = reading->normal_force[leg];

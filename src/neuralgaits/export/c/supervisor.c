@@ -34,7 +34,9 @@ static void look(const ng_measurement *reading, int leg, ng_pose *pose)
     ng_coordinates(reading->pitch, reading->angles, leg, pose->q);
     ng_coordinates(reading->dpitch, reading->rates, leg, pose->dq);
     ng_feet(pose->q, pose->foot, hip);
-    ng_zero_state(pose->dq, reading->hip_velocity, pose->q, ddz2, dz, pose->z);
+    const ng_real lean = NG(0.0); /* of the robot's file */
+    (void)lean;
+    ng_zero_state(pose->dq, reading->hip_velocity, NG_BELIEVED(&lean) pose->q, ddz2, dz, pose->z);
     pose->ahead = dz[1] / NG_WEIGHT; /* the weight's moment is all that changes the momentum */
     pose->tips = pose->z[1] + dz[1] / NG_PENDULUM;
 }

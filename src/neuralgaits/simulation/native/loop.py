@@ -22,6 +22,7 @@ from neuralgaits._types import Float
 from neuralgaits.control import Controller
 from neuralgaits.control.speed_adapter import ADAPTED
 from neuralgaits.errors import InputError, NonFiniteError
+from neuralgaits.gait.commands import LEAN
 from neuralgaits.simulation.native.compiled_walk import Library
 from neuralgaits.simulation.native.native_scene import scene_of
 from neuralgaits.simulation.native.records import record_of
@@ -131,6 +132,7 @@ class _Episode:
         library.start(byref(walk), 0, pointer(first))
         if first.size:
             walk.adapt.active = int(ADAPTED in given.adapt)
+            walk.adapt.learns = int(LEAN in given.adapt)
         self._orders = _Orders(given.orders, self._number)
         self._rises = np.zeros(0)
         self._meet_ground()

@@ -177,7 +177,7 @@ static int minimise(const program *of, point *at)
 static void accelerations(const ng_command *command, double table[N][N + COLUMNS])
 {
     double mass[N * N], bias[N];
-    ng_dynamics(command->dq, command->q, bias, mass);
+    ng_dynamics(command->dq, NG_BELIEVED(&command->lean) command->q, bias, mass);
 #if NG_ANKLES
     bias[0] += command->ankle - NG_ANKLE_DAMPING * command->dq[0];
 #endif
@@ -233,7 +233,7 @@ static void forces(const ng_command *command, double table[N][N + COLUMNS],
                    double force[2][COLUMNS])
 {
     double by[2 * N], still[2];
-    ng_ground(command->dq, command->q, by, still);
+    ng_ground(command->dq, NG_BELIEVED(&command->lean) command->q, by, still);
     for (int a = 0; a < 2; ++a) {
         for (int j = 0; j < COLUMNS; ++j) {
             force[a][j] = j == 0 ? still[a] : 0.0;

@@ -80,7 +80,7 @@ void ng_walk_start(ng_walk *walk, int leg, const double *command)
         ng_start_at(&walk->controller, leg, command);
     }
     ng_adapt_start(&walk->adapt, walk->controller.requested);
-    walk->adapt.active = 0;
+    walk->adapt.active = walk->adapt.learns = 0;
 #else
     (void)command;
 #endif
