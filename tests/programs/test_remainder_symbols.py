@@ -127,12 +127,14 @@ def test_paths_through_a_chosen_value_end_in_its_derivative():
     assert chosen.paths[0, 0] == abs(chosen.derivative[0, 0])
 
 
-def test_a_search_needs_fewer_boxes(monkeypatch):
-    program = trace(lambda u: {"h": 0.24 + cancelling(u)["h"]}, {"u": (2,)})
+@pytest.mark.parametrize(("axes", "limit"), [(2, "HARD_IN_PLANE"), (3, "HARD")])
+def test_a_search_needs_fewer_boxes(axes, limit, monkeypatch):
+    program = trace(lambda u: {"h": 0.24 + cancelling(u)["h"]}, {"u": (axes,)})
+    low, high = (*LOW, 0.0)[:axes], (*HIGH, 0.1)[:axes]
     counts = {}
     for hard in (0, 10**9):
-        monkeypatch.setattr(branch_and_bound, "HARD", hard)
-        problem = Problem("all", LOW, HIGH, ("h",), (1.0,), program)
+        monkeypatch.setattr(branch_and_bound, limit, hard)
+        problem = Problem("all", low, high, ("h",), (1.0,), program)
         state = branch_and_bound.start(problem, lambda name, u: None)
         state = branch_and_bound.search(
             problem, state, lambda name, u: None, phase="decide", most=20_000

@@ -15,6 +15,7 @@ from typing import Literal
 import numpy as np
 
 from neuralgaits._types import Float
+from neuralgaits.certificate.chart import PLANE
 from neuralgaits.certificate.search.axis_costs import with_axis_costs
 from neuralgaits.certificate.search.box_tree import BoxTree
 from neuralgaits.certificate.search.problem import BoundAll, Bounds, Boxes, Problem
@@ -32,9 +33,10 @@ MAX_BOXES, TIGHTEN_BOXES = 150_000, 20_000
 """Most boxes added by one search of a root without a deadline, to decide and to raise margins."""
 MOST_POINTS = 2**14
 """Most centres of new boxes that are evaluated; those with the lowest bounds are chosen."""
-HARD = 64
-"""Number of boxes from which on bounds are made with symbols for remainders: more than those of the
-start in few axes. Choosing symbols takes as long as bounding about a hundred boxes."""
+HARD, HARD_IN_PLANE = 64, 500
+"""Numbers of boxes from which on bounds are made with symbols for remainders: in more axes than two
+once the first boxes are bounded. In the plane boxes are cheap, and margins are read: the more boxes
+the nearer they come to the smallest margin seen."""
 CORNER_ROUNDS = 2
 """Number of searches for ends of late axes at which margins are smaller."""
 POINTS = 33 * 33
@@ -121,8 +123,8 @@ def search(
         if not len(work):
             break
         lacking = missing(problem, state, phase)[work]
-        hard = len(state.tree.first) >= HARD
-        by = problem.with_symbols if hard else problem
+        hard = HARD if len(problem.low) > PLANE else HARD_IN_PLANE
+        by = problem.with_symbols if len(state.tree.first) >= hard else problem
         state = _round(by, state, work, lacking, confirm, deadline, bound_all or bound_here)
         if progress is not None:
             progress(state)

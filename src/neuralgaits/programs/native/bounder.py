@@ -16,8 +16,7 @@ from neuralgaits.programs.remainder_symbols import MOST_SYMBOLS, count_of
 
 MOST_THREADS = 16
 ROOM = (0, 4, 8, MOST_SYMBOLS)
-"""Numbers of symbols for which code is compiled. Room for four costs a quarter of the time of
-bounds without any, and room for sixteen as much as they."""
+"""Numbers of symbols for which code is compiled: room for sixteen doubles the time of bounds."""
 
 
 class Bounder:
