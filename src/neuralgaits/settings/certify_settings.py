@@ -41,7 +41,7 @@ _Ranges = Annotated[
 
 @dataclass(frozen=True)
 class CertifySettings(Settings):
-    """Settings of `certify`."""
+    """Settings of `certify`: what is to be proved of which gait, and how long it may take."""
 
     run: Run
     """Run folder, or latest."""
@@ -91,13 +91,13 @@ class CertifySettings(Settings):
 
     @property
     def highest(self) -> int:
-        """Highest level to prove."""
+        """Highest level that is to be proved, the usual one if none is asked for."""
         return HIGHEST_OF_MANY if self.level is None else self.level
 
 
 @dataclass(frozen=True)
 class CheckProofSettings(Settings):
-    """Settings of `check-proof`."""
+    """Settings of `check-proof`: the file, the run that it must be about, and the arithmetic."""
 
     file: Annotated[Positional[Path], arg(metavar="FILE")]
     """Proof file, or the run folder that has one, or latest."""

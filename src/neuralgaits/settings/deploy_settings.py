@@ -1,4 +1,4 @@
-"""Settings of the verb `check-deploy`."""
+"""Settings of the verb `check-deploy`, for command line and Python call alike."""
 
 from dataclasses import KW_ONLY, dataclass
 from typing import Annotated
@@ -11,7 +11,7 @@ from neuralgaits.settings.shared_options import A_PATH, ONE_PATH, AnyName, AnyPa
 
 @dataclass(frozen=True)
 class CheckDeploySettings(Settings):
-    """Settings of `check-deploy`."""
+    """Settings of `check-deploy`: a deployment file and a log of the robot that it describes."""
 
     file: Annotated[Positional[AnyPath], arg(metavar="deploy.yaml"), ONE_PATH]
     """Deployment file."""

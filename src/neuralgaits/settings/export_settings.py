@@ -1,4 +1,4 @@
-"""Settings of the verb `export`."""
+"""Settings of the verb `export`, for command line and Python call alike."""
 
 from dataclasses import KW_ONLY, dataclass
 from typing import Annotated, Literal
@@ -15,7 +15,7 @@ Format = Annotated[Literal["c", "onnx", "fmu", "fmu2", "ros2", "vnnlib"], Python
 
 @dataclass(frozen=True)
 class ExportSettings(Settings):
-    """Settings of `export`."""
+    """Settings of `export`: which gait, in which format, for which hardware."""
 
     run: Run
     """Run folder, or latest."""

@@ -194,7 +194,7 @@ def _list(name: str, text: str) -> list[str]:
 
 
 def speed_word(value: float | Interval) -> str:
-    """Write what `speed` reads."""
+    """Write a value as a word that `speed` reads back exactly."""
     return interval_word(value) if isinstance(value, tuple) else repr(value)
 
 
@@ -209,7 +209,7 @@ def slope_word(ends: Interval) -> str:
 
 
 def ranges_word(values: Mapping[str, Interval]) -> str:
-    """Write what `ranges` reads."""
+    """Write a value as a word that `ranges` reads back exactly."""
     words = {
         name: slope_word(ends) if name == "slope" else interval_word(ends)
         for name, ends in values.items()
@@ -223,17 +223,17 @@ def numbers_word(values: Iterable[float]) -> str:
 
 
 def disturbance_word(bounds: tuple[float, float] | str) -> str:
-    """Write what `disturbance` reads."""
+    """Write a value as a word that `disturbance` reads back exactly."""
     return bounds if isinstance(bounds, str) else numbers_word(bounds)
 
 
 def seeds_word(ends: tuple[int, int]) -> str:
-    """Write what `seeds` reads."""
+    """Write a value as a word that `seeds` reads back exactly."""
     return f"{ends[0]}:{ends[1]}"
 
 
 def speeds_word(values: Iterable[float | Interval]) -> str:
-    """Write what `speeds` reads."""
+    """Write a value as a word that `speeds` reads back exactly."""
     return ",".join(map(speed_word, values))
 
 

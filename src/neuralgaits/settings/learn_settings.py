@@ -43,7 +43,7 @@ else:
 
 @dataclass(frozen=True)
 class FitSettings(Settings):
-    """Settings of `fit`."""
+    """Settings of `fit`: the logs that a run's residual is learned from."""
 
     run: Run
     """Run folder, or latest."""
@@ -68,7 +68,7 @@ class FitSettings(Settings):
 
 @dataclass(frozen=True)
 class RefineSettings(Settings):
-    """Settings of `refine`."""
+    """Settings of `refine`: how a policy is trained further on what was learned."""
 
     run: Run
     """Run folder, or latest."""
@@ -103,7 +103,7 @@ class RefineSettings(Settings):
 
 @dataclass(frozen=True)
 class EpisodesSettings(Settings):
-    """Settings of `episodes`."""
+    """Settings of `episodes`: rounds of walking, learning and refining."""
 
     robot: OwnRobot = None
     """The model: name of a built-in robot, or path of an MJCF file; the run's own with

@@ -1,4 +1,4 @@
-"""Settings of the verb `simulate`."""
+"""Settings of the verb `simulate`, for command line and Python call alike."""
 
 from dataclasses import KW_ONLY, dataclass
 from typing import Annotated, Literal
@@ -27,7 +27,7 @@ from neuralgaits.settings.shared_options import (
 
 @dataclass(frozen=True)
 class SimulateSettings(Settings):
-    """Settings of `simulate`."""
+    """Settings of `simulate`: the walks, the law, the plant and what disturbs it."""
 
     run: Run
     """Run folder, or latest."""

@@ -1,4 +1,4 @@
-"""Settings of the verb `sweep`."""
+"""Settings of the verb `sweep`, for command line and Python call alike."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass
@@ -51,7 +51,7 @@ _Speeds = Annotated[
 
 @dataclass(frozen=True)
 class SweepSettings(Settings):
-    """Settings of `sweep`."""
+    """Settings of `sweep`: which combinations are trained, proved and walked, and where."""
 
     robots: Annotated[Positional[Robots], arg(metavar="[ROBOT...]"), SOME_PATHS] = ()
     """Names of built-in robots, or paths of MJCF files; the sweep's own with --resume."""

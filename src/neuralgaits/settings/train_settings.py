@@ -106,7 +106,7 @@ class GaitSettings(Settings):
 
 @dataclass(frozen=True, kw_only=True)
 class TrainSettings(GaitSettings):
-    """Settings of `train`."""
+    """Settings of `train`: the robot, what its gait is to do, and how it is trained."""
 
     seed: Number = None
     """Seed of initial weights and samples; 0 if not given."""
@@ -170,7 +170,7 @@ class TrainSeedsSettings(GaitSettings):
 
 @dataclass(frozen=True)
 class OptimiseSettings(Settings):
-    """Settings of `optimise`."""
+    """Settings of `optimise`: the robot, and the speed that the gait is for."""
 
     robot: Robot
     """Name of a built-in robot, or path of an MJCF file."""
@@ -188,7 +188,7 @@ class OptimiseSettings(Settings):
 
 @dataclass(frozen=True)
 class ImportGaitSettings(Settings):
-    """Settings of `import-gait`."""
+    """Settings of `import-gait`: the file of the gait, and the robot."""
 
     file: Annotated[Positional[Path], arg(metavar="FILE.json")]
     """Joints, control points [rad] and phase, in the format of docs/optimise.md."""
