@@ -176,6 +176,17 @@ def runs_traced_once(tmp_path_factory: pytest.TempPathFactory):
         yield traced
 
 
+@pytest.fixture(scope="session", autouse=True)
+def results_are_kept(runs_traced_once):
+    """Of functions that tests have computed for equal arguments, as long as nobody patches them."""
+    from support.kept_results import KeptResults
+
+    with pytest.MonkeyPatch.context() as patch:
+        kept = KeptResults()
+        kept.patch(patch)
+        yield kept
+
+
 @pytest.fixture(autouse=True)
 def trust_in_what_was_traced(runs_traced_once):
     """Until a test patches the program: from then on it traces its runs itself."""

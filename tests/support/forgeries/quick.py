@@ -27,7 +27,8 @@ Traced = dict[Any, Any]
 class _Taken:
     """A statement that is not looked at."""
 
-    verdict, reason, boxes = "holds", None, 0
+    verdict, reason = "holds", None
+    boxes = boxes_in_balls = 0
 
     def walk(self, leaves: object) -> Iterator[int]:
         return iter(())
@@ -48,10 +49,10 @@ def statements_taken_as_checked(known: Container[str] | None = None) -> Iterator
     """
     check = StatementCheck.of
 
-    def of(program: Program, statement: claims.Statement, leaves: int) -> Any:
+    def of(program: Program, statement: claims.Statement, *how: Any) -> Any:
         if known is None or _stated(program, statement) in known:
             return _Taken()
-        return check(program, statement, leaves)
+        return check(program, statement, *how)
 
     with ExitStack() as stack:
         stack.enter_context(mock.patch.object(StatementCheck, "of", of))
