@@ -51,21 +51,23 @@ class LengthPolicy(eqx.Module):
     @property
     def sweep(self) -> Float[Array, ""]:
         """Range of the lean over a stance [rad]."""
-        return self.ends[1] - self.ends[0]
+        ends = jnp.asarray(self.ends)
+        return ends[1] - ends[0]
 
     def lean(self, s: Float[Array, ""]) -> Float[Array, ""]:
         """Return theta at a progress of the stance [rad]."""
-        return self.ends[0] + self.sweep * s
+        return jnp.asarray(self.ends)[0] + self.sweep * s
 
     def landing_length(self, robot: Hopper) -> Float[Array, ""]:
         """Return the length at touchdown: the centre of mass is as high as at lift-off [m]."""
-        moment = robot.mass_moment(self.ends[2]) * jnp.cos(self.ends[1]) / jnp.cos(self.ends[0])
+        touch, lift, length, _ = jnp.asarray(self.ends)
+        moment = robot.mass_moment(length) * jnp.cos(lift) / jnp.cos(touch)
         return robot.length_with_moment(moment)
 
     def flight(self, robot: Hopper) -> Flight:
         """Return the flight between two stances."""
-        touch = self.ends[0], self.landing_length(robot)
-        return flight(robot, (self.ends[1], self.ends[2], self.ends[3]), touch)
+        touch, lean, length, push = jnp.asarray(self.ends)
+        return flight(robot, (lean, length, push), (touch, self.landing_length(robot)))
 
     def length(
         self, robot: Hopper, s: Float[Array, ""], sigma: Float[Array, ""]
