@@ -24,7 +24,7 @@ from neuralgaits.systems.family_page import PAGE
 from neuralgaits.systems.family_run import open_family_run
 from neuralgaits.systems.family_training import train_family
 from neuralgaits.systems.hopper.flight_plan import FlightPlan, LegState
-from neuralgaits.systems.hopper.hop_episodes import trace_hops
+from neuralgaits.systems.hopper.hop_episodes import HopSimulation, trace_hops
 from neuralgaits.systems.hopper.hop_levels import CONVERGES, TABLE, conclude, with_hop_levels
 from neuralgaits.systems.hopper.hop_tube import HopTube
 from neuralgaits.systems.hopper.hopper_file import is_hopper, read_hopper
@@ -176,7 +176,7 @@ def test_a_tube_that_is_too_wide_is_refuted(hopper_run, tmp_path):
 @pytest.mark.slow
 @pytest.mark.parametrize("level", [0.05, 0.95])
 def test_hops_in_mujoco_stay_in_the_tube_and_come_closer(hopper_run, level):
-    trace = trace_hops(hopper_run, level, 5)
+    trace = trace_hops(HopSimulation(hopper_run), level, 5)
     levels = trace.touchdowns[:, 2]
     assert not trace.fell and len(levels) == 6
     assert np.all((levels > 0.0) & (levels < 1.0))
@@ -189,7 +189,7 @@ def test_hops_in_mujoco_stay_in_the_tube_and_come_closer(hopper_run, level):
 @pytest.mark.slow
 def test_a_hopper_that_is_let_go_falls(hopper_run):
     spoilt = replace(hopper_run, robot=replace(hopper_run.robot, upper_mass=0.5))
-    assert trace_hops(spoilt, 0.5, 5).fell
+    assert trace_hops(HopSimulation(spoilt), 0.5, 5).fell
 
 
 @pytest.mark.slow

@@ -139,7 +139,8 @@ class HopSimulation:
         self.touchdowns: list[tuple[float, ...]] = []
 
     def put(self, level: float) -> None:
-        """Start a stance at a level of the tube."""
+        """Start an episode with a stance at a level of the tube."""
+        self.ticks, self.touchdowns = [], []
         mujoco.mj_resetData(self.model, self.world)
         lean, length = self.landing
         zero = jnp.zeros(())
@@ -177,19 +178,17 @@ class HopSimulation:
 
     def momentum(self) -> float:
         """Return the momentum about the foot, whether it is pinned or not [kg m^2/s]."""
-        robot, leg, hip_rates = self.robot, self.leg(), self.world.qvel[:2]
-        along = np.array([np.sin(leg.lean), np.cos(leg.lean)])
-        across = np.array([along[1], -along[0]])
-        found = self.wheel_momentum()
-        found += (robot.upper_inertia + robot.foot_inertia) * leg.turning
-        parts = (
-            (robot.upper_mass, leg.length + robot.upper_offset, robot.upper_offset, 0.0),
-            (robot.foot_mass, robot.foot_offset, robot.foot_offset - leg.length, leg.sliding),
+        robot, leg = self.robot, self.leg()
+        sine, cosine = math.sin(leg.lean), math.cos(leg.lean)
+        # The hip's velocity across the leg; what lies on the leg's line turns about the hip.
+        hip = cosine * float(self.world.qvel[0]) - sine * float(self.world.qvel[1])
+        upper, foot = robot.upper_offset, robot.foot_offset - leg.length
+        return (
+            self.wheel_momentum()
+            + (robot.upper_inertia + robot.foot_inertia) * leg.turning
+            + robot.upper_mass * (leg.length + upper) * (hip + upper * leg.turning)
+            + robot.foot_mass * robot.foot_offset * (hip + foot * leg.turning)
         )
-        for mass, from_foot, from_hip, sliding in parts:
-            velocity = hip_rates + from_hip * leg.turning * across - sliding * along
-            found += mass * from_foot * float(across @ velocity)
-        return found
 
     def step(self, torque: float, force: float, *, stance: bool) -> None:
         """Move the simulator by a step under a torque of the wheel and a force of the leg."""
@@ -233,15 +232,14 @@ class HopSimulation:
         return False
 
 
-def trace_hops(run: FamilyRun, level: float, hops: int) -> HopTrace:
+def trace_hops(simulation: HopSimulation, level: float, hops: int) -> HopTrace:
     """Simulate one episode.
 
     Args:
-        run: the run.
+        simulation: of the run; one serves for many episodes.
         level: of the tube at the first touchdown.
         hops: stances, each with its flight.
     """
-    simulation = HopSimulation(run)
     simulation.put(level)
     simulation.touch(np.nan)
     up = True
@@ -256,7 +254,8 @@ def simulate_hops(run: FamilyRun, episodes: int, seed: int) -> HopEpisodes:
     """Simulate episodes from random levels of the tube."""
     began, robot = time.perf_counter(), run.robot
     levels = np.random.default_rng(seed).uniform(0.0, 1.0, episodes)
-    found = [trace_hops(run, float(level), HOPS) for level in levels]
+    simulation = HopSimulation(run)
+    found = [trace_hops(simulation, float(level), HOPS) for level in levels]
     ticks: Any = np.concatenate([one.ticks for one in found])
     touched = np.concatenate([one.touchdowns[1:] for one in found])
     moved = sum(one.ticks[-1, 1] - one.ticks[0, 1] for one in found)

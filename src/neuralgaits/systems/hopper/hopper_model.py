@@ -7,15 +7,16 @@ sigma' = g G(l) sin(theta). In flight the centre of mass falls freely, and the m
 stays, whatever leg and wheel do.
 """
 
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
-import equinox as eqx
 import jax.numpy as jnp
 
 from neuralgaits._types import Array, Float
 
 
-class Hopper(eqx.Module):
+@dataclass(frozen=True)
+class Hopper:
     """Numbers of a hopper, in SI units. Lengths are numbers or scalar arrays.
 
     Attributes:
@@ -46,7 +47,7 @@ class Hopper(eqx.Module):
     force_limit: float
     torque_limit: float
     friction: float
-    name: str = eqx.field(static=True)
+    name: str
 
     @property
     def mass(self) -> float:

@@ -24,7 +24,12 @@ from neuralgaits.systems.hopper import (
     length_policy,
 )
 from neuralgaits.systems.hopper.hop_conditions import HopController, hop_margins
-from neuralgaits.systems.hopper.hop_episodes import HopEpisodes, simulate_hops, trace_hops
+from neuralgaits.systems.hopper.hop_episodes import (
+    HopEpisodes,
+    HopSimulation,
+    simulate_hops,
+    trace_hops,
+)
 from neuralgaits.systems.hopper.hop_figures import draw_hops, draw_tube
 from neuralgaits.systems.hopper.hop_levels import TABLE, conclude
 from neuralgaits.systems.hopper.hop_training import DEGREE, sampled_hops, train_hopper
@@ -244,7 +249,8 @@ class HopperSystem(ProvedSystem):
     def page_figures(self, run: FamilyRun) -> Sequence[tuple[Figure, str]]:
         """Draw the tube, and hops in MuJoCo."""
         levels = np.linspace(0.0, 1.0, SHOWN_EPISODES)
-        traces = [trace_hops(run, float(level), SHOWN_HOPS) for level in levels]
+        simulation = HopSimulation(run)
+        traces = [trace_hops(simulation, float(level), SHOWN_HOPS) for level in levels]
         tube = draw_tube(run.robot, run.controller, traces)
         return (
             (tube, "The tube's fences, lengths of the leg at them, and levels in MuJoCo"),
