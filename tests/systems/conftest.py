@@ -1,4 +1,4 @@
-"""A cart-pole's run, trained for a few steps and certified."""
+"""A cart-pole's run, trained for a few steps and certified; the biped in three dimensions."""
 
 import shutil
 
@@ -7,6 +7,7 @@ import pytest
 from neuralgaits.systems.cartpole.cartpole_verbs import SYSTEM
 from neuralgaits.systems.family_certificate import certify_family
 from neuralgaits.systems.family_run import open_family_run
+from neuralgaits.systems.walker3d.spatial_mjcf import BUILT_IN, read_spatial, spatial_text
 
 
 @pytest.fixture(scope="session")
@@ -20,3 +21,8 @@ def cartpole_run(small_cartpole, tmp_path_factory):
 @pytest.fixture(scope="session")
 def cartpole_certificate(cartpole_run):
     return certify_family(cartpole_run)
+
+
+@pytest.fixture(scope="session")
+def spatial_robot():
+    return read_spatial(*spatial_text(BUILT_IN))
