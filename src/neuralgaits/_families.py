@@ -8,7 +8,10 @@ for, NAME_retrace traces a run again in a process of its own. Nothing here needs
 from collections.abc import Mapping
 from typing import Any
 
-FAMILIES = {"cartpole": "neuralgaits.systems.cartpole"}
+FAMILIES = {
+    "cartpole": "neuralgaits.systems.cartpole",
+    "walker3d": "neuralgaits.systems.walker3d",
+}
 """Module of each family, by the name that configs of runs and models of proof files have for it."""
 
 

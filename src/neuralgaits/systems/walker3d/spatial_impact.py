@@ -7,6 +7,7 @@ reflected, so that the stance leg is the right one again.
 from typing import NamedTuple
 
 import jax.numpy as jnp
+import numpy as np
 
 from neuralgaits._types import Array, Float
 from neuralgaits.robots.linear import solve
@@ -28,6 +29,10 @@ from neuralgaits.systems.walker3d.spatial_pose import (
     mirrored,
 )
 from neuralgaits.systems.walker3d.spatial_walker import SpatialWalker
+
+SWAPPED = np.array([0, 1, 5, 6, 7, 2, 3, 4])
+SIGNS = np.array([-1.0, 1.0, -1.0, 1.0, 1.0, -1.0, 1.0, 1.0])
+"""Order and signs of the reflected robot's joints: its legs swap, and rolls change sign."""
 
 
 class SpatialImpact(NamedTuple):
@@ -89,6 +94,4 @@ def impact(
 
 def mirrored_rates(dq: Float[Array, "8"]) -> Float[Array, "8"]:
     """Return joint angles or rates of the reflected robot, the legs swapped: rolls change sign."""
-    order = jnp.array([0, 1, 5, 6, 7, 2, 3, 4])
-    signs: Array = jnp.array([-1.0, 1.0, -1.0, 1.0, 1.0, -1.0, 1.0, 1.0], dq.dtype)
-    return signs * dq[order]
+    return jnp.asarray(SIGNS, dq.dtype) * dq[SWAPPED]
