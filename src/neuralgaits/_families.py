@@ -11,6 +11,7 @@ from typing import Any
 FAMILIES = {
     "cartpole": "neuralgaits.systems.cartpole",
     "hopper": "neuralgaits.systems.hopper",
+    "walker3d": "neuralgaits.systems.walker3d",
 }
 """Module of each family, by the name that configs of runs and models of proof files have for it."""
 

@@ -1,4 +1,4 @@
-"""A cart-pole's run, trained for a few steps and certified."""
+"""A cart-pole's run, trained for a few steps and certified; the biped in three dimensions."""
 
 import shutil
 
@@ -7,6 +7,9 @@ import pytest
 from neuralgaits.systems.cartpole.cartpole_verbs import SYSTEM
 from neuralgaits.systems.family_certificate import certify_family
 from neuralgaits.systems.family_run import open_family_run
+from neuralgaits.systems.system_family import ProgressCallbacks
+from neuralgaits.systems.walker3d.spatial_mjcf import BUILT_IN, read_spatial, spatial_text
+from neuralgaits.systems.walker3d.walker3d_verbs import train
 
 
 @pytest.fixture(scope="session")
@@ -20,3 +23,16 @@ def cartpole_run(small_cartpole, tmp_path_factory):
 @pytest.fixture(scope="session")
 def cartpole_certificate(cartpole_run):
     return certify_family(cartpole_run)
+
+
+@pytest.fixture(scope="session")
+def spatial_robot():
+    return read_spatial(*spatial_text(BUILT_IN))
+
+
+@pytest.fixture(scope="session")
+def spatial_run(tmp_path_factory):
+    """The gait that `train walker3d` finds."""
+    folder = tmp_path_factory.mktemp("walker3d")
+    train(BUILT_IN, progress=ProgressCallbacks(), out=folder / "run", root=folder)
+    return folder / "run"

@@ -54,8 +54,9 @@ class SimulateSettings(Settings):
     start: Literal["centre", "region", "fixed-point"] = "centre"
     """Initial states: middle of the region, random in it, or on the periodic orbit."""
     push: Annotated[float | None, arg(metavar="NS")] = None
-    """Impulse of a push [N s], forward positive, at most 10000 either way, over 0.1 s, within half
-    a second of touchdown 5 (half-way in shorter walks); the result says how many walks it ended."""
+    """Impulse of a push [N s], forward positive (in three dimensions to the left), at most 10000
+    either way, over 0.1 s, within half a second of touchdown 5 (half-way in shorter walks); the
+    result says how many walks it ended."""
     disturb: Changes = None
     """Differences between plant and model, as in friction=0.4,delay_ms=4."""
     gains: Gains = None

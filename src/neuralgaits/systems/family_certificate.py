@@ -149,16 +149,16 @@ def _summary(
     searched: Sequence[Searched],
 ) -> CertificateRecord:
     """Return the summary of a search, without files and time."""
-    level = run.system.highest if level is None else level
+    to = int(run.system.highest) if level is None else level
     open_ = [name for name, one in verdicts.items() if one.verdict == "undecided"]
     summary = CertificateRecord(
         run=str(run.path),
         robot=run.config.robot,
         spec=run.config.spec,
         verdict="undecided",
-        level=level,
+        level=to,
         conditions=verdicts,
-        levels=run.system.conclude(bounds, run.config, level),
+        levels=run.system.conclude(bounds, run.config, to),
         sha256={},
         wall_s=0.0,
         boxes=box_count([state for _, state in searched]),

@@ -9,10 +9,10 @@ from neuralgaits.records.installed import BuiltIn, CatalogueEntry
 from neuralgaits.robots.mjcf.text import standalone_text
 from neuralgaits.runs.atomic import write_new
 from neuralgaits.runs.shell_words import command
-from neuralgaits.systems.proved_system import ProvedSystem
+from neuralgaits.systems.trained_system import TrainedSystem
 
 
-def robot_text(system: ProvedSystem, source: str | Path) -> tuple[str, str]:
+def robot_text(system: TrainedSystem, source: str | Path) -> tuple[str, str]:
     """Return the MJCF text of a built-in robot or of a file, and a name for it.
 
     Raises: RobotError if the file cannot be read.
@@ -23,12 +23,12 @@ def robot_text(system: ProvedSystem, source: str | Path) -> tuple[str, str]:
     return standalone_text(path), printable(path.stem)
 
 
-def inspect_robot(system: ProvedSystem, source: str | Path) -> Any:
+def inspect_robot(system: TrainedSystem, source: str | Path) -> Any:
     """Describe a robot file. Raises: RobotError with all that is wrong with it."""
     return system.robot_facts(*system.read(*robot_text(system, source)))
 
 
-def write_robot(system: ProvedSystem, name: str, out: Path | None) -> BuiltIn:
+def write_robot(system: TrainedSystem, name: str, out: Path | None) -> BuiltIn:
     """Write a built-in robot's file. Raises: InputError if there is a file, or no name."""
     if out is None:
         line = command("robots", name, "--out", f"{name}.xml")

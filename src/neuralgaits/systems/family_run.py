@@ -15,7 +15,7 @@ from neuralgaits.records.training_config import Seed, Steps
 from neuralgaits.runs import RunFolder, resolve
 from neuralgaits.runs.json_files import refuse_misshapen
 from neuralgaits.runs.names import CONFIG, ROBOT, SUMMARY, WEIGHTS
-from neuralgaits.systems.proved_system import ProvedSystem
+from neuralgaits.systems.trained_system import TrainedSystem
 
 LARGEST_WEIGHT = 1e6
 """Largest magnitude of a weight that a training leaves."""
@@ -72,7 +72,7 @@ class FamilyRun:
     """A run with everything it came from.
 
     Attributes:
-        system: the family's own part.
+        system: the family's own part, a `TrainedSystem`; a `ProvedSystem` where it has proofs.
         folder: on disk.
         config: what was asked.
         robot: the model.
@@ -80,7 +80,7 @@ class FamilyRun:
         controller: what training found.
     """
 
-    system: ProvedSystem
+    system: Any
     folder: RunFolder
     config: Any
     robot: Any
@@ -98,7 +98,7 @@ class FamilyRun:
         return self.system.summary.read(self.path / SUMMARY)
 
 
-def open_family_run(system: ProvedSystem, run: str | Path) -> FamilyRun:
+def open_family_run(system: TrainedSystem, run: str | Path) -> FamilyRun:
     """Open a finished run. Raises: RunError if it is none of this family, or damaged."""
     folder, family = resolve(run), system.family
     if folder.config.get("family") != family.name:

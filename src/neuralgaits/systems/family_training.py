@@ -14,11 +14,11 @@ from neuralgaits.runs.names import ROBOT, SPEC, WEIGHTS
 from neuralgaits.runs.only_writer import only_writer
 from neuralgaits.systems.family_files import robot_text
 from neuralgaits.systems.family_run import FamilyRun
-from neuralgaits.systems.proved_system import ProvedSystem, TrainingProgress
+from neuralgaits.systems.trained_system import TrainedSystem, TrainingProgress
 
 
 def train_family(
-    system: ProvedSystem,
+    system: TrainedSystem,
     source: str | Path,
     *,
     seed: int = 0,

@@ -4,9 +4,8 @@ All else of its verbs is shared: run folders, proofs and their comparison with a
 pages and screens, see `systems.family_verbs`.
 """
 
-from abc import ABC, abstractmethod
+from abc import abstractmethod
 from collections.abc import Callable, Mapping, Sequence
-from pathlib import Path
 from typing import Any
 
 from matplotlib.figure import Figure
@@ -15,78 +14,27 @@ from neuralgaits._types import Array, Float
 from neuralgaits.records.certified import Conclusion
 from neuralgaits.systems.condition_table import ConditionTable
 from neuralgaits.systems.controller_header import ControllerHeader
-from neuralgaits.systems.system_family import Screen, SystemFamily
-
-TrainingProgress = Callable[[int, float], None]
-"""Function of the gradient step and the loss."""
+from neuralgaits.systems.system_family import Screen
+from neuralgaits.systems.trained_system import TrainedSystem
 
 
-class ProvedSystem(ABC):
+class ProvedSystem(TrainedSystem):
     """A system whose conditions are proved on boxes of a chart.
 
-    `run` is a `FamilyRun` everywhere: what was asked of the training, model, numbers of the robot
-    file, and what training found.
-
     Attributes:
-        family: what the house asks of it without JAX.
         table: its conditions.
-        config: type of its configurations, `FamilyConfig` or a subclass.
-        summary: type of a training's result, `TrainedSummary` or a subclass.
-        spec_files: sources of the conditions, of which each run keeps a copy.
-        steps: usual number of gradient steps.
         highest: highest level of its proofs.
         why_highest: why there is no higher one, for a person.
         about_proofs: what its proofs are about, for a person.
         claimed: share of a margin that proofs claim: on many axes it takes many boxes to claim all
             of it, and only the sign matters.
-        robot_file: file of the built-in robot, beside the family's modules.
     """
 
-    family: SystemFamily
     table: ConditionTable
-    config: type[Any]
-    summary: type[Any]
-    spec_files: Sequence[Path]
-    steps: int
     highest: int
     why_highest: str
     about_proofs: str
-    robot_file: Path
     claimed: float = 0.4
-
-    @abstractmethod
-    def read(self, text: str, name: str) -> tuple[Any, Any]:
-        """Read model and numbers from MJCF text. Raises: RobotError with all that is wrong."""
-
-    @abstractmethod
-    def robot_facts(self, robot: Any, data: Any) -> Any:
-        """Describe a robot file as a record, for `inspect`."""
-
-    @abstractmethod
-    def robot_screen(self, facts: Any) -> Screen:
-        """Return the record of `robot_facts` for a person."""
-
-    @abstractmethod
-    def new_config(
-        self, *, seed: int, steps: int, hidden: tuple[int, ...] | None, robot: str
-    ) -> Any:
-        """Return the configuration of a training. Raises: InputError on bad settings."""
-
-    @abstractmethod
-    def untrained(self, config: Any) -> Any:
-        """Return a controller of zeros, to read arrays into."""
-
-    @abstractmethod
-    def refuse_controller(self, controller: Any, file: Path) -> None:
-        """Refuse arrays that no training leaves. Raises: RobotError naming their file."""
-
-    @abstractmethod
-    def train(self, robot: Any, config: Any, progress: TrainingProgress | None) -> Any:
-        """Train a controller."""
-
-    @abstractmethod
-    def measured(self, run: Any) -> dict[str, Any]:
-        """Return the margins, number of samples and sizes that a training's summary has."""
 
     @abstractmethod
     def sizes(self, done: Any) -> str:

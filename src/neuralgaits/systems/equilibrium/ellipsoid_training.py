@@ -21,7 +21,7 @@ from neuralgaits.systems.equilibrium.radial_conditions import (
     radial_margins,
 )
 from neuralgaits.systems.equilibrium.velocity_policy import Controls
-from neuralgaits.systems.proved_system import TrainingProgress
+from neuralgaits.systems.trained_system import TrainingProgress
 
 EVERY = 100
 """Gradient steps between two reports."""

@@ -34,8 +34,9 @@ from neuralgaits.systems.equilibrium.rest_episodes import (
 from neuralgaits.systems.equilibrium.rest_figures import StateLabels, draw_planes, draw_times
 from neuralgaits.systems.equilibrium.velocity_policy import Controls
 from neuralgaits.systems.family_run import FamilyConfig, FamilyRun, TrainedSummary
-from neuralgaits.systems.proved_system import ProvedSystem, TrainingProgress
+from neuralgaits.systems.proved_system import ProvedSystem
 from neuralgaits.systems.system_family import Screen
+from neuralgaits.systems.trained_system import TrainingProgress
 
 WIDEST = 256
 """Largest width of a hidden layer."""

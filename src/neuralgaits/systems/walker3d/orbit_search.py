@@ -1,0 +1,124 @@
+"""Levenberg's and Marquardt's search for a periodic gait, and its exact period."""
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from neuralgaits._quick_jit import quick_jit
+from neuralgaits._types import Float
+from neuralgaits.errors import NonFiniteError
+from neuralgaits.systems.walker3d.spatial_orbit import DIFFERENCE, Orbit, OrbitAims, OrbitProblem
+from neuralgaits.systems.walker3d.spatial_policy import SpatialPolicy
+from neuralgaits.systems.walker3d.spatial_start import first_guess
+from neuralgaits.systems.walker3d.spatial_step import step_from
+from neuralgaits.systems.walker3d.spatial_walker import SpatialWalker
+
+SEARCHED, TRIES = 250, 8
+"""Largest number of iterations, and of dampings that one of them tries."""
+LEAST_GAIN = 1e-5
+"""Share of the cost that an iteration must gain to be followed by another."""
+PERIODS, PERIOD_MISS = 8, 1e-9
+"""Newton steps towards the exact period, and the miss that ends them, in scaled coordinates."""
+
+
+class _Point(NamedTuple):
+    """Numbers with their residuals and the derivatives of these."""
+
+    numbers: Float[np.ndarray, " p"]
+    residuals: Float[np.ndarray, " r"]
+    slopes: Float[np.ndarray, "r p"]
+
+    @property
+    def cost(self) -> float:
+        return float(self.residuals @ self.residuals)
+
+
+def find_orbit(
+    robot: SpatialWalker,
+    aims: OrbitAims,
+    iterations: int = SEARCHED,
+    progress: Callable[[int, float], None] | None = None,
+) -> Orbit:
+    """Find a periodic gait.
+
+    Args:
+        robot: the model.
+        aims: what it should be like.
+        iterations: at most so many.
+        progress: called after each of them with its number and the cost.
+
+    Raises: NonFiniteError if the first guess is no gait of the robot, or none has a period.
+    """
+    guess = first_guess(robot, aims.speed, aims.duration, aims.side, aims.lateral)
+    problem = OrbitProblem(robot, guess, aims)
+    numbers, restored = problem.parts()
+    rows = quick_jit(jax.vmap(lambda row: problem.residuals(*restored(row))))
+
+    def evaluated(point: Float[np.ndarray, " p"]) -> _Point:
+        near = np.vstack([point, point + DIFFERENCE * np.eye(len(point))])
+        found = np.asarray(rows(jnp.asarray(near)))
+        return _Point(point, found[0], (found[1:] - found[0]).T / DIFFERENCE)
+
+    best, damping = evaluated(numbers), 1e-2
+    if not np.isfinite(best.cost):
+        raise NonFiniteError(
+            f"expected a first guess of a gait at {aims.speed:.3g} m/s, found none: this robot's "
+            "legs are too short or its motors too weak for it"
+        )
+    for count in range(iterations):
+        moved = _moved(best, damping, evaluated)
+        if moved is None:
+            break
+        following, damping = moved
+        gain, best = best.cost - following.cost, following
+        if progress is not None:
+            progress(count + 1, best.cost)
+        if gain < LEAST_GAIN * best.cost:
+            break
+    policy, start = restored(jnp.asarray(best.numbers))
+    policy = jax.tree.map(np.asarray, policy)
+    start, section = exact_period(robot, policy, np.asarray(start), problem.scale)
+    return Orbit(policy, start, section, best.cost)
+
+
+def _moved(
+    point: _Point, damping: float, evaluated: Callable[[np.ndarray], _Point]
+) -> tuple[_Point, float] | None:
+    """Return a point with a lower cost and the damping to go on with; None if none was found."""
+    square, slope = point.slopes.T @ point.slopes, point.slopes.T @ point.residuals
+    for _ in range(TRIES):
+        damped = square + damping * np.diag(np.diag(square) + 1e-6)
+        following = evaluated(point.numbers - np.linalg.solve(damped, slope))
+        if np.isfinite(following.slopes).all() and following.cost < point.cost:
+            return following, max(0.25 * damping, 1e-10)
+        damping *= 5.0
+    return None
+
+
+def exact_period(
+    robot: SpatialWalker,
+    policy: SpatialPolicy,
+    start: Float[np.ndarray, "3"],
+    scale: Float[np.ndarray, "3"],
+) -> tuple[Float[np.ndarray, "3"], Float[np.ndarray, "3 3"]]:
+    """Return the start that a step leads back to, and the section's derivatives there.
+
+    Returns: (y, L_y, n) [3], and derivatives in scaled coordinates [3, 3].
+
+    Raises: NonFiniteError if there is none.
+    """
+    near = np.vstack([np.zeros(3), 0.1 * np.eye(3), -0.1 * np.eye(3)]) * scale
+    landed = quick_jit(jax.vmap(lambda one: step_from(robot, policy, one).landed[1:]))
+    for _ in range(PERIODS):
+        found = np.asarray(landed(jnp.asarray(start + near)))
+        section = (found[1:4] - found[4:]).T / 0.2 / scale[:, None]
+        missed = (found[0] - start) / scale
+        if not np.isfinite(section).all():
+            break
+        if np.abs(missed).max() <= PERIOD_MISS:
+            return start, section
+        start = start + scale * np.linalg.solve(np.eye(3) - section, missed)
+    raise NonFiniteError("expected a gait with a period, found none: the robot does not walk so")

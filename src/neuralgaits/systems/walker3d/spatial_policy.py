@@ -1,0 +1,108 @@
+"""The policy: from the state of the zero dynamics to the outputs, without a network.
+
+Phase is the stance hip's way t = (x - x0) / (xG - x0) over the step. Torso, hip height and swing
+foot follow cubics of t with a bump. Where the foot lands aside depends on three numbers that do not
+change along the flow of a linear inverted pendulum, so it is a prediction rather than a chase. The
+swing foot meets the ground at t = 1 exactly, and a touchdown there leads to t = 0 exactly, whatever
+the lateral state.
+"""
+
+import equinox as eqx
+import jax.numpy as jnp
+import numpy as np
+
+from neuralgaits._types import Array, Float
+from neuralgaits.systems.walker3d.spatial_dynamics import SpatialState
+from neuralgaits.systems.walker3d.spatial_pose import Outputs
+
+INPUT_SCALE = np.array([0.08, 0.10, 0.016])
+"""Sizes of the three invariants about their centre [m^2/s^2, 1, m^2]."""
+
+
+class Pendulum(eqx.Module):
+    """The linear inverted pendulum whose invariants the policy is told.
+
+    Attributes:
+        mass: of the robot [kg].
+        height: of its centre of mass above the stance foot [m].
+        gravity: acceleration of gravity.
+        half_width: from the stance hip to the middle of the hips [m].
+    """
+
+    mass: float
+    height: float
+    gravity: float
+    half_width: float
+
+    @property
+    def rate(self) -> float:
+        """Rate of falling [1/s]."""
+        return float(np.sqrt(self.gravity / self.height))
+
+    def invariants(self, z: SpatialState) -> Float[Array, "3"]:
+        """Return three functions that are constant along the pendulum's flow."""
+        x, y, forward, aside = z
+        impulse = self.mass * self.height
+        velocity = forward / impulse
+        ahead, across = velocity / self.rate, aside / (impulse * self.rate)
+        middle, growing = y + self.half_width, x + ahead
+        energy = velocity * velocity - (self.rate * x) * (self.rate * x)
+        return jnp.stack([energy, (middle + across) / growing, (middle - across) * growing])
+
+
+class SpatialPolicy(eqx.Module):
+    """Numbers of the policy. Slopes are per unit of phase.
+
+    Attributes:
+        ends: x0 and xG, the stance hip's place when a step starts and ends [m]. [2]
+        pitch, height: value at both ends, slopes at start and end, bump [rad], [m]. [4]
+        ahead: slopes at start and end, bump [m]; it runs from -xG to -x0. [3]
+        lift: slopes at start and end, bump [m]; it is 0 at both ends. [3]
+        start, landing: aside at start and end of a step, for (1, invariants) [m]. [4]
+        sway: slopes of aside at start and end [m]. [2]
+        centre: of the invariants. [3]
+        pendulum: whose invariants they are.
+    """
+
+    ends: Float[Array, "2"]
+    pitch: Float[Array, "4"]
+    height: Float[Array, "4"]
+    ahead: Float[Array, "3"]
+    lift: Float[Array, "3"]
+    start: Float[Array, "4"]
+    landing: Float[Array, "4"]
+    sway: Float[Array, "2"]
+    centre: Float[Array, "3"]
+    pendulum: Pendulum
+
+    def phase(self, z: SpatialState) -> Float[Array, ""]:
+        """Return the share of the step that is done."""
+        return (z[0] - self.ends[0]) / (self.ends[1] - self.ends[0])
+
+    def __call__(self, z: SpatialState) -> Outputs:
+        """Return the outputs of a state."""
+        t = self.phase(z)
+        rest = 1.0 - t
+        first, last = t * rest * rest, -t * t * rest
+        bump, blend = 16.0 * t * t * rest * rest, t * t * (3.0 - 2.0 * t)
+
+        def closed(numbers: Float[Array, "4"]) -> Array:
+            value, begin, end, middle = numbers
+            return value + begin * first + end * last + middle * bump
+
+        def open_ended(at_start: Array, at_end: Array, numbers: Float[Array, "3"]) -> Array:
+            begin, end, middle = numbers
+            way = at_start + (at_end - at_start) * blend
+            return way + begin * first + end * last + middle * bump
+
+        inputs = jnp.append(1.0, (self.pendulum.invariants(z) - self.centre) / INPUT_SCALE)
+        zero = jnp.zeros_like(t)
+        return Outputs(
+            pitch=closed(self.pitch),
+            height=closed(self.height),
+            ahead=open_ended(-self.ends[1], -self.ends[0], self.ahead),
+            aside=open_ended(
+                self.start @ inputs, self.landing @ inputs, jnp.append(self.sway, 0.0)
+            ),
+            lift=open_ended(zero, zero, self.lift),
+        )

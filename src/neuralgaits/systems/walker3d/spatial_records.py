@@ -1,0 +1,69 @@
+"""Records of bipeds in three dimensions: robot file, configuration, training."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+from neuralgaits.records.record import Record
+from neuralgaits.systems.family_run import FamilyConfig, TrainedSummary
+
+
+@dataclass(frozen=True, eq=False)
+class SpatialFacts(Record):
+    """A robot file. Units are in the names.
+
+    Attributes:
+        thigh_m, shin_m: lengths of the links.
+        hip_width_m: between the hips.
+        torque_limits_nm: of hip roll, hip pitch and knee.
+        unactuated: degrees of freedom without a motor, on a point foot.
+    """
+
+    robot: str
+    mass_kg: float
+    torso_kg: float
+    thigh_kg: float
+    shin_kg: float
+    thigh_m: float
+    shin_m: float
+    hip_width_m: float
+    armature_kg_m2: tuple[float, float, float]
+    torque_limits_nm: tuple[float, float, float]
+    gravity_m_s2: float
+    unactuated: int
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class SpatialConfig(FamilyConfig):
+    """Configuration of a training. Attributes: speed_m_s, step_s: that were aimed at."""
+
+    family: Literal["walker3d"] = "walker3d"
+    spec: Literal["periodic"] = "periodic"
+    speed_m_s: float
+    step_s: float
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class SpatialTrained(TrainedSummary):
+    """Result of `train`. Margins are smallest over one step from random starts of the inlet.
+
+    Attributes:
+        speed_m_s, step_m, step_s: of the periodic orbit.
+        multipliers: magnitudes of the multipliers of the orbit, the largest first.
+        friction: largest ratio of the contact's forces, of the same samples.
+        peak_torque_nm: largest torque of the same samples.
+        yaw_nm: largest moment that holds the yaw, of the same samples.
+        inlet_m, inlet_momenta: half widths of the inlet: y [m], L_y and n as shares of L_y.
+        missed_m: largest distance between the swing foot after a touchdown and where the policy
+            starts it, of the same samples.
+    """
+
+    speed_m_s: float
+    step_m: float
+    step_s: float
+    multipliers: tuple[float, ...]
+    friction: float
+    peak_torque_nm: float
+    yaw_nm: float
+    inlet_m: float
+    inlet_momenta: tuple[float, ...]
+    missed_m: float

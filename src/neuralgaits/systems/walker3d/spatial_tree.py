@@ -1,0 +1,205 @@
+"""Where the parts of the biped are in a compiled robot file, and what is not its tree."""
+
+# pyright: reportAttributeAccessIssue=false
+# MuJoCo ships no type stubs.
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+
+from neuralgaits._types import Float
+
+SLIDE, HINGE = int(mujoco.mjtJoint.mjJNT_SLIDE), int(mujoco.mjtJoint.mjJNT_HINGE)
+ROOT = ((SLIDE, 0), (SLIDE, 1), (SLIDE, 2), (HINGE, 0), (HINGE, 1))
+"""Kinds and axes of the root's joints, in their order: x, y, z, roll, pitch."""
+CLOSE = 1e-9
+"""Largest difference of lengths [m] and directions that are equal."""
+
+
+@dataclass(frozen=True)
+class SpatialTree:
+    """Numbers of the parts in MuJoCo's model; the right leg first.
+
+    Attributes:
+        root: joints of the root: x, y, z, roll, pitch.
+        joints: hip roll, hip pitch and knee of either leg. [2][3]
+        motors: on them, in the same order. [2][3]
+        bodies: torso, then thigh and shin of either leg.
+        feet: spheres that meet the floor.
+    """
+
+    root: tuple[int, ...]
+    joints: tuple[tuple[int, ...], tuple[int, ...]]
+    motors: tuple[tuple[int, ...], tuple[int, ...]]
+    bodies: tuple[int, ...]
+    feet: tuple[int, int]
+
+
+def joint_name(model: mujoco.MjModel, joint: int) -> str:
+    """Return a joint's name, or its number."""
+    return model.joint(joint).name or f"number {joint}"
+
+
+def at_zero(model: mujoco.MjModel) -> mujoco.MjData:
+    """Return the robot with all its joints at 0."""
+    data = mujoco.MjData(model)
+    data.qpos[:] = 0.0
+    mujoco.mj_kinematics(model, data)
+    mujoco.mj_comPos(model, data)
+    return data
+
+
+def joints_on(model: mujoco.MjModel, body: int) -> list[int]:
+    """Return a body's joints, the outermost first."""
+    first = int(model.body_jntadr[body])
+    return list(range(first, first + int(model.body_jntnum[body])))
+
+
+def children_of(model: mujoco.MjModel, body: int) -> list[int]:
+    """Return the bodies with joints that hang on a body, or on what is welded to it."""
+    found = []
+    for child in range(1, model.nbody):
+        above = int(model.body_weldid[model.body_parentid[child]])
+        if int(model.body_weldid[child]) == child and above == body:
+            found.append(child)
+    return found
+
+
+def tree_of(model: mujoco.MjModel) -> tuple[SpatialTree | None, list[str]]:
+    """Return where the parts are, or why the file's tree is another's."""
+    data, moving = at_zero(model), children_of(model, 0)
+    if len(moving) != 1:
+        return None, [f"expected one robot, found {len(moving)} moving bodies on the world"]
+    problems = [*_root_problems(model, data, moving[0])]
+    thighs = sorted(children_of(model, moving[0]), key=lambda body: float(data.xpos[body, 1]))
+    if len(thighs) != 2:
+        return None, [*problems, f"expected two legs on the torso, found {len(thighs)}: no arms"]
+    legs, bodies, feet = [], [moving[0]], []
+    for side, thigh in zip(("right", "left"), thighs, strict=True):
+        shins = children_of(model, thigh)
+        joints = joints_on(model, thigh)
+        wrong = len(shins) != 1 or bool(children_of(model, shins[0]))
+        if wrong or len(joints) != 2 or len(joints_on(model, shins[0])) != 1:
+            problems.append(
+                f"the {side} leg: expected a thigh with a roll and a pitch hinge and a shin with a "
+                "knee, found another chain: lock or delete other joints (ankles, hip yaw)"
+            )
+            continue
+        legs.append((*joints, *joints_on(model, shins[0])))
+        bodies += [thigh, shins[0]]
+        feet += _feet(model, shins[0])
+        problems += _axis_problems(model, data, legs[-1])
+        if len(_feet(model, shins[0])) != 1:
+            problems.append(
+                f"the {side} shin: expected one sphere that can touch the floor, its foot, found "
+                f"{len(_feet(model, shins[0]))}: give all other geoms contype and conaffinity 0"
+            )
+    motors = []
+    for leg in legs:
+        motors.append(tuple(_motor(model, joint, problems) for joint in leg))
+    if model.nu > 6:
+        problems.append(f"expected six motors, one a joint, found {model.nu}: delete the others")
+    if problems:
+        return None, problems
+    return SpatialTree(
+        tuple(joints_on(model, moving[0])),
+        (legs[0], legs[1]),
+        (motors[0], motors[1]),
+        tuple(bodies),
+        (feet[0], feet[1]),
+    ), []
+
+
+def _root_problems(model: mujoco.MjModel, data: mujoco.MjData, root: int) -> Iterator[str]:
+    joints = joints_on(model, root)
+    if any(int(model.jnt_type[j]) not in (SLIDE, HINGE) for j in joints):
+        yield (
+            "the torso has a free or ball joint, so that its yaw is free, which the "
+            "theory has not: give it slides x, y, z and hinges roll, pitch"
+        )
+        return
+    found = [(int(model.jnt_type[j]), data.xaxis[j]) for j in joints]
+    if any(kind == HINGE and abs(axis[2]) > 1.0 - CLOSE for kind, axis in found):
+        yield (
+            "the torso's yaw is free, and point feet of this model do not resist twisting: delete "
+            "that hinge, and see what moment holds the yaw in the results"
+        )
+        return
+    alike = len(found) == len(ROOT) and all(
+        kind == expected and _is_axis(axis, number)
+        for (kind, axis), (expected, number) in zip(found, ROOT, strict=True)
+    )
+    if not alike:
+        yield (
+            "the torso: expected slides x, y, z and hinges roll (axis 1 0 0), pitch (0 1 0) in one "
+            "body and in this order, found others: write them so"
+        )
+    elif any(np.abs(data.xanchor[j] - data.xanchor[joints[3]]).max() > CLOSE for j in joints[3:]):
+        yield "the torso: expected its roll and pitch about one point, found two: give them one pos"
+
+
+def _axis_problems(
+    model: mujoco.MjModel, data: mujoco.MjData, leg: tuple[int, ...]
+) -> Iterator[str]:
+    for joint, (number, words) in zip(leg, ((0, "roll"), (1, "pitch"), (1, "pitch")), strict=True):
+        name = joint_name(model, joint)
+        if int(model.jnt_type[joint]) != HINGE or not _is_axis(data.xaxis[joint], number):
+            axis = "1 0 0" if number == 0 else "0 1 0"
+            yield f'joint {name}: expected a {words} hinge, found another: use axis="{axis}"'
+    roll, pitch, knee = (data.xanchor[joint] for joint in leg)
+    if np.abs(roll - pitch)[1:].max() > CLOSE:
+        yield (
+            f"the axis of {joint_name(model, leg[0])} does not meet the hip's pitch axis at the "
+            "leg: give both joints one pos"
+        )
+    if np.abs(knee - pitch)[:2].max() > CLOSE or not knee[2] < pitch[2]:
+        yield (
+            f"joint {joint_name(model, leg[2])} is not straight below the hip where all angles are "
+            "0: move it there"
+        )
+
+
+def _is_axis(axis: Float[np.ndarray, "3"], number: int) -> bool:
+    return bool(np.abs(axis - np.eye(3)[number]).max() <= CLOSE)
+
+
+def _feet(model: mujoco.MjModel, body: int) -> list[int]:
+    """Return the spheres of a body, or of what is welded to it, that can touch something."""
+    sphere = int(mujoco.mjtGeom.mjGEOM_SPHERE)
+    return [
+        geom
+        for geom in range(model.ngeom)
+        if int(model.body_weldid[model.geom_bodyid[geom]]) == body
+        and int(model.geom_type[geom]) == sphere
+        and (model.geom_contype[geom] or model.geom_conaffinity[geom])
+    ]
+
+
+def _motor(model: mujoco.MjModel, joint: int, problems: list[str]) -> int:
+    """Return the motor of a joint; -1, and a problem, if it has no plain one with limits."""
+    kind = int(mujoco.mjtTrn.mjTRN_JOINT)
+    found = [
+        motor
+        for motor in range(model.nu)
+        if int(model.actuator_trntype[motor]) == kind
+        and int(model.actuator_trnid[motor, 0]) == joint
+    ]
+    name = joint_name(model, joint)
+    if len(found) != 1:
+        problems.append(f"joint {name}: expected one motor, found {len(found)}")
+        return -1
+    plain = (
+        model.actuator_gaintype[found[0]] == int(mujoco.mjtGain.mjGAIN_FIXED)
+        and model.actuator_biastype[found[0]] == int(mujoco.mjtBias.mjBIAS_NONE)
+        and model.actuator_dyntype[found[0]] == int(mujoco.mjtDyn.mjDYN_NONE)
+    )
+    limited = bool(model.actuator_ctrllimited[found[0]])
+    low, high = model.actuator_ctrlrange[found[0]]
+    if not plain or not limited or low != -high or not high > 0.0:
+        problems.append(
+            f"joint {name}: expected a <motor> with equal limits either way, found another "
+            'actuator: use <motor> with ctrlrange="-80 80" or its own'
+        )
+    return found[0]

@@ -1,0 +1,152 @@
+"""Periodic gaits of the biped in three dimensions, and their walks in MuJoCo."""
+
+import json
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from neuralgaits.cli.main import main
+from neuralgaits.errors import InputError, NonFiniteError
+from neuralgaits.systems.family_run import open_family_run
+from neuralgaits.systems.system_family import ProgressCallbacks
+from neuralgaits.systems.walker3d.orbit_search import exact_period
+from neuralgaits.systems.walker3d.spatial_dynamics import flow
+from neuralgaits.systems.walker3d.spatial_gait import gait_of
+from neuralgaits.systems.walker3d.spatial_laws import linearisation, measured_state
+from neuralgaits.systems.walker3d.spatial_orbit import Orbit
+from neuralgaits.systems.walker3d.spatial_plant import SpatialPlants
+from neuralgaits.systems.walker3d.spatial_pose import joints_of_pose
+from neuralgaits.systems.walker3d.spatial_start import section_scale
+from neuralgaits.systems.walker3d.spatial_walks import WalkPlan, starts_of, walk
+from neuralgaits.systems.walker3d.walker3d_verbs import SYSTEM, simulate
+from support.spatial_base import SpatialBase
+
+pytestmark = pytest.mark.slow
+QUIET = ProgressCallbacks()
+
+
+@pytest.fixture(scope="module")
+def run(spatial_run):
+    return open_family_run(SYSTEM, spatial_run)
+
+
+def test_orbit_comes_back_and_its_neighbours_nearer(run):
+    gait, walker = run.controller, run.robot
+    scale = section_scale(walker, gait.policy.pendulum)
+    start, section = exact_period(walker, gait.policy, np.asarray(gait.start) + 0.3 * scale, scale)
+    np.testing.assert_allclose(start, gait.start, atol=1e-6)
+    assert np.abs(np.linalg.eigvals(section)).max() < 0.86
+    done = run.summary
+    assert done.holds
+    assert done.margins["inlet"] > 0.0
+    assert done.multipliers[0] == pytest.approx(np.abs(np.linalg.eigvals(section)).max(), rel=1e-3)
+    assert done.speed_m_s == pytest.approx(done.step_m / done.step_s)
+
+
+def test_steps_start_where_touchdowns_lead(run):
+    policy = run.controller.policy
+    begin, end = policy.ends
+    first = jnp.array([begin, *run.controller.start])
+    last = first.at[0].set(end)
+    assert policy.phase(first) == 0.0
+    assert policy.phase(last) == 1.0
+    np.testing.assert_allclose(policy(last).ahead, -begin, atol=1e-15)
+    np.testing.assert_allclose(policy(first).ahead, -end, atol=1e-15)
+    assert policy(first).lift == policy(last).lift == 0.0
+    np.testing.assert_allclose(policy(first).height, policy(last).height, atol=1e-15)
+
+
+def test_invariants_do_not_change_along_the_pendulums_flow(run):
+    pendulum = run.controller.policy.pendulum
+    z = jnp.array([-0.1, 0.01, 14.0, -3.0])
+    weight = pendulum.mass * pendulum.gravity
+    impulse = pendulum.mass * pendulum.height
+    middle = z[1] + pendulum.half_width
+    rates = jnp.array([z[2] / impulse, z[3] / impulse, weight * z[0], weight * middle])
+    _, change = jax.jvp(pendulum.invariants, (z,), (rates,))
+    np.testing.assert_allclose(change, 0.0, atol=1e-12)
+
+
+def test_both_laws_take_the_torques_of_the_gait_on_it(run):
+    """On the zero dynamics both laws reproduce the flow, and measure its state."""
+    walker, gait = run.robot, run.controller
+    z = jnp.array([0.02, *gait.start])
+    now = flow(walker, gait.policy, z)
+    plants = SpatialPlants.started(run.data, gait, np.asarray(z)[None])
+    found = jax.tree.map(lambda rows: rows[0], plants.measured())
+    np.testing.assert_allclose(found.joints, joints_of_pose(walker, now.pose), atol=1e-12)
+    np.testing.assert_allclose(measured_state(walker, found), z, atol=1e-10)
+    command = jax.jit(lambda one: linearisation(walker, gait.policy, one))(found).solved()
+    np.testing.assert_allclose(command.errors, 0.0, atol=1e-12)
+    base = SpatialBase.of(run.data)
+    embedding = base.place(np.array(found.joints), np.array(found.rates))
+    mass = embedding.T @ base.mass_matrix() @ embedding
+    drift = np.concatenate([-base.drift(0), np.zeros(8)])
+    bias = embedding.T @ base.needed(drift)
+    torques = np.concatenate([np.zeros(2), command.torques])
+    accelerations = np.linalg.solve(mass, torques - bias)
+    # The joints accelerate as they do along the zero dynamics.
+    later = flow(walker, gait.policy, z + 1e-6 * now.rates).joints
+    before = flow(walker, gait.policy, z - 1e-6 * now.rates).joints
+    np.testing.assert_allclose(accelerations, (later - before) / 2e-6, atol=1e-4)
+
+
+def test_robot_on_its_left_foot_is_seen_as_its_mirror_image(run):
+    gait = run.controller
+    plants = SpatialPlants.started(run.data, gait, starts_of(gait, 1, 0))
+    right = plants.measured()
+    plants.left[:] = True
+    seen = plants.measured()
+    np.testing.assert_allclose(np.array([-1, 1, 1]) * seen.joints[0, 2:5], right.joints[0, 5:8])
+    np.testing.assert_allclose(seen.rates[0, 0], -right.rates[0, 0])
+    np.testing.assert_allclose(np.array([1, -1, 1]) * seen.velocity[0], right.velocity[0])
+
+
+@pytest.mark.parametrize("controller", ["pd", "fblin"])
+def test_walks_in_mujoco_from_the_face_of_the_inlet(run, controller):
+    gait = run.controller
+    plan = WalkPlan(controller, starts_of(gait, 3, 4), 4, run.summary.step_s, None)
+    plants, log = walk(run.data, gait, plan)
+    assert not log.fell.any()
+    assert (log.taken == 4).all()
+    assert log.peak_error < 0.02
+    # Both feet were stood on, and the robot went where the gait goes.
+    went = [world.qpos[0] - first for world, first in zip(plants.worlds, plants.first, strict=True)]
+    np.testing.assert_allclose(went, 4 * run.summary.step_m, rtol=0.15)
+
+
+def test_a_push_aside_moves_the_robot_and_is_no_fall(run):
+    gait = run.controller
+    plan = WalkPlan("pd", starts_of(gait, 1, 0), 4, run.summary.step_s, 5.0)
+    pushed, log = walk(run.data, gait, plan)
+    calm, _ = walk(run.data, gait, plan._replace(push=None))
+    assert not log.fell.any()
+    assert np.isfinite(log.pushed_at).all()
+    assert pushed.worlds[0].qpos[1] - calm.worlds[0].qpos[1] > 0.005
+
+
+def test_gait_that_is_not_stable_has_no_inlet(run):
+    gait = run.controller
+    orbit = Orbit(gait.policy, gait.start, 0.9 * np.eye(3), 0.0)
+    with pytest.raises(NonFiniteError, match=r"multipliers of a gait below 0\.86, found 0\.9"):
+        gait_of(orbit, np.ones(3))
+
+
+def test_other_laws_are_refused(run, spatial_run):
+    with pytest.raises(InputError, match="expected pd or fblin"):
+        simulate(spatial_run, progress=QUIET, controller="clfqp")
+
+
+def test_command_line(tmp_path, monkeypatch, capsys, spatial_run):
+    monkeypatch.chdir(tmp_path)
+    assert main(["inspect", "walker3d", "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["unactuated"] == 2
+    assert main(["robots", "walker3d", "--out", "mine.xml"]) == 0
+    assert main(["inspect", "mine.xml"]) == 0
+    assert "hip roll" in capsys.readouterr().out
+    assert main(["certify", str(spatial_run)]) == 2
+    assert "which has train, simulate, inspect, robots" in capsys.readouterr().err
+    assert main(["train", "walker3d", "--hidden", "8"]) == 2
+    assert "found --hidden" in capsys.readouterr().err
