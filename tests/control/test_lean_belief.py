@@ -81,5 +81,6 @@ def test_a_first_step_counts_if_it_was_seen_for_long(amber):
     down = np.zeros(ticks + 2, bool)
     down[[0, -1]] = True
     late = np.concatenate([[-lean_sums.SETTLING_S], time])
-    (expected,) = leans_of(amber, late, np.concatenate([q[:1], q]), down)
-    assert float(lean) == pytest.approx(expected, rel=1e-6)
+    expected = leans_of(amber, late, np.concatenate([q[:1], q]), down)
+    assert expected is not None
+    assert float(lean) == pytest.approx(expected[0], rel=1e-6)

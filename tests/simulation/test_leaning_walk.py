@@ -134,7 +134,7 @@ def test_what_is_not_adapted_is_as_it_is_told(run):
 @pytest.mark.parametrize("law", ["pd", "clf-qp"])
 def test_both_engines_believe_alike(run, law):
     """The compiled walk is of the exported controller, estimator and adaptation."""
-    walked = [
+    walked: Any = [
         simulate(
             run,
             adapt="lean",

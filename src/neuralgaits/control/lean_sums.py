@@ -89,7 +89,7 @@ def advance(
     middle = sums.since + 0.5 * passed
     powers = middle ** jnp.arange(1.0, 5.0)
     momentum = sums.momentum + jnp.outer(powers[:3], jnp.stack([z, w]))
-    ahead = sums.ahead + jnp.outer(powers[1:], passed * jnp.stack([x, c]))
+    ahead = sums.ahead + jnp.outer(powers[1:], jnp.asarray(passed) * jnp.stack([x, c]))
     adding = begun & ~touchdown
     since = jnp.where(adding, sums.since + passed, jnp.where(settled & ~touchdown, 0.0, -1.0))
     kept = (jnp.where(adding, new, 0.0) for new in (momentum, ahead))

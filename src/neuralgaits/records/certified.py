@@ -25,7 +25,7 @@ Verdict = Literal["proved", "refuted", "undecided"]
 
 def box_in_words(parameters: Mapping[str, float]) -> str:
     """Write a box of robots for people, `mass=2%,com=5mm`, with every digit; empty if no box."""
-    units = dict.fromkeys(("com", "floor", "lean"), (1000, "mm")) | {"friction": (1, "")}
+    units = {"com": (1000, "mm"), "floor": (1000, "mm"), "lean": (1000, "mm"), "friction": (1, "")}
     sizes = ((name, half, *units.get(name, (100, "%"))) for name, half in parameters.items())
     return ",".join(
         f"{name}={(scale * Decimal(repr(float(half)))).normalize():f}{unit}"

@@ -75,4 +75,6 @@ def lean_series(xml: str, name: str) -> LeanSeries:
     parts[1, 2, torso] = -family.masses[torso]
     parts[2, 3, torso] = family.masses[torso]
     features = parts.reshape(3, -1)
-    return LeanSeries(*(np.moveaxis(table @ features.T, -1, 0) for table in family.tables))
+    return LeanSeries(
+        *(np.moveaxis(np.asarray(table) @ features.T, -1, 0) for table in family.tables)
+    )
