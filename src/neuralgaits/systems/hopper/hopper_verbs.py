@@ -43,8 +43,9 @@ from neuralgaits.systems.hopper.hopper_records import (
     HopperTrained,
 )
 from neuralgaits.systems.hopper.length_policy import LengthPolicy
-from neuralgaits.systems.proved_system import ProvedSystem, TrainingProgress
+from neuralgaits.systems.proved_system import ProvedSystem
 from neuralgaits.systems.system_family import Screen
+from neuralgaits.systems.trained_system import TrainingProgress
 
 HIDDEN, RATE = 8, 0.2
 """Usual width of the hidden layer, and the rate of approach that is asked for a hop."""
