@@ -151,7 +151,7 @@ def test_episodes_are_counted(cartpole_run, monkeypatch):
 
 
 def test_the_exported_force_is_pythons(cartpole_run, tmp_path):
-    done = export_family(cartpole_run, tmp_path / "c")
+    done = export_family(SYSTEM, cartpole_run, tmp_path / "c")
     assert sorted(path.name for path in (tmp_path / "c").iterdir()) == [
         "cartpole.c",
         "cartpole.h",
@@ -160,7 +160,7 @@ def test_the_exported_force_is_pythons(cartpole_run, tmp_path):
     assert (done.states == 1000) is done.checked
     assert (done.max_abs_error or 0.0) < 1e-10
     with pytest.raises(InputError, match="found files in it"):
-        export_family(cartpole_run, tmp_path / "c")
+        export_family(SYSTEM, cartpole_run, tmp_path / "c")
 
 
 def test_the_page_says_what_is_proved_and_what_is_not(
@@ -284,10 +284,10 @@ def test_the_page_measures_the_set_itself(cartpole_run, tmp_path):
 def test_exported_words_are_those_of_the_proof_file(cartpole_run, cartpole_certificate, tmp_path):
     with_proof, without = tmp_path / "with", tmp_path / "without"
     run = shutil.copytree(cartpole_run.path, tmp_path / "run")
-    export_family(opened(run), with_proof)
+    export_family(SYSTEM, opened(run), with_proof)
     assert "states level 3" in (with_proof / "cartpole.h").read_text()
     shutil.rmtree(run / "certificate")
-    export_family(opened(run), without)
+    export_family(SYSTEM, opened(run), without)
     assert "Nothing is proved" in (without / "cartpole.h").read_text()
 
 

@@ -3,6 +3,8 @@
 # pyright: reportAttributeAccessIssue=false
 # MuJoCo ships no type stubs.
 
+from dataclasses import replace
+
 import jax
 import jax.numpy as jnp
 import mujoco
@@ -142,9 +144,11 @@ def test_a_touchdown_is_the_blow_of_the_formulas(floating):
     np.testing.assert_allclose(change, jacobian.T @ blow, atol=1e-9)
 
 
-@pytest.mark.parametrize("sigma", [4.0, 4.8, 5.5])
-def test_lengths_meet_the_flight_at_any_momentum(floating, sigma):
+@pytest.mark.parametrize("sigma", [4.0, 5.5])
+@pytest.mark.parametrize("touch_lean", [-0.3, -0.22])
+def test_lengths_meet_the_flight_at_any_momentum(floating, sigma, touch_lean):
     robot, policy = floating.robot, floating.policy
+    policy = replace(policy, ends=policy.ends.at[0].set(touch_lean))
     at, one = jnp.asarray(sigma), jnp.ones(())
     touch = policy.landing_length(robot), policy.flight(robot).slope
     for s, expected in ((0.0, touch), (1.0, (policy.ends[2], policy.ends[3]))):

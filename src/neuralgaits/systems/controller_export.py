@@ -20,6 +20,7 @@ from neuralgaits.programs.tracing.tracer import trace
 from neuralgaits.records.record import Count, Record, Texts
 from neuralgaits.systems.controller_header import ControllerHeader
 from neuralgaits.systems.family_run import FamilyRun
+from neuralgaits.systems.proved_system import ExportedSystem
 from neuralgaits.systems.run_statements import stated_bounds
 
 STATES = 1000
@@ -48,15 +49,24 @@ class ControllerExport(Record):
     max_abs_error: float | None
 
 
-def export_family(run: FamilyRun, out: Path, *, force: bool = False) -> ControllerExport:
+def export_family(
+    system: ExportedSystem, run: FamilyRun, out: Path, *, force: bool = False
+) -> ControllerExport:
     """Write the controller as C, and compare it with Python if there is a compiler.
+
+    Args:
+        system: of the run's family.
+        run: the run.
+        out: folder of the files.
+        force: whether files there are replaced.
 
     Raises: InputError if the folder cannot be used; MismatchError if C differs from Python.
     """
     refuse_used(out, force=force)
-    program, header = controller_program(run), run.system.header(run)
+    program, header = controller_program(system, run), system.header(run)
     files = c_files(run, program, header)
-    error = _largest_difference(run, program, files, header)
+    states = system.states(run, STATES, seed=1)
+    error = _largest_difference(program, states, files, header)
     written = publish(out, files)
     return ControllerExport(
         run=str(run.path),
@@ -68,10 +78,10 @@ def export_family(run: FamilyRun, out: Path, *, force: bool = False) -> Controll
     )
 
 
-def controller_program(run: FamilyRun) -> Program:
+def controller_program(system: ExportedSystem, run: FamilyRun) -> Program:
     """Return the outputs of the exported controller as a Program of the state."""
-    size = run.system.states(run, 1, seed=0).shape[1]
-    return trace(run.system.law(run), {"state": (size,)}, parameters=run.controller)
+    size = system.states(run, 1, seed=0).shape[1]
+    return trace(system.law(run), {"state": (size,)}, parameters=run.controller)
 
 
 def c_files(run: FamilyRun, program: Program, header: ControllerHeader) -> dict[str, str]:
@@ -121,7 +131,7 @@ def _proof_in_words(run: FamilyRun) -> str:
 
 
 def _largest_difference(
-    run: FamilyRun, program: Program, files: dict[str, str], header: ControllerHeader
+    program: Program, states: np.ndarray, files: dict[str, str], header: ControllerHeader
 ) -> float | None:
     """Compile the files and return the largest difference of the first output; None if none can.
 
@@ -132,7 +142,7 @@ def _largest_difference(
         return None
     flags = ("-std=c99", "-O2", "-Wall", "-Wextra", "-Werror", "-pedantic", "-fPIC", "-shared")
     library = SharedLibrary(header.file, files, (f"{header.file}.c",), flags)
-    states, first = run.system.states(run, STATES, seed=1), program.outputs[0].name
+    first = program.outputs[0].name
     expected = evaluate(program, {"state": states}, POINT)[first].reshape(-1)
     with tempfile.TemporaryDirectory(prefix="neuralgaits-") as folder:
         compiled = ctypes.CDLL(str(compiler.compile(library, Path(folder))))

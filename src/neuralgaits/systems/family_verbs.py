@@ -13,7 +13,7 @@ from neuralgaits.systems.family_files import inspect_robot, write_robot
 from neuralgaits.systems.family_page import report_family
 from neuralgaits.systems.family_run import open_family_run
 from neuralgaits.systems.family_training import train_family
-from neuralgaits.systems.proved_system import ProvedSystem
+from neuralgaits.systems.proved_system import ExportedSystem, ProvedSystem
 from neuralgaits.systems.system_family import ProgressCallbacks, VerbResult
 
 
@@ -89,10 +89,15 @@ class FamilyVerbs:
         self, run: str | Path, out: Path, *, progress: ProgressCallbacks, force: bool = False
     ) -> VerbResult:
         """Write the controller as C."""
-        opened = open_family_run(self.system, run)
+        system = self.system
+        if not isinstance(system, ExportedSystem):
+            raise InputError(
+                f"expected a controller of the state alone, found {system.family.words}"
+            )
+        opened = open_family_run(system, run)
         progress.begun()
-        done = export_family(opened, out, force=force)
-        screen = screens.screen_of_export(self.system.header(opened).unit, done)
+        done = export_family(system, opened, out, force=force)
+        screen = screens.screen_of_export(system.header(opened).unit, done)
         return VerbResult(done, done.checked, screen, undecided=not done.checked)
 
     def report(
@@ -119,12 +124,13 @@ class FamilyVerbs:
         return VerbResult(done, True, screens.screen_of_written(done))
 
     def by_name(self) -> dict[str, Callable[..., VerbResult]]:
-        """Return all verbs by name."""
+        """Return the verbs that the family has by name."""
+        exports = isinstance(self.system, ExportedSystem)
         return {
             "train": self.train,
             "certify": self.certify,
             "simulate": self.simulate,
-            "export": self.export,
+            **({"export": self.export} if exports else {}),
             "report": self.report,
             "inspect": self.inspect,
             "robots": self.robots,

@@ -71,6 +71,18 @@ class ProvedSystem(TrainedSystem):
         """Return the record of `episodes` for a person."""
 
     @abstractmethod
+    def page_lines(self, run: Any) -> list[str]:
+        """Return the sentences at the head of a run's page, about robot and set."""
+
+    @abstractmethod
+    def page_figures(self, run: Any) -> Sequence[tuple[Figure, str]]:
+        """Draw the figures of a run's page, each with its caption."""
+
+
+class ExportedSystem(ProvedSystem):
+    """A system whose controller is a function of the measured state: it is exported as C."""
+
+    @abstractmethod
     def header(self, run: Any) -> ControllerHeader:
         """Return names and numbers of the exported controller."""
 
@@ -81,11 +93,3 @@ class ProvedSystem(TrainedSystem):
     @abstractmethod
     def states(self, run: Any, count: int, seed: int) -> Float[Any, "count n"]:
         """Return random states of the proved set, at which an export is compared."""
-
-    @abstractmethod
-    def page_lines(self, run: Any) -> list[str]:
-        """Return the sentences at the head of a run's page, about robot and set."""
-
-    @abstractmethod
-    def page_figures(self, run: Any) -> Sequence[tuple[Figure, str]]:
-        """Draw the figures of a run's page, each with its caption."""

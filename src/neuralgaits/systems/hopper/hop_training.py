@@ -15,7 +15,7 @@ from neuralgaits.systems.hopper.hop_levels import TABLE
 from neuralgaits.systems.hopper.hop_tube import HopTube
 from neuralgaits.systems.hopper.hopper_model import Hopper
 from neuralgaits.systems.hopper.length_policy import LengthPolicy
-from neuralgaits.systems.proved_system import TrainingProgress
+from neuralgaits.systems.trained_system import TrainingProgress
 
 LEAN, PUSH = 0.3, 0.7
 """Lean at both ends of the first stance [rad], and slope of the length at its end [m/rad]."""

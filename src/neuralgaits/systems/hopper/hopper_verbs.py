@@ -1,6 +1,6 @@
 """The hopper's own part of its verbs: reading, training, episodes, and words."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +13,6 @@ from neuralgaits._types import Array, Float
 from neuralgaits.errors import InputError, RunError
 from neuralgaits.records.certified import Conclusion
 from neuralgaits.runs.shell_words import command, named
-from neuralgaits.systems.controller_header import ControllerHeader
 from neuralgaits.systems.family_run import FamilyRun
 from neuralgaits.systems.family_verbs import FamilyVerbs
 from neuralgaits.systems.hopper import (
@@ -44,8 +43,9 @@ from neuralgaits.systems.hopper.hopper_records import (
     HopperTrained,
 )
 from neuralgaits.systems.hopper.length_policy import LengthPolicy
-from neuralgaits.systems.proved_system import ProvedSystem, TrainingProgress
+from neuralgaits.systems.proved_system import ProvedSystem
 from neuralgaits.systems.system_family import Screen
+from neuralgaits.systems.trained_system import TrainingProgress
 
 HIDDEN, RATE = 8, 0.2
 """Usual width of the hidden layer, and the rate of approach that is asked for a hop."""
@@ -224,19 +224,6 @@ class HopperSystem(ProvedSystem):
             ],
         )
 
-    def header(self, run: FamilyRun) -> ControllerHeader:
-        """Refuse: the controller has a plan of each flight, which is no function of the state."""
-        raise NotImplementedError
-
-    def law(self, run: FamilyRun) -> Callable[[Float[Array, " n"]], dict[str, Array]]:
-        """Refuse, as `header`."""
-        raise NotImplementedError
-
-    def states(self, run: FamilyRun, count: int, seed: int) -> Float[np.ndarray, "count 2"]:
-        """Return random states (lean, momentum) of the tube."""
-        draw = jnp.asarray(np.random.default_rng(seed).uniform(0.0, 1.0, (count, 2)))
-        return np.array([self.place(run, u) for u in draw])
-
     def page_lines(self, run: FamilyRun) -> list[str]:
         """Return the sentences at the head of a run's page, about robot and tube."""
         done = HopperTrained.read(run.path / "summary.json")
@@ -259,4 +246,4 @@ class HopperSystem(ProvedSystem):
 
 
 SYSTEM = HopperSystem()
-VERBS = {name: verb for name, verb in FamilyVerbs(SYSTEM).by_name().items() if name != "export"}
+VERBS = FamilyVerbs(SYSTEM).by_name()
