@@ -1,7 +1,7 @@
 """The search proves what holds, refutes what does not, and never proves NaN."""
 
 import time
-from dataclasses import replace
+from dataclasses import fields, replace
 
 import jax.numpy as jnp
 import numpy as np
@@ -21,7 +21,7 @@ from neuralgaits.certificate.search.branch_and_bound import (
     start,
 )
 from neuralgaits.certificate.search.checkpoint import load, save
-from neuralgaits.certificate.search.halving import halves, to_text
+from neuralgaits.certificate.search.halving import boxes_of, halves, to_text
 from neuralgaits.certificate.search.problem import Problem
 from neuralgaits.certificate.search.root_turns import SearchInterrupted, explore
 from neuralgaits.errors import RunError
@@ -49,6 +49,11 @@ def _confirm(problem: Problem):
 
 def _run(problem: Problem, state=None, **options):
     return explore([problem], [state], _confirm(problem), **options)[0]
+
+
+def _cuts(state):
+    tree = state.tree
+    return boxes_of(tree.first, tree.axis, tree.low_corner, tree.high_corner)[2]
 
 
 def _verdict(problem, state, name):
@@ -133,7 +138,8 @@ def test_bounds_hold_at_random_points():
     known = np.flatnonzero(np.isfinite(tree.lower[:, 0]))
     for _ in range(20):
         share = draw.uniform(size=(len(known), 2))
-        u = tree.low[known] + share * (tree.high[known] - tree.low[known])
+        low, high = (corner[known] for corner in tree.corners)
+        u = low + share * (high - low)
         values = problem.values(u)
         assert np.all(tree.lower[known] <= values)
         assert np.all(values <= tree.upper[known])
@@ -198,9 +204,8 @@ def test_boxes_have_an_end_and_a_budget_lifts_it(monkeypatch):
     assert len(_run(problem, capped).tree.first) > len(capped.tree.first)
     deadline = time.monotonic() + 0.5
     assert len(_run(problem, deadline=deadline).tree.first) > 1000
-    monkeypatch.setattr(
-        root_turns, "MEMORY_BYTES", 700 * capped.tree.nbytes / len(capped.tree.first)
-    )
+    one = Search.untouched(problem).tree.nbytes
+    monkeypatch.setattr(root_turns, "MEMORY_BYTES", 700 * one)
     held = _run(problem, deadline=time.monotonic() + 60.0)
     assert time.monotonic() < deadline + 50.0
     assert 600 < len(held.tree.first) <= 720
@@ -308,6 +313,45 @@ def test_a_half_keeps_what_its_box_knows():
     assert tree.share(np.ones(len(tree.first), bool)) == 1.0
 
 
+def test_boxes_that_are_done_take_little_memory():
+    """Where the sign alone is asked for; the same search keeps corners of all to raise margins."""
+    low, high = (0.0,) * 4, (1.0,) * 4
+    problem = replace(_problem(low, high, ripple=ripple), tight=0.0)
+    tree = _run(problem).tree
+    assert len(tree.first) > 400
+    assert np.all(tree.lower[tree.is_leaf] >= 0.0)
+    first = np.flatnonzero(tree.is_leaf & (tree.depth <= MOST_AT_START))
+    assert set(tree.pending.number) <= set(first)
+    assert (tree.nbytes - 32 * 4 * 33) / len(tree.first) < 32
+    loose = _run(replace(problem, tight=1e-9)).tree
+    assert np.array_equal(loose.first, tree.first) and np.array_equal(loose.lower, tree.lower)
+    assert loose.nbytes > 2 * tree.nbytes
+    with pytest.raises(KeyError, match="done"):
+        tree.halves_of(np.array([len(tree.first) - 1]), np.zeros(1, int))
+
+
+def test_a_saved_search_has_the_pending_boxes_it_had(tmp_path):
+    problem = _problem((0.0,) * 3, (1.0,) * 3, ripple=lambda u: ripple(u) - 0.0199)
+    problem = replace(problem, tight=0.0)
+    state = start(problem, _confirm(problem))
+    state = search(problem, state, _confirm(problem), phase="decide", most=400)
+    save(tmp_path / "boxes", problem, state)
+    tree, again = state.tree, load(tmp_path / "boxes", problem).tree
+    done = np.flatnonzero(tree.is_leaf & ~problem.unfinished(tree.lower))
+    ours = tree.pending.take(~np.isin(tree.pending.number, done))
+    assert len(ours.number) > 10
+    for item in fields(ours):
+        np.testing.assert_array_equal(getattr(again.pending, item.name), getattr(ours, item.name))
+    every = [np.array(c) for c in zip(*(t.corners for t in (tree, again)), strict=True)]
+    for corners in every:
+        np.testing.assert_array_equal(corners[0], corners[1])
+    both = [
+        search(problem, one, _confirm(problem), phase="decide", most=700)
+        for one in (state, load(tmp_path / "boxes", problem))
+    ]
+    np.testing.assert_array_equal(both[0].tree.lower, both[1].tree.lower)
+
+
 @pytest.mark.parametrize("steep", [0, 1, 2])
 def test_the_axis_whose_halving_raises_the_bound_is_halved(steep):
     """A ripple along one axis, a slope along another: the slope costs no box, however steep."""
@@ -317,7 +361,7 @@ def test_the_axis_whose_halving_raises_the_bound_is_halved(steep):
         return jnp.cos(25.0 * u[steep]) + 1.001 + 1e3 * (1.0 + u[flat])
 
     problem = _problem((0.0,) * 3, (1.0,) * 3, rough=lambda u: function(u) - 1e3 * (1.0 + u[flat]))
-    cuts = _run(problem).tree.cuts.max(axis=0)
+    cuts = _cuts(_run(problem)).max(axis=0)
     others = [k for k in range(3) if k != steep]
     assert cuts[steep] > max(cuts[others]) + 1
     tilted = _problem((0.0,) * 3, (1.0,) * 3, tilted=function)
@@ -350,8 +394,11 @@ def test_a_file_of_boxes_says_what_the_search_knew(tmp_path, floor):
     save(tmp_path / "boxes", problem, state)
     tree = load(tmp_path / "boxes", problem).tree
     decided = floor < 0.1
-    for name in ("low", "high", "first", "axis", "cuts", "lower", *(("alone",) * (not decided))):
+    for name in ("low_corner", "high_corner", "first", "axis", "depth", "lower"):
         np.testing.assert_array_equal(getattr(tree, name), getattr(state.tree, name))
+    for name in ("number", "low", "high", "cuts", *(("alone",) * (not decided))):
+        ours, theirs = (getattr(one.pending, name) for one in (tree, state.tree))
+        np.testing.assert_array_equal(ours, theirs)
     assert prove(problem, load(tmp_path / "boxes", problem)) == prove(problem, state)
     with pytest.raises(RunError, match="another gait"):
         load(tmp_path / "boxes", replace(problem, coupled_axes=(CoupledAxes(0, 1, 0.5),)))

@@ -39,7 +39,8 @@ def with_axis_costs(
     if not len(boxes):
         return tree
     short = lacking[np.searchsorted(work, boxes)] > 0.0
-    here = _Boxes.of(problem, tree.low[boxes], tree.high[boxes], short, deadline, bound_all)
+    corners = tree.pending.of(boxes)
+    here = _Boxes.of(problem, corners.low, corners.high, short, deadline, bound_all)
     first_late = len(problem.low) - problem.weak_axes
     late = [axis for axis in tree.axes if axis >= first_late]
     early = [axis for axis in tree.axes if axis < first_late]

@@ -6,7 +6,13 @@ from dataclasses import dataclass, fields, replace
 import numpy as np
 
 from neuralgaits._types import Float, Int
-from neuralgaits.certificate.search.halving import Corners, PerCondition, halves, wide_axes
+from neuralgaits.certificate.search.halving import (
+    Corners,
+    PerCondition,
+    boxes_of,
+    halves,
+    wide_axes,
+)
 
 NEAR = 0.7
 """Share of the costliest axis's cost from which on an axis is a candidate; the least halved one is
@@ -18,52 +24,107 @@ MEASURED = 3
 
 
 @dataclass(frozen=True)
+class PendingBoxes:
+    """What is known of boxes that may yet be halved, and needed of no others.
+
+    Attributes:
+        number: of each box in the tree, ascending. [K]
+        low, high: corners. [K, n]
+        cuts: how often each axis was halved to make the box. [K, n]
+        alone: cost of each axis: how far insufficient bounds are below the value at the centre if
+            only this axis keeps its width; inf if unknown or unbounded, -inf for an axis without
+            width. [K, n]
+    """
+
+    number: Int[np.ndarray, " K"]
+    low: Corners
+    high: Corners
+    cuts: Int[np.ndarray, "K n"]
+    alone: Float[np.ndarray, "K n"]
+
+    @classmethod
+    def unmeasured(
+        cls, number: np.ndarray, low: Corners, high: Corners, cuts: np.ndarray
+    ) -> "PendingBoxes":
+        """Return boxes of whose axes nothing is known."""
+        alone = np.where(high > low, np.inf, -np.inf)
+        return cls(number, low, high, cuts.astype(np.int16), alone)
+
+    def take(self, places: np.ndarray) -> "PendingBoxes":
+        """Return some of the boxes, by their places here or by a mask."""
+        return PendingBoxes(*(getattr(self, item.name)[places] for item in fields(self)))
+
+    def of(self, numbers: np.ndarray) -> "PendingBoxes":
+        """Return boxes by their numbers in the tree. Raises: KeyError if one is not here."""
+        places = np.searchsorted(self.number, numbers)
+        inside = np.all(places < len(self.number))
+        if not (inside and np.array_equal(self.number[places], numbers)):
+            raise KeyError("expected boxes that may be halved, found some that are done")
+        return self.take(places)
+
+    def followed_by(self, later: "PendingBoxes") -> "PendingBoxes":
+        """Return these boxes and others with larger numbers."""
+        pairs = ((getattr(self, item.name), getattr(later, item.name)) for item in fields(self))
+        return PendingBoxes(*(np.concatenate(pair) for pair in pairs))
+
+
+@dataclass(frozen=True)
 class BoxTree:
     """A tree of boxes in n dimensions with bounds on the margins of C conditions, in their scales.
 
+    Corners of boxes that are done follow from the tree, and take no memory.
+
     Attributes:
-        low, high: corners. [N, n]
+        low_corner, high_corner: corners of the root, box 0. [n]
         first: number of the lower half, the upper one following it; -1 without halves. [N]
         axis: axis that is halved; -1 without halves. [N]
-        cuts: how often each axis was halved to make the box; 0 at the root, box 0. [N, n]
+        depth: number of halvings that made each box. [N]
         lower: no point of the box has a smaller margin; -inf if unknown. [N, C]
         upper: every point of the box has a margin at most this; inf if unknown. [N, C]
-        alone: cost of each axis: how far insufficient bounds are below the value at the centre if
-            only this axis keeps its width; inf if unknown or unbounded, -inf for an axis without
-            width. [N, n]
+        pending: what is needed of boxes that may yet be halved.
     """
 
-    low: Corners
-    high: Corners
+    low_corner: Float[np.ndarray, " n"]
+    high_corner: Float[np.ndarray, " n"]
     first: Int[np.ndarray, " B"]
     axis: Int[np.ndarray, " B"]
-    cuts: Int[np.ndarray, "B n"]
+    depth: Int[np.ndarray, " B"]
     lower: PerCondition
     upper: PerCondition
-    alone: Float[np.ndarray, "B n"]
+    pending: PendingBoxes
 
     @classmethod
     def root(cls, low: Sequence[float], high: Sequence[float], conditions: int) -> "BoxTree":
         """Return the root alone, about which nothing is known."""
         corners = np.array([low], dtype=np.float64), np.array([high], dtype=np.float64)
-        none, unknown = np.full(1, -1), np.full((1, conditions), np.inf)
-        alone = np.where(corners[1] > corners[0], np.inf, -np.inf)
-        return cls(*corners, none, none, np.zeros_like(alone, np.int64), -unknown, unknown, alone)
+        unknown = np.full((1, conditions), np.inf)
+        return cls(
+            corners[0][0],
+            corners[1][0],
+            np.full(1, -1, np.int32),
+            np.full(1, -1, np.int8),
+            np.zeros(1, np.int16),
+            -unknown,
+            unknown,
+            PendingBoxes.unmeasured(np.zeros(1, np.int32), *corners, np.zeros(corners[0].shape)),
+        )
 
     @property
     def axes(self) -> tuple[int, ...]:
         """Axes along which boxes are halved."""
-        return wide_axes(self.low[0], self.high[0])
+        return wide_axes(self.low_corner, self.high_corner)
 
     @property
-    def depth(self) -> Int[np.ndarray, " B"]:
-        """Number of halvings that made each box."""
-        return self.cuts.sum(axis=1)
+    def corners(self) -> tuple[Corners, Corners]:
+        """Corners of all boxes, made anew. [N, n] each."""
+        low, high, _ = boxes_of(self.first, self.axis, self.low_corner, self.high_corner)
+        return low, high
 
     @property
     def nbytes(self) -> int:
         """Memory of the boxes, in bytes."""
-        arrays = (getattr(self, item.name) for item in fields(self))
+        arrays = [getattr(self, item.name) for item in fields(self)][:-1]
+        arrays += [getattr(self.pending, item.name) for item in fields(self.pending)]
         return sum(array.nbytes for array in arrays)
 
     @property
@@ -78,25 +139,27 @@ class BoxTree:
         together spoil bounds, each halving gains little, and large boxes may have no bounds at all
         before several axes are halved.
         """
-        alone, cuts = self.alone[boxes], self.cuts[boxes]
+        here = self.pending.of(boxes)
+        alone, cuts = here.alone, here.cuts.astype(np.int64)
         most = alone.max(axis=1, keepdims=True)
         worth = np.where(np.isinf(most), alone == most, alone >= NEAR * most)
         return np.argmin(np.where(worth, cuts, np.iinfo(np.int64).max), axis=1)
 
     def unmeasured(self, boxes: np.ndarray) -> np.ndarray:
         """Select those of the boxes for which measuring each axis's cost is worth the time."""
-        unknown = np.any(self.alone[boxes] == np.inf, axis=1)
+        unknown = np.any(self.pending.of(boxes).alone == np.inf, axis=1)
         return boxes[unknown | (self.depth[boxes] % MEASURED == 0)]
 
     def measured(self, boxes: np.ndarray, alone: Float[np.ndarray, "P n"]) -> "BoxTree":
         """Return the tree with the measured cost of each axis of some boxes."""
-        found = self.alone.copy()
-        found[boxes] = alone
-        return replace(self, alone=found)
+        found = self.pending.alone.copy()
+        found[np.searchsorted(self.pending.number, boxes)] = alone
+        return replace(self, pending=replace(self.pending, alone=found))
 
     def halves_of(self, parents: np.ndarray, axis: np.ndarray) -> tuple[Corners, Corners]:
         """Return corners of the halves of some boxes, each along its axis. [2 len(parents), n]."""
-        return halves(self.low[parents], self.high[parents], axis)
+        here = self.pending.of(parents)
+        return halves(here.low, here.high, axis)
 
     def with_halves(
         self,
@@ -105,6 +168,7 @@ class BoxTree:
         boxes: tuple[Corners, Corners],
         lower: np.ndarray,
         upper: np.ndarray,
+        keep: np.ndarray | None = None,
     ) -> "BoxTree":
         """Add the halves of some leaves. Bounds that hold on a box hold on its halves.
 
@@ -114,26 +178,30 @@ class BoxTree:
             boxes: corners of the halves, of `halves_of`.
             lower: bounds on them from below. [2P, C]
             upper: bounds on them from above. [2P, C]
+            keep: which of the halves may be halved again; all if None. [2P]
         """
         if not len(parents):
             return self
-        first, along = self.first.copy(), self.axis.copy()
+        first, along, family = self.first.copy(), self.axis.copy(), np.repeat(parents, 2)
         first[parents] = len(first) + 2 * np.arange(len(parents))
         along[parents] = axis
-        family, new = np.repeat(parents, 2), np.full(2 * len(parents), -1)
-        halved = np.arange(len(family)), np.repeat(axis, 2)
-        cuts, alone = self.cuts[family], self.alone[family]
-        cuts[halved] += 1
-        alone[halved] *= FALL
-        return BoxTree(
-            np.concatenate([self.low, boxes[0]]),
-            np.concatenate([self.high, boxes[1]]),
-            np.concatenate([first, new]),
-            np.concatenate([along, new]),
-            np.concatenate([self.cuts, cuts]),
-            np.concatenate([self.lower, np.fmax(lower, self.lower[family])]),
-            np.concatenate([self.upper, np.fmin(upper, self.upper[family])]),
-            np.concatenate([self.alone, alone]),
+        new, halved = len(first) + np.arange(len(family)), (np.arange(len(family)), axis.repeat(2))
+        before = self.pending.of(family)
+        before.cuts[halved] += 1
+        before.alone[halved] *= FALL
+        added = PendingBoxes(new.astype(np.int32), *boxes, before.cuts, before.alone)
+        added = added if keep is None else added.take(keep)
+        still = np.ones(len(self.pending.number), dtype=bool)
+        still[np.searchsorted(self.pending.number, parents)] = False
+        none = np.full(len(family), -1)
+        return replace(
+            self,
+            first=np.concatenate([first, none.astype(first.dtype)]),
+            axis=np.concatenate([along, none.astype(along.dtype)]),
+            depth=np.concatenate([self.depth, self.depth[family] + self.depth.dtype.type(1)]),
+            lower=np.concatenate([self.lower, np.fmax(lower, self.lower[family])]),
+            upper=np.concatenate([self.upper, np.fmin(upper, self.upper[family])]),
+            pending=self.pending.take(still).followed_by(added),
         )
 
     def with_bounds(self, boxes: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> "BoxTree":

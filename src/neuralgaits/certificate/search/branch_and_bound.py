@@ -80,9 +80,9 @@ def start(problem: Problem, confirm: Confirm) -> Search:
         unknown = np.full((2 * len(parents), len(problem.names)), np.inf)
         tree = tree.with_halves(parents, axis, tree.halves_of(parents, axis), -unknown, unknown)
     # Large ones as well: where one box is enough, a proof says so with one.
-    every = np.arange(len(tree.first))
+    every, (lows, highs) = np.arange(len(tree.first)), tree.corners
     for batch in np.split(every, range(problem.batch, len(every), problem.batch)):
-        low, high = tree.low[batch], tree.high[batch]
+        low, high = lows[batch], highs[batch]
         tree = tree.with_bounds(batch, *_of_asked(problem, low, high, problem.bounds(low, high)))
     points = problem.grid(POINTS)
     state = _look(problem, replace(state, tree=tree), points, confirm)
@@ -184,7 +184,8 @@ def _round(
             if time.monotonic() >= deadline:
                 break
     low, high, lower, upper = (np.concatenate(part) for part in zip(*parts, strict=True))
-    tree = tree.with_halves(work[:done], axis[:done], (low, high), lower, upper)
+    keep = problem.unfinished(lower)
+    tree = tree.with_halves(work[:done], axis[:done], (low, high), lower, upper, keep)
     state = replace(state, tree=tree)
     unsure = np.flatnonzero(np.any(~(lower >= 0.0) | (lower < problem.tight * state.seen), axis=1))
     if len(unsure) > MOST_POINTS:

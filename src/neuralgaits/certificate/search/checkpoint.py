@@ -3,15 +3,15 @@
 import hashlib
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
 from neuralgaits.certificate.chart import Corner
-from neuralgaits.certificate.search.box_tree import BoxTree
+from neuralgaits.certificate.search.box_tree import BoxTree, PendingBoxes
 from neuralgaits.certificate.search.branch_and_bound import Search
-from neuralgaits.certificate.search.halving import halves
+from neuralgaits.certificate.search.halving import boxes_of
 from neuralgaits.certificate.search.problem import Problem
 from neuralgaits.errors import RunError
 from neuralgaits.records.certified import Counterexample
@@ -19,21 +19,18 @@ from neuralgaits.runs import read_arrays, write_arrays
 from neuralgaits.runs.arrays import SHA256
 
 _KEPT = ("first", "axis", "lower", "upper", "alone")
-"""Fields of a tree that a file keeps; corners and cuts follow from these."""
-_SMALL = {"first": np.int32, "axis": np.int8}
-_OPEN_ONLY = ("upper", "alone")
-"""Fields that are of no use where every condition is proved."""
+"""Arrays of a tree in a file; corners and cuts follow from these."""
 
 
 def save(path: Path, problem: Problem, state: Search) -> None:
     """Write one root's boxes in one piece, or nothing at all."""
     tree = state.tree
     proved = bool(np.all(tree.lower[tree.is_leaf] >= 0.0))
-    arrays = {
-        name: np.asarray(getattr(tree, name), _SMALL.get(name))
-        for name in _KEPT
-        if not (proved and name in _OPEN_ONLY)
-    }
+    arrays = {"first": tree.first, "axis": tree.axis, "lower": tree.lower}
+    if not proved:
+        alone = np.full((len(tree.first), len(problem.low)), np.inf)
+        alone[tree.pending.number] = tree.pending.alone
+        arrays |= {"upper": tree.upper, "alone": alone}
     arrays["seen"] = state.seen
     refuted = {
         name: {"u": point.u, "z": point.z, "margin": point.margin}
@@ -80,8 +77,13 @@ def _tree(arrays: Mapping[str, np.ndarray], problem: Problem) -> BoxTree:
     low, high, cuts = _boxes(first, axis, problem.low, problem.high)
     lower = np.asarray(arrays["lower"])
     upper = np.asarray(arrays.get("upper", np.full_like(lower, np.inf)))
-    alone = np.asarray(arrays.get("alone", np.full_like(low, np.inf)))
-    return BoxTree(low, high, first, axis, cuts, lower, upper, alone)
+    number = np.flatnonzero((first < 0) & problem.unfinished(lower))
+    ends, numbers = (low[number], high[number]), number.astype(np.int32)
+    pending = PendingBoxes.unmeasured(numbers, *ends, cuts[number])
+    if "alone" in arrays:
+        pending = replace(pending, alone=np.asarray(arrays["alone"])[number])
+    small = first.astype(np.int32), axis.astype(np.int8), cuts.sum(axis=1).astype(np.int16)
+    return BoxTree(low[0], high[0], *small, lower, upper, pending)
 
 
 def _boxes(
@@ -96,18 +98,7 @@ def _boxes(
         raise RunError("expected boxes whose halves follow them, found others: the file is damaged")
     if np.any(axis[inner] < 0) or np.any(axis >= len(low)):
         raise RunError("expected halvings of the chart's axes, found others: the file is damaged")
-    lows, highs = np.tile(low, (len(first), 1)), np.tile(high, (len(first), 1))
-    cuts = np.zeros(lows.shape, np.int64)
-    parents = np.zeros(1, np.int64)
-    while len(parents := parents[first[parents] >= 0]):
-        parts = halves(lows[parents], highs[parents], axis[parents])
-        family = np.repeat(parents, 2)
-        children = first[family] + np.arange(len(family)) % 2
-        lows[children], highs[children] = parts
-        cuts[children] = cuts[family]
-        cuts[children, axis[family]] += 1
-        parents = children
-    return lows, highs, cuts
+    return boxes_of(first, axis, np.array(low), np.array(high))
 
 
 def _refuse_unsigned(path: Path, metadata: Mapping[str, str]) -> None:

@@ -34,6 +34,31 @@ def halves(
     return lows, highs
 
 
+def boxes_of(
+    first: np.ndarray, axis: np.ndarray, low: np.ndarray, high: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return corners of all boxes of a tree, and how often each axis was halved. [N, n] each.
+
+    Args:
+        first: number of each node's lower half, the upper one following it; -1 without. [N]
+        axis: along which each node is halved. [N]
+        low: lower corner of the root. [n]
+        high: upper corner of the root. [n]
+    """
+    lows, highs = np.tile(low, (len(first), 1)), np.tile(high, (len(first), 1))
+    cuts = np.zeros(lows.shape, np.int64)
+    parents = np.zeros(1, np.int64)
+    while len(parents := parents[first[parents] >= 0]):
+        parts = halves(lows[parents], highs[parents], axis[parents])
+        family = np.repeat(parents, 2)
+        children = first[family] + np.arange(len(family)) % 2
+        lows[children], highs[children] = parts
+        cuts[children] = cuts[family]
+        cuts[children, axis[family]] += 1
+        parents = children
+    return lows, highs, cuts
+
+
 def to_text(first: np.ndarray, axis: np.ndarray, leaf: np.ndarray) -> str:
     """Return the text of a tree cut at its first leaves.
 

@@ -125,6 +125,13 @@ class Problem:
             values = evaluate(self.program, inputs, POINT)
         return self._smallest([values[name].reshape(len(u), -1).T for name in self.names], u)
 
+    def unfinished(self, lower: PerCondition) -> np.ndarray:
+        """Return which boxes with these bounds may yet be halved. [B].
+
+        Where only the sign is worth proving, a box that has it is done.
+        """
+        return np.any(~(lower >= 0.0), axis=1) | (self.tight > 0.0)
+
     def asked(self, low: Corners, high: Corners) -> np.ndarray:
         """Return which boxes have a point that conditions apply to. A reader checks again. [B]."""
         apart = np.zeros(len(low), dtype=bool)

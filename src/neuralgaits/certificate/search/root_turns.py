@@ -161,9 +161,9 @@ class _BoxBudget:
         """Return how many boxes a root may have in all."""
         if not self._wide or self._late[number]:
             return self._most[number]
-        sizes = [len(state.tree.first) for state in self._current]
-        used = sum(a * b for a, b in zip(sizes, self._bytes, strict=True))
-        return sizes[number] + max(int((WIDE_MEMORY_BYTES - used) / self._bytes[number]), 0)
+        used = sum(state.tree.nbytes for state in self._current)
+        left = max(int((WIDE_MEMORY_BYTES - used) / self._bytes[number]), 0)
+        return len(self._current[number].tree.first) + left
 
 
 def proved_share(problems: Sequence[Problem], states: Sequence[Search]) -> float:

@@ -22,7 +22,7 @@ def map_files(run: Run, problems: Sequence[Problem], states: Sequence[Search]) -
     parts = []
     for state in states:
         tree, leaf = state.tree, state.tree.is_leaf
-        low, high = tree.low[leaf], tree.high[leaf]
+        low, high = (corner[leaf] for corner in tree.corners)
         corners = [low, np.stack([high[:, 0], low[:, 1]], 1), high]
         corners.append(np.stack([low[:, 0], high[:, 1]], 1))
         z = evaluate(chart, {"u": np.concatenate(corners)}, POINT)["z"]
