@@ -126,39 +126,11 @@ def dialects_are_loaded_once():
 
 @pytest.fixture(scope="session", autouse=True)
 def executables_are_at_hand():
-    """What a worker compiled, or read from the cache, it has when the same is asked for again.
-
-    JAX keeps an executable only as long as the function that it was compiled for.
-    """
-    try:
-        from jax._src import compiler
-
-        read, compiled = compiler._cache_read, compiler._compile_and_write_cache
-    except (ImportError, AttributeError):
-        yield  # As above.
-        return
-    kept: dict[str, tuple] = {}
-
-    def keep(key: str, found: tuple) -> None:
-        kept[key] = found
-        if len(kept) > 500:
-            del kept[next(iter(kept))]
-
-    def read_once(name: str, key: str, *given) -> tuple:
-        found = kept.get(key) or read(name, key, *given)
-        if found[0] is not None:
-            keep(key, found)
-        return found
-
-    def compiled_once(backend, module, devices, options, callbacks, name: str, key: str):
-        executable = compiled(backend, module, devices, options, callbacks, name, key)
-        if not callbacks:  # They are part of an executable and of no key.
-            keep(key, (executable, 0))
-        return executable
+    """What a worker compiled, or read from the cache, it has when the same is asked for again."""
+    from support.kept_executables import keep
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(compiler, "_cache_read", read_once)
-        patch.setattr(compiler, "_compile_and_write_cache", compiled_once)
+        keep(patch)
         yield
 
 

@@ -13,7 +13,7 @@ from neuralgaits.analysis.run import open_run
 from neuralgaits.certificate.levels import problems
 from neuralgaits.errors import SpecError
 from neuralgaits.gait import gaits
-from support import kept_results
+from support import kept_executables, kept_results
 from support.kept_results import KeptResults
 from support.shipped_run import SHIPPED
 
@@ -50,9 +50,8 @@ def test_equal_arguments_have_one_result_and_others_their_own(kept):
     calls, numbered = pair_of(kept)
     assert numbered(*opened()) is numbered(*opened()) and len(calls) == 1
     spec, robot, gait, residuals = opened()
-    weights = gait.policy.network.weights
-    moved = (weights[0] + np.eye(*weights[0].shape) * 1e-15, *weights[1:])
-    other = eqx.tree_at(lambda g: g.policy.network.weights, gait, moved)
+    unit = np.nextafter(np.asarray(gait.tube.unit), np.inf)
+    other = eqx.tree_at(lambda g: g.tube.unit, gait, unit)
     assert numbered(spec, robot, other, residuals) == {"call": 2}
     assert numbered(spec.with_conditions(*spec.conditions[:0]), robot, gait, residuals) is not None
     assert numbered(1.0) == {"call": len(calls)} != numbered(1)
@@ -113,3 +112,27 @@ def test_the_package_and_its_helpers_call_what_keeps(results_are_kept):
     assert results_are_kept.computed <= before + 1
     np.testing.assert_array_equal(found[0].fixed_point, found[1].fixed_point)
     assert found[0].fixed_point is not found[1].fixed_point
+
+
+def test_a_program_is_compiled_once_for_functions_that_are_made_anew(monkeypatch):
+    """And again for another shape, and where nothing is kept."""
+    compiler = pytest.importorskip("jax._src.compiler")
+    compiled = []
+
+    def counted(backend, module, *given):
+        compiled.append(module)
+        return make(backend, module, *given)
+
+    make = compiler.backend_compile_and_load
+    monkeypatch.setattr(compiler, "backend_compile_and_load", counted)
+    monkeypatch.setattr(compiler, "_cache_read", lambda *_: (None, None))
+    monkeypatch.setattr(compiler, "_cache_write", lambda *_: None)
+
+    def called(size):
+        before = len(compiled)
+        found = jax.jit(lambda x: jnp.cos(x) * 3.25)(np.zeros(size))
+        assert np.all(np.asarray(found) == 3.25)
+        return len(compiled) - before
+
+    kept_executables.keep(monkeypatch)
+    assert [called(size) for size in (3, 3, 4)] == [1, 0, 1]
