@@ -16,7 +16,7 @@ from jaxtyping import PRNGKeyArray
 from neuralgaits.barriers.aims import AbstractAim, MeanSpeed, MiddleFollowed, MiddleReturns
 from neuralgaits.barriers.conditions import FencesApart
 from neuralgaits.barriers.regions import Box
-from neuralgaits.barriers.spec import GaitSpec, Init
+from neuralgaits.barriers.spec import GaitSpec, Init, Recipe
 from neuralgaits.barriers.walking import RESETS, pendulum_height, start_tube, walking
 from neuralgaits.gait import walking_posture
 from neuralgaits.gait.command_polynomials import factors
@@ -160,11 +160,25 @@ def commanded(
     aims = _middle_aims()
     if "speed" in lowest:
         aims = (*aims, MeanSpeed("mean-speed", "middle", 0.015, 0.015, speed))
-    samples = {name: MORE_SAMPLES * count for name, count in plain.recipe.samples.items()}
     asked = [FOR_COMMANDS.get(command.name, ForCommand()) for command in commands]
     weights = {name: value for one in asked for name, value in one.weights.items()}
-    recipe = replace(
-        plain.recipe,
+    return replace(
+        plain.with_conditions(FencesApart("fences-apart", "fence-lower", APART)),
+        regions=dict(plain.regions) | {"middle": (MIDDLE,)},
+        new_gait=partial(_new_gait, robot, commands, speed, z2_dependence=z2_dependence),
+        recipe=_recipe(plain.recipe, asked),
+        commands=commands,
+        aims=aims,
+        weights=dict(plain.weights) | weights,
+        parameters=axes_of(robot, {LEAN: lean_error}) if leans else (),
+    )
+
+
+def _recipe(plain: Recipe, asked: list[ForCommand]) -> Recipe:
+    """Return how a family is trained, from how a single gait is, and what its commands ask for."""
+    samples = {name: MORE_SAMPLES * count for name, count in plain.samples.items()}
+    return replace(
+        plain,
         steps=max(one.steps for one in asked),
         samples=samples | {"middle": 24} | {name: 2 * samples[name] for name in FENCES},
         learning_rate=LEARNING_RATE,
@@ -175,16 +189,6 @@ def commanded(
         widened=0.1,
         faster_changes=0.3,
         largest_gradient=5.0,
-    )
-    return replace(
-        plain.with_conditions(FencesApart("fences-apart", "fence-lower", APART)),
-        regions=dict(plain.regions) | {"middle": (MIDDLE,)},
-        new_gait=partial(_new_gait, robot, commands, speed, z2_dependence=z2_dependence),
-        recipe=recipe,
-        commands=commands,
-        aims=aims,
-        weights=dict(plain.weights) | weights,
-        parameters=axes_of(robot, {LEAN: lean_error}) if leans else (),
     )
 
 

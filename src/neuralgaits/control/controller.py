@@ -13,7 +13,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from neuralgaits._types import Actuated, Array, Bool, Coordinates, Float, Int, Scalar, ZeroState
-from neuralgaits.control import command_state, stance
+from neuralgaits.control import command_state, stance, stance_ankle
 from neuralgaits.control.command_state import CommandState
 from neuralgaits.control.inverse_dynamics import impact_consistent_rates
 from neuralgaits.control.joint_model import JointModel
@@ -22,7 +22,6 @@ from neuralgaits.control.measurement import (
     Measurement,
     coordinates,
     leg_joints,
-    of_all_motors,
     stance_foot_velocity,
 )
 from neuralgaits.control.momentum import zero_state
@@ -242,7 +241,7 @@ def step(
     demand = Demand(reading, held, wanted, controller.torque_limit)
     torque, saturated, relaxed = law.apply_limits(model, demand)
     command = TickResult(
-        torque=leg_joints(robot.layout, _motor_torques(robot, reading, torque), standing.leg),
+        torque=leg_joints(robot.layout, stance_ankle.motors(robot, reading, torque), standing.leg),
         actuated=torque,
         q=q,
         dq=dq,
@@ -285,22 +284,4 @@ def _with_ankle(controller: Controller, now: CommandState, reading: MeasuredStat
     if controller.robot.feet is None:
         return reading
     policy, told = _step_policy(controller, now)
-
-    def ankle(z: ZeroState) -> Scalar:
-        found = policy.ankle_torque(told(z))
-        return jnp.zeros(()) if found is None else found
-
-    dz = reading.dz + jnp.stack([jnp.zeros(()), ankle(reading.z)])
-    torque, rate = jax.jvp(ankle, (reading.z,), (dz,))
-    return reading._replace(dz=dz, ankle=torque, ankle_rate=rate)
-
-
-def _motor_torques(
-    robot: PlanarBiped, reading: MeasuredState, torque: Actuated
-) -> Float[Array, " motors"]:
-    """Return the torques of all motors: that of a stance ankle, and those of the joints (N m)."""
-    if reading.ankle is None:
-        return torque
-    own = robot.damping[0] * reading.dq[0] - reading.ankle
-    limit = robot.flat_feet.torque_limit
-    return of_all_motors(robot.layout, torque, jnp.clip(own, -limit, limit))
+    return stance_ankle.read(reading, lambda z: policy.ankle_torque(told(z)))

@@ -1,4 +1,4 @@
-"""What a robot believes of its lean, from step to step: the command `lean` of its gait.
+"""The lean that a robot believes in, from step to step: the command `lean` of its gait.
 
 Between touchdowns nothing changes. At each touchdown the belief moves towards the lean that the
 step that ended shows, see `lean_sums`; it stays within the range of the gait's commands, and the

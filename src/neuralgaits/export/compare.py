@@ -13,8 +13,8 @@ from neuralgaits.export.cases import Cases, of_faults, of_guard, of_region
 from neuralgaits.export.drawn_states import steps_of
 from neuralgaits.export.facts import Design
 from neuralgaits.export.float_bound import largest_errors
-from neuralgaits.export.programs import Part
 from neuralgaits.export.reference import Reference, Results, policy_path, results_of
+from neuralgaits.export.robot_programs import Part
 from neuralgaits.records.exported import Agreement, ExportTolerance, FloatBound
 from neuralgaits.records.link_figures import Percentiles
 

@@ -7,7 +7,8 @@ from onnx import checker, helper
 
 from neuralgaits.export import statement
 from neuralgaits.export.facts import Design
-from neuralgaits.export.programs import Part, policy_in_one
+from neuralgaits.export.programs import policy_in_one
+from neuralgaits.export.robot_programs import Part
 from neuralgaits.programs.onnx_graph import OPERATOR_SET, graph
 
 REALS = {"double": np.float64, "float": np.float32}

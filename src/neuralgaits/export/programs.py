@@ -5,42 +5,30 @@ The other parts (bounds of z, stance, limits, faults) are written by hand in `c/
 
 import re
 from collections.abc import Callable, Mapping
-from typing import Any, NamedTuple
+from typing import Any
 
 import jax
 import jax.numpy as jnp
 
-from neuralgaits._types import Actuated, Array, Coordinates, Float, Planar, Scalar, ZeroState
-from neuralgaits.control.clf_qp import ground_force
-from neuralgaits.control.estimator import pinned
-from neuralgaits.control.lean_sums import with_derivative
-from neuralgaits.control.momentum import zero_state
+from neuralgaits._types import Actuated, Array, Float, ZeroState
 from neuralgaits.errors import SpecError
+from neuralgaits.export.robot_programs import (
+    Part,
+    dynamics,
+    feet,
+    lean_of_interval,
+    pinned_rates,
+    tells_lean,
+    zero_dynamics_state,
+)
 from neuralgaits.gait import AbstractPolicy
-from neuralgaits.gait.commands import LEAN, Pair, place_of
+from neuralgaits.gait.commands import Pair
 from neuralgaits.gait.reset_residual import ResetCorrection
 from neuralgaits.programs import Program
 from neuralgaits.programs.tracing.tracer import trace
 from neuralgaits.robots import PlanarBiped
-from neuralgaits.robots.dynamics import (
-    centre_of_mass_velocity,
-    hip_position,
-    hip_velocity,
-    swing_foot,
-)
-from neuralgaits.robots.mjcf.leaning import leaning_robot
 
 _OF_POLICY = {"z": (2,), "dz": (2,)}
-
-
-class Part(NamedTuple):
-    """A Program that becomes one C function."""
-
-    function: str
-    """Name of the C function."""
-    about: str
-    """Description of its results, with units."""
-    program: Program
 
 
 def rate(policy: AbstractPolicy) -> Callable[..., dict[str, Array]]:
@@ -173,26 +161,7 @@ def parts(
 
     Raises: SpecError naming the primitive of a policy that cannot be traced.
     """
-    n, model = robot.n, torque_model or robot
-    believed = _belief(policy)
-
-    def state(
-        q: Coordinates, dq: Coordinates, hip_velocity_: Planar, lean: Scalar | None = None
-    ) -> dict[str, Array]:
-        own = _leaning(robot, lean)
-        foot = hip_velocity_ - hip_velocity(own, q, dq)
-        z, dz = zero_state(own, q, dq, foot)
-        speed = centre_of_mass_velocity(own, q, dq)[0]
-        return {"z": z, "dz": dz, "ddz2": own.mass * own.gravity * speed}
-
-    def dynamics(q: Coordinates, dq: Coordinates, lean: Scalar | None = None) -> dict[str, Array]:
-        own = _leaning(model, lean)
-        return {"mass": own.mass_matrix(q), "bias": own.bias(q, dq)}
-
-    def feet(q: Coordinates) -> dict[str, Array]:
-        return {"foot": swing_foot(robot, q), "hip": hip_position(robot, q)}
-
-    of_state = {"q": (n,), "dq": (n,)}
+    told = tells_lean(policy)
     once = [policy_step(robot, policy, reset_residual)] if policy.step_size else []
     once += [policy_ankle(policy)] if robot.feet is not None else []
     return [
@@ -203,91 +172,12 @@ def parts(
             _policy(path(policy), _OF_POLICY | {"ddz": (2,)} | _step(policy), policy),
         ),
         *once,
-        Part(
-            "ng_zero_state",
-            "Measured z (m, kg m^2/s), dz (m/s, N m), and the second derivative of z2 [N m/s].",
-            trace(state, of_state | {"hip_velocity_": (2,)} | believed, parameters=robot),
-        ),
-        Part(
-            "ng_dynamics",
-            "Mass matrix [kg m^2] and bias [N m] of mass ddq + bias = (0, torques).",
-            trace(dynamics, of_state | believed, parameters=model),
-        ),
-        Part(
-            "ng_feet",
-            "Swing foot and hip from the stance foot, (x, z) [m].",
-            trace(feet, {"q": (n,)}, parameters=robot),
-        ),
-        pinned_rates(robot, policy),
-        *([lean_of_interval(robot)] if believed else []),
+        zero_dynamics_state(robot, told),
+        dynamics(torque_model or robot, told),
+        feet(robot),
+        pinned_rates(robot, told),
+        *([lean_of_interval(robot)] if told else []),
     ]
-
-
-def _belief(policy: AbstractPolicy) -> dict[str, tuple[int, ...]]:
-    """Return the input that functions of a robot have whose gait is told its lean [m]."""
-    return {} if place_of(policy.commands, LEAN) is None else {LEAN: ()}
-
-
-def _leaning(robot: PlanarBiped, lean: Scalar | None) -> PlanarBiped:
-    return robot if lean is None else leaning_robot(robot, lean)
-
-
-def lean_of_interval(robot: PlanarBiped) -> Part:
-    """Return the Program of what an interval adds to `lean_sums`, by powers of time."""
-
-    def quantities(q: Coordinates, change: Coordinates) -> dict[str, Array]:
-        momentum, ahead = with_derivative(robot, q, change)
-        return {"momentum": jnp.stack(momentum), "ahead": jnp.stack(ahead)}
-
-    return Part(
-        "ng_lean",
-        "Momentum times time [kg m^2] and centre of mass ahead of the foot [m], each with its "
-        "derivative by the lean, at q and for a change of q [rad].",
-        trace(quantities, {"q": (robot.n,), "change": (robot.n,)}, parameters=robot),
-    )
-
-
-def pinned_rates(robot: PlanarBiped, policy: AbstractPolicy) -> Part:
-    """Return the Program of all rates on a foot that stands still."""
-
-    def standing(
-        q: Coordinates,
-        actuated: Actuated,
-        z2: Scalar,
-        extra: Scalar,
-        lean: Scalar | None = None,
-    ) -> dict[str, Array]:
-        dq, hip = pinned(_leaning(robot, lean), q, actuated, z2, extra)
-        return {"dq": dq, "hip": hip}
-
-    n = robot.n
-    return Part(
-        "ng_pinned",
-        "All rates dq [rad/s] and the hip's velocity (x, z) [m/s] on a foot that stands still, "
-        "of those of the actuated joints and the momentum z2 [kg m^2/s]; `extra` is added to "
-        "the first [rad/s].",
-        trace(
-            standing,
-            {"q": (n,), "actuated": (n - 1,), "z2": (), "extra": ()} | _belief(policy),
-            parameters=robot,
-        ),
-    )
-
-
-def ground(robot: PlanarBiped, policy: AbstractPolicy) -> Part:
-    """Return the Program of the floor's force on the stance foot, see `control.clf_qp`."""
-
-    def force(q: Coordinates, dq: Coordinates, lean: Scalar | None = None) -> dict[str, Array]:
-        still, by_acceleration = ground_force(_leaning(robot, lean), q, dq)
-        return {"still": still, "by_acceleration": by_acceleration}
-
-    n = robot.n
-    return Part(
-        "ng_ground",
-        "Force of the floor on the stance foot, (x, z): without accelerations, and by each "
-        "[shares of the weight, of it a rad/s^2].",
-        trace(force, {"q": (n,), "dq": (n,)} | _belief(policy), parameters=robot),
-    )
 
 
 def _policy(

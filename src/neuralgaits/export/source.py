@@ -8,7 +8,8 @@ import numpy as np
 from neuralgaits.control import AbstractLaw, Fblin, Pd
 from neuralgaits.export import statement
 from neuralgaits.export.facts import Design
-from neuralgaits.export.programs import Part, parts
+from neuralgaits.export.programs import parts
+from neuralgaits.export.robot_programs import Part
 from neuralgaits.programs.c99.c_writer import Emitted
 from neuralgaits.programs.c99.constant_arrays import Tables, braces, literal
 from neuralgaits.programs.c99.function import emit

@@ -18,7 +18,7 @@ from neuralgaits.control.law_by_name import exported_laws
 from neuralgaits.errors import InputError, SpecError
 from neuralgaits.export import output_folder
 from neuralgaits.export.facts import Design, Origin
-from neuralgaits.export.programs import ground
+from neuralgaits.export.robot_programs import ground, tells_lean
 from neuralgaits.export.source import gait_files
 from neuralgaits.gait.policies.commanded_gait import AnyGait
 from neuralgaits.gait.reset_residual import ResetCorrection
@@ -124,7 +124,7 @@ def _design(
 def sources(design: Design) -> dict[str, str]:
     """Return all files to compile. Raises: NativeError for a policy that C cannot express."""
     try:
-        own = gait_files(design, (ground(design.robot, design.gait.policy),))
+        own = gait_files(design, (ground(design.robot, tells_lean(design.gait.policy)),))
     except SpecError as error:
         raise NativeError(f"C cannot express its policy ({error})") from None
     shipped = output_folder.shipped() | output_folder.adaptation()

@@ -283,9 +283,8 @@ def _foothold(commands: Commands, command: Float[Array, " p"]) -> Foothold:
     length, height, slope = (
         _value(commands, command, name) for name in ("step_length", "step_height", "slope")
     )
-    return Foothold(
-        length, 0.0 if height is None else height, 0.0 if slope is None else jnp.tan(slope)
-    )
+    rise = 0.0 if slope is None else jnp.tan(slope)
+    return Foothold(length, 0.0 if height is None else height, rise)
 
 
 def _ground(

@@ -1,0 +1,159 @@
+"""Programs of a robot, which a controller of any policy needs: state, dynamics, feet, rates, lean.
+
+Where the gait is told the lean of the torso, these are of the robot that leans as it is believed
+to.
+"""
+
+from typing import NamedTuple
+
+import jax.numpy as jnp
+
+from neuralgaits._types import Actuated, Array, Coordinates, Planar, Scalar
+from neuralgaits.control.clf_qp import ground_force
+from neuralgaits.control.estimator import pinned
+from neuralgaits.control.lean_sums import with_derivative
+from neuralgaits.control.momentum import zero_state
+from neuralgaits.gait import AbstractPolicy
+from neuralgaits.gait.commands import LEAN, place_of
+from neuralgaits.programs import Program
+from neuralgaits.programs.tracing.tracer import trace
+from neuralgaits.robots import PlanarBiped
+from neuralgaits.robots.dynamics import (
+    centre_of_mass_velocity,
+    hip_position,
+    hip_velocity,
+    swing_foot,
+)
+from neuralgaits.robots.mjcf.leaning import leaning_robot
+
+
+class Part(NamedTuple):
+    """A Program that becomes one C function."""
+
+    function: str
+    """Name of the C function."""
+    about: str
+    """Description of its results, with units."""
+    program: Program
+
+
+def tells_lean(policy: AbstractPolicy) -> bool:
+    """Return whether a gait's policy is told the lean of the torso."""
+    return place_of(policy.commands, LEAN) is not None
+
+
+def zero_dynamics_state(robot: PlanarBiped, told: bool) -> Part:
+    """Return the Program of the measured z and its rates; `told`: whether a lean is believed."""
+
+    def state(
+        q: Coordinates, dq: Coordinates, hip_velocity_: Planar, lean: Scalar | None = None
+    ) -> dict[str, Array]:
+        own = _leaning(robot, lean)
+        foot = hip_velocity_ - hip_velocity(own, q, dq)
+        z, dz = zero_state(own, q, dq, foot)
+        speed = centre_of_mass_velocity(own, q, dq)[0]
+        return {"z": z, "dz": dz, "ddz2": own.mass * own.gravity * speed}
+
+    n = robot.n
+    return Part(
+        "ng_zero_state",
+        "Measured z (m, kg m^2/s), dz (m/s, N m), and the second derivative of z2 [N m/s].",
+        trace(
+            state, {"q": (n,), "dq": (n,), "hip_velocity_": (2,)} | _belief(told), parameters=robot
+        ),
+    )
+
+
+def dynamics(robot: PlanarBiped, told: bool) -> Part:
+    """Return the Program of mass matrix and bias of the robot that torques are for."""
+
+    def matrices(q: Coordinates, dq: Coordinates, lean: Scalar | None = None) -> dict[str, Array]:
+        own = _leaning(robot, lean)
+        return {"mass": own.mass_matrix(q), "bias": own.bias(q, dq)}
+
+    n = robot.n
+    return Part(
+        "ng_dynamics",
+        "Mass matrix [kg m^2] and bias [N m] of mass ddq + bias = (0, torques).",
+        trace(matrices, {"q": (n,), "dq": (n,)} | _belief(told), parameters=robot),
+    )
+
+
+def feet(robot: PlanarBiped) -> Part:
+    """Return the Program of the places of swing foot and hip."""
+
+    def places(q: Coordinates) -> dict[str, Array]:
+        return {"foot": swing_foot(robot, q), "hip": hip_position(robot, q)}
+
+    return Part(
+        "ng_feet",
+        "Swing foot and hip from the stance foot, (x, z) [m].",
+        trace(places, {"q": (robot.n,)}, parameters=robot),
+    )
+
+
+def lean_of_interval(robot: PlanarBiped) -> Part:
+    """Return the Program of what an interval adds to `lean_sums`, by powers of time."""
+
+    def quantities(q: Coordinates, change: Coordinates) -> dict[str, Array]:
+        momentum, ahead = with_derivative(robot, q, change)
+        return {"momentum": jnp.stack(momentum), "ahead": jnp.stack(ahead)}
+
+    return Part(
+        "ng_lean",
+        "Momentum times time [kg m^2] and centre of mass ahead of the foot [m], each with its "
+        "derivative by the lean, at q and for a change of q [rad].",
+        trace(quantities, {"q": (robot.n,), "change": (robot.n,)}, parameters=robot),
+    )
+
+
+def pinned_rates(robot: PlanarBiped, told: bool) -> Part:
+    """Return the Program of all rates on a foot that stands still."""
+
+    def standing(
+        q: Coordinates,
+        actuated: Actuated,
+        z2: Scalar,
+        extra: Scalar,
+        lean: Scalar | None = None,
+    ) -> dict[str, Array]:
+        dq, hip = pinned(_leaning(robot, lean), q, actuated, z2, extra)
+        return {"dq": dq, "hip": hip}
+
+    n = robot.n
+    return Part(
+        "ng_pinned",
+        "All rates dq [rad/s] and the hip's velocity (x, z) [m/s] on a foot that stands still, "
+        "of those of the actuated joints and the momentum z2 [kg m^2/s]; `extra` is added to "
+        "the first [rad/s].",
+        trace(
+            standing,
+            {"q": (n,), "actuated": (n - 1,), "z2": (), "extra": ()} | _belief(told),
+            parameters=robot,
+        ),
+    )
+
+
+def ground(robot: PlanarBiped, told: bool) -> Part:
+    """Return the Program of the floor's force on the stance foot, see `control.clf_qp`."""
+
+    def force(q: Coordinates, dq: Coordinates, lean: Scalar | None = None) -> dict[str, Array]:
+        still, by_acceleration = ground_force(_leaning(robot, lean), q, dq)
+        return {"still": still, "by_acceleration": by_acceleration}
+
+    n = robot.n
+    return Part(
+        "ng_ground",
+        "Force of the floor on the stance foot, (x, z): without accelerations, and by each "
+        "[shares of the weight, of it a rad/s^2].",
+        trace(force, {"q": (n,), "dq": (n,)} | _belief(told), parameters=robot),
+    )
+
+
+def _belief(told: bool) -> dict[str, tuple[int, ...]]:
+    """Return the input that functions of a robot have whose gait is told its lean [m]."""
+    return {LEAN: ()} if told else {}
+
+
+def _leaning(robot: PlanarBiped, lean: Scalar | None) -> PlanarBiped:
+    return robot if lean is None else leaning_robot(robot, lean)
