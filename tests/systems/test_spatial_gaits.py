@@ -15,7 +15,7 @@ from neuralgaits.systems.walker3d.orbit_search import exact_period
 from neuralgaits.systems.walker3d.spatial_dynamics import flow
 from neuralgaits.systems.walker3d.spatial_gait import gait_of
 from neuralgaits.systems.walker3d.spatial_laws import linearisation, measured_state
-from neuralgaits.systems.walker3d.spatial_orbit import Orbit
+from neuralgaits.systems.walker3d.spatial_orbit import SpatialOrbit
 from neuralgaits.systems.walker3d.spatial_plant import SpatialPlants
 from neuralgaits.systems.walker3d.spatial_pose import joints_of_pose
 from neuralgaits.systems.walker3d.spatial_start import section_scale
@@ -129,7 +129,7 @@ def test_a_push_aside_moves_the_robot_and_is_no_fall(run):
 
 def test_gait_that_is_not_stable_has_no_inlet(run):
     gait = run.controller
-    orbit = Orbit(gait.policy, gait.start, 0.9 * np.eye(3), 0.0)
+    orbit = SpatialOrbit(gait.policy, gait.start, 0.9 * np.eye(3), 0.0)
     with pytest.raises(NonFiniteError, match=r"multipliers of a gait below 0\.86, found 0\.9"):
         gait_of(orbit, np.ones(3))
 

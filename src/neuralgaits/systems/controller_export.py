@@ -30,7 +30,7 @@ AGREES = 1e-9
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class ControllerExport(Record):
+class FamilyExport(Record):
     """Result of `export`.
 
     Attributes:
@@ -51,7 +51,7 @@ class ControllerExport(Record):
 
 def export_family(
     system: ExportedSystem, run: FamilyRun, out: Path, *, force: bool = False
-) -> ControllerExport:
+) -> FamilyExport:
     """Write the controller as C, and compare it with Python if there is a compiler.
 
     Args:
@@ -68,7 +68,7 @@ def export_family(
     states = system.states(run, STATES, seed=1)
     error = _largest_difference(program, states, files, header)
     written = publish(out, files)
-    return ControllerExport(
+    return FamilyExport(
         run=str(run.path),
         robot=run.config.robot,
         files=tuple(written),

@@ -4,7 +4,7 @@ from neuralgaits._digits import at_least
 from neuralgaits.records.certified import CertificateRecord
 from neuralgaits.records.installed import BuiltIn
 from neuralgaits.runs.shell_words import command, named
-from neuralgaits.systems.controller_export import ControllerExport
+from neuralgaits.systems.controller_export import FamilyExport
 from neuralgaits.systems.family_page import FamilyReport
 from neuralgaits.systems.family_run import TrainedSummary
 from neuralgaits.systems.proved_system import ProvedSystem
@@ -58,7 +58,7 @@ def screen_of_proof(system: ProvedSystem, found: CertificateRecord) -> Screen:
     return Screen(found.verdict, f"{to}{reason}", None, facts)
 
 
-def screen_of_export(unit: str, found: ControllerExport) -> Screen:
+def screen_of_export(unit: str, found: FamilyExport) -> Screen:
     """Return where the C files are, and how far they agree with Python."""
     answer, told = "written", ": no C compiler here, so it was not compared"
     if found.max_abs_error is not None:

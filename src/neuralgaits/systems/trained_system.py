@@ -61,7 +61,7 @@ class TrainedSystem(ABC):
 
     @abstractmethod
     def train(self, robot: Any, config: Any, progress: TrainingProgress | None) -> Any:
-        """Train a controller."""
+        """Train a controller for a robot of the family."""
 
     @abstractmethod
     def measured(self, run: Any) -> dict[str, Any]:

@@ -78,7 +78,7 @@ class DoubleBounds:
         self.batch = min(max(MOST_COEFFICIENTS // one, 1), MOST_BOXES)
 
     def ask(self, low: np.ndarray, high: np.ndarray) -> BoxAnswers:
-        """Bound boxes. [boxes, axes] each."""
+        """Bound boxes by their corners, a batch at a time. [boxes, axes] each."""
         answers = [
             self._ask(low[start : start + self.batch], high[start : start + self.batch])
             for start in range(0, len(low), self.batch)

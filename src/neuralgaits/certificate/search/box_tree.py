@@ -25,7 +25,7 @@ MEASURED = 3
 
 @dataclass(frozen=True)
 class PendingBoxes:
-    """What is known of boxes that may yet be halved, and needed of no others.
+    """Facts about boxes that may yet be halved, which no others need.
 
     Attributes:
         number: of each box in the tree, ascending. [K]

@@ -63,13 +63,11 @@ class DoubleAlgebra(Algebra[DoubleModel]):
         terms = np.zeros((self.layout.quadratic, axes, batch))
         terms[0] = centre
         terms[1 + np.arange(axes), np.arange(axes)] = half
-        models = {box.name: self._exact(terms)}
-        if ball is not None:
-            size = math.prod(ball.shape)
-            start = self.layout.quadratic + self.layout.named
-            terms = np.concatenate([np.zeros((start, size)), np.eye(size)])
-            models[ball.name] = self._exact(terms[:, :, None])
-        return models
+        if ball is None:
+            return {box.name: self._exact(terms)}
+        size, start = math.prod(ball.shape), self.layout.quadratic + self.layout.named
+        within = np.concatenate([np.zeros((start, size)), np.eye(size)])[:, :, None]
+        return {box.name: self._exact(terms), ball.name: self._exact(within)}
 
     def named(self, value: DoubleModel, first: int) -> DoubleModel:
         """Make the remainders coefficients of symbols of their own, which is exact."""
@@ -248,7 +246,7 @@ class DoubleAlgebra(Algebra[DoubleModel]):
         return self._model(terms, raised(radius), most)
 
     def _exact(self, terms: np.ndarray) -> DoubleModel:
-        """Return a model without remainder."""
+        """Return a model without remainder, its coefficients taken as they are."""
         most = raised(np.abs(terms).sum(axis=0))
         return DoubleModel(terms, np.zeros(terms.shape[1:]), self.layout, most)
 

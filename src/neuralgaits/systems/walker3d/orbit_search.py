@@ -10,7 +10,12 @@ import numpy as np
 from neuralgaits._quick_jit import quick_jit
 from neuralgaits._types import Float
 from neuralgaits.errors import NonFiniteError
-from neuralgaits.systems.walker3d.spatial_orbit import DIFFERENCE, Orbit, OrbitAims, OrbitProblem
+from neuralgaits.systems.walker3d.spatial_orbit import (
+    DIFFERENCE,
+    OrbitAims,
+    OrbitProblem,
+    SpatialOrbit,
+)
 from neuralgaits.systems.walker3d.spatial_policy import SpatialPolicy
 from neuralgaits.systems.walker3d.spatial_start import first_guess
 from neuralgaits.systems.walker3d.spatial_step import step_from
@@ -24,7 +29,7 @@ PERIODS, PERIOD_MISS = 8, 1e-9
 """Newton steps towards the exact period, and the miss that ends them, in scaled coordinates."""
 
 
-class _Point(NamedTuple):
+class _Iterate(NamedTuple):
     """Numbers with their residuals and the derivatives of these."""
 
     numbers: Float[np.ndarray, " p"]
@@ -41,7 +46,7 @@ def find_orbit(
     aims: OrbitAims,
     iterations: int = SEARCHED,
     progress: Callable[[int, float], None] | None = None,
-) -> Orbit:
+) -> SpatialOrbit:
     """Find a periodic gait.
 
     Args:
@@ -57,10 +62,10 @@ def find_orbit(
     numbers, restored = problem.parts()
     rows = quick_jit(jax.vmap(lambda row: problem.residuals(*restored(row))))
 
-    def evaluated(point: Float[np.ndarray, " p"]) -> _Point:
+    def evaluated(point: Float[np.ndarray, " p"]) -> _Iterate:
         near = np.vstack([point, point + DIFFERENCE * np.eye(len(point))])
         found = np.asarray(rows(jnp.asarray(near)))
-        return _Point(point, found[0], (found[1:] - found[0]).T / DIFFERENCE)
+        return _Iterate(point, found[0], (found[1:] - found[0]).T / DIFFERENCE)
 
     best, damping = evaluated(numbers), 1e-2
     if not np.isfinite(best.cost):
@@ -81,12 +86,12 @@ def find_orbit(
     policy, start = restored(jnp.asarray(best.numbers))
     policy = jax.tree.map(np.asarray, policy)
     start, section = exact_period(robot, policy, np.asarray(start), problem.scale)
-    return Orbit(policy, start, section, best.cost)
+    return SpatialOrbit(policy, start, section, best.cost)
 
 
 def _moved(
-    point: _Point, damping: float, evaluated: Callable[[np.ndarray], _Point]
-) -> tuple[_Point, float] | None:
+    point: _Iterate, damping: float, evaluated: Callable[[np.ndarray], _Iterate]
+) -> tuple[_Iterate, float] | None:
     """Return a point with a lower cost and the damping to go on with; None if none was found."""
     square, slope = point.slopes.T @ point.slopes, point.slopes.T @ point.residuals
     for _ in range(TRIES):

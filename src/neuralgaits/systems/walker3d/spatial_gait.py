@@ -8,7 +8,7 @@ from scipy.linalg import solve_discrete_lyapunov
 
 from neuralgaits._types import Float
 from neuralgaits.errors import NonFiniteError
-from neuralgaits.systems.walker3d.spatial_orbit import Orbit
+from neuralgaits.systems.walker3d.spatial_orbit import SpatialOrbit
 from neuralgaits.systems.walker3d.spatial_policy import Pendulum, SpatialPolicy
 
 SHRINKING = 0.15
@@ -37,7 +37,7 @@ class SpatialGait(eqx.Module):
         return np.concatenate([first, rows], axis=1)
 
 
-def gait_of(orbit: Orbit, scale: Float[np.ndarray, "3"]) -> SpatialGait:
+def gait_of(orbit: SpatialOrbit, scale: Float[np.ndarray, "3"]) -> SpatialGait:
     """Return the gait of an orbit, with the inlet that its linear section map shrinks.
 
     Raises: NonFiniteError if the orbit is not stable enough.

@@ -38,7 +38,7 @@ PdGains = tuple[Float[np.ndarray, "6"], Float[np.ndarray, "6"]]
 
 
 class Measured(NamedTuple):
-    """What the sensors say, of a robot on its right foot.
+    """Readings of the sensors of a robot on its right foot.
 
     Attributes:
         joints, rates: in the order of `JOINTS` [rad], [rad/s]. [8], [8]
@@ -50,8 +50,8 @@ class Measured(NamedTuple):
     velocity: Float[Array, "3"]
 
 
-class Command(NamedTuple):
-    """What a law asks of the motors.
+class TorqueDemand(NamedTuple):
+    """Torques that a law asks of the motors, and where the robot is.
 
     Attributes:
         torques: stance leg first [N m]. [6]
@@ -112,14 +112,14 @@ def pd_law(
     policy: SpatialPolicy,
     gains: PdGains,
     found: Measured,
-) -> Command:
+) -> TorqueDemand:
     """Return the torques of the gait at the measured z, with PD around its joints and rates."""
     z = measured_state(robot, found)
     now, needed = loads(robot, policy, z)
     errors = (found.joints - joints_of_pose(robot, now.pose))[2:]
     slips = (found.rates - now.joints)[2:]
     torques = needed.torques - gains[0] * errors - gains[1] * slips
-    return Command(torques, errors, z, pose_of_joints(robot, found.joints).feet[1, 2])
+    return TorqueDemand(torques, errors, z, pose_of_joints(robot, found.joints).feet[1, 2])
 
 
 class Linearisation(NamedTuple):
@@ -128,7 +128,7 @@ class Linearisation(NamedTuple):
     Attributes:
         rows, right: rows @ accelerations = right. [8, 8], [8]
         mass, bias: torques = (mass @ accelerations + bias)[2:]. [8, 8], [8]
-        errors, z, swing: as in `Command`.
+        errors, z, swing: as in `TorqueDemand`.
     """
 
     rows: Float[Array, "*batch 8 8"]
@@ -139,12 +139,12 @@ class Linearisation(NamedTuple):
     z: Float[Array, "*batch 4"]
     swing: Float[Array, "*batch"]
 
-    def solved(self) -> Command:
+    def solved(self) -> TorqueDemand:
         """Solve for the torques; outside of compiled code, where LAPACK does no harm."""
         right = np.asarray(self.right)[..., None]
         found = np.linalg.solve(np.asarray(self.rows), right)
         torques = (np.asarray(self.mass) @ found)[..., 2:, 0] + np.asarray(self.bias)[..., 2:]
-        return Command(torques, self.errors, self.z, self.swing)
+        return TorqueDemand(torques, self.errors, self.z, self.swing)
 
 
 def linearisation(robot: SpatialWalker, policy: SpatialPolicy, found: Measured) -> Linearisation:

@@ -24,7 +24,7 @@ from neuralgaits.systems.walker3d.spatial_tree import (
     joint_name,
     tree_of,
 )
-from neuralgaits.systems.walker3d.spatial_walker import Link, SpatialWalker
+from neuralgaits.systems.walker3d.spatial_walker import RigidLink, SpatialWalker
 
 BUILT_IN = "walker3d"
 ALIKE = 1e-9
@@ -202,10 +202,10 @@ def _walker(model: mujoco.MjModel, tree: SpatialTree, name: str) -> SpatialWalke
     numbers = [*_leg_numbers(model, data, tree, 0)]
     knee = float(data.xanchor[tree.joints[0][2]][2])
 
-    def link(body: RigidBody, length: float, top: float) -> Link:
+    def link(body: RigidBody, length: float, top: float) -> RigidLink:
         inertia = np.diag(body.inertia)
         moments = (float(inertia[0]), float(inertia[1]), float(inertia[2]))
-        return Link(length, top - float(body.centre[2]), body.mass, moments)
+        return RigidLink(length, top - float(body.centre[2]), body.mass, moments)
 
     def ranges(joint: int) -> tuple[float, float]:
         if not model.jnt_limited[joint]:

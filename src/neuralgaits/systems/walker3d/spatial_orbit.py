@@ -20,7 +20,7 @@ from neuralgaits.systems.walker3d.spatial_impact import impact
 from neuralgaits.systems.walker3d.spatial_motion import jacobians_of
 from neuralgaits.systems.walker3d.spatial_policy import SpatialPolicy
 from neuralgaits.systems.walker3d.spatial_start import FirstGuess, section_scale
-from neuralgaits.systems.walker3d.spatial_step import PHASES, Step, step_from
+from neuralgaits.systems.walker3d.spatial_step import PHASES, SpatialStep, step_from
 from neuralgaits.systems.walker3d.spatial_walker import SpatialWalker
 
 DIFFERENCE = 1e-6
@@ -28,7 +28,7 @@ DIFFERENCE = 1e-6
 
 
 class OrbitAims(NamedTuple):
-    """What a gait should be like; each is met as well as all others allow.
+    """Aims of the search for a gait; each is met as well as all others allow.
 
     Attributes:
         speed: [m/s].
@@ -72,7 +72,7 @@ class OrbitAims(NamedTuple):
         )
 
 
-class Orbit(NamedTuple):
+class SpatialOrbit(NamedTuple):
     """A gait and what was found of it.
 
     Attributes:
@@ -130,7 +130,7 @@ class OrbitProblem:
             ]
         )
 
-    def _return_map(self, policy: SpatialPolicy, start: Array, steps: Step) -> Array:
+    def _return_map(self, policy: SpatialPolicy, start: Array, steps: SpatialStep) -> Array:
         """Return residuals of the period, of its neighbours, and of where the swing foot starts."""
         section = (steps.landed[1:4, 1:] - steps.landed[4:, 1:]).T / 2.0 / self.scale[:, None]
         # Where the swing foot is after the touchdown, less where the policy starts it.
@@ -150,7 +150,7 @@ class OrbitProblem:
             ]
         )
 
-    def _touchdown(self, policy: SpatialPolicy, orbit: Step) -> Array:
+    def _touchdown(self, policy: SpatialPolicy, orbit: SpatialStep) -> Array:
         """Return residuals of a cheap impact: no motion of the foot along the floor, no jump."""
         last = orbit.last
         struck = impact(self.robot, last.pose, last.motion, last.joints)
@@ -167,7 +167,7 @@ class OrbitProblem:
             ]
         )
 
-    def _way(self, policy: SpatialPolicy, start: Array, orbit: Step) -> Array:
+    def _way(self, policy: SpatialPolicy, start: Array, orbit: SpatialStep) -> Array:
         """Return residuals of the step itself: speed, forces, torques, clearance, slopes."""
         aims, robot = self.aims, self.robot
         states, shares = orbit.states[::2], np.linspace(0.0, 1.0, PHASES + 1)

@@ -16,7 +16,7 @@ PHASES = 24
 """Steps of the integration (fourth-order Runge-Kutta) from one touchdown to the next."""
 
 
-class Step(NamedTuple):
+class SpatialStep(NamedTuple):
     """A step of the zero dynamics.
 
     Attributes:
@@ -32,7 +32,7 @@ class Step(NamedTuple):
     last: Flow
 
 
-def step_from(robot: SpatialWalker, policy: SpatialPolicy, start: Float[Array, "3"]) -> Step:
+def step_from(robot: SpatialWalker, policy: SpatialPolicy, start: Float[Array, "3"]) -> SpatialStep:
     """Return the step that starts with (y, L_y, n) where the stance hip is at x0."""
     begin, end = policy.ends
     length = end - begin
@@ -66,7 +66,7 @@ def step_from(robot: SpatialWalker, policy: SpatialPolicy, start: Float[Array, "
     way = begin + length * jnp.linspace(0.0, 1.0, PHASES + 1)
     states = jnp.concatenate([way[:, None], rows[:, :3]], axis=1)
     now = flow(robot, policy, states[-1])
-    return Step(states, last[3], reset(robot, now.pose, now.links, now.motion), now)
+    return SpatialStep(states, last[3], reset(robot, now.pose, now.links, now.motion), now)
 
 
 def step_of_orbit(robot: SpatialWalker, policy: SpatialPolicy, start: Float[Array, "3"]) -> float:

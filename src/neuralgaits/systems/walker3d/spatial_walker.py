@@ -25,7 +25,7 @@ JOINTS = (
 straight; pitch and knee are positive where what is above turns forward against what is below."""
 
 
-class Link(eqx.Module):
+class RigidLink(eqx.Module):
     """A link of a leg, straight between two joints.
 
     Attributes:
@@ -61,8 +61,8 @@ class SpatialWalker(eqx.Module):
     torso_centre: tuple[float, float]
     torso_inertia: tuple[float, float, float]
     hip_width: float
-    thigh: Link
-    shin: Link
+    thigh: RigidLink
+    shin: RigidLink
     armature: tuple[float, float, float]
     gravity: float
     torque_limits: tuple[float, float, float]

@@ -13,8 +13,8 @@ from neuralgaits._types import Array, Float
 from neuralgaits.records.record import Count, Record
 from neuralgaits.systems.walker3d.spatial_gait import SpatialGait
 from neuralgaits.systems.walker3d.spatial_laws import (
-    Command,
     Measured,
+    TorqueDemand,
     joint_gains,
     linearisation,
     pd_law,
@@ -69,7 +69,7 @@ class SpatialWalks(Record):
 
 
 class WalkPlan(NamedTuple):
-    """What is simulated.
+    """Walks to simulate: law, pushes and how many.
 
     Attributes:
         controller: name of the law.
@@ -88,7 +88,7 @@ class WalkPlan(NamedTuple):
 
 @dataclass
 class WalkLog:
-    """What is seen of some walks.
+    """Results of some walks, as they come in.
 
     Attributes:
         taken: steps of each. [N]
@@ -118,7 +118,7 @@ class WalkLog:
         zeros = np.zeros(count)
         return cls(zeros.astype(int), zeros.astype(bool), zeros.copy(), np.full(count, np.inf))
 
-    def note(self, now: Command, moving: Array, limits: Float[np.ndarray, "6"]) -> None:
+    def note(self, now: TorqueDemand, moving: Array, limits: Float[np.ndarray, "6"]) -> None:
         """Note errors and torques of the robots that walk."""
         errors, asked = np.abs(now.errors[moving]), np.abs(now.torques[moving])
         calm = np.abs(now.errors[moving & ~np.isfinite(self.pushed_at)])
@@ -134,7 +134,7 @@ class WalkLog:
 
 def law_of_gait(
     robot: SpatialRobot, gait: SpatialGait, controller: str
-) -> Callable[[Measured], Command]:
+) -> Callable[[Measured], TorqueDemand]:
     """Return a law for many robots at once, compiled."""
     walker, policy = robot.walker, gait.policy
     if controller == "fblin":

@@ -1,4 +1,4 @@
-"""What one step from random starts of the inlet needs, and where it leads: samples, no proof."""
+"""Steps from random starts of the inlet: what they need, and where they lead. Samples, no proof."""
 
 from typing import NamedTuple
 
@@ -23,7 +23,7 @@ BATCH = 64
 
 
 class StepSamples(NamedTuple):
-    """What was found of some steps.
+    """Results of sampled steps.
 
     Attributes:
         margins: smallest of each condition, none of them negative if it held.
