@@ -211,7 +211,7 @@ def _tally(program: Program, inputs, values, ranges: Ranges, boxes: int) -> Tall
     return Tally(count, wrong, float(np.mean(finite)))
 
 
-def _certainly(program: Program, point, name: str, element: int, low: Any, high: Any) -> bool:
+def _certainly(program: Program, point: Any, name: str, element: int, low: Any, high: Any) -> bool:
     """Whether an output at a point is outside its bounds for sure."""
     if len(program.inputs) > 1 and name in reading(program, program.inputs[1].name):
         return True  # Balls know all of the unit ball only: the value in float64 has to do.
