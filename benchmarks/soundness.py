@@ -17,7 +17,7 @@ import sys
 import time
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import jax
 import numpy as np
@@ -104,11 +104,12 @@ def arithmetics(program: Program, symbols: Symbols) -> dict[str, Bounds]:
     names = [output.name for output in program.outputs]
     taylor, doubles = TaylorAlgebra(2, count), DoubleAlgebra.of(program, symbols)
     balls = BallAlgebra(2)
+    algebras: list[Any] = [taylor, doubles, balls]
     with np.errstate(all="ignore"):
-        folded = {algebra: fold(program, algebra) for algebra in (taylor, doubles, balls)}
+        folded = {algebra: fold(program, algebra) for algebra in algebras}
     compiled = Bounder.of(program, names, folded[taylor], symbols)
 
-    def models(algebra, boxes):
+    def models(algebra: Any, boxes: Any) -> dict[str, Any]:
         with np.errstate(all="ignore"):
             return evaluate(program, {box: boxes}, algebra, folded[algebra], symbols)
 
@@ -128,17 +129,18 @@ def arithmetics(program: Program, symbols: Symbols) -> dict[str, Bounds]:
         }
 
     def of_compiled(low, high):
+        assert compiled is not None
         lower, upper = compiled.bounds(low, high)
         return {name: (lower[None, :, k], upper[None, :, k]) for k, name in enumerate(names)}
 
-    made = {"Taylor": of_taylor, "doubles": of_doubles, "balls": of_balls}
+    made: dict[str, Bounds] = {"Taylor": of_taylor, "doubles": of_doubles, "balls": of_balls}
     return made | ({} if compiled is None else {"compiled": of_compiled})
 
 
 def _ends(balls: np.ndarray, end: str, outward: float) -> np.ndarray:
     """Ends of balls, rounded outwards; NaN where there is no bound."""
 
-    def one(ball: arb) -> float:
+    def one(ball: Any) -> float:
         found = float(getattr(ball, end)()) if ball.is_finite() else np.nan
         return float(np.nextafter(found, outward))
 
@@ -209,15 +211,16 @@ def _tally(program: Program, inputs, values, ranges: Ranges, boxes: int) -> Tall
     return Tally(count, wrong, float(np.mean(finite)))
 
 
-def _certainly(program: Program, point, name: str, element: int, low: float, high: float) -> bool:
+def _certainly(program: Program, point: Any, name: str, element: int, low: Any, high: Any) -> bool:
     """Whether an output at a point is outside its bounds for sure."""
     if len(program.inputs) > 1 and name in reading(program, program.inputs[1].name):
         return True  # Balls know all of the unit ball only: the value in float64 has to do.
     u = point[program.inputs[0].name][None]
-    balls = evaluate(program, {program.inputs[0].name: (u, u)}, BallAlgebra(1))[name].range()
+    models: Any = evaluate(program, {program.inputs[0].name: (u, u)}, BallAlgebra(1))
+    balls = models[name].range()
     if element >= len(balls):
         return True
-    ball = balls[element, 0]
+    ball: Any = balls[element, 0]
     return bool(ball < arb(low)) or bool(ball > arb(high))
 
 

@@ -201,10 +201,10 @@ def test_errors_of_functions_join_the_remainder(monkeypatch, order):
     right = double_algebra.POINT_FUNCTIONS["sin"]
 
     def off(c, r):
-        values, errors, third = right(c, r)
-        values, errors = list(values), list(errors)
-        values[order], errors[order] = values[order] + 1e3, 1e3 + errors[order]
-        return LocalExpansion(tuple(values), tuple(errors), third)
+        (f, first, second), (e, e_first, e_second), third = right(c, r)
+        by = 1e3 * np.eye(3)[order]
+        values = f + by[0], first + by[1], second + by[2]
+        return LocalExpansion(values, (e + by[0], e_first + by[1], e_second + by[2]), third)
 
     monkeypatch.setitem(double_algebra.POINT_FUNCTIONS, "sin", off)
     test_a_function_encloses_the_exact_result("sin", 1e-6)
