@@ -20,6 +20,7 @@ from neuralgaits.certificate.proof_file.theorem_tables import Theorems
 from neuralgaits.certificate.run_certificate import retrace, verified_summary
 from neuralgaits.errors import InputError, NeuralGaitsError
 from neuralgaits.programs import Program
+from neuralgaits.records.checked import Arithmetic
 
 Traced = dict[Any, Any]
 
@@ -27,7 +28,7 @@ Traced = dict[Any, Any]
 class _Taken:
     """A statement that is not looked at."""
 
-    verdict, reason, boxes = "holds", None, 0
+    verdict, reason, boxes, boxes_in_balls = "holds", None, 0, 0
 
     def walk(self, leaves: object) -> Iterator[int]:
         return iter(())
@@ -48,10 +49,12 @@ def statements_taken_as_checked(known: Container[str] | None = None) -> Iterator
     """
     check = StatementCheck.of
 
-    def of(program: Program, statement: claims.Statement, leaves: int) -> Any:
+    def of(
+        program: Program, statement: claims.Statement, leaves: int, arithmetic: Arithmetic
+    ) -> Any:
         if known is None or _stated(program, statement) in known:
             return _Taken()
-        return check(program, statement, leaves)
+        return check(program, statement, leaves, arithmetic)
 
     with ExitStack() as stack:
         stack.enter_context(mock.patch.object(StatementCheck, "of", of))
