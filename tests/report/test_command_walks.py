@@ -99,5 +99,7 @@ def test_the_figure_draws_both_walks_and_the_period(walks):
     for axes, shown in ((turns, walks["in turn"]), (random, walks["random"])):
         for line, number in zip(axes.lines, (0, 1), strict=True):
             assert np.allclose(line.get_ydata(), shown.z2[:, number])
-    labels = [text.get_text() for text in plane.get_legend().get_texts()]
+    legend = plane.get_legend()
+    assert legend is not None
+    labels = [text.get_text() for text in legend.get_texts()]
     assert sorted(labels) == ["told 0.704 m/s", "told 0.746 m/s"]

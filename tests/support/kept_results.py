@@ -23,7 +23,8 @@ PACKAGE = "neuralgaits"
 COPIED = {
     f"{PACKAGE}.analysis.poincare_map": ("poincare",),
     f"{PACKAGE}.certificate.traced": ("after_impact",),
-    f"{PACKAGE}.export.programs": ("ground", "parts"),
+    f"{PACKAGE}.export.programs": ("parts",),
+    f"{PACKAGE}.export.robot_programs": ("ground",),
 }
 """Functions whose results a caller could change: each has a copy."""
 SHARED = {

@@ -1,7 +1,7 @@
 """Settings of the verb `export`, for command line and Python call alike."""
 
 from dataclasses import KW_ONLY, dataclass
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 from tyro.conf import Fixed
 
@@ -10,7 +10,12 @@ from neuralgaits.errors import InputError
 from neuralgaits.settings.options import Settings, arg
 from neuralgaits.settings.shared_options import A_PATH, ONE_PATH, AnyName, AnyPath, Begun, Flag, Run
 
-Format = Annotated[Literal["c", "onnx", "fmu", "fmu2", "ros2", "vnnlib"], PythonType("str", (str,))]
+if TYPE_CHECKING:
+    AnyFormat = str
+else:
+    AnyFormat = Literal["c", "onnx", "fmu", "fmu2", "ros2", "vnnlib"]
+
+Format = Annotated[AnyFormat, PythonType("str", (str,))]
 
 
 @dataclass(frozen=True)

@@ -124,5 +124,5 @@ def _figure(contents: Contents, pictures: Mapping[str, Html]) -> Iterator[Html]:
             yield captioned(figure.title, figure.caption, pictures[figure.name])
         else:
             link = tag("a", "What is missing", href="#missing")
-            said = f"{figure.title}: not drawn, {figure.reason}. "
+            said = f"“{figure.title}” is not drawn: {figure.reason}. "
             yield paragraph(said, link, " has the command.", class_="quiet")
