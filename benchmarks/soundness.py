@@ -215,8 +215,9 @@ def _certainly(program: Program, point: Any, name: str, element: int, low: Any, 
     """Whether an output at a point is outside its bounds for sure."""
     if len(program.inputs) > 1 and name in reading(program, program.inputs[1].name):
         return True  # Balls know all of the unit ball only: the value in float64 has to do.
-    u, balls_here = point[program.inputs[0].name][None], BallAlgebra(1)
-    models: Any = evaluate(program, {program.inputs[0].name: (u, u)}, balls_here)
+    box, *_ = (item.name for item in program.inputs)
+    u = point[box][None]
+    models: Any = evaluate(program, {box: (u, u)}, BallAlgebra(1))
     balls = models[name].range()
     if element >= len(balls):
         return True
