@@ -65,6 +65,8 @@ def prepare() -> None:
     # every 700 takes a fourteenth of a command's time.
     gc.set_threshold(100_000, 50, 100)
     os.environ["JAX_ENABLE_X64"] = "1"
+    # Matrices are small: threads of NumPy that wait for work take five times the time of the work.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     # Figures go to files. Jupyter sets this for every process, to one that is only in notebooks.
     os.environ["MPLBACKEND"] = "agg"
     defaults = {"JAX_COMPILATION_CACHE_DIR": str(cache_folder() / "jax"), **_USUAL}

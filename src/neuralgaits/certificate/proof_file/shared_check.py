@@ -177,7 +177,7 @@ class Beside:
                 stdout=subprocess.PIPE,
                 stderr=subprocess.DEVNULL,
                 text=True,
-                env=environment_of(),
+                env=environment_of(OPENBLAS_NUM_THREADS="1"),
             )
         self._reader = threading.Thread(target=self._read, args=(json.dumps(task),), daemon=True)
         self._reader.start()
