@@ -9,17 +9,15 @@ import pytest
 
 from neuralgaits.analysis.run import open_run
 from neuralgaits.analysis.torso_lean import leans_of
-from neuralgaits.control import Pd
 from neuralgaits.errors import InputError
 from neuralgaits.robots import load_robot
-from neuralgaits.simulation.live import LiveWalk
 from neuralgaits.simulation.native_walk import engine_of_trained
 from neuralgaits.simulation.setup.command_schedule import orders_of
 from neuralgaits.simulation.setup.disturbance import parse
-from neuralgaits.simulation.setup.starts import full_states, momentum_range
 from neuralgaits.simulation.trained_walks import TrainedWalks, at_first
 from neuralgaits.workflows import adapted_walk
 from neuralgaits.workflows.simulate import simulate
+from support.live_walks import live_walk
 from support.shipped_run import SHIPPED
 
 AHEAD = "torso_shift_m=0.01"
@@ -150,15 +148,7 @@ def test_without_a_proof_none_is_claimed(run, tmp_path):
 
 def live_speeds(run, *, native, steps, adapt=True):
     """Speeds of each step of a live walk on a slope that the controller does not know."""
-    start = full_states(run.zero_dynamics, run.gait, "centre", seed=0, episodes=1)[0]
-    live = LiveWalk(
-        run.robot,
-        run.trained.policy,
-        Pd(),
-        start,
-        z2_range=momentum_range(run.trained),
-        library=engine_of_trained(run).library if native else None,
-    )
+    live = live_walk(run, engine_of_trained(run).library if native else None)
     live.disturb(slope_deg=1.0)
     live.tell(speed=0.7)
     live.control.adapt(adapt)

@@ -8,13 +8,11 @@ import pytest
 
 from neuralgaits.analysis.run import Run
 from neuralgaits.barriers import specs
-from neuralgaits.control import Pd
 from neuralgaits.errors import InputError
 from neuralgaits.gait.commands import Command
 from neuralgaits.runs import RunFolder
 from neuralgaits.simulation.linked.config import LinkConfig
 from neuralgaits.simulation.linked.connect import connected
-from neuralgaits.simulation.live import LiveWalk
 from neuralgaits.simulation.metrics import command_errors
 from neuralgaits.simulation.native_walk import engine_of_trained
 from neuralgaits.simulation.setup.command_schedule import CommandSchedule, orders_of
@@ -23,6 +21,7 @@ from neuralgaits.simulation.ticks.stride_table import Strides
 from neuralgaits.simulation.walk import walk
 from neuralgaits.workflows.simulate import simulate
 from support.designs import FOOTHOLDS, LAWS, SPEED, commanded_design, family_for
+from support.live_walks import live_walk
 
 RELATIVE = 1e-8
 
@@ -225,18 +224,8 @@ def test_floors_are_as_high_as_they_are_told(amber, tmp_path):
 
 @pytest.mark.slow
 def test_a_live_walk_hears_at_the_next_touchdown(run):
-    start = full_states(run.zero_dynamics, run.gait, "centre", seed=0, episodes=1)[0]
-    lives = [
-        LiveWalk(
-            run.robot,
-            run.trained.policy,
-            Pd(),
-            start,
-            z2_range=momentum_range(run.trained),
-            library=library,
-        )
-        for library in (None, engine_of_trained(run, "native").library)
-    ]
+    libraries = None, engine_of_trained(run, "native").library
+    lives = [live_walk(run, library) for library in libraries]
     for live in lives:
         np.testing.assert_allclose(live.told, [[0.725], [0.725]])
         live.tell(speed=0.9)

@@ -8,15 +8,13 @@ import numpy as np
 import pytest
 
 from neuralgaits.cli.main import main
-from neuralgaits.control import Pd
 from neuralgaits.errors import InputError
 from neuralgaits.gait.commands import Command
-from neuralgaits.simulation.live import LiveWalk
 from neuralgaits.simulation.native_walk import engine_of_trained
-from neuralgaits.simulation.setup.starts import full_states, momentum_range
 from neuralgaits.simulation.ticks.adapted_command import AdaptedCommand
 from neuralgaits.workflows.simulate import simulate
 from support.commanded_run import LEANS, make
+from support.live_walks import live_walk
 
 CHANGE = 0.0048
 """Largest change of the lean from step to step [m]."""
@@ -81,15 +79,7 @@ def test_an_observer_is_told_the_belief(run):
 @pytest.mark.parametrize("native", [True, False])
 def test_live_walks_learn_it_until_they_are_told_not_to(run, native):
     library = engine_of_trained(run).library if native else None
-    start = full_states(run.zero_dynamics, run.gait, "centre", seed=0, episodes=1)[0]
-    live = LiveWalk(
-        run.robot,
-        run.trained.policy,
-        Pd(),
-        start,
-        z2_range=momentum_range(run.trained),
-        library=library,
-    )
+    live = live_walk(run, library)
     live.disturb(mass_scale=1.1)
     live.control.adapt(True)
     latched = []

@@ -3,10 +3,10 @@
 import pytest
 
 from neuralgaits.cli.main import main
-from neuralgaits.errors import RobotError
 from neuralgaits.robots import registry
 from neuralgaits.systems.cartpole.cartpole_verbs import SYSTEM
 from neuralgaits.systems.cartpole.mjcf import is_cartpole, read_cartpole
+from support.file_faults import all_said, refusal_of
 
 PLAIN = SYSTEM.robot_file.read_text(encoding="utf-8")
 GYMNASIUM = """<mujoco model="inverted pendulum">
@@ -71,20 +71,15 @@ FAULTS = {
 
 @pytest.mark.parametrize("name", FAULTS)
 def test_a_file_that_is_none_is_refused_with_the_reason(name):
-    old, new, said = FAULTS[name]
-    assert old in PLAIN
-    with pytest.raises(RobotError) as caught:
-        read_cartpole(PLAIN.replace(old, new, 1), name)
-    assert said in str(caught.value)
+    assert FAULTS[name][2] in refusal_of(read_cartpole, PLAIN, [FAULTS[name]])
 
 
 def test_all_problems_are_told_at_once():
-    text, names = PLAIN, ("no rail", "no limit", "dry friction")
-    for name in names:
-        text = text.replace(*FAULTS[name][:2])
-    with pytest.raises(RobotError) as caught:
-        read_cartpole(text, "odd")
-    assert all(FAULTS[name][2] in str(caught.value) for name in names)
+    assert all_said(
+        read_cartpole,
+        PLAIN,
+        {name: FAULTS[name] for name in ("no rail", "no limit", "dry friction")},
+    )
 
 
 def test_a_file_like_gymnasiums_is_read():

@@ -14,7 +14,7 @@ from neuralgaits.certificate.proof_file.check import CheckResult, check
 from neuralgaits.certificate.proof_file.reader import read_claims
 from neuralgaits.certificate.run_certificate.run_comparison import compare_with_run
 from neuralgaits.cli.main import main
-from neuralgaits.errors import InputError, RobotError, RunError
+from neuralgaits.errors import InputError, RunError
 from neuralgaits.programs import POINT, evaluate
 from neuralgaits.records.certified import PROOF
 from neuralgaits.runs import RunFolder
@@ -30,6 +30,7 @@ from neuralgaits.systems.hopper.hop_tube import HopTube
 from neuralgaits.systems.hopper.hopper_file import is_hopper, read_hopper
 from neuralgaits.systems.hopper.hopper_verbs import SYSTEM
 from neuralgaits.systems.proof_model import trace_conditions
+from support.file_faults import all_said, refusal_of
 
 PLAIN = SYSTEM.robot_file.read_text(encoding="utf-8")
 FAULTS = {
@@ -63,20 +64,13 @@ FAULTS = {
 
 @pytest.mark.parametrize("name", FAULTS)
 def test_a_file_that_is_none_is_refused_with_the_reason(name):
-    old, new, said = FAULTS[name]
-    assert old in PLAIN
-    with pytest.raises(RobotError) as caught:
-        read_hopper(PLAIN.replace(old, new, 1), name)
-    assert said in str(caught.value)
+    assert FAULTS[name][2] in refusal_of(read_hopper, PLAIN, [FAULTS[name]])
 
 
 def test_all_problems_are_told_at_once():
-    text, names = PLAIN, ("no range", "no limit", "damping")
-    for name in names:
-        text = text.replace(*FAULTS[name][:2])
-    with pytest.raises(RobotError) as caught:
-        read_hopper(text, "odd")
-    assert all(FAULTS[name][2] in str(caught.value) for name in names)
+    assert all_said(
+        read_hopper, PLAIN, {name: FAULTS[name] for name in ("no range", "no limit", "damping")}
+    )
 
 
 def test_files_of_other_families_are_none(tmp_path):

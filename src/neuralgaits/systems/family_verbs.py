@@ -15,11 +15,33 @@ from neuralgaits.systems.family_run import open_family_run
 from neuralgaits.systems.family_training import train_family
 from neuralgaits.systems.proved_system import ExportedSystem, ProvedSystem
 from neuralgaits.systems.system_family import ProgressCallbacks, VerbResult
+from neuralgaits.systems.trained_system import TrainedSystem
 
 
 @dataclass(frozen=True)
-class FamilyVerbs:
-    """Verbs on a family's systems. Attributes: system: the family's own part."""
+class FileVerbs:
+    """Verbs on a family's robot files. Attributes: system: the family's own part."""
+
+    system: TrainedSystem
+
+    def inspect(self, robot: str | Path, *, progress: ProgressCallbacks) -> VerbResult:
+        """Describe a file."""
+        del progress
+        done = inspect_robot(self.system, robot)
+        return VerbResult(done, True, self.system.robot_screen(done))
+
+    def robots(
+        self, robot: str, out: Path | None = None, *, progress: ProgressCallbacks
+    ) -> VerbResult:
+        """Write a built-in robot's file."""
+        del progress
+        done = write_robot(self.system, robot, out)
+        return VerbResult(done, True, screens.screen_of_written(done))
+
+
+@dataclass(frozen=True)
+class FamilyVerbs(FileVerbs):
+    """Verbs on a family's systems, and on their robot files."""
 
     system: ProvedSystem
 
@@ -108,20 +130,6 @@ class FamilyVerbs:
         progress.begun()
         done = report_family(opened, out)
         return VerbResult(done, True, screens.screen_of_report(done))
-
-    def inspect(self, robot: str | Path, *, progress: ProgressCallbacks) -> VerbResult:
-        """Describe a file."""
-        del progress
-        done = inspect_robot(self.system, robot)
-        return VerbResult(done, True, self.system.robot_screen(done))
-
-    def robots(
-        self, robot: str, out: Path | None = None, *, progress: ProgressCallbacks
-    ) -> VerbResult:
-        """Write a built-in robot's file."""
-        del progress
-        done = write_robot(self.system, robot, out)
-        return VerbResult(done, True, screens.screen_of_written(done))
 
     def by_name(self) -> dict[str, Callable[..., VerbResult]]:
         """Return the verbs that the family has by name."""

@@ -49,16 +49,15 @@ def read_hopper(text: str, name: str) -> tuple[Hopper, HopperData]:
     refuse_unphysical(model)
     if found := [*_problems_of_tree(model)] or [*_problems(model)]:
         raise RobotError(f"{name} is no hopper that can be treated: {'; '.join(found)}")
-    data = _data(model)
-    robot = data.model(model_name(model, name))
-    share = difference_from_mujoco(model, robot, data)
+    data = _data(model, model_name(model, name))
+    share = difference_from_mujoco(model, data)
     if not share <= ALIKE:
         raise RobotError(
             f"{name}: expected energies and forces of a hopper from MuJoCo, found others (by "
             f"{share:.2g} of them): remove what no formula here has, such as gravcomp, flags that "
             "switch forces off, polynomials, and numbers of motors beside gear and limits"
         )
-    return robot, data
+    return data.robot, data
 
 
 def _problems_of_tree(model: mujoco.MjModel) -> Iterator[str]:
@@ -145,7 +144,7 @@ def _beside_the_leg(model: mujoco.MjModel, still: mujoco.MjData) -> dict[str, fl
     }
 
 
-def _data(model: mujoco.MjModel) -> HopperData:
+def _data(model: mujoco.MjModel, name: str) -> HopperData:
     still = problems.at_zero(model)
     hip, (foot,) = still.xanchor[3], _feet(model)
     hub, wheel, leg = (planar_link(model, still, joint, PLANE) for joint in (2, 3, 4))
@@ -157,7 +156,7 @@ def _data(model: mujoco.MjModel) -> HopperData:
     gears = model.actuator_gear[:, 0] * model.actuator_gainprm[:, 0]
     floor = [g for g in range(model.ngeom) if model.body_weldid[model.geom_bodyid[g]] == 0]
     friction = max([model.geom_friction[foot, 0], *(model.geom_friction[g, 0] for g in floor)])
-    return HopperData(
+    robot = Hopper(
         upper_mass=upper.mass,
         upper_offset=float(upper.centre[1]),
         upper_inertia=upper.inertia,
@@ -171,6 +170,10 @@ def _data(model: mujoco.MjModel) -> HopperData:
         force_limit=problems.force_limit(model, on_leg),
         torque_limit=problems.force_limit(model, on_wheel),
         friction=float(friction),
+        name=name,
+    )
+    return HopperData(
+        robot,
         zero_length=float(length),
         foot_radius=float(model.geom_size[foot, 0]),
         force_gear=float(gears[on_leg]),
@@ -189,13 +192,14 @@ def _joined(hub: PlanarLink, wheel: PlanarLink) -> PlanarLink:
     return PlanarLink(mass, centre, float(hub.inertia + about))
 
 
-def difference_from_mujoco(model: mujoco.MjModel, robot: Hopper, data: HopperData) -> float:
+def difference_from_mujoco(model: mujoco.MjModel, data: HopperData) -> float:
     """Return the largest difference of energies, weights and motor forces, as a share.
 
     Kinetic energies at random states are alike if mass matrices are, and with these all forces
     that depend on rates.
     """
     world, random, worst = mujoco.MjData(model), np.random.default_rng(0), 0.0
+    robot = data.robot
     saved = int(model.opt.disableflags)
     model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_CONTACT)
     for _ in range(20):

@@ -5,10 +5,9 @@ from pathlib import Path
 
 from neuralgaits.errors import InputError
 from neuralgaits.runs import RUNS_ROOT
-from neuralgaits.systems.family_files import inspect_robot, write_robot
 from neuralgaits.systems.family_run import open_family_run
-from neuralgaits.systems.family_screens import screen_of_written
 from neuralgaits.systems.family_training import train_family
+from neuralgaits.systems.family_verbs import FileVerbs
 from neuralgaits.systems.system_family import ProgressCallbacks, VerbResult
 from neuralgaits.systems.walker3d.spatial_screens import screen_of_gait, screen_of_walks
 from neuralgaits.systems.walker3d.spatial_system import SpatialSystem
@@ -71,23 +70,10 @@ def simulate(
     return VerbResult(record, good, screen_of_walks(record))
 
 
-def inspect(robot: str | Path, *, progress: ProgressCallbacks) -> VerbResult:
-    """Describe a file."""
-    del progress
-    facts = inspect_robot(SYSTEM, robot)
-    return VerbResult(facts, True, SYSTEM.robot_screen(facts))
-
-
-def robots(robot: str, out: Path | None = None, *, progress: ProgressCallbacks) -> VerbResult:
-    """Write the built-in robot's file."""
-    del progress
-    done = write_robot(SYSTEM, robot, out)
-    return VerbResult(done, True, screen_of_written(done))
-
-
+FILES = FileVerbs(SYSTEM)
 VERBS: dict[str, Callable[..., VerbResult]] = {
     "train": train,
     "simulate": simulate,
-    "inspect": inspect,
-    "robots": robots,
+    "inspect": FILES.inspect,
+    "robots": FILES.robots,
 }
