@@ -311,6 +311,11 @@ def test_environment_keeps_what_the_user_set(
     assert os.environ["JAX_COMPILATION_CACHE_DIR"] == "mine"
     assert os.environ["JAX_ENABLE_X64"] == "1"
     assert cache_folder() == tmp_path / "neuralgaits"
+    # One thread of NumPy is ours; another number is the user's.
+    assert os.environ["OPENBLAS_NUM_THREADS"] == "1"
+    os.environ["OPENBLAS_NUM_THREADS"] = "3"
+    entry.prepare()
+    assert os.environ["OPENBLAS_NUM_THREADS"] == "3"
 
 
 def test_warnings_of_libraries_are_shown_to_who_asks_for_them(

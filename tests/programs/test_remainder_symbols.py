@@ -156,3 +156,9 @@ def test_a_check_of_many_leaves_halves_them_less():
         assert check.verdict == "holds"
         boxes[leaves] = check.boxes
     assert boxes[MANY] < 0.8 * boxes[1]
+
+
+def test_a_check_has_symbols_wherever_the_search_had_them():
+    """A tree that was cut to the end with symbols has one leaf more than half of its boxes."""
+    hardest = min(branch_and_bound.HARD, branch_and_bound.HARD_IN_PLANE)
+    assert MANY <= (hardest + 1) // 2
