@@ -128,13 +128,15 @@ def test_a_turning_floor_presses_no_contact(live):
     assert live.data.sensordata[-2:].sum() == pytest.approx(usual, rel=0.5)
 
 
-def test_mass_friction_and_torque_limit_change_at_once(amber, live):
+def test_masses_friction_and_torque_limit_change_at_once(amber, live):
     advance(live, 0.2)
     before = mujoco_state(live)
-    live.disturb(mass_scale=1.2, friction=0.3, torque_limit=15.0)
+    changes = {"mass_scale": 1.2, "friction": 0.3, "torque_limit": 15.0, "torso_shift_m": 0.03}
+    live.disturb(**changes)
     np.testing.assert_array_equal(mujoco_state(live), before)
-    expected = build(amber, PlantChanges(mass_scale=1.2, friction=0.3, torque_limit=15.0)).model
+    expected = build(amber, PlantChanges(**changes)).model
     np.testing.assert_array_equal(live.plant.model.body_mass, expected.body_mass)
+    np.testing.assert_array_equal(live.plant.model.body_ipos, expected.body_ipos)
     np.testing.assert_array_equal(live.plant.model.geom_friction, expected.geom_friction)
     torques = []
     for _ in range(400):

@@ -7,6 +7,7 @@ from typing import Any
 import pytest
 
 from neuralgaits.simulation.live_tick import StepSpeeds
+from neuralgaits.simulation.ticks.adapted_command import ADAPTABLE
 from neuralgaits.viewer import live_server, panel
 from neuralgaits.viewer.panel import PUSH, Panel
 from neuralgaits.viewer.player import SPEED, Picture
@@ -91,9 +92,10 @@ def test_the_switch_adapts_and_the_speeds_of_the_last_step_are_said():
     walker: Any = SimpleNamespace(adapt=heard.append)
     made: Any = {"title": "x", "settings": {}, "conditions": (), "restarted": lambda: None}
     try:
-        panels = [Panel(server, player, **made, adapts=adapts) for adapts in (False, True)]
+        panels = [Panel(server, player, **made, adaptable=names) for names in ((), ADAPTABLE)]
         handles: Any = server.gui._gui_input_handle_from_uuid
-        (switch,) = (one for one in handles.values() if one.label == "adapt the speed")
+        (switch,) = (one for one in handles.values() if "adapt" in one.label)
+        assert switch.label == "adapt the speed and the lean"
         for value in (True, False):
             switch.value = value
         for wish in asked:

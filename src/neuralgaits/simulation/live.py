@@ -32,9 +32,9 @@ from neuralgaits.simulation.setup.terrain_kinds import Size
 from neuralgaits.simulation.ticks.falls import Ending, FallConfig
 from neuralgaits.simulation.ticks.tick import TickRecord, Verdict
 
-CHANGEABLE = ("friction", "torque_limit", "slope_deg", "mass_scale")
+CHANGEABLE = ("friction", "torque_limit", "slope_deg", "mass_scale", "torso_shift_m")
 """Disturbances that may change while the robot walks."""
-CHANGEABLE_ON_BLOCKS = ("friction", "torque_limit", "mass_scale")
+CHANGEABLE_ON_BLOCKS = ("friction", "torque_limit", "mass_scale", "torso_shift_m")
 """Disturbances that may change while the robot walks on a course of blocks."""
 _TILT_TICKS = 10
 """Ticks between two small turns of the floor."""

@@ -9,7 +9,6 @@ from neuralgaits._types import Float
 from neuralgaits.analysis.point_evaluator import ENDS, PlaneChart, PointEvaluator
 from neuralgaits.analysis.run import Run
 from neuralgaits.control.law_by_name import law_named
-from neuralgaits.control.speed_adapter import adapter_for
 from neuralgaits.errors import InputError
 from neuralgaits.gait.zero_coordinates import momentum_of
 from neuralgaits.robots.mjcf_state import Sensors
@@ -19,6 +18,7 @@ from neuralgaits.simulation.setup.command_schedule import CommandSchedule
 from neuralgaits.simulation.setup.live_course import LiveCourse
 from neuralgaits.simulation.setup.starts import momentum_range
 from neuralgaits.simulation.setup.terrain_kinds import commands_from_terrain
+from neuralgaits.simulation.ticks.adapted_command import ADAPTABLE
 from neuralgaits.simulation.ticks.falls import Ending
 from neuralgaits.viewer.live_monitor import LiveMonitor
 from neuralgaits.viewer.slider import Slider
@@ -101,6 +101,9 @@ class LiveGait:
             "mass_scale": Slider("mass ×", 0.5, 2.0, 1.0, 0.01, heavy),
             "torque_limit": Slider("torque [N m]", 0.1 * torque, torque, torque, 0.5, weak),
         }
+        if robot.torso is not None:
+            ahead = "centre of mass ahead of the file's; the controller is not told"
+            found["torso_shift_m"] = Slider("torso [m]", -0.05, 0.05, 0.0, 0.005, ahead)
         if self._on is not None:
             del found["slope_deg"]
         return found
@@ -131,12 +134,13 @@ class LiveGait:
             self.live.disturb(slope_deg=math.degrees(value))
 
     @property
-    def adapts(self) -> bool:
-        """Return whether the gait takes a speed as command, which can be adapted."""
-        return adapter_for(self.run.trained.commands) is not None
+    def adaptable(self) -> tuple[str, ...]:
+        """Return the gait's commands that can be adapted."""
+        taken = [command.name for command in self.run.trained.commands]
+        return tuple(name for name in ADAPTABLE if name in taken)
 
     def adapt(self, active: bool) -> None:
-        """Adapt the commanded speed to the walked one from now on, or no longer."""
+        """Adapt these commands to what the robot does from now on, or no longer."""
         self.live.control.adapt(active)
 
     def tick(self) -> bool:

@@ -38,7 +38,7 @@ class Panel:
         restarted: Callable[[], None],
         commands: Mapping[str, Slider] | None = None,
         sizes: Mapping[str, Slider] | None = None,
-        adapts: bool = False,
+        adaptable: Sequence[str] = (),
     ):
         """Build the panel.
 
@@ -52,7 +52,7 @@ class Panel:
             restarted: called in the player's thread after the robot was put back.
             commands: sliders of the commands that the gait takes at each touchdown, by name.
             sizes: sliders of the sizes of the blocks ahead, by name.
-            adapts: whether there is a commanded speed to adapt.
+            adaptable: names of the commands that can be adapted.
         """
         self._player, self._conditions, self._restarted = player, tuple(conditions), restarted
         self._words = conditions if isinstance(conditions, Mapping) else {}
@@ -71,8 +71,8 @@ class Panel:
         if commands:
             heard = "heard at the next touchdown; large changes take several steps"
             self._add_told(gui, "Commands", commands, heard, lambda walker: walker.tell)
-        if adapts:
-            self._add_adaptation(gui)
+        if adaptable:
+            self._add_adaptation(gui, adaptable)
         if sizes:
             ahead = "of the stones that the robot has not heard of yet"
             self._add_told(gui, "Stones ahead", sizes, ahead, lambda walker: walker.resize)
@@ -212,9 +212,10 @@ class Panel:
                     step = 0.1 * way * (slider.high - slider.low)
                     gui.add_command(word, hotkey=key).on_trigger(partial(ask, step=step))
 
-    def _add_adaptation(self, gui: viser.GuiApi) -> None:
-        hint = "corrects the command at each touchdown until the robot walks as told"
-        switch = gui.add_checkbox("adapt the speed", False, hint=hint)
+    def _add_adaptation(self, gui: viser.GuiApi, names: Sequence[str]) -> None:
+        hint = "at each touchdown, until the robot walks as told"
+        label = f"adapt {' and '.join(f'the {name}' for name in names)}"
+        switch = gui.add_checkbox(label, False, hint=hint)
 
         @switch.on_update
         def _(_event: object) -> None:

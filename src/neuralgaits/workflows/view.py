@@ -99,7 +99,7 @@ class LiveView:
             restarted=self._stage.restart,
             commands=self.gait.commands,
             sizes=self.gait.sizes,
-            adapts=self.gait.adapts,
+            adaptable=self.gait.adaptable,
         )
 
     def _bring_to_life(self) -> None:
