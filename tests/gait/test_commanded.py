@@ -156,6 +156,14 @@ def test_the_chart_holds_every_pair_that_may_follow(command):
     again = jax.vmap(lambda v: pair_at((command,), v))(np.stack([first, second], axis=1))
     np.testing.assert_allclose(again.before[:, 0], before, atol=1e-12)
     np.testing.assert_allclose(again.after[:, 0], after, atol=1e-12)
+    if (largest := command.largest_change) is None:
+        return
+    # What else it holds is hardly outside: one of a pair, by an eighth of the largest change.
+    grids = np.meshgrid(*(np.linspace(low, high, 41) for _, low, high in axes))
+    points = np.stack([grid.ravel() for grid in grids], axis=1)
+    held = jax.vmap(lambda v: jnp.concatenate(pair_at((command,), v)))(points)
+    outside = np.maximum(command.low - held, held - command.high).max()
+    assert outside == pytest.approx(largest / 8.0)
 
 
 @pytest.mark.parametrize("command", [SPEED, LENGTH])

@@ -7,6 +7,7 @@ import pytest
 
 from neuralgaits.gait import ZeroDynamics
 from neuralgaits.gait.full_order import FullPoint
+from neuralgaits.gait.reset_residual import AbstractResetResidual, ImpactCorrection
 from neuralgaits.robots import dynamics
 from support.gait_cases import CASES
 
@@ -76,3 +77,30 @@ def test_an_impact_maps_coordinates_as_phi_does(states):
     for found, expected in jax.jit(jax.vmap(compare))(case.z, eta):
         size = 1.0 + np.abs(expected).max()
         np.testing.assert_allclose(found, expected, rtol=0, atol=1e-10 * size)
+
+
+class Lost(AbstractResetResidual):
+    """An impact after which momentum and joint rates are others than the model's."""
+
+    def __call__(self, z):
+        return ImpactCorrection(-0.03 + 0.1 * z[0], 0.001 * jnp.arange(1.0, 5.0))
+
+    @property
+    def centre(self):
+        return np.array([0.17, 20.0])
+
+
+def test_a_corrected_impact_has_the_momentum_of_the_corrected_reset_map():
+    """The rates after it, read by phi, give the same z2: the model's and the learned share."""
+    case = CASES["amber3m"]
+    learned = ZeroDynamics(case.robot, case.policy, None, Lost())
+
+    def compare(z):
+        point = learned.point(z)
+        _, found = learned.phi(jnp.concatenate([point.impact.q, point.impact.dq]))
+        return found, point.z_after, case.zd.point(z).z_after, (-0.03 + 0.1 * z[0]) * z[1]
+
+    found, expected, model, lost = jax.jit(jax.vmap(compare))(case.z)
+    np.testing.assert_allclose(found, expected, rtol=1e-10)
+    np.testing.assert_allclose(expected[:, 1], model[:, 1] + lost, rtol=1e-12)
+    np.testing.assert_array_equal(expected[:, 0], model[:, 0])

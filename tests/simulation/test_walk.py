@@ -21,7 +21,7 @@ def batch(amber, slow, brisk):
     return walk(amber, policies, np.array(starts), controller="fblin", steps=20)
 
 
-def test_published_gaits_walk(batch):
+def test_published_gaits_walk(batch, gaits):
     assert batch.episodes.endings == [Ending.WALKED, Ending.WALKED]
     figures = summary(batch)
     assert figures["steps_walked"] == [20, 20]
@@ -30,6 +30,10 @@ def test_published_gaits_walk(batch):
     assert figures["max_output_error_rad"] < 2e-3
     assert figures["min_normal_force_n"] > 100.0
     assert figures["saturated_fraction"] < 0.01
+    steady = [gaits[name]["recomputed"]["steady"] for name in ("0.51", "0.67")]
+    for name, theirs in {"speed_m_s": "v", "cost_of_transport": "mech_cot"}.items():
+        mean = np.mean([one[theirs] for one in steady])
+        assert figures[name] == pytest.approx(mean, rel=0.06)
 
 
 @pytest.mark.parametrize(("episode", "name"), [(0, "0.51"), (1, "0.67")])
