@@ -10,6 +10,7 @@ from neuralgaits._environment import render_without_screen
 from neuralgaits.analysis.walking_speeds import (
     fastest_by_gravity,
     fastest_by_torque,
+    gait_doubt,
     length_doubt,
     speed_doubt,
 )
@@ -20,11 +21,12 @@ from neuralgaits.control import Fblin
 from neuralgaits.errors import InputError
 from neuralgaits.records.simulated import Simulated
 from neuralgaits.report.page.repeat_commands import settings_of_link
-from neuralgaits.robots import load_robot
+from neuralgaits.robots import PlanarBiped, load_robot
 from neuralgaits.robots.mjcf.loader import robot_from_text
 from neuralgaits.simulation.incompatible_settings import about_other_robot, link_of
 from neuralgaits.workflows import check_proof as checking
 from neuralgaits.workflows import train, train_seeds
+from neuralgaits.workflows.inspect import inspect
 from support.shipped_run import SHIPPED
 
 WALKED = {
@@ -99,6 +101,15 @@ def test_a_speed_beyond_legs_is_doubted_before_training():
     moon = robot_from_text(robot.layout.xml.replace("-9.81", "-1.62"), "moon")
     ratio = fastest_by_gravity(robot) / fastest_by_gravity(moon)
     assert ratio == pytest.approx((9.81 / 1.62) ** 0.5)
+
+
+def test_legs_of_a_hundred_metres_are_likely_to_be_in_millimetres(monkeypatch):
+    robot = load_robot("amber3m")
+    assert gait_doubt(robot, None, None) is None and inspect(robot).warnings == ()
+    monkeypatch.setattr(PlanarBiped, "leg_length", 340.0)
+    doubt = gait_doubt(robot, None, None)
+    assert doubt is not None and "340 m long" in doubt and "write 0.34 for 340 mm" in doubt
+    assert doubt in inspect(robot).warnings
 
 
 def test_steps_as_long_as_usual_are_not_doubted():

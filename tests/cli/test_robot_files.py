@@ -43,8 +43,8 @@ def test_a_refusal_names_the_command_that_mends_the_file(place, capfd, verb):
     assert main([verb, "flat.xml"]) == 2
     err = capfd.readouterr().err
     assert "is no foot that is treated" in err
-    # `inspect` has a line for each foot, and one for the command.
-    assert err.count("\n") == (3 if verb == "inspect" else 1)
+    # A line for each foot, and one for the command.
+    assert err.count("\n") == 3
     assert "`neuralgaits inspect flat.xml --planarise flat-planar.xml`" in err
     assert main(["inspect", "flat.xml", "--planarise", "flat-planar.xml"]) == 0
 

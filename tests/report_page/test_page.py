@@ -341,6 +341,17 @@ def test_robots_that_were_drawn_are_said_to_be(contents, shipped):
     assert "drawn from the box mass=2%,floor=2mm,friction=0.5" in answer(page)
 
 
+@pytest.mark.parametrize(
+    ("speed", "force", "other", "left"), [(0.61, 0.0, True, True), (0.68, 9.0, False, False)]
+)
+def test_walks_unlike_the_model_are_pointed_out(contents, shipped, speed, force, other, left):
+    orbit = {"multiplier": 0.7, "period_s": 0.5, "step_length_m": 0.35}
+    _simulated(shipped, poincare=orbit, speed_m_s=speed, min_normal_force_n=force)
+    said = simulations(contents(shipped).saved)
+    assert ("orbit has 0.7 m/s" in said) is other
+    assert ("it left the floor" in said) is left
+
+
 def test_of_a_gait_that_was_given_nothing_is_said_to_be_trained(contents, shipped):
     saved = contents().saved
     given = replace(saved.asked, given=GaitOrigin("optimise", 5, 0.7))
@@ -489,7 +500,7 @@ def test_a_proved_table_begins_with_what_is_not_proved(contents, shipped):
         ({"kind": "Pointwise", "quantity": {"function": "friction_forward"}}, "1 N"),
         (
             {"kind": "Barrier", "alpha": 10.0, "quantity": {"function": "torso_angle"}},
-            "1 rad × 1/s",
+            "1 rad per second",
         ),
         ({"kind": "Pointwise", "user": "mine.py"}, "1"),
     ],

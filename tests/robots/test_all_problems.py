@@ -227,11 +227,12 @@ def test_three_faults_are_named_at_once(tmp_path, names):
     assert_named(problems_of_file(file), names)
 
 
-def test_inspect_writes_one_line_for_each(tmp_path, capfd):
+@pytest.mark.parametrize("verb", ["inspect", "train"])
+def test_each_has_a_line_of_its_own(tmp_path, capfd, verb):
     names = ("no range", "no limit", "gravity")
     file = tmp_path / "robot.xml"
     file.write_text(planted(names))
-    assert main(["inspect", str(file)]) == 2
+    assert main([verb, str(file)]) == 2
     lines = capfd.readouterr().err.splitlines()
     assert all(line.startswith("neuralgaits: ") for line in lines)
     assert_named(lines, names)

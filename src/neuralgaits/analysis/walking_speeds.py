@@ -18,6 +18,8 @@ SLOWEST = 0.05
 trained here."""
 LONGEST_STEP = 1.0
 """Longest step in leg lengths: legs 60 degrees apart at touchdown."""
+LEGS_M = (0.02, 20.0)
+"""Shortest and longest legs that are likely to be meant (m); else a file may be in millimetres."""
 BENT = 0.25
 """Inertia of a leg about its hip with the knee bent as far as it goes, as a share of the straight
 leg's: half as long."""
@@ -95,13 +97,24 @@ def length_doubt(robot: PlanarBiped, step_length: tuple[float, float] | None) ->
     )
 
 
+def size_doubt(robot: PlanarBiped) -> str | None:
+    """Say why the lengths of a robot file may be in another unit than metres; None if they fit."""
+    least, most = LEGS_M
+    if least <= robot.leg_length <= most:
+        return None
+    return (
+        f"legs of {robot.name} are {robot.leg_length:g} m long: lengths in a robot file are in "
+        "metres, so write 0.34 for 340 mm"
+    )
+
+
 def gait_doubt(
     robot: PlanarBiped,
     speed: float | tuple[float, float] | None,
     step_length: tuple[float, float] | None,
 ) -> str | None:
-    """Return the doubt about a speed, or else the one about step lengths; None without either."""
-    return speed_doubt(robot, speed) or length_doubt(robot, step_length)
+    """Return the doubt about lengths in the file, or a speed, or step lengths; None if none is."""
+    return size_doubt(robot) or speed_doubt(robot, speed) or length_doubt(robot, step_length)
 
 
 def _swing_hip(robot: PlanarBiped) -> int:

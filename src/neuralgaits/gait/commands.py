@@ -64,9 +64,10 @@ class Command:
         if why := why_no_name(self.name):
             raise SpecError(f"expected a printable name of a command, found {why}; rename it")
         if not (math.isfinite(self.high - self.low) and self.low < self.high):
+            turned = f": write {self.high:g}:{self.low:g}" if self.low > self.high else ""
             raise SpecError(
                 f"command {self.name}: expected a range LOW:HIGH with LOW < HIGH, "
-                f"found {self.low:g}:{self.high:g}"
+                f"found {self.low:g}:{self.high:g}{turned}"
             )
         if self.high - self.low < LEAST_WIDTH:
             raise SpecError(

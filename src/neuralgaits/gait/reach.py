@@ -57,8 +57,7 @@ def refuse_speed(robot: "PlanarBiped", speed: float) -> None:
     if speed > most:
         raise SpecError(
             f"expected a speed of at most {most:.3g} m/s for legs of {robot.leg_length:.2f} m, "
-            f"which is twice that at which feet leave the floor, found {speed:g}: ask for "
-            f"less than {0.5 * most:.2g}"
+            f"found {speed:g}: their feet leave the floor above {0.5 * most:.2g}, so ask for less"
         )
 
 

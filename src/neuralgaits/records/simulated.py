@@ -46,6 +46,13 @@ class ModelOrbit(Record):
     step_length_m: float | None
     result: str | None = None
 
+    @property
+    def speed_m_s(self) -> float | None:
+        """Mean speed along it; None if there is no orbit."""
+        if not self.period_s or self.step_length_m is None:
+            return None
+        return self.step_length_m / self.period_s
+
     def unsaid(self) -> Collection[str]:
         """Return the fields that `--json` omits: the reason, if there is an orbit."""
         return () if self.result is not None else ("result",)

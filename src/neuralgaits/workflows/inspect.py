@@ -4,6 +4,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from neuralgaits._argument_types import type_checked
+from neuralgaits.analysis.walking_speeds import size_doubt
 from neuralgaits.control.measurement import of_all_motors
 from neuralgaits.records.inspected import FlatFeetFacts, LinkFacts, MotorFacts, RobotFacts
 from neuralgaits.robots import PlanarBiped
@@ -37,8 +38,14 @@ def inspect(robot: PlanarBiped) -> RobotFacts:
         friction=float(robot.friction),
         gravity_m_s2=float(robot.gravity),
         left_out=obstacles_left_out(layout.xml, robot.name),
-        warnings=(*_about_rotors(robot), *_about_heels(robot)),
+        warnings=(*_about_lengths(robot), *_about_rotors(robot), *_about_heels(robot)),
     )
+
+
+def _about_lengths(robot: PlanarBiped) -> tuple[str, ...]:
+    """Return a line if lengths look as if they were not in metres; () otherwise."""
+    doubt = size_doubt(robot)
+    return () if doubt is None else (doubt,)
 
 
 def _about_rotors(robot: PlanarBiped) -> tuple[str, ...]:

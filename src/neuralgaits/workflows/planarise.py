@@ -99,7 +99,7 @@ def robot_from(
     weld: Collection[str] = (),
     say: Callable[[str], None] | None = None,
 ) -> PlanarBiped:
-    """Return a robot, loaded if it is named; the error for a file names a fix, if there is one.
+    """Return a robot, loaded if it is named; an error names all problems of a file and a fix.
 
     Args:
         source: the robot, its name or the path of its file.
@@ -107,7 +107,8 @@ def robot_from(
         weld: joints to weld in that copy.
         say: called with a line about its changes, and with each of its warnings.
 
-    Raises: RobotError, as `load_robot`; InputError if there is none.
+    Raises: RobotError as `load_robot`, ManyProblems with all problems of a file that has several;
+        InputError if there is none.
     """
     if source is None:
         raise InputError(
@@ -127,19 +128,6 @@ def robot_from(
     try:
         return load_robot(source)
     except RobotError as error:
-        if "--planarise" in str(error) or (line := _command_for_copy(source)) is None:
-            raise error from None
-        raise RobotError(f"{error}; or {line}") from None
-
-
-def inspect_file(source: str) -> RobotFacts:
-    """Describe a robot by name or path.
-
-    Raises: RobotError as `load_robot`, ManyProblems with all problems of a file that has several.
-    """
-    try:
-        return inspect(load_robot(source))
-    except RobotError as error:
         problems = list(_problems(source)) or [str(error)]
         line = None if any("--planarise" in one for one in problems) else _command_for_copy(source)
         if len(problems) > 1:
@@ -147,7 +135,12 @@ def inspect_file(source: str) -> RobotFacts:
         raise RobotError(problems[0] + (f"; or {line}" if line else "")) from None
 
 
-def _problems(source: str) -> tuple[str, ...]:
+def inspect_file(source: str) -> RobotFacts:
+    """Describe a robot by name or path. Raises: RobotError, as `robot_from`."""
+    return inspect(robot_from(source))
+
+
+def _problems(source: str | Path) -> tuple[str, ...]:
     """Return the problems of a robot file; of a URDF, those that are in the way of a copy."""
     path = Path(source)
     try:
@@ -159,7 +152,7 @@ def _problems(source: str) -> tuple[str, ...]:
     return _problems_of_urdf(source, text, printable(path.stem), path.parent)
 
 
-def _problems_of_urdf(source: str, text: str, name: str, folder: Path) -> tuple[str, ...]:
+def _problems_of_urdf(source: str | Path, text: str, name: str, folder: Path) -> tuple[str, ...]:
     """Return what is in the way of a copy; that the file is no MJCF, if nothing is."""
     try:
         planarise(text, name, folder=folder)

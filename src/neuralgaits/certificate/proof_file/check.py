@@ -33,8 +33,8 @@ SHOWN = 3
 
 NOT_TIED = (
     "not compared with a run: every statement and conclusion follows from the Program in the file, "
-    "and nothing says that this Program is the robot, policy and spec that it names; --run RUN "
-    "compares them"
+    "and nothing says that this Program is the robot, policy and spec that it names; "
+    "`check-proof FILE --run RUN` compares them"
 )
 DERIVED_ELSEWHERE = (
     "the Program in the file is the spec's conditions for the robot and weights named: without a "

@@ -136,7 +136,7 @@ def condition(described: Mapping[str, Any]) -> str:
         alpha = described["alpha"]
         gains = alpha if isinstance(alpha, list) else [alpha]
         pace = " or ".join(number(gain) for gain in gains)
-        return f"{words}; approached no faster than {pace} 1/s times what is left"
+        return f"{words}; approached at {pace} per second times the distance left, or slower"
     if kind == "DiscreteBarrier":
         return f"{words}; touchdown takes no more than {number(described['gamma'])} of it"
     return words
@@ -228,7 +228,7 @@ def _unit(described: Mapping[str, Any]) -> str:
         # What a rate is compared with.
         alpha = described.get("alpha")
         order = len(alpha) if isinstance(alpha, list) else 1
-        return f"{unit} × 1/s" + ("" if order == 1 else "²")
+        return f"{unit} per second" + ("" if order == 1 else " squared")
     return unit
 
 

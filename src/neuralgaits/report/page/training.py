@@ -92,7 +92,7 @@ def _robot(robot: RobotFacts) -> list[Html]:
         ("mass", f"{html.number(robot.mass_kg)} kg"),
         ("straight leg, foot to hip", f"{html.number(robot.hip_height_m)} m"),
         ("friction of the feet", html.number(robot.friction)),
-        ("coordinates without a motor", html.number(robot.underactuation)),
+        ("number of coordinates without a motor", html.number(robot.underactuation)),
     )
     links = [
         (

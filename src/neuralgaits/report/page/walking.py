@@ -14,6 +14,9 @@ from neuralgaits.report.page.saved import Contents, Saved
 from neuralgaits.runs import plain
 from neuralgaits.runs.shell_words import command
 
+OTHER_SPEED = 0.05
+"""Share of the orbit's speed by which walks may differ from it without a word."""
+
 
 def animation(contents: Contents) -> Html:
     """Return the walk as a 3-D picture that turns, beside the moving point in the plane of z."""
@@ -178,9 +181,28 @@ def simulations(saved: Saved) -> Html:
         ),
         _walks(done),
         html.facts("Means and extremes over these walks", rows),
+        *map(html.paragraph, _remarks(done)),
         adapted(done),
         monitored(saved, done),
     )
+
+
+def _remarks(done: Simulated) -> list[str]:
+    """Describe what a reader of the means and extremes may overlook."""
+    said = []
+    orbit = None if done.poincare is None else done.poincare.speed_m_s
+    if orbit and done.speed_m_s and abs(done.speed_m_s / orbit - 1.0) > OTHER_SPEED:
+        said.append(
+            f"The walks had {html.number(done.speed_m_s)} m/s, and the model's orbit has "
+            f"{html.number(orbit)} m/s: a proof is about the model, whose contact is rigid and "
+            "whose joints follow the gait exactly."
+        )
+    if done.min_normal_force_n is not None and done.min_normal_force_n <= 0.0:
+        said.append(
+            "At some moment between touchdowns the standing foot pressed on nothing: in the "
+            "simulation it left the floor."
+        )
+    return said
 
 
 def _walks(done: Simulated) -> Html:

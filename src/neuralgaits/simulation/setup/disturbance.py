@@ -117,7 +117,7 @@ def parse(disturb: "str | Mapping[str, float] | PlantChanges | None") -> PlantCh
     """Read `NAME=VALUE,...`, or a mapping of names to values.
 
     Raises: InputError for a name that does not exist, a value that is no number, out of its
-    range or given twice; the message lists all names.
+    range or given twice; the message has the name meant, or all names.
     """
     if isinstance(disturb, PlantChanges):
         return disturb
@@ -130,11 +130,8 @@ def parse(disturb: "str | Mapping[str, float] | PlantChanges | None") -> PlantCh
     values: dict[str, float] = {}
     for name, text in pairs:
         if name not in known:
-            hint = meant(name, known)
-            raise InputError(
-                f"unknown disturbance {name!r}: {hint}{' ' if hint else ''}expected one of "
-                f"{existing()}"
-            )
+            remedy = meant(name, known) or f"expected one of {existing()}"
+            raise InputError(f"unknown disturbance {name!r}: {remedy}")
         if name in values:
             raise InputError(f"disturbance {name} is given twice: give it once")
         try:
