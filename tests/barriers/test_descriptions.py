@@ -90,8 +90,8 @@ def test_users_functions_are_known_by_name_alone(amber):
 
     @dataclass(frozen=True)
     class Lenient(Pointwise):
-        def margins(self, gait, zd, point):
-            return 1.0 + super().margins(gait, zd, point)
+        def margins(self, point, gait):
+            return 1.0 + super().margins(point, gait)
 
     assert set(describe_quantity(torso_angle)) == {"user"}
     assert set(describe_quantity(Mine(f.torso_angle, 1.0))) == {"user"}
