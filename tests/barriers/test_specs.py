@@ -140,7 +140,7 @@ def test_conditions_come_and_go(spec):
         spec.without("lean")
 
 
-@pytest.mark.parametrize("name", specs.DESCRIPTIONS)
+@pytest.mark.parametrize("name", specs.BUILT_IN)
 def test_built_in_specs_load_by_name(amber, name):
     spec = specs.load(name, load_robot("amber3m-feet") if "flat" in name else amber)
     assert spec.name == name

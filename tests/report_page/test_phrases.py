@@ -11,7 +11,7 @@ from neuralgaits.robots import load_robot
 from neuralgaits.simulation.setup.disturbance import PlantChanges
 
 
-@pytest.mark.parametrize("name", sorted(specs.DESCRIPTIONS))
+@pytest.mark.parametrize("name", sorted(specs.BUILT_IN))
 def test_every_condition_of_a_built_in_spec_has_words(name):
     robot = load_robot("amber3m-feet" if "flat" in name else "amber3m")
     for condition in specs.load(name, robot).describe()["conditions"]:

@@ -128,7 +128,7 @@ def _culprit(spec: GaitSpec, robot: PlanarBiped, gait: AnyGait) -> str | None:
 def _known(robot: PlanarBiped) -> list[Any]:
     """Return the conditions of a robot's built-in specs, as data."""
     known = []
-    for name in specs.DESCRIPTIONS:
+    for name in specs.BUILT_IN:
         with contextlib.suppress(SpecError):
             known += [plain(describe_condition(one)) for one in specs.load(name, robot).conditions]
     return known
