@@ -8,7 +8,8 @@ from dataclasses import replace
 import pytest
 
 from neuralgaits.errors import RunError
-from neuralgaits.records.certified import HIGHEST, CertificateRecord, Conclusion, ConditionVerdict
+from neuralgaits.records.certified import CertificateRecord, Conclusion, ConditionVerdict
+from neuralgaits.records.levels import HIGHEST
 from neuralgaits.records.record import build, shape_of
 from neuralgaits.records.simulated import ModelOrbit, Simulated
 from neuralgaits.records.trained import Trained, Violations

@@ -6,8 +6,7 @@ from pathlib import Path
 from typing import Annotated, Any, Literal, Protocol
 
 from neuralgaits.errors import RunError
-from neuralgaits.records.certified import HIGHEST
-from neuralgaits.records.levels import HIGHEST_OF_MANY
+from neuralgaits.records.levels import HIGHEST, HIGHEST_OF_MANY
 from neuralgaits.records.record import Pair, Record, build, shape_of
 from neuralgaits.runs.json_files import refuse_misshapen
 from neuralgaits.runs.names import CONFIG
