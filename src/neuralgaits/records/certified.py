@@ -118,6 +118,17 @@ class Conclusion:
         return self.verdict == "proved"
 
 
+def verdict_of(
+    conditions: Mapping[str, ConditionVerdict], levels: Collection[Conclusion] = ()
+) -> Verdict:
+    """Return the verdict on conditions and levels: refuted if a condition is, proved if all are."""
+    answers = {entry.verdict for entry in conditions.values()}
+    if "refuted" in answers:
+        return "refuted"
+    proved = answers == {"proved"} and all(entry.proved for entry in levels)
+    return "proved" if proved else "undecided"
+
+
 @dataclass(frozen=True, eq=False, kw_only=True)
 class CertificateRecord(Record):
     """Proved results about a run's conditions, and their consequences for its walks.
@@ -210,17 +221,12 @@ class CertificateRecord(Record):
     @property
     def of_conditions(self) -> Verdict:
         """Verdict on level 1, over all conditions."""
-        answers = {entry.verdict for entry in self.conditions.values()}
-        if "refuted" in answers:
-            return "refuted"
-        return "proved" if answers == {"proved"} else "undecided"
+        return verdict_of(self.conditions)
 
     @property
     def of_all(self) -> Verdict:
         """Verdict on the conditions and on every requested level."""
-        if self.of_conditions == "proved" and not all(entry.proved for entry in self.levels):
-            return "undecided"
-        return self.of_conditions
+        return verdict_of(self.conditions, self.levels)
 
     @property
     def least_margin(self) -> float | None:
