@@ -50,7 +50,7 @@ def train(settings: TrainSettings) -> Run:
     """
     if (task := task_of("train", settings)) is not None:
         proved = None if settings.watch is None else settings.watch.proved
-        return task(ProgressCallbacks.by(trained=settings.progress, proved=proved)).returned
+        return task(ProgressCallbacks(trained=settings.progress, proved=proved)).returned
     start_time = time.perf_counter()
     watch, root = settings.watch, settings.root
     if settings.resume is not None:
