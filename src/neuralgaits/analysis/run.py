@@ -29,9 +29,6 @@ from neuralgaits.runs import RunFolder, plain, resolve
 from neuralgaits.runs.folder import CONFIG
 from neuralgaits.runs.names import RESIDUAL, ROBOT, SPEC, START, WEIGHTS
 
-_TIGHTEST = 5
-"""Number of conditions that a notebook shows."""
-
 
 @dataclass(frozen=True)
 class Run:
@@ -69,7 +66,7 @@ class Run:
         except RunError as error:
             return _notebook.table(repr(self)[1:-1], [(error,)])
         measured = sorted(found.items(), key=lambda row: row[1].min_margin)
-        rows = [(name, f"{found.min_margin:.3g}") for name, found in measured[:_TIGHTEST]]
+        rows = [(name, f"{found.min_margin:.3g}") for name, found in measured[: _notebook.TIGHTEST]]
         head = (
             f"tightest of {len(measured)} conditions",
             "least margin recorded on samples, in scales",

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Annotated, Literal
 
+from neuralgaits._checks import SEEDS
 from neuralgaits.records.certified import Verdict
 from neuralgaits.records.levels import WORDS
 from neuralgaits.records.record import Count, Disturb, Record, Texts
@@ -45,7 +46,7 @@ class SweepAsked(Record):
     robots: Texts
     specs: Texts
     speeds: tuple[Speed, ...]
-    seeds: Annotated[tuple[int, int], list_of(whole(0, 2**31), 2)]
+    seeds: Annotated[tuple[int, int], list_of(whole(0, SEEDS), 2)]
     steps: Steps | None
     certify: Annotated[int | None, may(one_of(*WORDS))]
     budget: float | None

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from neuralgaits._checks import SEEDS
 from neuralgaits.analysis.poincare_map import poincare
 from neuralgaits.analysis.run import Run, open_parts, untrained
 from neuralgaits.analysis.walking_speeds import gait_doubt
@@ -31,7 +32,7 @@ from neuralgaits.workflows.new_training import new_training
 from neuralgaits.workflows.planarise import robot_from
 from neuralgaits.workflows.proof_rounds import ProofRounds
 
-FRESH_SAMPLES_SEED = 2**31
+FRESH_SAMPLES_SEED = SEEDS
 """Seed of the samples on which the summary is measured; no run can have it."""
 
 

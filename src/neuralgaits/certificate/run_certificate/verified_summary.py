@@ -17,7 +17,7 @@ from neuralgaits.certificate.premises import proved_bounds
 from neuralgaits.certificate.proof_file.consistency import inconsistencies
 from neuralgaits.certificate.proof_file.coverage import SpecOutline, unstated
 from neuralgaits.certificate.proof_file.reader import Claims, read_claims
-from neuralgaits.certificate.proof_file.run_match import ROBOT, SPEC, WEIGHTS, differences
+from neuralgaits.certificate.proof_file.run_match import differences
 from neuralgaits.certificate.proof_file.sampled_bounds import first_broken_bound
 from neuralgaits.certificate.run_certificate.confirmed_conditions import (
     Unfit,
@@ -39,7 +39,7 @@ from neuralgaits.records.training_config import asked_of
 from neuralgaits.runs import RunFolder, from_json, packed
 from neuralgaits.runs.file_content import refuse_large
 from neuralgaits.runs.hashes import file_hashes
-from neuralgaits.runs.names import MAP, RESIDUAL
+from neuralgaits.runs.names import MAP, RESIDUAL, ROBOT, SPEC, WEIGHTS
 from neuralgaits.runs.shape import complaint
 
 FILES = (ROBOT, SPEC, WEIGHTS, RESIDUAL, PROOF)

@@ -11,6 +11,7 @@ import numpy as np
 from jaxtyping import PRNGKeyArray
 from matplotlib.figure import Figure
 
+from neuralgaits._checks import SEEDS
 from neuralgaits._types import Array, Float
 from neuralgaits.errors import RunError
 from neuralgaits.records.certified import Conclusion
@@ -37,7 +38,7 @@ from neuralgaits.systems.proved_system import ExportedSystem
 from neuralgaits.systems.system_family import Screen
 from neuralgaits.systems.trained_system import TrainingProgress
 
-FRESH_SEED, FRESH = 2**31, 2**16
+FRESH_SEED, FRESH = SEEDS, 2**16
 """Seed and number of the states on which the summary is measured; no run can have that seed."""
 LEAST_WIDTH = 1e-9
 """Least half width of the set along each of its axes (SI units)."""

@@ -9,6 +9,7 @@ import jax.numpy as jnp
 import numpy as np
 from matplotlib.figure import Figure
 
+from neuralgaits._checks import SEEDS
 from neuralgaits._types import Array, Float
 from neuralgaits.errors import RunError
 from neuralgaits.records.certified import Conclusion
@@ -45,7 +46,7 @@ from neuralgaits.systems.proved_system import ProvedSystem
 from neuralgaits.systems.system_family import Screen
 from neuralgaits.systems.trained_system import TrainingProgress
 
-FRESH_SEED, FRESH = 2**31, 2**15
+FRESH_SEED, FRESH = SEEDS, 2**15
 """Seed and number of the states on which the summary is measured; no run can have that seed."""
 SHOWN_EPISODES, SHOWN_HOPS = 3, 10
 """Episodes and hops in the pictures."""
