@@ -1,4 +1,4 @@
-"""A finished run, opened: robot, spec, gait and summary."""
+"""A run, opened: robot, spec, gait and summary."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -38,7 +38,8 @@ class Run:
         folder: on disk.
         robot: the model it was trained on, from the run's own copy.
         spec: the conditions it was trained for.
-        trained: policy and tube, or the family of them that takes commands.
+        trained: policy and tube, or the family of them that takes commands; of an unfinished run,
+            those that its training starts from.
         command: at which a family is evaluated; None for the middle of its ranges.
     """
 
