@@ -17,6 +17,8 @@ BANDWIDTHS = 1.0, 1000.0
 at 1 kHz has none that are faster."""
 MOST_SEEDS = 10_000
 """Limit on the seeds of one command, each of which is a training."""
+SEEDS = 2**31
+"""Number of seeds: a run's is below, so this one draws samples that no training has."""
 MOST_ROUNDS = 100
 """Limit on the rounds of `episodes`: a larger number is a slip of the finger, or damage."""
 
@@ -48,8 +50,8 @@ def check_walked(name: str, count: int) -> None:
 
 def check_seed(seed: int) -> None:
     """Check a seed. Raises: InputError unless JAX and NumPy both take it."""
-    if not 0 <= seed < 2**31:
-        raise InputError(f"expected a seed from 0 to 2147483647, found {shortened(seed)}")
+    if not 0 <= seed < SEEDS:
+        raise InputError(f"expected a seed from 0 to {SEEDS - 1}, found {shortened(seed)}")
 
 
 def check_seeds(seeds: tuple[int, int]) -> None:

@@ -3,6 +3,8 @@
 import html
 from collections.abc import Iterable, Sequence
 
+TIGHTEST = 5
+"""Number of conditions that a notebook shows."""
 _CELL = 'style="text-align:left"'
 
 

@@ -48,7 +48,7 @@ def measured(gait, zd):
 
     def one(u):
         point = zd.point(gait.z(u))
-        margins = {c.name: c.margins(gait, zd, point) for c in CONDITIONS}
+        margins = {c.name: c.margins(point, gait) for c in CONDITIONS}
         after = zd.point(zd.reset(point.z))
         return margins, lean(point), lean(after), point.z, gait.level(after.z)
 
@@ -114,7 +114,7 @@ def test_a_fence_is_held_where_its_margin_says(gait, zd, along, name, level, sig
     """Start on the fence: the level moves inwards at the margin's pace."""
     flow, _ = along
     fence = {c.name: c for c in CONDITIONS}[name]
-    both = jax.jit(lambda u: (gait.z(u), fence.margins(gait, zd, zd.point(gait.z(u)))))
+    both = jax.jit(lambda u: (gait.z(u), fence.margins(zd.point(gait.z(u)), gait)))
     of = jax.jit(lambda z: jnp.stack([gait.phase(z[0]), gait.level(z)]))
     for phase in (0.1, 0.35, 0.6, 0.9):
         z, margin = (np.asarray(value) for value in both(np.array([phase, level])))

@@ -140,7 +140,7 @@ def test_conditions_come_and_go(spec):
         spec.without("lean")
 
 
-@pytest.mark.parametrize("name", specs.DESCRIPTIONS)
+@pytest.mark.parametrize("name", specs.BUILT_IN)
 def test_built_in_specs_load_by_name(amber, name):
     spec = specs.load(name, load_robot("amber3m-feet") if "flat" in name else amber)
     assert spec.name == name
@@ -201,7 +201,7 @@ def test_a_spec_of_ones_own(amber, gait, zd, tmp_path):
 
     def both(own):
         point = zd.point(gait.z(np.array([0.5, 0.5])))
-        return own.margins(gait, zd, point), f.hip_height(point)
+        return own.margins(point, gait), f.hip_height(point)
 
     for attribute in ("own", "ready"):
         spec = specs.load(f"{path}:{attribute}", amber)

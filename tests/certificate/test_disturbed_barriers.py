@@ -27,7 +27,7 @@ def test_the_rate_is_that_of_h_along_each_corner_and_linear_between(trained, rea
     @jax.jit
     def undisturbed(z):
         point = zd.point(z)
-        return point.dz, barrier.function(point), barrier.margins(gait, zd, point)
+        return point.dz, barrier.function(point), barrier.margins(point, gait)
 
     def h(z):
         return float(undisturbed(z)[1])

@@ -15,7 +15,7 @@ from numpy.polynomial.chebyshev import chebint, chebval
 from neuralgaits.analysis.run import open_run
 from neuralgaits.barriers import Box, Gait, specs
 from neuralgaits.barriers.commanded_spec import commands_of
-from neuralgaits.certificate.chart import MOST_AXES, Chart
+from neuralgaits.certificate.chart import Chart
 from neuralgaits.certificate.levels.level_search import LevelSets, find_sets, look_at
 from neuralgaits.certificate.levels.levels import conclude
 from neuralgaits.certificate.levels.orbit import margins as orbit_margins
@@ -33,6 +33,7 @@ from neuralgaits.certificate.traced import step_at
 from neuralgaits.errors import InputError, SpecError
 from neuralgaits.gait import HybridInvariantPolicy, ZeroDynamics
 from neuralgaits.programs import POINT, evaluate
+from neuralgaits.programs.program import MOST_AXES
 from neuralgaits.records.certified import box_in_words
 from neuralgaits.robots import load_robot
 from neuralgaits.robots.dynamics import angular_momentum

@@ -1,6 +1,7 @@
 """The map of a deployment file in C does what it does in Python, in both precisions."""
 
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 import pytest
@@ -34,6 +35,43 @@ def deployed(request, tmp_path_factory):
         for name, flags in build.PRECISIONS.items()
     }
     return BoardMap.of(hardware, design.robot.layout), programs
+
+
+class Targets(NamedTuple):
+    """Targets of impedance drives, by motor: tau + kp (q - angle) + kd (dq - rate)."""
+
+    q_des: np.ndarray
+    dq_des: np.ndarray
+    kp: np.ndarray
+    kd: np.ndarray
+    tau_ff: np.ndarray
+
+
+def by_motor_of(board, by_leg):
+    """Values of joints by motor; those that no joint has are 0."""
+    found = np.zeros(board.motors)
+    found[board.motor] = by_leg
+    return found
+
+
+def motor_torques(board, torque):
+    """Torques of the drives for torques on the joints, within the limits."""
+    held = np.clip(torque, -board.torque_limit, board.torque_limit)
+    return by_motor_of(board, board.sign * held / board.gear)
+
+
+def drive_targets(board, joints, djoints, q_des, dq_des, torque) -> Targets:
+    """Targets with which drives give the torque at this reading."""
+    wanted = np.clip(q_des, board.lower, board.upper)
+    held = np.clip(torque, -board.torque_limit, board.torque_limit)
+    ahead = board.kp * (wanted - joints) + board.kd * (dq_des - djoints)
+    return Targets(
+        q_des=by_motor_of(board, board.gear * (board.sign * wanted + board.zero)),
+        dq_des=by_motor_of(board, board.gear * board.sign * dq_des),
+        kp=by_motor_of(board, board.kp / board.gear**2),
+        kd=by_motor_of(board, board.kd / board.gear**2),
+        tau_ff=by_motor_of(board, board.sign * (held - ahead) / board.gear),
+    )
 
 
 def _readings(board: BoardMap, rng: np.random.Generator) -> BoardReadings:
@@ -71,13 +109,13 @@ def test_c_and_python_agree(deployed, precision, within):
         if precision == "double":
             assert beyond == board.outside(own.joints)
         np.testing.assert_allclose(
-            by_motor[0], board.motor_torques(torque), rtol=within, atol=100 * within
+            by_motor[0], motor_torques(board, torque), rtol=within, atol=100 * within
         )
         if fault:
             assert not by_motor[[1, 2, 3, 5]].any()
             continue
         walked += 1
-        targets = board.drive_targets(joints, djoints, q_des, dq_des, torque)
+        targets = drive_targets(board, joints, djoints, q_des, dq_des, torque)
         for one, own_target in zip(by_motor[1:6], targets, strict=True):
             np.testing.assert_allclose(one, own_target, rtol=10 * within, atol=1e3 * within)
         # Targets with gains of their own: at the reading they give the joints' torques.
@@ -94,10 +132,10 @@ def test_drives_give_the_torques_at_the_reading(deployed):
     rng = np.random.default_rng(2)
     q, dq, q_des, dq_des, torque = rng.uniform(-1.0, 1.0, (5, *board.motor.shape))
     raw = board.board_readings(JointReadings(q, dq, 0.0, 0.0, np.zeros(2)))
-    told = board.drive_targets(q, dq, q_des, dq_des, 100.0 * torque)
+    told = drive_targets(board, q, dq, q_des, dq_des, 100.0 * torque)
     given = told.tau_ff + told.kp * (told.q_des - raw.position)
     given += told.kd * (told.dq_des - raw.velocity)
-    np.testing.assert_allclose(given, board.motor_torques(100.0 * torque), atol=1e-10)
+    np.testing.assert_allclose(given, motor_torques(board, 100.0 * torque), atol=1e-10)
     # A motor without a joint is told nothing.
     unused = np.setdiff1d(np.arange(board.motors), board.motor)
     assert unused.size and not np.array(told)[:, unused].any()

@@ -29,7 +29,7 @@ from neuralgaits.robots import load_robot
 from neuralgaits.simulation.setup.disturbance import PlantChanges
 from neuralgaits.simulation.setup.plant import build
 from neuralgaits.simulation.setup.starts import full_states
-from neuralgaits.simulation.ticks.falls import Ending, FallConfig, ending
+from neuralgaits.simulation.ticks.falls import Ending, ending
 from neuralgaits.simulation.walk import plant_states, walk
 
 
@@ -192,7 +192,6 @@ def test_falls_are_those_of_a_simulation(amber3m, torso, bent, since):
     body.stand(body.plant, q, np.zeros(5), 0, push=0.0, seed=0)
     body.since = since
     expected = ending(
-        FallConfig(),
         amber3m,
         hip_height=body.hip[1],
         pitch=np.asarray(body.pitch),

@@ -97,7 +97,7 @@ def test_a_condition_is_judged_as_on_the_zero_dynamics_where_the_robot_is_on_the
 
     def held(u):
         point = zd.point(device.z(u))
-        return jnp.stack([jnp.all(c.margins(device, zd, point) >= 0.0) for c in chosen])
+        return jnp.stack([jnp.all(c.margins(point, device) >= 0.0) for c in chosen])
 
     judgement = np.asarray(jax.jit(jax.vmap(held))(jnp.asarray(charts)))
     for condition, holds in zip(chosen, judgement.T, strict=True):

@@ -13,6 +13,7 @@ from neuralgaits.errors import SpecError
 from neuralgaits.export.float_bound import RoundingAlgebra
 from neuralgaits.programs import POINT, Algebra, evaluate, fold
 from neuralgaits.programs.algebras.ball import BallAlgebra
+from neuralgaits.programs.algebras.double_algebra import DoubleAlgebra
 from neuralgaits.programs.algebras.taylor_algebra import TaylorAlgebra
 from neuralgaits.programs.ops import KINDS
 from neuralgaits.programs.tracing.tracer import trace
@@ -119,15 +120,25 @@ ELEMENTWISE = [kind for kind in KINDS.values() if kind.elementwise]
 
 
 @pytest.mark.parametrize("kind", ELEMENTWISE, ids=lambda kind: kind.name)
-@pytest.mark.parametrize("algebra", [POINT, TaylorAlgebra(1), BallAlgebra(2)])
-def test_every_elementwise_operation_has_a_rule(algebra, kind):
+@pytest.mark.parametrize("algebra", [TaylorAlgebra(1), BallAlgebra(2), DoubleAlgebra(1)])
+def test_every_elementwise_operation_bounds_the_number(algebra, kind):
     """The table of operations and the algebras name the same thirteen."""
     assert len(ELEMENTWISE) == 13
-    operands = [algebra.constant(np.array([0.5, 1.5]))] * kind.operands[0]
-    assert algebra.elementwise(kind.name, *operands) is not None
+    operands = [np.array([0.5, 1.5]), np.array([0.75, 2.5])][: kind.operands[0]]
+    number = POINT.elementwise(kind.name, *map(POINT.constant, operands))
+    bounds = algebra.elementwise(kind.name, *map(algebra.constant, operands)).range()
+    if isinstance(algebra, BallAlgebra):
+        bounds = np.vectorize(lambda ball: (float(ball.lower()), float(ball.upper())))(bounds)
+    # The number itself is rounded, by a few units in the last place.
+    rounding = 4.0 * np.spacing(np.abs(number))
+    low, high = bounds
+    assert np.all((low - rounding <= number) & (number <= high + rounding))
+    assert np.all(high - low <= 1e-9)
 
 
-@pytest.mark.parametrize("algebra", [POINT, TaylorAlgebra(1), BallAlgebra(2), RoundingAlgebra()])
+@pytest.mark.parametrize(
+    "algebra", [POINT, TaylorAlgebra(1), BallAlgebra(2), DoubleAlgebra(1), RoundingAlgebra()]
+)
 def test_what_has_no_rule_is_refused_by_name(algebra):
     with pytest.raises(SpecError, match=r"expected one of the operations add, .*, found atan2"):
         algebra.elementwise("atan2", *[algebra.constant(np.ones(1))] * 2)

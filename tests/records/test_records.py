@@ -8,7 +8,8 @@ from dataclasses import replace
 import pytest
 
 from neuralgaits.errors import RunError
-from neuralgaits.records.certified import HIGHEST, CertificateRecord, Conclusion, ConditionVerdict
+from neuralgaits.records.certified import CertificateRecord, Conclusion, ConditionVerdict
+from neuralgaits.records.levels import HIGHEST
 from neuralgaits.records.record import build, shape_of
 from neuralgaits.records.simulated import ModelOrbit, Simulated
 from neuralgaits.records.trained import Trained, Violations
@@ -96,6 +97,8 @@ def test_a_proof_goes_as_far_as_all_below_it_is_proved() -> None:
     assert _certified(proved, {2: "proved", 3: "proved"}).proved_level == 3
     assert _certified(proved, {2: "undecided", 3: "proved"}).proved_level == 1
     assert _certified(proved, {3: "proved"}).proved_level == 1
+    assert _certified(proved, {2: "proved"}).of_all == "proved"
+    assert _certified(proved, {2: "proved", 3: "undecided"}).of_all == "undecided"
     assert _certified(proved, {}).least_margin == 0.2
     left = _certified(proved | {"foot": _verdict("undecided")}, {2: "proved"})
     assert (left.proved_level, left.of_conditions, left.least_margin) == (0, "undecided", None)

@@ -4,7 +4,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from neuralgaits.simulation.ticks.falls import Ending, FallConfig, ending
+from neuralgaits.simulation.ticks.falls import Ending, ending
 
 UPRIGHT = {
     "hip_height": 0.83,
@@ -33,9 +33,9 @@ UPRIGHT = {
 def test_verdicts(amber, change, expected):
     state: dict[str, Any] = UPRIGHT | change
     traced = {name: jnp.asarray(value) for name, value in state.items()}
-    verdict = Ending(int(ending(FallConfig(), amber, **traced)))
+    verdict = Ending(int(ending(amber, **traced)))
     # Environments judge in NumPy, by the same rules.
-    assert verdict == expected == Ending(int(ending(FallConfig(), amber, **state, xp=np)))
+    assert verdict == expected == Ending(int(ending(amber, **state, xp=np)))
     assert verdict.fell == (expected > Ending.WALKED)
     assert (verdict.reason is not None) == verdict.fell
     # It stands where neither hip, torso nor foot is where a fall puts it.

@@ -90,7 +90,7 @@ def test_a_repair_lowers_the_violation_where_it_looks(trainer, gait, spec):
     """Steps with points in the worst corner leave less violation there than steps without."""
     corner = {"tube": boxes(((0.875, 0.875), (1.0, 1.0)))}
     repairer = trainer.repairing(40)
-    extra = jax.tree.map(jnp.asarray, repairer.extra_of(corner))
+    extra = jax.tree.map(jnp.asarray, Extra.of(corner, repairer.spec, repairer.layout))
 
     def loss_there(trained):
         state = trained.init(gait)
@@ -105,7 +105,7 @@ def test_a_repair_lowers_the_violation_where_it_looks(trainer, gait, spec):
 
 def test_rounds_have_samples_of_their_own(trainer, gait):
     repairer = trainer.repairing(40)
-    extra = repairer.extra_of(OPEN)
+    extra = Extra.of(OPEN, repairer.spec, repairer.layout)
     states = [
         repairer.for_repair_round(extra, number).step(repairer.init(gait))[1] for number in (1, 2)
     ]

@@ -62,7 +62,7 @@ def test_margins_are_those_of_samples_or_less(gait, certificate):
             point = zd.point(gait.gait.z(draw.uniform(box.low, box.high)))
             for condition in gait.spec.conditions:
                 if condition.region == region:
-                    values = np.asarray(condition.margins(gait.gait, zd, point))
+                    values = np.asarray(condition.margins(point, gait.gait))
                     margin = certificate.conditions[condition.name].margin
                     assert np.all(values / condition.scale >= margin), condition.name
 
@@ -104,7 +104,7 @@ def test_a_gait_that_breaks_conditions_is_refuted_at_a_state(poor):
         assert point is not None
         z = poor.gait.z(np.array(point.u))
         np.testing.assert_allclose(z, point.z)
-        value = np.min(np.asarray(condition.margins(poor.gait, zd, zd.point(z))))
+        value = np.min(np.asarray(condition.margins(zd.point(z), poor.gait)))
         assert value / condition.scale == pytest.approx(point.margin)
         assert value < 0.0
         assert verdict.proved_fraction < 1.0

@@ -43,7 +43,7 @@ from neuralgaits.simulation.setup.push import Push
 from neuralgaits.simulation.setup.sensing import sensed
 from neuralgaits.simulation.setup.starts import full_states, momentum_range
 from neuralgaits.simulation.ticks import lockstep
-from neuralgaits.simulation.ticks.falls import Ending, FallConfig
+from neuralgaits.simulation.ticks.falls import Ending
 from neuralgaits.simulation.walk import plant_states, walk
 from neuralgaits.workflows.simulate import simulate
 from support.shipped_run import SHIPPED
@@ -403,7 +403,7 @@ def test_nothing_is_read_or_written_that_is_not_ours(run, library, tmp_path, law
     starts = full_states(run.zero_dynamics, run.gait, "region", seed=0, episodes=3)
     limits = {"z2_range": momentum_range(run.gait), "period_s": 1e-3}
     controller = Controller.init(run.robot, run.gait.policy, law_named(law), **limits)
-    scene = scene_of(library, plant, controller, 7, FallConfig(), Push(5.0, 7, 0, 3))
+    scene = scene_of(library, plant, controller, 7, Push(5.0, 7, 0, 3))
     scene.uneven = 1
     mujoco.mj_saveModel(plant.model, str(tmp_path / "model.mjb"))
     (tmp_path / "scene").write_bytes(bytes(scene))

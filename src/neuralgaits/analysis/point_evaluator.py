@@ -85,7 +85,7 @@ def quantities(zd: ZeroDynamics, gait: Gait, spec: GaitSpec) -> Callable[[Any], 
             "force": point.force,
         }
         for condition in spec.conditions:
-            margins = condition.margins(gait, zd, point)
+            margins = condition.margins(point, gait)
             found[f"margin/{condition.name}"] = margins / condition.scale
             if isinstance(condition, Barrier):
                 found[f"barrier/{condition.name}"] = condition.function(point)

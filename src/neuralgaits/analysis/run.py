@@ -1,4 +1,4 @@
-"""A finished run, opened: robot, spec, gait and summary."""
+"""A run, opened: robot, spec, gait and summary."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -29,9 +29,6 @@ from neuralgaits.runs import RunFolder, plain, resolve
 from neuralgaits.runs.folder import CONFIG
 from neuralgaits.runs.names import RESIDUAL, ROBOT, SPEC, START, WEIGHTS
 
-_TIGHTEST = 5
-"""Number of conditions that a notebook shows."""
-
 
 @dataclass(frozen=True)
 class Run:
@@ -41,7 +38,8 @@ class Run:
         folder: on disk.
         robot: the model it was trained on, from the run's own copy.
         spec: the conditions it was trained for.
-        trained: policy and tube, or the family of them that takes commands.
+        trained: policy and tube, or the family of them that takes commands; of an unfinished run,
+            those that its training starts from.
         command: at which a family is evaluated; None for the middle of its ranges.
     """
 
@@ -69,7 +67,7 @@ class Run:
         except RunError as error:
             return _notebook.table(repr(self)[1:-1], [(error,)])
         measured = sorted(found.items(), key=lambda row: row[1].min_margin)
-        rows = [(name, f"{found.min_margin:.3g}") for name, found in measured[:_TIGHTEST]]
+        rows = [(name, f"{found.min_margin:.3g}") for name, found in measured[: _notebook.TIGHTEST]]
         head = (
             f"tightest of {len(measured)} conditions",
             "least margin recorded on samples, in scales",

@@ -37,24 +37,24 @@ class Middle(NamedTuple):
     """Step length over the time of a step [m/s]."""
 
 
-def middle_of(gait: Gait, zd: ZeroDynamics) -> Middle:
+def middle_of(point: Point, gait: Gait) -> Middle:
     """Return the middle of the steady gait that belongs to the gait of a step.
 
     Args:
+        point: any point of the step; its robot and residuals are those of the steady gait.
         gait: of one step; its command after is the constant one.
-        zd: zero dynamics under it.
     """
     steady = gait.steady_next
-    moving = ZeroDynamics(zd.robot, steady.policy, zd.residual, zd.reset_residual)
+    moving = ZeroDynamics(point.robot, steady.policy, point.residual, point.reset_residual)
     dtype = jnp.asarray(steady.stride).dtype
     phases = jnp.asarray(np.append(0.5 * (NODES + 1.0), 1.0), dtype)
 
     def at(phase: Scalar) -> tuple[Scalar, Scalar, Scalar, Scalar]:
-        point = moving.point(steady.z(jnp.stack([phase, jnp.full_like(phase, LEVEL)])))
-        along = steady.slope(point.z, point.dz)
+        here = moving.point(steady.z(jnp.stack([phase, jnp.full_like(phase, LEVEL)])))
+        along = steady.slope(here.z, here.dz)
         low, high = steady.tube.fences(phase)
         error = (along - jnp.mean(steady.tube.fence_slopes(phase))) / (high - low)
-        return error, position_of(point.dz), point.foot[0], steady.level(point.z_after)
+        return error, position_of(here.dz), here.foot[0], steady.level(here.z_after)
 
     errors, rates, ahead, levels = jax.vmap(at)(phases)
     time = jnp.sum(jnp.asarray(0.5 * WEIGHTS, dtype) / rates[:-1]) * steady.stride
@@ -76,10 +76,9 @@ class AbstractAim(AbstractCondition):
         error = jnp.atleast_1d(self.error(middle))
         return jnp.concatenate([self.tolerance - error, self.tolerance + error])
 
-    def margins(self, gait: Gait, zd: ZeroDynamics, point: Point) -> Float[Array, "..."]:
+    def margins(self, point: Point, gait: Gait) -> Float[Array, "..."]:
         """Return the aim's margins on the gait of a step."""
-        del point
-        return self.of(middle_of(gait, zd))
+        return self.of(middle_of(point, gait))
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ from neuralgaits._types import Array, Float
 from neuralgaits.barriers.quantities import Quantity
 from neuralgaits.barriers.regions import Side
 from neuralgaits.errors import SpecError
-from neuralgaits.gait import Point, ZeroDynamics
+from neuralgaits.gait import Point
 from neuralgaits.gait.gaits import Gait
 from neuralgaits.gait.tubes import LEAST_ZETA
 from neuralgaits.gait.zero_coordinates import position_of
@@ -35,8 +35,13 @@ class AbstractCondition:
     scale: float
 
     @abstractmethod
-    def margins(self, gait: Gait, zd: ZeroDynamics, point: Point) -> Float[Array, "..."]:
-        """Return quantities that must not be negative at this point."""
+    def margins(self, point: Point, gait: Gait) -> Float[Array, "..."]:
+        """Return quantities that must not be negative at a point.
+
+        Args:
+            point: point data under the policy of the gait's step.
+            gait: of that step; kinds that are about the tube read it.
+        """
 
     @property
     def absolute_loss(self) -> bool:
@@ -54,9 +59,8 @@ class Pointwise(AbstractCondition):
 
     function: Quantity
 
-    def margins(self, gait: Gait, zd: ZeroDynamics, point: Point) -> Float[Array, "..."]:
+    def margins(self, point: Point, gait: Gait) -> Float[Array, "..."]:
         """Return the value of the function itself."""
-        del gait, zd
         return self.function(point)
 
 
@@ -82,9 +86,8 @@ class Barrier(AbstractCondition):
                 f"found {self.alpha}"
             )
 
-    def margins(self, gait: Gait, zd: ZeroDynamics, point: Point) -> Float[Array, "..."]:
+    def margins(self, point: Point, gait: Gait) -> Float[Array, "..."]:
         """Return the margin dh/dt + alpha(h)."""
-        del gait, zd
         return self.bent(*point.rate(self.function))
 
     def bent(self, value: Float[Array, "..."], rate: Float[Array, "..."]) -> Float[Array, "..."]:
@@ -112,9 +115,8 @@ class DiscreteBarrier(AbstractCondition):
                 f"discrete barrier {self.name!r}: expected 0 < gamma <= 1, found {self.gamma}"
             )
 
-    def margins(self, gait: Gait, zd: ZeroDynamics, point: Point) -> Float[Array, "..."]:
+    def margins(self, point: Point, gait: Gait) -> Float[Array, "..."]:
         """Return h(Delta(z)) - (1 - gamma) h(z)."""
-        del gait, zd
         return self.function(point.after) - (1.0 - self.gamma) * self.function(point)
 
 
@@ -132,9 +134,8 @@ class Equality(AbstractCondition):
     tolerance: float
     loss: Literal["hinge", "absolute"] = "hinge"
 
-    def margins(self, gait: Gait, zd: ZeroDynamics, point: Point) -> Float[Array, "..."]:
+    def margins(self, point: Point, gait: Gait) -> Float[Array, "..."]:
         """Return the tolerance minus e and plus e."""
-        del gait, zd
         error = jnp.atleast_1d(self.function(point))
         return jnp.stack([self.tolerance - error, self.tolerance + error])
 
@@ -153,9 +154,8 @@ class Fence(AbstractCondition):
 
     side: Side
 
-    def margins(self, gait: Gait, zd: ZeroDynamics, point: Point) -> Float[Array, "..."]:
+    def margins(self, point: Point, gait: Gait) -> Float[Array, "..."]:
         """Return the inward slope relative to the fence, in tube widths per step."""
-        del zd
         from_lower, from_upper = gait.inward(point.z, point.dz)
         return from_lower if self.side == "lower" else from_upper
 
@@ -166,9 +166,8 @@ class Inlet(AbstractCondition):
 
     side: Side
 
-    def margins(self, gait: Gait, zd: ZeroDynamics, point: Point) -> Float[Array, "..."]:
+    def margins(self, point: Point, gait: Gait) -> Float[Array, "..."]:
         """Return the level after the reset above 0 and below 1."""
-        del zd
         level = gait.steady_next.level(point.z_after)
         return level if self.side == "lower" else 1.0 - level
 
@@ -179,9 +178,8 @@ class TubeWidth(AbstractCondition):
 
     least: float
 
-    def margins(self, gait: Gait, zd: ZeroDynamics, point: Point) -> Float[Array, "..."]:
+    def margins(self, point: Point, gait: Gait) -> Float[Array, "..."]:
         """Return the relative width minus the least."""
-        del zd
         phase = gait.phase(position_of(point.z))
         low, high = jnp.sqrt(2.0 * gait.tube.fences(phase))
         return 2.0 * (high - low) / (high + low) - self.least
@@ -195,8 +193,7 @@ class FencesApart(AbstractCondition):
     not those of the series, and conditions on them hold for neither.
     """
 
-    def margins(self, gait: Gait, zd: ZeroDynamics, point: Point) -> Float[Array, "2"]:
+    def margins(self, point: Point, gait: Gait) -> Float[Array, "2"]:
         """Return the lower fence and the gap beyond the least, in the unit of zeta."""
-        del zd
         low, high = gait.tube.values(gait.phase(position_of(point.z)))
         return jnp.stack([low, high - low]) - LEAST_ZETA

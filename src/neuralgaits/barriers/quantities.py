@@ -7,12 +7,12 @@ proof file gives it to readers that derive the same quantity on their own.
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 
 from neuralgaits._types import Actuated, Array, Float, Scalar
-from neuralgaits.barriers.quantity_words import quantity
+from neuralgaits.barriers.quantity_words import Says, quantity
 from neuralgaits.gait import Point
 from neuralgaits.gait.zero_coordinates import momentum_of, position_of
 
@@ -68,77 +68,59 @@ class AfterReset:
         return self.function(p.after)
 
 
-@quantity(
-    "",
-    "N",
-    gist="feet that do not slip",
-    says=lambda given, shown: (
-        f"the foot does not slip forward: friction needed ≤ {shown(given['coefficient'])}"
-    ),
-)
+def _no_slip(foot: str, way: str) -> Says:
+    return lambda given, shown: (
+        f"the {foot} does not slip {way}: friction needed ≤ {shown(given['coefficient'])}"
+    )
+
+
 @dataclass(frozen=True, eq=False)
-class FrictionForward:
+class FrictionCone:
+    """Slack of a friction cone on one side, of a contact's force [N] or impulse [N s].
+
+    Attributes:
+        coefficient: coefficient of friction.
+    """
+
+    coefficient: float
+    contact: ClassVar[str]
+    """Attribute of the point that has the tangential and the normal part."""
+    forward: ClassVar[bool]
+    """Whether the tangential part is limited forward, or backward."""
+
+    def __call__(self, p: Point) -> Scalar:
+        """Return the coefficient times the normal part, less the tangential part of that side."""
+        tangential_normal = getattr(p, self.contact)
+        edge = self.coefficient * tangential_normal[1]
+        return edge - tangential_normal[0] if self.forward else edge + tangential_normal[0]
+
+
+@quantity("", "N", gist="feet that do not slip", says=_no_slip("foot", "forward"))
+class FrictionForward(FrictionCone):
     """Slack of the friction cone against forward tangential force [N]."""
 
-    coefficient: float
-
-    def __call__(self, p: Point) -> Scalar:
-        """Return the coefficient times the normal minus the tangential force [N]."""
-        return self.coefficient * p.contact_force[1] - p.contact_force[0]
+    contact, forward = "contact_force", True
 
 
-@quantity(
-    "",
-    "N",
-    says=lambda given, shown: (
-        f"the foot does not slip backward: friction needed ≤ {shown(given['coefficient'])}"
-    ),
-)
-@dataclass(frozen=True, eq=False)
-class FrictionBackward:
+@quantity("", "N", says=_no_slip("foot", "backward"))
+class FrictionBackward(FrictionCone):
     """Slack of the friction cone against backward tangential force [N]."""
 
-    coefficient: float
-
-    def __call__(self, p: Point) -> Scalar:
-        """Return the coefficient times the normal plus the tangential force [N]."""
-        return self.coefficient * p.contact_force[1] + p.contact_force[0]
+    contact, forward = "contact_force", False
 
 
-@quantity(
-    "",
-    "N s",
-    says=lambda given, shown: (
-        f"the landing foot does not slip forward: friction needed ≤ {shown(given['coefficient'])}"
-    ),
-)
-@dataclass(frozen=True, eq=False)
-class ImpulseConeForward:
+@quantity("", "N s", says=_no_slip("landing foot", "forward"))
+class ImpulseConeForward(FrictionCone):
     """Slack of the impulse's friction cone, forward [N s]."""
 
-    coefficient: float
-
-    def __call__(self, p: Point) -> Scalar:
-        """Return the coefficient times the normal minus the tangential impulse [N s]."""
-        return self.coefficient * p.contact_impulse[1] - p.contact_impulse[0]
+    contact, forward = "contact_impulse", True
 
 
-@quantity(
-    "",
-    "N s",
-    says=lambda given, shown: (
-        f"the landing foot does not slip backward: friction needed ≤ {shown(given['coefficient'])}"
-    ),
-)
-@dataclass(frozen=True, eq=False)
-class ImpulseConeBackward:
+@quantity("", "N s", says=_no_slip("landing foot", "backward"))
+class ImpulseConeBackward(FrictionCone):
     """Slack of the impulse's friction cone, backward [N s]."""
 
-    coefficient: float
-
-    def __call__(self, p: Point) -> Scalar:
-        """Return the coefficient times the normal plus the tangential impulse [N s]."""
-        return self.coefficient * p.contact_impulse[1] + p.contact_impulse[0]
+    contact, forward = "contact_impulse", False
 
 
 @quantity(

@@ -12,12 +12,7 @@ from typing import TYPE_CHECKING
 from neuralgaits.barriers.commanded_spec import commanded
 from neuralgaits.barriers.conditions import AbstractCondition, Pointwise
 from neuralgaits.barriers.functions import at_most, foot_vertical_velocity
-from neuralgaits.barriers.quantities import (
-    FrictionBackward,
-    FrictionForward,
-    ImpulseConeBackward,
-    ImpulseConeForward,
-)
+from neuralgaits.barriers.quantities import FrictionCone
 from neuralgaits.barriers.spec import GaitSpec
 from neuralgaits.barriers.walking import RESETS, new_hybrid_invariant, units, walking
 from neuralgaits.errors import SpecError
@@ -40,8 +35,6 @@ FALL = 0.45
 the strip in which it may meet the floor is short."""
 MORE_GUARD, WEIGHT = 3, 2.0
 """Factor of the samples of that strip, and weight of the conditions that resets from it land in."""
-CONES = FrictionForward, FrictionBackward, ImpulseConeForward, ImpulseConeBackward
-"""Conditions on quantities that keep a foot from slipping while they are not negative."""
 
 
 def robust(robot: "PlanarBiped", box: Box, commands: Commands = ()) -> GaitSpec:
@@ -113,6 +106,6 @@ def _on_friction(condition: AbstractCondition, least: float | None) -> AbstractC
     """Return the condition with a friction cone no wider than that of the least friction."""
     if least is None or not isinstance(condition, Pointwise):
         return condition
-    if not isinstance(condition.function, CONES) or condition.function.coefficient <= least:
+    if not isinstance(condition.function, FrictionCone) or condition.function.coefficient <= least:
         return condition
     return replace(condition, function=replace(condition.function, coefficient=least))

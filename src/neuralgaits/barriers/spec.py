@@ -253,4 +253,4 @@ class GaitSpec:
     ) -> dict[str, Float[Array, "..."]]:
         """Return the margins of all conditions at one chart point, each in its own units."""
         point = zd.point(gait.z(u))
-        return {c.name: c.margins(gait, zd, point) for c in self.conditions}
+        return {c.name: c.margins(point, gait) for c in self.conditions}

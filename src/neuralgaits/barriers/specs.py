@@ -3,7 +3,8 @@
 from collections.abc import Callable
 from functools import partial, wraps
 from pathlib import Path
-from typing import Any, ParamSpec
+from types import ModuleType
+from typing import Any, NamedTuple, ParamSpec
 
 from neuralgaits._printable import shown
 from neuralgaits.barriers import commanded_spec as _commanded_spec
@@ -21,7 +22,7 @@ from neuralgaits.robots import PlanarBiped
 from neuralgaits.robots.parameter_box import Box
 
 __all__ = [
-    "DESCRIPTIONS",
+    "BUILT_IN",
     "at_speed",
     "authors",
     "commanded",
@@ -41,8 +42,8 @@ __all__ = [
 P = ParamSpec("P")
 
 
-def _of_robot(make: Callable[P, GaitSpec], name: str | None = None) -> Callable[P, GaitSpec]:
-    """Refuse anything but a robot as the first argument of a spec, and flat feet if it has a name.
+def _of_robot(make: Callable[P, GaitSpec], *, flat_feet: bool = False) -> Callable[P, GaitSpec]:
+    """Refuse anything but a robot as the first argument of a spec, and flat feet unless allowed.
 
     A spec of point feet says nothing of soles: its gaits would tip. Raises: InputError, SpecError.
     """
@@ -50,10 +51,10 @@ def _of_robot(make: Callable[P, GaitSpec], name: str | None = None) -> Callable[
     @wraps(make)
     def call(*args: P.args, **kwargs: P.kwargs) -> GaitSpec:
         if args or "robot" in kwargs:
-            robot = args[0] if args else kwargs["robot"]
+            robot: Any = args[0] if args else kwargs["robot"]
             _refuse_no_robot(robot)
-            if name is not None and getattr(robot, "feet", None) is not None:
-                raise _flat_footed_refused(name, robot)
+            if robot.feet is not None and not flat_feet:
+                raise _flat_footed_refused(make.__name__, robot)
         return make(*args, **kwargs)
 
     return call
@@ -75,15 +76,15 @@ def _refuse_no_robot(robot: object) -> None:
         )
 
 
-at_speed = _of_robot(_commanded_spec.at_speed, "at_speed")
-authors = _of_robot(_paper.authors, "authors")
-commanded = _of_robot(_commanded_spec.commanded, "commanded")
-flat_footed = _of_robot(_flat_feet.flat_footed)
-hzd = _of_robot(_hzd.hzd, "hzd")
-paper = _of_robot(_paper.paper, "paper")
-paper_walks = _of_robot(_paper.paper_walks, "paper_walks")
-robust = _of_robot(_robust.robust, "robust")
-rugged = _of_robot(_rugged.rugged, "rugged")
+at_speed = _of_robot(_commanded_spec.at_speed)
+authors = _of_robot(_paper.authors)
+commanded = _of_robot(_commanded_spec.commanded)
+flat_footed = _of_robot(_flat_feet.flat_footed, flat_feet=True)
+hzd = _of_robot(_hzd.hzd)
+paper = _of_robot(_paper.paper)
+paper_walks = _of_robot(_paper.paper_walks)
+robust = _of_robot(_robust.robust)
+rugged = _of_robot(_rugged.rugged)
 
 
 @wraps(_walking.walking)
@@ -96,26 +97,54 @@ def _walking_on_its_feet(robot: PlanarBiped, *args: Any, **kwargs: Any) -> GaitS
     return _flat_feet.flat_footed(robot)
 
 
-walking = _of_robot(_walking_on_its_feet)
+walking = _of_robot(_walking_on_its_feet, flat_feet=True)
 
-_BUILT_IN = {
-    "walking": walking,
-    "walking-mlp": partial(walking, policy="mlp"),
-    _flat_feet.NAME: flat_footed,
-    "rugged": rugged,
-    "paper": paper,
-    "paper-walks": paper_walks,
-    "authors": authors,
+
+class BuiltInSpec(NamedTuple):
+    """A spec that comes with the package and that gaits are trained for."""
+
+    make: Callable[[PlanarBiped], GaitSpec]
+    """Make it for a robot."""
+    description: str
+    """Words about it, as `robots` shows them."""
+    module: ModuleType
+    """Module that defines it."""
+
+
+BUILT_IN = {
+    "walking": BuiltInSpec(
+        walking,
+        "default: walks physically, provable; hybrid invariance by construction",
+        _walking,
+    ),
+    "walking-mlp": BuiltInSpec(
+        partial(walking, policy="mlp"),
+        "the same for a free network, which learns to match through the impact",
+        _walking,
+    ),
+    _flat_feet.NAME: BuiltInSpec(
+        flat_footed,
+        "default for robots with flat feet, whose soles stay flat on the floor",
+        _flat_feet,
+    ),
+    _rugged.NAME: BuiltInSpec(
+        rugged,
+        "faster, with lifted feet: for pushes, slopes and floors that it does not know of",
+        _rugged,
+    ),
+    "paper": BuiltInSpec(
+        paper,
+        "Table 1 of the paper, the paper's optimiser settings (ReLU, not provable)",
+        _paper,
+    ),
+    "paper-walks": BuiltInSpec(
+        paper_walks, "Table 1, and the least that makes it walk (ReLU, not provable)", _paper
+    ),
+    "authors": BuiltInSpec(
+        authors, "conditions and schedule of the authors' code (ReLU, not provable)", _paper
+    ),
 }
-DESCRIPTIONS = {
-    "walking": "default: walks physically, provable; hybrid invariance by construction",
-    "walking-mlp": "the same for a free network, which learns to match through the impact",
-    _flat_feet.NAME: "default for robots with flat feet, whose soles stay flat on the floor",
-    "rugged": "faster, with lifted feet: for pushes, slopes and floors that it does not know of",
-    "paper": "Table 1 of the paper, the paper's optimiser settings (ReLU, not provable)",
-    "paper-walks": "Table 1, and the least that makes it walk (ReLU, not provable)",
-    "authors": "conditions and schedule of the authors' code (ReLU, not provable)",
-}
+"""Specs by the names that `train --spec` takes."""
 GIVEN = _hzd.NAME
 """Name of the spec of given gaits, which cannot be trained."""
 IN_NO_FILE = "# A GaitSpec made in Python"
@@ -124,7 +153,7 @@ IN_NO_FILE = "# A GaitSpec made in Python"
 
 def is_built_in(name: str) -> bool:
     """Return whether a spec comes with the package."""
-    return name in DESCRIPTIONS or name == GIVEN
+    return name in BUILT_IN or name == GIVEN
 
 
 def for_robot(name: str, robot: PlanarBiped) -> str:
@@ -150,7 +179,7 @@ def load(
     """Return the spec of that name for a robot.
 
     Args:
-        name: one of `DESCRIPTIONS`, or FILE.py:NAME where NAME is a `GaitSpec` or a function robot
+        name: one of `BUILT_IN`, or FILE.py:NAME where NAME is a `GaitSpec` or a function robot
             -> GaitSpec.
         robot: the robot the spec is for.
         commands: that the gait receives at each touchdown; for "walking" only.
@@ -192,19 +221,15 @@ def load(
         if commands:
             return commanded(robot, commands, speed=speed)
         return at_speed(robot, float(speed or 0.0))
-    if name in _BUILT_IN:
-        return _BUILT_IN[name](robot)
-    return spec_from_file(name, robot, _BUILT_IN)
+    if name in BUILT_IN:
+        return BUILT_IN[name].make(robot)
+    return spec_from_file(name, robot, BUILT_IN)
 
 
 def source_path(name: str) -> Path:
     """Return the Python file that defines a spec, to be copied into a run."""
     if name == GIVEN:
         return Path(str(_hzd.__file__))
-    if name in _BUILT_IN:
-        for module in (_rugged, _flat_feet):
-            if name == module.NAME:
-                return Path(str(module.__file__))
-        module = _walking if name.startswith("walking") else _paper
-        return Path(str(module.__file__))
+    if name in BUILT_IN:
+        return Path(str(BUILT_IN[name].module.__file__))
     return Path(name.rpartition(":")[0])

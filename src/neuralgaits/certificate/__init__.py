@@ -2,5 +2,5 @@
 
 `search/` finds proofs and does not judge them: its results go to a proof file that is read and
 checked without it. So this room imports nothing by itself. The record of a certificate is
-`records.certified.Certified`.
+`records.certified.CertificateRecord`.
 """

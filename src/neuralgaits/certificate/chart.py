@@ -15,10 +15,10 @@ import numpy as np
 
 from neuralgaits._digits import from_hex
 from neuralgaits._names import why_no_name
+from neuralgaits.programs.program import MOST_AXES
 
 Corner = tuple[float, ...]
 """One corner of a box of the chart, or of its plane (phase, level)."""
-MOST_AXES = 16
 PLANE = 2
 """Axes of the zero dynamics' own plane: phase and level."""
 

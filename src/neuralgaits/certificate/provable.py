@@ -14,11 +14,12 @@ from neuralgaits.barriers.functions import (
     impulse,
     normal_force,
 )
-from neuralgaits.certificate.chart import MOST_AXES, PLANE
+from neuralgaits.certificate.chart import PLANE
 from neuralgaits.certificate.traced import trace_spec
 from neuralgaits.errors import InputError, NeuralGaitsError, SpecError
 from neuralgaits.gait.commands import LEAN, Commands, command_named
 from neuralgaits.gait.policies.commanded_gait import AnyGait
+from neuralgaits.programs.program import MOST_AXES
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.runs import plain
 
@@ -128,7 +129,7 @@ def _culprit(spec: GaitSpec, robot: PlanarBiped, gait: AnyGait) -> str | None:
 def _known(robot: PlanarBiped) -> list[Any]:
     """Return the conditions of a robot's built-in specs, as data."""
     known = []
-    for name in specs.DESCRIPTIONS:
+    for name in specs.BUILT_IN:
         with contextlib.suppress(SpecError):
             known += [plain(describe_condition(one)) for one in specs.load(name, robot).conditions]
     return known

@@ -48,21 +48,6 @@ class JointReadings(NamedTuple):
     """On each foot [N]. [2]"""
 
 
-class DriveTargets(NamedTuple):
-    """Targets of impedance drives, each by motor: tau + kp (q - angle) + kd (dq - rate)."""
-
-    q_des: np.ndarray
-    """Angles of the drives [rad]. [motors]"""
-    dq_des: np.ndarray
-    """Rates [rad/s]. [motors]"""
-    kp: np.ndarray
-    """Gains on the angle [N m/rad]. [motors]"""
-    kd: np.ndarray
-    """Gains on the rate [N m s/rad]. [motors]"""
-    tau_ff: np.ndarray
-    """Torques [N m]. [motors]"""
-
-
 @dataclass(frozen=True, eq=False)
 class BoardMap:
     """The numbers of a deployment file as arrays, and the map that they make.
@@ -154,34 +139,6 @@ class BoardMap:
         """Return 0, or 1 + the motor of the first joint outside of its range."""
         beyond = ~((joints >= self.lower) & (joints <= self.upper))
         return int(self.motor[beyond][0]) + 1 if beyond.any() else 0
-
-    def motor_torques(self, torque: ByLeg) -> ByMotor:
-        """Return torques of the drives for torques on the joints, within the limits [N m]."""
-        held = np.clip(torque, -self.torque_limit, self.torque_limit)
-        return self._by_motor(self.sign * held / self.gear)
-
-    def drive_targets(
-        self, joints: ByLeg, djoints: ByLeg, q_des: ByLeg, dq_des: ByLeg, torque: ByLeg
-    ) -> DriveTargets:
-        """Return what impedance drives are told, so that at this reading they give the torque.
-
-        Args:
-            joints: angles of the reading [rad].
-            djoints: rates of the reading [rad/s].
-            q_des: desired angles, held within the ranges [rad].
-            dq_des: desired rates [rad/s].
-            torque: on the joints, held within the limits [N m].
-        """
-        wanted = np.clip(q_des, self.lower, self.upper)
-        held = np.clip(torque, -self.torque_limit, self.torque_limit)
-        ahead = self.kp * (wanted - joints) + self.kd * (dq_des - djoints)
-        return DriveTargets(
-            q_des=self._by_motor(self.gear * (self.sign * wanted + self.zero)),
-            dq_des=self._by_motor(self.gear * self.sign * dq_des),
-            kp=self._by_motor(self.kp / self.gear**2),
-            kd=self._by_motor(self.kd / self.gear**2),
-            tau_ff=self._by_motor(self.sign * (held - ahead) / self.gear),
-        )
 
     def _by_motor(self, by_leg: ByLeg) -> ByMotor:
         """Return values of joints by motor; those that no joint has are 0."""

@@ -40,8 +40,8 @@ MOST_OF_ANY = 1e6
 CommandPoint = Float[Array, " k"]
 """A point of the commands' axes, see `Command.axes`."""
 
-
-Number = float | Scalar
+Number = float | np.floating | Scalar
+"""Elements of NumPy arrays are no arrays."""
 
 
 @dataclass(frozen=True)

@@ -11,15 +11,13 @@ import jax.numpy as jnp
 import numpy as np
 from numpy.polynomial.chebyshev import chebder, chebval, poly2cheb
 
-from neuralgaits._types import Array, Float, Scalar
+from neuralgaits._types import Array, Float
 from neuralgaits.gait.command_polynomials import factors
-from neuralgaits.gait.commands import Commands, Pair
+from neuralgaits.gait.commands import Commands, Number, Pair
 from neuralgaits.robots import PlanarBiped
 
 LEAST_ZETA = 0.01
 """Between fences that are kept apart, and above zero, in the unit of zeta."""
-Number = float | np.floating | Scalar
-"""Elements of NumPy arrays are no arrays."""
 
 
 class Tube(eqx.Module):

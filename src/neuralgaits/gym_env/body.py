@@ -22,7 +22,7 @@ from neuralgaits.robots.mjcf_state import Sensors
 from neuralgaits.simulation.setup.plant import SUBSTEPS, TIMESTEP_S, Plant
 from neuralgaits.simulation.setup.push import Push
 from neuralgaits.simulation.setup.terrain import Terrain
-from neuralgaits.simulation.ticks.falls import Ending, FallConfig, ending
+from neuralgaits.simulation.ticks.falls import Ending, ending
 
 PERIOD_S = SUBSTEPS * TIMESTEP_S
 """Duration of a control tick [s]."""
@@ -48,10 +48,9 @@ class Body:
         work: mechanical work so far, the integral of sum |torque rate| [J].
     """
 
-    def __init__(self, robot: PlanarBiped, plant: Plant, falls: FallConfig | None = None):
+    def __init__(self, robot: PlanarBiped, plant: Plant):
         """Compile the plant; `stand` puts the robot onto a leg."""
         self._robot = robot
-        self._falls = FallConfig() if falls is None else falls
         self._stance = StanceConfig()
         self.weight = float(robot.mass * robot.gravity)
         # Once each: the hip of a robot without a torso is in the rows of both legs.
@@ -230,7 +229,6 @@ class Body:
         hip = self.hip
         floor = self._terrain.levels[0, self.leg] + self.plant.slope * hip[0]
         found = ending(
-            self._falls,
             self._robot,
             hip_height=hip[1] - floor,
             pitch=self.pitch,

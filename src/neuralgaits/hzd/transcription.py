@@ -77,13 +77,13 @@ def transcribe(casadi: Any, robot: PlanarBiped, spec: GaitSpec, degree: int) -> 
         # The checks of its constructor are for numbers.
         policy = eqx.tree_at(lambda p: (p.coefficients, p.start_and_guard), bare, (rows, ends))
         z1 = ends[0] + phase * (ends[1] - ends[0])
-        zd = ZeroDynamics(robot, policy)
-        return zd, Gait(policy, tube), zd.point(jnp.stack([z1, jnp.sqrt(2.0 * unit * zeta)]))
+        point = ZeroDynamics(robot, policy).point(jnp.stack([z1, jnp.sqrt(2.0 * unit * zeta)]))
+        return Gait(policy, tube), point
 
     def along(rows, ends, phase, zeta):
-        zd, gait, point = point_of(rows, ends, phase, zeta)
+        gait, point = point_of(rows, ends, phase, zeta)
         length = ends[1] - ends[0]
-        margins = {c.name: c.margins(gait, zd, point) / c.scale for c in kept if c.name in asked}
+        margins = {c.name: c.margins(point, gait) / c.scale for c in kept if c.name in asked}
         pace, momentum, falling = position_of(point.dz), momentum_of(point.z), momentum_of(point.dz)
         return margins | {
             "slope": momentum * falling * length / (pace * unit),
@@ -92,8 +92,8 @@ def transcribe(casadi: Any, robot: PlanarBiped, spec: GaitSpec, degree: int) -> 
         }
 
     def end(rows, ends, phase, zeta):
-        zd, gait, point = point_of(rows, ends, phase, zeta)
-        margins = {c.name: c.margins(gait, zd, point) / c.scale for c in at_guard}
+        gait, point = point_of(rows, ends, phase, zeta)
+        margins = {c.name: c.margins(point, gait) / c.scale for c in at_guard}
         return margins | {
             "foot": point.foot,
             "z1": position_of(point.z_after),

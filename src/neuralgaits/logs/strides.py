@@ -126,9 +126,7 @@ def cut(logs: Sequence[Log], robot: PlanarBiped) -> Cut:
     return Cut(strides, left_out)
 
 
-def split(
-    strides: Sequence[Stride], *, seed: int = 0, shares: tuple[float, float, float] = SHARES
-) -> Split:
+def split(strides: Sequence[Stride], *, seed: int = 0) -> Split:
     """Deal strides out by seed, at least one to each part.
 
     Raises: InputError if there are fewer than three.
@@ -140,7 +138,7 @@ def split(
             f"found {count}: walk longer or give more logs"
         )
     order = np.random.default_rng([seed, count]).permutation(count)
-    small = [min(max(1, round(share * count)), count - 2) for share in shares[1:]]
+    small = [min(max(1, round(share * count)), count - 2) for share in SHARES[1:]]
     if sum(small) > count - 1:
         small = [1, 1]
     first, second = small[0], sum(small)

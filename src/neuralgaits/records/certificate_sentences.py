@@ -1,17 +1,17 @@
 """Statements of a certificate in words for a reader who does not know its terms."""
 
 from neuralgaits._digits import at_least
-from neuralgaits.records.certified import FULL_ORDER, HIGHEST, CertificateRecord, Verdict
-from neuralgaits.records.levels import FOR_EVER, WORDS
+from neuralgaits.records.certified import CertificateRecord, Verdict
+from neuralgaits.records.levels import (
+    DISTURBED_LEVEL,
+    FOR_EVER,
+    FULL_ORDER_LEVEL,
+    HIGHEST,
+    ORBIT_LEVEL,
+    WALKING_SET_LEVEL,
+    WORDS,
+)
 
-LEVELS = {number: words.states for number, words in WORDS.items()}
-"""Statement of each level, as in docs/guarantees.md."""
-PROVED = {number: words.means for number, words in WORDS.items()}
-"""Meaning of the highest proved level, for a reader who does not know the terms."""
-_TOLD = {number: words.states_told or words.states for number, words in WORDS.items()}
-_PROVED_TOLD = {number: words.means_told or words.means for number, words in WORDS.items()}
-"""Counterparts of `LEVELS` and `PROVED` for a gait that takes commands."""
-ORBIT = 3
 _OWN_ORBITS = "one periodic orbit attracts the whole walking set, of each robot its own"
 """Statement of level 3 about a box of robots."""
 _UNEVEN = (
@@ -25,7 +25,7 @@ _PROVED_UNEVEN = (
     "come nearer and nearer to each other; where all lie as meant, to one motion that "
     "repeats{own}."
 )
-"""Entry of `PROVED` if footholds may be higher or lower than intended."""
+"""Meaning of level 3 if footholds may be higher or lower than intended."""
 _RIGID = (
     "links are rigid; the foot on the ground neither slips, rolls nor tips; an impact is sudden "
     "and without bounce; the ground is where the gait expects it, or no further off than is "
@@ -56,7 +56,7 @@ AS_STATED = (
 
 def not_claimed(level: int | None) -> str:
     """List the effects that a proof up to this level does not cover, in plain words."""
-    ticks = _OTHER_TICKS if level == 5 else _TICKS
+    ticks = _OTHER_TICKS if level == DISTURBED_LEVEL else _TICKS
     return (
         f"{ticks}, delays, motors at their limits, ground that gives way as in MuJoCo, or the real "
         "machine"
@@ -82,13 +82,13 @@ def assumptions(level: int, robots: str | None = None) -> tuple[str, ...]:
             "the file's, the same in both legs"
         )
     rigid = _RIGID.format(robot=robot)
-    if level <= 1:
+    if level < WALKING_SET_LEVEL:
         return rigid, _EXACT
     following = f"{_EXACT}, and are so again after each impact"
-    if level < FULL_ORDER:
+    if level < FULL_ORDER_LEVEL:
         return rigid, following
-    found = rigid, f"at levels 1 to 3: {following}", f"at level {FULL_ORDER}: {_LINEARISED}"
-    return found if level == FULL_ORDER else (*found, f"at level {HIGHEST}: {_BOUNDED}")
+    found = rigid, f"at levels 1 to 3: {following}", f"at level {FULL_ORDER_LEVEL}: {_LINEARISED}"
+    return found if level == FULL_ORDER_LEVEL else (*found, f"at level {HIGHEST}: {_BOUNDED}")
 
 
 def states(level: int, told: bool, found: CertificateRecord | None = None) -> str:
@@ -99,12 +99,12 @@ def states(level: int, told: bool, found: CertificateRecord | None = None) -> st
         told: whether the gait takes commands.
         found: certificate with the box of robots and floors; None for the robot of the file.
     """
-    if level == ORBIT and not told and found is not None:
+    if level == ORBIT_LEVEL and not told and found is not None:
         if "floor" in found.parameters:
             return _uneven(_UNEVEN, found)
         if found.robots:
             return _OWN_ORBITS
-    return (_TOLD if told else LEVELS)[level]
+    return WORDS[level].statement(told=told)
 
 
 def _uneven(said: str, found: CertificateRecord) -> str:
@@ -121,13 +121,13 @@ def proved(found: CertificateRecord, told: bool) -> str:
         told: whether the gait takes commands.
     """
     level, count = found.proved_level, len(found.conditions)
-    meant = (_PROVED_TOLD if told else PROVED)[level]
-    uneven = "floor" in found.parameters and level == ORBIT and not told
+    meant = WORDS[level].meaning(told=told)
+    uneven = "floor" in found.parameters and level == ORBIT_LEVEL and not told
     if uneven:
         meant = _uneven(_PROVED_UNEVEN, found)
     robots = ""
     if found.robots:
-        own = ", each with a motion of its own" if level >= ORBIT and not uneven else ""
+        own = ", each with a motion of its own" if level >= ORBIT_LEVEL and not uneven else ""
         robots = f", of every robot {found.all_robots}{own}"
     if found.ground:
         robots += f", on every floor with {found.ground}"

@@ -5,18 +5,13 @@ from dataclasses import dataclass, field
 from decimal import Decimal
 from typing import Annotated, Literal
 
-from neuralgaits.records.levels import WORDS
+from neuralgaits.records.levels import FULL_ORDER_LEVEL, HIGHEST, WORDS
 from neuralgaits.records.record import Count, Pair, Record, Share, Texts
 from neuralgaits.runs.shape import NUMBER, may, one_of, table_of
 
 FOLDER = "certificate"
 SUMMARY = f"{FOLDER}/summary.json"
 PROOF = f"{FOLDER}/proof.json"
-LEVELS = {number: words.about for number, words in WORDS.items()}
-"""Subject of each level."""
-HIGHEST = max(LEVELS)
-FULL_ORDER = 4
-"""First level that has files and constants of its own."""
 GROUND = "floor", "friction"
 """Parameters of the ground rather than the robot."""
 
@@ -123,6 +118,17 @@ class Conclusion:
         return self.verdict == "proved"
 
 
+def verdict_of(
+    conditions: Mapping[str, ConditionVerdict], levels: Collection[Conclusion] = ()
+) -> Verdict:
+    """Return the verdict on conditions and levels: refuted if a condition is, proved if all are."""
+    answers = {entry.verdict for entry in conditions.values()}
+    if "refuted" in answers:
+        return "refuted"
+    proved = answers == {"proved"} and all(entry.proved for entry in levels)
+    return "proved" if proved else "undecided"
+
+
 @dataclass(frozen=True, eq=False, kw_only=True)
 class CertificateRecord(Record):
     """Proved results about a run's conditions, and their consequences for its walks.
@@ -150,7 +156,7 @@ class CertificateRecord(Record):
     robot: str = ""
     spec: str = ""
     verdict: Verdict
-    level: Annotated[int, one_of(*LEVELS)]
+    level: Annotated[int, one_of(*WORDS)]
     conditions: Mapping[str, ConditionVerdict]
     levels: tuple[Conclusion, ...]
     boxes: Count
@@ -168,7 +174,7 @@ class CertificateRecord(Record):
         unsaid = [] if self.parameters else ["parameters"]
         if self.within is None:
             unsaid.append("within")
-        if any(entry.level >= FULL_ORDER for entry in self.levels):
+        if any(entry.level >= FULL_ORDER_LEVEL for entry in self.levels):
             return unsaid
         known = ("map", "reason", "full_order_proof")
         return [*unsaid, *(n for n in known if getattr(self, n) is None)]
@@ -210,22 +216,17 @@ class CertificateRecord(Record):
         if self.of_conditions != "proved":
             return 0
         proved = {entry.level for entry in self.levels if entry.proved}
-        return max((n for n in LEVELS if set(range(2, n + 1)) <= proved), default=1)
+        return max((n for n in WORDS if set(range(2, n + 1)) <= proved), default=1)
 
     @property
     def of_conditions(self) -> Verdict:
         """Verdict on level 1, over all conditions."""
-        answers = {entry.verdict for entry in self.conditions.values()}
-        if "refuted" in answers:
-            return "refuted"
-        return "proved" if answers == {"proved"} else "undecided"
+        return verdict_of(self.conditions)
 
     @property
     def of_all(self) -> Verdict:
         """Verdict on the conditions and on every requested level."""
-        if self.of_conditions == "proved" and not all(entry.proved for entry in self.levels):
-            return "undecided"
-        return self.of_conditions
+        return verdict_of(self.conditions, self.levels)
 
     @property
     def least_margin(self) -> float | None:

@@ -24,7 +24,18 @@ class LevelWords(NamedTuple):
     means_told: str | None = None
     one_gait: bool = False
 
+    def statement(self, *, told: bool) -> str:
+        """Return the statement about a gait, which takes commands if `told`."""
+        return (self.states_told if told else None) or self.states
 
+    def meaning(self, *, told: bool) -> str:
+        """Return the meaning for a gait, which takes commands if `told`."""
+        return (self.means_told if told else None) or self.means
+
+
+WALKING_SET_LEVEL, ORBIT_LEVEL, FULL_ORDER_LEVEL, DISTURBED_LEVEL = 2, 3, 4, 5
+"""Levels by name: the walking set is invariant, walks in it converge, the full state under exact
+linearisation, the full state under torques that differ from that."""
 FOR_EVER = (
     "as long as the joints are exactly where the gait wants them, the robot walks for ever from "
     "every state of the walking set"
@@ -37,7 +48,7 @@ WORDS = {
         means="every condition holds at every state of its region. That is about single states: "
         "nothing follows yet for whole walks.",
     ),
-    2: LevelWords(
+    WALKING_SET_LEVEL: LevelWords(
         about="walking set",
         asks="and that the walking set is invariant",
         states="every trajectory that starts in the walking set walks for ever",
@@ -46,7 +57,7 @@ WORDS = {
         "their commands change within their bounds",
         means_told=f"{FOR_EVER}, whatever its commands are within their bounds.",
     ),
-    3: LevelWords(
+    ORBIT_LEVEL: LevelWords(
         about="orbit",
         asks="and that one orbit attracts all of it",
         states="one periodic orbit attracts the whole walking set",
@@ -55,7 +66,7 @@ WORDS = {
         means_told=f"{FOR_EVER}, whatever its commands are within their bounds, and walks under "
         "the same commands come nearer and nearer to each other.",
     ),
-    4: LevelWords(
+    FULL_ORDER_LEVEL: LevelWords(
         about="full order",
         asks="and that the robot walks on at full order, with outputs off zero and across impacts",
         states="the whole robot walks for ever, joints that are off their targets included",
@@ -65,7 +76,7 @@ WORDS = {
         "repeats.",
         one_gait=True,
     ),
-    5: LevelWords(
+    DISTURBED_LEVEL: LevelWords(
         about="full order, disturbed",
         asks="and does so under torques that are not exact, or held for a time that is found",
         states="and does so under torques that are off by up to a bound, or held between ticks",
@@ -78,7 +89,6 @@ WORDS = {
     ),
 }
 """Words by the number of the level."""
+HIGHEST = max(WORDS)
 HIGHEST_OF_MANY = max(number for number, words in WORDS.items() if not words.one_gait)
 """Highest level that covers gaits with commands, and boxes of robots or floors."""
-ORBIT_LEVEL, FULL_ORDER_LEVEL = 3, 4
-"""Level at which walks converge, and the first one about the full state, with outputs off zero."""

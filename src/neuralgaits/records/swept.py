@@ -4,7 +4,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Annotated, Literal
 
-from neuralgaits.records.certified import LEVELS, Verdict
+from neuralgaits._checks import SEEDS
+from neuralgaits.records.certified import Verdict
+from neuralgaits.records.levels import WORDS
 from neuralgaits.records.record import Count, Disturb, Record, Texts
 from neuralgaits.records.training_config import Seed, Steps
 from neuralgaits.runs.shape import NUMBER, list_of, may, one_of, whole
@@ -44,9 +46,9 @@ class SweepAsked(Record):
     robots: Texts
     specs: Texts
     speeds: tuple[Speed, ...]
-    seeds: Annotated[tuple[int, int], list_of(whole(0, 2**31), 2)]
+    seeds: Annotated[tuple[int, int], list_of(whole(0, SEEDS), 2)]
     steps: Steps | None
-    certify: Annotated[int | None, may(one_of(*LEVELS))]
+    certify: Annotated[int | None, may(one_of(*WORDS))]
     budget: float | None
     controllers: Texts
     disturbances: Mapping[str, Disturb]

@@ -5,9 +5,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Any, Literal, Protocol
 
+from neuralgaits._checks import SEEDS
 from neuralgaits.errors import RunError
-from neuralgaits.records.certified import HIGHEST
-from neuralgaits.records.levels import HIGHEST_OF_MANY
+from neuralgaits.records.levels import HIGHEST, HIGHEST_OF_MANY
 from neuralgaits.records.record import Pair, Record, build, shape_of
 from neuralgaits.runs.json_files import refuse_misshapen
 from neuralgaits.runs.names import CONFIG
@@ -17,7 +17,7 @@ HIGHEST_DEGREE = 20
 """Highest degree of output polynomials; above it Bernstein's form would lose digits."""
 WIDEST, DEEPEST = 2**14, 16
 """Largest hidden layers of a config; larger ones mean damage, and would fill the memory."""
-Seed = Annotated[int, whole(0, 2**31 - 1)]
+Seed = Annotated[int, whole(0, SEEDS - 1)]
 Steps = Annotated[int, whole(0, 2**31 - 1)]
 Degree = Annotated[int, whole(1, HIGHEST_DEGREE)]
 Widths = Annotated[tuple[int, ...], list_of(whole(1, WIDEST), *range(1, DEEPEST + 1))]

@@ -14,6 +14,7 @@ from neuralgaits.certificate.run_certificate.verified_summary import (
     read_certificate,
 )
 from neuralgaits.records.certified import Conclusion
+from neuralgaits.records.levels import FULL_ORDER_LEVEL, ORBIT_LEVEL
 from neuralgaits.records.training_config import Range
 from neuralgaits.report.figures.full_order_set import FullOrderSet
 from neuralgaits.report.figures.return_map import Proved
@@ -57,9 +58,9 @@ def certificate_of(run: Run, found: CertificateReading | None = None) -> ProvedO
         if row.verdict == "proved" and row.margin is not None
     }
     theorems = None if found.proof is None else found.proof.theorems
-    orbit = None if theorems is None else tube_around_orbit(run, level(3), theorems.orbit)
-    shape = None if theorems is None else full_order_set(level(4), theorems.full)
-    fourth = level(4)
+    orbit = None if theorems is None else tube_around_orbit(run, level(ORBIT_LEVEL), theorems.orbit)
+    fourth = level(FULL_ORDER_LEVEL)
+    shape = None if theorems is None else full_order_set(fourth, theorems.full)
     reason = (None if fourth is None else fourth.reason) or ProvedOfGait.no_full
     return ProvedOfGait(
         None,

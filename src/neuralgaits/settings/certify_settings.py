@@ -9,9 +9,13 @@ from tyro.conf import Fixed, Positional
 
 from neuralgaits._checks import check_bandwidth, check_budget, check_disturbance
 from neuralgaits.errors import InputError
-from neuralgaits.records.certified import LEVELS
 from neuralgaits.records.checked import Arithmetic
-from neuralgaits.records.levels import FULL_ORDER_LEVEL, HIGHEST_OF_MANY, WORDS
+from neuralgaits.records.levels import (
+    FULL_ORDER_LEVEL,
+    HIGHEST_OF_MANY,
+    WALKING_SET_LEVEL,
+    WORDS,
+)
 from neuralgaits.settings import forms
 from neuralgaits.settings.forms import Interval
 from neuralgaits.settings.options import Settings, arg, option
@@ -73,12 +77,12 @@ class CertifySettings(Settings):
         super().__post_init__()
         check_budget(self.budget)
         level, disturbance = self.highest, self.disturbance
-        if level not in LEVELS:
-            *below, most = (f"{number} ({about})" for number, about in LEVELS.items())
+        if level not in WORDS:
+            *below, most = (f"{number} ({words.about})" for number, words in WORDS.items())
             raise InputError(f"expected level {', '.join(below)} or {most}, found {level}")
         if isinstance(disturbance, tuple):
             check_disturbance(disturbance)
-        if any(disturbance or ()) and level < 2:
+        if any(disturbance or ()) and level < WALKING_SET_LEVEL:
             raise InputError("expected level 2 or more with a disturbance, found 1: raise --level")
         if self.bandwidth is None:
             return

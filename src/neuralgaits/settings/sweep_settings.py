@@ -10,7 +10,7 @@ from tyro.conf import Fixed, Positional
 from neuralgaits._called_with import PythonType
 from neuralgaits._checks import check_budget, check_seeds, check_steps, check_walked
 from neuralgaits.errors import InputError
-from neuralgaits.records.certified import HIGHEST, LEVELS
+from neuralgaits.records.levels import HIGHEST, WORDS
 from neuralgaits.records.swept import SweepRow
 from neuralgaits.runs import RUNS_ROOT
 from neuralgaits.settings import forms
@@ -97,7 +97,7 @@ class SweepSettings(Settings):
             check_seeds(self.seeds)
         check_steps(self.steps)
         check_budget(self.budget)
-        if self.certify is not None and self.certify not in LEVELS:
+        if self.certify is not None and self.certify not in WORDS:
             raise InputError(f"expected --certify 1 to {HIGHEST}, found {self.certify}")
         if self.walks is not None and self.walks < 1:
             raise InputError(f"expected at least 1 walk, found {self.walks}")

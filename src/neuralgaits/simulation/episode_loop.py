@@ -18,7 +18,6 @@ from neuralgaits.simulation.setup.plant import Plant
 from neuralgaits.simulation.simulators import Simulator, world_of
 from neuralgaits.simulation.ticks import lockstep
 from neuralgaits.simulation.ticks.batch import compile_batch
-from neuralgaits.simulation.ticks.falls import FallConfig
 from neuralgaits.simulation.ticks.lockstep import EpisodeBatch, Watch
 from neuralgaits.simulation.ticks.scene import Scene
 
@@ -38,8 +37,6 @@ class EpisodeLoop(NamedTuple):
     """Inputs of the episodes."""
     steps: int
     """Number of touchdowns of a walk."""
-    falls: FallConfig
-    """Thresholds of a fall."""
     threads: int
     """Largest number of threads."""
 
@@ -52,7 +49,6 @@ class EpisodeLoop(NamedTuple):
             self.states,
             self.given,
             steps=self.steps,
-            falls=self.falls,
             threads=self.threads,
             plants=self.plants,
         )
@@ -64,7 +60,7 @@ class EpisodeLoop(NamedTuple):
         given, plant = self.given, self.plants[0]
         one = self.controllers[0] if self.shared else _stacked(self.controllers)
         gap_depth = np.inf if given.courses is None else given.courses.gap_depth
-        scene = Scene.of(plant, one, self.steps, self.falls, given.orders.first, gap_depth)
+        scene = Scene.of(plant, one, self.steps, given.orders.first, gap_depth)
         legs = np.zeros(len(self.states), dtype=np.int32)
         batch = compile_batch(scene, legs, shared=self.shared)
         if remote is not None:

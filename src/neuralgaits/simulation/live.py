@@ -29,7 +29,7 @@ from neuralgaits.simulation.setup.disturbance import PlantChanges
 from neuralgaits.simulation.setup.live_course import LiveCourse
 from neuralgaits.simulation.setup.plant import build
 from neuralgaits.simulation.setup.terrain_kinds import Size
-from neuralgaits.simulation.ticks.falls import Ending, FallConfig
+from neuralgaits.simulation.ticks.falls import Ending
 from neuralgaits.simulation.ticks.tick import TickRecord, Verdict
 
 CHANGEABLE = ("friction", "torque_limit", "slope_deg", "mass_scale", "torso_shift_m")
@@ -60,7 +60,6 @@ class LiveWalk:
         start: Float[np.ndarray, " two_n"],
         *,
         z2_range: tuple[float, float] | None = None,
-        falls: FallConfig | None = None,
         library: Library | None = None,
         reset_residual: ResetCorrection = None,
         ground: LiveCourse | None = None,
@@ -74,7 +73,6 @@ class LiveWalk:
             law: control law.
             start: x = (q, dq) (rad, rad/s). [2n]
             z2_range: momenta of the policy's training (kg m^2/s).
-            falls: thresholds of a fall.
             library: library compiled for robot and policy; without it, ticks are JAX.
             reset_residual: corrects the impact that the steps of a family begin with.
             ground: blocks in place of a floor; they give the commands.
@@ -96,8 +94,8 @@ class LiveWalk:
         )
         self._limit = np.asarray(controller.torque_limit)
         self._commands = LiveCommands(policy.commands, ground and ground.courses.orders)
-        first, falls = self._commands.first, falls or FallConfig()
-        self.control = tick_of(library, self.plant, controller, falls, first)
+        first = self._commands.first
+        self.control = tick_of(library, self.plant, controller, first)
         self._levels, self._ticks, self._push = np.zeros((1, 2)), 0, LivePush()
         self._start = np.asarray(start, dtype=np.float64)
         self._stand(self._start, 0.0)

@@ -20,7 +20,6 @@ from neuralgaits.simulation.setup.plant import Plant
 from neuralgaits.simulation.setup.push import Push
 from neuralgaits.simulation.ticks.adapted_command import ADAPTABLE, AdaptedCommand
 from neuralgaits.simulation.ticks.batch import Batch, compile_batch, numbers, pack
-from neuralgaits.simulation.ticks.falls import FallConfig
 from neuralgaits.simulation.ticks.scene import PlantReading, Scene
 from neuralgaits.simulation.ticks.stride_table import width
 from neuralgaits.simulation.ticks.tick import TickRecord, Verdict
@@ -106,12 +105,11 @@ class JaxTick(LiveTick):
         self,
         plant: Plant,
         controller: Controller,
-        falls: FallConfig,
         first: Float[np.ndarray, " p"],
     ):
         """Prepare the tick without compilation. `first` has the commands of the first step. [p]."""
         gap_depth = np.inf if plant.course is None else plant.course.gap_depth
-        self._scene = Scene.of(plant, controller, ENDLESS, falls, first, gap_depth)
+        self._scene = Scene.of(plant, controller, ENDLESS, first, gap_depth)
         self._batch: Batch | None = None
         self._noise = np.zeros((1, 2, 1 + plant.state_map.joints.size))
         self._wanted = np.array(self._scene.first)
@@ -194,7 +192,6 @@ class NativeTick(LiveTick):
         library: Library,
         plant: Plant,
         controller: Controller,
-        falls: FallConfig,
         first: Float[np.ndarray, " p"],
     ):
         """Load the tick. `first` has the commands of the first step. [p].
@@ -203,7 +200,7 @@ class NativeTick(LiveTick):
         """
         if not library.fits(controller):
             raise InputError("expected the compiled walk of this controller, found another one's")
-        self._library, self._controller, self._falls = library, controller, falls
+        self._library, self._controller = library, controller
         self._walk = library.layout.walk()
         self._row = np.zeros(1, library.layout.record)
         self._first, self._wanted = np.array(first, dtype=np.float64), np.array(first)
@@ -236,7 +233,7 @@ class NativeTick(LiveTick):
         """Exchange the scene of the walk."""
         controller = eqx.tree_at(lambda c: c.torque_limit, self._controller, torque_limit)
         none = Push(0.0, ENDLESS, 0, 1)
-        self._scene = scene_of(self._library, plant, controller, ENDLESS, self._falls, none)
+        self._scene = scene_of(self._library, plant, controller, ENDLESS, none)
         self._scene.slope = slope
         self._plant, self._controls = plant, np.zeros((1, plant.model.nu))
 
@@ -305,7 +302,6 @@ def tick_of(
     library: Library | None,
     plant: Plant,
     controller: Controller,
-    falls: FallConfig,
     first: Float[np.ndarray, " p"],
 ) -> LiveTick:
     """Return the compiled tick of a library, or that in JAX without one.
@@ -313,5 +309,5 @@ def tick_of(
     `first` has the commands of the first step. [p]
     """
     if library is None:
-        return JaxTick(plant, controller, falls, first)
-    return NativeTick(library, plant, controller, falls, first)
+        return JaxTick(plant, controller, first)
+    return NativeTick(library, plant, controller, first)

@@ -30,7 +30,6 @@ from neuralgaits.simulation.setup.plant import SUBSTEPS, TIMESTEP_S, Plant, buil
 from neuralgaits.simulation.setup.push import Push
 from neuralgaits.simulation.setup.terrain import Terrain
 from neuralgaits.simulation.simulators import MUJOCO, Simulator, check_simulator
-from neuralgaits.simulation.ticks.falls import FallConfig
 from neuralgaits.simulation.ticks.lockstep import EpisodeBatch, Watch
 
 
@@ -86,7 +85,6 @@ class WalkInputs:
     """Forward impulse at the pitch axis of the root (N s); see `simulation.setup.push`."""
     seed: int = 0
     """Seed of everything random."""
-    falls: FallConfig | None = None
     """Thresholds of a fall."""
     record: bool = False
     """Keep records and states of episode 0."""
@@ -154,7 +152,6 @@ def walk(given: WalkInputs) -> Walk:
         states=plant_states(plants[0], starts),
         given=_inputs(given, plants[0], orders, count),
         steps=given.steps,
-        falls=given.falls or FallConfig(),
         threads=cores() if given.threads is None else given.threads,
     )
     alone = given.remote is None and given.watch is None and given.simulator == MUJOCO

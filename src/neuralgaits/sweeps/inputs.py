@@ -19,7 +19,7 @@ def inputs_of(names: Sequence[str], settings: Mapping[str, Any]) -> dict[str, by
     refuse_same("specs", settings["specs"])
     inputs = {}
     for spec in settings["specs"]:
-        if spec not in known_specs.DESCRIPTIONS and not known_specs.source_path(spec).is_file():
+        if spec not in known_specs.BUILT_IN and not known_specs.source_path(spec).is_file():
             # Says what is wrong with the name.
             known_specs.load(spec, load_robot(names[0]))
     for number, name in enumerate(names):
@@ -33,7 +33,7 @@ def inputs_of(names: Sequence[str], settings: Mapping[str, Any]) -> dict[str, by
                 with same_folder():
                     known_specs.load(spec, robot, commands_of(speed=spread), one)
     for number, spec in enumerate(settings["specs"]):
-        if spec not in known_specs.DESCRIPTIONS:
+        if spec not in known_specs.BUILT_IN:
             inputs[spec_file(number)] = known_specs.source_path(spec).read_bytes()
     return inputs
 

@@ -22,7 +22,13 @@ from neuralgaits.certificate.search.root_turns import box_count, explore
 from neuralgaits.certificate.search.statement_record import StatementRecord
 from neuralgaits.programs import Program
 from neuralgaits.programs.prune import prune
-from neuralgaits.records.certified import PROOF, CertificateRecord, ConditionVerdict, Counterexample
+from neuralgaits.records.certified import (
+    PROOF,
+    CertificateRecord,
+    ConditionVerdict,
+    Counterexample,
+    verdict_of,
+)
 from neuralgaits.runs.plain import to_json
 from neuralgaits.systems.condition_table import ConditionTable
 from neuralgaits.systems.family_run import FamilyRun
@@ -53,16 +59,7 @@ def certify_family(
     start_time, table = time.perf_counter(), run.system.table
     refuse_unwritable_certificate(run.path)
     program = trace_conditions(run)
-    problems = condition_problems(program, table, run.system.claimed)
-    deadline = time.monotonic() + (np.inf if budget is None else budget)
-    states = explore(
-        problems,
-        [None] * len(problems),
-        partial(_counterexample, run),
-        deadline=deadline,
-        progress=progress,
-    )
-    searched = list(zip(problems, states, strict=True))
+    searched = _searched(run, program, budget, progress)
     statements = tuple(one for pair in searched for one in prove(*pair))
     files = {}
     if statements:
@@ -70,12 +67,22 @@ def certify_family(
         proof = proof_of(run.folder, program, statements, model, table.chart)
         files[PROOF] = proof.content()
     bounds, verdicts = _verdicts(table, searched, statements)
-    found = _summary(run, verdicts, bounds, level, searched)
-    found = replace(
-        found,
+    to = int(run.system.highest) if level is None else level
+    levels = run.system.conclude(bounds, run.config, to)
+    open_ = [name for name, one in verdicts.items() if one.verdict == "undecided"]
+    found = CertificateRecord(
+        run=str(run.path),
+        robot=run.config.robot,
+        spec=run.config.spec,
+        verdict=verdict_of(verdicts, levels),
+        level=to,
+        conditions=verdicts,
+        levels=levels,
         sha256=hashes_with(run.path, files),
-        proof=str(run.path / PROOF) if files else None,
         wall_s=time.perf_counter() - start_time,
+        boxes=box_count([state for _, state in searched]),
+        reason=f"the search ran out of time or boxes at {', '.join(open_)}" if open_ else None,
+        proof=str(run.path / PROOF) if files else None,
     )
     before = _level_of(run, stated_bounds(run, program) or {})
     # A condition that is broken somewhere is stated by no true proof.
@@ -87,6 +94,20 @@ def certify_family(
     put_hidden_aside(run.path)
     write_certificate(run.path, files, to_json(found).encode())
     return found
+
+
+def _searched(
+    run: FamilyRun, program: Program, budget: float | None, progress: SearchProgress | None
+) -> list[Searched]:
+    problems = condition_problems(program, run.system.table, run.system.claimed)
+    states = explore(
+        problems,
+        [None] * len(problems),
+        partial(_counterexample, run),
+        deadline=time.monotonic() + (np.inf if budget is None else budget),
+        progress=progress,
+    )
+    return list(zip(problems, states, strict=True))
 
 
 def condition_problems(program: Program, table: ConditionTable, claimed: float) -> list[Problem]:
@@ -139,30 +160,3 @@ def _level_of(run: FamilyRun, bounds: Mapping[str, float]) -> int:
         return 0
     levels = system.conclude(bounds, run.config, system.highest)
     return max((one.level for one in levels if one.proved), default=1)
-
-
-def _summary(
-    run: FamilyRun,
-    verdicts: Mapping[str, ConditionVerdict],
-    bounds: Mapping[str, float],
-    level: int | None,
-    searched: Sequence[Searched],
-) -> CertificateRecord:
-    """Return the summary of a search, without files and time."""
-    to = int(run.system.highest) if level is None else level
-    open_ = [name for name, one in verdicts.items() if one.verdict == "undecided"]
-    summary = CertificateRecord(
-        run=str(run.path),
-        robot=run.config.robot,
-        spec=run.config.spec,
-        verdict="undecided",
-        level=to,
-        conditions=verdicts,
-        levels=run.system.conclude(bounds, run.config, to),
-        sha256={},
-        wall_s=0.0,
-        boxes=box_count([state for _, state in searched]),
-        reason=f"the search ran out of time or boxes at {', '.join(open_)}" if open_ else None,
-        proof=None,
-    )
-    return replace(summary, verdict=summary.of_all)

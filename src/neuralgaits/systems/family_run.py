@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import jax
 import numpy as np
@@ -15,10 +15,13 @@ from neuralgaits.records.training_config import Seed, Steps
 from neuralgaits.runs import RunFolder, resolve
 from neuralgaits.runs.json_files import refuse_misshapen
 from neuralgaits.runs.names import CONFIG, ROBOT, SUMMARY, WEIGHTS
+from neuralgaits.runs.shape import POSITIVE, whole
 from neuralgaits.systems.trained_system import TrainedSystem
 
 LARGEST_WEIGHT = 1e6
 """Largest magnitude of a weight that a training leaves."""
+WIDEST_NETWORK = 256
+"""Largest width of a hidden layer."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -37,6 +40,23 @@ class FamilyConfig(Record):
     spec: str
     seed: Seed
     steps: Steps
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class NetworkConfig(FamilyConfig):
+    """Configuration of a training of networks whose convergence is asked for.
+
+    Attributes:
+        width: of the networks' hidden layer.
+        rate: of the convergence, as the family's conditions read it.
+    """
+
+    width: Annotated[int, whole(1, WIDEST_NETWORK)]
+    rate: Annotated[float, POSITIVE]
+
+    def __post_init__(self) -> None:
+        # A file may have it as a whole number.
+        object.__setattr__(self, "rate", float(self.rate))
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

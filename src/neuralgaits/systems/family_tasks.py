@@ -89,7 +89,8 @@ def task_with(verb: str, given: Mapping[str, Any]) -> Task | None:
             f"expected a walker's run for this verb, found that of {family.words}, which has "
             f"{', '.join(verbs)} and check-proof"
         )
-    own = [name for name in signature(verbs[verb]).parameters if name != "progress"]
+    parameters = signature(verbs[verb]).parameters
+    own = [name for name in parameters if name != "progress"]
     others = [name for name in given if name not in (*own, *_OF_ALL)]
     if others:
         raise InputError(
@@ -103,7 +104,8 @@ def task_with(verb: str, given: Mapping[str, Any]) -> Task | None:
         known["out"] = Path(known["out"])
 
     def task(progress: ProgressCallbacks) -> VerbResult:
-        done: VerbResult = verbs[verb](**known, progress=progress)
+        shown = {"progress": progress} if "progress" in parameters else {}
+        done: VerbResult = verbs[verb](**known, **shown)
         return done
 
     return task

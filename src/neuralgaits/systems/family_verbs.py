@@ -24,17 +24,13 @@ class FileVerbs:
 
     system: TrainedSystem
 
-    def inspect(self, robot: str | Path, *, progress: ProgressCallbacks) -> VerbResult:
+    def inspect(self, robot: str | Path) -> VerbResult:
         """Describe a file."""
-        del progress
         done = inspect_robot(self.system, robot)
         return VerbResult(done, True, self.system.robot_screen(done))
 
-    def robots(
-        self, robot: str, out: Path | None = None, *, progress: ProgressCallbacks
-    ) -> VerbResult:
+    def robots(self, robot: str, out: Path | None = None) -> VerbResult:
         """Write a built-in robot's file."""
-        del progress
         done = write_robot(self.system, robot, out)
         return VerbResult(done, True, screens.screen_of_written(done))
 
@@ -59,12 +55,12 @@ class FamilyVerbs(FileVerbs):
         root: Path = RUNS_ROOT,
     ) -> VerbResult:
         """Train a controller and its set, and prove it if asked for."""
-        total = steps or self.system.steps
+        total = self.system.steps if steps is None else steps
         run = train_family(
             self.system,
             str(robot),
             seed=seed,
-            steps=steps,
+            steps=total,
             hidden=hidden,
             out=out,
             root=root,

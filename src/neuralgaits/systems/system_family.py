@@ -75,7 +75,6 @@ def _nothing(*_: Any) -> None:
     """Show no progress."""
 
 
-@dataclass(frozen=True)
 class ProgressCallbacks:
     """Callbacks of a verb for its progress.
 
@@ -85,17 +84,13 @@ class ProgressCallbacks:
         begun: called when the settings are checked.
     """
 
-    trained: Callable[[int, int, float], None] = _nothing
-    proved: Callable[[float, int], None] = _nothing
-    begun: Callable[[], None] = _nothing
-
-    @classmethod
-    def by(
-        cls,
+    def __init__(
+        self,
         *,
         trained: Callable[[int, int, float], None] | None = None,
         proved: Callable[[float, int], None] | None = None,
         begun: Callable[[], None] | None = None,
-    ) -> "ProgressCallbacks":
-        """Return these callbacks; None for one that nobody wants."""
-        return cls(trained or _nothing, proved or _nothing, begun or _nothing)
+    ):
+        """Take callbacks; None for one that nobody wants."""
+        self.trained, self.proved = trained or _nothing, proved or _nothing
+        self.begun = begun or _nothing

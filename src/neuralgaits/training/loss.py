@@ -63,7 +63,7 @@ def lay_out(spec: GaitSpec, robot: Model, gait: AnyGait, sampler: Sampler) -> Ma
         step = gait.at(nominal_robot(robot), at.told)
         zd = ZeroDynamics(robot_of_step(robot, step, at.errors), step.policy)
         point = zd.point(step.z(at.plane))
-        return {c.name: c.margins(step, zd, point) for c in asked}
+        return {c.name: c.margins(point, step) for c in asked}
 
     shapes = jax.eval_shape(margins, jax.ShapeDtypeStruct((spec.chart_size,), jnp.zeros(0).dtype))
     sizes = [int(np.prod(shapes[c.name].shape)) for c in asked]
@@ -125,16 +125,16 @@ def margin_matrix(
         at = spec.parted(sample)
         step = gait.at(nominal_robot(robot), at.told, reset)
         zd = ZeroDynamics(robot_of_step(robot, step, at.errors), step.policy, moved, reset)
-        return step, zd, zd.point(step.z(at.plane))
+        return step, zd.point(step.z(at.plane))
 
     def one(sample, push):
-        step, zd, point = at(sample, push)
+        step, point = at(sample, push)
         # One derivative for all barriers: a network inside, as after a reset, is passed once.
         barriers = [c for c in spec.conditions if isinstance(c, Barrier)]
         values, rates = point.rate(lambda p: [c.function(p) for c in barriers])
         known = {c.name: c.bent(*both) for c, *both in zip(barriers, values, rates, strict=True)}
         margins = [
-            jnp.ravel(known[c.name] if c.name in known else c.margins(step, zd, point))
+            jnp.ravel(known[c.name] if c.name in known else c.margins(point, step))
             for c in spec.conditions
         ]
         return jnp.concatenate(margins), point.torque
@@ -146,8 +146,8 @@ def margin_matrix(
     def aims(sample):
         # How the gait is meant to walk is said of the robot of the file.
         end = spec.chart_size - len(spec.parameters)
-        step, zd, _ = at(jnp.concatenate([sample[:end], jnp.zeros_like(sample[end:])]), None)
-        middle = middle_of(step, zd)
+        step, point = at(jnp.concatenate([sample[:end], jnp.zeros_like(sample[end:])]), None)
+        middle = middle_of(point, step)
         return jnp.concatenate([c.of(middle) for c in spec.aims])
 
     rows = slice(0, 0) if aimed is None else aimed

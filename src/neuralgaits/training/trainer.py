@@ -5,7 +5,7 @@ run that was killed continues to the same bits. Training runs in float32; the re
 float64 and matched to the robot once more.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -28,13 +28,9 @@ from neuralgaits.robots.mjcf.parameters import model_of
 from neuralgaits.training.disturbance_corners import DisturbanceBox
 from neuralgaits.training.gradient_step import VALIDATION_SAMPLES, make_evaluate, make_steps
 from neuralgaits.training.learning_rate import optimizer_of, width_factor
-from neuralgaits.training.loss import (
-    Loss,
-    MarginLayout,
-    lay_out,
-)
+from neuralgaits.training.loss import Loss, MarginLayout, lay_out
 from neuralgaits.training.precision import cast, cast_named
-from neuralgaits.training.repair import Boxes, Extra
+from neuralgaits.training.repair import Extra
 from neuralgaits.training.sampling import Sampler
 from neuralgaits.training.train_state import FreshMargins, TrainState
 
@@ -56,6 +52,7 @@ class Trainer:
         steps: gradient steps in all.
         seed: seed of the samples.
         sampler: samples of a step.
+        layout: columns of each condition's margins on them.
         validation: samples that choose the best weights and report on a gait.
         residuals: residuals learned for the robot.
         disturbance: each sample has one corner of this box added to dz (m/s, N m); None for none.
@@ -70,18 +67,16 @@ class Trainer:
     steps: int
     seed: int
     sampler: Sampler
+    layout: MarginLayout
     validation: Sampler
     residuals: Residuals
     disturbance: DisturbanceBox
-    _steps: Callable
-    _look: Callable
     _step: Callable
     _evaluate: Callable
     _unflatten: Callable
     _optimizer: optax.GradientTransformation
     _template: AnyGait
     _float32_parts: tuple
-    _layout: MarginLayout
     _validation_layout: MarginLayout
     extra: Extra | None = None
     round: int = 0
@@ -124,27 +119,25 @@ class Trainer:
             cast(fixed, np.float32),
             cast(residuals, np.float32),
         )
-        taken = make_steps(spec, float32_parts, disturbance, unflatten, optimizer, steps)
+        steps_taken = make_steps(spec, float32_parts, disturbance, unflatten, optimizer, steps)
         checked = lay_out(spec, model, template, validation)
-        look = make_evaluate(spec, model, validation, checked, residuals, disturbance)
+        evaluate = make_evaluate(spec, model, validation, checked, residuals, disturbance)
         return cls(
             robot=robot,
             spec=spec,
             steps=steps,
             seed=seed,
             sampler=sampler,
+            layout=layout,
             validation=validation,
             residuals=residuals,
             disturbance=disturbance,
-            _steps=taken,
-            _look=look,
-            _step=quick_jit(taken),
-            _evaluate=quick_filter_jit(look),
+            _step=quick_jit(steps_taken),
+            _evaluate=quick_filter_jit(evaluate),
             _unflatten=unflatten,
             _optimizer=optimizer,
             _template=template,
             _float32_parts=float32_parts,
-            _layout=layout,
             _validation_layout=checked,
         )
 
@@ -153,21 +146,12 @@ class Trainer:
         factor = REPAIR_RATE * width_factor(self.spec, self._template)
         optimizer = optimizer_of(self.spec.recipe, steps, factor)
         parts = self.spec, self._float32_parts, self.disturbance, self._unflatten
-        taken = make_steps(*parts, optimizer)
-        compiled = quick_jit(taken)
-        return replace(self, steps=steps, _steps=taken, _step=compiled, _optimizer=optimizer)
+        compiled = quick_jit(make_steps(*parts, optimizer))
+        return replace(self, steps=steps, _step=compiled, _optimizer=optimizer)
 
     def for_repair_round(self, extra: Extra, number: int) -> "Trainer":
         """Return the trainer of one round: these boxes get samples too. Nothing is compiled."""
         return replace(self, extra=extra, round=number)
-
-    def extra_of(self, boxes: Mapping[str, Boxes], before: Extra | None = None) -> Extra:
-        """Return rows for boxes of regions, see `Extra.of`."""
-        return Extra.of(boxes, self.spec, self._layout, before)
-
-    def extra_shapes(self) -> Extra:
-        """Return shapes and types of such rows, to read them from a file."""
-        return Extra.shapes(self._layout)
 
     def init(self, gait: AnyGait) -> TrainState:
         """Return the state before the first step."""
@@ -216,10 +200,7 @@ class Trainer:
         """Keep the parameters if their loss on the validation samples is the lowest so far."""
         gait = self.gait(state.parameters)
         result, _ = self._evaluate(gait, jax.random.key(0), self.extra, jnp.ones(()))
-        return self.keep_if_best(state, float(result.total))
-
-    def keep_if_best(self, state: TrainState, loss: float) -> TrainState:
-        """Keep the parameters if this loss on the validation samples is the lowest so far."""
+        loss = float(result.total)
         if loss < float(state.best_loss):
             return state._replace(best=state.parameters, best_loss=jnp.asarray(loss, jnp.float64))
         return state
@@ -236,17 +217,13 @@ class Trainer:
         Samples of extra boxes count for the loss alone.
         """
         loss, margins = self._evaluate(gait, jax.random.key(seed), self.extra, jnp.zeros(()))
-        return self.margins_by_condition(float(loss.total), np.asarray(margins))
-
-    def margins_by_condition(self, loss: float, margins: Float[np.ndarray, "N K"]) -> FreshMargins:
-        """Sort margins by condition."""
         rows = self._validation_layout.counts
-        margins = margins[: len(rows)]
-        named = {
+        margins = np.asarray(margins)[: len(rows)]
+        by_condition = {
             name: margins[rows[:, block.start]][:, block]
             for name, block in self._validation_layout.columns.items()
         }
-        return FreshMargins(loss, named)
+        return FreshMargins(float(loss.total), by_condition)
 
     def of_seed(self, seed: int, gait: AnyGait) -> "Trainer":
         """Return the trainer of another seed. Nothing is compiled again.

@@ -1,6 +1,6 @@
 """Take gradient steps with checkpoints, for a training and each of its repairs.
 
-The gradient itself is in `compiled`.
+The gradient itself is in `gradient_step`.
 """
 
 import time
@@ -22,7 +22,6 @@ from neuralgaits.training import VALIDATE_EVERY, Loss, Trainer, TrainState
 Progress = Callable[[int, int, float], None]
 """Callback with (steps done, steps in all, loss)."""
 Save = Callable[[TrainState], None]
-StepFrom = Callable[[TrainState], tuple[TrainState, Loss]]
 Rows = list[Mapping[str, float]]
 
 AT_ONCE_S = 0.2
@@ -90,7 +89,7 @@ class GradientSteps:
             if not (np.isfinite(float(loss.total)) and np.isfinite(state.parameters).all()):
                 smaller = trainer.restart_with_smaller_rate(kept)
                 if smaller is None:
-                    self.refuse_nan(trainer, trainer.step, kept, save)
+                    self.refuse_nan(trainer, kept, save)
                 state = kept = smaller
                 continue
             state = trainer.validate(state)
@@ -118,23 +117,20 @@ class GradientSteps:
     def _names(self) -> Sequence[str]:
         return [condition.name for condition in self.spec.trained_for]
 
-    def refuse_nan(
-        self, trainer: Trainer, step_from: StepFrom, kept: TrainState, save: Save
-    ) -> NoReturn:
+    def refuse_nan(self, trainer: Trainer, kept: TrainState, save: Save) -> NoReturn:
         """Save the last good state, and repeat the steps from it to the one that turned to NaN.
 
         Args:
             trainer: trainer of the run.
-            step_from: takes one step.
             kept: the last good state.
             save: writes a checkpoint.
 
         Raises: NonFiniteError.
         """
         save(kept)
-        state, loss = step_from(kept)
+        state, loss = trainer.step(kept)
         while np.isfinite(float(loss.total)) and not trainer.done(state):
-            state, loss = step_from(state)
+            state, loss = trainer.step(state)
         terms = zip(self._names(), np.asarray(loss.terms), strict=True)
         bad = [name for name, value in terms if not np.isfinite(value)]
         step, kept_step = int(state.step), int(kept.step)

@@ -12,7 +12,8 @@ from neuralgaits.certificate.run_certificate.verified_summary import (
 )
 from neuralgaits.errors import SpecError
 from neuralgaits.records import certificate_sentences
-from neuralgaits.records.certified import HIGHEST, PROOF, CertificateRecord
+from neuralgaits.records.certified import PROOF, CertificateRecord
+from neuralgaits.records.levels import HIGHEST
 from neuralgaits.runs import packed
 from neuralgaits.runs.shell_words import command, named
 from neuralgaits.viewer import markdown

@@ -36,7 +36,7 @@ def certify(settings: CertifySettings) -> CertifyResult:
         far in the folder.
     """
     if (task := task_of("certify", settings)) is not None:
-        return CertifyResult(task(ProgressCallbacks.by(proved=settings.progress)).result)
+        return CertifyResult(task(ProgressCallbacks(proved=settings.progress)).result)
     trained = open_run(settings.run)
     with only_writer(trained.path):
         return certify_alone(trained, settings)

@@ -7,9 +7,6 @@ from neuralgaits import _notebook
 from neuralgaits._digits import at_least
 from neuralgaits.records.certified import CertificateRecord, Conclusion, ConditionVerdict, Verdict
 
-_TIGHTEST = 5
-"""Number of conditions that a notebook shows."""
-
 
 @dataclass(frozen=True)
 class CertifyResult:
@@ -40,7 +37,7 @@ class CertifyResult:
         )
         rows += [
             (name, one.verdict, "" if one.margin is None else f"at least {at_least(one.margin, 3)}")
-            for name, one in listed[:_TIGHTEST]
+            for name, one in listed[: _notebook.TIGHTEST]
         ]
         return _notebook.table(repr(self)[1:-1], rows, ("", "verdict", "margin, in scales"))
 

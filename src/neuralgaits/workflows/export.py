@@ -63,7 +63,7 @@ def export_controller(settings: ExportSettings) -> Export:
     """
     _refuse_settings(settings)
     if (task := task_of("export", settings)) is not None:
-        return task(ProgressCallbacks.by(begun=settings.begun)).returned
+        return task(ProgressCallbacks(begun=settings.begun)).returned
     trained, folder, format = open_run(settings.run), Path(settings.out), settings.format
     output_folder.refuse_used(folder, force=settings.force)
     if format == "c" and settings.config is None:

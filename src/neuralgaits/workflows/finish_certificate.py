@@ -18,7 +18,7 @@ from neuralgaits.certificate.run_certificate.earlier import (
 from neuralgaits.certificate.run_certificate.run_proof import RunProof
 from neuralgaits.certificate.run_certificate.scope import Scope
 from neuralgaits.records import certified
-from neuralgaits.records.certified import CertificateRecord
+from neuralgaits.records.certified import CertificateRecord, verdict_of
 from neuralgaits.runs.names import MAP, MAP_FIGURE
 from neuralgaits.runs.plain import to_json
 from neuralgaits.workflows.certify_result import CertifyResult
@@ -47,7 +47,7 @@ def finish_certificate(run: Run, scope: Scope, found: RunProof, start_time: floa
         run=str(run.path),
         robot=run.asked.robot,
         spec=run.asked.spec,
-        verdict="undecided",
+        verdict=verdict_of(found.verdicts, found.conclusions),
         level=scope.level,
         conditions=found.verdicts,
         levels=tuple(found.conclusions),
@@ -61,7 +61,7 @@ def finish_certificate(run: Run, scope: Scope, found: RunProof, start_time: floa
         full_order_proof=proof if found.sets.full_order else None,
         map=str(run.path / MAP_FIGURE) if MAP in files else None,
     )
-    return _beside_earlier(run, replace(summary, verdict=summary.of_all), files, found)
+    return _beside_earlier(run, summary, files, found)
 
 
 def _map(run: Run, scope: Scope, found: RunProof) -> dict[str, bytes]:

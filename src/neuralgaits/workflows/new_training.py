@@ -96,7 +96,7 @@ def new_training(
     _refuse_untrainable(loaded)
     refuse_many_axes(loaded)
     gait = _new_gait(loaded, seed, init, settings.hidden)
-    if not (isinstance(spec, str) and spec in specs.DESCRIPTIONS):
+    if not (isinstance(spec, str) and spec in specs.BUILT_IN):
         # The built-in ones are traced by the tests.
         file = specs.source_path(spec) if isinstance(spec, str) else None
         refuse_untraceable(loaded, robot, gait, file)

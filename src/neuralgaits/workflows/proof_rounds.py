@@ -83,7 +83,8 @@ class ProofRounds:
             proved, late = history[-1].verdict == "proved", time.monotonic() >= deadline
             if proved or not boxes or number == ROUNDS or late:
                 break
-            extra = trainer.extra_of(boxes, None if state is None else state.extra)
+            before = None if state is None else state.extra
+            extra = Extra.of(boxes, trainer.spec, trainer.layout, before)
             extra = jax.tree.map(jnp.asarray, extra)
             state = RepairState(jnp.asarray(number + 1, jnp.int32), extra, repairer.init(gait))
             self.folder.write_tree(REPAIR, state)
@@ -94,7 +95,7 @@ class ProofRounds:
         if not (self.folder.path / REPAIR).is_file():
             return None
         number = jnp.zeros((), jnp.int32)
-        like = RepairState(number, repairer.extra_shapes(), repairer.init(gait))
+        like = RepairState(number, Extra.shapes(repairer.layout), repairer.init(gait))
         return self.folder.read_tree(REPAIR, like)
 
     def _rounds_before(self, state: RepairState | None) -> list[ProofRound]:

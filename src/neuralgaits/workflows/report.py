@@ -73,7 +73,7 @@ def write_report(
     """
     asked = {"run": run} if out is None else {"run": run, "out": Path(out)}
     if (task := task_with("report", asked)) is not None:
-        return task(ProgressCallbacks.by(begun=begun)).returned
+        return task(ProgressCallbacks(begun=begun)).returned
     folder = run.folder if isinstance(run, Run) else resolve(run, finished=False)
     path = folder.path / FILE if out is None else Path(out)
     refuse_outputs([path], run=folder.path)

@@ -20,7 +20,7 @@ def robots() -> BuiltIn:
         known |= family.built_in
     return BuiltIn(
         robots=tuple(CatalogueEntry(name, about) for name, about in known.items()),
-        specs=tuple(CatalogueEntry(name, about) for name, about in specs.DESCRIPTIONS.items()),
+        specs=tuple(CatalogueEntry(name, one.description) for name, one in specs.BUILT_IN.items()),
     )
 
 

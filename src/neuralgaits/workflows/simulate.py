@@ -130,7 +130,7 @@ def simulate(settings: SimulateSettings) -> Simulation:
     Raises: InputError, RobotError or RunError with one line.
     """
     if (task := task_of("simulate", settings)) is not None:
-        return task(ProgressCallbacks.by(begun=settings.begun)).returned
+        return task(ProgressCallbacks(begun=settings.begun)).returned
     plan = _planned(settings)
     run = plan.run
     engine = _engine(plan, settings)

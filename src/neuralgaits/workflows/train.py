@@ -3,11 +3,11 @@
 import math
 import time
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
 
 import numpy as np
 
+from neuralgaits._checks import SEEDS
 from neuralgaits.analysis.poincare_map import poincare
 from neuralgaits.analysis.run import Run, open_parts, untrained
 from neuralgaits.analysis.walking_speeds import gait_doubt
@@ -25,15 +25,14 @@ from neuralgaits.settings import TrainSettings, Watch, called_with
 from neuralgaits.systems.family_tasks import task_of
 from neuralgaits.systems.system_family import ProgressCallbacks
 from neuralgaits.training.calibration import calibrated
-from neuralgaits.training.session import take_all_steps
-from neuralgaits.training.train_state import FreshMargins, TrainState
+from neuralgaits.training.session import Session, take_all_steps
 from neuralgaits.training.trainer import Trainer
 from neuralgaits.training.training_loop import Progress
 from neuralgaits.workflows.new_training import new_training
 from neuralgaits.workflows.planarise import robot_from
 from neuralgaits.workflows.proof_rounds import ProofRounds
 
-FRESH_SAMPLES_SEED = 2**31
+FRESH_SAMPLES_SEED = SEEDS
 """Seed of the samples on which the summary is measured; no run can have it."""
 
 
@@ -52,7 +51,7 @@ def train(settings: TrainSettings) -> Run:
     """
     if (task := task_of("train", settings)) is not None:
         proved = None if settings.watch is None else settings.watch.proved
-        return task(ProgressCallbacks.by(trained=settings.progress, proved=proved)).returned
+        return task(ProgressCallbacks(trained=settings.progress, proved=proved)).returned
     start_time = time.perf_counter()
     watch, root = settings.watch, settings.root
     if settings.resume is not None:
@@ -95,73 +94,42 @@ def train_to_the_end(
         this run.
     """
     with only_writer(run.path):
-        return _train_alone(run, progress, watch or Watch(), root, start_time, trainer)
-
-
-def _train_alone(
-    run: Run,
-    progress: Progress | None,
-    watch: Watch,
-    root: Path,
-    start_time: float,
-    trainer: Trainer | None,
-) -> Run:
-    try:
-        session = take_all_steps(run, progress, trainer)
-        gait, proof = session.gait, None
-        if isinstance(gait, CommandedGait):
-            gait = calibrated(gait, run.robot, run.residuals)
-        if run.asked.certify is None:
-            run.folder.write_tree(WEIGHTS, gait)
-        else:
-            rounds = ProofRounds(run, session.steps, watch)
-            gait, proof = rounds.run(session.trainer, gait, run.asked.certify.budget_s)
-        done = replace(run, trained=gait)
-        report = partial(session.trainer.report, seed=FRESH_SAMPLES_SEED)
-        fresh = report(gait)
-        found = summary_of(
-            done,
-            fresh,
-            report(session.gait) if run.spec.aims else fresh,
-            state=session.state,
-            compile_s=session.compile_s,
-            train_s=session.train_s,
-            start_time=start_time,
-            proof=proof,
-        )
-        finish(run.folder, found, root)
-        return done
-    except KeyboardInterrupt as stop:
-        raise Interrupted(resuming(run.path)) from stop
+        try:
+            session = take_all_steps(run, progress, trainer)
+            gait, proof = session.gait, None
+            if isinstance(gait, CommandedGait):
+                gait = calibrated(gait, run.robot, run.residuals)
+            if run.asked.certify is None:
+                run.folder.write_tree(WEIGHTS, gait)
+            else:
+                rounds = ProofRounds(run, session.steps, watch or Watch())
+                gait, proof = rounds.run(session.trainer, gait, run.asked.certify.budget_s)
+            done = replace(run, trained=gait)
+            finish(run.folder, summary_of(done, session, start_time=start_time, proof=proof), root)
+            return done
+        except KeyboardInterrupt as stop:
+            raise Interrupted(resuming(run.path)) from stop
 
 
 def summary_of(
-    run: Run,
-    report: FreshMargins,
-    aimed: FreshMargins,
-    *,
-    state: TrainState,
-    compile_s: float,
-    train_s: float,
-    start_time: float,
-    proof: TrainingProof | None = None,
+    run: Run, session: Session, *, start_time: float, proof: TrainingProof | None = None
 ) -> Trained:
     """Return the summary of a training, with the hash of its conditions as a Program.
 
     Args:
         run: run with its trained gait.
-        report: margins of that gait on fresh samples.
-        aimed: margins before calibration, for the aims: these concern the middle of the tubes,
-            which calibration replaces by the orbit.
-        state: training state at the last gradient step.
-        compile_s: duration of compiling (s).
-        train_s: duration of the gradient steps (s).
+        session: its training.
         start_time: start time of the command, or of this seed of many (s, of `time.perf_counter`).
         proof: result of the requested proof; None without one.
 
     Raises: NonFiniteError if its loss or a margin is NaN or infinity.
     """
     asked = run.asked
+    report = session.trainer.report(run.trained, seed=FRESH_SAMPLES_SEED)
+    aimed = report
+    if run.spec.aims:
+        # Aims concern the middle of the tubes, which calibration replaces by the orbit.
+        aimed = session.trainer.report(session.gait, seed=FRESH_SAMPLES_SEED)
     aims = {aim.name: violations(aimed.margins[aim.name], aim.scale) for aim in run.spec.aims}
     found = {
         condition.name: violations(report.margins[condition.name], condition.scale)
@@ -175,7 +143,7 @@ def summary_of(
         robot=asked.robot,
         spec=asked.spec,
         seed=asked.seed,
-        steps=int(state.step) + (0 if proof is None else proof.repair_steps),
+        steps=int(session.state.step) + (0 if proof is None else proof.repair_steps),
         loss=aimed.loss,
         conditions=found,
         provable=program is not None,
@@ -185,10 +153,10 @@ def summary_of(
         commands=asked.commands,
         aims=aims,
         orbit_speeds_m_s=_orbit_speeds(run),
-        step_size=round(float(state.rate), 6),
+        step_size=round(float(session.state.rate), 6),
         sha256=measured_hashes(run.path),
-        compile_s=compile_s,
-        train_s=train_s,
+        compile_s=session.compile_s,
+        train_s=session.train_s,
         wall_s=time.perf_counter() - start_time,
     )
     refuse_non_finite(done)

@@ -11,6 +11,7 @@ from neuralgaits.certificate.levels.orbit.level import LEVEL as ORBIT
 from neuralgaits.certificate.levels.walking_set.level import LEVEL as WALKING_SET
 from neuralgaits.certificate.premises import Bounds, Boxes
 from neuralgaits.records.certified import Conclusion
+from neuralgaits.records.levels import WALKING_SET_LEVEL
 
 LEVELS = (WALKING_SET, ORBIT, FULL_ORDER, DISTURBED)
 
@@ -39,7 +40,7 @@ def conclude(
         bounds: proved bounds, see `premises.proved_bounds`.
         chart: chart of the boxes.
     """
-    told = known[2].told if 2 in known else ()
+    told = known[WALKING_SET_LEVEL].told if WALKING_SET_LEVEL in known else ()
     pairs = chart.sequences(told)
     found: dict[int, Conclusion] = {}
     refused = refusals(known, chart)

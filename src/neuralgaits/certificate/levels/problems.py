@@ -160,7 +160,7 @@ def confirmer(spec: GaitSpec, gait: AnyGait, zd: ZeroDynamics, sets: LevelSets) 
         z = step.z(u[:PLANE])
         if name in conditions:
             condition = conditions[name]
-            margin = np.min(condition.margins(step, moving, moving.point(z))) / condition.scale
+            margin = np.min(condition.margins(moving.point(z), step)) / condition.scale
         else:
             margin = np.min(set_margins(spec, step, moving, sets, jnp.asarray(u), xi)[name])
         if not margin < 0.0:

@@ -14,13 +14,12 @@ import numpy as np
 from neuralgaits.certificate.proof_file.reader import Claims
 from neuralgaits.errors import RunError
 from neuralgaits.runs.file_content import MOST_ARRAYS_BYTES, file_content
+from neuralgaits.runs.names import CONFIG, ROBOT, SPEC, WEIGHTS
 
 SETS = ("walking.", "orbit.", "full.", "disturbed.")
 """Prefixes of constants that are parameters of a theorem and not the gait's."""
-CONFIG = "config.json"
 UNNAMED = "MuJoCo Model"
 """Name that MuJoCo gives a model without one; the robot is then called as its file was."""
-ROBOT, WEIGHTS, SPEC = "robot.xml", "policy.safetensors", "spec.py"
 
 
 def differences(claims: Claims, run: Path) -> list[str]:

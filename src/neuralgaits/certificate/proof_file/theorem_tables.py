@@ -15,6 +15,7 @@ from neuralgaits.certificate.levels.levels import LEVELS
 from neuralgaits.certificate.levels.orbit.theorem import OrbitConstants
 from neuralgaits.certificate.levels.walking_set.theorem import WalkingSetConstants
 from neuralgaits.certificate.proof_file.limits import MOST_NAMES, MOST_SERIES, limit
+from neuralgaits.records.levels import FULL_ORDER_LEVEL, ORBIT_LEVEL, WALKING_SET_LEVEL
 
 BY_NUMBER: Mapping[int, Level] = {level.number: level for level in LEVELS}
 T = TypeVar("T")
@@ -44,17 +45,17 @@ class Theorems(NamedTuple):
     @property
     def walking(self) -> WalkingSetConstants | None:
         """Parameters of level 2; None without."""
-        return self.parameters.get(2)
+        return self.parameters.get(WALKING_SET_LEVEL)
 
     @property
     def orbit(self) -> OrbitConstants | None:
         """Parameters of level 3; None without."""
-        return self.parameters.get(3)
+        return self.parameters.get(ORBIT_LEVEL)
 
     @property
     def full(self) -> FullOrderConstants | None:
         """Parameters of level 4; None without."""
-        return self.parameters.get(4)
+        return self.parameters.get(FULL_ORDER_LEVEL)
 
     def tables(self) -> tuple[dict[str, Any], ...]:
         """Return the levels as JSON data, lowest level first."""

@@ -1,8 +1,8 @@
 """Write a certificate's files together: new ones replace all of the old ones.
 
 The summary carries the sha256 of the others and is renamed last. So a command that fails leaves the
-old certificate, and one that is killed between two renames leaves files that `reading` does not
-accept as a certificate.
+old certificate, and one that is killed between two renames leaves files that `verified_summary`
+does not accept as a certificate.
 """
 
 import hashlib

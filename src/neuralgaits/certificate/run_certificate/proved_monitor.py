@@ -34,9 +34,8 @@ from neuralgaits.gait.policies.commanded_gait import CommandedGait
 from neuralgaits.gait.zero_coordinates import ZeroCoordinates
 from neuralgaits.programs.tracing.tracer import trace
 from neuralgaits.records.certified import PROOF
+from neuralgaits.records.levels import DISTURBED_LEVEL, FULL_ORDER_LEVEL, WALKING_SET_LEVEL
 
-WALKING, FULL, HELD = 2, 4, 5
-"""Levels whose sets a monitor knows; level 3 is about the set of level 2."""
 OF_STEP = ("before", "after")
 """Inputs of a set that are commands."""
 
@@ -59,14 +58,14 @@ def monitor_of(run: Run, certificate: CertificateReading | None = None) -> State
         return None
     sets, theorems = [], proof.theorems
     walking, full = theorems.walking, theorems.full
-    if walking is not None and WALKING in levels:
+    if walking is not None and WALKING_SET_LEVEL in levels:
         sets.append(walking_set_of(run, walking, _unproved(run, proof)))
-    above = tuple(level for level in (FULL, HELD) if level in levels)
+    above = tuple(level for level in (FULL_ORDER_LEVEL, DISTURBED_LEVEL) if level in levels)
     if full is not None and above:
         sets.append(full_order_set_of(run, full, above))
     if not sets:
         return None
-    hold = theorems.parameters[HELD].hold if HELD in levels else 0.0
+    hold = theorems.parameters[DISTURBED_LEVEL].hold if DISTURBED_LEVEL in levels else 0.0
     return StateMonitor(
         tuple(sets),
         hold_s=hold or None,
@@ -137,7 +136,7 @@ def walking_set_of(
     parameters = {"robot": robot, "gait": trained}
     program = trace(of_step if shape.told else of_gait, inputs, parameters=parameters)
     return StateSet(
-        (WALKING,),
+        (WALKING_SET_LEVEL,),
         "walking",
         "Margins of the walking set: phases, direction; level between the fences [tube widths].",
         program,
@@ -179,7 +178,7 @@ def _unproved(run: Run, proof: Claims) -> tuple[Barrier, ...]:
 
 
 def full_order_set_of(
-    run: Run, shape: FullOrderConstants, levels: tuple[int, ...] = (FULL,)
+    run: Run, shape: FullOrderConstants, levels: tuple[int, ...] = (FULL_ORDER_LEVEL,)
 ) -> StateSet:
     """Return the set D of levels 4 and 5, those of them that are proved.
 

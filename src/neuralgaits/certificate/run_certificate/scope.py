@@ -12,7 +12,7 @@ from neuralgaits.certificate.provable import refuse_many_axes, why_not_of_belief
 from neuralgaits.certificate.run_certificate.friction_requirement import friction_needed
 from neuralgaits.errors import InputError
 from neuralgaits.gait.commands import Command
-from neuralgaits.records.levels import HIGHEST_OF_MANY
+from neuralgaits.records.levels import HIGHEST_OF_MANY, WALKING_SET_LEVEL
 from neuralgaits.robots.mjcf.parameters import axes_of, box_of
 from neuralgaits.robots.parameter_box import checked_box
 
@@ -102,7 +102,7 @@ def _refuse_level(run: Run, level: int, box: Mapping[str, float]) -> None:
             "order is about one robot; leave --level out, or give --parameters none, whose proof "
             "takes the place of the box's"
         )
-    if "floor" in box and level < 2:
+    if "floor" in box and level < WALKING_SET_LEVEL:
         raise InputError(
             "expected level 2 or 3 with a floor of unknown height, found 1, which is about single "
             "states: raise --level, or leave floor out"

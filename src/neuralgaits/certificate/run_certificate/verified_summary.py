@@ -17,7 +17,7 @@ from neuralgaits.certificate.premises import proved_bounds
 from neuralgaits.certificate.proof_file.consistency import inconsistencies
 from neuralgaits.certificate.proof_file.coverage import SpecOutline, unstated
 from neuralgaits.certificate.proof_file.reader import Claims, read_claims
-from neuralgaits.certificate.proof_file.run_match import ROBOT, SPEC, WEIGHTS, differences
+from neuralgaits.certificate.proof_file.run_match import differences
 from neuralgaits.certificate.proof_file.sampled_bounds import first_broken_bound
 from neuralgaits.certificate.run_certificate.confirmed_conditions import (
     Unfit,
@@ -33,19 +33,17 @@ from neuralgaits.records.certified import (
     Conclusion,
     Verdict,
 )
-from neuralgaits.records.levels import HIGHEST_OF_MANY
+from neuralgaits.records.levels import HIGHEST_OF_MANY, ORBIT_LEVEL, WALKING_SET_LEVEL
 from neuralgaits.records.record import build, shape_of
 from neuralgaits.records.training_config import asked_of
 from neuralgaits.runs import RunFolder, from_json, packed
 from neuralgaits.runs.file_content import refuse_large
 from neuralgaits.runs.hashes import file_hashes
-from neuralgaits.runs.names import MAP, RESIDUAL
+from neuralgaits.runs.names import MAP, RESIDUAL, ROBOT, SPEC, WEIGHTS
 from neuralgaits.runs.shape import complaint
 
 FILES = (ROBOT, SPEC, WEIGHTS, RESIDUAL, PROOF)
 """Files that a certificate is about or rests on."""
-WALKING = 2
-"""Number of the level of walking sets."""
 DAMAGED = f"{SUMMARY} is damaged or of another version"
 UNCHECKED = f"{SUMMARY} has as its reason, which is not checked:"
 
@@ -143,7 +141,7 @@ def _read(folder: RunFolder, summary: CertificateRecord) -> CertificateReading:
         raise Unfit(f"{SUMMARY} is about another box of robots than {PROOF}")
     _refuse_ground(summary, proof, described)
     # Nothing is said of a floor where the level that speaks of it is not claimed.
-    if proof is None or WALKING not in proof.theorems.claimed:
+    if proof is None or WALKING_SET_LEVEL not in proof.theorems.claimed:
         without = {kind: half for kind, half in summary.parameters.items() if kind != "floor"}
         summary = replace(summary, parameters=without)
     part = None if proof is None or own is None else _part(summary, proof, own)
@@ -253,7 +251,7 @@ def _levels(
     below = True
     for entry in summary.levels:
         # Level 4 rests on no other; level 3 on level 2.
-        if entry.level == 3 and not below and entry.proved:
+        if entry.level == ORBIT_LEVEL and not below and entry.proved:
             raise Unfit(f"{SUMMARY} calls level 3 proved, and level 2 not")
         below = below and entry.proved
         if not entry.proved:

@@ -18,7 +18,7 @@ from neuralgaits._types import Actuated, Array, Float, Scalar, ZeroState
 from neuralgaits.errors import InputError
 from neuralgaits.gait.believed_robot import believed_robot
 from neuralgaits.gait.command_polynomials import factors, plain_curves, powers, scaled
-from neuralgaits.gait.commands import Commands, Ground, Pair, Step
+from neuralgaits.gait.commands import Commands, Ground, Pair, Step, place_of
 from neuralgaits.gait.network import Network, movable
 from neuralgaits.gait.policies.hybrid_invariant import HybridInvariantPolicy
 from neuralgaits.gait.policies.step_ends import (
@@ -275,8 +275,8 @@ def _start_guard(
 
 
 def _value(commands: Commands, command: Float[Array, " p"], name: str) -> Scalar | None:
-    names = [c.name for c in commands]
-    return command[names.index(name)] if name in names else None
+    at = place_of(commands, name)
+    return None if at is None else command[at]
 
 
 def _foothold(commands: Commands, command: Float[Array, " p"]) -> Foothold:

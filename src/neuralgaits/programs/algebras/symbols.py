@@ -29,13 +29,6 @@ class SymbolAlgebra(Algebra[Any]):
         """Return columns of expressions for the inputs, row by row."""
         return {item.name: inputs[item.name] for item in program.inputs}
 
-    def leave(
-        self, program: Program, outputs: dict[str, Any], inputs: Mapping[str, Any]
-    ) -> dict[str, Any]:
-        """Return the output columns unchanged."""
-        del program, inputs
-        return outputs
-
     def constant(self, array: np.ndarray) -> Any:
         """Return a CasADi column that keeps the array's zeros structural."""
         return self.casadi.SX(self.casadi.sparsify(self.casadi.DM(array)))

@@ -9,6 +9,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import FancyArrowPatch, Patch
 
 from neuralgaits.analysis.data import GaitData, MeasuredWalk
+from neuralgaits.records.levels import ORBIT_LEVEL, WALKING_SET_LEVEL
 from neuralgaits.report.drawing import plane
 from neuralgaits.report.drawing.style import (
     ALLOWED,
@@ -40,10 +41,10 @@ def caption(data: GaitData, walk: MeasuredWalk | None, level: int, told: bool = 
     chart = data["chart/barriers"]
     # Where barrier functions are negative on the tube, the walking set is the rest of it.
     where = "the blue tube" if np.min(chart, initial=0.0) >= 0.0 else "the tube's safe part"
-    if level >= 3:
+    if level >= ORBIT_LEVEL:
         ends = "any two of them come together" if told else "every one settles on one orbit"
         text += f"No such walk that begins in {where} leaves it, and {ends}: that is proved"
-    elif level == 2:
+    elif level == WALKING_SET_LEVEL:
         text += f"No such walk that begins in {where} leaves it: that is proved"
     else:
         text += "The gait is made for the blue tube; that nothing leaves it is not proved"

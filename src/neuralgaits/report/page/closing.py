@@ -6,8 +6,8 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 from neuralgaits.records import certificate_sentences
-from neuralgaits.records.certificate_sentences import ORBIT
 from neuralgaits.records.certified import PROOF, CertificateRecord
+from neuralgaits.records.levels import ORBIT_LEVEL
 from neuralgaits.report.drawing.command_words import FIGURES as OF_COMMANDS
 from neuralgaits.report.drawing.drawn import Drawn, Missing
 from neuralgaits.report.page import markup as html
@@ -135,7 +135,7 @@ def _other_box(saved: Saved, found: CertificateRecord) -> Mapping[str, float] | 
 
 def _last_level(saved: Saved, found: CertificateRecord) -> int:
     """Return the highest level that can be requested for the same box; above 3 it is one robot."""
-    return min(saved.asked.last_level, ORBIT) if found.parameters else saved.asked.last_level
+    return min(saved.asked.last_level, ORBIT_LEVEL) if found.parameters else saved.asked.last_level
 
 
 def reproduction(contents: Contents) -> Html:

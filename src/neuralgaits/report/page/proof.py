@@ -5,15 +5,13 @@ from pathlib import Path
 
 from neuralgaits.records import certificate_sentences
 from neuralgaits.records.certified import (
-    HIGHEST,
-    LEVELS,
     PROOF,
     SUMMARY,
     CertificateRecord,
     Conclusion,
     TheoremConstant,
 )
-from neuralgaits.records.levels import HIGHEST_OF_MANY
+from neuralgaits.records.levels import HIGHEST, HIGHEST_OF_MANY, WORDS
 from neuralgaits.report.page import markup as html
 from neuralgaits.report.page import phrases
 from neuralgaits.report.page.markup import Html
@@ -76,7 +74,7 @@ def _ladder(found: CertificateRecord, told: bool) -> Html:
             certificate_sentences.states(level, told, found),
             phrases.verdict(answers.get(level, "not asked")),
         )
-        for level in LEVELS
+        for level in WORDS
     ]
     head = ("level", "states that", "verdict")
     title = "The ladder of guarantees: 2 rests on 1, 3 on 2, 5 on 4"

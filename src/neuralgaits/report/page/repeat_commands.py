@@ -8,6 +8,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, ParamSpec
 
+from neuralgaits._checks import SEEDS
 from neuralgaits._control_laws import CONTROL_LAWS
 from neuralgaits.barriers import specs
 from neuralgaits.errors import InputError
@@ -130,7 +131,7 @@ def _given(folder: RunFolder, given: GaitOrigin, out: Path | None) -> str:
 
 def another_seed(folder: RunFolder) -> str | None:
     """Return the command that trains the same gait with the next seed; see `training`."""
-    return training(folder, seed=(asked_of(folder).seed + 1) % 2**31)
+    return training(folder, seed=(asked_of(folder).seed + 1) % SEEDS)
 
 
 def longer(folder: RunFolder) -> str:

@@ -34,13 +34,6 @@ def problems_of_file(source: str | Path) -> tuple[str, ...]:
     return tuple(noted)
 
 
-def problems_of(text: str, name: str) -> tuple[str, ...]:
-    """Return every problem of MJCF text, one line each."""
-    with all_noted() as noted:
-        note_problems(text, name)
-    return tuple(noted)
-
-
 def note_problems(text: str, name: str) -> None:
     """Note every problem of MJCF text; the caller notes and does not raise."""
     model, text = compile_what_can_be(text, name)

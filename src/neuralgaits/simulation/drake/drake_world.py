@@ -13,7 +13,6 @@ from pydrake.systems.analysis import Simulator
 
 from neuralgaits._types import Float
 from neuralgaits.simulation.drake.drake_plant import DrakePlant, drake_plant
-from neuralgaits.simulation.drake.ground import ContactConfig
 from neuralgaits.simulation.setup.plant import SUBSTEPS, TIMESTEP_S, Plant
 from neuralgaits.simulation.ticks.world import Controls, Some, World
 
@@ -23,24 +22,16 @@ _PERIOD_S = SUBSTEPS * TIMESTEP_S
 class DrakeWorld(World):
     """The plants of all episodes, stepped by Drake in one thread."""
 
-    def __init__(
-        self,
-        plants: Sequence[Plant],
-        states: Float[np.ndarray, "B s"],
-        contact: ContactConfig | None = None,
-        timestep_s: float = TIMESTEP_S,
-    ):
+    def __init__(self, plants: Sequence[Plant], states: Float[np.ndarray, "B s"]):
         """Put all episodes at their starts.
 
         Args:
             plants: one for all episodes, or one for each on courses.
             states: MuJoCo states to start from (time, qpos, qvel).
-            contact: contact of feet and ground.
-            timestep_s: time step of Drake.
         """
         self._states = np.array(states)
         self._touch = np.zeros((len(states), 2))
-        made = {id(plant): drake_plant(plant, contact, timestep_s) for plant in plants}
+        made = {id(plant): drake_plant(plant) for plant in plants}
         each = list(plants) * len(states) if len(plants) == 1 else list(plants)
         with _not_of_deformables():
             self._episodes = [

@@ -30,7 +30,7 @@ from neuralgaits.simulation.native.struct_layout import pointer
 from neuralgaits.simulation.setup.command_schedule import CommandSchedule
 from neuralgaits.simulation.setup.episode_inputs import EpisodeInputs
 from neuralgaits.simulation.setup.plant import Plant
-from neuralgaits.simulation.ticks.falls import Ending, FallConfig
+from neuralgaits.simulation.ticks.falls import Ending
 from neuralgaits.simulation.ticks.gauge import Extremes, Gauge, Milestone
 from neuralgaits.simulation.ticks.lockstep import EpisodeBatch
 from neuralgaits.simulation.ticks.stride_table import Strides, width
@@ -57,7 +57,6 @@ def run(
     given: EpisodeInputs,
     *,
     steps: int,
-    falls: FallConfig,
     threads: int,
     plants: Sequence[Plant] = (),
 ) -> EpisodeBatch:
@@ -70,7 +69,6 @@ def run(
         states: MuJoCo states to start from (time, qpos, qvel).
         given: inputs of the episodes.
         steps: number of touchdowns of a walk.
-        falls: thresholds of a fall.
         threads: largest number of walks at once.
         plants: plant of each episode, where they differ, as on courses.
 
@@ -78,7 +76,7 @@ def run(
     """
     if not library.fits(controller):
         raise InputError("expected the compiled walk of this controller, found another one's")
-    scene = scene_of(library, plant, controller, steps, falls, given.push)
+    scene = scene_of(library, plant, controller, steps, given.push)
     scene.uneven = int(given.terrain.uneven)
     own_plants = len(plants) == len(states)
     local, stop = threading.local(), threading.Event()

@@ -13,7 +13,7 @@ from neuralgaits.simulation.native.struct_layout import StructLayout
 from neuralgaits.simulation.setup.plant import Plant
 from neuralgaits.simulation.setup.push import DURATION_S, Push
 from neuralgaits.simulation.setup.terrain import ROOM_UNDER_FOOT
-from neuralgaits.simulation.ticks.falls import FallConfig
+from neuralgaits.simulation.ticks.falls import HIP_SHARE, STALL, TORSO_RAD
 from neuralgaits.simulation.ticks.gauge import SETTLING_S, START_UP_STEPS
 
 _LONGEST_US = 0xFFFFFFFF
@@ -29,7 +29,6 @@ def scene_of(
     plant: Plant,
     controller: Controller,
     steps: int,
-    falls: FallConfig,
     push: Push,
 ) -> Any:
     """Return `ng_scene` of a plant and a controller."""
@@ -62,9 +61,9 @@ def scene_of(
     _set_ground(scene, plant, controller)
     scene.push_force, scene.push_s, scene.push_after = push.force, DURATION_S, push.steps_before
     scene.steps = min(steps, np.iinfo(np.int32).max)
-    scene.lowest_hip = falls.hip_share * leg_length
-    scene.largest_pitch = np.inf if robot.torso is None else falls.torso_rad
-    scene.patience_s = falls.stall * float(np.sqrt(leg_length / robot.gravity))
+    scene.lowest_hip = HIP_SHARE * leg_length
+    scene.largest_pitch = np.inf if robot.torso is None else TORSO_RAD
+    scene.patience_s = STALL * float(np.sqrt(leg_length / robot.gravity))
     scene.start_up_steps, scene.settling_s = START_UP_STEPS, SETTLING_S
     _set_law(scene.law, controller.law)
     if isinstance(controller.law, ClfQp):

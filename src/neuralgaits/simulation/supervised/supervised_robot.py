@@ -73,7 +73,6 @@ class SupervisedRobot:
         *,
         precision: str = "double",
         drives: bool = True,
-        seed: int = 0,
     ):
         """Compile both; `start` puts the robot on the floor.
 
@@ -84,11 +83,10 @@ class SupervisedRobot:
             precision: `double` or `float`, of the arithmetic in C.
             drives: whether drives close a loop of their own; without, they give the torques of
                 the tick alone.
-            seed: seed of the sensors' noise.
         """
         self.plant = build(design.robot, disturbance)
         self.data = mujoco.MjData(self.plant.model)
-        self._drives, self._seed = drives, seed
+        self._drives = drives
         self._joints = self.plant.state_map.joints
         legs, joints = self._joints.shape
         self._sensors = np.zeros(6 + 2 * self._joints.size)
@@ -118,7 +116,7 @@ class SupervisedRobot:
         self.data.qpos[:], self.data.qvel[:] = state_map.to_mjcf(q, np.zeros_like(q), front, place)
         mujoco.mj_forward(self.plant.model, self.data)
         self._controller.start(estimate=bool(self.plant.disturbance.estimator), commands=commands)
-        self._ticks, self._noise = 0, np.random.default_rng(self._seed)
+        self._ticks, self._noise = 0, np.random.default_rng(0)
         self._late: deque[np.ndarray] = deque(maxlen=self.plant.delay_ticks + 1)
 
     def tick(self, request: Request) -> Supervision:

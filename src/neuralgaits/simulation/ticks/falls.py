@@ -1,6 +1,5 @@
 """Decide whether an episode has ended, and why. Standing still counts as a fall."""
 
-from dataclasses import dataclass
 from enum import IntEnum
 from typing import Any
 
@@ -46,24 +45,15 @@ _REASONS = {
 }
 
 
-@dataclass(frozen=True)
-class FallConfig:
-    """Thresholds of a fall.
-
-    Attributes:
-        hip_share: lowest hip height above the floor, as a share of the leg length.
-        torso_rad: largest torso angle in either direction [rad].
-        stall: longest time from touchdown to touchdown, in units of sqrt(leg length / g):
-            five steps of a usual gait.
-    """
-
-    hip_share: float = 0.65
-    torso_rad: float = 1.0
-    stall: float = 10.0
+HIP_SHARE = 0.65
+"""Lowest hip height above the floor, as a share of the leg length."""
+TORSO_RAD = 1.0
+"""Largest torso angle in either direction [rad]."""
+STALL = 10.0
+"""Longest time between touchdowns, in units of sqrt(leg length / g): five steps of a usual gait."""
 
 
 def ending(
-    config: FallConfig,
     robot: PlanarBiped,
     *,
     hip_height: Scalar,
@@ -77,7 +67,6 @@ def ending(
     """Judge one state. Compiled walks do the same in C: `judge` in `native/c/walk.c`.
 
     Args:
-        config: thresholds.
         robot: robot with leg length, gravity, and a torso or none.
         hip_height: height of the hip above the floor (m).
         pitch: pitch of the torso (rad); ignored for a biped without one.
@@ -90,11 +79,11 @@ def ending(
     Returns: an `Ending` as an integer.
     """
     leg_length = xp.sum(robot.hip)
-    patience = config.stall * xp.sqrt(leg_length / robot.gravity)
+    patience = STALL * xp.sqrt(leg_length / robot.gravity)
     verdict = xp.where(steps_left <= 0, Ending.WALKED, Ending.RUNNING)
     verdict = xp.where(since_touchdown > patience, Ending.STALLED, verdict)
     if robot.torso is not None:
-        verdict = xp.where(xp.abs(pitch) > config.torso_rad, Ending.TORSO, verdict)
-    verdict = xp.where(hip_height < config.hip_share * leg_length, Ending.LOW_HIP, verdict)
+        verdict = xp.where(xp.abs(pitch) > TORSO_RAD, Ending.TORSO, verdict)
+    verdict = xp.where(hip_height < HIP_SHARE * leg_length, Ending.LOW_HIP, verdict)
     verdict = xp.where(in_gap, Ending.GAP, verdict)
     return xp.where(finite, verdict, Ending.NOT_FINITE).astype(xp.int32)

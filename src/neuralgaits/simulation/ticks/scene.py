@@ -14,7 +14,6 @@ from neuralgaits.gait.commands import CommandLimits
 from neuralgaits.robots import MjcfLayout, PlanarBiped
 from neuralgaits.robots.mjcf_state import StateMap
 from neuralgaits.simulation.setup.plant import Plant
-from neuralgaits.simulation.ticks.falls import FallConfig
 
 
 class PlantReading(NamedTuple):
@@ -53,7 +52,6 @@ class Scene(eqx.Module):
         has_drives, gains: whether drives close loops of their own, and with which stiffness
             [N m/rad] and damping [N m s/rad]. [2]
         addresses: addresses of root, joints and motors in the plant's arrays, as in `StateMap`.
-        falls: thresholds of a fall.
     """
 
     controller: Controller
@@ -69,7 +67,6 @@ class Scene(eqx.Module):
     layout: MjcfLayout = eqx.field(static=True)
     sizes: tuple[int, int] = eqx.field(static=True)
     addresses: tuple[tuple, tuple, tuple] = eqx.field(static=True)
-    falls: FallConfig = eqx.field(static=True)
     on_course: bool = eqx.field(static=True)
     estimator: Estimator | None = eqx.field(static=True)
     delay_ticks: int = eqx.field(static=True)
@@ -81,7 +78,6 @@ class Scene(eqx.Module):
         plant: Plant,
         controller: Controller,
         steps: int,
-        falls: FallConfig,
         first: Float[np.ndarray, " p"] | None = None,
         gap_depth: float = np.inf,
     ) -> "Scene":
@@ -109,7 +105,6 @@ class Scene(eqx.Module):
                 _frozen(state_map.joints),
                 _frozen(state_map.actuators),
             ),
-            falls=falls,
             on_course=plant.course is not None,
             estimator=Estimator() if disturbance.estimator else None,
             delay_ticks=plant.delay_ticks if disturbance.estimator else 0,

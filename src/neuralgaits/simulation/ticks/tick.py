@@ -257,7 +257,6 @@ def _ending(
         under = feet[0, 1] - scene.plant_robot.foot_radius
         floor = jnp.where(command.touchdown, under, floor)
     return ending(
-        scene.falls,
         scene.controller.robot,
         hip_height=hip[1] - floor - scene.slope * hip[0],
         pitch=pitch,

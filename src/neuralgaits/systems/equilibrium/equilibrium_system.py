@@ -4,17 +4,17 @@ from abc import abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Any
 
 import jax
 import numpy as np
 from jaxtyping import PRNGKeyArray
 from matplotlib.figure import Figure
 
+from neuralgaits._checks import SEEDS
 from neuralgaits._types import Array, Float
-from neuralgaits.errors import InputError, RunError
+from neuralgaits.errors import RunError
 from neuralgaits.records.certified import Conclusion
-from neuralgaits.runs.shape import POSITIVE, whole
 from neuralgaits.runs.shell_words import command, named
 from neuralgaits.systems.equilibrium.ellipsoid import Ball, direction
 from neuralgaits.systems.equilibrium.ellipsoid_levels import EllipsoidLevels
@@ -33,38 +33,17 @@ from neuralgaits.systems.equilibrium.rest_episodes import (
 )
 from neuralgaits.systems.equilibrium.rest_figures import StateLabels, draw_planes, draw_times
 from neuralgaits.systems.equilibrium.velocity_policy import Controls
-from neuralgaits.systems.family_run import FamilyConfig, FamilyRun, TrainedSummary
+from neuralgaits.systems.family_run import FamilyRun, NetworkConfig, TrainedSummary
 from neuralgaits.systems.proved_system import ExportedSystem
 from neuralgaits.systems.system_family import Screen
 from neuralgaits.systems.trained_system import TrainingProgress
 
-WIDEST = 256
-"""Largest width of a hidden layer."""
-RATE = 0.05
-"""Required decay of the set's radius [1/s]."""
-FRESH_SEED, FRESH = 2**31, 2**16
+FRESH_SEED, FRESH = SEEDS, 2**16
 """Seed and number of the states on which the summary is measured; no run can have that seed."""
 LEAST_WIDTH = 1e-9
 """Least half width of the set along each of its axes (SI units)."""
 EPISODES, SHOWN_S = 12, 8.0
 """Episodes in the pictures, each from the set's face, and their length [s]."""
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class EquilibriumConfig(FamilyConfig):
-    """Configuration of a training.
-
-    Attributes:
-        width: of the networks' hidden layer.
-        rate: required decay of the ellipsoid's radius [1/s].
-    """
-
-    width: Annotated[int, whole(1, WIDEST)]
-    rate: Annotated[float, POSITIVE]
-
-    def __post_init__(self) -> None:
-        # A file may have it as a whole number.
-        object.__setattr__(self, "rate", float(self.rate))
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -86,20 +65,17 @@ class EquilibriumSystem(ExportedSystem):
     Attributes:
         levels: what follows from its conditions.
         recipe: numbers of its training.
-        spec_name: name of its spec.
-        hidden: usual width of its networks' hidden layers.
         state_names, state_units: of coordinates and rates.
         widest: coordinate that is largest at the start of the first episode.
     """
 
     summary = EllipsoidTrained
-    config = EquilibriumConfig
     highest = 3
+    # Required decay of the set's radius [1/s].
+    rate = 0.05
     about_proofs = "the rigid model's full state, in continuous time"
     levels: EllipsoidLevels
     recipe: EllipsoidRecipe
-    spec_name: str
-    hidden: int
     state_names: Sequence[str]
     state_units: Sequence[str]
     widest: int
@@ -126,28 +102,7 @@ class EquilibriumSystem(ExportedSystem):
     def reach_in_words(self, done: Any) -> tuple[str, str]:
         """Return name and words of how far the first coordinate went."""
 
-    def new_config(
-        self, *, seed: int, steps: int, hidden: tuple[int, ...] | None, robot: str
-    ) -> EquilibriumConfig:
-        """Return the configuration of a training. Raises: InputError on bad settings."""
-        if hidden is not None and len(hidden) != 1:
-            raise InputError(
-                f"expected one hidden layer, found {len(hidden)}: give one width, as in --hidden 16"
-            )
-        width = self.hidden if hidden is None else hidden[0]
-        if not 1 <= width <= WIDEST:
-            raise InputError(f"hidden: expected a width from 1 to {WIDEST}, found {width}")
-        return EquilibriumConfig(
-            family=self.family.name,
-            robot=robot,
-            spec=self.spec_name,
-            seed=seed,
-            steps=steps,
-            width=width,
-            rate=RATE,
-        )
-
-    def untrained(self, config: EquilibriumConfig) -> Controller:
+    def untrained(self, config: NetworkConfig) -> Controller:
         """Return a controller of zeros, to read arrays into."""
         return Controller(Controls.zeros(config.width), Ball(np.zeros((4, 4))))
 
@@ -164,7 +119,7 @@ class EquilibriumSystem(ExportedSystem):
             )
 
     def train(
-        self, robot: Any, config: EquilibriumConfig, progress: TrainingProgress | None
+        self, robot: Any, config: NetworkConfig, progress: TrainingProgress | None
     ) -> Controller:
         """Train a controller and its ellipsoid."""
         key = jax.random.key(config.seed)
@@ -209,12 +164,12 @@ class EquilibriumSystem(ExportedSystem):
         rows = zip(self.state_names, place, self.state_units, strict=False)
         return ", ".join(f"{name} = {value:.4g} {unit}" for name, value, unit in rows)
 
-    def spec_numbers(self, config: EquilibriumConfig) -> Mapping[str, float]:
+    def spec_numbers(self, config: NetworkConfig) -> Mapping[str, float]:
         """Return the rate that descent and settling are about."""
         return {"rate": config.rate}
 
     def conclude(
-        self, bounds: Mapping[str, float | None], config: EquilibriumConfig, level: int
+        self, bounds: Mapping[str, float | None], config: NetworkConfig, level: int
     ) -> tuple[Conclusion, ...]:
         """Draw the conclusions about trajectories that proved bounds of conditions allow."""
         return self.levels.conclude(bounds, config.rate, level)

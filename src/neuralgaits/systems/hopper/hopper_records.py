@@ -1,14 +1,9 @@
 """Records of hoppers: numbers of a file, configuration and result of a training."""
 
 from dataclasses import dataclass
-from typing import Annotated
 
 from neuralgaits.records.record import Pair, Record
-from neuralgaits.runs.shape import POSITIVE, whole
-from neuralgaits.systems.family_run import FamilyConfig, TrainedSummary
-
-WIDEST_NETWORK = 256
-"""Largest width of the hidden layer."""
+from neuralgaits.systems.family_run import TrainedSummary
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -25,23 +20,6 @@ class HopperFacts(Record):
     torque_limit_nm: float
     friction: float
     gravity_m_s2: float
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class HopperConfig(FamilyConfig):
-    """Configuration of a training.
-
-    Attributes:
-        width: of the network's hidden layer.
-        rate: after a hop the distance of two hops, times 1 + rate, is at most that before.
-    """
-
-    width: Annotated[int, whole(1, WIDEST_NETWORK)]
-    rate: Annotated[float, POSITIVE]
-
-    def __post_init__(self) -> None:
-        # A file may have it as a whole number.
-        object.__setattr__(self, "rate", float(self.rate))
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

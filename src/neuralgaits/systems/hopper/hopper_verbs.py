@@ -9,11 +9,12 @@ import jax.numpy as jnp
 import numpy as np
 from matplotlib.figure import Figure
 
+from neuralgaits._checks import SEEDS
 from neuralgaits._types import Array, Float
-from neuralgaits.errors import InputError, RunError
+from neuralgaits.errors import RunError
 from neuralgaits.records.certified import Conclusion
 from neuralgaits.runs.shell_words import command, named
-from neuralgaits.systems.family_run import FamilyRun
+from neuralgaits.systems.family_run import FamilyRun, NetworkConfig
 from neuralgaits.systems.family_verbs import FamilyVerbs
 from neuralgaits.systems.hopper import (
     FAMILY,
@@ -37,8 +38,6 @@ from neuralgaits.systems.hopper.hopper_data import HopperData
 from neuralgaits.systems.hopper.hopper_file import read_hopper
 from neuralgaits.systems.hopper.hopper_model import Hopper
 from neuralgaits.systems.hopper.hopper_records import (
-    WIDEST_NETWORK,
-    HopperConfig,
     HopperFacts,
     HopperTrained,
 )
@@ -47,9 +46,7 @@ from neuralgaits.systems.proved_system import ProvedSystem
 from neuralgaits.systems.system_family import Screen
 from neuralgaits.systems.trained_system import TrainingProgress
 
-HIDDEN, RATE = 8, 0.2
-"""Usual width of the hidden layer, and the rate of approach that is asked for a hop."""
-FRESH_SEED, FRESH = 2**31, 2**15
+FRESH_SEED, FRESH = SEEDS, 2**15
 """Seed and number of the states on which the summary is measured; no run can have that seed."""
 SHOWN_EPISODES, SHOWN_HOPS = 3, 10
 """Episodes and hops in the pictures."""
@@ -59,8 +56,10 @@ class HopperSystem(ProvedSystem):
     """The family of hoppers."""
 
     family, table = FAMILY, TABLE
-    config, summary = HopperConfig, HopperTrained
-    steps, highest = 600, 3
+    summary = HopperTrained
+    spec_name, steps, hidden = "hopping", 600, 8
+    # After a hop the distance of two hops, times 1 + rate, is at most that before.
+    rate, highest = 0.2, 3
     spec_files = tuple(
         Path(str(one.__file__)) for one in (hop_conditions, hop_tube, length_policy, hopper_model)
     )
@@ -103,28 +102,7 @@ class HopperSystem(ProvedSystem):
             ]
         )
 
-    def new_config(
-        self, *, seed: int, steps: int, hidden: tuple[int, ...] | None, robot: str
-    ) -> HopperConfig:
-        """Return the configuration of a training. Raises: InputError on bad settings."""
-        width = HIDDEN if hidden is None else hidden[0]
-        if hidden is not None and len(hidden) != 1:
-            raise InputError(
-                f"expected one hidden layer, found {len(hidden)}: give one width, as in --hidden 8"
-            )
-        if not 1 <= width <= WIDEST_NETWORK:
-            raise InputError(f"hidden: expected a width from 1 to {WIDEST_NETWORK}, found {width}")
-        return HopperConfig(
-            family=FAMILY.name,
-            robot=robot,
-            spec="hopping",
-            seed=seed,
-            steps=steps,
-            width=width,
-            rate=RATE,
-        )
-
-    def untrained(self, config: HopperConfig) -> HopController:
+    def untrained(self, config: NetworkConfig) -> HopController:
         """Return a controller of zeros, to read arrays into."""
         width, powers = config.width, np.zeros(DEGREE + 1)
         network = np.zeros((width, 2)), np.zeros(width), np.zeros(width)
@@ -141,7 +119,7 @@ class HopperSystem(ProvedSystem):
             )
 
     def train(
-        self, robot: Hopper, config: HopperConfig, progress: TrainingProgress | None
+        self, robot: Hopper, config: NetworkConfig, progress: TrainingProgress | None
     ) -> HopController:
         """Train a policy and its tube."""
         return train_hopper(
@@ -188,12 +166,12 @@ class HopperSystem(ProvedSystem):
         """Return lean and momentum in words."""
         return f"lean {place[0]:.4g} rad, momentum {place[1]:.4g} kg m^2/s"
 
-    def spec_numbers(self, config: HopperConfig) -> Mapping[str, float]:
+    def spec_numbers(self, config: NetworkConfig) -> Mapping[str, float]:
         """Return the rate of approach that is asked for."""
         return {"rate": config.rate}
 
     def conclude(
-        self, bounds: Mapping[str, float | None], config: HopperConfig, level: int
+        self, bounds: Mapping[str, float | None], config: NetworkConfig, level: int
     ) -> tuple[Conclusion, ...]:
         """Draw the conclusions about trajectories that proved bounds of conditions allow."""
         return conclude(bounds, config.rate, level)
