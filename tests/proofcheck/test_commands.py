@@ -157,7 +157,8 @@ def test_a_proof_about_beliefs_is_one_about_the_robots_near_them(asked, believed
     answer = asked(table)
     assert re.match(said, answer.stdout.splitlines()[-1]), answer.stdout
     assert holds(answer) == (name == "as it was written")
-    assert ("ahead of the one above by the lean after" in answer.stdout) == ("--program" not in said)
+    derived = "--program" not in said
+    assert ("ahead of the one above by the lean after" in answer.stdout) == derived
 
 
 def test_a_gait_that_is_told_a_lean_without_a_distance_from_it_is_left_open(asked, table):
