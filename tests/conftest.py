@@ -248,13 +248,26 @@ def relu_run(made_once):
 @pytest.fixture(scope="session")
 def small_cartpole(made_once):
     """Folder of a cart-pole's run with a small set, near the linear start: nobody changes it."""
-    from neuralgaits.systems.cartpole.cartpole_verbs import SYSTEM
-    from neuralgaits.systems.family_training import train_family
+    from support import system_runs
 
-    def make(run: Path) -> None:
-        train_family(SYSTEM, "cartpole", seed=0, steps=20, hidden=(2,), out=run, root=run.parent)
+    return made_once("small-cartpole", system_runs.small("cartpole", 20))
 
-    return made_once("small-cartpole", make)
+
+@pytest.fixture(scope="session")
+def small_hopper(made_once):
+    """Folder of the hopper's gait that a training starts from, which is proved as it is."""
+    from support import system_runs
+
+    return made_once("small-hopper", system_runs.small("hopper", 0))
+
+
+@pytest.fixture(scope="session")
+def feet_run(made_once):
+    """A short training on flat feet, shared by all workers: nobody changes it."""
+    from neuralgaits.analysis.run import open_run
+    from support import system_runs
+
+    return open_run(made_once("feet", system_runs.feet))
 
 
 def _two_steps(made_once: Callable[[str, Maker], Path], name: str):

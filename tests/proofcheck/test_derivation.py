@@ -27,10 +27,11 @@ CASES = {
         commands=commands_of(step_length=(0.3, 0.33), step_height=(-0.01, 0.01)),
     ),
     "slope": ToldCase("rabbit", commands=commands_of(slope=(-0.08, 0.08))),
+    "belief": ToldCase("amber3m", commands=commands_of(lean=(-0.01, 0.01))),
     "sets": SetCase("legs-2", disturbance=(0.02, 0.3), attraction="nested tubes"),
 }
 TIGHT = {"legs": 1e-6, "learned": 1e-8, "speed": 1e-4, "footholds": 1e-3, "slope": 1e-4}
-TIGHT |= {"feet": 1e-8, "learned feet": 1e-6}
+TIGHT |= {"feet": 1e-8, "learned feet": 1e-6, "belief": 1e-4}
 """Width of an enclosure at a point; 1e-9 elsewhere. Elimination in six unknowns costs digits, and
 so do models with coefficients in doubles, which add to each operation what rounding may do."""
 POINTS, BOXES, SAMPLES = 12, 12, 40

@@ -114,3 +114,18 @@ def test_axes_of_other_commands_are_no_proof(answers):
     assert own.returncode == program.returncode == 3 and report.verdict == "undecided"
     assert "without the axes of the gait's commands" in program.stdout
     assert "without the axes of the gait's commands" in str(report.reason)
+
+
+def test_nothing_is_concluded_of_a_belief_without_a_distance_from_it(proofcheck, tmp_path):
+    """Every axis and theorem of all speeds, named as if a lean were told."""
+    text = gzip.decompress(PACKED.read_bytes()).decode()
+    table = json.loads(text)
+    for axis, when in zip(table["chart"][2:], ("before", "after"), strict=True):
+        axis["name"] = f"lean {when}"
+    table["model"]["policy"]["commands"][0]["name"] = "lean"
+    table["theorems"][0]["parameters"]["told"] = ["lean"]
+    path = tmp_path / "proof.json"
+    path.write_text(json.dumps(table))
+    answer = proofcheck("--program", path)
+    assert answer.returncode == 1
+    assert "the distance from a belief is an axis where one is told" in answer.stdout

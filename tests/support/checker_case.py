@@ -35,13 +35,14 @@ from neuralgaits.certificate.proof_file.model_data import model_data
 from neuralgaits.certificate.proof_file.theorem_tables import Theorems
 from neuralgaits.certificate.traced import trace_spec
 from neuralgaits.gait import HybridInvariantPolicy, MLPPolicy, Network, Residuals
-from neuralgaits.gait.commands import Command
+from neuralgaits.gait.commands import LEAN, Command, command_named
 from neuralgaits.gait.flow_residual import Residual
 from neuralgaits.gait.policies.commanded_gait import AnyGait, CommandedGait
 from neuralgaits.gait.reset_residual import ResetResidual
 from neuralgaits.programs import POINT, evaluate
 from neuralgaits.robots import PlanarBiped, load_robot
 from neuralgaits.robots.mjcf.loader import robot_from_text
+from neuralgaits.robots.mjcf.parameters import axes_of
 from support.random_biped import random_biped
 
 EVERYWHERE = Box((0.0, 0.0), (1.0, 1.0))
@@ -365,12 +366,14 @@ class ToldCase(Case):
 
     @property
     def chart(self) -> Chart:
-        """With two axes a command."""
-        return Chart.of(self.commands)
+        """With two axes a command, and how far the robot is from a lean that it is told."""
+        return Chart.of(self.commands, self.spec.parameters)
 
     @cached_property
     def spec(self):
-        found = replace(super().spec, commands=self.commands)
+        leans = command_named(self.commands, LEAN) is not None
+        near = axes_of(self.robot, {LEAN: 0.003}) if leans else ()
+        found = replace(super().spec, commands=self.commands, parameters=near)
         return found.with_conditions(FencesApart("apart", "tube", 0.1))
 
     @cached_property

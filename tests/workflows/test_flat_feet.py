@@ -1,12 +1,13 @@
 """A robot on flat feet through the verbs: trained, proved, and walked by both loops."""
 
+import shutil
+
 import numpy as np
 import pytest
 
 import neuralgaits as ng
 from neuralgaits.certificate.levels.full_order.model import FullOrderModel
 from neuralgaits.errors import SpecError
-from neuralgaits.robots import load_robot
 from neuralgaits.simulation.native_walk import engine_of_run
 from neuralgaits.simulation.setup.disturbance import parse
 from neuralgaits.simulation.setup.plant import build
@@ -19,10 +20,9 @@ SETTLED = 0.02
 
 
 @pytest.fixture(scope="module")
-def run(tmp_path_factory):
-    out = tmp_path_factory.mktemp("feet") / "run"
-    # After 30 steps some conditions are broken still, after 150 all of them hold.
-    return ng.train(load_robot("amber3m-feet"), seed=0, steps=200, out=out)
+def run(feet_run, tmp_path_factory):
+    """A copy, which is certified later."""
+    return ng.open_run(shutil.copytree(feet_run.path, tmp_path_factory.mktemp("feet") / "run"))
 
 
 @pytest.fixture(scope="module")

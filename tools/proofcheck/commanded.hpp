@@ -67,7 +67,7 @@ struct Foothold {
 // Turns the swing leg about the hip until its foot is on the foothold, and for a length the last link
 // about its joint first, until the foot is as far from the hip as the foothold.
 template <class K>
-void put_on_foothold(const Robot& robot, const Foothold<K>& foothold, const K& z1,
+void put_on_foothold(const RobotOf<K>& robot, const Foothold<K>& foothold, const K& z1,
                      vector<K>& outputs) {
   vector<K> q = outputs;
   K first = z1;
@@ -106,7 +106,6 @@ void put_on_foothold(const Robot& robot, const Foothold<K>& foothold, const K& z
 template <class K>
 End<K> end_at(const Model& model, const vector<K>& commands) {
   const Family& family = *model.family;
-  const Robot& robot = model.robot;
   const vector<K> monomial = powers(places(family, commands));
   const auto value = [&](const char* name) {
     std::optional<K> found;
@@ -114,6 +113,8 @@ End<K> end_at(const Model& model, const vector<K>& commands) {
       if (family.commands[i].name == name) found = commands[i];
     return found;
   };
+  // The policy is that of the robot which the gait believes in.
+  const RobotOf<K> robot = leaning(model.robot, value(kLean));
   End<K> end;
   end.cosine = K(1.0);
   if (const auto slope = value("slope")) sincos(*slope, end.sine, end.cosine);
@@ -212,19 +213,22 @@ Step<K> step_between(const Model& model, const vector<K>& before, const vector<K
 }
 
 // The step of all pairs of commands, on axes 2, 3, .. of the chart: before and after, command by
-// command.
+// command. A robot that is told a lean is off the one after by the next axis, whatever it is told then.
 Step<Formula> told_step(const Model& model, Recording& in) {
   vector<Formula> before, after;
-  for (size_t i = 0; i < model.family->commands.size(); ++i) {
-    // It says which robot the policy is of, and this program derives the one of the file.
-    if (model.family->commands[i].name == "lean")
-      throw Unknown{"a gait that is told the lean of its torso"};
+  std::optional<Formula> lean;
+  const size_t count = model.family->commands.size();
+  for (size_t i = 0; i < count; ++i) {
     before.push_back(Formula::axis(in, 2 + 2 * i));
     after.push_back(Formula::axis(in, 3 + 2 * i));
+    if (model.family->commands[i].name == kLean)
+      lean = after.back() + Formula::axis(in, 2 + 2 * count);
   }
   const End<Formula> from = end_at(model, before), to = end_at(model, after);
   Step<Formula> step = step_between(model, before, after, from, to);
-  step.then = std::make_shared<const Step<Formula>>(step_between(model, after, after, to, to));
+  Step<Formula> then = step_between(model, after, after, to, to);
+  step.robot = then.robot = std::make_shared<const RobotOf<Formula>>(leaning(model.robot, lean));
+  step.then = std::make_shared<const Step<Formula>>(std::move(then));
   return step;
 }
 

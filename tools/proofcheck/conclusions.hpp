@@ -102,6 +102,7 @@ class Conclusions {
       throw DoesNotFollow{"phases of rise and fall that are not in order"};
     const double pace = positive("set/forward", t.whole());
     positive("set/inertia", t.whole());
+    match_beliefs(t);
     const double width = positive("set/width", t.lower());
     positive("set/fence-lower", t.lower());
     positive("set/fence-upper", t.upper());
@@ -520,6 +521,17 @@ class Conclusions {
             admissible(t)};
   }
 
+  // A robot is never exactly where it believes to be; and without a belief there is nothing to be near.
+  void match_beliefs(const WalkingSet& t) const {
+    const auto behind = file_.chart.begin() + std::min(2 + 2 * t.told.size(), file_.chart.size());
+    const auto near = std::count_if(behind, file_.chart.end(),
+                                    [](const Axis& axis) { return axis.ends_in(kNearBelief); });
+    const bool told = std::count(t.told.begin(), t.told.end(), kLean) > 0;
+    if (told ? near != 1 || file_.chart.end() - behind != 1 : near > 0)
+      throw DoesNotFollow{"the distance from a belief is an axis where one is told, alone, and only "
+                          "there"};
+  }
+
   // Which commands may follow each other: all pairs on a command's two axes, which are the commands
   // before and after.
   string admissible(const WalkingSet& t) const {
@@ -527,12 +539,9 @@ class Conclusions {
     const DoesNotFollow none{"the chart has no axes of the commands " + listed(t.told)};
     if (chart.size() < 2 + 2 * t.told.size()) throw none;
     // Behind them are none but errors, which are constant, and of no command that is not told.
-    const auto ends = [](const string& name, const string& end) {
-      return name.size() >= end.size() && !name.compare(name.size() - end.size(), end.size(), end);
-    };
     for (size_t k = 2 + 2 * t.told.size(); k < chart.size(); ++k)
-      if (chart[k].low != -chart[k].high || chart[k].near() || ends(chart[k].name, " before") ||
-          ends(chart[k].name, " after"))
+      if (chart[k].low != -chart[k].high || chart[k].near() || chart[k].ends_in(" before") ||
+          chart[k].ends_in(" after"))
         throw none;
     string words;
     for (size_t k = 0; k < t.told.size(); ++k) {

@@ -181,7 +181,7 @@ vector<S> state_mismatch(Motion<S>& p) {
 
 // How far a centre of pressure is inside the middle part of a sole, times the force.
 template <class S>
-S inside_sole(const Quantity& q, const Robot& robot, const S& normal, const S& moment) {
+S inside_sole(const Quantity& q, const Linkage& robot, const S& normal, const S& moment) {
   if (!robot.feet) refuse("a sole of a robot on point feet");
   const I heel = robot.feet->heel, toe = robot.feet->toe, half(0.5);
   const I middle = half * (toe - heel), reach = half * I(q.number("share")) * (toe + heel);
@@ -198,7 +198,7 @@ S slack(I friction, const Vec<S>& force, bool forward) {
 template <class S>
 vector<S> value(const Quantity& q, Motion<S>& p) {
   const string& n = q.name;
-  const Robot& robot = p.robot;
+  const auto& robot = p.robot;
   const auto number = [&q](const char* key) { return I(q.number(key)); };
   if (n == "at_least") return shifted(value(*q.of, p), q.bound, true);
   if (n == "at_most") return shifted(value(*q.of, p), q.bound, false);

@@ -760,7 +760,11 @@ void read_model(const Json& table, const ProgramFacts& program, bool by_program,
   read_regions(*model.find("regions"), file.chart, file.regions);
   const vector<Command> commands = commands_of_policy(*model.find("policy"));
   const bool alike = compare_ranges(commands, file);
-  if (by_program || !alike || file.chart.size() != 2 + 2 * commands.size()) {
+  const bool leans = std::any_of(commands.begin(), commands.end(),
+                                 [](const Command& c) { return c.name == kLean; });
+  const bool known = file.chart.size() == 2 + 2 * commands.size() + leans &&
+                     (!leans || file.chart.back().ends_in(kNearBelief));
+  if (by_program || !alike || !known) {
     file.underivable = "a chart with the axis " + file.chart.back().name;
     read_conditions(*model.find("conditions"), program, kAnyJoint, file);
     return;

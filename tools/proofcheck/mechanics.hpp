@@ -26,16 +26,16 @@ S dot(const Vec<S>& a, const Vec<S>& b) { return a.x * b.x + a.z * b.z; }
 template <class S>
 S cross(const Vec<S>& a, const Vec<S>& b) { return a.x * b.z - a.z * b.x; }
 
-template <class S>
-Vec<S> times(const Complex& k, const Vec<S>& a) {
+template <class K, class S>
+Vec<S> times(const ComplexOf<K>& k, const Vec<S>& a) {
   Vec<S> r{k.along * a.x, k.along * a.z};
-  if (magnitude(k.across) == 0.0) return r;
+  if (is_zero(k.across)) return r;
   return r + Vec<S>{-(k.across * a.z), k.across * a.x};
 }
 
 // Sum over links of row[k] times directions[k].
-template <class S>
-Vec<S> point(const Row& row, const vector<Vec<S>>& directions) {
+template <class K, class S>
+Vec<S> point(const RowOf<K>& row, const vector<Vec<S>>& directions) {
   Vec<S> sum{S(0.0), S(0.0)};
   for (size_t k = 0; k < row.size(); ++k)
     if (!row[k].zero()) sum = sum + times(row[k], directions[k]);
@@ -44,7 +44,7 @@ Vec<S> point(const Row& row, const vector<Vec<S>>& directions) {
 
 // T q: absolute link angles, or their rates, from coordinates.
 template <class S>
-vector<S> turned(const Robot& robot, const vector<S>& q) {
+vector<S> turned(const Linkage& robot, const vector<S>& q) {
   vector<S> theta(q.size(), S(0.0));
   theta[0] = q[0];
   for (size_t k = 1; k < q.size(); ++k)
@@ -54,7 +54,7 @@ vector<S> turned(const Robot& robot, const vector<S>& q) {
 
 // The inverse: coordinates from absolute angles.
 template <class S>
-vector<S> unturned(const Robot& robot, const vector<S>& theta) {
+vector<S> unturned(const Linkage& robot, const vector<S>& theta) {
   vector<S> q(theta.size(), S(0.0));
   q[0] = theta[0];
   for (size_t k = 1; k < q.size(); ++k)
@@ -64,7 +64,7 @@ vector<S> unturned(const Robot& robot, const vector<S>& theta) {
 
 // Generalised forces in q from moments about the links: T' times them.
 template <class S>
-vector<S> gathered(const Robot& robot, const vector<S>& moments) {
+vector<S> gathered(const Linkage& robot, const vector<S>& moments) {
   vector<S> forces(moments.size(), S(0.0));
   for (int j = 0; j < robot.links; ++j)
     for (int k = j; k < robot.links; ++k)
@@ -94,19 +94,20 @@ vector<S> solved(vector<vector<S>> a, vector<S> b) {
 // Angles of all links and what follows from them alone.
 template <class S>
 struct Pose {
-  const Robot& robot;
+  using K = Scalar<S>;
+  const RobotOf<K>& robot;
   vector<S> q, theta;
   vector<Vec<S>> e;       // Directions of the links, (-sin, cos).
   vector<Vec<S>> centre;  // Of mass, of each link.
 
-  Pose(const Robot& r, vector<S> coordinates)
+  Pose(const RobotOf<K>& r, vector<S> coordinates)
       : robot(r), q(std::move(coordinates)), theta(turned(r, q)) {
     for (const S& angle : theta) {
       S sine, cosine;
       sincos(angle, sine, cosine);
       e.push_back({-sine, cosine});
     }
-    for (const Row& row : robot.centre) centre.push_back(point(row, e));
+    for (const RowOf<K>& row : robot.centre) centre.push_back(point(row, e));
   }
 
   // Rates of the directions, for link rates w.
@@ -136,9 +137,9 @@ struct Pose {
     for (size_t k = 0; k < e.size(); ++k) {
       Vec<S> sum{S(0.0), S(0.0)};
       for (size_t i = 0; i < e.size(); ++i) {
-        const Complex& arm = robot.centre[i][k];
+        const ComplexOf<K>& arm = robot.centre[i][k];
         // (arm e)' . f = quarter(e) . conjugate(arm) f
-        if (!arm.zero()) sum = sum + times(Complex{arm.along, -arm.across}, forces[i]);
+        if (!arm.zero()) sum = sum + times(ComplexOf<K>{arm.along, -arm.across}, forces[i]);
       }
       out[k] = out[k] + dot(quarter(e[k]), sum);
     }
@@ -167,9 +168,9 @@ struct Pose {
     vector<vector<S>> found(n, vector<S>(n, S(0.0)));
     for (size_t k = 0; k < n; ++k)
       for (size_t l = k; l < n; ++l) {
-        Complex sum{I(0.0), I(0.0)};  // Of m conjugate(arm_k) arm_l.
+        ComplexOf<K> sum{K(0.0), K(0.0)};  // Of m conjugate(arm_k) arm_l.
         for (size_t i = 0; i < n; ++i) {
-          const Complex &a = robot.centre[i][k], &b = robot.centre[i][l];
+          const ComplexOf<K> &a = robot.centre[i][k], &b = robot.centre[i][l];
           sum.along = sum.along + robot.mass[i] * (a.along * b.along + a.across * b.across);
           sum.across = sum.across + robot.mass[i] * (a.along * b.across - a.across * b.along);
         }
@@ -180,7 +181,7 @@ struct Pose {
         S sine, cosine;
         sincos(theta[l] - theta[k], sine, cosine);
         found[k][l] = sum.along * cosine;
-        if (magnitude(sum.across) != 0.0) found[k][l] = found[k][l] - sum.across * sine;
+        if (!is_zero(sum.across)) found[k][l] = found[k][l] - sum.across * sine;
         found[l][k] = found[k][l];
       }
     return found;
@@ -206,7 +207,7 @@ struct Pose {
   vector<Vec<S>> velocities(const vector<S>& w) const {
     const auto moving = spin(w);
     vector<Vec<S>> out;
-    for (const Row& row : robot.centre) out.push_back(point(row, moving));
+    for (const RowOf<K>& row : robot.centre) out.push_back(point(row, moving));
     return out;
   }
 };
@@ -214,7 +215,7 @@ struct Pose {
 // Coordinates, or their rates, after the legs have swapped roles: on point feet the links are read from
 // the other end, on flat ones the joints.
 template <class S>
-vector<S> swapped(const Robot& robot, vector<S> q, vector<S> theta) {
+vector<S> swapped(const Linkage& robot, vector<S> q, vector<S> theta) {
   if (robot.feet) {
     std::reverse(q.begin(), q.end());
     return q;
@@ -239,7 +240,7 @@ struct Struck {
 // A flat foot lands level: then joints read from the other end are the new coordinates. If it turns,
 // every link turned with it besides, but the rotor of its ankle turned by the joint's rate alone.
 template <class S>
-Struck<S> struck(const Robot& robot, const Pose<S>& before, vector<S> w) {
+Struck<S> struck(const RobotOf<Scalar<S>>& robot, const Pose<S>& before, vector<S> w) {
   const Vec<S> carried = point(robot.foot, before.spin(w));
   const size_t n = w.size();
   const S foot_turn = robot.feet ? w.back() : S(0.0);
@@ -339,9 +340,9 @@ template <class S>
 class Motion {
  public:
   const Model& model;
-  const Robot& robot;
   using T = typename Under<S>::type;
   using K = Scalar<S>;
+  const RobotOf<K>& robot;
   const Step<K>& step;
   const S z1, z2;
   const std::optional<Off<S>> off;  // Nothing: outputs are zero.
@@ -350,7 +351,7 @@ class Motion {
   Motion(const Model& m, const Step<K>& s, S first, S second,
          std::optional<Off<S>> outputs_off = {}, std::optional<T> phase = {},
          std::optional<Outputs<S>> known = {})
-      : model(m), robot(m.robot), step(s), z1(std::move(first)), z2(std::move(second)),
+      : model(m), robot(walker_of(m, s)), step(s), z1(std::move(first)), z2(std::move(second)),
         off(std::move(outputs_off)), told(std::move(phase)), outputs_(std::move(known)) {}
 
   // Of the step, by its outputs.

@@ -18,6 +18,9 @@ struct Axis {
   double change = HUGE_VAL;
 
   bool near() const { return change < HUGE_VAL; }
+  bool ends_in(const string& end) const {
+    return name.size() >= end.size() && !name.compare(name.size() - end.size(), end.size(), end);
+  }
 };
 using Chart = vector<Axis>;
 

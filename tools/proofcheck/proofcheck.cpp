@@ -207,6 +207,9 @@ void say_family(const Family& family, const Chart& chart, bool part) {
   say("  what is stated is about " + words + (part ? ", which is a part of that" : ", all of that"));
   say("  where a step ends, and with it z1 at phase 0 and 1, follows from the commands: see the text "
       "of this program, section 11");
+  if (chart.back().ends_in(kNearBelief))
+    say("  the torso's centre of mass is ahead of the one above by the lean after plus its error (m), and "
+        "the policy that of a robot without the error");
   say("tubes, at commands that stay:");
   const size_t count = family.commands.size();
   for (size_t corner = 0; corner < size_t{1} << count; ++corner) {
@@ -326,7 +329,7 @@ int check(const ProofFile& file, size_t threads) {
         }
         const Axis& last = file.chart.back();
         // The distance of the robot from what it believes changes with each belief.
-        if (last.name.find(" beyond the belief (error in m)") != string::npos)
+        if (last.ends_in(kNearBelief))
           say("  this holds for every robot whose lean stays within " + brief(last.high) +
               " m of what it believes at each touchdown, whatever sequence of beliefs it is told; of "
               "a robot further from its belief it says nothing");

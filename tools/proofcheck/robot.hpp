@@ -66,12 +66,20 @@ const Array& array(const std::map<string, Array>& table, const string& name, vec
   return found->second;
 }
 
+inline bool is_zero(const I& x) { return magnitude(x) == 0.0; }
+inline bool is_zero(const Formula& x) { return x.is(0.0); }
+
 // along e + across (e turned a quarter counter-clockwise), e a link's direction.
-struct Complex {
-  I along, across;
-  bool zero() const { return magnitude(along) == 0.0 && magnitude(across) == 0.0; }
+template <class K>
+struct ComplexOf {
+  K along, across;
+  bool zero() const { return is_zero(along) && is_zero(across); }
 };
-using Row = vector<Complex>;  // A point of the robot: sum over links of a Complex times e.
+// A point of the robot: sum over links of a Complex times e.
+template <class K>
+using RowOf = vector<ComplexOf<K>>;
+using Complex = ComplexOf<I>;
+using Row = RowOf<I>;
 
 // Flat feet on ankles with motors. The stance foot lies still and is no link.
 struct Feet {
@@ -81,13 +89,13 @@ struct Feet {
   I torque_limit;  // Of an ankle's motor.
 };
 
-struct Robot {
+// Links and joints, but for where the links' weight is.
+struct Linkage {
   int links = 0;  // n: stance leg upwards, torso if there is one, swing leg downwards.
   int leg = 0;    // Links of a leg; of one on a flat foot, those above it.
   bool torso = false;
   vector<I> mass, inertia;       // Of the links.
-  vector<Row> centre;            // Centres of mass.
-  Row hip, foot, moment;         // Hip, swing foot, and mass times centre of mass of the whole.
+  Row hip, foot;                 // Hip and swing foot.
   I weight_mass, gravity;        // Total mass, g.
   I friction;                    // Coefficient of the feet.
   vector<I> armature, damping;   // Of the n coordinates; on point feet the first has none.
@@ -101,6 +109,36 @@ struct Robot {
   // d theta_k / d q_j: angles add up the stance leg and over its hip, and subtract down the other.
   int turn(int k, int j) const { return j > k ? 0 : j > leg ? -1 : 1; }
 };
+
+// A robot whose weight is where numbers K say: known ones, or formulas of the lean of its torso.
+template <class K>
+struct RobotOf : Linkage {
+  vector<RowOf<K>> centre;  // Centres of mass.
+  RowOf<K> moment;          // Mass times centre of mass of the whole.
+};
+using Robot = RobotOf<I>;
+
+// The robot whose torso's centre of mass is further ahead than the file says, where it is upright: across
+// is counter-clockwise from up, which is to the back.
+template <class K>
+RobotOf<K> leaning(const Robot& file, const std::optional<K>& lean) {
+  const auto copied = [](const Row& row) {
+    RowOf<K> found;
+    for (const Complex& part : row) found.push_back({K(part.along), K(part.across)});
+    return found;
+  };
+  RobotOf<K> r;
+  static_cast<Linkage&>(r) = file;
+  for (const Row& row : file.centre) r.centre.push_back(copied(row));
+  r.moment = copied(file.moment);
+  if (!lean) return r;
+  if (!file.torso) refuse("a lean of a robot without a torso");
+  const auto torso = static_cast<size_t>(file.leg);
+  K& across = r.centre[torso][torso].across;
+  across = across - *lean;
+  r.moment[torso].across = r.moment[torso].across - file.mass[torso] * *lean;
+  return r;
+}
 
 Complex times(I k, const Complex& c) { return {k * c.along, k * c.across}; }
 
@@ -249,6 +287,11 @@ struct Policy {
   double start = 0.0, guard = 0.0;  // z1 after the impact and at the guard.
   vector<double> cubic;             // [4, m]
 };
+
+// The command that says which robot a policy is of, and what the name of the axis ends in that says how
+// far from that the robot is.
+constexpr char kLean[] = "lean";
+constexpr char kNearBelief[] = " beyond the belief (error in m)";
 
 // A number that a gait is told at each touchdown.
 struct Command {

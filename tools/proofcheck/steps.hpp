@@ -37,6 +37,7 @@ struct Step {
   vector<K> before, after;
   std::optional<Ground<K>> ground;       // None: level.
   vector<K> start_outputs, guard_outputs;
+  std::shared_ptr<const RobotOf<K>> robot;  // That walks it; none: the file's.
   std::shared_ptr<const Step<K>> then;   // If the commands stay; none: the same step again.
 
   const Step& next() const { return then ? *then : *this; }
@@ -151,5 +152,9 @@ struct Model {
   std::optional<ResetResidual> reset;
   Step<I> step;  // Of a gait that is not.
 };
+
+// The robot that walks a step.
+inline const Robot& walker_of(const Model& m, const Step<I>& s) { return s.robot ? *s.robot : m.robot; }
+inline const RobotOf<Formula>& walker_of(const Model&, const Step<Formula>& s) { return *s.robot; }
 
 }  // namespace

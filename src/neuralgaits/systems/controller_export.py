@@ -1,6 +1,7 @@
 """A family's controller in C99: one function of the measured state, without a heap."""
 
 import ctypes
+import math
 import tempfile
 from dataclasses import dataclass
 from pathlib import Path
@@ -95,7 +96,7 @@ def c_files(run: FamilyRun, program: Program, header: ControllerHeader) -> dict[
             f"/* Controller of {title}. Written by neuralgaits.",
             f" * {header.advice}.",
             f" * {header.about}.",
-            f" * {_proof_in_words(run)} */",
+            f" * {_proof_in_words(run, header)} */",
             f"#ifndef {guard}",
             f"#define {guard}",
             '#include "ng_math.h"',
@@ -112,11 +113,12 @@ def c_files(run: FamilyRun, program: Program, header: ControllerHeader) -> dict[
     return {
         f"{header.file}.h": text,
         f"{header.file}.c": "\n\n".join(code) + "\n",
+        **header.more,
         "ng_math.h": shipped()["ng_math.h"],
     }
 
 
-def _proof_in_words(run: FamilyRun) -> str:
+def _proof_in_words(run: FamilyRun, header: ControllerHeader) -> str:
     """Return what the run's proof file states, which nobody has checked here."""
     system, bounds = run.system, stated_bounds(run) or {}
     levels = system.conclude(bounds, run.config, system.highest)
@@ -124,8 +126,7 @@ def _proof_in_words(run: FamilyRun) -> str:
     if not proved:
         return "Nothing is proved of the set"
     return (
-        f"The proof file of this run states level {max(proved)} of states in the set, in\n"
-        " * continuous time and exact arithmetic: there the force is within the limit. Verify it\n"
+        f"The proof file of this run states level {max(proved)} of {header.proved}. Verify it\n"
         " * with check-proof or build/proofcheck"
     )
 
@@ -141,9 +142,10 @@ def _largest_difference(
     if compiler is None:
         return None
     flags = ("-std=c99", "-O2", "-Wall", "-Wextra", "-Werror", "-pedantic", "-fPIC", "-shared")
-    library = SharedLibrary(header.file, files, (f"{header.file}.c",), flags)
+    sources = tuple(sorted(name for name in files if name.endswith(".c")))
+    library = SharedLibrary(header.file, files, sources, flags)
     first = program.outputs[0].name
-    expected = evaluate(program, {"state": states}, POINT)[first].reshape(-1)
+    expected = evaluate(program, {"state": states}, POINT)[first].reshape(len(states), -1)
     with tempfile.TemporaryDirectory(prefix="neuralgaits-") as folder:
         compiled = ctypes.CDLL(str(compiler.compile(library, Path(folder))))
         function = getattr(compiled, header.function)
@@ -158,10 +160,12 @@ def _largest_difference(
     return error
 
 
-def _called(function: Any, program: Program, state: np.ndarray) -> dict[str, float]:
+def _called(function: Any, program: Program, state: np.ndarray) -> dict[str, list[float]]:
     """Call the C function at one state. Returns: its outputs by name."""
     doubles = ctypes.c_double * len(state)
-    answers = {output.name: ctypes.c_double() for output in program.outputs}
+    answers = {
+        output.name: (ctypes.c_double * math.prod(output.shape))() for output in program.outputs
+    }
     function.restype = None
-    function(doubles(*state), *(ctypes.byref(answer) for answer in answers.values()))
-    return {name: answer.value for name, answer in answers.items()}
+    function(doubles(*state), *answers.values())
+    return {name: list(answer) for name, answer in answers.items()}

@@ -1,7 +1,7 @@
 """Names and numbers of a controller that is exported as one function in C99."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 
 @dataclass(frozen=True)
@@ -17,6 +17,8 @@ class ControllerHeader:
         constants: value and comment of each #define, by name.
         unit: of the first output.
         limit: of the first output, to which rounding is compared.
+        proved: what the run's proof is about if it states a level, lines of a C comment.
+        more: further C files by name, which use the function.
     """
 
     file: str
@@ -27,3 +29,5 @@ class ControllerHeader:
     constants: Mapping[str, tuple[float, str]]
     unit: str
     limit: float
+    proved: str
+    more: Mapping[str, str] = field(default_factory=dict)

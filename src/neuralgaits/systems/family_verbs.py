@@ -109,9 +109,7 @@ class FamilyVerbs(FileVerbs):
         """Write the controller as C."""
         system = self.system
         if not isinstance(system, ExportedSystem):
-            raise InputError(
-                f"expected a controller of the state alone, found {system.family.words}"
-            )
+            raise InputError(f"expected a controller with an export, found {system.family.words}")
         opened = open_family_run(system, run)
         progress.begun()
         done = export_family(system, opened, out, force=force)

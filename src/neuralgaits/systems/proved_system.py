@@ -111,7 +111,7 @@ class ProvedSystem(TrainedSystem):
 
 
 class ExportedSystem(ProvedSystem):
-    """A system whose controller is a function of the measured state: it is exported as C."""
+    """A system whose controller is exported as C, with or without a memory."""
 
     @abstractmethod
     def header(self, run: Any) -> ControllerHeader:

@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 Table = dict[str, Any]
-About = Literal["small", "walk", "full"]
+About = Literal["small", "walk", "full", "feet", "belief", "speeds", "cartpole", "hopper"]
 Content = Table | str | bytes
 EXIT = {
     "proved": 0,
@@ -112,7 +112,8 @@ class Base:
 
     Attributes:
         proofs: "small" is level 1 of two conditions, the region of one in two boxes; "walk" is
-            levels 1 to 3 of the default gait; "full" is all four.
+            levels 1 to 3 of the default gait; "full" is all four. The others are those of
+            `system_bases`.
         runs: folder of each.
         scratch: where spoilt copies go.
     """

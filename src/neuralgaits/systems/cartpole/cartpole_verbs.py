@@ -114,6 +114,8 @@ class CartPoleSystem(EquilibriumSystem):
             },
             unit="N",
             limit=robot.force_limit,
+            proved="states in the set, in\n * continuous time and exact arithmetic: there the "
+            "force is within the limit",
         )
 
     def page_lines(self, run: FamilyRun) -> list[str]:

@@ -10,6 +10,8 @@ from typing import NamedTuple
 
 from neuralgaits.systems.hopper.hopper_model import Hopper
 
+SHORTEST_FLIGHT = 0.02
+"""Least duration of a plan [s]."""
 LIFT = 0.05
 """Shortening of the leg in the middle of a flight [m]."""
 STIFFNESS, DAMPING = 3600.0, 120.0
@@ -72,15 +74,18 @@ class FlightPlan:
         fall = height + distance * cosine
         fall -= float(robot.mass_moment(length)) / robot.mass * math.cos(lean)
         risen = max(upward * upward + 2.0 * robot.gravity * fall, 0.0)
-        duration = max((upward + math.sqrt(risen)) / robot.gravity, 0.02)
+        duration = max((upward + math.sqrt(risen)) / robot.gravity, SHORTEST_FLIGHT)
         spin = wheel_momentum + float(robot.flight_inertia(start.length)) * start.turning
         turning = spin / float(robot.flight_inertia(length))
         return cls(duration, start, LegState(lean, length, turning, 0.0))
 
     def at(self, time: float) -> tuple[Track, Track]:
         """Return the desired lean and length at a time after lift-off [s]; held after the end."""
-        share, total = min(time / self.duration, 1.0), self.duration
-        start, end = self.start, self.end
+        return self.at_share(min(time / self.duration, 1.0))
+
+    def at_share(self, share: float) -> tuple[Track, Track]:
+        """Return the same at a share of the flight, from 0 to 1; numbers may be traced."""
+        start, end, total = self.start, self.end, self.duration
         lean = _cubic(share, total, start.lean, end.lean, start.turning, end.turning)
         length = _cubic(share, total, start.length, end.length, start.sliding, 0.0)
         bump = share * (1.0 - share)
@@ -102,7 +107,7 @@ def flight_forces(
     extending = _commanded(length, leg.length, leg.sliding)
     apart = leg.length + robot.upper_offset - robot.foot_offset
     reduced = robot.upper_mass * robot.foot_mass / robot.mass
-    inertia = float(robot.flight_inertia(leg.length))
+    inertia = robot.flight_inertia(leg.length)
     torque = -(inertia * angular + 2.0 * reduced * apart * leg.sliding * leg.turning)
     return torque, reduced * (extending - apart * leg.turning**2)
 

@@ -19,7 +19,7 @@ import jax.numpy as jnp
 import mujoco
 import numpy as np
 
-from neuralgaits._types import Array, Float
+from neuralgaits._types import Array, Float, Scalar
 from neuralgaits.records.record import Count, Record
 from neuralgaits.robots.mjcf.compiled import compile_text
 from neuralgaits.runs.names import ROBOT
@@ -33,11 +33,14 @@ from neuralgaits.systems.hopper.flight_plan import (
 )
 from neuralgaits.systems.hopper.hop_conditions import HopController, leg_motion
 from neuralgaits.systems.hopper.hopper_model import Hopper
+from neuralgaits.systems.hopper.length_policy import LengthPolicy
 
 HOPS = 200
 """Hops of an episode."""
 HOLD = 60.0
 """Gain with which the wheel is held still in stance [1/s]."""
+LEAST_MOMENTUM = 0.1
+"""Least momentum that the policy is given [kg m^2/s]."""
 EARLIEST = 0.3
 """Share of a flight before which contact is no touchdown: the foot is leaving the floor."""
 LATEST_S = 1.0
@@ -107,17 +110,24 @@ def stance_law(robot: Hopper, controller: HopController) -> StanceLaw:
     policy = controller.policy
 
     def law(state: Float[Array, "5"]) -> Float[Array, ""]:
-        lean, length, turning, sliding, sigma = state
-        s = jnp.clip((lean - policy.ends[0]) / policy.sweep, 0.0, 1.0)
-        desired, rates, accelerations = leg_motion(robot, policy, s, jnp.maximum(sigma, 0.1))
-        extending = (
-            accelerations[1] + STIFFNESS * (desired - length) + DAMPING * (rates[1] - sliding)
-        )
-        reach = length + robot.upper_offset
-        weight = robot.gravity * jnp.cos(lean)
-        return robot.upper_mass * (extending - reach * turning * turning + weight)
+        s = jnp.clip((state[0] - policy.ends[0]) / policy.sweep, 0.0, 1.0)
+        sigma = jnp.maximum(state[4], LEAST_MOMENTUM)
+        return stance_force(robot, policy, s, LegState(*state[:4]), sigma)
 
     return law
+
+
+def stance_force(
+    robot: Hopper, policy: LengthPolicy, s: Scalar, leg: LegState, sigma: Scalar
+) -> Scalar:
+    """Return the leg's force [N] at a progress and a momentum in the policy's range."""
+    desired, rates, accelerations = leg_motion(robot, policy, s, sigma)
+    extending = (
+        accelerations[1] + STIFFNESS * (desired - leg.length) + DAMPING * (rates[1] - leg.sliding)
+    )
+    reach = leg.length + robot.upper_offset
+    weight = robot.gravity * jnp.cos(leg.lean)
+    return robot.upper_mass * (extending - reach * leg.turning * leg.turning + weight)
 
 
 class HopSimulation:

@@ -1,6 +1,6 @@
 """The hopper's own part of its verbs: reading, training, episodes, and words."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +14,7 @@ from neuralgaits._types import Array, Float
 from neuralgaits.errors import RunError
 from neuralgaits.records.certified import Conclusion
 from neuralgaits.runs.shell_words import command, named
+from neuralgaits.systems.controller_header import ControllerHeader
 from neuralgaits.systems.family_run import FamilyRun, NetworkConfig
 from neuralgaits.systems.family_verbs import FamilyVerbs
 from neuralgaits.systems.hopper import (
@@ -30,6 +31,7 @@ from neuralgaits.systems.hopper.hop_episodes import (
     simulate_hops,
     trace_hops,
 )
+from neuralgaits.systems.hopper.hop_export import forces_of, header_of, random_states
 from neuralgaits.systems.hopper.hop_figures import draw_hops, draw_tube
 from neuralgaits.systems.hopper.hop_levels import TABLE, conclude
 from neuralgaits.systems.hopper.hop_training import DEGREE, sampled_hops, train_hopper
@@ -42,7 +44,7 @@ from neuralgaits.systems.hopper.hopper_records import (
     HopperTrained,
 )
 from neuralgaits.systems.hopper.length_policy import LengthPolicy
-from neuralgaits.systems.proved_system import ProvedSystem
+from neuralgaits.systems.proved_system import ExportedSystem
 from neuralgaits.systems.system_family import Screen
 from neuralgaits.systems.trained_system import TrainingProgress
 
@@ -52,7 +54,7 @@ SHOWN_EPISODES, SHOWN_HOPS = 3, 10
 """Episodes and hops in the pictures."""
 
 
-class HopperSystem(ProvedSystem):
+class HopperSystem(ExportedSystem):
     """The family of hoppers."""
 
     family, table = FAMILY, TABLE
@@ -175,6 +177,18 @@ class HopperSystem(ProvedSystem):
     ) -> tuple[Conclusion, ...]:
         """Draw the conclusions about trajectories that proved bounds of conditions allow."""
         return conclude(bounds, config.rate, level)
+
+    def header(self, run: FamilyRun) -> ControllerHeader:
+        """Return names and numbers of the exported controller."""
+        return header_of(run)
+
+    def law(self, run: FamilyRun) -> Callable[[Float[Array, "13"]], dict[str, Array]]:
+        """Return the forces of stance and flight."""
+        return forces_of(run)
+
+    def states(self, run: FamilyRun, count: int, seed: int) -> Float[np.ndarray, "count 13"]:
+        """Return random states of stances and flights."""
+        return random_states(run, count, seed)
 
     def episodes(self, run: FamilyRun, count: int, seed: int) -> tuple[HopEpisodes, bool]:
         """Hop in MuJoCo."""
