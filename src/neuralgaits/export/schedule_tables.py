@@ -32,7 +32,7 @@ def schedule_fields(schedule: GainSchedule) -> dict[str, Float[np.ndarray, "..."
         "inertia": np.moveaxis(np.asarray(gains.inertia), (0, 1), (2, 3)),
     }
     return {
-        "start": -np.asarray(gait.phase(np.float64(0.0)), np.float64) * stride,
+        "start": -np.asarray(gait.phase(np.zeros(())), np.float64) * stride,
         "stride": stride,
         "margin": MARGIN,
         "fence_terms": np.array(tables["fences"].shape[:2]),

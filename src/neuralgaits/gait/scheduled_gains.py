@@ -79,6 +79,8 @@ class ScheduledGains(eqx.Module):
 class GainErrors:
     """Largest errors of a gait's gains at states of its tube; sampled, not bounded.
 
+    Infinite where the tube cannot be widened by `MARGIN`.
+
     Attributes:
         torque: largest error of a joint's feed-forward torque [N m].
         inertia: largest norm of 1 - M^-1 M_fitted.
@@ -93,13 +95,15 @@ class GainErrors:
         robot: PlanarBiped,
         gait: Gait,
         gains: ScheduledGains,
-        counts: tuple[int, int] = (41, 13),
+        counts: tuple[int, int] = _NODES,
     ) -> "GainErrors":
         """Compare gains with the model at evenly spaced states of the tube, edges included."""
         axes = np.meshgrid(*(np.linspace(0.0, 1.0, count) for count in counts), indexing="ij")
         charts = np.stack(axes, axis=-1).reshape(-1, 2)
         torque, inertia = map(np.asarray, torque_and_inertia(robot, gait, charts))
         fitted_torque, fitted_inertia = map(np.asarray, _at(gains, charts))
+        if not (np.all(np.isfinite(fitted_torque)) and np.all(np.isfinite(fitted_inertia))):
+            return cls(np.inf, np.inf)
         lost = np.eye(inertia.shape[1]) - np.linalg.solve(inertia, fitted_inertia)
         return cls(
             float(np.max(np.abs(fitted_torque - torque))),
