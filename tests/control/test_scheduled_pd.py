@@ -83,12 +83,12 @@ def test_torques_of_identified_joints_are_fitted_to_them(run, law):
 
 def test_it_keeps_its_gains_and_records_only_its_numbers(run, law):
     assert law_for(law, run.robot, run.gait) is law
-    assert fields_of_law(law) == {"bandwidth": W, "hold_ticks": 1}
+    assert fields_of_law(law) == {"bandwidth": W, "hold_ticks": 1, "predicts_rates": False}
 
 
 def test_gaits_that_it_cannot_have_are_refused_with_a_remedy(run, law):
     family = family_for("amber3m")
-    with pytest.raises(SpecError, match="expected a gait without commands.*use pd or fblin"):
+    with pytest.raises(SpecError, match=r"expected a gait without commands.*use pd or fblin"):
         law_for("scheduled-pd", run.robot, family)
     # Fences so far apart that no polynomial of these degrees is near.
     lower = run.gait.tube.lower * 1e-3

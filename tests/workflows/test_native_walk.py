@@ -18,7 +18,7 @@ import pytest
 from neuralgaits._compiler import Compiler
 from neuralgaits.analysis.run import open_run
 from neuralgaits.cli.main import main
-from neuralgaits.control import Controller, Pd
+from neuralgaits.control import Controller, Pd, ScheduledPd
 from neuralgaits.control.law_by_name import law_for, law_named
 from neuralgaits.errors import InputError, NonFiniteError
 from neuralgaits.robots import load_robot
@@ -65,7 +65,8 @@ WALKS = [
     *(("fblin", plant) for plant in ("as modelled", "noisy", "coarse, late and weak", "drives")),
     ("paper", "uneven"),
     ("clf-qp", "coarse, late and weak"),
-    *(("scheduled-pd", plant) for plant in ("as modelled", "coarse, late and weak")),
+    ("scheduled-pd", "as modelled"),
+    (ScheduledPd(bandwidth=30.0, predicts_rates=True), "coarse, late and weak"),
 ]
 
 

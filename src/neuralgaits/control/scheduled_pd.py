@@ -55,11 +55,14 @@ class ScheduledPd(AbstractLaw):
     Attributes:
         bandwidth: w, the double pole of small output errors [rad/s].
         hold_ticks: control ticks between two evaluations of the policy.
+        predicts_rates: whether at a touchdown it goes by `impact_consistent_rates`, as `Pd` does.
+            The torque is then not this function of the measured state for one tick a step.
         schedule: gains of a gait; None until the law is fitted to one.
     """
 
     bandwidth: float = eqx.field(default=40.0, static=True)
     hold_ticks: int = eqx.field(default=1, static=True)
+    predicts_rates: bool = eqx.field(default=False, static=True)
     schedule: GainSchedule | None = None
 
     def for_gait(self, joints: JointResponse, gait: AnyGait) -> "ScheduledPd":
@@ -87,6 +90,11 @@ class ScheduledPd(AbstractLaw):
     def takes_joints(self) -> bool:
         """Its torques are the model's."""
         return True
+
+    @property
+    def uses_impact_consistent_rates(self) -> bool:
+        """Whether it predicts rates."""
+        return self.predicts_rates
 
     def told(self, z: ZeroState) -> ZeroState:
         """Return all of z, unchanged. [2]."""

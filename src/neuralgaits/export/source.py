@@ -116,19 +116,20 @@ def _laws(design: Design, tables: Tables) -> str:
 
 def _law(name: str, law: AbstractLaw, tables: Tables) -> str:
     values = [f".name = {quoted(name)}", f".hold_ticks = {law.hold_ticks}"]
+    settles = f".uses_impact_consistent_rates = {int(law.uses_impact_consistent_rates)}"
     if isinstance(law, Pd):
         values += [
             f".stiffness = {braces(np.array(law.stiffness))}",
             f".damping = {braces(np.array(law.damping))}",
             f".model = {int(law.feed_forward)}",
             f".measure_z2 = {int(law.measure_z2)}",
-            f".uses_impact_consistent_rates = {int(law.uses_impact_consistent_rates)}",
+            settles,
         ]
     elif isinstance(law, Fblin):
         values += [".model = 1", f".bandwidth = {literal(law.bandwidth)}", ".measure_z2 = 1"]
     elif isinstance(law, ScheduledPd) and law.schedule is not None:
         schedule = schedule_literal(law.schedule, tables)
-        values += [f".bandwidth = {literal(law.bandwidth)}", ".measure_z2 = 1"]
+        values += [f".bandwidth = {literal(law.bandwidth)}", ".measure_z2 = 1", settles]
         values.append(f".schedule = &(const ng_schedule){schedule}")
     return "{" + ", ".join(values) + "}"
 

@@ -97,10 +97,8 @@ def gains(law: AbstractLaw) -> str:
         return f"input-output linearisation, {law.bandwidth:g} rad/s, {rate}"
     if isinstance(law, ScheduledPd) and law.schedule is not None:
         lost = law.schedule.errors
-        return (
-            f"gain-scheduled PD, {law.bandwidth:g} rad/s, within {lost.torque:.2g} N m and "
-            f"{lost.inertia:.2g} of the model's at sampled states, {rate}"
-        )
+        sampled = f"sampled errors {lost.torque:.2g} N m and {lost.inertia:.2g}"
+        return f"gains of phase and level, {law.bandwidth:g} rad/s, {sampled}, {rate}"
     raise InputError(
         f"expected a law of this package with its gains, found {type(law).__name__}: C is written "
         "for pd, fblin, paper and scheduled-pd"

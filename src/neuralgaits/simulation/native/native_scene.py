@@ -90,9 +90,9 @@ def _set_ground(scene: Any, plant: Plant, controller: Controller) -> None:
 
 def _set_law(law: Any, wanted: AbstractLaw) -> None:
     law.name, law.hold_ticks = b"", int(wanted.hold_ticks)
+    law.uses_impact_consistent_rates = int(wanted.uses_impact_consistent_rates)
     if isinstance(wanted, Pd):
         law.model, law.measure_z2 = int(wanted.feed_forward), int(wanted.measure_z2)
-        law.uses_impact_consistent_rates = int(wanted.uses_impact_consistent_rates)
         _fill(law.stiffness, wanted.stiffness)
         _fill(law.damping, wanted.damping)
     elif isinstance(wanted, Fblin | ClfQp):
