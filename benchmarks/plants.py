@@ -79,7 +79,7 @@ def standard_set(runs: list[Run]) -> None:
             fell = sum(sum(one.fell) for one in found)
             falls[law] += fell if name != "undisturbed" else 0
             error = 1e3 * max(one.max_output_error_rad or np.nan for one in found)
-            limited = float(np.mean([one.saturated_fraction for one in found]))
+            limited = float(np.mean([one.saturated_fraction or 0.0 for one in found]))
             told = f"{fell} of {STARTS * len(runs)} fell, {error:.2f} mrad, {limited:.3%}"
             show(f"{name}: {law}", told)
     for law, fell in falls.items():

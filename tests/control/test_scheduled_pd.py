@@ -10,7 +10,7 @@ from neuralgaits._quick_jit import quick_jit
 from neuralgaits.analysis.run import open_run
 from neuralgaits.control import ScheduledPd
 from neuralgaits.control.joint_model import JointModel
-from neuralgaits.control.law import MeasuredState
+from neuralgaits.control.law import Desired, MeasuredState
 from neuralgaits.control.law_by_name import fields_of_law, law_for
 from neuralgaits.control.momentum import zero_state
 from neuralgaits.errors import InputError, SpecError
@@ -27,7 +27,9 @@ def run():
 
 @pytest.fixture(scope="module")
 def law(run):
-    return law_for("scheduled-pd", run.robot, run.gait)
+    found = law_for("scheduled-pd", run.robot, run.gait)
+    assert isinstance(found, ScheduledPd)
+    return found
 
 
 def test_outputs_near_zero_decay_as_under_exact_linearisation(run, law):
@@ -62,6 +64,7 @@ def test_outputs_near_zero_decay_as_under_exact_linearisation(run, law):
 
 def test_the_chart_is_that_of_the_gait_and_levels_off_outside(run, law):
     schedule, gait = law.schedule, run.gait
+    assert schedule is not None
     for u in ([0.0, 0.0], [0.37, 0.81], [1.0, 1.0], [1.015, -0.04]):
         np.testing.assert_allclose(schedule.chart(gait.z(jnp.array(u))), u, atol=1e-12)
     far = [[-3.0, 2.0], [0.05, 0.0], [0.05, 400.0], [5.0, -300.0]]
@@ -74,6 +77,7 @@ def test_torques_of_identified_joints_are_fitted_to_them(run, law):
     m = run.robot.n - 1
     heavier = JointModel(run.robot.armature[1:] + 0.4, run.robot.damping[1:], np.zeros(m))
     other = law_for("scheduled-pd", run.robot, run.gait, heavier)
+    assert isinstance(other, ScheduledPd) and other.schedule and law.schedule
     u = jnp.array([0.4, 0.5])
     added = other.schedule.gains.inertia_at(u) - law.schedule.gains.inertia_at(u)
     # ddq_a is ddy and a multiple of the outputs' slope: a change of rank one of 0.4 ddy.
@@ -86,7 +90,7 @@ def test_it_keeps_its_gains_and_records_only_its_numbers(run, law):
     assert fields_of_law(law) == {"bandwidth": W, "hold_ticks": 1, "predicts_rates": False}
 
 
-def test_gaits_that_it_cannot_have_are_refused_with_a_remedy(run, law):
+def test_gaits_that_it_cannot_have_are_refused_with_a_remedy(run):
     family = family_for("amber3m")
     with pytest.raises(SpecError, match=r"expected a gait without commands.*use pd or fblin"):
         law_for("scheduled-pd", run.robot, family)
@@ -95,5 +99,6 @@ def test_gaits_that_it_cannot_have_are_refused_with_a_remedy(run, law):
     wide = eqx.tree_at(lambda g: g.tube.lower, run.gait, lower)
     with pytest.raises(SpecError, match=r"expected gains within 0\.5 of the model's, found an"):
         law_for("scheduled-pd", run.robot, wide)
+    reading = MeasuredState(*2 * [jnp.zeros(run.robot.n)], *2 * [jnp.zeros(2)])
     with pytest.raises(InputError, match="expected gains, found none: fit them to a gait by"):
-        ScheduledPd().torque(run.robot, None, None)
+        ScheduledPd().torque(run.robot, reading, Desired(*4 * [jnp.zeros(run.robot.n - 1)]))

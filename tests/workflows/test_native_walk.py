@@ -18,7 +18,7 @@ import pytest
 from neuralgaits._compiler import Compiler
 from neuralgaits.analysis.run import open_run
 from neuralgaits.cli.main import main
-from neuralgaits.control import Controller, Pd, ScheduledPd
+from neuralgaits.control import AbstractLaw, Controller, Pd, ScheduledPd
 from neuralgaits.control.law_by_name import law_for, law_named
 from neuralgaits.errors import InputError, NonFiniteError
 from neuralgaits.robots import load_robot
@@ -84,7 +84,9 @@ def library(run):
     return found.library
 
 
-def walked(run, *, episodes=2, start="region", seed=3, controller="pd", **settings):
+def walked(
+    run, *, episodes=2, start="region", seed=3, controller: str | AbstractLaw = "pd", **settings
+):
     starts = full_states(run.zero_dynamics, run.gait, start, seed=seed, episodes=episodes)
     return walk(
         run.robot,
