@@ -22,7 +22,7 @@ from neuralgaits._types import Array
 from neuralgaits.analysis.run import Run
 from neuralgaits.barriers import Gait
 from neuralgaits.control import AbstractLaw, ClfQp
-from neuralgaits.control.law_by_name import law_named
+from neuralgaits.control.law_by_name import law_for
 from neuralgaits.records.simulated import WalkFigures
 from neuralgaits.simulation.live import LiveWalk
 from neuralgaits.simulation.metrics import summary
@@ -71,7 +71,7 @@ def walked(
         run.robot,
         run.gait.policy,
         full_states(run.zero_dynamics, run.gait, "region", seed=1, episodes=1),
-        controller=law,
+        controller=law_for(law, run.robot, run.gait),
         steps=STEPS,
         z2_range=momentum_range(run.gait),
         disturbance=disturbance,
@@ -147,7 +147,7 @@ def tick_times(run: Run, law: str, torque_limit: float = LIMIT, ticks: int = TIC
     live = LiveWalk(
         run.robot,
         run.gait.policy,
-        law_named(law),
+        law_for(law, run.robot, run.gait),
         start,
         z2_range=momentum_range(run.gait),
         library=library,

@@ -258,6 +258,7 @@ def resource_s() -> float:
 ROWS: dict[str, Callable[[], Row]] = {
     "walking": lambda: of_training("pd"),
     "walking-fblin": lambda: of_training("fblin"),
+    "walking-scheduled-pd": lambda: of_training("scheduled-pd"),
     "walking-clf-qp": lambda: of_training("clf-qp"),
     "speed": of_shipped,
     "paper": lambda: of_paper("paper"),

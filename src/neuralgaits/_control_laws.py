@@ -44,6 +44,12 @@ CONTROL_LAWS = {
         "neuralgaits.control.clf_qp:ClfQp",
         compiled=True,
     ),
+    "scheduled-pd": ControlLaw(
+        "gain-scheduled PD control",
+        "neuralgaits.control.scheduled_pd:ScheduledPd",
+        compiled=True,
+        exported=True,
+    ),
 }
 
 if TYPE_CHECKING:

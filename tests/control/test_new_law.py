@@ -25,10 +25,12 @@ def test_a_law_of_one_file_and_one_entry_walks_and_is_named(soft, tmp_path):
     assert (done.summary.controller, done.summary.engine) == ("soft", "jax")
     write_report(run, out=tmp_path / "report.html")
     assert "under a PD of half the strength" in (tmp_path / "report.html").read_text()
-    with pytest.raises(InputError, match="expected one of pd, fblin, paper, clf-qp, soft"):
+    every = "pd, fblin, paper, clf-qp, scheduled-pd"
+    with pytest.raises(InputError, match=f"expected one of {every}, soft"):
         simulate(run, controller="hard", steps=1)
+    compiled = every.replace(", sch", " or sch")
     for name, found in (("c", "c,"), ("soft", "a law of type Soft")):
-        with pytest.raises(InputError, match=f"expected pd, fblin, paper or clf-qp, found {found}"):
+        with pytest.raises(InputError, match=f"expected {compiled}, found {found}"):
             simulate(run, controller=name, engine="native", steps=1)
 
 

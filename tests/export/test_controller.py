@@ -90,6 +90,7 @@ def test_float_is_inside_its_bound(design, agreements, asked):
 
 PLANTED = {
     "a gain": (r"(\.stiffness = \{NG\(\d+\.\d\d\d)\d", r"\1", "gait.c"),
+    "a table": (r"(schedule_inertia\[\d+\] = \{NG\(0\.\d\d\d)\d", r"\g<1>", "gait.c"),
     "a weight": (r"(network_weights_1_columns.*\n *\{NG\()(-?)0\.(\d)", r"\1\g<2>0.1\3", "gait.c"),
     "a sign": (r"moment \+= mass", "moment -= mass", "controller.c"),
     "bounds at a touchdown": (r"(POLICY_RATE\(by_z2, )at", r"\1z", "controller.c"),

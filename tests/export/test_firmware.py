@@ -29,6 +29,7 @@ from neuralgaits.simulation.setup.starts import full_states, momentum_range
 from neuralgaits.simulation.walk import walk
 from neuralgaits.workflows import demo
 from neuralgaits.workflows.export import design_of
+from support.designs import LAWS
 from support.listening import listening
 
 FIRMWARE = Path(__file__).parents[2] / "examples" / "firmware"
@@ -74,7 +75,7 @@ def walked(trained, sensing: str, address: str | None, steps: int = STEPS):
         done = walk(trained.robot, policy, start, library=library, **setting).episodes
     else:
         config = LinkConfig(lockstep=True, address=address)
-        with Remote(None, ["pd", "fblin", "paper"], config, 1, 0) as remote:
+        with Remote(None, list(LAWS), config, 1, 0) as remote:
             done = walk(trained.robot, policy, start, remote=remote, **setting).episodes
     assert done.record is not None
     return done.endings, done.record.command
@@ -207,7 +208,7 @@ def refused(address: str, law: int, first: list[float]) -> str:
     host, port = address.split(":")
     with ControllerLink.to(host, int(port)) as link:
         with pytest.raises(InputError) as error:
-            link.start(4, law, 0, 0.0, 0.0, first, ["pd", "fblin", "paper"])
+            link.start(4, law, 0, 0.0, 0.0, first, list(LAWS))
         # The next one may begin.
         assert link.start(5, 0, 0, 0.0, 0.0, [0.7]).leg_joints == 2
     return str(error.value).replace(address, "there")

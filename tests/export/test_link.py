@@ -25,6 +25,7 @@ from neuralgaits.simulation.walk import walk
 from neuralgaits.workflows import demo
 from neuralgaits.workflows.export import design_of
 from neuralgaits.workflows.simulate import simulate
+from support.designs import LAWS
 from support.listening import listening
 
 STEPS = 4
@@ -50,7 +51,7 @@ def walked(trained, program, config, controller="pd", record=True, watch=None):
     start = full_states(trained.zero_dynamics, trained.gait, "centre", seed=0, episodes=1)
     if config is None:
         return walk(trained.robot, trained.gait.policy, start, **setting), None
-    with Remote(program, ["pd", "fblin", "paper"], config, 1, 0) as remote:
+    with Remote(program, list(LAWS), config, 1, 0) as remote:
         done = walk(trained.robot, trained.gait.policy, start, remote=remote, **setting)
     return done, remote.summary()
 

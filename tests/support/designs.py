@@ -4,7 +4,7 @@ import jax
 import numpy as np
 
 from neuralgaits.barriers import specs
-from neuralgaits.control import PAPER, Fblin, Pd
+from neuralgaits.control import PAPER, Fblin, Pd, ScheduledPd
 from neuralgaits.export.facts import Design, Origin
 from neuralgaits.gait.commands import Command
 from neuralgaits.gait.policies.commanded_gait import CommandedGait
@@ -12,7 +12,7 @@ from neuralgaits.robots import load_robot
 from neuralgaits.simulation.setup.starts import momentum_range
 
 ORIGIN = Origin("0" * 64, "1" * 64, None, None, "walking", "test")
-LAWS = {"pd": Pd(), "fblin": Fblin(), "paper": PAPER}
+LAWS = {"pd": Pd(), "fblin": Fblin(), "paper": PAPER, "scheduled-pd": ScheduledPd()}
 SPEED = Command("speed", 0.55, 0.90, 0.07)
 FOOTHOLDS = (Command("step_length", 0.32, 0.37), Command("step_height", -0.01, 0.01))
 

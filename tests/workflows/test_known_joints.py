@@ -111,7 +111,10 @@ def test_without_them_nothing_is_written_of_them(run):
 @pytest.mark.parametrize(
     ("words", "line"),
     [
-        (["--controller", "paper"], "expected a law whose torques are the model's, pd or fblin"),
+        (
+            ["--controller", "paper"],
+            "whose torques are the model's, pd, fblin or scheduled-pd, found paper",
+        ),
         (["--controller", "clf-qp"], "found clf-qp: leave --joints out"),
         (["--controller", "c", "--link", "law=paper,lockstep=1"], "found paper"),
         (["--workers", "2"], "expected --joints without --workers or --ray"),

@@ -18,8 +18,8 @@ import pytest
 from neuralgaits._compiler import Compiler
 from neuralgaits.analysis.run import open_run
 from neuralgaits.cli.main import main
-from neuralgaits.control import Controller, Pd
-from neuralgaits.control.law_by_name import law_named
+from neuralgaits.control import AbstractLaw, Controller, Pd, ScheduledPd
+from neuralgaits.control.law_by_name import law_for, law_named
 from neuralgaits.errors import InputError, NonFiniteError
 from neuralgaits.robots import load_robot
 from neuralgaits.runs import from_json
@@ -65,6 +65,8 @@ WALKS = [
     *(("fblin", plant) for plant in ("as modelled", "noisy", "coarse, late and weak", "drives")),
     ("paper", "uneven"),
     ("clf-qp", "coarse, late and weak"),
+    ("scheduled-pd", "as modelled"),
+    (ScheduledPd(bandwidth=30.0, predicts_rates=True), "coarse, late and weak"),
 ]
 
 
@@ -82,12 +84,15 @@ def library(run):
     return found.library
 
 
-def walked(run, *, episodes=2, start="region", seed=3, **settings):
+def walked(
+    run, *, episodes=2, start="region", seed=3, controller: str | AbstractLaw = "pd", **settings
+):
     starts = full_states(run.zero_dynamics, run.gait, start, seed=seed, episodes=episodes)
     return walk(
         run.robot,
         run.gait.policy,
         starts,
+        controller=law_for(controller, run.robot, run.gait),
         z2_range=momentum_range(run.gait),
         seed=seed,
         **settings,

@@ -13,6 +13,7 @@ from neuralgaits.control.fblin import Fblin
 from neuralgaits.control.law import AbstractLaw
 from neuralgaits.control.measurement import Measurement
 from neuralgaits.control.pd import PAPER, Pd
+from neuralgaits.control.scheduled_pd import ScheduledPd
 from neuralgaits.control.stance import StanceConfig
 
 __all__ = [
@@ -24,6 +25,7 @@ __all__ = [
     "Fblin",
     "Measurement",
     "Pd",
+    "ScheduledPd",
     "StanceConfig",
     "TickResult",
     "start",

@@ -11,6 +11,7 @@ from neuralgaits._types import Actuated, Array, Bool, Coordinates, Scalar, ZeroS
 from neuralgaits.control.driven_mechanism import DrivenMechanism
 from neuralgaits.control.saturation import saturate
 from neuralgaits.gait.joint_inertia import JointResponse
+from neuralgaits.gait.policies.commanded_gait import AnyGait
 
 
 class MeasuredState(NamedTuple):
@@ -78,6 +79,18 @@ class AbstractLaw(eqx.Module):
 
     def with_gains_for(self, joints: JointResponse) -> "AbstractLaw":
         """Return the law with gains that suit the joints' inertias, if it has gains."""
+        return self
+
+    def for_gait(self, joints: JointResponse, gait: AnyGait) -> "AbstractLaw":
+        """Return the law with what it keeps of a gait, if it keeps anything.
+
+        Args:
+            joints: those of the robot that torques are for.
+            gait: policy and tube.
+
+        Raises: SpecError for a gait that the law cannot have.
+        """
+        del joints, gait
         return self
 
     @property

@@ -5,13 +5,18 @@ from functools import cache
 from importlib import import_module
 from typing import Any
 
+import equinox as eqx
 import jax
 import numpy as np
 
 from neuralgaits._control_laws import CONTROL_LAWS
 from neuralgaits._printable import shown
+from neuralgaits.control.joint_model import JointModel
 from neuralgaits.control.law import AbstractLaw
 from neuralgaits.errors import InputError
+from neuralgaits.gait.joint_inertia import JointResponse
+from neuralgaits.gait.policies.commanded_gait import AnyGait
+from neuralgaits.robots import PlanarBiped
 
 
 def law_named(controller: str | AbstractLaw) -> AbstractLaw:
@@ -31,14 +36,38 @@ def _at(place: str) -> AbstractLaw:
     return found() if isinstance(found, type) else found
 
 
+def law_for(
+    controller: str | AbstractLaw,
+    robot: PlanarBiped,
+    gait: AnyGait,
+    joints: JointModel | None = None,
+) -> AbstractLaw:
+    """Return a control law, by name or as it is, with what it keeps of a gait.
+
+    Args:
+        controller: law, by name or as an object.
+        robot: the model of the gait.
+        gait: policy and region, or a family of them.
+        joints: rotors and friction that torques are for; None for those of `robot`.
+
+    Raises: InputError for another name, SpecError for a gait that the law cannot have.
+    """
+    model = robot if joints is None else robot.with_joints(joints.armature, joints.damping)
+    return law_named(controller).for_gait(JointResponse(model), gait)
+
+
 def exported_laws() -> dict[str, AbstractLaw]:
     """Return the laws of exported controllers, by name."""
     return {name: law_named(name) for name, entry in CONTROL_LAWS.items() if entry.exported}
 
 
 def fields_of_law(law: AbstractLaw) -> dict[str, Any]:
-    """Return a law's parameters by name, tuples as lists; anything that is no number as text."""
+    """Return a law's parameters by name, tuples as lists; anything that is no number as text.
+
+    What follows from the gait is left out.
+    """
     values = {field.name: getattr(law, field.name) for field in fields(law)}
+    values = {name: value for name, value in values.items() if not isinstance(value, eqx.Module)}
     numbers = (bool, int, float, np.generic, np.ndarray, jax.Array, type(None))
     return {
         name: list(value)

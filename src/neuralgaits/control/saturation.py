@@ -26,6 +26,16 @@ def saturate(torque: Actuated, limit: Actuated) -> tuple[Actuated, Bool[Array, "
     return jnp.clip(torque, -limit, limit), jnp.any(jnp.abs(torque) > limit)
 
 
+def levelled_off(
+    value: Array, lower: Array | float, upper: Array | float, margin: Array | float
+) -> Array:
+    """Return a value unchanged between two bounds, levelling off within the margin outside."""
+    over = jnp.maximum(value - upper, 0.0)
+    under = jnp.maximum(lower - value, 0.0)
+    inside = value - over + under
+    return inside + margin * (jnp.tanh(over / margin) - jnp.tanh(under / margin))
+
+
 class ZeroStateBounds(eqx.Module):
     """Bounds on the policy's input z: unchanged inside, levelling off smoothly outside.
 
@@ -43,10 +53,7 @@ class ZeroStateBounds(eqx.Module):
 
     def __call__(self, z: ZeroState) -> ZeroState:
         """The bounded zero dynamics state. Returns: [2]."""
-        over = jnp.maximum(z - self.upper, 0.0)
-        under = jnp.maximum(self.lower - z, 0.0)
-        inside = z - over + under
-        return inside + self.margin * (jnp.tanh(over / self.margin) - jnp.tanh(under / self.margin))
+        return levelled_off(z, self.lower, self.upper, self.margin)
 
     def over(self, policy: "AbstractPolicy") -> "ZeroStateBounds":
         """Return the bounds for a step of a family, whose interval of z1 is its own."""

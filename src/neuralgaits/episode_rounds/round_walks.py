@@ -17,6 +17,7 @@ from neuralgaits._quick_jit import quick_filter_jit
 from neuralgaits._types import Array, Float
 from neuralgaits.analysis.run import Run
 from neuralgaits.control import AbstractLaw
+from neuralgaits.control.law_by_name import law_for
 from neuralgaits.errors import InputError
 from neuralgaits.gait import ZeroDynamics
 from neuralgaits.logs import Log
@@ -137,7 +138,7 @@ def _walk(
         run.gait.policy,
         starts,
         plant=field.plant,
-        controller=field.controller,
+        controller=law_for(field.controller, run.robot, run.gait),
         steps=steps,
         z2_range=momentum_range(run.gait),
         disturbance=field.disturbance,

@@ -1,6 +1,7 @@
 """Facts about an exported controller: its parts and their origin."""
 
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 
 import jax.numpy as jnp
@@ -11,9 +12,11 @@ from neuralgaits._types import Actuated, Float
 from neuralgaits.analysis.state_monitor import StateMonitor
 from neuralgaits.control import AbstractLaw, Controller
 from neuralgaits.control.joint_model import JointModel
+from neuralgaits.control.law_by_name import law_for
 from neuralgaits.control.measurement import by_leg
 from neuralgaits.control.safeguard import SafeguardConfig
 from neuralgaits.deployment.deployment_file import DeploymentFile
+from neuralgaits.errors import SpecError
 from neuralgaits.export.condition_query import ConditionQuery
 from neuralgaits.gait.commands import Commands
 from neuralgaits.gait.policies.commanded_gait import AnyGait
@@ -90,24 +93,24 @@ class Design:
         Args:
             robot: the model the controller believes in.
             gait: policy and region.
-            laws: laws by name.
+            laws: laws by name; one that the gait cannot have is left out.
             z2_range: momenta of the region (kg m^2/s).
             origin: origin of the design.
             safeguard: thresholds, the defaults if None.
             reset_residual: corrects the impact that the steps of a family begin with.
             joints: rotors and friction that torques are for, those of the robot if None.
         """
-        controllers = {
-            name: Controller.init(
-                robot,
-                gait.policy,
-                law,
-                z2_range=z2_range,
-                reset_residual=reset_residual,
-                joints=joints,
-            )
-            for name, law in laws.items()
-        }
+        controllers = {}
+        for name, law in laws.items():
+            with suppress(SpecError):
+                controllers[name] = Controller.init(
+                    robot,
+                    gait.policy,
+                    law_for(law, robot, gait, joints),
+                    z2_range=z2_range,
+                    reset_residual=reset_residual,
+                    joints=joints,
+                )
         return cls(robot, gait, controllers, safeguard or SafeguardConfig.for_robot(robot), origin)
 
     @property

@@ -5,11 +5,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from neuralgaits.control import AbstractLaw, Fblin, Pd
+from neuralgaits.control import AbstractLaw, Fblin, Pd, ScheduledPd
 from neuralgaits.export import statement
 from neuralgaits.export.facts import Design
 from neuralgaits.export.programs import parts
 from neuralgaits.export.robot_programs import Part
+from neuralgaits.export.schedule_tables import schedule_literal
 from neuralgaits.programs.c99.c_writer import Emitted
 from neuralgaits.programs.c99.constant_arrays import Tables, braces, literal
 from neuralgaits.programs.c99.function import emit
@@ -66,7 +67,7 @@ def _header(design: Design, functions: list[Emitted]) -> str:
 def _names(design: Design) -> list[str]:
     """Return macros without a unit; laws are numbered as in `ng_laws`."""
     words = statement.names(design) | {
-        f"law_{name}": number for number, name in enumerate(design.controllers)
+        f"law_{name.replace('-', '_')}": number for number, name in enumerate(design.controllers)
     }
     return [
         f"#define NG_{name.upper()} {value if isinstance(value, int) else quoted(value)}"
@@ -95,35 +96,41 @@ def _code(design: Design, functions: list[Emitted], tables: Tables) -> str:
         f"/* {array.unit} */\nconst ng_real {_declaration(array)} = {braces(array.value)};"
         for array in statement.arrays(design)
     ]
+    laws = _laws(design, tables)
     sections = [
         "/* Data and functions of the gait described in gait.h. Written by a program. */",
         '#include "controller.h"',
         *arrays,
-        _laws(design),
-        "/* Constants of the Programs; matrices stand column by column. */",
+        "/* Constants of the Programs, whose matrices stand column by column, and of laws. */",
         *tables.texts.values(),
+        laws,
         *(function.body for function in functions),
     ]
     return "\n\n".join(sections) + "\n"
 
 
-def _laws(design: Design) -> str:
-    rows = [f"    {_law(name, c.law)}," for name, c in design.controllers.items()]
+def _laws(design: Design, tables: Tables) -> str:
+    rows = [f"    {_law(name, c.law, tables)}," for name, c in design.controllers.items()]
     return "\n".join(["const ng_law ng_laws[NG_LAW_COUNT] = {", *rows, "};"])
 
 
-def _law(name: str, law: AbstractLaw) -> str:
+def _law(name: str, law: AbstractLaw, tables: Tables) -> str:
     values = [f".name = {quoted(name)}", f".hold_ticks = {law.hold_ticks}"]
+    settles = f".uses_impact_consistent_rates = {int(law.uses_impact_consistent_rates)}"
     if isinstance(law, Pd):
         values += [
             f".stiffness = {braces(np.array(law.stiffness))}",
             f".damping = {braces(np.array(law.damping))}",
             f".model = {int(law.feed_forward)}",
             f".measure_z2 = {int(law.measure_z2)}",
-            f".uses_impact_consistent_rates = {int(law.uses_impact_consistent_rates)}",
+            settles,
         ]
     elif isinstance(law, Fblin):
         values += [".model = 1", f".bandwidth = {literal(law.bandwidth)}", ".measure_z2 = 1"]
+    elif isinstance(law, ScheduledPd) and law.schedule is not None:
+        schedule = schedule_literal(law.schedule, tables)
+        values += [f".bandwidth = {literal(law.bandwidth)}", ".measure_z2 = 1", settles]
+        values.append(f".schedule = &(const ng_schedule){schedule}")
     return "{" + ", ".join(values) + "}"
 
 

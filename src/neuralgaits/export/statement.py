@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from neuralgaits._types import Float
-from neuralgaits.control import AbstractLaw, Fblin, Pd, measurement
+from neuralgaits.control import AbstractLaw, Fblin, Pd, ScheduledPd, measurement
 from neuralgaits.control.estimator import Estimator
 from neuralgaits.control.inverse_dynamics import SMALLEST_DENOMINATOR
 from neuralgaits.control.joint_model import FRICTION_RATE
@@ -95,9 +95,13 @@ def gains(law: AbstractLaw) -> str:
         return f"{torques}{gains}, {rate}{told}"
     if isinstance(law, Fblin):
         return f"input-output linearisation, {law.bandwidth:g} rad/s, {rate}"
+    if isinstance(law, ScheduledPd) and law.schedule is not None:
+        lost = law.schedule.errors
+        sampled = f"sampled errors {lost.torque:.2g} N m and {lost.inertia:.2g}"
+        return f"gains of phase and level, {law.bandwidth:g} rad/s, {sampled}, {rate}"
     raise InputError(
-        f"expected a law of this package (pd, fblin, paper), found {type(law).__name__}: C is "
-        "written for those"
+        f"expected a law of this package with its gains, found {type(law).__name__}: C is written "
+        "for pd, fblin, paper and scheduled-pd"
     )
 
 

@@ -38,8 +38,8 @@ class ExportSettings(Settings):
     """Deployment file: writes its map between motors and joints beside the controller. Without it
     a template of such a file is written."""
     joints: Annotated[AnyName | None, arg(metavar="latest|FILE.json"), A_PATH] = None
-    """Friction and rotors in the torques of pd and fblin, as fit --joints identified them: latest
-    for the run's own, or a file."""
+    """Friction and rotors in the torques of pd, fblin and scheduled-pd, as fit --joints identified
+    them: latest for the run's own, or a file."""
     supervisor: Flag = False
     """With --format fmu, fmu2 or ros2: stand, walk and stop on request, and damp after a fault."""
     states: Fixed[int] = 100_000

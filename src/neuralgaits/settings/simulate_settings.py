@@ -71,8 +71,8 @@ class SimulateSettings(Settings):
     encoders,bits=14,pitch_noise=0.001,delay_ms=2, which are the defaults; perfect if not
     given."""
     joints: Annotated[AnyName | None, arg(metavar="latest|FILE.json"), A_PATH] = None
-    """Friction and rotors in the torques of pd and fblin, as fit --joints identified them: latest
-    for the run's own, or a file; those of the run's robot file if not given."""
+    """Friction and rotors in the torques of pd, fblin and scheduled-pd, as fit --joints identified
+    them: latest for the run's own, or a file; those of the run's robot file if not given."""
     parameters: Box = None
     """Walk another robot each time, drawn from this box around the run's own, as in
     mass=2%,com=5mm,inertia=5%; with floor=5mm and friction=0.5 on such a floor."""

@@ -69,7 +69,7 @@ class SweepSettings(Settings):
     budget: Seconds = None
     """With --certify: time for each proof [s]. The result then depends on the machine."""
     controllers: _Controllers = None
-    """Control laws to walk with: pd (if not given), fblin, paper, clf-qp."""
+    """Control laws to walk with: pd (if not given), fblin, paper, clf-qp, scheduled-pd."""
     disturbances: Annotated[
         Disturbances | None, arg(metavar="FILE|standard|none"), _SOME_DISTURBANCES
     ] = None

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from neuralgaits._control_laws import names_of_laws
+from neuralgaits._control_laws import CONTROL_LAWS, names_of_laws
 from neuralgaits.control import AbstractLaw
 from neuralgaits.control.law_by_name import exported_laws, law_named
 from neuralgaits.control.speed_adapter import ADAPTED
@@ -106,9 +106,10 @@ def refuse_without_model(controller: str | AbstractLaw, wire: LinkConfig | None)
             "was compiled without them here; export it with --joints, and leave --joints out"
         )
     if not law_named(law).takes_joints:
+        *names, last = (name for name in CONTROL_LAWS if law_named(name).takes_joints)
         raise InputError(
-            f"--joints: expected a law whose torques are the model's, pd or fblin, found "
-            f"{_name(law)}: leave --joints out"
+            f"--joints: expected a law whose torques are the model's, {', '.join(names)} or "
+            f"{last}, found {_name(law)}: leave --joints out"
         )
 
 

@@ -14,7 +14,7 @@ from neuralgaits._compiler import Compiler, CompilerError, SharedLibrary
 from neuralgaits.analysis.run import Run
 from neuralgaits.control import Controller
 from neuralgaits.control.joint_model import JointModel
-from neuralgaits.control.law_by_name import exported_laws
+from neuralgaits.control.law_by_name import law_named
 from neuralgaits.errors import InputError, SpecError
 from neuralgaits.export import output_folder
 from neuralgaits.export.facts import Design, Origin
@@ -113,7 +113,7 @@ def _design(
     return Design.of(
         robot,
         gait,
-        exported_laws(),
+        {"pd": law_named("pd")},  # Walks bring the law that they are asked for.
         z2_range,
         origin,
         reset_residual=reset_residual,

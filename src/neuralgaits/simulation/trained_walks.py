@@ -4,6 +4,7 @@ So other processes can walk parts of them, and the results are put together agai
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,7 @@ from neuralgaits._control_laws import names_of_laws
 from neuralgaits.analysis.run import Run
 from neuralgaits.control import AbstractLaw
 from neuralgaits.control.joint_model import JointModel
-from neuralgaits.control.law_by_name import law_named
+from neuralgaits.control.law_by_name import law_for, law_named
 from neuralgaits.errors import InputError
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.simulation.linked.remote import Remote
@@ -68,6 +69,11 @@ class TrainedWalks:
     joints: JointModel | None = None
     adapt: tuple[str, ...] = ()
 
+    @cached_property
+    def law(self) -> AbstractLaw:
+        """Control law with what it keeps of the gait."""
+        return law_for(self.controller, self.run.robot, self.run.trained, self.joints)
+
     def walk(
         self,
         first: int,
@@ -95,7 +101,7 @@ class TrainedWalks:
             ),
             plant=self.plant,
             robots=None if self.drawn is None else self.drawn.of(first, count),
-            controller=self.controller,
+            controller=self.law,
             steps=self.steps,
             z2_range=momentum_range(run.trained),
             disturbance=self.disturbance,

@@ -74,7 +74,7 @@ class WalkInputs:
     robots: Sequence[PlanarBiped] | None = None
     """Robots in its place, one for each episode, of the same joints and feet; without courses."""
     controller: str | AbstractLaw = "pd"
-    """`pd`, `fblin`, `paper`, `clf-qp`, or a law."""
+    """`pd`, `fblin`, `paper`, `clf-qp`, or a law; `scheduled-pd` as `law_for` fits it to a gait."""
     steps: int = 50
     """Number of walking steps of an episode."""
     z2_range: tuple[float, float] | None = None

@@ -254,16 +254,89 @@ static void inverse_dynamics(const ng_law *law, const ng_real q[NG_COORDINATES],
     }
 }
 
+/* A value inside its bounds, levelling off smoothly within the margin outside. */
+static ng_real levelled_off(ng_real value, ng_real lower, ng_real upper, ng_real margin)
+{
+    const ng_real over = value > upper ? value - upper : NG(0.0);
+    const ng_real under = value < lower ? lower - value : NG(0.0);
+    return value - over + under +
+           margin * (ng_tanh(over / margin) - ng_tanh(under / margin));
+}
+
+/* Chebyshev polynomials, T_(m + n) = 2 T_m T_n - T_(m - n) with m and n near half. */
+static void chebyshev(ng_real x, int terms, ng_real values[NG_SERIES])
+{
+    values[0] = NG(1.0);
+    values[1] = x;
+    for (int k = 2; k < terms; ++k) {
+        const int m = (k + 1) / 2, n = k / 2;
+        values[k] = NG(2.0) * values[m] * values[n] - values[m - n];
+    }
+}
+
+/* The values of `width` series of phase and level. */
+static void series(const ng_real *table, const int terms[2], const ng_real *of_phase,
+                   const ng_real *of_level, int width, ng_real *values)
+{
+    for (int k = 0; k < width; ++k) {
+        values[k] = NG(0.0);
+    }
+    for (int i = 0; i < terms[0]; ++i) {
+        for (int j = 0; j < terms[1]; ++j) {
+            const ng_real term = of_phase[i] * of_level[j];
+            for (int k = 0; k < width; ++k) {
+                values[k] += *table++ * term;
+            }
+        }
+    }
+}
+
+/* Torques u0 - M pull, u0 and M of the phase and the level of z. */
+static void scheduled(const ng_schedule *of, const ng_real z[2], const ng_real pull[NG_ACTUATED],
+                      ng_real torque[NG_ACTUATED])
+{
+    const ng_real half[2] = {NG(0.5) * of->margin[0], NG(0.5) * of->margin[1]};
+    ng_real x[NG_SERIES], y[NG_SERIES] = {NG(1.0)}, fences[2], u[2];
+    ng_real inertia[NG_ACTUATED * NG_ACTUATED];
+    u[0] = levelled_off((z[0] - of->start) / of->stride, -half[0], NG(1.0) + half[0], half[0]);
+    chebyshev(NG(2.0) * u[0] - NG(1.0), of->fence_terms[0], x);
+    series(of->fences, of->fence_terms, x, y, 2, fences);
+    u[1] = (NG(0.5) * z[1] * z[1] - fences[0]) / (fences[1] - fences[0]);
+    u[1] = levelled_off(u[1], -half[1], NG(1.0) + half[1], half[1]);
+    for (int i = 0; i < 2; ++i) {
+        u[i] = (NG(2.0) * u[i] - NG(1.0)) / (NG(1.0) + NG(2.0) * of->margin[i]);
+    }
+    chebyshev(u[0], of->torque_terms[0], x);
+    chebyshev(u[1], of->torque_terms[1], y);
+    series(of->torque, of->torque_terms, x, y, NG_ACTUATED, torque);
+    series(of->inertia, of->inertia_terms, x, y, NG_ACTUATED * NG_ACTUATED, inertia);
+    for (int i = 0; i < NG_ACTUATED; ++i) {
+        for (int j = 0; j < NG_ACTUATED; ++j) {
+            torque[i] -= inertia[i * NG_ACTUATED + j] * pull[j];
+        }
+    }
+}
+
 /* Before limits. */
-static void torques(const ng_law *law, const ng_real q[NG_COORDINATES],
+static void torques(const ng_law *law, const ng_real z[2], const ng_real q[NG_COORDINATES],
                     const ng_real dq[NG_COORDINATES], const ng_desired *wanted,
                     ng_real ankle, const ng_real *lean, ng_real torque[NG_ACTUATED])
 {
     for (int i = 0; i < NG_ACTUATED; ++i) {
         torque[i] = NG(0.0);
     }
+    if (law->schedule) {
+        const ng_real w = law->bandwidth;
+        ng_real pull[NG_ACTUATED];
+        for (int i = 0; i < NG_ACTUATED; ++i) {
+            pull[i] = w * w * (q[i + 1] - wanted->y[i]) + NG(2.0) * w * (dq[i + 1] - wanted->dy[i]);
+        }
+        scheduled(law->schedule, z, pull, torque);
+    }
     if (law->model) {
         inverse_dynamics(law, q, dq, wanted, ankle, lean, torque);
+    }
+    if (law->model || law->schedule) {
 #ifdef NG_FRICTION_RATE
         for (int i = 0; i < NG_ACTUATED; ++i) {
             torque[i] += ng_friction[i] * ng_tanh(wanted->dy[i] / NG_FRICTION_RATE);
@@ -453,7 +526,7 @@ static void follow(const ng_config *config, ng_state *state, const ng_measuremen
         desired.y[i] += state->shift[i];
         desired.dy[i] += state->shift_rate[i];
     }
-    torques(law, command->q, command->dq, &desired, command->ankle, &command->lean,
+    torques(law, command->z, command->q, command->dq, &desired, command->ankle, &command->lean,
             command->actuated);
     command->relaxed[0] = command->relaxed[1] = 0;
     command->saturated = law->apply_limits

@@ -34,9 +34,27 @@ typedef struct ng_command ng_command;
 typedef int ng_apply_limits(const ng_config *config, const ng_desired *wanted, ng_command *command);
 
 /*
+ * Torque u0 and inertia M of the outputs as Chebyshev series of phase and level, each of which runs
+ * from 0 to 1 over the gait's tube. Both level off where the series end.
+ */
+typedef struct {
+    ng_real start, stride;   /* of z1 over a step [m] */
+    ng_real margin[2];       /* of phase and level, around the tube */
+    int fence_terms[2];      /* in phase and in level: 1 in level */
+    int torque_terms[2];     /* in phase and in level, at most NG_SERIES */
+    int inertia_terms[2];    /* at most as many */
+    const ng_real *fences;   /* z2^2/2 by phase on the lower and upper fence [(kg m^2/s)^2] */
+    const ng_real *torque;   /* by phase, level, joint [N m] */
+    const ng_real *inertia;  /* by phase, level, joint, output [kg m^2] */
+} ng_schedule;
+
+#define NG_SERIES 32 /* most terms of a series in one direction */
+
+/*
  * How torques follow from what the policy wants:
  *   -stiffness (q_a - y_d) - damping (dq_a - dy_d)
- * and, with a model, its torques of ddq_a = ddy_d - w^2 (q_a - y_d) - 2 w (dq_a - dy_d).
+ * and, with a model, its torques of ddq_a = ddy_d - w^2 (q_a - y_d) - 2 w (dq_a - dy_d),
+ * or, with a schedule, u0 - M (w^2 (q_a - y_d) + 2 w (dq_a - dy_d)).
  */
 typedef struct ng_law {
     const char *name;
@@ -49,6 +67,7 @@ typedef struct ng_law {
     int uses_impact_consistent_rates; /* 1: at a touchdown rates are those of z2, not measured */
     ng_apply_limits *apply_limits;    /* in place of clipping, or 0 */
     const void *own;    /* what that knows */
+    const ng_schedule *schedule;      /* in place of a model, or 0 */
 } ng_law;
 
 extern const ng_law ng_laws[NG_LAW_COUNT]; /* see NG_LAW_... in gait.h */

@@ -5,8 +5,10 @@ from typing import Any
 
 import numpy as np
 
-from neuralgaits.control import AbstractLaw, ClfQp, Controller, Fblin, Pd
+from neuralgaits.control import AbstractLaw, ClfQp, Controller, Fblin, Pd, ScheduledPd
+from neuralgaits.control.scheduled_pd import GainSchedule
 from neuralgaits.errors import InputError
+from neuralgaits.export.schedule_tables import TABLES, schedule_fields
 from neuralgaits.gait.commands import place_of
 from neuralgaits.simulation.native.compiled_walk import Library
 from neuralgaits.simulation.native.struct_layout import StructLayout
@@ -21,7 +23,7 @@ _LONGEST_US = 0xFFFFFFFF
 
 def knows(law: AbstractLaw) -> bool:
     """Return whether compiled controllers have this law."""
-    return type(law) in (Pd, Fblin, ClfQp)
+    return type(law) in (Pd, Fblin, ClfQp, ScheduledPd)
 
 
 def scene_of(
@@ -68,6 +70,8 @@ def scene_of(
     _set_law(scene.law, controller.law)
     if isinstance(controller.law, ClfQp):
         _set_program(library, scene, controller)
+    if isinstance(controller.law, ScheduledPd) and controller.law.schedule is not None:
+        _set_schedule(types.schedule(), scene, controller.law.schedule)
     _set_config(scene, types, controller)
     return scene
 
@@ -85,13 +89,15 @@ def _set_ground(scene: Any, plant: Plant, controller: Controller) -> None:
 
 def _set_law(law: Any, wanted: AbstractLaw) -> None:
     law.name, law.hold_ticks = b"", int(wanted.hold_ticks)
+    law.uses_impact_consistent_rates = int(wanted.uses_impact_consistent_rates)
     if isinstance(wanted, Pd):
         law.model, law.measure_z2 = int(wanted.feed_forward), int(wanted.measure_z2)
-        law.uses_impact_consistent_rates = int(wanted.uses_impact_consistent_rates)
         _fill(law.stiffness, wanted.stiffness)
         _fill(law.damping, wanted.damping)
     elif isinstance(wanted, Fblin | ClfQp):
         law.model, law.measure_z2, law.bandwidth = 1, 1, float(wanted.bandwidth)
+    elif isinstance(wanted, ScheduledPd) and wanted.schedule is not None:
+        law.measure_z2, law.bandwidth = 1, float(wanted.bandwidth)
     else:
         raise InputError(f"expected a law of this package, found {type(wanted).__name__}")
 
@@ -104,6 +110,20 @@ def _set_program(library: Library, scene: Any, controller: Controller) -> None:
     own.friction = float(controller.robot.friction)
     scene.law.apply_limits = library.clf_qp
     scene.law.own = ctypes.addressof(scene) + library.layout.scene.clf_qp.offset
+
+
+def _set_schedule(into: Any, scene: Any, schedule: GainSchedule) -> None:
+    """Set the tables of a gain schedule, which live as long as the scene."""
+    fields = schedule_fields(schedule)
+    for name, value in fields.items():
+        if name in TABLES:
+            setattr(into, name, value.ctypes.data)
+        elif value.ndim:
+            _fill(getattr(into, name), value.tolist())
+        else:
+            setattr(into, name, float(value))
+    scene.law.schedule = ctypes.addressof(into)
+    scene.tables = into, fields
 
 
 def _set_config(scene: Any, types: StructLayout, controller: Controller) -> None:

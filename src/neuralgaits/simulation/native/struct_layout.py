@@ -34,6 +34,8 @@ class StructLayout(NamedTuple):
     """Type of the C structure `ng_scene`."""
     walk: type[Structure]
     """Type of the C structure `ng_walk`."""
+    schedule: type[Structure]
+    """Type of the C structure `ng_schedule`."""
     record: np.dtype
     """Type of the C structure `ng_record`."""
 
@@ -66,7 +68,9 @@ def layout_of(leg_joints: int, actuated: int, commands: int = 0, step: int = 0) 
         else:
             fields = list(_fields(body, types, sizes))
             types[name or tag] = type(name or tag, (Structure,), {"_fields_": fields})
-    return StructLayout(types["ng_scene"], types["ng_walk"], np.dtype(types["ng_record"]))
+    return StructLayout(
+        types["ng_scene"], types["ng_walk"], types["ng_schedule"], np.dtype(types["ng_record"])
+    )
 
 
 @cache
