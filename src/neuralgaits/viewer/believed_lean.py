@@ -9,7 +9,7 @@ from neuralgaits.gait.commands import LEAN, Commands, place_of
 from neuralgaits.viewer.page_style import GOOD, QUIET, TIGHT, Ink, line
 
 
-class BelievedLean(NamedTuple):
+class LeanMarks(NamedTuple):
     """How far the torso's centre of mass is ahead of the file's, by the robot and in the plant."""
 
     believed: float
@@ -34,22 +34,22 @@ class BelievedLean(NamedTuple):
 
 def lean_of(
     commands: Commands, latched: Float[np.ndarray, " p"], true: float, proved_within: float | None
-) -> BelievedLean | None:
+) -> LeanMarks | None:
     """Return the believed lean of a step beside the true one; None if the gait takes none.
 
     Args:
         commands: commands of the gait.
         latched: their values in the step under way. [p]
         true: lean of the simulated torso (m).
-        proved_within: see `BelievedLean` (m).
+        proved_within: see `LeanMarks` (m).
     """
     if (place := place_of(commands, LEAN)) is None:
         return None
     lean = commands[place]
-    return BelievedLean(float(latched[place]), true, lean.low, lean.high, proved_within)
+    return LeanMarks(float(latched[place]), true, lean.low, lean.high, proved_within)
 
 
-def lean_html(lean: BelievedLean | None) -> str:
+def lean_html(lean: LeanMarks | None) -> str:
     """Return HTML of a belief: marks of belief and truth, and what the proof file says of it."""
     if lean is None:
         return ""
@@ -57,7 +57,7 @@ def lean_html(lean: BelievedLean | None) -> str:
     return _marks(lean, ink) + line(_words(lean), ink)
 
 
-def _words(lean: BelievedLean) -> str:
+def _words(lean: LeanMarks) -> str:
     off = 1e3 * abs(lean.true - lean.believed)
     text = (
         f"Torso ahead of the file: believed {1e3 * lean.believed:+.1f} mm, "
@@ -71,7 +71,7 @@ def _words(lean: BelievedLean) -> str:
     return f"{text}: beyond the {near} that the proof file is about, nothing is proved now"
 
 
-def _marks(lean: BelievedLean, ink: Ink) -> str:
+def _marks(lean: LeanMarks, ink: Ink) -> str:
     """Return a line over the range of leans, the belief as a bar on it and the truth as a ring."""
     middle = 0.5 * (lean.low + lean.high)
     half = max(0.5 * (lean.high - lean.low), abs(lean.true - middle))
