@@ -222,7 +222,7 @@ def test_a_slope_to_be_proved_is_in_degrees_on_the_command_line_and_in_radians_e
     run: Any = SimpleNamespace(path=tmp_path, spec=spec)
     _, told = commands_within(run, given)
     assert (told.low, told.high) == given["slope"]
-    with pytest.raises(InputError, match="rad, found .*; in degrees -3:3, and -171.9:114.6"):
+    with pytest.raises(InputError, match=r"rad, found .*; in degrees -3:3, and -171\.9:114\.6"):
         commands_within(run, {"slope": (-3.0, 2.0)})
 
 
