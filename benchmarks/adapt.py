@@ -3,7 +3,8 @@
 Asked: within 0.02 m/s of what is told after 10 steps, and no fall of 20. At the ends of the range
 of speeds an adapter cannot help: a row says for which share of the steps the command stood there.
 Twenty walks a row from random states of the region, in MuJoCo; all rows take about 10 minutes.
-DISTURB, TOLD, LAWS and WALKS in the environment choose others, and RUN another run than the shipped
+DISTURB, TOLD, LAWS and WALKS in the environment choose others, SENSING what `--sensing` takes, and
+DISTURB=standard the eighteen standard disturbances; RUN is another run than the shipped
 one: of a gait that takes leans, too, the rows also have the lean adapted, and both.
 """
 
@@ -24,12 +25,15 @@ from neuralgaits.records.adapted_speeds import SETTLED_STEPS
 from neuralgaits.simulation.native.compiled_walk import Library
 from neuralgaits.simulation.setup.command_schedule import orders_of
 from neuralgaits.simulation.setup.disturbance import parse
+from neuralgaits.simulation.setup.disturbance_set import DISTURBANCE_SET
+from neuralgaits.simulation.setup.sensing import sensed
 from neuralgaits.simulation.ticks.stride_table import Strides
 from neuralgaits.simulation.trained_walks import TrainedWalks, at_first, walk_engine_for
 from support.shipped_run import SHIPPED
 
 WALKS, STEPS = whole("WALKS", 20), 30
-ASKED_M_S = 0.02
+ASKED_M_S, SENSING = 0.02, os.environ.get("SENSING")
+STANDARD = dict(DISTURBANCE_SET)
 MODES = (), (ADAPTED,), (LEAN,), (ADAPTED, LEAN)
 """Commands that are adapted, a column each."""
 DISTURBANCES = (
@@ -55,8 +59,9 @@ class Row(NamedTuple):
 
 def main() -> None:
     """Print every row."""
-    chosen = os.environ.get("DISTURB")
-    disturbances = DISTURBANCES if chosen is None else tuple(chosen.split(" "))
+    chosen, named = os.environ.get("DISTURB", "table"), {"table": DISTURBANCES}
+    named["standard"] = tuple(STANDARD)
+    disturbances = named.get(chosen, tuple(chosen.split(" ")))
     speeds = [float(one) for one in os.environ.get("TOLD", "0.60,0.70,0.80").split(",")]
     laws = os.environ.get("LAWS", "pd,fblin").split(",")
     with TemporaryDirectory() as folder:
@@ -110,7 +115,7 @@ def _walked(
         steps=STEPS,
         start="region",
         push=0.0,
-        disturbance=parse(disturb or None),
+        disturbance=sensed(STANDARD.get(disturb) or parse(disturb or None), SENSING),
         seed=0,
         orders=orders,
         threads=1,

@@ -1,6 +1,7 @@
 """Levels 1 to 3 of a gait that is told commands: its chart, its sets, what follows from bounds."""
 
 import json
+import math
 from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
@@ -37,6 +38,7 @@ from neuralgaits.gait.commands import Command, Pair
 from neuralgaits.programs import POINT, evaluate
 from neuralgaits.records.certified import CertificateRecord, Conclusion, ConditionVerdict
 from neuralgaits.robots import load_robot
+from neuralgaits.settings import forms
 from support.commanded_run import SPEED, family_of
 from support.shipped_run import SHIPPED
 
@@ -209,6 +211,19 @@ def test_a_range_narrower_than_the_largest_change_has_one_of_its_own(tmp_path):
     for bad in ({"speed": (0.5, 0.61)}, {"speed": (0.61, 0.61)}, {"slope": (0.0, 1.0)}):
         with pytest.raises(InputError, match="expected a"):
             commands_within(run, bad)
+
+
+def test_a_slope_to_be_proved_is_in_degrees_on_the_command_line_and_in_radians_elsewhere(tmp_path):
+    given = forms.ranges("slope=-3:2,speed=0.605:0.62")
+    assert given["slope"] == (math.radians(-3.0), math.radians(2.0))
+    assert given["speed"] == (0.605, 0.62)
+    slope = Command("slope", math.radians(-3.0), math.radians(3.0), math.radians(0.7))
+    spec = specs.commanded(load_robot("amber3m"), (SPEED, slope))
+    run: Any = SimpleNamespace(path=tmp_path, spec=spec)
+    _, told = commands_within(run, given)
+    assert (told.low, told.high) == given["slope"]
+    with pytest.raises(InputError, match=r"rad, found .*; in degrees -3:3, and -171\.9:114\.6"):
+        commands_within(run, {"slope": (-3.0, 2.0)})
 
 
 def row(verdict):

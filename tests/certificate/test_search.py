@@ -19,6 +19,7 @@ from neuralgaits.certificate.search.branch_and_bound import (
     missing,
     search,
     start,
+    to_split,
 )
 from neuralgaits.certificate.search.checkpoint import load, save
 from neuralgaits.certificate.search.halving import boxes_of, halves, to_text
@@ -413,6 +414,20 @@ def test_nothing_is_asked_where_axes_are_not_near():
     (statement,) = prove(near, state)
     assert not state.refuted and 0.0 <= statement.bounds["near"] <= 0.05
     assert float(state.seen[0]) >= 0.05 - 1e-12
+
+
+@pytest.mark.parametrize(("weak", "ended"), [(1, False), (2, True)])
+def test_boxes_have_an_end_where_most_axes_are_weak(weak, ended, monkeypatch):
+    """One weak axis among others, as of a belief, does not end a search that goes on."""
+
+    def margin(u):
+        return 1e-3 + jnp.tanh(u[0] - u[1]) ** 2 + 0.0 * jnp.sum(u)
+
+    low, high = ((0.0,) * 3, (1.0,) * 3)
+    problem = replace(_problem(low, high, margin=margin, degree=1), weak_axes=weak, tight=0.0)
+    monkeypatch.setattr(root_turns, "LATE_BOXES", 100)
+    state = _run(problem)
+    assert bool(to_split(problem, state, "decide", 10**6).size) == ended
 
 
 @pytest.mark.parametrize(("weak", "one_by_one"), [(1e-4, False), (0.3, True)])

@@ -1,14 +1,18 @@
 """What the sliders show is what counts."""
 
+import re
 import time
 from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
 import pytest
 
+from neuralgaits.gait.commands import Command
 from neuralgaits.simulation.live_tick import StepSpeeds
 from neuralgaits.simulation.ticks.adapted_command import ADAPTABLE
 from neuralgaits.viewer import live_server, panel
+from neuralgaits.viewer.believed_lean import lean_of
 from neuralgaits.viewer.panel import PUSH, Panel
 from neuralgaits.viewer.player import SPEED, Picture
 from neuralgaits.viewer.slider import Slider
@@ -36,11 +40,11 @@ def typed(slider, value):
     slider._impl.value, slider._impl.update_timestamp = value, time.time()
 
 
-def frame(made, laps=(), speeds=None):
+def frame(made, laps=(), speeds=None, lean=None):
     shown: Any = SimpleNamespace(
         steps=0, speed=0.0, time=0.0, walked=0.0, fall=None, laps=laps, memberships=()
     )
-    shown.speeds = speeds
+    shown.speeds, shown.lean = speeds, lean
     made.show(Picture(shown, None, False, 1.0, None, None))
 
 
@@ -111,6 +115,36 @@ def test_the_switch_adapts_and_the_speeds_of_the_last_step_are_said():
             server.stop()
 
 
+@pytest.mark.parametrize(
+    ("true", "proved", "words", "covered"),
+    [
+        (0.0125, None, "2.5 mm off; no proof is about what it believes", None),
+        (0.0125, 0.003, "within the 3 mm that the proof file is about", True),
+        (0.0069, 0.003, "beyond the 3 mm that the proof file is about", False),
+    ],
+)
+def test_the_belief_stands_beside_the_truth(built, true, proved, words, covered):
+    made, _ = built
+    told = Command("speed", 0.6, 0.8), Command("lean", -0.01, 0.01)
+    lean = lean_of(told, np.array([0.7, 0.01]), true, proved)
+    assert lean is not None and lean.covered is covered
+    for _ in range(2 * panel._STATUS_EVERY):
+        frame(made, lean=lean)
+    content = made._status.content
+    assert words in content and f"believed +10.0 mm, true {1e3 * true:+.1f} mm" in content
+    # Marks stay on the line where the truth is beyond the gait's range.
+    places = [float(x) for x in re.findall(r"left:([-\d.]+)%", content)]
+    assert all(0.0 <= x <= 100.0 for x in places[-2:]) and len(places) >= 3
+
+
+def test_a_gait_that_takes_no_lean_has_no_marks(built):
+    made, _ = built
+    assert lean_of((Command("speed", 0.6, 0.8),), np.array([0.7]), 0.01, 0.003) is None
+    for _ in range(2 * panel._STATUS_EVERY):
+        frame(made)
+    assert "Torso" not in made._status.content
+
+
 def test_sliders_and_keys_tell_the_robot_and_lay_stones():
     """Two keys a slider, up and down by a tenth of its range, cut to it."""
     server, asked, heard = live_server.open_server("test"), [], []
@@ -163,7 +197,7 @@ def test_the_end_of_a_walk_says_what_to_do_next(built, upright, left, words):
     shown: Any = SimpleNamespace(
         fall="too slow", upright=upright, steps=4, speed=0.0, time=0.0, walked=0.0, memberships=()
     )
-    shown.speeds = None
+    shown.speeds = shown.lean = None
     picture: Any = SimpleNamespace(shown=shown, reset_in=left, paused=False, pace=1.0)
     assert words in made.status(picture)
 

@@ -86,7 +86,6 @@ APART = 0.1
 """Scale of how far the fences are from zero and from each other, in the unit of zeta."""
 MORE_SAMPLES, LEARNING_RATE = 2, 3e-3
 
-
 Interval = tuple[float, float]
 """Lower and upper end of a range."""
 _LARGEST_CHANGES = {"speed": SPEED_CHANGE, "slope": SPEED_CHANGE}
@@ -101,16 +100,18 @@ LEAN_ERROR = 3e-3
 def commands_of(**ranges: Interval | None) -> Commands:
     """Create commands of this package with their usual largest changes.
 
+    Speed and lean, in one gait, change half as fast: a tube has to follow both at once.
+
     Args:
         ranges: by name; those that are None are left out.
     """
+    told = {name: ends for name, ends in ranges.items() if ends is not None}
+    share = 0.5 if {"speed", LEAN} <= told.keys() else 1.0
     found = []
-    for name, interval in ranges.items():
-        if interval is not None:
-            low, high = interval
-            # Few digits: it stands, exactly, in statements that people read.
-            change = float(f"{_largest_change(name, abs(high - low)):.6g}")
-            found.append(Command(name, low, high, change or None))
+    for name, (low, high) in told.items():
+        most = (share if name in ("speed", LEAN) else 1.0) * _largest_change(name, abs(high - low))
+        # Few digits: it stands, exactly, in statements that people read.
+        found.append(Command(name, low, high, float(f"{most:.6g}") or None))
     return tuple(found)
 
 

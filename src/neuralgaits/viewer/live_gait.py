@@ -20,6 +20,7 @@ from neuralgaits.simulation.setup.starts import momentum_range
 from neuralgaits.simulation.setup.terrain_kinds import commands_from_terrain
 from neuralgaits.simulation.ticks.adapted_command import ADAPTABLE
 from neuralgaits.simulation.ticks.falls import Ending
+from neuralgaits.viewer.believed_lean import lean_of
 from neuralgaits.viewer.live_monitor import LiveMonitor
 from neuralgaits.viewer.slider import Slider
 from neuralgaits.viewer.step_speed import StepSpeed
@@ -74,6 +75,7 @@ class LiveGait:
         self._first = self.live.told
         self._look: PointEvaluator | None = None
         self._monitor: LiveMonitor | None = None
+        self._beliefs_within: float | None = None
         self._z = self._middle
         self._begun = 0.0
         self._pace = StepSpeed()
@@ -82,9 +84,9 @@ class LiveGait:
         """Enable live evaluation of margins by this evaluator."""
         self._look = look
 
-    def watch_with(self, monitor: LiveMonitor) -> None:
-        """Count from now on which ticks are in the sets that are proved."""
-        self._monitor = monitor
+    def watch_with(self, monitor: LiveMonitor | None, beliefs_within: float | None = None) -> None:
+        """Show what is proved from now on: ticks in its sets, and the distance of a belief (m)."""
+        self._monitor, self._beliefs_within = monitor, beliefs_within
 
     @property
     def settings(self) -> Mapping[str, Slider]:
@@ -176,6 +178,12 @@ class LiveGait:
             tops=None if live.course is None else live.course.tops,
             laps=live.laps,
             speeds=live.control.speeds,
+            lean=lean_of(
+                self.run.trained.commands,
+                live.told[1],
+                live.plant.disturbance.torso_shift_m,
+                self._beliefs_within,
+            ),
             memberships=() if self._monitor is None else self._monitor.memberships(),
         )
 

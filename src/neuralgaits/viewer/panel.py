@@ -9,6 +9,7 @@ import numpy as np
 import viser
 
 from neuralgaits.viewer import bars, page_style
+from neuralgaits.viewer.believed_lean import lean_html
 from neuralgaits.viewer.live_monitor import membership_lines
 from neuralgaits.viewer.page_style import BAD, GOOD, QUIET, SAID, line, note
 from neuralgaits.viewer.player import SPEED, Picture, Player
@@ -273,7 +274,8 @@ class Panel:
             slow = f" · plays at ×{picture.pace:.2f}" if lags else ""
             lines = line(f"Walks · {facts}{slow}", GOOD)
         said = line(self._answer, SAID) if self._answer_left else ""
-        return lines + _speeds(shown) + membership_lines(shown.memberships) + said
+        known = _speeds(shown) + lean_html(shown.lean) + membership_lines(shown.memberships)
+        return lines + known + said
 
     def _of_lap(self, picture: Picture) -> str | None:
         """Return a message when the robot has reached the end of the ground, once for each time."""

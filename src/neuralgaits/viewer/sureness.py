@@ -11,6 +11,7 @@ from neuralgaits.certificate.run_certificate.verified_summary import (
     read_certificate,
 )
 from neuralgaits.errors import SpecError
+from neuralgaits.gait.commands import LEAN
 from neuralgaits.records import certificate_sentences
 from neuralgaits.records.certified import PROOF, CertificateRecord
 from neuralgaits.records.levels import HIGHEST
@@ -43,6 +44,9 @@ class Sureness(NamedTuple):
     """Statements of the proof file, word by word, in Markdown; empty if there are none."""
     monitor: StateMonitor | None = None
     """Sets that are proved of the gait; None if there are none."""
+    beliefs_within: float | None = None
+    """Distance of a robot from its believed lean up to which the proof file states level 2 or more
+    [m]; None if it states none for all commands."""
 
 
 def how_sure(run: Run) -> Sureness:
@@ -72,7 +76,9 @@ def how_sure(run: Run) -> Sureness:
     monitor = _monitor(run, found)
     if monitor is not None:
         told += f"\n\n{_COMPARED}"
-    return Sureness(True, verdict, told, found.map_fits, _theorem(found.summary), monitor)
+    within = found.summary.parameters.get(LEAN) if found.summary.proved_level >= 2 else None
+    theorem = _theorem(found.summary)
+    return Sureness(True, verdict, told, found.map_fits, theorem, monitor, within)
 
 
 def _monitor(run: Run, found: CertificateReading) -> StateMonitor | None:

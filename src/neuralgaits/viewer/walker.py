@@ -6,6 +6,7 @@ import numpy as np
 
 from neuralgaits._types import Bool, Float
 from neuralgaits.simulation.live_tick import StepSpeeds
+from neuralgaits.viewer.believed_lean import LeanMarks
 from neuralgaits.viewer.live_monitor import SetMembership
 
 
@@ -44,6 +45,8 @@ class Shown(NamedTuple):
     the start."""
     speeds: StepSpeeds | None = None
     """Speeds of the last whole step; None before one, or without a commanded speed."""
+    lean: LeanMarks | None = None
+    """Lean that the robot believes in, beside the true one; None if the gait takes none."""
     memberships: tuple[SetMembership, ...] = ()
     """Answers of the monitor for each proved set; () if none is proved."""
 

@@ -115,8 +115,8 @@ class LiveView:
             plane = portrait(run, look, certified=sure.certified and sure.map_fits)
             with self._showing:
                 if not self._closed.is_set():
-                    if sure.monitor is not None:
-                        self.gait.watch_with(LiveMonitor(run, sure.monitor))
+                    watched = None if sure.monitor is None else LiveMonitor(run, sure.monitor)
+                    self.gait.watch_with(watched, sure.beliefs_within)
                     self._panel.tell_how_sure(sure.verdict, sure.words, sure.theorem)
                     self._stage.hang(plane, self._clicked)
         except SpecError as error:

@@ -131,9 +131,12 @@ def commands_within(run: Run, within: Ranges) -> tuple[Command, ...]:
     for c in commands:
         low, high = within.get(c.name, (c.low, c.high))
         if not c.low <= low < high <= c.high:
-            raise InputError(
-                f"expected a range of {c.name} in {c.low:g}:{c.high:g}, found {low:g}:{high:g}"
-            )
+            found = f"{c.low:g}:{c.high:g} {c.unit}, found {low:g}:{high:g}"
+            if c.unit == "rad":
+                # The command line speaks of degrees, all else of radians.
+                ends = [f"{x:.4g}" for x in np.degrees([c.low, c.high, low, high])]
+                found += f"; in degrees {ends[0]}:{ends[1]}, and {ends[2]}:{ends[3]}"
+            raise InputError(f"expected a range of {c.name} in {found}")
         change = c.largest_change
         if change is not None and change >= high - low:
             change = None

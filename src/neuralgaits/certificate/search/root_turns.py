@@ -148,7 +148,7 @@ class _BoxBudget:
         self._current = current
         self._bytes = [Search.untouched(problem).tree.nbytes for problem in problems]
         self._wide = any(len(problem.low) > PLANE for problem in problems)
-        self._late = [problem.weak_axes > 0 for problem in problems]
+        self._late = [2 * problem.weak_axes > len(problem.low) for problem in problems]
         room = int((WIDE_MEMORY_BYTES if any(self._late) else MEMORY_BYTES) / sum(self._bytes))
         more = TIGHTEN_BOXES
         if phase == "decide":
