@@ -27,13 +27,13 @@ from neuralgaits.systems.cartpole.cartpole_training import RECIPE
 from neuralgaits.systems.cartpole.cartpole_verbs import SYSTEM
 from neuralgaits.systems.equilibrium.ellipsoid import Ball, direction
 from neuralgaits.systems.equilibrium.ellipsoid_regions import AXES, CORE
-from neuralgaits.systems.equilibrium.equilibrium_system import RATE
 from neuralgaits.systems.family_certificate import certify_family, condition_problems
 from neuralgaits.systems.family_run import FamilyRun, open_family_run
 from neuralgaits.systems.family_training import train_family
 
 DRAWS = 400
 GAIN = 0.03
+RATE = SYSTEM.rate
 SHRINK = 0.995
 ASKED = "asked: more than 1.5"
 

@@ -92,6 +92,6 @@ def test_a_long_sum_rounds_at_every_term():
 
 
 def test_what_may_be_divided_by_zero_has_no_bound():
-    one = Rounded(*np.ones((2, 1, 1)), np.zeros((1, 1)))
+    one = Rounded(np.ones((1, 1)), np.ones((1, 1)), np.zeros((1, 1)))
     near = Rounded(np.full((1, 1), 0.1), np.full((1, 1), 0.2), np.full((1, 1), 0.1))
     assert np.isinf(Rules().elementwise("div", one, near).error).all()

@@ -57,7 +57,7 @@ def test_the_answer_and_its_limits_are_in_view_without_a_click(page):
     assert right <= WIDTH
 
 
-def until(condition, seconds=30.0):
+def until(condition, seconds=300.0):
     end = time.monotonic() + seconds
     while not condition():
         assert time.monotonic() < end, "it did not happen"

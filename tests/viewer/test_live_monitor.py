@@ -129,6 +129,7 @@ def test_the_status_has_the_line_and_none_without_a_proof(unproved):
             fall=None,
             memberships=memberships,
             speeds=None,
+            lean=None,
         )
         status = Panel.status(panel, Picture(shown, None, False, 1.0, None, None))
         assert status.count("<div") == count

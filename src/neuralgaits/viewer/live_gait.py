@@ -24,6 +24,7 @@ from neuralgaits.viewer.believed_lean import lean_of
 from neuralgaits.viewer.live_monitor import LiveMonitor
 from neuralgaits.viewer.slider import Slider
 from neuralgaits.viewer.step_speed import StepSpeed
+from neuralgaits.viewer.trail import Trail
 from neuralgaits.viewer.walker import Margins, Shown
 
 
@@ -77,8 +78,7 @@ class LiveGait:
         self._monitor: LiveMonitor | None = None
         self._beliefs_within: float | None = None
         self._z = self._middle
-        self._begun = 0.0
-        self._pace = StepSpeed()
+        self._begun, self._pace, self._trail = 0.0, StepSpeed(), Trail()
 
     def look_with(self, look: PointEvaluator) -> None:
         """Enable live evaluation of margins by this evaluator."""
@@ -105,7 +105,9 @@ class LiveGait:
         }
         if robot.torso is not None:
             ahead = "centre of mass ahead of the file's; the controller is not told"
-            found["torso_shift_m"] = Slider("torso [m]", -0.05, 0.05, 0.0, 0.005, ahead)
+            found["torso_shift_m"] = Slider(
+                "torso's weight ahead [m]", -0.05, 0.05, 0.0, 0.005, ahead
+            )
         if self._on is not None:
             del found["slope_deg"]
         return found
@@ -150,6 +152,9 @@ class LiveGait:
         walks = self.live.tick()
         if self.steps != self._pace.steps:
             self._pace.touch_down(self.steps, self.live.time, float(self._sensors().base[0]))
+        if (record := self.live.record) is not None:
+            self._z = np.asarray(record.command.z)[0]
+            self._trail.add(self._z, self.steps)
         monitor, measured = self._monitor, self.live.measured
         if walks and monitor is not None and measured is not None:
             monitor.add(measured)
@@ -157,10 +162,7 @@ class LiveGait:
 
     def shown(self) -> Shown:
         """Return the present moment of the walk."""
-        live, record = self.live, self.live.record
-        if record is not None:
-            self._z = np.asarray(record.command.z)[0]
-        sensors, mean = self._sensors(), self._pace.mean
+        live, sensors, mean = self.live, self._sensors(), self._pace.mean
         ending: Ending = live.ending
         return Shown(
             time=live.time,
@@ -170,6 +172,7 @@ class LiveGait:
             slope=live.floor.slope,
             ground=live.height(float(sensors.base[0])),
             z=self._z,
+            trail=self._trail.states,
             steps=self.steps,
             speed=float(sensors.base_velocity[0]) if mean is None else mean,
             force=live.pushing,
@@ -278,7 +281,7 @@ class LiveGait:
         except InputError:
             return False
         self._z = z
-        self._begun, self._pace = self.live.time, StepSpeed()
+        self._begun, self._pace, self._trail = self.live.time, StepSpeed(), Trail()
         if self._monitor is not None:
             self._monitor.restart()
         return True

@@ -8,7 +8,6 @@ visitor controls the camera, and the board does not move.
 # MuJoCo ships no type stubs.
 
 import math
-from collections import deque
 from collections.abc import Callable
 
 import mujoco
@@ -96,13 +95,11 @@ class Stage:
             self._blocks.show(shown.tops, x, ground)
             self._show_push(shown, ground)
             if self._board is not None:
-                self._board.show(shown.z)
+                self._board.show(shown.z, shown.trail)
         self._server.flush()
 
     def restart(self) -> None:
-        """Clear the trail after the robot was moved; call it in the thread that calls `show`."""
-        if self._board is not None:
-            self._board.forget()
+        """Hide a push after the robot was moved; call it in the thread that calls `show`."""
         self._arrow.visible = False
 
     def _show_robot(self, shown: Shown, x: float, ground: float) -> None:
@@ -160,8 +157,6 @@ class _Board:
         self._portrait = portrait
         self._size = np.array([width, width * HEIGHT_PX / WIDTH_PX])
         self._corner = np.array([-0.5 * width, bottom])
-        # Some steps.
-        self._trail: deque[np.ndarray] = deque(maxlen=40)
         self._count = 0
         middle = self._corner + 0.5 * self._size
         image = server.scene.add_image(
@@ -191,31 +186,26 @@ class _Board:
             place = (hit[[0, 2]] - self._corner) / self._size
             clicked(event.client, portrait.state(place))
 
-    def show(self, z: Float[np.ndarray, "2"]) -> None:
-        """Move the point to a state, and extend the trail."""
-        if not np.all(np.isfinite(z)):
-            return
-        place = self._portrait.place(self._portrait.clip(z))
-        across, up = self._corner + place * self._size
-        # In front of the board, where it can be seen.
-        here = np.array([across, -0.004, up], dtype=np.float32)
-        self._point.position = tuple(float(value) for value in here)
+    def show(self, z: Float[np.ndarray, "2"], trail: Float[np.ndarray, "K 2"]) -> None:
+        """Move the point to a state, and draw the states before it."""
+        if np.all(np.isfinite(z)):
+            self._point.position = tuple(float(value) for value in self._places(z))
         self._count += 1
         # Lines are slow to redraw.
-        if self._count % 4:
-            return
-        # A step's reset is a jump, not a line.
-        if self._trail and here[0] < self._trail[-1][0] - 0.15 * self._size[0]:
-            self._trail.append(np.full(3, np.nan, dtype=np.float32))
-        self._trail.append(here)
-        if len(self._trail) > 1:
-            points = np.array(self._trail)
+        if self._count % 4 == 0:
+            points = self._places(trail)
             ends = np.stack([points[:-1], points[1:]], axis=1)
-            self._line.points = ends[np.isfinite(ends).all(axis=(1, 2))]
+            ends = ends[np.isfinite(ends).all(axis=(1, 2))]
+            self._line.visible = len(ends) > 0
+            if len(ends):
+                self._line.points = ends
 
-    def forget(self) -> None:
-        """Clear the trail of the point."""
-        self._trail.clear()
+    def _places(self, z: Float[np.ndarray, "... 2"]) -> Float[np.ndarray, "... 3"]:
+        """Return places in the scene, in front of the board, where they can be seen."""
+        across, up = np.moveaxis(
+            self._corner + self._portrait.place(self._portrait.clip(z)) * self._size, -1, 0
+        )
+        return np.stack([across, np.full_like(across, -0.004), up], axis=-1).astype(np.float32)
 
 
 def _alone(layout: MjcfLayout):

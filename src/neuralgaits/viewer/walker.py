@@ -27,6 +27,8 @@ class Shown(NamedTuple):
     """Height of the hip above the floor, or above the line between footholds [m]."""
     z: Float[np.ndarray, "2"]
     """Measured state of the zero dynamics (m, kg m^2/s)."""
+    trail: Float[np.ndarray, "K 2"]
+    """States of the last steps (m, kg m^2/s), NaN between two of them. [K, 2]"""
     steps: int
     """Touchdowns since the last start."""
     speed: float
