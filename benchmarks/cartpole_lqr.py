@@ -143,7 +143,7 @@ def trained_linear(robot: CartPole, gains: np.ndarray, shape: np.ndarray):
 
     def loss(weights, key):
         force, form = unpacked(weights)
-        found = sampled(robot, force, RATE, form, key)
+        found = sampled(robot, force, SYSTEM.rate, form, key)
         short = [
             jax.lax.top_k(jax.nn.relu(RECIPE.targets.get(name, RECIPE.target) - row), RECIPE.worst)[
                 0
@@ -219,7 +219,10 @@ def main() -> None:
     gains, shape = best_regulator(robot, whole("DRAWS", DRAWS))
     rows = {"LQR": (gains, largest_proved(robot, gains, shape, 0.0))}
     better = trained_linear(robot, gains, shape)
-    rows["trained linear force"] = (better[0], largest_proved(robot, better[0], better[1], RATE))
+    rows["trained linear force"] = (
+        better[0],
+        largest_proved(robot, better[0], better[1], SYSTEM.rate),
+    )
     volumes = {name: volumes_of(robot, found) for name, (_, found) in rows.items()}
     for name, (z, full) in volumes.items():
         gain = ", ".join(f"{x:.3g}" for x in rows[name][0])

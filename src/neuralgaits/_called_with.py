@@ -104,7 +104,8 @@ def descriptions(settings: type) -> dict[str, str]:
         for mark in marks_in(hint):
             if text := getattr(mark, "help", None):
                 said.setdefault(name, text)
-    order = [field.name for field in fields(settings)]
+    # As in the signature: arguments by keyword alone come last.
+    order = [field.name for field in sorted(fields(settings), key=lambda one: one.kw_only is True)]
     return {name: " ".join(said[name].split()) for name in order if name in said}
 
 

@@ -39,7 +39,7 @@ def test_every_quantity_has_words_and_a_unit():
 def test_a_barrier_says_how_fast_it_may_be_approached():
     inner = {"function": "at_most", "of": {"function": "torso_angle"}, "bound": 0.08}
     said = phrases.condition({"kind": "Barrier", "quantity": inner, "alpha": [4.0, 9.0]})
-    assert "≤ 0.08 rad" in said and "4 or 9 1/s" in said
+    assert "≤ 0.08 rad" in said and "at 4 or 9 per second times" in said
 
 
 def test_a_users_own_condition_is_named_and_not_explained():

@@ -42,17 +42,14 @@ class CommandWalks(NamedTuple):
     """States of each step from landing to landing (m, kg m^2/s)."""
 
 
-def walks_under(
-    run: Run, *sequences: Float[np.ndarray, "S p"], walks: int = 2
-) -> tuple[CommandWalks, ...]:
-    """Walk the zero dynamics from evenly spaced levels of the tube, both fences included.
+def walks_under(run: Run, *sequences: Float[np.ndarray, "S p"]) -> tuple[CommandWalks, ...]:
+    """Walk the zero dynamics from both fences of the tube.
 
     The step before the first was told what the first is.
 
     Args:
         run: of a gait that takes commands.
         sequences: commands of each step, in the commands' units.
-        walks: number of walks under each sequence, two or more.
 
     Returns: `CommandWalks` of each sequence.
     Raises: InputError for a gait without commands, or commands that it may not be told.
@@ -63,17 +60,15 @@ def walks_under(
     for told in sequences:
         _refuse(CommandLimits.of(family.commands), told)
     flow_of = _flow_by_commands(run, family)
-    return tuple(_walked(run, flow_of, told, walks) for told in sequences)
+    return tuple(_walked(run, flow_of, told) for told in sequences)
 
 
-def _walked(
-    run: Run, flow_of: FlowByCommands, told: Float[np.ndarray, "S p"], walks: int
-) -> CommandWalks:
+def _walked(run: Run, flow_of: FlowByCommands, told: Float[np.ndarray, "S p"]) -> CommandWalks:
     names = [command.name for command in run.trained.commands]
     first = run.at(**dict(zip(names, map(float, told[0]), strict=True)))
     chart = PlaneChart(first.gait, run.spec)
     mesh = Mesh.of_gait(chart.start, chart.guard, NODES)
-    z, before = chart.z(np.zeros(walks), np.linspace(0.0, 1.0, walks)), told[0]
+    z, before = chart.z(np.zeros(2), np.array([0.0, 1.0])), told[0]
     momenta, paths = [z[:, 1]], []
     with np.errstate(all="ignore"):
         for after in told:

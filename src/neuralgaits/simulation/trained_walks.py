@@ -3,7 +3,7 @@
 So other processes can walk parts of them, and the results are put together again.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cached_property
 from typing import Any
 
@@ -15,14 +15,9 @@ from neuralgaits.control import AbstractLaw
 from neuralgaits.control.joint_model import JointModel
 from neuralgaits.control.law_by_name import law_for, law_named
 from neuralgaits.errors import InputError
-from neuralgaits.robots import PlanarBiped
 from neuralgaits.simulation.linked.remote import Remote
-from neuralgaits.simulation.native.compiled_walk import Library
 from neuralgaits.simulation.native.native_scene import knows
 from neuralgaits.simulation.native_walk import Choice, WalkEngine, engine_of_trained
-from neuralgaits.simulation.setup.command_schedule import CommandSchedule
-from neuralgaits.simulation.setup.course import Courses
-from neuralgaits.simulation.setup.disturbance import PlantChanges
 from neuralgaits.simulation.setup.drawn_robots import DrawnRobots
 from neuralgaits.simulation.setup.starts import full_states, momentum_range
 from neuralgaits.simulation.simulators import MUJOCO, Simulator
@@ -30,44 +25,22 @@ from neuralgaits.simulation.ticks.falls import Ending
 from neuralgaits.simulation.ticks.gauge import Extremes, Gauge, Milestone
 from neuralgaits.simulation.ticks.lockstep import EpisodeBatch
 from neuralgaits.simulation.ticks.stride_table import Strides
-from neuralgaits.simulation.walk import Walk, walk
+from neuralgaits.simulation.walk import Walk, WalkOptions, walk
 
 
-@dataclass(frozen=True, eq=False)
-class TrainedWalks:
-    """Common settings of a gait's walks.
+@dataclass(frozen=True, eq=False, kw_only=True)
+class TrainedWalks(WalkOptions):
+    """Walks of a trained gait.
 
     Attributes:
         run: opened run, a family at its first command.
-        library: library compiled for it; None for the loop in JAX.
-        plant: robot to simulate; the run's own if None.
+        start: as in `simulate`.
         drawn: robots of a box in place of the plant, one for each walk.
-        controller: law, by name or as an object.
-        steps, start, push, disturbance, seed: as in `simulate`.
-        orders: commands of a family.
-        courses: courses of blocks in place of floors, one for each walk; they give the orders.
-        threads: number of threads; all cores if None.
-        simulator: simulator that steps the plants.
-        joints: rotors and friction that torques are for, those of the run's robot if None.
-        adapt: commands that are adapted.
     """
 
     run: Run
-    library: Library | None
-    plant: PlanarBiped | None
-    controller: str | AbstractLaw
-    steps: int
     start: str
-    push: float
-    disturbance: PlantChanges
-    seed: int
-    orders: CommandSchedule
-    courses: Courses | None = None
     drawn: DrawnRobots | None = None
-    threads: int | None = None
-    simulator: Simulator = MUJOCO
-    joints: JointModel | None = None
-    adapt: tuple[str, ...] = ()
 
     @cached_property
     def law(self) -> AbstractLaw:
@@ -93,32 +66,22 @@ class TrainedWalks:
             remote: controller processes that give the torques in the law's place.
         """
         run, gait = self.run, self.run.gait
+        options = {one.name: getattr(self, one.name) for one in fields(WalkOptions)}
+        options["controller"] = self.law
         return walk(
             run.robot,
             run.trained.policy,
             full_states(
                 run.zero_dynamics, gait, self.start, seed=self.seed, episodes=count, first=first
             ),
-            plant=self.plant,
             robots=None if self.drawn is None else self.drawn.of(first, count),
-            controller=self.law,
-            steps=self.steps,
             z2_range=momentum_range(run.trained),
-            disturbance=self.disturbance,
-            push=self.push,
-            seed=self.seed,
             record=record,
             longest=longest,
-            library=self.library,
-            orders=self.orders,
             reset_residual=run.residuals.reset,
-            courses=self.courses,
-            threads=self.threads,
             remote=remote,
             first=first,
-            simulator=self.simulator,
-            joints=self.joints,
-            adapt=self.adapt,
+            **options,
         )
 
 

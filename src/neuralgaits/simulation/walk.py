@@ -58,8 +58,41 @@ class Walk:
     courses: Courses | None = None
 
 
+@dataclass(frozen=True, kw_only=True)
+class WalkOptions:
+    """Options that walks have from any start, of policies or of a trained gait."""
+
+    plant: PlanarBiped | None = None
+    """Robot to simulate, the controller's model if None; it must have the same joints."""
+    controller: str | AbstractLaw = "pd"
+    """`pd`, `fblin`, `paper`, `clf-qp`, or a law; `scheduled-pd` as `law_for` fits it to a gait."""
+    steps: int = 50
+    """Number of walking steps of an episode."""
+    disturbance: PlantChanges | None = None
+    """Disturbance of the plant."""
+    push: float = 0.0
+    """Forward impulse at the pitch axis of the root (N s); see `simulation.setup.push`."""
+    seed: int = 0
+    """Seed of everything random."""
+    threads: int | None = None
+    """Threads that step MuJoCo, all cores if None."""
+    library: Library | None = None
+    """Library compiled for this robot and one policy, which then walks natively; else the loop is
+    in JAX, as with `remote`, `watch`, Drake, or a law that is not of this package."""
+    orders: CommandSchedule | None = None
+    """Commands of policies that take some; the middle of the ranges if None."""
+    joints: JointModel | None = None
+    """Rotors and friction that torques are for, those of the controller's model if None."""
+    courses: Courses | None = None
+    """Courses of blocks in place of floors, one for each episode; they give the orders."""
+    adapt: tuple[str, ...] = ()
+    """Commands that are adapted, see `control.speed_adapter` and `control.lean_belief`."""
+    simulator: Simulator = MUJOCO
+    """`drake` in MuJoCo's place; needs the extra of that name."""
+
+
 @dataclass(frozen=True)
-class WalkInputs:
+class WalkInputs(WalkOptions):
     """Everything that a walk is given."""
 
     robot: PlanarBiped
@@ -69,50 +102,23 @@ class WalkInputs:
     starts: Float[np.ndarray, "B two_n"]
     """Full states x = (q, dq), standing on leg 0 (rad, rad/s). [B, 2n]"""
     _: KW_ONLY
-    plant: PlanarBiped | None = None
-    """Robot to simulate, `robot` if None; it must have the same joints."""
     robots: Sequence[PlanarBiped] | None = None
-    """Robots in its place, one for each episode, of the same joints and feet; without courses."""
-    controller: str | AbstractLaw = "pd"
-    """`pd`, `fblin`, `paper`, `clf-qp`, or a law; `scheduled-pd` as `law_for` fits it to a gait."""
-    steps: int = 50
-    """Number of walking steps of an episode."""
+    """Robots in place of `plant`, one for each episode, of the same joints and feet; without
+    courses."""
     z2_range: tuple[float, float] | None = None
     """Momenta of the policies' training (kg m^2/s); wide bounds if None."""
-    disturbance: PlantChanges | None = None
-    """Disturbance of the plant."""
-    push: float = 0.0
-    """Forward impulse at the pitch axis of the root (N s); see `simulation.setup.push`."""
-    seed: int = 0
-    """Seed of everything random."""
-    """Thresholds of a fall."""
     record: bool = False
     """Keep records and states of episode 0."""
     longest: int = 0
     """Keep records of the first so many ticks of every episode."""
     watch: Watch | None = None
     """Called after each control tick, see `lockstep`."""
-    threads: int | None = None
-    """Threads that step MuJoCo, all cores if None."""
     remote: Remote | None = None
     """Controller processes in place of the law; all episodes then share a policy."""
-    library: Library | None = None
-    """Library compiled for this robot and one policy, which then walks natively; else the loop is
-    in JAX, as with `remote`, `watch`, Drake, or a law that is not of this package."""
-    orders: CommandSchedule | None = None
-    """Commands of policies that take some; the middle of the ranges if None."""
     reset_residual: ResetCorrection = None
     """Corrects the impact that their steps begin with."""
-    joints: JointModel | None = None
-    """Rotors and friction that torques are for, those of `robot` if None."""
-    courses: Courses | None = None
-    """Courses of blocks in place of floors, one for each episode; they give the orders."""
     first: int = 0
     """Number of the first episode, on which random numbers depend."""
-    adapt: tuple[str, ...] = ()
-    """Commands that are adapted, see `control.speed_adapter` and `control.lean_belief`."""
-    simulator: Simulator = MUJOCO
-    """`drake` in MuJoCo's place; needs the extra of that name."""
 
     def __post_init__(self) -> None:
         for one in (self.plant, *(self.robots or ())):

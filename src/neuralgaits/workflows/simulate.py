@@ -1,7 +1,7 @@
 """Walk a trained gait at full order, in MuJoCo or in Drake."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from neuralgaits import logs
@@ -35,14 +35,13 @@ from neuralgaits.simulation.linked.config import LinkConfig
 from neuralgaits.simulation.linked.connect import connected
 from neuralgaits.simulation.metrics import summary
 from neuralgaits.simulation.native_walk import WalkEngine
-from neuralgaits.simulation.setup.command_schedule import CommandSchedule, on_slope, orders_of
-from neuralgaits.simulation.setup.disturbance import PlantChanges, parse
-from neuralgaits.simulation.setup.drawn_robots import DrawnRobots
+from neuralgaits.simulation.setup.command_schedule import on_slope, orders_of
+from neuralgaits.simulation.setup.disturbance import parse
 from neuralgaits.simulation.setup.drives import with_gains
 from neuralgaits.simulation.setup.sensing import name_of, sensed
 from neuralgaits.simulation.setup.starts import periodic_orbit
 from neuralgaits.simulation.setup.terrain_kinds import commands_from_terrain
-from neuralgaits.simulation.setup.terrains import Courses, courses_of
+from neuralgaits.simulation.setup.terrains import courses_of
 from neuralgaits.simulation.shared_walks import SharedWalks
 from neuralgaits.simulation.simulators import check_simulator
 from neuralgaits.simulation.trained_walks import TrainedWalks, at_first, walk_engine_for
@@ -93,11 +92,7 @@ class _Plan:
     """Everything that walks need, after all checks and before anything is compiled.
 
     Attributes:
-        run: the run, at its first command.
-        disturbance: changes of the plant.
-        drawn: robots of a box; None for one robot.
-        orders: commands of the walks.
-        courses: terrain; None for a floor.
+        walks: their settings; no library is compiled for them yet.
         command: constant command, for the record; None if there is none.
         logs, films: files to write.
         wire: connection to the exported controller; None for any other.
@@ -105,11 +100,7 @@ class _Plan:
         joints: identified joints that torques are for; None for those of the run's robot.
     """
 
-    run: Run
-    disturbance: PlantChanges
-    drawn: DrawnRobots | None
-    orders: CommandSchedule
-    courses: Courses | None
+    walks: TrainedWalks
     command: Mapping[str, float] | None
     logs: list[Path]
     films: list[Path]
@@ -132,7 +123,7 @@ def simulate(settings: SimulateSettings) -> Simulation:
     if (task := task_of("simulate", settings)) is not None:
         return task(ProgressCallbacks(begun=settings.begun)).returned
     plan = _planned(settings)
-    run = plan.run
+    run = plan.walks.run
     engine = _engine(plan, settings)
     walked, link = _walked(settings, plan, engine)
     record = _record(settings, plan, walked, engine_note=engine.note, link=link)
@@ -167,16 +158,7 @@ def _planned(settings: SimulateSettings) -> _Plan:
         disturbance = on_slope(disturbance, orders)
     else:
         refuse_beside_terrain(terrain, command, commands, disturbance)
-    files = [] if settings.log is None else log_files(Path(settings.log), settings.episodes)
-    refuse_unwritable(*(run.path / file for file in (SUMMARY, PLANT)), own=True)
-    videos = [] if settings.video is None else [Path(settings.video)]
-    named = (plant, commands, terrain, settings.joints)
-    inputs = [Path(given) for given in named if isinstance(given, str | Path)]
-    refuse_outputs([*files, *videos], inputs, run=run.path)
-    for file in files:
-        logs.refuse_unwritable_log(file)
-    for video in videos:
-        films.check(video)
+    files, videos = _output_files(settings, run)
     wire = link_of(settings.link, controller)
     if _on_workers(settings):
         known = {"monitor": settings.monitor, "joints": settings.joints is not None}
@@ -197,9 +179,38 @@ def _planned(settings: SimulateSettings) -> _Plan:
         own = commands_from_terrain(terrain)
         kept = {name: value for name, value in (run.command or {}).items() if name not in own}
         run = at_first(run, courses.orders.first)
-    return _Plan(
-        run, disturbance, drawn, orders, courses, kept, files, videos, wire, monitor, joints
+    walks = TrainedWalks(
+        run=run,
+        plant=None if plant is None else robot_from(plant),
+        controller=controller if wire is None else wire.law,
+        steps=settings.steps,
+        start=settings.start,
+        push=settings.push or 0.0,
+        disturbance=disturbance,
+        seed=seed,
+        orders=orders,
+        courses=courses,
+        simulator=settings.simulator,
+        drawn=drawn,
+        joints=None if joints is None else joints.model,
+        adapt=settings.adapted_commands,
     )
+    return _Plan(walks, kept, files, videos, wire, monitor, joints)
+
+
+def _output_files(settings: SimulateSettings, run: Run) -> tuple[list[Path], list[Path]]:
+    """Return logs and videos to write. Raises: InputError if one cannot be, or is an input."""
+    files = [] if settings.log is None else log_files(Path(settings.log), settings.episodes)
+    refuse_unwritable(*(run.path / file for file in (SUMMARY, PLANT)), own=True)
+    videos = [] if settings.video is None else [Path(settings.video)]
+    named = (settings.plant, settings.commands, settings.terrain, settings.joints)
+    inputs = [Path(given) for given in named if isinstance(given, str | Path)]
+    refuse_outputs([*files, *videos], inputs, run=run.path)
+    for file in files:
+        logs.refuse_unwritable_log(file)
+    for video in videos:
+        films.check(video)
+    return files, videos
 
 
 def _on_workers(settings: SimulateSettings) -> bool:
@@ -210,29 +221,12 @@ def _walked(
     settings: SimulateSettings, plan: _Plan, engine: WalkEngine
 ) -> tuple[Walk, LinkFigures | None]:
     """Walk. Returns: the walk, and figures of the connection if there was one."""
-    plant, wire, count = settings.plant, plan.wire, settings.episodes
-    walks = TrainedWalks(
-        run=plan.run,
-        library=engine.library,
-        plant=None if plant is None else robot_from(plant),
-        controller=settings.controller if wire is None else wire.law,
-        steps=settings.steps,
-        start=settings.start,
-        push=settings.push or 0.0,
-        disturbance=plan.disturbance,
-        seed=settings.seed,
-        orders=plan.orders,
-        courses=plan.courses,
-        simulator=settings.simulator,
-        drawn=plan.drawn,
-        joints=None if plan.joints is None else plan.joints.model,
-        adapt=settings.adapted_commands,
-    )
+    walks, wire, count = replace(plan.walks, library=engine.library), plan.wire, settings.episodes
     if settings.begun is not None:
         settings.begun()
     record, longest = bool(plan.films or settings.adapt), _ALL if plan.logs or plan.monitor else 0
     if wire is not None:
-        design = design_of(plan.run, joints=plan.joints)
+        design = design_of(walks.run, joints=plan.joints)
         with connected(design, wire, count, settings.seed) as remote:
             walked = walks.walk(0, count, record=record, longest=longest, remote=remote)
         return walked, remote.summary()
@@ -252,7 +246,7 @@ def _record(
     link: LinkFigures | None,
 ) -> WalkSettings:
     """Return the settings with which the walks can be repeated."""
-    run, law, drawn = plan.run, settings.controller, plan.drawn
+    run, law, drawn = plan.walks.run, settings.controller, plan.walks.drawn
     return WalkSettings(
         run=str(run.path),
         plant=walked.plant.robot.name,
@@ -285,9 +279,9 @@ def _record(
 
 def _engine(plan: _Plan, settings: SimulateSettings) -> WalkEngine:
     """Choose the engine. Raises: InputError if native code was requested but is not possible."""
-    if (controller := settings.controller) != REMOTE:
-        joints = None if plan.joints is None else plan.joints.model
-        return walk_engine_for(plan.run, controller, settings.engine, settings.simulator, joints)
+    walks = plan.walks
+    if (law := settings.controller) != REMOTE:
+        return walk_engine_for(walks.run, law, settings.engine, walks.simulator, walks.joints)
     if settings.engine == "native":
         raise InputError(
             f"--engine native: expected {names_of_laws(compiled=True)}, found {REMOTE}, which is a "
