@@ -5,13 +5,11 @@ import json
 import shutil
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 from neuralgaits.certificate.proof_file.check import check
 from neuralgaits.certificate.proof_file.reader import read_claims
 from neuralgaits.errors import InputError
-from neuralgaits.programs import POINT, evaluate
 from neuralgaits.systems.cartpole import LEVELS
 from neuralgaits.systems.cartpole.cartpole_verbs import SYSTEM
 from neuralgaits.systems.family_certificate import certify_family
@@ -172,21 +170,3 @@ def test_a_chart_of_another_family_than_the_model_is_refused(table, tmp_path, ch
     change(spoilt)
     with pytest.raises(InputError, match=said):
         read_claims(written(spoilt, tmp_path))
-
-
-def test_formulas_of_the_second_checker_are_those_of_the_program(proofcheck, proof):
-    """Both at random points: one forms them from masses and weights, the other was traced."""
-    program = read_claims(proof).program
-    points = np.random.default_rng(0).uniform(0.05, 1.0, (20, 4))
-    values = evaluate(program, {"u": points}, POINT)
-    text = "\n".join(" ".join([float(x).hex() for x in (*u, *u)]) for u in points)
-    blocks = proofcheck("--bounds", proof, text=text).stdout.strip().split("\n\n")
-    assert len(blocks) == len(points)
-    for row, block in enumerate(blocks):
-        lines = [line.split("\t") for line in block.splitlines()]
-        assert {line[0] for line in lines} == set(values)
-        for name, element, low, high in lines:
-            value = values[name].reshape(len(points), -1)[row, int(element)]
-            slack = 1e-9 * (1.0 + abs(value))
-            assert float.fromhex(low) - slack <= value <= float.fromhex(high) + slack
-            assert float.fromhex(high) - float.fromhex(low) < slack

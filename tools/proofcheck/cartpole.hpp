@@ -1,10 +1,10 @@
 #pragma once
 
-#include "program.hpp"
+#include "families.hpp"
 
 namespace {
 
-// ---------------------------------------------------------------------------- 18 cart-poles
+// ---------------------------------------------------------------------------- 19 cart-poles
 //
 // A second family of systems: a pole on a cart, which one motor drives along a rail. Its state is
 // (x, theta, x', theta'): the cart's place from the middle of the rail, the pole's angle from the
@@ -32,31 +32,24 @@ struct CartPole {
   vector<string> words;                     // Of the robot.
 };
 
-// The regions of its spec, and the region of each condition.
-struct CartPoleRegion { const char* name; double low, high; };  // Of the radius; all directions.
 constexpr double kCore = 0.125;
-constexpr CartPoleRegion kCartPoleRegions[] = {
-    {"core", 0.0, kCore}, {"face", 1.0, 1.0}, {"ring", kCore, 1.0}, {"set", 0.0, 1.0}};
-struct CartPoleCondition { const char *name, *region, *words, *unit; size_t elements; };
-constexpr CartPoleCondition kCartPoleConditions[] = {
-    {"descent", "ring", "-r'/r less the claimed rate", "1/s", 1},
-    {"force", "set", "share of the force limit that is left, either way,", "", 2},
-    {"inward", "face", "d/dt (1 - r^2)", "1/s", 1},
-    {"rail", "set", "share of the rail that is left, either way,", "", 2},
-    {"settling", "core", "-dr'/dr less the claimed rate", "1/s", 1},
-    {"upright", "set", "share of the pole's room that is left, either way,", "", 2}};
-constexpr const char* kCartPoleAxes[] = {"radius", "quarter turn", "half turn", "full turn"};
 
-bool walks(const Chart& chart) {
-  return chart[0].name == "phase" || chart[1].name == "level";
-}
-
-bool is_cartpole(const Chart& chart) {
-  if (chart.size() != 4) return false;
-  for (size_t k = 0; k < 4; ++k)
-    if (chart[k].name != kCartPoleAxes[k] || chart[k].low != 0.0 || chart[k].high != 1.0)
-      return false;
-  return true;
+const KnownFamily& cartpoles() {
+  static const KnownFamily known = {
+      "cartpole",
+      {"radius", "quarter turn", "half turn", "full turn"},
+      {"policy", "ball", "decay", "rate"},
+      {{"core", {0.0, 0.0}, {kCore, 1.0}},
+       {"face", {1.0, 0.0}, {1.0, 1.0}},
+       {"ring", {kCore, 0.0}, {1.0, 1.0}},
+       {"set", {0.0, 0.0}, {1.0, 1.0}}},
+      {{"descent", "ring", "-r'/r less the claimed rate", "1/s", 1},
+       {"force", "set", "share of the force limit that is left, either way,", "", 2},
+       {"inward", "face", "d/dt (1 - r^2)", "1/s", 1},
+       {"rail", "set", "share of the rail that is left, either way,", "", 2},
+       {"settling", "core", "-dr'/dr less the claimed rate", "1/s", 1},
+       {"upright", "set", "share of the pole's room that is left, either way,", "", 2}}};
+  return known;
 }
 
 CartPole cartpole_of(const Json& model, const Constants& constants) {
@@ -67,16 +60,8 @@ CartPole cartpole_of(const Json& model, const Constants& constants) {
         "cart_damping", "pole_damping", "gravity", "rail_low", "rail_high", "lean", "force_limit",
         "upright", "turn", "gear"});
   const auto number = [&](const char* name) { return hexadecimal(*robot.find(name), name); };
-  const auto positive = [&](const char* name) {
-    const double x = number(name);
-    if (!(x > 0.0)) refuse("a robot whose " + string(name) + " is not above 0");
-    return I(x);
-  };
-  const auto not_negative = [&](const char* name) {
-    const double x = number(name);
-    if (!(x >= 0.0)) refuse("a robot whose " + string(name) + " is negative");
-    return I(x);
-  };
+  const auto positive = [&](const char* name) { return number_above(robot, name); };
+  const auto not_negative = [&](const char* name) { return number_from(robot, name); };
   const I pole = positive("pole_mass"), distance = positive("distance");
   c.mass = positive("cart_mass") + pole + not_negative("cart_armature");
   c.moment = pole * distance;
@@ -118,14 +103,8 @@ CartPole cartpole_of(const Json& model, const Constants& constants) {
     for (size_t j = i; j < 4; ++j)
       if (i == j ? !(c.shape[i][j] > 0.0) : c.shape[i][j] != 0.0)
         refuse("a ball whose matrix is not lower triangular with a positive diagonal");
-  for (const auto& [name, constant] : constants) {
-    const size_t dot = name.rfind('.');
-    const string owner = name.substr(0, dot);
-    const auto& known = owner == "controls.policy" ? policy : owner == "controls.decay" ? decay : ball;
-    if (dot == string::npos || (&known == &ball && owner != "ball") ||
-        !known.count(name.substr(dot + 1)))
-      throw Inconsistent{"the Program has the parameter " + name + ", which the file has not"};
-  }
+  match_constants(constants,
+                  {{"controls.policy", policy}, {"controls.decay", decay}, {"ball", ball}});
   c.words = {"cart " + brief(number("cart_mass")) + " kg, pole " + brief(number("pole_mass")) +
                  " kg with its centre of mass " + brief(number("distance")) +
                  " m from the hinge, inertia about that centre " + brief(number("pole_inertia")) +
@@ -138,12 +117,6 @@ CartPole cartpole_of(const Json& model, const Constants& constants) {
                  " m, pole within " + brief(number("lean")) + " rad of the upright, force up to " +
                  brief(number("force_limit")) + " N"};
   return c;
-}
-
-inline Formula tanh_of(const Formula& a) { return tanh(a); }
-inline DualOf<Formula> tanh_of(const DualOf<Formula>& a) {
-  const Formula t = tanh(a.v);
-  return {t, (Formula(1.0) - t * t) * a.d};
 }
 
 // The policy's velocity and its gradient, backwards through the network.
@@ -257,29 +230,21 @@ std::shared_ptr<const Listing> recorded(const CartPole& c) {
   const Formula normal[4] = {cosine[0], sine[0] * cosine[1], inner * cosine[2], inner * sine[2]};
   const auto at = on_ball<Formula>(c, radius, normal);
   const auto moved = on_ball<DualOf<Formula>>(c, {radius, Formula(1.0)}, normal);
-  const auto sides = [&](const Formula& value, I limit) {
-    const Formula share = inverse(limit) * value;
-    return vector<Formula>{Formula(1.0) - share, Formula(1.0) + share};
-  };
   const std::map<string, vector<Formula>> margins = {
       {"inward", {I(-2.0) * at.speed}},
       {"descent", {-(at.speed * inverse(radius)) - Formula(c.rate)}},
       {"settling", {-moved.speed.d - Formula(c.rate)}},
-      {"force", sides(at.force, c.force_limit)},
-      {"rail", sides(at.x, c.rail)},
-      {"upright", sides(at.theta, c.lean)}};
-  std::map<string, vector<size_t>> named;
-  for (const auto& [name, formulas] : margins)
-    for (const Formula& one : formulas) named[name].push_back(one.of(recording));
-  return std::make_shared<const Listing>(4, std::move(recording.elements), std::move(named));
+      {"force", both_sides(at.force, c.force_limit)},
+      {"rail", both_sides(at.x, c.rail)},
+      {"upright", both_sides(at.theta, c.lean)}};
+  return listing_of(recording, 4, margins);
 }
 
 // What follows for trajectories once each condition holds: `holds` says of which that is so, and how
 // much of a margin it has. A trajectory that reached the face would turn back there, so none leaves
 // the set. r' is 0 at r = 0; from there on it falls at least like -rate r in the core, and is below
 // -rate r on the ring: so r decays like exp(-rate t).
-std::map<int, vector<string>> conclusions(const CartPole& c,
-                                          const std::function<double(const string&)>& margin) {
+std::map<int, vector<string>> conclusions(const CartPole& c, const ProvedMargin& margin) {
   std::map<int, vector<string>> found;
   for (const char* name : {"force", "rail", "upright"})
     if (!(margin(name) >= 0.0)) return found;
@@ -289,6 +254,23 @@ std::map<int, vector<string>> conclusions(const CartPole& c,
   if (margin("descent") >= 0.0 && margin("settling") >= 0.0)
     found[3] = {"from every state of the set the radius decays at least like exp(-" +
                 brief(c.rate) + " t): the pole comes to rest upright, at the middle of the rail"};
+  return found;
+}
+
+DerivedSystem derived_cartpole(const Json& model, const Constants& constants, const string& weights) {
+  const CartPole c = cartpole_of(model, constants);
+  DerivedSystem found = {c.words, recorded(c),
+                         [c](const ProvedMargin& margin) { return conclusions(c, margin); }};
+  const string width = std::to_string(c.output.size());
+  found.words.push_back("policy 3-" + width + "-1, decay of the velocity's error 4-" + width +
+                        "-1, tanh; " + weights);
+  found.words.push_back("the claimed rate of the radius is " + brief(c.rate) + " 1/s");
+  found.words.push_back("set: (x, theta, x', theta') = C n r with |n| = 1, r up to 1, rows of C:");
+  for (const vector<double>& row : c.shape) {
+    string words = " ";
+    for (const double x : row) words += " " + brief(x);
+    found.words.push_back(words);
+  }
   return found;
 }
 

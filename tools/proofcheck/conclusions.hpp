@@ -1,10 +1,10 @@
 #pragma once
 
-#include "cartpole.hpp"
+#include "hopper.hpp"
 
 namespace {
 
-// --------------------------------------------------------------------------- 19 what follows
+// --------------------------------------------------------------------------- 21 what follows
 //
 // The statements are inequalities on boxes. Levels 2 and 3 put them together: each method draws one
 // conclusion, or says which premise is missing. docs/walking_set.md has the same in prose.
@@ -23,7 +23,8 @@ struct ProofFile {
   Model model;
   string part;                     // Why it is about a part of what its gait is told; empty if not.
   string underivable;              // Why nothing follows from `model` here; empty if it does.
-  std::optional<CartPole> cartpole;  // Of a cart-pole's file, if it can be derived.
+  const KnownFamily* family = nullptr;   // Of a system that does not walk, if it is known here,
+  std::optional<DerivedSystem> system;   // and what follows from its numbers.
   std::optional<Program> program;  // If statements are to be bounded by it.
   std::shared_ptr<const Listing> recorded;  // Outputs of a gait that is told commands.
   Regions regions;

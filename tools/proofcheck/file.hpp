@@ -4,7 +4,7 @@
 
 namespace {
 
-// ------------------------------------------------------------------------------- 20 the file
+// ------------------------------------------------------------------------------- 22 the file
 
 struct Named { string name, sha256; };
 
@@ -676,39 +676,56 @@ void record_outputs(ProofFile& file) {
                                                   std::move(named));
 }
 
-// Regions and conditions of a cart-pole's model, which are no others than those of its spec.
-void read_cartpole_spec(const Json& model, const ProgramFacts& program, ProofFile& file) {
+// Regions and conditions of a family's model, which are no others than those of its spec.
+void read_family_spec(const Json& model, const ProgramFacts& program, ProofFile& file) {
+  const KnownFamily& family = *file.family;
+  const string spec = string("that of a ") + family.name + "'s spec";
+  if (!family.has(file.chart))
+    throw Inconsistent{"the chart is not that of a " + string(family.name)};
   const Json &regions = *model.find("regions"), &conditions = *model.find("conditions");
   vector<string> names;
-  for (const CartPoleRegion& one : kCartPoleRegions) names.push_back(one.name);
+  for (const SpecRegion& one : family.regions) names.push_back(one.name);
   only(regions, "the regions", names);
-  for (const CartPoleRegion& one : kCartPoleRegions) {
+  for (const SpecRegion& one : family.regions) {
     const vector<Json>& rows = list_of(*regions.find(one.name), "a region");
     if (rows.size() != 1) refuse("a region that is not one box");
     const Box box = box_of(rows[0], "a box of a region", file.chart, file.chart.size());
-    if (box.low[0] != one.low || box.high[0] != one.high ||
-        !is_whole(box, {{one.low}, {one.high}}, file.chart))
-      throw Inconsistent{"the region " + string(one.name) + " is not that of a cart-pole's spec"};
+    if (!is_whole(box, {{one.low[0], one.low[1]}, {one.high[0], one.high[1]}}, file.chart))
+      throw Inconsistent{"the region " + string(one.name) + " is not " + spec};
     file.regions[one.name] = {plane_of(box)};
   }
   names.clear();
-  for (const CartPoleCondition& one : kCartPoleConditions) names.push_back(one.name);
+  for (const SpecCondition& one : family.conditions) names.push_back(one.name);
   only(conditions, "the conditions", names);
-  for (const CartPoleCondition& one : kCartPoleConditions) {
+  for (const SpecCondition& one : family.conditions) {
     const Json& row = *conditions.find(one.name);
     only(row, "a condition", {"kind", "region", "scale"});
     const auto elements = program.outputs.find(one.name);
     if (text_of(*row.find("region"), "a region") != one.region ||
         number_of(*row.find("scale"), "a scale") != 1.0 || elements == program.outputs.end() ||
         elements->second != one.elements)
-      throw Inconsistent{"the condition " + string(one.name) + " is not that of a cart-pole's spec"};
+      throw Inconsistent{"the condition " + string(one.name) + " is not " + spec};
     file.conditions[one.name].region = one.region;
   }
   if (program.outputs.size() != names.size())
-    throw Inconsistent{"the Program has outputs that are no conditions of a cart-pole"};
+    throw Inconsistent{"the Program has outputs that are no conditions of a " + string(family.name)};
 }
 
-// A file about a system that does not walk: a cart-pole, or one that only its Program is known of.
+// A system of a known family.
+void read_system(const Json& model, const ProgramFacts& program, bool by_program, ProofFile& file) {
+  vector<string> parts = {"family", "robot", "regions", "conditions"};
+  parts.insert(parts.end(), file.family->parts.begin(), file.family->parts.end());
+  only(model, "the model", parts);
+  read_family_spec(model, program, file);
+  const string weights = "the file says that their weights have the sha256 " + file.weights_sha256 +
+                         ", which is not checked here";
+  const bool pole = file.family == &cartpoles();
+  file.system = (pole ? derived_cartpole : derived_hopper)(model, program.constants, weights);
+  if (by_program) file.underivable = "bounded by its Program";
+  else file.recorded = file.system->recorded;
+}
+
+// A file about a system that does not walk: of a known family, or known by its Program alone.
 void read_other_family(const Json& table, const ProgramFacts& program, bool by_program,
                        ProofFile& file) {
   if (!list_of(*table.find("theorems"), "the theorems").empty())
@@ -717,29 +734,25 @@ void read_other_family(const Json& table, const ProgramFacts& program, bool by_p
   const Json& model = *table.find("model");
   if (model.type == Json::null) {
     file.underivable = "the file describes no system that is known here";
-    conditions_of_statements(*table.find("statements"), program, file);
   } else if (model.type != Json::object || !model.find("family")) {
     refuse("a model of another family than the chart's");
-  } else if (text_of(*model.find("family"), "a family") != "cartpole") {
-    file.underivable = "a family of systems that is not known here";
-    conditions_of_statements(*table.find("statements"), program, file);
   } else {
-    only(model, "the model", {"family", "robot", "policy", "ball", "decay", "rate", "regions",
-                              "conditions"});
-    if (!is_cartpole(file.chart)) throw Inconsistent{"the chart is not that of a cart-pole"};
-    read_cartpole_spec(model, program, file);
-    file.cartpole = cartpole_of(model, program.constants);
-    if (!by_program) file.recorded = recorded(*file.cartpole);
-    else file.underivable = "bounded by its Program";
+    const string name = text_of(*model.find("family"), "a family");
+    for (const KnownFamily* known : {&cartpoles(), &hoppers()})
+      if (name == known->name) file.family = known;
+    if (file.family) read_system(model, program, by_program, file);
+    else file.underivable = "a family of systems that is not known here";
   }
+  if (!file.family) conditions_of_statements(*table.find("statements"), program, file);
   for (const auto& [name, elements] : program.outputs) {
     if (of_theorem(name)) refuse("an output of the Program named " + name);
     Output& output = file.outputs[name];
     output.elements = elements;
     if (!file.underivable.empty())
       output.unknown = file.underivable + "; --program checks the Program in the file instead";
-    for (const CartPoleCondition& one : kCartPoleConditions)
-      if (file.cartpole && name == one.name)
+    if (!file.family) continue;
+    for (const SpecCondition& one : file.family->conditions)
+      if (name == one.name)
         output.words = [one](double least) { return with_unit(one.words, least, one.unit); };
   }
 }

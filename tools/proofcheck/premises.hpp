@@ -8,7 +8,7 @@ namespace {
 //
 // Level 2 is about the set T, phases -start_strip to 1 + guard_strip between the fences; level 3
 // about a thin tube in it around the periodic orbit. Their premises are margins like those of
-// conditions, over boxes of the chart of either. What follows from them is in section 18.
+// conditions, over boxes of the chart of either. What follows from them is in section 21.
 
 // An axis of the chart: phase, level, then parameters of the gait.
 // With a change, nothing is said of what is farther than this from the axis before it.

@@ -29,10 +29,12 @@
 //   15  the check            check.hpp        trees of boxes, on several threads
 //   16  lanes                lanes.hpp        Taylor models of several boxes at once, in doubles
 //   17  listings             program.hpp      formulas, or the file's own Program on request, bounded so
-//   18  cart-poles           cartpole.hpp     a second family: its equations, conditions and levels
-//   19  what follows         conclusions.hpp  from statements about boxes to trajectories
-//   20  the file             file.hpp         consistency of what it says
-//   21  the command          this file
+//   18  other families       families.hpp     systems that do not walk: what their files share
+//   19  cart-poles           cartpole.hpp     equations, conditions and levels of a pole on a cart
+//   20  hoppers              hopper.hpp       the same of one leg that hops
+//   21  what follows         conclusions.hpp  from statements about boxes to trajectories
+//   22  the file             file.hpp         consistency of what it says
+//   23  the command          this file
 //
 // proofcheck FILE prints the robot and every statement in words, with all numbers that they depend
 // on, and answers with its exit code: 0 proved of what is printed, 1 rejected (false, with a point;
@@ -65,7 +67,7 @@
 
 namespace {
 
-// ---------------------------------------------------------------------------- 21 the command
+// ---------------------------------------------------------------------------- 23 the command
 
 string read_file(const string& path) {
   string text;
@@ -94,8 +96,8 @@ vector<string> unclaimed(const ProofFile& file) {
 
 // What the claimed levels say, in words, if it follows from the statements.
 std::map<int, vector<string>> concluded(const ProofFile& file) {
-  if (file.cartpole)
-    return conclusions(*file.cartpole, [&file](const string& name) {
+  if (file.system)
+    return file.system->conclude([&file](const string& name) {
       const Box& box = file.regions.at(file.conditions.at(name).region)[0];
       const Claim* claim = stated_about(file, name, box);
       return claim ? claim->least().low() : -1.0;
@@ -271,25 +273,14 @@ void say_model(const ProofFile& file) {
   say("spec " + file.spec + ": " + std::to_string(file.conditions.size()) + " conditions");
 }
 
-// Every number of a cart-pole that the statements depend on; weights by their hash.
-void say_cartpole(const ProofFile& file) {
-  const CartPole& c = *file.cartpole;
-  say("robot " + file.robot + ": a cart-pole");
-  for (const string& line : c.words) say("  " + line);
-  const string width = std::to_string(c.output.size());
-  say("policy 3-" + width + "-1, decay of the velocity's error 4-" + width + "-1, tanh; the file says "
-      "that their weights have the sha256 " + file.weights_sha256 + ", which is not checked here");
-  say("the claimed rate of the radius is " + brief(c.rate) + " 1/s");
-  say("set: (x, theta, x', theta') = C n r with |n| = 1, r up to 1, and the rows of C");
-  for (const vector<double>& row : c.shape) {
-    string words;
-    for (const double x : row) words += (words.empty() ? "" : " ") + brief(x);
-    say("  " + words);
-  }
+// Every number of a system that does not walk that the statements depend on.
+void say_system(const ProofFile& file) {
+  say("robot " + file.robot + ": a " + file.family->name);
+  for (const string& line : file.system->words) say("  " + line);
 }
 
 int check(const ProofFile& file, size_t threads) {
-  if (file.underivable.empty() && file.cartpole) say_cartpole(file);
+  if (file.underivable.empty() && file.system) say_system(file);
   else if (file.underivable.empty()) say_model(file);
   else say_names(file);
   // What is quickly seen to be wrong comes first.
@@ -321,7 +312,7 @@ int check(const ProofFile& file, size_t threads) {
       for (const string& line : words) say("  " + line);
       // Axes of commands come first, and the theorems speak of them.
       const size_t first = 2 + (file.theorems.walking ? 2 * file.theorems.walking->told.size() : 0);
-      if (!file.cartpole && file.chart.size() > first) {
+      if (!file.system && file.chart.size() > first) {
         string given;
         for (size_t k = first; k < file.chart.size(); ++k) {
           const Axis& axis = file.chart[k];
