@@ -11,7 +11,7 @@ from dataclasses import replace
 from typing import Any, Literal
 
 from common import ROOT, show, trained
-from plants import TAIL, fallen
+from plants import TAIL, walked
 
 from neuralgaits.analysis.run import Run, open_run
 from neuralgaits.robots import load_robot
@@ -89,7 +89,7 @@ def falls(run: Run, controller: str) -> int:
     total = 0
     for disturbance in DISTURBANCE_SET.values():
         moved = replace(disturbance, torso_shift_m=disturbance.torso_shift_m + SHIFT_M)
-        total += fallen(run, TAIL, moved, controller, FLOOR_STEPS)[0]
+        total += sum(walked(run, TAIL, moved, controller, FLOOR_STEPS).fell)
     return total
 
 
