@@ -110,7 +110,7 @@ class WalkInputs:
     first: int = 0
     """Number of the first episode, on which random numbers depend."""
     adapt: tuple[str, ...] = ()
-    """Commands that are adapted, see `control.speed_adapter` and `control.lean_belief`."""
+    """Commands that are adapted, see `control.speed_adapter` and `control.command_belief`."""
     simulator: Simulator = MUJOCO
     """`drake` in MuJoCo's place; needs the extra of that name."""
 
