@@ -59,9 +59,9 @@ class Row(NamedTuple):
 
 def main() -> None:
     """Print every row."""
-    chosen, named = os.environ.get("DISTURB", "table"), {"table": DISTURBANCES}
-    named["standard"] = tuple(STANDARD)
-    disturbances = named.get(chosen, tuple(chosen.split(" ")))
+    chosen = os.environ.get("DISTURB", "table")
+    named: dict[str, tuple[str, ...]] = {"table": DISTURBANCES, "standard": tuple(STANDARD)}
+    disturbances: tuple[str, ...] = named.get(chosen) or tuple(chosen.split(" "))
     speeds = [float(one) for one in os.environ.get("TOLD", "0.60,0.70,0.80").split(",")]
     laws = os.environ.get("LAWS", "pd,fblin").split(",")
     with TemporaryDirectory() as folder:

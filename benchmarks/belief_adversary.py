@@ -67,7 +67,7 @@ def stride_of(run: Run, gait: CommandedGait):
             return jnp.stack([jnp.ones(()), dz[1] * (guard - start) / dz[0]])
 
         def node(y, _):
-            after_node = step(RK4, rate, y, 1.0 / NODES)
+            after_node = step(RK4, rate, y, jnp.asarray(1.0 / NODES))
             level = one.level(z_at(*after_node))
             return after_node, jnp.minimum(level, 1.0 - level)
 
