@@ -3,16 +3,28 @@
 from types import SimpleNamespace
 from typing import Any
 
-from neuralgaits.records.adapted_speeds import AdaptedSpeeds, BelievedLean, LearnedLean
+from neuralgaits.records.adapted_speeds import (
+    AdaptedSpeeds,
+    BelievedLean,
+    BelievedSlope,
+    LearnedLean,
+)
 from neuralgaits.report.page.adapted_table import adapted
 
 
 def page(
-    speeds: AdaptedSpeeds | None, adapt: str = "speed", belief: BelievedLean | None = None
+    speeds: AdaptedSpeeds | None,
+    adapt: str = "speed",
+    belief: BelievedLean | None = None,
+    slope: BelievedSlope | None = None,
 ) -> str:
     lean = LearnedLean(-0.0123, 2e-4, 29)
     done: Any = SimpleNamespace(
-        adapt=adapt, adapted=speeds, learned_lean=lean, believed_lean=belief
+        adapt=adapt,
+        adapted=speeds,
+        learned_lean=lean,
+        believed_lean=belief,
+        believed_slope=slope,
     )
     return str(adapted(done))
 
@@ -54,3 +66,11 @@ def test_what_is_proved_of_beliefs_is_said_with_the_robots_that_it_is_about():
     proved = page(None, "lean", BelievedLean((0.01,), 3, 0.0025))
     assert "to level 3, is about every sequence of beliefs, of robots within 2.5 mm" in proved
     assert "no proof of this run" in page(None, "lean", BelievedLean((0.01,)))
+
+
+def test_a_believed_slope_is_said_in_degrees():
+    said = page(speeds_of(3), "speed,slope", slope=BelievedSlope((0.0, -0.0175), 2))
+    assert "believed 1.00 degrees downhill after 2 steps" in said
+    assert "to level 2, is about every sequence of slopes, on ground that is as believed" in said
+    alone = page(None, "slope", slope=BelievedSlope((0.035,)))
+    assert "2.01 degrees uphill" in alone and "no proof of this run" in alone

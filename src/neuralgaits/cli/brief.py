@@ -90,6 +90,8 @@ def brief_walks(result: Simulated) -> None:
         facts.append(("lean", result.believed_lean.in_words))
     elif result.learned_lean is not None:
         facts.append(("learned", result.learned_lean.in_words))
+    if result.believed_slope is not None:
+        facts.append(("slope", result.believed_slope.in_words))
     facts.append(("next", _after_walks(result)))
     show_facts(facts)
 

@@ -164,6 +164,8 @@ def _adapted(result: Simulated) -> None:
         show_sentence(f"adapted {result.adapted.in_words}")
     if result.believed_lean is not None:
         show_sentence(f"adapted lean: {result.believed_lean.in_words}")
+    if result.believed_slope is not None:
+        show_sentence(f"adapted slope: {result.believed_slope.in_words}")
     if result.learned_lean is not None:
         show_sentence(f"learned {result.learned_lean.in_words}")
 

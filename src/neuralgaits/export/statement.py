@@ -20,7 +20,7 @@ from neuralgaits.export.standing import (
     pendulum_rate,
     standing_postures,
 )
-from neuralgaits.gait.commands import LEAN, Command, CommandLimits, place_of
+from neuralgaits.gait.commands import LEAN, SLOPE, Command, CommandLimits, place_of
 from neuralgaits.gait.joint_inertia import JointResponse
 
 _OVER_FOOT = 0.1
@@ -114,13 +114,14 @@ def _each(gains: tuple[float, ...]) -> str:
 def names(design: Design) -> dict[str, str | int]:
     """Return the words and counts of a controller, by name."""
     robot, origin = design.robot, design.origin
-    speed, lean = (place_of(design.commands, name) for name in (ADAPTED, LEAN))
+    speed, lean, slope = (place_of(design.commands, name) for name in (ADAPTED, LEAN, SLOPE))
     told = {
         "commands": len(design.commands),
         "step": design.gait.policy.step_size,
         # Counted from 1; 0 without it.
         "speed_command": 0 if speed is None else speed + 1,
         **({} if lean is None else {"lean_command": lean + 1}),
+        **({} if slope is None else {"slope_command": slope + 1}),
     }
     return {
         "robot": robot.name,

@@ -21,7 +21,9 @@ from neuralgaits.errors import InputError, SpecError
 
 LEAN = "lean"
 """Command that says how far ahead of the file the torso's centre of mass is believed to be."""
-UNITS = {"speed": "m/s", "step_length": "m", "step_height": "m", "slope": "rad", LEAN: "m"}
+SLOPE = "slope"
+"""Command that says how the ground under the next foothold lies."""
+UNITS = {"speed": "m/s", "step_length": "m", "step_height": "m", SLOPE: "rad", LEAN: "m"}
 """Commands that this package knows the meaning of, and their units."""
 FASTEST = 100.0
 """Largest speed [m/s]: no robot on legs walks faster, so more is a slip of the keyboard."""
@@ -29,7 +31,7 @@ MOST = {
     "speed": FASTEST,
     "step_length": 100.0,
     "step_height": 100.0,
-    "slope": 0.5 * math.pi,
+    SLOPE: 0.5 * math.pi,
     LEAN: 0.5,
 }
 LEAST_WIDTH = 1e-6

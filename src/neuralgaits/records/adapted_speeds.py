@@ -1,5 +1,6 @@
 """Speeds of a walk whose commanded speed was adapted: a part of the result of `simulate`."""
 
+import math
 from dataclasses import dataclass
 
 from neuralgaits.records.record import Count
@@ -62,6 +63,36 @@ class BelievedLean:
             about = (
                 f"the run's proof, to level {self.proved_level}, is about every sequence of "
                 f"beliefs, of robots within {1e3 * self.near_m:g} mm of theirs"
+            )
+        return f"{found}; {about}"
+
+
+@dataclass(frozen=True)
+class BelievedSlope:
+    """Slopes of the ground that the first walk believed in.
+
+    Attributes:
+        believed_rad: slope of each step that ended with a touchdown, positive uphill [rad].
+        proved_level: level up to which the run's proof is about every sequence of slopes in the
+            range of the command; None without such a proof.
+    """
+
+    believed_rad: tuple[float, ...]
+    proved_level: Count | None = None
+
+    @property
+    def in_words(self) -> str:
+        """The last belief, in degrees, and what is proved of beliefs."""
+        found = "too few steps to learn it"
+        if self.believed_rad:
+            last = math.degrees(self.believed_rad[-1])
+            way = "uphill" if last >= 0.0 else "downhill"
+            found = f"believed {abs(last):.2f} degrees {way} after {len(self.believed_rad)} steps"
+        about = "no proof of this run is about what it believes"
+        if self.proved_level is not None:
+            about = (
+                f"the run's proof, to level {self.proved_level}, is about every sequence of "
+                "slopes, on ground that is as believed"
             )
         return f"{found}; {about}"
 

@@ -4,7 +4,12 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from neuralgaits.records.adapted_speeds import AdaptedSpeeds, BelievedLean, LearnedLean
+from neuralgaits.records.adapted_speeds import (
+    AdaptedSpeeds,
+    BelievedLean,
+    BelievedSlope,
+    LearnedLean,
+)
 from neuralgaits.records.certified import box_in_words
 from neuralgaits.records.link_figures import LinkFigures
 from neuralgaits.records.monitored import MonitorFigures
@@ -163,7 +168,7 @@ class WalkSettings(Record):
         link: statistics of the connection; None without a process for the controller.
         command: constant command, by name; None if it changed, or for a gait without commands.
         commands: file of the commands, or `random`; None for neither.
-        adapt: commands that were adapted, `speed`, `lean` or both with a comma; None if none was.
+        adapt: commands that were adapted, as in `speed,lean`; None if none was.
         terrain: requested terrain; None for a floor.
         parameters: half widths by kind of the box that each walk's robot was drawn from; empty for
             one robot.
@@ -220,6 +225,7 @@ class Simulated(WalkFigures, WalkSettings):
         adapted: speeds of the first walk, step by step; None without `--adapt`.
         believed_lean: leans that the first walk believed in; None without `--adapt`, or of a gait
             that takes no lean.
+        believed_slope: slopes that the first walk believed in; None unless `--adapt` names it.
         learned_lean: lean of the torso that its joint angles show; None without `--adapt`, on
             workers, and for a robot that has no torso or flat feet.
     """
@@ -227,6 +233,7 @@ class Simulated(WalkFigures, WalkSettings):
     monitor: MonitorFigures | None = None
     adapted: AdaptedSpeeds | None = None
     believed_lean: BelievedLean | None = None
+    believed_slope: BelievedSlope | None = None
     learned_lean: LearnedLean | None = None
 
     @property
@@ -277,7 +284,7 @@ class Simulated(WalkFigures, WalkSettings):
     def unsaid(self) -> Collection[str]:
         """Return the fields that `--json` omits: those of features that the walks did not use."""
         unsaid = ["link", "monitor", "joints", "joints_sha256", "adapt", "adapted"]
-        unsaid += ["believed_lean", "learned_lean"]
+        unsaid += ["believed_lean", "believed_slope", "learned_lean"]
         unsaid = [name for name in unsaid if getattr(self, name) is None]
         for name in ("command_error", "parameters", "errors"):
             unsaid += [] if getattr(self, name) else [name]

@@ -80,10 +80,15 @@ class SimulateSettings(Settings):
     """Constant command of a gait that takes commands, as in speed=0.7 or slope=3 [degrees]; the
     middle of its ranges if not given. A mapping in Python is in SI units."""
     adapt: Annotated[
-        Literal["speed", "lean", "speed,lean"] | None, arg(metavar="speed|lean|speed,lean")
+        Literal[
+            "speed", "lean", "slope", "speed,lean", "speed,slope", "lean,slope", "speed,lean,slope"
+        ]
+        | None,
+        arg(metavar="NAME,..."),
     ] = None
-    """Adapt commands at each touchdown, within their ranges: the speed until the robot walks as
-    told, the lean to what the joint angles show of it; for a gait that takes them as commands."""
+    """Adapt commands at each touchdown, within their ranges: speed, until the robot walks as told;
+    lean and slope, to what the joint angles show of them, as in speed,lean or speed,lean,slope.
+    For a gait that takes them as commands."""
     commands: Annotated[AnyName | None, arg(metavar="FILE.csv|random"), A_PATH] = None
     """Command for each step: a file with a row a step, step,speed[m/s],..., or new random
     commands at each touchdown."""

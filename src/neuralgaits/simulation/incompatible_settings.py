@@ -13,7 +13,7 @@ from neuralgaits.control import AbstractLaw
 from neuralgaits.control.law_by_name import exported_laws, law_named
 from neuralgaits.control.speed_adapter import ADAPTED
 from neuralgaits.errors import InputError
-from neuralgaits.gait.commands import LEAN, Commands, place_of
+from neuralgaits.gait.commands import LEAN, SLOPE, Commands, place_of
 from neuralgaits.robots import PlanarBiped, RobotSource
 from neuralgaits.robots.parameter_box import checked_box
 from neuralgaits.simulation.linked.config import LinkConfig, parse_link
@@ -89,7 +89,7 @@ def refuse_without_command(adapt: tuple[str, ...], commands: Commands) -> None:
     if not absent:
         return
     taken = ", ".join(one.name for one in commands) or "no command"
-    flags = {ADAPTED: "--speed A:B", LEAN: "--lean SIZE"}
+    flags = {ADAPTED: "--speed A:B", LEAN: "--lean SIZE", SLOPE: "--slope A:B"}
     remedy = " ".join(flags[name] for name in absent)
     raise InputError(
         f"--adapt {','.join(adapt)}: expected a gait that takes {' and '.join(absent)} as command, "

@@ -217,17 +217,17 @@ class NativeTick(LiveTick):
         self.speeds = None
         if self._wanted.size:
             self._walk.orders, self._walk.orders_used = pointer(self._wanted), 0
-            self._walk.adapt.active = self._walk.adapt.learns = self._active
+            self.adapt(bool(self._active))
 
     def tell(self, wanted: Float[np.ndarray, " p"]) -> None:
         """Request other commands from the next touchdown on."""
         self._wanted[:] = wanted
 
     def adapt(self, active: bool) -> None:
-        """Adapt the commanded speed from now on, or no longer."""
-        self._active = int(active)
-        if self._wanted.size:
-            self._walk.adapt.active = self._walk.adapt.learns = self._active
+        """Adapt the commands that can be, from now on, or no longer."""
+        self._active, adapt = int(active), self._walk.adapt if self._wanted.size else None
+        if adapt is not None:
+            adapt.active = adapt.learns = adapt.tilts = self._active
 
     def change(self, plant: Plant, torque_limit: Float[np.ndarray, " m"], slope: float) -> None:
         """Exchange the scene of the walk."""

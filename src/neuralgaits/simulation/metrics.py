@@ -6,8 +6,8 @@ from neuralgaits._types import Array, Float
 from neuralgaits.control import ClfQp
 from neuralgaits.control.speed_adapter import ADAPTED
 from neuralgaits.gait import Orbit
-from neuralgaits.gait.commands import LEAN, UNITS, Commands, place_of
-from neuralgaits.records.adapted_speeds import AdaptedSpeeds, BelievedLean
+from neuralgaits.gait.commands import LEAN, SLOPE, UNITS, Commands, place_of
+from neuralgaits.records.adapted_speeds import AdaptedSpeeds, BelievedLean, BelievedSlope
 from neuralgaits.records.simulated import CommandError, ModelOrbit, Relaxed, WalkFigures
 from neuralgaits.simulation.setup.course import Courses
 from neuralgaits.simulation.setup.plant import SUBSTEPS, TIMESTEP_S
@@ -172,6 +172,13 @@ def believed_lean(
         return None
     believed = tuple(walk.episodes.strides[0].told[:, place].tolist())
     return BelievedLean(believed, proved_level, near_m)
+
+
+def believed_slope(walk: Walk, proved_level: int | None) -> BelievedSlope | None:
+    """Return what the first walk believed of its ground; None of a gait that takes no slope."""
+    if (place := place_of(walk.commands, SLOPE)) is None:
+        return None
+    return BelievedSlope(tuple(walk.episodes.strides[0].told[:, place].tolist()), proved_level)
 
 
 def _orbit(orbit: Orbit) -> ModelOrbit:

@@ -86,7 +86,7 @@ class WalkOptions:
     courses: Courses | None = None
     """Courses of blocks in place of floors, one for each episode; they give the orders."""
     adapt: tuple[str, ...] = ()
-    """Commands that are adapted, see `control.speed_adapter` and `control.lean_belief`."""
+    """Commands that are adapted, see `control.speed_adapter` and `control.command_belief`."""
     simulator: Simulator = MUJOCO
     """`drake` in MuJoCo's place; needs the extra of that name."""
 

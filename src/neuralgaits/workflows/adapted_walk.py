@@ -10,9 +10,9 @@ from neuralgaits.certificate.run_certificate.verified_summary import (
     CertificateReading,
     read_certificate,
 )
-from neuralgaits.gait.commands import LEAN
+from neuralgaits.gait.commands import LEAN, SLOPE
 from neuralgaits.records.adapted_speeds import LearnedLean
-from neuralgaits.simulation.metrics import adapted_speeds, believed_lean
+from neuralgaits.simulation.metrics import adapted_speeds, believed_lean, believed_slope
 from neuralgaits.simulation.walk import Walk
 
 SEQUENCES = 2
@@ -20,7 +20,7 @@ SEQUENCES = 2
 
 
 def adaptation(run: Run, walk: Walk, names: tuple[str, ...]) -> dict[str, Any]:
-    """Return the fields `adapted`, `believed_lean` and `learned_lean` of a walk.
+    """Return the fields of a walk whose commands were adapted, such as `adapted`, by name.
 
     Args:
         run: the run.
@@ -35,6 +35,7 @@ def adaptation(run: Run, walk: Walk, names: tuple[str, ...]) -> dict[str, Any]:
     return {
         "adapted": adapted_speeds(walk, level),
         "believed_lean": believed_lean(walk, level, near),
+        "believed_slope": believed_slope(walk, level) if SLOPE in names else None,
         "learned_lean": _learned_lean(run, walk),
     }
 

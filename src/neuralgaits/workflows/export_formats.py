@@ -3,8 +3,8 @@
 from collections.abc import Callable, Mapping
 from functools import partial
 
-from neuralgaits.control.lean_belief import belief_for
-from neuralgaits.control.speed_adapter import adapter_for
+from neuralgaits.control.command_belief import SETTLED
+from neuralgaits.control.speed_adapter import ADAPTED
 from neuralgaits.errors import InputError
 from neuralgaits.export import build, output_folder
 from neuralgaits.export.board_source import board_files
@@ -38,7 +38,7 @@ RecordFactory = Callable[..., Exported]
 def controller_files(design: Design, reference: Reference) -> dict[str, str]:
     """Return the files that are specific to this gait."""
     own = gait_files(design) | {"gait_selftest.h": selftest_file(design, reference)}
-    adapts = adapter_for(design.commands) or belief_for(design.commands)
+    adapts = {ADAPTED, *SETTLED} & {command.name for command in design.commands}
     adaptation = output_folder.adaptation() if adapts else {}
     return own | monitor_files(design) | adaptation | board_files(design)
 

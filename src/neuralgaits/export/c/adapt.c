@@ -1,6 +1,6 @@
 /*
  * See adapt.h. Source of the mathematics: neuralgaits.control.speed_adapter, lean_sums and
- * lean_belief, repeated here.
+ * command_belief, repeated here.
  */
 #include "adapt.h"
 
@@ -61,12 +61,58 @@ static void integrate(ng_adapt *adapt, ng_real before, ng_real after)
     }
 }
 
+#if NG_LEAN_COMMAND || NG_SLOPE_COMMAND
+#define BELIEF_GAIN NG(0.3)    /* share of the way to what a step shows */
+#define LEAN_SETTLED NG(1e-3)  /* a belief that moves by less a step has settled [m] */
+#define SLOPE_SETTLED NG(2e-3) /* likewise [rad] */
+
+/* What the next touchdown is to latch, after a step that showed a value of a command. */
+static ng_real believe(int command, ng_real believed, ng_real shown)
+{
+    const ng_real wish = believed + BELIEF_GAIN * (shown - believed);
+    return ng_clamp(wish, ng_command_low[command], ng_command_high[command]);
+}
+
+/* What is told of a command to begin with. */
+static ng_real first_of(int command, ng_real told)
+{
+    const ng_real low = ng_command_low[command], high = ng_command_high[command];
+    return told == told ? ng_clamp(told, low, high) : NG(0.5) * (low + high);
+}
+#endif
+
+#if NG_SLOPE_COMMAND
+#define SLOPE (NG_SLOPE_COMMAND - 1)
+#define FEET_APART NG(0.05) /* least distance of the feet that shows a slope [m] */
+
+/* The angle of a line that rises so much over a run above zero, by Newton's method [rad]. */
+static ng_real angle_of(ng_real rise, ng_real run)
+{
+    ng_real angle = rise / (run + ng_abs(rise));
+    for (int i = 0; i < 6; ++i) {
+        const ng_real sine = ng_sin(angle), cosine = ng_cos(angle);
+        angle -= (run * sine - rise * cosine) / (run * cosine + rise * sine);
+    }
+    return angle;
+}
+
+/* Take note of a touchdown: the old foot is below and behind the new one. */
+static void tilt(ng_adapt *adapt, const ng_state *state, const ng_command *command)
+{
+    ng_real foot[2], hip[2];
+    ng_feet(command->q, foot, hip);
+    adapt->slope = state->after[SLOPE];
+    if (!NG_ANKLES && -foot[0] > FEET_APART && ng_finite(foot[1])) {
+        adapt->slope_shown = angle_of(-foot[1], -foot[0]);
+        adapt->slope = believe(SLOPE, adapt->slope, adapt->slope_shown);
+    }
+}
+#endif
+
 #if NG_LEAN_COMMAND
 #define LEAN (NG_LEAN_COMMAND - 1)
 #define SETTLING NG(0.015)    /* of a foot after a touchdown [s] */
 #define FIRST NG(0.2)         /* shortest window of a step without a touchdown before it [s] */
-#define LEAN_GAIN NG(0.3)     /* share of the way to what a step shows */
-#define LEAN_SETTLED NG(1e-3) /* a belief that moves by less a step has settled [m] */
 
 /* The lean of a window's sums. */
 static ng_real lean_shown(const ng_adapt *adapt)
@@ -116,8 +162,7 @@ static void learn(ng_adapt *adapt, const ng_state *state, const ng_measurement *
         if (adapt->since > adapt->least && adapt->since > NG(0.0)) {
             const ng_real shown = lean_shown(adapt);
             if (ng_finite(shown)) {
-                const ng_real wish = adapt->believed + LEAN_GAIN * (shown - adapt->believed);
-                adapt->believed = ng_clamp(wish, ng_command_low[LEAN], ng_command_high[LEAN]);
+                adapt->believed = believe(LEAN, adapt->believed, shown);
                 adapt->shown = shown;
             }
         }
@@ -138,13 +183,25 @@ static void learn(ng_adapt *adapt, const ng_state *state, const ng_measurement *
         adapt->q[i] = command->q[i];
     }
 }
+#endif
 
 /* Whether a belief is on its way, so that a speed says little about the next one. */
 static int believes_anew(const ng_adapt *adapt, const ng_state *state)
 {
-    return adapt->learns && ng_abs(state->after[LEAN] - state->before[LEAN]) > LEAN_SETTLED;
-}
+#if NG_LEAN_COMMAND
+    if (adapt->learns && ng_abs(state->after[LEAN] - state->before[LEAN]) > LEAN_SETTLED) {
+        return 1;
+    }
 #endif
+#if NG_SLOPE_COMMAND
+    if (adapt->tilts && ng_abs(state->after[SLOPE] - state->before[SLOPE]) > SLOPE_SETTLED) {
+        return 1;
+    }
+#endif
+    (void)adapt;
+    (void)state;
+    return 0;
+}
 
 void ng_adapt_start(ng_adapt *adapt, const ng_real told[NG_COMMANDS])
 {
@@ -152,10 +209,11 @@ void ng_adapt_start(ng_adapt *adapt, const ng_real told[NG_COMMANDS])
     *adapt = fresh;
     adapt->since = NG(-1.0);
 #if NG_LEAN_COMMAND
-    const ng_real low = ng_command_low[LEAN], high = ng_command_high[LEAN];
     adapt->learns = 1;
-    adapt->believed = told[LEAN] == told[LEAN] ? ng_clamp(told[LEAN], low, high)
-                                               : NG(0.5) * (low + high);
+    adapt->believed = first_of(LEAN, told[LEAN]);
+#endif
+#if NG_SLOPE_COMMAND
+    adapt->slope = first_of(SLOPE, told[SLOPE]);
 #endif
     adapt->active = NG_SPEED_COMMAND > 0;
     adapt->reference = told[SPEED] == told[SPEED] ? ng_clamp(told[SPEED], LOW, HIGH)
@@ -178,6 +236,11 @@ int ng_adapt_tell(const ng_adapt *adapt, ng_state *state, const ng_real told[NG_
         wish[LEAN] = adapt->believed;
     }
 #endif
+#if NG_SLOPE_COMMAND
+    if (adapt->tilts) {
+        wish[SLOPE] = adapt->slope;
+    }
+#endif
     return ng_tell(state, wish);
 }
 
@@ -187,17 +250,18 @@ void ng_adapt_step(ng_adapt *adapt, const ng_state *state, const ng_measurement 
     if (command->fault != NG_NO_FAULT) {
         return;
     }
-    int heard = 1;
 #if NG_LEAN_COMMAND
     learn(adapt, state, reading, command);
-    heard = !believes_anew(adapt, state);
 #endif
     if (!command->touchdown) {
         return;
     }
+#if NG_SLOPE_COMMAND
+    tilt(adapt, state, command);
+#endif
     const ng_real width = HIGH - LOW;
     adapt->measured = measure(adapt, reading, command->leg);
-    if (adapt->measured && heard) {
+    if (adapt->measured && !believes_anew(adapt, state)) {
         adapt->error = ng_clamp(adapt->reference - adapt->walked, -width, width);
         integrate(adapt, state->before[SPEED], state->after[SPEED]);
     }

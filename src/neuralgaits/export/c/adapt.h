@@ -1,7 +1,8 @@
 /*
  * Adapt the commanded speed from step to step, so that a robot that is not its file walks as told:
  * another centre of mass, a slope, other friction. A gait that takes the command `speed` has this.
- * Of a gait that takes the command `lean` it is learned where the torso's centre of mass is.
+ * Of a gait that takes the command `lean` it is learned where the torso's centre of mass is, of one
+ * that takes `slope` how the ground lies.
  *
  * Call ng_adapt_start beside ng_start_at, ng_adapt_tell in place of ng_tell, and ng_adapt_step after
  * every ng_step. The commands stay in the range, and the controller limits their change, so a proof
@@ -33,9 +34,12 @@ typedef struct {
     ng_real q[NG_COORDINATES];   /* at the last tick [rad] */
     ng_real of_momentum[3][2];   /* sums over the window, see control/lean_sums.py */
     ng_real of_ahead[3][2];
+    int tilts;             /* 1: the slope is learned; 0, at first: it is the one told. At any tick */
+    ng_real slope;         /* slope that the next touchdown is to latch, if it is learned [rad] */
+    ng_real slope_shown;   /* slope of the line through both feet at the last touchdown [rad] */
 } ng_adapt;
 
-/* Before the first tick; commands as in ng_start_at. Both are adapted. */
+/* Before the first tick; commands as in ng_start_at. Speed and lean are adapted, no slope. */
 void ng_adapt_start(ng_adapt *adapt, const ng_real told[NG_COMMANDS]);
 
 /*
@@ -47,7 +51,7 @@ int ng_adapt_tell(const ng_adapt *adapt, ng_state *state, const ng_real told[NG_
 /*
  * After every ng_step, with its state, reading and command, and what was told before it. At a
  * touchdown it measures the step that ended: how far the hip went over the foot, by joint angles
- * and pitch, in that time. The lean follows from every tick in between.
+ * and pitch, in that time. The lean follows from every tick in between, the slope from both feet.
  */
 void ng_adapt_step(ng_adapt *adapt, const ng_state *state, const ng_measurement *reading,
                    const ng_command *command, const ng_real told[NG_COMMANDS]);

@@ -16,6 +16,9 @@
 #ifndef NG_LEAN_COMMAND
 #define NG_LEAN_COMMAND 0 /* or that is not told how far the torso's centre of mass is ahead */
 #endif
+#ifndef NG_SLOPE_COMMAND
+#define NG_SLOPE_COMMAND 0 /* or how the ground under its next foothold lies */
+#endif
 #if NG_LEAN_COMMAND
 /* Functions of the robot have the lean as an argument: the one that is believed. */
 #define NG_BELIEVED(lean) lean,

@@ -11,7 +11,7 @@ MOST_STEPS = 20
 def adapted(done: Simulated) -> Html:
     """Return the speeds of a walk's steps; the belief alone where no speed is commanded."""
     speeds = done.adapted
-    if speeds is None and done.believed_lean is not None:
+    if speeds is None and (done.believed_lean or done.believed_slope) is not None:
         return html.paragraph(_learned(done).strip())
     if speeds is None or not speeds.told:
         return Html("")
@@ -44,7 +44,9 @@ def _learned(done: Simulated) -> str:
     """Say what the joint angles show of the torso, and what the robot believed of it."""
     lean, belief = done.learned_lean, done.believed_lean
     said = "" if lean is None else f" Learned from joint angles and pitch: {lean.in_words}."
-    return said + ("" if belief is None else f" The lean that it was told: {belief.in_words}.")
+    said += "" if belief is None else f" The lean that it was told: {belief.in_words}."
+    slope = done.believed_slope
+    return said + ("" if slope is None else f" The slope that it was told: {slope.in_words}.")
 
 
 def _settled(done: Simulated) -> str:

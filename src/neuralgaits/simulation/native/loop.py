@@ -22,7 +22,7 @@ from neuralgaits._types import Float
 from neuralgaits.control import Controller
 from neuralgaits.control.speed_adapter import ADAPTED
 from neuralgaits.errors import InputError, NonFiniteError
-from neuralgaits.gait.commands import LEAN
+from neuralgaits.gait.commands import LEAN, SLOPE
 from neuralgaits.simulation.native.compiled_walk import Library
 from neuralgaits.simulation.native.native_scene import scene_of
 from neuralgaits.simulation.native.records import record_of
@@ -131,6 +131,7 @@ class _Episode:
         if first.size:
             walk.adapt.active = int(ADAPTED in given.adapt)
             walk.adapt.learns = int(LEAN in given.adapt)
+            walk.adapt.tilts = int(SLOPE in given.adapt)
         self._orders = _Orders(given.orders, self._number)
         self._rises = np.zeros(0)
         self._meet_ground()

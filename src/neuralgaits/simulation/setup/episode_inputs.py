@@ -22,7 +22,7 @@ class EpisodeInputs:
         first: number of the first episode, on which what is random depends.
         record: keep records and states of episode 0.
         longest: keep records of the first so many ticks of every episode.
-        adapt: commands that are adapted, see `control.speed_adapter` and `control.lean_belief`.
+        adapt: commands that are adapted, see `control.speed_adapter` and `control.command_belief`.
     """
 
     terrain: Terrain

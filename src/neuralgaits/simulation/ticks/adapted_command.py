@@ -1,4 +1,4 @@
-"""The commands of one episode, with speed and lean adapted at each touchdown if that is wanted."""
+"""The commands of one episode, adapted at each touchdown if that is wanted: speed, lean, slope."""
 
 import math
 
@@ -6,17 +6,22 @@ import numpy as np
 
 from neuralgaits._types import Float
 from neuralgaits.control import speed_adapter
-from neuralgaits.control.lean_belief import SETTLED_M, belief_for, next_belief
+from neuralgaits.control.command_belief import (
+    SETTLED,
+    belief_for,
+    next_belief,
+    slope_under_feet,
+)
 from neuralgaits.control.speed_adapter import ADAPTED, StepOdometer
-from neuralgaits.gait.commands import LEAN, Commands, place_of
+from neuralgaits.gait.commands import LEAN, SLOPE, Commands, place_of
 from neuralgaits.robots import PlanarBiped
 
-ADAPTABLE = ADAPTED, LEAN
+ADAPTABLE = ADAPTED, *SETTLED
 """Commands that can be adapted, in the order in which they are written."""
 
 
 class AdaptedCommand:
-    """Adapter, odometer and belief of one robot; without such commands it changes nothing.
+    """Adapter, odometer and beliefs of one robot; without such commands it changes nothing.
 
     Attributes:
         names: commands that are adapted; speeds are measured in any case.
@@ -34,12 +39,17 @@ class AdaptedCommand:
         """Begin at the commands of the first step. [p]. `robot` is the controller's model."""
         self.names = names
         self.ended: tuple[float, float] = (math.nan, math.nan)
-        self._adapter, self._belief = speed_adapter.adapter_for(commands), belief_for(commands)
-        self.place, self._lean = place_of(commands, ADAPTED), place_of(commands, LEAN)
+        self._adapter, self.place = speed_adapter.adapter_for(commands), place_of(commands, ADAPTED)
+        self._beliefs = {
+            name: (place, belief)
+            for name in SETTLED
+            if (place := place_of(commands, name)) is not None
+            and (belief := belief_for(commands, name)) is not None
+        }
         self._robot, self._odometer = robot, StepOdometer()
         if self._adapter is not None:
             self._state = speed_adapter.start(self._adapter, float(first[self.place]))
-        self._believed = math.nan if self._lean is None else float(first[self._lean])
+        self._believed = {name: float(first[place]) for name, (place, _) in self._beliefs.items()}
 
     def request(self, told: Float[np.ndarray, " p"]) -> Float[np.ndarray, " p"]:
         """Return what the controller is to be told in the place of these commands."""
@@ -47,8 +57,9 @@ class AdaptedCommand:
         if self._adapter is not None and ADAPTED in self.names:
             speed = float(told[self.place])
             adapted[self.place] = speed_adapter.command_for(self._adapter, self._state, speed)
-        if self._lean is not None and LEAN in self.names:
-            adapted[self._lean] = self._believed
+        for name, (place, _) in self._beliefs.items():
+            if name in self.names:
+                adapted[place] = self._believed[name]
         return adapted
 
     def touch_down(
@@ -68,9 +79,10 @@ class AdaptedCommand:
             told: what the user told the step that begins.
             lean: lean that the step that ended shows (m); NaN if it shows none.
         """
-        if self._belief is not None:
+        shown = {LEAN: lean, SLOPE: slope_under_feet(self._robot, np.asarray(q))}
+        for name, (place, belief) in self._beliefs.items():
             # Once it is not adapted it stays as the user tells it, and is learned from there.
-            self._believed = next_belief(self._belief, float(latched[1, self._lean]), lean)
+            self._believed[name] = next_belief(belief, float(latched[1, place]), shown[name])
         if self._adapter is None:
             return
         hips = speed_adapter.hips_over_feet(self._robot, np.asarray(q))
@@ -82,6 +94,8 @@ class AdaptedCommand:
 
     def _believes_anew(self, latched: Float[np.ndarray, "2 p"]) -> bool:
         """Return whether a belief is on its way, so that a speed says little about the next one."""
-        if self._lean is None or LEAN not in self.names:
-            return False
-        return abs(float(np.diff(latched[:, self._lean])[0])) > SETTLED_M
+        changes = np.abs(np.diff(latched, axis=0)[0])
+        return any(
+            name in self.names and float(changes[place]) > SETTLED[name]
+            for name, (place, _) in self._beliefs.items()
+        )

@@ -1,4 +1,4 @@
-"""What is learned of a lean, and what is made of it: sums as a robot keeps them, and the belief."""
+"""What is learned of leans and slopes, and what is made of it: sums, both feet, and the belief."""
 
 import math
 
@@ -8,11 +8,17 @@ import pytest
 
 from neuralgaits.analysis.torso_lean import leans_of
 from neuralgaits.control import lean_sums
-from neuralgaits.control.lean_belief import LeanBelief, belief_for, next_belief
+from neuralgaits.control.command_belief import (
+    CommandBelief,
+    belief_for,
+    next_belief,
+    slope_under_feet,
+)
 from neuralgaits.gait.commands import Command
+from neuralgaits.robots import load_robot
 
 LEAN = Command("lean", -0.02, 0.03, 0.0048)
-BELIEF = LeanBelief(-0.02, 0.03)
+BELIEF = CommandBelief(-0.02, 0.03)
 
 
 def test_sums_give_the_lean_of_each_whole_step(amber):
@@ -59,8 +65,8 @@ def test_a_belief_stays_in_the_range_of_its_command(shown, end):
 
 
 def test_limits_are_those_of_the_command():
-    assert belief_for((LEAN,)) == BELIEF
-    assert belief_for((Command("speed", 0.5, 0.9, 0.04),)) is None
+    assert belief_for((LEAN,), "lean") == BELIEF
+    assert belief_for((Command("speed", 0.5, 0.9, 0.04),), "lean") is None
 
 
 def test_a_first_step_counts_if_it_was_seen_for_long(amber):
@@ -84,3 +90,20 @@ def test_a_first_step_counts_if_it_was_seen_for_long(amber):
     expected = leans_of(amber, late, np.concatenate([q[:1], q]), down)
     assert expected is not None
     assert float(lean) == pytest.approx(expected[0], rel=1e-6)
+
+
+@pytest.mark.parametrize("degrees", [-4.0, 0.0, 3.0])
+def test_both_feet_show_the_slope(amber, degrees):
+    """A posture with the swing foot behind, turned by its pitch until its feet lie so."""
+    q = 0.1 * (-1.0) ** np.arange(amber.n)
+    q *= -np.sign(amber.swing_foot(q)[0])
+    foot = np.asarray(amber.swing_foot(q))
+    q[0] -= math.atan2(-foot[1], -foot[0]) - math.radians(degrees)
+    assert np.asarray(amber.swing_foot(q))[0] < -0.05
+    assert slope_under_feet(amber, q) == pytest.approx(math.radians(degrees), abs=1e-12)
+
+
+def test_flat_feet_and_feet_side_by_side_show_no_slope(amber):
+    assert math.isnan(slope_under_feet(amber, np.zeros(amber.n)))
+    flat = load_robot("amber3m-feet")
+    assert math.isnan(slope_under_feet(flat, np.linspace(-0.3, 0.3, flat.n)))
