@@ -9,7 +9,7 @@ from neuralgaits.systems.family_certificate import certify_family
 from neuralgaits.systems.family_run import open_family_run
 from neuralgaits.systems.system_family import ProgressCallbacks
 from neuralgaits.systems.walker3d.spatial_mjcf import BUILT_IN, read_spatial, spatial_text
-from neuralgaits.systems.walker3d.walker3d_verbs import train
+from neuralgaits.systems.walker3d.walker3d_verbs import VERBS
 
 
 @pytest.fixture(scope="session")
@@ -34,5 +34,5 @@ def spatial_robot():
 def spatial_run(tmp_path_factory):
     """The gait that `train walker3d` finds."""
     folder = tmp_path_factory.mktemp("walker3d")
-    train(BUILT_IN, progress=ProgressCallbacks(), out=folder / "run", root=folder)
+    VERBS["train"](BUILT_IN, progress=ProgressCallbacks(), out=folder / "run", root=folder)
     return folder / "run"

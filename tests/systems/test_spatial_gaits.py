@@ -1,6 +1,7 @@
 """Periodic gaits of the biped in three dimensions, and their walks in MuJoCo."""
 
 import json
+from pathlib import Path
 
 import jax
 import jax.numpy as jnp
@@ -13,14 +14,15 @@ from neuralgaits.systems.family_run import open_family_run
 from neuralgaits.systems.system_family import ProgressCallbacks
 from neuralgaits.systems.walker3d.orbit_search import exact_period
 from neuralgaits.systems.walker3d.spatial_dynamics import flow
-from neuralgaits.systems.walker3d.spatial_gait import gait_of
 from neuralgaits.systems.walker3d.spatial_laws import linearisation, measured_state
 from neuralgaits.systems.walker3d.spatial_orbit import SpatialOrbit
 from neuralgaits.systems.walker3d.spatial_plant import SpatialPlants
 from neuralgaits.systems.walker3d.spatial_pose import joints_of_pose
 from neuralgaits.systems.walker3d.spatial_start import section_scale
+from neuralgaits.systems.walker3d.spatial_system import SYSTEM
 from neuralgaits.systems.walker3d.spatial_walks import WalkPlan, starts_of, walk
-from neuralgaits.systems.walker3d.walker3d_verbs import SYSTEM, simulate
+from neuralgaits.systems.walker3d.tube_fit import gait_of
+from neuralgaits.systems.walker3d.walker3d_verbs import simulate
 from support.spatial_base import SpatialBase
 
 pytestmark = pytest.mark.slow
@@ -105,7 +107,7 @@ def test_robot_on_its_left_foot_is_seen_as_its_mirror_image(run):
 
 
 @pytest.mark.parametrize("controller", ["pd", "fblin"])
-def test_walks_in_mujoco_from_the_face_of_the_inlet(run, controller):
+def test_walks_in_mujoco_from_the_face_of_the_tube(run, controller):
     gait = run.controller
     plan = WalkPlan(controller, starts_of(gait, 3, 4), 4, run.summary.step_s, None)
     plants, log = walk(run.data, gait, plan)
@@ -127,11 +129,11 @@ def test_a_push_aside_moves_the_robot_and_is_no_fall(run):
     assert pushed.worlds[0].qpos[1] - calm.worlds[0].qpos[1] > 0.005
 
 
-def test_gait_that_is_not_stable_has_no_inlet(run):
+def test_gait_that_is_not_stable_has_no_tube(run):
     gait = run.controller
     orbit = SpatialOrbit(gait.policy, gait.start, 0.9 * np.eye(3), 0.0)
-    with pytest.raises(NonFiniteError, match=r"multipliers of a gait below 0\.86, found 0\.9"):
-        gait_of(orbit, np.ones(3))
+    with pytest.raises(NonFiniteError, match=r"multipliers of a gait below 0\.82, found 0\.9"):
+        gait_of(run.robot, orbit, np.ones(3), 1.0)
 
 
 def test_other_laws_are_refused(run, spatial_run):
@@ -146,7 +148,9 @@ def test_command_line(tmp_path, monkeypatch, capsys, spatial_run):
     assert main(["robots", "walker3d", "--out", "mine.xml"]) == 0
     assert main(["inspect", "mine.xml"]) == 0
     assert "hip roll" in capsys.readouterr().out
-    assert main(["certify", str(spatial_run)]) == 2
-    assert "which has train, simulate, inspect, robots" in capsys.readouterr().err
+    assert main(["export", str(spatial_run), "--out", "c"]) == 2
+    assert "which has train, certify, simulate, report, inspect, rob" in capsys.readouterr().err
     assert main(["train", "walker3d", "--hidden", "8"]) == 2
-    assert "found --hidden" in capsys.readouterr().err
+    assert "hidden: expected none" in capsys.readouterr().err
+    assert main(["report", str(spatial_run), "--out", "page.html"]) == 0
+    assert Path("page.html").read_text(encoding="utf-8").count("<figure") == 2

@@ -6,22 +6,15 @@ zero dynamics has four numbers. Needs no JAX.
 
 from pathlib import Path
 
-from neuralgaits.certificate.proof_file.check import ASSUMPTIONS as OF_WALKERS
-from neuralgaits.certificate.proof_file.check import CheckResult
-from neuralgaits.certificate.proof_file.reader import Claims
+from neuralgaits.certificate.proof_file.check import ASSUMPTIONS
 from neuralgaits.systems.system_family import SystemFamily
+from neuralgaits.systems.walker3d.spatial_levels import with_spatial_levels
 
 
 def _recognises(source: str | Path) -> bool:
     from neuralgaits.systems.walker3d.spatial_source import is_spatial  # Brings MuJoCo.
 
     return is_spatial(source)
-
-
-def _without_levels(report: CheckResult, claims: Claims) -> CheckResult:
-    """Return a report as it is: nothing about trajectories follows from conditions alone."""
-    del claims
-    return report
 
 
 FAMILY = SystemFamily(
@@ -31,6 +24,17 @@ FAMILY = SystemFamily(
         "walker3d": "a biped in three dimensions: hip roll, hip pitch, knees and point feet, 26 kg"
     },
     recognises=_recognises,
-    assumptions=(OF_WALKERS[0], OF_WALKERS[-1]),
-    with_levels=_without_levels,
+    assumptions=(
+        ASSUMPTIONS[0],
+        "the model is the rigid walker with the stored float64 numbers, in exact real arithmetic, "
+        "on its zero dynamics: the stance foot is pinned, the torso does not roll, all outputs "
+        "are as the policy says; sampling, delays, measurement errors and float32 are outside",
+        "the yaw of the torso is held, by a moment about the vertical that is bounded",
+        "touchdown is plastic and happens at phase 1 alone; after it outputs and their rates are "
+        "at once as the policy says, the swing foot's place among them, with the hip's place and "
+        "the horizontal angular momentum about the new foot as the touchdown leaves them",
+        "the robot is its own mirror image, and is reflected after each step",
+        ASSUMPTIONS[-1],
+    ),
+    with_levels=with_spatial_levels,
 )

@@ -1,20 +1,17 @@
-"""A gait in three dimensions: its policy, and the set of states at which its steps may start."""
+"""A gait in three dimensions: its policy, its periodic orbit and the tube of steps about it."""
 
 from typing import Any
 
 import equinox as eqx
+import jax.numpy as jnp
 import numpy as np
-from scipy.linalg import solve_discrete_lyapunov
 
-from neuralgaits._types import Float
-from neuralgaits.errors import NonFiniteError
-from neuralgaits.systems.walker3d.spatial_orbit import SpatialOrbit
+from neuralgaits._types import Array, Float
 from neuralgaits.systems.walker3d.spatial_policy import Pendulum, SpatialPolicy
+from neuralgaits.systems.walker3d.spatial_tube import SpatialTube, in_ball
 
-SHRINKING = 0.15
-"""By this exponent a deviation must at least shrink over a step, in the inlet's own metric."""
-INLET_SIZE = 1.8
-"""Size of the inlet, in deviations of `section_scale`."""
+CENTRE_DEGREE, AXES_DEGREE = 12, 8
+"""Degrees of the tube's polynomials."""
 
 
 class SpatialGait(eqx.Module):
@@ -22,36 +19,32 @@ class SpatialGait(eqx.Module):
 
     Attributes:
         policy: outputs of a state.
-        start: (y, L_y, n) of the periodic orbit where a step starts, x being x0. [3]
-        inlet: half axes, as columns, of the ellipsoid of starts about it. [3, 3]
+        tube: states that steps stay in.
     """
 
     policy: SpatialPolicy
-    start: Float[np.ndarray, "3"]
-    inlet: Float[np.ndarray, "3 3"]
+    tube: SpatialTube
+
+    @property
+    def start(self) -> Float[np.ndarray, "3"]:
+        """(y, L_y, n) in the tube's middle where a step starts, on the periodic orbit."""
+        return self.tube.at_start()[0]
+
+    def state(self, t: Float[Array, ""], deviating: Float[Array, "3"]) -> Float[Array, "4"]:
+        """Return the state with (y, L_y, n) at a phase."""
+        begin, end = self.policy.ends
+        return jnp.append(begin + (end - begin) * t, deviating)
+
+    def state_at(self, u: Float[Array, "4"]) -> Float[Array, "4"]:
+        """Return the state at a point of the chart: phase, and a point of the cube."""
+        return self.state(u[0], self.tube.section(u[0]).states(in_ball(u[1:])))
 
     def starts(self, inside: Float[np.ndarray, "N 3"]) -> Float[np.ndarray, "N 4"]:
-        """Return states of the inlet: 0 is its centre, unit vectors its face."""
-        rows = np.asarray(self.start) + inside @ np.asarray(self.inlet).T
+        """Return states where steps start: 0 is the tube's centre there, unit vectors its face."""
+        centre, axes = self.tube.at_start()
+        rows = centre + inside @ axes.T
         first = np.full((len(rows), 1), float(self.policy.ends[0]))
         return np.concatenate([first, rows], axis=1)
-
-
-def gait_of(orbit: SpatialOrbit, scale: Float[np.ndarray, "3"]) -> SpatialGait:
-    """Return the gait of an orbit, with the inlet that its linear section map shrinks.
-
-    Raises: NonFiniteError if the orbit is not stable enough.
-    """
-    largest = float(np.abs(np.linalg.eigvals(orbit.section)).max())
-    if not largest * np.exp(SHRINKING) < 1.0:
-        raise NonFiniteError(
-            f"expected multipliers of a gait below {np.exp(-SHRINKING):.2f}, found {largest:.3g}: "
-            "the robot's gait is not stable"
-        )
-    grown = np.exp(SHRINKING) * orbit.section
-    metric = solve_discrete_lyapunov(grown.T, np.eye(3))
-    inlet = INLET_SIZE * scale[:, None] * np.linalg.inv(np.linalg.cholesky(metric)).T
-    return SpatialGait(orbit.policy, orbit.start, inlet)
 
 
 def empty_gait() -> SpatialGait:
@@ -59,4 +52,5 @@ def empty_gait() -> SpatialGait:
     sizes = (2, 4, 4, 3, 3, 4, 4, 2, 3)
     pendulum: Any = Pendulum(*(np.zeros(()) for _ in range(4)))  # pyright: ignore
     policy = SpatialPolicy(*(np.zeros(size) for size in sizes), pendulum)  # pyright: ignore
-    return SpatialGait(policy, np.zeros(3), np.zeros((3, 3)))
+    centre, axes = np.zeros((CENTRE_DEGREE + 1, 3)), np.zeros((AXES_DEGREE + 1, 3, 3))
+    return SpatialGait(policy, SpatialTube(centre, axes))

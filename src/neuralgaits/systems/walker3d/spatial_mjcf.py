@@ -8,6 +8,7 @@ from importlib import resources
 from pathlib import Path
 from typing import NamedTuple
 
+import jax
 import mujoco
 import numpy as np
 
@@ -58,6 +59,11 @@ class SpatialRobot(NamedTuple):
     tree: SpatialTree
     text: str
 
+    def numbers(self) -> dict[str, float]:
+        """Return all numbers of the model by name, those of links as `thigh.mass`."""
+        leaves, _ = jax.tree.flatten_with_path(self.walker)
+        return {jax.tree_util.keystr(path, simple=True, separator="."): x for path, x in leaves}
+
 
 def spatial_text(source: str | Path) -> tuple[str, str]:
     """Return the MJCF text of the built-in robot or of a file, and a name for it.
@@ -98,6 +104,16 @@ def rigid_body(model: mujoco.MjModel, data: mujoco.MjData, link: int) -> RigidBo
     return RigidBody(mass, centre, inertia)
 
 
+def floors_of(model: mujoco.MjModel) -> list[int]:
+    """Return the planes on the world."""
+    return [
+        geom
+        for geom in range(model.ngeom)
+        if int(model.geom_type[geom]) == int(mujoco.mjtGeom.mjGEOM_PLANE)
+        and int(model.body_weldid[model.geom_bodyid[geom]]) == 0
+    ]
+
+
 def _unmodelled(model: mujoco.MjModel) -> Iterator[str]:
     """Say what the file has beside rigid links, rotors, gravity, motors and a level floor."""
     if model.opt.gravity[0] or model.opt.gravity[1] or not model.opt.gravity[2] < 0.0:
@@ -107,12 +123,7 @@ def _unmodelled(model: mujoco.MjModel) -> Iterator[str]:
         yield "the file switches gravity, contact or actuation off: remove that from <flag>"
     if not 1e-5 <= model.opt.timestep <= 0.001:
         yield f'the timestep is {model.opt.timestep:g} s: use <option timestep="0.0005"/>'
-    floors = [
-        geom
-        for geom in range(model.ngeom)
-        if int(model.geom_type[geom]) == int(mujoco.mjtGeom.mjGEOM_PLANE)
-        and int(model.body_weldid[model.geom_bodyid[geom]]) == 0
-    ]
+    floors = floors_of(model)
     if len(floors) != 1:
         yield f"expected one plane on the world, the floor, found {len(floors)}"
     elif np.abs(model.geom_pos[floors[0]]).max() > 0.0 or model.geom_quat[floors[0], 0] != 1.0:
@@ -225,5 +236,6 @@ def _walker(model: mujoco.MjModel, tree: SpatialTree, name: str) -> SpatialWalke
         gravity=float(-model.opt.gravity[2]),
         torque_limits=(numbers[6], numbers[8], numbers[10]),
         ranges=(ranges(left[0]), ranges(left[1]), ranges(left[2])),
+        friction=max(float(model.geom_friction[one, 0]) for one in (*floors_of(model), *tree.feet)),
         name=name,
     )

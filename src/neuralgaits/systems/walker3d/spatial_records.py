@@ -29,6 +29,7 @@ class SpatialFacts(Record):
     armature_kg_m2: tuple[float, float, float]
     torque_limits_nm: tuple[float, float, float]
     gravity_m_s2: float
+    friction: float
     unactuated: int
 
 
@@ -44,7 +45,7 @@ class SpatialConfig(FamilyConfig):
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class SpatialTrained(TrainedSummary):
-    """Result of `train`. Margins are smallest over one step from random starts of the inlet.
+    """Result of `train`. Margins are smallest at random points of each condition's region.
 
     Attributes:
         speed_m_s, step_m, step_s: of the periodic orbit.

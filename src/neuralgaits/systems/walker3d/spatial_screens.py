@@ -1,29 +1,7 @@
 """Results about bipeds in three dimensions for a person."""
 
-from neuralgaits.runs.shell_words import command, named
 from neuralgaits.systems.system_family import Screen
-from neuralgaits.systems.walker3d.spatial_records import SpatialTrained
 from neuralgaits.systems.walker3d.spatial_walks import SpatialWalks
-
-
-def screen_of_gait(found: SpatialTrained) -> Screen:
-    """Return a gait's figures, and whether one step from random starts held the conditions."""
-    what = "hold" if found.holds else "do not all hold"
-    rows = [(name, f"{least:.4g}") for name, least in found.margins.items()]
-    multipliers = ", ".join(f"{one:.2f}" for one in found.multipliers)
-    needs = f"friction {found.friction:.2f}, torque {found.peak_torque_nm:.0f} N m"
-    return Screen(
-        "trained" if found.holds else "not trained",
-        f": {len(found.margins)} conditions {what} in a step from {found.samples} random starts",
-        None if found.holds else (("condition", "smallest margin"), rows),
-        [
-            ("gait", f"{found.speed_m_s:.2f} m/s, steps of {found.step_m:.3f} m"),
-            ("multipliers", f"{multipliers} in magnitude"),
-            ("needs", f"{needs}, up to {found.yaw_nm:.0f} N m to hold the yaw; sampled"),
-            ("run", found.run),
-            ("next", command("simulate", named(found.run))),
-        ],
-    )
 
 
 def screen_of_walks(found: SpatialWalks) -> Screen:

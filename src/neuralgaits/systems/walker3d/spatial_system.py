@@ -1,51 +1,65 @@
 """Bipeds in three dimensions as a family: robot files, gaits and what is measured of them."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-import jax
 import numpy as np
+from matplotlib.figure import Figure
 
+from neuralgaits._types import Array, Float
 from neuralgaits.errors import InputError, RunError
-from neuralgaits.systems.system_family import Screen, SystemFamily
-from neuralgaits.systems.trained_system import TrainedSystem, TrainingProgress
-from neuralgaits.systems.walker3d import FAMILY
+from neuralgaits.records.certified import Conclusion
+from neuralgaits.systems.family_run import FamilyRun
+from neuralgaits.systems.proof_model import trace_conditions
+from neuralgaits.systems.proved_system import ProvedSystem
+from neuralgaits.systems.system_family import Screen
+from neuralgaits.systems.trained_system import TrainingProgress
+from neuralgaits.systems.walker3d import FAMILY, spatial_conditions, spatial_tube
 from neuralgaits.systems.walker3d.orbit_search import exact_period, find_orbit
-from neuralgaits.systems.walker3d.spatial_gait import SpatialGait, empty_gait, gait_of
-from neuralgaits.systems.walker3d.spatial_mjcf import read_spatial
+from neuralgaits.systems.walker3d.spatial_conditions import spatial_margins
+from neuralgaits.systems.walker3d.spatial_figures import draw_spatial_tube, draw_step
+from neuralgaits.systems.walker3d.spatial_gait import SpatialGait, empty_gait
+from neuralgaits.systems.walker3d.spatial_levels import TABLE, conclude
+from neuralgaits.systems.walker3d.spatial_mjcf import SpatialRobot, read_spatial
 from neuralgaits.systems.walker3d.spatial_orbit import OrbitAims
 from neuralgaits.systems.walker3d.spatial_records import SpatialConfig, SpatialFacts, SpatialTrained
+from neuralgaits.systems.walker3d.spatial_screens import screen_of_walks
 from neuralgaits.systems.walker3d.spatial_start import section_scale
 from neuralgaits.systems.walker3d.spatial_step import step_of_orbit
-from neuralgaits.systems.walker3d.step_samples import sampled_steps
+from neuralgaits.systems.walker3d.spatial_walker import SpatialWalker
+from neuralgaits.systems.walker3d.spatial_walks import (
+    STEPS,
+    SpatialWalks,
+    WalkPlan,
+    simulate_walks,
+    starts_of,
+)
+from neuralgaits.systems.walker3d.tube_fit import widest_gait
+from neuralgaits.systems.walker3d.tube_samples import needs_in_tube, sampled_margins
 
-FRESH_SEED, FRESH = 2**31, 1024
-"""Seed and number of the starts at which the summary is measured; no run can have that seed."""
-ITERATIONS = 250
-"""Largest number of iterations of the search for a gait."""
+FRESH_SEED, FRESH = 2**31, 2**15
+"""Seed of the points at which the summary is measured, and their number in each region; no run can
+have that seed."""
 
 
-@dataclass(frozen=True)
-class SpatialSystem(TrainedSystem):
-    """The family's own part."""
+class SpatialSystem(ProvedSystem):
+    """The family of bipeds in three dimensions."""
 
-    family: SystemFamily = FAMILY
-    config: type[Any] = SpatialConfig
-    summary: type[Any] = SpatialTrained
-    spec_files: tuple[Path, ...] = (
-        Path(__file__).parent / "spatial_orbit.py",
-        Path(__file__).parent / "step_samples.py",
-    )
-    steps: int = ITERATIONS
-    robot_file: Path = Path(__file__).parent / "walker3d.xml"
+    family, table = FAMILY, TABLE
+    config, summary = SpatialConfig, SpatialTrained
+    spec_files = tuple(Path(str(one.__file__)) for one in (spatial_conditions, spatial_tube))
+    steps, highest = 250, 3
+    why_highest = "a walker's levels in three dimensions are about its hybrid zero dynamics"
+    about_proofs = "the rigid model's projected hybrid zero dynamics, the yaw of the torso held"
+    robot_file = Path(__file__).with_name("walker3d.xml")
 
-    def read(self, text: str, name: str) -> tuple[Any, Any]:
+    def read(self, text: str, name: str) -> tuple[SpatialWalker, SpatialRobot]:
         """Read model and file. Raises: RobotError with all that is wrong."""
         robot = read_spatial(text, name)
         return robot.walker, robot
 
-    def robot_facts(self, robot: Any, data: Any) -> SpatialFacts:
+    def robot_facts(self, robot: SpatialWalker, data: SpatialRobot) -> SpatialFacts:
         """Describe a robot file."""
         del data
         return SpatialFacts(
@@ -60,6 +74,7 @@ class SpatialSystem(TrainedSystem):
             armature_kg_m2=robot.armature,
             torque_limits_nm=robot.torque_limits,
             gravity_m_s2=robot.gravity,
+            friction=robot.friction,
             unactuated=2,
         )
 
@@ -74,6 +89,7 @@ class SpatialSystem(TrainedSystem):
                 ("legs", f"thigh {facts.thigh_m:.4g} m, shin {facts.shin_m:.4g} m, point feet"),
                 ("hips", f"{facts.hip_width_m:.4g} m apart, roll before pitch"),
                 ("motors", f"hip roll {roll:.4g}, hip pitch {pitch:.4g}, knee {knee:.4g} N m"),
+                ("floor", f"friction {facts.friction:g}"),
                 ("unactuated", "2 of 8 degrees of freedom on a foot, the yaw held"),
             ]
         )
@@ -94,39 +110,105 @@ class SpatialSystem(TrainedSystem):
     def refuse_controller(self, controller: SpatialGait, file: Path) -> None:
         """Refuse arrays that no training leaves. Raises: RunError naming their file."""
         begin, end = controller.policy.ends
-        diagonal = np.diag(np.asarray(controller.inlet))
-        if not begin < 0.0 < end or not np.all(diagonal > 0.0):
+        _, axes = controller.tube.at_start()
+        if not begin < 0.0 < end or not np.linalg.det(axes) > 0.0:
             raise RunError(
-                f"expected a step from behind to ahead of the foot and an inlet with a volume in "
+                f"expected a step from behind to ahead of the foot and a tube with a volume in "
                 f"{file}, found others: the file was changed; train again"
             )
 
-    def train(self, robot: Any, config: Any, progress: TrainingProgress | None) -> SpatialGait:
-        """Find a periodic gait, and the inlet about its orbit."""
+    def train(
+        self, robot: SpatialWalker, config: SpatialConfig, progress: TrainingProgress | None
+    ) -> SpatialGait:
+        """Find a periodic gait, and the tube about its orbit."""
         orbit = find_orbit(robot, OrbitAims.of(robot), config.steps, progress)
-        return gait_of(orbit, section_scale(robot, orbit.policy.pendulum))
+        return widest_gait(robot, orbit)
 
-    def measured(self, run: Any) -> dict[str, Any]:
-        """Return what one step from random starts of the inlet needs, and the orbit's figures."""
+    def measured(self, run: FamilyRun) -> dict[str, Any]:
+        """Return margins at random points of the tube, and figures of the orbit."""
         robot, gait = run.robot, run.controller
-        found = sampled_steps(robot, gait, jax.random.key(FRESH_SEED), FRESH)
         scale = section_scale(robot, gait.policy.pendulum)
         _, section = exact_period(robot, gait.policy, gait.start, scale)
         duration = step_of_orbit(robot, gait.policy, gait.start)
         length = float(gait.policy.ends[1] - gait.policy.ends[0])
-        widths = np.linalg.norm(gait.inlet, axis=1)
+        widths = np.linalg.norm(gait.tube.at_start()[1], axis=1)
         multipliers = np.sort(np.abs(np.linalg.eigvals(section)))[::-1]
         return {
-            "margins": found.margins,
+            "margins": sampled_margins(trace_conditions(run), FRESH, FRESH_SEED),
             "samples": FRESH,
             "speed_m_s": length / duration,
             "step_m": length,
             "step_s": duration,
             "multipliers": tuple(float(x) for x in multipliers),
-            "friction": found.friction,
-            "peak_torque_nm": found.torque,
-            "yaw_nm": found.yaw,
+            **needs_in_tube(robot, gait, FRESH, FRESH_SEED),
             "inlet_m": float(widths[0]),
             "inlet_momenta": tuple(float(x / gait.start[1]) for x in widths[1:]),
-            "missed_m": found.missed,
         }
+
+    def sizes(self, done: SpatialTrained) -> str:
+        """Return speed, steps and the tube's section where a step starts in words."""
+        forward, aside = done.inlet_momenta
+        return (
+            f"{done.speed_m_s:.2f} m/s, steps of {done.step_m:.3f} m; at their start within "
+            f"{1e3 * done.inlet_m:.3g} mm aside, {forward:.1%} of the momentum forward, and "
+            f"{aside:.1%} of it aside"
+        )
+
+    def margins(self, run: FamilyRun, u: Float[Array, "4"]) -> Mapping[str, Array]:
+        """Return the margins at a point of the chart: phase, and a point of the cube."""
+        return spatial_margins(run.robot, run.controller, u)
+
+    def place(self, run: FamilyRun, u: Float[Array, "4"]) -> tuple[float, float]:
+        """Return the hip's place at a point of the chart, forward and to the left."""
+        z = run.controller.state_at(u)
+        return float(z[0]), float(z[1])
+
+    def place_in_words(self, place: tuple[float, float]) -> str:
+        """Return the hip's place in words."""
+        return f"hip {place[0]:.4g} m ahead of the foot and {place[1]:.4g} m to its left"
+
+    def spec_numbers(self, config: SpatialConfig) -> Mapping[str, float]:
+        """Return numbers of the configuration that conditions are about: none."""
+        del config
+        return {}
+
+    def conclude(
+        self, bounds: Mapping[str, float | None], config: SpatialConfig, level: int
+    ) -> tuple[Conclusion, ...]:
+        """Draw the conclusions about trajectories that proved bounds of conditions allow."""
+        del config
+        return conclude(bounds, level)
+
+    def episodes(self, run: FamilyRun, count: int, seed: int) -> tuple[SpatialWalks, bool]:
+        """Walk in MuJoCo."""
+        starts = starts_of(run.controller, count, seed)
+        done = simulate_walks(run, WalkPlan("pd", starts, STEPS, run.summary.step_s, None))
+        return done, done.walked == done.episodes
+
+    def episodes_screen(self, done: SpatialWalks) -> Screen:
+        """Return how many walks took all their steps."""
+        return screen_of_walks(done)
+
+    def page_lines(self, run: FamilyRun) -> list[str]:
+        """Return the sentences at the head of a run's page, about gait, tube and limits."""
+        done = run.summary
+        multipliers = ", ".join(f"{one:.2f}" for one in done.multipliers)
+        return [
+            f"Gait and tube: {self.sizes(done)}.",
+            f"Multipliers of the orbit: {multipliers} in magnitude, computed in floating point.",
+            f"Sampled in the tube: friction up to {done.friction:.2f} of {run.robot.friction:g}, "
+            f"torque up to {done.peak_torque_nm:.0f} N m, {done.yaw_nm:.0f} N m to hold the yaw.",
+        ]
+
+    def page_figures(self, run: FamilyRun) -> Sequence[tuple[Figure, str]]:
+        """Draw a step of the orbit from two sides, and the tube."""
+        return (
+            (
+                draw_step(run.robot, run.controller),
+                "A step of the periodic orbit from the side and from the front",
+            ),
+            (draw_spatial_tube(run.controller), "The tube over a step, and its sections"),
+        )
+
+
+SYSTEM = SpatialSystem()

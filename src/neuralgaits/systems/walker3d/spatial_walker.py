@@ -54,6 +54,7 @@ class SpatialWalker(eqx.Module):
         gravity: acceleration of gravity.
         torque_limits: of hip roll, hip pitch and knee [N m].
         ranges: lowest and highest angle of hip roll (of the left leg), hip pitch and knee [rad].
+        friction: largest ratio of the contact's forces.
         name: of the robot.
     """
 
@@ -67,6 +68,7 @@ class SpatialWalker(eqx.Module):
     gravity: float
     torque_limits: tuple[float, float, float]
     ranges: tuple[tuple[float, float], tuple[float, float], tuple[float, float]]
+    friction: float
     name: str = eqx.field(static=True)
 
     @property

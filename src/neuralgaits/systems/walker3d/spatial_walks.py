@@ -24,6 +24,8 @@ from neuralgaits.systems.walker3d.spatial_plant import TICK_S, SpatialPlants
 
 LAWS = ("pd", "fblin")
 """Control laws: PD around the gait's joints with its torques, and exact linearisation."""
+STEPS = 50
+"""Usual number of steps of a walk."""
 LANDING = 0.6
 """Phase before which a touch of the floor is no touchdown: the foot has hardly left it."""
 LONGEST = 3.0
@@ -38,8 +40,8 @@ class SpatialWalks(Record):
 
     Attributes:
         run, robot, controller: of the walks.
-        episodes: how many walks, each from a random state on the inlet's face but the first, which
-            starts on the periodic orbit.
+        episodes: how many walks, each from a random state on the tube's face but the first, which
+            starts in the tube's middle.
         steps: asked of each.
         walked: how many walks took all of them.
         least_steps: of the shortest walk.
@@ -145,7 +147,7 @@ def law_of_gait(
 
 
 def starts_of(gait: SpatialGait, count: int, seed: int) -> Float[np.ndarray, "N 4"]:
-    """Return the orbit's start, then random states on the inlet's face."""
+    """Return the middle of the tube where steps start, then random states on its face there."""
     inside = np.random.default_rng(seed).standard_normal((count, 3))
     inside /= np.linalg.norm(inside, axis=1, keepdims=True)
     inside[:1] = 0.0

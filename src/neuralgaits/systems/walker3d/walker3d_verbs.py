@@ -4,45 +4,18 @@ from collections.abc import Callable
 from pathlib import Path
 
 from neuralgaits.errors import InputError
-from neuralgaits.runs import RUNS_ROOT
 from neuralgaits.systems.family_run import open_family_run
-from neuralgaits.systems.family_training import train_family
-from neuralgaits.systems.family_verbs import FileVerbs
+from neuralgaits.systems.family_verbs import FamilyVerbs
 from neuralgaits.systems.system_family import ProgressCallbacks, VerbResult
-from neuralgaits.systems.walker3d.spatial_screens import screen_of_gait, screen_of_walks
-from neuralgaits.systems.walker3d.spatial_system import SpatialSystem
+from neuralgaits.systems.walker3d.spatial_screens import screen_of_walks
+from neuralgaits.systems.walker3d.spatial_system import SYSTEM
 from neuralgaits.systems.walker3d.spatial_walks import (
     LAWS,
+    STEPS,
     WalkPlan,
     simulate_walks,
     starts_of,
 )
-
-SYSTEM = SpatialSystem()
-
-
-def train(
-    robot: str | Path,
-    *,
-    progress: ProgressCallbacks,
-    seed: int = 0,
-    steps: int | None = None,
-    out: Path | None = None,
-    root: Path = RUNS_ROOT,
-) -> VerbResult:
-    """Find a periodic gait and the inlet about it."""
-    total = SYSTEM.steps if steps is None else steps
-    run = train_family(
-        SYSTEM,
-        str(robot),
-        seed=seed,
-        steps=steps,
-        out=out,
-        root=root,
-        progress=lambda step, loss: progress.trained(step, total, loss),
-    )
-    done = run.summary
-    return VerbResult(done, done.holds, screen_of_gait(done), run=run)
 
 
 def simulate(
@@ -51,7 +24,7 @@ def simulate(
     progress: ProgressCallbacks,
     controller: str = "pd",
     episodes: int = 1,
-    steps: int = 50,
+    steps: int = STEPS,
     seed: int = 0,
     push: float | None = None,
 ) -> VerbResult:
@@ -70,10 +43,4 @@ def simulate(
     return VerbResult(record, good, screen_of_walks(record))
 
 
-FILES = FileVerbs(SYSTEM)
-VERBS: dict[str, Callable[..., VerbResult]] = {
-    "train": train,
-    "simulate": simulate,
-    "inspect": FILES.inspect,
-    "robots": FILES.robots,
-}
+VERBS: dict[str, Callable[..., VerbResult]] = FamilyVerbs(SYSTEM).by_name() | {"simulate": simulate}

@@ -1,0 +1,161 @@
+"""The spec `periodic`: what must hold on the tube, as margins at one point of its chart.
+
+A margin must not be negative anywhere in its region, see `spatial_levels.TABLE`.
+"""
+
+from collections.abc import Mapping
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from neuralgaits._types import Array, Float
+from neuralgaits.systems.walker3d.spatial_dynamics import Flow, Loads, flow, loads
+from neuralgaits.systems.walker3d.spatial_gait import SpatialGait
+from neuralgaits.systems.walker3d.spatial_impact import impact, reset
+from neuralgaits.systems.walker3d.spatial_levels import RATE
+from neuralgaits.systems.walker3d.spatial_pose import Links, SpatialPose, cross
+from neuralgaits.systems.walker3d.spatial_tube import TubeSection, in_ball
+from neuralgaits.systems.walker3d.spatial_walker import SpatialWalker
+
+LEAST_FORWARD = 0.2
+"""Least velocity of the stance hip forward [m/s]."""
+LEAST_VOLUME = 0.02
+"""Least volume of a section, as a share of that where a step starts."""
+LEAST_LIFT = 0.01
+"""Least height of the swing foot over t (1 - t) [m]."""
+LEAST_DOWN = 0.05
+"""Least velocity down of the swing foot at touchdown [m/s]."""
+LEAST_NORMAL = 0.3
+"""Least normal force, as a share of the weight."""
+LARGEST_MISS = 0.02
+"""Largest distance aside between where the swing foot is after a touchdown and where the policy
+starts it [m]."""
+LARGEST_TWIST = 0.05
+"""Largest moment about the vertical that holds the yaw, over the normal force [m]."""
+
+
+def spatial_margins(
+    robot: SpatialWalker, gait: SpatialGait, u: Float[Array, "4"]
+) -> Mapping[str, Array]:
+    """Return the margins at a point (phase, cube) of the chart, by condition."""
+    t, w = u[0], in_ball(u[1:])
+    here, start = gait.tube.section(t), gait.tube.section(jnp.zeros_like(t))
+    now, needed = loads(robot, gait.policy, gait.state(t, here.states(w)))
+    begin, end, middle = gait.policy.lift
+    lift = begin * (1.0 - t) - end * t + 16.0 * middle * t * (1.0 - t)
+    return {
+        "inward": -(w @ here.inside(slope_by_phase(gait, now) - _moved(here, w))),
+        "forward": now.rates[0] - LEAST_FORWARD,
+        "chart": here.volume / start.volume - LEAST_VOLUME,
+        "clearance": lift - LEAST_LIFT,
+        **_force_margins(robot, needed),
+        "range": joint_ranges(robot, now.pose, now.links),
+        **_touchdown_margins(robot, gait, now, here.states(w), start),
+        **_contraction_margins(robot, gait, t, w),
+    }
+
+
+def _moved(here: TubeSection, w: Float[Array, "3"]) -> Float[Array, "3"]:
+    """Return the derivative of (y, L_y, n) by phase that keeps a point of the ball."""
+    return here.centre_slope + here.axes_slope @ w
+
+
+def slope_by_phase(gait: SpatialGait, now: Flow) -> Float[Array, "3"]:
+    """Return the derivative of (y, L_y, n) by phase along the flow."""
+    return now.rates[1:] / now.rates[0] * (gait.policy.ends[1] - gait.policy.ends[0])
+
+
+def _force_margins(robot: SpatialWalker, needed: Loads) -> dict[str, Array]:
+    """Return the margins of the floor's forces, as shares of the weight, and of torques."""
+    weight = robot.mass * robot.gravity
+    ahead, aside, normal = needed.ground / weight
+    yaw, bound = needed.yaw / (LARGEST_TWIST * weight), robot.friction * normal
+    return {
+        "normal force": normal - LEAST_NORMAL,
+        "friction": bound * bound - ahead * ahead - aside * aside,
+        "yaw": normal * normal - yaw * yaw,
+        "torque": 1.0 - (needed.torques / robot.limits) ** 2,
+    }
+
+
+def joint_ranges(robot: SpatialWalker, pose: SpatialPose, links: Links) -> Float[Array, " k"]:
+    """Return sin(q - low) and sin(high - q) of each joint whose range is below half a turn.
+
+    Both are positive inside the range, and one of them is negative outside. The stance leg is the
+    right one: its roll has the reflected range.
+    """
+    forward, left, up = pose.torso
+    roll, pitch, knee = robot.ranges
+    found = []
+    for side, rolled in enumerate(((-roll[1], -roll[0]), roll)):
+        thigh, shin = links.frames[2 * side + 1], links.frames[2 * side + 2]
+        normal = pose.normals[side]
+        below = cross(forward, normal)
+        angles = (
+            (normal @ up, normal @ left, rolled),
+            (thigh[2] @ forward, thigh[2] @ below, pitch),
+            (shin[2] @ thigh[0], shin[2] @ thigh[2], knee),
+        )
+        for sine, cosine, (low, high) in angles:
+            if high - low < np.pi:
+                found += [sine * np.cos(low) - cosine * np.sin(low)]
+                found += [cosine * np.sin(high) - sine * np.cos(high)]
+    return jnp.stack(found) if found else jnp.ones(1)
+
+
+def _touchdown_margins(
+    robot: SpatialWalker,
+    gait: SpatialGait,
+    now: Flow,
+    before: Float[Array, "3"],
+    start: TubeSection,
+) -> dict[str, Array]:
+    """Return the margins of a touchdown from a state with this flow."""
+    landed = reset(robot, now.pose, now.links, now.motion)
+    struck = impact(robot, now.pose, now.motion, now.joints)
+    w = start.inside(landed[1:] - start.centre)
+    # Impulses over the mass: velocities [m/s], in units of 0.1 m/s.
+    ahead, aside, normal = 10.0 * struck.impulse / robot.mass
+    bound = robot.friction * normal
+    down = -gait.policy.lift[1] * now.rates[0] / (gait.policy.ends[1] - gait.policy.ends[0])
+    missed = (gait.policy(landed).aside - before[0]) / LARGEST_MISS
+    return {
+        "inlet": 1.0 - w @ w,
+        "touchdown": down - LEAST_DOWN,
+        "leaving": struck.leaving[2],
+        "impulse": jnp.stack([normal, bound * bound - ahead * ahead - aside * aside]),
+        "swing start": 1.0 - missed * missed,
+    }
+
+
+def _contraction_margins(
+    robot: SpatialWalker, gait: SpatialGait, t: Float[Array, ""], w: Float[Array, "3"]
+) -> dict[str, Array]:
+    """Return the leading minors of two matrices that have to be positive definite.
+
+    With B = R^-1 (ds'/ds R - R'), s' the derivative of s = (y, L_y, n) by phase, a deviation R d
+    has d' = B d: - (B + B^T) / 2 - RATE. With a touchdown's D = R(0)^-1 ds+/ds R: 1 - D^T D.
+    """
+    here, start = gait.tube.section(t), gait.tube.section(jnp.zeros_like(t))
+
+    def both(state: Float[Array, "3"]) -> tuple[Array, Array]:
+        now = flow(robot, gait.policy, gait.state(t, state))
+        return slope_by_phase(gait, now), reset(robot, now.pose, now.links, now.motion)[1:]
+
+    _, push = jax.linearize(both, here.states(w))
+    slopes, landed = jax.vmap(push)(here.axes.T)
+    across = here.inside(slopes - here.axes_slope.T)
+    after = start.inside(landed)
+    unit = np.eye(3)
+    return {
+        "closer": _leading_minors(-0.5 * (across + across.T) - RATE * unit),
+        "approach": _leading_minors(unit - after @ after.T),
+    }
+
+
+def _leading_minors(matrix: Float[Array, "3 3"]) -> Float[Array, "3"]:
+    """Return the leading minors of a symmetric matrix: all positive if and only if it is."""
+    (a, b, c), (_, d, e), (_, _, f) = matrix
+    second = a * d - b * b
+    return jnp.stack([a, second, second * f - a * e * e + 2.0 * b * c * e - c * c * d])

@@ -1,0 +1,120 @@
+"""Regions and conditions of the spec `periodic`, and what follows from them. Needs no JAX."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+from neuralgaits.certificate.chart import Axis, Chart
+from neuralgaits.certificate.proof_file.check import CheckResult
+from neuralgaits.certificate.proof_file.reader import Claims
+from neuralgaits.records.certified import Conclusion
+from neuralgaits.systems.condition_table import ConditionTable
+
+_LOW, _HIGH = (0.0, 0.0, 0.0, 0.0), (1.0, 1.0, 1.0, 1.0)
+RATE = 0.05
+"""Exponent by which two steps come closer at least, in the tube's own metric."""
+
+
+def _with(corner: tuple[float, ...], axis: int, value: float) -> tuple[float, ...]:
+    """Return a corner with another value on one axis."""
+    return (*corner[:axis], value, *corner[axis + 1 :])
+
+
+TABLE = ConditionTable(
+    chart=Chart(
+        state=tuple(
+            Axis(name, 0.0, 1.0)
+            for name in ("progress", "first across", "second across", "third across")
+        )
+    ),
+    regions={
+        "tube": ((_LOW, _HIGH),),
+        "surface": tuple(
+            (_with(_LOW, axis, side), _with(_HIGH, axis, side))
+            for axis in (1, 2, 3)
+            for side in (0.0, 1.0)
+        ),
+        "touchdown": ((_with(_LOW, 0, 1.0), _HIGH),),
+        "middle line": (((0.0, 0.5, 0.5, 0.5), (1.0, 0.5, 0.5, 0.5)),),
+    },
+    conditions={
+        "inward": "surface",
+        "forward": "tube",
+        "chart": "middle line",
+        "inlet": "touchdown",
+        "clearance": "middle line",
+        "touchdown": "touchdown",
+        "leaving": "touchdown",
+        "impulse": "touchdown",
+        "swing start": "touchdown",
+        "normal force": "tube",
+        "friction": "tube",
+        "yaw": "tube",
+        "torque": "tube",
+        "range": "tube",
+        "closer": "tube",
+        "approach": "touchdown",
+    },
+)
+CONVERGES = ("closer", "approach")
+"""Conditions of level 3; all others are premises of level 2."""
+STRICT = ("inward", "closer", "approach")
+"""Conditions whose bound must be above 0."""
+
+
+def conclude(bounds: Mapping[str, float | None], level: int = 3) -> tuple[Conclusion, ...]:
+    """Draw the conclusions that proved bounds of conditions on their regions allow.
+
+    Level 2: on the surface the flow points into the tube, so that a step stays in it; the hip goes
+    forward, so that it ends, at phase 1, where the swing foot meets the floor for the first time;
+    the touchdown leads into the section at phase 0. Level 3: with |R^-1 d| as the length of a
+    deviation d, the flow shrinks all of them at least by the exponent `RATE` a step, and a
+    touchdown lengthens none. Sections are convex, so that the same holds for distances of states,
+    and the map of a step is a contraction.
+
+    Args:
+        bounds: proved bound by condition; None if there is none.
+        level: the highest level that is asked for.
+    """
+    left = [name for name in TABLE.conditions if name not in CONVERGES and _open(bounds, name)]
+    words = (
+        "every trajectory of the projected hybrid zero dynamics that starts in the tube walks for "
+        "ever, each step within the tube",
+        "in each step the floor bears the forces and the motors give the torques, the swing foot "
+        "is above the floor between its ends, and the impulse of its touchdown is within friction",
+    )
+    walks = Conclusion(2, "proved", None, words)
+    if left:
+        walks = Conclusion(2, "undecided", f"{left[0]} is not proved")
+    left += [name for name in CONVERGES if _open(bounds, name)]
+    words = (
+        "there is one periodic orbit in the tube, and two trajectories of the projected hybrid "
+        f"zero dynamics in it come closer at least by the factor exp(-{RATE!r}) a step, in half "
+        "axes of the tube",
+    )
+    converges = Conclusion(3, "proved", None, words, {"rate_1_step": RATE})
+    if left:
+        converges = Conclusion(3, "undecided", f"{left[0]} is not proved")
+    return tuple(one for one in (walks, converges) if one.level <= level)
+
+
+def _open(bounds: Mapping[str, float | None], name: str) -> bool:
+    """Return whether the bound of a condition is no premise yet."""
+    bound = bounds.get(name)
+    return bound is None or not (bound > 0.0 if name in STRICT else bound >= 0.0)
+
+
+def with_spatial_levels(report: CheckResult, claims: Claims) -> CheckResult:
+    """Add levels 2 and 3 to the report of a checked proof, where its statements give them.
+
+    A file whose regions are not those of the spec is rejected: its words would be about others.
+    """
+    if claims.asked is None or not report.holds:
+        return report
+    if not TABLE.is_that_of(claims):
+        why = "its regions, conditions or chart are not those of a walker's in three dimensions"
+        return replace(report, verdict="rejected", reason=why, levels=(), holds=False)
+    stated = TABLE.stated_bounds(claims)
+    bounds = {name: x for name, x in stated.items() if name not in report.unclaimed}
+    word = "proved" if report.verdict == "proved" else "consistent"
+    levels = [one for one in conclude(bounds) if one.proved]
+    return replace(report, levels=tuple(replace(one, verdict=word) for one in levels))

@@ -1,0 +1,84 @@
+"""The tube of steps that is proved: an ellipsoid of (y, L_y, n) at each phase of a step."""
+
+import equinox as eqx
+import jax.numpy as jnp
+import numpy as np
+
+from neuralgaits._types import Array, Float
+from neuralgaits.systems.walker3d.spatial_pose import cross
+
+
+class TubeSection(eqx.Module):
+    """The tube's ellipsoid at a phase, with what it changes by per unit of phase.
+
+    Attributes:
+        centre, centre_slope: in the units of (y, L_y, n). [3]
+        axes, axes_slope: half axes, as columns. [3, 3]
+    """
+
+    centre: Float[Array, "3"]
+    centre_slope: Float[Array, "3"]
+    axes: Float[Array, "3 3"]
+    axes_slope: Float[Array, "3 3"]
+
+    def states(self, w: Float[Array, "3"]) -> Float[Array, "3"]:
+        """Return (y, L_y, n) of a point of the unit ball."""
+        return self.centre + self.axes @ w
+
+    @property
+    def volume(self) -> Float[Array, ""]:
+        """Determinant of the half axes."""
+        return self.axes[0] @ cross(self.axes[1], self.axes[2])
+
+    def inside(self, deviations: Float[Array, "*rows 3"]) -> Float[Array, "*rows 3"]:
+        """Return deviations of (y, L_y, n) in half axes: the ball has length 1. [..., 3]."""
+        first, second, third = self.axes
+        # Rows of the matrix of cofactors: the inverse by Cramer's rule.
+        cofactors = jnp.stack([cross(second, third), cross(third, first), cross(first, second)])
+        return deviations @ cofactors / self.volume
+
+
+class SpatialTube(eqx.Module):
+    """States (t, c(t) + R(t) w) with w in the unit ball, at phases t from 0 to 1.
+
+    Attributes:
+        centre: coefficients of c, of ascending powers of 2 t - 1. [a, 3]
+        axes: coefficients of R. [b, 3, 3]
+    """
+
+    centre: Float[Array, "a 3"]
+    axes: Float[Array, "b 3 3"]
+
+    def section(self, t: Float[Array, ""]) -> TubeSection:
+        """Return the ellipsoid at a phase."""
+        return TubeSection(*_with_slope(self.centre, t), *_with_slope(self.axes, t))
+
+    def at_start(self) -> tuple[Float[np.ndarray, "3"], Float[np.ndarray, "3 3"]]:
+        """Return centre and half axes where a step starts."""
+        start = self.section(jnp.zeros(()))
+        return np.asarray(start.centre), np.asarray(start.axes)
+
+
+def _with_slope(
+    coefficients: Float[Array, "a *shape"], t: Float[Array, ""]
+) -> tuple[Float[Array, "*shape"], Float[Array, "*shape"]]:
+    """Return value and derivative of a polynomial of 2 t - 1, by Horner's rule."""
+    power = 2.0 * t - 1.0
+    value, slope = coefficients[-1], jnp.zeros_like(coefficients[-1])
+    for k in range(coefficients.shape[0] - 2, -1, -1):
+        slope = slope * power + value
+        value = value * power + coefficients[k]
+    return value, 2.0 * slope
+
+
+def in_ball(v: Float[Array, "3"]) -> Float[Array, "3"]:
+    """Return the point of the unit ball for one of the cube [0, 1]^3.
+
+    The cube's faces go to the sphere: 1 - |w|^2 = (1 - q1^2) (1 - q2^2) (1 - q3^2), q = 2 v - 1.
+    As no coordinate of q changes its sign, the sphere is covered, and so is the ball.
+    """
+    q = 2.0 * v - 1.0
+    a, b, c = q * q
+    others = jnp.stack([b + c, c + a, a + b])
+    products = jnp.stack([b * c, c * a, a * b])
+    return q * jnp.sqrt(1.0 - 0.5 * others + products / 3.0)

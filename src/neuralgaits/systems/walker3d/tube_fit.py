@@ -1,0 +1,134 @@
+"""The tube about a periodic orbit: what the linearised flow and touchdown shrink."""
+
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from numpy.polynomial import chebyshev
+from scipy.linalg import solve_discrete_lyapunov
+
+from neuralgaits._quick_jit import quick_jit
+from neuralgaits._types import Float
+from neuralgaits.errors import NonFiniteError
+from neuralgaits.programs.tracing.tracer import trace
+from neuralgaits.systems.walker3d.spatial_conditions import spatial_margins
+from neuralgaits.systems.walker3d.spatial_dynamics import flow
+from neuralgaits.systems.walker3d.spatial_gait import AXES_DEGREE, CENTRE_DEGREE, SpatialGait
+from neuralgaits.systems.walker3d.spatial_orbit import SpatialOrbit
+from neuralgaits.systems.walker3d.spatial_start import section_scale
+from neuralgaits.systems.walker3d.spatial_step import step_from
+from neuralgaits.systems.walker3d.spatial_tube import SpatialTube
+from neuralgaits.systems.walker3d.spatial_walker import SpatialWalker
+from neuralgaits.systems.walker3d.tube_samples import sampled_margins
+
+SIZES, FRESH = (5.0, 3.5, 2.5, 1.8, 1.2, 0.8), 2**12
+"""Sizes of tubes that are tried, in deviations of `section_scale`, and random points of each
+region at which all conditions must hold."""
+SHRINKING = 0.2
+"""Exponent by which the tube lets deviations grow over a step beyond the linearised flow, so that
+the flow points inward; the touchdown takes at least as much back."""
+NEAR = 1e-3
+"""Deviations from the orbit that are followed, in those of `section_scale`."""
+SLOPES, ENDS = 0.05, 20.0
+"""Weights of slopes and of both ends in the fit of polynomials."""
+
+
+class _Followed(NamedTuple):
+    """Values and slopes by phase, at equal distances of phase. [phases, 3], [phases, 3, 3]."""
+
+    centre: np.ndarray
+    centre_slope: np.ndarray
+    deviations: np.ndarray
+    deviation_slopes: np.ndarray
+
+
+def widest_gait(robot: SpatialWalker, orbit: SpatialOrbit) -> SpatialGait:
+    """Return the gait with the widest tube on which all conditions hold at random points.
+
+    The narrowest one is returned if there is none. Raises: NonFiniteError as `gait_of`.
+    """
+    scale = section_scale(robot, orbit.policy.pendulum)
+    for size in SIZES:
+        gait = gait_of(robot, orbit, scale, size)
+        program = trace(
+            lambda u, own=gait: spatial_margins(robot, own, u), {"u": (4,)}, parameters=gait
+        )
+        if min(sampled_margins(program, FRESH, seed=0).values()) > 0.0:
+            break
+    return gait
+
+
+def gait_of(
+    robot: SpatialWalker, orbit: SpatialOrbit, scale: Float[np.ndarray, "3"], size: float
+) -> SpatialGait:
+    """Return the gait of an orbit with a tube about it.
+
+    Half axes grow as R(t) = Phi(t) R(0) e^(SHRINKING t) with the linearised flow Phi. R(0) is such
+    that the touchdown brings R(1) back into it, with as much to spare as multipliers allow.
+
+    Args:
+        robot: the model.
+        orbit: the periodic orbit.
+        scale: see `section_scale`.
+        size: of the tube, in these.
+
+    Raises: NonFiniteError if the orbit is not stable enough.
+    """
+    largest = float(np.abs(np.linalg.eigvals(orbit.section)).max())
+    if not largest * np.exp(SHRINKING) < 1.0:
+        raise NonFiniteError(
+            f"expected multipliers of a gait below {np.exp(-SHRINKING):.2f}, found {largest:.3g}: "
+            "the robot's gait is not stable"
+        )
+    grown = np.exp(SHRINKING) * orbit.section
+    share = 0.5 * (1.0 + largest * np.exp(SHRINKING))
+    metric = solve_discrete_lyapunov(grown.T / share, np.eye(3))
+    first = size * scale[:, None] * np.linalg.inv(np.linalg.cholesky(metric)).T
+    found = _followed(robot, orbit, scale)
+    shares = np.linspace(0.0, 1.0, len(found.centre))
+    growth = np.exp(SHRINKING * shares)[:, None, None]
+    axes = growth * (found.deviations @ first)
+    axes_slope = SHRINKING * axes + growth * (found.deviation_slopes @ first)
+    tube = SpatialTube(
+        _fitted(shares, found.centre, found.centre_slope, CENTRE_DEGREE),
+        _fitted(shares, axes, axes_slope, AXES_DEGREE),
+    )
+    # NumPy's own numbers, as a run's folder gives them back.
+    return jax.tree.map(np.asarray, SpatialGait(orbit.policy, tube))
+
+
+def _followed(
+    robot: SpatialWalker, orbit: SpatialOrbit, scale: Float[np.ndarray, "3"]
+) -> _Followed:
+    """Follow the orbit and its neighbours over a step."""
+    policy = orbit.policy
+    near = np.vstack([np.zeros(3), NEAR * np.eye(3), -NEAR * np.eye(3)]) * scale
+    starts = jnp.asarray(np.asarray(orbit.start) + near)
+    steps = quick_jit(jax.vmap(lambda one: step_from(robot, policy, one).states))(starts)
+    states = np.asarray(steps)
+    rates = quick_jit(jax.vmap(lambda z: flow(robot, policy, z).rates))(states.reshape(-1, 4))
+    rates = np.asarray(rates).reshape(states.shape)
+    slopes = rates[..., 1:] / rates[..., :1] * float(policy.ends[1] - policy.ends[0])
+
+    def differences(rows: np.ndarray) -> np.ndarray:
+        return np.moveaxis(rows[1:4] - rows[4:], 0, -1) / (2.0 * NEAR * scale)
+
+    states = states[..., 1:]
+    return _Followed(states[0], slopes[0], differences(states), differences(slopes))
+
+
+def _fitted(
+    shares: Float[np.ndarray, " p"], values: np.ndarray, slopes: np.ndarray, degree: int
+) -> np.ndarray:
+    """Return coefficients, of ascending powers of 2 t - 1, that fit values and slopes best."""
+    place = 2.0 * shares - 1.0
+    rows = chebyshev.chebvander(place, degree)
+    rising = chebyshev.chebvander(place, degree - 1) @ (2.0 * chebyshev.chebder(np.eye(degree + 1)))
+    weights = np.where((shares == 0.0) | (shares == 1.0), ENDS, 1.0)
+    weights = np.concatenate([weights, SLOPES * weights])[:, None]
+    wanted = np.concatenate([part.reshape(len(shares), -1) for part in (values, slopes)])
+    left = weights * np.concatenate([rows, rising])
+    found = np.linalg.lstsq(left, weights * wanted, rcond=None)[0]
+    powers = np.stack([chebyshev.cheb2poly(column) for column in found.T], axis=1)
+    return powers.reshape(degree + 1, *values.shape[1:])

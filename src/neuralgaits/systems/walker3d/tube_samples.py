@@ -1,0 +1,91 @@
+"""Margins of the conditions at random points of the tube, and what the motion takes there.
+
+Samples, no proof. The Program that is proved is evaluated, so that no function is compiled.
+"""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from neuralgaits._types import Array, Float
+from neuralgaits.programs import POINT, Program, evaluate
+from neuralgaits.programs.prune import prune
+from neuralgaits.programs.tracing.tracer import trace
+from neuralgaits.systems.walker3d.spatial_dynamics import loads
+from neuralgaits.systems.walker3d.spatial_gait import SpatialGait
+from neuralgaits.systems.walker3d.spatial_impact import reset
+from neuralgaits.systems.walker3d.spatial_levels import TABLE
+from neuralgaits.systems.walker3d.spatial_walker import SpatialWalker
+
+BATCH = 1024
+"""Points that are evaluated together."""
+BEYOND = 0.05
+"""By this share of its width a draw goes beyond a box before it is cut: ends count more."""
+
+
+def sampled_margins(
+    program: Program, count: int, seed: int, names: Mapping[str, str] = TABLE.conditions
+) -> dict[str, float]:
+    """Return the smallest value of each output at random points of its region.
+
+    Args:
+        program: outputs of a point of the chart.
+        count: points of each region; its boxes share them.
+        seed: of the draw.
+        names: outputs, with the region of each.
+
+    Returns: NaN for an output without a value somewhere.
+    """
+    draw, found = np.random.default_rng(seed), dict.fromkeys(names, np.inf)
+    for region, boxes in TABLE.regions.items():
+        here = [name for name, place in names.items() if place == region]
+        if not here:
+            continue
+        own = prune(program, here)
+        for low, high in boxes:
+            points = _points(draw, np.array(low), np.array(high), -(-count // len(boxes)))
+            for first in range(0, len(points), BATCH):
+                with np.errstate(all="ignore"):
+                    values = evaluate(own, {"u": points[first : first + BATCH]}, POINT)
+                for name in here:
+                    # A NaN stays one: `min` of NumPy keeps it.
+                    found[name] = float(np.minimum(found[name], values[name].min()))
+    return found
+
+
+def needs_in_tube(
+    robot: SpatialWalker, gait: SpatialGait, count: int, seed: int
+) -> dict[str, float]:
+    """Return the largest friction, torque, moment of the yaw and miss of the swing foot.
+
+    Returns: fields of `SpatialTrained`.
+    """
+
+    def needs(u: Array) -> dict[str, Array]:
+        z = gait.state_at(u)
+        now, needed = loads(robot, gait.policy, z)
+        landed = reset(robot, now.pose, now.links, now.motion)
+        ahead, aside, normal = needed.ground
+        # Squares below 0, of which the smallest is found; Programs have no magnitudes.
+        return {
+            "friction": -(ahead * ahead + aside * aside) / (normal * normal),
+            "peak_torque_nm": -needed.torques * needed.torques,
+            "yaw_nm": -needed.yaw * needed.yaw,
+            "missed_m": -((gait.policy(landed).aside - z[1]) ** 2),
+        }
+
+    places = {"friction": "tube", "peak_torque_nm": "tube", "yaw_nm": "tube"}
+    program = trace(needs, {"u": (4,)}, parameters=gait)
+    found = sampled_margins(program, count, seed, {**places, "missed_m": "touchdown"})
+    return {name: float(np.sqrt(-least)) for name, least in found.items()}
+
+
+def _points(
+    draw: np.random.Generator,
+    low: Float[np.ndarray, " n"],
+    high: Float[np.ndarray, " n"],
+    count: int,
+) -> Float[np.ndarray, "count n"]:
+    """Return random points of a box, many of them on its faces."""
+    share = draw.uniform(-BEYOND, 1.0 + BEYOND, (count, len(low)))
+    return low + np.clip(share, 0.0, 1.0) * (high - low)
