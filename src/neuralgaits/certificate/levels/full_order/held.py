@@ -9,7 +9,7 @@ from neuralgaits.certificate.levels.full_order.theorem import lyapunov_rate
 
 JERK = 1.1
 """Bound on the outputs' jerk under held torques at y = 0, as a multiple of the largest seen."""
-GROWTH_ROOM = 1.5
+GROWTH_ROOM = 3.0
 """Room for the slope of S de/dt in xi, as a multiple of the largest slope of the jerk that is seen;
 enclosures of third derivatives are wide."""
 JERK_PUSH = 1.5

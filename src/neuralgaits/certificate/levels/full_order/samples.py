@@ -50,6 +50,7 @@ class SampleEvaluators:
             return found | {"jerk": found["jerk"] @ matrix.T}
 
         def seen_kick(u: Float[np.ndarray, "n 2"], xi: Float[np.ndarray, "n k"]) -> Samples:
+            assert kick is not None
             found = kick(u, xi @ back)
             along = matrix @ found["kick/slope"] @ doubled(inverse)
             pushes = matrix @ found["kick/push"] @ inverse
