@@ -20,8 +20,9 @@ from scipy.optimize import minimize
 
 from neuralgaits.barriers import Gait
 from neuralgaits.certificate.levels.full_order.model import BANDWIDTH, FullOrderModel
-from neuralgaits.certificate.levels.full_order.norm import FULL, HELD_SPARE, IMPACT, STRIP, Seen
+from neuralgaits.certificate.levels.full_order.norm import FULL, HELD_SPARE, IMPACT, STRIP
 from neuralgaits.certificate.levels.full_order.sample_evaluators import looks_of, what_is_seen
+from neuralgaits.certificate.levels.full_order.samples import Seen
 from neuralgaits.control.pd import Pd
 from neuralgaits.gait.joint_inertia import JointResponse
 from neuralgaits.robots import load_robot

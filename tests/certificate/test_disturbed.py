@@ -7,8 +7,14 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from neuralgaits.certificate.levels.disturbed.conclude import conclude_disturbed, growth
+from neuralgaits.certificate.levels.disturbed.conclude import conclude_disturbed
 from neuralgaits.certificate.levels.disturbed.margins import margins
+from neuralgaits.certificate.levels.disturbed.push_inequalities import (
+    error_rate,
+    first_kick,
+    growth,
+    most_push,
+)
 from neuralgaits.certificate.levels.disturbed.theorem import (
     DisturbedBarrier,
     DisturbedConstants,
@@ -52,7 +58,7 @@ def _shape(full, push=PUSH, split=1.0):
 
 def _held(full, hold=5e-5, error=0.01):
     """Constants that fit a hold, with a part in a thousand to spare."""
-    jerk = {"jerk": 300.0, "jerk_slope": 3e4, "jerk_push": 9.0}
+    jerk = {"jerk": 300.0, "growth_slope": 6.8e4, "jerk_push": 9.0}
     mean, above = 0.5 * hold * (1.0 + GAMMA * hold / 8.0), 1.001
     shape = replace(_shape(full), hold=hold, error=error, **jerk)
     for _ in range(20):  # Peak and growth depend on each other.
@@ -122,11 +128,58 @@ def test_a_hold_that_fits_is_a_proof_and_planted_falsity_is_none():
         found = _verdict(full, wrong)
         assert found.verdict == "undecided"
         assert reason in str(found.reason)
-    for name in ("jerk", "jerk_slope", "jerk_push"):
+    for name in ("jerk", "growth_slope", "jerk_push"):
         larger = replace(shape, **{name: 4.0 * getattr(shape, name)})
         assert "growth <" in str(_verdict(full, larger).reason)
     for premise in premises(full, shape):
         assert premise.output in str(_verdict(full, shape, premise.output).reason)
+
+
+def _free(full, hold=5e-5):
+    """Constants that fit a hold and a clock that knows of no touchdown."""
+    kick = {"kick": 20.0, "kick_slope": 5e3, "kick_push": 2.0}
+    end = 1.01 * (full.start_strip + full.pace[1] * hold)
+    shape = replace(_held(full, hold, error=0.0), **kick, kick_end=end)
+    rate, first = float(error_rate(full, shape)), float(first_kick(full, shape))
+    grown = np.exp(rate * hold)
+    still = shape.jerk + shape.growth_slope * full.radius
+    peak = 1.001 * (first * grown + still * (grown - 1.0) / rate)
+    shape = replace(shape, kick_peak=float(peak))
+    return replace(shape, barriers=_shape(full, push=float(most_push(full, shape))).barriers)
+
+
+def test_a_free_clock_that_fits_is_a_proof_and_planted_falsity_is_none():
+    full = _full()
+    shape = _free(full)
+    found = _verdict(full, shape)
+    assert found.verdict == "proved", found.reason
+    assert "wherever touchdowns lie" in " ".join(found.words)
+    assert "each touchdown" not in " ".join(found.words)
+    most = float(most_push(full, shape))
+    # The time after an impact counts: the mean of what is left of its kick is more than a hold's.
+    assert most > shape.push[0] + shape.push[1] * full.radius
+    for reason, wrong in _forged_kicks(full, shape).items():
+        found = _verdict(full, wrong)
+        assert found.verdict == "undecided", reason
+        assert reason in str(found.reason)
+    names = {premise.output for premise in premises(full, shape)}
+    added = {f"disturbed/kick{end}" for end in ("", "-slope", "-push", "-contact")}
+    assert names - {p.output for p in premises(full, _held(full))} == added
+    for premise in premises(full, shape):
+        assert premise.output in str(_verdict(full, shape, premise.output).reason)
+
+
+def _forged_kicks(full, shape):
+    """Wrong constants of a free clock, by what is said of them."""
+    peak, end = "errors from an impact to the next tick", "start_strip + most pace hold < kick_end"
+    return {
+        peak: replace(shape, kick_peak=0.99 * shape.kick_peak),
+        "next tick < kick_peak": replace(shape, kick_slope=4.0 * shape.kick_slope),
+        end: replace(shape, kick_end=0.98 * shape.kick_end),
+        "kick_end < 1 - guard_strip": replace(shape, kick_end=0.999),
+        "bound on sqrt(V) at the next tick": replace(shape, kick_peak=2e3),
+        "what the push takes < lost": replace(shape, barriers=_held(full, error=0.0).barriers),
+    }
 
 
 def test_errors_of_a_hold_reach_no_further_than_their_mean():

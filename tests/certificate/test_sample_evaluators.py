@@ -1,12 +1,13 @@
 """What is evaluated at points for levels 4 and 5: traced when it is asked for, and once."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from neuralgaits.analysis.run import open_run
-from neuralgaits.certificate.level_target import SearchTarget
+from neuralgaits.certificate.level_target import ControlAssumption, SearchTarget
 from neuralgaits.certificate.levels.disturbed import search as disturbed
 from neuralgaits.certificate.levels.full_order import sample_evaluators
 from neuralgaits.certificate.levels.full_order import search as full_order
@@ -41,13 +42,15 @@ def test_a_function_is_traced_when_it_is_called_first(monkeypatch, target):
 def test_level_5_evaluates_what_level_4_left(monkeypatch, target):
     calls = []
 
-    def leaving(model, *given, looks):
+    def leaving(model, *given, looks, **how):
+        assert how == {"free_clock": True}
         calls.append(looks)
         return "no set"
 
+    target = replace(target, control=ControlAssumption(free_clock=True), left={})
     monkeypatch.setattr(full_order, "set_of", leaving)
     assert full_order.SEARCH.find(target, {}) == "no set"
-    monkeypatch.setattr(disturbed, "find_disturbed", lambda looks, full: looks)
+    monkeypatch.setattr(disturbed, "find_disturbed", lambda looks, full, free_clock: looks)
     monkeypatch.setattr(disturbed, "looks_in", lambda model, full, looks: (looks, {}))
     found, _ = disturbed.SEARCH.find(target, {4: SimpleNamespace(bandwidth=30.0)})
     assert found[0] is calls[0] is target.left[4]

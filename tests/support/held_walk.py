@@ -6,6 +6,7 @@ would show a wrong formula that proof and theorem of level 5 share.
 """
 
 from collections.abc import Callable
+from functools import partial
 from typing import NamedTuple
 
 import jax
@@ -48,10 +49,13 @@ Ticked = Callable[[States, float], tuple[States, "_Seen"]]
 """One hold of walks, of so many seconds."""
 
 
-def ticker(run: Run, shape: FullOrderConstants) -> Ticked:
-    """One hold of walks from a set, compiled for holds of any length."""
+def ticker(run: Run, shape: FullOrderConstants, *, free_clock: bool = False) -> Ticked:
+    """One hold of walks from a set, compiled for holds of any length.
+
+    It ends at a touchdown; with a free clock motors keep their torque through that.
+    """
     model, edges = model_of(run, shape.bandwidth, shape.weights), Edges.of(shape)
-    return quick_jit(lambda x, hold: _ticked(run, model, edges, x, jnp.asarray(hold)))
+    return quick_jit(lambda x, hold: _ticked(run, model, edges, x, jnp.asarray(hold), free_clock))
 
 
 def walk_held(
@@ -95,7 +99,7 @@ class _Seen(NamedTuple):
 
 
 def _ticked(
-    run: Run, model: FullOrderModel, edges: Edges, x: States, hold: Scalar
+    run: Run, model: FullOrderModel, edges: Edges, x: States, hold: Scalar, free_clock: bool
 ) -> tuple[States, _Seen]:
     """One hold of each walk, or as much of it as there is before a touchdown, and what is then."""
     zd, n = run.zero_dynamics, run.robot.n
@@ -105,14 +109,24 @@ def _ticked(
     foot = jax.vmap(lambda x: dynamics.swing_foot(run.robot, x[:n])[1])(whole)
     landed = (foot < 0.0) & (phase > 0.5)
     # Where a step ends takes far longer than a hold: it is looked for where some walk lands.
-    touched = jax.lax.cond(
+    touched, time = jax.lax.cond(
         landed.any(),
         lambda: jax.vmap(lambda x, torque: _touchdown(run, x, torque, hold))(x, torque),
-        lambda: whole,
+        lambda: (whole, jnp.zeros(len(x))),
     )
+    if free_clock:
+        relabel = jnp.asarray(run.robot.relabel)[1:, 1:]
+        renamed = jnp.where(landed[:, None], torque @ relabel.T, torque)
+        after = jax.vmap(lambda x: jnp.concatenate(run.robot.impact(x[:n], x[n:])[:2]))(touched)
+        rest = jax.vmap(lambda x, torque, time: _moved(run, x, torque, hold - time))
+        end = jnp.where(landed[:, None], rest(after, renamed, time), whole)
+        return jax.vmap(
+            lambda end, torque, landed: _seen(
+                run, model, edges, end, torque, landed, at_impact=False
+            )
+        )(end, renamed, landed)
     end = jnp.where(landed[:, None], touched, whole)
-    seen = jax.vmap(lambda end, torque, landed: _seen(run, model, edges, end, torque, landed))
-    return seen(end, torque, landed)
+    return jax.vmap(partial(_seen, run, model, edges))(end, torque, landed)
 
 
 def _moved(run: Run, x: State, torque: Torque, time: Scalar) -> State:
@@ -133,8 +147,11 @@ def _moved(run: Run, x: State, torque: Torque, time: Scalar) -> State:
     return jax.lax.scan(step, x, None, length=STEPS_OF_TICK)[0]
 
 
-def _touchdown(run: Run, x: State, torque: Torque, hold: Scalar) -> State:
-    """The state in which the swing foot is on the ground, for a walk that lands within a hold."""
+def _touchdown(run: Run, x: State, torque: Torque, hold: Scalar) -> tuple[State, Scalar]:
+    """The state in which the swing foot is on the ground, for a walk that lands within a hold.
+
+    And when.
+    """
 
     def foot(time):
         return dynamics.swing_foot(run.robot, _moved(run, x, torque, time)[: run.robot.n])[1]
@@ -146,11 +163,17 @@ def _touchdown(run: Run, x: State, torque: Torque, hold: Scalar) -> State:
         return (late, late - second * jnp.where(second == first, 0.0, (late - early) / apart)), None
 
     (_, time), _ = jax.lax.scan(secant, (0.0 * hold, hold), None, length=SECANTS)
-    return _moved(run, x, torque, time)
+    return _moved(run, x, torque, time), time
 
 
 def _seen(
-    run: Run, model: FullOrderModel, edges: Edges, end: State, torque: Torque, landed: Scalar
+    run: Run,
+    model: FullOrderModel,
+    edges: Edges,
+    end: State,
+    torque: Torque,
+    landed: Scalar,
+    at_impact: bool = True,
 ) -> tuple[State, _Seen]:
     """The state that a walk goes on from, and what is at the end of a hold."""
     robot, n = run.robot, run.robot.n
@@ -159,12 +182,15 @@ def _seen(
     error = jnp.linalg.norm(
         weighted(model.weights, lack + 2.0 * model.bandwidth * point.output_rate)
     )
-    found = model.in_step(point)
-    slack = jnp.minimum(found["contact"].min(), found["torque"].min())
+    forces = model.in_step(point)
+    slack = jnp.minimum(forces["contact"].min(), forces["torque"].min())
     eta = jnp.concatenate([point.output, point.output_rate])
     inside = jnp.min(distances_inside(model, edges, point.z, eta))
+    found = _Seen(inside, error, slack, landed)
+    if not at_impact:
+        return end, found
     q, dq, _ = robot.impact(end[:n], end[n:])
-    return jnp.where(landed, jnp.concatenate([q, dq]), end), _Seen(inside, error, slack, landed)
+    return jnp.where(landed, jnp.concatenate([q, dq]), end), found
 
 
 def _point(run: Run, model: FullOrderModel, x: State, torque=None) -> FullPoint:

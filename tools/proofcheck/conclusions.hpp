@@ -309,8 +309,13 @@ class Conclusions {
     need("4 shrink (1 + guard_strip) most pace < gamma - 2 b slope of push",
          I(4.0) * I(f.shrink) * I(f.last) * I(f.fastest), left);
     need("2 b push < (gamma - 2 b slope) floor", I(2.0) * factor * push, left * I(f.floor));
-    const I most = push + slope * I(f.radius), always = push + slope * I(f.floor);
+    const I always = push + slope * I(f.floor);
+    I most = push + slope * I(f.radius);
     if (d.hold != 0.0) held(f, d, gamma);
+    if (d.free_clock()) {
+      const I while_held = I(0.5) * gamma * I(d.hold) * kicked(f, d);
+      most = I(larger(most.high(), while_held.high()));
+    }
     string names;
     for (size_t i = 0; i < d.barriers.size(); ++i) {
       const DisturbedBarrier& its = d.barriers[i];
@@ -337,8 +342,11 @@ class Conclusions {
                 "ever"};
     if (d.hold != 0.0)
       words.push_back(
-          "the same set D, whatever ticks there are at most " + brief(d.hold) + " s apart, one of "
-          "them at each touchdown: if torques are set at each tick with " + size + " <= " +
+          "the same set D, whatever ticks there are at most " + brief(d.hold) + " s apart, " +
+          (d.free_clock() ? "wherever touchdowns lie between them (each motor keeps its torque "
+                            "through a touchdown, until the first tick after it, which is of the "
+                            "new step)"
+                          : "one of them at each touchdown") + ": if torques are set at each tick with " + size + " <= " +
           brief(d.error) + " rad/s^2 and held until the next, every trajectory that starts in D at "
           "a tick stays in D, meets the ground once and transversally in each step, and is in D "
           "after the impact: it walks for ever");
@@ -352,8 +360,9 @@ class Conclusions {
  private:
   // What a hold makes of an error fits under peak and, in the mean over it, under push.
   void held(const FullOrder& f, const Disturbed& d, const I& gamma) const {
-    for (const char* name : {"disturbed/jerk", "disturbed/jerk-slope", "disturbed/jerk-push"})
-      not_negative(name, f.tube());
+    not_negative("disturbed/jerk", f.tube());
+    positive("disturbed/growth-slope", f.tube());
+    not_negative("disturbed/jerk-push", f.tube());
     if (!(d.hold > 0.0 && d.error >= 0.0)) throw DoesNotFollow{"a hold or an error below zero"};
     const I w(f.bandwidth), hold(d.hold), error(d.error), floor(f.floor), radius(f.radius);
     const I mean = I(0.5) * hold * (I(1.0) + I(0.125) * gamma * hold);
@@ -361,11 +370,47 @@ class Conclusions {
     const I still = size(d.jerk) + (I(2.0) * w + size(d.jerk_push)) * peak;
     const I start = floor + (radius - floor) * exp(-I(f.shrink) * square(I(f.start_strip)));
     const I earlier = exp(I(0.5) * gamma * hold) * radius / start;
-    const I growth = earlier * (root(I(2.0)) * (w * square(w)) + size(d.jerk_slope));
+    const I growth = earlier * size(d.growth_slope);
     need("error + hold growth < peak", error + hold * still, I(d.peak[0]));
     need("hold slope of growth < slope of peak", hold * growth, I(d.peak[1]));
     need("error + hold/2 (1 + gamma hold/8) growth < push", error + mean * still, I(d.push[0]));
     need("hold/2 (1 + gamma hold/8) slope of growth < slope of push", mean * growth, I(d.push[1]));
+  }
+
+  // Torques held through an impact, until the next tick: docs/level5.md, inequality 4. Returns a
+  // bound on the mean of |S e| until then; the bound itself is convex in time.
+  I kicked(const FullOrder& f, const Disturbed& d) const {
+    not_negative("disturbed/kick", f.strip());
+    not_negative("disturbed/kick-slope", f.strip());
+    not_negative("disturbed/kick-push", f.strip());
+    positive("disturbed/kick-contact", {{f.first, 0.0}, {d.kick_end, 1.0}});
+    const I hold(d.hold), end(d.kick_end), radius(f.radius), floor(f.floor), guard(f.guard_radius);
+    const I rate = I(2.0) * I(f.bandwidth) + size(d.jerk_push), grown = exp(rate * hold);
+    const I first = size(d.kick) + size(d.kick_slope) * guard +
+                    size(d.kick_push) * (I(d.peak[0]) + I(d.peak[1]) * guard);
+    const I more = (size(d.jerk) + size(d.growth_slope) * radius) * (grown - I(1.0)) / rate;
+    const I mean = I(0.5) * (first + I(d.kick_peak));
+    need("free clock: 0 < hold", I(0.0), hold);
+    need("free clock: start_strip + most pace hold < kick_end",
+         I(f.start_strip) + I(f.fastest) * hold, end);
+    need("free clock: kick_end < 1 - guard_strip", end, I(f.before));
+    need("free clock: errors from an impact to the next tick < kick_peak", first * grown + more,
+         I(d.kick_peak));
+    const I mismatch = size(f.mismatch) +
+                       size(f.drift) * I(larger((I(1.0) - I(f.near)).high(),
+                                                (I(f.far) - I(1.0)).high()));
+    const I after = mismatch + size(f.gain) * guard + root(I(5.0)) / I(f.bandwidth) * hold * mean;
+    for (const I& phase : {I(f.start_strip), end})
+      need("free clock: sqrt(V+) + b hold mean kick < bound on sqrt(V) at the next tick", after,
+           floor + (radius - floor) * exp(-(I(f.shrink) * square(phase))));
+    for (size_t i = 0; i < f.barriers.size(); ++i) {
+      const BarrierConstants& b = f.barriers[i];
+      const I tightening = i < 2 ? I(0.0) : square(I(b.reading)) / (I(4.0) * I(b.sigma));
+      need(b.name + ": free clock: sigma (sqrt(V+) + b hold mean kick)^2 < h(z+) - t",
+           I(b.sigma) * square(after),
+           I(b.reset) - size(b.reset_slope) * guard - tightening);
+    }
+    return mean;
   }
 
   const ProofFile& file_;

@@ -344,7 +344,11 @@ FullOrder full_order_of(const Json& table) {
 
 Disturbed disturbed_of(const Json& table) {
   const string what = "level 5";
-  only(table, what, {"push", "peak", "hold", "error", "jerk", "jerk_slope", "jerk_push", "barriers"});
+  vector<string> fields = {"push",         "peak",      "hold",    "error", "jerk",
+                           "growth_slope", "jerk_push", "barriers"};
+  for (const char* name : {"kick", "kick_slope", "kick_push", "kick_peak", "kick_end"})
+    if (table.find(name)) fields.push_back(name);
+  only(table, what, fields);
   const auto number = [&what](const Json& from, const char* name) {
     return hexadecimal(field(from, what, name), name);
   };
@@ -358,8 +362,13 @@ Disturbed disturbed_of(const Json& table) {
   d.hold = number(table, "hold");
   d.error = number(table, "error");
   d.jerk = number(table, "jerk");
-  d.jerk_slope = number(table, "jerk_slope");
+  d.growth_slope = number(table, "growth_slope");
   d.jerk_push = number(table, "jerk_push");
+  if (table.find("kick")) d.kick = number(table, "kick");
+  if (table.find("kick_slope")) d.kick_slope = number(table, "kick_slope");
+  if (table.find("kick_push")) d.kick_push = number(table, "kick_push");
+  if (table.find("kick_peak")) d.kick_peak = number(table, "kick_peak");
+  if (table.find("kick_end")) d.kick_end = number(table, "kick_end");
   limit(list_of(*table.find("barriers"), "barriers").size(), kMostNames, "barriers");
   for (const Json& row : table.find("barriers")->items) {
     only(row, "a barrier", {"name", "alpha", "weight", "lost"});
@@ -447,7 +456,8 @@ std::map<string, vector<double>> lists_of(const Theorems& theorems) {
   }
   if (const auto& d = theorems.disturbed; d) {
     lists["disturbed.peak"] = {d->peak, d->peak + 2};
-    if (d->hold != 0.0) lists["disturbed.jerk"] = {d->jerk, d->jerk_slope, d->jerk_push};
+    if (d->hold != 0.0) lists["disturbed.jerk"] = {d->jerk, d->growth_slope, d->jerk_push};
+    if (d->free_clock()) lists["disturbed.kick"] = {d->kick, d->kick_slope, d->kick_push, d->kick_peak};
     vector<double>& rows = lists["disturbed.barriers"];
     for (const DisturbedBarrier& b : d->barriers)
       rows.insert(rows.end(), {b.alpha, b.weight, b.lost});

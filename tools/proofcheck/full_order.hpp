@@ -79,18 +79,20 @@ class FullState {
   }
   // Accelerations of the coordinates per unit of S times what is added to ddy, one column each.
   const vector<vector<BM>>& pushed() {
-    if (pushed_.empty()) {
-      Motion<BM>& p = step();
-      for (size_t one = 0; one < joints; ++one) {
-        vector<BM> more;
-        for (size_t j = 0; j < joints; ++j) more.push_back(BM(unweighted[j][one]));
-        const vector<BM> alone = turned(model.robot, p.lifted(BM(0.0), more));
-        const BM gives = -(p.pose().momentum(alone) / p.transversal());  // ddz1.
-        for (size_t j = 0; j < joints; ++j) more[j] = more[j] + gives * p.outputs().d1[j];
-        pushed_.push_back(p.lifted(gives, more));
-      }
-    }
+    if (pushed_.empty()) pushed_ = pushed_in(step());
     return pushed_;
+  }
+  vector<vector<BM>> pushed_in(Motion<BM>& p) const {
+    vector<vector<BM>> found;
+    for (size_t one = 0; one < joints; ++one) {
+      vector<BM> more;
+      for (size_t j = 0; j < joints; ++j) more.push_back(BM(unweighted[j][one]));
+      const vector<BM> alone = turned(model.robot, p.lifted(BM(0.0), more));
+      const BM gives = -(p.pose().momentum(alone) / p.transversal());  // ddz1.
+      for (size_t j = 0; j < joints; ++j) more[j] = more[j] + gives * p.outputs().d1[j];
+      found.push_back(p.lifted(gives, more));
+    }
+    return found;
   }
   Motion<BM>& guard() {
     return kept(guard_, [this] { return off(BM(shape.guard_radius)); });
@@ -375,10 +377,43 @@ vector<BM> barrier_margins(const string& n, const BarrierConstants& its, bool up
   throw Unknown{"the output " + n};
 }
 
+// What elimination divides by: all positive if and only if a symmetric matrix is definite.
+vector<BM> pivots(vector<vector<BM>> a) {
+  vector<BM> found;
+  for (size_t k = 0; k < a.size(); ++k) {
+    found.push_back(a[k][k]);
+    for (size_t i = k + 1; i < a.size(); ++i) {
+      const BM share = a[i][k] / a[k][k];
+      for (size_t j = k + 1; j < a.size(); ++j) a[i][j] = a[i][j] - share * a[k][j];
+    }
+  }
+  return found;
+}
+
+// 1 - A A' / l^2, A the slope of S de/dt in xi: that of the jerk less w^3 (xi_1 + xi_2).
+vector<BM> growth_margins(double most, FullState& f) {
+  const size_t m = f.joints;
+  const vector<BM> jerks = f.jerk_slopes();  // All elements, one xi after the other.
+  const I share = inverse(I(most)), cube = f.bandwidth() * square(f.bandwidth());
+  vector<vector<BM>> a(m), left(m);
+  for (size_t i = 0; i < m; ++i)
+    for (size_t k = 0; k < 2 * m; ++k) {
+      const BM slope = jerks[k * m + i];
+      a[i].push_back(share * (k % m == i ? slope - BM(cube) : slope));
+    }
+  for (size_t i = 0; i < m; ++i)
+    for (size_t j = 0; j < m; ++j) {
+      BM sum(I(i == j ? 1.0 : 0.0));
+      for (size_t k = 0; k < 2 * m; ++k) sum = sum - a[i][k] * a[j][k];
+      left[i].push_back(sum);
+    }
+  return pivots(left);
+}
+
 // Level 5, of held torques.
 vector<BM> jerk_margins(const string& n, const Disturbed& its, FullState& f) {
   if (n == "disturbed/jerk") return {room(its.jerk, f.jerk_at_rest())};
-  if (n == "disturbed/jerk-slope") return {room(its.jerk_slope, f.jerk_slopes())};
+  if (n == "disturbed/growth-slope") return growth_margins(its.growth_slope, f);
   return {room(its.jerk_push, f.jerk_pushes())};
 }
 
@@ -394,10 +429,14 @@ vector<BM> contact_pushes(const Robot& robot, FullState& f, size_t one) {
   return cone(robot.friction, {share * ground.x, share * ground.z});
 }
 
+// Torques of the joints per unit of accelerations of the coordinates.
+vector<BM> torque_of(const Robot& robot, const Pose<BM>& pose, const vector<BM>& accelerations) {
+  const vector<BM> w = turned(robot, accelerations);
+  return pose.momenta(pose.velocities(w), w);
+}
+
 vector<BM> torque_pushes(const Robot& robot, FullState& f, size_t one) {
-  const Pose<BM>& pose = f.step().pose();
-  const vector<BM> w = turned(robot, f.pushed()[one]);
-  const vector<BM> torque = pose.momenta(pose.velocities(w), w);
+  const vector<BM> torque = torque_of(robot, f.step().pose(), f.pushed()[one]);
   vector<BM> left;
   for (const double sign : {-1.0, 1.0})
     for (size_t j = 0; j < robot.torque_limit.size(); ++j)
@@ -405,11 +444,43 @@ vector<BM> torque_pushes(const Robot& robot, FullState& f, size_t one) {
   return left;
 }
 
+// S times the error of the outputs' acceleration right after an impact under held torques; or its
+// slopes in that from before the impact. Motors keep their torques, and joints have new names.
+vector<BM> kick_margins(const string& n, const Disturbed& its, FullState& f) {
+  const Robot& robot = f.model.robot;
+  Motion<BM>& before = n == "disturbed/kick" ? f.centre() : f.guard();
+  Motion<BM> after(f.model, f.model.step.next(), before.hip_after(), before.z2_after(),
+                   Off<BM>{output_mismatch(before), rate_mismatch(before), f.bandwidth()});
+  const auto renamed = [&robot](vector<BM> torque) {
+    torque.insert(torque.begin(), BM(0.0));
+    return without_first(swapped(robot, torque, turned(robot, torque)));
+  };
+  vector<vector<BM>> inertia(f.joints);  // Of S e, in the new step.
+  for (const vector<BM>& one : f.pushed_in(after)) {
+    const vector<BM> torque = without_first(torque_of(robot, after.pose(), one));
+    for (size_t i = 0; i < f.joints; ++i) inertia[i].push_back(torque[i]);
+  }
+  if (n == "disturbed/kick") {
+    vector<BM> lack = renamed(before.forces().torque);
+    for (size_t i = 0; i < f.joints; ++i) lack[i] = lack[i] - after.forces().torque[i];
+    return {room(its.kick, solved(inertia, lack))};
+  }
+  vector<BM> slopes;
+  for (const vector<BM>& one : f.pushed_in(before))
+    for (const BM& slope :
+         solved(inertia, renamed(without_first(torque_of(robot, before.pose(), one)))))
+      slopes.push_back(slope);
+  return {room(its.kick_push, slopes)};
+}
+
 // Level 5: slacks, less what a push may take of them.
 vector<BM> disturbed_margins(const string& n, const Disturbed& its, FullState& f) {
-  if (n.rfind("disturbed/jerk", 0) == 0) return jerk_margins(n, its, f);
-  const BM push = BM(its.peak[0]) + I(its.peak[1]) * f.bound();
-  const bool contact = n == "disturbed/contact";
+  if (n == "disturbed/kick" || n == "disturbed/kick-push") return kick_margins(n, its, f);
+  if (n.rfind("disturbed/jerk", 0) == 0 || n == "disturbed/growth-slope")
+    return jerk_margins(n, its, f);
+  const bool kicked = n == "disturbed/kick-contact";
+  const BM push = kicked ? BM(its.kick_peak) : BM(its.peak[0]) + I(its.peak[1]) * f.bound();
+  const bool contact = kicked || n == "disturbed/contact";
   const Robot& robot = f.model.robot;
   const vector<BM> still = contact ? contact_slacks(robot, f.step()) : torque_slacks(robot, f.step());
   vector<BM> squares(still.size(), BM(0.0)), left;
@@ -535,13 +606,18 @@ const std::map<string, Meaning>& disturbed_outputs() {
       {"disturbed/contact", {"the contact's slacks, less what a push takes", "weights"}},
       {"disturbed/torque", {"the torques' slacks, less what a push takes", "limits"}},
       {"disturbed/jerk", {"j^2 - |S d^3y|^2 under held torques, nothing off", "rad^2/s^6"}},
-      {"disturbed/jerk-slope", {"its bound^2 - its squared slope in xi", "1/s^6"}},
-      {"disturbed/jerk-push", {"its bound^2 - its squared slope in S e", "1/s^2"}}};
+      {"disturbed/growth-slope", {"pivots of 1 - A A' / l^2, A the slope of S de/dt in xi", ""}},
+      {"disturbed/jerk-push", {"its bound^2 - its squared slope in S e", "1/s^2"}},
+      {"disturbed/kick", {"its bound^2 - |S e|^2 after an impact, torques held", "rad^2/s^4"}},
+      {"disturbed/kick-slope", {"its bound^2 - its squared slope in xi", "1/s^4"}},
+      {"disturbed/kick-push", {"its bound^2 - its squared slope in S e from before", ""}},
+      {"disturbed/kick-contact", {"the contact's slacks, less what a kick takes", "weights"}}};
   return table;
 }
 
 Output output_of_disturbed(const string& name, const Meaning& meaning) {
-  return {0, "",
+  const bool known = name != "disturbed/kick-slope";
+  return {0, known ? "" : "a slope in xi of the error after an impact is not derived",
           [name](Place<TM>& at) {
             return estimates(disturbed_margins(name, *at.theorems.disturbed, full_state(at)));
           },

@@ -123,8 +123,11 @@ struct DisturbedBarrier {
 
 struct Disturbed {
   double push[2] = {0.0, 0.0}, peak[2] = {0.0, 0.0};
-  double hold = 0.0, error = 0.0, jerk = 0.0, jerk_slope = 0.0, jerk_push = 0.0;
+  double hold = 0.0, error = 0.0, jerk = 0.0, growth_slope = 0.0, jerk_push = 0.0;
   vector<DisturbedBarrier> barriers;
+  // Of torques that are held through an impact; all 0 if there is a tick at each touchdown.
+  double kick = 0.0, kick_slope = 0.0, kick_push = 0.0, kick_peak = 0.0, kick_end = 0.0;
+  bool free_clock() const { return kick_end != 0.0; }
   bool claimed = false;
 };
 

@@ -20,6 +20,23 @@ Margins = dict[str, Float[Array, "..."]]
 
 
 @dataclass(frozen=True)
+class ControlAssumption:
+    """What levels 4 and 5 assume of the controller.
+
+    Attributes:
+        bandwidth: double pole of the outputs, for which the largest set is looked for [rad/s];
+            None for the usual one, and the usual set.
+        free_clock: whether ticks of level 5 may miss touchdowns.
+    """
+
+    bandwidth: float | None = None
+    free_clock: bool = False
+
+
+USUAL_CONTROL = ControlAssumption()
+
+
+@dataclass(frozen=True)
 class SearchTarget:
     """A gait under its spec, of which sets are looked for.
 
@@ -29,8 +46,7 @@ class SearchTarget:
         disturbance: bound on what may be added to dz at level 2 (m/s, N m).
         floor: bound on how much higher or lower than meant a foothold may lie [m].
         pushed: whether the set at full order is to stand a disturbance as well (level 5).
-        bandwidth: double pole of the outputs at full order, for which the largest set is looked
-            for [rad/s]; None for the usual one, and the usual set.
+        control: what is assumed of the controller at full order.
         left: what the search of a level left to those above it, by its number.
     """
 
@@ -41,7 +57,7 @@ class SearchTarget:
     disturbance: tuple[float, float] = (0.0, 0.0)
     floor: float = 0.0
     pushed: bool = False
-    bandwidth: float | None = None
+    control: ControlAssumption = USUAL_CONTROL
     left: dict[int, Any] = field(default_factory=dict)
 
     @cached_property

@@ -23,3 +23,18 @@ def solve(matrix: Float[Array, "n n"], right: Float[Array, " n"]) -> Float[Array
         column = table[:, k] - np.eye(size, dtype=table.dtype)[k]
         table = table - column[:, None] * row[None, :]
     return table[:, size]
+
+
+def pivots(matrix: Float[Array, "n n"]) -> Float[Array, " n"]:
+    """Return the pivots of a symmetric matrix: all are positive if and only if it is definite.
+
+    Only then are they its own; behind the first that is not positive they mean nothing.
+
+    Returns: [n], in the units of the matrix.
+    """
+    found = [matrix[0, 0]]
+    while len(matrix) > 1:
+        row = matrix[0, 1:]
+        matrix = matrix[1:, 1:] - row[:, None] * (row / found[-1])[None, :]
+        found.append(matrix[0, 0])
+    return jnp.stack(found)

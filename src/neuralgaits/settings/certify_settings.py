@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping
 from dataclasses import KW_ONLY, dataclass
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 from tyro.conf import Fixed, Positional
 
@@ -11,6 +11,7 @@ from neuralgaits._checks import check_bandwidth, check_budget, check_disturbance
 from neuralgaits.errors import InputError
 from neuralgaits.records.checked import Arithmetic
 from neuralgaits.records.levels import (
+    DISTURBED_LEVEL,
     FULL_ORDER_LEVEL,
     HIGHEST_OF_MANY,
     WALKING_SET_LEVEL,
@@ -61,6 +62,9 @@ class CertifySettings(Settings):
     """Double pole w of the outputs at levels 4 and 5: that of fblin, 30, if not given. If given,
     --level 4 is about the largest set that the search yields, in a norm of its own: 20 suits
     AMBER-3M."""
+    clock: Literal["touchdown", "free"] = "touchdown"
+    """At level 5, when torques are set: at each touchdown and then from tick to tick; or free: by
+    a clock that knows of no touchdown."""
     budget: Seconds = None
     """Stop after this time [s]; the result so far is kept."""
     within: _Ranges = None
@@ -84,6 +88,10 @@ class CertifySettings(Settings):
             check_disturbance(disturbance)
         if any(disturbance or ()) and level < WALKING_SET_LEVEL:
             raise InputError("expected level 2 or more with a disturbance, found 1: raise --level")
+        if self.clock == "free" and level < DISTURBED_LEVEL:
+            raise InputError(
+                f"expected level {DISTURBED_LEVEL} with a free clock, found {level}: raise --level"
+            )
         if self.bandwidth is None:
             return
         check_bandwidth(self.bandwidth)

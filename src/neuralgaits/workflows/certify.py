@@ -7,6 +7,7 @@
 import time
 
 from neuralgaits.analysis.run import Run, open_run
+from neuralgaits.certificate.level_target import ControlAssumption
 from neuralgaits.certificate.run_certificate.certificate_files import (
     refuse_unwritable_certificate,
 )
@@ -51,7 +52,8 @@ def certify_alone(trained: Run, settings: CertifySettings) -> CertifyResult:
     effort = ProofEffort(
         settings.budget, settings.resume, settings.workers, settings.ray, settings.progress
     )
-    found = prove_run(trained, scope, disturbance, settings.bandwidth, effort)
+    control = ControlAssumption(settings.bandwidth, settings.clock == "free")
+    found = prove_run(trained, scope, disturbance, control, effort)
     try:
         result = finish_certificate(trained, scope, found, start_time)
     except KeyboardInterrupt:

@@ -11,7 +11,12 @@ from neuralgaits._types import Array, Float
 from neuralgaits.barriers import Gait, GaitSpec
 from neuralgaits.certificate.chart import PLANE, Chart
 from neuralgaits.certificate.level import Parameters
-from neuralgaits.certificate.level_target import Evaluator, SearchTarget
+from neuralgaits.certificate.level_target import (
+    USUAL_CONTROL,
+    ControlAssumption,
+    Evaluator,
+    SearchTarget,
+)
 from neuralgaits.certificate.levels.disturbed import search as disturbed
 from neuralgaits.certificate.levels.full_order import search as full_order
 from neuralgaits.certificate.levels.levels import LEVELS
@@ -64,7 +69,7 @@ def find_sets(
     level: int,
     disturbance: tuple[float, float],
     floor: float = 0.0,
-    bandwidth: float | None = None,
+    control: ControlAssumption = USUAL_CONTROL,
 ) -> LevelSets:
     """Find the sets of all levels up to the given one.
 
@@ -75,13 +80,13 @@ def find_sets(
         level: highest level.
         disturbance: see `SearchTarget`.
         floor: see `SearchTarget`.
-        bandwidth: see `SearchTarget`.
+        control: see `SearchTarget`.
 
     Raises: SpecError if nothing can be traced.
     """
     pushed = level > FULL_ORDER_LEVEL
     evaluator = partial(look_at, gait, zd, spec.parameters)
-    of = SearchTarget(spec, gait, zd, evaluator, disturbance, floor, pushed, bandwidth)
+    of = SearchTarget(spec, gait, zd, evaluator, disturbance, floor, pushed, control)
     parameters, reasons, least = {}, {}, {}
     chart = Chart.of(spec.commands, spec.parameters)
     for entry in LEVELS:

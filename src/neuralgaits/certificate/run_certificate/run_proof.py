@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from neuralgaits.analysis.run import Run
+from neuralgaits.certificate.level_target import ControlAssumption
 from neuralgaits.certificate.levels.conditions import verdicts as level_one
 from neuralgaits.certificate.levels.conditions.verdicts import Searched, Verdicts
 from neuralgaits.certificate.levels.level_search import LevelSets, find_sets
@@ -104,7 +105,7 @@ def prove_run(
     run: Run,
     scope: Scope,
     disturbance: tuple[float, float],
-    bandwidth: float | None,
+    control: ControlAssumption,
     effort: ProofEffort,
 ) -> RunProof:
     """Prove a run's conditions and the levels above them.
@@ -113,7 +114,7 @@ def prove_run(
         run: the run.
         scope: what is to be proved.
         disturbance: bounds on the disturbance of dz at level 2 (m/s, N m).
-        bandwidth: double pole of the outputs at levels 4 and 5 [rad/s]; None for the usual one.
+        control: what is assumed of the controller at levels 4 and 5.
         effort: how long, and by whom.
 
     Raises: RunError if there are no boxes to resume from; SearchInterrupted for KeyboardInterrupt
@@ -124,7 +125,7 @@ def prove_run(
     gait, zd = run.trained, run.zero_dynamics
     try:
         floor = scope.box.get("floor", 0.0)
-        sets = find_sets(scope.narrowed, gait, zd, scope.level, disturbance, floor, bandwidth)
+        sets = find_sets(scope.narrowed, gait, zd, scope.level, disturbance, floor, control)
         program = trace_certificate(scope.spec, run.robot, gait, sets, run.residuals)
     except SpecError as error:
         # A proof of what could be traced once would be taken for a proof of this run.

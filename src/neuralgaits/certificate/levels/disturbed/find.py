@@ -1,15 +1,29 @@
 """Find constants of the disturbed theorem by evaluating points. Nothing here is trusted."""
 
 import math
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
+from flint import arb
 
 from neuralgaits._digits import at_least, at_most
-from neuralgaits.certificate.levels.disturbed.conclude import factor, inequalities
+from neuralgaits.certificate.levels.disturbed.push_inequalities import factor, inequalities
 from neuralgaits.certificate.levels.disturbed.theorem import DisturbedBarrier, DisturbedConstants
-from neuralgaits.certificate.levels.full_order.held import JERK_PUSH, JERK_SLOPE, Held, Jerk
-from neuralgaits.certificate.levels.full_order.inequalities import obstacle
+from neuralgaits.certificate.levels.full_order.held import (
+    JERK_PUSH,
+    Held,
+    Jerk,
+    Kick,
+    growth_bound,
+    kick_bounds,
+)
+from neuralgaits.certificate.levels.full_order.inequalities import (
+    after_impact,
+    bound_at,
+    inlet,
+    obstacle,
+)
 from neuralgaits.certificate.levels.full_order.norm import GAINS, LONGEST
 from neuralgaits.certificate.levels.full_order.samples import SampleEvaluators, grid
 from neuralgaits.certificate.levels.full_order.theorem import FullOrderConstants, lyapunov_rate
@@ -29,7 +43,11 @@ STILL = 1.03
 
 
 def find_disturbed(
-    looks: SampleEvaluators, full: FullOrderConstants, error: float = 0.0
+    looks: SampleEvaluators,
+    full: FullOrderConstants,
+    error: float = 0.0,
+    *,
+    free_clock: bool = False,
 ) -> DisturbedConstants | str:
     """Return the longest hold and the largest push that points allow in the set.
 
@@ -39,26 +57,38 @@ def find_disturbed(
         looks: functions that evaluate the gait, in the set's norm.
         full: the set.
         error: bound on |S e| when torques are set [rad/s^2].
+        free_clock: whether ticks may miss touchdowns.
     """
     if full.least_radius <= 0.0:
         return (
             "the set of level 4 shrinks to nothing along the step, so that no disturbance leaves "
             "outputs inside it: no set with a floor was found for this gait"
         )
-    seen = _Seen(looks, full, grid(np.linspace(*full.ends, 61), np.linspace(0.0, 1.0, 9)))
-    hold = _largest(LONGEST, lambda hold: seen.stands(seen.held(hold, error)))
+    u = grid(np.linspace(*full.ends, 61), np.linspace(0.0, 1.0, 9))
+    seen = _Seen(looks, full, u, free_clock)
+    hold = _largest(LONGEST, lambda hold: seen.stands(hold, seen.held(hold, error)))
     hold = float(at_least(hold, DIGITS))
+    if free_clock and hold == 0.0:
+        return "what a torque held through an impact adds to outputs does not fit into the set"
     held = seen.held(hold, error) if hold > 0.0 else Held((0.0, 0.0), (0.0, 0.0))
     assert held is not None
     # Any more that the floor bears.
     more = seen.most(held.push[1]) - held.push[0]
-    extra = _largest(more, lambda extra: seen.stands(_raised(held, extra)))
+    extra = _largest(more, lambda extra: seen.stands(hold, _raised(held, extra)))
     found = _raised(held, extra)
-    barriers = seen.barriers(found)
+    kick = seen.kicked(hold, found)
+    barriers = seen.barriers(hold, found, kick)
     if barriers is None or not extra + held.push[0] > 0.0:
         return "a barrier leaves no room for any disturbance"
-    its = seen.jerk
-    shape = DisturbedConstants(found.push, found.peak, hold, error, *its, barriers)
+    shape = DisturbedConstants(found.push, found.peak, hold, error, *seen.jerk, barriers)
+    if free_clock:
+        assert seen.kick is not None
+        shape = replace(
+            shape,
+            **dict(zip(("kick", "kick_slope", "kick_push"), seen.kick, strict=True)),
+            kick_peak=kick.peak,
+            kick_end=seen.end_of_kick(hold),
+        )
     broken = [obstacle(step) for step in inequalities(full, shape) if not step.holds]
     return "; ".join(broken) if broken else shape
 
@@ -82,6 +112,16 @@ def _largest(most: float, stands) -> float:
     return low
 
 
+def _kick_bounds(looks: SampleEvaluators, full: FullOrderConstants) -> tuple[float, ...]:
+    """Bound the error right after an impact under the torque from before, and its slopes."""
+    assert looks.kick is not None
+    strip = np.linspace(full.guard_from, full.ends[1], 5)
+    at = grid(strip, np.linspace(0.0, 1.0, 9))
+    seen = looks.kick(at, np.zeros((len(at), looks.size)))
+    bounds = kick_bounds(seen["kick"], seen["kick/slope"], seen["kick/push"], full.guard_radius)
+    return tuple(float(at_most(bound, DIGITS)) for bound in bounds)
+
+
 class _Forces(NamedTuple):
     """Slacks of contact and torques, their loss to outputs, and their slopes in S e."""
 
@@ -92,7 +132,9 @@ class _Forces(NamedTuple):
 class _Seen:
     """Effect of pushes on barriers, contact and torques at points, and growth of held errors."""
 
-    def __init__(self, looks: SampleEvaluators, full: FullOrderConstants, u: np.ndarray):
+    def __init__(
+        self, looks: SampleEvaluators, full: FullOrderConstants, u: np.ndarray, free_clock: bool
+    ):
         self.full, self.gamma = full, float(lyapunov_rate(full.bandwidth))
         self.factor = float(factor(full).upper())
         step = looks.step(u, np.zeros((len(u), looks.size)))
@@ -114,9 +156,10 @@ class _Seen:
 
         self.jerk = Jerk(
             float(at_most(STILL * size(off["jerk"]), DIGITS)),
-            float(at_most(JERK_SLOPE * size(off["jerk/slope"]), DIGITS)),
+            float(at_most(growth_bound(off["jerk/slope"], full.bandwidth), DIGITS)),
             float(at_most(JERK_PUSH * size(off["jerk/push"]), DIGITS)),
         )
+        self.u, self.kick = u, _kick_bounds(looks, full) if free_clock else None
 
     def held(self, hold: float, error: float) -> Held | None:
         """Bound the errors of torques that are off by `error` when set and then held, with room."""
@@ -137,7 +180,36 @@ class _Seen:
         left = self.gamma - 2.0 * self.factor * slope
         return BELOW * left * self.full.least_radius / (2.0 * self.factor)
 
-    def stands(self, held: Held | None) -> bool:
+    def end_of_kick(self, hold: float) -> float:
+        """Return a phase that is not reached from an impact to the next tick."""
+        reached = self.full.start_strip + self.full.pace[1] * hold
+        return float(at_most(1.001 * reached, DIGITS))
+
+    def kicked(self, hold: float, held: Held) -> Kick:
+        """Bound errors from an impact to the next tick; 0 if that is the touchdown."""
+        if self.kick is None:
+            return Kick()
+        full = self.full
+        exact, slope, push = self.kick
+        first = exact + slope * full.guard_radius
+        first += push * (held.peak[0] + held.peak[1] * full.guard_radius)
+        found = self.jerk.kicked(1.000001 * first, hold, full.bandwidth, full.radius)
+        peak = float(at_most(found.peak, DIGITS))
+        return Kick(found.first, peak, 0.5 * (found.first + peak))
+
+    def _bears(self, hold: float, kick: Kick) -> bool:
+        """Return whether the set holds what an impact adds until the next tick."""
+        full, end = self.full, self.end_of_kick(hold)
+        grown = after_impact(full) + self.factor * hold * kick.mean
+        if not (grown < bound_at(full, arb(full.start_strip)) and grown < bound_at(full, arb(end))):
+            return False
+        if not all(arb(of.sigma) * grown**2 < inlet(full, of) for of in full.barriers):
+            return False
+        early, contact = self.u[:, 0] <= end, self.forces[0]
+        taken = (1.0 + SPENT) * kick.peak * contact.push
+        return bool((taken < contact.left)[early].all())
+
+    def stands(self, hold: float, held: Held | None) -> bool:
         """Return whether floor, decay, barriers, contact and torques allow it."""
         full = self.full
         if held is None or held.push[0] > self.most(held.push[1]):
@@ -145,14 +217,18 @@ class _Seen:
         shrinks = 4.0 * full.shrink * full.ends[1] * full.pace[1]
         if shrinks > BELOW * (self.gamma - 2.0 * self.factor * held.push[1]):
             return False
-        return self.barriers(held) is not None
+        kick = self.kicked(hold, held)
+        if self.kick is not None and not self._bears(hold, kick):
+            return False
+        return self.barriers(hold, held, kick) is not None
 
-    def barriers(self, held: Held) -> tuple[DisturbedBarrier, ...] | None:
+    def barriers(self, hold: float, held: Held, kick: Kick) -> tuple[DisturbedBarrier, ...] | None:
         """Return the constants of each barrier; None if a barrier or the forces leave no room."""
         peak = (1.0 + SPENT) * (held.peak[0] + held.peak[1] * self.bound)
         if any((peak[:, None] * forces.push >= forces.left).any() for forces in self.forces):
             return None
         most = held.push[0] + held.push[1] * self.full.radius
+        most = max(most, 0.5 * self.gamma * hold * kick.mean)
         found = tuple(self._barrier(k, most) for k in range(len(self.full.barriers)))
         return None if None in found else found  # pyright: ignore[reportReturnType]
 

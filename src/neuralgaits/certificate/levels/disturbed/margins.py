@@ -19,7 +19,8 @@ from neuralgaits.certificate.levels.full_order.model import (
     weighted,
 )
 from neuralgaits.certificate.levels.full_order.theorem import FullOrderConstants
-from neuralgaits.gait.full_order import held_jerk
+from neuralgaits.gait.full_order import error_after_impact, held_jerk
+from neuralgaits.robots.linear import pivots
 
 FORCES = ("contact", "torque")
 
@@ -36,11 +37,15 @@ def margins(
     model = its.model(model)
     parts = {name: jnp.asarray(np.array(values)) for name, values in series(shape).items()}
     rows = parts["barriers"].reshape(-1, len(OF_BARRIER))
-    bound = its.bound(u[0])
+    bound, guard = its.bound(u[0]), its.set["guard_radius"] * xi
     xi = bound * xi
     found = _forces(model, u, xi, parts["peak"][0] + parts["peak"][1] * bound)
     if shape.hold != 0.0:
-        found |= _jerks(model, u, xi, parts["jerk"])
+        found |= _growth(model, u, xi, parts["jerk"])
+    if shape.free_clock:
+        kicked = _forces(model, u, xi, parts["kick"][3])
+        found["disturbed/kick-contact"] = kicked["disturbed/contact"]
+        found |= _kicks(model, u, guard, parts["kick"])
     centre = model.point(u, jnp.zeros_like(xi))
     rate, h = model.rates(centre), model.barriers(centre.z)
     coupling = jax.jacfwd(lambda moved: model.rates(model.point(u, moved)))(xi)
@@ -69,10 +74,37 @@ def _forces(model: FullOrderModel, u: Float[Array, "2"], xi: Outputs, peak: Scal
     }
 
 
-def _jerks(
+def growth_slope(
+    jerk_slope: Float[Array, "m two_m"], bandwidth: float | Scalar
+) -> Float[Array, "m two_m"]:
+    """Return the slope of S de/dt in xi, given that of the outputs' jerk [rad/s^3 per rad]."""
+    m = len(jerk_slope)
+    # S de/dt = S d^3y/dt^3 - w^3 (xi_1 + xi_2) + 2 w S e.
+    return jerk_slope - bandwidth**3 * np.concatenate([np.eye(m), np.eye(m)], axis=1)
+
+
+def _kicks(
+    model: FullOrderModel, u: Float[Array, "2"], xi: Outputs, bounds: Float[Array, "4"]
+) -> Quantities:
+    """Return margins of the error right after an impact under the torque from before it."""
+
+    def kick(xi: Outputs, e: Float[Array, " m"]) -> Float[Array, " m"]:
+        return weighted(model.weights, error_after_impact(model.point(u, xi, e)))
+
+    none = jnp.zeros(model.size // 2)
+    exact = kick(jnp.zeros_like(xi), none)
+    along, pushed = jax.jacfwd(kick)(xi, none), jax.jacfwd(kick, 1)(xi, none)
+    return {
+        "disturbed/kick": bounds[0] * bounds[0] - exact @ exact,
+        "disturbed/kick-slope": bounds[1] * bounds[1] - jnp.sum(along * along),
+        "disturbed/kick-push": bounds[2] * bounds[2] - jnp.sum(pushed * pushed),
+    }
+
+
+def _growth(
     model: FullOrderModel, u: Float[Array, "2"], xi: Outputs, bounds: Float[Array, "3"]
 ) -> Quantities:
-    """Return margins of the outputs' jerk under held torques: its size at 0 and its slopes."""
+    """Return margins of S de/dt under held torques: its size at xi = 0, e = 0 and its slopes."""
     none = jnp.zeros(model.size // 2)
 
     def jerk(xi: Outputs, e: Float[Array, " m"]) -> Float[Array, " m"]:
@@ -80,9 +112,12 @@ def _jerks(
 
     still = jerk(jnp.zeros_like(xi), none)
     along, pushed = jax.jacfwd(jerk)(xi, none), jax.jacfwd(jerk, 1)(xi, none)
-    # Squares, which are smooth: |.| <= j, l and kappa of docs/level5.md.
+    along = growth_slope(along, model.bandwidth) / bounds[1]
+    # |A| < l if and only if 1 - A A' / l^2 is positive definite.
+    left = jnp.eye(len(still)) - along @ along.T
+    # Squares, which are smooth: |.| <= j and kappa of docs/level5.md.
     return {
         "disturbed/jerk": bounds[0] * bounds[0] - still @ still,
-        "disturbed/jerk-slope": bounds[1] * bounds[1] - jnp.sum(along * along),
+        "disturbed/growth-slope": pivots(left),
         "disturbed/jerk-push": bounds[2] * bounds[2] - jnp.sum(pushed * pushed),
     }

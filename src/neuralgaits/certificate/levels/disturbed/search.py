@@ -16,7 +16,8 @@ from neuralgaits.gait import ZeroDynamics
 def _find(of: SearchTarget, known: Parameters) -> tuple[Any, Mapping[str, float]] | str:
     assert isinstance(of.gait, Gait)
     model = FullOrderModel(of.zd.robot, of.gait, of.spec, known[4].bandwidth)
-    found = find_disturbed(looks_in(model, known[4], of.left.get(4)), known[4])
+    looks = looks_in(model, known[4], of.left.get(4))
+    found = find_disturbed(looks, known[4], free_clock=of.control.free_clock)
     return found if isinstance(found, str) else (found, {})
 
 

@@ -49,9 +49,17 @@ class DisturbedConstants:
         error: bound on |S e| when torques are set [rad/s^2].
         jerk: bound on the outputs' jerk |S d^3y/dt^3| under held torques, at eta = 0 and e = 0
             [rad/s^3].
-        jerk_slope: bound on the length of its slope in xi [rad/s^3 per rad].
-        jerk_push: bound on the length of its slope in S e [1/s].
+        growth_slope: bound on the slope of S de/dt in xi under held torques, at e = 0
+            [rad/s^3 per rad].
+        jerk_push: bound on the length of the jerk's slope in S e [1/s].
         barriers: constants of each barrier, in the order of level 4.
+        kick: bound on |S e| right after an impact from xi = 0, under the torque from before it,
+            where that was exact [rad/s^2]. This and the rest are 0 if there is a tick at each
+            touchdown.
+        kick_slope: bound on the length of its slope in xi [rad/s^2 per rad].
+        kick_push: bound on the length of its slope in the S e from before [1].
+        kick_peak: bound on |S e| from an impact to the next tick [rad/s^2].
+        kick_end: phase that is not reached before that tick.
     """
 
     push: tuple[float, float]
@@ -59,31 +67,54 @@ class DisturbedConstants:
     hold: float
     error: float
     jerk: float
-    jerk_slope: float
+    growth_slope: float
     jerk_push: float
     barriers: tuple[DisturbedBarrier, ...]
+    kick: float = 0.0
+    kick_slope: float = 0.0
+    kick_push: float = 0.0
+    kick_peak: float = 0.0
+    kick_end: float = 0.0
+
+    @property
+    def free_clock(self) -> bool:
+        """Return whether ticks may miss touchdowns."""
+        return self.kick_end != 0.0
 
 
 def series(shape: DisturbedConstants) -> dict[str, tuple[float, ...]]:
     """Return the lists of numbers that margins read, named like the Program's constants."""
     rows = tuple(getattr(barrier, name) for barrier in shape.barriers for name in OF_BARRIER)
     found = {"peak": shape.peak, "barriers": rows}
-    jerk = shape.jerk, shape.jerk_slope, shape.jerk_push
-    return found | ({"jerk": jerk} if shape.hold != 0.0 else {})
+    if shape.hold != 0.0:
+        found["jerk"] = shape.jerk, shape.growth_slope, shape.jerk_push
+    if shape.free_clock:
+        found["kick"] = shape.kick, shape.kick_slope, shape.kick_push, shape.kick_peak
+    return found
 
 
 def premises(full: FullOrderConstants, shape: DisturbedConstants) -> list[Premise]:
-    """Return the premises of level 5 beside level 4, all of them on level 4's tube."""
+    """Return the premises of level 5 beside level 4."""
     first, last = full.ends
-    tube = (first, 0.0), (last, 1.0)
+    tube, strip = ((first, 0.0), (last, 1.0)), ((full.guard_from, 0.0), (last, 1.0))
     found = [Premise("disturbed/contact", *tube), Premise("disturbed/torque", *tube)]
     found += [
         Premise(f"disturbed/decrease {barrier.name}", *tube, sign="not negative")
         for barrier in shape.barriers
     ]
     if shape.hold != 0.0:
-        held = ("disturbed/jerk", "disturbed/jerk-slope", "disturbed/jerk-push")
-        found += [Premise(name, *tube, sign="not negative") for name in held]
+        found += [
+            Premise("disturbed/jerk", *tube, sign="not negative"),
+            Premise("disturbed/growth-slope", *tube),
+            Premise("disturbed/jerk-push", *tube, sign="not negative"),
+        ]
+    if shape.free_clock:
+        found += [
+            Premise("disturbed/kick", *strip, sign="not negative"),
+            Premise("disturbed/kick-slope", *strip, sign="not negative"),
+            Premise("disturbed/kick-push", *strip, sign="not negative"),
+            Premise("disturbed/kick-contact", (first, 0.0), (shape.kick_end, 1.0)),
+        ]
     return found
 
 

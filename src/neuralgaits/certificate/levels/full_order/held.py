@@ -3,14 +3,21 @@
 import math
 from typing import NamedTuple
 
+import numpy as np
+
 from neuralgaits.certificate.levels.full_order.theorem import lyapunov_rate
 
 JERK = 1.1
 """Bound on the outputs' jerk under held torques at y = 0, as a multiple of the largest seen."""
-JERK_SLOPE = 4.0
-"""Factor for its slope in xi; enclosures of third derivatives are wide."""
+GROWTH_ROOM = 3.0
+"""Room for the slope of S de/dt in xi, as a multiple of the largest slope of the jerk that is seen;
+enclosures of third derivatives are wide."""
 JERK_PUSH = 1.5
-"""Factor for its slope in a push."""
+"""Factor for the jerk's slope in a push."""
+KICK = 1.04
+"""Bound on the error right after an impact, as a multiple of the largest seen."""
+KICK_SLOPE = 1.3, 6000.0
+"""Factors for its slope in xi: of the slope, and of the slope times the radius before an impact."""
 
 
 class Held(NamedTuple):
@@ -25,13 +32,27 @@ class Held(NamedTuple):
     peak: tuple[float, float]
 
 
-class Jerk(NamedTuple):
-    """Bounds on the outputs' jerk while torques are held, in the norm of S.
+class Kick(NamedTuple):
+    """Bounds on |S e| from an impact to the next tick, under the torque from before the impact.
 
     Attributes:
-        still: jerk at y = 0 and e = 0 [rad/s^3].
-        slope: its slope in xi [rad/s^3 per rad].
-        push: its slope in S e [1/s].
+        first: right after the impact [rad/s^2].
+        peak: until the tick [rad/s^2].
+        mean: in the mean until the tick [rad/s^2].
+    """
+
+    first: float = 0.0
+    peak: float = 0.0
+    mean: float = 0.0
+
+
+class Jerk(NamedTuple):
+    """Bounds on the outputs' jerk and on S de/dt while torques are held, in the norm of S.
+
+    Attributes:
+        still: both at y = 0 and e = 0 [rad/s^3].
+        slope: slope of S de/dt in xi [rad/s^3 per rad].
+        push: slope of the jerk in S e [1/s].
     """
 
     still: float
@@ -48,8 +69,43 @@ class Jerk(NamedTuple):
         if hold * back >= 0.5:
             return None
         mean = 0.5 * hold * (1.0 + gamma * hold / 8.0)
-        growth = math.exp(0.5 * gamma * hold) * (math.sqrt(2.0) * bandwidth**3 + self.slope)
+        growth = math.exp(0.5 * gamma * hold) * self.slope
         first = (error + hold * (self.still + back * hold * growth * radius)) / (1.0 - hold * back)
         fast = self.still + back * (first + hold * growth * radius)
         push = error + mean * fast, mean * growth
         return Held(push, (error + hold * fast, hold * growth))
+
+    def kicked(self, first: float, hold: float, bandwidth: float, radius: float) -> Kick:
+        """Bound the errors of torques held through an impact, given that right after it."""
+        rate = 2.0 * bandwidth + self.push
+        grown = math.exp(rate * hold)
+        peak = first * grown + (self.still + self.slope * radius) * (grown - 1.0) / rate
+        return Kick(first, peak, 0.5 * (first + peak))
+
+
+def frobenius(matrices: np.ndarray) -> float:
+    """Return the largest Frobenius norm of some matrices."""
+    return float(np.sqrt((matrices**2).sum(axis=(-2, -1)).max()))
+
+
+def growth_bound(jerk_slopes: np.ndarray, bandwidth: float) -> float:
+    """Bound the slope of S de/dt in xi, given those of the outputs' jerk. [n, m, 2m]."""
+    m = jerk_slopes.shape[1]
+    slopes = jerk_slopes - bandwidth**3 * np.concatenate([np.eye(m), np.eye(m)], axis=1)
+    largest = float(np.sqrt(np.linalg.eigvalsh(slopes @ slopes.swapaxes(1, 2)).max()))
+    return largest + GROWTH_ROOM * frobenius(jerk_slopes)
+
+
+def kick_bounds(
+    kick: np.ndarray, slope: np.ndarray, push: np.ndarray, radius: float
+) -> tuple[float, float, float]:
+    """Bound the error right after an impact and its slopes in xi and in that from before.
+
+    Args:
+        kick: errors seen [rad/s^2]. [q, m]
+        slope: their slopes in xi. [q, m, 2m]
+        push: their slopes in the error from before. [q, m, m]
+        radius: bound on sqrt(V) before the impact [rad]. Enclosures widen with it.
+    """
+    along = frobenius(slope) * (KICK_SLOPE[0] + KICK_SLOPE[1] * radius)
+    return KICK * float(np.linalg.norm(kick, axis=1).max()), along, KICK * frobenius(push)

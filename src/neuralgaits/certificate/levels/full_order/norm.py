@@ -8,15 +8,24 @@ Nothing here is trusted.
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 
-from neuralgaits.certificate.levels.full_order.held import JERK, JERK_PUSH, JERK_SLOPE, Jerk
+from neuralgaits.certificate.levels.full_order.held import (
+    JERK,
+    JERK_PUSH,
+    Held,
+    Jerk,
+    Kick,
+    frobenius,
+    growth_bound,
+    kick_bounds,
+)
+from neuralgaits.certificate.levels.full_order.samples import Seen, doubled
 from neuralgaits.certificate.levels.full_order.theorem import STIFF, lyapunov_rate
 
-SPARE, HELD_SPARE = 1.6, 1.3
+SPARE, HELD_SPARE = 1.6, 1.15
 """Factors of room for contact, torque and foot. The one for held torques is smaller, because slopes
 already take too much."""
 FULL = 0.96
@@ -27,6 +36,8 @@ ABOVE_FLOOR = 1.04
 """Bound on sqrt(V), as a multiple of the level at which pushes alone would keep outputs."""
 LONGEST = 4e-3
 """Longest hold that is tried [s]."""
+EARLY = 0.05
+"""Phase until which contact has to stand the error that an impact makes under old torques."""
 STRIP = 0.97
 """Phase at which the guard's strip begins."""
 LARGEST = 0.2
@@ -37,36 +48,6 @@ GAINS = np.array([0.5, 1.0, 2.0, 3.0, 5.0, 8.0, 12.0, 20.0])
 """Barrier gains alpha that are tried [1/s]."""
 TRIES = 500
 """Number of norms that are tried."""
-
-
-@dataclass(frozen=True)
-class Seen:
-    """Quantities at n points of the step and q impacts, with outputs in plain coordinates xi.
-
-    Attributes:
-        slack: slack of contact, torques and foot, with slopes in xi and in the outputs'
-            acceleration. [n, k], [n, k, 2m], [n, k, m]
-        rate, h: those of each barrier, with slopes of its rate and its reading. [n, I], [n, I, 2m]
-        jerk: jerk of the outputs while torques are held, with slopes in xi and in the outputs'
-            acceleration. [n, m], [n, m, 2m], [n, m, m]
-        after, reset: slopes in xi of xi and barriers after an impact. [q, 2m, 2m], [q, I, 2m]
-        inlet: least barriers after an impact. [I]
-        phase: phases of the points. [n]
-        pace: largest pace [1/s].
-        inertia: d torque / d acceleration of the outputs, symmetric. [m, m]
-    """
-
-    slack: tuple[np.ndarray, np.ndarray, np.ndarray]
-    rate: tuple[np.ndarray, np.ndarray]
-    h: np.ndarray
-    reading: np.ndarray
-    jerk: tuple[np.ndarray, np.ndarray, np.ndarray]
-    after: np.ndarray
-    reset: np.ndarray
-    inlet: np.ndarray
-    phase: np.ndarray
-    pace: float
-    inertia: np.ndarray
 
 
 class Plan(NamedTuple):
@@ -100,11 +81,6 @@ class Plan(NamedTuple):
         """Return S in the form of `FullOrderConstants.weights`."""
         size = len(self.matrix)
         return tuple(float(self.matrix[i, j]) for i in range(size) for j in range(i, size))
-
-
-def doubled(matrix: np.ndarray) -> np.ndarray:
-    """Apply a matrix to both halves of xi: return the block diagonal matrix."""
-    return np.kron(np.eye(2), matrix)
 
 
 def push_factor(bandwidth: float) -> float:
@@ -175,9 +151,13 @@ class Planned:
         jerk, along, moved = seen.jerk
         self.jerk = Jerk(
             JERK * float(_size(jerk @ matrix.T).max()),
-            JERK_SLOPE * _frobenius(matrix @ along @ back),
-            JERK_PUSH * _frobenius(matrix @ moved @ inverse),
+            growth_bound(matrix @ along @ back, bandwidth),
+            JERK_PUSH * frobenius(matrix @ moved @ inverse),
         )
+        self.kick = None
+        if seen.kick is not None:
+            first, along, more = seen.kick
+            self.kick = first @ matrix.T, matrix @ along @ back, matrix @ more @ inverse
         self.shrink = self.gamma / (4.25 * 1.1 * seen.pace)
         self.shape = np.exp(-self.shrink * seen.phase**2)
         self.left = math.exp(-self.shrink * STRIP**2)
@@ -194,6 +174,7 @@ class Planned:
         """Return the set for a hold; its radius is 0 if there is none."""
         none = Plan(self.matrix, 0.0, 0.0, 0.0, 1.0, (), self)
         radius = floor = slower = 0.0
+        kick = Kick()
         held = self.jerk.held(hold, 0.0, self.w, radius) if hold > 0.0 else None
         for _ in range(4):
             if held is None:
@@ -206,7 +187,9 @@ class Planned:
             growth = max(self.gain, 1.1) / FULL
             if growth * left >= 0.9:
                 return none
-            radius = growth * floor * (1.0 - left) / (1.0 - growth * left)
+            kick = self._kicked(hold, held, floor + (radius - floor) * left, radius)
+            radius = growth * floor * (1.0 - left) + self.factor * hold * kick.mean / FULL
+            radius /= 1.0 - growth * left
             held = self.jerk.held(hold, 0.0, self.w, radius)
         if held is None or radius > LARGEST:
             return none
@@ -215,10 +198,23 @@ class Planned:
         need = bound[:, None] * slope + (held.peak[0] + held.peak[1] * bound)[:, None] * pushed
         if not (HELD_SPARE * need <= value).all():
             return none
+        early, contact = self.seen.phase <= EARLY, slice(0, 3)
+        need = bound[:, None] * slope + kick.peak * pushed
+        if not (HELD_SPARE * need <= value)[early, contact].all():
+            return none
         before = floor + (radius - floor) * math.exp(-slower * self.shrink * STRIP**2)
         push = held.push[0] + held.push[1] * radius
+        push = max(push, 0.5 * self.gamma * hold * kick.mean)
         sigma = tuple(self._sigma(i, push, before, radius) for i in range(len(self.seen.inlet)))
         return none if 0.0 in sigma else Plan(self.matrix, hold, radius, floor, slower, sigma, self)
+
+    def _kicked(self, hold: float, held: Held, before: float, radius: float) -> Kick:
+        """Bound errors from an impact to the next tick; `before` bounds sqrt(V) before it."""
+        if self.kick is None:
+            return Kick()
+        exact, slope, push = kick_bounds(*self.kick, before)
+        first = exact + slope * before + push * (held.peak[0] + held.peak[1] * before)
+        return self.jerk.kicked(first, hold, self.w, radius)
 
     @property
     def slack_of_impacts(self) -> float:
@@ -284,8 +280,3 @@ class Planned:
 
 def _size(rows: np.ndarray) -> np.ndarray:
     return np.linalg.norm(rows, axis=-1)
-
-
-def _frobenius(matrices: np.ndarray) -> float:
-    """Return the largest Frobenius norm of some matrices."""
-    return float(np.sqrt((matrices**2).sum(axis=(-2, -1)).max()))

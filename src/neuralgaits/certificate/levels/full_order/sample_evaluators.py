@@ -4,6 +4,7 @@ from collections.abc import Callable, Mapping
 from functools import cache
 
 import jax
+import jax.numpy as jnp
 import numpy as np
 
 from neuralgaits.certificate.chart import PLANE, Corner
@@ -11,10 +12,11 @@ from neuralgaits.certificate.levels.full_order.find import find_full_order
 from neuralgaits.certificate.levels.full_order.inequalities import inequalities, obstacle
 from neuralgaits.certificate.levels.full_order.margins import margins
 from neuralgaits.certificate.levels.full_order.model import FullOrderModel
-from neuralgaits.certificate.levels.full_order.norm import Plan, Seen, find_plan, find_widest
+from neuralgaits.certificate.levels.full_order.norm import Plan, find_plan, find_widest
 from neuralgaits.certificate.levels.full_order.samples import (
     SampleEvaluator,
     SampleEvaluators,
+    Seen,
     grid,
 )
 from neuralgaits.certificate.levels.full_order.theorem import (
@@ -23,7 +25,7 @@ from neuralgaits.certificate.levels.full_order.theorem import (
     weighting,
 )
 from neuralgaits.certificate.search.problem import Problem
-from neuralgaits.gait.full_order import held_jerk
+from neuralgaits.gait.full_order import error_after_impact, held_jerk
 from neuralgaits.programs import POINT, Program, evaluate, fold
 from neuralgaits.programs.prune import prune, reading
 from neuralgaits.programs.tracing.tracer import trace
@@ -47,6 +49,7 @@ def set_of(
     pushed: bool = False,
     widest: bool = False,
     *,
+    free_clock: bool = False,
     looks: SampleEvaluators | None = None,
 ) -> FullOrderConstants | str:
     """Return the largest set tried whose constants fit together, or a sentence with the reason.
@@ -55,12 +58,13 @@ def set_of(
         model: model of the gait.
         pushed: try sets for a disturbance first (level 5), in a norm of their own and with a floor.
         widest: try the largest set first, in a norm of its own, and accept more boxes.
+        free_clock: leave room in pushed sets for torques held through an impact.
         looks: `looks_of` the model, made here if they are not given.
 
     Raises: SpecError if a barrier of the spec or the policy cannot be traced.
     """
     looks, reason, w = looks or looks_of(model), "", float(model.bandwidth)
-    seen = what_is_seen(looks) if pushed or widest else None
+    seen = what_is_seen(looks, free_clock) if pushed or widest else None
     small, smaller = (SMALLER, WIDEST) if widest else (SMALL, PLANNED)
     plan = None
     if seen is not None:
@@ -168,6 +172,14 @@ def looks_of(model: FullOrderModel) -> SampleEvaluators:
         found |= {"jerk/slope": slopes[:, :-m], "jerk/push": slopes[:, -m:]}
         return found | {"jerk": jerk(xi)}
 
+    def kick(u, xi):
+        def error(xi, push):
+            return error_after_impact(model.point(u, xi, push))
+
+        none = jnp.zeros(model.size // 2)
+        slopes = jax.jacfwd(error)(xi, none), jax.jacfwd(error, 1)(xi, none)
+        return {"kick": error(xi, none), "kick/slope": slopes[0], "kick/push": slopes[1]}
+
     size = model.size
     off = _look(pushed, size + size // 2)
     return SampleEvaluators(
@@ -175,10 +187,11 @@ def looks_of(model: FullOrderModel) -> SampleEvaluators:
         _look(guard, size),
         size,
         lambda u: off(u, np.zeros((len(u), size + size // 2))),
+        _look(kick, size),
     )
 
 
-def what_is_seen(looks: SampleEvaluators) -> Seen | None:
+def what_is_seen(looks: SampleEvaluators, free_clock: bool = False) -> Seen | None:
     """Evaluate the points that a search for a norm needs; None if the gait has no set at all."""
     levels = np.linspace(0.0, 1.0, 5)
     u = grid(np.linspace(0.0, 1.0, 31), levels)
@@ -216,7 +229,18 @@ def what_is_seen(looks: SampleEvaluators) -> Seen | None:
         phase=phase,
         pace=float(step["pace"].max()),
         inertia=inertia,
+        kick=_kicks(looks, levels) if free_clock else None,
     )
+
+
+def _kicks(
+    looks: SampleEvaluators, levels: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return errors right after impacts around phase 1, and their slopes in a push."""
+    assert looks.kick is not None
+    around = grid(np.array([0.995, 1.0, 1.005]), levels)
+    found = looks.kick(around, np.zeros((len(around), looks.size)))
+    return found["kick"], found["kick/slope"], found["kick/push"]
 
 
 def _look(function: Callable, size: int) -> SampleEvaluator:

@@ -6,7 +6,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from neuralgaits._types import Float
-from neuralgaits.certificate.levels.full_order.norm import doubled
 
 Samples = Mapping[str, np.ndarray]
 SampleEvaluator = Callable[[Float[np.ndarray, "n 2"], Float[np.ndarray, "n k"]], Samples]
@@ -22,17 +21,21 @@ class SampleEvaluators:
         guard: foot, after, landing, reset, with slopes along the guard;
             fall, foot/slope: those of the foot height in phase and xi; drift: of after in phase.
         size: number of elements of xi.
+        pushed: jerk of held torques with slopes; slopes of contact and torque in a push.
+        kick: error right after an impact under the torque from before it, and its slopes in xi and
+            in a push.
     """
 
     step: SampleEvaluator
     guard: SampleEvaluator
     size: int
     pushed: Callable[[Float[np.ndarray, "n 2"]], Samples] | None = None
+    kick: SampleEvaluator | None = None
 
     def in_norm(self, matrix: np.ndarray) -> "SampleEvaluators":
         """Return these functions with xi and pushes in the norm of S."""
         inverse = np.linalg.inv(matrix)
-        back, pushed = doubled(inverse).T, self.pushed
+        back, pushed, kick = doubled(inverse).T, self.pushed, self.kick
 
         def seen(look: SampleEvaluator) -> SampleEvaluator:
             return lambda u, xi: in_norm(look(u, xi @ back), matrix)
@@ -46,8 +49,59 @@ class SampleEvaluators:
                 found[name] = matrix @ found[name]
             return found | {"jerk": found["jerk"] @ matrix.T}
 
+        def seen_kick(u: Float[np.ndarray, "n 2"], xi: Float[np.ndarray, "n k"]) -> Samples:
+            assert kick is not None
+            found = kick(u, xi @ back)
+            along = matrix @ found["kick/slope"] @ doubled(inverse)
+            pushes = matrix @ found["kick/push"] @ inverse
+            return {
+                "kick": found["kick"] @ matrix.T,
+                "kick/slope": along,
+                "kick/push": pushes,
+            }
+
         off = None if pushed is None else seen_off
-        return replace(self, step=seen(self.step), guard=seen(self.guard), pushed=off)
+        after = None if kick is None else seen_kick
+        return replace(self, step=seen(self.step), guard=seen(self.guard), pushed=off, kick=after)
+
+
+@dataclass(frozen=True)
+class Seen:
+    """Quantities at n points of the step and q impacts, with outputs in plain coordinates xi.
+
+    Attributes:
+        slack: slack of contact, torques and foot, with slopes in xi and in the outputs'
+            acceleration. [n, k], [n, k, 2m], [n, k, m]
+        rate, h: those of each barrier, with slopes of its rate and its reading. [n, I], [n, I, 2m]
+        jerk: jerk of the outputs while torques are held, with slopes in xi and in the outputs'
+            acceleration. [n, m], [n, m, 2m], [n, m, m]
+        after, reset: slopes in xi of xi and barriers after an impact. [q, 2m, 2m], [q, I, 2m]
+        inlet: least barriers after an impact. [I]
+        phase: phases of the points. [n]
+        pace: largest pace [1/s].
+        inertia: d torque / d acceleration of the outputs, symmetric. [m, m]
+        kick: error of the outputs' acceleration right after an impact under the torque from before
+            it, and its slopes in xi and in that from before; None if there is a tick at each
+            touchdown. [q, m], [q, m, 2m], [q, m, m]
+    """
+
+    slack: tuple[np.ndarray, np.ndarray, np.ndarray]
+    rate: tuple[np.ndarray, np.ndarray]
+    h: np.ndarray
+    reading: np.ndarray
+    jerk: tuple[np.ndarray, np.ndarray, np.ndarray]
+    after: np.ndarray
+    reset: np.ndarray
+    inlet: np.ndarray
+    phase: np.ndarray
+    pace: float
+    inertia: np.ndarray
+    kick: tuple[np.ndarray, np.ndarray, np.ndarray] | None = None
+
+
+def doubled(matrix: np.ndarray) -> np.ndarray:
+    """Apply a matrix to both halves of xi: return the block diagonal matrix."""
+    return np.kron(np.eye(2), matrix)
 
 
 def grid(phases: np.ndarray, levels: np.ndarray) -> np.ndarray:

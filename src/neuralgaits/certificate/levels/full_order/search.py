@@ -21,10 +21,12 @@ def _find(of: SearchTarget, known: Parameters) -> tuple[Any, Mapping[str, float]
         return "it is about the rigid model, and the run's dynamics carry a residual"
     try:
         model = FullOrderModel(of.zd.robot, of.gait, of.spec)
-        if of.bandwidth is not None:
-            model = replace(model, bandwidth=of.bandwidth)
+        given = of.control.bandwidth
+        if given is not None:
+            model = replace(model, bandwidth=given)
         of.left[4] = looks = looks_of(model)
-        found = set_of(model, of.pushed, of.bandwidth is not None, looks=looks)
+        free = of.control.free_clock
+        found = set_of(model, of.pushed, given is not None, free_clock=free, looks=looks)
     except SpecError as error:  # The levels below read less of the robot.
         return str(error)
     return found if isinstance(found, str) else (found, {})
