@@ -264,7 +264,7 @@ class Panel:
     def status(self, picture: Picture) -> str:
         """Return the lines about the walk, as HTML."""
         shown = picture.shown
-        facts = f"{shown.steps} steps · {shown.speed:.2f} m/s · {shown.walked:.1f} s"
+        facts = f"steps {shown.steps} · {shown.speed:.2f} m/s · {shown.walked:.1f} s"
         if shown.fall is not None:
             lines = line(ended(shown, picture.reset_in), BAD, strong=True)
         elif picture.paused:

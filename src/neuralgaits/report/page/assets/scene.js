@@ -41,7 +41,11 @@ void main() {
   } else {
     vec3 m = normalize(n), l = normalize(vec3(-0.35, -0.55, 1.0)), v = normalize(eye - world);
     float glint = pow(max(dot(m, normalize(l + v)), 0.0), 40.0);
-    seen = vec4(c * (0.5 + 0.15 * m.z + 0.5 * max(dot(m, l), 0.0)) + 0.18 * glint, 1.0);
+    // Before a dark sky, a dark body is lighter than it is.
+    vec3 grey = vec3(0.3, 0.6, 0.1);
+    float lift = 0.6 * (1.0 - smoothstep(0.2, 0.6, dot(sky, grey))) * (1.0 - smoothstep(0.2, 0.45, dot(c, grey)));
+    vec3 body = mix(c, vec3(0.75), lift);
+    seen = vec4(body * (0.5 + 0.15 * m.z + 0.5 * max(dot(m, l), 0.0)) + 0.18 * glint, 1.0);
   }
 }`;
 
