@@ -4,11 +4,13 @@ import copy
 import gzip
 import hashlib
 import json
+from pathlib import Path
 from typing import Any
 
 import pytest
 
 from neuralgaits.certificate.proof_file.check import CheckResult, check
+from neuralgaits.certificate.proof_file.consistency import inconsistencies
 from neuralgaits.certificate.proof_file.reader import read_claims
 from support.shipped_run import SHIPPED
 
@@ -116,16 +118,49 @@ def test_axes_of_other_commands_are_no_proof(answers):
     assert "without the axes of the gait's commands" in str(report.reason)
 
 
-def test_nothing_is_concluded_of_a_belief_without_a_distance_from_it(proofcheck, tmp_path):
+@pytest.fixture
+def speeds() -> dict[str, Any]:
+    """The shipped proof of all speeds."""
+    return json.loads(gzip.decompress(PACKED.read_bytes()))
+
+
+def test_nothing_is_concluded_of_a_belief_without_a_distance_from_it(asked_by_program, speeds):
     """Every axis and theorem of all speeds, named as if a lean were told."""
-    text = gzip.decompress(PACKED.read_bytes()).decode()
-    table = json.loads(text)
-    for axis, when in zip(table["chart"][2:], ("before", "after"), strict=True):
+    for axis, when in zip(speeds["chart"][2:], ("before", "after"), strict=True):
         axis["name"] = f"lean {when}"
-    table["model"]["policy"]["commands"][0]["name"] = "lean"
-    table["theorems"][0]["parameters"]["told"] = ["lean"]
-    path = tmp_path / "proof.json"
-    path.write_text(json.dumps(table))
-    answer = proofcheck("--program", path)
+    _command(speeds)["name"] = "lean"
+    speeds["theorems"][0]["parameters"]["told"] = ["lean"]
+    answer, _ = asked_by_program(speeds)
     assert answer.returncode == 1
     assert "the distance from a belief is an axis where one is told" in answer.stdout
+
+
+OTHER_COMMANDS = "level 2 is stated, and it is about other commands than those of the model's gait"
+
+
+@pytest.mark.parametrize("told", [["lean"], ["speed", "slope"]])
+def test_level_2_is_about_the_commands_of_the_gait(asked_by_program, speeds, told):
+    speeds["theorems"][0]["parameters"]["told"] = told
+    answer, path = asked_by_program(speeds)
+    claims = read_claims(path)
+    assert OTHER_COMMANDS in inconsistencies(claims, claims.asked)
+    assert answer.returncode == 1 and OTHER_COMMANDS in answer.stdout
+
+
+def test_level_2_of_a_gait_with_commands_is_not_one_without(asked_by_program, speeds):
+    """A reset lands in the set of the next step, and would be said to land in that of the same."""
+    del speeds["theorems"][0]["parameters"]["told"]
+    answer, _ = asked_by_program(speeds)
+    assert answer.returncode == 1 and OTHER_COMMANDS in answer.stdout
+
+
+@pytest.fixture
+def asked_by_program(proofcheck, tmp_path):
+    """Writes a table and asks the C++ checker about its Program; the file as well."""
+
+    def ask(table: dict[str, Any]) -> tuple[Any, Path]:
+        path = tmp_path / "proof.json"
+        path.write_text(json.dumps(table))
+        return proofcheck("--program", path), path
+
+    return ask

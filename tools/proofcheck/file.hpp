@@ -817,6 +817,17 @@ void read_model(const Json& table, const ProgramFacts& program, bool by_program,
   read_conditions(*model.find("conditions"), program, joints, file);
 }
 
+// A reset lands in the set of the next step. Level 2 without a command that the gait is told would call
+// it the set of the same one.
+void match_told(const ProofFile& file, const Json& model) {
+  if (!file.theorems.walking || model.type != Json::object) return;
+  vector<string> names;
+  for (const Command& c : commands_of_policy(*model.find("policy"))) names.push_back(c.name);
+  if (file.theorems.walking->told != names)
+    throw Inconsistent{"level 2 is stated, and it is about other commands than those of the model's "
+                       "gait"};
+}
+
 // Levels 4 and 5 are about one gait of one robot on point feet, on footholds that lie where they are
 // meant to.
 // Flat feet land flat on footholds that lie where they are meant to, and on no others.
@@ -871,6 +882,7 @@ void read_proof(const Json& table, bool by_program, ProofFile& file) {
   } else {
     read_model(table, program, by_program, file);
     file.theorems = theorems_of(*table.find("theorems"), file.model.tube);
+    match_told(file, *table.find("model"));
     match_full_order(file, *table.find("model"));
   }
   if (auto& full = file.theorems.full; full && file.underivable.empty()) {

@@ -35,7 +35,7 @@ def inconsistencies(claims: Claims, asked: SpecOutline | None) -> list[str]:
 
 
 def _levels_without_subject(claims: Claims) -> list[str]:
-    """Name levels with parameters in the file that do not cover its chart, or its robot's feet."""
+    """Name levels in the file that do not cover its chart, its robot's feet, or its commands."""
     found = refusals(claims.theorems.parameters, claims.chart)
     robot = {} if claims.model is None else claims.model.get("robot", {})
     if isinstance(robot, dict) and "sole" in robot:
@@ -43,6 +43,11 @@ def _levels_without_subject(claims: Claims) -> list[str]:
             found[4] = "it is about point feet"
         if claims.theorems.walking is not None and claims.theorems.walking.floor:
             found[2] = "floors of unknown height are about point feet"
+    told = tuple(one.name for one in claims.commands)
+    walking = claims.theorems.walking
+    # A reset lands in the set of the next step, which other commands would call that of the same.
+    if claims.model is not None and walking is not None and tuple(walking.told) != told:
+        found[2] = "it is about other commands than those of the model's gait"
     return [f"level {number} is stated, and {reason}" for number, reason in found.items()]
 
 
