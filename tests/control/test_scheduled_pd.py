@@ -8,12 +8,14 @@ import pytest
 
 from neuralgaits._quick_jit import quick_jit
 from neuralgaits.analysis.run import open_run
-from neuralgaits.control import ScheduledPd
+from neuralgaits.certificate.run_certificate.verified_summary import read_certificate
+from neuralgaits.control import ScheduledPd, scheduled_pd
 from neuralgaits.control.joint_model import JointModel
 from neuralgaits.control.law import Desired, MeasuredState
 from neuralgaits.control.law_by_name import fields_of_law, law_for
 from neuralgaits.control.momentum import zero_state
 from neuralgaits.errors import InputError, SpecError
+from neuralgaits.workflows.export import _designed
 from support.designs import family_for
 from support.shipped_run import SHIPPED
 
@@ -102,3 +104,11 @@ def test_gaits_that_it_cannot_have_are_refused_with_a_remedy(run):
     reading = MeasuredState(*2 * [jnp.zeros(run.robot.n)], *2 * [jnp.zeros(2)])
     with pytest.raises(InputError, match="expected gains, found none: fit them to a gait by"):
         ScheduledPd().torque(run.robot, reading, Desired(*4 * [jnp.zeros(run.robot.n - 1)]))
+
+
+def test_an_export_leaves_it_out_with_the_reason(run, monkeypatch):
+    monkeypatch.setattr(scheduled_pd, "LARGEST_ERROR", 0.0)
+    design, lacking = _designed(run, read_certificate(run.folder), "onnx", None)
+    assert tuple(design.controllers) == ("pd", "fblin", "paper")
+    (line,) = lacking
+    assert line.startswith("no law scheduled-pd: expected gains within 0 of the model's, found an")

@@ -21,6 +21,7 @@ from neuralgaits.control.fblin import Fblin
 from neuralgaits.control.interior_point import QuadraticProgram, minimise
 from neuralgaits.control.law import (
     AbstractLaw,
+    CompiledLaw,
     Demand,
     Desired,
     Limited,
@@ -73,6 +74,10 @@ class ClfQp(AbstractLaw):
     def linearising(self) -> Fblin:
         """The linearising law whose torques the program follows within limits."""
         return Fblin(bandwidth=self.bandwidth, hold_ticks=self.hold_ticks)
+
+    def in_c(self) -> CompiledLaw:
+        """Return the law as compiled walks have it, which add the program in place of clipping."""
+        return CompiledLaw("", model=True, bandwidth=self.bandwidth, exported=False)
 
     def told(self, z: ZeroState) -> ZeroState:
         """Return all of z, unchanged. [2]."""

@@ -8,7 +8,14 @@ import equinox as eqx
 from neuralgaits._types import Actuated, ZeroState
 from neuralgaits.control.driven_mechanism import DrivenMechanism
 from neuralgaits.control.inverse_dynamics import accelerated, inverse_dynamics
-from neuralgaits.control.law import AbstractLaw, Desired, MeasuredState, Outputs, errors
+from neuralgaits.control.law import (
+    AbstractLaw,
+    CompiledLaw,
+    Desired,
+    MeasuredState,
+    Outputs,
+    errors,
+)
 
 
 class Fblin(AbstractLaw):
@@ -21,6 +28,11 @@ class Fblin(AbstractLaw):
 
     bandwidth: float = eqx.field(default=30.0, static=True)
     hold_ticks: int = eqx.field(default=1, static=True)
+
+    def in_c(self) -> CompiledLaw:
+        """Return the law as compiled code has it."""
+        words = f"input-output linearisation, {self.bandwidth:g} rad/s"
+        return CompiledLaw(words, model=True, bandwidth=self.bandwidth)
 
     @property
     def takes_joints(self) -> bool:

@@ -2,7 +2,7 @@
 
 from abc import abstractmethod
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import equinox as eqx
 import jax.numpy as jnp
@@ -71,6 +71,27 @@ class Limited(NamedTuple):
     that the floor cannot give; always False for laws that check neither."""
 
 
+class CompiledLaw(NamedTuple):
+    """A law as `ng_law` of `export/c/controller.h` computes it."""
+
+    words: str
+    """Its gains, for the comment at the top of an export."""
+    stiffness: tuple[float, ...] = ()
+    """By joint [N m/rad]; none of its own without. [m]"""
+    damping: tuple[float, ...] = ()
+    """Likewise [N m s/rad]. [m]"""
+    model: bool = False
+    """Whether the model's torques for the policy's accelerations are added."""
+    bandwidth: float = 0.0
+    """w of model or schedule [rad/s]."""
+    measure_z2: bool = True
+    """Whether the policy gets the measured z2."""
+    schedule: Any = None
+    """A `GainSchedule` in the model's place."""
+    exported: bool = True
+    """Whether exported controllers have it, too, and not compiled walks alone."""
+
+
 class AbstractLaw(eqx.Module):
     """A law without memory of its own: everything it holds is a `Desired`."""
 
@@ -92,6 +113,10 @@ class AbstractLaw(eqx.Module):
         """
         del joints, gait
         return self
+
+    def in_c(self) -> CompiledLaw | None:
+        """Return the law as compiled code has it; None for a law in JAX alone."""
+        return None
 
     @property
     def takes_joints(self) -> bool:
@@ -122,6 +147,11 @@ class AbstractLaw(eqx.Module):
         """Clip the torques that the law asks for. Returns: `Limited`."""
         clipped, saturated = saturate(demand.torque, demand.limit)
         return Limited(clipped, saturated, jnp.zeros(2, bool))
+
+
+def compiled_law(law: AbstractLaw) -> CompiledLaw | None:
+    """Return a law as compiled code has it; None for a subclass, whose torques may be others."""
+    return law.in_c() if "in_c" in vars(type(law)) else None
 
 
 def errors(reading: MeasuredState, desired: Desired) -> tuple[Actuated, Actuated]:

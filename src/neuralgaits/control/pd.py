@@ -11,7 +11,14 @@ import numpy as np
 from neuralgaits._types import Actuated, ZeroState
 from neuralgaits.control.driven_mechanism import DrivenMechanism
 from neuralgaits.control.inverse_dynamics import accelerated, inverse_dynamics
-from neuralgaits.control.law import AbstractLaw, Desired, MeasuredState, Outputs, errors
+from neuralgaits.control.law import (
+    AbstractLaw,
+    CompiledLaw,
+    Desired,
+    MeasuredState,
+    Outputs,
+    errors,
+)
 from neuralgaits.errors import InputError
 from neuralgaits.gait.joint_inertia import JointResponse
 
@@ -59,6 +66,17 @@ class Pd(AbstractLaw):
         gains = (_each(stiffness, joints.count), _each(damping, joints.count))
         return replace(self, bandwidth=w, stiffness=gains[0], damping=gains[1])
 
+    def in_c(self) -> CompiledLaw:
+        """Return the law as compiled code has it."""
+        gains = f"{_shown(self.stiffness)} N m/rad, {_shown(self.damping)} N m s/rad"
+        return CompiledLaw(
+            words=f"the model's torques, {gains}" if self.feed_forward else gains,
+            stiffness=self.stiffness,
+            damping=self.damping,
+            model=self.feed_forward,
+            measure_z2=self.measure_z2,
+        )
+
     @property
     def takes_joints(self) -> bool:
         """Where the model's torques are added."""
@@ -100,6 +118,12 @@ def fitted_bandwidth(joints: JointResponse) -> float:
 
 def _each(gains: Sequence[float] | Actuated, count: int) -> tuple[float, ...]:
     return tuple(float(gain) for gain in np.broadcast_to(np.asarray(gains), count))
+
+
+def _shown(gains: tuple[float, ...]) -> str:
+    """Return gains by joint, stance leg first; one number if they are alike."""
+    every = set(gains)
+    return "/".join(f"{gain:.4g}" for gain in (every if len(every) == 1 else gains))
 
 
 PAPER = Pd(stiffness=(578.0,), damping=(16.2,), feed_forward=False, measure_z2=False)

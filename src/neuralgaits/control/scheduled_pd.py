@@ -12,7 +12,14 @@ import jax.numpy as jnp
 
 from neuralgaits._types import Actuated, Array, Float, ZeroState
 from neuralgaits.control.driven_mechanism import DrivenMechanism
-from neuralgaits.control.law import AbstractLaw, Desired, MeasuredState, Outputs, errors
+from neuralgaits.control.law import (
+    AbstractLaw,
+    CompiledLaw,
+    Desired,
+    MeasuredState,
+    Outputs,
+    errors,
+)
 from neuralgaits.control.saturation import levelled_off
 from neuralgaits.errors import InputError, SpecError
 from neuralgaits.gait.gaits import Gait
@@ -85,6 +92,14 @@ class ScheduledPd(AbstractLaw):
                 f"error of {found.inertia:.2g} in the tube: use pd or fblin"
             )
         return replace(self, schedule=GainSchedule(gains, gait, found))
+
+    def in_c(self) -> CompiledLaw:
+        """Return the law as compiled code has it; without a schedule before it is fitted."""
+        words = f"gains of phase and level, {self.bandwidth:g} rad/s"
+        if self.schedule is not None:
+            lost = self.schedule.errors
+            words += f", sampled errors {lost.torque:.2g} N m and {lost.inertia:.2g}"
+        return CompiledLaw(words, bandwidth=self.bandwidth, schedule=self.schedule)
 
     @property
     def takes_joints(self) -> bool:

@@ -1,7 +1,6 @@
 """Facts about an exported controller: its parts and their origin."""
 
 from collections.abc import Mapping
-from contextlib import suppress
 from dataclasses import dataclass
 
 import jax.numpy as jnp
@@ -64,6 +63,7 @@ class Design:
         supervised: whether an FMU or a ROS 2 package stands, walks and stops on request; the C
             controller always can.
         queries: conditions for other provers; empty in formats of a controller.
+        left_out: laws that the gait cannot have, each with the reason.
     """
 
     robot: PlanarBiped
@@ -75,6 +75,7 @@ class Design:
     deployment: DeploymentFile | None = None
     supervised: bool = False
     queries: tuple[ConditionQuery, ...] = ()
+    left_out: tuple[str, ...] = ()
 
     @classmethod
     def of(
@@ -100,9 +101,9 @@ class Design:
             reset_residual: corrects the impact that the steps of a family begin with.
             joints: rotors and friction that torques are for, those of the robot if None.
         """
-        controllers = {}
+        controllers, left_out = {}, []
         for name, law in laws.items():
-            with suppress(SpecError):
+            try:
                 controllers[name] = Controller.init(
                     robot,
                     gait.policy,
@@ -111,7 +112,10 @@ class Design:
                     reset_residual=reset_residual,
                     joints=joints,
                 )
-        return cls(robot, gait, controllers, safeguard or SafeguardConfig.for_robot(robot), origin)
+            except SpecError as error:
+                left_out.append(str(error))
+        safeguard = safeguard or SafeguardConfig.for_robot(robot)
+        return cls(robot, gait, controllers, safeguard, origin, left_out=tuple(left_out))
 
     @property
     def controller(self) -> Controller:

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from neuralgaits.control import AbstractLaw, Fblin, Pd, ScheduledPd
+from neuralgaits.control import AbstractLaw
 from neuralgaits.export import statement
 from neuralgaits.export.facts import Design
 from neuralgaits.export.programs import parts
@@ -115,21 +115,20 @@ def _laws(design: Design, tables: Tables) -> str:
 
 
 def _law(name: str, law: AbstractLaw, tables: Tables) -> str:
-    values = [f".name = {quoted(name)}", f".hold_ticks = {law.hold_ticks}"]
-    settles = f".uses_impact_consistent_rates = {int(law.uses_impact_consistent_rates)}"
-    if isinstance(law, Pd):
-        values += [
-            f".stiffness = {braces(np.array(law.stiffness))}",
-            f".damping = {braces(np.array(law.damping))}",
-            f".model = {int(law.feed_forward)}",
-            f".measure_z2 = {int(law.measure_z2)}",
-            settles,
-        ]
-    elif isinstance(law, Fblin):
-        values += [".model = 1", f".bandwidth = {literal(law.bandwidth)}", ".measure_z2 = 1"]
-    elif isinstance(law, ScheduledPd) and law.schedule is not None:
-        schedule = schedule_literal(law.schedule, tables)
-        values += [f".bandwidth = {literal(law.bandwidth)}", ".measure_z2 = 1", settles]
+    form = statement.exported_form(law)
+    values = [
+        f".name = {quoted(name)}",
+        f".hold_ticks = {law.hold_ticks}",
+        f".model = {int(form.model)}",
+        f".measure_z2 = {int(form.measure_z2)}",
+        f".uses_impact_consistent_rates = {int(law.uses_impact_consistent_rates)}",
+        f".bandwidth = {literal(form.bandwidth)}",
+    ]
+    for gain in ("stiffness", "damping"):
+        if numbers := getattr(form, gain):
+            values.append(f".{gain} = {braces(np.array(numbers))}")
+    if form.schedule is not None:
+        schedule = schedule_literal(form.schedule, tables)
         values.append(f".schedule = &(const ng_schedule){schedule}")
     return "{" + ", ".join(values) + "}"
 

@@ -4,11 +4,13 @@ from typing import NamedTuple
 
 import numpy as np
 
+from neuralgaits._control_laws import CONTROL_LAWS
 from neuralgaits._types import Float
-from neuralgaits.control import AbstractLaw, Fblin, Pd, ScheduledPd, measurement
+from neuralgaits.control import AbstractLaw, Pd, measurement
 from neuralgaits.control.estimator import Estimator
 from neuralgaits.control.inverse_dynamics import SMALLEST_DENOMINATOR
 from neuralgaits.control.joint_model import FRICTION_RATE
+from neuralgaits.control.law import CompiledLaw, compiled_law
 from neuralgaits.control.safeguard import joint_ranges, torque_rate
 from neuralgaits.control.saturation import Z1_MARGIN
 from neuralgaits.control.speed_adapter import ADAPTED
@@ -85,30 +87,22 @@ def _command(command: Command) -> str:
     return f"{command.name}: {command.low:g} to {command.high:g} {command.unit}{rate}"
 
 
+def exported_form(law: AbstractLaw) -> CompiledLaw:
+    """Return a law as exports have it. Raises: InputError if they do not have it."""
+    found = compiled_law(law)
+    if found is None or not found.exported:
+        names = ", ".join(name for name, entry in CONTROL_LAWS.items() if entry.exported)
+        raise InputError(
+            f"expected a law that C is written for ({names}), found {type(law).__name__}"
+        )
+    return found
+
+
 def gains(law: AbstractLaw) -> str:
-    """Describe a law in words. Raises: InputError if it is not one of this package."""
-    rate = f"policy asked every {law.hold_ticks} ticks"
-    if isinstance(law, Pd):
-        told = "" if law.measure_z2 else ", told z2 = 0"
-        torques = "the model's torques, " if law.feed_forward else ""
-        gains = f"{_each(law.stiffness)} N m/rad, {_each(law.damping)} N m s/rad"
-        return f"{torques}{gains}, {rate}{told}"
-    if isinstance(law, Fblin):
-        return f"input-output linearisation, {law.bandwidth:g} rad/s, {rate}"
-    if isinstance(law, ScheduledPd) and law.schedule is not None:
-        lost = law.schedule.errors
-        sampled = f"sampled errors {lost.torque:.2g} N m and {lost.inertia:.2g}"
-        return f"gains of phase and level, {law.bandwidth:g} rad/s, {sampled}, {rate}"
-    raise InputError(
-        f"expected a law of this package with its gains, found {type(law).__name__}: C is written "
-        "for pd, fblin, paper and scheduled-pd"
-    )
-
-
-def _each(gains: tuple[float, ...]) -> str:
-    """Return gains by joint, stance leg first; one number if they are alike."""
-    every = np.unique(np.array(gains))
-    return f"{every[0]:.4g}" if len(every) == 1 else "/".join(f"{g:.4g}" for g in gains)
+    """Describe a law in words. Raises: InputError if exports do not have it."""
+    found = exported_form(law)
+    told = "" if found.measure_z2 else ", told z2 = 0"
+    return f"{found.words}, policy asked every {law.hold_ticks} ticks{told}"
 
 
 def names(design: Design) -> dict[str, str | int]:

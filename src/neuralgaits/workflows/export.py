@@ -110,11 +110,16 @@ def _template_file(folder: Path, text: str) -> tuple[dict[str, str], list[str]]:
 def _designed(
     trained: Run, certificate: CertificateReading, format: str, joints: JointFile | None
 ) -> tuple[Design, list[str]]:
-    """Return everything that the files are made of, and why there is no monitor, if none is."""
+    """Return everything that the files are made of, and what it lacks: laws, a monitor."""
     design = design_of(trained, certificate, joints)
     if format == QUERIED:
         return replace(design, queries=queries_of(trained)), []
-    return with_monitor(design, trained, certificate) if format in MONITORED else (design, [])
+    # Pages say which laws gaits with commands have.
+    lacking = [] if design.commands else [f"no law {reason}" for reason in design.left_out]
+    if format not in MONITORED:
+        return design, lacking
+    monitored, more = with_monitor(design, trained, certificate)
+    return monitored, [*lacking, *more]
 
 
 def _joints_for(trained: Run, format: str, joints: str | Path) -> JointFile:

@@ -5,7 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from neuralgaits.control import AbstractLaw, ClfQp, Controller, Fblin, Pd, ScheduledPd
+from neuralgaits.control import AbstractLaw, ClfQp, Controller
+from neuralgaits.control.law import CompiledLaw, compiled_law
 from neuralgaits.control.scheduled_pd import GainSchedule
 from neuralgaits.errors import InputError
 from neuralgaits.export.schedule_tables import TABLES, schedule_fields
@@ -23,7 +24,7 @@ _LONGEST_US = 0xFFFFFFFF
 
 def knows(law: AbstractLaw) -> bool:
     """Return whether compiled controllers have this law."""
-    return type(law) in (Pd, Fblin, ClfQp, ScheduledPd)
+    return compiled_law(law) is not None
 
 
 def scene_of(
@@ -67,11 +68,11 @@ def scene_of(
     scene.largest_pitch = np.inf if robot.torso is None else TORSO_RAD
     scene.patience_s = STALL * float(np.sqrt(leg_length / robot.gravity))
     scene.start_up_steps, scene.settling_s = START_UP_STEPS, SETTLING_S
-    _set_law(scene.law, controller.law)
+    form = _set_law(scene.law, controller.law)
     if isinstance(controller.law, ClfQp):
         _set_program(library, scene, controller)
-    if isinstance(controller.law, ScheduledPd) and controller.law.schedule is not None:
-        _set_schedule(types.schedule(), scene, controller.law.schedule)
+    if form.schedule is not None:
+        _set_schedule(types.schedule(), scene, form.schedule)
     _set_config(scene, types, controller)
     return scene
 
@@ -87,19 +88,16 @@ def _set_ground(scene: Any, plant: Plant, controller: Controller) -> None:
         setattr(scene, f"told_{name}", 0 if at is None else at + 1)
 
 
-def _set_law(law: Any, wanted: AbstractLaw) -> None:
-    law.name, law.hold_ticks = b"", int(wanted.hold_ticks)
-    law.uses_impact_consistent_rates = int(wanted.uses_impact_consistent_rates)
-    if isinstance(wanted, Pd):
-        law.model, law.measure_z2 = int(wanted.feed_forward), int(wanted.measure_z2)
-        _fill(law.stiffness, wanted.stiffness)
-        _fill(law.damping, wanted.damping)
-    elif isinstance(wanted, Fblin | ClfQp):
-        law.model, law.measure_z2, law.bandwidth = 1, 1, float(wanted.bandwidth)
-    elif isinstance(wanted, ScheduledPd) and wanted.schedule is not None:
-        law.measure_z2, law.bandwidth = 1, float(wanted.bandwidth)
-    else:
+def _set_law(law: Any, wanted: AbstractLaw) -> CompiledLaw:
+    form = compiled_law(wanted)
+    if form is None:
         raise InputError(f"expected a law of this package, found {type(wanted).__name__}")
+    law.name, law.hold_ticks, law.bandwidth = b"", int(wanted.hold_ticks), float(form.bandwidth)
+    law.model, law.measure_z2 = int(form.model), int(form.measure_z2)
+    law.uses_impact_consistent_rates = int(wanted.uses_impact_consistent_rates)
+    _fill(law.stiffness, form.stiffness)
+    _fill(law.damping, form.damping)
+    return form
 
 
 def _set_program(library: Library, scene: Any, controller: Controller) -> None:
