@@ -5,11 +5,14 @@ import json
 import shutil
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from neuralgaits.analysis.run import open_run
+from neuralgaits.barriers import specs
 from neuralgaits.certificate.chart import NEAR_BELIEF, Chart
 from neuralgaits.certificate.levels.levels import conclude
+from neuralgaits.certificate.levels.walking_set.find import PAIRS, over_all
 from neuralgaits.certificate.levels.walking_set.theorem import (
     WalkingSetConstants,
     walking_premises,
@@ -91,6 +94,20 @@ def test_nothing_follows_of_a_distance_from_what_is_not_told(near, bounds):
     assert found.verdict == "undecided" and "distance from a belief" in str(found.reason)
     (plain,) = conclude({2: speeds}, [], proved, Chart.of((SPEED,)))
     assert plain.verdict == "proved" and "believes" not in " ".join(plain.words)
+
+
+def test_sets_are_looked_for_once_with_each_robot(near):
+    """The belief itself and both ends of the distance from it, with every pair of beliefs."""
+    spec = replace(specs.commanded(load_robot("amber3m"), (LEANS,)), parameters=near)
+    rows = []
+
+    def look(points):
+        rows.append(points)
+        return {"foot": points[:, 0]}
+
+    assert len(over_all(spec, look)(np.array([[0.5, 0.0]]))["foot"]) == 3 * PAIRS**2
+    (points,) = rows
+    assert len(np.unique(points[:, 4])) == 3 and np.ptp(points[:, 4]) == 0.006
 
 
 def test_the_axis_is_known_by_its_name(near):

@@ -132,7 +132,8 @@ def over_all(spec: GaitSpec, look: Evaluator) -> Evaluator:
     if spec.parameters:
         halves = np.array([axis.half for axis in spec.parameters])
         signs = np.random.default_rng(0).choice([-1.0, 1.0], (CORNERS, len(halves)))
-        robots = np.concatenate([robots, halves * signs])
+        # With few parameters many of them are one robot.
+        robots = np.concatenate([robots, halves * np.unique(signs, axis=0)])
     both = np.hstack([np.repeat(pairs, len(robots), axis=0), np.tile(robots, (len(pairs), 1))])
     return _with_each(both, look)
 
