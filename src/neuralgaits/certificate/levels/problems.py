@@ -9,9 +9,9 @@ from neuralgaits._types import Array, Float
 from neuralgaits.barriers import Gait, GaitSpec
 from neuralgaits.certificate.chart import PLANE, PLANE_ONLY, Chart, Corner
 from neuralgaits.certificate.level_target import Margins
-from neuralgaits.certificate.levels.disturbed.theorem import REGION as DISTURBED
+from neuralgaits.certificate.levels.disturbed.theorem import REGION as DISTURBED_REGION
 from neuralgaits.certificate.levels.full_order.model import size_of
-from neuralgaits.certificate.levels.full_order.theorem import REGION as FULL_ORDER
+from neuralgaits.certificate.levels.full_order.theorem import REGION as FULL_ORDER_REGION
 from neuralgaits.certificate.levels.level_search import LEVEL_SEARCHES, LevelSets, one_step
 from neuralgaits.certificate.levels.levels import LEVELS, labelled_premises, refusals
 from neuralgaits.certificate.levels.walking_set.theorem import SET
@@ -31,7 +31,7 @@ from neuralgaits.robots.mjcf.parameters import model_of
 
 CLAIMED = 0.4
 """Claimed share of a margin whose size does not matter: fewer boxes to check."""
-TIGHT = {SET: Problem.tight, FULL_ORDER: 0.25, DISTURBED: 0.0}
+TIGHT = {SET: Problem.tight, FULL_ORDER_REGION: 0.25, DISTURBED_REGION: 0.0}
 """Share of the smallest margin seen that is proved, by label. Level 4 reports its slack, and each
 further box costs; for the others only the sign matters."""
 BOUND_SEPARATELY = {
