@@ -37,6 +37,7 @@ constexpr double kCore = 0.125;
 const KnownFamily& cartpoles() {
   static const KnownFamily known = {
       "cartpole",
+      "a cart-pole",
       {"radius", "quarter turn", "half turn", "full turn"},
       {"policy", "ball", "decay", "rate"},
       {{"core", {0.0, 0.0}, {kCore, 1.0}},

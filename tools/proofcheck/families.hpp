@@ -14,7 +14,7 @@ struct SpecCondition { const char *name, *region, *words, *unit; size_t elements
 
 // What files of a family have in common.
 struct KnownFamily {
-  const char* name;
+  const char *name, *words;  // In files, and for a person.
   vector<const char*> axes;  // Each from 0 to 1.
   vector<const char*> parts;  // Of the model, beside family, robot, regions and conditions.
   vector<SpecRegion> regions;

@@ -689,9 +689,9 @@ void record_outputs(ProofFile& file) {
 // Regions and conditions of a family's model, which are no others than those of its spec.
 void read_family_spec(const Json& model, const ProgramFacts& program, ProofFile& file) {
   const KnownFamily& family = *file.family;
-  const string spec = string("that of a ") + family.name + "'s spec";
+  const string spec = string("that of ") + family.words + "'s spec";
   if (!family.has(file.chart))
-    throw Inconsistent{"the chart is not that of a " + string(family.name)};
+    throw Inconsistent{"the chart is not that of " + string(family.words)};
   const Json &regions = *model.find("regions"), &conditions = *model.find("conditions");
   vector<string> names;
   for (const SpecRegion& one : family.regions) names.push_back(one.name);
@@ -718,7 +718,7 @@ void read_family_spec(const Json& model, const ProgramFacts& program, ProofFile&
     file.conditions[one.name].region = one.region;
   }
   if (program.outputs.size() != names.size())
-    throw Inconsistent{"the Program has outputs that are no conditions of a " + string(family.name)};
+    throw Inconsistent{"the Program has outputs that are no conditions of " + string(family.words)};
 }
 
 // A system of a known family.

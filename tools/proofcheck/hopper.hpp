@@ -54,6 +54,7 @@ constexpr double kLeastForward = 0.2, kLeastUpward = 0.3, kLeastSupport = 0.05, 
 const KnownFamily& hoppers() {
   static const KnownFamily known = {
       "hopper",
+      "a hopper",
       {"progress", "energy level"},
       {"policy", "tube", "rate"},
       {{"high", {0.0, 1.0}, {1.0, 1.0}},

@@ -275,7 +275,7 @@ void say_model(const ProofFile& file) {
 
 // Every number of a system that does not walk that the statements depend on.
 void say_system(const ProofFile& file) {
-  say("robot " + file.robot + ": a " + file.family->name);
+  say("robot " + file.robot + ": " + file.family->words);
   for (const string& line : file.system->words) say("  " + line);
 }
 
