@@ -5,7 +5,7 @@ of speeds an adapter cannot help: a row says for which share of the steps the co
 Twenty walks a row from random states of the region, in MuJoCo; all rows take about 10 minutes.
 DISTURB, TOLD, LAWS and WALKS in the environment choose others, SENSING what `--sensing` takes, and
 DISTURB=standard the eighteen standard disturbances; RUN is another run than the shipped
-one: of a gait that takes leans, too, the rows also have the lean adapted, and both.
+one: of a gait that takes leans or slopes, too, the rows also have these adapted, and all.
 """
 
 import os
@@ -20,13 +20,14 @@ from common import whole
 
 from neuralgaits.analysis.run import Run, open_run
 from neuralgaits.control.speed_adapter import ADAPTED
-from neuralgaits.gait.commands import LEAN, command_named, place_of
+from neuralgaits.gait.commands import Commands, place_of
 from neuralgaits.records.adapted_speeds import SETTLED_STEPS
 from neuralgaits.simulation.native.compiled_walk import Library
 from neuralgaits.simulation.setup.command_schedule import orders_of
 from neuralgaits.simulation.setup.disturbance import parse
 from neuralgaits.simulation.setup.disturbance_set import DISTURBANCE_SET
 from neuralgaits.simulation.setup.sensing import sensed
+from neuralgaits.simulation.ticks.adapted_command import ADAPTABLE
 from neuralgaits.simulation.ticks.stride_table import Strides
 from neuralgaits.simulation.trained_walks import TrainedWalks, at_first, walk_engine_for
 from support.shipped_run import SHIPPED
@@ -34,8 +35,6 @@ from support.shipped_run import SHIPPED
 WALKS, STEPS = whole("WALKS", 20), 30
 ASKED_M_S, SENSING = 0.02, os.environ.get("SENSING")
 STANDARD = dict(DISTURBANCE_SET)
-MODES = (), (ADAPTED,), (LEAN,), (ADAPTED, LEAN)
-"""Commands that are adapted, a column each."""
 DISTURBANCES = (
     "",
     *(f"torso_shift_m={0.01 * cm:g}" for cm in (1, -1, 2, -2, 3, -3)),
@@ -66,7 +65,7 @@ def main() -> None:
     laws = os.environ.get("LAWS", "pd,fblin").split(",")
     with TemporaryDirectory() as folder:
         run = _run(Path(folder) / "run")
-        modes = MODES if command_named(run.trained.commands, LEAN) is not None else MODES[:2]
+        modes = _modes(run.trained.commands)
         head = (f"{','.join(names) or 'nothing'} adapted: walked, worst, falls" for names in modes)
         print(f"| law | other than the file | told | {' | '.join(head)} | speed at an end | |")
         for law in laws:
@@ -88,6 +87,12 @@ def _run(place: Path) -> Run:
     if (chosen := os.environ.get("RUN")) is not None:
         return open_run(chosen)
     return open_run(shutil.copytree(SHIPPED.with_name("demo_speed_run"), place))
+
+
+def _modes(commands: Commands) -> tuple[tuple[str, ...], ...]:
+    """Return the commands that are adapted, a column each: none, one by one, all."""
+    taken = tuple(name for name in ADAPTABLE if place_of(commands, name) is not None)
+    return ((), *((name,) for name in taken), *([taken] if len(taken) > 1 else []))
 
 
 def _grid(speeds: list[float], disturbances: tuple[str, ...]) -> Iterator[tuple[float, str]]:
