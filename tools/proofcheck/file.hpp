@@ -147,7 +147,7 @@ Statement statement_of(const Json& table, const Chart& chart,
   if (s.tree.empty() || s.tree.find_first_not_of(string(kAxisSigns) + "-") != string::npos)
     refuse("a tree that is no string of axes from 0 to f and -");
   s.root_box = box_of(field(table, "a statement", "root"), "a root box", chart, chart.size());
-  if (!is_whole(s.root_box, plane_of(s.root_box), chart))
+  if (!is_whole(s.root_box, state_of(s.root_box, chart), chart))
     refuse("a root box that is no box of the chart");
   const int degree = integer_of(field(table, "a statement", "degree"), "a degree");
   if (degree != 1 && degree != 2) refuse("a degree other than 1 and 2");
@@ -605,9 +605,9 @@ void conditions_of_statements(const Json& list, const ProgramFacts& program, Pro
       if (strips) continue;
       if (c.region.empty()) c.region = text_of(field(row, "a statement", "region"), "a region");
       vector<Box>& boxes = file.regions[c.region];
-      const Box plane = plane_of(box);
-      const auto same = [&](const Box& b) { return b.low == plane.low && b.high == plane.high; };
-      if (std::none_of(boxes.begin(), boxes.end(), same)) boxes.push_back(plane);
+      const Box own = state_of(box, file.chart);
+      const auto same = [&](const Box& b) { return b.low == own.low && b.high == own.high; };
+      if (std::none_of(boxes.begin(), boxes.end(), same)) boxes.push_back(own);
       limit(boxes.size(), kMostBoxes, "boxes of a region");
     }
   }
@@ -702,7 +702,7 @@ void read_family_spec(const Json& model, const ProgramFacts& program, ProofFile&
     const Box box = box_of(rows[0], "a box of a region", file.chart, file.chart.size());
     if (!is_whole(box, {{one.low[0], one.low[1]}, {one.high[0], one.high[1]}}, file.chart))
       throw Inconsistent{"the region " + string(one.name) + " is not " + spec};
-    file.regions[one.name] = {plane_of(box)};
+    file.regions[one.name] = {box};
   }
   names.clear();
   for (const SpecCondition& one : family.conditions) names.push_back(one.name);

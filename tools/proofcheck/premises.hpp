@@ -24,13 +24,15 @@ struct Axis {
 };
 using Chart = vector<Axis>;
 
-// A box of the chart by its corners. Of what conditions and theorems ask for, only phase and level
-// are given: such a box stands for all values of every further axis.
+// A box of the chart by its corners. Of what conditions and theorems ask for, only the axes of the
+// state are given: such a box stands for all values of every further axis.
 struct Box {
   vector<double> low, high;
 };
 
-Box plane_of(const Box& box) {
+// The axes of a box that are the state's: phase and level, or all of a chart without these.
+Box state_of(const Box& box, const Chart& chart) {
+  if (chart[0].name != "phase") return box;
   return {{box.low[0], box.low[1]}, {box.high[0], box.high[1]}};
 }
 

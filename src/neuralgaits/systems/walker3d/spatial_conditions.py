@@ -132,10 +132,11 @@ def _touchdown_margins(
 def _contraction_margins(
     robot: SpatialWalker, gait: SpatialGait, t: Float[Array, ""], w: Float[Array, "3"]
 ) -> dict[str, Array]:
-    """Return the leading minors of two matrices that have to be positive definite.
+    """Return numbers that are positive only if two matrices are positive definite.
 
     With B = R^-1 (ds'/ds R - R'), s' the derivative of s = (y, L_y, n) by phase, a deviation R d
     has d' = B d: - (B + B^T) / 2 - RATE. With a touchdown's D = R(0)^-1 ds+/ds R: 1 - D^T D.
+    The former is nearly diagonal, as R follows the linearised flow; the latter is not.
     """
     here, start = gait.tube.section(t), gait.tube.section(jnp.zeros_like(t))
 
@@ -149,9 +150,19 @@ def _contraction_margins(
     after = start.inside(landed)
     unit = np.eye(3)
     return {
-        "closer": _leading_minors(-0.5 * (across + across.T) - RATE * unit),
+        "closer": _dominance(-0.5 * (across + across.T) - RATE * unit),
         "approach": _leading_minors(unit - after @ after.T),
     }
+
+
+def _dominance(matrix: Float[Array, "3 3"]) -> Float[Array, "12"]:
+    """Return each diagonal element with both others of its row added or subtracted.
+
+    If all are positive, the diagonal dominates: a symmetric matrix is positive definite.
+    """
+    (a, b, c), (_, d, e), (_, _, f) = matrix
+    rows = ((a, b, c), (d, b, e), (f, c, e))
+    return jnp.stack([x + s * y + t * z for x, y, z in rows for s in (1, -1) for t in (1, -1)])
 
 
 def _leading_minors(matrix: Float[Array, "3 3"]) -> Float[Array, "3"]:

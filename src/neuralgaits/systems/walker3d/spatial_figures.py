@@ -48,8 +48,7 @@ def draw_spatial_tube(gait: SpatialGait) -> Figure:
     figure = Figure(figsize=(8.0, 5.0), layout="constrained")
     rows = figure.subplots(2, 3)
     t = np.linspace(0.0, 1.0, 101)
-    found = jax.vmap(gait.tube.section)(jnp.asarray(t))
-    centre, axes = np.asarray(found.centre), np.asarray(found.axes)
+    centre, axes = gait.tube.sections(t)
     half = np.linalg.norm(axes, axis=2)
     words = ("y [mm]", "L_y [kg m^2/s]", "n [kg m^2/s]")
     for k, (place, label) in enumerate(zip(rows[0], words, strict=True)):
@@ -85,7 +84,7 @@ def _lines(robot: SpatialWalker, pose: SpatialPose) -> list[tuple[np.ndarray, st
     return [
         (legs[0], style.BLUE),
         (legs[1], style.ORANGE),
-        (pose.hips, style.BLACK),
+        (np.asarray(pose.hips), style.BLACK),
         (np.stack([middle, top]), style.BLACK),
     ]
 

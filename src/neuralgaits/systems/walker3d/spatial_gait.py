@@ -28,7 +28,7 @@ class SpatialGait(eqx.Module):
     @property
     def start(self) -> Float[np.ndarray, "3"]:
         """(y, L_y, n) in the tube's middle where a step starts, on the periodic orbit."""
-        return self.tube.at_start()[0]
+        return self.tube.sections(np.zeros(1))[0][0]
 
     def state(self, t: Float[Array, ""], deviating: Float[Array, "3"]) -> Float[Array, "4"]:
         """Return the state with (y, L_y, n) at a phase."""
@@ -39,9 +39,16 @@ class SpatialGait(eqx.Module):
         """Return the state at a point of the chart: phase, and a point of the cube."""
         return self.state(u[0], self.tube.section(u[0]).states(in_ball(u[1:])))
 
+    def holds(self, states: Float[np.ndarray, "N 4"]) -> np.ndarray:
+        """Return which states are in the tube; phases beyond a step's ends count as these. [N]."""
+        phases = np.clip(np.asarray(self.policy.phase(states.T)), 0.0, 1.0)
+        centres, axes = self.tube.sections(phases)
+        w = np.linalg.solve(axes, (states[:, 1:] - centres)[..., None])[..., 0]
+        return np.sum(w * w, axis=1) <= 1.0
+
     def starts(self, inside: Float[np.ndarray, "N 3"]) -> Float[np.ndarray, "N 4"]:
         """Return states where steps start: 0 is the tube's centre there, unit vectors its face."""
-        centre, axes = self.tube.at_start()
+        (centre,), (axes,) = self.tube.sections(np.zeros(1))
         rows = centre + inside @ axes.T
         first = np.full((len(rows), 1), float(self.policy.ends[0]))
         return np.concatenate([first, rows], axis=1)

@@ -10,7 +10,7 @@ from neuralgaits.records.certified import Conclusion
 from neuralgaits.systems.condition_table import ConditionTable
 
 _LOW, _HIGH = (0.0, 0.0, 0.0, 0.0), (1.0, 1.0, 1.0, 1.0)
-RATE = 0.05
+RATE = 0.02
 """Exponent by which two steps come closer at least, in the tube's own metric."""
 
 
@@ -22,17 +22,12 @@ def _with(corner: tuple[float, ...], axis: int, value: float) -> tuple[float, ..
 TABLE = ConditionTable(
     chart=Chart(
         state=tuple(
-            Axis(name, 0.0, 1.0)
-            for name in ("progress", "first across", "second across", "third across")
+            Axis(name, 0.0, 1.0) for name in ("progress", "radius", "first turn", "second turn")
         )
     ),
     regions={
         "tube": ((_LOW, _HIGH),),
-        "surface": tuple(
-            (_with(_LOW, axis, side), _with(_HIGH, axis, side))
-            for axis in (1, 2, 3)
-            for side in (0.0, 1.0)
-        ),
+        "surface": tuple((_with(_LOW, 1, end), _with(_HIGH, 1, end)) for end in (0.0, 1.0)),
         "touchdown": ((_with(_LOW, 0, 1.0), _HIGH),),
         "middle line": (((0.0, 0.5, 0.5, 0.5), (1.0, 0.5, 0.5, 0.5)),),
     },

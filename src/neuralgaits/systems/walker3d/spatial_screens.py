@@ -16,6 +16,7 @@ def screen_of_walks(found: SpatialWalks) -> Screen:
         [
             ("speed", f"{found.speed_m_s:.2f} m/s"),
             ("joint errors", f"up to {1e3 * found.largest_error_rad:.1f} mrad, push excluded"),
+            ("in the tube", f"{100.0 * found.in_tube:.4g} % of ticks, push excluded"),
             ("torque", f"up to {found.largest_torque_nm:.0f} N m asked, {found.clamped:.2%} cut"),
             ("run", found.run),
         ],

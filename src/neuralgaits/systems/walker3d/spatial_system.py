@@ -110,8 +110,8 @@ class SpatialSystem(ProvedSystem):
     def refuse_controller(self, controller: SpatialGait, file: Path) -> None:
         """Refuse arrays that no training leaves. Raises: RunError naming their file."""
         begin, end = controller.policy.ends
-        _, axes = controller.tube.at_start()
-        if not begin < 0.0 < end or not np.linalg.det(axes) > 0.0:
+        _, axes = controller.tube.sections(np.zeros(1))
+        if not begin < 0.0 < end or not np.linalg.det(axes[0]) > 0.0:
             raise RunError(
                 f"expected a step from behind to ahead of the foot and a tube with a volume in "
                 f"{file}, found others: the file was changed; train again"
@@ -131,7 +131,7 @@ class SpatialSystem(ProvedSystem):
         _, section = exact_period(robot, gait.policy, gait.start, scale)
         duration = step_of_orbit(robot, gait.policy, gait.start)
         length = float(gait.policy.ends[1] - gait.policy.ends[0])
-        widths = np.linalg.norm(gait.tube.at_start()[1], axis=1)
+        widths = np.linalg.norm(gait.tube.sections(np.zeros(1))[1][0], axis=1)
         multipliers = np.sort(np.abs(np.linalg.eigvals(section)))[::-1]
         return {
             "margins": sampled_margins(trace_conditions(run), FRESH, FRESH_SEED),

@@ -53,10 +53,14 @@ class SpatialTube(eqx.Module):
         """Return the ellipsoid at a phase."""
         return TubeSection(*_with_slope(self.centre, t), *_with_slope(self.axes, t))
 
-    def at_start(self) -> tuple[Float[np.ndarray, "3"], Float[np.ndarray, "3 3"]]:
-        """Return centre and half axes where a step starts."""
-        start = self.section(jnp.zeros(()))
-        return np.asarray(start.centre), np.asarray(start.axes)
+    def sections(
+        self, phases: Float[np.ndarray, " N"]
+    ) -> tuple[Float[np.ndarray, "N 3"], Float[np.ndarray, "N 3 3"]]:
+        """Return centres and half axes at some phases, without JAX."""
+        powers = 2.0 * phases - 1.0
+        parts = (np.asarray(self.centre), np.asarray(self.axes))
+        centre, axes = (np.polynomial.polynomial.polyval(powers, part) for part in parts)
+        return np.moveaxis(centre, -1, 0), np.moveaxis(axes, -1, 0)
 
 
 def _with_slope(
@@ -72,13 +76,12 @@ def _with_slope(
 
 
 def in_ball(v: Float[Array, "3"]) -> Float[Array, "3"]:
-    """Return the point of the unit ball for one of the cube [0, 1]^3.
+    """Return the point of the unit ball for one of the cube [0, 1]^3: radius and direction.
 
-    The cube's faces go to the sphere: 1 - |w|^2 = (1 - q1^2) (1 - q2^2) (1 - q3^2), q = 2 v - 1.
-    As no coordinate of q changes its sign, the sphere is covered, and so is the ball.
+    With (r, p, q) = 2 v - 1 it is r (2 p, 2 q, 1 - p^2 - q^2) / (1 + p^2 + q^2). The disc
+    p^2 + q^2 <= 1 gives half of all directions, and negative radii the opposite ones: the ball is
+    covered, and the sphere by r = -1 and r = 1. Quotients of this kind have bounds on any box.
     """
-    q = 2.0 * v - 1.0
-    a, b, c = q * q
-    others = jnp.stack([b + c, c + a, a + b])
-    products = jnp.stack([b * c, c * a, a * b])
-    return q * jnp.sqrt(1.0 - 0.5 * others + products / 3.0)
+    radius, p, q = 2.0 * v - 1.0
+    square = p * p + q * q
+    return radius / (1.0 + square) * jnp.stack([2.0 * p, 2.0 * q, 1.0 - square])

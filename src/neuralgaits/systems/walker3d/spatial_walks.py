@@ -49,6 +49,8 @@ class SpatialWalks(Record):
         largest_error_rad, rms_error_rad: of the six joints; the largest where no push acts or has
             acted.
         largest_torque_nm: asked of a motor.
+        in_tube: share of ticks at which the measured state is in the tube, where no push acts or
+            has acted.
         clamped: share of ticks at which a motor was asked for more than its limit.
         push_ns: impulse to the left on the torso; None without a push.
         wall_s: elapsed time.
@@ -65,6 +67,7 @@ class SpatialWalks(Record):
     largest_error_rad: float
     rms_error_rad: float
     largest_torque_nm: float
+    in_tube: float
     clamped: float
     push_ns: float | None
     wall_s: float
@@ -101,6 +104,7 @@ class WalkLog:
         squares, errors: sum of squared errors [rad^2], and how many.
         peak_torque: asked of any motor [N m].
         clamped, ticks: ticks at which a motor was asked for too much, and all ticks.
+        inside, calm: ticks in the tube before a push, and all ticks before one.
     """
 
     taken: Array
@@ -113,6 +117,8 @@ class WalkLog:
     peak_torque: float = 0.0
     clamped: int = 0
     ticks: int = 0
+    inside: int = 0
+    calm: int = 0
 
     @classmethod
     def of(cls, count: int) -> "WalkLog":
@@ -120,11 +126,14 @@ class WalkLog:
         zeros = np.zeros(count)
         return cls(zeros.astype(int), zeros.astype(bool), zeros.copy(), np.full(count, np.inf))
 
-    def note(self, now: TorqueDemand, moving: Array, limits: Float[np.ndarray, "6"]) -> None:
-        """Note errors and torques of the robots that walk."""
+    def note(
+        self, now: TorqueDemand, inside: Array, moving: Array, limits: Float[np.ndarray, "6"]
+    ) -> None:
+        """Note errors, torques and how many are in the tube, of the robots that walk."""
         errors, asked = np.abs(now.errors[moving]), np.abs(now.torques[moving])
-        calm = np.abs(now.errors[moving & ~np.isfinite(self.pushed_at)])
-        self.peak_error = max(self.peak_error, float(calm.max(initial=0.0)))
+        calm = moving & ~np.isfinite(self.pushed_at)
+        self.inside, self.calm = self.inside + int(inside[calm].sum()), self.calm + int(calm.sum())
+        self.peak_error = max(self.peak_error, float(np.abs(now.errors[calm]).max(initial=0.0)))
         self.squares, self.errors = (
             self.squares + float(np.sum(errors**2)),
             self.errors + errors.size,
@@ -173,7 +182,7 @@ def walk(robot: SpatialRobot, gait: SpatialGait, plan: WalkPlan) -> tuple[Spatia
         if plan.push is not None:
             fresh = touch & (log.taken == min(PUSH_STEP, plan.steps // 2))
             log.pushed_at = np.where(fresh, plants.times(), log.pushed_at)
-        log.note(now, moving, robot.walker.limits)
+        log.note(now, gait.holds(now.z), moving, robot.walker.limits)
         lost = ~np.isfinite(now.torques).all(axis=1) | (log.since > LONGEST * plan.step_s)
         log.fell |= moving & lost
         since_push = plants.times() - log.pushed_at
@@ -202,6 +211,7 @@ def simulate_walks(run: Any, plan: WalkPlan) -> SpatialWalks:
         largest_error_rad=done.peak_error,
         rms_error_rad=float(np.sqrt(done.squares / max(done.errors, 1))),
         largest_torque_nm=done.peak_torque,
+        in_tube=done.inside / max(done.calm, 1),
         clamped=done.clamped / max(done.ticks, 1),
         push_ns=plan.push,
         wall_s=time.perf_counter() - start_time,

@@ -22,7 +22,7 @@ from neuralgaits.systems.walker3d.spatial_tube import SpatialTube
 from neuralgaits.systems.walker3d.spatial_walker import SpatialWalker
 from neuralgaits.systems.walker3d.tube_samples import sampled_margins
 
-SIZES, FRESH = (5.0, 3.5, 2.5, 1.8, 1.2, 0.8), 2**12
+SIZES, FRESH = (4.5, 3.5, 2.5, 1.8, 1.2, 0.8), 2**12
 """Sizes of tubes that are tried, in deviations of `section_scale`, and random points of each
 region at which all conditions must hold."""
 SHRINKING = 0.2
