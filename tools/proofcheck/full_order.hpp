@@ -403,6 +403,10 @@ vector<BM> growth_margins(double most, FullState& f) {
     }
   for (size_t i = 0; i < m; ++i)
     for (size_t j = 0; j < m; ++j) {
+      if (j < i) {
+        left[i].push_back(left[j][i]);
+        continue;
+      }
       BM sum(I(i == j ? 1.0 : 0.0));
       for (size_t k = 0; k < 2 * m; ++k) sum = sum - a[i][k] * a[j][k];
       left[i].push_back(sum);
