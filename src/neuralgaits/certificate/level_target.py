@@ -21,7 +21,7 @@ Margins = dict[str, Float[Array, "..."]]
 
 @dataclass(frozen=True)
 class ControlAssumption:
-    """What levels 4 and 5 assume of the controller.
+    """Assumptions of levels 4 and 5 about the controller.
 
     Attributes:
         bandwidth: double pole of the outputs, for which the largest set is looked for [rad/s];

@@ -1,4 +1,4 @@
-"""What a robot believes of its torso and of its ground, from step to step: its gait's commands.
+"""Beliefs of a robot about its torso and its ground, from step to step: commands of its gait.
 
 Between touchdowns nothing changes. At each touchdown a belief moves towards what the ended step
 shows: its lean, see `lean_sums`, or the slope of the line through both feet. It stays within the
