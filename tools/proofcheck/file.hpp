@@ -346,7 +346,8 @@ Disturbed disturbed_of(const Json& table) {
   const string what = "level 5";
   vector<string> fields = {"push",         "peak",      "hold",    "error", "jerk",
                            "growth_slope", "jerk_push", "barriers"};
-  for (const char* name : {"kick", "kick_slope", "kick_push", "kick_peak", "kick_end"})
+  for (const char* name : {"kick", "kick_slope", "kick_push", "kick_peak", "kick_end",
+                           "torque_gains", "inertia_gains", "decay", "rest"})
     if (table.find(name)) fields.push_back(name);
   only(table, what, fields);
   const auto number = [&what](const Json& from, const char* name) {
@@ -364,6 +365,10 @@ Disturbed disturbed_of(const Json& table) {
   d.jerk = number(table, "jerk");
   d.growth_slope = number(table, "growth_slope");
   d.jerk_push = number(table, "jerk_push");
+  if (const Json* gains = table.find("torque_gains")) d.torque_gains = series_of(*gains, "gains");
+  if (const Json* gains = table.find("inertia_gains")) d.inertia_gains = series_of(*gains, "gains");
+  if (table.find("decay")) d.decay = number(table, "decay");
+  if (table.find("rest")) d.rest = number(table, "rest");
   if (table.find("kick")) d.kick = number(table, "kick");
   if (table.find("kick_slope")) d.kick_slope = number(table, "kick_slope");
   if (table.find("kick_push")) d.kick_push = number(table, "kick_push");
@@ -457,6 +462,11 @@ std::map<string, vector<double>> lists_of(const Theorems& theorems) {
   if (const auto& d = theorems.disturbed; d) {
     lists["disturbed.peak"] = {d->peak, d->peak + 2};
     if (d->hold != 0.0) lists["disturbed.jerk"] = {d->jerk, d->growth_slope, d->jerk_push};
+    if (d->scheduled()) {
+      lists["disturbed.law"] = {d->decay, d->rest};
+      lists["disturbed.torque_gains"] = d->torque_gains;
+      lists["disturbed.inertia_gains"] = d->inertia_gains;
+    }
     if (d->free_clock()) lists["disturbed.kick"] = {d->kick, d->kick_slope, d->kick_push, d->kick_peak};
     vector<double>& rows = lists["disturbed.barriers"];
     for (const DisturbedBarrier& b : d->barriers)
@@ -538,7 +548,7 @@ std::map<string, Output> outputs_of(const ProgramFacts& program, const ProofFile
     } else if (of_full && space != string::npos) {
       output = barrier_output(name.substr(0, space), name.substr(space + 1), *theorems.full);
     } else if (pushed && disturbed_outputs().count(name)) {
-      output = output_of_disturbed(name, disturbed_outputs().at(name));
+      output = output_of_disturbed(name, disturbed_outputs().at(name), *theorems.disturbed);
     } else if (pushed && name.rfind("disturbed/decrease ", 0) == 0) {
       // Barriers of level 5 are those of level 4, in their order.
       const auto number = theorems.full->numbers.find(name.substr(space + 1));

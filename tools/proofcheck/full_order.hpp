@@ -609,6 +609,8 @@ const std::map<string, Meaning>& disturbed_outputs() {
   static const std::map<string, Meaning> table = {
       {"disturbed/contact", {"the contact's slacks, less what a push takes", "weights"}},
       {"disturbed/torque", {"the torques' slacks, less what a push takes", "limits"}},
+      {"disturbed/decay", {"pivots of the decay of V under a law", ""}},
+      {"disturbed/rest", {"its bound^2 - |S e|^2 of a law, nothing off", "rad^2/s^4"}},
       {"disturbed/jerk", {"j^2 - |S d^3y|^2 under held torques, nothing off", "rad^2/s^6"}},
       {"disturbed/growth-slope", {"pivots of 1 - A A' / l^2, A the slope of S de/dt in xi", ""}},
       {"disturbed/jerk-push", {"its bound^2 - its squared slope in S e", "1/s^2"}},
@@ -619,9 +621,11 @@ const std::map<string, Meaning>& disturbed_outputs() {
   return table;
 }
 
-Output output_of_disturbed(const string& name, const Meaning& meaning) {
-  const bool known = name != "disturbed/kick-slope";
-  return {0, known ? "" : "a slope in xi of the error after an impact is not derived",
+Output output_of_disturbed(const string& name, const Meaning& meaning, const Disturbed& its) {
+  string unknown;
+  if (name == "disturbed/kick-slope") unknown = "a slope in xi of the error after an impact";
+  if (its.scheduled()) unknown = "what follows from the law of scheduled PD";
+  return {0, unknown.empty() ? unknown : unknown + " is not derived",
           [name](Place<TM>& at) {
             return estimates(disturbed_margins(name, *at.theorems.disturbed, full_state(at)));
           },

@@ -129,6 +129,10 @@ struct Disturbed {
   vector<DisturbedBarrier> barriers;
   // Of torques that are held through an impact; all 0 if there is a tick at each touchdown.
   double kick = 0.0, kick_slope = 0.0, kick_push = 0.0, kick_peak = 0.0, kick_end = 0.0;
+  // Of scheduled PD; all empty or 0 under exact linearisation.
+  vector<double> torque_gains, inertia_gains;
+  double decay = 0.0, rest = 0.0;
+  bool scheduled() const { return !torque_gains.empty(); }
   bool free_clock() const { return kick_end != 0.0; }
   bool claimed = false;
 };

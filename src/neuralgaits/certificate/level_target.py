@@ -12,6 +12,7 @@ from neuralgaits.barriers import Gait, GaitSpec
 from neuralgaits.certificate.level import Parameters
 from neuralgaits.gait import ZeroDynamics
 from neuralgaits.gait.policies.commanded_gait import AnyGait
+from neuralgaits.gait.scheduled_gains import ScheduledGains
 
 Evaluator = Callable[[Float[np.ndarray, "n 2"]], Mapping[str, np.ndarray]]
 """Chart points [n, 2] to quantities by name: "foot" [m], "foot_rate" [m/s], "slope", "expansion",
@@ -27,10 +28,12 @@ class ControlAssumption:
         bandwidth: double pole of the outputs, for which the largest set is looked for [rad/s];
             None for the usual one, and the usual set.
         free_clock: whether ticks of level 5 may miss touchdowns.
+        scheduled: whether level 5 is about scheduled PD, and not about exact linearisation.
     """
 
     bandwidth: float | None = None
     free_clock: bool = False
+    scheduled: bool = False
 
 
 USUAL_CONTROL = ControlAssumption()
@@ -59,6 +62,15 @@ class SearchTarget:
     pushed: bool = False
     control: ControlAssumption = USUAL_CONTROL
     left: dict[int, Any] = field(default_factory=dict)
+
+    @cached_property
+    def gains(self) -> ScheduledGains | None:
+        """Gains of scheduled PD, as arrays of doubles; None if that is not the law."""
+        if not self.control.scheduled:
+            return None
+        assert isinstance(self.gait, Gait)
+        found = ScheduledGains.of(self.zd.robot, self.gait)
+        return ScheduledGains(np.asarray(found.torque), np.asarray(found.inertia))
 
     @cached_property
     def look(self) -> Evaluator:

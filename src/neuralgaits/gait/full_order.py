@@ -6,7 +6,6 @@ the momentum row fixes; both stay closed form, as on the zero dynamics manifold.
 docs/full_order.md; Westervelt et al. (2007), section 5.
 """
 
-from collections.abc import Callable
 from functools import cached_property
 
 import jax
@@ -108,31 +107,8 @@ def held_jerk(point: FullPoint) -> Actuated:
 
     z, y, dy, ddy = point.z, point.output, point.output_rate, point.output_acceleration
     _, rate = jax.jvp(lambda z, y, dy: torque(z, y, dy, ddy), (z, y, dy), (point.dz, dy, ddy))
-    return -_acceleration(lambda a: torque(z, y, dy, a), ddy, rate)
-
-
-def error_after_impact(point: FullPoint) -> Actuated:
-    """Return what ddy is off by right after an impact in this state, torques being held. [m].
-
-    (rad/s^2.) Each motor keeps its torque; the joints have other names in the new step. The
-    robot's impact does not depend on torques, so the error is affine in them. Source:
-    docs/level5_proof.md.
-    """
-    robot, policy = point.robot, point.policy.steady_next
-    z, eta, w = point.z_after, point.eta_after, point.bandwidth
-    after = FullPoint(robot, policy, z, eta, w)
-    # Names change among joints alone: a permutation, which is orthogonal.
-    lack = robot.relabel[1:, 1:] @ point.torque - after.torque
-
-    def torque(ddy: Actuated) -> Actuated:
-        return FullPoint(robot, policy, z, eta, w, ddy).torque
-
-    return _acceleration(torque, after.output_acceleration, lack)
-
-
-def _acceleration(
-    torque: Callable[[Actuated], Actuated], ddy: Actuated, more: Actuated
-) -> Actuated:
-    """Return by how much ddy changes if an affine function of it, the torque, is to be more."""
-    slopes = [jax.jvp(torque, (ddy,), (row,))[1] for row in jnp.eye(len(ddy), dtype=ddy.dtype)]
-    return solve(jnp.stack(slopes, axis=1), more)
+    slopes = [
+        jax.jvp(lambda a: torque(z, y, dy, a), (ddy,), (row,))[1]
+        for row in jnp.eye(len(ddy), dtype=ddy.dtype)
+    ]
+    return -solve(jnp.stack(slopes, axis=1), rate)

@@ -62,6 +62,8 @@ class CertifySettings(Settings):
     """Double pole w of the outputs at levels 4 and 5: that of fblin, 30, if not given. If given,
     --level 4 is about the largest set that the search yields, in a norm of its own: 20 suits
     AMBER-3M."""
+    controller: Literal["fblin", "scheduled-pd"] = "fblin"
+    """Control law that level 5 is about, at the bandwidth given."""
     clock: Literal["touchdown", "free"] = "touchdown"
     """At level 5, when torques are set: at each touchdown and then from tick to tick; or free: by
     a clock that knows of no touchdown."""
@@ -91,6 +93,11 @@ class CertifySettings(Settings):
         if self.clock == "free" and level < DISTURBED_LEVEL:
             raise InputError(
                 f"expected level {DISTURBED_LEVEL} with a free clock, found {level}: raise --level"
+            )
+        if self.controller != "fblin" and level < DISTURBED_LEVEL:
+            raise InputError(
+                f"expected level {DISTURBED_LEVEL} with {self.controller}, found {level}: raise "
+                "--level"
             )
         if self.bandwidth is None:
             return

@@ -52,7 +52,9 @@ def certify_alone(trained: Run, settings: CertifySettings) -> CertifyResult:
     effort = ProofEffort(
         settings.budget, settings.resume, settings.workers, settings.ray, settings.progress
     )
-    control = ControlAssumption(settings.bandwidth, settings.clock == "free")
+    control = ControlAssumption(
+        settings.bandwidth, settings.clock == "free", settings.controller == "scheduled-pd"
+    )
     found = prove_run(trained, scope, disturbance, control, effort)
     try:
         result = finish_certificate(trained, scope, found, start_time)

@@ -40,6 +40,7 @@ BOUND_SEPARATELY = {
     "disturbed/contact": "forces",
     "disturbed/torque": "forces",
     "disturbed/jerk": "jerk",
+    "disturbed/decay": "decay",
     "disturbed/growth-slope": "growth slope",
     "disturbed/jerk-push": "jerk push",
     "disturbed/kick": "kick",

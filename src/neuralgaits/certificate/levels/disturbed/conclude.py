@@ -11,6 +11,7 @@ from neuralgaits.certificate.levels.disturbed.push_inequalities import (
     first_kick,
     growth,
     inequalities,
+    rest,
     sqrt_v_after_kick,
 )
 from neuralgaits.certificate.levels.disturbed.theorem import DisturbedConstants, premises
@@ -52,7 +53,7 @@ def constants(full: FullOrderConstants, shape: DisturbedConstants) -> list[Theor
     """Return every constant that level 5 adds."""
     always, loop = _always(full, shape), step_factor(full)
     # Errors up to the push are borne where sqrt(V) is small, too.
-    kept = 2 * factor(full) * always / decay(full)
+    kept = 2 * factor(full) * (always + rest(shape)) / decay(full, shape)
     found = [
         TheoremConstant("push", below(always), "rad/s^2", "every e with |S e| up to this", "least"),
         TheoremConstant(
@@ -119,7 +120,7 @@ def _of_kicks(full: FullOrderConstants, shape: DisturbedConstants) -> list[Theor
 
 def _always(full: FullOrderConstants, shape: DisturbedConstants) -> arb:
     """Return the |S e| up to which any error is tolerated anywhere in the set."""
-    return arb(shape.push[0]) + arb(shape.push[1]) * arb(full.least_radius)
+    return arb(shape.push[0]) + arb(shape.push[1]) * arb(full.least_radius) - rest(shape)
 
 
 def _size_of_norm(full: FullOrderConstants) -> arb:
@@ -127,6 +128,16 @@ def _size_of_norm(full: FullOrderConstants) -> arb:
     if not full.weights:
         return arb(1)
     return sum((arb(w) ** 2 for w in full.weights), arb(0)).sqrt()
+
+
+def _of_law(shape: DisturbedConstants) -> str:
+    """Describe the torques whose error is e."""
+    if not shape.scheduled:
+        return "torques that give the outputs ddy = -w^2 y - 2 w dy + e"
+    return (
+        "torques that give the outputs e more of ddy than u = u0 - M (w^2 y + 2 w dy) does, the "
+        "torque of scheduled PD, u0 and M being the file's polynomials of phase and level"
+    )
 
 
 def _about_touchdowns(shape: DisturbedConstants) -> str:
@@ -145,7 +156,7 @@ def _words(full: FullOrderConstants, shape: DisturbedConstants) -> tuple[str, ..
         size = f"|S e|, S = {weighting(full.weights, joints_of(full.weights) or 0)!r},"
     found = [
         f"the same set D, whatever measurable e(t) with {size} <= {below(_always(full, shape))!r} "
-        "rad/s^2 is added: under torques that give the outputs ddy = -w^2 y - 2 w dy + e, every "
+        f"rad/s^2 is added: under {_of_law(shape)}, every "
         "trajectory that starts in D stays in D between impacts, meets the ground once and "
         "transversally in each step, and is in D after the impact: it walks for ever"
     ]

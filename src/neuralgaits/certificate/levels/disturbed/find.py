@@ -11,12 +11,14 @@ from neuralgaits._digits import at_least, at_most
 from neuralgaits.certificate.levels.disturbed.push_inequalities import factor, inequalities
 from neuralgaits.certificate.levels.disturbed.theorem import DisturbedBarrier, DisturbedConstants
 from neuralgaits.certificate.levels.full_order.held import (
-    JERK_PUSH,
+    REST,
     Held,
     Jerk,
     Kick,
     growth_bound,
     kick_bounds,
+    least_decay,
+    push_bound,
 )
 from neuralgaits.certificate.levels.full_order.inequalities import (
     after_impact,
@@ -27,6 +29,7 @@ from neuralgaits.certificate.levels.full_order.inequalities import (
 from neuralgaits.certificate.levels.full_order.norm import GAINS, LONGEST
 from neuralgaits.certificate.levels.full_order.samples import SampleEvaluators, grid
 from neuralgaits.certificate.levels.full_order.theorem import FullOrderConstants, lyapunov_rate
+from neuralgaits.gait.scheduled_gains import ScheduledGains
 
 HALVINGS = 20
 """Halvings of the interval that holds the longest hold or the largest push."""
@@ -48,6 +51,7 @@ def find_disturbed(
     error: float = 0.0,
     *,
     free_clock: bool = False,
+    gains: ScheduledGains | None = None,
 ) -> DisturbedConstants | str:
     """Return the longest hold and the largest push that points allow in the set.
 
@@ -58,6 +62,7 @@ def find_disturbed(
         full: the set.
         error: bound on |S e| when torques are set [rad/s^2].
         free_clock: whether ticks may miss touchdowns.
+        gains: those of scheduled PD, if that is the law that the functions are of.
     """
     if full.least_radius <= 0.0:
         return (
@@ -66,6 +71,8 @@ def find_disturbed(
         )
     u = grid(np.linspace(*full.ends, 61), np.linspace(0.0, 1.0, 9))
     seen = _Seen(looks, full, u, free_clock)
+    if not seen.gamma > 0.0:
+        return "under this law V is not shown to fall"
     hold = _largest(LONGEST, lambda hold: seen.stands(hold, seen.held(hold, error)))
     hold = float(at_least(hold, DIGITS))
     if free_clock and hold == 0.0:
@@ -88,6 +95,14 @@ def find_disturbed(
             **dict(zip(("kick", "kick_slope", "kick_push"), seen.kick, strict=True)),
             kick_peak=kick.peak,
             kick_end=seen.end_of_kick(hold),
+        )
+    if gains is not None:
+        shape = replace(
+            shape,
+            torque_gains=tuple(np.ravel(gains.torque).tolist()),
+            inertia_gains=tuple(np.ravel(gains.inertia).tolist()),
+            decay=seen.gamma,
+            rest=seen.rest,
         )
     broken = [obstacle(step) for step in inequalities(full, shape) if not step.holds]
     return "; ".join(broken) if broken else shape
@@ -146,8 +161,13 @@ class _Seen:
             -full.shrink * u[:, 0] ** 2
         )
         self.forces = []
+        self.rest = 0.0
+        if off["law/slope"].any():
+            self.gamma = float(at_least(least_decay(off["law/slope"], full.bandwidth), DIGITS))
+            self.rest = float(at_most(REST * np.linalg.norm(off["law"], axis=1).max(), DIGITS))
         for name in ("contact", "torque"):
-            slopes = np.linalg.norm(step[f"{name}/slope"], axis=2)
+            slopes = step[f"{name}/slope"] + off[f"{name}/push"] @ off["law/slope"]
+            slopes = np.linalg.norm(slopes, axis=2)
             left = step[name] - (1.0 + SPENT) * self.bound[:, None] * slopes
             self.forces.append(_Forces(left, np.linalg.norm(off[f"{name}/push"], axis=2)))
 
@@ -157,7 +177,7 @@ class _Seen:
         self.jerk = Jerk(
             float(at_most(STILL * size(off["jerk"]), DIGITS)),
             float(at_most(growth_bound(off["jerk/slope"], full.bandwidth), DIGITS)),
-            float(at_most(JERK_PUSH * size(off["jerk/push"]), DIGITS)),
+            float(at_most(push_bound(off["jerk/push"], off["law/slope"]), DIGITS)),
         )
         self.u, self.kick = u, _kick_bounds(looks, full) if free_clock else None
 
@@ -168,9 +188,11 @@ class _Seen:
             -full.shrink * full.start_strip**2
         )
         # The proof takes the bound at the start's strip for the one at phase 0, which is more.
-        found = self.jerk.held(hold, error, full.bandwidth, full.radius * full.radius / start)
+        reach = full.radius * full.radius / start
+        found = self.jerk.held(hold, error, full.bandwidth, reach, self.gamma)
         if found is None:
             return None
+        found = found._replace(push=(found.push[0] + self.rest, found.push[1]))
         above = (1.0 + 1e-9) * full.radius / start / BELOW
         push, peak = (tuple(above * x for x in pair) for pair in found)
         return Held((push[0], push[1]), (peak[0], peak[1]))
@@ -195,7 +217,7 @@ class _Seen:
         first += push * (held.peak[0] + held.peak[1] * full.guard_radius)
         found = self.jerk.kicked(1.000001 * first, hold, full.bandwidth, full.radius)
         peak = float(at_most(found.peak, DIGITS))
-        return Kick(found.first, peak, 0.5 * (found.first + peak))
+        return Kick(found.first, peak, 0.5 * (found.first + peak) + self.rest)
 
     def _bears(self, hold: float, kick: Kick) -> bool:
         """Return whether the set holds what an impact adds until the next tick."""

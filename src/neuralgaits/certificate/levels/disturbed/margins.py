@@ -5,6 +5,9 @@ length of their slope in S e. The jerk of the outputs under held torques is boun
 eta = 0 and by its slopes: enclosures of the jerk itself, over all outputs, are far wider.
 """
 
+from collections.abc import Mapping
+from typing import NamedTuple
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -16,10 +19,13 @@ from neuralgaits.certificate.levels.full_order.model import (
     FullOrderModel,
     Outputs,
     Quantities,
+    Vector,
+    unweighted,
     weighted,
 )
-from neuralgaits.certificate.levels.full_order.theorem import FullOrderConstants
-from neuralgaits.gait.full_order import error_after_impact, held_jerk
+from neuralgaits.certificate.levels.full_order.theorem import STIFF, FullOrderConstants
+from neuralgaits.gait.output_laws import ExactLinearisation, OutputLaw, ScheduledLaw
+from neuralgaits.gait.scheduled_gains import DEGREES, ScheduledGains
 from neuralgaits.robots.linear import pivots
 
 FORCES = ("contact", "torque")
@@ -39,13 +45,16 @@ def margins(
     rows = parts["barriers"].reshape(-1, len(OF_BARRIER))
     bound, guard = its.bound(u[0]), its.set["guard_radius"] * xi
     xi = bound * xi
-    found = _forces(model, u, xi, parts["peak"][0] + parts["peak"][1] * bound)
+    errors = _Errors(model, _law(model, shape, parts), u)
+    found = _forces(errors, xi, parts["peak"][0] + parts["peak"][1] * bound)
+    if shape.scheduled:
+        found |= _decay(errors, xi, parts["law"])
     if shape.hold != 0.0:
-        found |= _growth(model, u, xi, parts["jerk"])
+        found |= _growth(errors, xi, parts["jerk"])
     if shape.free_clock:
-        kicked = _forces(model, u, xi, parts["kick"][3])
+        kicked = _forces(errors, xi, parts["kick"][3])
         found["disturbed/kick-contact"] = kicked["disturbed/contact"]
-        found |= _kicks(model, u, guard, parts["kick"])
+        found |= _kicks(errors, guard, parts["kick"])
     centre = model.point(u, jnp.zeros_like(xi))
     rate, h = model.rates(centre), model.barriers(centre.z)
     coupling = jax.jacfwd(lambda moved: model.rates(model.point(u, moved)))(xi)
@@ -57,15 +66,61 @@ def margins(
     return found
 
 
-def _forces(model: FullOrderModel, u: Float[Array, "2"], xi: Outputs, peak: Scalar) -> Quantities:
-    """Return the slacks of forces less the most that e may take of them."""
+class _Errors(NamedTuple):
+    """Errors of the outputs' acceleration under a law, at one point, in the norm of S.
 
-    def slacks(e: Float[Array, " m"]) -> Quantities:
-        found = model.in_step(model.point(u, xi, e))
+    Attributes:
+        model: model with the set's norm.
+        law: the control law.
+        u: phase and level.
+    """
+
+    model: FullOrderModel
+    law: OutputLaw
+    u: Float[Array, "2"]
+
+    def of_law(self, xi: Outputs) -> Vector:
+        """Return S e_L: that of the law's own torque [rad/s^2]. [m]."""
+        return weighted(self.model.weights, self.law.error(self.model.point(self.u, xi), self.u))
+
+    def growth(self, xi: Outputs, e: Vector) -> Vector:
+        """Return S de/dt while torques are held, S e given [rad/s^3]. [m]."""
+        point, off = self.model.point(self.u, xi), unweighted(self.model.weights, e)
+        return weighted(self.model.weights, self.law.growth(point, self.u, off))
+
+    def after_impact(self, xi: Outputs, e: Vector) -> Vector:
+        """Return S e right after an impact, S e before it given [rad/s^2]. [m]."""
+        point, off = self.model.point(self.u, xi), unweighted(self.model.weights, e)
+        return weighted(self.model.weights, self.law.after_impact(point, self.u, off))
+
+    @property
+    def none(self) -> Vector:
+        """No error. [m]."""
+        return jnp.zeros(self.model.size // 2)
+
+
+def _law(
+    model: FullOrderModel, shape: DisturbedConstants, parts: Mapping[str, Vector]
+) -> OutputLaw:
+    """Return the control law that the theorem is about."""
+    if not shape.scheduled:
+        return ExactLinearisation()
+    m = model.size // 2
+    sizes = {name: tuple(n + 1 for n in degrees) for name, degrees in DEGREES.items()}
+    torque = parts["torque_gains"].reshape(m, *sizes["torque"])
+    inertia = parts["inertia_gains"].reshape(m, m, *sizes["inertia"])
+    return ScheduledLaw(ScheduledGains(torque, inertia), model.gait)
+
+
+def _forces(its: _Errors, xi: Outputs, peak: Scalar) -> Quantities:
+    """Return the slacks of forces under the law less the most that e may take of them."""
+
+    def slacks(e: Vector) -> Quantities:
+        found = its.model.in_step(its.model.point(its.u, xi, e))
         return {name: found[name] for name in FORCES}
 
-    none = jnp.zeros(model.size // 2)
-    found, slopes = slacks(none), jax.jacfwd(slacks)(none)
+    # Forces are affine in what is added to ddy, so the slopes are those at any.
+    found, slopes = slacks(its.of_law(xi)), jax.jacfwd(slacks)(its.none)
     # v - P |dv/d(S e)| > 0 for each slack v.
     return {
         f"disturbed/{name}": found[name]
@@ -74,26 +129,35 @@ def _forces(model: FullOrderModel, u: Float[Array, "2"], xi: Outputs, peak: Scal
     }
 
 
-def growth_slope(
-    jerk_slope: Float[Array, "m two_m"], bandwidth: float | Scalar
-) -> Float[Array, "m two_m"]:
-    """Return the slope of S de/dt in xi, given that of the outputs' jerk [rad/s^3 per rad]."""
-    m = len(jerk_slope)
-    # S de/dt = S d^3y/dt^3 - w^3 (xi_1 + xi_2) + 2 w S e.
-    return jerk_slope - bandwidth**3 * np.concatenate([np.eye(m), np.eye(m)], axis=1)
+def _decay(its: _Errors, xi: Outputs, bounds: Float[Array, "2"]) -> Quantities:
+    """Return margins of the decay of V under a law, and of its error where nothing is off."""
+    rest, along = its.of_law(jnp.zeros_like(xi)), jax.jacfwd(its.of_law)(xi)
+    return {
+        "disturbed/decay": pivots(decay_matrix(along, its.model.bandwidth, bounds[0])),
+        "disturbed/rest": bounds[1] * bounds[1] - rest @ rest,
+    }
 
 
-def _kicks(
-    model: FullOrderModel, u: Float[Array, "2"], xi: Outputs, bounds: Float[Array, "4"]
-) -> Quantities:
+def decay_matrix(
+    slope: Float[Array, "m two_m"], bandwidth: float | Scalar, decay: float | Scalar
+) -> Float[Array, "two_m two_m"]:
+    """Return -(A + B E) - (A + B E)' - decay, of dxi/dt = A xi + B E xi, E being `slope` [1/s].
+
+    In the coordinates xi = (s + d, s - d): what nearly is not definite is d, which B hardly moves.
+    """
+    m, stiff = len(slope), float(STIFF)
+    one = np.eye(m)
+    flow = bandwidth * np.block([[-one, -one / stiff], [0.0 * one, -one]])
+    turn = np.block([[one, one], [one, -one]])
+    moved = turn.T @ flow @ turn
+    moved = moved + (turn.T @ np.concatenate([one, stiff * one])) @ (slope @ turn) / bandwidth
+    return -(moved + moved.T) - decay * (turn.T @ turn)
+
+
+def _kicks(its: _Errors, xi: Outputs, bounds: Float[Array, "4"]) -> Quantities:
     """Return margins of the error right after an impact under the torque from before it."""
-
-    def kick(xi: Outputs, e: Float[Array, " m"]) -> Float[Array, " m"]:
-        return weighted(model.weights, error_after_impact(model.point(u, xi, e)))
-
-    none = jnp.zeros(model.size // 2)
-    exact = kick(jnp.zeros_like(xi), none)
-    along, pushed = jax.jacfwd(kick)(xi, none), jax.jacfwd(kick, 1)(xi, none)
+    exact = its.after_impact(jnp.zeros_like(xi), its.none)
+    along, pushed = (jax.jacfwd(its.after_impact, k)(xi, its.none) for k in (0, 1))
     return {
         "disturbed/kick": bounds[0] * bounds[0] - exact @ exact,
         "disturbed/kick-slope": bounds[1] * bounds[1] - jnp.sum(along * along),
@@ -101,23 +165,17 @@ def _kicks(
     }
 
 
-def _growth(
-    model: FullOrderModel, u: Float[Array, "2"], xi: Outputs, bounds: Float[Array, "3"]
-) -> Quantities:
+def _growth(its: _Errors, xi: Outputs, bounds: Float[Array, "3"]) -> Quantities:
     """Return margins of S de/dt under held torques: its size at xi = 0, e = 0 and its slopes."""
-    none = jnp.zeros(model.size // 2)
-
-    def jerk(xi: Outputs, e: Float[Array, " m"]) -> Float[Array, " m"]:
-        return weighted(model.weights, held_jerk(model.point(u, xi, e)))
-
-    still = jerk(jnp.zeros_like(xi), none)
-    along, pushed = jax.jacfwd(jerk)(xi, none), jax.jacfwd(jerk, 1)(xi, none)
-    along = growth_slope(along, model.bandwidth) / bounds[1]
-    # |A| < l if and only if 1 - A A' / l^2 is positive definite.
-    left = jnp.eye(len(still)) - along @ along.T
-    # Squares, which are smooth: |.| <= j and kappa of docs/level5.md.
+    still = its.growth(jnp.zeros_like(xi), its.none)
+    along, pushed = (jax.jacfwd(its.growth, k)(xi, its.none) for k in (0, 1))
+    along, none = along / bounds[1], jnp.eye(len(still))
+    # Of what e feeds itself by, 2 w is there whatever the robot.
+    pushed = pushed - (2.0 * its.model.bandwidth) * none
+    # |A| < l if and only if 1 - A A' / l^2 is positive definite; squares, which are smooth:
+    # |.| <= j and kappa of docs/level5.md.
     return {
         "disturbed/jerk": bounds[0] * bounds[0] - still @ still,
-        "disturbed/growth-slope": pivots(left),
+        "disturbed/growth-slope": pivots(none - along @ along.T),
         "disturbed/jerk-push": bounds[2] * bounds[2] - jnp.sum(pushed * pushed),
     }

@@ -24,11 +24,12 @@ from neuralgaits.certificate.levels.full_order.theorem import (
 
 def inequalities(full: FullOrderConstants, shape: DisturbedConstants) -> list[Inequality]:
     """Return every inequality that the constants must satisfy."""
-    zero, gamma, push = arb(0), decay(full), arb(shape.push[0])
+    zero, gamma, push = arb(0), decay(full, shape), arb(shape.push[0])
     left = _slower(full, shape)
+    found = [] if not shape.scheduled else [Inequality("0 < decay", zero, gamma)]
     # Inequality 1 of docs/level5.md.
-    found = [
-        Inequality("0 < push", zero, push),
+    found += [
+        Inequality("0 < push", rest(shape), push),
         _not_above("0 <= its slope", 0.0, shape.push[1]),
         _not_above("push <= peak", shape.push[0], shape.peak[0]),
         _not_above("slope of push <= slope of peak", shape.push[1], shape.peak[1]),
@@ -103,8 +104,11 @@ def first_kick(full: FullOrderConstants, shape: DisturbedConstants) -> arb:
 
 
 def mean_kick(full: FullOrderConstants, shape: DisturbedConstants) -> arb:
-    """Bound the mean of |S e| from an impact to the next tick; its bound is convex in time."""
-    return (first_kick(full, shape) + arb(shape.kick_peak)) / 2
+    """Bound the mean of |S e| from an impact to the next tick; its bound is convex in time.
+
+    With the error of the law's own torque at eta = 0.
+    """
+    return (first_kick(full, shape) + arb(shape.kick_peak)) / 2 + rest(shape)
 
 
 def error_rate(full: FullOrderConstants, shape: DisturbedConstants) -> arb:
@@ -125,7 +129,7 @@ def _of_hold(full: FullOrderConstants, shape: DisturbedConstants, gamma: arb) ->
         Inequality("hold slope of growth < slope of peak", hold * slope, arb(shape.peak[1])),
         Inequality(
             "error + hold/2 (1 + gamma hold/8) growth < push",
-            error + mean * still,
+            rest(shape) + error + mean * still,
             arb(shape.push[0]),
         ),
         Inequality(
@@ -144,7 +148,7 @@ def growth(full: FullOrderConstants, shape: DisturbedConstants) -> tuple[arb, ar
     peak = arb(shape.peak[0]) + arb(shape.peak[1]) * arb(full.radius)
     still = abs(arb(shape.jerk)) + error_rate(full, shape) * peak
     # The bound on V was larger when the hold began, or at phase 0 if the phase is below.
-    earlier = (decay(full) * arb(shape.hold) / 2).exp() * arb(full.radius)
+    earlier = (decay(full, shape) * arb(shape.hold) / 2).exp() * arb(full.radius)
     earlier /= bound_at(full, arb(full.start_strip))
     return still, earlier * abs(arb(shape.growth_slope))
 
@@ -155,12 +159,12 @@ def most_push(full: FullOrderConstants, shape: DisturbedConstants) -> arb:
     if not shape.free_clock:
         return most
     # From an impact to the next tick sqrt(V) may be below its bound by b hold (mean kick).
-    return most.max(decay(full) * arb(shape.hold) * mean_kick(full, shape) / 2)
+    return most.max(decay(full, shape) * arb(shape.hold) * mean_kick(full, shape) / 2)
 
 
 def _slower(full: FullOrderConstants, shape: DisturbedConstants) -> arb:
     """Return gamma less the part that pushes growing with V take: gamma' of inequality 1 [1/s]."""
-    return decay(full) - 2 * factor(full) * arb(shape.push[1])
+    return decay(full, shape) - 2 * factor(full) * arb(shape.push[1])
 
 
 def _not_above(claim: str, left: float, right: float) -> Inequality:
@@ -185,7 +189,7 @@ def _of_barrier(
     0.
     """
     # Inequality 2 of docs/level5.md; `spare` is its r_i.
-    zero, gamma, gain = arb(0), decay(full), arb(alpha)
+    zero, gamma, gain = arb(0), decay(full, shape), arb(alpha)
     first = [
         Inequality(f"{name}: 0 < alpha", zero, gain),
         Inequality(f"{name}: alpha < gamma", gain, gamma),
@@ -210,7 +214,14 @@ def factor(full: FullOrderConstants) -> arb:
     return (1 + stiff**2).sqrt() / arb(full.bandwidth)
 
 
-def decay(full: FullOrderConstants) -> arb:
+def rest(shape: DisturbedConstants) -> arb:
+    """Bound |S e| of the law's own torque at eta = 0 [rad/s^2]."""
+    return abs(arb(shape.rest)) if shape.scheduled else arb(0)
+
+
+def decay(full: FullOrderConstants, shape: DisturbedConstants) -> arb:
     """Return gamma, the rate at which V falls at least without errors [1/s]."""
+    if shape.scheduled:
+        return arb(shape.decay)
     rate = lyapunov_rate(full.bandwidth)
     return arb(fmpq(rate.numerator, rate.denominator))

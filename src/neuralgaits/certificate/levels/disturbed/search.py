@@ -17,7 +17,8 @@ def _find(of: SearchTarget, known: Parameters) -> tuple[Any, Mapping[str, float]
     assert isinstance(of.gait, Gait)
     model = FullOrderModel(of.zd.robot, of.gait, of.spec, known[4].bandwidth)
     looks = looks_in(model, known[4], of.left.get(4))
-    found = find_disturbed(looks, known[4], free_clock=of.control.free_clock)
+    free, gains = of.control.free_clock, of.gains
+    found = find_disturbed(looks, known[4], free_clock=free, gains=gains)
     return found if isinstance(found, str) else (found, {})
 
 

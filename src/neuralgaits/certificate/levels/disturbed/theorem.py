@@ -60,6 +60,11 @@ class DisturbedConstants:
         kick_push: bound on the length of its slope in the S e from before [1].
         kick_peak: bound on |S e| from an impact to the next tick [rad/s^2].
         kick_end: phase that is not reached before that tick.
+        torque_gains: coefficients of the feed-forward torque of `gait.scheduled_gains`, flattened,
+            if the law is scheduled PD [N m]; empty for exact linearisation.
+        inertia_gains: those of its inertia [kg m^2].
+        decay: V' <= -decay V under that law, but for `rest` [1/s].
+        rest: bound on |S e| of that law at eta = 0 [rad/s^2].
     """
 
     push: tuple[float, float]
@@ -75,6 +80,15 @@ class DisturbedConstants:
     kick_push: float = 0.0
     kick_peak: float = 0.0
     kick_end: float = 0.0
+    torque_gains: tuple[float, ...] = ()
+    inertia_gains: tuple[float, ...] = ()
+    decay: float = 0.0
+    rest: float = 0.0
+
+    @property
+    def scheduled(self) -> bool:
+        """Return whether the law is scheduled PD, and not exact linearisation."""
+        return bool(self.torque_gains)
 
     @property
     def free_clock(self) -> bool:
@@ -88,6 +102,9 @@ def series(shape: DisturbedConstants) -> dict[str, tuple[float, ...]]:
     found = {"peak": shape.peak, "barriers": rows}
     if shape.hold != 0.0:
         found["jerk"] = shape.jerk, shape.growth_slope, shape.jerk_push
+    if shape.scheduled:
+        found["law"] = shape.decay, shape.rest
+        found["torque_gains"], found["inertia_gains"] = shape.torque_gains, shape.inertia_gains
     if shape.free_clock:
         found["kick"] = shape.kick, shape.kick_slope, shape.kick_push, shape.kick_peak
     return found
@@ -102,6 +119,11 @@ def premises(full: FullOrderConstants, shape: DisturbedConstants) -> list[Premis
         Premise(f"disturbed/decrease {barrier.name}", *tube, sign="not negative")
         for barrier in shape.barriers
     ]
+    if shape.scheduled:
+        found += [
+            Premise("disturbed/decay", *tube),
+            Premise("disturbed/rest", *tube, sign="not negative"),
+        ]
     if shape.hold != 0.0:
         found += [
             Premise("disturbed/jerk", *tube, sign="not negative"),

@@ -5,15 +5,19 @@ from typing import NamedTuple
 
 import numpy as np
 
-from neuralgaits.certificate.levels.full_order.theorem import lyapunov_rate
+from neuralgaits.certificate.levels.full_order.theorem import STIFF, lyapunov_rate
 
 JERK = 1.1
 """Bound on the outputs' jerk under held torques at y = 0, as a multiple of the largest seen."""
+REST = 1.1
+"""Bound on a law's own error at xi = 0, as a multiple of the largest seen."""
+DECAY_ROOM = 3.0
+"""Room for the decay under a law, as a multiple of the largest slope of its error over w."""
 GROWTH_ROOM = 3.0
 """Room for the slope of S de/dt in xi, as a multiple of the largest slope of the jerk that is seen;
 enclosures of third derivatives are wide."""
-JERK_PUSH = 1.5
-"""Factor for the jerk's slope in a push."""
+JERK_PUSH, LAW_JERK_PUSH = 1.5, 4.0
+"""Factors for the slope of de/dt in e less 2 w, under exact linearisation and another law."""
 KICK = 1.04
 """Bound on the error right after an impact, as a multiple of the largest seen."""
 KICK_SLOPE = 1.3, 6000.0
@@ -59,13 +63,15 @@ class Jerk(NamedTuple):
     slope: float
     push: float
 
-    def held(self, hold: float, error: float, bandwidth: float, radius: float) -> Held | None:
+    def held(
+        self, hold: float, error: float, bandwidth: float, radius: float, gamma: float | None = None
+    ) -> Held | None:
         """Bound the errors of held torques that are off by |S e| = error when they are set.
 
-        Returns None if there is no bound. `radius` bounds sqrt(V) in the set. Source:
-        docs/level5_proof.md.
+        Returns None if there is no bound. `radius` bounds sqrt(V) in the set, and gamma is the
+        decay of V, the usual one if not given. Source: docs/level5_proof.md.
         """
-        gamma, back = float(lyapunov_rate(bandwidth)), 2.0 * bandwidth + self.push
+        gamma, back = gamma or float(lyapunov_rate(bandwidth)), 2.0 * bandwidth + self.push
         if hold * back >= 0.5:
             return None
         mean = 0.5 * hold * (1.0 + gamma * hold / 8.0)
@@ -88,12 +94,30 @@ def frobenius(matrices: np.ndarray) -> float:
     return float(np.sqrt((matrices**2).sum(axis=(-2, -1)).max()))
 
 
-def growth_bound(jerk_slopes: np.ndarray, bandwidth: float) -> float:
-    """Bound the slope of S de/dt in xi, given those of the outputs' jerk. [n, m, 2m]."""
-    m = jerk_slopes.shape[1]
-    slopes = jerk_slopes - bandwidth**3 * np.concatenate([np.eye(m), np.eye(m)], axis=1)
+def growth_bound(slopes: np.ndarray, bandwidth: float) -> float:
+    """Bound the slope of S de/dt in xi, given those seen. [n, m, 2m]."""
+    m = slopes.shape[1]
+    # Of a robot that nothing but its outputs moves, it is w^3 (1, 1).
+    own = slopes + bandwidth**3 * np.concatenate([np.eye(m), np.eye(m)], axis=1)
     largest = float(np.sqrt(np.linalg.eigvalsh(slopes @ slopes.swapaxes(1, 2)).max()))
-    return largest + GROWTH_ROOM * frobenius(jerk_slopes)
+    return largest + GROWTH_ROOM * frobenius(own)
+
+
+def push_bound(pushes: np.ndarray, law_slopes: np.ndarray) -> float:
+    """Bound the slope of S de/dt in S e less 2 w, given those seen and the law's own errors."""
+    return (LAW_JERK_PUSH if law_slopes.any() else JERK_PUSH) * frobenius(pushes)
+
+
+def least_decay(slopes: np.ndarray, bandwidth: float) -> float:
+    """Bound the decay of V under a law, given slopes in xi of the error of its torque. [n, m, 2m].
+
+    (1/s.)
+    """
+    m, stiff = slopes.shape[1], float(STIFF)
+    flow = bandwidth * np.kron([[-1.0, -1.0 / stiff], [0.0, -1.0]], np.eye(m))
+    moved = flow + np.concatenate([slopes, stiff * slopes], axis=1) / bandwidth
+    least = float(np.linalg.eigvalsh(-moved - moved.swapaxes(1, 2)).min())
+    return least - DECAY_ROOM * frobenius(slopes) / bandwidth
 
 
 def kick_bounds(

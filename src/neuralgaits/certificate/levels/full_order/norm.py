@@ -14,13 +14,14 @@ import numpy as np
 
 from neuralgaits.certificate.levels.full_order.held import (
     JERK,
-    JERK_PUSH,
+    REST,
     Held,
     Jerk,
     Kick,
-    frobenius,
     growth_bound,
     kick_bounds,
+    least_decay,
+    push_bound,
 )
 from neuralgaits.certificate.levels.full_order.samples import Seen, doubled
 from neuralgaits.certificate.levels.full_order.theorem import STIFF, lyapunov_rate
@@ -140,7 +141,11 @@ class Planned:
         self.seen, self.w, self.matrix = seen, bandwidth, matrix
         inverse = np.linalg.inv(matrix)
         both, back = doubled(matrix), doubled(inverse)
-        self.gamma, self.factor = float(lyapunov_rate(bandwidth)), push_factor(bandwidth)
+        usual, self.factor = float(lyapunov_rate(bandwidth)), push_factor(bandwidth)
+        own, along = seen.law
+        # Where a law is not exact: the decay that is left of the usual, and its error at xi = 0.
+        self.gamma = least_decay(matrix @ along @ back, bandwidth) if along.any() else usual
+        self.kept, self.rest = self.gamma / usual, REST * float(_size(own @ matrix.T).max())
         value, slope, pushed = seen.slack
         self.slack = value, _size(slope @ back), _size(pushed @ inverse)
         self.coupling = 1.15 * _size(seen.rate[1] @ back)
@@ -152,7 +157,7 @@ class Planned:
         self.jerk = Jerk(
             JERK * float(_size(jerk @ matrix.T).max()),
             growth_bound(matrix @ along @ back, bandwidth),
-            JERK_PUSH * frobenius(matrix @ moved @ inverse),
+            push_bound(matrix @ moved @ inverse, seen.law[1]),
         )
         self.kick = None
         if seen.kick is not None:
@@ -175,7 +180,7 @@ class Planned:
         none = Plan(self.matrix, 0.0, 0.0, 0.0, 1.0, (), self)
         radius = floor = slower = 0.0
         kick = Kick()
-        held = self.jerk.held(hold, 0.0, self.w, radius) if hold > 0.0 else None
+        held = self._held(hold, radius) if hold > 0.0 and self.gamma > 0.0 else None
         for _ in range(4):
             if held is None:
                 return none
@@ -188,9 +193,9 @@ class Planned:
             if growth * left >= 0.9:
                 return none
             kick = self._kicked(hold, held, floor + (radius - floor) * left, radius)
-            radius = growth * floor * (1.0 - left) + self.factor * hold * kick.mean / FULL
-            radius /= 1.0 - growth * left
-            held = self.jerk.held(hold, 0.0, self.w, radius)
+            kicked = self.factor * hold * (kick.mean + self.rest) / FULL if self.kick else 0.0
+            radius = (growth * floor * (1.0 - left) + kicked) / (1.0 - growth * left)
+            held = self._held(hold, radius)
         if held is None or radius > LARGEST:
             return none
         bound = floor + (radius - floor) * np.exp(-slower * self.shrink * self.seen.phase**2)
@@ -204,9 +209,19 @@ class Planned:
             return none
         before = floor + (radius - floor) * math.exp(-slower * self.shrink * STRIP**2)
         push = held.push[0] + held.push[1] * radius
-        push = max(push, 0.5 * self.gamma * hold * kick.mean)
+        if self.kick:
+            push = max(push, 0.5 * self.gamma * hold * (kick.mean + self.rest))
         sigma = tuple(self._sigma(i, push, before, radius) for i in range(len(self.seen.inlet)))
-        return none if 0.0 in sigma else Plan(self.matrix, hold, radius, floor, slower, sigma, self)
+        if 0.0 in sigma:
+            return none
+        return Plan(self.matrix, hold, radius, floor, self.kept * slower, sigma, self)
+
+    def _held(self, hold: float, radius: float) -> Held | None:
+        """Bound errors of a hold, that of the law at xi = 0 included."""
+        found = self.jerk.held(hold, 0.0, self.w, radius, self.gamma)
+        if found is None:
+            return None
+        return found._replace(push=(found.push[0] + self.rest, found.push[1]))
 
     def _kicked(self, hold: float, held: Held, before: float, radius: float) -> Kick:
         """Bound errors from an impact to the next tick; `before` bounds sqrt(V) before it."""

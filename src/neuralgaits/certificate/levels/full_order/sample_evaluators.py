@@ -25,13 +25,16 @@ from neuralgaits.certificate.levels.full_order.theorem import (
     weighting,
 )
 from neuralgaits.certificate.search.problem import Problem
-from neuralgaits.gait.full_order import error_after_impact, held_jerk
+from neuralgaits.gait.output_laws import ExactLinearisation, OutputLaw
 from neuralgaits.programs import POINT, Program, evaluate, fold
 from neuralgaits.programs.prune import prune, reading
 from neuralgaits.programs.tracing.tracer import trace
 
+EXACT = ExactLinearisation()
 PLANNED = (0.8, 0.6, 0.5, 0.4, 0.3, 0.2)
 """Shares of the planned push that are tried in turn."""
+SCHEDULED = (0.55, 0.45, 0.35, 0.25)
+"""The same where the law is not exact: bounds of its decay widen with the set."""
 SMALL = 1.0 / 200.0
 """Half width of boxes on which premises are tried before any search, in sides of the root."""
 WIDEST = tuple(np.round(np.arange(1.0, 0.14, -0.05), 2).tolist())
@@ -67,6 +70,8 @@ def set_of(
     seen = what_is_seen(looks, free_clock) if pushed or widest else None
     small, smaller = (SMALLER, WIDEST) if widest else (SMALL, PLANNED)
     plan = None
+    if pushed and seen is not None and seen.law[1].any():
+        smaller = SCHEDULED
     if seen is not None:
         plan = find_plan(seen, w) if pushed else find_widest(seen, w)
     tries: list[tuple[float, Plan | None]] = []
@@ -133,7 +138,7 @@ def bounded(model: FullOrderModel, shape: FullOrderConstants, small: float = SMA
     return True
 
 
-def looks_of(model: FullOrderModel) -> SampleEvaluators:
+def looks_of(model: FullOrderModel, law: OutputLaw = EXACT) -> SampleEvaluators:
     """Return the functions that the finder evaluates.
 
     Each is traced when it is first called: level 4 alone asks for no pushes, level 5 for no guard
@@ -164,17 +169,22 @@ def looks_of(model: FullOrderModel) -> SampleEvaluators:
             found = model.in_step(model.point(u, xi[:-m], push))
             return {"contact": found["contact"], "torque": found["torque"]}
 
-        def jerk(off):
-            return held_jerk(model.point(u, off[:-m], off[-m:]))
+        def growth(xi, push):
+            return law.growth(model.point(u, xi), u, push)
 
-        found = {f"{name}/push": d for name, d in jax.jacfwd(forces)(xi[-m:]).items()}
-        slopes = jax.jacfwd(jerk)(xi)
-        found |= {"jerk/slope": slopes[:, :-m], "jerk/push": slopes[:, -m:]}
-        return found | {"jerk": jerk(xi)}
+        def of_law(xi):
+            return law.error(model.point(u, xi), u)
+
+        at, push = xi[:-m], xi[-m:]
+        found = {f"{name}/push": d for name, d in jax.jacfwd(forces)(push).items()}
+        found |= {"law": of_law(at), "law/slope": jax.jacfwd(of_law)(at)}
+        slopes = jax.jacfwd(growth)(at, push), jax.jacfwd(growth, 1)(at, push)
+        pushed = slopes[1] - 2.0 * model.bandwidth * jnp.eye(m)
+        return found | {"jerk": growth(at, push), "jerk/slope": slopes[0], "jerk/push": pushed}
 
     def kick(u, xi):
         def error(xi, push):
-            return error_after_impact(model.point(u, xi, push))
+            return law.after_impact(model.point(u, xi), u, push)
 
         none = jnp.zeros(model.size // 2)
         slopes = jax.jacfwd(error)(xi, none), jax.jacfwd(error, 1)(xi, none)
@@ -213,16 +223,17 @@ def what_is_seen(looks: SampleEvaluators, free_clock: bool = False) -> Seen | No
     inertia = 0.5 * (inertia + inertia.T)
     if not np.linalg.eigvalsh(inertia).min() > 0.0:
         inertia = np.eye(joints)
+    slopes, pushed = (
+        np.concatenate([step[f"{n}/slope"] for n in names], axis=1),
+        np.concatenate(pushes, 1),
+    )
     return Seen(
-        slack=(
-            np.concatenate(value, axis=1),
-            np.concatenate([step[f"{n}/slope"] for n in names], axis=1),
-            np.concatenate(pushes, axis=1),
-        ),
+        slack=(np.concatenate(value, axis=1), slopes + pushed @ off["law/slope"], pushed),
         rate=(step["rate"], step["rate/slope"]),
         h=step["h"],
         reading=step["reading/slope"],
         jerk=(off["jerk"], off["jerk/slope"], off["jerk/push"]),
+        law=(off["law"], off["law/slope"]),
         after=guard["after/slope"],
         reset=guard["reset/slope"],
         inlet=guard["reset"].min(axis=0),

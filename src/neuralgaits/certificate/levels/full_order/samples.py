@@ -21,7 +21,8 @@ class SampleEvaluators:
         guard: foot, after, landing, reset, with slopes along the guard;
             fall, foot/slope: those of the foot height in phase and xi; drift: of after in phase.
         size: number of elements of xi.
-        pushed: jerk of held torques with slopes; slopes of contact and torque in a push.
+        pushed: de/dt under held torques with slopes, that in a push less 2 w; slopes of contact and
+            torque in a push; law: error of the law's own torque, with its slope.
         kick: error right after an impact under the torque from before it, and its slopes in xi and
             in a push.
     """
@@ -45,9 +46,10 @@ class SampleEvaluators:
             found = dict(pushed(u))
             found |= {n: d @ inverse for n, d in found.items() if n.endswith("/push")}
             found["jerk/slope"] = found["jerk/slope"] @ doubled(inverse)
-            for name in ("jerk/slope", "jerk/push"):
+            found["law/slope"] = found["law/slope"] @ doubled(inverse)
+            for name in ("jerk/slope", "jerk/push", "law/slope"):
                 found[name] = matrix @ found[name]
-            return found | {"jerk": found["jerk"] @ matrix.T}
+            return found | {name: found[name] @ matrix.T for name in ("jerk", "law")}
 
         def seen_kick(u: Float[np.ndarray, "n 2"], xi: Float[np.ndarray, "n k"]) -> Samples:
             assert kick is not None
@@ -73,8 +75,9 @@ class Seen:
         slack: slack of contact, torques and foot, with slopes in xi and in the outputs'
             acceleration. [n, k], [n, k, 2m], [n, k, m]
         rate, h: those of each barrier, with slopes of its rate and its reading. [n, I], [n, I, 2m]
-        jerk: jerk of the outputs while torques are held, with slopes in xi and in the outputs'
-            acceleration. [n, m], [n, m, 2m], [n, m, m]
+        jerk: de/dt while torques are held, with slopes in xi and in e, the latter less 2 w.
+            [n, m], [n, m, 2m], [n, m, m]
+        law: error of the law's own torque, and its slope in xi. [n, m], [n, m, 2m]
         after, reset: slopes in xi of xi and barriers after an impact. [q, 2m, 2m], [q, I, 2m]
         inlet: least barriers after an impact. [I]
         phase: phases of the points. [n]
@@ -90,6 +93,7 @@ class Seen:
     h: np.ndarray
     reading: np.ndarray
     jerk: tuple[np.ndarray, np.ndarray, np.ndarray]
+    law: tuple[np.ndarray, np.ndarray]
     after: np.ndarray
     reset: np.ndarray
     inlet: np.ndarray

@@ -9,9 +9,10 @@ from neuralgaits.certificate.level import Parameters
 from neuralgaits.certificate.level_target import LevelSearch, SearchTarget
 from neuralgaits.certificate.levels.full_order.margins import margins
 from neuralgaits.certificate.levels.full_order.model import FullOrderModel
-from neuralgaits.certificate.levels.full_order.sample_evaluators import looks_of, set_of
+from neuralgaits.certificate.levels.full_order.sample_evaluators import EXACT, looks_of, set_of
 from neuralgaits.errors import SpecError
 from neuralgaits.gait import ZeroDynamics
+from neuralgaits.gait.output_laws import ScheduledLaw
 
 
 def _find(of: SearchTarget, known: Parameters) -> tuple[Any, Mapping[str, float]] | str:
@@ -24,7 +25,8 @@ def _find(of: SearchTarget, known: Parameters) -> tuple[Any, Mapping[str, float]
         given = of.control.bandwidth
         if given is not None:
             model = replace(model, bandwidth=given)
-        of.left[4] = looks = looks_of(model)
+        law = EXACT if of.gains is None else ScheduledLaw(of.gains, of.gait)
+        of.left[4] = looks = looks_of(model, law)
         free = of.control.free_clock
         found = set_of(model, of.pushed, given is not None, free_clock=free, looks=looks)
     except SpecError as error:  # The levels below read less of the robot.
