@@ -8,11 +8,12 @@ import numpy as np
 import pytest
 
 from neuralgaits.certificate.levels.disturbed.conclude import conclude_disturbed
-from neuralgaits.certificate.levels.disturbed.margins import margins
+from neuralgaits.certificate.levels.disturbed.margins import decay_matrix, margins
 from neuralgaits.certificate.levels.disturbed.push_inequalities import (
     error_rate,
     first_kick,
     growth,
+    mean_kick,
     most_push,
 )
 from neuralgaits.certificate.levels.disturbed.theorem import (
@@ -30,6 +31,7 @@ from neuralgaits.certificate.levels.full_order.model import (
 from neuralgaits.certificate.levels.full_order.theorem import premises as of_level_four
 from neuralgaits.gait.full_order import held_jerk
 from neuralgaits.robots import dynamics
+from neuralgaits.robots.linear import pivots
 from support.full_order_shape import SHAPE
 
 WEIGHTS = (1.1, 1.3, -0.2, -0.05, 1.5, -0.1, -0.08, 1.3, 0.35, 0.4)
@@ -180,6 +182,46 @@ def _forged_kicks(full, shape):
         "bound on sqrt(V) at the next tick": replace(shape, kick_peak=2e3),
         "what the push takes < lost": replace(shape, barriers=_held(full, error=0.0).barriers),
     }
+
+
+def test_a_law_that_is_not_exact_has_less_decay_and_an_error_of_its_own():
+    full = _full()
+    law = {"torque_gains": (1.0,), "inertia_gains": (1.0,), "rest": 0.0}
+    shape = replace(_held(full, error=0.0), **law, decay=GAMMA)
+    found = _verdict(full, shape)
+    assert found.verdict == "proved", found.reason
+    assert "scheduled PD" in " ".join(found.words) and "beyond that law" in " ".join(found.words)
+    names = {premise.output for premise in premises(full, shape)}
+    assert {"disturbed/decay", "disturbed/rest"} < names
+    for premise in premises(full, shape):
+        assert premise.output in str(_verdict(full, shape, premise.output).reason)
+    room = shape.push[0] / 1.001
+    forged = {
+        "0 < decay": replace(shape, decay=-1.0),
+        "V decays faster than its bound": replace(shape, decay=0.2 * GAMMA),
+        "growth < push": replace(shape, rest=0.01 * room),
+        "alpha < gamma": replace(shape, decay=full.barriers[2].alpha),
+    }
+    for reason, wrong in forged.items():
+        assert reason in str(_verdict(full, wrong).reason), reason
+    free = replace(_free(full), **law, decay=GAMMA)
+    assert _verdict(full, free).verdict == "proved"
+    assert float(mean_kick(full, replace(free, rest=0.5)) - mean_kick(full, free)) == 0.5
+
+
+def test_the_decay_of_a_law_is_that_of_its_flow():
+    """Pivots are positive if and only if V falls at that rate along dxi/dt = (A + B E) xi."""
+    draw, m, w = np.random.default_rng(7), 4, 30.0
+    one = np.eye(m)
+    flow = w * np.block([[-one, -0.5 * one], [0.0 * one, -one]])
+    for size in (0.0, 40.0, 200.0):
+        slope = size * draw.normal(size=(m, 2 * m)) / np.sqrt(8 * m)
+        moved = flow + np.concatenate([slope, 2.0 * slope]) / w
+        least = -np.linalg.eigvalsh(moved + moved.T).max()
+        for rate, holds in ((least - 1e-6, True), (least + 1e-6, False)):
+            found = np.asarray(pivots(decay_matrix(jnp.asarray(slope), w, rate)))
+            assert bool((found > 0.0).all()) == holds
+        assert size > 0.0 or least == pytest.approx(GAMMA)
 
 
 def test_errors_of_a_hold_reach_no_further_than_their_mean():

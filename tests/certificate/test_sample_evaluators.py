@@ -12,6 +12,7 @@ from neuralgaits.certificate.levels.disturbed import search as disturbed
 from neuralgaits.certificate.levels.full_order import sample_evaluators
 from neuralgaits.certificate.levels.full_order import search as full_order
 from neuralgaits.errors import SpecError
+from neuralgaits.gait.output_laws import ScheduledLaw
 from support.shipped_run import SHIPPED
 
 AT = np.array([[0.5, 0.5]])
@@ -50,7 +51,27 @@ def test_level_5_evaluates_what_level_4_left(monkeypatch, target):
     target = replace(target, control=ControlAssumption(free_clock=True), left={})
     monkeypatch.setattr(full_order, "set_of", leaving)
     assert full_order.SEARCH.find(target, {}) == "no set"
-    monkeypatch.setattr(disturbed, "find_disturbed", lambda looks, full, free_clock: looks)
+    monkeypatch.setattr(disturbed, "find_disturbed", lambda looks, full, free_clock, gains: looks)
     monkeypatch.setattr(disturbed, "looks_in", lambda model, full, looks: (looks, {}))
     found, _ = disturbed.SEARCH.find(target, {4: SimpleNamespace(bandwidth=30.0)})
     assert found[0] is calls[0] is target.left[4]
+
+
+def test_a_law_that_is_not_exact_is_evaluated_in_its_place(target):
+    """Of scheduled PD errors at eta = 0 are small, and their slope is not zero."""
+    run = open_run(SHIPPED)
+    model = full_order.FullOrderModel(run.robot, run.gait, run.spec, 40.0)
+    scheduled = replace(target, control=ControlAssumption(scheduled=True))
+    assert scheduled.gains is not None and target.gains is None
+    law = ScheduledLaw(scheduled.gains, run.gait)
+    for looks, exact in (
+        (sample_evaluators.looks_of(model), True),
+        (sample_evaluators.looks_of(model, law), False),
+    ):
+        assert looks.pushed is not None
+        seen = looks.pushed(AT)
+        assert np.abs(seen["law"]).max() < 1.0
+        assert (np.abs(seen["law/slope"]).max() == 0.0) == exact
+        # Both grow as outputs do that nothing but themselves moves, to a fifth.
+        own = 40.0**3 * np.concatenate([np.eye(4), np.eye(4)], axis=1)
+        assert np.linalg.norm(seen["jerk/slope"][0] + own, 2) < 0.5 * 40.0**3

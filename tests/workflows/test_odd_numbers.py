@@ -31,6 +31,10 @@ TINY = "5e-324"
             ["certify", "RUN", "--level", "4", "--clock", "free"],
             "level 5 with a free clock, found 4",
         ),
+        (
+            ["certify", "RUN", "--level", "4", "--controller", "scheduled-pd"],
+            "level 5 with scheduled-pd, found 4",
+        ),
         (["simulate", "RUN", "--steps", HUGE], "steps: expected at most 1000000, found a number"),
         (["simulate", "RUN", "--episodes", HUGE], "episodes: expected at most 1000000"),
         (["simulate", "RUN", "--push", "nan"], "expected a push of -10000 to 10000 N s"),

@@ -6,7 +6,7 @@ Source: docs/level5_proof.md.
 """
 
 from collections.abc import Callable
-from typing import NamedTuple, Protocol
+from typing import NamedTuple, Protocol, runtime_checkable
 
 import jax
 import jax.numpy as jnp
@@ -22,6 +22,7 @@ Chart = Float[Array, "2"]
 """Phase and level."""
 
 
+@runtime_checkable
 class OutputLaw(Protocol):
     """A control law of the outputs. Points are those of exact linearisation."""
 

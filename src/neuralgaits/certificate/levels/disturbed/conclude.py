@@ -64,6 +64,11 @@ def constants(full: FullOrderConstants, shape: DisturbedConstants) -> list[Theor
             "b", above(factor(full)), "s", "V' <= -gamma V + 2 b sqrt(V) |S e|", "most",
         ),
     ]  # fmt: skip
+    if shape.scheduled:
+        words = "V' <= -decay V + 2 b sqrt(V) (rest + |S e|) under the law"
+        found.append(TheoremConstant("decay", shape.decay, "1/s", words, "least"))
+        words = "|S e| of the law's own torque, nothing off"
+        found.append(TheoremConstant("rest", above(rest(shape)), "rad/s^2", words, "most"))
     if shape.hold != 0.0:
         found += _of_holds(full, shape)
     if shape.free_clock:
@@ -151,6 +156,7 @@ def _about_touchdowns(shape: DisturbedConstants) -> str:
 
 def _words(full: FullOrderConstants, shape: DisturbedConstants) -> tuple[str, ...]:
     size = short = "|e|"
+    own = " beyond that law" if shape.scheduled else ""
     if full.weights:
         short = "|S e|"
         size = f"|S e|, S = {weighting(full.weights, joints_of(full.weights) or 0)!r},"
@@ -164,7 +170,7 @@ def _words(full: FullOrderConstants, shape: DisturbedConstants) -> tuple[str, ..
         found.append(
             "the same set D, whatever ticks there are at most "
             f"{shape.hold!r} s apart, {_about_touchdowns(shape)}: if torques are set at each "
-            f"tick with {short} <= {shape.error!r} rad/s^2 and held until the next, every "
+            f"tick with {short} <= {shape.error!r} rad/s^2{own} and held until the next, every "
             "trajectory that starts in D at a tick stays in D, meets the ground once and "
             "transversally in each step, and is in D after the impact: it walks for ever"
         )
