@@ -41,6 +41,8 @@ SQUARES = 1.12
 """|d(dh/dt)/d xi|^2 in the set, as a multiple of the largest value seen at eta = 0."""
 SPENT = 0.05
 """Share of dh/dt + alpha h that bounds may lose, and by which outputs may take more of forces."""
+WAVES = 1.2
+"""Largest error of fitted polynomials, as a multiple of the largest on a fine grid."""
 STILL = 1.03
 """Jerk of the outputs at eta = 0, as a multiple of the largest value seen."""
 
@@ -164,7 +166,10 @@ class _Seen:
         self.rest = 0.0
         if off["law/slope"].any():
             self.gamma = float(at_least(least_decay(off["law/slope"], full.bandwidth), DIGITS))
-            self.rest = float(at_most(REST * np.linalg.norm(off["law"], axis=1).max(), DIGITS))
+            # Polynomials err by waves, which a coarse grid misses.
+            fine = grid(np.linspace(*full.ends, 161), np.linspace(0.0, 1.0, 17))
+            own = np.linalg.norm(looks.pushed(fine)["law"], axis=1).max()
+            self.rest = float(at_most(WAVES * REST * own, DIGITS))
         for name in ("contact", "torque"):
             slopes = step[f"{name}/slope"] + off[f"{name}/push"] @ off["law/slope"]
             slopes = np.linalg.norm(slopes, axis=2)

@@ -9,7 +9,7 @@ from neuralgaits.certificate.levels.full_order.theorem import STIFF, lyapunov_ra
 
 JERK = 1.1
 """Bound on the outputs' jerk under held torques at y = 0, as a multiple of the largest seen."""
-REST = 1.6
+REST = 1.1
 """Bound on a law's own error at xi = 0, as a multiple of the largest seen."""
 DECAY_ROOM = 3.0
 """Room for the decay under a law, as a multiple of the largest slope of its error over w."""
