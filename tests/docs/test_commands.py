@@ -70,7 +70,7 @@ def test_make_knows_its_targets():
 
 def test_names_in_c_exist():
     """Functions and constants of the blocks in C are those of the exporter or of a main loop."""
-    folders = pages.ROOT / "src" / "neuralgaits" / "export", pages.ROOT / "examples"
+    folders = pages.ROOT / "src" / "neuralgaits", pages.ROOT / "examples"
     kinds = {".c", ".cpp", ".h", ".hpp", ".py"}
     sources = [file for folder in folders for file in folder.rglob("*") if file.suffix in kinds]
     written = "\n".join(file.read_text(encoding="utf-8") for file in sources)

@@ -13,7 +13,7 @@ from neuralgaits.systems.walker3d.spatial_walker import SpatialWalker
 
 SHOWN = 5
 """Phases at which the robot is drawn."""
-VIEWS = ((0, "from the right", "forward [m]"), (1, "from behind", "to the left [m]"))
+VIEWS = ((0, "from the right", "forward [m]"), (1, "from behind, poses beside each other", "[m]"))
 
 
 @style.styled
@@ -66,7 +66,7 @@ def draw_spatial_tube(gait: SpatialGait) -> Figure:
             line[:, 0] *= 1e3 if one == 0 else 1.0
             place.plot(*line.T, color=color, label=f"phase {t[number]:.1f}")
         place.set(xlabel=f"deviation of {words[one]}", ylabel=f"deviation of {words[other]}")
-    rows[1][0].legend()
+    figure.legend(*rows[1][0].get_legend_handles_labels(), loc="outside lower center", ncols=3)
     return figure
 
 
