@@ -59,6 +59,19 @@ def test_a_claim_of_more_than_was_proved_is_not_believed(proofcheck, file, tmp_p
     assert answer.returncode != 0 and "level 5 proved" not in answer.stdout
 
 
+def test_a_level_5_of_another_law_is_not_judged(proofcheck, file, tmp_path):
+    """What scheduled PD does is not derived here: neither proved nor called wrong."""
+    table = json.loads(file.read_text())
+    one = (1.0).hex()
+    gains = {"torque_gains": [one], "inertia_gains": [one], "decay": one, "rest": one}
+    _level_5(table).update(gains)
+    other = tmp_path / "proof.json"
+    other.write_text(json.dumps(table))
+    answer = proofcheck(other)
+    assert answer.returncode == 3, answer.stdout
+    assert "undecided: what level 5 concludes of the law of scheduled PD" in answer.stdout
+
+
 @dataclass(frozen=True)
 class PushedCase(FullCase):
     """The outputs of level 5 beside those of level 4."""

@@ -298,7 +298,7 @@ class Conclusions {
   vector<string> disturbed() const {
     const FullOrder& f = *file_.theorems.full;
     const Disturbed& d = *file_.theorems.disturbed;
-    if (d.scheduled()) throw DoesNotFollow{"the law of scheduled PD is not known here"};
+    if (d.scheduled()) throw Unknown{"what level 5 concludes of the law of scheduled PD"};
     const I w(f.bandwidth), gamma = I(1.5) * w, push(d.push[0]), zero(0.0);
     const I factor = root(I(5.0)) / w;
     positive("disturbed/contact", f.tube());
