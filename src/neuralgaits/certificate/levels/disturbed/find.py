@@ -50,7 +50,6 @@ STILL = 1.03
 def find_disturbed(
     looks: SampleEvaluators,
     full: FullOrderConstants,
-    error: float = 0.0,
     *,
     free_clock: bool = False,
     gains: ScheduledGains | None = None,
@@ -62,7 +61,6 @@ def find_disturbed(
     Args:
         looks: functions that evaluate the gait, in the set's norm.
         full: the set.
-        error: bound on |S e| when torques are set [rad/s^2].
         free_clock: whether ticks may miss touchdowns.
         gains: those of scheduled PD, if that is the law that the functions are of.
     """
@@ -75,11 +73,11 @@ def find_disturbed(
     seen = _Seen(looks, full, u, free_clock)
     if not seen.gamma > 0.0:
         return "under this law V is not shown to fall"
-    hold = _largest(LONGEST, lambda hold: seen.stands(hold, seen.held(hold, error)))
+    hold = _largest(LONGEST, lambda hold: seen.stands(hold, seen.held(hold)))
     hold = float(at_least(hold, DIGITS))
     if free_clock and hold == 0.0:
         return "what a torque held through an impact adds to outputs does not fit into the set"
-    held = seen.held(hold, error) if hold > 0.0 else Held((0.0, 0.0), (0.0, 0.0))
+    held = seen.held(hold) if hold > 0.0 else Held((0.0, 0.0), (0.0, 0.0))
     assert held is not None
     # Any more that the floor bears.
     more = seen.most(held.push[1]) - held.push[0]
@@ -89,7 +87,7 @@ def find_disturbed(
     barriers = seen.barriers(hold, found, kick)
     if barriers is None or not extra + held.push[0] > 0.0:
         return "a barrier leaves no room for any disturbance"
-    shape = DisturbedConstants(found.push, found.peak, hold, error, *seen.jerk, barriers)
+    shape = DisturbedConstants(found.push, found.peak, hold, 0.0, *seen.jerk, barriers)
     if free_clock:
         assert seen.kick is not None
         shape = replace(
@@ -186,15 +184,15 @@ class _Seen:
         )
         self.u, self.kick = u, _kick_bounds(looks, full) if free_clock else None
 
-    def held(self, hold: float, error: float) -> Held | None:
-        """Bound the errors of torques that are off by `error` when set and then held, with room."""
+    def held(self, hold: float) -> Held | None:
+        """Bound the errors of torques that are exact when set and then held, with room."""
         full = self.full
         start = full.least_radius + (full.radius - full.least_radius) * math.exp(
             -full.shrink * full.start_strip**2
         )
         # The proof takes the bound at the start's strip for the one at phase 0, which is more.
         reach = full.radius * full.radius / start
-        found = self.jerk.held(hold, error, full.bandwidth, reach, self.gamma)
+        found = self.jerk.held(hold, 0.0, full.bandwidth, reach, self.gamma)
         if found is None:
             return None
         found = found._replace(push=(found.push[0] + self.rest, found.push[1]))

@@ -148,12 +148,11 @@ def looks_of(model: FullOrderModel, law: OutputLaw = EXACT) -> SampleEvaluators:
     def step(u, xi):
         def moving(at):
             point = model.point(u, at)
-            rest = {"rate": model.rates(point), "reading": model.readings(point)}
-            return model.in_step(point) | rest
+            more = {"rate": model.rates(point), "reading": model.readings(point)}
+            return model.in_step(point) | more
 
         found, slopes = moving(xi), jax.jacfwd(moving)(xi)
-        found |= {f"{name}/slope": d for name, d in slopes.items()}
-        return found | {"h": model.barriers(model.gait.z(u))}
+        return found | {f"{name}/slope": d for name, d in slopes.items()} | {"h": model.barriers(model.gait.z(u))}
 
     def guard(u, xi):
         slopes = model.guard_slopes(u, xi)
