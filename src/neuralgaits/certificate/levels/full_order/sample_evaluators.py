@@ -152,7 +152,11 @@ def looks_of(model: FullOrderModel, law: OutputLaw = EXACT) -> SampleEvaluators:
             return model.in_step(point) | more
 
         found, slopes = moving(xi), jax.jacfwd(moving)(xi)
-        return found | {f"{name}/slope": d for name, d in slopes.items()} | {"h": model.barriers(model.gait.z(u))}
+        return (
+            found
+            | {f"{name}/slope": d for name, d in slopes.items()}
+            | {"h": model.barriers(model.gait.z(u))}
+        )
 
     def guard(u, xi):
         slopes = model.guard_slopes(u, xi)
