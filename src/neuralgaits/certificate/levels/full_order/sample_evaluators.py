@@ -7,6 +7,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from neuralgaits._types import Array
 from neuralgaits.certificate.chart import PLANE, Corner
 from neuralgaits.certificate.levels.full_order.find import find_full_order
 from neuralgaits.certificate.levels.full_order.inequalities import inequalities, obstacle
@@ -151,17 +152,12 @@ def looks_of(model: FullOrderModel, law: OutputLaw = EXACT) -> SampleEvaluators:
             more = {"rate": model.rates(point), "reading": model.readings(point)}
             return model.in_step(point) | more
 
-        found, slopes = moving(xi), jax.jacfwd(moving)(xi)
-        return (
-            found
-            | {f"{name}/slope": d for name, d in slopes.items()}
-            | {"h": model.barriers(model.gait.z(u))}
-        )
+        found = _with_slopes(moving(xi), jax.jacfwd(moving)(xi))
+        return found | {"h": model.barriers(model.gait.z(u))}
 
     def guard(u, xi):
         slopes = model.guard_slopes(u, xi)
-        found = model.at_impact(model.point(u, xi))
-        found |= {f"{name}/slope": d for name, d in slopes.along.items()}
+        found = _with_slopes(model.at_impact(model.point(u, xi)), slopes.along)
         found |= {"fall": slopes.fall, "foot/slope": slopes.foot}
         return found | {"drift": model.at_crossing(u)[1]}
 
@@ -202,6 +198,11 @@ def looks_of(model: FullOrderModel, law: OutputLaw = EXACT) -> SampleEvaluators:
         lambda u: off(u, np.zeros((len(u), size + size // 2))),
         _look(kick, size),
     )
+
+
+def _with_slopes(values: Mapping[str, Array], slopes: Mapping[str, Array]) -> dict[str, Array]:
+    """Return values with their slopes beside them, by name."""
+    return {**values, **{f"{name}/slope": slope for name, slope in slopes.items()}}
 
 
 def what_is_seen(looks: SampleEvaluators, free_clock: bool = False) -> Seen | None:
