@@ -66,13 +66,13 @@ def _only_line(capfd: Captured) -> str:
         ),
         (
             ["simulate", "r", "--controller=fbln"],
-            "--controller: expected pd, fblin, paper, clf-qp or c, found 'fbln'; did you mean",
+            "--controller: expected pd, fblin, paper, clf-qp, scheduled-pd or c, found 'fbln'; did you mean",
         ),
         (["train", "amber3m", "--steps", "many"], "'many'"),
         (["train", "amber3m", "--hidden", "32,"], "32,32"),
         (
             ["simulate", "latest", "--controller"],
-            "--controller: expected pd, fblin, paper, clf-qp or c, found none\n",
+            "--controller: expected pd, fblin, paper, clf-qp, scheduled-pd or c, found none\n",
         ),
         (
             ["simulate", "latest", "--steps", "--json"],

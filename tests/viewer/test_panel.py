@@ -99,7 +99,7 @@ def test_the_switch_adapts_and_the_speeds_of_the_last_step_are_said():
         panels = [Panel(server, player, **made, adaptable=names) for names in ((), ADAPTABLE)]
         handles: Any = server.gui._gui_input_handle_from_uuid
         (switch,) = (one for one in handles.values() if "adapt" in one.label)
-        assert switch.label == "adapt the speed and the lean"
+        assert switch.label == "adapt speed, lean, slope"
         for value in (True, False):
             switch.value = value
         for wish in asked:

@@ -215,7 +215,7 @@ class Panel:
 
     def _add_adaptation(self, gui: viser.GuiApi, names: Sequence[str]) -> None:
         hint = "at each touchdown, until the robot walks as told"
-        label = f"adapt {' and '.join(f'the {name}' for name in names)}"
+        label = f"adapt {', '.join(names)}"
         switch = gui.add_checkbox(label, False, hint=hint)
 
         @switch.on_update
