@@ -66,7 +66,7 @@ def _only_line(capfd: Captured) -> str:
         ),
         (
             ["simulate", "r", "--controller=fbln"],
-            "--controller: expected pd, fblin, paper, clf-qp, scheduled-pd or c, found 'fbln'; did you",
+            "expected pd, fblin, paper, clf-qp, scheduled-pd or c, found 'fbln'; did you mean",
         ),
         (["train", "amber3m", "--steps", "many"], "'many'"),
         (["train", "amber3m", "--hidden", "32,"], "32,32"),
