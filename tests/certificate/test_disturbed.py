@@ -7,7 +7,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from neuralgaits.certificate.levels.disturbed.conclude import conclude_disturbed
+from neuralgaits.certificate.levels.disturbed.conclude import conclude_disturbed, constants
 from neuralgaits.certificate.levels.disturbed.margins import decay_matrix, margins
 from neuralgaits.certificate.levels.disturbed.push_inequalities import (
     error_rate,
@@ -22,7 +22,11 @@ from neuralgaits.certificate.levels.disturbed.theorem import (
     premises,
 )
 from neuralgaits.certificate.levels.full_order.conclude import conclude_full_order
-from neuralgaits.certificate.levels.full_order.inequalities import inequalities
+from neuralgaits.certificate.levels.full_order.inequalities import (
+    inequalities,
+    least_time,
+    mismatch,
+)
 from neuralgaits.certificate.levels.full_order.model import (
     FullOrderModel,
     output_coordinates,
@@ -182,6 +186,22 @@ def _forged_kicks(full, shape):
         "bound on sqrt(V) at the next tick": replace(shape, kick_peak=2e3),
         "what the push takes < lost": replace(shape, barriers=_held(full, error=0.0).barriers),
     }
+
+
+def test_outputs_shrink_from_step_to_step_as_the_decay_of_the_law_says():
+    """The recursion r+ = mismatch + gain (exp(-decay T / 2) r + kept), unlike that of `fblin`."""
+    full = _full()
+    law = {"torque_gains": (1.0,), "inertia_gains": (1.0,), "rest": 0.0, "decay": 0.6 * GAMMA}
+    shape = replace(_held(full, error=0.0), **law)
+    known = {one.name: one.value for one in constants(full, shape)}
+    time, jump = (float(f(full).mid()) for f in (least_time, mismatch))
+    after = 0.0
+    for _ in range(200):
+        kept = np.exp(-0.3 * GAMMA * time) * after + known["kept"]
+        after = jump + abs(full.gain) * kept
+    assert known["r_end"] == pytest.approx(after, rel=1e-9)
+    exact = {one.name: one.value for one in constants(full, _held(full, error=0.0))}
+    assert known["r_end"] > exact["r_end"]
 
 
 def test_a_law_that_is_not_exact_has_less_decay_and_an_error_of_its_own():

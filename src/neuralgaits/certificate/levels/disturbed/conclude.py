@@ -51,7 +51,7 @@ def conclude_disturbed(
 
 def constants(full: FullOrderConstants, shape: DisturbedConstants) -> list[TheoremConstant]:
     """Return every constant that level 5 adds."""
-    always, loop = _always(full, shape), step_factor(full)
+    always, loop = _always(full, shape), step_factor(full, decay(full, shape))
     # Errors up to the push are borne where sqrt(V) is small, too.
     kept = 2 * factor(full) * (always + rest(shape)) / decay(full, shape)
     found = [

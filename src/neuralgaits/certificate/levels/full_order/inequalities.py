@@ -174,9 +174,15 @@ def least_time(shape: FullOrderConstants) -> arb:
     return (arb(shape.guard_from) - arb(shape.start_strip)) / arb(shape.pace[1])
 
 
-def step_factor(shape: FullOrderConstants) -> arb:
-    """Return the factor of r+ = sqrt(v_sym) + factor r, from one impact to the next."""
-    return _size(shape.gain) * (-_gamma(shape) * least_time(shape) / 2).exp()
+def step_factor(shape: FullOrderConstants, gamma: arb | None = None) -> arb:
+    """Return the factor of r+ = sqrt(v_sym) + factor r, from one impact to the next.
+
+    Args:
+        shape: parameters of the set.
+        gamma: rate at which V falls [1/s]; that of exact linearisation if None.
+    """
+    gamma = _gamma(shape) if gamma is None else gamma
+    return _size(shape.gain) * (-gamma * least_time(shape) / 2).exp()
 
 
 def r_end(shape: FullOrderConstants) -> arb:
