@@ -7,16 +7,19 @@ theorem, since r' is 0 at r = 0. Needs no JAX.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from neuralgaits._digits import from_hex
 from neuralgaits.certificate.proof_file.check import CheckResult
 from neuralgaits.certificate.proof_file.reader import Claims
 from neuralgaits.records.certified import Conclusion
+from neuralgaits.systems.claimed_levels import Bounds, is_open, with_claimed_levels
 from neuralgaits.systems.condition_table import ConditionTable
 from neuralgaits.systems.equilibrium.ellipsoid_regions import RADIAL
 
 CONVERGES = ("descent", "settling")
+STRICT = ("inward",)
+"""At a tangent point of the face only a positive rate keeps trajectories inside."""
 
 
 @dataclass(frozen=True)
@@ -46,11 +49,11 @@ class EllipsoidLevels:
             level: the highest level that is asked for.
         """
         limits = (name for name in self.table.conditions if name not in RADIAL)
-        left = [name for name in ("inward", *limits) if _open(bounds, name)]
+        left = [name for name in ("inward", *limits) if is_open(bounds, name, STRICT)]
         stays = Conclusion(2, "proved", None, self._words_of_stay())
         if left:
             stays = Conclusion(2, "undecided", f"{left[0]} is not proved")
-        left += [name for name in CONVERGES if _open(bounds, name)]
+        left += [name for name in CONVERGES if is_open(bounds, name, STRICT)]
         if not rate > 0.0:
             left = ["a rate above 0"]
         words = f"from every state of the set the radius decays at least like exp(-{rate!r} t): "
@@ -66,29 +69,12 @@ class EllipsoidLevels:
         )
 
     def with_levels(self, report: CheckResult, claims: Claims) -> CheckResult:
-        """Add levels 2 and 3 to the report of a checked proof, where its statements give them.
+        """Add levels 2 and 3 to the report of a checked proof, see `with_claimed_levels`."""
 
-        A file whose regions are not those of the spec is rejected: its words would be about others.
-        The statements hold by then; whether they are about a run's robot, the verdict says.
-        """
-        if claims.asked is None or not report.holds:
-            return report
-        if not self.table.is_that_of(claims):
-            why = f"its regions, conditions or chart are not those of {self.words}'s spec"
-            return replace(report, verdict="rejected", reason=why, levels=(), holds=False)
-        rate = from_hex((claims.model or {}).get("rate"), "a rate")
-        if not rate > 0.0:
-            why = f"its rate of decay, {rate!r} 1/s, is not above 0"
-            return replace(report, verdict="rejected", reason=why, levels=(), holds=False)
-        stated = self.table.stated_bounds(claims)
-        bounds = {name: x for name, x in stated.items() if name not in report.unclaimed}
-        word = "proved" if report.verdict == "proved" else "consistent"
-        levels = [one for one in self.conclude(bounds, rate) if one.proved]
-        return replace(report, levels=tuple(replace(one, verdict=word) for one in levels))
+        def follow(bounds: Bounds) -> tuple[Conclusion, ...] | str:
+            rate = from_hex((claims.model or {}).get("rate"), "a rate")
+            if not rate > 0.0:
+                return f"its rate of decay, {rate!r} 1/s, is not above 0"
+            return self.conclude(bounds, rate)
 
-
-def _open(bounds: Mapping[str, float | None], name: str) -> bool:
-    """Return whether the bound of a condition is no premise yet."""
-    bound = bounds.get(name)
-    # At a tangent point of the face only a positive rate keeps trajectories inside.
-    return bound is None or not (bound > 0.0 if name == "inward" else bound >= 0.0)
+        return with_claimed_levels(report, claims, self.table, f"{self.words}'s spec", follow)

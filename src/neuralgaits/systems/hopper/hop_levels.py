@@ -1,13 +1,13 @@
 """Regions and conditions of the spec `hopping`, and what follows for trajectories. Needs no JAX."""
 
 from collections.abc import Mapping
-from dataclasses import replace
 
 from neuralgaits._digits import from_hex
 from neuralgaits.certificate.chart import Axis, Chart
 from neuralgaits.certificate.proof_file.check import CheckResult
 from neuralgaits.certificate.proof_file.reader import Claims
 from neuralgaits.records.certified import Conclusion
+from neuralgaits.systems.claimed_levels import Bounds, is_open, with_claimed_levels
 from neuralgaits.systems.condition_table import ConditionTable
 
 TABLE = ConditionTable(
@@ -36,6 +36,8 @@ TABLE = ConditionTable(
 )
 CONVERGES = ("closer", "approach")
 """Conditions of level 3; all others are premises of level 2."""
+STRICT = ("low fence", "high fence")
+"""Conditions whose bound must be above 0: at a tangent point only that keeps a stance inside."""
 
 
 def conclude(
@@ -54,7 +56,9 @@ def conclude(
         rate: that `approach` is about.
         level: the highest level that is asked for.
     """
-    left = [name for name in TABLE.conditions if name not in CONVERGES and _open(bounds, name)]
+    left = [
+        name for name in TABLE.conditions if name not in CONVERGES and is_open(bounds, name, STRICT)
+    ]
     stays = Conclusion(
         2,
         "proved",
@@ -68,7 +72,7 @@ def conclude(
     )
     if left:
         stays = Conclusion(2, "undecided", f"{left[0]} is not proved")
-    left += [name for name in CONVERGES if _open(bounds, name)]
+    left += [name for name in CONVERGES if is_open(bounds, name, STRICT)]
     if not rate > 0.0:
         left = ["a rate above 0"]
     words = (
@@ -82,28 +86,13 @@ def conclude(
     return tuple(one for one in (stays, converges) if one.level <= level)
 
 
-def _open(bounds: Mapping[str, float | None], name: str) -> bool:
-    """Return whether the bound of a condition is no premise yet."""
-    bound = bounds.get(name)
-    return bound is None or not (bound > 0.0 if name.endswith("fence") else bound >= 0.0)
-
-
 def with_hop_levels(report: CheckResult, claims: Claims) -> CheckResult:
-    """Add levels 2 and 3 to the report of a checked proof, where its statements give them.
+    """Add levels 2 and 3 to the report of a checked proof, see `with_claimed_levels`."""
 
-    A file whose regions are not those of the spec is rejected: its words would be about others.
-    """
-    if claims.asked is None or not report.holds:
-        return report
-    if not TABLE.is_that_of(claims):
-        why = "its regions, conditions or chart are not those of a hopper's spec"
-        return replace(report, verdict="rejected", reason=why, levels=(), holds=False)
-    rate = from_hex((claims.model or {}).get("rate"), "a rate")
-    if not rate > 0.0:
-        why = f"its rate of approach, {rate!r}, is not above 0"
-        return replace(report, verdict="rejected", reason=why, levels=(), holds=False)
-    stated = TABLE.stated_bounds(claims)
-    bounds = {name: x for name, x in stated.items() if name not in report.unclaimed}
-    word = "proved" if report.verdict == "proved" else "consistent"
-    levels = [one for one in conclude(bounds, rate) if one.proved]
-    return replace(report, levels=tuple(replace(one, verdict=word) for one in levels))
+    def follow(bounds: Bounds) -> tuple[Conclusion, ...] | str:
+        rate = from_hex((claims.model or {}).get("rate"), "a rate")
+        if not rate > 0.0:
+            return f"its rate of approach, {rate!r}, is not above 0"
+        return conclude(bounds, rate)
+
+    return with_claimed_levels(report, claims, TABLE, "a hopper's spec", follow)

@@ -1,12 +1,12 @@
 """Regions and conditions of the spec `periodic`, and what follows from them. Needs no JAX."""
 
 from collections.abc import Mapping
-from dataclasses import replace
 
 from neuralgaits.certificate.chart import Axis, Chart
 from neuralgaits.certificate.proof_file.check import CheckResult
 from neuralgaits.certificate.proof_file.reader import Claims
 from neuralgaits.records.certified import Conclusion
+from neuralgaits.systems.claimed_levels import is_open, with_claimed_levels
 from neuralgaits.systems.condition_table import ConditionTable
 
 _LOW, _HIGH = (0.0, 0.0, 0.0, 0.0), (1.0, 1.0, 1.0, 1.0)
@@ -70,7 +70,9 @@ def conclude(bounds: Mapping[str, float | None], level: int = 3) -> tuple[Conclu
         bounds: proved bound by condition; None if there is none.
         level: the highest level that is asked for.
     """
-    left = [name for name in TABLE.conditions if name not in CONVERGES and _open(bounds, name)]
+    left = [
+        name for name in TABLE.conditions if name not in CONVERGES and is_open(bounds, name, STRICT)
+    ]
     words = (
         "every trajectory of the projected hybrid zero dynamics that starts in the tube walks for "
         "ever, each step within the tube",
@@ -80,7 +82,7 @@ def conclude(bounds: Mapping[str, float | None], level: int = 3) -> tuple[Conclu
     walks = Conclusion(2, "proved", None, words)
     if left:
         walks = Conclusion(2, "undecided", f"{left[0]} is not proved")
-    left += [name for name in CONVERGES if _open(bounds, name)]
+    left += [name for name in CONVERGES if is_open(bounds, name, STRICT)]
     words = (
         "there is one periodic orbit in the tube, and two trajectories of the projected hybrid "
         f"zero dynamics in it come closer at least by the factor exp(-{RATE!r}) a step, in half "
@@ -92,24 +94,7 @@ def conclude(bounds: Mapping[str, float | None], level: int = 3) -> tuple[Conclu
     return tuple(one for one in (walks, converges) if one.level <= level)
 
 
-def _open(bounds: Mapping[str, float | None], name: str) -> bool:
-    """Return whether the bound of a condition is no premise yet."""
-    bound = bounds.get(name)
-    return bound is None or not (bound > 0.0 if name in STRICT else bound >= 0.0)
-
-
 def with_spatial_levels(report: CheckResult, claims: Claims) -> CheckResult:
-    """Add levels 2 and 3 to the report of a checked proof, where its statements give them.
-
-    A file whose regions are not those of the spec is rejected: its words would be about others.
-    """
-    if claims.asked is None or not report.holds:
-        return report
-    if not TABLE.is_that_of(claims):
-        why = "its regions, conditions or chart are not those of a walker's in three dimensions"
-        return replace(report, verdict="rejected", reason=why, levels=(), holds=False)
-    stated = TABLE.stated_bounds(claims)
-    bounds = {name: x for name, x in stated.items() if name not in report.unclaimed}
-    word = "proved" if report.verdict == "proved" else "consistent"
-    levels = [one for one in conclude(bounds) if one.proved]
-    return replace(report, levels=tuple(replace(one, verdict=word) for one in levels))
+    """Add levels 2 and 3 to the report of a checked proof, see `with_claimed_levels`."""
+    about = "a walker's in three dimensions"
+    return with_claimed_levels(report, claims, TABLE, about, conclude)
