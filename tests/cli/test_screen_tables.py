@@ -376,3 +376,18 @@ def test_a_sentence_hangs(capsys: Captured, monkeypatch: Environment) -> None:
 def test_a_table_without_rows_is_nothing(capsys: Captured) -> None:
     show_table(("a", "b"), [])
     assert capsys.readouterr().out == ""
+
+
+@pytest.mark.parametrize(
+    ("needed", "last"),
+    [
+        (False, "everything needed is there; 1 optional part missing"),
+        (True, "missing: compiler"),
+    ],
+)
+def test_doctor_ends_with_one_line_that_sums_up(
+    needed: bool, last: str, capsys: Captured, monkeypatch: Environment
+) -> None:
+    compiler = DOCTOR["compiler"] | {"needed": needed}
+    robot_screen.show_findings(Machine.of(DOCTOR | {"compiler": compiler}))
+    assert capsys.readouterr().out.splitlines()[-1] == last

@@ -98,3 +98,11 @@ def show_findings(result: Machine) -> None:
         state = Text("ok", "green") if finding.ok else bad
         rows.append((name, state, finding.found, finding.fix or ""))
     show_table(("what", "state", "found", "fix"), rows)
+    missing = [name for name, one in result.findings.items() if one.needed and not one.ok]
+    optional = sum(not one.needed and not one.ok for one in result.findings.values())
+    if missing:
+        needed = Text(f"missing: {', '.join(missing)}", "red")
+    else:
+        needed = Text("everything needed is there", "green")
+    parts = f"{optional} optional part{'' if optional == 1 else 's'} missing"
+    show_sentence(needed, f"; {parts}" if optional else "")
