@@ -21,8 +21,8 @@ from scipy.optimize import minimize
 from neuralgaits.barriers import Gait
 from neuralgaits.certificate.levels.full_order.model import BANDWIDTH, FullOrderModel
 from neuralgaits.certificate.levels.full_order.norm import FULL, HELD_SPARE, IMPACT, STRIP
-from neuralgaits.certificate.levels.full_order.sample_evaluators import looks_of, what_is_seen
-from neuralgaits.certificate.levels.full_order.samples import Seen
+from neuralgaits.certificate.levels.full_order.sample_evaluators import evaluators_of, sample_gait
+from neuralgaits.certificate.levels.full_order.samples import GaitSamples
 from neuralgaits.control.pd import Pd
 from neuralgaits.gait.joint_inertia import JointResponse
 from neuralgaits.robots import load_robot
@@ -36,7 +36,7 @@ ASKED_S = 2e-3
 class Closed:
     """The outputs under PD at points of the step, in plain (y, dy)."""
 
-    def __init__(self, robot, seen: Seen, push_torque: np.ndarray, w: float):
+    def __init__(self, robot, seen: GaitSamples, push_torque: np.ndarray, w: float):
         law, m = Pd(bandwidth=w).with_gains_for(JointResponse(robot)), len(seen.inertia)
         limits = np.asarray(robot.torque_limit)
         self.m, self.seen = m, seen
@@ -159,8 +159,8 @@ def main() -> None:
     robot = load_robot("amber3m")
     run = trained("amber3m", seed=0)
     assert isinstance(run.gait, Gait)
-    looks = looks_of(FullOrderModel(run.robot, run.gait, run.spec, BANDWIDTH))
-    seen = what_is_seen(looks)
+    looks = evaluators_of(FullOrderModel(run.robot, run.gait, run.spec, BANDWIDTH))
+    seen = sample_gait(looks)
     assert seen is not None
     m = len(seen.inertia)
     names = seen.slack[2].shape[1] - 2 - 2 * m

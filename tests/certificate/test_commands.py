@@ -13,7 +13,7 @@ import pytest
 
 from neuralgaits.analysis.run import open_run
 from neuralgaits.barriers import specs
-from neuralgaits.certificate.chart import Chart, CoupledAxes, asked_for
+from neuralgaits.certificate.chart import Chart, CoupledAxes, required_boxes
 from neuralgaits.certificate.levels.level_search import find_sets, one_step
 from neuralgaits.certificate.levels.levels import conclude
 from neuralgaits.certificate.levels.orbit.theorem import OrbitConstants, orbit_premises
@@ -124,7 +124,7 @@ def test_only_boxes_with_no_admissible_pair_are_left_out():
     low[:, 2:] = random.integers(0, 8, (400, 2)) / 8.0
     high = low + random.integers(0, 3, (400, 4)) / 8.0
     gap = np.maximum(low[:, 2] - high[:, 3], low[:, 3] - high[:, 2])
-    found = asked_for((CoupledAxes(2, 3, 0.25),), low, high)
+    found = required_boxes((CoupledAxes(2, 3, 0.25),), low, high)
     np.testing.assert_array_equal(found, gap <= 0.25)
     assert 50 < found.sum() < 350 and (gap == 0.25).any()
 

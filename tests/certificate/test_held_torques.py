@@ -5,8 +5,8 @@ import pytest
 from neuralgaits.certificate.levels.disturbed.find import find_disturbed
 from neuralgaits.certificate.levels.disturbed.theorem import DisturbedConstants
 from neuralgaits.certificate.levels.full_order.sample_evaluators import (
-    looks_in,
-    looks_of,
+    evaluators_in_norm,
+    evaluators_of,
     set_of,
 )
 from neuralgaits.certificate.levels.full_order.theorem import FullOrderConstants
@@ -21,10 +21,10 @@ W, WALKS = 50.0, 100
 def test_no_walk_leaves_the_set_while_torques_are_held(trained, free_clock, least):
     """With a tick at each touchdown; and on a clock that runs on through touchdowns."""
     model = model_of(trained, W)
-    looks = looks_of(model)
-    shape = set_of(model, pushed=True, widest=True, free_clock=free_clock, looks=looks)
+    looks = evaluators_of(model)
+    shape = set_of(model, pushed=True, widest=True, free_clock=free_clock, evaluators=looks)
     assert isinstance(shape, FullOrderConstants), shape
-    found = find_disturbed(looks_in(model, shape, looks), shape, free_clock=free_clock)
+    found = find_disturbed(evaluators_in_norm(model, shape, looks), shape, free_clock=free_clock)
     assert isinstance(found, DisturbedConstants), found
     assert found.hold > least
     ticks, ticked = round(0.8 / found.hold), ticker(trained, shape, free_clock=free_clock)

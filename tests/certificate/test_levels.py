@@ -27,26 +27,23 @@ class Hovering:
     curve: tuple[float, ...]
 
 
-def _conclude(known, boxes, bounds):
-    del boxes
-    proved = bounds.get(("hover/up", *BOX), -1.0) > known[9].height
-    return Conclusion(9, "proved" if proved else "undecided", None if proved else "low", (), {})
+class HoveringLevel(Level):
+    """A level that says next to nothing."""
 
+    number, part, parameters = 9, "hover", Hovering
 
-DUMMY = Level(
-    9,
-    "hover",
-    Hovering,
-    lambda part: {"curve": part.curve},
-    lambda known, boxes: iter([("hovering", "hover/up", *BOX)]),
-    _conclude,
-)
+    def premises(self, parameters, boxes):
+        return iter([("hovering", "hover/up", *BOX)])
+
+    def conclude(self, parameters, boxes, bounds):
+        proved = bounds.get(("hover/up", *BOX), -1.0) > parameters[9].height
+        return Conclusion(9, "proved" if proved else "undecided", None if proved else "low", (), {})
 
 
 @pytest.fixture
 def taller(monkeypatch):
     """The package with one more level: its entry in the tuple, and nothing else."""
-    monkeypatch.setattr(levels, "LEVELS", (*levels.LEVELS, DUMMY))
+    monkeypatch.setattr(levels, "LEVELS", (*levels.LEVELS, HoveringLevel()))
     monkeypatch.setattr(theorem_tables, "LEVELS", levels.LEVELS)
     by_number = {level.number: level for level in levels.LEVELS}
     for module in (theorem_tables, check, consistency):

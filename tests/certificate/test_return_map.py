@@ -9,7 +9,7 @@ import pytest
 
 import neuralgaits as ng
 from neuralgaits.barriers import Gait, Tube
-from neuralgaits.certificate.levels.level_search import look_at
+from neuralgaits.certificate.levels.level_search import evaluator_at
 from neuralgaits.certificate.levels.orbit import find, return_map
 from neuralgaits.certificate.levels.orbit.find import _periodic, find_orbit
 from neuralgaits.certificate.levels.orbit.margins import margins, thin_gait
@@ -27,7 +27,7 @@ WEIGHTS = jnp.array([1.0, 2.0, 2.0, 1.0]) / 6.0
 @pytest.fixture(scope="module")
 def found(trained):
     """The orbit of the default gait, and the least that its premises came to."""
-    look = look_at(trained.gait, trained.zero_dynamics)
+    look = evaluator_at(trained.gait, trained.zero_dynamics)
     shape = find_set(trained.spec, look)
     assert not isinstance(shape, str)
     tube = trained.gait.tube

@@ -16,7 +16,7 @@ from neuralgaits.analysis.run import open_run
 from neuralgaits.barriers import Box, Gait, specs
 from neuralgaits.barriers.commanded_spec import commands_of
 from neuralgaits.certificate.chart import Chart
-from neuralgaits.certificate.levels.level_search import LevelSets, find_sets, look_at
+from neuralgaits.certificate.levels.level_search import LevelSets, evaluator_at, find_sets
 from neuralgaits.certificate.levels.levels import conclude
 from neuralgaits.certificate.levels.orbit import margins as orbit_margins
 from neuralgaits.certificate.levels.orbit.search import fences_of
@@ -209,7 +209,7 @@ def test_walks_over_any_footholds_stay_in_the_set_and_converge(trained):
     sets = find_sets(run.spec, run.gait, run.zero_dynamics, 3, (0.0, 0.0), floor)
     shape, orbit = sets.parameters[2], sets.parameters[3]
     assert orbit.attraction == "contraction alone" and shape.guard_strip > 1e-3
-    look, fences = look_at(run.gait, run.zero_dynamics), fences_of(run.gait)
+    look, fences = evaluator_at(run.gait, run.zero_dynamics), fences_of(run.gait)
     unit, rng = float(run.gait.tube.unit), np.random.default_rng(3)
 
     def seen(phase, zeta):

@@ -21,7 +21,7 @@ AT = np.array([[0.5, 0.5]])
 @pytest.fixture(scope="module")
 def target():
     run = open_run(SHIPPED)
-    return SearchTarget(run.spec, run.gait, run.zero_dynamics, lambda: lambda u: {}, pushed=True)
+    return SearchTarget(run.spec, run.gait, run.zero_dynamics, lambda: lambda u: {}, disturbed=True)
 
 
 def test_a_function_is_traced_when_it_is_called_first(monkeypatch, target):
@@ -32,8 +32,8 @@ def test_a_function_is_traced_when_it_is_called_first(monkeypatch, target):
         raise SpecError("no trace")
 
     monkeypatch.setattr(sample_evaluators, "trace", trace)
-    assert full_order.SEARCH.find(target, {}) == "no trace" and len(traced) == 1
-    looks = target.left[4]
+    assert full_order.FullOrderSearch().find(target, {}) == "no trace" and len(traced) == 1
+    looks = target.shared[4]
     assert looks.pushed is not None
     with pytest.raises(SpecError, match="no trace"):
         looks.pushed(AT)
@@ -43,18 +43,18 @@ def test_a_function_is_traced_when_it_is_called_first(monkeypatch, target):
 def test_level_5_evaluates_what_level_4_left(monkeypatch, target):
     calls = []
 
-    def leaving(model, *given, looks, **how):
+    def leaving(model, *given, evaluators, **how):
         assert how == {"free_clock": True}
-        calls.append(looks)
+        calls.append(evaluators)
         return "no set"
 
-    target = replace(target, control=ControlAssumption(free_clock=True), left={})
+    target = replace(target, control=ControlAssumption(free_clock=True), shared={})
     monkeypatch.setattr(full_order, "set_of", leaving)
-    assert full_order.SEARCH.find(target, {}) == "no set"
+    assert full_order.FullOrderSearch().find(target, {}) == "no set"
     monkeypatch.setattr(disturbed, "find_disturbed", lambda looks, full, free_clock, gains: looks)
-    monkeypatch.setattr(disturbed, "looks_in", lambda model, full, looks: (looks, {}))
-    found, _ = disturbed.SEARCH.find(target, {4: SimpleNamespace(bandwidth=30.0)})
-    assert found[0] is calls[0] is target.left[4]
+    monkeypatch.setattr(disturbed, "evaluators_in_norm", lambda model, full, looks: (looks, {}))
+    found, _ = disturbed.DisturbedSearch().find(target, {4: SimpleNamespace(bandwidth=30.0)})
+    assert found[0] is calls[0] is target.shared[4]
 
 
 def test_a_law_that_is_not_exact_is_evaluated_in_its_place(target):
@@ -65,8 +65,8 @@ def test_a_law_that_is_not_exact_is_evaluated_in_its_place(target):
     assert scheduled.gains is not None and target.gains is None
     law = ScheduledLaw(scheduled.gains, run.gait)
     for looks, exact in (
-        (sample_evaluators.looks_of(model), True),
-        (sample_evaluators.looks_of(model, law), False),
+        (sample_evaluators.evaluators_of(model), True),
+        (sample_evaluators.evaluators_of(model, law), False),
     ):
         assert looks.pushed is not None
         seen = looks.pushed(AT)

@@ -8,9 +8,9 @@ import pytest
 from neuralgaits.certificate.levels.full_order.inequalities import inequalities
 from neuralgaits.certificate.levels.full_order.norm import Planned, find_widest
 from neuralgaits.certificate.levels.full_order.sample_evaluators import (
-    looks_of,
+    evaluators_of,
+    sample_gait,
     set_of,
-    what_is_seen,
 )
 from neuralgaits.certificate.levels.full_order.theorem import FullOrderConstants, weighting
 from neuralgaits.errors import InputError
@@ -28,17 +28,17 @@ def model(trained):
 
 @pytest.fixture(scope="module")
 def looks(model):
-    return looks_of(model)
+    return evaluators_of(model)
 
 
 @pytest.fixture(scope="module")
 def seen(looks):
-    return what_is_seen(looks)
+    return sample_gait(looks)
 
 
 @pytest.fixture(scope="module")
 def shape(model, looks):
-    found = set_of(model, widest=True, looks=looks)
+    found = set_of(model, widest=True, evaluators=looks)
     assert isinstance(found, FullOrderConstants), found
     return found
 

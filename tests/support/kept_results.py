@@ -28,8 +28,8 @@ COPIED = {
 }
 """Functions whose results a caller could change: each has a copy."""
 SHARED = {
-    f"{PACKAGE}.certificate.levels.full_order.sample_evaluators": ("looks_of",),
-    f"{PACKAGE}.certificate.levels.level_search": ("look_at",),
+    f"{PACKAGE}.certificate.levels.full_order.sample_evaluators": ("evaluators_of",),
+    f"{PACKAGE}.certificate.levels.level_search": ("evaluator_at",),
     f"{PACKAGE}.certificate.levels.problems": ("trace_certificate",),
     f"{PACKAGE}.certificate.traced": ("trace_spec",),
 }

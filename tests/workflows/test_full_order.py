@@ -20,7 +20,7 @@ from neuralgaits.certificate.levels.full_order.model import (
     output_coordinates,
     scaled_coordinates,
 )
-from neuralgaits.certificate.levels.full_order.sample_evaluators import looks_of
+from neuralgaits.certificate.levels.full_order.sample_evaluators import evaluators_of
 from neuralgaits.certificate.levels.full_order.samples import grid
 from neuralgaits.certificate.levels.full_order.theorem import (
     REGION,
@@ -300,7 +300,7 @@ def _with_numbers_of(program: Program, shape: FullOrderConstants) -> Program:
 
 def test_the_strips_beyond_a_step_are_looked_at(model):
     """Elsewhere a premise that is false there is asked for: on some machines it was."""
-    looks = looks_of(model)
+    looks = evaluators_of(model)
 
     def steeper(u, xi):
         seen = dict(looks.step(u, xi))

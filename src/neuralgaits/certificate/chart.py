@@ -116,13 +116,13 @@ class Chart:
             commands: commands of the gait; each has two axes, before and after.
             errors: (name, half width) of each parameter of the robot, one axis each.
         """
-        told = []
+        command_axes = []
         for one in commands:
-            told += [
+            command_axes += [
                 Axis(f"{one.name} before", one.low, one.high),
                 Axis(f"{one.name} after", one.low, one.high, one.largest_change),
             ]
-        return cls((*told, *(Axis(name, -half, half) for name, half in errors)))
+        return cls((*command_axes, *(Axis(name, -half, half) for name, half in errors)))
 
     @property
     def coupled_axes(self) -> tuple[CoupledAxes, ...]:
@@ -133,19 +133,19 @@ class Chart:
             if axis.change is not None
         )
 
-    def sequences(self, told: Sequence[str]) -> tuple[str, ...] | None:
+    def sequences(self, command_names: Sequence[str]) -> tuple[str, ...] | None:
         """Describe which command may follow which, one phrase a command.
 
-        Returns None if the first axes are not those of the commands `told`.
+        Returns None if the first axes are not those of the commands `command_names`.
 
         A command has two axes, (before, after). Behind them only errors may follow, because these
         are constant, while a command may differ before and after.
         """
-        count = 2 * len(told)
+        count = 2 * len(command_names)
         if len(self.parameters) < count or not all(map(_is_error, self.parameters[count:])):
             return None
-        found = []
-        for place, name in enumerate(told):
+        phrases = []
+        for place, name in enumerate(command_names):
             first, second = self.parameters[2 * place : 2 * place + 2]
             if first != Axis(f"{name} before", first.low, first.high):
                 return None
@@ -154,8 +154,8 @@ class Chart:
             what = "any after any"
             if second.change is not None:
                 what = f"by at most {second.change!r} more or less than in the step before"
-            found.append(f"{name} from {first.low!r} to {first.high!r}, {what}")
-        return tuple(found)
+            phrases.append(f"{name} from {first.low!r} to {first.high!r}, {what}")
+        return tuple(phrases)
 
     def of_commands(self, count: int) -> "Chart":
         """Return the chart of (phase, level) and the axes of so many commands."""
@@ -177,19 +177,19 @@ class Chart:
 
     def intervals(self) -> tuple[str, ...]:
         """Describe the axes behind phase and level; neighbours with one interval share a phrase."""
-        found: list[tuple[list[str], str]] = []
+        groups: list[tuple[list[str], str]] = []
         for axis in self.parameters:
             interval = f"[{axis.low!r}, {axis.high!r}]"
             if axis.change is not None:
                 interval += f", at most {axis.change!r} from the one before"
-            if not found or found[-1][1] != interval:
-                found.append(([], interval))
-            found[-1][0].append(axis.name)
+            if not groups or groups[-1][1] != interval:
+                groups.append(([], interval))
+            groups[-1][0].append(axis.name)
         return tuple(
             f"{names[0]} in {interval}"
             if len(names) == 1
             else f"{', '.join(names)} each in {interval}"
-            for names, interval in found
+            for names, interval in groups
         )
 
     def table(self) -> list[dict[str, str]]:
@@ -237,16 +237,16 @@ PLANE_ONLY = Chart()
 """Of a gait without parameters."""
 
 
-def asked_for(near: Iterable[CoupledAxes], low: np.ndarray, high: np.ndarray) -> np.ndarray:
+def required_boxes(near: Iterable[CoupledAxes], low: np.ndarray, high: np.ndarray) -> np.ndarray:
     """Return which boxes [B, n] have a point whose near axes are close enough together. [B].
 
     A rounded difference is above a double only if the difference is.
     """
-    found = np.ones(len(low), dtype=bool)
+    required = np.ones(len(low), dtype=bool)
     for first, second, change in near:
-        found &= ~(low[:, first] - high[:, second] > change)
-        found &= ~(low[:, second] - high[:, first] > change)
-    return found
+        required &= ~(low[:, first] - high[:, second] > change)
+        required &= ~(low[:, second] - high[:, first] > change)
+    return required
 
 
 def _is_error(axis: Axis) -> bool:

@@ -1,9 +1,10 @@
 """Target of the search for a level's set, and the functions that search."""
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -18,6 +19,9 @@ Evaluator = Callable[[Float[np.ndarray, "n 2"]], Mapping[str, np.ndarray]]
 """Chart points [n, 2] to quantities by name: "foot" [m], "foot_rate" [m/s], "slope", "expansion",
 "pace", "gain" and "after" (phase, zeta) [n, 2]."""
 Margins = dict[str, Float[Array, "..."]]
+SearchResult = tuple[Any, Mapping[str, float]] | str
+"""Parameters of a level, and lower bounds to be proved of outputs that enclose constants; or one
+sentence with the reason why there are none."""
 
 
 @dataclass(frozen=True)
@@ -45,23 +49,23 @@ class SearchTarget:
 
     Attributes:
         spec, gait, zd: of a run.
-        evaluator: makes the function that the finders of levels 2 and 3 evaluate.
+        make_evaluator: makes the function that the finders of levels 2 and 3 evaluate.
         disturbance: bound on what may be added to dz at level 2 (m/s, N m).
         floor: bound on how much higher or lower than meant a foothold may lie [m].
-        pushed: whether the set at full order is to stand a disturbance as well (level 5).
+        disturbed: whether the set at full order is to stand a disturbance as well (level 5).
         control: what is assumed of the controller at full order.
-        left: what the search of a level left to those above it, by its number.
+        shared: objects that the search of a level hands to those above it, by its number.
     """
 
     spec: GaitSpec
     gait: AnyGait
     zd: ZeroDynamics
-    evaluator: Callable[[], Evaluator]
+    make_evaluator: Callable[[], Evaluator]
     disturbance: tuple[float, float] = (0.0, 0.0)
     floor: float = 0.0
-    pushed: bool = False
+    disturbed: bool = False
     control: ControlAssumption = USUAL_CONTROL
-    left: dict[int, Any] = field(default_factory=dict)
+    shared: dict[int, Any] = field(default_factory=dict)
 
     @cached_property
     def gains(self) -> ScheduledGains | None:
@@ -69,23 +73,42 @@ class SearchTarget:
         if not self.control.scheduled:
             return None
         assert isinstance(self.gait, Gait)
-        found = ScheduledGains.of(self.zd.robot, self.gait)
-        return ScheduledGains(np.asarray(found.torque), np.asarray(found.inertia))
+        traced = ScheduledGains.of(self.zd.robot, self.gait)
+        return ScheduledGains(np.asarray(traced.torque), np.asarray(traced.inertia))
 
     @cached_property
-    def look(self) -> Evaluator:
+    def evaluate(self) -> Evaluator:
         """Function that the finders of levels 2 and 3 evaluate, made when it is first asked for."""
-        return self.evaluator()
+        return self.make_evaluator()
 
 
-class LevelSearch(NamedTuple):
-    """Search for the set of a level, and its premises.
+class LevelSearch(ABC):
+    """Search for the set of a level, and its premises as functions of a gait."""
 
-    Attributes:
-        find: of a subject and the parameters below: parameters, and what outputs that enclose
-            constants must reach; or one sentence that says why there are none.
-        margins: its premises as functions of all parameters, a chart point and xi of the unit ball.
-    """
+    @abstractmethod
+    def find(self, target: SearchTarget, parameters: Parameters) -> SearchResult:
+        """Find the parameters of the level, from those of the levels below.
 
-    find: Callable[[SearchTarget, Parameters], tuple[Any, Mapping[str, float]] | str]
-    margins: Callable[[GaitSpec, Gait, ZeroDynamics, Parameters, Array, Array], Margins]
+        Raises: SpecError if something cannot be traced.
+        """
+
+    @abstractmethod
+    def margins(
+        self,
+        spec: GaitSpec,
+        gait: Gait,
+        zd: ZeroDynamics,
+        parameters: Parameters,
+        u: Array,
+        xi: Array,
+    ) -> Margins:
+        """Return the margins of the premises, by output name.
+
+        Args:
+            spec: spec of a run.
+            gait: gait of the run.
+            zd: zero dynamics of the gait.
+            parameters: parameters of this level, and of those below.
+            u: chart point.
+            xi: outputs, a point of the unit ball.
+        """

@@ -116,8 +116,8 @@ def _culprit(spec: GaitSpec, robot: PlanarBiped, gait: AnyGait) -> str | None:
             return True
         return False
 
-    known = _known(robot)
-    own = [one for one in spec.conditions if plain(describe_condition(one)) not in known]
+    names = _known(robot)
+    own = [one for one in spec.conditions if plain(describe_condition(one)) not in names]
     suspect = next(filter(raises, own), None)
     if suspect is None:
         return None
@@ -128,8 +128,8 @@ def _culprit(spec: GaitSpec, robot: PlanarBiped, gait: AnyGait) -> str | None:
 
 def _known(robot: PlanarBiped) -> list[Any]:
     """Return the conditions of a robot's built-in specs, as data."""
-    known = []
+    names = []
     for name in specs.BUILT_IN:
         with contextlib.suppress(SpecError):
-            known += [plain(describe_condition(one)) for one in specs.load(name, robot).conditions]
-    return known
+            names += [plain(describe_condition(one)) for one in specs.load(name, robot).conditions]
+    return names

@@ -17,12 +17,12 @@ from neuralgaits.certificate.level_target import (
     Evaluator,
     SearchTarget,
 )
-from neuralgaits.certificate.levels.disturbed import search as disturbed
-from neuralgaits.certificate.levels.full_order import search as full_order
+from neuralgaits.certificate.levels.disturbed.search import DisturbedSearch
+from neuralgaits.certificate.levels.full_order.search import FullOrderSearch
 from neuralgaits.certificate.levels.levels import LEVELS
 from neuralgaits.certificate.levels.orbit import return_map
-from neuralgaits.certificate.levels.orbit import search as orbit
-from neuralgaits.certificate.levels.walking_set import search as walking_set
+from neuralgaits.certificate.levels.orbit.search import OrbitSearch
+from neuralgaits.certificate.levels.walking_set.search import WalkingSetSearch
 from neuralgaits.certificate.traced import step_at
 from neuralgaits.gait import Residuals, ZeroDynamics
 from neuralgaits.gait.policies.commanded_gait import AnyGait
@@ -34,10 +34,10 @@ from neuralgaits.robots.mjcf.parameters import ParameterAxis, model_of
 Errors = tuple[ParameterAxis, ...]
 """Parameters of the robot, as in `GaitSpec.parameters`."""
 LEVEL_SEARCHES = {
-    2: walking_set.SEARCH,
-    3: orbit.SEARCH,
-    4: full_order.SEARCH,
-    5: disturbed.SEARCH,
+    2: WalkingSetSearch(),
+    3: OrbitSearch(),
+    4: FullOrderSearch(),
+    5: DisturbedSearch(),
 }
 """By number."""
 
@@ -84,36 +84,36 @@ def find_sets(
 
     Raises: SpecError if nothing can be traced.
     """
-    pushed = level > FULL_ORDER_LEVEL
-    evaluator = partial(look_at, gait, zd, spec.parameters)
-    of = SearchTarget(spec, gait, zd, evaluator, disturbance, floor, pushed, control)
+    disturbed = level > FULL_ORDER_LEVEL
+    make_evaluator = partial(evaluator_at, gait, zd, spec.parameters)
+    target = SearchTarget(spec, gait, zd, make_evaluator, disturbance, floor, disturbed, control)
     parameters, reasons, least = {}, {}, {}
     chart = Chart.of(spec.commands, spec.parameters)
     for entry in LEVELS:
         if entry.number > level or not set(entry.rests_on) <= set(parameters):
             continue
         refusal = entry.refusal(parameters, chart)
-        found = refusal or LEVEL_SEARCHES[entry.number].find(of, parameters)
-        if isinstance(found, str):
-            reasons[entry.number] = found
+        result = refusal or LEVEL_SEARCHES[entry.number].find(target, parameters)
+        if isinstance(result, str):
+            reasons[entry.number] = result
         else:
-            parameters[entry.number], more = found
+            parameters[entry.number], more = result
             least |= more
     return LevelSets(parameters, reasons, least)
 
 
-def look_at(gait: AnyGait, zd: ZeroDynamics, parameters: Errors = ()) -> Evaluator:
+def evaluator_at(gait: AnyGait, zd: ZeroDynamics, parameters: Errors = ()) -> Evaluator:
     """Return the function from chart points to quantities for finders. Raises: SpecError."""
     size = PLANE + 2 * len(gait.commands) + len(parameters)
     at = one_step(gait, zd, parameters)
     program = trace(lambda u: _quantities(*at(u), u[:PLANE]), {"u": (size,)}, parameters=gait)
     folded = fold(program, POINT)
 
-    def look(u: np.ndarray) -> dict[str, np.ndarray]:
+    def evaluate_at(u: np.ndarray) -> dict[str, np.ndarray]:
         with np.errstate(all="ignore"):
             return evaluate(program, {"u": u}, POINT, folded)
 
-    return look
+    return evaluate_at
 
 
 def one_step(

@@ -89,13 +89,14 @@ def trace_certificate(
 
 def _named(sets: LevelSets) -> dict[str, dict[str, np.ndarray]]:
     """Return the parameters of the sets, by the names of the Program's constants."""
-    known = sets.parameters
+    parameters = sets.parameters
     return {
         level.part: {
-            name: np.array(value) for name, value in level.constants(known[level.number]).items()
+            name: np.array(value)
+            for name, value in level.constants(parameters[level.number]).items()
         }
         for level in LEVELS
-        if level.number in known
+        if level.number in parameters
     }
 
 
@@ -108,10 +109,10 @@ def set_margins(
     xi: Any = None,
 ) -> Margins:
     """Return margins of the sets at one chart point and one xi, by output name."""
-    found = {}
+    margins = {}
     for number in sets.parameters:
-        found |= LEVEL_SEARCHES[number].margins(spec, gait, zd, sets.parameters, u, xi)
-    return found
+        margins |= LEVEL_SEARCHES[number].margins(spec, gait, zd, sets.parameters, u, xi)
+    return margins
 
 
 def condition_boxes(spec: GaitSpec) -> list[tuple[str, Corner, Corner]]:
@@ -181,8 +182,8 @@ def premise_problems(
     """Return root boxes of the levels above 1 with the outputs that must hold on each."""
     scales = {condition.name: float(condition.scale) for condition in spec.conditions}
     roots: dict[tuple[str, str, Corner, Corner], list[str]] = {}
-    found = labelled_premises(sets.parameters, condition_boxes(spec))
-    for region, name, low, high in found:
+    premises = labelled_premises(sets.parameters, condition_boxes(spec))
+    for region, name, low, high in premises:
         kind = BOUND_SEPARATELY.get(name.split(" ")[0], "")
         if chart.parameters:
             kind = name

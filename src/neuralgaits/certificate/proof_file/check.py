@@ -115,29 +115,29 @@ def check(
         trees = [statement.leaves() for statement in claims.statements]
     except InconsistentError as error:
         return replace(report, verdict="rejected", reason=str(error))
-    found = bound_all(claims.program, claims.statements, trees, progress, arithmetic)
-    report = replace(report, boxes=found.boxes, boxes_in_balls=found.boxes_in_balls)
-    if found.verdict != "holds":
-        return replace(report, verdict=found.verdict, reason=found.reason)
+    bounds = bound_all(claims.program, claims.statements, trees, progress, arithmetic)
+    report = replace(report, boxes=bounds.boxes, boxes_in_balls=bounds.boxes_in_balls)
+    if bounds.verdict != "holds":
+        return replace(report, verdict=bounds.verdict, reason=bounds.reason)
     return _concluded(claims, report)
 
 
-def tied(report: CheckResult, claims: Claims, asked: SpecOutline) -> CheckResult:
+def tied(report: CheckResult, claims: Claims, outline: SpecOutline) -> CheckResult:
     """Return a report once the Program is known to be a run's: proved, or with the obstacle.
 
     Args:
         report: result of `check`.
         claims: claims of the file.
-        asked: conditions and regions of the run's spec.
+        outline: conditions and regions of the run's spec.
     """
     if not report.holds:
         return report
-    if wrong := inconsistencies(claims, asked):
+    if wrong := inconsistencies(claims, outline):
         return replace(report, verdict="rejected", reason="; ".join(wrong[:SHOWN]), levels=())
-    report = replace(report, unclaimed=_not_on_all(claims, asked))
+    report = replace(report, unclaimed=_not_on_all(claims, outline))
     levels = tuple(replace(level, verdict="proved") for level in report.levels)
-    if missing := unstated(claims.statements, asked, len(claims.chart.state)):
-        reason = why_incomplete(missing, len(asked.conditions))
+    if missing := unstated(claims.statements, outline, len(claims.chart.state)):
+        reason = why_incomplete(missing, len(outline.conditions))
         if any(not BY_NUMBER[level.level].full_order for level in levels):
             return replace(report, verdict="rejected", reason=reason, levels=())
         return replace(report, verdict="undecided", reason=reason, levels=levels)
@@ -160,22 +160,22 @@ def _unclaimed(claims: Claims) -> tuple[str, ...]:
     return tuple(o.name for o in claims.program.outputs if o.name not in claimed)
 
 
-def _not_on_all(claims: Claims, asked: SpecOutline) -> tuple[str, ...]:
-    left = unstated(claims.statements, asked, len(claims.chart.state))
+def _not_on_all(claims: Claims, outline: SpecOutline) -> tuple[str, ...]:
+    left = unstated(claims.statements, outline, len(claims.chart.state))
     return tuple(dict.fromkeys(name for name, *_ in left))
 
 
 def _concluded(claims: Claims, report: CheckResult) -> CheckResult:
     """Draw the conclusions that the file claims from its statements, all of which hold by now."""
-    theorems, asked = claims.theorems, claims.asked
-    boxes = level_one_boxes(claims.statements) if asked is None else asked.boxes()
+    theorems, outline = claims.theorems, claims.asked
+    boxes = level_one_boxes(claims.statements) if outline is None else outline.boxes()
     bounds = proved_bounds(claims.statements, len(claims.chart.state))
     try:
-        found = conclude(theorems.parameters, boxes, bounds, claims.chart)
+        conclusions = conclude(theorems.parameters, boxes, bounds, claims.chart)
     except (OverflowError, ZeroDivisionError) as error:
         reason = f"the parameters of its theorems leave the range of doubles: {error}"
         return replace(report, verdict="rejected", reason=reason)
-    claimed = [answer for answer in found if answer.level in theorems.claimed]
+    claimed = [answer for answer in conclusions if answer.level in theorems.claimed]
     wrong = [answer for answer in claimed if answer.verdict != "proved"]
     if wrong:
         reason = f"level {wrong[0].level} does not follow: {wrong[0].reason}"
@@ -191,9 +191,9 @@ def _why_incomplete(claims: Claims) -> str | None:
     if claims.asked is not None:
         missing = unstated(claims.statements, claims.asked, len(claims.chart.state))
         return why_incomplete(missing, len(claims.asked.conditions)) if missing else None
-    stated = {name for statement in claims.statements for name in statement.conditions}
+    conditions = {name for statement in claims.statements for name in statement.conditions}
     names = [o.name for o in claims.program.outputs if "/" not in o.name]
-    left = [name for name in names if name not in stated]
+    left = [name for name in names if name not in conditions]
     if not left:
         return None
     named = ", ".join(left[:SHOWN]) + (f" and {len(left) - SHOWN} more" if left[SHOWN:] else "")

@@ -36,10 +36,10 @@ def command_ranges(model: Mapping[str, Any]) -> tuple[ModelCommand, ...]:
     if not isinstance(rows, list) or not rows:
         raise ValueError("a gait that takes commands, without any")
     limit(len(rows), MOST_COMMANDS, "commands")
-    found = tuple(map(_command, rows))
-    if len({one.name for one in found}) < len(found):
+    ranges = tuple(map(_command, rows))
+    if len({one.name for one in ranges}) < len(ranges):
         raise ValueError("two commands of one name")
-    return found
+    return ranges
 
 
 def _command(row: Any) -> ModelCommand:
@@ -47,15 +47,17 @@ def _command(row: Any) -> ModelCommand:
     if why := why_no_name(fields["name"]):
         raise ValueError(f"a command named {why}")
     low, high, change = (fields[name] for name in ("low", "high", "largest_change"))
-    found = ModelCommand(
+    command = ModelCommand(
         fields["name"],
         from_hex(low, fields["name"]),
         from_hex(high, fields["name"]),
         None if change is None else from_hex(change, fields["name"]),
     )
-    if not found.low < found.high or (change is not None and not found.largest_change):
-        raise ValueError(f"the command {found.name} without a range, or with a change that is none")
-    return found
+    if not command.low < command.high or (change is not None and not command.largest_change):
+        raise ValueError(
+            f"the command {command.name} without a range, or with a change that is none"
+        )
+    return command
 
 
 def refuse_other_family(chart: Chart, model: Mapping[str, Any] | None, *, theorems: bool) -> None:

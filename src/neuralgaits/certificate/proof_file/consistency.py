@@ -12,12 +12,12 @@ from neuralgaits.certificate.proof_file.theorem_tables import BY_NUMBER
 from neuralgaits.certificate.proof_file.tree_text import why_no_tree
 
 
-def inconsistencies(claims: Claims, asked: SpecOutline | None) -> list[str]:
+def inconsistencies(claims: Claims, outline: SpecOutline | None) -> list[str]:
     """List the contradictions in a proof file, one sentence each.
 
     Args:
         claims: result of `read_claims`.
-        asked: conditions and regions of the spec; None if they are not known.
+        outline: conditions and regions of the spec; None if they are not known.
 
     Returns: an empty list if spec and theorems require every statement, every level
         that is claimed can be about the file's chart, and every parameter of a theorem that
@@ -25,7 +25,7 @@ def inconsistencies(claims: Claims, asked: SpecOutline | None) -> list[str]:
     """
     if claims.program.hash != claims.program_hash:
         return [f"the Program's hash is {claims.program.hash}, not {claims.program_hash}"]
-    wrong = contradictions(claims.statements, claims.theorems, asked, len(claims.chart.state))
+    wrong = contradictions(claims.statements, claims.theorems, outline, len(claims.chart.state))
     if is_beyond(claims.chart, claims.commands):
         wrong.append(OTHER_CHART)
     wrong += filter(None, map(why_no_tree, claims.statements))
@@ -36,31 +36,31 @@ def inconsistencies(claims: Claims, asked: SpecOutline | None) -> list[str]:
 
 def _levels_without_subject(claims: Claims) -> list[str]:
     """Name levels in the file that do not cover its chart, its robot's feet, or its commands."""
-    found = refusals(claims.theorems.parameters, claims.chart)
+    reasons = refusals(claims.theorems.parameters, claims.chart)
     robot = {} if claims.model is None else claims.model.get("robot", {})
     if isinstance(robot, dict) and "sole" in robot:
         if claims.theorems.full is not None:
-            found[4] = "it is about point feet"
+            reasons[4] = "it is about point feet"
         if claims.theorems.walking is not None and claims.theorems.walking.floor:
-            found[2] = "floors of unknown height are about point feet"
-    told = tuple(one.name for one in claims.commands)
+            reasons[2] = "floors of unknown height are about point feet"
+    command_names = tuple(one.name for one in claims.commands)
     walking = claims.theorems.walking
     # A reset lands in the set of the next step, which other commands would call that of the same.
-    if claims.model is not None and walking is not None and tuple(walking.told) != told:
-        found[2] = "it is about other commands than those of the model's gait"
-    return [f"level {number} is stated, and {reason}" for number, reason in found.items()]
+    if claims.model is not None and walking is not None and tuple(walking.told) != command_names:
+        reasons[2] = "it is about other commands than those of the model's gait"
+    return [f"level {number} is stated, and {reason}" for number, reason in reasons.items()]
 
 
 def _parameters_that_differ(claims: Claims) -> list[str]:
     """Name parameters of theorems that differ from the Program's constants of their names."""
-    known = {constant.name: constant.array for constant in claims.program.constants}
+    constants = {constant.name: constant.array for constant in claims.program.constants}
     wrong = []
     for number, parameters in claims.theorems.parameters.items():
         level = BY_NUMBER[number]
         for name, values in level.constants(parameters).items():
             if name == "disturbance" and not any(values):
                 continue  # The Program has nothing to add.
-            array = known.get(f"{level.part}.{name}")
+            array = constants.get(f"{level.part}.{name}")
             if array is None or array.tolist() != list(values):
                 wrong.append(f"{name} of level {number} is not the Program's {level.part}.{name}")
     return wrong

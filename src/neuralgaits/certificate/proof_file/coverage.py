@@ -70,8 +70,8 @@ class SpecOutline:
             name: tuple(_box(row, decimals, axes) for row in _listed(rows))
             for name, rows in regions.items()
         }
-        found = {name: _condition(name, row, boxes) for name, row in conditions.items()}
-        return cls(boxes, found)
+        outlines = {name: _condition(name, row, boxes) for name, row in conditions.items()}
+        return cls(boxes, outlines)
 
     def boxes(self) -> list[Root]:
         """Return every box of every condition."""
@@ -139,9 +139,9 @@ def says_all(new: Iterable[LabelledClaim], old: Iterable[LabelledClaim]) -> bool
             for name, scale in one.scales.items()
         }
 
-    found = bounds(new)
+    new_bounds = bounds(new)
     return all(
-        found.get(root, -math.inf) >= bound - ROUNDING * abs(bound)
+        new_bounds.get(root, -math.inf) >= bound - ROUNDING * abs(bound)
         for root, bound in bounds(old).items()
     )
 
@@ -149,7 +149,7 @@ def says_all(new: Iterable[LabelledClaim], old: Iterable[LabelledClaim]) -> bool
 def contradictions(
     statements: Sequence[LabelledClaim],
     theorems: Theorems,
-    asked: SpecOutline | None,
+    outline: SpecOutline | None,
     axes: int = PLANE,
 ) -> list[str]:
     """List statements that no spec and no theorem requires in this form, one sentence each.
@@ -157,46 +157,46 @@ def contradictions(
     Args:
         statements: statements of a proof file.
         theorems: theorems of the file.
-        asked: the spec's conditions; None if they are not known.
+        outline: the spec's conditions; None if they are not known.
         axes: number of axes of the state.
     """
-    labels = _labels(theorems, asked)
-    wrong = _barriers_that_are_none(theorems, asked)
+    labels = _labels(theorems, outline)
+    wrong = _barriers_that_are_none(theorems, outline)
     for (name, low, high), statement in stated_roots(statements, axes):
-        known = asked is not None or "/" in name
-        condition = None if asked is None else asked.conditions.get(name)
+        required = outline is not None or "/" in name
+        condition = None if outline is None else outline.conditions.get(name)
         scale = 1.0 if condition is None else condition.scale
-        if known and statement.scales[name] != scale:
+        if required and statement.scales[name] != scale:
             wrong.append(
                 f"{name} has the scale {scale!r}, {statement.scales[name]!r} in a statement"
             )
         label = labels.get((name, low, high))
-        if known and label is None:
+        if required and label is None:
             about = f"region {condition.region}" if condition is not None else "premise"
             wrong.append(f"the box from {low} to {high} of {name} is no box of its {about}")
-        elif known and label != statement.region:
+        elif required and label != statement.region:
             wrong.append(f"{name} has the region {label}, {statement.region} in a statement")
     return wrong
 
 
-def _labels(theorems: Theorems, asked: SpecOutline | None) -> dict[Root, str]:
+def _labels(theorems: Theorems, outline: SpecOutline | None) -> dict[Root, str]:
     """Return the label of each required output on each of its boxes."""
-    boxes = [] if asked is None else asked.boxes()
-    found: dict[Root, str] = {}
+    boxes = [] if outline is None else outline.boxes()
+    labels: dict[Root, str] = {}
     for label, name, low, high in labelled_premises(theorems.parameters, boxes):
-        found[name, low, high] = label
+        labels[name, low, high] = label
     for name, low, high in boxes:
-        assert asked is not None
-        found[name, low, high] = asked.conditions[name].region
-    return found
+        assert outline is not None
+        labels[name, low, high] = outline.conditions[name].region
+    return labels
 
 
-def _barriers_that_are_none(theorems: Theorems, asked: SpecOutline | None) -> list[str]:
-    if asked is None or theorems.walking is None:
+def _barriers_that_are_none(theorems: Theorems, outline: SpecOutline | None) -> list[str]:
+    if outline is None or theorems.walking is None:
         return []
     shape = theorems.walking
-    wrong = [f"{n} is no barrier of the spec" for n in shape.barriers if not asked.is_barrier(n)]
-    stray = set(shape.carried) - set(asked.conditions)
+    wrong = [f"{n} is no barrier of the spec" for n in shape.barriers if not outline.is_barrier(n)]
+    stray = set(shape.carried) - set(outline.conditions)
     return wrong + [f"{name} is no condition of the spec" for name in sorted(stray)]
 
 
@@ -206,19 +206,19 @@ def premise_names(theorems: Theorems) -> set[str]:
 
 
 def unstated(
-    statements: Sequence[LabelledClaim], asked: SpecOutline, axes: int = PLANE
+    statements: Sequence[LabelledClaim], outline: SpecOutline, axes: int = PLANE
 ) -> list[Root]:
     """Return the boxes of conditions that no statement is about."""
-    found = {root for root, _ in stated_roots(statements, axes)}
-    return [root for root in asked.boxes() if root not in found]
+    roots = {root for root, _ in stated_roots(statements, axes)}
+    return [root for root in outline.boxes() if root not in roots]
 
 
 def why_incomplete(missing: Sequence[Root], conditions: int) -> str:
     """State in one sentence that some conditions are not claimed."""
     names = list(dict.fromkeys(name for name, *_ in missing))
-    shown = [f"{name} from {low} to {high}" for name, low, high in missing[:SHOWN]]
+    examples = [f"{name} from {low} to {high}" for name, low, high in missing[:SHOWN]]
     more = f" and {len(missing) - SHOWN} more boxes" if len(missing) > SHOWN else ""
     return (
         f"every statement of the file holds, but {len(names)} of {conditions} conditions are not "
-        f"claimed on all of their region: {', '.join(shown)}{more}"
+        f"claimed on all of their region: {', '.join(examples)}{more}"
     )

@@ -67,10 +67,10 @@ def _refuse_odd(table: Any, *, texts: bool) -> None:
 def unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     """Return the fields of an object, each of which may occur once."""
     limit(len(pairs), MOST_FIELDS, "fields in one object")
-    found = dict(pairs)
-    if len(found) < len(pairs):
-        raise ValueError(f"a field that stands twice among {sorted(found)}")
-    return found
+    table = dict(pairs)
+    if len(table) < len(pairs):
+        raise ValueError(f"a field that stands twice among {sorted(table)}")
+    return table
 
 
 def _decimal(digits: str) -> float:
@@ -107,8 +107,8 @@ def text_of(value: Any, what: str) -> str:
 
 def number_of(value: Any, what: str) -> float:
     """Return a finite number, exactly as in the file."""
-    known = isinstance(value, int | float) and not isinstance(value, bool)
-    if not known or not math.isfinite(value):
+    is_number = isinstance(value, int | float) and not isinstance(value, bool)
+    if not is_number or not math.isfinite(value):
         raise ValueError(f"{value!r} among the {what}")
     return float(value)
 

@@ -159,19 +159,19 @@ def _command(command: Command) -> dict[str, Any]:
 
 def _residuals(residuals: Residuals) -> dict[str, Any] | None:
     """Return the learned residuals as data; None if `fit` does not learn their kind."""
-    found: dict[str, Any] = {"flow": None, "reset": None}
+    tables: dict[str, Any] = {"flow": None, "reset": None}
     for part, learned in residuals._asdict().items():
         if learned is None:
             continue
         if type(learned) is not _LEARNED[part]:
             return None
         arrays = {name: getattr(learned, name) for name in _LEARNED_ARRAYS[part]}
-        found[part] = {"arrays": arrays}
+        tables[part] = {"arrays": arrays}
         if part == "flow":
             arrays |= _layers(learned.network)
-            found[part]["layers"] = len(learned.network.weights)
-        found[part]["arrays"] = array_table("residuals", arrays, {})
-    return found
+            tables[part]["layers"] = len(learned.network.weights)
+        tables[part]["arrays"] = array_table("residuals", arrays, {})
+    return tables
 
 
 def _layers(network: Any) -> dict[str, Any]:

@@ -27,9 +27,9 @@ OF_OUTPUT = "elements of an output of the Program"
 OF_WORK = "numbers that the Program reads and makes"
 
 
-def program_of(given: Any, axes: int) -> Program:
+def program_of(field: Any, axes: int) -> Program:
     """Return a Program that is written in its canonical form. Raises: ValueError for any other."""
-    text = given if isinstance(given, str) else json.dumps(given)
+    text = field if isinstance(field, str) else json.dumps(field)
     table = parse(text, fractions=False)
     _refuse_long(table)
     canonical = json.dumps(table, sort_keys=True, separators=(",", ":"), ensure_ascii=True)

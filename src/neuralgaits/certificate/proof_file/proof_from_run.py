@@ -24,10 +24,10 @@ def proof_of(
     theorems: Theorems = NO_THEOREMS,
 ) -> Proof:
     """Return a proof about a run of any family: its robot, spec and weights by name and sha256."""
-    asked, copies = folder.config, folder.copies
+    config, copies = folder.config, folder.copies
     return Proof(
-        {"name": str(asked["robot"]), "sha256": copies[ROBOT]},
-        {"name": str(asked["spec"]), "sha256": copies[SPEC]},
+        {"name": str(config["robot"]), "sha256": copies[ROBOT]},
+        {"name": str(config["spec"]), "sha256": copies[SPEC]},
         hashlib.sha256((folder.path / WEIGHTS).read_bytes()).hexdigest(),
         program,
         chart,

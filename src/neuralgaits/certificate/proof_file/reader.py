@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from neuralgaits._names import why_no_name
-from neuralgaits.certificate.chart import Chart, Corner, CoupledAxes, asked_for
+from neuralgaits.certificate.chart import Chart, Corner, CoupledAxes, required_boxes
 from neuralgaits.certificate.proof_file.command_ranges import (
     ModelCommand,
     command_ranges,
@@ -117,8 +117,8 @@ class Statement:
         if next(signs, None) is not None:
             raise InconsistentError(f"the tree of {self.region} goes on after its last leaf")
         low, high = np.array(lows), np.array(highs)
-        asked = asked_for(self.coupled_axes, low, high)
-        return low[asked], high[asked]
+        required = required_boxes(self.coupled_axes, low, high)
+        return low[required], high[required]
 
 
 @dataclass(frozen=True, eq=False)
@@ -160,10 +160,10 @@ def halves(low: Corner, high: Corner, axis: int) -> tuple[tuple[Corner, Corner],
     """Return both halves of a box along an axis, the lower one first."""
     middle = low[axis] + (high[axis] - low[axis]) * 0.5
 
-    def moved(corner: Corner) -> Corner:
+    def with_middle(corner: Corner) -> Corner:
         return (*corner[:axis], middle, *corner[axis + 1 :])
 
-    return (low, moved(high)), (moved(low), high)
+    return (low, with_middle(high)), (with_middle(low), high)
 
 
 def read_claims(path: Path) -> Claims:
@@ -188,9 +188,9 @@ def read_claims(path: Path) -> Claims:
 
 def _claims(table: Any) -> Claims:
     if isinstance(table, dict) and "format" in table:
-        found = table["format"]
-        if type(found) is not int or found != FORMAT:
-            raise ValueError(f"format {found!r}")
+        version = table["format"]
+        if type(version) is not int or version != FORMAT:
+            raise ValueError(f"format {version!r}")
     fields = exactly(table, "the file", FIELDS)
     if fields["kind"] != KIND:
         raise ValueError(f"kind {fields['kind']!r} instead of {KIND!r}")
@@ -233,13 +233,13 @@ def _refuse_names(outputs: set[str], premises: set[str]) -> None:
 
 
 def _asked(model: dict[str, Any], outputs: set[str], chart: Chart) -> SpecOutline:
-    asked = SpecOutline.read(
+    outline = SpecOutline.read(
         model.get("regions"), model.get("conditions"), decimals=False, axes=len(chart.state)
     )
     own = {name for name in outputs if "/" not in name}
-    if odd := sorted(own ^ set(asked.conditions)):
+    if odd := sorted(own ^ set(outline.conditions)):
         raise ValueError(f"{odd[0]}, which only one of model and Program has")
-    return asked
+    return outline
 
 
 def _statement(entry: Any, outputs: set[str], chart: Chart) -> Statement:

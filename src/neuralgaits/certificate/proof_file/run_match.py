@@ -27,16 +27,16 @@ def differences(claims: Claims, run: Path) -> list[str]:
 
     Raises: RunError if a file of the run is missing or its weights cannot be read.
     """
-    found = _names_that_differ(claims, run / CONFIG)
+    messages = _names_that_differ(claims, run / CONFIG)
     named = robot_name(_bytes(run / ROBOT))
     if named is not None and named != _blanks_joined(claims.robot[0]):
-        found.append(f"robot: {ROBOT} names its model {named!r}, the proof {claims.robot[0]!r}")
+        messages.append(f"robot: {ROBOT} names its model {named!r}, the proof {claims.robot[0]!r}")
     expected = {ROBOT: claims.robot[1], WEIGHTS: claims.weights_sha256, SPEC: claims.spec[1]}
     for file, proved in expected.items():
         digest = hashlib.sha256(_bytes(run / file)).hexdigest()
         if digest != proved:
-            found.append(f"{file}: the run has sha256 {digest}, the proof {proved}")
-    return found + _weights_that_differ(claims, run / WEIGHTS)
+            messages.append(f"{file}: the run has sha256 {digest}, the proof {proved}")
+    return messages + _weights_that_differ(claims, run / WEIGHTS)
 
 
 def robot_name(text: bytes) -> str | None:
@@ -61,11 +61,11 @@ def _names_that_differ(claims: Claims, path: Path) -> list[str]:
         raise RunError(
             f"expected {CONFIG} of a run at {path}, found a damaged file ({error!r}): train again"
         ) from None
-    given = {"robot": claims.robot[0], "spec": claims.spec[0]}
+    proof_names = {"robot": claims.robot[0], "spec": claims.spec[0]}
     return [
-        f"{what}: the run has {names[what]!r}, the proof {given[what]!r}"
+        f"{what}: the run has {names[what]!r}, the proof {proof_names[what]!r}"
         for what in names
-        if names[what] != given[what]
+        if names[what] != proof_names[what]
     ]
 
 
@@ -76,12 +76,12 @@ def _weights_that_differ(claims: Claims, path: Path) -> list[str]:
     for constant in claims.program.constants:
         if constant.name is None or constant.name.startswith(SETS):
             continue
-        given = stored.get(constant.name)
+        array = stored.get(constant.name)
         same = (
-            given is not None
-            and given.shape == constant.array.shape
-            and given.dtype == constant.array.dtype
-            and given.tobytes() == constant.array.tobytes()
+            array is not None
+            and array.shape == constant.array.shape
+            and array.dtype == constant.array.dtype
+            and array.tobytes() == constant.array.tobytes()
         )
         if not same:
             wrong.append(f"{constant.name}: the Program's numbers are not those of {path.name}")

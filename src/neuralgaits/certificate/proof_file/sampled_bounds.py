@@ -9,7 +9,7 @@ import itertools
 import numpy as np
 
 from neuralgaits._types import Float
-from neuralgaits.certificate.chart import Corner, asked_for
+from neuralgaits.certificate.chart import Corner, required_boxes
 from neuralgaits.certificate.proof_file.reader import FIBRE, Claims, Statement
 from neuralgaits.programs import POINT, evaluate
 from neuralgaits.programs.prune import prune
@@ -46,15 +46,15 @@ def _broken(claims: Claims, statements: list[Statement]) -> str | None:
     for one in statements:
         for name in one.conditions:
             scale, least = one.scales[name], one.bounds[name] * one.scales[name]
-            found = values[name].reshape(len(points), -1).min(axis=1)
+            smallest = values[name].reshape(len(points), -1).min(axis=1)
             slack = ROUNDING * (scale + np.abs(least))
             # A value that is no number breaks a bound, too.
-            if (wrong := ~(found >= least - slack)).any():
+            if (wrong := ~(smallest >= least - slack)).any():
                 worst = int(np.argmax(wrong))
                 where = [float(f"{x:.6g}") for x in points[worst]]
                 return (
-                    f"{name} of region {one.region} is {found[worst]:.6g} at u = {where}, and at "
-                    f"least {least:.6g} is stated"
+                    f"{name} of region {one.region} is {smallest[worst]:.6g} at u = {where}, and "
+                    f"at least {least:.6g} is stated"
                 )
     return None
 
@@ -69,7 +69,7 @@ def _points(statement: Statement) -> Float[np.ndarray, "points n"]:
     for near in statement.coupled_axes:
         shares[::2, near.second] = shares[::2, near.first]
     points = np.clip(low + (high - low) * shares, low, high)
-    return points[asked_for(statement.coupled_axes, points, points)]
+    return points[required_boxes(statement.coupled_axes, points, points)]
 
 
 def _in_ball(count: int, size: int) -> Float[np.ndarray, "points size"]:

@@ -223,9 +223,9 @@ def _bound_share(task: dict[str, Any]) -> Iterator[PieceResult]:
     program = Program.from_json(task["program"])
     here = PieceBounder(program, statements, trees, task["arithmetic"])
     for piece in itertools.islice(pieces_of(trees), task["turn"], None, task["count"]):
-        found = here(piece)
-        yield found
-        if found.verdict == "rejected":
+        answer = here(piece)
+        yield answer
+        if answer.verdict == "rejected":
             return
 
 

@@ -17,7 +17,7 @@ from typing import Any, Literal
 import numpy as np
 from flint import arb
 
-from neuralgaits.certificate.chart import asked_for
+from neuralgaits.certificate.chart import required_boxes
 from neuralgaits.certificate.proof_file.double_bounds import MOST_BOXES, DoubleBounds, fits
 from neuralgaits.certificate.proof_file.reader import Corners, Statement, halves
 from neuralgaits.programs.algebras.ball import BallAlgebra
@@ -142,12 +142,12 @@ class StatementCheck:
         help.
         """
         self.boxes += len(low)
-        failing = asked = np.ones(len(low), dtype=bool)
+        failing = judged = np.ones(len(low), dtype=bool)
         if self.doubles is not None:
             answers = self.doubles.ask(low, high)
             failing = ~answers.reached
-            asked = failing & answers.hopeless if early else failing
-        places = np.flatnonzero(asked)
+            judged = failing & answers.hopeless if early else failing
+        places = np.flatnonzero(judged)
         for start in range(0, len(places), BATCH_OF_BALLS):
             some = places[start : start + BATCH_OF_BALLS]
             reached = self._reached(low[some], high[some])
@@ -180,8 +180,8 @@ class StatementCheck:
             axis = max(self.wide, key=lambda axis: (b - a)[axis] / size[axis])
             parts += halves(tuple(a.tolist()), tuple(b.tolist()), axis)
         lows, highs = (np.array([part[end] for part in parts]) for end in (0, 1))
-        asked = asked_for(self.statement.coupled_axes, lows, highs)
-        return lows[asked], highs[asked]
+        required = required_boxes(self.statement.coupled_axes, lows, highs)
+        return lows[required], highs[required]
 
     def _ranges(self, low: np.ndarray, high: np.ndarray) -> dict[str, np.ndarray]:
         models = evaluate(self.program, {"u": (low, high)}, self.algebra, self.folded, self.symbols)
@@ -206,7 +206,7 @@ class StatementCheck:
         ]
         points = np.concatenate([low + (high - low) * share for share in shares])
         points = np.clip(points, self.statement.low, self.statement.high)
-        points = points[asked_for(self.statement.coupled_axes, points, points)]
+        points = points[required_boxes(self.statement.coupled_axes, points, points)]
         if not len(points):
             return None
         for name, values in self._ranges(points, points).items():

@@ -34,13 +34,13 @@ class Theorems(NamedTuple):
     @classmethod
     def of(cls, *parts: Any, claimed: tuple[int, ...] = ()) -> "Theorems":
         """Build it from the parameters of some levels; None for a level without."""
-        known = {
+        parameters = {
             level.number: part
             for level in LEVELS
             for part in parts
             if isinstance(part, level.parameters)
         }
-        return cls(known, claimed)
+        return cls(parameters, claimed)
 
     @property
     def walking(self) -> WalkingSetConstants | None:
@@ -70,7 +70,7 @@ class Theorems(NamedTuple):
         if not isinstance(tables, list | tuple):
             raise ValueError("theorems that are no list")
         limit(len(tables), len(BY_NUMBER), "theorems")
-        found: dict[int, Any] = {}
+        parameters_by_level: dict[int, Any] = {}
         claimed = []
         for table in tables:
             if not isinstance(table, dict) or set(table) != {"level", "claimed", "parameters"}:
@@ -80,16 +80,16 @@ class Theorems(NamedTuple):
                 raise ValueError(f"the theorem {table} of level {number}")
             if type(number) is not int or number not in BY_NUMBER:
                 raise ValueError(f"a theorem of level {number!r}")
-            found[number] = from_table(BY_NUMBER[number].parameters, parameters)
+            parameters_by_level[number] = from_table(BY_NUMBER[number].parameters, parameters)
             claimed += [number] * table["claimed"]
-        levels = [BY_NUMBER[number] for number in found]
+        levels = [BY_NUMBER[number] for number in parameters_by_level]
         if (
-            len(found) != len(tables)
-            or list(found) != sorted(found)
-            or any(below not in found for level in levels for below in level.rests_on)
+            len(parameters_by_level) != len(tables)
+            or list(parameters_by_level) != sorted(parameters_by_level)
+            or any(below not in parameters_by_level for level in levels for below in level.rests_on)
         ):
             raise ValueError("theorems that do not rise, or without one that they rest on")
-        return cls(found, tuple(claimed))
+        return cls(parameters_by_level, tuple(claimed))
 
 
 def to_table(parameters: Any) -> dict[str, Any]:
@@ -117,37 +117,37 @@ def _plain(value: Any) -> Any:
     return value.hex() if isinstance(value, float) else value
 
 
-def _value(given: Any, kind: Any, name: str) -> Any:
+def _value(value: Any, kind: Any, name: str) -> Any:
     """Read a parameter of the annotated kind: a number, a word, parameters, or a tuple of such."""
     if get_origin(kind) is tuple:
-        return _items(given, get_args(kind), name)
+        return _items(value, get_args(kind), name)
     if kind is int:
-        if type(given) is not int:
-            raise ValueError(f"{given!r} for {name}")
-        return given
+        if type(value) is not int:
+            raise ValueError(f"{value!r} for {name}")
+        return value
     if is_dataclass(kind):
-        if not isinstance(given, dict):
-            raise ValueError(f"{given!r} for {name}")
-        return from_table(kind, given)  # pyright: ignore[reportArgumentType]
-    if not isinstance(given, str):
-        raise ValueError(f"{given!r} for {name}")
+        if not isinstance(value, dict):
+            raise ValueError(f"{value!r} for {name}")
+        return from_table(kind, value)  # pyright: ignore[reportArgumentType]
+    if not isinstance(value, str):
+        raise ValueError(f"{value!r} for {name}")
     if kind is str:
-        return given
+        return value
     if get_origin(kind) is Literal:
-        if given not in get_args(kind):
-            raise ValueError(f"{given!r} for {name}")
-        return given
-    return from_hex(given, name)
+        if value not in get_args(kind):
+            raise ValueError(f"{value!r} for {name}")
+        return value
+    return from_hex(value, name)
 
 
-def _items(given: Any, kinds: tuple[Any, ...], name: str) -> tuple:
+def _items(values: Any, kinds: tuple[Any, ...], name: str) -> tuple:
     size = None if kinds[-1] is Ellipsis else len(kinds)
-    if not isinstance(given, list) or (size is not None and len(given) != size):
+    if not isinstance(values, list) or (size is not None and len(values) != size):
         raise ValueError(f"{name} that is not a list of its length")
-    if kinds[0] is float and not given:
+    if kinds[0] is float and not values:
         raise ValueError(f"{name} without numbers")
     if kinds[0] is float:
-        limit(len(given), MOST_SERIES, f"numbers in {name}")
+        limit(len(values), MOST_SERIES, f"numbers in {name}")
     else:
-        limit(len(given), MOST_NAMES, name)
-    return tuple(_value(item, kinds[0], name) for item in given)
+        limit(len(values), MOST_NAMES, name)
+    return tuple(_value(item, kinds[0], name) for item in values)

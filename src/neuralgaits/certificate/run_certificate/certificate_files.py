@@ -32,10 +32,10 @@ def refuse_unwritable_certificate(run: Path) -> None:
 
 def hashes_with(run: Path, files: Mapping[str, bytes]) -> dict[str, str | None]:
     """Return the sha256 of a certificate's files, if it consists of these."""
-    made = {
+    digests = {
         name: hashlib.sha256(files[name]).hexdigest() if name in files else None for name in FILES
     }
-    return {name: made.get(name, digest) for name, digest in hashes(run).items()}
+    return {name: digests.get(name, digest) for name, digest in hashes(run).items()}
 
 
 def write_certificate(run: Path, files: Mapping[str, bytes], summary: bytes) -> None:

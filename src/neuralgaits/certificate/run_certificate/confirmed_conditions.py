@@ -31,13 +31,13 @@ def confirmed_conditions(
 
     Raises: Unfit if a verdict contradicts the proof file, or itself.
     """
-    stated = {} if proof is None else dict(stated_roots(proof.statements))
+    statements = {} if proof is None else dict(stated_roots(proof.statements))
     boxes = [] if own is None else own.asked.boxes()
     for name, row in conditions.items():
         _refuse_contradiction(name, row)
-        asked = [box for box in boxes if box[0] == name]
-        bounds = [stated[box].bounds[name] for box in asked if box in stated]
-        margin = min(bounds) if bounds and len(bounds) == len(asked) else None
+        required = [box for box in boxes if box[0] == name]
+        bounds = [statements[box].bounds[name] for box in required if box in statements]
+        margin = min(bounds) if bounds and len(bounds) == len(required) else None
         if row.verdict == "proved":
             if margin is None:
                 raise Unfit(f"{SUMMARY} calls {name} proved, and {PROOF} has no such statement")

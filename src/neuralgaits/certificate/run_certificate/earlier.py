@@ -65,23 +65,23 @@ class EarlierProof(NamedTuple):
         path = next(iter(_proofs_in(folder.path)), None)
         if path is None:
             return None
-        found = read_certificate(folder)
-        if found.summary is None or found.proof is None:
+        reading = read_certificate(folder)
+        if reading.summary is None or reading.proof is None:
             return cls(path, None, 0, 0, "", {})
-        summary, part = found.summary, found.part
+        summary, part = reading.summary, reading.part
         levels = summary.levels if part is None else part.levels
         level = level_reached(summary.conditions.values(), levels)
         about = [" and ".join(part.told)] if part is not None else []
         about += [f"robots within {summary.robots}"] if summary.robots else []
-        theorems = found.proof.theorems
+        theorems = reading.proof.theorems
         claims = max(theorems.claimed, default=1)
-        scope, statements = " and ".join(about), found.proof.statements
+        scope, statements = " and ".join(about), reading.proof.statements
         return cls(path, summary, level, claims, scope, theorems.parameters, statements)
 
     def _about_the_same(self, new: CertificateRecord) -> bool:
         """Return whether a new certificate is about the same commands, robots and floors."""
-        known = self.summary
-        return known is not None and (known.within, known.parameters) == (
+        earlier = self.summary
+        return earlier is not None and (earlier.within, earlier.parameters) == (
             new.within,
             new.parameters,
         )

@@ -26,7 +26,7 @@ def friction_needed(described: Mapping[str, Any]) -> float:
     Returns: infinity unless forces have a condition on either side on all of the tube, and impulses
         on all of the guard.
     """
-    found: dict[str, float] = {}
+    frictions: dict[str, float] = {}
     for row in described["conditions"]:
         quantity = row.get("quantity")
         if row.get("kind") != "Pointwise" or not isinstance(quantity, Mapping):
@@ -35,8 +35,8 @@ def friction_needed(described: Mapping[str, Any]) -> float:
         boxes = described["regions"][row["region"]]
         on_the_tube = name in FORCES and cover_the_tube(_corners(boxes))
         if on_the_tube or (name in IMPULSES and GUARD in _corners(boxes)):
-            found[name] = min(quantity["coefficient"], found.get(name, math.inf))
-    return max(found.values()) if set(found) == {*FORCES, *IMPULSES} else math.inf
+            frictions[name] = min(quantity["coefficient"], frictions.get(name, math.inf))
+    return max(frictions.values()) if set(frictions) == {*FORCES, *IMPULSES} else math.inf
 
 
 def _corners(boxes: Iterable[Any]) -> list[tuple[tuple[float, ...], tuple[float, ...]]]:

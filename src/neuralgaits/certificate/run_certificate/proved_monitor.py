@@ -49,8 +49,8 @@ def monitor_of(run: Run, certificate: CertificateReading | None = None) -> State
 
     Raises: SpecError if the sets cannot be traced.
     """
-    found = certificate or read_certificate(run.folder)
-    proof, summary, levels = found.proof, found.summary, proved_levels(found)
+    reading = certificate or read_certificate(run.folder)
+    proof, summary, levels = reading.proof, reading.summary, proved_levels(reading)
     if proof is None or summary is None or not levels:
         return None
     if place_of(run.trained.commands, LEAN) is not None:
@@ -77,21 +77,21 @@ def monitor_of(run: Run, certificate: CertificateReading | None = None) -> State
     )
 
 
-def proved_levels(found: CertificateReading) -> tuple[int, ...]:
+def proved_levels(reading: CertificateReading) -> tuple[int, ...]:
     """Return the levels above 1 that a proof file bears out, of all commands or of some."""
-    if found.part is not None:
-        return tuple(one.level for one in found.part.levels if one.proved)
-    if found.summary is None:
+    if reading.part is not None:
+        return tuple(one.level for one in reading.part.levels if one.proved)
+    if reading.summary is None:
         return ()
-    return tuple(one.level for one in found.summary.levels if one.proved)
+    return tuple(one.level for one in reading.summary.levels if one.proved)
 
 
-def spans(chart: Chart, told: Sequence[str]) -> tuple[CommandSpan, ...]:
+def spans(chart: Chart, command_names: Sequence[str]) -> tuple[CommandSpan, ...]:
     """Return the ranges of commands on a proof's chart, which may be narrower than the gait's."""
-    rows = chart.parameters[: 2 * len(told)]
+    rows = chart.parameters[: 2 * len(command_names)]
     return tuple(
         CommandSpan(name, after.low, after.high, after.change)
-        for name, after in zip(told, rows[1::2], strict=True)
+        for name, after in zip(command_names, rows[1::2], strict=True)
     )
 
 
@@ -168,13 +168,13 @@ def _unproved(run: Run, proof: Claims) -> tuple[Barrier, ...]:
     assert shape is not None
     bounds = proved_bounds(proof.statements)
     missing = {p.output for p in safe_premises(shape) if first_missing([p], bounds)}
-    found = tuple(b for b in barriers(run.spec) if f"set/value {b.name}" in missing)
-    if found and shape.told:
+    unproved = tuple(b for b in barriers(run.spec) if f"set/value {b.name}" in missing)
+    if unproved and shape.told:
         raise SpecError(
-            f"expected a proof in which {found[0].name} is not negative on all of the walking set, "
-            "found one that leaves it open: a monitor of commands has no such part of the set"
+            f"expected a proof in which {unproved[0].name} is not negative on all of the walking "
+            "set, found one that leaves it open: a monitor of commands has no such part of the set"
         )
-    return found
+    return unproved
 
 
 def full_order_set_of(

@@ -41,7 +41,7 @@ def retrace_in_subprocess(
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "answer.json"
         try:
-            done = subprocess.run(
+            process = subprocess.run(
                 command_of(_module_of(run), str(run), str(file)),
                 input=json.dumps({"theorems": theorems.tables(), "chart": chart.table()}),
                 stdout=subprocess.DEVNULL,
@@ -57,16 +57,16 @@ def retrace_in_subprocess(
                 f"expected the conditions of {run} to be traced within {LONGEST_S:g} s, found no "
                 "answer by then: look in its spec.py for what never ends"
             ) from None
-        found = _read(file)
-    if found is None or done.returncode != 0:
-        lines = " | ".join(done.stderr.strip().splitlines()[-LAST_LINES:])
+        description = _read(file)
+    if description is None or process.returncode != 0:
+        lines = " | ".join(process.stderr.strip().splitlines()[-LAST_LINES:])
         raise RunError(
             f"expected the conditions of {run}, traced again, found that the process that traces "
-            f"them ended with code {done.returncode} and no answer: {lines or 'it said nothing'}"
+            f"them ended with code {process.returncode} and no answer: {lines or 'it said nothing'}"
         )
-    if "error" in found:
-        raise InputError(str(found["error"]))
-    return found
+    if "error" in description:
+        raise InputError(str(description["error"]))
+    return description
 
 
 def _module_of(run: Path) -> str:
@@ -103,10 +103,10 @@ def here_if_built_in(run: Path, theorems: Theorems, chart: Chart = PLANE_ONLY) -
 
 def _read(file: Path) -> dict[str, Any] | None:
     try:
-        found = json.loads(file.read_text(encoding="utf-8"))
+        table = json.loads(file.read_text(encoding="utf-8"))
     except (OSError, ValueError):
         return None
-    return found if isinstance(found, dict) else None
+    return table if isinstance(table, dict) else None
 
 
 def describe_run(run: Path, theorems: Theorems, chart: Chart = PLANE_ONLY) -> dict[str, Any]:
@@ -149,7 +149,7 @@ def describe_run(run: Path, theorems: Theorems, chart: Chart = PLANE_ONLY) -> di
         raise InputError(f"expected a run that can be proved for a box of robots, found {why}")
     described = plain(spec.describe())
     barriers, carried = names_of(spec)
-    found: dict[str, Any] = {
+    description: dict[str, Any] = {
         "program_hash": None,
         "model": None,
         "regions": described["regions"],
@@ -160,21 +160,21 @@ def describe_run(run: Path, theorems: Theorems, chart: Chart = PLANE_ONLY) -> di
         "chart": Chart.of(spec.commands, spec.parameters).table(),
         "full_order": FullOrderModel(robot, opened.gait, spec).names if full is not None else [],
     }
-    if full is None or [barrier.name for barrier in full.barriers] == found["full_order"]:
+    if full is None or [barrier.name for barrier in full.barriers] == description["full_order"]:
         program = trace_certificate(spec, robot, gait, LevelSets(theorems.parameters), residuals)
         model = model_data(robot, gait, spec, program, residuals)
-        found |= {"program_hash": program.hash, "model": plain(model)}
-    return found
+        description |= {"program_hash": program.hash, "model": plain(model)}
+    return description
 
 
-def _errors(robot: Any, chart: Chart, told: int) -> Any:
+def _errors(robot: Any, chart: Chart, command_axes: int) -> Any:
     """Return a chart's axes of robot parameters, behind those of commands; () for none.
 
     A box whose middle is not the file's robot, or that holds impossible robots, gives () as well.
     """
     from neuralgaits.robots.mjcf.parameters import ParameterAxis, box_of
 
-    errors = chart.parameters[told:]
+    errors = chart.parameters[command_axes:]
     axes = tuple(ParameterAxis(axis.name, axis.high) for axis in errors)
     if not axes or any(axis.low != -axis.high or axis.change is not None for axis in errors):
         return ()
@@ -192,15 +192,17 @@ def answer(describe: Callable[[Path, Theorems, Chart], dict[str, Any]]) -> None:
     """
     run, file = sys.argv[1:]
     try:
-        given = json.load(sys.stdin)
-        found = describe(Path(run), Theorems.read(given["theorems"]), Chart.read(given["chart"]))
+        request = json.load(sys.stdin)
+        description = describe(
+            Path(run), Theorems.read(request["theorems"]), Chart.read(request["chart"])
+        )
     except (NeuralGaitsError, OSError) as error:
-        found = {"error": str(error)}
+        description = {"error": str(error)}
     except Exception as error:
         if (setting := why_jax_failed(error)) is None:
             raise
-        found = {"error": setting}
-    write_text(Path(file), json.dumps(found))
+        description = {"error": setting}
+    write_text(Path(file), json.dumps(description))
 
 
 if __name__ == "__main__":

@@ -39,11 +39,13 @@ def compare_with_run(claims: Claims, folder: Path, *, own_process: bool = True) 
     Raises: InputError if the run cannot be opened or traced.
     """
     describe = retrace.retrace_in_subprocess if own_process else retrace.here_if_built_in
-    found = describe(folder, claims.theorems, claims.chart)
+    description = describe(folder, claims.theorems, claims.chart)
     try:
-        wrong = differences_of_program(claims, found)
-        chart = Chart.read(found["chart"])
-        asked = SpecOutline.read(found["regions"], found["conditions"], axes=len(chart.state))
+        wrong = differences_of_program(claims, description)
+        chart = Chart.read(description["chart"])
+        outline = SpecOutline.read(
+            description["regions"], description["conditions"], axes=len(chart.state)
+        )
     except (KeyError, TypeError, ValueError) as error:
         raise RunError(
             f"expected the conditions of {folder}, traced again, found an answer that is none "
@@ -53,24 +55,30 @@ def compare_with_run(claims: Claims, folder: Path, *, own_process: bool = True) 
         wrong = [
             "the file's chart is not that of the commands of the run's gait, and of its robots"
         ]
-    return RunComparison(tuple(wrong), asked, chart, tuple(found["told"]))
+    return RunComparison(tuple(wrong), outline, chart, tuple(description["told"]))
 
 
-def differences_of_program(claims: Claims, found: Mapping[str, Any]) -> list[str]:
+def differences_of_program(claims: Claims, description: Mapping[str, Any]) -> list[str]:
     """List the differences between a proof and the run's own conditions, traced again."""
     walking, full = claims.theorems.walking, claims.theorems.full
-    if full is not None and [barrier.name for barrier in full.barriers] != found["full_order"]:
-        return [f"the run's barriers are {', '.join(found['full_order'])}, not those of level 4"]
-    if found["program_hash"] != claims.program_hash:
+    if (
+        full is not None
+        and [barrier.name for barrier in full.barriers] != description["full_order"]
+    ):
         return [
-            f"the run's conditions have the hash {found['program_hash']}, not {claims.program_hash}"
+            f"the run's barriers are {', '.join(description['full_order'])}, not those of level 4"
+        ]
+    if description["program_hash"] != claims.program_hash:
+        return [
+            f"the run's conditions have the hash {description['program_hash']}, "
+            f"not {claims.program_hash}"
         ]
     wrong = []
     if walking is not None:
         for what in ("barriers", "carried", "told"):
-            if list(getattr(walking, what)) != found[what]:
+            if list(getattr(walking, what)) != description[what]:
                 wrong.append(f"{what} of level 2 are not all those of the run's spec")
     # The C++ checker starts from the model, and this program from nothing but the Program.
-    if claims.model is not None and claims.model != found.get("model"):
+    if claims.model is not None and claims.model != description.get("model"):
         wrong.append("the file's model is not the run's robot, policy, tube and spec")
     return wrong

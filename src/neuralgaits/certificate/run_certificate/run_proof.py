@@ -140,10 +140,10 @@ def prove_run(
         ended = f"the budget of {budget} s is spent"
     _save_boxes(run, searched, ended)
     try:
-        found = _concluded(run, scope, sets, program, searched, ended)
+        proof = _concluded(run, scope, sets, program, searched, ended)
     except KeyboardInterrupt:
         raise SearchInterrupted([state for _, state in searched]) from None
-    return replace(found, interrupted=interrupted)
+    return replace(proof, interrupted=interrupted)
 
 
 def _searched(
@@ -203,7 +203,7 @@ def _concluded(
     verdicts = level_one.verdicts(scope.spec, searched, statements)
     proof = None
     if statements:
-        claimed = tuple(found.level for found in conclusions if found.proved)
+        claimed = tuple(conclusion.level for conclusion in conclusions if conclusion.proved)
         theorems = Theorems(sets.parameters, claimed)
         model = model_data(run.robot, run.trained, run.spec, program, run.residuals)
         proof = proof_of(run.folder, program, statements, model, scope.chart, theorems).content()
@@ -230,8 +230,8 @@ def _conclusions(
     """Return the conclusions of the requested levels above 1."""
     boxes = condition_boxes(scope.spec)
     concluded = conclude(sets.parameters, boxes, proved_bounds(statements), scope.chart)
-    found = {one.level: one for one in concluded}
+    by_level = {one.level: one for one in concluded}
     for level in range(2, scope.level + 1):
         reason = sets.reasons.get(level, f"level {level - 1} is not proved")
-        found.setdefault(level, Conclusion(level, "undecided", reason, (), {}))
-    return [found[level] for level in sorted(found)]
+        by_level.setdefault(level, Conclusion(level, "undecided", reason, (), {}))
+    return [by_level[level] for level in sorted(by_level)]

@@ -112,11 +112,11 @@ def read_certificate(folder: RunFolder) -> CertificateReading:
 def _read(folder: RunFolder, summary: CertificateRecord) -> CertificateReading:
     """Read a certificate. Raises: Unfit, or any Python error on malformed data."""
     run = folder.path
-    found = hashes(run)
-    if more := [n for n in summary.sha256 if n not in found and summary.sha256[n] is not None]:
+    digests = hashes(run)
+    if more := [n for n in summary.sha256 if n not in digests and summary.sha256[n] is not None]:
         raise Unfit(f"{SUMMARY} is about another file too, {more[0]}, as in earlier versions")
     for name in FILES:
-        digest = found[name]
+        digest = digests[name]
         if unreadable := packed.why_unreadable(run / name):
             raise Unfit(f"certificate cannot be read: {unreadable}")
         if summary.sha256.get(name) != digest:
@@ -126,18 +126,18 @@ def _read(folder: RunFolder, summary: CertificateRecord) -> CertificateReading:
                 else f"{name} is missing"
             )
     _refuse_disorder(summary)
-    asked = asked_of(folder)
-    described = asked.described
+    config = asked_of(folder)
+    described = config.described
     for what, named in {"robot": summary.robot, "spec": summary.spec}.items():
-        if named not in ("", getattr(asked, what)):
-            raise Unfit(f"{SUMMARY} is about {what} {named!r}, not {getattr(asked, what)!r}")
+        if named not in ("", getattr(config, what)):
+            raise Unfit(f"{SUMMARY} is about {what} {named!r}, not {getattr(config, what)!r}")
     if set(summary.conditions) != {row["name"] for row in described["conditions"]}:
         raise Unfit(f"{SUMMARY} is about other conditions than the run's")
     proof, own = _claims(run)
     if summary.within is not None and not described.get("commands"):
         raise Unfit(f"{SUMMARY} is about ranges of commands, and the run's gait takes none")
-    stated = {kind: half for kind, half in summary.parameters.items() if kind != "friction"}
-    if proof is not None and own is not None and _box(run, proof, own.told) != stated:
+    robot_box = {kind: half for kind, half in summary.parameters.items() if kind != "friction"}
+    if proof is not None and own is not None and _box(run, proof, own.told) != robot_box:
         raise Unfit(f"{SUMMARY} is about another box of robots than {PROOF}")
     _refuse_ground(summary, proof, described)
     # Nothing is said of a floor where the level that speaks of it is not claimed.
@@ -152,7 +152,7 @@ def _read(folder: RunFolder, summary: CertificateRecord) -> CertificateReading:
         levels=tuple(_levels(summary, proof, own)),
     )
     summary = replace(summary, verdict=_verdict(summary))
-    map_fits = found[MAP] is not None and summary.sha256.get(MAP) == found[MAP]
+    map_fits = digests[MAP] is not None and summary.sha256.get(MAP) == digests[MAP]
     return CertificateReading(summary, None, proof, map_fits, part)
 
 
@@ -194,10 +194,10 @@ def _part(summary: CertificateRecord, proof: Claims, own: RunComparison) -> Prov
     return ProvedPart(proof.chart.sequences(own.told) or (), conditions, levels)
 
 
-def _box(run: Path, proof: Claims, told: Sequence[str]) -> dict[str, float]:
+def _box(run: Path, proof: Claims, command_names: Sequence[str]) -> dict[str, float]:
     """Return the box of robots of a proof, from the names and widths of its axes."""
     walking = proof.theorems.walking
-    errors = proof.chart.behind(len(told)).parameters
+    errors = proof.chart.behind(len(command_names)).parameters
     floor = {} if walking is None or not walking.floor else {"floor": walking.floor}
     if not errors:
         return floor
@@ -247,7 +247,7 @@ def _levels(
 ) -> Iterator[Conclusion]:
     """Return levels above 1; each proved level is claimed by the proof file and follows from it."""
     concluded = [] if proof is None or own is None else _concluded(proof, own.asked)
-    found = {one.level: one for one in concluded}
+    by_level = {one.level: one for one in concluded}
     below = True
     for entry in summary.levels:
         # Level 4 rests on no other; level 3 on level 2.
@@ -256,10 +256,10 @@ def _levels(
         below = below and entry.proved
         if not entry.proved:
             # Nothing bears out why a search has ended: a page must not say it as its own.
-            said = None if entry.reason is None else f"{UNCHECKED} “{entry.reason}”"
-            yield replace(entry, words=(), figures={}, reason=said)
-        elif entry.level in found:
-            yield found[entry.level]
+            reason = None if entry.reason is None else f"{UNCHECKED} “{entry.reason}”"
+            yield replace(entry, words=(), figures={}, reason=reason)
+        elif entry.level in by_level:
+            yield by_level[entry.level]
         else:
             raise Unfit(f"{SUMMARY} calls level {entry.level} proved, and no proof file claims it")
 
@@ -270,11 +270,11 @@ def _verdict(summary: CertificateRecord) -> Verdict:
     return "undecided" if summary.of_all == "proved" and not whole else summary.of_all
 
 
-def _concluded(claims: Claims, asked: SpecOutline) -> list[Conclusion]:
+def _concluded(claims: Claims, outline: SpecOutline) -> list[Conclusion]:
     """Return the conclusions that a file claims and that follow from its statements."""
     theorems, bounds = claims.theorems, proved_bounds(claims.statements)
     try:
-        found = conclude(theorems.parameters, asked.boxes(), bounds, claims.chart)
+        conclusions = conclude(theorems.parameters, outline.boxes(), bounds, claims.chart)
     except (OverflowError, ZeroDivisionError):
         return []
-    return [one for one in found if one.level in theorems.claimed and one.proved]
+    return [one for one in conclusions if one.level in theorems.claimed and one.proved]

@@ -98,20 +98,20 @@ class _Boxes:
         return cls(problem, low, high, centre, short, values, deadline, bound_all)
 
     def shrunk(
-        self, looks: Sequence[Sequence[int]], some: Int[np.ndarray, " P"]
+        self, candidates: Sequence[Sequence[int]], some: Int[np.ndarray, " P"]
     ) -> list[PerCondition] | None:
         """Bound boxes that are shrunk to their centres along all axes but some.
 
         Args:
-            looks: axes that keep their widths.
+            candidates: axes that keep their widths.
             some: numbers of boxes. [P]
 
         Returns: bounds from below for each look, [P, C]; None if there was no time.
         """
         ends = []
         for end in (self.low, self.high):
-            corners = np.tile(self.centre[some], (len(looks), 1, 1))
-            for k, wide in enumerate(looks):
+            corners = np.tile(self.centre[some], (len(candidates), 1, 1))
+            for k, wide in enumerate(candidates):
                 corners[k][:, wide] = end[some][:, wide]
             ends.append(corners.reshape(-1, self.low.shape[1]))
         # One after the other in one list: a round of few boxes is one call for all axes.
@@ -119,12 +119,12 @@ class _Boxes:
         batches = [
             (ends[0][k : k + size], ends[1][k : k + size]) for k in range(0, len(ends[0]), size)
         ]
-        with closing(self.bound_all(self.problem, batches)) as found:
-            for lower, _ in found:
+        with closing(self.bound_all(self.problem, batches)) as bounds:
+            for lower, _ in bounds:
                 parts.append(lower)
                 if time.monotonic() >= self.deadline:
                     return None
-        return np.split(np.concatenate(parts), len(looks))
+        return np.split(np.concatenate(parts), len(candidates))
 
     def cost(
         self, above: PerCondition, lower: PerCondition, some: Int[np.ndarray, " P"]

@@ -152,9 +152,9 @@ class BoxTree:
 
     def measured(self, boxes: np.ndarray, alone: Float[np.ndarray, "P n"]) -> "BoxTree":
         """Return the tree with the measured cost of each axis of some boxes."""
-        found = self.pending.alone.copy()
-        found[np.searchsorted(self.pending.number, boxes)] = alone
-        return replace(self, pending=replace(self.pending, alone=found))
+        measured_bounds = self.pending.alone.copy()
+        measured_bounds[np.searchsorted(self.pending.number, boxes)] = alone
+        return replace(self, pending=replace(self.pending, alone=measured_bounds))
 
     def halves_of(self, parents: np.ndarray, axis: np.ndarray) -> tuple[Corners, Corners]:
         """Return corners of the halves of some boxes, each along its axis. [2 len(parents), n]."""

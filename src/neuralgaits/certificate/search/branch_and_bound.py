@@ -85,10 +85,10 @@ def start(problem: Problem, confirm: Confirm) -> Search:
         low, high = lows[batch], highs[batch]
         tree = tree.with_bounds(batch, *_of_asked(problem, low, high, problem.bounds(low, high)))
     points = problem.grid(POINTS)
-    state = _look(problem, replace(state, tree=tree), points, confirm)
+    state = _refute(problem, replace(state, tree=tree), points, confirm)
     for _ in range(CORNER_ROUNDS if problem.weak_axes else 0):
         points = problem.worse(points)
-        state = _look(problem, state, points, confirm)
+        state = _refute(problem, state, points, confirm)
     return state
 
 
@@ -177,8 +177,8 @@ def _round(
     size = problem.batch // 2
     slices = [slice(start, start + size) for start in range(0, len(work), size)]
     batches = [tree.halves_of(work[batch], axis[batch]) for batch in slices]
-    with closing(bound_all(problem, batches)) as found:
-        for (low, high), bounds in zip(batches, found, strict=False):
+    with closing(bound_all(problem, batches)) as batch_bounds:
+        for (low, high), bounds in zip(batches, batch_bounds, strict=False):
             parts.append((low, high, *_of_asked(problem, low, high, bounds)))
             done += len(low) // 2
             if time.monotonic() >= deadline:
@@ -192,7 +192,7 @@ def _round(
         worst = np.min(np.where(np.isnan(lower), -np.inf, lower)[unsure], axis=1)
         unsure = unsure[np.argpartition(worst, MOST_POINTS)[:MOST_POINTS]]
     points = (low + (high - low) * 0.5)[unsure]
-    return _look(problem, state, points, confirm) if len(points) else state
+    return _refute(problem, state, points, confirm) if len(points) else state
 
 
 def bound_here(problem: Problem, batches: Sequence[Boxes]) -> Generator[Bounds, None, None]:
@@ -203,21 +203,21 @@ def bound_here(problem: Problem, batches: Sequence[Boxes]) -> Generator[Bounds, 
 
 def _of_asked(problem: Problem, low: np.ndarray, high: np.ndarray, bounds: Bounds) -> Bounds:
     """Bound boxes; bounds are infinite on boxes that nothing is required of. [B, C] each."""
-    asked = problem.asked(low, high)[:, None]
-    return np.where(asked, bounds[0], np.inf), np.where(asked, bounds[1], np.inf)
+    required = problem.asked(low, high)[:, None]
+    return np.where(required, bounds[0], np.inf), np.where(required, bounds[1], np.inf)
 
 
-def _look(problem: Problem, state: Search, points: np.ndarray, confirm: Confirm) -> Search:
+def _refute(problem: Problem, state: Search, points: np.ndarray, confirm: Confirm) -> Search:
     """Evaluate the margins at points; confirm the worst where one is negative."""
     values = problem.values(points)
     # Where nothing is asked, and where there is no value, nothing is seen.
-    known = problem.asked(points, points)[:, None] & ~np.isnan(values)
-    worst = np.where(known, values, np.inf)
+    evaluated = problem.asked(points, points)[:, None] & ~np.isnan(values)
+    worst = np.where(evaluated, values, np.inf)
     refuted = dict(state.refuted)
     for column, name in enumerate(problem.names):
         place = int(np.argmin(worst[:, column]))
         if worst[place, column] < 0.0 and name not in refuted:
-            found = confirm(name, points[place])
-            if found is not None:
-                refuted[name] = found
+            counterexample = confirm(name, points[place])
+            if counterexample is not None:
+                refuted[name] = counterexample
     return replace(state, seen=np.fmin(state.seen, worst.min(axis=0)), refuted=refuted)

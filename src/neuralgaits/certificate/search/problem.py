@@ -155,13 +155,15 @@ class Problem:
                 zip(self.low[:early], self.high[:early], strict=True)
             )
         ]
-        found = np.stack(np.meshgrid(*lines, indexing="ij"), axis=-1).reshape(-1, len(lines))
+        points_of_grid = np.stack(np.meshgrid(*lines, indexing="ij"), axis=-1).reshape(
+            -1, len(lines)
+        )
         if not self.weak_axes:
-            return found
-        found = np.tile(found, (max(points // len(found), 1), 1))
-        upper = np.random.default_rng(0).random((len(found), self.weak_axes)) < 0.5
+            return points_of_grid
+        points_of_grid = np.tile(points_of_grid, (max(points // len(points_of_grid), 1), 1))
+        upper = np.random.default_rng(0).random((len(points_of_grid), self.weak_axes)) < 0.5
         ends = np.where(upper, self.high[early:], self.low[early:])
-        return np.hstack([found, ends])
+        return np.hstack([points_of_grid, ends])
 
     def worse(self, points: Float[np.ndarray, "P n"]) -> Float[np.ndarray, "Q n"]:
         """Move the points, for each condition, to ends of late axes where its margin is smaller.
@@ -169,21 +171,21 @@ class Problem:
         At the point where it is smallest each late axis is moved to either end by itself; the
         better ends of all axes together then replace those of every point. Q = P C.
         """
-        early, found = len(self.low) - self.weak_axes, []
+        early, candidates = len(self.low) - self.weak_axes, []
         values = self.values(points)
         for column in range(len(self.names)):
-            known = np.where(np.isnan(values[:, column]), np.inf, values[:, column])
-            at = points[int(np.argmin(known))]
-            moved = np.tile(at, (2 * self.weak_axes, 1))
+            margins = np.where(np.isnan(values[:, column]), np.inf, values[:, column])
+            at = points[int(np.argmin(margins))]
+            ends_of_axes = np.tile(at, (2 * self.weak_axes, 1))
             axes = early + np.arange(self.weak_axes)
-            moved[2 * np.arange(self.weak_axes), axes] = np.array(self.low)[early:]
-            moved[2 * np.arange(self.weak_axes) + 1, axes] = np.array(self.high)[early:]
-            ends = self.values(moved)[:, column].reshape(-1, 2)
+            ends_of_axes[2 * np.arange(self.weak_axes), axes] = np.array(self.low)[early:]
+            ends_of_axes[2 * np.arange(self.weak_axes) + 1, axes] = np.array(self.high)[early:]
+            ends = self.values(ends_of_axes)[:, column].reshape(-1, 2)
             better = np.where(ends[:, 0] < ends[:, 1], self.low[early:], self.high[early:])
             everywhere = points.copy()
             everywhere[:, early:] = better
-            found.append(everywhere)
-        return np.concatenate(found)
+            candidates.append(everywhere)
+        return np.concatenate(candidates)
 
     def _smallest(self, elements: Sequence[np.ndarray], boxes: np.ndarray) -> np.ndarray:
         """Return each condition's smallest element [n, B] above its least, in scales; NaN wins."""

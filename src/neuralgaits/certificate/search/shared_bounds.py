@@ -35,10 +35,10 @@ class SharedBounds:
         Small batches are bounded in this process, as are boxes that no worker could bound.
         """
         pieces = [_pieces(problem, batch) for batch in batches]
-        found = self._in_order(problem, [piece for some in pieces for piece in some])
-        with closing(found):
+        bounds = self._in_order(problem, [piece for some in pieces for piece in some])
+        with closing(bounds):
             for some in pieces:
-                parts = [next(found) for _ in some]
+                parts = [next(bounds) for _ in some]
                 lower, upper = (np.concatenate(part) for part in zip(*parts, strict=True))
                 yield lower, upper
 
@@ -52,8 +52,8 @@ class SharedBounds:
         )
         common = {_PROBLEM: to_json(problem).encode()}
         shape = (-1, len(problem.names))
-        found: dict[int, Bounds] = {}
-        wanted = 0
+        bounds_by_piece: dict[int, Bounds] = {}
+        next_piece = 0
         with closing(self._engine.map(bound_batch, jobs, common=common)) as answers:
             for done in answers:
                 number = int(done.name)
@@ -61,12 +61,12 @@ class SharedBounds:
                     lower, upper = (
                         np.frombuffer(done.files[name]).reshape(shape) for name in (_LOWER, _UPPER)
                     )
-                    found[number] = lower, upper
+                    bounds_by_piece[number] = lower, upper
                 else:
-                    found[number] = problem.bounds(*pieces[number])
-                while wanted in found:
-                    yield found.pop(wanted)
-                    wanted += 1
+                    bounds_by_piece[number] = problem.bounds(*pieces[number])
+                while next_piece in bounds_by_piece:
+                    yield bounds_by_piece.pop(next_piece)
+                    next_piece += 1
 
 
 @contextmanager

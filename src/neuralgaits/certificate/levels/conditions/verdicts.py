@@ -28,20 +28,20 @@ def verdicts(
         searched: all roots, of conditions and of premises, with the state of their searches.
         statements: those that the proof file has about these roots.
     """
-    found = {}
+    by_name = {}
     for condition in spec.conditions:
         roots = roots_of(searched, condition.name, condition.region)
         claims = [s.bounds.get(condition.name) for s in statements if s.region == condition.region]
         proved = [bound for bound in claims if bound is not None]
         margin = min(proved) if len(proved) == len(roots) else None
-        found[condition.name] = verdict_on(condition.name, roots, margin)
-    return found
+        by_name[condition.name] = verdict_on(condition.name, roots, margin)
+    return by_name
 
 
 def of_conditions(spec: GaitSpec, searched: Sequence[Searched]) -> list[Searched]:
     """Select the roots that belong to conditions of the spec."""
-    asked = [(condition.name, condition.region) for condition in spec.conditions]
-    return [pair for pair in searched if any(roots_of([pair], *one) for one in asked)]
+    pairs = [(condition.name, condition.region) for condition in spec.conditions]
+    return [pair for pair in searched if any(roots_of([pair], *one) for one in pairs)]
 
 
 def roots_of(searched: Sequence[Searched], name: str, region: str) -> list[Searched]:
@@ -57,7 +57,7 @@ def verdict_on(name: str, roots: Sequence[Searched], margin: float | None) -> Co
         roots: problem and state of every box of its region.
         margin: the bound that the proof file claims, if it is proved everywhere.
     """
-    proved, area, boxes, unknown, found = 0.0, 0.0, 0, 0, None
+    proved, area, boxes, unknown, counterexample = 0.0, 0.0, 0, 0, None
     for problem, state in roots:
         column, tree = problem.names.index(name), state.tree
         holds = tree.is_leaf & (tree.lower[:, column] >= 0.0)
@@ -66,16 +66,21 @@ def verdict_on(name: str, roots: Sequence[Searched], margin: float | None) -> Co
         boxes += visited(state, column)
         violates = tree.upper[:, column] < 0.0
         unknown += int(np.sum(tree.is_leaf & ~holds & ~violates))
-        found = found or state.refuted.get(name)
+        counterexample = counterexample or state.refuted.get(name)
     verdict: Verdict = "undecided"
-    if found is not None:
+    if counterexample is not None:
         verdict = "refuted"
     elif margin is not None:
         verdict = "proved"
     # A share of less than everything is never shown as everything.
     share = 1.0 if verdict == "proved" else min(proved / area, np.nextafter(1.0, 0.0))
     return ConditionVerdict(
-        verdict, float(share), boxes, margin if verdict == "proved" else None, found, unknown
+        verdict,
+        float(share),
+        boxes,
+        margin if verdict == "proved" else None,
+        counterexample,
+        unknown,
     )
 
 
@@ -100,9 +105,9 @@ def of_a_part(entry: ConditionVerdict) -> ConditionVerdict:
     return replace(entry, verdict="undecided", margin=None)
 
 
-def worst_robot(found: Mapping[str, ConditionVerdict], chart: Chart) -> str | None:
+def worst_robot(verdicts: Mapping[str, ConditionVerdict], chart: Chart) -> str | None:
     """Name a condition that a robot of the box breaks, and that robot; None without one."""
-    for name, entry in found.items():
+    for name, entry in verdicts.items():
         if (point := entry.counterexample) is not None:
             axes = zip(chart.parameters, point.u[PLANE:], strict=True)
             robot = ", ".join(f"{axis.name} {value:.4g}" for axis, value in axes)

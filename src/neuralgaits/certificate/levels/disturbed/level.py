@@ -1,22 +1,41 @@
 """Level 5: the same under torques that are not exact, or held between ticks."""
 
-from neuralgaits.certificate.level import Level
+from collections.abc import Iterator
+
+from neuralgaits.certificate.chart import Chart, Corner
+from neuralgaits.certificate.level import Level, Parameters
 from neuralgaits.certificate.levels.disturbed.conclude import conclude_disturbed
 from neuralgaits.certificate.levels.disturbed.theorem import (
     DisturbedConstants,
     labelled_premises,
     series,
 )
-from neuralgaits.certificate.levels.full_order.level import of_one_gait
+from neuralgaits.certificate.levels.full_order.level import refusal_of_full_order
+from neuralgaits.certificate.premises import Bounds, Boxes
+from neuralgaits.records.certified import Conclusion
 
-LEVEL = Level(
-    5,
-    "disturbed",
-    DisturbedConstants,
-    series,
-    lambda known, boxes: labelled_premises(known[4], known[5]),
-    lambda known, boxes, bounds: conclude_disturbed(known[4], known[5], bounds),
-    rests_on=(4,),
-    full_order=True,
-    refusal=of_one_gait,
-)
+
+class DisturbedLevel(Level):
+    """Theorem of the full order under a disturbance of the torques."""
+
+    number, part, parameters = 5, "disturbed", DisturbedConstants
+    rests_on = (4,)
+    full_order = True
+
+    def constants(self, own: DisturbedConstants) -> dict[str, tuple[float, ...]]:
+        """Return the Program's constants of the disturbance."""
+        return series(own)
+
+    def premises(
+        self, parameters: Parameters, boxes: Boxes
+    ) -> Iterator[tuple[str, str, Corner, Corner]]:
+        """Return the premises of the disturbance beside those of level 4."""
+        return labelled_premises(parameters[4], parameters[5])
+
+    def conclude(self, parameters: Parameters, boxes: Boxes, bounds: Bounds) -> Conclusion:
+        """Conclude that the set of level 4 is forward invariant under the disturbance."""
+        return conclude_disturbed(parameters[4], parameters[5], bounds)
+
+    def refusal(self, parameters: Parameters, chart: Chart) -> str | None:
+        """Explain why the theorem does not cover a chart, or return None."""
+        return refusal_of_full_order(parameters, chart)

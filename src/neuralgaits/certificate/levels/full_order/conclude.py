@@ -26,8 +26,8 @@ def conclude_full_order(shape: FullOrderConstants, bounds: Bounds) -> Conclusion
         shape: the set and its constants.
         bounds: proved bounds, see `premises.proved_bounds`.
     """
-    known = tuple(constants(shape, bounds))
-    figures = {constant.name: constant.value for constant in known}
+    constants_of_proof = tuple(constants(shape, bounds))
+    figures = {constant.name: constant.value for constant in constants_of_proof}
     broken = [step for step in inequalities(shape) if not step.holds]
     missing = _missing(shape, bounds)
     reasons = [obstacle(step) for step in broken] + missing
@@ -39,17 +39,17 @@ def conclude_full_order(shape: FullOrderConstants, bounds: Bounds) -> Conclusion
     if not is_norm(shape):
         reasons.insert(0, "weights that are no upper triangle without zeros on its diagonal")
     if reasons:
-        return Conclusion(LEVEL, "undecided", "; ".join(reasons), (), figures, known)
-    return Conclusion(LEVEL, "proved", None, in_words(shape), figures, known)
+        return Conclusion(LEVEL, "undecided", "; ".join(reasons), (), figures, constants_of_proof)
+    return Conclusion(LEVEL, "proved", None, in_words(shape), figures, constants_of_proof)
 
 
 def _missing(shape: FullOrderConstants, bounds: Bounds) -> list[str]:
     """Name the premises without a sufficient bound, in words."""
-    found = []
+    missing = []
     for output, low, high, sign in premises(shape):
         bound = bounds.get((output, low, high), float("nan"))
         if not (bound > 0.0 if sign == "positive" else bound >= 0.0):
-            found.append(f"{output} from {low} to {high} is not proved")
-    if len(found) > SHOWN:
-        found[SHOWN:] = [f"and {len(found) - SHOWN} more premises"]
-    return found
+            missing.append(f"{output} from {low} to {high} is not proved")
+    if len(missing) > SHOWN:
+        missing[SHOWN:] = [f"and {len(missing) - SHOWN} more premises"]
+    return missing

@@ -48,7 +48,7 @@ _NO_CROSSING = (
 
 
 def find_full_order(
-    looks: SampleEvaluators,
+    evaluators: SampleEvaluators,
     names: Sequence[str],
     bandwidth: float,
     share: float,
@@ -57,35 +57,37 @@ def find_full_order(
     """Return constants of the theorem, or a sentence with the reason why there are none.
 
     Args:
-        looks: functions that evaluate the gait.
+        evaluators: functions that evaluate the gait.
         names: names of the barriers, in the order of their quantities.
         bandwidth: w [rad/s].
         share: share of the largest radius that forces, torques and foot allow at points.
         plan: norm, radius and floor, if these are given; the share is not used then.
     """
-    looks = looks if plan is None else looks.in_norm(plan.matrix)
+    evaluators = evaluators if plan is None else evaluators.in_norm(plan.matrix)
     levels = np.linspace(0.0, 1.0, LEVELS)
     u = grid(np.linspace(0.0, 1.0, PHASES), levels)
-    seen = looks.step(u, np.zeros((len(u), looks.size)))
-    crossing, gamma = _crossing(looks, levels), float(lyapunov_rate(bandwidth))
-    reason = _no_set(seen, gamma, bandwidth)
+    samples = evaluators.step(u, np.zeros((len(u), evaluators.size)))
+    crossing, gamma = _crossing(evaluators, levels), float(lyapunov_rate(bandwidth))
+    reason = _no_set(samples, gamma, bandwidth)
     if reason is not None or crossing is None:
         return reason or _NO_CROSSING
-    limit, risen = _radius(seen, u[:, 0], gamma / (4.0 * ABOVE * seen["pace"].max()))
+    limit, risen = _radius(samples, u[:, 0], gamma / (4.0 * ABOVE * samples["pace"].max()))
     radius = float(at_least(plan.radius if plan else min(share * limit, LARGEST), DIGITS))
     floor = float(at_most(plan.floor, DIGITS)) if plan else 0.0
     rate = plan.slower * gamma if plan else gamma
-    most, shrink = _fastest(seen, u[:, 0], radius, floor, rate)
-    slowest = _over(seen, "pace", u[:, 0], -radius, -floor, shrink).min()
-    strip = _guard_strip(looks, levels, crossing, _at(radius, floor, shrink, 0.98))
+    most, shrink = _fastest(samples, u[:, 0], radius, floor, rate)
+    slowest = _over(samples, "pace", u[:, 0], -radius, -floor, shrink).min()
+    strip = _guard_strip(evaluators, levels, crossing, _at(radius, floor, shrink, 0.98))
     if slowest <= 0.0 or strip is None:
         return "outputs off zero may stop the hip, or move the guard further than the tube goes on"
     guard_radius = _at(radius, floor, shrink, 1.0 - strip) * (1.0 + 1e-12)
     ample = AMPLE if plan is None else IMPACT
-    impacts = _Impacts.look(looks, levels, crossing, strip, guard_radius, ample)
+    impacts = _Impacts.sample(evaluators, levels, crossing, strip, guard_radius, ample)
     start_strip = float(at_most(1.2 * impacts.landing_at(guard_radius), DIGITS))
-    seen = _with_strips(seen, looks, levels, start_strip, strip)
-    found = [_barrier(k, name, seen, impacts, gamma, radius, plan) for k, name in enumerate(names)]
+    samples = _with_strips(samples, evaluators, levels, start_strip, strip)
+    barrier_constants = [
+        _barrier(k, name, samples, impacts, gamma, radius, plan) for k, name in enumerate(names)
+    ]
     return FullOrderConstants(
         bandwidth=bandwidth,
         radius=radius,
@@ -96,21 +98,21 @@ def find_full_order(
         crossing=crossing,
         risen=risen,
         pace=(0.8 * float(slowest), most),
-        inertia=0.5 * float(seen["inertia"].min()),
+        inertia=0.5 * float(samples["inertia"].min()),
         mismatch=impacts.mismatch,
         drift=impacts.drift,
         gain=impacts.gain,
         landing=impacts.landing,
         landing_slope=impacts.landing_slope,
-        barriers=tuple(found),
+        barriers=tuple(barrier_constants),
         least_radius=floor,
         weights=plan.weights if plan else (),
     )
 
 
-def _no_set(seen: Samples, gamma: float, bandwidth: float) -> str | None:
+def _no_set(samples: Samples, gamma: float, bandwidth: float) -> str | None:
     """Return why no set can be found, whatever its size; None if one may be."""
-    if seen["pace"].min() <= 0.0 or seen["inertia"].min() <= 0.0:
+    if samples["pace"].min() <= 0.0 or samples["inertia"].min() <= 0.0:
         return "the hip does not move forward everywhere in the tube"
     if gamma <= min(ALPHAS):
         return f"outputs with a double pole at {bandwidth:g} rad/s come back too slowly"
@@ -127,9 +129,9 @@ class _Impacts:
     ample: float
 
     @classmethod
-    def look(
+    def sample(
         cls,
-        looks: SampleEvaluators,
+        evaluators: SampleEvaluators,
         levels: np.ndarray,
         crossing: float,
         strip: float,
@@ -140,9 +142,9 @@ class _Impacts:
         near = grid(np.linspace(1.0 - crossing, 1.0 + crossing, 3), levels)
         edge = grid(np.linspace(1.0 - strip, 1.0 + strip, 5), levels)
         return cls(
-            looks.guard(line, np.zeros((len(line), looks.size))),
-            looks.guard(near, np.zeros((len(near), looks.size))),
-            looks.guard(edge, sphere(len(edge), looks.size, radius)),
+            evaluators.guard(line, np.zeros((len(line), evaluators.size))),
+            evaluators.guard(near, np.zeros((len(near), evaluators.size))),
+            evaluators.guard(edge, sphere(len(edge), evaluators.size, radius)),
             ample,
         )
 
@@ -173,15 +175,15 @@ class _Impacts:
 
 
 def _with_strips(
-    seen: Samples, looks: SampleEvaluators, levels: np.ndarray, start: float, guard: float
+    samples: Samples, evaluators: SampleEvaluators, levels: np.ndarray, start: float, guard: float
 ) -> dict[str, np.ndarray]:
     """Add points of the strips before phase 0 and beyond phase 1 to those seen.
 
     Where the fences converge, h falls steeply: a barrier may be tightest before phase 0.
     """
     strips = grid(np.array([-start, -0.5 * start, 1.0 + guard]), levels)
-    there = looks.step(strips, np.zeros((len(strips), looks.size)))
-    return {name: np.concatenate([values, there[name]]) for name, values in seen.items()}
+    there = evaluators.step(strips, np.zeros((len(strips), evaluators.size)))
+    return {name: np.concatenate([values, there[name]]) for name, values in samples.items()}
 
 
 def _at(radius: float, floor: float, shrink: float, phase: float) -> float:
@@ -189,43 +191,43 @@ def _at(radius: float, floor: float, shrink: float, phase: float) -> float:
 
 
 def _over(
-    seen: Samples, name: str, phase: np.ndarray, radius: float, floor: float, shrink: float
+    samples: Samples, name: str, phase: np.ndarray, radius: float, floor: float, shrink: float
 ) -> np.ndarray:
     """Return a quantity plus a generous bound on the effect of outputs of a radius. [n]."""
     bound = floor + (radius - floor) * np.exp(-shrink * phase**2)
-    reach = ABOVE * bound * slope_norms(seen, name)[:, 0]
-    return (1.02 if radius > 0.0 else 1.0) * seen[name][:, 0] + reach
+    reach = ABOVE * bound * slope_norms(samples, name)[:, 0]
+    return (1.02 if radius > 0.0 else 1.0) * samples[name][:, 0] + reach
 
 
 def _fastest(
-    seen: Samples, phase: np.ndarray, radius: float, floor: float, gamma: float
+    samples: Samples, phase: np.ndarray, radius: float, floor: float, gamma: float
 ) -> tuple[float, float]:
     """Return the fastest pace, and the fastest shrinking of the bound on sqrt(V) that fits it."""
     most, shrink = 0.0, 0.0
     for _ in range(3):
-        most = float(_over(seen, "pace", phase, radius, floor, shrink).max())
+        most = float(_over(samples, "pace", phase, radius, floor, shrink).max())
         # Somewhat less than 4, for the strip beyond phase 1.
         shrink = float(at_least(gamma / (4.25 * most), DIGITS))
     return most, shrink
 
 
-def _crossing(looks: SampleEvaluators, levels: np.ndarray) -> float | None:
+def _crossing(evaluators: SampleEvaluators, levels: np.ndarray) -> float | None:
     """Return the narrowest strip around phase 1 with the foot up before it and down behind it."""
     for width in CROSSINGS:
         before, behind = (grid(np.array([1.0 + side * width]), levels) for side in (-1, 1))
-        zero = np.zeros((LEVELS, looks.size))
-        above, below = looks.step(before, zero)["foot"], looks.step(behind, zero)["foot"]
+        zero = np.zeros((LEVELS, evaluators.size))
+        above, below = evaluators.step(before, zero)["foot"], evaluators.step(behind, zero)["foot"]
         if above.min() > CLEAR and below.max() < -CLEAR:
             return width
     return None
 
 
-def _radius(seen: Samples, phase: np.ndarray, shrink: float) -> tuple[float, float]:
+def _radius(samples: Samples, phase: np.ndarray, shrink: float) -> tuple[float, float]:
     """Return the largest radius that forces, torques and foot allow, and the phase `risen`."""
     grow = np.exp(shrink * phase**2)
 
     def limit(name: str) -> np.ndarray:
-        return (seen[name] / slope_norms(seen, name)).min(axis=1) * grow
+        return (samples[name] / slope_norms(samples, name)).min(axis=1) * grow
 
     everywhere = min(limit("contact").min(), limit("torque").min())
     everywhere = min(everywhere, 0.5 * limit("inertia").min(), 0.8 * limit("pace").min())
@@ -238,13 +240,15 @@ def _radius(seen: Samples, phase: np.ndarray, shrink: float) -> tuple[float, flo
 
 
 def _guard_strip(
-    looks: SampleEvaluators, levels: np.ndarray, crossing: float, bound: float
+    evaluators: SampleEvaluators, levels: np.ndarray, crossing: float, bound: float
 ) -> float | None:
     """Return the half width of the strip that holds the guard for all outputs in the set."""
     line = grid(np.array([1.0]), levels)
-    seen = looks.guard(line, np.zeros((len(line), looks.size)))
-    moved = (np.linalg.norm(seen["foot/slope"], axis=1) / -seen["fall"]).max()
-    strip = float(at_most(crossing + 2.0 * bound * float(moved), DIGITS))
+    guard_samples = evaluators.guard(line, np.zeros((len(line), evaluators.size)))
+    phase_shift = (
+        np.linalg.norm(guard_samples["foot/slope"], axis=1) / -guard_samples["fall"]
+    ).max()
+    strip = float(at_most(crossing + 2.0 * bound * float(phase_shift), DIGITS))
     return strip if 0.0 < strip < CROSSINGS[-1] else None
 
 

@@ -115,8 +115,8 @@ def least_decay(slopes: np.ndarray, bandwidth: float) -> float:
     """
     m, stiff = slopes.shape[1], float(STIFF)
     flow = bandwidth * np.kron([[-1.0, -1.0 / stiff], [0.0, -1.0]], np.eye(m))
-    moved = flow + np.concatenate([slopes, stiff * slopes], axis=1) / bandwidth
-    least = float(np.linalg.eigvalsh(-moved - moved.swapaxes(1, 2)).min())
+    rate_matrix = flow + np.concatenate([slopes, stiff * slopes], axis=1) / bandwidth
+    least = float(np.linalg.eigvalsh(-rate_matrix - rate_matrix.swapaxes(1, 2)).min())
     return least - DECAY_ROOM * frobenius(slopes) / bandwidth
 
 

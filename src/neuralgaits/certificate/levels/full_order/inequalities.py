@@ -42,7 +42,7 @@ def inequalities(shape: FullOrderConstants) -> list[Inequality]:
     kept, at_guard = bound_at(shape, arb(shape.start_strip)), bound_at(shape, before)
     landing = arb(shape.landing) + _size(shape.landing_slope) * arb(shape.guard_radius)
     # Numbers are those of docs/full_order.md, "The inequalities". First inequality 1.
-    found = [
+    steps = [
         Inequality("the phase moves on: 0 < its least rate", zero, least),
         Inequality("the dynamics have a denominator: 0 < inertia", zero, arb(shape.inertia)),
         Inequality("0 < radius", zero, radius),
@@ -75,13 +75,13 @@ def inequalities(shape: FullOrderConstants) -> list[Inequality]:
     if shape.least_radius != 0.0:
         # 0 < f < R0, of level 5's set (docs/level5.md).
         floor = arb(shape.least_radius)
-        found += [
+        steps += [
             Inequality("0 < floor", zero, floor),
             Inequality("floor < radius", floor, radius),
         ]
     for barrier in shape.barriers:
-        found += _of_barrier(shape, barrier, gamma)
-    return found
+        steps += _of_barrier(shape, barrier, gamma)
+    return steps
 
 
 def obstacle(step: Inequality) -> str:
@@ -144,8 +144,8 @@ def tightening(barrier: BarrierConstants) -> arb:
 
 def inlet(shape: FullOrderConstants, barrier: BarrierConstants) -> arb:
     """Bound h - t from below after any impact of the set."""
-    moved = _size(barrier.reset_slope) * arb(shape.guard_radius)
-    return arb(barrier.reset) - moved - tightening(barrier)
+    landing_shift = _size(barrier.reset_slope) * arb(shape.guard_radius)
+    return arb(barrier.reset) - landing_shift - tightening(barrier)
 
 
 def _gamma(shape: FullOrderConstants) -> arb:

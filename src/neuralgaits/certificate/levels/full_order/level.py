@@ -1,6 +1,8 @@
 """Level 4: the whole robot walks for ever, joints that are off their targets included."""
 
-from neuralgaits.certificate.chart import Chart
+from collections.abc import Iterator
+
+from neuralgaits.certificate.chart import Chart, Corner
 from neuralgaits.certificate.level import Level, Parameters
 from neuralgaits.certificate.levels.full_order.conclude import conclude_full_order
 from neuralgaits.certificate.levels.full_order.theorem import (
@@ -9,20 +11,35 @@ from neuralgaits.certificate.levels.full_order.theorem import (
     refusal,
     series,
 )
+from neuralgaits.certificate.premises import Bounds, Boxes
+from neuralgaits.records.certified import Conclusion
 
 
-def of_one_gait(known: Parameters, chart: Chart) -> str | None:
+def refusal_of_full_order(parameters: Parameters, chart: Chart) -> str | None:
     """Explain why the theorems of full order do not cover a chart, or return None."""
-    return refusal(chart, known[2].floor if 2 in known else 0.0)
+    return refusal(chart, parameters[2].floor if 2 in parameters else 0.0)
 
 
-LEVEL = Level(
-    4,
-    "full",
-    FullOrderConstants,
-    series,
-    lambda known, boxes: labelled_premises(known[4]),
-    lambda known, boxes, bounds: conclude_full_order(known[4], bounds),
-    full_order=True,
-    refusal=of_one_gait,
-)
+class FullOrderLevel(Level):
+    """Theorem of the full order under exact linearisation."""
+
+    number, part, parameters = 4, "full", FullOrderConstants
+    full_order = True
+
+    def constants(self, own: FullOrderConstants) -> dict[str, tuple[float, ...]]:
+        """Return the Program's constants of the set."""
+        return series(own)
+
+    def premises(
+        self, parameters: Parameters, boxes: Boxes
+    ) -> Iterator[tuple[str, str, Corner, Corner]]:
+        """Return the premises of the set at full order."""
+        return labelled_premises(parameters[4])
+
+    def conclude(self, parameters: Parameters, boxes: Boxes, bounds: Bounds) -> Conclusion:
+        """Conclude that the set at full order is forward invariant."""
+        return conclude_full_order(parameters[4], bounds)
+
+    def refusal(self, parameters: Parameters, chart: Chart) -> str | None:
+        """Explain why the theorem does not cover a chart, or return None."""
+        return refusal_of_full_order(parameters, chart)

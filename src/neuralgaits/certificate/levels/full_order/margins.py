@@ -81,16 +81,16 @@ class TheoremArrays(NamedTuple):
 
 def _step_margins(model: FullOrderModel, its: TheoremArrays, point: FullPoint) -> Quantities:
     """Return margins between impacts: the robot walks on within its contact and torque limits."""
-    found = model.in_step(point)
+    quantities = model.in_step(point)
     least, most = its.set["slowest"], its.set["fastest"]
     # a <= dphi/dt <= b, and -J.s >= d.
     return {
-        "full/pace": jnp.concatenate([found["pace"] - least, most - found["pace"]]),
-        "full/inertia": found["inertia"] - its.set["inertia"],
-        "full/contact": found["contact"],
-        "full/torque": found["torque"],
-        "full/foot-rises": found["foot-rate"],
-        "full/foot-above": found["foot"],
+        "full/pace": jnp.concatenate([quantities["pace"] - least, most - quantities["pace"]]),
+        "full/inertia": quantities["inertia"] - its.set["inertia"],
+        "full/contact": quantities["contact"],
+        "full/torque": quantities["torque"],
+        "full/foot-rises": quantities["foot-rate"],
+        "full/foot-above": quantities["foot"],
     }
 
 
@@ -102,15 +102,15 @@ def _decay_margins(
     rate, h = model.rates(centre), model.barriers(centre.z)
     coupling = jax.jacfwd(lambda moved: model.rates(model.point(u, moved)))(xi)
     reading = jax.jacfwd(lambda moved: model.readings(model.point(u, moved)))(xi)
-    found = {}
+    margins_by_name = {}
     for k, (name, of) in enumerate(its.barriers.items()):
         slope = reading[k]
         # dh/dt + alpha h >= epsilon at xi = 0; |d(dh/dt)/d xi| <= c and |dh/d xi| <= l as squares.
-        found[f"full/rate {name}"] = rate[k] + of["alpha"] * h[k] - of["epsilon"]
-        found[f"full/coupling {name}"] = of["coupling"] ** 2 - coupling[k] @ coupling[k]
+        margins_by_name[f"full/rate {name}"] = rate[k] + of["alpha"] * h[k] - of["epsilon"]
+        margins_by_name[f"full/coupling {name}"] = of["coupling"] ** 2 - coupling[k] @ coupling[k]
         if name not in FENCES:
-            found[f"full/reading {name}"] = of["reading"] ** 2 - slope @ slope
-    return found
+            margins_by_name[f"full/reading {name}"] = of["reading"] ** 2 - slope @ slope
+    return margins_by_name
 
 
 def _guard_margins(
@@ -120,7 +120,7 @@ def _guard_margins(
     point = model.point(u, xi)
     impact, slopes = model.at_impact(point), model.guard_slopes(u, xi)
     along = {name: jnp.sum(d * d, axis=1) for name, d in slopes.along.items()}
-    found = {
+    margins_by_name = {
         "full/foot-below": -point.foot[1],
         "full/foot-falls": -point.foot_velocity[1],
         "full/impulse": impact["impulse"],
@@ -132,8 +132,8 @@ def _guard_margins(
     }
     for k, (name, of) in enumerate(its.barriers.items()):
         # |dh(z+)/d xi| <= L_i along the guard, as squares.
-        found[f"full/reset-slope {name}"] = of["reset_slope"] ** 2 - along["reset"][k]
-    return found
+        margins_by_name[f"full/reset-slope {name}"] = of["reset_slope"] ** 2 - along["reset"][k]
+    return margins_by_name
 
 
 def _crossing_margins(
@@ -142,7 +142,7 @@ def _crossing_margins(
     """Return margins of the state after an impact from eta = 0."""
     impact, drift = model.at_crossing(u)
     landing, after = impact["landing"], impact["after"]
-    found = {
+    margins_by_name = {
         # |xi+| <= v, |d xi+/d phi| <= v' and |phi+| <= f.
         "full/mismatch": its.set["mismatch"] ** 2 - after @ after,
         "full/drift": its.set["drift"] ** 2 - drift @ drift,
@@ -154,5 +154,5 @@ def _crossing_margins(
     }
     for k, (name, of) in enumerate(its.barriers.items()):
         # h_i(z+) >= h_i+.
-        found[f"full/reset {name}"] = impact["reset"][k] - of["reset"]
-    return found
+        margins_by_name[f"full/reset {name}"] = impact["reset"][k] - of["reset"]
+    return margins_by_name

@@ -46,12 +46,12 @@ def unweighted(weights: Weights, x: Vector) -> Vector:
     if len(weights) == 0:
         return x
     size = len(x)
-    found: dict[int, Scalar] = {}
+    y: dict[int, Scalar] = {}
     for i in reversed(range(size)):
         start = i * size - i * (i - 1) // 2
-        rest = sum(weights[start + j - i] * found[j] for j in range(i + 1, size))
-        found[i] = (x[i] - rest) / weights[start]
-    return jnp.stack([found[i] for i in range(size)])
+        rest = sum(weights[start + j - i] * y[j] for j in range(i + 1, size))
+        y[i] = (x[i] - rest) / weights[start]
+    return jnp.stack([y[i] for i in range(size)])
 
 
 def output_coordinates(xi: Outputs, bandwidth: float | Scalar, weights: Weights = ()) -> Outputs:
@@ -113,12 +113,12 @@ class FullOrderModel:
     @property
     def names(self) -> list[str]:
         """Return the names of all barriers of the theorem; each element of a vector has its own."""
-        found = [LOWER, UPPER]
+        barrier_names = [LOWER, UPPER]
         for condition in self.tightened:
             size = jax.eval_shape(partial(self._own, condition), np.zeros(2)).size
             alone = [condition.name]
-            found += alone if size == 1 else [f"{condition.name}[{k}]" for k in range(size)]
-        return found
+            barrier_names += alone if size == 1 else [f"{condition.name}[{k}]" for k in range(size)]
+        return barrier_names
 
     def point(self, u: Float[Array, "2"], xi: Outputs, push: Vector | None = None) -> FullPoint:
         """Return the robot at a chart point with scaled outputs.
@@ -166,7 +166,7 @@ class FullOrderModel:
         tangential, normal = point.force / (robot.mass * robot.gravity)
         cone = float(robot.friction) * normal
         share = point.torque / robot.torque_limit
-        found = {
+        quantities = {
             "pace": self.gait.pace(point.dz),
             "inertia": -point.transversal_inertia,
             "foot": point.foot[1],
@@ -174,7 +174,7 @@ class FullOrderModel:
             "contact": jnp.stack([normal, cone - tangential, cone + tangential]),
             "torque": jnp.concatenate([1.0 - share, 1.0 + share]),
         }
-        return {name: jnp.atleast_1d(value) for name, value in found.items()}
+        return {name: jnp.atleast_1d(value) for name, value in quantities.items()}
 
     def at_impact(self, point: FullPoint) -> Quantities:
         """Return quantities of an impact in this state, each as a vector.
@@ -184,7 +184,7 @@ class FullOrderModel:
         """
         tangential, normal = point.impact.impulse
         cone = float(self.robot.friction) * normal
-        found = {
+        quantities = {
             "foot": point.foot[1],
             "impulse": jnp.stack([normal, cone - tangential, cone + tangential]),
             "after": scaled_coordinates(point.eta_after, self.bandwidth, self.weights),
@@ -192,25 +192,25 @@ class FullOrderModel:
             "landing": self.gait.phase(position_of(point.z_after)),
             "reset": self.barriers(point.z_after),
         }
-        return {name: jnp.atleast_1d(value) for name, value in found.items()}
+        return {name: jnp.atleast_1d(value) for name, value in quantities.items()}
 
     def at_crossing(self, u: Float[Array, "2"]) -> tuple[Quantities, Vector]:
         """Return `at_impact` from eta = 0, and the slope in the phase of xi after it [rad]."""
 
-        def moved(phase: Scalar) -> Quantities:
+        def impact_at(phase: Scalar) -> Quantities:
             return self.at_impact(self.point(jnp.stack([phase, u[1]]), jnp.zeros(self.size)))
 
-        found, slopes = jax.jvp(moved, (u[0],), (jnp.ones_like(u[0]),))
-        return found, slopes["after"]
+        quantities, slopes = jax.jvp(impact_at, (u[0],), (jnp.ones_like(u[0]),))
+        return quantities, slopes["after"]
 
     def guard_slopes(self, u: Float[Array, "2"], xi: Outputs) -> "GuardSlopes":
         """Return d/d xi of `at_impact` along the guard; the phase moves to keep the foot height."""
         phase, level = u
 
-        def moved(at: Vector) -> Quantities:
+        def impact_at(at: Vector) -> Quantities:
             return self.at_impact(self.point(jnp.stack([at[0], level]), at[1:]))
 
-        slopes = jax.jacfwd(moved)(jnp.concatenate([phase[None], xi]))
+        slopes = jax.jacfwd(impact_at)(jnp.concatenate([phase[None], xi]))
         foot = slopes.pop("foot")[0]
         gives = -foot[1:] / foot[0]
         along = {name: d[:, 1:] + d[:, :1] * gives[None, :] for name, d in slopes.items()}

@@ -23,7 +23,7 @@ from neuralgaits.certificate.levels.full_order.held import (
     least_decay,
     push_bound,
 )
-from neuralgaits.certificate.levels.full_order.samples import Seen, doubled
+from neuralgaits.certificate.levels.full_order.samples import GaitSamples, doubled
 from neuralgaits.certificate.levels.full_order.theorem import STIFF, lyapunov_rate
 
 SPARE, HELD_SPARE = 1.6, 1.15
@@ -89,28 +89,28 @@ def push_factor(bandwidth: float) -> float:
     return math.sqrt(1.0 + float(STIFF) ** 2) / bandwidth
 
 
-def find_plan(seen: Seen, bandwidth: float) -> Plan | None:
+def find_plan(samples: GaitSamples, bandwidth: float) -> Plan | None:
     """Return the plan in which torques can be held the longest; None if no set exists."""
-    plan = _best(seen, bandwidth, lambda planned: 1e3 * planned.best().hold).best()
+    plan = _best(samples, bandwidth, lambda planned: 1e3 * planned.best().hold).best()
     return plan if plan.hold > 0.0 else None
 
 
-def find_widest(seen: Seen, bandwidth: float) -> Plan | None:
+def find_widest(samples: GaitSamples, bandwidth: float) -> Plan | None:
     """Return the plan of the largest set without pushes; None if no set exists."""
 
     def size(planned: Planned) -> float:
         # Where every impact enlarges outputs by more than a step lets them shrink, the excess.
         return 1e3 * planned.widest().radius or planned.slack_of_impacts
 
-    plan = _best(seen, bandwidth, size).widest()
+    plan = _best(samples, bandwidth, size).widest()
     return plan if plan.radius > 0.0 else None
 
 
-def _best(seen: Seen, bandwidth: float, worth: Callable[["Planned"], float]) -> "Planned":
+def _best(samples: GaitSamples, bandwidth: float, worth: Callable[["Planned"], float]) -> "Planned":
     """Return the norm with the highest value."""
     from scipy.optimize import minimize  # Slow to import, and only proofs need it.
 
-    m = len(seen.inertia)
+    m = len(samples.inertia)
     rows = np.tril_indices(m)
 
     def matrix(x: np.ndarray) -> np.ndarray:
@@ -119,52 +119,52 @@ def _best(seen: Seen, bandwidth: float, worth: Callable[["Planned"], float]) -> 
         lower[np.diag_indices(m)] = np.exp(np.diagonal(lower))
         return lower.T
 
-    lower = np.linalg.cholesky(seen.inertia / np.linalg.det(seen.inertia) ** (1.0 / m))
+    lower = np.linalg.cholesky(samples.inertia / np.linalg.det(samples.inertia) ** (1.0 / m))
     lower[np.diag_indices(m)] = np.log(np.diagonal(lower))
     with np.errstate(all="ignore"):
         best = minimize(
-            lambda x: -worth(Planned(seen, bandwidth, matrix(x))),
+            lambda x: -worth(Planned(samples, bandwidth, matrix(x))),
             lower[rows],
             method="Nelder-Mead",
             options={"maxfev": TRIES, "adaptive": True},
         )
-        found = matrix(best.x)
+        norm = matrix(best.x)
         # The size of S means nothing: 1 for the determinant, and few digits.
-        size = np.linalg.det(found) ** (1.0 / m)
-        return Planned(seen, bandwidth, np.round(found / size, 4))
+        size = np.linalg.det(norm) ** (1.0 / m)
+        return Planned(samples, bandwidth, np.round(norm / size, 4))
 
 
 class Planned:
     """Plans for holds and sets that one norm allows."""
 
-    def __init__(self, seen: Seen, bandwidth: float, matrix: np.ndarray):
-        self.seen, self.w, self.matrix = seen, bandwidth, matrix
+    def __init__(self, samples: GaitSamples, bandwidth: float, matrix: np.ndarray):
+        self.seen, self.w, self.matrix = samples, bandwidth, matrix
         inverse = np.linalg.inv(matrix)
         both, back = doubled(matrix), doubled(inverse)
         usual, self.factor = float(lyapunov_rate(bandwidth)), push_factor(bandwidth)
-        own, along = seen.law
+        own, along = samples.law
         # Where a law is not exact: the decay that is left of the usual, and its error at xi = 0.
         self.gamma = least_decay(matrix @ along @ back, bandwidth) if along.any() else usual
         self.kept, self.rest = self.gamma / usual, REST * float(_size(own @ matrix.T).max())
-        value, slope, pushed = seen.slack
+        value, slope, pushed = samples.slack
         self.slack = value, _size(slope @ back), _size(pushed @ inverse)
-        self.coupling = 1.15 * _size(seen.rate[1] @ back)
-        self.reading = 1.2 * _size(seen.reading @ back).max(axis=0)
-        after = both @ seen.after @ back
+        self.coupling = 1.15 * _size(samples.rate[1] @ back)
+        self.reading = 1.2 * _size(samples.reading @ back).max(axis=0)
+        after = both @ samples.after @ back
         self.gain = IMPACT * float(np.sqrt((after**2).sum(axis=(1, 2)).max()))
-        self.reset = IMPACT * _size(seen.reset @ back).max(axis=0)
-        jerk, along, moved = seen.jerk
+        self.reset = IMPACT * _size(samples.reset @ back).max(axis=0)
+        jerk, along, moved = samples.jerk
         self.jerk = Jerk(
             JERK * float(_size(jerk @ matrix.T).max()),
             growth_bound(matrix @ along @ back, bandwidth),
-            push_bound(matrix @ moved @ inverse, seen.law[1]),
+            push_bound(matrix @ moved @ inverse, samples.law[1]),
         )
         self.kick = None
-        if seen.kick is not None:
-            first, along, more = seen.kick
+        if samples.kick is not None:
+            first, along, more = samples.kick
             self.kick = first @ matrix.T, matrix @ along @ back, matrix @ more @ inverse
-        self.shrink = self.gamma / (4.25 * 1.1 * seen.pace)
-        self.shape = np.exp(-self.shrink * seen.phase**2)
+        self.shrink = self.gamma / (4.25 * 1.1 * samples.pace)
+        self.shape = np.exp(-self.shrink * samples.phase**2)
         self.left = math.exp(-self.shrink * STRIP**2)
 
     def best(self) -> Plan:
@@ -180,27 +180,27 @@ class Planned:
         none = Plan(self.matrix, 0.0, 0.0, 0.0, 1.0, (), self)
         radius = floor = slower = 0.0
         kick = Kick()
-        held = self._held(hold, radius) if hold > 0.0 and self.gamma > 0.0 else None
+        bounds = self._held(hold, radius) if hold > 0.0 and self.gamma > 0.0 else None
         for _ in range(4):
-            if held is None:
+            if bounds is None:
                 return none
-            slower = 1.0 - 2.0 * self.factor * held.push[1] / self.gamma
+            slower = 1.0 - 2.0 * self.factor * bounds.push[1] / self.gamma
             if slower <= 0.2:
                 return none
-            floor = ABOVE_FLOOR * 2.0 * self.factor * held.push[0] / (slower * self.gamma)
+            floor = ABOVE_FLOOR * 2.0 * self.factor * bounds.push[0] / (slower * self.gamma)
             left = math.exp(-slower * self.shrink * STRIP**2)
             growth = max(self.gain, 1.1) / FULL
             if growth * left >= 0.9:
                 return none
-            kick = self._kicked(hold, held, floor + (radius - floor) * left, radius)
+            kick = self._kicked(hold, bounds, floor + (radius - floor) * left, radius)
             kicked = self.factor * hold * (kick.mean + self.rest) / FULL if self.kick else 0.0
             radius = (growth * floor * (1.0 - left) + kicked) / (1.0 - growth * left)
-            held = self._held(hold, radius)
-        if held is None or radius > LARGEST:
+            bounds = self._held(hold, radius)
+        if bounds is None or radius > LARGEST:
             return none
         bound = floor + (radius - floor) * np.exp(-slower * self.shrink * self.seen.phase**2)
         value, slope, pushed = self.slack
-        need = bound[:, None] * slope + (held.peak[0] + held.peak[1] * bound)[:, None] * pushed
+        need = bound[:, None] * slope + (bounds.peak[0] + bounds.peak[1] * bound)[:, None] * pushed
         if not (HELD_SPARE * need <= value).all():
             return none
         early, contact = self.seen.phase <= EARLY, slice(0, 3)
@@ -208,7 +208,7 @@ class Planned:
         if not (HELD_SPARE * need <= value)[early, contact].all():
             return none
         before = floor + (radius - floor) * math.exp(-slower * self.shrink * STRIP**2)
-        push = held.push[0] + held.push[1] * radius
+        push = bounds.push[0] + bounds.push[1] * radius
         if self.kick:
             push = max(push, 0.5 * self.gamma * hold * (kick.mean + self.rest))
         sigma = tuple(self._sigma(i, push, before, radius) for i in range(len(self.seen.inlet)))
@@ -218,17 +218,17 @@ class Planned:
 
     def _held(self, hold: float, radius: float) -> Held | None:
         """Bound errors of a hold, that of the law at xi = 0 included."""
-        found = self.jerk.held(hold, 0.0, self.w, radius, self.gamma)
-        if found is None:
+        bounds = self.jerk.held(hold, 0.0, self.w, radius, self.gamma)
+        if bounds is None:
             return None
-        return found._replace(push=(found.push[0] + self.rest, found.push[1]))
+        return bounds._replace(push=(bounds.push[0] + self.rest, bounds.push[1]))
 
-    def _kicked(self, hold: float, held: Held, before: float, radius: float) -> Kick:
+    def _kicked(self, hold: float, bounds: Held, before: float, radius: float) -> Kick:
         """Bound errors from an impact to the next tick; `before` bounds sqrt(V) before it."""
         if self.kick is None:
             return Kick()
         exact, slope, push = kick_bounds(*self.kick, before)
-        first = exact + slope * before + push * (held.peak[0] + held.peak[1] * before)
+        first = exact + slope * before + push * (bounds.peak[0] + bounds.peak[1] * before)
         return self.jerk.kicked(first, hold, self.w, radius)
 
     @property

@@ -15,9 +15,9 @@ from neuralgaits.certificate.levels.full_order.margins import margins
 from neuralgaits.certificate.levels.full_order.model import FullOrderModel
 from neuralgaits.certificate.levels.full_order.norm import Plan, find_plan, find_widest
 from neuralgaits.certificate.levels.full_order.samples import (
+    GaitSamples,
     SampleEvaluator,
     SampleEvaluators,
-    Seen,
     grid,
 )
 from neuralgaits.certificate.levels.full_order.theorem import (
@@ -54,7 +54,7 @@ def set_of(
     widest: bool = False,
     *,
     free_clock: bool = False,
-    looks: SampleEvaluators | None = None,
+    evaluators: SampleEvaluators | None = None,
 ) -> FullOrderConstants | str:
     """Return the largest set tried whose constants fit together, or a sentence with the reason.
 
@@ -63,25 +63,25 @@ def set_of(
         pushed: try sets for a disturbance first (level 5), in a norm of their own and with a floor.
         widest: try the largest set first, in a norm of its own, and accept more boxes.
         free_clock: leave room in pushed sets for torques held through an impact.
-        looks: `looks_of` the model, made here if they are not given.
+        evaluators: `evaluators_of` the model, made here if they are not given.
 
     Raises: SpecError if a barrier of the spec or the policy cannot be traced.
     """
-    looks, reason, w = looks or looks_of(model), "", float(model.bandwidth)
-    seen = what_is_seen(looks, free_clock) if pushed or widest else None
+    evaluators, reason, w = evaluators or evaluators_of(model), "", float(model.bandwidth)
+    samples = sample_gait(evaluators, free_clock) if pushed or widest else None
     small, smaller = (SMALLER, WIDEST) if widest else (SMALL, PLANNED)
     plan = None
-    if pushed and seen is not None and seen.law[1].any():
+    if pushed and samples is not None and samples.law[1].any():
         smaller = SCHEDULED
-    if seen is not None:
-        plan = find_plan(seen, w) if pushed else find_widest(seen, w)
+    if samples is not None:
+        plan = find_plan(samples, w) if pushed else find_widest(samples, w)
     tries: list[tuple[float, Plan | None]] = []
     tries += [(1.0, plan.smaller(share)) for share in smaller] if plan else []
     tries += [(share, None) for share in SHARES]
     for share, planned in tries:
         if planned is not None and planned.radius == 0.0:
             continue
-        shape = find_full_order(looks, model.names, w, share, planned)
+        shape = find_full_order(evaluators, model.names, w, share, planned)
         if isinstance(shape, str):
             if planned is None:
                 return reason or shape
@@ -95,17 +95,17 @@ def set_of(
     return reason
 
 
-def looks_in(
-    model: FullOrderModel, shape: FullOrderConstants, looks: SampleEvaluators | None = None
+def evaluators_in_norm(
+    model: FullOrderModel, shape: FullOrderConstants, evaluators: SampleEvaluators | None = None
 ) -> SampleEvaluators:
     """Return the functions to evaluate in the norm of a set.
 
     Args:
         model: model of the gait, in no norm.
         shape: set of the gait.
-        looks: `looks_of` the model, made here if they are not given.
+        evaluators: `evaluators_of` the model, made here if they are not given.
     """
-    plain, joints = looks or looks_of(model), model.size // 2
+    plain, joints = evaluators or evaluators_of(model), model.size // 2
     return plain.in_norm(np.array(weighting(shape.weights, joints)))
 
 
@@ -139,7 +139,7 @@ def bounded(model: FullOrderModel, shape: FullOrderConstants, small: float = SMA
     return True
 
 
-def looks_of(model: FullOrderModel, law: OutputLaw = EXACT) -> SampleEvaluators:
+def evaluators_of(model: FullOrderModel, law: OutputLaw = EXACT) -> SampleEvaluators:
     """Return the functions that the finder evaluates.
 
     Each is traced when it is first called: level 4 alone asks for no pushes, level 5 for no guard
@@ -152,21 +152,21 @@ def looks_of(model: FullOrderModel, law: OutputLaw = EXACT) -> SampleEvaluators:
             more = {"rate": model.rates(point), "reading": model.readings(point)}
             return model.in_step(point) | more
 
-        found = _with_slopes(moving(xi), jax.jacfwd(moving)(xi))
-        return found | {"h": model.barriers(model.gait.z(u))}
+        quantities = _with_slopes(moving(xi), jax.jacfwd(moving)(xi))
+        return quantities | {"h": model.barriers(model.gait.z(u))}
 
     def guard(u, xi):
         slopes = model.guard_slopes(u, xi)
-        found = _with_slopes(model.at_impact(model.point(u, xi)), slopes.along)
-        found |= {"fall": slopes.fall, "foot/slope": slopes.foot}
-        return found | {"drift": model.at_crossing(u)[1]}
+        quantities = _with_slopes(model.at_impact(model.point(u, xi)), slopes.along)
+        quantities |= {"fall": slopes.fall, "foot/slope": slopes.foot}
+        return quantities | {"drift": model.at_crossing(u)[1]}
 
     def pushed(u, xi):
         m = model.size // 2
 
         def forces(push):
-            found = model.in_step(model.point(u, xi[:-m], push))
-            return {"contact": found["contact"], "torque": found["torque"]}
+            quantities = model.in_step(model.point(u, xi[:-m], push))
+            return {"contact": quantities["contact"], "torque": quantities["torque"]}
 
         def growth(xi, push):
             return law.growth(model.point(u, xi), u, push)
@@ -190,13 +190,13 @@ def looks_of(model: FullOrderModel, law: OutputLaw = EXACT) -> SampleEvaluators:
         return {"kick": error(xi, none), "kick/slope": slopes[0], "kick/push": slopes[1]}
 
     size = model.size
-    off = _look(pushed, size + size // 2)
+    off = _evaluator(pushed, size + size // 2)
     return SampleEvaluators(
-        _look(step, size),
-        _look(guard, size),
+        _evaluator(step, size),
+        _evaluator(guard, size),
         size,
         lambda u: off(u, np.zeros((len(u), size + size // 2))),
-        _look(kick, size),
+        _evaluator(kick, size),
     )
 
 
@@ -205,14 +205,14 @@ def _with_slopes(values: Mapping[str, Array], slopes: Mapping[str, Array]) -> di
     return {**values, **{f"{name}/slope": slope for name, slope in slopes.items()}}
 
 
-def what_is_seen(looks: SampleEvaluators, free_clock: bool = False) -> Seen | None:
+def sample_gait(evaluators: SampleEvaluators, free_clock: bool = False) -> GaitSamples | None:
     """Evaluate the points that a search for a norm needs; None if the gait has no set at all."""
     levels = np.linspace(0.0, 1.0, 5)
     u = grid(np.linspace(0.0, 1.0, 31), levels)
     impact = grid(np.array([1.0]), levels)
-    assert looks.pushed is not None
-    step, off = looks.step(u, np.zeros((len(u), looks.size))), looks.pushed(u)
-    guard = looks.guard(impact, np.zeros((len(impact), looks.size)))
+    assert evaluators.pushed is not None
+    step, off = evaluators.step(u, np.zeros((len(u), evaluators.size))), evaluators.pushed(u)
+    guard = evaluators.guard(impact, np.zeros((len(impact), evaluators.size)))
     if step["pace"].min() <= 0.0 or step["inertia"].min() <= 0.0:
         return None
     phase = u[:, 0]
@@ -220,8 +220,8 @@ def what_is_seen(looks: SampleEvaluators, free_clock: bool = False) -> Seen | No
     names = ("contact", "torque", *apart)
     value = [np.where(apart[n][:, None], step[n], np.inf) if n in apart else step[n] for n in names]
     pushes = [off[f"{n}/push"] for n in names[:2]]
-    pushes.append(np.zeros((len(u), 2, looks.size // 2)))
-    joints = looks.size // 2
+    pushes.append(np.zeros((len(u), 2, evaluators.size // 2)))
+    joints = evaluators.size // 2
     # d torque / d acceleration, in units of the limits: the second half of the torque's slacks.
     inertia = off["torque/push"][:, joints:].mean(axis=0)
     inertia = 0.5 * (inertia + inertia.T)
@@ -231,7 +231,7 @@ def what_is_seen(looks: SampleEvaluators, free_clock: bool = False) -> Seen | No
         np.concatenate([step[f"{n}/slope"] for n in names], axis=1),
         np.concatenate(pushes, 1),
     )
-    return Seen(
+    return GaitSamples(
         slack=(np.concatenate(value, axis=1), slopes + pushed @ off["law/slope"], pushed),
         rate=(step["rate"], step["rate/slope"]),
         h=step["h"],
@@ -244,29 +244,29 @@ def what_is_seen(looks: SampleEvaluators, free_clock: bool = False) -> Seen | No
         phase=phase,
         pace=float(step["pace"].max()),
         inertia=inertia,
-        kick=_kicks(looks, levels) if free_clock else None,
+        kick=_kicks(evaluators, levels) if free_clock else None,
     )
 
 
 def _kicks(
-    looks: SampleEvaluators, levels: np.ndarray
+    evaluators: SampleEvaluators, levels: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return errors right after impacts around phase 1, and their slopes in a push."""
-    assert looks.kick is not None
+    assert evaluators.kick is not None
     around = grid(np.array([0.995, 1.0, 1.005]), levels)
-    found = looks.kick(around, np.zeros((len(around), looks.size)))
-    return found["kick"], found["kick/slope"], found["kick/push"]
+    impacts = evaluators.kick(around, np.zeros((len(around), evaluators.size)))
+    return impacts["kick"], impacts["kick/slope"], impacts["kick/push"]
 
 
-def _look(function: Callable, size: int) -> SampleEvaluator:
+def _evaluator(function: Callable, size: int) -> SampleEvaluator:
     @cache
     def traced() -> tuple[Program, Mapping[int, np.ndarray]]:
         program = trace(function, {"u": (2,), "xi": (size,)})
         return program, fold(program, POINT)
 
-    def look(u: np.ndarray, xi: np.ndarray) -> Mapping[str, np.ndarray]:
+    def evaluate_at(u: np.ndarray, xi: np.ndarray) -> Mapping[str, np.ndarray]:
         program, folded = traced()
         with np.errstate(all="ignore"):
             return evaluate(program, {"u": u, "xi": xi}, POINT, folded)
 
-    return look
+    return evaluate_at

@@ -38,37 +38,39 @@ class SampleEvaluators:
         inverse = np.linalg.inv(matrix)
         back, pushed, kick = doubled(inverse).T, self.pushed, self.kick
 
-        def seen(look: SampleEvaluator) -> SampleEvaluator:
-            return lambda u, xi: in_norm(look(u, xi @ back), matrix)
+        def converted(evaluator: SampleEvaluator) -> SampleEvaluator:
+            return lambda u, xi: in_norm(evaluator(u, xi @ back), matrix)
 
-        def seen_off(u: Float[np.ndarray, "n 2"]) -> Samples:
+        def pushed_in_norm(u: Float[np.ndarray, "n 2"]) -> Samples:
             assert pushed is not None
-            found = dict(pushed(u))
-            found |= {n: d @ inverse for n, d in found.items() if n.endswith("/push")}
-            found["jerk/slope"] = found["jerk/slope"] @ doubled(inverse)
-            found["law/slope"] = found["law/slope"] @ doubled(inverse)
+            samples = dict(pushed(u))
+            samples |= {n: d @ inverse for n, d in samples.items() if n.endswith("/push")}
+            samples["jerk/slope"] = samples["jerk/slope"] @ doubled(inverse)
+            samples["law/slope"] = samples["law/slope"] @ doubled(inverse)
             for name in ("jerk/slope", "jerk/push", "law/slope"):
-                found[name] = matrix @ found[name]
-            return found | {name: found[name] @ matrix.T for name in ("jerk", "law")}
+                samples[name] = matrix @ samples[name]
+            return samples | {name: samples[name] @ matrix.T for name in ("jerk", "law")}
 
-        def seen_kick(u: Float[np.ndarray, "n 2"], xi: Float[np.ndarray, "n k"]) -> Samples:
+        def kick_in_norm(u: Float[np.ndarray, "n 2"], xi: Float[np.ndarray, "n k"]) -> Samples:
             assert kick is not None
-            found = kick(u, xi @ back)
-            along = matrix @ found["kick/slope"] @ doubled(inverse)
-            pushes = matrix @ found["kick/push"] @ inverse
+            samples = kick(u, xi @ back)
+            along = matrix @ samples["kick/slope"] @ doubled(inverse)
+            pushes = matrix @ samples["kick/push"] @ inverse
             return {
-                "kick": found["kick"] @ matrix.T,
+                "kick": samples["kick"] @ matrix.T,
                 "kick/slope": along,
                 "kick/push": pushes,
             }
 
-        off = None if pushed is None else seen_off
-        after = None if kick is None else seen_kick
-        return replace(self, step=seen(self.step), guard=seen(self.guard), pushed=off, kick=after)
+        off = None if pushed is None else pushed_in_norm
+        after = None if kick is None else kick_in_norm
+        return replace(
+            self, step=converted(self.step), guard=converted(self.guard), pushed=off, kick=after
+        )
 
 
 @dataclass(frozen=True)
-class Seen:
+class GaitSamples:
     """Quantities at n points of the step and q impacts, with outputs in plain coordinates xi.
 
     Attributes:
@@ -119,21 +121,21 @@ def sphere(count: int, size: int, radius: float) -> np.ndarray:
     return radius * draw / np.linalg.norm(draw, axis=1, keepdims=True)
 
 
-def slope_norms(seen: Samples, name: str) -> np.ndarray:
+def slope_norms(samples: Samples, name: str) -> np.ndarray:
     """Return the length of the slope of each element. [n, k]."""
-    return np.linalg.norm(seen[f"{name}/slope"], axis=2)
+    return np.linalg.norm(samples[f"{name}/slope"], axis=2)
 
 
 def in_norm(samples: Mapping[str, np.ndarray], matrix: np.ndarray) -> dict[str, np.ndarray]:
     """Convert samples from plain coordinates to those of a norm; slopes are in S xi then."""
     both, back = doubled(matrix), doubled(np.linalg.inv(matrix))
-    found = dict(samples)
+    converted = dict(samples)
     for name in samples:
         if name.endswith("/slope"):
-            found[name] = samples[name] @ back
+            converted[name] = samples[name] @ back
     for name in ("after", "drift"):
         if name in samples:
-            found[name] = samples[name] @ both.T
+            converted[name] = samples[name] @ both.T
     if "after/slope" in samples:
-        found["after/slope"] = both @ found["after/slope"]
-    return found
+        converted["after/slope"] = both @ converted["after/slope"]
+    return converted

@@ -133,16 +133,19 @@ def constants_of_set(shape: FullOrderConstants) -> dict[str, float]:
     """Return the set's numbers that margins read, by name."""
     alone = "bandwidth radius shrink guard_radius inertia mismatch drift gain landing landing_slope"
     least, most = shape.pace
-    found = {n: getattr(shape, n) for n in alone.split()} | {"slowest": least, "fastest": most}
+    constants_by_name = {n: getattr(shape, n) for n in alone.split()} | {
+        "slowest": least,
+        "fastest": most,
+    }
     # A bound without a floor has none in its Program.
-    return found | ({"floor": shape.least_radius} if shape.least_radius != 0.0 else {})
+    return constants_by_name | ({"floor": shape.least_radius} if shape.least_radius != 0.0 else {})
 
 
 def series(shape: FullOrderConstants) -> dict[str, tuple[float, ...]]:
     """Return all numbers that margins read, as lists named like the Program's constants."""
     rows = tuple(getattr(barrier, name) for barrier in shape.barriers for name in OF_BARRIER)
-    found = {"set": tuple(constants_of_set(shape).values()), "barriers": rows}
-    return found | ({"weights": shape.weights} if shape.weights else {})
+    constants_by_name = {"set": tuple(constants_of_set(shape).values()), "barriers": rows}
+    return constants_by_name | ({"weights": shape.weights} if shape.weights else {})
 
 
 def weighting(weights: Sequence[float], joints: int) -> list[list[float]]:
@@ -197,7 +200,7 @@ def premises(shape: FullOrderConstants) -> list[Premise]:
     tube = (first, 0.0), (last, 1.0)
     strip = (before, 0.0), (last, 1.0)
     crossing = (near, 0.0), (far, 1.0)
-    found = [
+    rows = [
         Premise("full/pace", *tube),
         Premise("full/inertia", *tube),
         Premise("full/contact", *tube),
@@ -219,15 +222,15 @@ def premises(shape: FullOrderConstants) -> list[Premise]:
     ]
     for barrier in shape.barriers:
         name = barrier.name
-        found += [
+        rows += [
             Premise(f"full/rate {name}", *tube, sign="not negative"),
             Premise(f"full/coupling {name}", *tube, sign="not negative"),
             Premise(f"full/reset {name}", *crossing, sign="not negative"),
             Premise(f"full/reset-slope {name}", *strip, sign="not negative"),
         ]
         if name not in FENCES:
-            found.append(Premise(f"full/reading {name}", *tube, sign="not negative"))
-    return found
+            rows.append(Premise(f"full/reading {name}", *tube, sign="not negative"))
+    return rows
 
 
 def labelled_premises(shape: FullOrderConstants) -> Iterator[tuple[str, str, Corner, Corner]]:

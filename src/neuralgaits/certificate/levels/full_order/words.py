@@ -33,7 +33,7 @@ def constants(shape: FullOrderConstants, bounds: Bounds | None = None) -> list[T
     """Return every constant of the theorem, and proved bounds on contact, torques and foot in D."""
     w, rate = shape.bandwidth, float(lyapunov_rate(shape.bandwidth))
     after = above(after_impact(shape))
-    found = [
+    rows = [
         TheoremConstant("w", w, "rad/s", "double pole of the outputs, critically damped"),
         TheoremConstant(
             "P stiffness", float(STIFF) ** 2, "1", "V = sum (dy/w)^2 + this (y + dy/w)^2"
@@ -72,9 +72,9 @@ def constants(shape: FullOrderConstants, bounds: Bounds | None = None) -> list[T
         TheoremConstant("foot rises", shape.risen, "phase", "until here it rises; then it is up"),
     ]
     for barrier in shape.barriers:
-        found += _constants_of(shape, barrier, after)
-    found += [] if bounds is None else _slacks(shape, bounds)
-    return [_sided(constant) for constant in found]
+        rows += _constants_of(shape, barrier, after)
+    rows += [] if bounds is None else _slacks(shape, bounds)
+    return [_sided(constant) for constant in rows]
 
 
 def _sided(constant: TheoremConstant) -> TheoremConstant:
@@ -112,7 +112,7 @@ def _constants_of(
 ) -> list[TheoremConstant]:
     name, unit = barrier.name, "1" if barrier.reading == 0.0 else "rad"
     least = above(arb(barrier.epsilon)) if barrier.sigma <= 0.0 else barrier.epsilon
-    found = [
+    rows = [
         TheoremConstant(
             f"{name}: alpha", barrier.alpha, "1/s", "h' + alpha h >= epsilon at eta = 0"
         ),
@@ -139,13 +139,13 @@ def _constants_of(
         room = below(inlet(shape, barrier) / arb(after) ** 2)
         # Exactly nothing where outputs do not move it.
         tightened = above(tightening(barrier)) if barrier.reading != 0.0 else 0.0
-        found += [
+        rows += [
             TheoremConstant(f"{name}: t", tightened, unit, "tightening, l_P^2/(4 sigma)"),
             TheoremConstant(
                 f"{name}: most sigma", room, f"{unit}/rad^2", "what the inlet leaves room for"
             ),
         ]
-    return found
+    return rows
 
 
 def in_words(shape: FullOrderConstants) -> tuple[str, ...]:

@@ -148,7 +148,7 @@ def _any_two_walks(shape: WalkingSetConstants, orbit: OrbitConstants, bounds: Bo
     """
     last = shape.ends[1]
     strip = (1.0 - shape.guard_strip, 0.0), (last, 1.0)
-    gain, moved, along = (
+    gain, shift, along = (
         -arb(bounds[name, *box])
         for name, box in (
             ("orbit/gain", strip),
@@ -157,7 +157,7 @@ def _any_two_walks(shape: WalkingSetConstants, orbit: OrbitConstants, bounds: Bo
         )
     )
     parting = (_integral(orbit.expansion) + _over(shape) * _end(orbit, shape)).exp()
-    contraction = (gain + moved * along) * parting
+    contraction = (gain + shift * along) * parting
     figures = {"contraction_at_most": above(contraction)}
     if not contraction < 1:
         reason = f"walks are not shown to converge: a step makes {above(contraction):.4g} of 1"

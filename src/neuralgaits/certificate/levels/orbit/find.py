@@ -63,27 +63,27 @@ class OrbitProposal(NamedTuple):
 
 
 def find_orbit(
-    look: Evaluator, fences: Fences, unit: float, shape: WalkingSetConstants
+    evaluate: Evaluator, fences: Fences, unit: float, shape: WalkingSetConstants
 ) -> OrbitProposal | str:
     """Return a thin tube and bounds, or a sentence with the reason why there are none.
 
     Args:
-        look: function from points to quantities.
+        evaluate: function from points to quantities.
         fences: fences of the walking set.
         unit: unit of zeta [(kg m^2/s)^2].
         shape: parameters of the walking set.
     """
     for degree in DEGREES:
-        curve = _periodic(look, fences, unit, _nodes(shape, degree), degree)
+        curve = _periodic(evaluate, fences, unit, _nodes(shape, degree), degree)
         if curve is None:
             return "no periodic orbit was found in the tube"
-        thin = _thin(look, fences, unit, shape, curve)
+        thin = _thin(evaluate, fences, unit, shape, curve)
         if isinstance(thin, str):
             return thin
-        if _defect(look, fences, unit, curve, shape) < DEFECT * thin.spare:
+        if _defect(evaluate, fences, unit, curve, shape) < DEFECT * thin.spare:
             break
     nodes = _nodes(shape, degree)
-    parting = look(curve.points(fences, nodes))["expansion"]
+    parting = evaluate(curve.points(fences, nodes))["expansion"]
     width = fitted(nodes, thin.half, degree)
     middle = fitted(nodes, parting, BOUND_DEGREE)
     error = THIN_ROOM + np.max(np.abs(parting - values_at(middle, nodes)))
@@ -91,14 +91,14 @@ def find_orbit(
     ends = [_Curve(curve.series + side * width, curve.guard) for side in (-1.0, 0.0, 1.0)]
     orbit = OrbitConstants(
         thin.attraction,
-        *_crossing(look, fences, ends, float(curve.guard[0, 0])),
+        *_crossing(evaluate, fences, ends, float(curve.guard[0, 0])),
         lower=coefficients(unit * (curve.series - width)),
         upper=coefficients(unit * (curve.series + width)),
         expansion=coefficients(thin.bound),
         slowest=coefficients(middle - shift),
         fastest=coefficients(middle + shift),
     )
-    gain = float(look(curve.guard)["gain"][0])
+    gain = float(evaluate(curve.guard)["gain"][0])
     least = {
         "orbit/gain": -thin.largest,
         "orbit/width": -Z2_WIDTH,
@@ -108,18 +108,18 @@ def find_orbit(
     return OrbitProposal(orbit, least)
 
 
-def find_contraction(look: Evaluator, shape: WalkingSetConstants) -> OrbitProposal | str:
+def find_contraction(evaluate: Evaluator, shape: WalkingSetConstants) -> OrbitProposal | str:
     """Return bounds on how walks part, or a sentence with the reason why there are none.
 
     Args:
-        look: from points of (phase, level) to quantities, for many commands or robots at each.
+        evaluate: from points of (phase, level) to quantities, for many commands or robots at each.
         shape: parameters of the walking set.
     """
     phases, levels = np.linspace(*shape.ends, 61), np.linspace(0.0, 1.0, 5)
-    series = series_above(phases, _largest(look, phases, levels), BOUND_DEGREE)
+    series = series_above(phases, _largest(evaluate, phases, levels), BOUND_DEGREE)
     ends = np.linspace(1.0 - shape.guard_strip, 1.0 + shape.guard_strip, 3)
     strip = np.stack(np.meshgrid(ends, levels, indexing="ij"), axis=-1).reshape(-1, 2)
-    guard = look(strip)
+    guard = evaluate(strip)
     gain = float(np.abs(guard["moved_zeta" if shape.told else "gain"]).max())
     contraction = gain * np.exp(over_a_step(series))
     if not contraction < COMFORT:
@@ -131,11 +131,11 @@ def find_contraction(look: Evaluator, shape: WalkingSetConstants) -> OrbitPropos
     if not shape.told:
         alone = OrbitConstants("contraction alone", expansion=coefficients(series))
         return OrbitProposal(alone, least)
-    first = look(np.stack([np.zeros_like(levels), levels], axis=1))
-    moved = float(np.abs(guard["moved_z1"]).max())
+    first = evaluate(np.stack([np.zeros_like(levels), levels], axis=1))
+    z1_shift = float(np.abs(guard["moved_z1"]).max())
     along = float(np.abs(first["slope"] / first["stride"]).max())
     least |= {
-        "orbit/moved": -moved * 2.0 - 0.01 * gain / along,
+        "orbit/moved": -z1_shift * 2.0 - 0.01 * gain / along,
         "orbit/along": -along * 2.0,
     }
     return OrbitProposal(OrbitConstants("any two walks", expansion=coefficients(series)), least)
@@ -160,20 +160,20 @@ class _Thin(NamedTuple):
 
 
 def _thin(
-    look: Evaluator, fences: Fences, unit: float, shape: WalkingSetConstants, curve: "_Curve"
+    evaluate: Evaluator, fences: Fences, unit: float, shape: WalkingSetConstants, curve: "_Curve"
 ) -> _Thin | str:
     """Return the thin tube's shape: as wide at each phase as neighbours part, and a little more."""
     nodes = _nodes(shape, len(curve.series) - 1)
-    bound, largest = _bounds(look, shape, float(curve.guard[0, 0]))
-    parting = look(curve.points(fences, nodes))["expansion"]
-    gain = abs(float(look(curve.guard)["gain"][0]))
+    bound, largest = _bounds(evaluate, shape, float(curve.guard[0, 0]))
+    parting = evaluate(curve.points(fences, nodes))["expansion"]
+    gain = abs(float(evaluate(curve.guard)["gain"][0]))
     multiplier = gain * np.exp(over_a_step(fitted(nodes, parting, BOUND_DEGREE)))
     if not multiplier < 1.0:
         return f"the orbit found does not attract: its multiplier is {multiplier:.4g}"
     attraction: Attraction = "contraction"
     rates, product = parting, multiplier
     if largest * np.exp(over_a_step(bound)) >= COMFORT:
-        secants = _secants(look, fences, unit, curve, nodes)
+        secants = _secants(evaluate, fences, unit, curve, nodes)
         further = largest * np.exp(over_a_step(fitted(nodes, secants, BOUND_DEGREE)))
         if further < COMFORT:
             attraction, rates, product = "nested tubes", secants, further
@@ -188,17 +188,17 @@ def _thin(
 
 
 def _secants(
-    look: Evaluator, fences: Fences, unit: float, curve: "_Curve", nodes: np.ndarray
+    evaluate: Evaluator, fences: Fences, unit: float, curve: "_Curve", nodes: np.ndarray
 ) -> np.ndarray:
     """Return the fastest rate, over the levels, at which a trajectory parts from the orbit."""
     on_orbit = curve.points(fences, nodes)
-    slope = look(on_orbit)["slope"] / unit
-    rates = [look(on_orbit)["expansion"]]
+    slope = evaluate(on_orbit)["slope"] / unit
+    rates = [evaluate(on_orbit)["expansion"]]
     for level in np.linspace(0.0, 1.0, 17):
         low, high = fences(nodes).T
         away = low + level * (high - low) - values_at(curve.series, nodes)
         points = np.stack([nodes, np.full_like(nodes, level)], axis=1)
-        rate = (look(points)["slope"] / unit - slope) / away
+        rate = (evaluate(points)["slope"] / unit - slope) / away
         rates.append(np.where(np.abs(away) > 0.05 * (high - low), rate, -np.inf))
     return np.max(rates, axis=0)
 
@@ -217,13 +217,13 @@ class _Curve(NamedTuple):
 
 
 def _crossing(
-    look: Evaluator, fences: Fences, curves: Sequence[_Curve], middle: float
+    evaluate: Evaluator, fences: Fences, curves: Sequence[_Curve], middle: float
 ) -> tuple[float, float]:
     """Return the phases just before and behind the ground contact of all of some curves."""
     for width in STRIPS:
         before, behind = np.array([middle - width]), np.array([middle + width])
-        above = [look(curve.points(fences, before))["foot"][0] for curve in curves]
-        below = [look(curve.points(fences, behind))["foot"][0] for curve in curves]
+        above = [evaluate(curve.points(fences, before))["foot"][0] for curve in curves]
+        below = [evaluate(curve.points(fences, behind))["foot"][0] for curve in curves]
         if min(above) > CLEAR and max(below) < -CLEAR:
             break
     return middle - 2.0 * width, middle + 2.0 * width
@@ -236,31 +236,33 @@ def _nodes(shape: WalkingSetConstants, degree: int) -> np.ndarray:
 
 
 def _defect(
-    look: Evaluator, fences: Fences, unit: float, curve: _Curve, shape: WalkingSetConstants
+    evaluate: Evaluator, fences: Fences, unit: float, curve: _Curve, shape: WalkingSetConstants
 ) -> float:
     """Return how far a curve is from a solution, at the worst of many phases."""
     phases = np.linspace(*shape.ends, 301)
-    slope = look(curve.points(fences, phases))["slope"] / unit
+    slope = evaluate(curve.points(fences, phases))["slope"] / unit
     along = 2.0 * chebyshev.chebval(2.0 * phases - 1.0, chebyshev.chebder(curve.series))
     return float(np.max(np.abs(slope - along)))
 
 
-def _bounds(look: Evaluator, shape: WalkingSetConstants, guard: float) -> tuple[np.ndarray, float]:
+def _bounds(
+    evaluate: Evaluator, shape: WalkingSetConstants, guard: float
+) -> tuple[np.ndarray, float]:
     """Return series above dF/dzeta on the walking set, and a number above |rho| on its guard."""
     levels, phases = np.linspace(0.0, 1.0, 33), np.linspace(*shape.ends, 121)
-    series = series_above(phases, _largest(look, phases, levels), BOUND_DEGREE, ROOM)
-    gains = look(np.stack([np.full_like(levels, guard), levels], axis=1))["gain"]
+    series = series_above(phases, _largest(evaluate, phases, levels), BOUND_DEGREE, ROOM)
+    gains = evaluate(np.stack([np.full_like(levels, guard), levels], axis=1))["gain"]
     return series, float(np.abs(gains).max() * (1.0 + THIN_ROOM))
 
 
-def _largest(look: Evaluator, phases: np.ndarray, levels: np.ndarray) -> np.ndarray:
+def _largest(evaluate: Evaluator, phases: np.ndarray, levels: np.ndarray) -> np.ndarray:
     """Return dF/dzeta at some phases, at the worst of some levels."""
     grid = np.stack(np.meshgrid(phases, levels, indexing="ij"), axis=-1).reshape(-1, 2)
-    return look(grid)["expansion"].reshape(len(phases), -1).max(axis=1)
+    return evaluate(grid)["expansion"].reshape(len(phases), -1).max(axis=1)
 
 
 def _periodic(
-    look: Evaluator, fences: Fences, unit: float, nodes: np.ndarray, degree: int
+    evaluate: Evaluator, fences: Fences, unit: float, nodes: np.ndarray, degree: int
 ) -> _Curve | None:
     """Iterate the curve: integrate F along it, reset, start again there, until it stays.
 
@@ -268,12 +270,12 @@ def _periodic(
     Whole steps are the quickest; where the flow is strong they go to and fro, and shorter ones
     settle.
     """
-    tried = (_iterated(look, fences, unit, nodes, degree, share) for share in SHARES)
+    tried = (_iterated(evaluate, fences, unit, nodes, degree, share) for share in SHARES)
     return next((curve for curve in tried if curve is not None), None)
 
 
 def _iterated(
-    look: Evaluator, fences: Fences, unit: float, nodes: np.ndarray, degree: int, share: float
+    evaluate: Evaluator, fences: Fences, unit: float, nodes: np.ndarray, degree: int, share: float
 ) -> _Curve | None:
     """Do what `_periodic` does, by this share of each step; None if the curve does not settle."""
     constant = np.eye(1, degree + 1)[0]
@@ -282,11 +284,11 @@ def _iterated(
     for _ in range(ROUNDS):
         crossing = curve.guard[:, 0]
         points = curve.points(fences, np.concatenate([nodes, crossing]))
-        found = look(np.clip(points, [-np.inf, 0.0], [np.inf, 1.0]))
-        slope = antiderivative(fitted(nodes, found["slope"][:-1] / unit, degree - 1))
-        phase, zeta = found["after"][-1]
+        quantities = evaluate(np.clip(points, [-np.inf, 0.0], [np.inf, 1.0]))
+        slope = antiderivative(fitted(nodes, quantities["slope"][:-1] / unit, degree - 1))
+        phase, zeta = quantities["after"][-1]
         series = slope + constant * (zeta / unit - values_at(slope, np.array([phase]))[0])
-        step = found["foot"][-1] * found["pace"][-1] / found["foot_rate"][-1]
+        step = quantities["foot"][-1] * quantities["pace"][-1] / quantities["foot_rate"][-1]
         if share < 1.0:
             series = curve.series + share * (series - curve.series)
         change = np.max(np.abs(values_at(series, nodes) - values_at(curve.series, nodes)))

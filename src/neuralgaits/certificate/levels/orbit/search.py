@@ -1,24 +1,41 @@
 """Search for the set of level 3, and its premises as functions of a gait."""
 
-from collections.abc import Mapping
-from typing import Any
-
 import numpy as np
 from numpy.polynomial.chebyshev import chebval
 
-from neuralgaits.barriers import Gait
+from neuralgaits._types import Array
+from neuralgaits.barriers import Gait, GaitSpec
 from neuralgaits.certificate.level import Parameters
-from neuralgaits.certificate.level_target import LevelSearch, SearchTarget
+from neuralgaits.certificate.level_target import LevelSearch, Margins, SearchResult, SearchTarget
 from neuralgaits.certificate.levels.orbit.find import Fences, find_contraction, find_orbit
 from neuralgaits.certificate.levels.orbit.margins import margins
 from neuralgaits.certificate.levels.walking_set.find import over_all
+from neuralgaits.gait import ZeroDynamics
 
 
-def _find(of: SearchTarget, known: Parameters) -> tuple[Any, Mapping[str, float]] | str:
-    if of.spec.commands or of.spec.parameters or of.floor:
-        return find_contraction(over_all(of.spec, of.look), known[2])
-    assert isinstance(of.gait, Gait)
-    return find_orbit(of.look, fences_of(of.gait), float(of.gait.tube.unit), known[2])
+class OrbitSearch(LevelSearch):
+    """Search of the orbit."""
+
+    def find(self, target: SearchTarget, parameters: Parameters) -> SearchResult:
+        """Find the orbit, or the contraction of all gaits."""
+        spec, evaluate = target.spec, target.evaluate
+        if spec.commands or spec.parameters or target.floor:
+            return find_contraction(over_all(spec, evaluate), parameters[2])
+        assert isinstance(target.gait, Gait)
+        unit = float(target.gait.tube.unit)
+        return find_orbit(evaluate, fences_of(target.gait), unit, parameters[2])
+
+    def margins(
+        self,
+        spec: GaitSpec,
+        gait: Gait,
+        zd: ZeroDynamics,
+        parameters: Parameters,
+        u: Array,
+        xi: Array,
+    ) -> Margins:
+        """Return the margins of the premises of the orbit."""
+        return margins(gait, zd, parameters[3], u)
 
 
 def fences_of(gait: Gait) -> Fences:
@@ -29,6 +46,3 @@ def fences_of(gait: Gait) -> Fences:
         return np.stack([chebval(2.0 * phases - 1.0, side) for side in series], axis=1)
 
     return fences
-
-
-SEARCH = LevelSearch(_find, lambda spec, gait, zd, known, u, xi: margins(gait, zd, known[3], u))

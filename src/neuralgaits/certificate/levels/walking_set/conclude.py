@@ -28,8 +28,8 @@ def walking(shape: WalkingSetConstants, boxes: Boxes, bounds: Bounds) -> Conclus
     # Level 1 on the tube, and C7 on the strips.
     needed = [Premise(*box, sign="not negative") for box in (*boxes, *strips(shape, boxes))]
     missing = first_missing([*walking_premises(shape), *needed], bounds)
-    stated = {name for name, *_ in boxes}
-    for name in {*shape.carried, *shape.barriers} - stated:
+    condition_names = {name for name, *_ in boxes}
+    for name in {*shape.carried, *shape.barriers} - condition_names:
         missing = missing or f"there is no statement about {name}"
     first, last = shape.ends
     whole = (first, 0.0), (last, 1.0)
@@ -85,7 +85,7 @@ def _why_not_inside(shape: WalkingSetConstants, bounds: Bounds) -> str | None:
     place, stride = -arb(bounds["set/reset-place", *strip]), arb(bounds["set/stride", *origin])
     if not place < arb(shape.start_strip) * stride:
         return outside
-    moved = -arb(bounds["set/steepness", *around]) * arb(shape.start_strip)
-    if not arb(bounds["set/inlet", *strip]) > moved:
+    level_shift = -arb(bounds["set/steepness", *around]) * arb(shape.start_strip)
+    if not arb(bounds["set/inlet", *strip]) > level_shift:
         return "a reset may land outside the fences of a step under another command"
     return None

@@ -42,7 +42,7 @@ SHARE = 0.5
 
 def find_set(
     spec: GaitSpec,
-    look: Evaluator,
+    evaluate: Evaluator,
     disturbance: tuple[float, float] = (0.0, 0.0),
     floor: float = 0.0,
 ) -> WalkingSetConstants | str:
@@ -50,15 +50,17 @@ def find_set(
 
     For a gait with commands they are those of the worst pair that is evaluated.
     """
-    told = tuple(command.name for command in spec.commands)
+    command_names = tuple(command.name for command in spec.commands)
     count, levels = PHASES, np.linspace(0.0, 1.0, LEVELS)
-    if told:
-        look = over_all(spec, look)
+    if command_names:
+        evaluate = over_all(spec, evaluate)
         count, levels = FEW_PHASES, np.linspace(0.0, 1.0, FEW_LEVELS)
     elif spec.parameters:
-        look, levels = over_all(spec, look), np.linspace(0.0, 1.0, FEW_LEVELS)
+        evaluate, levels = over_all(spec, evaluate), np.linspace(0.0, 1.0, FEW_LEVELS)
     widths = WIDE_STRIPS if floor else STRIPS
-    strip = _guard_strip(look, levels, floor * ROOM**0.5 + (CLEAR_TOLD if told else CLEAR), widths)
+    strip = _guard_strip(
+        evaluate, levels, floor * ROOM**0.5 + (CLEAR_TOLD if command_names else CLEAR), widths
+    )
     if strip is None:
         ground = f"heights within {floor:g} m of the ground" if floor else "the ground"
         return (
@@ -66,14 +68,14 @@ def find_set(
             "the guard"
         )
     guard = _grid(np.linspace(1.0 - strip, 1.0 + strip, 5), levels)
-    seen = look(guard)
-    landed = np.abs(seen["after"][:, 0]).max()
-    more = TOLD * seen["stride"].max() / seen["stride"].min() if told else 2.0
+    quantities = evaluate(guard)
+    landed = np.abs(quantities["after"][:, 0]).max()
+    more = TOLD * quantities["stride"].max() / quantities["stride"].min() if command_names else 2.0
     start_strip = float(at_most((ROOM if floor else more) * landed + 1e-9, DIGITS))
     if not start_strip < widths[-1]:
         return f"the reset lands up to {landed:.3g} phases from the start of a step"
     phases = np.linspace(0.0, 1.0, count)
-    rate = look(_grid(phases, levels))["foot_rate"].reshape(count, -1)
+    rate = evaluate(_grid(phases, levels))["foot_rate"].reshape(count, -1)
     slowest, fastest = rate.min(axis=1), rate.max(axis=1)
     if slowest[0] <= 0.0 or fastest[-1] >= 0.0:
         return "the swing foot does not rise at the start of the step, or does not fall at its end"
@@ -89,7 +91,7 @@ def find_set(
         disturbance=disturbance,
         barriers=names_of(spec)[0],
         carried=names_of(spec)[1],
-        told=told,
+        told=command_names,
         floor=floor,
     )
 
@@ -104,16 +106,19 @@ def names_of(spec: GaitSpec) -> tuple[tuple[str, ...], tuple[str, ...]]:
 
 
 def least_of_inlet(
-    spec: GaitSpec, look: Evaluator, shape: WalkingSetConstants
+    spec: GaitSpec, evaluate: Evaluator, shape: WalkingSetConstants
 ) -> Mapping[str, float]:
     """Return the lower bounds that outputs which enclose constants must reach."""
     if not shape.told:
         return {"set/reset-phase": -shape.start_strip, **dict.fromkeys(OFF_THE_LINE, shape.floor)}
-    over = over_all(spec, look)
-    found = over(_grid(np.array([-shape.start_strip, 0.0, shape.start_strip]), np.zeros(1)))
+    over = over_all(spec, evaluate)
+    quantities = over(_grid(np.array([-shape.start_strip, 0.0, shape.start_strip]), np.zeros(1)))
     phases, levels = np.linspace(0.0, 1.0, FEW_PHASES), np.linspace(0.0, 1.0, FEW_LEVELS)
     pace = float(over(_grid(phases, levels))["pace"].min())
-    steep, stride = ROOM * float(np.abs(found["steepness"]).max()), float(found["stride"].min())
+    steep, stride = (
+        ROOM * float(np.abs(quantities["steepness"]).max()),
+        float(quantities["stride"].min()),
+    )
     return {
         "set/forward": SHARE * pace,
         "set/stride": stride / ROOM**0.5,
@@ -123,7 +128,7 @@ def least_of_inlet(
     }
 
 
-def over_all(spec: GaitSpec, look: Evaluator) -> Evaluator:
+def over_all(spec: GaitSpec, evaluate: Evaluator) -> Evaluator:
     """Return a function to evaluate (phase, level) for many commands and some robots of the box.
 
     The robots are the nominal one and some corners, each with all pairs of commands.
@@ -135,28 +140,28 @@ def over_all(spec: GaitSpec, look: Evaluator) -> Evaluator:
         # With few parameters many of them are one robot.
         robots = np.concatenate([robots, halves * np.unique(signs, axis=0)])
     both = np.hstack([np.repeat(pairs, len(robots), axis=0), np.tile(robots, (len(pairs), 1))])
-    return _with_each(both, look)
+    return _with_each(both, evaluate)
 
 
-def _with_each(values: np.ndarray, look: Evaluator) -> Evaluator:
+def _with_each(values: np.ndarray, evaluate: Evaluator) -> Evaluator:
     """Return a function to evaluate (phase, level) with each row of values of other axes [V, k]."""
 
     def over(u: np.ndarray) -> Mapping[str, np.ndarray]:
         rows = np.repeat(u, len(values), axis=0)
         rows = np.hstack([rows, np.tile(values, (len(u), 1))])
-        parts = [look(rows[i : i + CHUNK]) for i in range(0, len(rows), CHUNK)]
+        parts = [evaluate(rows[i : i + CHUNK]) for i in range(0, len(rows), CHUNK)]
         return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
 
     return over
 
 
 def _guard_strip(
-    look: Evaluator, levels: np.ndarray, clear: float, widths: Sequence[float]
+    evaluate: Evaluator, levels: np.ndarray, clear: float, widths: Sequence[float]
 ) -> float | None:
     """Return a strip around phase 1 with the foot above ground before it and below behind."""
     for number, width in enumerate(widths):
-        above = look(_grid(np.array([1.0 - width]), levels))["foot"]
-        below = look(_grid(np.array([1.0 + width]), levels))["foot"]
+        above = evaluate(_grid(np.array([1.0 - width]), levels))["foot"]
+        below = evaluate(_grid(np.array([1.0 + width]), levels))["foot"]
         if above.min() > clear and below.max() < -clear:
             # Before and behind: the next wider one has more room.
             return widths[min(number + 1, len(widths) - 1)]

@@ -1,17 +1,29 @@
 """Level 2: every trajectory that starts in the walking set walks for ever."""
 
-from neuralgaits.certificate.level import Level, lists_of
+from collections.abc import Iterator
+
+from neuralgaits.certificate.chart import Corner
+from neuralgaits.certificate.level import Level, Parameters
 from neuralgaits.certificate.levels.walking_set.conclude import walking
 from neuralgaits.certificate.levels.walking_set.theorem import (
     WalkingSetConstants,
     labelled_premises,
 )
+from neuralgaits.certificate.premises import Bounds, Boxes
+from neuralgaits.records.certified import Conclusion
 
-LEVEL = Level(
-    2,
-    "walking",
-    WalkingSetConstants,
-    lists_of,
-    lambda known, boxes: labelled_premises(known[2], boxes),
-    lambda known, boxes, bounds: walking(known[2], boxes, bounds),
-)
+
+class WalkingSetLevel(Level):
+    """Theorem of the walking set."""
+
+    number, part, parameters = 2, "walking", WalkingSetConstants
+
+    def premises(
+        self, parameters: Parameters, boxes: Boxes
+    ) -> Iterator[tuple[str, str, Corner, Corner]]:
+        """Return the premises of the walking set."""
+        return labelled_premises(parameters[2], boxes)
+
+    def conclude(self, parameters: Parameters, boxes: Boxes, bounds: Bounds) -> Conclusion:
+        """Conclude that the walking set is forward invariant."""
+        return walking(parameters[2], boxes, bounds)

@@ -37,7 +37,7 @@ def margins(
     falls = jnp.stack([p.foot_lift_rate for p in pushed])
     inward = [gait.inward(p.z, p.dz) for p in pushed]
     low, high = jnp.sqrt(2.0 * gait.tube.fences(u[0]))
-    found = {
+    margins_by_name = {
         # C1.
         "set/forward": jnp.stack([position_of(p.dz) for p in pushed]) / gait.stride,
         "set/inertia": transversal_inertia(point),
@@ -52,15 +52,15 @@ def margins(
         "set/foot-falls": -falls,
     }
     # C5.
-    found |= _inlet(gait, point, u[0]) if shape.told else _reset(gait, point)
+    margins_by_name |= _inlet(gait, point, u[0]) if shape.told else _reset(gait, point)
     # C6.
     for barrier in barriers(spec):
         if not shape.told:
-            found[f"set/after {barrier.name}"] = barrier.function(point.after)
-        found[f"set/value {barrier.name}"] = barrier.function(point)
+            margins_by_name[f"set/after {barrier.name}"] = barrier.function(point.after)
+        margins_by_name[f"set/value {barrier.name}"] = barrier.function(point)
         if any(shape.disturbance):
-            found[f"set/rate {barrier.name}"] = _pushed_rates(barrier, zd, z, pushed)
-    return found
+            margins_by_name[f"set/rate {barrier.name}"] = _pushed_rates(barrier, zd, z, pushed)
+    return margins_by_name
 
 
 def _reset(gait: Gait, point: Point) -> dict[str, Float[Array, "..."]]:

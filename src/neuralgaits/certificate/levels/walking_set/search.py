@@ -1,11 +1,9 @@
 """Search for the set of level 2, and its premises as functions of a gait."""
 
-from collections.abc import Mapping
-from typing import Any
-
+from neuralgaits._types import Array
 from neuralgaits.barriers import Gait, GaitSpec
 from neuralgaits.certificate.level import Parameters
-from neuralgaits.certificate.level_target import LevelSearch, SearchTarget
+from neuralgaits.certificate.level_target import LevelSearch, Margins, SearchResult, SearchTarget
 from neuralgaits.certificate.levels.walking_set.find import find_set, least_of_inlet
 from neuralgaits.certificate.levels.walking_set.margins import margins
 from neuralgaits.errors import SpecError
@@ -18,21 +16,28 @@ FLAT_ON_OTHER_FLOORS = (
 """Why there is no walking set of flat feet on such floors."""
 
 
-def _find(of: SearchTarget, known: Parameters) -> tuple[Any, Mapping[str, float]] | str:
-    del known
-    if of.floor and of.zd.robot.feet is not None:
-        return FLAT_ON_OTHER_FLOORS
-    found = find_set(of.spec, of.look, of.disturbance, of.floor)
-    if isinstance(found, str):
-        return found
-    return found, least_of_inlet(of.spec, of.look, found)
+class WalkingSetSearch(LevelSearch):
+    """Search of the walking set."""
 
+    def find(self, target: SearchTarget, parameters: Parameters) -> SearchResult:
+        """Find the walking set, and how far inside its inlet landings must be."""
+        if target.floor and target.zd.robot.feet is not None:
+            return FLAT_ON_OTHER_FLOORS
+        constants = find_set(target.spec, target.evaluate, target.disturbance, target.floor)
+        if isinstance(constants, str):
+            return constants
+        return constants, least_of_inlet(target.spec, target.evaluate, constants)
 
-def _margins(spec: GaitSpec, gait: Gait, zd: ZeroDynamics, known: Parameters, u, xi):
-    del xi
-    if known[2].floor and zd.robot.feet is not None:
-        raise SpecError(FLAT_ON_OTHER_FLOORS)
-    return margins(spec, gait, zd, known[2], u)
-
-
-SEARCH = LevelSearch(_find, _margins)
+    def margins(
+        self,
+        spec: GaitSpec,
+        gait: Gait,
+        zd: ZeroDynamics,
+        parameters: Parameters,
+        u: Array,
+        xi: Array,
+    ) -> Margins:
+        """Return the margins of the premises of the walking set."""
+        if parameters[2].floor and zd.robot.feet is not None:
+            raise SpecError(FLAT_ON_OTHER_FLOORS)
+        return margins(spec, gait, zd, parameters[2], u)

@@ -59,7 +59,7 @@ def walking_premises(shape: WalkingSetConstants) -> list[Premise]:
     whole = (first, 0.0), (last, 1.0)
     lower, upper = ((first, 0.0), (last, 0.0)), ((first, 1.0), (last, 1.0))
     strip = (before, 0.0), (last, 1.0)
-    found = [
+    rows = [
         # C1: dphi/dt > 0 and |J.s| > 0 on T.
         Premise("set/forward", *whole),
         Premise("set/inertia", *whole),
@@ -82,10 +82,10 @@ def walking_premises(shape: WalkingSetConstants) -> list[Premise]:
         # that come next: the function is asked on the strip that every reset lands in.
         # C6, after the reset: h >= 0.
         after = (f"set/value {name}", *shape.start) if shape.told else (f"set/after {name}", *strip)
-        found.append(Premise(*after, sign="not negative"))
+        rows.append(Premise(*after, sign="not negative"))
         if any(shape.disturbance):
-            found.append(Premise(f"set/rate {name}", *whole, sign="not negative"))
-    return found
+            rows.append(Premise(f"set/rate {name}", *whole, sign="not negative"))
+    return rows
 
 
 def _reset(shape: WalkingSetConstants) -> list[Premise]:

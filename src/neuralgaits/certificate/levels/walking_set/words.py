@@ -51,16 +51,16 @@ def _conditions(
     shape: WalkingSetConstants, boxes: Sequence[tuple[str, Corner, Corner]], meant: str
 ) -> Iterator[str]:
     """State which conditions hold along all of a trajectory, and which only on their regions."""
-    stated: dict[str, list[tuple[Corner, Corner]]] = {}
+    boxes_by_condition: dict[str, list[tuple[Corner, Corner]]] = {}
     for name, low, high in boxes:
-        stated.setdefault(name, []).append((low, high))
-    whole = [name for name in shape.carried if cover_the_tube(stated[name])]
+        boxes_by_condition.setdefault(name, []).append((low, high))
+    whole = [name for name in shape.carried if cover_the_tube(boxes_by_condition[name])]
     part = [name for name in shape.carried if name not in whole]
     if whole:
         yield f"along it hold{meant}: {', '.join(whole)}"
     if part:
         yield f"and, while it is in their regions, which are not all of T: {', '.join(part)}"
-    if rest := sorted(set(stated) - set(shape.carried)):
+    if rest := sorted(set(boxes_by_condition) - set(shape.carried)):
         yield f"holding on their regions only, ends of the step not included: {', '.join(rest)}"
     if not shape.barriers:
         yield (
