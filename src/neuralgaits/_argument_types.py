@@ -33,12 +33,12 @@ def type_checked(function: Callable[P, Result]) -> Callable[P, Result]:
 
     @wraps(function)
     def call(*args: P.args, **kwargs: P.kwargs) -> Result:
-        given = signature.bind(*args, **kwargs)
-        for name, value in given.arguments.items():
+        bound = signature.bind(*args, **kwargs)
+        for name, value in bound.arguments.items():
             if value is not signature.parameters[name].default:
                 refuse_huge(name, value)
-                given.arguments[name] = typed(name, value, hints()[name])
-        return function(*given.args, **given.kwargs)
+                bound.arguments[name] = typed(name, value, hints()[name])
+        return function(*bound.args, **bound.kwargs)
 
     return call
 
@@ -61,15 +61,15 @@ def typed(name: str, value: Any, hint: Any) -> Any:
     bare = typing.get_args(hint)[0] if marks_in(hint) else hint
     for one in (plain, tuple(plain)) if isinstance(plain, list) else (plain,):
         try:
-            found = check_type(one, bare, collection_check_strategy=_EVERY_ITEM)
+            converted = check_type(one, bare, collection_check_strategy=_EVERY_ITEM)
         except TypeCheckError:
             continue
         # Python counts True as 1.
-        parts = found if isinstance(found, list | tuple) else [found]
+        parts = converted if isinstance(converted, list | tuple) else [converted]
         if bare is bool or not any(isinstance(part, bool) for part in parts):
-            if Path in typing.get_args(bare) and isinstance(found, str | Path):
-                refuse_no_path(f"{name} as a path", found)
-            return found
+            if Path in typing.get_args(bare) and isinstance(converted, str | Path):
+                refuse_no_path(f"{name} as a path", converted)
+            return converted
     raise InputError(f"{name}: expected {_in_words(bare)}, found {shown(value)}")
 
 

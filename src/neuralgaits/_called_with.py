@@ -27,24 +27,26 @@ def called_with(
     """
 
     def decorate(carry_out: Callable[[Given], Result]) -> Callable[P, Result]:
-        made = inspect.signature(kind)
-        readers = {name: _reader(one.annotation) for name, one in made.parameters.items()}
+        signature = inspect.signature(kind)
+        readers = {name: _reader(one.annotation) for name, one in signature.parameters.items()}
 
         @wraps(carry_out)
         def verb(*args: P.args, **kwargs: P.kwargs) -> Result:
-            _refuse_unknown(carry_out.__name__, kwargs, made.parameters)
-            given = made.bind(*args, **kwargs).arguments
-            for name, value in given.items():
+            _refuse_unknown(carry_out.__name__, kwargs, signature.parameters)
+            arguments = signature.bind(*args, **kwargs).arguments
+            for name, value in arguments.items():
                 if isinstance(value, str) and (read := readers[name]) is not None:
-                    given[name] = read([value])
+                    arguments[name] = read([value])
             make: Callable[..., Given] = kind
-            return carry_out(make(**given))
+            return carry_out(make(**arguments))
 
-        said = descriptions(typing.cast(type, kind))
-        verb.__doc__ = _with_arguments(inspect.getdoc(carry_out) or "", said)
+        texts = descriptions(typing.cast(type, kind))
+        verb.__doc__ = _with_arguments(inspect.getdoc(carry_out) or "", texts)
         result = inspect.signature(carry_out).return_annotation
-        shown = [one.replace(annotation=_shown(one.annotation)) for one in made.parameters.values()]
-        verb.__dict__["__signature__"] = inspect.Signature(shown, return_annotation=result)
+        parameters = [
+            one.replace(annotation=_shown(one.annotation)) for one in signature.parameters.values()
+        ]
+        verb.__dict__["__signature__"] = inspect.Signature(parameters, return_annotation=result)
         return verb
 
     return decorate
@@ -86,11 +88,11 @@ def _reader(hint: Any) -> Callable[[list[str]], Any] | None:
     return next(filter(None, readers), None)
 
 
-def _refuse_unknown(name: str, given: Mapping[str, Any], known: Mapping[str, Any]) -> None:
+def _refuse_unknown(name: str, arguments: Mapping[str, Any], names: Mapping[str, Any]) -> None:
     """Refuse a keyword that a function does not take. Raises: TypeError."""
-    for word in given:
-        if word not in known:
-            hint = meant(word, known)
+    for word in arguments:
+        if word not in names:
+            hint = meant(word, names)
             raise TypeError(
                 f"{name}() got an unexpected keyword argument {word!r}{hint and f'; {hint}'}"
             )
@@ -98,26 +100,26 @@ def _refuse_unknown(name: str, given: Mapping[str, Any], known: Mapping[str, Any
 
 def descriptions(settings: type) -> dict[str, str]:
     """Return what a class of settings says about each field: the text behind it, on one line."""
-    said = {name: text for one in reversed(settings.__mro__[:-1]) for name, text in _said(one)}
+    texts = {name: text for one in reversed(settings.__mro__[:-1]) for name, text in _said(one)}
     hints = typing.get_type_hints(settings, include_extras=True)
     for name, hint in hints.items():
         for mark in marks_in(hint):
             if text := getattr(mark, "help", None):
-                said.setdefault(name, text)
+                texts.setdefault(name, text)
     # As in the signature: arguments by keyword alone come last.
     order = [field.name for field in sorted(fields(settings), key=lambda one: one.kw_only is True)]
-    return {name: " ".join(said[name].split()) for name in order if name in said}
+    return {name: " ".join(texts[name].split()) for name in order if name in texts}
 
 
 def _said(settings: type) -> Iterator[tuple[str, str]]:
     """Yield the fields of a class with the docstrings that follow them."""
     try:
-        [found] = ast.parse(inspect.getsource(settings)).body
+        [definition] = ast.parse(inspect.getsource(settings)).body
     except OSError:
         # Installed without sources: nothing is said.
         return
-    assert isinstance(found, ast.ClassDef)
-    for field, text in itertools.pairwise(found.body):
+    assert isinstance(definition, ast.ClassDef)
+    for field, text in itertools.pairwise(definition.body):
         match field, text:
             case (
                 ast.AnnAssign(target=ast.Name(id=name)),

@@ -73,11 +73,11 @@ class Compiler:
     @classmethod
     def for_c(cls) -> "Compiler | None":
         """Return a C compiler: that of CC, the machine's own, or that of the extra `compiler`."""
-        chosen = os.environ.get("CC", "").split()
-        if chosen:
-            return cls(tuple(chosen))
-        if found := cls.first_of(C_COMPILERS):
-            return found
+        words = os.environ.get("CC", "").split()
+        if words:
+            return cls(tuple(words))
+        if compiler := cls.first_of(C_COMPILERS):
+            return compiler
         if importlib.util.find_spec("ziglang") is not None:
             return cls((sys.executable, "-m", "ziglang", "cc"))
         return None
@@ -103,14 +103,14 @@ class Compiler:
         """
         for name, text in library.files.items():
             (folder / name).write_text(text, encoding="utf-8")
-        made = folder / f"{library.name}.so"
+        file = folder / f"{library.name}.so"
         sources = [str(folder / name) for name in library.sources]
         headers = [word for place in library.headers for word in ("-isystem", str(place))]
         own = ["-I", str(folder), *headers]
-        self.run([*library.flags, *sources, *own, "-o", str(made), *library.links])
-        if not made.is_file():
+        self.run([*library.flags, *sources, *own, "-o", str(file), *library.links])
+        if not file.is_file():
             raise _failed(self.command[0], "it makes no file")
-        return made
+        return file
 
     def kept(self, library: SharedLibrary, folder: Path) -> Path:
         """Return the path of a library in a folder of the cache, compiled now or before.
@@ -122,21 +122,21 @@ class Compiler:
         Raises: CompilerError, or OSError if the folder cannot be written.
         """
         stem = f"{library.name}-{self._hash(library)}"
-        for kept in sorted(folder.glob(f"{stem}-*.so")):
-            if kept.stem == f"{stem}-{_hash_of(kept)}" and _loads(kept):
-                return kept
+        for file in sorted(folder.glob(f"{stem}-*.so")):
+            if file.stem == f"{stem}-{_hash_of(file)}" and _loads(file):
+                return file
         folder.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryDirectory(prefix="compiling-", dir=folder) as own:
-            made = self.compile(library, Path(own))
-            return made.replace(folder / f"{stem}-{_hash_of(made)}.so")
+            file = self.compile(library, Path(own))
+            return file.replace(folder / f"{stem}-{_hash_of(file)}.so")
 
     def _hash(self, library: SharedLibrary) -> str:
         """Return the hash of all that a library depends on."""
         key = hashlib.sha256()
         made_by = (*self.command, self.path or "", self.version(), platform.machine())
-        asked = (*library.flags, *library.sources, *library.links, *library.depends_on)
+        inputs = (*library.flags, *library.sources, *library.links, *library.depends_on)
         files = [word for item in sorted(library.files.items()) for word in item]
-        for text in (*made_by, *asked, *files):
+        for text in (*made_by, *inputs, *files):
             # With its length before it, no text can be taken for parts of two.
             key.update(f"{len(text)}:{text}".encode())
         return key.hexdigest()[:32]
@@ -148,15 +148,15 @@ def run_tool(command: Sequence[str]) -> str:
     Raises: CompilerError if it does not run, takes longer than COMPILE_S, or fails.
     """
     try:
-        done = _output(command, COMPILE_S)
+        process = _output(command, COMPILE_S)
     except (OSError, subprocess.TimeoutExpired) as error:
         raise CompilerError(f"{command[0]} does not run ({error})"[:_SHOWN], str(error)) from None
-    if done.returncode != 0:
-        lines = done.stderr.splitlines()
+    if process.returncode != 0:
+        lines = process.stderr.splitlines()
         errors = [line for line in lines if "error" in line]
-        first = (errors or lines or [f"exit {done.returncode}"])[0]
+        first = (errors or lines or [f"exit {process.returncode}"])[0]
         raise _failed(command[0], " ".join(first.split()))
-    return done.stdout
+    return process.stdout
 
 
 def _failed(program: str, complaint: str) -> CompilerError:

@@ -21,8 +21,8 @@ def at_most(value: float, digits: int) -> str:
 
 
 def _rounded(value: float, digits: int, side: str) -> str:
-    kept = Context(prec=digits, rounding=side).create_decimal_from_float(float(value))
-    return f"{float(kept):.{digits}g}"
+    rounded = Context(prec=digits, rounding=side).create_decimal_from_float(float(value))
+    return f"{float(rounded):.{digits}g}"
 
 
 def decimal(text: str | float) -> float:
@@ -60,9 +60,9 @@ def from_hex(text: Any, what: str) -> float:
 
     Raises: ValueError on anything else, and on a number that is not exactly a double.
     """
-    found = _HEXADECIMAL.fullmatch(text) if isinstance(text, str) else None
-    if found:
-        digits, power = float.fromhex(found["digits"]), int(found["power"])
+    match = _HEXADECIMAL.fullmatch(text) if isinstance(text, str) else None
+    if match:
+        digits, power = float.fromhex(match["digits"]), int(match["power"])
         try:
             value = math.ldexp(digits, power)
             if math.ldexp(value, -power) == digits:

@@ -125,13 +125,13 @@ def _no_platform(error: BaseException) -> str | None:
 
 def _unusual(error: BaseException) -> str | None:
     """Explain an error by variables that change how JAX computes."""
-    found = [one for one in variables_of_jax() if not _HARMLESS.match(one)]
-    if not found or not _is_of_jax(error):
+    unusual = [one for one in variables_of_jax() if not _HARMLESS.match(one)]
+    if not unusual or not _is_of_jax(error):
         return None
-    said = next(iter(str(error).splitlines()), "")[:_MOST_SAID]
-    what = f"{type(error).__name__} ({said})" if said else type(error).__name__
+    message = next(iter(str(error).splitlines()), "")[:_MOST_SAID]
+    what = f"{type(error).__name__} ({message})" if message else type(error).__name__
     return (
-        f"expected JAX to compute as it does without settings, found {', '.join(found)} and then "
+        f"expected JAX to compute as it does without settings, found {', '.join(unusual)} and then "
         f"{what}: unset it, and report the error if it stays"
     )
 
@@ -144,9 +144,9 @@ def _is_of_jax(error: BaseException) -> bool:
     frames = [str(f.f_globals.get("__name__")) for f, _ in traceback.walk_tb(error.__traceback__)]
     modules = [type(one).__module__ for one in (error, error.__cause__)] + frames[-1:]
     named = any(one.partition(".")[0] in _OF_JAX for one in modules)
-    said = re.search("jax|Leaked trac", str(error), re.IGNORECASE)
+    match = re.search("jax|Leaked trac", str(error), re.IGNORECASE)
     # That is what it raises where NaN is looked for.
-    return named or said is not None or isinstance(error, FloatingPointError)
+    return named or match is not None or isinstance(error, FloatingPointError)
 
 
 def variables_of_jax() -> list[str]:
@@ -196,14 +196,14 @@ def cores() -> int:
 
     Raises: InputError if the variable is no such number.
     """
-    said = os.environ.get(THREADS, "")
-    if said:
-        if not re.fullmatch("[0-9]{1,4}", said) or int(said) == 0:
+    value = os.environ.get(THREADS, "")
+    if value:
+        if not re.fullmatch("[0-9]{1,4}", value) or int(value) == 0:
             raise InputError(
                 f"expected {THREADS} as a number of threads from 1 to 9999, found "
-                f"{said[:20]!r}: unset it, or write one"
+                f"{value[:20]!r}: unset it, or write one"
             )
-        return int(said)
+        return int(value)
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1

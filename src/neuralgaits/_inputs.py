@@ -92,17 +92,17 @@ def refuse_unreadable(
     Raises: InputError in one line.
     """
     try:
-        found = os.stat(path)
+        status = os.stat(path)
     except (OSError, ValueError):
         return
-    if stat.S_ISDIR(found.st_mode):
+    if stat.S_ISDIR(status.st_mode):
         return
-    if not stat.S_ISREG(found.st_mode):
-        kind, remedy = kind_of(found.st_mode), "put a regular file there, or name one"
+    if not stat.S_ISREG(status.st_mode):
+        kind, remedy = kind_of(status.st_mode), "put a regular file there, or name one"
         raise InputError(f"expected a file to read, found {kind} at {path}: {remedy}")
-    if found.st_size > most:
+    if status.st_size > most:
         raise InputError(
-            f"expected a file of at most {most} bytes, found {found.st_size} at {path}: {remedy}"
+            f"expected a file of at most {most} bytes, found {status.st_size} at {path}: {remedy}"
         )
 
 
@@ -120,8 +120,8 @@ def toml_of(path: Path) -> dict[str, Any]:
     """
     text = path.read_bytes().decode("utf-8")
     try:
-        found = tomllib.loads(text)
-        _refuse_huge(found)
+        table = tomllib.loads(text)
+        _refuse_huge(table)
     except RecursionError:
         raise ValueError("values nested too deeply") from None
     except ValueError as error:
@@ -131,7 +131,7 @@ def toml_of(path: Path) -> dict[str, Any]:
                 f"a number that is too large, of {len(endless[0])} digits, in line {line}"
             ) from None
         raise
-    return found
+    return table
 
 
 def _refuse_huge(value: Any, key: str = "") -> None:

@@ -27,9 +27,9 @@ def why_no_name(name: object) -> str | None:
     return None
 
 
-def meant(name: object, known: Iterable[str]) -> str:
+def meant(name: object, names: Iterable[str]) -> str:
     """Return a question that asks for the name most like an unknown one; empty if none is."""
     # Of the dashes of options nothing follows.
-    bare = {one.lstrip("-"): one for one in known}
+    bare = {one.lstrip("-"): one for one in names}
     close = [bare[one] for one in difflib.get_close_matches(str(name).lstrip("-"), bare, 1)]
     return f"did you mean {close[0]}?" if close else ""

@@ -15,6 +15,6 @@ def command_of(module: str, *arguments: str) -> list[str]:
 
 def environment_of(**more: str) -> dict[str, str]:
     """Return this process's environment with the package's path and more variables in it."""
-    known = os.environ.get("PYTHONPATH")
-    paths = [str(PACKAGE), *([known] if known else [])]
+    path = os.environ.get("PYTHONPATH")
+    paths = [str(PACKAGE), *([path] if path else [])]
     return os.environ | {"PYTHONPATH": os.pathsep.join(paths)} | more

@@ -25,8 +25,8 @@ def _quick() -> Options:
         # Its matrix products are for large ones: of many of 5 by 5 they take twice as long.
         options["xla_cpu_experimental_ynn_fusion_type"] = ""
     flags = os.environ.get("XLA_FLAGS", "").split()
-    told = {flag.lstrip("-").partition("=")[0] for flag in flags}
-    return {name: value for name, value in options.items() if name not in told}
+    given_flags = {flag.lstrip("-").partition("=")[0] for flag in flags}
+    return {name: value for name, value in options.items() if name not in given_flags}
 
 
 QUICK = _quick()

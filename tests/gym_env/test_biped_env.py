@@ -139,7 +139,9 @@ def test_a_state_that_diverges_is_a_fall(env, tmp_path, monkeypatch):
 def test_a_reward_is_the_sum_of_its_parts(env):
     _, rewards, info = rolled(env, 0, 1)
     assert sum(info["reward"].values()) == pytest.approx(rewards[-1])
-    parts = Reward().parts(speed=0.7, asked=0.7, power=0.1, pitch=0.2, change=1.0, fell=False)
+    parts = Reward().parts(
+        speed=0.7, requested_speed=0.7, power=0.1, pitch=0.2, change=1.0, fell=False
+    )
     assert parts == pytest.approx(
         {"speed": 1.0, "alive": 0.2, "effort": -0.03, "lean": -0.02, "change": -0.02, "fall": 0.0}
     )

@@ -79,18 +79,18 @@ class GaitData:
 
     def limits(self, quantity: str) -> tuple[float | None, float | None]:
         """Return the lower and the upper bound that conditions set on a quantity, None if unset."""
-        found: list[float | None] = []
+        values: list[float | None] = []
         for side in ("at_least", "at_most"):
             bounds = [entry["bound"] for entry in self.bounds(side, quantity)]
-            found.append(next((float(bound) for bound in bounds if np.ndim(bound) == 0), None))
-        return found[0], found[1]
+            values.append(next((float(bound) for bound in bounds if np.ndim(bound) == 0), None))
+        return values[0], values[1]
 
     def bounds(self, function: str, of: str | None = None) -> list[Mapping[str, Any]]:
         """Quantities of the conditions that read a function, as in ("at_least", "torso_angle")."""
-        found = [c["quantity"] for c in self.described if "quantity" in c]
+        quantities = [c["quantity"] for c in self.described if "quantity" in c]
         return [
             quantity
-            for quantity in found
+            for quantity in quantities
             if quantity.get("function") == function
             and (of is None or (quantity.get("of") or {}).get("function") == of)
         ]

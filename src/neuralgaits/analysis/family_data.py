@@ -40,24 +40,24 @@ def family_data(run: Run) -> Family:
 
     Raises: InputError for a gait that takes no commands.
     """
-    told = run.trained.commands
-    if not told:
+    commands = run.trained.commands
+    if not commands:
         raise InputError("expected a gait that takes commands, found one that takes none")
-    middle = {one.name: 0.5 * (one.low + one.high) for one in told}
-    sweeps, shown = [], []
+    middle = {one.name: 0.5 * (one.low + one.high) for one in commands}
+    sweeps, members = [], []
     with np.errstate(all="ignore"):
-        for one in told:
+        for one in commands:
             values = np.linspace(one.low, one.high, VALUES)
-            found: list[_Found] = []
+            orbits: list[_Found] = []
             for value in values:
-                level = found[-1].level if found else MIDDLE
-                found.append(_at(run, middle | {one.name: float(value)}, level))
-            speed = np.array([each.orbit.speed_m_s for each in found])
+                level = orbits[-1].level if orbits else MIDDLE
+                orbits.append(_at(run, middle | {one.name: float(value)}, level))
+            speed = np.array([each.orbit.speed_m_s for each in orbits])
             sweeps.append(CommandSweep(one.name, values, speed))
-            if not shown:
+            if not members:
                 rows = (0, VALUES // 2, VALUES - 1)
-                shown = [_member(float(values[row]), found[row]) for row in rows]
-    return Family(tuple(sweeps), tuple(shown), run.robot.torso is not None)
+                members = [_member(float(values[row]), orbits[row]) for row in rows]
+    return Family(tuple(sweeps), tuple(members), run.robot.torso is not None)
 
 
 def _at(run: Run, command: dict[str, float], level: float) -> _Found:
@@ -67,19 +67,19 @@ def _at(run: Run, command: dict[str, float], level: float) -> _Found:
     mesh = Mesh.of_gait(chart.start, chart.guard, NODES)
     low, high = 0.5 * chart.section(2) ** 2
     orbit = orbit_near(motion, float(np.sqrt(2.0 * (low + level * (high - low)))), mesh)
-    found = float((0.5 * orbit.fixed_point[1] ** 2 - low) / (high - low))
-    if 0.0 <= found <= 1.0:
-        return _Found(steady, motion, chart, mesh, orbit, found)
+    orbit_level = float((0.5 * orbit.fixed_point[1] ** 2 - low) / (high - low))
+    if 0.0 <= orbit_level <= 1.0:
+        return _Found(steady, motion, chart, mesh, orbit, orbit_level)
     # What Newton's method finds outside of the fences is not of this gait.
     none = orbit._replace(period_s=float("nan"), result="no periodic orbit between the fences")
     return _Found(steady, motion, chart, mesh, none, MIDDLE)
 
 
-def _member(value: float, found: _Found) -> Member:
-    robot, chart = found.run.robot, found.chart
+def _member(value: float, orbit_at: _Found) -> Member:
+    robot, chart = orbit_at.run.robot, orbit_at.chart
     phase = np.linspace(0.0, 1.0, PHASES)
-    orbit = cycle(found.motion, found.orbit, found.mesh).z[:, 0]
-    zd = found.run.zero_dynamics
+    orbit = cycle(orbit_at.motion, orbit_at.orbit, orbit_at.mesh).z[:, 0]
+    zd = orbit_at.run.zero_dynamics
     theta = (
         PointEvaluator(lambda z: {"theta": zd.point(z).theta})(orbit[-1:])["theta"]
         if len(orbit)

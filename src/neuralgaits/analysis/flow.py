@@ -99,19 +99,19 @@ def swing(motion: FlowQuantities, start: np.ndarray, mesh: Mesh) -> Swing:
         mesh: of z1.
     """
     y, h = _timed(start), np.full(len(start), mesh.step)
-    nodes, ended, end = [y], np.zeros(len(y), bool), np.full((len(y), 3), np.nan)
-    while not ended.all() and y[0, 0] < mesh.last:
+    nodes, finished, end = [y], np.zeros(len(y), bool), np.full((len(y), 3), np.nan)
+    while not finished.all() and y[0, 0] < mesh.last:
         ahead = _step(motion, y, h)
         # A node on the ground is the landing, on whichever side of it rounding puts the foot.
-        now = ~ended & (_foot(motion, ahead) < ON_GROUND_M) & (ahead[:, 0] > 0.0)
+        now = ~finished & (_foot(motion, ahead) < ON_GROUND_M) & (ahead[:, 0] > 0.0)
         if now.any():
             end[now] = _landing(motion, y[now], mesh.step)
-            ended |= now
+            finished |= now
         y = ahead
-        ended |= ~np.isfinite(y).all(axis=1)
-        nodes.append(np.where(ended[:, None], end, y))
+        finished |= ~np.isfinite(y).all(axis=1)
+        nodes.append(np.where(finished[:, None], end, y))
     path = np.stack(nodes)
-    path[-1, ~ended] = np.nan
+    path[-1, ~finished] = np.nan
     return Swing(path[..., :2], path[..., 2], np.isfinite(path[-1, :, 0]))
 
 
@@ -159,8 +159,8 @@ def _ahead(
     y: np.ndarray, h: np.ndarray, shares: np.ndarray, slopes: list[np.ndarray]
 ) -> np.ndarray:
     """Return the states after a step h [N] along shares [s] of the slopes known so far. [N, 3]."""
-    known = zip(shares, slopes, strict=False)
-    return y + h[:, None] * sum(share * slope for share, slope in known if share)
+    pairs = zip(shares, slopes, strict=False)
+    return y + h[:, None] * sum(share * slope for share, slope in pairs if share)
 
 
 def _foot(motion: FlowQuantities, y: np.ndarray) -> np.ndarray:

@@ -68,75 +68,77 @@ def _with_names(run: Run, arrays: dict[str, np.ndarray]) -> GaitData:
 
 def compute(run: Run) -> dict[str, np.ndarray]:
     """Compute all arrays of `analysis.data`. Raises: SpecError if the gait cannot be evaluated."""
-    look = PointEvaluator(quantities(run.zero_dynamics, run.gait, run.spec))
-    motion = FlowQuantities(*look.each(*FlowQuantities._fields))
+    evaluate = PointEvaluator(quantities(run.zero_dynamics, run.gait, run.spec))
+    motion = FlowQuantities(*evaluate.each(*FlowQuantities._fields))
     tube = PlaneChart(run.gait, run.spec)
     with np.errstate(all="ignore"):
-        found = _chart(look, tube) | _plane(look, tube) | _orbit(run, look, motion, tube)
-        found |= _walks(motion, tube)
+        arrays = (
+            _chart(evaluate, tube) | _plane(evaluate, tube) | _orbit(run, evaluate, motion, tube)
+        )
+        arrays |= _walks(motion, tube)
     robot = run.robot
-    found |= {
+    arrays |= {
         "robot/torque_limit": np.asarray(robot.torque_limit),
         "robot/mass": np.asarray(robot.mass),
         "robot/gravity": np.asarray(robot.gravity),
         "robot/friction": np.asarray(robot.friction),
         "robot/leg_length": np.asarray(robot.leg_length),
     }
-    return {name: np.asarray(array, dtype=np.float64) for name, array in found.items()}
+    return {name: np.asarray(array, dtype=np.float64) for name, array in arrays.items()}
 
 
-def _chart(look: PointEvaluator, tube: PlaneChart) -> dict[str, np.ndarray]:
+def _chart(evaluate: PointEvaluator, tube: PlaneChart) -> dict[str, np.ndarray]:
     phase, level = np.linspace(0.0, 1.0, PHASES), np.linspace(0.0, 1.0, LEVELS)
     at_phase, at_level = np.meshgrid(phase, level)
     z = tube.z(at_phase, at_level)
-    found = look(z.reshape(-1, 2))
+    values = evaluate(z.reshape(-1, 2))
     return {
         "chart/phase": phase,
         "chart/level": level,
         "chart/z": z,
-        "chart/margins": tube.margins(found, at_phase, at_level),
-        "chart/barriers": tube.barriers(found, at_phase.shape),
+        "chart/margins": tube.margins(values, at_phase, at_level),
+        "chart/barriers": tube.barriers(values, at_phase.shape),
         "fences/z1": z[0, :, 0],
         "fences/z2": tube.fences(phase),
         "guard/z": z[:, -1],
-        "guard/z_after": found["z_after"].reshape(*at_phase.shape, 2)[:, -1],
+        "guard/z_after": values["z_after"].reshape(*at_phase.shape, 2)[:, -1],
     }
 
 
-def _plane(look: PointEvaluator, tube: PlaneChart) -> dict[str, np.ndarray]:
+def _plane(evaluate: PointEvaluator, tube: PlaneChart) -> dict[str, np.ndarray]:
     around = plane(tube, phases=PHASES, lines=(COLUMNS, ROWS), beyond=(AROUND, AROUND))
-    found = look(around.states)
+    values = evaluate(around.states)
     return {
         "plane/z1": around.z1,
         "plane/z2": around.z2,
-        "plane/dz": around.laid_out(found["dz"]),
-        "plane/nominal_dz": around.laid_out(found["nominal_dz"]),
-        "plane/foot": around.laid_out(found["foot"][:, 1]),
-        "plane/barriers": tube.barriers(found, (ROWS, COLUMNS)),
+        "plane/dz": around.laid_out(values["dz"]),
+        "plane/nominal_dz": around.laid_out(values["nominal_dz"]),
+        "plane/foot": around.laid_out(values["foot"][:, 1]),
+        "plane/barriers": tube.barriers(values, (ROWS, COLUMNS)),
     }
 
 
 def _orbit(
-    run: Run, look: PointEvaluator, motion: FlowQuantities, tube: PlaneChart
+    run: Run, evaluate: PointEvaluator, motion: FlowQuantities, tube: PlaneChart
 ) -> dict[str, np.ndarray]:
     """Return the sampled map, and one step from landing to landing; no nodes without an orbit."""
     mapped, robot = sampled_map(motion, tube), run.robot
     orbit = mapped.orbit
     path = cycle(motion, orbit, Mesh.of_gait(tube.start, tube.guard))
     z, t = path.z[:, 0], path.t[:, 0]
-    found = look(z) if len(z) else look(np.array([[0.0, 1.0]]))
-    found = {name: array[: len(z)] for name, array in found.items()}
+    values = evaluate(z) if len(z) else evaluate(np.array([[0.0, 1.0]]))
+    values = {name: array[: len(z)] for name, array in values.items()}
     phase, level = tube.chart(z)
-    kept = ("q", "dq", "torque", "force", "foot", "foot_velocity")
+    names = ("q", "dq", "torque", "force", "foot", "foot_velocity")
     return {
         "map/z2": mapped.z2,
         "map/z2_after": mapped.after,
         "orbit/t": t,
         "orbit/z": z,
-        **{f"orbit/{name}": found[name] for name in kept},
-        "orbit/skeleton": skeleton(found["theta"], np.asarray(robot.foot), robot.torso),
-        "orbit/margins": tube.margins(found, phase, level),
-        "orbit/barriers": tube.barriers(found, phase.shape),
+        **{f"orbit/{name}": values[name] for name in names},
+        "orbit/skeleton": skeleton(values["theta"], np.asarray(robot.foot), robot.torso),
+        "orbit/margins": tube.margins(values, phase, level),
+        "orbit/barriers": tube.barriers(values, phase.shape),
         "orbit/numbers": np.array(
             [orbit.fixed_point[1], orbit.multiplier, orbit.period_s, orbit.step_length_m]
         ),
@@ -156,5 +158,5 @@ def _walks(motion: FlowQuantities, tube: PlaneChart) -> dict[str, np.ndarray]:
         # One line for both needs one z1; resets differ by what a free policy leaves.
         state[:, 0] = state[:, 0].mean()
     gap = np.full((1, 2), np.nan)
-    found = [part for side in (0, 1) for piece in pieces for part in (piece[:, side], gap)]
-    return {"walks/z": np.concatenate(found) if found else gap}
+    lines = [part for side in (0, 1) for piece in pieces for part in (piece[:, side], gap)]
+    return {"walks/z": np.concatenate(lines) if lines else gap}

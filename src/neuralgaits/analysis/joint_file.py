@@ -29,22 +29,22 @@ class JointFile(NamedTuple):
     sha256: str
 
 
-def read_joints(run: Run, given: str | Path) -> JointFile:
+def read_joints(run: Run, joints: str | Path) -> JointFile:
     """Read the joints that `fit --joints` identified for a run's robot.
 
     Args:
         run: the run.
-        given: file, or `latest` for the run's own.
+        joints: file, or `latest` for the run's own.
 
     Raises: InputError if it is missing, damaged, or of another robot.
     """
-    own = str(given) == LATEST
-    path = run.path / JOINTS if own else Path(given)
+    own = str(joints) == LATEST
+    path = run.path / JOINTS if own else Path(joints)
     fit = command("fit", named(run.path), "LOG.csv", "--joints")
     refuse_unreadable(path, remedy="is it a file of `fit --joints`?")
     try:
         content = path.read_bytes()
-        found = IdentifiedJoints.read(path)
+        identified = IdentifiedJoints.read(path)
     except (OSError, RunError):
         what = "another file" if path.is_file() else "none"
         raise InputError(
@@ -52,14 +52,14 @@ def read_joints(run: Run, given: str | Path) -> JointFile:
         ) from None
     pairs = zip(*run.robot.layout.leg_joints, strict=True)
     names = tuple(tuple(dict.fromkeys(pair)) for pair in pairs)
-    same = found.sha256.get(ROBOT) == file_hashes(run.path, (ROBOT,))[ROBOT]
-    if not same or tuple(joint.names for joint in found.joints) != names:
+    same = identified.sha256.get(ROBOT) == file_hashes(run.path, (ROBOT,))[ROBOT]
+    if not same or tuple(joint.names for joint in identified.joints) != names:
         raise InputError(
             f"--joints: expected joints of the robot file of {run.path}, found those of another "
             f"in {path}: identify its own with `{fit}`"
         )
     columns = [
-        [getattr(joint, name).value for joint in found.joints]
+        [getattr(joint, name).value for joint in identified.joints]
         for name in ("armature_kg_m2", "damping_nms_rad", "friction_nm")
     ]
     if not all(0.0 <= value <= MOST for column in columns for value in column):

@@ -49,9 +49,9 @@ class Learned(eqx.Module):
         try:
             arrays, _ = read_arrays(path)
         except RunError:
-            found = "another file" if path.is_file() else "a folder" if path.is_dir() else "none"
+            kind = "another file" if path.is_file() else "a folder" if path.is_dir() else "none"
             raise RunError(
-                f"expected a residual in {path}, found {found}: give a file that `fit` wrote"
+                f"expected a residual in {path}, found {kind}: give a file that `fit` wrote"
             ) from None
         sizes: list[int] = []
         while _LAYER.format(len(sizes)) in arrays:

@@ -103,10 +103,10 @@ def orbit_between(motion: FlowQuantities, z2: np.ndarray, mapped: np.ndarray, me
         mesh: of the flow.
     """
     gap = mapped - z2
-    found = np.flatnonzero((gap[:-1] >= 0.0) & (gap[1:] < 0.0))
-    if not len(found):
+    crossings = np.flatnonzero((gap[:-1] >= 0.0) & (gap[1:] < 0.0))
+    if not len(crossings):
         return _failed("no momentum that was looked at comes back after a step")
-    low = found[0]
+    low = crossings[0]
     share = gap[low] / (gap[low] - gap[low + 1])
     return orbit_near(motion, float(z2[low] + share * (z2[low + 1] - z2[low])), mesh)
 

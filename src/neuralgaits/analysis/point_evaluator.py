@@ -48,12 +48,12 @@ class PointEvaluator:
     def only(self, *names: str) -> "PointEvaluator":
         """Return an evaluator of some of the quantities, which does not compute the rest."""
 
-        def chosen(z: Any) -> dict[str, Any]:
-            found = self._named(z)
-            return {name: found[name] for name in names}
+        def some_quantities(z: Any) -> dict[str, Any]:
+            quantities = self._named(z)
+            return {name: quantities[name] for name in names}
 
         return PointEvaluator(
-            chosen, None if self._program is None else prune(self._program, list(names))
+            some_quantities, None if self._program is None else prune(self._program, list(names))
         )
 
     def each(self, *names: str) -> list[Callable[[np.ndarray], np.ndarray]]:
@@ -61,8 +61,8 @@ class PointEvaluator:
 
         def alone(name: str) -> Callable[[np.ndarray], np.ndarray]:
             # What has no Program would be compiled once more for each.
-            look = self if self._program is None else self.only(name)
-            return lambda z: look(z)[name]
+            evaluate = self if self._program is None else self.only(name)
+            return lambda z: evaluate(z)[name]
 
         return [alone(name) for name in names]
 
@@ -72,7 +72,7 @@ def quantities(zd: ZeroDynamics, gait: Gait, spec: GaitSpec) -> Callable[[Any], 
 
     def named(z: Any) -> dict[str, Any]:
         point = zd.point(z)
-        found = {
+        quantities = {
             "dz": point.dz,
             "nominal_dz": point.nominal_dz,
             "foot": point.foot,
@@ -86,10 +86,10 @@ def quantities(zd: ZeroDynamics, gait: Gait, spec: GaitSpec) -> Callable[[Any], 
         }
         for condition in spec.conditions:
             margins = condition.margins(point, gait)
-            found[f"margin/{condition.name}"] = margins / condition.scale
+            quantities[f"margin/{condition.name}"] = margins / condition.scale
             if isinstance(condition, Barrier):
-                found[f"barrier/{condition.name}"] = condition.function(point)
-        return found
+                quantities[f"barrier/{condition.name}"] = condition.function(point)
+        return quantities
 
     return named
 
@@ -125,11 +125,11 @@ class PlaneChart:
         low, high = 0.5 * self.fences(phase) ** 2
         return phase, (0.5 * z[..., 1] ** 2 - low) / (high - low)
 
-    def margins(self, found: dict[str, np.ndarray], phase: Any, level: Any) -> np.ndarray:
+    def margins(self, values: dict[str, np.ndarray], phase: Any, level: Any) -> np.ndarray:
         """Return each condition's least margin where it applies, else NaN. [c, ...]."""
         rows = []
         for condition in self.spec.conditions:
-            least = _least(found[f"margin/{condition.name}"], phase.shape)
+            least = _least(values[f"margin/{condition.name}"], phase.shape)
             applies = np.zeros(phase.shape, dtype=bool)
             for box in self.spec.regions[condition.region]:
                 inside = np.ones(phase.shape, dtype=bool)
@@ -139,10 +139,10 @@ class PlaneChart:
             rows.append(np.where(applies, least, np.nan))
         return np.stack(rows)
 
-    def barriers(self, found: dict[str, np.ndarray], shape: tuple[int, ...]) -> np.ndarray:
+    def barriers(self, values: dict[str, np.ndarray], shape: tuple[int, ...]) -> np.ndarray:
         """Return the least value of each barrier function. [b, ...]."""
         names = [c.name for c in self.spec.conditions if isinstance(c, Barrier)]
-        rows = [_least(found[f"barrier/{name}"], shape) for name in names]
+        rows = [_least(values[f"barrier/{name}"], shape) for name in names]
         return np.stack(rows) if rows else np.zeros((0, *shape))
 
 

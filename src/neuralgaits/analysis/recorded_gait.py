@@ -66,12 +66,12 @@ def _of_log(log: Path) -> RecordedGait | None:
     run = place.parent.parent
     if place.parent == run / SIMULATED and (run / CONFIG).is_file():
         try:
-            walked = Logs.read(run / SUMMARY)
+            logs = Logs.read(run / SUMMARY)
         except RunError:
             return None
         # A run that was moved keeps its logs, but not their paths.
-        listed = place.name in {Path(one).name for one in walked.logs}
-        return RecordedGait(run, walked.sha256) if listed else None
+        listed = place.name in {Path(one).name for one in logs.logs}
+        return RecordedGait(run, logs.sha256) if listed else None
     run = run.parent
     if place.parent == run / WALKED and (run / CONFIG).is_file():
         return RecordedGait(run, file_hashes(run, GAIT_FILES))

@@ -36,21 +36,21 @@ def residual_data(run: Run) -> ResidualData | None:
         return None
     gait = gait_data(run)
     of = hashlib.sha256(fingerprint(run).encode() + path.read_bytes()).hexdigest()
-    kept = run.path / FILE
-    if kept.is_file():
+    file = run.path / FILE
+    if file.is_file():
         try:
-            arrays, words = read_arrays(kept)
+            arrays, words = read_arrays(file)
         except RunError:
             arrays, words = {}, {}
         if SHA256 in words and words.get("of") == of:
             return ResidualData(gait, arrays["epsilon"], arrays["visited"], trained)
     flow = Learned.read(path, run.robot.n - 1).flow
-    look = PointEvaluator(lambda z: {"epsilon": flow(z)})
+    evaluate = PointEvaluator(lambda z: {"epsilon": flow(z)})
     z1, z2 = gait["plane/z1"], gait["plane/z2"]
     grid = np.stack(np.meshgrid(z1, z2), axis=-1)
-    epsilon = look(grid.reshape(-1, 2))["epsilon"].reshape(grid.shape)
+    epsilon = evaluate(grid.reshape(-1, 2))["epsilon"].reshape(grid.shape)
     visited = _visited(run, trained)
-    write_arrays(kept, {"epsilon": epsilon, "visited": visited}, {"of": of})
+    write_arrays(file, {"epsilon": epsilon, "visited": visited}, {"of": of})
     return ResidualData(gait, epsilon, visited, trained)
 
 
@@ -77,11 +77,11 @@ def _visited(run: Run, trained: bool) -> np.ndarray:
 
 
 def _states(run: Run, paths: Sequence[str], place: Path) -> np.ndarray:
-    found = []
+    parts = []
     for name in paths:
         path = Path(name)
-        moved = [path, *place.glob(f"*/{path.name}"), *place.glob(f"*/*/{path.name}")]
-        path = next((candidate for candidate in moved if candidate.is_file()), None)
+        candidates = [path, *place.glob(f"*/{path.name}"), *place.glob(f"*/*/{path.name}")]
+        path = next((candidate for candidate in candidates if candidate.is_file()), None)
         if path is None:
             continue
         try:
@@ -89,8 +89,8 @@ def _states(run: Run, paths: Sequence[str], place: Path) -> np.ndarray:
         except InputError:
             continue
         if z is not None:
-            found.append(z)
-        if len(found) == LOGS:
+            parts.append(z)
+        if len(parts) == LOGS:
             break
-    states = np.concatenate(found) if found else np.zeros((0, 2))
+    states = np.concatenate(parts) if parts else np.zeros((0, 2))
     return states[:: max(len(states) // STATES, 1)]

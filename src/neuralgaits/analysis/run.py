@@ -51,23 +51,26 @@ class Run:
 
     def __repr__(self) -> str:
         """Return one line with folder, robot, spec and what was recorded of its conditions."""
-        told = "" if self.command is None else f" at {dict(self.command)}"
+        command = "" if self.command is None else f" at {dict(self.command)}"
         try:
-            asked, held = self.asked, self._on_samples
+            config, outcome = self.asked, self._on_samples
         except RunError:
             # Whoever looks at it may be looking for what is wrong with it.
-            return f"<Run {self.path}{told}: {self.robot.name}, files damaged>"
-        about = f"{self.robot.name}, spec {asked.spec}, seed {asked.seed}"
-        return f"<Run {self.path}{told}: {about}, {held}>"
+            return f"<Run {self.path}{command}: {self.robot.name}, files damaged>"
+        about = f"{self.robot.name}, spec {config.spec}, seed {config.seed}"
+        return f"<Run {self.path}{command}: {about}, {outcome}>"
 
     def _repr_html_(self) -> str:
         """Return an HTML summary for a notebook, with the tightest conditions."""
         try:
-            found = self.summary.conditions
+            conditions = self.summary.conditions
         except RunError as error:
             return _notebook.table(repr(self)[1:-1], [(error,)])
-        measured = sorted(found.items(), key=lambda row: row[1].min_margin)
-        rows = [(name, f"{found.min_margin:.3g}") for name, found in measured[: _notebook.TIGHTEST]]
+        measured = sorted(conditions.items(), key=lambda row: row[1].min_margin)
+        rows = [
+            (name, f"{conditions.min_margin:.3g}")
+            for name, conditions in measured[: _notebook.TIGHTEST]
+        ]
         head = (
             f"tightest of {len(measured)} conditions",
             "least margin recorded on samples, in scales",
@@ -77,14 +80,14 @@ class Run:
     @property
     def _on_samples(self) -> str:
         """Return the recorded result: nobody measures it again here, and no hash covers it."""
-        found = self.summary
-        if found.left_out is not None:
-            return found.left_out
-        count, broken = len(found.conditions), len(found.broken)
-        held = f"all {count}" if not broken else f"{count - broken} of {count}"
-        of = "" if found.tied else ", of weights that the record does not name"
+        summary = self.summary
+        if summary.left_out is not None:
+            return summary.left_out
+        count, broken = len(summary.conditions), len(summary.broken)
+        outcome = f"all {count}" if not broken else f"{count - broken} of {count}"
+        of = "" if summary.tied else ", of weights that the record does not name"
         when = "in training" if self.asked.as_given is None else "when it was made"
-        return f"recorded {when}: {held} conditions hold on fresh samples{of}"
+        return f"recorded {when}: {outcome} conditions hold on fresh samples{of}"
 
     @cached_property
     def gait(self) -> Gait:
@@ -174,7 +177,7 @@ class PolicyOfSteps:
 
         Raises: InputError on missing or other names, and values outside their range.
         """
-        pair = Pair(*(values(self.family.commands, given) for given in (from_, to)))
+        pair = Pair(*(values(self.family.commands, command) for command in (from_, to)))
         policy = _policy_at(self.family, self.robot, pair, self.reset_residual)
         return jax.tree.map(np.asarray, policy)
 
@@ -188,10 +191,12 @@ def steady_gait(
     """Return the gait of a family at a constant command; None for the middle of its ranges."""
     if command is None:
         command = {c.name: 0.5 * (c.low + c.high) for c in family.commands}
-    given = values(family.commands, command)
-    v = [x for c, a in zip(family.commands, given, strict=True) for x in c.coordinates(a, a)]
-    found = _gait_at(family, robot, np.array(v), reset_residual)
-    return jax.tree.map(np.asarray, found.steady_next)
+    command_values = values(family.commands, command)
+    v = [
+        x for c, a in zip(family.commands, command_values, strict=True) for x in c.coordinates(a, a)
+    ]
+    gait = _gait_at(family, robot, np.array(v), reset_residual)
+    return jax.tree.map(np.asarray, gait.steady_next)
 
 
 def open_run(run: "Run | str | Path") -> Run:
@@ -224,24 +229,26 @@ def _shaped(folder: RunFolder, spec: GaitSpec) -> AnyGait:
     """
     if not specs.is_built_in(asked_of(folder).spec):
         return untrained(folder, spec)
-    kept = {}
+    shapes_kept = {}
 
     def shapes(key):
-        leaves, kept["structure"] = jax.tree.flatten(_new_gait(folder, spec, key))
-        kept["leaves"] = leaves
+        leaves, shapes_kept["structure"] = jax.tree.flatten(_new_gait(folder, spec, key))
+        shapes_kept["leaves"] = leaves
         return [leaf for leaf in leaves if isinstance(leaf, jax.Array)]
 
-    found = iter(jax.eval_shape(shapes, jax.eval_shape(jax.random.key, 0)))
-    leaves = [next(found) if isinstance(leaf, jax.Array) else leaf for leaf in kept["leaves"]]
-    return jax.tree.unflatten(kept["structure"], leaves)
+    shaped = iter(jax.eval_shape(shapes, jax.eval_shape(jax.random.key, 0)))
+    leaves = [
+        next(shaped) if isinstance(leaf, jax.Array) else leaf for leaf in shapes_kept["leaves"]
+    ]
+    return jax.tree.unflatten(shapes_kept["structure"], leaves)
 
 
 @same_folder()
 def open_parts(folder: RunFolder) -> tuple[PlanarBiped, GaitSpec]:
     """Open robot and spec of a run, from the run's own copies."""
-    asked = asked_of(folder)
-    robot = robot_from_text(folder.copy(ROBOT), asked.robot)
-    name = asked.spec
+    config = asked_of(folder)
+    robot = robot_from_text(folder.copy(ROBOT), config.robot)
+    name = config.spec
     if not specs.is_built_in(name):
         if ".py:" not in name:
             raise RunError(
@@ -251,14 +258,14 @@ def open_parts(folder: RunFolder) -> tuple[PlanarBiped, GaitSpec]:
             )
         folder.copy(SPEC)  # Refuses a file that was changed after the run.
         name = f"{folder.path / SPEC}:{name.rpartition(':')[2]}"
-    told = tuple(
-        Command(name, c.low, c.high, c.largest_change) for name, c in asked.commands.items()
+    commands = tuple(
+        Command(name, c.low, c.high, c.largest_change) for name, c in config.commands.items()
     )
-    degree = None if asked.given is None else asked.given.degree
-    spec = specs.load(name, robot, told, asked.speed, asked.parameters, degree)
-    found = plain(spec.describe())
-    if found != asked.described:
-        differ = (key for key, value in found.items() if value != asked.described.get(key))
+    degree = None if config.given is None else config.given.degree
+    spec = specs.load(name, robot, commands, config.speed, config.parameters, degree)
+    described = plain(spec.describe())
+    if described != config.described:
+        differ = (key for key, value in described.items() if value != config.described.get(key))
         part = next(differ, "fields")
         why = f"{CONFIG} was altered, or is of another version; restore it or train again"
         if folder.copy(SPEC).startswith(specs.IN_NO_FILE):
@@ -283,5 +290,5 @@ def untrained(folder: RunFolder, spec: GaitSpec) -> AnyGait:
 
 @same_folder()
 def _new_gait(folder: RunFolder, spec: GaitSpec, key: PRNGKeyArray) -> AnyGait:
-    asked = asked_of(folder)
-    return spec.new_gait(key, asked.init, asked.hidden)
+    config = asked_of(folder)
+    return spec.new_gait(key, config.init, config.hidden)

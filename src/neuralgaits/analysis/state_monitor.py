@@ -90,16 +90,16 @@ class StateSet:
         for first in range(0, count, _AT_ONCE):
             some = {name: array[first : first + _AT_ONCE] for name, array in inputs.items()}
             with np.errstate(all="ignore"):
-                found = evaluate(self.program, some, POINT, self._folded)
-            parts.append(np.concatenate([found["ends"], found["walls"]], axis=1))
+                values = evaluate(self.program, some, POINT, self._folded)
+            parts.append(np.concatenate([values["ends"], values["walls"]], axis=1))
         return np.concatenate(parts)
 
     def membership(self, margins: Float[np.ndarray, "N k"]) -> Membership:
         """Return the smallest of the margins that count, and its place."""
-        known = np.where(margins > NO_NUMBER, margins, NO_NUMBER)
-        ends = known[:, : len(self.ends)]
+        numbers = np.where(margins > NO_NUMBER, margins, NO_NUMBER)
+        ends = numbers[:, : len(self.ends)]
         counted = np.concatenate(
-            [np.where(ends < 0.0, ends, np.inf), known[:, len(self.ends) :]], 1
+            [np.where(ends < 0.0, ends, np.inf), numbers[:, len(self.ends) :]], 1
         )
         nearest = np.argmin(counted, axis=1)
         return Membership(counted[np.arange(len(counted)), nearest], nearest)
@@ -149,11 +149,11 @@ class StateMonitor:
             before: commands of the step before. [N, p]
             after: commands of this step. [N, p]
         """
-        found = np.ones(len(before), dtype=bool)
+        allowed = np.ones(len(before), dtype=bool)
         for place, one in enumerate(self.commands):
             last, now = np.asarray(before)[:, place], np.asarray(after)[:, place]
             for value in (last, now):
-                found &= (value >= one.low) & (value <= one.high)
+                allowed &= (value >= one.low) & (value <= one.high)
             if one.change is not None:
-                found &= (now >= last - one.change) & (now <= last + one.change)
-        return found
+                allowed &= (now >= last - one.change) & (now <= last + one.change)
+        return allowed

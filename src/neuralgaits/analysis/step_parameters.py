@@ -16,26 +16,26 @@ _AT_ONCE = 64
 """Steps whose parameters are computed together."""
 
 
-def step_parameters(run: Run, told: Float[np.ndarray, "N 2 p"]) -> Float[np.ndarray, "N s"]:
+def step_parameters(run: Run, commands: Float[np.ndarray, "N 2 p"]) -> Float[np.ndarray, "N s"]:
     """Return the parameters that the controller had for the step of each tick.
 
     Args:
         run: the run.
-        told: commands of the step before, and of the step, at every tick.
+        commands: commands of the step before, and of the step, at every tick.
     """
-    pairs, which = np.unique(told.reshape(len(told), -1), axis=0, return_inverse=True)
+    pairs, which = np.unique(commands.reshape(len(commands), -1), axis=0, return_inverse=True)
     sides = pairs.reshape(len(pairs), 2, -1)
     policy, robot, residual = run.trained.policy, run.robot, run.residuals.reset
 
     def some(before: np.ndarray, after: np.ndarray) -> tuple[Array]:
         return (_of_steps(policy, robot, residual, Pair(before, after)),)
 
-    (found,) = in_blocks(some, _AT_ONCE, sides[:, 0], sides[:, 1])
-    return np.asarray(found)[which.reshape(-1)]
+    (parameters,) = in_blocks(some, _AT_ONCE, sides[:, 0], sides[:, 1])
+    return np.asarray(parameters)[which.reshape(-1)]
 
 
 @quick_filter_jit
 def _of_steps(
     policy: AbstractPolicy, robot: PlanarBiped, residual: ResetCorrection, pairs: Pair
 ) -> Float[Array, "N s"]:
-    return jax.vmap(lambda told: policy.parameters_of_step(robot, told, residual))(pairs)
+    return jax.vmap(lambda pair: policy.parameters_of_step(robot, pair, residual))(pairs)

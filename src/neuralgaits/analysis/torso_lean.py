@@ -42,7 +42,7 @@ def leans_of(
     weight = float(robot.mass * robot.gravity)
     at, passed = 0.5 * (time[1:] + time[:-1]), np.diff(time)
     starts = np.flatnonzero(touchdown)
-    found = []
+    leans = []
     for first, last in pairwise(starts):
         # The tick of the next touchdown has the coordinates of the other leg.
         ticks = np.arange(first, last - 1)
@@ -51,9 +51,9 @@ def leans_of(
         since, left = at[ticks] - begin, end - at[ticks]
         slope = 2.0 * since * left * (left - since)
         share = weight * (since * left) ** 2 * passed[ticks]
-        known = slope @ z[ticks] + share @ x[ticks]
-        found.append(-known / (slope @ w[ticks] + share @ c[ticks]))
-    return np.array(found)
+        measured = slope @ z[ticks] + share @ x[ticks]
+        leans.append(-measured / (slope @ w[ticks] + share @ c[ticks]))
+    return np.array(leans)
 
 
 @quick_filter_jit
@@ -61,4 +61,4 @@ def _with_derivatives(
     robot: PlanarBiped, q: Float[Array, "B n"], change: Float[Array, "B n"]
 ) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
     """Return `with_derivative` of many intervals."""
-    return jax.vmap(lambda at, moved: with_derivative(robot, at, moved))(q, change)
+    return jax.vmap(lambda at, rate: with_derivative(robot, at, rate))(q, change)

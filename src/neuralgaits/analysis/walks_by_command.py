@@ -57,27 +57,27 @@ def walks_under(run: Run, *sequences: Float[np.ndarray, "S p"]) -> tuple[Command
     family = run.trained
     if not isinstance(family, CommandedGait):
         raise InputError("expected a gait that takes commands, found one that takes none")
-    for told in sequences:
-        _refuse(CommandLimits.of(family.commands), told)
+    for sequence in sequences:
+        _refuse(CommandLimits.of(family.commands), sequence)
     flow_of = _flow_by_commands(run, family)
-    return tuple(_walked(run, flow_of, told) for told in sequences)
+    return tuple(_walked(run, flow_of, sequence) for sequence in sequences)
 
 
-def _walked(run: Run, flow_of: FlowByCommands, told: Float[np.ndarray, "S p"]) -> CommandWalks:
+def _walked(run: Run, flow_of: FlowByCommands, sequence: Float[np.ndarray, "S p"]) -> CommandWalks:
     names = [command.name for command in run.trained.commands]
-    first = run.at(**dict(zip(names, map(float, told[0]), strict=True)))
+    first = run.at(**dict(zip(names, map(float, sequence[0]), strict=True)))
     chart = PlaneChart(first.gait, run.spec)
     mesh = Mesh.of_gait(chart.start, chart.guard, NODES)
-    z, before = chart.z(np.zeros(2), np.array([0.0, 1.0])), told[0]
+    z, before = chart.z(np.zeros(2), np.array([0.0, 1.0])), sequence[0]
     momenta, paths = [z[:, 1]], []
     with np.errstate(all="ignore"):
-        for after in told:
+        for after in sequence:
             motion = flow_of(np.concatenate([before, after]))
             path = swing(motion, z, mesh).z
             z, before = motion.z_after(path[-1]), after
             momenta.append(z[:, 1])
             paths.append(path)
-    return CommandWalks(told, np.stack(momenta), tuple(paths))
+    return CommandWalks(sequence, np.stack(momenta), tuple(paths))
 
 
 def alternating(commands: Commands, steps: int) -> Float[np.ndarray, "S p"]:
@@ -86,9 +86,9 @@ def alternating(commands: Commands, steps: int) -> Float[np.ndarray, "S p"]:
     They lie around the middle of its range; other commands stay in the middle of theirs.
     """
     limits = CommandLimits.of(commands)
-    told = np.tile(limits.middle, (steps, 1))
-    told[:, 0] += 0.5 * limits.change[0] * np.resize((-1.0, 1.0), steps)
-    return told
+    sequence = np.tile(limits.middle, (steps, 1))
+    sequence[:, 0] += 0.5 * limits.change[0] * np.resize((-1.0, 1.0), steps)
+    return sequence
 
 
 def drawn(commands: Commands, steps: int, seed: int = 0) -> Float[np.ndarray, "S p"]:
@@ -97,20 +97,25 @@ def drawn(commands: Commands, steps: int, seed: int = 0) -> Float[np.ndarray, "S
     Each is drawn evenly from what may follow the one before.
     """
     limits, draws = CommandLimits.of(commands), np.random.default_rng(seed)
-    told = np.tile(limits.middle, (steps, 1))
+    sequence = np.tile(limits.middle, (steps, 1))
     low, high, change = limits.low[0], limits.high[0], limits.change[0]
     for row in range(1, steps):
-        last = told[row - 1, 0]
-        told[row, 0] = draws.uniform(max(low, last - change), min(high, last + change))
-    return told
+        last = sequence[row - 1, 0]
+        sequence[row, 0] = draws.uniform(max(low, last - change), min(high, last + change))
+    return sequence
 
 
-def _refuse(limits: CommandLimits, told: Float[np.ndarray, "S p"]) -> None:
+def _refuse(limits: CommandLimits, sequence: Float[np.ndarray, "S p"]) -> None:
     """Refuse commands out of their ranges, or that change too fast. Raises: InputError."""
-    inside = np.all((told >= limits.low) & (told <= limits.high))
+    inside = np.all((sequence >= limits.low) & (sequence <= limits.high))
     # A change as large as allowed is no larger for being rounded.
-    slow = np.all(np.abs(np.diff(told, axis=0)) <= limits.change * (1.0 + 1e-9))
-    if told.ndim != 2 or told.shape[1] != len(limits.low) or not len(told) or not (inside and slow):
+    slow = np.all(np.abs(np.diff(sequence, axis=0)) <= limits.change * (1.0 + 1e-9))
+    if (
+        sequence.ndim != 2
+        or sequence.shape[1] != len(limits.low)
+        or not len(sequence)
+        or not (inside and slow)
+    ):
         raise InputError(
             f"commands: expected rows of {len(limits.low)} between {limits.low} and {limits.high} "
             f"that change by at most {limits.change} a step, found others"
@@ -122,9 +127,11 @@ def _flow_by_commands(run: Run, family: CommandedGait) -> FlowByCommands:
     count = len(family.commands)
 
     def named(z: Any, pair: Any) -> dict[str, Any]:
-        told = Pair(pair[:count], pair[count:])
+        commands = Pair(pair[:count], pair[count:])
         # As a proof has it: both ends of the step are within bounds, the foot on its foothold.
-        policy = family.policy.at(run.robot, told, run.residuals.reset, exact=True, bounded=True)
+        policy = family.policy.at(
+            run.robot, commands, run.residuals.reset, exact=True, bounded=True
+        )
         point = ZeroDynamics(run.robot, policy, *run.residuals).point(z)
         foot = jnp.stack([point.foot[0], point.foot_above_ground])
         return {"dz": point.dz, "foot": foot, "z_after": point.z_after}
@@ -136,8 +143,8 @@ def _flow_by_commands(run: Run, family: CommandedGait) -> FlowByCommands:
     def of_step(pair: np.ndarray) -> FlowQuantities:
         def function(name: str) -> Quantity:
             def values(z: np.ndarray) -> np.ndarray:
-                given = {"z": z, "pair": np.broadcast_to(pair, (len(z), len(pair)))}
-                return evaluate(programs[name], given, POINT, folded[name])[name]
+                inputs = {"z": z, "pair": np.broadcast_to(pair, (len(z), len(pair)))}
+                return evaluate(programs[name], inputs, POINT, folded[name])[name]
 
             return values
 

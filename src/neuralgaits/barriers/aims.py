@@ -116,13 +116,13 @@ class MeanSpeed(AbstractAim):
 
     def error(self, middle: Middle) -> Scalar:
         """Return the speed over the requested one, minus one."""
-        asked = self.speed
-        if asked is None:
+        requested_speed = self.speed
+        if requested_speed is None:
             step = middle.gait.policy.step
             if step is None:
                 raise SpecError(
                     f"aim {self.name!r}: expected a speed, or a gait that takes one as a "
                     "command, found none"
                 )
-            asked = step["speed"][1]
-        return middle.speed / asked - 1.0
+            requested_speed = step["speed"][1]
+        return middle.speed / requested_speed - 1.0

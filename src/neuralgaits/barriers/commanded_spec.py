@@ -105,14 +105,14 @@ def commands_of(**ranges: Interval | None) -> Commands:
     Args:
         ranges: by name; those that are None are left out.
     """
-    told = {name: ends for name, ends in ranges.items() if ends is not None}
-    share = 0.5 if {"speed", LEAN} <= told.keys() else 1.0
-    found = []
-    for name, (low, high) in told.items():
+    given_ranges = {name: ends for name, ends in ranges.items() if ends is not None}
+    share = 0.5 if {"speed", LEAN} <= given_ranges.keys() else 1.0
+    commands = []
+    for name, (low, high) in given_ranges.items():
         most = (share if name in ("speed", LEAN) else 1.0) * _largest_change(name, abs(high - low))
         # Few digits: it stands, exactly, in statements that people read.
-        found.append(Command(name, low, high, float(f"{most:.6g}") or None))
-    return tuple(found)
+        commands.append(Command(name, low, high, float(f"{most:.6g}") or None))
+    return tuple(commands)
 
 
 def _largest_change(name: str, width: float) -> float:
@@ -161,13 +161,13 @@ def commanded(
     aims = _middle_aims()
     if "speed" in lowest:
         aims = (*aims, MeanSpeed("mean-speed", "middle", 0.015, 0.015, speed))
-    asked = [FOR_COMMANDS.get(command.name, ForCommand()) for command in commands]
-    weights = {name: value for one in asked for name, value in one.weights.items()}
+    additions = [FOR_COMMANDS.get(command.name, ForCommand()) for command in commands]
+    weights = {name: value for one in additions for name, value in one.weights.items()}
     return replace(
         plain.with_conditions(FencesApart("fences-apart", "fence-lower", APART)),
         regions=dict(plain.regions) | {"middle": (MIDDLE,)},
         new_gait=partial(_new_gait, robot, commands, speed, z2_dependence=z2_dependence),
-        recipe=_recipe(plain.recipe, asked),
+        recipe=_recipe(plain.recipe, additions),
         commands=commands,
         aims=aims,
         weights=dict(plain.weights) | weights,
@@ -175,15 +175,15 @@ def commanded(
     )
 
 
-def _recipe(plain: Recipe, asked: list[ForCommand]) -> Recipe:
+def _recipe(plain: Recipe, additions: list[ForCommand]) -> Recipe:
     """Return how a family is trained, from how a single gait is, and what its commands ask for."""
     samples = {name: MORE_SAMPLES * count for name, count in plain.samples.items()}
     return replace(
         plain,
-        steps=max(one.steps for one in asked),
+        steps=max(one.steps for one in additions),
         samples=samples | {"middle": 24} | {name: 2 * samples[name] for name in FENCES},
         learning_rate=LEARNING_RATE,
-        effort=min(one.effort for one in asked),
+        effort=min(one.effort for one in additions),
         curriculum=0.5,
         corners=0.35,
         worst_weight=0.3,

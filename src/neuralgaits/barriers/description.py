@@ -19,8 +19,8 @@ from neuralgaits.barriers.quantity_words import QUANTITIES, words_about
 def describe_condition(condition: AbstractCondition) -> dict[str, Any]:
     """Describe a condition as data: "kind" (or "user" and its class) and its fields."""
     kind = type(condition)
-    known = vars(conditions).get(kind.__name__) is kind
-    described: dict[str, Any] = {"kind": kind.__name__} if known else {"user": kind.__qualname__}
+    built_in = vars(conditions).get(kind.__name__) is kind
+    described: dict[str, Any] = {"kind": kind.__name__} if built_in else {"user": kind.__qualname__}
     for item in fields(condition):
         key = "quantity" if item.name == "function" else item.name
         described[key] = _plain(getattr(condition, item.name))
@@ -46,8 +46,8 @@ def _name_of(quantity: Callable[..., Any]) -> str | None:
     for kind, name in ((AtLeast, "at_least"), (AtMost, "at_most"), (AfterReset, "after_reset")):
         if type(quantity) is kind:
             return name
-    for name, known in QUANTITIES.items():
-        if known.formula is quantity or known.formula is type(quantity):
+    for name, entry in QUANTITIES.items():
+        if entry.formula is quantity or entry.formula is type(quantity):
             return name
     return None
 

@@ -25,9 +25,9 @@ def _inside(p: Point, end: End, share: float, normal: Scalar, moment: Scalar) ->
     "",
     "N m",
     gist="feet that stay flat",
-    says=lambda given, shown: (
-        f"pressure in the middle {shown(100.0 * given['share'])} % of the sole, towards the "
-        f"{given['end']}"
+    says=lambda settings, rounded: (
+        f"pressure in the middle {rounded(100.0 * settings['share'])} % of the sole, towards the "
+        f"{settings['end']}"
     ),
 )
 @dataclass(frozen=True, eq=False)
@@ -51,9 +51,9 @@ class PressureReserve:
     "",
     "N m s",
     gist="feet that land flat",
-    says=lambda given, shown: (
-        f"impulse of a landing in the middle {shown(100.0 * given['share'])} % of the sole, "
-        f"towards the {given['end']}"
+    says=lambda settings, rounded: (
+        f"impulse of a landing in the middle {rounded(100.0 * settings['share'])} % of the sole, "
+        f"towards the {settings['end']}"
     ),
 )
 @dataclass(frozen=True, eq=False)
@@ -77,9 +77,9 @@ class ImpulseReserve:
     "",
     "× usable torque",
     gist="torques within limits",
-    says=lambda given, shown: (
-        f"{SIGNS[given['side']]} torque of the standing ankle's motor within "
-        f"{shown(100.0 * given['share'])} % of its limit"
+    says=lambda settings, rounded: (
+        f"{SIGNS[settings['side']]} torque of the standing ankle's motor within "
+        f"{rounded(100.0 * settings['share'])} % of its limit"
     ),
 )
 @dataclass(frozen=True, eq=False)
@@ -107,8 +107,8 @@ class AnkleReserve:
     "",
     "m",
     gist="a swinging foot clear of the ground",
-    says=lambda given, shown: (
-        f"heel and toe of the swinging foot above an arc of {shown(given['clearance'])} m"
+    says=lambda settings, rounded: (
+        f"heel and toe of the swinging foot above an arc of {rounded(settings['clearance'])} m"
     ),
 )
 @dataclass(frozen=True, eq=False)

@@ -69,8 +69,8 @@ class AfterReset:
 
 
 def _no_slip(foot: str, way: str) -> Says:
-    return lambda given, shown: (
-        f"the {foot} does not slip {way}: friction needed ≤ {shown(given['coefficient'])}"
+    return lambda settings, rounded: (
+        f"the {foot} does not slip {way}: friction needed ≤ {rounded(settings['coefficient'])}"
     )
 
 
@@ -127,8 +127,9 @@ class ImpulseConeBackward(FrictionCone):
     "",
     "× usable torque",
     gist="torques within limits",
-    says=lambda given, shown: (
-        f"{SIGNS[given['side']]} torques within {shown(100.0 * given['share'])} % of the limits"
+    says=lambda settings, rounded: (
+        f"{SIGNS[settings['side']]} torques within {rounded(100.0 * settings['share'])} % "
+        "of the limits"
     ),
 )
 @dataclass(frozen=True, eq=False)
@@ -153,7 +154,7 @@ class TorqueReserve:
     "",
     "rad",
     gist="bent knees",
-    says=lambda given, shown: f"both knees bent by at least {shown(given['least'])} rad",
+    says=lambda settings, rounded: f"both knees bent by at least {rounded(settings['least'])} rad",
 )
 @dataclass(frozen=True, eq=False)
 class KneeBend:
@@ -181,7 +182,9 @@ class KneeBend:
     "",
     "m",
     gist="a swinging foot clear of the ground",
-    says=lambda given, shown: f"swinging foot above an arc of {shown(given['clearance'])} m",
+    says=lambda settings, rounded: (
+        f"swinging foot above an arc of {rounded(settings['clearance'])} m"
+    ),
 )
 @dataclass(frozen=True, eq=False)
 class FootAboveArc:

@@ -149,8 +149,8 @@ class GaitSpec:
                 'that conditions are about, as in regions={"tube": (Box((0.0, 0.0), (1.0, 1.0)),)}'
             )
         names = [condition.name for condition in self.trained_for]
-        for what, given in (("condition", names), ("region", self.regions)):
-            for name in given:
+        for what, names_of_kind in (("condition", names), ("region", self.regions)):
+            for name in names_of_kind:
                 if why := why_no_name(name):
                     raise SpecError(
                         f"spec {self.name!r}: expected a printable name without a slash for each "
@@ -164,10 +164,10 @@ class GaitSpec:
             )
         for condition in self.trained_for:
             if condition.region not in self.regions:
-                known = ", ".join(self.regions)
+                region_names = ", ".join(self.regions)
                 raise SpecError(
                     f"condition {condition.name!r}: unknown region {condition.region!r}; "
-                    f"the regions of spec {self.name!r} are {known}"
+                    f"the regions of spec {self.name!r} are {region_names}"
                 )
             if not condition.scale > 0:
                 raise SpecError(
@@ -213,13 +213,13 @@ class GaitSpec:
         """
         unknown = sorted(set(names) - {condition.name for condition in self.conditions})
         if unknown:
-            known = [condition.name for condition in self.conditions]
-            hints = [hint for name in unknown if (hint := meant(name, known))]
-            said = f"spec {self.name!r} has no conditions {unknown}"
-            raise SpecError("; ".join((said, *hints)))
-        kept = tuple(c for c in self.conditions if c.name not in names)
+            condition_names = [condition.name for condition in self.conditions]
+            hints = [hint for name in unknown if (hint := meant(name, condition_names))]
+            message = f"spec {self.name!r} has no conditions {unknown}"
+            raise SpecError("; ".join((message, *hints)))
+        conditions = tuple(c for c in self.conditions if c.name not in names)
         weights = {name: value for name, value in self.weights.items() if name not in names}
-        return replace(self, conditions=kept, weights=weights)
+        return replace(self, conditions=conditions, weights=weights)
 
     def describe(self) -> dict[str, Any]:
         """Describe everything about the spec as plain data, which a run saves.

@@ -39,10 +39,10 @@ def blamed() -> Iterator[None]:
     except (NeuralGaitsError, KeyboardInterrupt):
         raise
     except BaseException as error:
-        found = mistake(error)
-        if found is None:
+        place = mistake(error)
+        if place is None:
             raise
-        raise found from error
+        raise place from error
 
 
 def mistake(error: BaseException) -> SpecError | None:
@@ -91,21 +91,21 @@ def reason(error: BaseException) -> str:
     if isinstance(error, AttributeError) and name and owner is not None:
         return _without(owner, str(name))
     lines = [line.strip() for line in str(error).splitlines() if line.strip()]
-    said = _TRACER.sub("'array'", lines[0])[:_LONGEST].rstrip(".") if lines else ""
-    return f"{type(error).__name__}: {said}" if said else type(error).__name__
+    message = _TRACER.sub("'array'", lines[0])[:_LONGEST].rstrip(".") if lines else ""
+    return f"{type(error).__name__}: {message}" if message else type(error).__name__
 
 
 def _without(owner: Any, name: str) -> str:
     """Describe an attribute that does not exist."""
     names = [one for one in dir(owner) if not one.startswith("_")]
     close = difflib.get_close_matches(name, names, 1)
-    said = f"{_kind(owner)} has no {name!r}"
+    message = f"{_kind(owner)} has no {name!r}"
     if not isinstance(owner, Point):
-        return f"{said}, did you mean {close[0]!r}?" if close else said
+        return f"{message}, did you mean {close[0]!r}?" if close else message
     hint = f"did you mean {close[0]!r}? " if close else ""
     if hasattr(functions, name):
         hint = f"write functions.{name}(p); "
-    return f"{said}, {hint}it has {', '.join(names)}"
+    return f"{message}, {hint}it has {', '.join(names)}"
 
 
 def _kind(owner: Any) -> str:

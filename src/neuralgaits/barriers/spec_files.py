@@ -43,9 +43,9 @@ def spec_from_file(name: str, robot: PlanarBiped, built_in: Iterable[str]) -> Ga
     with spec_file_errors.blamed():  # A module may have a `__getattr__`.
         defined = hasattr(module, attribute)
     if not defined:
-        known = _defined(path)
-        hint = meant(attribute, known)
-        there = f": {hint}{' ' if hint else ''}there is {', '.join(known)}" if known else ""
+        names = _defined(path)
+        hint = meant(attribute, names)
+        there = f": {hint}{' ' if hint else ''}there is {', '.join(names)}" if names else ""
         raise SpecError(f"spec {name!r}: {path} defines no {attribute!r}{there}")
     value = getattr(module, attribute)
     spec = _applied(name, value, robot) if callable(value) else value
@@ -53,8 +53,8 @@ def spec_from_file(name: str, robot: PlanarBiped, built_in: Iterable[str]) -> Ga
         remedy = f"name a GaitSpec of {path}, or {_A_FUNCTION}"
         if callable(value):
             remedy = f"let {attribute} return one, as in `return specs.walking(robot)`"
-        found = f"expected a GaitSpec, found {type(spec).__name__}"
-        raise SpecError(f"spec {name!r}: {found}: {remedy}")
+        message = f"expected a GaitSpec, found {type(spec).__name__}"
+        raise SpecError(f"spec {name!r}: {message}: {remedy}")
     return spec
 
 
@@ -63,8 +63,8 @@ def _nameless(path: str) -> str:
     file = Path(path)
     if not file.is_file():
         return f"found no name, and {no_file_at(file, 'no such file')}: name a file that is there"
-    if known := _defined(path):
-        return f"found no name; add that of its function or spec, as in {path}:{known[0]}"
+    if names := _defined(path):
+        return f"found no name; add that of its function or spec, as in {path}:{names[0]}"
     return f"found no name, and no function of one robot in it: {_A_FUNCTION}"
 
 

@@ -84,13 +84,13 @@ def _let_help_flow(settings: type) -> None:
 
     tyro keeps a break before an indented line, and lines of an attribute's docstring are indented.
     """
-    said = descriptions(settings)
+    texts = descriptions(settings)
     hints = typing.get_type_hints(settings, include_extras=True)
     for name, hint in hints.items():
         kind = typing.get_args(hint)[0] if typing.get_origin(hint) is Annotated else hint
         if is_dataclass(kind):
             _let_help_flow(typing.cast(type, kind))
-        elif text := said.get(name):
+        elif text := texts.get(name):
             settings.__annotations__[name] = Annotated[hint, arg(help=text)]
 
 
@@ -103,5 +103,5 @@ def given(verb: Any, settings: type, **others: Any) -> dict[str, Any]:
         others: settings that only Python has, and those in another form.
     """
     own = {one.name for one in fields(verb)}
-    taken = (one.name for one in fields(settings) if one.name in own)
-    return {name: getattr(verb, name) for name in taken} | others
+    names = (one.name for one in fields(settings) if one.name in own)
+    return {name: getattr(verb, name) for name in names} | others

@@ -41,9 +41,13 @@ def brief_training(result: Trained) -> None:
         least = "" if margin is None else f", margins of {at_least(margin, 3)} or more"
         facts.append(("proof", f"{result.certificate.verdict} at level 1{least}"))
     if "speed" in result.commands:
-        asked, found = result.commands["speed"], result.orbit_speeds_m_s
-        orbits = "no orbit" if found is None else f"orbits at {found[0]:.3g} to {found[1]:.3g} m/s"
-        facts.append(("speed", f"requested {asked.low:g} to {asked.high:g} m/s, {orbits}"))
+        requested, measured = result.commands["speed"], result.orbit_speeds_m_s
+        orbits = (
+            "no orbit"
+            if measured is None
+            else f"orbits at {measured[0]:.3g} to {measured[1]:.3g} m/s"
+        )
+        facts.append(("speed", f"requested {requested.low:g} to {requested.high:g} m/s, {orbits}"))
     facts.append(("time", f"{result.wall_s:.0f} s, {result.compile_s:.0f} s of it compiling"))
     facts += [("run", result.run), ("next", command("simulate", named(result.run)))]
     show_facts(facts)
@@ -72,8 +76,8 @@ def brief_walks(result: Simulated) -> None:
         for name, error in result.command_error.items()
         if error.mean is not None
     ]
-    if result.push and (ended := result.fell_after_push):
-        reasons.append(f"{len(ended)} once their push of {number(result.push)} N s was due")
+    if result.push and (fallen := result.fell_after_push):
+        reasons.append(f"{len(fallen)} once their push of {number(result.push)} N s was due")
     facts: list[tuple[str, Any]] = [("fell", ", ".join(reasons))] if reasons else []
     facts.append(("figures", ", ".join([*numbers, _MORE])))
     if share := result.saturated_fraction:
@@ -81,9 +85,11 @@ def brief_walks(result: Simulated) -> None:
     if (link := result.link) is not None and link.deadline_misses:
         late = f"{link.deadline_misses} of {link.ticks} ticks kept the command of the tick before"
         facts.append(("link", late))
-    if (seen := result.monitor) is not None:
-        shares = (f"{one.inside:.2%} in the set of level {levels}" for levels, one in seen.by_set)
-        facts.append(("monitor", f"of {seen.ticks} ticks, {', '.join(shares)}"))
+    if (monitored := result.monitor) is not None:
+        shares = (
+            f"{one.inside:.2%} in the set of level {levels}" for levels, one in monitored.by_set
+        )
+        facts.append(("monitor", f"of {monitored.ticks} ticks, {', '.join(shares)}"))
     if result.adapted is not None:
         facts.append(("adapted", result.adapted.in_words))
     if result.believed_lean is not None:
@@ -111,12 +117,14 @@ def brief_proof(result: CertificateRecord) -> None:
     about = "".join(f", {part}" for part in (result.robots, result.ground) if part)
     level, least = result.proved_level, result.least_margin
     margins = "" if least is None else f", margins of {at_least(least, 4)} or more"
-    held = ""
+    sentence = ""
     if level:
-        held = f"level {level} ({WORDS[level].about}{about}): {len(entries)} conditions{margins}"
+        sentence = (
+            f"level {level} ({WORDS[level].about}{about}): {len(entries)} conditions{margins}"
+        )
     facts: list[tuple[str, Any]] = []
     if result.verdict == "proved":
-        show_sentence(verdict(result.verdict), f" to {held}")
+        show_sentence(verdict(result.verdict), f" to {sentence}")
         facts += [("before", result.reason)] if result.reason else []
     else:
         reason = f": {result.reason}" if result.reason else ""
@@ -125,7 +133,7 @@ def brief_proof(result: CertificateRecord) -> None:
             # A condition is refuted; nothing above stands on it.
             at = f" at level 1, level {result.level} was requested"
         show_sentence(verdict(result.verdict), f"{at}{about}{reason}")
-        facts += [("proved", held)] if held else []
+        facts += [("proved", sentence)] if sentence else []
     for name, one in entries.items():
         if (point := one.counterexample) is not None:
             z = ", ".join(f"{value:.6g}" for value in point.z)
@@ -139,8 +147,8 @@ def brief_proof(result: CertificateRecord) -> None:
     if level and not open_ and above is None:
         facts.append(("about", _SUBJECTS[level >= FULL_ORDER_LEVEL]))
     facts.append(("boxes", f"{result.boxes} in {result.wall_s:.0f} s; {_MORE}"))
-    done = command("report", named(result.run)) if result.proved_level else None
-    facts += [("proof", result.proof), *([("next", done)] if done else [])]
+    next_command = command("report", named(result.run)) if result.proved_level else None
+    facts += [("proof", result.proof), *([("next", next_command)] if next_command else [])]
     show_facts(facts)
 
 

@@ -26,18 +26,18 @@ def outcome_of_family(verb: Any, name: str) -> Outcome | None:
     if task is None:
         return None
     with _progress(name, quiet=verb.output.json) as progress:
-        done = task(progress)
-    brief = partial(_show, done)
-    whole = show_proof if isinstance(done.result, CertificateRecord) else brief
-    return Outcome(done.result, done.good, whole, done.undecided, brief)
+        result = task(progress)
+    brief = partial(_show, result)
+    whole = show_proof if isinstance(result.result, CertificateRecord) else brief
+    return Outcome(result.result, result.good, whole, result.undecided, brief)
 
 
-def _show(done: VerbResult, result: Any) -> None:
+def _show(outcome: VerbResult, result: Any) -> None:
     """Show a family's result."""
     del result
-    screen = done.screen
+    screen = outcome.screen
     if screen.answer:
-        colour = "green" if done.good else "yellow" if done.undecided else "red"
+        colour = "green" if outcome.good else "yellow" if outcome.undecided else "red"
         show_sentence(Text(screen.answer, colour), screen.sentence)
     if screen.table is not None:
         show_table(*screen.table)

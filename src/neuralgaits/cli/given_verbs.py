@@ -39,11 +39,13 @@ def show_given(result: Trained) -> None:
     if broken:
         count = Text(f"{len(broken)} of {len(result.conditions)} conditions fail", "yellow")
         show_sentence(count, " somewhere in the tube around the orbit")
-        rows = [(name, number(found.max_violation)) for name, found in broken.items()]
+        rows = [(name, number(condition.max_violation)) for name, condition in broken.items()]
         show_table(("condition", "max violation, in scales"), rows)
     else:
-        held = f": all {len(result.conditions)} conditions hold on samples of the tube around it"
-        show_sentence(Text("an orbit that attracts", "green"), held)
+        sentence = (
+            f": all {len(result.conditions)} conditions hold on samples of the tube around it"
+        )
+        show_sentence(Text("an orbit that attracts", "green"), sentence)
     facts: list[tuple[str, Any]] = [
         ("robot", result.robot),
         ("spec", result.spec),

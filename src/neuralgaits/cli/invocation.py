@@ -20,8 +20,8 @@ def as_called(text: str) -> str:
     called = Path(sys.argv[0])
     if called.name != PROGRAM or not called.is_file():
         return text
-    found = shutil.which(PROGRAM)
-    if found is not None and Path(found).samefile(called):
+    path = shutil.which(PROGRAM)
+    if path is not None and Path(path).samefile(called):
         return text
     pip = called.with_name("pip")
     text = _OWN.sub(lambda at: f"{at[1]}{quoted(_typed(called))} ", text)

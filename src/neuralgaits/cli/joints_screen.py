@@ -21,11 +21,11 @@ def show_joints(result: IdentifiedJoints) -> None:
     """Show the numbers of every joint with intervals, and where to go with them."""
     verdict = Text("identified", "green") if result.better else Text("not identified", "red")
     errors = zip(*((one.nominal_error_nm, one.error_nm) for one in result.joints), strict=True)
-    file, found = (_mean_square(some) for some in errors)
+    file, identified = (_mean_square(some) for some in errors)
     show_sentence(
         verdict,
-        f": torques of held-out strides are explained to {found:.3g} N m rms, by the robot file "
-        f"to {file:.3g} N m",
+        f": torques of held-out strides are explained to {identified:.3g} N m rms, by the robot "
+        f"file to {file:.3g} N m",
     )
     for joint in result.joints:
         rows = [
@@ -57,10 +57,10 @@ def _mean_square(errors: tuple[float, ...]) -> float:
 
 def _boxes(result: IdentifiedJoints) -> list[tuple[str, Any]]:
     """Return lines about boxes of rotor inertias that hold all intervals."""
-    found: list[tuple[str, Any]] = []
+    rows: list[tuple[str, Any]] = []
     if (half := result.rotor_of_file) is not None and half <= MOST_SHARE:
         box = f"rotor={100.0 * half:.3g}%"
-        found.append(("rotors", command("certify", named(result.run), "--parameters", box)))
+        rows.append(("rotors", command("certify", named(result.run), "--parameters", box)))
     if result.written is not None and (half := result.rotor_of_estimates) is not None:
-        found.append(("around new file", f"rotor={100.0 * half:.3g}%"))
-    return found
+        rows.append(("around new file", f"rotor={100.0 * half:.3g}%"))
+    return rows

@@ -22,8 +22,8 @@ def carry_out_fit(verb: FitOptions) -> Outcome:
     from neuralgaits.workflows.fit import fit
 
     with TrainingProgress(quiet=verb.output.json) as progress:
-        done = fit(**given(verb, FitSettings, progress=progress)).summary
-    return Outcome(done, done.better, learning_screen.show_fit, brief=brief_fit)
+        summary = fit(**given(verb, FitSettings, progress=progress)).summary
+    return Outcome(summary, summary.better, learning_screen.show_fit, brief=brief_fit)
 
 
 def _fit_joints(verb: FitOptions) -> Outcome:
@@ -39,8 +39,8 @@ def _fit_joints(verb: FitOptions) -> Outcome:
                 f"least squares, leave --{name} out"
             )
     with waiting("identifying", quiet=verb.output.json):
-        done = fit_joints(verb.run, verb.logs, columns=verb.columns, write=verb.write)
-    return Outcome(done, done.better, show_joints)
+        result = fit_joints(verb.run, verb.logs, columns=verb.columns, write=verb.write)
+    return Outcome(result, result.better, show_joints)
 
 
 def carry_out_refine(verb: RefineOptions) -> Outcome:
@@ -51,9 +51,11 @@ def carry_out_refine(verb: RefineOptions) -> Outcome:
     with TrainingProgress(quiet=verb.output.json) as progress:
         watch = Watch(progress.proved, progress.round_ended)
         run = refine(**given(verb, RefineSettings, progress=progress, watch=watch))
-    done = run.summary
-    shown = None if done.broken else brief_training
-    return Outcome(done, done.proved, screen.show_training, undecided=not done.proved, brief=shown)
+    summary = run.summary
+    show = None if summary.broken else brief_training
+    return Outcome(
+        summary, summary.proved, screen.show_training, undecided=not summary.proved, brief=show
+    )
 
 
 def carry_out_episodes(verb: EpisodesOptions) -> Outcome:
@@ -64,8 +66,8 @@ def carry_out_episodes(verb: EpisodesOptions) -> Outcome:
     resume = None if verb.resume is None else _found(verb.resume, verb.output.json)
     with TrainingProgress(quiet=verb.output.json) as progress:
         others = {"resume": resume, "progress": progress, "tell": progress.stage}
-        done = episodes(**given(verb, EpisodesSettings, **others))
-    return Outcome(done.summary, done.walks is not False, episodes_screen.show_episodes)
+        summary = episodes(**given(verb, EpisodesSettings, **others))
+    return Outcome(summary.summary, summary.walks is not False, episodes_screen.show_episodes)
 
 
 def _found(resume: str | Path, quiet: bool) -> str | Path:

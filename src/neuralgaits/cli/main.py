@@ -212,9 +212,11 @@ def _of_surroundings(error: BaseException) -> str | None:
         )
     # Read at the import of JAX and the libraries beside it, each in its own module for that.
     if names and re.fullmatch(r"(jax\._src|equinox|jaxtyping)\._?config", names[-1]):
-        asked = variables_of_jax()
-        if asked:
-            return f"expected values that JAX takes, found {', '.join(asked)}: unset what is wrong"
+        settings = variables_of_jax()
+        if settings:
+            return (
+                f"expected values that JAX takes, found {', '.join(settings)}: unset what is wrong"
+            )
     return why_jax_failed(error)
 
 
@@ -236,14 +238,14 @@ def _next(arguments: list[str], error: KeyboardInterrupt) -> str:
 def _stdout_to_stderr() -> Iterator[None]:
     """Keep stdout for the answer: all other output, of C libraries, too, goes to stderr."""
     sys.stdout.flush()
-    kept = os.dup(1)
+    stdout = os.dup(1)
     os.dup2(2, 1)
     try:
         with contextlib.redirect_stdout(sys.stderr):
             yield
     finally:
-        os.dup2(kept, 1)
-        os.close(kept)
+        os.dup2(stdout, 1)
+        os.close(stdout)
 
 
 def _fail(message: str, error: BaseException, code: int, verbose: bool) -> int:

@@ -70,7 +70,7 @@ def refuse_misspelt(words: Sequence[str], verbs: Mapping[str, type]) -> None:
             raise InputError(f"no command {verb}; {hint}")
         raise InputError(f"no command {verb}: expected one of {', '.join(verbs)}")
     options, positional = options_of(verbs[verb]), _positional(verbs[verb])
-    seen, alone = set(), []
+    flags, alone = set(), []
     left = iter(rest)
     for word in left:
         if word in _HELP:
@@ -80,20 +80,20 @@ def refuse_misspelt(words: Sequence[str], verbs: Mapping[str, type]) -> None:
         elif word.startswith("--"):
             _refuse_elsewhere(verb, word, verbs)
             name = _option(verb, word, options, left)
-            if name in seen:
+            if name in flags:
                 # The parser would take the last one and say nothing.
                 raise InputError(
                     f"expected {name} once, found it twice: leave one out, or join NAME=... by "
                     "commas"
                 )
-            seen.add(name)
+            flags.add(name)
         elif word.startswith("-") and word not in ("-", _VERBOSE):
             raise InputError(f"unknown option {word} of {verb}; {_see(verb)}")
         elif word != _VERBOSE:
             alone.append(word)
     _refuse_count(verb, alone, positional)
     for name, one in options.items():
-        if one.required and name not in seen:
+        if one.required and name not in flags:
             raise InputError(f"expected {name} {one.metavar}, found none; {_see(verb)}")
 
 
@@ -184,8 +184,8 @@ def _refuse_count(verb: str, alone: Sequence[str], positional: Sequence[_Setting
         raise InputError(f"expected {metavar}, found none: {as_in}")
     if len(alone) > len(positional) and not any(one.many for one in positional):
         word = alone[len(positional)]
-        taken = " ".join(one.metavar.strip("[]") for one in positional) or "no word"
-        raise InputError(f"{verb} takes {taken} beside its options, found {word!r}; {_see(verb)}")
+        words = " ".join(one.metavar.strip("[]") for one in positional) or "no word"
+        raise InputError(f"{verb} takes {words} beside its options, found {word!r}; {_see(verb)}")
 
 
 def _see(verb: str) -> str:

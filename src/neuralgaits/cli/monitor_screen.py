@@ -4,17 +4,22 @@ from neuralgaits.cli.screen_tables import number, show_sentence, show_table
 from neuralgaits.records.monitored import MonitorFigures
 
 
-def show_monitor(seen: MonitorFigures) -> None:
+def show_monitor(monitored: MonitorFigures) -> None:
     """Show in which share of ticks the state was in the proved sets, and what was outside last."""
     rows = []
-    for levels, one in seen.by_set:
+    for levels, one in monitored.by_set:
         last = "none"
         if (tick := one.last_outside) is not None:
             last = f"{tick.name}, walk {tick.walk} at {tick.time_s:.3f} s"
         rows.append((levels, f"{one.inside:.2%}", f"{number(one.margin)}, {one.name}", last))
     show_table(("set of level", "inside", "smallest margin", "last outside"), rows)
-    in_time = "" if seen.in_time is None else f", {seen.in_time:.2%} came within its hold (level 5)"
+    in_time = (
+        ""
+        if monitored.in_time is None
+        else f", {monitored.in_time:.2%} came within its hold (level 5)"
+    )
     show_sentence(
-        f"of {seen.ticks} ticks, {seen.admissible:.2%} had commands that the proof is about"
+        f"of {monitored.ticks} ticks, {monitored.admissible:.2%} had commands that the proof is "
+        "about"
         f"{in_time}; the sets are those of the model under the proof's own controller"
     )

@@ -118,15 +118,15 @@ class TrainingProgress(_OnTerminal):
                 description="proved",
             )
 
-    def round_ended(self, ended: "ProofRound") -> None:
+    def round_ended(self, proof_round: "ProofRound") -> None:
         """Print the result of a certificate in a permanent line."""
-        line = f"certificate after {ended.steps} steps: {ended.verdict}"
-        if ended.failing:
-            worst = sorted(ended.failing, key=lambda name: -ended.failing[name])
+        line = f"certificate after {proof_round.steps} steps: {proof_round.verdict}"
+        if proof_round.failing:
+            worst = sorted(proof_round.failing, key=lambda name: -proof_round.failing[name])
             more = f" and {len(worst) - _NAMED} more" if len(worst) > _NAMED else ""
-            line += f", {ended.open_boxes} boxes open: {', '.join(worst[:_NAMED])}{more}"
-        if ended.smallest_margin is not None:
-            line += f", smallest margin {ended.smallest_margin:.3g} of its scale"
+            line += f", {proof_round.open_boxes} boxes open: {', '.join(worst[:_NAMED])}{more}"
+        if proof_round.smallest_margin is not None:
+            line += f", smallest margin {proof_round.smallest_margin:.3g} of its scale"
         self.say(line)
         self._next_line, self._first = 0.0, None
 

@@ -47,11 +47,11 @@ def show_proof(result: CertificateRecord) -> None:
         show_sentence(f"and {len(others)} more, {what}; --json has all")
     _show_levels(result.levels)
     reason = f": {result.reason}" if result.reason else ""
-    asked = f" at level {result.level}"
+    request = f" at level {result.level}"
     if result.verdict == "refuted" and result.level > 1:
         # What is refuted is a condition; nothing above stands on it.
-        asked = f" at level 1, level {result.level} was requested"
-    show_sentence(verdict(result.verdict), f"{asked}{reason}")
+        request = f" at level 1, level {result.level} was requested"
+    show_sentence(verdict(result.verdict), f"{request}{reason}")
     facts: list[tuple[str, Any]] = [("boxes", result.boxes), ("time", f"{result.wall_s:.0f} s")]
     if result.robots is not None:
         facts.append(("robots", f"all {result.all_robots}"))
@@ -87,12 +87,12 @@ def show_check(result: Checked) -> None:
     weights = f"weights of sha256 {result.weights_sha256[:12]}..."
     show_sentence(f"claims for {result.robot}, spec {result.spec}, {weights}")
     statements = result.statements
-    shown = [text for text in statements if _PREMISE not in text.partition(":")[0]]
-    shown = shown or list(statements[:ROWS])
-    for statement in shown:
+    lines = [text for text in statements if _PREMISE not in text.partition(":")[0]]
+    lines = lines or list(statements[:ROWS])
+    for statement in lines:
         show_sentence(statement, indent=_INDENT, hang=_INDENT)
-    if len(shown) < len(statements):
-        rest = len(statements) - len(shown)
+    if len(lines) < len(statements):
+        rest = len(statements) - len(lines)
         show_sentence(f"and {rest} premises of the levels; --json has them", indent=_INDENT)
     _show_levels(result.levels)
     if result.unclaimed:

@@ -18,15 +18,15 @@ def carry_out_report(verb: ReportOptions) -> Outcome:
 
     what = "walking once more, drawing the figures"
     with waiting(what, quiet=verb.output.json) as progress:
-        done = write_report(verb.run, out=verb.out, begun=progress.begun)
-    return Outcome(done.summary, True, show_report, brief=brief_report)
+        written = write_report(verb.run, out=verb.out, started=progress.begun)
+    return Outcome(written.summary, True, show_report, brief=brief_report)
 
 
 def show_report(result: Reported) -> None:
     """Show where the page is, what is in it, and which commands would add the missing parts."""
     size = result.bytes / 1e6
-    told = f": {len(result.figures)} figures, {size:.1f} MB, opens without a network"
-    show_sentence(Text("written", "green"), told)
+    sentence = f": {len(result.figures)} figures, {size:.1f} MB, opens without a network"
+    show_sentence(Text("written", "green"), sentence)
     facts = [("report", result.report)]
     facts += [("damaged", f"{file}: {reason}") for file, reason in result.damaged.items()]
     show_facts(facts)

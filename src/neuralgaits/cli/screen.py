@@ -42,15 +42,17 @@ def show_training(result: Trained) -> None:
             show_sentence(f"and {len(rows) - ROWS} more, by {rows[ROWS][2]} at most")
         show_facts(_to_mend(result, worst[0][0]))
     else:
-        held = _held(len(result.conditions))
-        show_sentence(Text("trained", "green"), f": {held} on fresh samples")
+        sentence = _held(len(result.conditions))
+        show_sentence(Text("trained", "green"), f": {sentence} on fresh samples")
     if result.certificate is not None:
         show_sentence(_proof_of_training(result.certificate))
     facts = [(name, getattr(result, name)) for name in ("robot", "spec", "seed", "loss")]
     if "speed" in result.commands:
-        asked, found = result.commands["speed"], result.orbit_speeds_m_s
-        orbits = "no orbit" if found is None else f"orbits at {found[0]:.3g} to {found[1]:.3g}"
-        facts.append(("speed", f"asked {asked.low:g} to {asked.high:g} m/s, {orbits}"))
+        requested, measured = result.commands["speed"], result.orbit_speeds_m_s
+        orbits = (
+            "no orbit" if measured is None else f"orbits at {measured[0]:.3g} to {measured[1]:.3g}"
+        )
+        facts.append(("speed", f"asked {requested.low:g} to {requested.high:g} m/s, {orbits}"))
     if result.step_size < 1.0:
         facts.append(("steps", f"{result.step_size:.2g} of the usual size: larger ones met NaN"))
     facts.append(("time", f"{result.wall_s:.0f} s, {result.compile_s:.0f} s compiling"))
@@ -85,14 +87,14 @@ def _to_mend(result: Trained, worst: str) -> list[tuple[str, str]]:
 def _proof_of_training(proof: TrainingProof) -> Text:
     """Describe the last certificate of a training, and the repairs that it took."""
     repairs = f"{proof.repairs} repairs of {proof.repair_steps} steps"
-    found = verdict(proof.verdict)
+    outcome = verdict(proof.verdict)
     if proof.smallest_margin is None:
         names = ", ".join(sorted(proof.failing))
         return Text.assemble(
-            found, f" at level 1 after {repairs}: {proof.open_boxes} boxes open ({names})"
+            outcome, f" at level 1 after {repairs}: {proof.open_boxes} boxes open ({names})"
         )
     margin = f"smallest margin {proof.smallest_margin:.3g} of its scale"
-    return Text.assemble(found, f" at level 1 after {repairs}, {margin}")
+    return Text.assemble(outcome, f" at level 1 after {repairs}, {margin}")
 
 
 _MANY_SATURATED = 0.05
@@ -111,11 +113,11 @@ def show_walks(result: Simulated) -> None:
     )
     reasons = Counter(reason for reason in result.fall_reasons if reason is not None)
     show_table(("fell because", "episodes"), [(why, str(n)) for why, n in reasons.items()])
-    if result.push and (ended := result.fell_after_push):
+    if result.push and (fallen := result.fell_after_push):
         show_sentence(
-            f"{len(ended)} of {count} walks ended once their push of {number(result.push)} N s was "
-            f"due, within half a second of touchdown {result.touchdowns_before_push}: at step "
-            f"{_span(ended)}"
+            f"{len(fallen)} of {count} walks ended once their push of {number(result.push)} N s "
+            f"was due, within half a second of touchdown {result.touchdowns_before_push}: at step "
+            f"{_span(fallen)}"
         )
     figures = result.shown
     if (orbit := result.poincare) is not None:
@@ -124,7 +126,7 @@ def show_walks(result: Simulated) -> None:
             ("Poincaré multiplier, model", orbit.multiplier, ""),
         ]
     figures.append(("speed, × real time", result.real_time_factor, ""))
-    rows = [(said, f"{number(v)} {unit}".rstrip()) for said, v, unit in figures if v is not None]
+    rows = [(label, f"{number(v)} {unit}".rstrip()) for label, v, unit in figures if v is not None]
     show_table(("figure", "value"), rows)
     share = result.saturated_fraction
     if share is not None and share > _MANY_SATURATED:
@@ -172,12 +174,12 @@ def _adapted(result: Simulated) -> None:
 
 def _settings_of_walks(result: Simulated) -> None:
     """Show what walked, and under which conditions."""
-    asked = ("plant", "simulator", "controller", "engine", "terrain", "start", "push", "run")
-    facts = [(name, value) for name in asked if (value := getattr(result, name)) is not None]
+    names = ("plant", "simulator", "controller", "engine", "terrain", "start", "push", "run")
+    facts = [(name, value) for name in names if (value := getattr(result, name)) is not None]
     changed = [f"{name}={number(value)}" for name, value in _disturbed(result)]
-    told = [f"{name}={number(value)}" for name, value in (result.command or {}).items()]
-    if told or result.commands is not None:
-        facts.append(("told", ", ".join(told) or str(result.commands)))
+    settings = [f"{name}={number(value)}" for name, value in (result.command or {}).items()]
+    if settings or result.commands is not None:
+        facts.append(("told", ", ".join(settings) or str(result.commands)))
     if result.drawn_from is not None:
         facts.append(("robots", f"one a walk, drawn from {result.drawn_from}"))
     show_facts([*facts, *([("disturb", ", ".join(changed))] if changed else [])])

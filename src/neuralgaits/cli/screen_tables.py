@@ -71,13 +71,13 @@ def show_table(head: Sequence[str], rows: Iterable[Sequence[Words]]) -> None:
         return
     table = Table(box=None, pad_edge=False, header_style="bold")
     # Shared out here: left to itself, the library cuts words off where room is short.
-    wanted = [
+    natural = [
         max(text.cell_len for text in column) - width
         for column, width in zip(columns, widths, strict=True)
     ]
     spare = console.width - sum(widths) - _GAP * (len(widths) - 1)
-    share = min(1.0, spare / max(sum(wanted), 1))
-    for name, width, more in zip(head, widths, wanted, strict=True):
+    share = min(1.0, spare / max(sum(natural), 1))
+    for name, width, more in zip(head, widths, natural, strict=True):
         table.add_column(name, width=width + int(share * more))
     for row in cells:
         table.add_row(*row)

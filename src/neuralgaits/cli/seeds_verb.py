@@ -44,17 +44,17 @@ def carry_out_seeds(verb: TrainOptions) -> Outcome:
 
     with TrainingProgress(quiet=verb.output.json) as progress:
         others = {"progress": progress, "doubted": progress.say}
-        done = train_seeds(**given(verb, TrainSeedsSettings, **others))
-    return Outcome(done.summary, not done.summary.refused, show_seeds)
+        summary = train_seeds(**given(verb, TrainSeedsSettings, **others))
+    return Outcome(summary.summary, not summary.summary.refused, show_seeds)
 
 
 def show_seeds(result: TrainedSeeds) -> None:
     """Show how many seeds satisfy all conditions, which ones do not, and the best seed."""
     every, holding, refused = len(result.seeds), result.holding, result.refused
     state = Text("trained", "yellow" if refused else "green")
-    held = f"; all {result.conditions} conditions hold on fresh samples of {len(holding)}"
+    sentence = f"; all {result.conditions} conditions hold on fresh samples of {len(holding)}"
     trained = every - len(refused)
-    show_sentence(state, f": {trained} of {every} seeds{held if trained else ''}")
+    show_sentence(state, f": {trained} of {every} seeds{sentence if trained else ''}")
     for one in refused[:ROWS]:
         show_sentence(f"seed {one.seed}: {one.refused}", hang=2)
     failing = sorted((one for one in result.seeds if one.broken), key=lambda one: -_count(one))
@@ -69,9 +69,9 @@ def show_seeds(result: TrainedSeeds) -> None:
     spent = f"{result.wall_s:.0f} s, {result.compile_s:.0f} s compiling, {together}"
     facts = [("robot", result.robot), ("spec", result.spec), ("time", spent)]
     facts.append(("runs", result.folder))
-    known = [one for one in result.seeds if one.loss is not None]
-    if known:
-        best = min(known, key=lambda one: (_count(one), one.loss))
+    finished = [one for one in result.seeds if one.loss is not None]
+    if finished:
+        best = min(finished, key=lambda one: (_count(one), one.loss))
         facts.append(("least loss", f"seed {best.seed}, {number(best.loss)}"))
         facts.append(("next", command("simulate", named(best.run))))
     show_facts(facts)

@@ -97,8 +97,8 @@ def _say_which_is_latest(verb: Verb) -> None:
     """Print to stderr which run `latest` is: a failed training leaves it unchanged."""
     from neuralgaits.runs.latest import LATEST, about_latest
 
-    if getattr(verb, "run", None) == LATEST and (told := about_latest()) is not None:
-        print(told, file=sys.stderr)
+    if getattr(verb, "run", None) == LATEST and (sentence := about_latest()) is not None:
+        print(sentence, file=sys.stderr)
 
 
 def _train(verb: TrainOptions) -> Outcome:
@@ -112,10 +112,12 @@ def _train(verb: TrainOptions) -> Outcome:
         watch = Watch(progress.proved, progress.round_ended, progress.say)
         others = {"resume": resume, "progress": progress, "watch": watch}
         run = train(**given(verb, TrainSettings, **others))
-    done = run.summary
+    summary = run.summary
     # What failed, and what may mend it, is shown whole.
-    shown = None if done.broken else brief.brief_training
-    return Outcome(done, done.proved, screen.show_training, undecided=not done.proved, brief=shown)
+    show = None if summary.broken else brief.brief_training
+    return Outcome(
+        summary, summary.proved, screen.show_training, undecided=not summary.proved, brief=show
+    )
 
 
 def _unfinished(run: str | Path, quiet: bool) -> Path:
@@ -140,12 +142,12 @@ def _simulate(verb: SimulateOptions) -> Outcome:
     from neuralgaits.workflows.simulate import simulate
 
     with waiting("walking", quiet=verb.output.json) as progress:
-        done = simulate(**given(verb, SimulateSettings, begun=progress.begun))
-    notes = [done.plant_note, None if verb.output.json else done.summary.engine_note]
+        walks = simulate(**given(verb, SimulateSettings, begun=progress.begun))
+    notes = [walks.plant_note, None if verb.output.json else walks.summary.engine_note]
     for note in filter(None, notes):
         print(note, file=sys.stderr)
-    walked = not any(done.summary.fell)
-    return Outcome(done.summary, walked, screen.show_walks, brief=brief.brief_walks)
+    stayed_up = not any(walks.summary.fell)
+    return Outcome(walks.summary, stayed_up, screen.show_walks, brief=brief.brief_walks)
 
 
 def _certify(verb: CertifyOptions) -> Outcome:
@@ -155,12 +157,12 @@ def _certify(verb: CertifyOptions) -> Outcome:
 
     with ProofProgress(quiet=verb.output.json) as progress:
         try:
-            done = certify(**given(verb, CertifySettings, progress=progress))
+            certificate = certify(**given(verb, CertifySettings, progress=progress))
         except SearchInterrupted as stop:
             raise Interrupted(_resumed_proof(verb)) from stop
-    verdict = done.verdict
+    verdict = certificate.verdict
     return Outcome(
-        done.summary,
+        certificate.summary,
         verdict == "proved",
         proof_screen.show_proof,
         verdict == "undecided",
@@ -193,25 +195,25 @@ def _export(verb: ExportOptions) -> Outcome:
     from neuralgaits.workflows.export import export_controller
 
     with waiting("writing it, comparing it with Python", quiet=verb.output.json) as progress:
-        done = export_controller(**given(verb, ExportSettings, begun=progress.begun))
-    return Outcome(done.summary, done.checked, show_export, undecided=not done.checked)
+        exported = export_controller(**given(verb, ExportSettings, begun=progress.begun))
+    return Outcome(exported.summary, exported.checked, show_export, undecided=not exported.checked)
 
 
 def _check_deploy(verb: CheckDeployOptions) -> Outcome:
     from neuralgaits.cli.deploy_screen import show_deployment_check
     from neuralgaits.workflows.check_deploy import check_deploy
 
-    done = check_deploy(**given(verb, CheckDeploySettings))
-    undecided = done.agrees and not done.complete
-    return Outcome(done, done.agrees and done.complete, show_deployment_check, undecided)
+    checked = check_deploy(**given(verb, CheckDeploySettings))
+    undecided = checked.agrees and not checked.complete
+    return Outcome(checked, checked.agrees and checked.complete, show_deployment_check, undecided)
 
 
 def _inspect(verb: InspectOptions) -> Outcome:
     if verb.planarise is not None:
         from neuralgaits.workflows.planarise import planarise_file
 
-        made = planarise_file(verb.robot, verb.planarise, verb.feet, verb.weld)
-        return Outcome(made, True, robot_screen.show_planarised)
+        planar = planarise_file(verb.robot, verb.planarise, verb.feet, verb.weld)
+        return Outcome(planar, True, robot_screen.show_planarised)
     if verb.feet != "point":
         raise InputError("--feet: expected --planarise OUT.xml beside it, found none: add that")
     if verb.weld:

@@ -95,13 +95,13 @@ class ClfQp(AbstractLaw):
         """Solve the program. Returns: `Limited`."""
         torque, limit = demand.torque, demand.limit
         m, unit = robot.n - 1, jnp.max(limit)
-        found = minimise(self.program(robot, demand))
-        given_up = found.x[m:] > np.array([SLOWER, OUT_OF_CONE])
+        solution = minimise(self.program(robot, demand))
+        given_up = solution.x[m:] > np.array([SLOWER, OUT_OF_CONE])
         # A program without a solution in numbers: motors without torque.
-        within = jnp.where(found.converged, unit * found.x[:m], torque)
+        within = jnp.where(solution.converged, unit * solution.x[:m], torque)
         within = jnp.clip(within, -limit, limit)
         at_limit = jnp.any(jnp.abs(within) >= (1.0 - AT_LIMIT) * limit)
-        return Limited(within, at_limit, given_up | ~found.converged)
+        return Limited(within, at_limit, given_up | ~solution.converged)
 
     def program(self, robot: DrivenMechanism, demand: Demand) -> QuadraticProgram:
         """The program of one state. Torques are in units of the largest limit.
@@ -166,8 +166,8 @@ def accelerations(robot: DrivenMechanism, reading: MeasuredState) -> Acceleratio
         at_ankle = reading.ankle - robot.damping[0] * reading.dq[0]
         bias = bias + at_ankle * jnp.eye(robot.n)[0]
     columns = jnp.concatenate([-bias[None], jnp.eye(robot.n)[1:]])
-    found = jax.vmap(lambda column: solve(mass, column))(columns)
-    return Accelerations(found[0], found[1:].T)
+    responses = jax.vmap(lambda column: solve(mass, column))(columns)
+    return Accelerations(responses[0], responses[1:].T)
 
 
 def ground_force(

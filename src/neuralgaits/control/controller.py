@@ -196,9 +196,9 @@ def start(
     at_rest = MeasuredState(jnp.zeros(n), jnp.zeros(n), jnp.zeros(2), jnp.zeros(2))
     at_rest = _with_ankle(controller, first, at_rest)
     shapes = jax.eval_shape(_ask, controller, first, at_rest)
-    held = jax.tree.map(lambda leaf: jnp.zeros(leaf.shape, leaf.dtype), shapes)
+    torques = jax.tree.map(lambda leaf: jnp.zeros(leaf.shape, leaf.dtype), shapes)
     ankle = None if controller.robot.feet is None else jnp.zeros(())
-    return ControllerState(stance.start(leg), jnp.zeros((), jnp.int32), held, first, ankle)
+    return ControllerState(stance.start(leg), jnp.zeros((), jnp.int32), torques, first, ankle)
 
 
 def tell(
@@ -235,10 +235,10 @@ def step(
     )
     remaining = jnp.where(ask, law.hold_ticks, state.ticks_to_policy) - 1
     model = robot if joints is None else robot.with_joints(joints.armature, joints.damping)
-    wanted = law.torque(model, reading, held)
+    requested_torque = law.torque(model, reading, held)
     if joints is not None and law.takes_joints:
-        wanted = wanted + joints.friction_torque(held.dy)
-    demand = Demand(reading, held, wanted, controller.torque_limit)
+        requested_torque = requested_torque + joints.friction_torque(held.dy)
+    demand = Demand(reading, held, requested_torque, controller.torque_limit)
     torque, saturated, relaxed = law.apply_limits(model, demand)
     command = TickResult(
         torque=leg_joints(robot.layout, stance_ankle.motors(robot, reading, torque), standing.leg),

@@ -95,7 +95,7 @@ def start(robot: PlanarBiped) -> EstimatorState:
 def estimate(
     estimator: Estimator,
     robot: PlanarBiped,
-    known: EstimatorState,
+    state: EstimatorState,
     reading: Measurement,
     standing: StanceState,
     period_s: float,
@@ -108,7 +108,7 @@ def estimate(
     Args:
         estimator: poles of the filters.
         robot: the model.
-        known: before.
+        state: before.
         reading: of the sensors.
         standing: stance leg, and time since touchdown, before this tick.
         period_s: between two readings (s).
@@ -116,7 +116,7 @@ def estimate(
 
     Returns: the new state; the controller uses its `estimate`.
     """
-    last, leg = known.estimate, standing.leg
+    last, leg = state.estimate, standing.leg
     # About the foot that stands now: what the old stance leg had before an impact, if it has
     # changed, and otherwise the momentum as it was left.
     q, dq = coordinates(robot, last, leg)
@@ -124,8 +124,8 @@ def estimate(
     falling = momentum_of(dz) if ankle is None else momentum_of(dz) + ankle
     usual, quick = estimator.joint_gains(period_s)
     gains = jnp.where(standing.since_touchdown < estimator.quick_s, quick, usual)
-    rates = last.rates + period_s * known.accelerations
-    angles = last.angles + period_s * (last.rates + 0.5 * period_s * known.accelerations)
+    rates = last.rates + period_s * state.accelerations
+    angles = last.angles + period_s * (last.rates + 0.5 * period_s * state.accelerations)
     error = reading.angles - angles
     pitch = last.pitch + period_s * last.dpitch
     missed = reading.pitch - pitch
@@ -139,9 +139,9 @@ def estimate(
     actuated = stance_joints(robot.layout, now.rates, leg)
     dq, hip = pinned(robot, q, actuated, momentum_of(z) + period_s * falling, push * missed)
     now = now._replace(dpitch=pitch_rate(robot, dq, leg), hip_velocity=hip)
-    after = EstimatorState(now, known.accelerations + gains[2] * error, jnp.ones((), bool))
-    first = EstimatorState(reading, jnp.zeros_like(known.accelerations), jnp.ones((), bool))
-    return jax.tree.map(lambda new, old: jnp.where(known.started, new, old), after, first)
+    after = EstimatorState(now, state.accelerations + gains[2] * error, jnp.ones((), bool))
+    first = EstimatorState(reading, jnp.zeros_like(state.accelerations), jnp.ones((), bool))
+    return jax.tree.map(lambda new, old: jnp.where(state.started, new, old), after, first)
 
 
 def pinned(

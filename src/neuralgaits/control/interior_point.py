@@ -62,8 +62,8 @@ def minimise(program: QuadraticProgram) -> Solution:
 
     def one(point: _Point, _) -> tuple[_Point, None]:
         before, after = _gap(point), _round(program, point)
-        done = (before < GAP) | (before < CLOSED) & ~(_gap(after) < before)
-        return jax.tree.map(lambda new, old: jnp.where(done, old, new), after, point), None
+        converged = (before < GAP) | (before < CLOSED) & ~(_gap(after) < before)
+        return jax.tree.map(lambda new, old: jnp.where(converged, old, new), after, point), None
 
     last, _ = jax.lax.scan(one, first, None, length=ROUNDS)
     return Solution(last.x, last.multiplier, _gap(last) < CLOSED)

@@ -49,19 +49,19 @@ def impact_consistent_rates(
 
 
 def inverse_dynamics(
-    robot: DrivenMechanism, reading: MeasuredState, slope: Actuated, known: Actuated
+    robot: DrivenMechanism, reading: MeasuredState, slope: Actuated, fixed: Actuated
 ) -> Actuated:
     """Joint torques of ddq_a = slope ddz1 + known, with no torque at the foot but an ankle's.
 
     Returns: [m] (N m).
     """
-    ddq = consistent_acceleration(robot, reading, slope, known)
+    ddq = consistent_acceleration(robot, reading, slope, fixed)
     balance = robot.mass_matrix(reading.q) @ ddq + robot.bias(reading.q, reading.dq)
     return balance[1:]
 
 
 def consistent_acceleration(
-    robot: DrivenMechanism, reading: MeasuredState, slope: Actuated, known: Actuated
+    robot: DrivenMechanism, reading: MeasuredState, slope: Actuated, fixed: Actuated
 ) -> Coordinates:
     """The acceleration with ddq_a = slope ddz1 + known under no torque at the foot but an ankle's.
 
@@ -71,11 +71,11 @@ def consistent_acceleration(
     if reading.ankle is not None:
         # The motor makes up for the joint's own friction.
         moment = moment - robot.damping[0] * reading.dq[0] + reading.ankle
-    return _balanced(robot, reading, slope, known, moment)[0]
+    return _balanced(robot, reading, slope, fixed, moment)[0]
 
 
 def _balanced(
-    robot: DrivenMechanism, reading: MeasuredState, slope: Actuated, known: Actuated, moment: Scalar
+    robot: DrivenMechanism, reading: MeasuredState, slope: Actuated, fixed: Actuated, moment: Scalar
 ) -> tuple[Coordinates, Scalar]:
     """Rates or accelerations x, x_a = slope x1 + known, with D x about the foot of -moment.
 
@@ -84,7 +84,7 @@ def _balanced(
     row = robot.mass_matrix(reading.q)[0]
     coordinates = ZeroCoordinates(robot)
     along = coordinates.along(slope[:, None])[:, 0]
-    rest = coordinates.still(known)
+    rest = coordinates.still(fixed)
     denominator = row @ along
     smallest = SMALLEST_DENOMINATOR * robot.moment_scale()
     size = jnp.maximum(jnp.abs(denominator), smallest)

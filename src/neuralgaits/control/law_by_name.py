@@ -32,8 +32,8 @@ def law_named(controller: str | AbstractLaw) -> AbstractLaw:
 @cache
 def _at(place: str) -> AbstractLaw:
     module, _, name = place.partition(":")
-    found = getattr(import_module(module), name)
-    return found() if isinstance(found, type) else found
+    entry = getattr(import_module(module), name)
+    return entry() if isinstance(entry, type) else entry
 
 
 def law_for(

@@ -179,9 +179,9 @@ def guard(
     blending = state.elapsed < config.blend_s
     s = jnp.where(blending, state.elapsed / jnp.maximum(config.blend_s, controller.period_s), 1.0)
     share = s * s * (3.0 - 2.0 * s)
-    wanted = jnp.where(blending, (1.0 - share) * hold + share * command.torque, command.torque)
+    blended = jnp.where(blending, (1.0 - share) * hold + share * command.torque, command.torque)
     change = torque_rate(controller, config) * controller.period_s
-    torque = jnp.clip(wanted, state.torque - change, state.torque + change)
+    torque = jnp.clip(blended, state.torque - change, state.torque + change)
     broken = ~jnp.all(jnp.isfinite(torque))
     fault = jnp.where((state.fault == Fault.NONE) & broken, Fault.TORQUE, state.fault)
     torque = jnp.where(fault == Fault.NONE, torque, 0.0)

@@ -20,8 +20,8 @@ def read(reading: MeasuredState, torque: Callable[[ZeroState], Scalar | None]) -
     """
 
     def ankle(z: ZeroState) -> Scalar:
-        found = torque(z)
-        return jnp.zeros(()) if found is None else found
+        ankle_torque = torque(z)
+        return jnp.zeros(()) if ankle_torque is None else ankle_torque
 
     dz = reading.dz + jnp.stack([jnp.zeros(()), ankle(reading.z)])
     now, rate = jax.jvp(ankle, (reading.z,), (dz,))

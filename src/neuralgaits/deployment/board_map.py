@@ -142,6 +142,6 @@ class BoardMap:
 
     def _by_motor(self, by_leg: ByLeg) -> ByMotor:
         """Return values of joints by motor; those that no joint has are 0."""
-        found = np.zeros(self.motors)
-        found[self.motor] = by_leg
-        return found
+        values = np.zeros(self.motors)
+        values[self.motor] = by_leg
+        return values

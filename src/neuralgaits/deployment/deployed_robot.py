@@ -74,16 +74,16 @@ def joint_facts(
     ends = [signs * (np.asarray(bound) - offsets) for bound in ranges]
     lower, upper = np.minimum(*ends), np.maximum(*ends)
     largest = np.asarray(torque_limits)
-    found: dict[str, JointFacts] = {}
+    facts: dict[str, JointFacts] = {}
     for leg, names in enumerate(layout.leg_joints):
         for i, name in enumerate(names):
-            if name in found:
-                one = found[name]
-                found[name] = JointFacts(name, (*one.places, (leg, i)), *_numbers(one))
+            if name in facts:
+                one = facts[name]
+                facts[name] = JointFacts(name, (*one.places, (leg, i)), *_numbers(one))
                 continue
             numbers = (lower[leg, i], upper[leg, i], largest[leg, i])
-            found[name] = JointFacts(name, ((leg, i),), *(float(f"{x:.12g}") for x in numbers))
-    return tuple(found.values())
+            facts[name] = JointFacts(name, ((leg, i),), *(float(f"{x:.12g}") for x in numbers))
+    return tuple(facts.values())
 
 
 def _numbers(joint: JointFacts) -> tuple[float, float, float]:

@@ -16,9 +16,13 @@ _SLACK = 1e-6
 """Share by which a range or limit of the file may exceed the robot file's: rounding of a copy."""
 
 
-def hash_problems(file: str, found: DeploymentFile, about: DeployedRobot) -> Iterator[str]:
+def hash_problems(file: str, deployment: DeploymentFile, about: DeployedRobot) -> Iterator[str]:
     """Yield how files and period differ from the run's."""
-    for name, one in (("robot", found.robot), ("policy", found.policy), ("proof", found.proof)):
+    for name, one in (
+        ("robot", deployment.robot),
+        ("policy", deployment.policy),
+        ("proof", deployment.proof),
+    ):
         own = about.files[name]
         if one is None or one.sha256 == "":
             if one is None and own is not None:
@@ -37,10 +41,10 @@ def hash_problems(file: str, found: DeploymentFile, about: DeployedRobot) -> Ite
                 f"{file}: files.{name}: expected sha256 {own.sha256} as of {about.run}, found "
                 f"{one.sha256}: it is about another run; export that one, or copy the hash"
             )
-    if found.period_s and abs(found.period_s - about.period_s) > 1e-9:
+    if deployment.period_s and abs(deployment.period_s - about.period_s) > 1e-9:
         yield (
             f"{file}: period_s: expected {about.period_s:g}, the tick that the controller is made "
-            f"for, found {found.period_s:g}: write {about.period_s:g} and tick at that period"
+            f"for, found {deployment.period_s:g}: write {about.period_s:g} and tick at that period"
         )
 
 
@@ -55,12 +59,12 @@ def joint_problems(
         about: robot of the run.
         whole: whether all could be read, so that those that lack are missing.
     """
-    known = {one.name: one for one in about.joints}
-    yield from _names(file, "joints", "joint", [one.joint for one in joints], list(known), whole)
+    facts = {one.name: one for one in about.joints}
+    yield from _names(file, "joints", "joint", [one.joint for one in joints], list(facts), whole)
     yield from _twice(file, "motor", [(one.joint, one.motor) for one in joints])
     for one in joints:
-        if one.joint in known:
-            yield from _numbers(file, one, known[one.joint])
+        if one.joint in facts:
+            yield from _numbers(file, one, facts[one.joint])
 
 
 def contact_problems(
@@ -79,12 +83,12 @@ def contact_problems(
 
 
 def _names(
-    file: str, what: str, kind: str, found: list[str], known: list[str], whole: bool
+    file: str, what: str, kind: str, names: list[str], expected: list[str], whole: bool
 ) -> Iterator[str]:
-    missing = [name for name in known if name not in found]
-    for name, count in Counter(found).items():
-        if name not in known:
-            hint = meant(name, missing) or f"write one of {', '.join(known)}"
+    missing = [name for name in expected if name not in names]
+    for name, count in Counter(names).items():
+        if name not in expected:
+            hint = meant(name, missing) or f"write one of {', '.join(expected)}"
             missing = [one for one in missing if one not in hint]
             yield (
                 f"{file}: {what}: expected a {kind} of the robot file, found {shown(name)}: {hint}"
@@ -98,33 +102,33 @@ def _names(
         )
 
 
-def _twice(file: str, what: str, found: list[tuple[str, int]]) -> Iterator[str]:
-    for index, count in Counter(number for _, number in found).items():
+def _twice(file: str, what: str, named_lines: list[tuple[str, int]]) -> Iterator[str]:
+    for index, count in Counter(number for _, number in named_lines).items():
         if count > 1:
-            names = ", ".join(name for name, number in found if number == index)
+            names = ", ".join(name for name, number in named_lines if number == index)
             yield (
                 f"{file}: {what}: expected each index once, found {index} at {names}: give each "
                 "its own"
             )
 
 
-def _numbers(file: str, one: DeployedJoint, known: JointFacts) -> Iterator[str]:
+def _numbers(file: str, one: DeployedJoint, facts: JointFacts) -> Iterator[str]:
     at = f"{file}: {one.joint}"
-    slack = _SLACK * (known.upper_rad - known.lower_rad)
+    slack = _SLACK * (facts.upper_rad - facts.lower_rad)
     if not one.lower_rad < one.upper_rad:
         yield (
             f"{at}: lower_rad, upper_rad: expected lower_rad below upper_rad, found "
             f"{one.lower_rad:g} and {one.upper_rad:g}: exchange them"
         )
-    elif one.lower_rad < known.lower_rad - slack or one.upper_rad > known.upper_rad + slack:
+    elif one.lower_rad < facts.lower_rad - slack or one.upper_rad > facts.upper_rad + slack:
         yield (
             f"{at}: lower_rad, upper_rad: expected a range within the robot file's, "
-            f"{known.lower_rad:g} to {known.upper_rad:g} rad, found {one.lower_rad:g} to "
+            f"{facts.lower_rad:g} to {facts.upper_rad:g} rad, found {one.lower_rad:g} to "
             f"{one.upper_rad:g}: narrow it, or change the robot file and train again"
         )
-    if one.torque_limit_nm > known.torque_limit_nm * (1.0 + _SLACK):
+    if one.torque_limit_nm > facts.torque_limit_nm * (1.0 + _SLACK):
         yield (
-            f"{at}: torque_limit_nm: expected at most the robot file's {known.torque_limit_nm:g} "
+            f"{at}: torque_limit_nm: expected at most the robot file's {facts.torque_limit_nm:g} "
             f"N m, found {one.torque_limit_nm:g}: lower it, or change the robot file and train "
             "again"
         )

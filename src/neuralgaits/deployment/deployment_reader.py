@@ -66,23 +66,23 @@ def read_deployment(path: str | Path, about: DeployedRobot) -> DeploymentFile:
     """
     file = printable(Path(path))
     reader = FieldReader(file)
-    found = _deployment(reader, yaml_tree(Path(path)))
+    deployment = _deployment(reader, yaml_tree(Path(path)))
     problems = list(reader.problems)
-    if found is not None:
-        problems += hash_problems(file, found, about)
-        problems += joint_problems(file, found.joints, about, whole=not reader.problems)
-        problems += contact_problems(file, found.contacts, about, whole=not reader.problems)
+    if deployment is not None:
+        problems += hash_problems(file, deployment, about)
+        problems += joint_problems(file, deployment.joints, about, whole=not reader.problems)
+        problems += contact_problems(file, deployment.contacts, about, whole=not reader.problems)
     if len(problems) > 1:
         raise ManyProblems(problems)
     if problems:
         raise InputError(problems[0])
-    assert found is not None
-    return replace(found, sha256=sha256(Path(path).read_bytes()))
+    assert deployment is not None
+    return replace(deployment, sha256=sha256(Path(path).read_bytes()))
 
 
 def _deployment(reader: FieldReader, tree: YamlNode) -> DeploymentFile | None:
     """Return what could be read; None if the file is no mapping."""
-    wanted = {
+    kinds = {
         "deployment": "index",
         "run": "text",
         "files": "keys",
@@ -91,7 +91,7 @@ def _deployment(reader: FieldReader, tree: YamlNode) -> DeploymentFile | None:
         "contacts": "list",
         "joints": "list",
     }
-    top = reader.fields(tree, "the file", wanted)
+    top = reader.fields(tree, "the file", kinds)
     if top is None:
         return None
     version = top.get("deployment", FORMAT)
@@ -122,15 +122,15 @@ def _deployment(reader: FieldReader, tree: YamlNode) -> DeploymentFile | None:
 
 def _files(reader: FieldReader, node: YamlNode | None) -> Mapping[str, FileHash | None]:
     """Return the files of the run by what they are."""
-    found: dict[str, FileHash | None] = {}
+    files: dict[str, FileHash | None] = {}
     rows = reader.fields(
         node, "files", {"robot": "keys", "policy": "keys", "proof": "keys or null"}
     )
     for name, one in (rows or {}).items():
         if one is None:
-            found[name] = None
+            files[name] = None
             continue
         inner = reader.fields(one, f"files.{name}", {"name": "text", "sha256": "sha256"})
         if inner is not None and len(inner) == 2:
-            found[name] = FileHash(**inner)
-    return found
+            files[name] = FileHash(**inner)
+    return files

@@ -57,13 +57,13 @@ class HungLog:
             if self.moved[i] != self.moved[i - 1]:
                 starts.append(i)
         ends = [*starts[1:], len(self.moved)]
-        found = []
+        rows = []
         for start, end in zip(starts, ends, strict=True):
             label = self.moved[start]
             direction = label[0] if label[:1] in ("+", "-") else ""
             if label:
-                found.append((label.removeprefix(direction), direction, slice(start, end)))
-        return found
+                rows.append((label.removeprefix(direction), direction, slice(start, end)))
+        return rows
 
     def when(self, rows: slice) -> str:
         """Return when rows begin, in words."""
@@ -129,7 +129,7 @@ def read_hung_log(path: str | Path, names: tuple[str, ...]) -> HungLog:
     if problems:
         raise ManyProblems(problems)
     numbers = _numbers(text, columns, file)
-    moved = _labels(text, columns["moved"], len(text.header), names, file)
+    labels = _labels(text, columns["moved"], len(text.header), names, file)
     return HungLog(
         time=numbers[:, columns["t[s]"]],
         motors=tuple(motors),
@@ -138,20 +138,20 @@ def read_hung_log(path: str | Path, names: tuple[str, ...]) -> HungLog:
         pitch=numbers[:, columns["pitch[rad]"]],
         channels=tuple(channels),
         contact=numbers[:, list(channels.values())],
-        moved=moved,
+        moved=labels,
     )
 
 
 def _indices(columns: dict[str, int], pattern: str) -> dict[int, int]:
     """Return columns whose name matches, by the index in it."""
-    found = ((re.fullmatch(pattern, name), column) for name, column in columns.items())
-    return {int(match[1]): column for match, column in found if match}
+    matches = ((re.fullmatch(pattern, name), column) for name, column in columns.items())
+    return {int(match[1]): column for match, column in matches if match}
 
 
 def _numbers(text: Text, columns: dict[str, int], file: str) -> Float[np.ndarray, "t c"]:
     """Return the numbers of all columns; those of `moved` are 0. Raises: InputError."""
     width, label = len(text.header), columns["moved"]
-    found = np.zeros((len(text.cells), width))
+    values = np.zeros((len(text.cells), width))
     for k, (row, cells) in enumerate(text.cells):
         # The reader of sheets leaves out an empty cell at the end of a line.
         if len(cells) not in (width, width - (label == width - 1)):
@@ -162,18 +162,20 @@ def _numbers(text: Text, columns: dict[str, int], file: str) -> Float[np.ndarray
             if column == label:
                 continue
             try:
-                found[k, column] = float(cell)
+                values[k, column] = float(cell)
             except ValueError:
-                found[k, column] = np.nan
+                values[k, column] = np.nan
             most = LATEST if column == columns["t[s]"] else LARGEST
-            if not abs(found[k, column]) <= most:
+            if not abs(values[k, column]) <= most:
                 raise InputError(
                     f"{file}, row {row}, column {text.header[column]}: expected a finite number of "
                     f"at most {most:g}, found {shown(cell)}: delete the row"
                 )
-    if len(found) < ROWS:
-        raise InputError(f"{file}: expected {ROWS} rows or more, found {len(found)}: record longer")
-    steps = np.diff(found[:, columns["t[s]"]])
+    if len(values) < ROWS:
+        raise InputError(
+            f"{file}: expected {ROWS} rows or more, found {len(values)}: record longer"
+        )
+    steps = np.diff(values[:, columns["t[s]"]])
     if not np.all(steps > 0.0):
         row = text.cells[int(np.argmax(steps <= 0.0)) + 1][0]
         raise InputError(
@@ -186,7 +188,7 @@ def _numbers(text: Text, columns: dict[str, int], file: str) -> Float[np.ndarray
             f"{LONGEST:g} s, found {step:.3g} s and {whole:.3g} s: times are in seconds"
         )
     _refuse_gaps(text, steps, step, file)
-    return found
+    return values
 
 
 def _refuse_gaps(text: Text, steps: Float[np.ndarray, " s"], usual: float, file: str) -> None:

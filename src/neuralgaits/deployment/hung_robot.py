@@ -63,13 +63,13 @@ def hung_log(
     stand = _Stand(layout, settings, rng)
     board = BoardMap.of(hardware, layout)
     names = list(dict.fromkeys(name for leg in layout.leg_joints for name in leg))
-    rows, moved = [], []
+    rows, labels = [], []
     for label in (*(["zero"] if settings.zero else []), *names, "pitch"):
         for at in np.arange(0.0, settings.seconds, 1.0 / settings.rate_hz):
             phase = 2.0 * np.pi * at / settings.seconds
             rows.append(stand.tick(label, np.sin(phase) * np.sin(phase / 2.0)))
             plain = label == "zero" or not settings.directions
-            moved.append(label if plain else f"+{label}")
+            labels.append(label if plain else f"+{label}")
     data = np.array(rows)
     count = len(names)
     q, tau, pitch = data[:, :count], data[:, count : 2 * count], data[:, -1]
@@ -77,12 +77,12 @@ def hung_log(
     tau = tau + settings.torque_noise * np.abs(tau).max(axis=0) * rng.normal(size=tau.shape)
     pitch = pitch + settings.angle_noise_rad * rng.normal(size=pitch.shape)
     place = [[names.index(name) for name in leg] for leg in layout.leg_joints]
-    position, torque, shown = [], [], []
+    position, torque, measured = [], [], []
     still = np.zeros((2, len(place[0])))
     for q_row, tau_row, lean in zip(q, tau, pitch, strict=True):
         readings = board.board_readings(JointReadings(q_row[place], still, lean, 0.0, np.zeros(2)))
         position.append(readings.position)
-        shown.append(readings.pitch)
+        measured.append(readings.pitch)
         by_motor = np.zeros(board.motors)
         by_motor[board.motor] = board.sign * tau_row[place] / board.gear
         torque.append(by_motor)
@@ -91,10 +91,10 @@ def hung_log(
         motors=tuple(range(board.motors)),
         position=np.array(position),
         torque=np.array(torque),
-        pitch=np.array(shown),
+        pitch=np.array(measured),
         channels=(),
         contact=np.zeros((len(data), 0)),
-        moved=tuple(moved),
+        moved=tuple(labels),
     )
 
 
@@ -146,21 +146,23 @@ class _Stand:
     def tick(self, label: str, share: float) -> np.ndarray:
         """Move to the next row. Returns: angles and torques of the joints, then the pitch."""
         model, data = self._model, self._data
-        wanted = self._posture.copy()
+        angles = self._posture.copy()
         pitch = 0.0
         if label == "zero":
-            return np.zeros(2 * len(wanted) + 1)
+            return np.zeros(2 * len(angles) + 1)
         if label == "pitch":
             pitch = self._settings.amplitude_rad * abs(share)
         else:
-            wanted[self._names.index(label)] += self._settings.amplitude_rad * share
+            angles[self._names.index(label)] += self._settings.amplitude_rad * share
         # Gravity as the torso feels it, which stands still here.
-        turned = self._sign * pitch
-        model.opt.gravity[:] = self._gravity * np.array([-np.sin(turned), 0.0, -np.cos(turned)])
+        own_pitch = self._sign * pitch
+        model.opt.gravity[:] = self._gravity * np.array(
+            [-np.sin(own_pitch), 0.0, -np.cos(own_pitch)]
+        )
         speed = 14.0
-        mean = np.zeros(len(wanted))
+        mean = np.zeros(len(angles))
         for _ in range(self._substeps):
-            error = wanted - data.qpos[self._q]
+            error = angles - data.qpos[self._q]
             torque = self._inertia * (speed**2 * error - 1.4 * speed * data.qvel[self._v])
             torque = torque + data.qfrc_bias[self._v]
             mean += torque / self._substeps
@@ -174,17 +176,17 @@ def _posture(layout: MjcfLayout, model: mujoco.MjModel, rng: np.random.Generator
 
     Returns: angles in the file's signs, in the order of the legs [rad].
     """
-    found: dict[str, float] = {}
+    posture: dict[str, float] = {}
     for leg, names in enumerate(layout.leg_joints):
         ranges = np.array([model.joint(name).range for name in names])
         room = np.minimum(0.45, 0.4 * np.ptp(ranges, axis=1))
         angles = ranges.mean(axis=1)
         for _ in range(1000):
-            drawn = rng.uniform(-0.7, 0.7, len(names))
-            angles = np.clip(drawn, ranges[:, 0] + room, ranges[:, 1] - room)
+            angles_drawn = rng.uniform(-0.7, 0.7, len(names))
+            angles = np.clip(angles_drawn, ranges[:, 0] + room, ranges[:, 1] - room)
             signs, offsets = layout.leg_joint_signs[leg], layout.leg_joint_offsets[leg]
             lean = np.cumsum((signs * angles + offsets)[::-1])
             if np.abs(lean).min() > 0.15:
                 break
-        found |= dict(zip(names, angles.tolist(), strict=True))
-    return np.array(list(found.values()))
+        posture |= dict(zip(names, angles.tolist(), strict=True))
+    return np.array(list(posture.values()))

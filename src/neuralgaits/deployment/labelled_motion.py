@@ -48,14 +48,14 @@ class LabelledMotion:
 
 def labelled_motion(file: DeploymentFile, log: HungLog) -> LabelledMotion:
     """Return what the labels of a log say of a file."""
-    found = LabelledMotion(file)
-    _motors(found, log)
-    _signs(found, log)
-    _zeros(found, log)
+    motion = LabelledMotion(file)
+    _motors(motion, log)
+    _signs(motion, log)
+    _zeros(motion, log)
     findings, unchecked = pressed_feet(file, log)
-    found.findings += findings
-    found.unchecked += unchecked
-    return found
+    motion.findings += findings
+    motion.unchecked += unchecked
+    return motion
 
 
 def joint_angles(joint: DeployedJoint, log: HungLog) -> Float[np.ndarray, " t"]:
@@ -64,12 +64,12 @@ def joint_angles(joint: DeployedJoint, log: HungLog) -> Float[np.ndarray, " t"]:
     return joint.sign * (raw / joint.gear - joint.zero_rad)
 
 
-def _motors_seen(found: LabelledMotion, log: HungLog) -> dict[str, list[tuple[int, slice]]]:
+def _motors_seen(motion: LabelledMotion, log: HungLog) -> dict[str, list[tuple[int, slice]]]:
     """Return which motor moved in the rows of each joint, and those rows."""
-    joints = found.file.joints
+    joints = motion.file.joints
     by_joint = {one.joint for one in joints}
     gears = {one.motor: one.gear for one in joints}
-    seen: dict[str, list[tuple[int, slice]]] = {}
+    seen_windows: dict[str, list[tuple[int, slice]]] = {}
     scale = np.array([gears.get(one, 1.0) for one in log.motors])
     windows = [(name, rows) for name, _, rows in log.windows() if name in by_joint]
     if {name for name, _ in windows} == by_joint:
@@ -81,30 +81,30 @@ def _motors_seen(found: LabelledMotion, log: HungLog) -> dict[str, list[tuple[in
         order = np.argsort(span)[::-1]
         second = span[order[1]] if len(order) > 1 else 0.0
         if span[order[0]] < max(LEAST_MOTION, CLEAR * second):
-            found.unchecked.append(
+            motion.unchecked.append(
                 f"motor of {name}: motor {log.motors[order[0]]} moved {span[order[0]]:.2g} rad, "
                 f"and the next {second:.2g} rad: move it alone, by {5 * LEAST_MOTION:g} rad or more"
             )
             continue
-        seen.setdefault(name, []).append((log.motors[order[0]], rows))
-    return seen
+        seen_windows.setdefault(name, []).append((log.motors[order[0]], rows))
+    return seen_windows
 
 
-def _motors(found: LabelledMotion, log: HungLog) -> None:
+def _motors(motion: LabelledMotion, log: HungLog) -> None:
     """Find which motor moves each joint, and correct the file."""
-    joints, seen = found.file.joints, _motors_seen(found, log)
-    torn = {name for name, all_seen in seen.items() if len({motor for motor, _ in all_seen}) > 1}
+    joints, windows = motion.file.joints, _motors_seen(motion, log)
+    torn = {name for name, all_seen in windows.items() if len({motor for motor, _ in all_seen}) > 1}
     for name in sorted(torn):
-        shown = ", ".join(f"motor {motor} {log.when(rows)}" for motor, rows in seen[name])
-        found.unchecked.append(
-            f"motor of {name}: rows of the same label contradict each other ({shown}): correct the "
+        words = ", ".join(f"motor {motor} {log.when(rows)}" for motor, rows in windows[name])
+        motion.unchecked.append(
+            f"motor of {name}: rows of the same label contradict each other ({words}): correct the "
             "labels, or record it again"
         )
-    moves = {name: all_seen[0][0] for name, all_seen in seen.items() if name not in torn}
-    taken = list(moves.values())
-    twice = {name for name in moves if taken.count(moves[name]) > 1}
+    moves = {name: all_seen[0][0] for name, all_seen in windows.items() if name not in torn}
+    motors = list(moves.values())
+    twice = {name for name in moves if motors.count(moves[name]) > 1}
     for name in sorted(twice):
-        found.unchecked.append(
+        motion.unchecked.append(
             f"motor of {name}: motor {moves[name]} moved for another label, too: record it again"
         )
     unclear = twice | torn
@@ -112,15 +112,15 @@ def _motors(found: LabelledMotion, log: HungLog) -> None:
     for one in joints:
         actual = moves.get(one.joint)
         if actual is None or one.joint in unclear:
-            if actual is None and not any(f"motor of {one.joint}:" in x for x in found.unchecked):
-                found.unchecked.append(f"motor of {one.joint}: no row is labelled {one.joint}")
+            if actual is None and not any(f"motor of {one.joint}:" in x for x in motion.unchecked):
+                motion.unchecked.append(f"motor of {one.joint}: no row is labelled {one.joint}")
             continue
-        found.known_motors.add(one.joint)
+        motion.known_motors.add(one.joint)
         if actual == one.motor:
             continue
         swapped = moves.get(by_motor.get(actual, "")) == one.motor
         also = f" (swap {one.motor} and {actual})" if swapped else ""
-        found.findings.append(
+        motion.findings.append(
             DeploymentFinding(
                 one.joint,
                 "motor",
@@ -128,13 +128,13 @@ def _motors(found: LabelledMotion, log: HungLog) -> None:
                 f"write motor: {actual}{also}",
             )
         )
-    moved = tuple(
-        replace(one, motor=moves[one.joint]) if one.joint in found.known_motors else one
+    labels = tuple(
+        replace(one, motor=moves[one.joint]) if one.joint in motion.known_motors else one
         for one in joints
     )
     # A file that would have a motor twice stays as it is.
-    if len({one.motor for one in moved}) == len(moved):
-        found.file = replace(found.file, joints=moved)
+    if len({one.motor for one in labels}) == len(labels):
+        motion.file = replace(motion.file, joints=labels)
 
 
 def _first_way(angle: Float[np.ndarray, " t"]) -> float:
@@ -146,35 +146,35 @@ def _first_way(angle: Float[np.ndarray, " t"]) -> float:
     return float(np.sign(away[np.argmax(np.abs(away) > 0.4 * largest)]))
 
 
-def _signs(found: LabelledMotion, log: HungLog) -> None:
+def _signs(motion: LabelledMotion, log: HungLog) -> None:
     """Compare directions with labels, and correct the file."""
-    joints, imu = {one.joint: one for one in found.file.joints}, found.file.imu
-    seen: dict[str, list[tuple[bool, slice]]] = {}
+    joints, imu = {one.joint: one for one in motion.file.joints}, motion.file.imu
+    windows: dict[str, list[tuple[bool, slice]]] = {}
     for name, direction, rows in log.windows():
         if not direction or not (name == "pitch" or name in joints):
             continue
         angle = imu.pitch_sign * log.pitch if name == "pitch" else joint_angles(joints[name], log)
         if (way := _first_way(angle[rows])) != 0.0:
-            seen.setdefault(name, []).append((way == float(f"{direction}1"), rows))
-    for name, all_seen in seen.items():
+            windows.setdefault(name, []).append((way == float(f"{direction}1"), rows))
+    for name, all_seen in windows.items():
         as_labelled = {agrees for agrees, _ in all_seen}
         if len(as_labelled) > 1:
-            shown = ", ".join(
+            words = ", ".join(
                 f"{'as' if agrees else 'against'} the file {log.when(rows)}"
                 for agrees, rows in all_seen
             )
-            found.unchecked.append(
-                f"sign of {name}: labels contradict each other ({shown}): correct the labels, or "
+            motion.unchecked.append(
+                f"sign of {name}: labels contradict each other ({words}): correct the labels, or "
                 "record it again"
             )
             continue
-        found.known_signs.add(name)
+        motion.known_signs.add(name)
         if as_labelled == {True}:
             continue
         sign = -imu.pitch_sign if name == "pitch" else -joints[name].sign
         key = "pitch_sign" if name == "pitch" else "sign"
         label = log.moved[all_seen[0][1].start]
-        found.findings.append(
+        motion.findings.append(
             DeploymentFinding(
                 name,
                 "sign",
@@ -186,33 +186,33 @@ def _signs(found: LabelledMotion, log: HungLog) -> None:
             imu = replace(imu, pitch_sign=sign)
         else:
             joints[name] = replace(joints[name], sign=sign)
-    found.file = replace(found.file, joints=tuple(joints.values()), imu=imu)
+    motion.file = replace(motion.file, joints=tuple(joints.values()), imu=imu)
 
 
-def _zeros(found: LabelledMotion, log: HungLog) -> None:
+def _zeros(motion: LabelledMotion, log: HungLog) -> None:
     """Compare the rows labelled `zero` with zero, and correct the file."""
     windows = [rows for name, _, rows in log.windows() if name == "zero"]
     if not windows:
         return
-    joints, imu = [], found.file.imu
-    for one in found.file.joints:
-        shown = _shown_zero(found, log, one.joint, joint_angles(one, log), windows)
-        if shown is not None and abs(shown) > ZERO_TOLERANCE:
-            zero = one.zero_rad + one.sign * shown
-            found.findings.append(_zero_finding(one.joint, shown, f"zero_rad: {zero:.4f}"))
+    joints, imu = [], motion.file.imu
+    for one in motion.file.joints:
+        measured = _shown_zero(motion, log, one.joint, joint_angles(one, log), windows)
+        if measured is not None and abs(measured) > ZERO_TOLERANCE:
+            zero = one.zero_rad + one.sign * measured
+            motion.findings.append(_zero_finding(one.joint, measured, f"zero_rad: {zero:.4f}"))
             one = replace(one, zero_rad=zero)
         joints.append(one)
     pitch = imu.pitch_sign * (log.pitch - imu.pitch_zero_rad)
-    shown = _shown_zero(found, log, "pitch", pitch, windows)
-    if shown is not None and abs(shown) > ZERO_TOLERANCE:
-        zero = imu.pitch_zero_rad + imu.pitch_sign * shown
-        found.findings.append(_zero_finding("pitch", shown, f"pitch_zero_rad: {zero:.4f}"))
+    measured = _shown_zero(motion, log, "pitch", pitch, windows)
+    if measured is not None and abs(measured) > ZERO_TOLERANCE:
+        zero = imu.pitch_zero_rad + imu.pitch_sign * measured
+        motion.findings.append(_zero_finding("pitch", measured, f"pitch_zero_rad: {zero:.4f}"))
         imu = replace(imu, pitch_zero_rad=zero)
-    found.file = replace(found.file, joints=tuple(joints), imu=imu)
+    motion.file = replace(motion.file, joints=tuple(joints), imu=imu)
 
 
 def _shown_zero(
-    found: LabelledMotion,
+    motion: LabelledMotion,
     log: HungLog,
     name: str,
     angle: Float[np.ndarray, " t"],
@@ -221,18 +221,18 @@ def _shown_zero(
     """Return and note what an angle showed in the rows at zero; None if they contradict."""
     means = [float(np.mean(angle[rows])) for rows in windows]
     if np.ptp(means) > ZERO_TOLERANCE:
-        shown = ", ".join(
+        words = ", ".join(
             f"{mean:+.2g} rad {log.when(rows)}" for mean, rows in zip(means, windows, strict=True)
         )
-        found.unchecked.append(
-            f"zero of {name}: rows labelled zero contradict each other ({shown}): correct the "
+        motion.unchecked.append(
+            f"zero of {name}: rows labelled zero contradict each other ({words}): correct the "
             "labels, or record it again"
         )
         return None
-    found.zeros[name] = float(np.mean(np.concatenate([angle[rows] for rows in windows])))
-    return found.zeros[name]
+    motion.zeros[name] = float(np.mean(np.concatenate([angle[rows] for rows in windows])))
+    return motion.zeros[name]
 
 
-def _zero_finding(about: str, shown: float, remedy: str) -> DeploymentFinding:
-    words = f"zero of {about} is off by {shown:+.2g} rad, in the rows labelled zero"
+def _zero_finding(about: str, measured: float, remedy: str) -> DeploymentFinding:
+    words = f"zero of {about} is off by {measured:+.2g} rad, in the rows labelled zero"
     return DeploymentFinding(about, "zero", words, f"write {remedy}")

@@ -79,8 +79,8 @@ class LegSeries:
             smooth = savgol_filter(data, window, 3, deriv=order, delta=step, axis=0)
             return np.asarray(smooth)[every]
 
-        kept = minimum_filter1d(alone, window)[every] > 0.999
-        values, rates, bends = (filtered(order)[kept] for order in range(3))
+        steady = minimum_filter1d(alone, window)[every] > 0.999
+        values, rates, bends = (filtered(order)[steady] for order in range(3))
         return cls(values[:, :k], rates[:, :k], bends[:, :k], values[:, k:-1], values[:, -1])
 
 
@@ -131,7 +131,7 @@ class LegFitter:
 
     def fits(self, series: LegSeries, pitch_flip: float) -> list[LegFit]:
         """Return the fit of every choice of signs, the file's own first."""
-        ways = [(1.0,) if known else (1.0, -1.0) for known in self.settled]
+        ways = [(1.0,) if settled else (1.0, -1.0) for settled in self.settled]
         return [self._fit(series, np.array(flips), pitch_flip) for flips in product(*ways)]
 
     def _fit(self, series: LegSeries, flips: np.ndarray, pitch_flip: float) -> LegFit:
@@ -196,9 +196,9 @@ class LegFitter:
     ) -> tuple[Float[np.ndarray, "t k"], Float[np.ndarray, "t k k"]]:
         """Return the model's torques in the theory's signs, see `HangingLeg.torques`."""
         q = self.signs * (flips * series.q + zeros) + self.offsets
-        turned = self.signs * flips
+        signs = self.signs * flips
         torso = self.pitch_sign * pitch_flip * series.pitch
-        return self.leg.torques(torso, q, turned * series.dq, turned * series.ddq)
+        return self.leg.torques(torso, q, signs * series.dq, signs * series.ddq)
 
     def _slopes(
         self,
@@ -210,12 +210,12 @@ class LegFitter:
     ) -> Float[np.ndarray, "t k k"]:
         """Return the derivatives of the torques by the zeros' errors. [t, joints, zeros]."""
         step = 1e-4
-        found = []
+        slopes = []
         for j in range(len(zeros)):
-            moved = zeros + step * np.eye(len(zeros))[j]
-            plain, links = self._torques(series, flips, moved, pitch_flip)
-            found.append((plain + links.sum(-1) - model) / step)
-        return np.stack(found, axis=2)
+            shifted = zeros + step * np.eye(len(zeros))[j]
+            plain, links = self._torques(series, flips, shifted, pitch_flip)
+            slopes.append((plain + links.sum(-1) - model) / step)
+        return np.stack(slopes, axis=2)
 
     @staticmethod
     def _torque_signs(torque: np.ndarray, model: np.ndarray) -> np.ndarray:

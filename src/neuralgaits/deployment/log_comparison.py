@@ -109,8 +109,8 @@ def _fitted(
             np.array([KNOWN_ZERO if name in labelled.zeros else ZERO_PRIOR for name in names]),
             np.array([name in labelled.known_signs for name in names]),
         )
-        for flip, found in choices.items():
-            found.append((names, min(fitter.fits(series, flip), key=_cost)))
+        for flip, choice in choices.items():
+            choice.append((names, min(fitter.fits(series, flip), key=_cost)))
     own_way, other_way = (sum(_cost(fit) for _, fit in choices[flip]) for flip in (1.0, -1.0))
     tilted = np.ptp(pitch) > TILT
     settled = "pitch" in labelled.known_signs
@@ -242,16 +242,18 @@ def _ranges(labelled: LabelledMotion, about: DeployedRobot, log: HungLog) -> Non
     explained = {one.about for one in labelled.findings}
     facts = {one.name: one for one in about.joints}
     for one in labelled.file.joints:
-        angle, known = joint_angles(one, log), facts[one.joint]
+        angle, facts_of_joint = joint_angles(one, log), facts[one.joint]
         low, high = float(angle.min()), float(angle.max())
-        outside = low < known.lower_rad - BEYOND or high > known.upper_rad + BEYOND
+        outside = (
+            low < facts_of_joint.lower_rad - BEYOND or high > facts_of_joint.upper_rad + BEYOND
+        )
         if outside and one.joint not in explained:
             labelled.findings.append(
                 DeploymentFinding(
                     one.joint,
                     "range",
                     f"{one.joint} moved from {low:.3g} to {high:.3g} rad, outside of its range "
-                    f"{known.lower_rad:g} to {known.upper_rad:g}",
+                    f"{facts_of_joint.lower_rad:g} to {facts_of_joint.upper_rad:g}",
                     "check zero_rad, sign and gear",
                 )
             )
@@ -261,20 +263,20 @@ def _checks(
     labelled: LabelledMotion, fits: list[tuple[tuple[str, ...], LegFit]]
 ) -> dict[str, JointCheck]:
     """Return what was checked, by joint."""
-    found = {}
+    checks = {}
     for joint in labelled.file.joints:
         name = joint.joint
         fit, j = next(((fit, names.index(name)) for names, fit in fits if name in names), (None, 0))
-        known = fit is not None and fit.unexplained[j] <= EXPLAINED
+        explained = fit is not None and fit.unexplained[j] <= EXPLAINED
         by_label = name in labelled.known_signs
-        sign = "both" if known and by_label else "torques" if known else "direction"
+        sign = "both" if explained and by_label else "torques" if explained else "direction"
         error, spread = labelled.zeros.get(name), None
         if error is None and fit is not None and _shows_zero(fit, j):
             error, spread = -float(fit.zeros[j]), float(fit.spread[j])
-        found[name] = JointCheck(
+        checks[name] = JointCheck(
             motor=name in labelled.known_motors,
-            sign=sign if known or by_label else None,
+            sign=sign if explained or by_label else None,
             zero_error_rad=error,
             zero_spread_rad=spread,
         )
-    return found
+    return checks

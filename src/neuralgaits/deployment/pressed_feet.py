@@ -28,12 +28,12 @@ def pressed_feet(file: DeploymentFile, log: HungLog) -> tuple[list[DeploymentFin
             unchecked.append(f"contact of {one.foot}: no channel answers to it")
             continue
         if len(set(answers)) > 1:
-            shown = ", ".join(
+            words = ", ".join(
                 f"channel {channel} {log.when(rows)}"
                 for channel, rows in zip(answers, windows, strict=True)
             )
             unchecked.append(
-                f"contact of {one.foot}: rows of the same label contradict each other ({shown}): "
+                f"contact of {one.foot}: rows of the same label contradict each other ({words}): "
                 "correct the labels, or record it again"
             )
             continue
@@ -56,11 +56,11 @@ def _judged(
 ) -> list[DeploymentFinding]:
     """Return what a foot that is pressed says against the file."""
     if actual is None or actual != one.channel:
-        found = f"channel {actual} answers to {one.foot}, and the file has {one.channel}"
-        return [DeploymentFinding(one.foot, "contact", found, f"write channel: {actual}")]
+        problem = f"channel {actual} answers to {one.foot}, and the file has {one.channel}"
+        return [DeploymentFinding(one.foot, "contact", problem, f"write channel: {actual}")]
     force = one.newton_per_unit * (pressed[:, log.channels.index(actual)] - one.zero_unit)
     if np.abs(force).max() > 0.0 and force[np.argmax(np.abs(force))] < 0.0:
-        found = f"the force on {one.foot} is negative while it is pressed"
+        problem = f"the force on {one.foot} is negative while it is pressed"
         remedy = f"write newton_per_unit: {-one.newton_per_unit:g}, or another zero_unit"
-        return [DeploymentFinding(one.foot, "contact", found, remedy)]
+        return [DeploymentFinding(one.foot, "contact", problem, remedy)]
     return []

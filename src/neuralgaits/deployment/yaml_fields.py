@@ -92,75 +92,75 @@ class FieldReader:
         )
 
     def fields(
-        self, node: YamlNode | None, what: str, wanted: Mapping[str, str]
+        self, node: YamlNode | None, what: str, kinds: Mapping[str, str]
     ) -> dict[str, Any] | None:
         """Return the fields of a mapping that could be read, by name; None if it is none.
 
         Args:
             node: the mapping; None if it was not there, which has been noted.
             what: name of the mapping, for messages.
-            wanted: kinds by key: one of KINDS, `keys`, `keys or null` or `list`.
+            kinds: kinds by key: one of KINDS, `keys`, `keys or null` or `list`.
         """
         if node is None:
             return None
         if not isinstance(node.value, dict):
-            self.note(node.line, what, f"the keys {', '.join(wanted)}", node.kind, "write them")
+            self.note(node.line, what, f"the keys {', '.join(kinds)}", node.kind, "write them")
             return None
-        unknown = [key for key in node.value if key not in wanted]
-        meant_by = [self._unknown(node.value[key].line, what, key, wanted) for key in unknown]
-        missing = [key for key in wanted if key not in node.value and key not in meant_by]
+        unknown = [key for key in node.value if key not in kinds]
+        meant_by = [self._unknown(node.value[key].line, what, key, kinds) for key in unknown]
+        missing = [key for key in kinds if key not in node.value and key not in meant_by]
         if missing:
             self.note(node.line, what, f"the key {', '.join(missing)}", "none", "add it")
-        found: dict[str, Any] = {}
-        for key, kind in wanted.items():
+        values: dict[str, Any] = {}
+        for key, kind in kinds.items():
             if key in node.value:
-                self._read(found, node.value[key], f"{what}: {key}", key, kind)
-        return found
+                self._read(values, node.value[key], f"{what}: {key}", key, kind)
+        return values
 
     def rows(
-        self, nodes: list[YamlNode] | None, what: str, wanted: Mapping[str, str]
+        self, nodes: list[YamlNode] | None, what: str, kinds: Mapping[str, str]
     ) -> list[dict[str, Any]]:
         """Return the rows of a list that could be read whole."""
-        found = []
+        tables = []
         for number, node in enumerate(nodes or ()):
-            row = self.fields(node, f"{what}[{number}]", wanted)
-            if row is not None and len(row) == len(wanted):
-                found.append(row)
-        return found
+            row = self.fields(node, f"{what}[{number}]", kinds)
+            if row is not None and len(row) == len(kinds):
+                tables.append(row)
+        return tables
 
-    def _read(self, found: dict[str, Any], node: YamlNode, what: str, key: str, kind: str) -> None:
+    def _read(self, values: dict[str, Any], node: YamlNode, what: str, key: str, kind: str) -> None:
         if kind in ("keys", "keys or null"):
             if kind == "keys or null" and node.value in ("null", "~", ""):
-                found[key] = None
+                values[key] = None
             else:
-                found[key] = node
+                values[key] = node
             return
         if kind == "list":
             if not isinstance(node.value, list) or len(node.value) > MOST_ROWS:
                 self.note(node.line, what, f"a list of at most {MOST_ROWS}", node.kind, "write one")
             else:
-                found[key] = node.value
+                values[key] = node.value
             return
         words, read = KINDS[kind]
         try:
             if not isinstance(node.value, str):
                 raise ValueError
-            found[key] = read(node.value)
+            values[key] = read(node.value)
         except ValueError:
             self.note(node.line, what, words, node.kind, "correct it")
 
-    def _unknown(self, line: int, what: str, key: str, wanted: Mapping[str, str]) -> str | None:
+    def _unknown(self, line: int, what: str, key: str, kinds: Mapping[str, str]) -> str | None:
         """Note a key that is not known. Returns: the key that was meant, or None.
 
         One with another unit is told which unit to use.
         """
         stem = key.partition("_")[0]
-        same = [one for one in wanted if one.partition("_")[0] == stem and "_" in one]
+        same = [one for one in kinds if one.partition("_")[0] == stem and "_" in one]
         if same and same[0] not in key:
             close = same[0]
             remedy = f"write {close}, in that unit" if "_" in key else f"write {close}"
         else:
-            close = next(iter(difflib.get_close_matches(key, list(wanted), 1)), None)
+            close = next(iter(difflib.get_close_matches(key, list(kinds), 1)), None)
             remedy = "delete it" if close is None else f"did you mean {close}?"
-        self.note(line, what, f"one of {', '.join(wanted)}", f"the key {shown(key)}", remedy)
+        self.note(line, what, f"one of {', '.join(kinds)}", f"the key {shown(key)}", remedy)
         return close

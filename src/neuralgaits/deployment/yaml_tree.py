@@ -114,19 +114,19 @@ def _converted(node: Any, path: str, twice: list[str]) -> YamlNode:
         return YamlNode(node.value, line)
     if node.id == "sequence":
         return YamlNode([_converted(one, path, twice) for one in node.value], line)
-    found: dict[str, YamlNode] = {}
+    nodes: dict[str, YamlNode] = {}
     for key, value in node.value:
         at = key.start_mark.line + 1
         if key.id != "scalar":
             raise InputError(f"{path}, line {at}: expected a key, found a {key.id}: write a name")
-        if key.value in found:
+        if key.value in nodes:
             twice.append(
                 f"{path}, line {at}: expected each key once, found {shown(key.value)} again, "
-                f"first in line {found[key.value].line}: delete one"
+                f"first in line {nodes[key.value].line}: delete one"
             )
             continue
-        found[key.value] = _converted(value, path, twice)
-    return YamlNode(found, line)
+        nodes[key.value] = _converted(value, path, twice)
+    return YamlNode(nodes, line)
 
 
 def _said(error: Any) -> str:

@@ -74,11 +74,11 @@ def _machine() -> str:
     return f"{platform.system()} {platform.machine()}"
 
 
-def differing(asked: dict[str, Any]) -> str | None:
+def differing(requirements: dict[str, Any]) -> str | None:
     """Describe how this worker's versions differ from the required ones; None if they do not."""
-    found = [
-        f"{name} {mine} in place of {asked.get(name, 'none')}"
+    differences = [
+        f"{name} {mine} in place of {requirements.get(name, 'none')}"
         for name, mine in versions().items()
-        if asked.get(name) != mine
+        if requirements.get(name) != mine
     ]
-    return ", ".join(found) or None
+    return ", ".join(differences) or None

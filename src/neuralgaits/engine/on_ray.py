@@ -63,14 +63,14 @@ class OnRay(WorkerPool):
         try:
             ray.init(**where, log_to_driver=False, logging_level=logging.CRITICAL)
         except Exception as error:
-            said = " ".join(str(error).split())[:300]
+            message = " ".join(str(error).split())[:300]
             if address == LOCAL:
                 raise InputError(
-                    f"expected a Ray of this machine to start, found that it did not ({said}): "
+                    f"expected a Ray of this machine to start, found that it did not ({message}): "
                     "try again when the machine is less busy, or leave --ray out for processes"
                 ) from None
             raise InputError(
-                f"expected a Ray cluster at {address}, found that it cannot be joined ({said}): "
+                f"expected a Ray cluster at {address}, found that it cannot be joined ({message}): "
                 "give HOST:PORT as `ray start --head` prints it, or --ray local"
             ) from None
         self._counted, self._workers = -_COUNT_S, 1
@@ -80,8 +80,8 @@ class OnRay(WorkerPool):
         """Number of cores that the cluster has now."""
         now = time.monotonic()
         if now - self._counted >= _COUNT_S:
-            found = self._ray.cluster_resources().get("CPU", 0)
-            self._counted, self._workers = now, max(int(found), 1)
+            cpus = self._ray.cluster_resources().get("CPU", 0)
+            self._counted, self._workers = now, max(int(cpus), 1)
         return self._workers
 
     def map(
@@ -128,7 +128,7 @@ class OnRay(WorkerPool):
         """
         errors = self._ray.exceptions
         try:
-            said = self._ray.get(reference)
+            answer = self._ray.get(reference)
         except errors.OutOfMemoryError:
             return {}, Failure("lost", "its node ran out of memory"), 0.0
         except (errors.WorkerCrashedError, errors.NodeDiedError, errors.ObjectLostError) as error:
@@ -141,11 +141,11 @@ class OnRay(WorkerPool):
             ) from None
         except errors.RayError as error:
             return {}, Failure("lost", f"its worker was lost ({type(error).__name__})"), 0.0
-        if isinstance(said, str):
+        if isinstance(answer, str):
             raise InputError(
-                f"expected the same versions on every node, found {said}: install the same there"
+                f"expected the same versions on every node, found {answer}: install the same there"
             )
-        return said
+        return answer
 
 
 def _carry_out_here(

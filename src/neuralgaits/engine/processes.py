@@ -68,10 +68,10 @@ class Processes(WorkerPool):
                         break
                     worker = self._idle.pop() if self._idle else self._started()
                     busy[worker.pipe] = worker, job, tried + 1
-                    told = None if worker.pipe in fresh else dict(common or {})
+                    common_settings = None if worker.pipe in fresh else dict(common or {})
                     # One that has died meanwhile is met below, where its pipe has ended.
                     with contextlib.suppress(*_GONE):
-                        worker.pipe.send((named, job, told))
+                        worker.pipe.send((named, job, common_settings))
                     fresh.add(worker.pipe)
                 if not busy:
                     return
@@ -79,7 +79,7 @@ class Processes(WorkerPool):
                     assert isinstance(pipe, Connection)
                     worker, job, tried = busy[pipe]
                     try:
-                        said = pipe.recv()
+                        answer = pipe.recv()
                     except _GONE:
                         del busy[pipe]
                         self._all.remove(worker)
@@ -89,12 +89,12 @@ class Processes(WorkerPool):
                         else:
                             yield Done(job.name, {}, _died(end, tried), tried, 0.0)
                         continue
-                    if said == _READY:
+                    if answer == _READY:
                         worker.ready = True
                         continue
                     del busy[pipe]
                     self._idle.append(worker)
-                    files, failure, wall = said
+                    files, failure, wall = answer
                     yield Done(job.name, files, failure, tried, wall)
         finally:
             for worker, *_ in busy.values():
@@ -175,8 +175,8 @@ def _work(pipe: Connection, memory_bytes: int) -> None:
     with contextlib.suppress(*_GONE):
         pipe.send(_READY)
         while True:
-            task, job, told = pipe.recv()
-            common = common if told is None else told
+            task, job, common_settings = pipe.recv()
+            common = common if common_settings is None else common_settings
             pipe.send(carry_out(task, job, common))
 
 

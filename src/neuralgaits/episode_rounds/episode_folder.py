@@ -51,7 +51,7 @@ class EpisodeFolder:
     @classmethod
     def create(
         cls,
-        asked: Mapping[str, Any],
+        settings: Mapping[str, Any],
         start: Run | None,
         *,
         out: str | Path | None,
@@ -60,20 +60,20 @@ class EpisodeFolder:
         """Make a new folder; `episodes.json` is written last.
 
         Args:
-            asked: every setting; robots as loaded objects.
+            settings: every setting; robots as loaded objects.
             start: run to start from, or None.
             out: the folder; `root/episodes/ROBOT/<UTC time>-<seed>` if None.
             root: folder of the runs.
 
         Raises: RunError if `out` is taken.
         """
-        robot, plant = asked["robot"], asked["plant"]
+        robot, plant = settings["robot"], settings["plant"]
         place = None if out is None else Path(out)
         names = {"robot": robot.name, "plant": plant and plant.name}
         start_path = None if start is None else str(start.path)
-        config = EpisodesAsked(**{"format": FORMAT, **asked, **names, "start": start_path})
+        config = EpisodesAsked(**{"format": FORMAT, **settings, **names, "start": start_path})
         home, what = root / HOME, "the episodes"
-        with claimed(place, home, robot.name, asked["seed"], what=what, config=ASKED) as path:
+        with claimed(place, home, robot.name, settings["seed"], what=what, config=ASKED) as path:
             write_text(path / ROBOT, robot.layout.xml)
             if plant is not None:
                 write_text(path / PLANT, plant.layout.xml)
@@ -89,42 +89,42 @@ class EpisodeFolder:
         Returns: None if the place holds something else. Raises: RunError if they are damaged.
         """
         if str(place) == LATEST:
-            begun = [*(root / HOME).glob(f"*/*/{ASKED}")]
-            if not begun:
+            folders = [*(root / HOME).glob(f"*/*/{ASKED}")]
+            if not folders:
                 raise RunError(
                     f"expected episodes below {root / HOME}, found none: leave --resume out"
                 )
-            place = max(begun, key=lambda file: file.stat().st_mtime_ns).parent
+            place = max(folders, key=lambda file: file.stat().st_mtime_ns).parent
         path = Path(place)
         if not (path / ASKED).is_file():
             return None
-        found = read(path / ASKED, Versioned).format
-        if found != FORMAT:
+        version = read(path / ASKED, Versioned).format
+        if version != FORMAT:
             raise RunError(
-                f"expected episodes of format {FORMAT} in {path}, found {found!r}: begin new ones"
+                f"expected episodes of format {FORMAT} in {path}, found {version!r}: begin new ones"
             )
         config = EpisodesAsked.read(path / ASKED)
         robot = load_robot_of(path / ROBOT, config.robot)
         plant = None if config.plant is None else load_robot_of(path / PLANT, config.plant)
         return cls(path, config, robot, plant)
 
-    def gone_on_with(self, asked: Mapping[str, Any], out: str | Path | None) -> "EpisodeFolder":
-        """Return these episodes, extended to more rounds if `asked` requests more.
+    def gone_on_with(self, settings: Mapping[str, Any], out: str | Path | None) -> "EpisodeFolder":
+        """Return these episodes, extended to more rounds if `settings` requests more.
 
         Args:
-            asked: settings; None where the caller gave none.
+            settings: settings; None where the caller gave none.
             out: must be None.
 
         Raises: InputError if a setting differs from the one that the episodes started with.
         """
         if out is not None:
             raise InputError(f"expected --resume without --out, found {out}: drop one of the two")
-        rounds = asked["rounds"]
-        for name, value in asked.items():
+        rounds = settings["rounds"]
+        for name, value in settings.items():
             own = getattr(self.config, name)
             if isinstance(value, PlanarBiped):
-                kept = {"robot": self.robot, "plant": self.plant}[name]
-                same, value = kept and kept.layout.xml == value.layout.xml, value.name
+                recorded = {"robot": self.robot, "plant": self.plant}[name]
+                same, value = recorded and recorded.layout.xml == value.layout.xml, value.name
             elif name == "rounds":
                 same = value is None or value >= own
             else:

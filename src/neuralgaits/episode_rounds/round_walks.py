@@ -85,7 +85,7 @@ def walk_round(run: Run, field: Field, *, momentum: float, seed: int, folder: Pa
     anywhere = full_states(run.zero_dynamics, run.gait, "region", seed=seed, episodes=STARTS)
     longest = LOGGED_S / (STARTS + len(shares))
     engine = engine_of_run(run)
-    tried, found = _walk(run, field, engine, anywhere, steps=STEPS, seed=seed, longest_s=longest)
+    tried, logs = _walk(run, field, engine, anywhere, steps=STEPS, seed=seed, longest_s=longest)
     sped, more = _walk(
         run,
         field,
@@ -96,11 +96,11 @@ def walk_round(run: Run, field: Field, *, momentum: float, seed: int, folder: Pa
         seed=seed + 1,
         longest_s=longest,
     )
-    found += more
-    files = _write(found, folder, run.robot)
+    logs += more
+    files = _write(logs, folder, run.robot)
     up = [not fell for fell in sped.fell]
-    held = longest_run(shares, up)
-    asked = [stayed for share, stayed in zip(shares, up, strict=True) if share in SPEEDS]
+    stable = longest_run(shares, up)
+    stayed_up = [stayed for share, stayed in zip(shares, up, strict=True) if share in SPEEDS]
     return WalkedRound(
         steps_walked=tried.steps_walked,
         share_that_walks=1.0 - float(np.mean(tried.fell)),
@@ -108,14 +108,14 @@ def walk_round(run: Run, field: Field, *, momentum: float, seed: int, folder: Pa
         steps_walked_at={
             f"{share:.3f}": steps for share, steps in zip(shares, sped.steps_walked, strict=True)
         },
-        share_of_speeds=float(np.mean(asked)),
-        momentum_range=held,
-        speed_range_m_s=None if held is None else _speeds(run, momentum, held),
+        share_of_speeds=float(np.mean(stayed_up)),
+        momentum_range=stable,
+        speed_range_m_s=None if stable is None else _speeds(run, momentum, stable),
         speed_m_s=tried.speed_m_s,
-        barriers=_judged(run, found),
-        walked_s=float(sum(log.t[-1] - log.t[0] for log in found)),
+        barriers=_judged(run, logs),
+        walked_s=float(sum(log.t[-1] - log.t[0] for log in logs)),
         logs=tuple(str(file) for file in files),
-        logs_left_out=len(found) - len(files),
+        logs_left_out=len(logs) - len(files),
         engine="jax" if engine.library is None else "native",
         engine_note=engine.note,
         wall_s=time.perf_counter() - start_time,
@@ -133,7 +133,7 @@ def _walk(
     longest_s: float,
 ) -> tuple[WalkFigures, list[Log]]:
     """Return the figures of walks, and logs of the first seconds of each."""
-    walked = walk(
+    walk_result = walk(
         run.robot,
         run.gait.policy,
         starts,
@@ -146,8 +146,10 @@ def _walk(
         longest=int(longest_s / (SUBSTEPS * TIMESTEP_S)),
         library=engine.library,
     )
-    records = walked.episodes.records
-    return summary(walked), [log_of(run.robot.joint_names, record, "walk") for record in records]
+    records = walk_result.episodes.records
+    return summary(walk_result), [
+        log_of(run.robot.joint_names, record, "walk") for record in records
+    ]
 
 
 def logs_of(logs: Path, number: int) -> list[Path]:
@@ -157,9 +159,9 @@ def logs_of(logs: Path, number: int) -> list[Path]:
         place = logs
     files = sorted([*place.glob("*.csv"), *place.glob("*.mcap")])
     if not files:
-        found = "none" if place.is_dir() else "no such folder"
+        message = "none" if place.is_dir() else "no such folder"
         raise InputError(
-            f"expected logs *.csv or *.mcap in {place}, found {found}: put the robot's there"
+            f"expected logs *.csv or *.mcap in {place}, found {message}: put the robot's there"
         )
     return files
 
@@ -222,14 +224,14 @@ def longest_run(shares: Sequence[float], up: Sequence[bool]) -> tuple[float, flo
     return (best[0], best[-1]) if best else None
 
 
-def _write(found: Sequence[Log], folder: Path, robot: PlanarBiped) -> list[Path]:
+def _write(walks: Sequence[Log], folder: Path, robot: PlanarBiped) -> list[Path]:
     """Write the logs that can be learned from, and return their paths.
 
     The other logs hold no complete stride, or a fall in which the foot moved so far that z2 no
     longer describes the robot.
     """
     files = []
-    for number, log in enumerate(found):
+    for number, log in enumerate(walks):
         file = folder / f"walk-{number:02d}.csv"
         logs.write(file, log)
         try:

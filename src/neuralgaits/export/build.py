@@ -80,10 +80,10 @@ def inspect(
             *_, kind, symbol = line.split()
             (undefined if kind == "U" else defined).add(symbol)
     graphs = [(folder / f"{Path(source).stem}.ci") for source in sources]
-    known = all(graph.is_file() for graph in graphs)
+    complete = all(graph.is_file() for graph in graphs)
     stack = (
         deepest("\n".join(graph.read_text(encoding="utf-8", errors="replace") for graph in graphs))
-        if known
+        if complete
         else None
     )
     foreign = undefined - defined - _FREESTANDING
@@ -99,28 +99,28 @@ def deepest(graph: str) -> int:
     calls: dict[str, set[str]] = {}
     for source, target in re.findall(r'sourcename: "([^"]+)" targetname: "([^"]+)"', graph):
         calls.setdefault(source, set()).add(target)
-    known: dict[str, int] = {}
+    depths: dict[str, int] = {}
 
     def total(name: str) -> int:
-        if name not in known:
-            known[name] = own.get(name, 0) + max(map(total, calls.get(name, ())), default=0)
-        return known[name]
+        if name not in depths:
+            depths[name] = own.get(name, 0) + max(map(total, calls.get(name, ())), default=0)
+        return depths[name]
 
     return max((total(name) for name in own), default=0)
 
 
 def run(program: Path, *arguments: str) -> bytes:
     """Run a compiled program and return its output. Raises: MismatchError if it fails."""
-    done = subprocess.run(
+    process = subprocess.run(
         [str(program), *arguments], capture_output=True, timeout=_RUN_S, check=False
     )
-    if done.returncode != 0:
-        said = (done.stderr or done.stdout).decode(errors="replace").strip().splitlines()
+    if process.returncode != 0:
+        lines = (process.stderr or process.stdout).decode(errors="replace").strip().splitlines()
         raise MismatchError(
-            f"{program.name} {arguments[0]}: expected exit 0, found {done.returncode}"
-            f" ({said[-1][:200] if said else 'silent'}): do not use this controller, report it"
+            f"{program.name} {arguments[0]}: expected exit 0, found {process.returncode}"
+            f" ({lines[-1][:200] if lines else 'silent'}): do not use this controller, report it"
         )
-    return done.stdout
+    return process.stdout
 
 
 def _run(command: Sequence[str]) -> str:

@@ -39,9 +39,9 @@ def check_controller(
         sizes are those of the first compiler in double precision at -O2.
     Raises: MismatchError if C does not compile, or its results differ from Python's.
     """
-    asked = questions(design, reference, states)
+    inputs = questions(design, reference, states)
     builds = tuple(
-        _built(design, asked, folder, compiler, precision, flags)
+        _built(design, inputs, folder, compiler, precision, flags)
         for compiler in compilers
         for precision in build.PRECISIONS
         for flags in (build.PLAIN, build.NATIVE)
@@ -68,9 +68,9 @@ def check_controller(
         latency_us=max(steps, key=lambda step: step.p99),
         flash_bytes=sizes["double"].flash_bytes,
         ram_bytes=sizes["double"].ram_bytes,
-        states=asked.cases.count,
+        states=inputs.cases.count,
         limits={precision: limits(design, precision) for precision in build.PRECISIONS},
-        float_bound=float_bound(design, policy_rate(design.gait.policy), asked),
+        float_bound=float_bound(design, policy_rate(design.gait.policy), inputs),
         sizes=sizes,
         builds=builds,
         step_latency_us=first.latency_us.get(STEP_TIME),
@@ -80,7 +80,7 @@ def check_controller(
 
 def _built(
     design: Design,
-    asked: Questions,
+    questions: Questions,
     folder: Path,
     compiler: str,
     precision: str,
@@ -93,8 +93,8 @@ def _built(
         compiler,
         precision,
         " ".join(flags),
-        agree(design, asked, program, precision),
-        latency(asked, program),
+        agree(design, questions, program, precision),
+        latency(questions, program),
     )
 
 
@@ -104,9 +104,9 @@ def _sizes(folder: Path, compiler: str, defines: tuple[str, ...]) -> Memory:
     program = build.build(compiler, folder, "check", build.CHECKED, (*build.PLAIN, *defines))
     rows = build.run(program, "sizes").decode().split()
     structs = dict(zip(rows[::2], map(int, rows[1::2]), strict=True))
-    kept = sum(structs.values())
+    ram = sum(structs.values())
     stack = core.stack_bytes
-    return Memory(core.flash_bytes, None if stack is None else kept + stack, stack, structs)
+    return Memory(core.flash_bytes, None if stack is None else ram + stack, stack, structs)
 
 
 def _sizes_of(

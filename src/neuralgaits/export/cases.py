@@ -157,20 +157,20 @@ def of_faults(design: Design, seed: int) -> Cases:
     chart = np.tile([0.5, 0.5], (1, 1))
     base = _at(design, chart, np.random.default_rng(seed), np.zeros(1, dtype=int))
     base = base.replaced(time_us=base.last_us + 1000, running=np.ones(1, dtype=int))
-    found = [base]
+    cases = [base]
     for name, flat, values in _spoils(design):
         for value in values:
             column = getattr(base, name).astype(np.float64).copy()
             column.reshape(-1)[flat] = value
-            found.append(base.replaced(**{name: column}))
+            cases.append(base.replaced(**{name: column}))
     safe = design.safeguard
     for gap in (1000, 0.9e6 * safe.gap_s, 1.1e6 * safe.gap_s, 0, -1000):
-        found.append(base.replaced(time_us=base.last_us + round(gap)))
+        cases.append(base.replaced(time_us=base.last_us + round(gap)))
     for share in (0.9, 1.1):
         longest = np.full(1, share * safe.airborne_s)
-        found.append(base.replaced(airborne=single(longest), force=np.zeros((1, 2))))
-    found += [base.replaced(fault=np.full(1, int(fault))) for fault in Fault]
-    return Cases.joined(found)
+        cases.append(base.replaced(airborne=single(longest), force=np.zeros((1, 2))))
+    cases += [base.replaced(fault=np.full(1, int(fault))) for fault in Fault]
+    return Cases.joined(cases)
 
 
 def _spoils(design: Design) -> Iterator[tuple[str, int, list[float]]]:
@@ -208,7 +208,7 @@ def _at(
     limit = np.asarray(design.controller.torque_limit)
     leg = rng.integers(0, 2, count) if leg is None else leg
     eta = rng.uniform(-1.0, 1.0, (count, 2 * m)) * np.repeat([_OUTPUT_ERROR, _RATE_ERROR], m)
-    pair, told = drawn_commands(design, count, rng)
+    pair, previous = drawn_commands(design, count, rng)
     x, outputs, slopes, step = lifted(design, chart, eta, pair)
     q, dq = np.split(x, 2, axis=1)
     foot_velocity = rng.uniform(-0.05, 0.05, (count, 2))
@@ -254,7 +254,7 @@ def _at(
         before=np.asarray(pair.before),
         after=np.asarray(pair.after),
         step=single(step),
-        **told,
+        **previous,
     )
 
 

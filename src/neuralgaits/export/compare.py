@@ -99,8 +99,8 @@ def model_questions(
     commands, step = steps_of(design, states, SEED)
     points = _around(design, step).astype(np.float32).astype(np.float64)
     z, dz, ddz = np.split(points, 3, axis=1)
-    told = {"commands": commands} if design.commands else {}
-    return {"z": z, "dz": dz} | told, policy_path(design, z, dz, ddz, step)[:, :2]
+    inputs_of_commands = {"commands": commands} if design.commands else {}
+    return {"z": z, "dz": dz} | inputs_of_commands, policy_path(design, z, dz, ddz, step)[:, :2]
 
 
 def _around(design: Design, step: Float[np.ndarray, "N s"]) -> Float[np.ndarray, "N 6"]:
@@ -116,19 +116,19 @@ def _around(design: Design, step: Float[np.ndarray, "N s"]) -> Float[np.ndarray,
     return np.concatenate([z, dz, ddz], axis=1)
 
 
-def agree(design: Design, asked: Questions, program: Path, precision: str) -> Agreement:
+def agree(design: Design, questions: Questions, program: Path, precision: str) -> Agreement:
     """Run a compiled controller on the same inputs. Raises: MismatchError if it is too far off."""
     with tempfile.TemporaryDirectory() as folder:
         cases, points = Path(folder) / "cases", Path(folder) / "points"
-        asked.cases.records().tofile(cases)
-        asked.points.tofile(points)
+        questions.cases.records().tofile(cases)
+        questions.points.tofile(points)
         rows = np.frombuffer(build.run(program, "compare", str(cases)))
         answers = np.frombuffer(build.run(program, "policy", str(points)))
     m = design.robot.n - 1
-    found = results_of(design, rows.reshape(asked.cases.count, -1))
-    _same_decisions(design, asked, found)
-    _same_steps(design, asked, found, precision)
-    agreement = _distances(design, asked, found, answers.reshape(-1, 6, m))
+    results = results_of(design, rows.reshape(questions.cases.count, -1))
+    _same_decisions(design, questions, results)
+    _same_steps(design, questions, results, precision)
+    agreement = _distances(design, questions, results, answers.reshape(-1, 6, m))
     asking = limits(design, precision)
     worst = {
         "outputs": (max(agreement.output, agreement.rate), asking.output),
@@ -144,17 +144,17 @@ def agree(design: Design, asked: Questions, program: Path, precision: str) -> Ag
     return agreement
 
 
-def latency(asked: Questions, program: Path) -> dict[str, Percentiles]:
+def latency(questions: Questions, program: Path) -> dict[str, Percentiles]:
     """Measure times of calls (us): the policy alone, and whole control steps by law."""
     with tempfile.TemporaryDirectory() as folder:
         cases = Path(folder) / "cases"
-        asked.cases.records().tofile(cases)
+        questions.cases.records().tofile(cases)
         text = build.run(program, "latency", str(cases)).decode()
     rows = [line.split() for line in text.splitlines()]
     return {name: Percentiles(float(p50), float(p99)) for name, p50, p99 in rows}
 
 
-def float_bound(design: Design, rates: Part, asked: Questions) -> FloatBound:
+def float_bound(design: Design, rates: Part, questions: Questions) -> FloatBound:
     """Bound the error of y_d and its rate in single precision, over the whole region.
 
     For a family it bounds a few of its steps, whose numbers count as exact.
@@ -162,43 +162,44 @@ def float_bound(design: Design, rates: Part, asked: Questions) -> FloatBound:
     Returns: `output` and `rate`, shares of their ranges.
     """
     bounds = design.controller.bounds
-    dz = asked.points[:, 2:4]
-    ranges = np.ptp(asked.policy, axis=0)
-    found = []
-    for step in asked.points[:_BOUND_STEPS, 6:] if design.commands else [None]:
+    dz = questions.points[:, 2:4]
+    ranges = np.ptp(questions.policy, axis=0)
+    rows = []
+    for step in questions.points[:_BOUND_STEPS, 6:] if design.commands else [None]:
         lows = {"z": np.array(bounds.lower), "dz": dz.min(axis=0)}
         highs = {"z": np.array(bounds.upper), "dz": dz.max(axis=0)}
         if step is not None:
             lows["z"][0], highs["z"][0] = step[:2]
             lows["step"] = highs["step"] = step
         errors = largest_errors(rates.program, lows, highs, _CUTS)
-        found.append((np.max(errors["y"] / ranges[0]), np.max(errors["dy"] / ranges[1])))
-    output, rate = np.max(found, axis=0)
+        rows.append((np.max(errors["y"] / ranges[0]), np.max(errors["dy"] / ranges[1])))
+    output, rate = np.max(rows, axis=0)
     return FloatBound(output=float(output), rate=float(rate))
 
 
-def _same_decisions(design: Design, asked: Questions, found: Results) -> None:
+def _same_decisions(design: Design, questions: Questions, results: Results) -> None:
     """Require equal faults, stance leg, touchdowns and clipping. Raises: MismatchError."""
-    expected = asked.ticks
+    expected = questions.ticks
     going = expected.fault == 0
     limit = np.asarray(design.controller.torque_limit)
     close = np.abs(np.abs(expected.actuated) - limit) < _NEAR_LIMIT * limit
     sure = going & ~np.any(close, axis=1)
     checks = {"fault": slice(None), "leg": slice(None), "touchdown": going, "ticks": going}
     for name, where in (*checks.items(), ("saturated", sure)):
-        wrong = np.flatnonzero(getattr(found, name)[where] != getattr(expected, name)[where])
+        wrong = np.flatnonzero(getattr(results, name)[where] != getattr(expected, name)[where])
         if wrong.size:
             raise MismatchError(
-                f"C and Python disagree on {name} in {wrong.size} of {asked.cases.count} cases: "
+                f"C and Python disagree on {name} in {wrong.size} of {questions.cases.count} "
+                "cases: "
                 "do not use this controller, report it"
             )
 
 
-def _same_steps(design: Design, asked: Questions, found: Results, precision: str) -> None:
+def _same_steps(design: Design, questions: Questions, answers: Results, precision: str) -> None:
     """Require equal commands and numbers of the step after a tick. Raises: MismatchError."""
-    expected, going = asked.ticks, asked.ticks.fault == 0
+    expected, going = questions.ticks, questions.ticks.fault == 0
     for name in ("requested", "before", "after", "step") if design.commands else ():
-        one, other = (getattr(results, name)[going] for results in (found, expected))
+        one, other = (getattr(results, name)[going] for results in (answers, expected))
         unit = np.maximum(np.ptp(other, axis=0), _SMALLEST_RANGE)
         distance = float(np.max(np.abs(one - other) / unit))
         if not distance <= _STEP_LIMITS[precision]:
@@ -210,27 +211,29 @@ def _same_steps(design: Design, asked: Questions, found: Results, precision: str
 
 
 def _distances(
-    design: Design, asked: Questions, found: Results, answers: Float[np.ndarray, "N 6 m"]
+    design: Design, questions: Questions, results: Results, answers: Float[np.ndarray, "N 6 m"]
 ) -> Agreement:
-    going = asked.ticks.fault == 0
+    going = questions.ticks.fault == 0
     limit = np.max(np.asarray(design.controller.torque_limit))
-    torque = np.abs(found.torque - asked.ticks.torque)
-    torque = max(float(torque.max()), float(_apart(found.actuated, asked.ticks.actuated, going)))
+    torque = np.abs(results.torque - questions.ticks.torque)
+    torque = max(
+        float(torque.max()), float(_apart(results.actuated, questions.ticks.actuated, going))
+    )
     # The function for rates repeats y and dy.
-    expected = np.concatenate([asked.policy, asked.policy[:, :2]], axis=1)
+    expected = np.concatenate([questions.policy, questions.policy[:, :2]], axis=1)
     gaps = np.max(np.abs(answers - expected), axis=0)
     ranges = np.ptp(expected, axis=0)
     # A policy of z1 alone may have an output that never moves.
     shares = np.max(gaps / np.where(ranges > 0.0, ranges, 1.0), axis=1)
-    outputs = max(_apart(found.y_d, asked.ticks.y_d, going), float(gaps[[0, 4]].max()))
+    outputs = max(_apart(results.y_d, questions.ticks.y_d, going), float(gaps[[0, 4]].max()))
     return Agreement(
         output=float(max(shares[0], shares[4])),
         rate=float(max(shares[1], shares[5])),
         slope=float(max(shares[2], shares[3])),
         torque=torque / limit,
-        absolute=max(torque, outputs, _apart(found.dy_d, asked.ticks.dy_d, going)),
+        absolute=max(torque, outputs, _apart(results.dy_d, questions.ticks.dy_d, going)),
     )
 
 
-def _apart(found: np.ndarray, expected: np.ndarray, where: np.ndarray) -> float:
-    return float(np.max(np.abs(found - expected)[where]))
+def _apart(values: np.ndarray, expected: np.ndarray, where: np.ndarray) -> float:
+    return float(np.max(np.abs(values - expected)[where]))

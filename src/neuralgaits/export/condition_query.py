@@ -73,10 +73,10 @@ def one_output(program: Program, names: Iterable[str]) -> Program:
     if len(values) > 1:
         joined = Operation("move", tuple(values), size, tuple(range(size)))
         operations, last = (*operations, joined), len(program.sizes)
-    (given,) = program.inputs
+    (state_input,) = program.inputs
     return replace(
         program,
-        inputs=(replace(given, name=INPUT, shape=(1, prod(given.shape))),),
+        inputs=(replace(state_input, name=INPUT, shape=(1, prod(state_input.shape))),),
         operations=operations,
         outputs=(Output(OUTPUT, (1, size), last),),
     )
@@ -87,16 +87,16 @@ def file_names(names: Iterable[str]) -> dict[str, str]:
 
     Two names that differ in case alone are one file on some disks.
     """
-    found: dict[str, str] = {}
-    taken: set[str] = set()
+    names_of_files: dict[str, str] = {}
+    used: set[str] = set()
     for name in names:
         plain = re.sub(r"[^A-Za-z0-9_]+", "-", name)[:60].strip("-")
         # These are devices on Windows, whatever follows the dot.
         device = re.fullmatch(r"(?i)con|prn|aux|nul|com\d|lpt\d|", plain)
         wish = f"condition-{plain}".rstrip("-") if device else plain
         file, count = wish, 2
-        while file.lower() in taken:
+        while file.lower() in used:
             file, count = f"{wish}_{count}", count + 1
-        taken.add(file.lower())
-        found[name] = file
-    return found
+        used.add(file.lower())
+        names_of_files[name] = file
+    return names_of_files

@@ -48,7 +48,7 @@ def _of_steps(
     policy: AbstractPolicy, robot: PlanarBiped, residual: ResetCorrection, pairs: Pair
 ) -> Float[Array, "N s"]:
     """Return the numbers of a fixed count of steps, so that the code is compiled once."""
-    return jax.vmap(lambda told: policy.parameters_of_step(robot, told, residual))(pairs)
+    return jax.vmap(lambda pair: policy.parameters_of_step(robot, pair, residual))(pairs)
 
 
 def drawn_commands(
@@ -60,12 +60,12 @@ def drawn_commands(
     before = rng.uniform(limits.low, limits.high, shape)
     after = before + rng.uniform(-1.0, 1.0, shape) * limits.change
     after = np.clip(after, limits.low, limits.high)
-    given = rng.uniform(limits.low - 0.2 * width, limits.high + 0.2 * width, shape)
-    given = np.where(rng.uniform(size=shape) < 0.2, np.nan, given)
-    wanted = rng.uniform(limits.low, limits.high, shape)
+    commands = rng.uniform(limits.low - 0.2 * width, limits.high + 0.2 * width, shape)
+    commands = np.where(rng.uniform(size=shape) < 0.2, np.nan, commands)
+    drawn = rng.uniform(limits.low, limits.high, shape)
     return Pair(single(before), single(after)), {
-        "given": single(given),
-        "requested": single(wanted),
+        "given": single(commands),
+        "requested": single(drawn),
     }
 
 
@@ -102,14 +102,14 @@ def _lift(
     """
 
     def lift(u, error, before, after):
-        told = Pair(before, after)
-        here = gait.at(robot, coordinates_of(commands, told), residual, exact=True)
+        pair = Pair(before, after)
+        here = gait.at(robot, coordinates_of(commands, pair), residual, exact=True)
         low, high = here.tube.fences(u[0])
         start, guard = here.span
         zeta = jnp.maximum(low + u[1] * (high - low), 1e-3 * high)
         z = jnp.stack([start + u[0] * (guard - start), jnp.sqrt(2.0 * zeta)])
         y, slope = jax.jvp(here.policy, (z,), (jnp.array([1.0, 0.0]),))
-        numbers = gait.policy.parameters_of_step(robot, told, residual)
+        numbers = gait.policy.parameters_of_step(robot, pair, residual)
         return ZeroDynamics(robot, here.policy).phi_inv(z, error), y, slope, numbers
 
     return jax.vmap(lift)(*cases)

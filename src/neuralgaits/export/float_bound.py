@@ -245,5 +245,5 @@ def largest_errors(
         low = np.stack([axes[k][cells[k]] for k in mine], axis=1)
         high = np.stack([axes[k][cells[k] + 1] for k in mine], axis=1)
         boxes[name] = (low, high)
-    found = evaluate(program, boxes, RoundingAlgebra())
-    return {name: value.error.max(axis=1) for name, value in found.items()}
+    errors = evaluate(program, boxes, RoundingAlgebra())
+    return {name: value.error.max(axis=1) for name, value in errors.items()}

@@ -90,11 +90,11 @@ def python_answers(monitor: StateMonitor, cases: MonitorCases) -> MonitorAnswers
     """Evaluate the Programs."""
     margins = [one.margins(**cases.inputs(monitor)) for one in monitor.sets]
     places = [monitor.sets.index(monitor.set_of(level)) for level in monitor.levels]
-    found = [monitor.sets[k].membership(margins[k]) for k in places]
+    memberships = [monitor.sets[k].membership(margins[k]) for k in places]
     return MonitorAnswers(
-        np.stack([one.inside for one in found], axis=1),
-        np.stack([one.margin for one in found], axis=1),
-        np.stack([one.nearest for one in found], axis=1),
+        np.stack([one.inside for one in memberships], axis=1),
+        np.stack([one.margin for one in memberships], axis=1),
+        np.stack([one.nearest for one in memberships], axis=1),
         margins,
         monitor.admissible(cases.before, cases.after),
     )
@@ -121,10 +121,10 @@ def c_answers(monitor: StateMonitor, cases: MonitorCases, program: Path) -> Moni
     )
 
 
-def distance(found: MonitorAnswers, expected: MonitorAnswers) -> float:
+def distance(answers: MonitorAnswers, expected: MonitorAnswers) -> float:
     """Return the largest distance of any margin m, in units of 1 + |m|."""
     worst = 0.0
-    for one, other in zip(found.margins, expected.margins, strict=True):
+    for one, other in zip(answers.margins, expected.margins, strict=True):
         same = np.isnan(one) & np.isnan(other)
         apart = np.where(same, 0.0, np.abs(one - other) / (1.0 + np.abs(other)))
         worst = max(worst, float(np.max(np.where(np.isnan(apart), np.inf, apart))))
@@ -132,25 +132,25 @@ def distance(found: MonitorAnswers, expected: MonitorAnswers) -> float:
 
 
 def disagreements(
-    monitor: StateMonitor, found: MonitorAnswers, expected: MonitorAnswers, limit: float
+    monitor: StateMonitor, answers: MonitorAnswers, expected: MonitorAnswers, limit: float
 ) -> int:
     """Count answers that differ farther than `limit` from where they may.
 
     Answers may differ for a margin within `limit` of an edge, names for two margins within it of
     each other; ends of a step begin to count at an edge.
     """
-    wrong = int(np.sum(found.admissible != expected.admissible))
+    wrong = int(np.sum(answers.admissible != expected.admissible))
     for k, level in enumerate(monitor.levels):
         one = monitor.set_of(level)
         margins = expected.margins[monitor.sets.index(one)]
         ends = margins[:, : len(one.ends)]
         close = np.abs(expected.margin[:, k]) <= limit
-        wrong += int(np.sum((found.inside[:, k] != expected.inside[:, k]) & ~close))
-        other = np.take_along_axis(margins, found.nearest[:, k : k + 1], axis=1)[:, 0]
+        wrong += int(np.sum((answers.inside[:, k] != expected.inside[:, k]) & ~close))
+        other = np.take_along_axis(margins, answers.nearest[:, k : k + 1], axis=1)[:, 0]
         spare = limit * (1.0 + np.abs(expected.margin[:, k]))
         tie = np.abs(other - expected.margin[:, k]) <= 2.0 * spare
         tie |= np.any(np.abs(ends) <= limit, axis=1)
-        wrong += int(np.sum((found.nearest[:, k] != expected.nearest[:, k]) & ~tie))
+        wrong += int(np.sum((answers.nearest[:, k] != expected.nearest[:, k]) & ~tie))
     return wrong
 
 
@@ -171,7 +171,7 @@ def check_monitor(
     assert monitor is not None
     cases = drawn_cases(design, count)
     expected = python_answers(monitor, cases)
-    found = []
+    problems = []
     for compiler in compilers:
         for precision, defines in build.PRECISIONS.items():
             flags = (*build.PLAIN, *defines)
@@ -194,8 +194,8 @@ def check_monitor(
                     f"{far:.3g}: do not use this monitor, report it"
                 )
             times = latency(cases, program)
-            found.append(MonitorBuild(compiler, precision, far, times[:-1], times[-1]))
-    return tuple(found)
+            problems.append(MonitorBuild(compiler, precision, far, times[:-1], times[-1]))
+    return tuple(problems)
 
 
 def latency(cases: MonitorCases, program: Path) -> tuple[Percentiles, ...]:

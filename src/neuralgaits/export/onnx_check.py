@@ -39,18 +39,18 @@ def check_models(design: Design, files: Mapping[str, bytes], states: int) -> "pa
         those of the model in double precision.
     Raises: MismatchError if a model is too far from Python.
     """
-    given, answers = model_questions(design, states)
+    inputs, answers = model_questions(design, states)
     builds = []
     for precision, name in FILES.items():
         policy = _session(files[name])
-        agreement = _agree(design, policy, given, answers, precision)
+        agreement = _agree(design, policy, inputs, answers, precision)
         builds.append(
             Model(
                 runtime=f"onnxruntime {onnxruntime.__version__}",
                 precision=precision,
                 file=name,
                 agreement=agreement,
-                latency_us=_latency(policy, _as(given, precision)),
+                latency_us=_latency(policy, _as(inputs, precision)),
                 model_bytes=len(files[name]),
             )
         )
@@ -75,17 +75,17 @@ def _session(model: bytes) -> Policy:
     options.intra_op_num_threads = options.inter_op_num_threads = 1
     options.log_severity_level = _ERRORS_ONLY
     session = onnxruntime.InferenceSession(model, options, providers=["CPUExecutionProvider"])
-    return lambda given: session.run(["y", "dy"], given)  # type: ignore[return-value]
+    return lambda inputs: session.run(["y", "dy"], inputs)  # type: ignore[return-value]
 
 
-def _as(given: Given, precision: str) -> Given:
-    return {name: values.astype(REALS[precision]) for name, values in given.items()}
+def _as(inputs: Given, precision: str) -> Given:
+    return {name: values.astype(REALS[precision]) for name, values in inputs.items()}
 
 
 def _agree(
     design: Design,
     policy: Policy,
-    given: Given,
+    inputs: Given,
     expected: Float[np.ndarray, "N 2 m"],
     precision: str,
 ) -> ModelAgreement:
@@ -98,11 +98,11 @@ def _agree(
             "expected a policy with finite outputs, found NaN or infinity: the run's weights are "
             "damaged; restore the run, or train again"
         )
-    rows = _as(given, precision)
-    found = np.array(
+    rows = _as(inputs, precision)
+    outputs = np.array(
         [policy({name: values[i] for name, values in rows.items()}) for i in range(len(expected))]
     )
-    gaps = np.max(np.abs(found.astype(np.float64) - expected), axis=0)
+    gaps = np.max(np.abs(outputs.astype(np.float64) - expected), axis=0)
     ranges = np.ptp(expected, axis=0)
     # A policy of z1 alone may have an output that never moves.
     output, rate = np.max(gaps / np.where(ranges > 0.0, ranges, 1.0), axis=1)
@@ -115,11 +115,11 @@ def _agree(
     return ModelAgreement(float(output), float(rate), float(np.max(gaps)))
 
 
-def _latency(policy: Policy, given: Given) -> Percentiles:
+def _latency(policy: Policy, inputs: Given) -> Percentiles:
     """Measure times of calls from Python (us), one state each."""
     times = np.empty(_TIMED_CALLS)
     for i in range(_TIMED_CALLS):
-        row = {name: values[i % len(values)] for name, values in given.items()}
+        row = {name: values[i % len(values)] for name, values in inputs.items()}
         start_time = perf_counter_ns()
         policy(row)
         times[i] = perf_counter_ns() - start_time

@@ -32,7 +32,7 @@ def metadata(design: Design) -> dict[str, str]:
     `units` describes each number and array.
     """
     origin, layout = design.origin, design.robot.layout
-    stated = [*statement.numbers(design), *statement.arrays(design)]
+    pairs = [*statement.numbers(design), *statement.arrays(design)]
     words = statement.names(design) | {
         "about": "\n".join(statement.prose(design)),
         "spec": origin.spec,
@@ -45,9 +45,9 @@ def metadata(design: Design) -> dict[str, str]:
         "leg_joint_names": [list(names) for names in layout.leg_joints],
         "actuators": [list(names) for names in layout.actuators],
         "laws": {name: statement.gains(c.law) for name, c in design.controllers.items()},
-        "units": {fact.name: fact.unit for fact in stated},
+        "units": {fact.name: fact.unit for fact in pairs},
     }
-    values = {fact.name: np.asarray(fact.value).tolist() for fact in stated}
+    values = {fact.name: np.asarray(fact.value).tolist() for fact in pairs}
     return {name: str(word) for name, word in words.items()} | {
         name: json.dumps(value) for name, value in (lists | values).items()
     }

@@ -148,12 +148,14 @@ def publish(out: Path, files: Mapping[str, str | bytes]) -> list[str]:
 def _publish_new(place: Path, contents: Mapping[str, bytes]) -> None:
     """Make a folder with these files, in one piece or not at all."""
     place.parent.mkdir(parents=True, exist_ok=True)
-    made = Path(tempfile.mkdtemp(prefix=f".{place.name[:40]}.", suffix=".tmp", dir=place.parent))
+    temporary = Path(
+        tempfile.mkdtemp(prefix=f".{place.name[:40]}.", suffix=".tmp", dir=place.parent)
+    )
     try:
         for file, data in contents.items():
-            write_bytes(made / file, data)
-        made.chmod(0o755)
-        os.replace(made, place)
+            write_bytes(temporary / file, data)
+        temporary.chmod(0o755)
+        os.replace(temporary, place)
     except BaseException:
-        shutil.rmtree(made, ignore_errors=True)
+        shutil.rmtree(temporary, ignore_errors=True)
         raise

@@ -161,7 +161,7 @@ def parts(
 
     Raises: SpecError naming the primitive of a policy that cannot be traced.
     """
-    told = tells_lean(policy)
+    lean_told = tells_lean(policy)
     once = [policy_step(robot, policy, reset_residual)] if policy.step_size else []
     once += [policy_ankle(policy)] if robot.feet is not None else []
     return [
@@ -172,11 +172,11 @@ def parts(
             _policy(path(policy), _OF_POLICY | {"ddz": (2,)} | _step(policy), policy),
         ),
         *once,
-        zero_dynamics_state(robot, told),
-        dynamics(torque_model or robot, told),
+        zero_dynamics_state(robot, lean_told),
+        dynamics(torque_model or robot, lean_told),
         feet(robot),
-        pinned_rates(robot, told),
-        *([lean_of_interval(robot)] if told else []),
+        pinned_rates(robot, lean_told),
+        *([lean_of_interval(robot)] if lean_told else []),
     ]
 
 
@@ -186,8 +186,8 @@ def _policy(
     try:
         return trace(compute, shapes, parameters=policy)
     except SpecError as error:
-        found = re.search(r"cannot trace [^:]*", str(error))
+        match = re.search(r"cannot trace [^:]*", str(error))
         raise SpecError(
             "expected a smooth policy, which is what C and ONNX are written from, found one that "
-            f"{found.group() if found else error}: train with tanh or softplus"
+            f"{match.group() if match else error}: train with tanh or softplus"
         ) from None

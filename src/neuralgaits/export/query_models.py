@@ -107,11 +107,11 @@ def random_points(query: ConditionQuery, points: int) -> Float[np.ndarray, "B 1 
 
 
 def distance(
-    query: ConditionQuery, expected: Float[np.ndarray, "B 1 m"], found: Float[np.ndarray, "B 1 m"]
+    query: ConditionQuery, expected: Float[np.ndarray, "B 1 m"], values: Float[np.ndarray, "B 1 m"]
 ) -> float:
     """Return the largest distance, in scales of the condition, or shares of larger margins."""
     size = np.maximum(np.abs(expected), query.scale)
-    return float(np.max(np.abs(found - expected) / size))
+    return float(np.max(np.abs(values - expected) / size))
 
 
 def model_answers(model: bytes, x: np.ndarray) -> Float[np.ndarray, "B 1 m"]:

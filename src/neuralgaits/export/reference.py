@@ -57,8 +57,8 @@ _SCALARS = 8
 def results_of(design: Design, rows: np.ndarray) -> Results:
     """Split rows that C wrote into `Results`."""
     m, p, joints = design.robot.n - 1, len(design.commands), 2 * design.leg_joints
-    told = [p, p, p, design.gait.policy.step_size]
-    widths = [1] * _SCALARS + [2, m, m, m, joints, joints, *told]
+    sizes = [p, p, p, design.gait.policy.step_size]
+    widths = [1] * _SCALARS + [2, m, m, m, joints, joints, *sizes]
     parts = np.split(rows, np.cumsum(widths)[:-1], axis=1)
     return Results(*(part[:, 0] for part in parts[:_SCALARS]), *parts[_SCALARS:])
 
@@ -86,8 +86,8 @@ class Reference:
         some = cases.take(which)
         arrays = {field.name: getattr(some, field.name) for field in fields(some)}
         safeguard = self._design.safeguard
-        found = _ticks(controller, safeguard, arrays, some.measurement(self._design))
-        rows = {name: np.asarray(column) for name, column in found.items()}
+        ticks = _ticks(controller, safeguard, arrays, some.measurement(self._design))
+        rows = {name: np.asarray(column) for name, column in ticks.items()}
         result = Results(**{name: column.astype(np.float64) for name, column in rows.items()})
         torque = result.torque.reshape(len(which), -1)
         gears = np.reshape(self._design.robot.layout.gears, -1)
@@ -102,8 +102,8 @@ def policy_path(
     @quick_jit
     @jax.vmap
     def ask(*points):
-        found = path(design.gait.policy)(*points)
-        return jnp.stack([found[name] for name in ("y", "dy", "slope", "drift")])
+        answers = path(design.gait.policy)(*points)
+        return jnp.stack([answers[name] for name in ("y", "dy", "slope", "drift")])
 
     return np.asarray(ask(z, dz, ddz, step))
 

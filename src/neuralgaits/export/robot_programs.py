@@ -42,8 +42,13 @@ def tells_lean(policy: AbstractPolicy) -> bool:
     return place_of(policy.commands, LEAN) is not None
 
 
-def zero_dynamics_state(robot: PlanarBiped, told: bool) -> Part:
-    """Return the Program of the measured z and its rates; `told`: whether a lean is believed."""
+def zero_dynamics_state(robot: PlanarBiped, with_lean: bool) -> Part:
+    """Return the Program of the measured z and its rates.
+
+    Args:
+        robot: the biped.
+        with_lean: whether a lean is believed.
+    """
 
     def state(
         q: Coordinates, dq: Coordinates, hip_velocity_: Planar, lean: Scalar | None = None
@@ -59,12 +64,14 @@ def zero_dynamics_state(robot: PlanarBiped, told: bool) -> Part:
         "ng_zero_state",
         "Measured z (m, kg m^2/s), dz (m/s, N m), and the second derivative of z2 [N m/s].",
         trace(
-            state, {"q": (n,), "dq": (n,), "hip_velocity_": (2,)} | _belief(told), parameters=robot
+            state,
+            {"q": (n,), "dq": (n,), "hip_velocity_": (2,)} | _belief(with_lean),
+            parameters=robot,
         ),
     )
 
 
-def dynamics(robot: PlanarBiped, told: bool) -> Part:
+def dynamics(robot: PlanarBiped, with_lean: bool) -> Part:
     """Return the Program of mass matrix and bias of the robot that torques are for."""
 
     def matrices(q: Coordinates, dq: Coordinates, lean: Scalar | None = None) -> dict[str, Array]:
@@ -75,7 +82,7 @@ def dynamics(robot: PlanarBiped, told: bool) -> Part:
     return Part(
         "ng_dynamics",
         "Mass matrix [kg m^2] and bias [N m] of mass ddq + bias = (0, torques).",
-        trace(matrices, {"q": (n,), "dq": (n,)} | _belief(told), parameters=robot),
+        trace(matrices, {"q": (n,), "dq": (n,)} | _belief(with_lean), parameters=robot),
     )
 
 
@@ -107,7 +114,7 @@ def lean_of_interval(robot: PlanarBiped) -> Part:
     )
 
 
-def pinned_rates(robot: PlanarBiped, told: bool) -> Part:
+def pinned_rates(robot: PlanarBiped, with_lean: bool) -> Part:
     """Return the Program of all rates on a foot that stands still."""
 
     def standing(
@@ -128,13 +135,13 @@ def pinned_rates(robot: PlanarBiped, told: bool) -> Part:
         "the first [rad/s].",
         trace(
             standing,
-            {"q": (n,), "actuated": (n - 1,), "z2": (), "extra": ()} | _belief(told),
+            {"q": (n,), "actuated": (n - 1,), "z2": (), "extra": ()} | _belief(with_lean),
             parameters=robot,
         ),
     )
 
 
-def ground(robot: PlanarBiped, told: bool) -> Part:
+def ground(robot: PlanarBiped, with_lean: bool) -> Part:
     """Return the Program of the floor's force on the stance foot, see `control.clf_qp`."""
 
     def force(q: Coordinates, dq: Coordinates, lean: Scalar | None = None) -> dict[str, Array]:
@@ -146,13 +153,13 @@ def ground(robot: PlanarBiped, told: bool) -> Part:
         "ng_ground",
         "Force of the floor on the stance foot, (x, z): without accelerations, and by each "
         "[shares of the weight, of it a rad/s^2].",
-        trace(force, {"q": (n,), "dq": (n,)} | _belief(told), parameters=robot),
+        trace(force, {"q": (n,), "dq": (n,)} | _belief(with_lean), parameters=robot),
     )
 
 
-def _belief(told: bool) -> dict[str, tuple[int, ...]]:
+def _belief(with_lean: bool) -> dict[str, tuple[int, ...]]:
     """Return the input that functions of a robot have whose gait is told its lean [m]."""
-    return {LEAN: ()} if told else {}
+    return {LEAN: ()} if with_lean else {}
 
 
 def _leaning(robot: PlanarBiped, lean: Scalar | None) -> PlanarBiped:

@@ -15,8 +15,8 @@ _FROM_REGION, _FROM_GUARD, _SEED = 12, 6, 20220117
 def selftest_file(design: Design, reference: Reference) -> str:
     """Return the text of the table: states of the region, touchdowns, and one fault."""
     cases = _cases(design, reference)
-    found = reference.evaluate(cases)
-    lines = [_line(cases, found, i) for i in range(cases.count)]
+    results = reference.evaluate(cases)
+    lines = [_line(cases, results, i) for i in range(cases.count)]
     return "\n".join(
         [
             "/* Inputs of one tick and what Python makes of them. Written by a program. */",
@@ -63,18 +63,18 @@ def _told(design: Design, cases: Cases) -> dict[str, np.ndarray]:
     """Return steps that begin at a command that has been constant for long."""
     first = cases.before
     # A table of C has no NaN.
-    given = np.where(np.isnan(cases.given), first, cases.given)
+    commands = np.where(np.isnan(cases.given), first, cases.given)
     steady = {"requested": first, "after": first, "step": steady_steps(design, first)}
-    return steady | {"given": given}
+    return steady | {"given": commands}
 
 
-def _line(cases: Cases, found: Results, i: int) -> str:
-    stopped = found.fault[i] != Fault.NONE
-    outputs = [np.zeros_like(v[i]) if stopped else v[i] for v in (found.y_d, found.dy_d)]
+def _line(cases: Cases, results: Results, i: int) -> str:
+    stopped = results.fault[i] != Fault.NONE
+    outputs = [np.zeros_like(v[i]) if stopped else v[i] for v in (results.y_d, results.dy_d)]
     k = cases.joints.shape[2]
     joints, djoints, torque = (
         _rows(np.reshape(values, (2, k)))
-        for values in (cases.joints[i], cases.djoints[i], found.torque[i])
+        for values in (cases.joints[i], cases.djoints[i], results.torque[i])
     )
     encoders = ", ".join(
         [
@@ -87,15 +87,15 @@ def _line(cases: Cases, found: Results, i: int) -> str:
             f".normal_force = {_row(cases.force[i])}",
         ]
     )
-    told = []
+    columns = []
     if cases.before.size:
-        told = [
+        columns = [
             f".begun = {_row(cases.before[i])}",
             f".told = {_row(cases.given[i])}",
         ]
     parts = [
-        *told,
-        f".law = {cases.law[i]}, .leg = {cases.leg[i]}, .fault = (ng_fault){int(found.fault[i])}",
+        *columns,
+        f".law = {cases.law[i]}, .leg = {cases.leg[i]}, .fault = (ng_fault){int(results.fault[i])}",
         f".encoders = {{{encoders}}}",
         f".y_d = {_row(outputs[0])}",
         f".dy_d = {_row(outputs[1])}",

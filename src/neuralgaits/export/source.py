@@ -77,8 +77,8 @@ def _names(design: Design) -> list[str]:
 
 def commented(line: str) -> str:
     """Return a line of a comment. Names come from other people's files; none may end it."""
-    shown = "".join(sign if sign.isprintable() else "?" for sign in line)
-    return shown.replace("*/", "* /").replace("/*", "/ *").rstrip("\\")
+    printable = "".join(sign if sign.isprintable() else "?" for sign in line)
+    return printable.replace("*/", "* /").replace("/*", "/ *").rstrip("\\")
 
 
 def quoted(text: str) -> str:

@@ -66,8 +66,8 @@ class StandingPostures(NamedTuple):
 
 def standing_postures(robot: PlanarBiped) -> StandingPostures | None:
     """Return the postures of a robot; None if its legs cannot take them at any height."""
-    found = (_at_height(robot, height) for height in _HEIGHTS)
-    return next((postures for postures in found if postures is not None), None)
+    candidates = (_at_height(robot, height) for height in _HEIGHTS)
+    return next((postures for postures in candidates if postures is not None), None)
 
 
 def _at_height(robot: PlanarBiped, height: float) -> StandingPostures | None:
@@ -88,22 +88,22 @@ def _at_height(robot: PlanarBiped, height: float) -> StandingPostures | None:
 
 
 def posture(
-    robot: PlanarBiped, wanted: Stand, guess: Float[np.ndarray, " n"] | None = None
+    robot: PlanarBiped, stand: Stand, guess: Float[np.ndarray, " n"] | None = None
 ) -> Float[np.ndarray, " n"] | None:
     """Return the coordinates of a posture with the front leg in stance; None if there is none.
 
     Args:
         robot: the biped.
-        wanted: the posture.
+        stand: the posture.
         guess: coordinates to start from; bent knees if None.
     """
     q = _bent(robot) if guess is None else np.array(guess)
     for _ in range(_NEWTON_STEPS):
-        missed = _missed(robot, wanted, q)
+        missed = _missed(robot, stand, q)
         if np.max(np.abs(missed)) < _ACCURACY:
             fits = np.all((q[1:] >= robot.joint_lower) & (q[1:] <= robot.joint_upper))
             return q if fits else None
-        nearby = [_missed(robot, wanted, q + row) for row in _DIFFERENCE * np.eye(len(q))]
+        nearby = [_missed(robot, stand, q + row) for row in _DIFFERENCE * np.eye(len(q))]
         slope = (np.array(nearby) - missed).T / _DIFFERENCE
         # Legs of more links than two have further freedom: they stay near the guess.
         move = np.linalg.lstsq(slope, missed, rcond=None)[0]
@@ -112,21 +112,21 @@ def posture(
 
 
 def _missed(
-    robot: PlanarBiped, wanted: Stand, q: Float[np.ndarray, " n"]
+    robot: PlanarBiped, stand: Stand, q: Float[np.ndarray, " n"]
 ) -> Float[np.ndarray, " n"]:
     """Return how far coordinates are from a posture: a number for each coordinate."""
     theta = robot.link_angles @ q
     length = robot.leg_length
     foot, hip = _point(robot.foot, theta), _point(robot.hip, theta)
-    spacing = wanted.spacing * length
+    spacing = stand.spacing * length
     parts = [
         foot[0] + spacing,
         foot[1],
-        hip[1] - wanted.height * length,
-        centre_of_mass(robot, q)[0] - wanted.ahead * spacing,
+        hip[1] - stand.height * length,
+        centre_of_mass(robot, q)[0] - stand.ahead * spacing,
     ]
     if robot.torso is not None:
-        parts.append(theta[robot.torso] - wanted.lean)
+        parts.append(theta[robot.torso] - stand.lean)
     if robot.feet is not None:
         parts.append(theta[-1])
     return np.array(parts, dtype=np.float64)

@@ -89,27 +89,27 @@ def _command(command: Command) -> str:
 
 def exported_form(law: AbstractLaw) -> CompiledLaw:
     """Return a law as exports have it. Raises: InputError if they do not have it."""
-    found = compiled_law(law)
-    if found is None or not found.exported:
+    form = compiled_law(law)
+    if form is None or not form.exported:
         names = ", ".join(name for name, entry in CONTROL_LAWS.items() if entry.exported)
         raise InputError(
             f"expected a law that C is written for ({names}), found {type(law).__name__}"
         )
-    return found
+    return form
 
 
 def gains(law: AbstractLaw) -> str:
     """Describe a law in words. Raises: InputError if exports do not have it."""
-    found = exported_form(law)
-    told = "" if found.measure_z2 else ", told z2 = 0"
-    return f"{found.words}, policy asked every {law.hold_ticks} ticks{told}"
+    form = exported_form(law)
+    note = "" if form.measure_z2 else ", told z2 = 0"
+    return f"{form.words}, policy asked every {law.hold_ticks} ticks{note}"
 
 
 def names(design: Design) -> dict[str, str | int]:
     """Return the words and counts of a controller, by name."""
     robot, origin = design.robot, design.origin
     speed, lean, slope = (place_of(design.commands, name) for name in (ADAPTED, LEAN, SLOPE))
-    told = {
+    rows = {
         "commands": len(design.commands),
         "step": design.gait.policy.step_size,
         # Counted from 1; 0 without it.
@@ -131,7 +131,7 @@ def names(design: Design) -> dict[str, str | int]:
         "law_count": len(design.controllers),
         **({} if origin.joints_sha256 is None else {"joints_sha256": origin.joints_sha256}),
         **_standing_counts(design),
-        **(told if design.commands else {}),
+        **(rows if design.commands else {}),
     }
 
 
@@ -246,8 +246,8 @@ def _of_leg(design: Design, gains: tuple[float, ...]) -> Float[np.ndarray, " k"]
 
 
 def _standing_counts(design: Design) -> dict[str, int]:
-    found = standing_postures(design.robot)
-    return {"has_standing": int(found is not None), "stand_knots": len(_postures(design).path)}
+    postures = standing_postures(design.robot)
+    return {"has_standing": int(postures is not None), "stand_knots": len(_postures(design).path)}
 
 
 def _proof(design: Design) -> str:
@@ -255,8 +255,8 @@ def _proof(design: Design) -> str:
     if origin.proof_sha256 is None:
         return "none"
     about = "of gait and model, not of this code"
-    stated = f"stated {origin.proof_verdict}; check-proof bounds its boxes again"
-    return f"sha256 {origin.proof_sha256}, {stated}: {about}"
+    verdict = f"stated {origin.proof_verdict}; check-proof bounds its boxes again"
+    return f"sha256 {origin.proof_sha256}, {verdict}: {about}"
 
 
 def _monitor(design: Design) -> str:
@@ -276,14 +276,14 @@ def _identified(design: Design) -> list[str]:
         ("damping", joints.damping, "N m s/rad"),
         ("dry friction", joints.friction, "N m"),
     )
-    told = "; ".join(
+    words = "; ".join(
         f"{what} {', '.join(f'{value:.4g}' for value in np.asarray(values)[:leg])} {unit}"
         for what, values, unit in numbers
     )
     digest = design.origin.joints_sha256
     return [
         f"joints      {'' if digest is None else f'sha256 {digest}, '}identified from logs,",
-        f"            lowest first: {told}",
+        f"            lowest first: {words}",
     ]
 
 

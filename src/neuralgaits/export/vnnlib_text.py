@@ -36,7 +36,7 @@ def query_text(query: ConditionQuery, box: QueryBox) -> str:
     VNN-LIB has no strict order, so a margin of exactly 0 answers it, too: `unsat` says that all
     margins are positive, which is a little more than the condition. A tolerance would say less.
     """
-    held, outputs = query.margins, range(query.outputs)
+    margins, outputs = query.margins, range(query.outputs)
     lines = [
         f"; condition {query.name}, region {query.region}: sat at X where it is broken",
         *(f"; {INPUT}_{i}: {axis.name}" for i, axis in enumerate(query.axes)),
@@ -46,8 +46,8 @@ def query_text(query: ConditionQuery, box: QueryBox) -> str:
     for i, (low, high) in enumerate(zip(box.low, box.high, strict=True)):
         lines.append(f"(assert (>= {INPUT}_{i} {decimal(low)}))")
         lines.append(f"(assert (<= {INPUT}_{i} {decimal(high)}))")
-    allowed = "".join(f" (>= {OUTPUT}_{i} 0.0)" for i in outputs[held:])
-    broken = [f"(and (<= {OUTPUT}_{i} 0.0){allowed})" for i in outputs[:held]]
+    allowed = "".join(f" (>= {OUTPUT}_{i} 0.0)" for i in outputs[margins:])
+    broken = [f"(and (<= {OUTPUT}_{i} 0.0){allowed})" for i in outputs[:margins]]
     lines += ["(assert (or", *(f"    {one}" for one in broken), "))"]
     return "\n".join(lines) + "\n"
 

@@ -21,11 +21,11 @@ def scaled(
     commands: Commands, curves: Float[Array, "p 4"], value: Float[Array, " p"]
 ) -> Float[Array, " p"]:
     """Scale commands to units of half their ranges, 0 in the middle, put through their curves."""
-    found = []
+    columns = []
     for i, c in enumerate(commands):
         s, (a0, a1, a2, a3) = c.scaled(value[i]), curves[i]
-        found.append(a0 + s * (a1 + s * (a2 + s * a3)))
-    return jnp.stack(found)
+        columns.append(a0 + s * (a1 + s * (a2 + s * a3)))
+    return jnp.stack(columns)
 
 
 def factors(count: int) -> list[tuple[int, ...]]:

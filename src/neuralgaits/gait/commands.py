@@ -66,10 +66,10 @@ class Command:
         if why := why_no_name(self.name):
             raise SpecError(f"expected a printable name of a command, found {why}; rename it")
         if not (math.isfinite(self.high - self.low) and self.low < self.high):
-            turned = f": write {self.high:g}:{self.low:g}" if self.low > self.high else ""
+            remedy = f": write {self.high:g}:{self.low:g}" if self.low > self.high else ""
             raise SpecError(
                 f"command {self.name}: expected a range LOW:HIGH with LOW < HIGH, "
-                f"found {self.low:g}:{self.high:g}{turned}"
+                f"found {self.low:g}:{self.high:g}{remedy}"
             )
         if self.high - self.low < LEAST_WIDTH:
             raise SpecError(
@@ -233,8 +233,8 @@ class Step(eqx.Module):
 
 def pair_at(commands: Commands, v: Float[Array, " k"]) -> Pair:
     """Return the pair at a point of the commands' axes, two a command. [2 p]."""
-    found = [c.pair(v[2 * i], v[2 * i + 1]) for i, c in enumerate(commands)]
-    before, after = (jnp.stack([pair[i] for pair in found]) for i in (0, 1))
+    pairs = [c.pair(v[2 * i], v[2 * i + 1]) for i, c in enumerate(commands)]
+    before, after = (jnp.stack([pair[i] for pair in pairs]) for i in (0, 1))
     return Pair(before, after)
 
 
@@ -252,32 +252,32 @@ def command_named(commands: Commands, name: str) -> Command | None:
 
 def coordinates_of(commands: Commands, pair: Pair) -> Float[Array, " k"]:
     """Return the point of the commands' axes that has this pair. [2 p]."""
-    found = [c.coordinates(pair.before[i], pair.after[i]) for i, c in enumerate(commands)]
-    return jnp.stack([x for both in found for x in both]) if found else jnp.zeros(0)
+    coordinates = [c.coordinates(pair.before[i], pair.after[i]) for i, c in enumerate(commands)]
+    return jnp.stack([x for both in coordinates for x in both]) if coordinates else jnp.zeros(0)
 
 
-def values(commands: Commands, given: Mapping[Any, Any]) -> Float[np.ndarray, " p"]:
+def values(commands: Commands, command_values: Mapping[Any, Any]) -> Float[np.ndarray, " p"]:
     """Return values by name as an array.
 
     Raises: InputError on unknown names, missing ones, and values that are no numbers or outside
         their range.
     """
     names = [c.name for c in commands]
-    if set(given) != set(names):
+    if set(command_values) != set(names):
         raise InputError(
             f"expected a value for each of the gait's commands, {', '.join(names) or 'none'}, "
-            f"found {', '.join(map(str, given)) or 'none'}"
+            f"found {', '.join(map(str, command_values)) or 'none'}"
         )
     for c in commands:
-        value = _number(c.name, given[c.name])
+        value = _number(c.name, command_values[c.name])
         if not c.low <= value <= c.high:
-            found = f"between {c.low:g} and {c.high:g} {c.unit}, found {value:g}"
+            message = f"between {c.low:g} and {c.high:g} {c.unit}, found {value:g}"
             if c.unit == "rad":
                 # Flags speak of degrees, all else of radians.
                 low, high, same = (f"{math.degrees(x):.4g}" for x in (c.low, c.high, value))
-                found += f"; in degrees {low} to {high}, and {same}"
-            raise InputError(f"expected {c.name} {found}")
-    return np.array([_number(name, given[name]) for name in names])
+                message += f"; in degrees {low} to {high}, and {same}"
+            raise InputError(f"expected {c.name} {message}")
+    return np.array([_number(name, command_values[name]) for name in names])
 
 
 def _number(name: str, value: Any) -> float:

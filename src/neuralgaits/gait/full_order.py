@@ -67,8 +67,10 @@ class FullPoint(Point):
         """Rate omega(eta, z) (m/s, N m). [2]."""
         _, momenta = self.coordinates.split(self.z)
         falling = self.momentum_rate
-        known = combined(self.along_momenta, falling) + self.coordinates.still(self.output_rate)
-        moving = -(momenta + product(self.momentum_rows, known))
+        fixed_rate = combined(self.along_momenta, falling) + self.coordinates.still(
+            self.output_rate
+        )
+        moving = -(momenta + product(self.momentum_rows, fixed_rate))
         return jnp.concatenate([solved(self.inertia_along_positions, moving), falling])
 
     @cached_property

@@ -51,8 +51,8 @@ class Network(eqx.Module):
             near: start near these outputs: they are the last layer's bias, its weights small.
         """
         if activation not in ACTIVATIONS:
-            known = ", ".join(ACTIVATIONS)
-            raise InputError(f"unknown activation {activation!r}: use one of {known}")
+            names = ", ".join(ACTIVATIONS)
+            raise InputError(f"unknown activation {activation!r}: use one of {names}")
         layers = list(pairwise(sizes))
         # One draw for all parameters: many small ones would each be compiled.
         count = sum((fan_in + 1) * fan_out for fan_in, fan_out in layers)
@@ -61,8 +61,8 @@ class Network(eqx.Module):
             draws = np.asarray(draws)
         weights, biases = [], []
         for fan_in, fan_out in layers:
-            taken = (fan_in + 1) * fan_out
-            block, draws = draws[:taken], draws[taken:]
+            used = (fan_in + 1) * fan_out
+            block, draws = draws[:used], draws[used:]
             block = fan_in**-0.5 * block.reshape(fan_out, fan_in + 1)
             weights.append(block[:, :-1].copy())
             biases.append(block[:, -1].copy())

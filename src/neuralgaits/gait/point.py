@@ -67,19 +67,19 @@ class Point:
         Returns: value and d value / dt, both trees like the function's result.
         """
 
-        def moved(z, q, dq, dz):
+        def value_at(z, q, dq, dz):
             point = Point(self.robot, self.policy, self.residual, z, self.reset_residual)
             vars(point).update(q=q, dq=dq, dz=dz)
             return function(point)
 
         state = (self.z, self.q, self.dq, self.dz)
-        return jax.jvp(moved, state, (self.dz, self.dq, self.ddq, self.ddz))
+        return jax.jvp(value_at, state, (self.dz, self.dq, self.ddq, self.ddz))
 
     @cached_property
     def _jet_and_change(self) -> tuple[OutputJet, Curve]:
-        found = output_jet_and_change(self.policy, self.z)
-        refuse_other_joints(self.robot, found[0].y)
-        return found
+        jet = output_jet_and_change(self.policy, self.z)
+        refuse_other_joints(self.robot, jet[0].y)
+        return jet
 
     @property
     def outputs(self) -> OutputJet:
@@ -167,8 +167,8 @@ class Point:
         """Rate omega(0, z) of the rigid model, residual left out (m/s, N m). [2k]."""
         _, momenta = self.coordinates.split(self.z)
         falling = self.momentum_rate
-        known = combined(product(self.momentum_rows, self.along_momenta), falling)
-        moving = -(momenta + known)
+        fixed_rate = combined(product(self.momentum_rows, self.along_momenta), falling)
+        moving = -(momenta + fixed_rate)
         return jnp.concatenate([solved(self.inertia_along_positions, moving), falling])
 
     @cached_property
@@ -186,8 +186,8 @@ class Point:
     def _moved(self, rate: ZeroState) -> Coordinates:
         """Return the coordinate rates of a rate of z, outputs at rest. [n]."""
         of_positions, of_momenta = self.coordinates.split(rate)
-        moved = combined(self.along_positions, of_positions)
-        return moved + combined(self.along_momenta, of_momenta)
+        shift = combined(self.along_positions, of_positions)
+        return shift + combined(self.along_momenta, of_momenta)
 
     @cached_property
     def _slope_rates(self) -> OutputJet:
@@ -215,10 +215,10 @@ class Point:
             nominal_dq = self._moved(self.nominal_dz)
             _, residual_rate = jax.jvp(self.residual, (self.z,), (self.dz,))
         rows_rate = robot.momentum_rows_rate(self.q, self.dq)
-        known = self.coordinates.still(curvature) + combined(self.along_momenta, falling)
+        fixed_rate = self.coordinates.still(curvature) + combined(self.along_momenta, falling)
         _, momenta_rate = self.coordinates.split(self.dz)
-        turned = momenta_rate + product(rows_rate, nominal_dq)
-        moving = -(turned + product(self.momentum_rows, known))
+        momenta_change = momenta_rate + product(rows_rate, nominal_dq)
+        moving = -(momenta_change + product(self.momentum_rows, fixed_rate))
         rate = jnp.concatenate([solved(self.inertia_along_positions, moving), falling])
         return rate + residual_rate
 

@@ -87,10 +87,11 @@ def _refuse_steep(commands: Commands) -> None:
         return
     steepest = max(abs(slope.low), abs(slope.high))
     if not math.tan(steepest) < FRICTION:
-        most, found = math.degrees(math.atan(FRICTION)), math.degrees(steepest)
+        most, steepest_deg = math.degrees(math.atan(FRICTION)), math.degrees(steepest)
         raise SpecError(
             f"command slope: expected slopes below {most:.3g} degrees, where feet slip at the "
-            f"friction of {FRICTION:g} that the conditions allow, found {found:.3g}: ask for less"
+            f"friction of {FRICTION:g} that the conditions allow, found {steepest_deg:.3g}: "
+            "ask for less"
         )
 
 

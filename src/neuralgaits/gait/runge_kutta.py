@@ -48,9 +48,9 @@ DOPRI5 = Tableau(
 def step(method: Tableau, rate: Callable[[State], State], z: State, span: Scalar) -> State:
     """Advance a state by a `span` of the variable that the rate is per, such as time (s). [k]."""
 
-    def stage(slopes, given):
-        number, taken = given
-        return slopes.at[number].set(rate(z + span * (taken @ slopes))), None
+    def stage(slopes, numbered):
+        number, mask = numbered
+        return slopes.at[number].set(rate(z + span * (mask @ slopes))), None
 
     numbers = jnp.arange(len(method.weights))
     none = jnp.zeros((len(method.weights), z.shape[0]), z.dtype)

@@ -109,7 +109,7 @@ class ZeroCoordinates:
         return self.lift(jnp.eye(self.k, dtype=slopes.dtype), slopes)
 
     def rates(
-        self, q: Coordinates, momenta: Positions, slopes: Float[Array, "m k"], known: Coordinates
+        self, q: Coordinates, momenta: Positions, slopes: Float[Array, "m k"], fixed: Coordinates
     ) -> Coordinates:
         """Return the coordinate rates that have these momenta, of outputs with these slopes.
 
@@ -117,13 +117,13 @@ class ZeroCoordinates:
             q: coordinates (rad). [n]
             momenta: s. [k]
             slopes: derivatives of the outputs in the positions. [m, k]
-            known: part of the rates that the positions' rates do not change; see `still`. [n]
+            fixed: part of the rates that the positions' rates do not change; see `still`. [n]
 
         Returns: [n] (rad/s).
         """
         rows, along = self.mechanism.momentum_rows(q), self.along(slopes)
-        rate = solved(product(rows, along), -(momenta + product(rows, known)))
-        return combined(along, rate) + known
+        rate = solved(product(rows, along), -(momenta + product(rows, fixed)))
+        return combined(along, rate) + fixed
 
     def still(self, actuated: Float[Array, "m *columns"]) -> Float[Array, "n *columns"]:
         """Return coordinate rates that leave the positions as they are; [m] or [m, columns]."""
@@ -153,7 +153,7 @@ def combined(
     columns: Float[Array, "rows columns"], weights: Float[Array, " columns"]
 ) -> Float[Array, " rows"]:
     """Return the sum of columns times their weights; of one column, its product. [rows]."""
-    found = columns[:, 0] * weights[0]
+    total = columns[:, 0] * weights[0]
     for j in range(1, columns.shape[1]):
-        found = found + columns[:, j] * weights[j]
-    return found
+        total = total + columns[:, j] * weights[j]
+    return total

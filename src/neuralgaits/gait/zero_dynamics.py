@@ -95,8 +95,8 @@ class ZeroDynamics(eqx.Module):
         by_positions, by_momenta = jnp.split(desired.jacobian, 2, axis=1)
         q = coordinates.lift(positions, desired.y + eta[:m])
         falling = combined(by_momenta, self._momentum_rate(q, z))
-        known = coordinates.still(falling + eta[m:])
-        return jnp.concatenate([q, coordinates.rates(q, momenta, by_positions, known)])
+        fixed = coordinates.still(falling + eta[m:])
+        return jnp.concatenate([q, coordinates.rates(q, momenta, by_positions, fixed)])
 
     @property
     def coordinates(self) -> ZeroCoordinates:

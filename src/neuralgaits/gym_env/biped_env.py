@@ -166,7 +166,7 @@ class BipedEnv(gymnasium.Env):
         finite = ending is not Ending.NOT_FINITE
         parts = self._reward.parts(
             speed=float(speed) if finite else 0.0,
-            asked=float(self._asked),
+            requested_speed=float(self._asked),
             power=float(power) / self.body.weight if finite else 0.0,
             pitch=self.body.pitch if finite and self.robot.torso is not None else 0.0,
             change=float(np.mean((action - self._before) ** 2)),
@@ -187,11 +187,11 @@ class BipedEnv(gymnasium.Env):
 
     def _observed(self) -> np.ndarray:
         body = self.body
-        told = [2.0 * body.leg - 1.0, body.since, self._asked]
-        seen = np.nan_to_num(np.concatenate([body.measured(), told]))
+        phase_and_command = [2.0 * body.leg - 1.0, body.since, self._asked]
+        observation = np.nan_to_num(np.concatenate([body.measured(), phase_and_command]))
         space = self.observation_space
         assert isinstance(space, spaces.Box)
-        return np.clip(seen, space.low, space.high).astype(np.float32)
+        return np.clip(observation, space.low, space.high).astype(np.float32)
 
     def _info(self, ending: Ending, parts: dict[str, float], speed: float) -> dict[str, Any]:
         return {
@@ -211,25 +211,25 @@ class BipedEnv(gymnasium.Env):
         return x
 
 
-def _numbers(name: str, given: Any) -> Float[np.ndarray, "..."]:
+def _numbers(name: str, value: Any) -> Float[np.ndarray, "..."]:
     """Read an array of numbers. Raises: InputError in one line."""
     try:
-        return np.asarray(given, dtype=np.float64)
+        return np.asarray(value, dtype=np.float64)
     except (TypeError, ValueError, OverflowError):
-        raise InputError(f"{name}: expected finite numbers, found {shown(given)}") from None
+        raise InputError(f"{name}: expected finite numbers, found {shown(value)}") from None
 
 
-def _range(name: str, given: Any, lowest: float, highest: float) -> tuple[float, float]:
+def _range(name: str, value: Any, lowest: float, highest: float) -> tuple[float, float]:
     """Read one value, or (low, high), as a range."""
     # Python takes True for 1, and NumPy "0.5" for 0.5.
-    odd = isinstance(given, str | bytes | bool)
-    values = np.zeros(0) if odd else _numbers(name, given).reshape(-1)
+    odd = isinstance(value, str | bytes | bool)
+    values = np.zeros(0) if odd else _numbers(name, value).reshape(-1)
     if values.size not in (1, 2) or not (
         np.isfinite(values).all() and lowest <= values[0] <= values[-1] <= highest
     ):
         raise InputError(
             f"{name}: expected a number or (low, high) within {lowest:g} to {highest:g}, "
-            f"found {shown(given)}"
+            f"found {shown(value)}"
         )
     return float(values[0]), float(values[-1])
 
@@ -252,16 +252,19 @@ def _disturbances(disturb: Disturbed | Sequence[Disturbed | None] | None) -> lis
         raise InputError(
             f"disturb: expected NAME=VALUE,..., a mapping or several, found {shown(disturb)}"
         )
-    found = [parse(one) for one in disturb]
-    if any(one.estimator or one.pitch_noise or one.pitch_offset or one.has_drives for one in found):
+    disturbances = [parse(one) for one in disturb]
+    if any(
+        one.estimator or one.pitch_noise or one.pitch_offset or one.has_drives
+        for one in disturbances
+    ):
         raise InputError(
             "disturb: expected no estimator, pitch_noise, pitch_offset, drive_stiffness or "
             "drive_damping, found one: what acts here is no controller of this package; leave it "
             "out"
         )
-    if not found:
+    if not disturbances:
         raise InputError("disturb: expected at least one disturbance to draw, found none")
-    return found
+    return disturbances
 
 
 def _observations(m: int) -> spaces.Box:

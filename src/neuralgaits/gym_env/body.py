@@ -121,8 +121,8 @@ class Body:
     def tick(self, torques: Torques) -> bool:
         """Advance by one tick. Returns: whether the swing foot touched down."""
         data, plant = self.data, self.plant
-        asked = torques(*self._measured_joints())
-        torque = np.minimum(np.maximum(asked, -self.limit), self.limit)
+        demand = torques(*self._measured_joints())
+        torque = np.minimum(np.maximum(demand, -self.limit), self.limit)
         self._waiting.append(torque)
         torque = self._waiting.popleft()
         data.ctrl[self._motors] = torque / self._gears
@@ -228,7 +228,7 @@ class Body:
         diverged = self.data.warning.number.any()
         hip = self.hip
         floor = self._terrain.levels[0, self.leg] + self.plant.slope * hip[0]
-        found = ending(
+        reason = ending(
             self._robot,
             hip_height=hip[1] - floor,
             pitch=self.pitch,
@@ -238,4 +238,4 @@ class Body:
             finite=not diverged and all(np.isfinite(s).all() for s in states),
             xp=np,
         )
-        return Ending(int(found))
+        return Ending(int(reason))

@@ -45,7 +45,7 @@ class Reward:
         self,
         *,
         speed: float,
-        asked: float,
+        requested_speed: float,
         power: float,
         pitch: float,
         change: float,
@@ -55,13 +55,13 @@ class Reward:
 
         Args:
             speed: mean forward speed of the hip (m/s).
-            asked: commanded speed (m/s).
+            requested_speed: commanded speed (m/s).
             power: mechanical power in units of weight times 1 m/s.
             pitch: angle of the torso (rad).
             change: mean squared change of the action.
             fell: whether the decision ended in a fall.
         """
-        miss = (speed - asked) / self.width
+        miss = (speed - requested_speed) / self.width
         return {
             "speed": self.speed * math.exp(-miss * miss),
             "alive": 0.0 if fell else self.alive,
@@ -72,15 +72,15 @@ class Reward:
         }
 
 
-def reward_of(given: "Reward | dict[str, float] | None") -> Reward:
+def reward_of(reward: "Reward | dict[str, float] | None") -> Reward:
     """Build a reward from weights by name. Raises: InputError for a name that does not exist."""
-    if isinstance(given, Reward):
-        return given
-    known = asdict(Reward())
-    if given is not None and not isinstance(given, Mapping):
+    if isinstance(reward, Reward):
+        return reward
+    weights = asdict(Reward())
+    if reward is not None and not isinstance(reward, Mapping):
         raise InputError(
-            f"reward: expected weights of {', '.join(known)} by name, found {shown(given)}"
+            f"reward: expected weights of {', '.join(weights)} by name, found {shown(reward)}"
         )
-    if stray := sorted(map(str, set(given or {}) - set(known))):
-        raise InputError(f"reward: expected weights of {', '.join(known)}, found {stray}")
-    return Reward(**(given or {}))
+    if stray := sorted(map(str, set(reward or {}) - set(weights))):
+        raise InputError(f"reward: expected weights of {', '.join(weights)}, found {stray}")
+    return Reward(**(reward or {}))

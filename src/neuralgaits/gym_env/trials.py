@@ -67,10 +67,12 @@ def trials(
 
     Raises: InputError for fewer than one step or episode.
     """
-    for name, given in (("steps", steps), ("count", count)):
-        whole = isinstance(given, int | np.integer) and not isinstance(given, bool)
-        if not whole or given < 1:
-            raise InputError(f"{name}: expected a whole number of at least 1, found {shown(given)}")
+    for name, number in (("steps", steps), ("count", count)):
+        whole = isinstance(number, int | np.integer) and not isinstance(number, bool)
+        if not whole or number < 1:
+            raise InputError(
+                f"{name}: expected a whole number of at least 1, found {shown(number)}"
+            )
     wrapped = isinstance(env, gymnasium.Env) and not isinstance(env, BipedEnv)
     if wrapped or not hasattr(env, "step"):
         raise InputError(
@@ -78,26 +80,26 @@ def trials(
         )
     if not callable(act):
         raise InputError(f"act: expected a function of an observation, found {shown(act)}")
-    walked, up, endings, speeds, costs = [], [], [], [], []
+    distances, up, endings, speeds, costs = [], [], [], [], []
     for seed in range(count):
-        seen, info = env.reset(seed=seed, options={"speed": speed})
-        body, begun = env.body, env.body.hip[0]
+        observation, info = env.reset(seed=seed, options={"speed": speed})
+        body, start = env.body, env.body.hip[0]
         while info["steps"] < steps and body.data.time < LONGEST_S:
-            seen, _, fell, _, info = env.step(act(seen))
+            observation, _, fell, _, info = env.step(act(observation))
             if fell:
                 break
         # A fall in the decision of the last touchdown is a fall.
         fell = info["ending"] is not None
-        walked.append(min(info["steps"], steps - 1 if fell else steps))
+        distances.append(min(info["steps"], steps - 1 if fell else steps))
         up.append(float(body.data.time))
         endings.append(info["ending"])
-        if walked[-1] == steps:
-            distance = float(body.hip[0] - begun)
+        if distances[-1] == steps:
+            distance = float(body.hip[0] - start)
             speeds.append(distance / up[-1])
             costs.append(body.work / (body.weight * distance))
     return Trials(
         steps=steps,
-        walked=tuple(walked),
+        walked=tuple(distances),
         up_s=tuple(up),
         endings=tuple(endings),
         speed_m_s=float(np.mean(speeds)) if speeds else None,

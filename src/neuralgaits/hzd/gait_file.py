@@ -74,27 +74,27 @@ def read_gait(file: Path, robot: PlanarBiped, name: str | None = None) -> GivenG
     Raises: InputError in one line that names the file and what is wrong.
     """
     if not file.is_file():
-        found = no_file_at(file, "none")
-        raise InputError(f"expected a gait file, found {found} at {file}: give the path of one")
-    chosen = _chosen(file, _read(file), name)
-    _refuse_misspelt(file, chosen)
+        message = no_file_at(file, "none")
+        raise InputError(f"expected a gait file, found {message} at {file}: give the path of one")
+    table = _chosen(file, _read(file), name)
+    _refuse_misspelt(file, table)
     for field, what in _FIELDS.items():
-        if field not in chosen:
+        if field not in table:
             raise InputError(f'{file}: expected "{field}", {what}, found none: add it')
-    joints = chosen["joints"]
+    joints = table["joints"]
     own = list(robot.joint_names[1:])
     if not isinstance(joints, list) or sorted(map(str, joints)) != sorted(own):
         raise InputError(
             f"{file}: expected the joints of {robot.name}, {', '.join(own)}, found "
             f"{_listed(joints)}: name its rows so, or give the robot that they are of"
         )
-    rows = _rows(file, chosen["bezier"], list(map(str, joints)))
+    rows = _rows(file, table["bezier"], list(map(str, joints)))
     if not np.abs(rows).max(initial=0.0) <= LARGEST_RAD:
         raise InputError(
             f'{file}: expected "bezier" in radians, found {np.abs(rows).max():g}: no joint turns '
             f"beyond {LARGEST_RAD:.3g} rad; convert it"
         )
-    end, start = _numbers(file, chosen, "p", 2).tolist()
+    end, start = _numbers(file, table, "p", 2).tolist()
     if not 1 <= rows.shape[1] - 1 <= HIGHEST_DEGREE:
         raise InputError(
             f'{file}: expected "bezier" of degree 1 to {HIGHEST_DEGREE}, found '
@@ -106,16 +106,16 @@ def read_gait(file: Path, robot: PlanarBiped, name: str | None = None) -> GivenG
             f"ahead, found {end:g} and {start:g}: "
             + ("give two" if end == start else "exchange them")
         )
-    ones = {"signs": [1.0] * len(own), "offsets": [0.0] * len(own)} | dict(chosen)
+    ones = {"signs": [1.0] * len(own), "offsets": [0.0] * len(own)} | dict(table)
     signs, offsets = (_numbers(file, ones, key, len(own)) for key in ("signs", "offsets"))
     if not (np.abs(signs) == 1.0).all():
         raise InputError(
             f'{file}: expected "signs" of 1 or -1, found {", ".join(f"{s:g}" for s in signs)}: '
             "convert the control points to radians first"
         )
-    turned = signs[:, None] * rows + offsets[:, None]
+    in_robot_signs = signs[:, None] * rows + offsets[:, None]
     order = [list(map(str, joints)).index(joint) for joint in own]
-    return GivenGait(turned[order], (start, end))
+    return GivenGait(in_robot_signs[order], (start, end))
 
 
 def _read(file: Path) -> Mapping[str, Any]:
@@ -126,51 +126,52 @@ def _read(file: Path) -> Mapping[str, Any]:
         raise InputError(f"{file}: expected a JSON object, found {error}: mend it") from None
 
 
-def _chosen(file: Path, found: Mapping[str, Any], name: str | None) -> Mapping[str, Any]:
+def _chosen(file: Path, tables: Mapping[str, Any], name: str | None) -> Mapping[str, Any]:
     """Return the gait of that name, with the fields that the file gives for all of them."""
-    gaits = found.get("gaits")
+    gaits = tables.get("gaits")
     if gaits is None:
         if name is not None:
             raise InputError(
                 f"{file}: expected several gaits, to find {name!r}, found one: leave --name out"
             )
-        return found
+        return tables
     if not isinstance(gaits, dict) or not gaits:
         raise InputError(f'{file}: expected "gaits" to hold gaits by name, found none: add one')
     if name is None and len(gaits) == 1:
         name = next(iter(gaits))
     if name not in gaits:
         hint = "" if name is None else meant(name, gaits)
-        said = "none" if name is None else repr(name)
+        quoted = "none" if name is None else repr(name)
         raise InputError(
-            f"{file}: expected --name to be one of {', '.join(gaits)}, found {said}"
+            f"{file}: expected --name to be one of {', '.join(gaits)}, found {quoted}"
             + (f"; {hint}" if hint else "")
         )
     one = gaits[name]
     if not isinstance(one, dict):
         raise InputError(f"{file}: expected an object for gait {name!r}, found {one!r}: mend it")
-    return {**found, **one}
+    return {**tables, **one}
 
 
 def _refuse_misspelt(file: Path, gait: Mapping[str, Any]) -> None:
     """Refuse a field that is most likely another's name, misspelt. Raises: InputError."""
-    known = (*_FIELDS, *_OPTIONAL)
+    field_names = (*_FIELDS, *_OPTIONAL)
     for field in gait:
-        if field not in known and (hint := meant(field, known)):
+        if field not in field_names and (hint := meant(field, field_names)):
             raise InputError(
-                f"{file}: expected the fields {', '.join(known)}, found {field!r}; {hint}"
+                f"{file}: expected the fields {', '.join(field_names)}, found {field!r}; {hint}"
             )
 
 
-def _rows(file: Path, given: Any, joints: list[str]) -> Float[np.ndarray, "m k"]:
+def _rows(file: Path, value: Any, joints: list[str]) -> Float[np.ndarray, "m k"]:
     """Return control points, a row a joint in the order of the file. Raises: InputError."""
-    if not isinstance(given, list) or len(given) != len(joints):
-        found = f"{len(given)} rows" if isinstance(given, list) else repr(given)
+    if not isinstance(value, list) or len(value) != len(joints):
+        description = f"{len(value)} rows" if isinstance(value, list) else repr(value)
         raise InputError(
-            f'{file}: expected "bezier" with a row for each of {", ".join(joints)}, found {found}'
+            f'{file}: expected "bezier" with a row for each of {", ".join(joints)}, '
+            f"found {description}"
         )
-    sizes = [len(row) if isinstance(row, list) else 0 for row in given]
-    for joint, row, size in zip(joints, given, sizes, strict=True):
+    sizes = [len(row) if isinstance(row, list) else 0 for row in value]
+    for joint, row, size in zip(joints, value, sizes, strict=True):
         numbers = isinstance(row, list) and all(
             isinstance(x, int | float) and not isinstance(x, bool) and abs(x) < np.inf for x in row
         )
@@ -183,20 +184,20 @@ def _rows(file: Path, given: Any, joints: list[str]) -> Float[np.ndarray, "m k"]
                 f'{file}: expected as many control points for {joint} in "bezier" as for '
                 f"{joints[0]}, {sizes[0]}, found {size}"
             )
-    return np.array(given, dtype=np.float64)
+    return np.array(value, dtype=np.float64)
 
 
 def _numbers(
-    file: Path, given: Mapping[str, Any], field: str, size: int
+    file: Path, table: Mapping[str, Any], field: str, size: int
 ) -> Float[np.ndarray, " size"]:
     """Return so many finite numbers. Raises: InputError."""
     try:
-        array = np.asarray(given[field], dtype=np.float64)
+        array = np.asarray(table[field], dtype=np.float64)
     except (TypeError, ValueError):
         array = np.full((), np.nan)
     if array.shape != (size,) or not np.isfinite(array).all():
         raise InputError(
-            f'{file}: expected {size} finite numbers as "{field}", found {given[field]}'
+            f'{file}: expected {size} finite numbers as "{field}", found {table[field]}'
         )
     return array
 

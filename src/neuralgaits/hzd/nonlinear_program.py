@@ -58,24 +58,24 @@ def problem(
     """
     m, count = robot.n - 1, len(mesh.phases)
     rows, ends = casadi.SX.sym("rows", m * (degree + 1)), casadi.SX.sym("ends", 2)
-    zeta, told = casadi.SX.sym("zeta", count), casadi.SX.sym("told", 2)
-    speed, smoothing = told[0], told[1]
-    equal, held, slopes, paces, powers = [], [], [], [], []
+    zeta, targets = casadi.SX.sym("zeta", count), casadi.SX.sym("told", 2)
+    speed, smoothing = targets[0], targets[1]
+    equal, constraints, slopes, paces, powers = [], [], [], [], []
     for k, phase in enumerate(mesh.phases):
-        found = step.along(rows, ends, phase, zeta[k])
-        slopes.append(found["slope"])
-        paces.append(found["pace"])
+        quantities = step.along(rows, ends, phase, zeta[k])
+        slopes.append(quantities["slope"])
+        paces.append(quantities["pace"])
         # |x| has no slope at 0, and most optima have powers there.
-        smooth = casadi.sqrt(found["power"] ** 2 + smoothing**2) - smoothing
+        smooth = casadi.sqrt(quantities["power"] ** 2 + smoothing**2) - smoothing
         powers.append(casadi.sum1(smooth))
-        held += [found[name] for name, (a, b) in step.asked.items() if a <= phase <= b]
+        constraints += [quantities[name] for name, (a, b) in step.asked.items() if a <= phase <= b]
     slope, pace, power = (casadi.vertcat(*each) for each in (slopes, paces, powers))
     followed = zeta - zeta[0] - casadi.DM(mesh.integrals) @ slope
     equal.append(followed[1:])
     weights = casadi.DM(mesh.weights)
     end = step.end(rows, ends, 1.0, zeta[count - 1])
-    held += [value for name, value in end.items() if name not in _OF_END]
-    held.append(MOST_KEPT - end["zeta"] / zeta[count - 1])
+    constraints += [value for name, value in end.items() if name not in _OF_END]
+    constraints.append(MOST_KEPT - end["zeta"] / zeta[count - 1])
     length, height = end["foot"][0], end["foot"][1]
     equal += [
         height / FOOT_SCALE,
@@ -87,11 +87,11 @@ def problem(
     ]
     weight = float(robot.mass * robot.gravity)
     cost = casadi.dot(weights, pace * power) / (weight * length)
-    equations, margins = (casadi.vertcat(*map(casadi.vec, each)) for each in (equal, held))
+    equations, margins = (casadi.vertcat(*map(casadi.vec, each)) for each in (equal, constraints))
     none, many = np.zeros(equations.shape[0]), margins.shape[0]
     symbols = {
         "x": casadi.vertcat(rows, ends, zeta),
-        "p": told,
+        "p": targets,
         "f": cost,
         "g": casadi.vertcat(equations, margins),
     }

@@ -81,13 +81,15 @@ class Optimiser:
         low, high = self._problem.x_bounds
         least, most = self._problem.g_bounds
         for smoothing in SMOOTHING_W:
-            found = self._solver(x0=x, p=[speed, smoothing], lbx=low, ubx=high, lbg=least, ubg=most)
-            ended, x = self._solver.stats(), np.array(found["x"]).ravel()
-            count += ended["iter_count"]
-            if not ended["success"]:
+            solution = self._solver(
+                x0=x, p=[speed, smoothing], lbx=low, ubx=high, lbg=least, ubg=most
+            )
+            stats, x = self._solver.stats(), np.array(solution["x"]).ravel()
+            count += stats["iter_count"]
+            if not stats["success"]:
                 raise ConvergenceError(
                     f"expected a gait of {self._robot.name} at {speed:g} m/s, found that IPOPT "
-                    f"ended with {ended['return_status']} after {count} iterations: ask for "
+                    f"ended with {stats['return_status']} after {count} iterations: ask for "
                     "another speed, or for polynomials of another --degree"
                 )
         rows = (self._robot.n - 1) * (self._degree + 1)

@@ -63,15 +63,15 @@ def transcribe(casadi: Any, robot: PlanarBiped, spec: GaitSpec, degree: int) -> 
     bare = BezierPolicy(np.zeros(shapes["rows"]), (0.0, 1.0))
     tube = empty_tube(robot, (0.0, 1.0))
     unit = float(tube.unit)
-    kept = [c for c in spec.conditions if isinstance(c, Pointwise | Barrier)]
-    asked, at_guard = {}, []
-    for condition in kept:
+    conditions = [c for c in spec.conditions if isinstance(c, Pointwise | Barrier)]
+    by_region, at_guard = {}, []
+    for condition in conditions:
         boxes = spec.regions[condition.region]
         first, last = min(box.low[0] for box in boxes), max(box.high[0] for box in boxes)
         if first == last == 1.0:
             at_guard.append(condition)
         else:
-            asked[condition.name] = (first, last)
+            by_region[condition.name] = (first, last)
 
     def point_of(rows, ends, phase, zeta):
         # The checks of its constructor are for numbers.
@@ -83,7 +83,9 @@ def transcribe(casadi: Any, robot: PlanarBiped, spec: GaitSpec, degree: int) -> 
     def along(rows, ends, phase, zeta):
         gait, point = point_of(rows, ends, phase, zeta)
         length = ends[1] - ends[0]
-        margins = {c.name: c.margins(point, gait) / c.scale for c in kept if c.name in asked}
+        margins = {
+            c.name: c.margins(point, gait) / c.scale for c in conditions if c.name in by_region
+        }
         pace, momentum, falling = position_of(point.dz), momentum_of(point.z), momentum_of(point.dz)
         return margins | {
             "slope": momentum * falling * length / (pace * unit),
@@ -103,14 +105,14 @@ def transcribe(casadi: Any, robot: PlanarBiped, spec: GaitSpec, degree: int) -> 
         }
 
     first, last = (_function(casadi, trace(part, shapes), shapes) for part in (along, end))
-    return StepFunctions(first, last, asked, unit)
+    return StepFunctions(first, last, by_region, unit)
 
 
 def _function(
     casadi: Any, program: Program, shapes: Mapping[str, tuple[int, ...]]
 ) -> NamedFunction:
     symbols = {name: casadi.SX.sym(name, int(np.prod(shape))) for name, shape in shapes.items()}
-    found = evaluate(program, symbols, SymbolAlgebra(casadi))
+    outputs = evaluate(program, symbols, SymbolAlgebra(casadi))
     ordered = [symbols[name] for name in ("rows", "ends", "phase", "zeta")]
-    dense = [casadi.densify(value) for value in found.values()]
-    return NamedFunction(casadi.Function("step", ordered, dense), tuple(found))
+    dense = [casadi.densify(value) for value in outputs.values()]
+    return NamedFunction(casadi.Function("step", ordered, dense), tuple(outputs))

@@ -69,19 +69,19 @@ def _room(zd: ZeroDynamics, spec: GaitSpec, any_tube: Tube, walk: Steady) -> Cal
 
     Conditions on the fences themselves are left out, because the fences are made for them.
     """
-    asked = tuple(c for c in spec.conditions if not isinstance(c, Fence | Inlet))
-    look = PointEvaluator(
-        quantities(zd, Gait(zd.policy, any_tube), replace(spec, conditions=asked))
+    conditions = tuple(c for c in spec.conditions if not isinstance(c, Fence | Inlet))
+    evaluate = PointEvaluator(
+        quantities(zd, Gait(zd.policy, any_tube), replace(spec, conditions=conditions))
     )
     places = [
-        (c.name, [(box.low[0], box.high[0]) for box in spec.regions[c.region]]) for c in asked
+        (c.name, [(box.low[0], box.high[0]) for box in spec.regions[c.region]]) for c in conditions
     ]
 
     def least(phase: np.ndarray, z: np.ndarray) -> dict[str, float]:
         """Return the smallest margin of each condition on its region, z [N, 2] at phases [N]."""
-        found, smallest = look(z), {}
+        values, smallest = evaluate(z), {}
         for name, boxes in places:
-            margins = found[f"margin/{name}"].reshape(len(z), -1).min(axis=1)
+            margins = values[f"margin/{name}"].reshape(len(z), -1).min(axis=1)
             inside = np.any([(phase >= low) & (phase <= high) for low, high in boxes], axis=0)
             smallest[name] = float(margins[inside].min())
         return smallest
@@ -96,8 +96,8 @@ def _room(zd: ZeroDynamics, spec: GaitSpec, any_tube: Tube, walk: Steady) -> Cal
         level = np.linspace(0.0, 1.0, LEVELS)[:, None]
         z2 = np.sqrt(2.0 * (low + level * (high - low)))
         z1 = np.broadcast_to(start + phases * (guard - start), z2.shape)
-        found = least(np.tile(phases, LEVELS), np.stack([z1.ravel(), z2.ravel()], axis=1))
-        return all(found[name] >= margin for name, margin in needed.items())
+        smallest = least(np.tile(phases, LEVELS), np.stack([z1.ravel(), z2.ravel()], axis=1))
+        return all(smallest[name] >= margin for name, margin in needed.items())
 
     return has_room
 

@@ -36,14 +36,14 @@ def momentum_misfit(log: Log, robot: PlanarBiped) -> float | None:
     z2 = zero_states(robot, log.q, log.dq)[:, 1]
     moment = weight_moments(robot, log.q)
     changes = np.flatnonzero(np.diff(log.stance)) + 1
-    found = [
+    misfits = [
         _integrals(log.t[rows], z2[rows], moment[rows])
         for phase in np.split(np.arange(len(log)), changes)
         if _counts(log.t, rows := _settled(log.t, phase))
     ]
-    if not found:
+    if not misfits:
         return None
-    momentum, weight = np.array(found).T
+    momentum, weight = np.array(misfits).T
     size = float(np.sum(momentum**2 + weight**2))
     return float(np.sqrt(np.sum((momentum + weight) ** 2) / size)) if size > 0.0 else None
 

@@ -66,9 +66,9 @@ def rates(
 
     Returns: [k, c] per second; NaN in pieces of fewer than three rows.
     """
-    found = np.full(values.shape, np.nan)
+    derivatives = np.full(values.shape, np.nan)
     if len(t) < 2:
-        return found
+        return derivatives
     half = max(1, round(reach_s / float(np.median(np.diff(t)))))
     for rows in np.split(np.arange(len(t)), np.flatnonzero(np.diff(piece)) + 1):
         if rows.size <= DEGREE:
@@ -82,8 +82,8 @@ def rates(
             for begin in range(0, some.size, _BLOCK):
                 part = slice(begin, begin + _BLOCK)
                 window = holding[starts[part, None] + np.arange(width)]
-                found[some[part]] = _slopes(t, values, spoilt, some[part], window, reach_s)
-    return found
+                derivatives[some[part]] = _slopes(t, values, spoilt, some[part], window, reach_s)
+    return derivatives
 
 
 def _slopes(

@@ -76,7 +76,7 @@ def check(log: Log, robot: PlanarBiped, labels: Labels) -> Bool[np.ndarray, " k"
         if _are_many(bad):
             refused.append((part, np.flatnonzero(bad)))
     if refused:
-        _refuse(log, labels, *min(refused, key=lambda found: found[1][0]))
+        _refuse(log, labels, *min(refused, key=lambda problem: problem[1][0]))
     _check_rates(log, labels, good)
     _check_torques(log, robot, labels)
     _check_stance(log, robot, labels, good)
@@ -273,13 +273,13 @@ def _check_model(log: Log, robot: PlanarBiped, good: Bool[np.ndarray, " k"]) -> 
     z = zero_states(robot, log.q[good], log.dq[good])
     error = np.median(np.abs(z - log.z[good]), axis=0)
     usual = float(np.median(np.abs(z[:, 1])))
-    for found, allowed, name in (
+    for value, allowed, name in (
         (error[0], Z1_TOLERANCE_M, "z1[m]"),
         (error[1], Z2_TOLERANCE * usual, "z2[kg m^2/s]"),
     ):
-        if found > allowed:
+        if value > allowed:
             raise InputError(
                 f"log {log.source}, row {log.rows[np.flatnonzero(good)[0]]}, column {name}: "
                 f"expected z of robot {robot.name} within {allowed:.3g}, found columns that "
-                f"differ by {found:.3g} in the median: give a log of a run on this robot"
+                f"differ by {value:.3g} in the median: give a log of a run on this robot"
             )

@@ -62,23 +62,23 @@ def satisfaction(
         gait: that walked.
         spec: its conditions; those on the guard and on the fences are left out.
     """
-    chosen = [log.only(_settled(log)) for log in logs]
-    parts = [np.concatenate([log.q, log.dq, log.tau], axis=1) for log in chosen]
+    settled = [log.only(_settled(log)) for log in logs]
+    parts = [np.concatenate([log.q, log.dq, log.tau], axis=1) for log in settled]
     rows = np.concatenate([np.zeros((0, 3 * robot.n - 1)), *parts])
     torques = all(log.torques_logged for log in logs)
     conditions = _judged(robot, gait, spec, torques)
     if not len(rows):
         return Satisfaction(0, 0.0, 0.0, {})
     judge = _judge_of(tuple(conditions))
-    charts, held = in_blocks(partial(judge, robot, gait), BLOCK, rows)
+    charts, satisfied = in_blocks(partial(judge, robot, gait), BLOCK, rows)
     phase, level = charts.T
     inside = (phase >= 0.0) & (phase <= 1.0) & (level >= 0.0) & (level <= 1.0)
     shares, good = {}, inside.copy()
     for column, condition in enumerate(conditions):
         due = _due(spec, condition, phase)
-        good &= held[:, column] | ~due
+        good &= satisfied[:, column] | ~due
         if due.any():
-            shares[condition.name] = float(np.mean(held[due, column]))
+            shares[condition.name] = float(np.mean(satisfied[due, column]))
     return Satisfaction(len(rows), float(np.mean(inside)), float(np.mean(good)), shares)
 
 
@@ -98,14 +98,14 @@ def _judged(
     robot: PlanarBiped, gait: Gait, spec: GaitSpec, torques: bool
 ) -> list[Pointwise | Barrier]:
     """Return the conditions on a region with area whose quantity a log knows."""
-    chosen = []
+    judged = []
     for condition in spec.conditions:
         boxes = spec.regions[condition.region]
         curve = any(low == high for box in boxes for low, high in zip(*box, strict=True))
         if not curve and isinstance(condition, Pointwise | Barrier):
             if _is_logged(condition, robot, gait, torques):
-                chosen.append(condition)
-    return chosen
+                judged.append(condition)
+    return judged
 
 
 def _is_logged(
@@ -118,9 +118,9 @@ def _is_logged(
         point = _measured(robot, gait, q, dq, torque)
         if not torques:
             del vars(point)["torque"]
-        known = {*vars(point), *FOLLOWS}
+        names = {*vars(point), *FOLLOWS}
         value = condition.function(point)
-        unknown.update(set(vars(point)) - known)
+        unknown.update(set(vars(point)) - names)
         return value
 
     still = jnp.zeros(robot.n)
@@ -148,9 +148,9 @@ def _judge_of(conditions: tuple[Pointwise | Barrier, ...]):
         def one(values: Array) -> tuple[Array, Array]:
             q, dq, torque = jnp.split(values, [robot.n, 2 * robot.n])
             row = _measured(robot, gait, q, dq, torque)
-            held = [jnp.all(condition.function(row) >= 0.0) for condition in conditions]
+            satisfied = [jnp.all(condition.function(row) >= 0.0) for condition in conditions]
             chart = jnp.stack([gait.phase(position_of(row.z)), gait.level(row.z)])
-            return chart, jnp.stack(held)
+            return chart, jnp.stack(satisfied)
 
         return jax.vmap(one)(rows)
 

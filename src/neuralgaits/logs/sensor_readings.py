@@ -66,8 +66,8 @@ def states(
     parts = (stance, pinned, sensed.pitch, sensed.dpitch, _flat(sensed.angles))
     x = np.column_stack([*parts, _flat(sensed.rates), velocity]).astype(np.float64)
     n = robot.n
-    found = in_blocks(partial(_states, robot), BLOCK, x)
-    return States(*np.split(found, [n, 2 * n, 2 * n + 2], axis=1))
+    blocks = in_blocks(partial(_states, robot), BLOCK, x)
+    return States(*np.split(blocks, [n, 2 * n, 2 * n + 2], axis=1))
 
 
 def stance_first(
@@ -88,9 +88,9 @@ def asked(
     """
     momenta = momenta_of_walking(momentum_unit(robot))
     asking = _Asking(robot, policy, zero_state_bounds(policy, momenta))
-    found = in_blocks(partial(_asked, asking), BLOCK, np.concatenate([*of], axis=1))
+    parts = in_blocks(partial(_asked, asking), BLOCK, np.concatenate([*of], axis=1))
     m = robot.n - 1
-    return found[:, :m], found[:, m:]
+    return parts[:, :m], parts[:, m:]
 
 
 def _flat(by_leg: Float[np.ndarray, "k 2 j"]) -> Float[np.ndarray, "k two_j"]:

@@ -38,13 +38,13 @@ def touchdowns(strides: Sequence[Stride], zd: ZeroDynamics) -> Touchdowns:
         zd: robot and policy that walked, which define z and eta.
     """
     n = zd.robot.n
-    seen = [
+    rows = [
         (index, stride.landing, stride.landed)
         for index, stride in enumerate(strides)
         if stride.landing is not None and stride.landed is not None
     ]
-    t_before, q_before, dq_before = _stacked([landing for _, landing, _ in seen], n)
-    t_after, q_after, dq_after = _stacked([landed for _, _, landed in seen], n)
+    t_before, q_before, dq_before = _stacked([landing for _, landing, _ in rows], n)
+    t_after, q_after, dq_after = _stacked([landed for _, _, landed in rows], n)
     return Touchdowns(
         q_before=q_before,
         dq_before=dq_before,
@@ -52,7 +52,7 @@ def touchdowns(strides: Sequence[Stride], zd: ZeroDynamics) -> Touchdowns:
         z_after=zero_states(zd.robot, q_after, dq_after),
         eta_after=output_states(zd, q_after, dq_after),
         after_s=t_after - t_before,
-        stride=np.array([index for index, _, _ in seen], dtype=int),
+        stride=np.array([index for index, _, _ in rows], dtype=int),
     )
 
 

@@ -116,10 +116,10 @@ def evaluate(
     Returns: what the algebra's `leave` gives for each output name.
     """
     constants = fold(program, algebra) if folded is None else folded
-    wanted = {output.value for output in program.outputs}
-    values = {number: value for number, value in constants.items() if number in wanted}
+    output_values = {output.value for output in program.outputs}
+    values = {number: value for number, value in constants.items() if number in output_values}
     for number, value in results(program, inputs, algebra, constants, symbols):
-        if number in wanted:
+        if number in output_values:
             values[number] = value
     outputs = {output.name: values[output.value] for output in program.outputs}
     return algebra.leave(program, outputs, inputs)

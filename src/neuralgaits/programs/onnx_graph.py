@@ -73,9 +73,9 @@ class OnnxAlgebra(Algebra[Tensor]):
         del inputs
         flat = {}
         for item in program.inputs:
-            given = Tensor(item.name, int(np.prod(item.shape)))
+            tensor = Tensor(item.name, int(np.prod(item.shape)))
             straight = len(item.shape) == 1
-            flat[item.name] = given if straight else self._shaped(given, (given.size,))
+            flat[item.name] = tensor if straight else self._shaped(tensor, (tensor.size,))
         return flat
 
     def leave(
@@ -115,8 +115,8 @@ class OnnxAlgebra(Algebra[Tensor]):
         inner = right.size // columns
         rows = matrix.size // inner
         if columns == 1:
-            turned = self._read(matrix, (rows, inner), turned=True)
-            product = self._note("MatMul", [self._read(right), turned], rows)
+            transposed = self._read(matrix, (rows, inner), transpose=True)
+            product = self._note("MatMul", [self._read(right), transposed], rows)
             return product if offset is None else self.elementwise("add", product, offset)
         factors = [self._read(matrix, (rows, inner)), self._read(right, (inner, columns))]
         product = self._note("MatMul", factors, rows * columns)
@@ -157,13 +157,13 @@ class OnnxAlgebra(Algebra[Tensor]):
         return Tensor(name, size)
 
     def _read(
-        self, value: Tensor, shape: tuple[int, ...] | None = None, *, turned: bool = False
+        self, value: Tensor, shape: tuple[int, ...] | None = None, *, transpose: bool = False
     ) -> str:
         """Return the name of a tensor with this shape, flat if None."""
         if value.array is None:
             return value.name if shape is None else self._shaped(value, shape).name
         array = value.array.reshape(shape or -1).astype(self.real)
-        return self._kept(np.ascontiguousarray(array.T) if turned else array, value.name)
+        return self._kept(np.ascontiguousarray(array.T) if transpose else array, value.name)
 
     def _whole(self, array: np.ndarray, wish: str) -> str:
         return self._kept(array.astype(np.int64), wish)

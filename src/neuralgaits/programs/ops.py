@@ -103,7 +103,7 @@ def complaint(
     fits = True
     if kind.elementwise:
         # A result is as wide as its widest operand: algebras go by these, not by what is said.
-        fits = max(sizes) == size and all(given in (1, size) for given in sizes)
+        fits = max(sizes) == size and all(width in (1, size) for width in sizes)
     elif name == "move":
         fits = len(index) == size and min(index) >= 0 and max(index) < sum(sizes)
     elif name == "affine":

@@ -62,9 +62,9 @@ class Operation:
     @cached_property
     def positions(self) -> np.ndarray:
         """Return `index` as a read-only array. [size]."""
-        found = np.asarray(self.index)
-        found.setflags(write=False)
-        return found
+        index = np.asarray(self.index)
+        index.setflags(write=False)
+        return index
 
 
 @dataclass(frozen=True)
@@ -105,7 +105,7 @@ class Program:
     def sizes(self) -> tuple[int, ...]:
         """Number of elements of each value."""
         return (
-            *(math.prod(given.shape) for given in self.inputs),
+            *(math.prod(item.shape) for item in self.inputs),
             *(constant.array.size for constant in self.constants),
             *(operation.size for operation in self.operations),
         )
@@ -122,12 +122,12 @@ class Program:
     def spent(self) -> tuple[tuple[int, ...], ...]:
         """Values that each operation is the last to read, unless they are outputs."""
         later = {output.value for output in self.outputs}
-        found = []
+        last_uses = []
         for operation in reversed(self.operations):
             read = set(operation.operands)
-            found.append(tuple(sorted(read - later)))
+            last_uses.append(tuple(sorted(read - later)))
             later |= read
-        return tuple(reversed(found))
+        return tuple(reversed(last_uses))
 
     @property
     def first_operation(self) -> int:
@@ -172,8 +172,8 @@ class Program:
         """Read what `to_json` wrote. Raises: SpecError if it is not a Program."""
         try:
             table = json.loads(text)
-            found = (table["format"], table["version"])
-            if found == (FORMAT, VERSION):
+            version = (table["format"], table["version"])
+            if version == (FORMAT, VERSION):
                 return _read(table)
         except (ValueError, KeyError, TypeError, IndexError) as error:
             raise SpecError(
@@ -181,24 +181,24 @@ class Program:
                 " save it again with to_json"
             ) from None
         raise SpecError(
-            f"expected {FORMAT} version {VERSION}, found {found[0]} version {found[1]};"
+            f"expected {FORMAT} version {VERSION}, found {version[0]} version {version[1]};"
             " trace the spec again with this version"
         )
 
 
-def box_and_ball(program: Program, given: Collection[str]) -> tuple[Input, Input | None]:
+def box_and_ball(program: Program, names: Collection[str]) -> tuple[Input, Input | None]:
     """Return the input over which boxes are given, and the other, in the unit ball, if any.
 
     Raises: InputError if there are other inputs, or the first is no vector of a few elements.
     """
     shapes = {item.name: item.shape for item in program.inputs}
-    boxes = [item for item in program.inputs if item.name in given]
-    others = [item for item in program.inputs if item.name not in given]
-    one = len(boxes) == len(given) == 1 and len(others) <= 1
+    boxes = [item for item in program.inputs if item.name in names]
+    others = [item for item in program.inputs if item.name not in names]
+    one = len(boxes) == len(names) == 1 and len(others) <= 1
     if not one or len(boxes[0].shape) != 1 or not 1 <= boxes[0].shape[0] <= MOST_AXES:
         raise InputError(
             f"expected boxes of one input of shape (n,), n from 1 to {MOST_AXES}, and at most one"
-            f" more input, found inputs {shapes} and boxes of {sorted(given)}: trace a function of"
+            f" more input, found inputs {shapes} and boxes of {sorted(names)}: trace a function of"
             " u, or of u and xi"
         )
     return boxes[0], others[0] if others else None
@@ -280,11 +280,11 @@ def _problem_of_operations(program: Program) -> str | None:
     sizes, varies = program.sizes, program.varies
     for number, operation in enumerate(program.operations, start=program.first_operation):
         operands = [sizes[operand] for operand in operation.operands]
-        found = complaint(
+        problem = complaint(
             operation.kind, operands, operation.size, operation.index, operation.columns
         )
-        if found:
-            return f"{found} (value {number})"
+        if problem:
+            return f"{problem} (value {number})"
         if operation.kind == "affine" and any(varies[i] for i in operation.operands[::2]):
             return f"affine with a matrix or offset that is not constant (value {number})"
     for output in program.outputs:

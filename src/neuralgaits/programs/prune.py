@@ -16,24 +16,24 @@ def prune(program: Program, outputs: Collection[str]) -> Program:
 
     Raises: InputError on names that are no outputs.
     """
-    known = [output.name for output in program.outputs]
-    if unknown := sorted(set(outputs) - set(known)):
-        raise InputError(f"expected outputs among {', '.join(known)}, found {unknown}")
-    kept = [output for output in program.outputs if output.name in set(outputs)]
-    needed = _needed(program, kept)
+    names = [output.name for output in program.outputs]
+    if unknown := sorted(set(outputs) - set(names)):
+        raise InputError(f"expected outputs among {', '.join(names)}, found {unknown}")
+    outputs_left = [output for output in program.outputs if output.name in set(outputs)]
+    needed = _needed(program, outputs_left)
     numbers = {old: new for new, old in enumerate(needed)}
     first_constant, first = len(program.inputs), program.first_operation
     return Program(
         program.inputs,
         tuple(program.constants[n - first_constant] for n in needed if first_constant <= n < first),
         tuple(_renumbered(program.operations[n - first], numbers) for n in needed if n >= first),
-        tuple(Output(item.name, item.shape, numbers[item.value]) for item in kept),
+        tuple(Output(item.name, item.shape, numbers[item.value]) for item in outputs_left),
     )
 
 
-def reading(program: Program, given: str) -> set[str]:
+def reading(program: Program, input_name: str) -> set[str]:
     """Return the names of the outputs that depend on an input."""
-    flags = [item.name == given for item in program.inputs] + [False] * len(program.constants)
+    flags = [item.name == input_name for item in program.inputs] + [False] * len(program.constants)
     for operation in program.operations:
         flags.append(any(flags[operand] for operand in operation.operands))
     return {output.name for output in program.outputs if flags[output.value]}

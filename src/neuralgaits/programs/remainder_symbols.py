@@ -46,10 +46,10 @@ def count_of(program: Program, symbols: Symbols) -> int:
 
 def numbered(program: Program, values: Sequence[int]) -> dict[int, int]:
     """Return the symbols of some values."""
-    found, count = {}, 0
+    numbers, count = {}, 0
     for number in sorted(values):
-        found[number], count = count, count + program.sizes[number]
-    return found
+        numbers[number], count = count, count + program.sizes[number]
+    return numbers
 
 
 def values_with_symbols(
@@ -70,9 +70,9 @@ def values_with_symbols(
         return ()
     with np.errstate(all="ignore"):
         for share in SHARES:
-            looks = _Looks(program, *middle(low, high, share), remainders)
-            if np.all(np.isfinite(looks.of_outputs(looks.remainders([])))):
-                return tuple(sorted(looks.greedy()))
+            at_middle = _Looks(program, *middle(low, high, share), remainders)
+            if np.all(np.isfinite(at_middle.of_outputs(at_middle.remainders([])))):
+                return tuple(sorted(at_middle.greedy()))
     return ()
 
 
@@ -118,9 +118,9 @@ class _Looks:
         places = np.split(np.eye(sum(sizes)), np.cumsum(sizes)[:-1])
         self.seeds = dict(zip(self.outputs, places, strict=True))
 
-    def remainders(self, chosen: Sequence[int]) -> dict[int, np.ndarray]:
+    def remainders(self, numbers: Sequence[int]) -> dict[int, np.ndarray]:
         """Return the remainder of each result; 0 of those that have symbols. [size]."""
-        return self._remainders(self.program, self.low, self.high, numbered(self.program, chosen))
+        return self._remainders(self.program, self.low, self.high, numbered(self.program, numbers))
 
     def of_outputs(self, remainders: Mapping[int, np.ndarray]) -> np.ndarray:
         """Return the remainders of all elements of outputs. [m]."""
@@ -128,11 +128,11 @@ class _Looks:
 
     def greedy(self) -> Iterator[int]:
         """Yield values while there are symbols left for one that helps."""
-        program, chosen, left = self.program, [], MOST_SYMBOLS
-        remainders = self.remainders(chosen)
+        program, numbers, left = self.program, [], MOST_SYMBOLS
+        remainders = self.remainders(numbers)
         whole = self.of_outputs(remainders)
         while True:
-            reached = sensitivities(program, self.values, self.seeds, chosen)
+            reached = sensitivities(program, self.values, self.seeds, numbers)
             gains = {
                 number: _gain(remainders[number], reached[number], whole)
                 for number in remainders
@@ -142,9 +142,9 @@ class _Looks:
             if best is None or not gains[best].max() >= LEAST_GAIN:
                 return
             yield best
-            chosen.append(best)
+            numbers.append(best)
             left -= program.sizes[best]
-            remainders = self.remainders(chosen)
+            remainders = self.remainders(numbers)
 
 
 def _gain(remainder: np.ndarray, reached: Sensitivity, whole: np.ndarray) -> np.ndarray:

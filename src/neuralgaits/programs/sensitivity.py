@@ -30,7 +30,7 @@ class Sensitivity(NamedTuple):
 
 
 def sensitivities(
-    program: Program, values: Values, seeds: Values, chosen: Collection[int]
+    program: Program, values: Values, seeds: Values, numbers: Collection[int]
 ) -> dict[int, Sensitivity]:
     """Return the sensitivity to each value that outputs depend on.
 
@@ -38,24 +38,24 @@ def sensitivities(
         program: whose constants and results are in `values`.
         values: elements of each value, at a point.
         seeds: derivatives of the output elements by themselves. [size, m]
-        chosen: values that are the same number wherever they are read: their paths go no further
+        numbers: values that are the same number wherever they are read: their paths go no further
             than their derivative.
     """
-    found = {number: Sensitivity(seed, np.abs(seed)) for number, seed in seeds.items()}
+    by_number = {number: Sensitivity(seed, np.abs(seed)) for number, seed in seeds.items()}
     for number in reversed(range(program.first_operation, len(program.sizes))):
-        if number not in found or not program.varies[number]:
+        if number not in by_number or not program.varies[number]:
             continue
-        if number in chosen:
-            derivative = found[number].derivative
-            found[number] = Sensitivity(derivative, np.abs(derivative))
+        if number in numbers:
+            derivative = by_number[number].derivative
+            by_number[number] = Sensitivity(derivative, np.abs(derivative))
         operation = program.operations[number - program.first_operation]
         parts = zip(operation.operands, _slopes(program, number, values), strict=True)
         for place, (operand, slope) in enumerate(parts):
             if program.varies[operand]:
-                pulled = _pulled(program, operation, place, slope, found[number])
-                before = found.get(operand)
-                found[operand] = pulled if before is None else _sum(before, pulled)
-    return found
+                pulled = _pulled(program, operation, place, slope, by_number[number])
+                before = by_number.get(operand)
+                by_number[operand] = pulled if before is None else _sum(before, pulled)
+    return by_number
 
 
 def _sum(a: Sensitivity, b: Sensitivity) -> Sensitivity:
@@ -93,9 +93,9 @@ def _pulled(
 
 def _gathered(part: np.ndarray, index: np.ndarray, size: int) -> np.ndarray:
     """Sum the rows that were taken from each of `size` places."""
-    found = np.zeros((size, part.shape[1]))
-    np.add.at(found, index, part)
-    return found
+    total = np.zeros((size, part.shape[1]))
+    np.add.at(total, index, part)
+    return total
 
 
 def _slopes(program: Program, number: int, values: Values) -> list[np.ndarray]:
@@ -104,11 +104,11 @@ def _slopes(program: Program, number: int, values: Values) -> list[np.ndarray]:
     Of "affine" its matrix, of "move" and of offsets nothing.
     """
     operation = program.operations[number - program.first_operation]
-    y, given = values[number], [values[operand] for operand in operation.operands]
+    y, arguments = values[number], [values[operand] for operand in operation.operands]
     one = np.ones(operation.size)
-    match operation.kind, given:
+    match operation.kind, arguments:
         case "move", _:
-            return [one] * len(given)
+            return [one] * len(arguments)
         case "affine", [matrix, right, *offset]:
             inner = len(right) // operation.columns
             return [one, matrix.reshape(-1, inner), *([one] * len(offset))]

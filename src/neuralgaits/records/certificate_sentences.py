@@ -87,52 +87,58 @@ def assumptions(level: int, robots: str | None = None) -> tuple[str, ...]:
     following = f"{_EXACT}, and are so again after each impact"
     if level < FULL_ORDER_LEVEL:
         return rigid, following
-    found = rigid, f"at levels 1 to 3: {following}", f"at level {FULL_ORDER_LEVEL}: {_LINEARISED}"
-    return found if level == FULL_ORDER_LEVEL else (*found, f"at level {HIGHEST}: {_BOUNDED}")
+    sentences = (
+        rigid,
+        f"at levels 1 to 3: {following}",
+        f"at level {FULL_ORDER_LEVEL}: {_LINEARISED}",
+    )
+    return (
+        sentences if level == FULL_ORDER_LEVEL else (*sentences, f"at level {HIGHEST}: {_BOUNDED}")
+    )
 
 
-def states(level: int, told: bool, found: CertificateRecord | None = None) -> str:
+def states(level: int, with_commands: bool, certificate: CertificateRecord | None = None) -> str:
     """Return the statement of a level about a gait.
 
     Args:
         level: number of the level.
-        told: whether the gait takes commands.
-        found: certificate with the box of robots and floors; None for the robot of the file.
+        with_commands: whether the gait takes commands.
+        certificate: certificate with the box of robots and floors; None for the robot of the file.
     """
-    if level == ORBIT_LEVEL and not told and found is not None:
-        if "floor" in found.parameters:
-            return _uneven(_UNEVEN, found)
-        if found.robots:
+    if level == ORBIT_LEVEL and not with_commands and certificate is not None:
+        if "floor" in certificate.parameters:
+            return _uneven(_UNEVEN, certificate)
+        if certificate.robots:
             return _OWN_ORBITS
-    return WORDS[level].statement(told=told)
+    return WORDS[level].statement(with_commands=with_commands)
 
 
-def _uneven(said: str, found: CertificateRecord) -> str:
+def _uneven(sentence: str, certificate: CertificateRecord) -> str:
     """Complete a statement by the walks that it compares and the robots that have the orbit."""
-    of_one, own = (" of one robot", ", of each robot its own") if found.robots else ("", "")
-    return said.format(of_one=of_one, own=own)
+    of_one, own = (" of one robot", ", of each robot its own") if certificate.robots else ("", "")
+    return sentence.format(of_one=of_one, own=own)
 
 
-def proved(found: CertificateRecord, told: bool) -> str:
+def proved(certificate: CertificateRecord, with_commands: bool) -> str:
     """Describe the proof, level by level up to the highest; level 1 must be proved.
 
     Args:
-        found: certificate with the proof.
-        told: whether the gait takes commands.
+        certificate: certificate with the proof.
+        with_commands: whether the gait takes commands.
     """
-    level, count = found.proved_level, len(found.conditions)
-    meant = WORDS[level].meaning(told=told)
-    uneven = "floor" in found.parameters and level == ORBIT_LEVEL and not told
+    level, count = certificate.proved_level, len(certificate.conditions)
+    meant = WORDS[level].meaning(with_commands=with_commands)
+    uneven = "floor" in certificate.parameters and level == ORBIT_LEVEL and not with_commands
     if uneven:
-        meant = _uneven(_PROVED_UNEVEN, found)
+        meant = _uneven(_PROVED_UNEVEN, certificate)
     robots = ""
-    if found.robots:
+    if certificate.robots:
         own = ", each with a motion of its own" if level >= ORBIT_LEVEL and not uneven else ""
-        robots = f", of every robot {found.all_robots}{own}"
-    if found.ground:
-        robots += f", on every floor with {found.ground}"
+        robots = f", of every robot {certificate.all_robots}{own}"
+    if certificate.ground:
+        robots += f", on every floor with {certificate.ground}"
     more = ""
-    if found.robots:
+    if certificate.robots:
         # The search ends where the sign is known: see docs/proof_files.md.
         more = (
             " For so many robots the search ends as soon as something is to spare, and does not "
@@ -141,21 +147,22 @@ def proved(found: CertificateRecord, told: bool) -> str:
     return (
         f"Proved, to level {level} of {HIGHEST}{robots}: {meant} Every one of the "
         f"{count} conditions was shown at every state of its region, rounding errors included, "
-        f"with at least {_least(found)} of its typical size to spare{_tightest(found)}.{more}"
+        f"with at least {_least(certificate)} of its typical size to spare"
+        f"{_tightest(certificate)}.{more}"
     )
 
 
-def not_proved(found: CertificateRecord) -> str:
+def not_proved(certificate: CertificateRecord) -> str:
     """Describe which conditions are refuted, and which are undecided."""
-    told, count = [], len(found.conditions)
+    reasons, count = [], len(certificate.conditions)
     words_of: tuple[tuple[Verdict, str], ...] = (
         ("refuted", "broken at a state that was found"),
         ("undecided", "undecided"),
     )
     for verdict, say in words_of:
-        if names := found.named(verdict):
-            told.append(f"{len(names)} of {count} conditions {say} ({', '.join(names)})")
-    return "; ".join(told) + "." if told else "No condition could be read."
+        if names := certificate.named(verdict):
+            reasons.append(f"{len(names)} of {count} conditions {say} ({', '.join(names)})")
+    return "; ".join(reasons) + "." if reasons else "No condition could be read."
 
 
 def left_open(level: int, robots: str | None = None) -> str:
@@ -163,12 +170,14 @@ def left_open(level: int, robots: str | None = None) -> str:
     return f"The proof assumes that {'; '.join(assumptions(level, robots))}."
 
 
-def _tightest(found: CertificateRecord) -> str:
+def _tightest(certificate: CertificateRecord) -> str:
     """Return which condition has the smallest margin, in brackets; empty without margins."""
-    known = {name: one.margin for name, one in found.conditions.items() if one.margin is not None}
-    return f" (tightest: {min(known, key=lambda name: known[name])})" if known else ""
+    margins = {
+        name: one.margin for name, one in certificate.conditions.items() if one.margin is not None
+    }
+    return f" (tightest: {min(margins, key=lambda name: margins[name])})" if margins else ""
 
 
-def _least(found: CertificateRecord) -> str:
-    least = found.least_margin
+def _least(certificate: CertificateRecord) -> str:
+    least = certificate.least_margin
     return "–" if least is None else f"{at_least(100.0 * least, 2)} %"

@@ -176,8 +176,8 @@ class CertificateRecord(Record):
             unsaid.append("within")
         if any(entry.level >= FULL_ORDER_LEVEL for entry in self.levels):
             return unsaid
-        known = ("map", "reason", "full_order_proof")
-        return [*unsaid, *(n for n in known if getattr(self, n) is None)]
+        omitted = ("map", "reason", "full_order_proof")
+        return [*unsaid, *(n for n in omitted if getattr(self, n) is None)]
 
     @property
     def robots(self) -> str | None:
@@ -199,16 +199,16 @@ class CertificateRecord(Record):
     @property
     def ground(self) -> str | None:
         """Floors that the proof covers, in words; None for a level one with enough friction."""
-        said = {
+        sentences = {
             "floor": "footholds up to {} higher or lower than meant",
             "friction": "a coefficient of friction of {} or more",
         }
-        found = [
-            said[kind].format(box_in_words({kind: self.parameters[kind]}).partition("=")[2])
+        parts = [
+            sentences[kind].format(box_in_words({kind: self.parameters[kind]}).partition("=")[2])
             for kind in GROUND
             if kind in self.parameters
         ]
-        return ", and ".join(found) or None
+        return ", and ".join(parts) or None
 
     @property
     def proved_level(self) -> int:
@@ -232,8 +232,8 @@ class CertificateRecord(Record):
     def least_margin(self) -> float | None:
         """Least proved margin of all conditions, in scales; None if a condition has none."""
         margins = [entry.margin for entry in self.conditions.values()]
-        known = [margin for margin in margins if margin is not None]
-        return min(known) if known and len(known) == len(margins) else None
+        values = [margin for margin in margins if margin is not None]
+        return min(values) if values and len(values) == len(margins) else None
 
     def named(self, verdict: Verdict) -> list[str]:
         """Return the names of the conditions with a verdict."""

@@ -104,8 +104,8 @@ class RoundWalks(Record):
 
     def unsaid(self) -> Collection[str]:
         """Return the fields that `--json` omits: those that a robot's own logs do not show."""
-        told = ("fall_reasons", "steps_walked_at", "speed_m_s", "logs_left_out", "engine")
-        return (*told, "engine_note") if self.engine is None else ()
+        omitted = ("fall_reasons", "steps_walked_at", "speed_m_s", "logs_left_out", "engine")
+        return (*omitted, "engine_note") if self.engine is None else ()
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -153,21 +153,21 @@ class Round(RoundWalks, _RoundPolicy):
 
     @classmethod
     def of_parts(
-        cls, number: int, run: str, trained: Trained, walked: WalkedRound, learned: Fitted | str
+        cls, number: int, run: str, trained: Trained, walks: WalkedRound, learned: Fitted | str
     ) -> Self:
         """Combine a round's training, its walks, and the fit, or the reason why there is none."""
-        told = {part.name: getattr(walked, part.name) for part in fields(RoundWalks)}
+        values = {part.name: getattr(walks, part.name) for part in fields(RoundWalks)}
         for name in ("heldout_error", "nominal_heldout_error", "binned_floor", "touchdowns"):
-            told[name] = getattr(learned, name, None)
+            values[name] = getattr(learned, name, None)
         fit_s = None if isinstance(learned, str) else learned.wall_s
         return cls(
             round=number,
             run=run,
             loss=trained.loss,
-            **told,
+            **values,
             error_bound=None if isinstance(learned, str) else learned.error_bound,
             reason=learned if isinstance(learned, str) else None,
-            wall_s=RoundTimes(trained.wall_s, walked.wall_s, fit_s),
+            wall_s=RoundTimes(trained.wall_s, walks.wall_s, fit_s),
         )
 
 

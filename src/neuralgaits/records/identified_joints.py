@@ -88,8 +88,8 @@ class IdentifiedJoints(Record):
     @property
     def better(self) -> bool:
         """Whether the numbers explain the torques of held-out strides better than the file's."""
-        found = sum(joint.error_nm**2 for joint in self.joints)
-        return found < sum(joint.nominal_error_nm**2 for joint in self.joints)
+        error = sum(joint.error_nm**2 for joint in self.joints)
+        return error < sum(joint.nominal_error_nm**2 for joint in self.joints)
 
     @property
     def rotor_of_file(self) -> float | None:

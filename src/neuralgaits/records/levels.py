@@ -24,13 +24,13 @@ class LevelWords(NamedTuple):
     means_told: str | None = None
     one_gait: bool = False
 
-    def statement(self, *, told: bool) -> str:
-        """Return the statement about a gait, which takes commands if `told`."""
-        return (self.states_told if told else None) or self.states
+    def statement(self, *, with_commands: bool) -> str:
+        """Return the statement about a gait, which takes commands if `with_commands`."""
+        return (self.states_told if with_commands else None) or self.states
 
-    def meaning(self, *, told: bool) -> str:
-        """Return the meaning for a gait, which takes commands if `told`."""
-        return (self.means_told if told else None) or self.means
+    def meaning(self, *, with_commands: bool) -> str:
+        """Return the meaning for a gait, which takes commands if `with_commands`."""
+        return (self.means_told if with_commands else None) or self.means
 
 
 WALKING_SET_LEVEL, ORBIT_LEVEL, FULL_ORDER_LEVEL, DISTURBED_LEVEL = 2, 3, 4, 5

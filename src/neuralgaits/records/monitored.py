@@ -77,10 +77,10 @@ class MonitorFigures:
     @property
     def by_set(self) -> list[tuple[str, LevelWatched]]:
         """Return levels as words, such as `4, 5`, those of one set together, lowest first."""
-        found: list[tuple[list[str], LevelWatched]] = []
+        groups: list[tuple[list[str], LevelWatched]] = []
         for level, one in self.levels.items():
-            if found and found[-1][1] == one:
-                found[-1][0].append(level)
+            if groups and groups[-1][1] == one:
+                groups[-1][0].append(level)
             else:
-                found.append(([level], one))
-        return [(", ".join(levels), one) for levels, one in found]
+                groups.append(([level], one))
+        return [(", ".join(levels), one) for levels, one in groups]

@@ -108,8 +108,8 @@ def build(kind: Any, value: Any) -> Any:
     if not dataclasses.is_dataclass(kind):
         return value
     kinds, names = get_type_hints(kind, include_extras=True), dataclasses.fields(kind)
-    given = {f.name: build(kinds[f.name], value[f.name]) for f in names if f.name in value}
-    return kind(**given)  # type: ignore[operator]
+    values = {f.name: build(kinds[f.name], value[f.name]) for f in names if f.name in value}
+    return kind(**values)  # type: ignore[operator]
 
 
 def _has_default(field: dataclasses.Field) -> bool:

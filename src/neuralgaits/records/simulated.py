@@ -140,8 +140,8 @@ class WalkFigures(Record):
     @property
     def shown(self) -> list[tuple[str, float | None, str]]:
         """Figures that are known, for a person: words, number and unit."""
-        found = ((words, getattr(self, name), unit) for name, words, unit in _SHOWN)
-        return [row for row in found if row[1] is not None]
+        rows = ((words, getattr(self, name), unit) for name, words, unit in _SHOWN)
+        return [row for row in rows if row[1] is not None]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -244,8 +244,8 @@ class Simulated(WalkFigures, WalkSettings):
     @property
     def walked_by(self) -> str:
         """Control law and simulator in words."""
-        known = "" if self.joints is None else " with identified joints"
-        return f"under {self.controller}{known} in {self.stepped_by}"
+        joints = "" if self.joints is None else " with identified joints"
+        return f"under {self.controller}{joints} in {self.stepped_by}"
 
     @property
     def met(self) -> str:
@@ -288,7 +288,7 @@ class Simulated(WalkFigures, WalkSettings):
         unsaid = [name for name in unsaid if getattr(self, name) is None]
         for name in ("command_error", "parameters", "errors"):
             unsaid += [] if getattr(self, name) else [name]
-        walked = ("command", "commands", "terrain", "foothold_error_m")
-        for name in (*walked, "hip_speed_error_m_s", "relaxed"):
+        omitted = ("command", "commands", "terrain", "foothold_error_m")
+        for name in (*omitted, "hip_speed_error_m_s", "relaxed"):
             unsaid += [name] if getattr(self, name) is None else []
         return unsaid

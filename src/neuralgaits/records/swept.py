@@ -137,8 +137,8 @@ class SweepRow(Record):
 
     def under(self, controller: str, disturbance: str) -> RowWalks | None:
         """Return the walks under a disturbance; None if there are none."""
-        wanted = controller, disturbance
-        return next((w for w in self.walks if (w.controller, w.disturbance) == wanted), None)
+        key = controller, disturbance
+        return next((w for w in self.walks if (w.controller, w.disturbance) == key), None)
 
     @property
     def undisturbed(self) -> RowWalks | None:

@@ -169,7 +169,7 @@ class Trained(Record):
     @property
     def broken(self) -> dict[str, Violations]:
         """Violated conditions on fresh samples, by name."""
-        return {name: found for name, found in self.conditions.items() if found.broken}
+        return {name: condition for name, condition in self.conditions.items() if condition.broken}
 
     @property
     def proved(self) -> bool:
@@ -261,21 +261,21 @@ def trained_of(run: Path) -> Trained:
     Raises: RunError if it is damaged; the last checkpoint can be finished again.
     """
     try:
-        found = Trained.read(run / SUMMARY)
+        summary = Trained.read(run / SUMMARY)
     except RunError as error:
         again = resuming(run)
         raise RunError(f"{error}; deleted, it is written again by `{again}`") from None
-    if found.run == printable(run):
+    if summary.run == printable(run):
         # JSON holds no path that is not UTF-8, and commands name it byte by byte.
-        found = replace(found, run=str(run))
+        summary = replace(summary, run=str(run))
     now = measured_hashes(run)
-    other = next((file for file in now if found.sha256.get(file) != now[file]), None)
-    if not found.tied or other is None:
-        return replace(found, left_out=None)
+    other = next((file for file in now if summary.sha256.get(file) != now[file]), None)
+    if not summary.tied or other is None:
+        return replace(summary, left_out=None)
     proof = command("certify", named(run))
-    remedy = f"look at these with `{proof}`" if found.provable else "train again"
+    remedy = f"look at these with `{proof}`" if summary.provable else "train again"
     return replace(
-        found,
+        summary,
         loss=None,
         conditions={},
         program_hash=None,

@@ -133,10 +133,10 @@ class TrainingConfig(Record):
     def unsaid(self) -> Collection[str]:
         """Return the fields that `--json` omits: settings of `refine` if none, and empty ones."""
         refined = () if self.parent is not None else ("rate", "disturbance", "parent")
-        told = (
+        omitted = (
             name for name in ("commands", "speed", "parameters", "given") if not getattr(self, name)
         )
-        return (*refined, *told)
+        return (*refined, *omitted)
 
     @property
     def as_given(self) -> GaitOrigin | None:

@@ -163,8 +163,8 @@ class Fitter:
             self.scale,
             self.unit,
         )
-        moved = state._replace(step=state.step + 1, parameters=parameters, optimizer=optimizer)
-        return moved, loss
+        updated = state._replace(step=state.step + 1, parameters=parameters, optimizer=optimizer)
+        return updated, loss
 
     def validate(self, state: FitState) -> FitState:
         """Keep the parameters if their validation loss is the smallest so far."""

@@ -84,18 +84,18 @@ def joint_windows(
     """
     parts = [_of_stride(links, log, stride, number) for number, (log, stride) in enumerate(strides)]
     first, second = layout.leg_joints
-    found = []
+    windows = []
     for place, (one, other) in enumerate(zip(first, second, strict=True)):
         # Stance joints go up the leg and swing joints down: both ends belong to one joint.
         actuated = sorted({place, len(parts[0]) - 1 - place})
         rows = [part[j] for part in parts for j in actuated]
-        found.append(
+        windows.append(
             JointWindows(
                 tuple(dict.fromkeys((one, other))),
                 *(np.concatenate(column) for column in zip(*rows, strict=True)),
             )
         )
-    return tuple(found)
+    return tuple(windows)
 
 
 def _of_stride(
@@ -109,10 +109,10 @@ def _of_stride(
     # Rows by windows: weights of rows, of their slopes, and of the torque from a row to the next.
     area = 0.5 * (np.diff(t, append=t[-1]) + np.diff(t, prepend=t[0]))
     weight, slope = _weights(t, starts)
-    held = np.append(np.diff(t), 0.0) * _weights(t + 0.5 * stride.period_s, starts)[0]
+    mean_rates = np.append(np.diff(t), 0.0) * _weights(t + 0.5 * stride.period_s, starts)[0]
     whole = 0.375 * WINDOW_S  # Integral of the weight.
     inside = (t >= starts[:, None]) & (t <= starts[:, None] + WINDOW_S)
-    found = []
+    windows = []
     for j in range(q.shape[1] - 1):
         rate = dq[:, 1 + j]
         slowest = np.min(np.where(inside, np.abs(rate), np.inf), axis=1, initial=np.inf)
@@ -120,12 +120,12 @@ def _of_stride(
         by_slope, by_weight = slope[used] * area, weight[used] * area
         rotor, late = -by_slope @ rate, -by_slope @ tau[:, j]
         features = [rotor, by_weight @ np.sign(rate), by_weight @ rate, late]
-        torque = by_weight @ forces[:, j] + by_slope @ momenta[:, j] + held[used] @ tau[:, j]
+        torque = by_weight @ forces[:, j] + by_slope @ momenta[:, j] + mean_rates[used] @ tau[:, j]
         # A joint of the stance leg and of the swing leg move differently.
         phase = 2 * np.flatnonzero(used) + int(j >= q.shape[1] // 2)
         column = np.full(len(phase), number)
-        found.append((np.column_stack(features) / whole, torque / whole, column, phase))
-    return found
+        windows.append((np.column_stack(features) / whole, torque / whole, column, phase))
+    return windows
 
 
 def _starts(stride: Stride) -> Float[np.ndarray, " w"]:

@@ -67,8 +67,8 @@ def nero(
             typical = jnp.sqrt(square / (1.0 - beta**count))
             # A neuron that never had a gradient stays where it is.
             share = jnp.where(typical > 0.0, gradient / jnp.where(typical > 0.0, typical, 1.0), 0.0)
-            moved = parameter - (rate * scale * share).astype(parameter.dtype)
-            return _balanced(moved) - parameter
+            updated = parameter - (rate * scale * share).astype(parameter.dtype)
+            return _balanced(updated) - parameter
 
         changes = jax.tree.map(change, gradients, squares, state.scale, params)
         return changes, NeroState(count, squares, state.scale)

@@ -41,35 +41,37 @@ class Landings(NamedTuple):
     """Errors of the outputs and their rates (rad, rad/s)."""
 
 
-def landings(zd: ZeroDynamics, seen: Touchdowns) -> Landings:
+def landings(zd: ZeroDynamics, touchdowns: Touchdowns) -> Landings:
     """Return the distance of landings from the zero dynamics' predictions, residuals included."""
     # None as a correction of zero: one compilation for both.
     reset = zd.reset_residual or ResetResidual.like(zd.robot.n - 1)
     whole = ZeroDynamics(zd.robot, zd.policy, zd.residual, reset)
-    z, eta = in_blocks(partial(_predicted, whole), BLOCK, seen.z_before, seen.after_s)
-    return Landings(seen.z_after - z, seen.eta_after - eta)
+    z, eta = in_blocks(partial(_predicted, whole), BLOCK, touchdowns.z_before, touchdowns.after_s)
+    return Landings(touchdowns.z_after - z, touchdowns.eta_after - eta)
 
 
-def fit_reset(zd: ZeroDynamics, seen: Touchdowns) -> ResetResidual | None:
+def fit_reset(zd: ZeroDynamics, touchdowns: Touchdowns) -> ResetResidual | None:
     """Fit the correction of z2 and of the joint rates.
 
     Args:
         zd: robot and policy that walked, with the residual of the flow: settling takes time in
             which z flows on.
-        seen: measured touchdowns.
+        touchdowns: measured touchdowns.
 
     Returns: None if there are too few.
     """
-    if len(seen.z_before) < LEAST_TOUCHDOWNS:
+    if len(touchdowns.z_before) < LEAST_TOUCHDOWNS:
         return None
     plain = ZeroDynamics(zd.robot, zd.policy, zd.residual)
-    missed = landings(plain, seen).z
-    wanted = in_blocks(partial(_wanted, plain), BLOCK, seen.z_before, missed, seen.eta_after)
-    bound = np.maximum(BOUND_FACTOR * np.abs(wanted).max(axis=0), LEAST_BOUND)
-    targets = np.arctanh(wanted / bound)
-    centre, spread = seen.z_before.mean(axis=0), seen.z_before.std(axis=0)
+    missed = landings(plain, touchdowns).z
+    desired = in_blocks(
+        partial(_wanted, plain), BLOCK, touchdowns.z_before, missed, touchdowns.eta_after
+    )
+    bound = np.maximum(BOUND_FACTOR * np.abs(desired).max(axis=0), LEAST_BOUND)
+    targets = np.arctanh(desired / bound)
+    centre, spread = touchdowns.z_before.mean(axis=0), touchdowns.z_before.std(axis=0)
     scale = np.maximum(spread, 1e-3 * np.abs(centre))
-    inputs = (seen.z_before - centre) / scale
+    inputs = (touchdowns.z_before - centre) / scale
     offset = targets.mean(axis=0)
     shrunk = inputs.T @ inputs + SHRINKAGE * np.eye(2)
     weight = np.linalg.solve(shrunk, inputs.T @ (targets - offset)).T

@@ -46,9 +46,9 @@ def root_mean_square(errors: Float[np.ndarray, "N k 2"], scale: Float[np.ndarray
     return float(np.sqrt(np.mean(np.sum((errors / scale) ** 2, axis=-1))))
 
 
-def largest_defects(found: Missed) -> Float[np.ndarray, "2"]:
+def largest_defects(missed: Missed) -> Float[np.ndarray, "2"]:
     """Return the largest missing rate over any first interval (m/s, N m)."""
-    return np.abs(found.defects).max(axis=0)
+    return np.abs(missed.defects).max(axis=0)
 
 
 def _shoot_block(

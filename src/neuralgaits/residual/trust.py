@@ -9,25 +9,25 @@ from neuralgaits.residual.reset import Landings, ResetResidual, landings
 
 
 def landing_errors(
-    zd: ZeroDynamics, reset: ResetResidual | None, seen: Touchdowns
+    zd: ZeroDynamics, reset: ResetResidual | None, touchdowns: Touchdowns
 ) -> TouchdownErrors:
     """Return root mean square errors at touchdowns that no fit has used.
 
     Args:
         zd: robot and policy that walked, with the residual of the flow.
         reset: residual of the reset map, or None.
-        seen: measured touchdowns.
+        touchdowns: measured touchdowns.
 
     Returns: z1, z2, the largest output and output rate before and after the residual; None without
         touchdowns or residual.
     """
     before = ZeroDynamics(zd.robot, zd.policy, zd.residual)
     after = ZeroDynamics(zd.robot, zd.policy, zd.residual, reset)
-    some = len(seen.z_before) > 0
+    some = len(touchdowns.z_before) > 0
     return TouchdownErrors(
-        count=len(seen.z_before),
-        before=_sizes(landings(before, seen)) if some else None,
-        after=_sizes(landings(after, seen)) if some and reset is not None else None,
+        count=len(touchdowns.z_before),
+        before=_sizes(landings(before, touchdowns)) if some else None,
+        after=_sizes(landings(after, touchdowns)) if some and reset is not None else None,
     )
 
 

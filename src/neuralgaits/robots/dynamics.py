@@ -30,19 +30,19 @@ def moment_angles(robot: BipedConstants, theta: Coordinates) -> Coordinates:
 def coupling_cosines(robot: BipedConstants, theta: Coordinates) -> Float[Array, "n n"]:
     """|C_kl| cos(theta_k - theta_l + phase_kl). Returns: [n, n] (kg m^2)."""
     table = relative_angles(robot, theta)
-    found = robot.coupling * jnp.cos(table)
+    table_of_cosines = robot.coupling * jnp.cos(table)
     if robot.coupling_across is None:
-        return found
-    return found - robot.coupling_across * jnp.sin(table)
+        return table_of_cosines
+    return table_of_cosines - robot.coupling_across * jnp.sin(table)
 
 
 def coupling_sines(robot: BipedConstants, theta: Coordinates) -> Float[Array, "n n"]:
     """|C_kl| sin(theta_k - theta_l + phase_kl). Returns: [n, n] (kg m^2)."""
     table = relative_angles(robot, theta)
-    found = robot.coupling * jnp.sin(table)
+    table_of_sines = robot.coupling * jnp.sin(table)
     if robot.coupling_across is None:
-        return found
-    return found + robot.coupling_across * jnp.cos(table)
+        return table_of_sines
+    return table_of_sines + robot.coupling_across * jnp.cos(table)
 
 
 def link_mass_matrix(robot: BipedConstants, theta: Coordinates) -> Float[Array, "n n"]:
@@ -98,11 +98,11 @@ def angular_momentum(robot: BipedConstants, q: Coordinates, dq: Coordinates) -> 
 
 def _of_moment(robot: BipedConstants, point: Callable[[Coordinates], Planar]) -> Planar:
     """A point, or its rate, whose coefficients are the first moments, a turned part included."""
-    found = point(robot.mass_moment)
+    force = point(robot.mass_moment)
     if robot.moment_across is None:
-        return found
+        return force
     across = point(robot.moment_across)
-    return found + jnp.stack([-across[1], across[0]])
+    return force + jnp.stack([-across[1], across[0]])
 
 
 def _point(coefficients: Coordinates, theta: Coordinates) -> Planar:
@@ -117,10 +117,10 @@ def _point_velocity(coefficients: Coordinates, theta: Coordinates, dtheta: Coord
 def _point_acceleration(
     coefficients: Coordinates, theta: Coordinates, dtheta: Coordinates, ddtheta: Coordinates
 ) -> Planar:
-    turned = coefficients * ddtheta
+    along = coefficients * ddtheta
     spun = coefficients * dtheta * dtheta
     sine, cosine = jnp.sin(theta), jnp.cos(theta)
-    return jnp.stack([spun @ sine - turned @ cosine, -(turned @ sine) - spun @ cosine])
+    return jnp.stack([spun @ sine - along @ cosine, -(along @ sine) - spun @ cosine])
 
 
 def swing_foot(robot: BipedConstants, q: Coordinates) -> Planar:
@@ -145,8 +145,8 @@ def sole_velocities(robot: BipedConstants, q: Coordinates, dq: Coordinates) -> F
     """Velocities of heel and toe of a flat swing foot. Returns: [2, 2], (x, z) of each (m/s)."""
     angle, turning = robot.link_angles[-1] @ q, foot_angle_rate(robot, dq)
     x, z = _on_foot(robot, angle).T
-    turned = turning * jnp.stack([robot.flat_feet.height - z, x], axis=1)
-    return swing_foot_velocity(robot, q, dq)[None] + turned
+    of_turning = turning * jnp.stack([robot.flat_feet.height - z, x], axis=1)
+    return swing_foot_velocity(robot, q, dq)[None] + of_turning
 
 
 def _on_foot(robot: BipedConstants, angle: Scalar) -> Float[Array, "2 2"]:

@@ -52,12 +52,12 @@ def momentum_after(robot: BipedConstants, q: Coordinates, dq: Coordinates) -> Co
 
 def _of_moving_foot(robot: BipedConstants, q: Coordinates, dq: Coordinates) -> Coordinates:
     """The part of the momentum that the new stance foot's motion adds. [n]."""
-    moved = _of_translation(robot, q, dq)
+    momenta = _of_translation(robot, q, dq)
     if robot.feet is None:
-        return moved
+        return momenta
     turn = robot.link_angles
-    turned = jnp.sum(link_mass_matrix(robot, turn @ (robot.relabel @ q)), axis=1)
-    return moved + turn.T @ (turned * foot_angle_rate(robot, dq))
+    of_turning = jnp.sum(link_mass_matrix(robot, turn @ (robot.relabel @ q)), axis=1)
+    return momenta + turn.T @ (of_turning * foot_angle_rate(robot, dq))
 
 
 def _of_translation(robot: BipedConstants, q: Coordinates, dq: Coordinates) -> Coordinates:
@@ -65,11 +65,11 @@ def _of_translation(robot: BipedConstants, q: Coordinates, dq: Coordinates) -> C
     turn = robot.link_angles
     angles = moment_angles(robot, turn @ (robot.relabel @ q))
     foot_x, foot_z = swing_foot_velocity(robot, q, dq)
-    moved = -robot.mass_moment * (jnp.cos(angles) * foot_x + jnp.sin(angles) * foot_z)
+    momenta = -robot.mass_moment * (jnp.cos(angles) * foot_x + jnp.sin(angles) * foot_z)
     if robot.moment_across is not None:
-        turned = jnp.cos(angles) * foot_z - jnp.sin(angles) * foot_x
-        moved = moved - robot.moment_across * turned
-    return turn.T @ moved
+        across = jnp.cos(angles) * foot_z - jnp.sin(angles) * foot_x
+        momenta = momenta - robot.moment_across * across
+    return turn.T @ momenta
 
 
 def impact(robot: BipedConstants, q: Coordinates, dq: Coordinates) -> Impact:
@@ -81,10 +81,10 @@ def impact(robot: BipedConstants, q: Coordinates, dq: Coordinates) -> Impact:
     # same before and after.
     change = solve(mass, _of_moving_foot(robot, q, dq))
     foot = swing_foot_velocity(robot, q, dq)
-    found = robot.mass * (centre_of_mass_velocity(robot, q_new, change) - foot)
+    impulse = robot.mass * (centre_of_mass_velocity(robot, q_new, change) - foot)
     if robot.feet is not None:
-        found = found - _stopped(robot, q_new, foot, foot_angle_rate(robot, dq))
-    return Impact(q_new, robot.relabel @ dq + change, found)
+        impulse = impulse - _stopped(robot, q_new, foot, foot_angle_rate(robot, dq))
+    return Impact(q_new, robot.relabel @ dq + change, impulse)
 
 
 def _stopped(robot: BipedConstants, q: Coordinates, foot: Planar, turning: Scalar) -> Planar:

@@ -32,9 +32,9 @@ def pivots(matrix: Float[Array, "n n"]) -> Float[Array, " n"]:
 
     Returns: [n], in the units of the matrix.
     """
-    found = [matrix[0, 0]]
+    diagonal = [matrix[0, 0]]
     while len(matrix) > 1:
         row = matrix[0, 1:]
-        matrix = matrix[1:, 1:] - row[:, None] * (row / found[-1])[None, :]
-        found.append(matrix[0, 0])
-    return jnp.stack(found)
+        matrix = matrix[1:, 1:] - row[:, None] * (row / diagonal[-1])[None, :]
+        diagonal.append(matrix[0, 0])
+    return jnp.stack(diagonal)

@@ -54,14 +54,14 @@ def bones(model, layout: MjcfLayout) -> list[Bone]:
     data = mujoco.MjData(model)
     mujoco.mj_kinematics(model, data)
     mujoco.mj_comPos(model, data)
-    radius, found = THICKNESS * layout.leg_length, []
+    radius, rods = THICKNESS * layout.leg_length, []
     for leg, joints in enumerate(layout.leg_joints):
         foot = model.geom(layout.feet[leg])
         body, below = int(foot.bodyid[0]), data.geom_xpos[foot.id]
         for name in joints:
             joint = model.joint(name)
             above = data.xanchor[joint.id]
-            found.append(_bone(data, body, (below, above), radius, COLOURS[leg]))
+            rods.append(_bone(data, body, (below, above), radius, COLOURS[leg]))
             # Only the last, the hip, may be a joint of the other leg.
             body, below = int(model.body_parentid[joint.bodyid[0]]), above
     if layout.torso:
@@ -70,8 +70,8 @@ def bones(model, layout: MjcfLayout) -> list[Bone]:
         # In the torso's own plane, between the legs.
         hip = np.array([below[0], centre[1], below[2]])
         if np.linalg.norm(centre - hip) > 0.0:
-            found.append(_bone(data, root, (hip, 2.0 * centre - hip), radius, COLOURS[2]))
-    return found
+            rods.append(_bone(data, root, (hip, 2.0 * centre - hip), radius, COLOURS[2]))
+    return rods
 
 
 def _centre(model, data, root: int) -> np.ndarray:

@@ -109,8 +109,8 @@ class StateMap:
         lengths = np.array(self.layout.leg_lengths)
         arm, swept = self.layout.hip_arm(np.asarray(sensors.pitch) - self.layout.root_angle, np)
         position = sensors.base + arm - _along(lengths, theta).sum(-2)
-        turned = (_across(lengths, theta) * dtheta[..., None]).sum(-2)
-        return position, sensors.base_velocity + swept * sensors.dpitch[..., None] - turned
+        velocity = (_across(lengths, theta) * dtheta[..., None]).sum(-2)
+        return position, sensors.base_velocity + swept * sensors.dpitch[..., None] - velocity
 
     def to_mjcf(
         self,
@@ -145,8 +145,8 @@ class StateMap:
         qpos[..., self.joints] = (joints - np.array(layout.leg_joint_offsets)) * signs
         qvel[..., self.joints] = djoints * signs
         at_rest = np.zeros((*q.shape[:-1], 2))
-        found = Sensors(pitch, dpitch, joints, djoints, at_rest, at_rest)
-        foot, velocity = self.foot(stance, found)
+        sensors = Sensors(pitch, dpitch, joints, djoints, at_rest, at_rest)
+        foot, velocity = self.foot(stance, sensors)
         qpos[..., self.root[:2]] = np.asarray(foot_xz) - foot - np.array(layout.root_origin)
         qvel[..., self.root[:2]] = np.asarray(foot_velocity) - velocity
         return qpos, qvel
@@ -187,8 +187,8 @@ class StateMap:
 
 def _pick(values: Numbers, leg: Numbers | int) -> Numbers:
     """Select the entry of one leg from [..., 2, k]. Returns: [..., k]."""
-    chosen = np.broadcast_to(np.asarray(leg) == 0, values.shape[:-2])
-    return np.where(chosen[..., None], values[..., 0, :], values[..., 1, :])
+    is_left = np.broadcast_to(np.asarray(leg) == 0, values.shape[:-2])
+    return np.where(is_left[..., None], values[..., 0, :], values[..., 1, :])
 
 
 def _along(lengths: Numbers, theta: Numbers) -> Numbers:

@@ -59,18 +59,20 @@ def parse_box(text: str) -> dict[str, float]:
 
 
 def _size(name: str, value: str) -> float:
-    found, units = _NUMBER.fullmatch(value), UNITS[name]
-    if found is None or found[2] not in units:
-        known = " or ".join(filter(None, units))
-        known = f" in {known}" if known else " without a unit, the coefficient, as in 0.5"
+    match, units = _NUMBER.fullmatch(value), UNITS[name]
+    if match is None or match[2] not in units:
+        unit_note = " or ".join(filter(None, units))
+        unit_note = (
+            f" in {unit_note}" if unit_note else " without a unit, the coefficient, as in 0.5"
+        )
         raise InputError(
-            f"--parameters: expected {name} as a number above 0{known}, found {value!r}"
+            f"--parameters: expected {name} as a number above 0{unit_note}, found {value!r}"
         )
     try:
-        half = float(found[1]) * units[found[2]]
+        half = float(match[1]) * units[match[2]]
     except ValueError:
         raise InputError(f"--parameters: expected a number for {name}, found {value!r}") from None
-    if not found[2] and name not in _MOST and 1.0 <= half < math.inf:
+    if not match[2] and name not in _MOST and 1.0 <= half < math.inf:
         raise InputError(
             f"--parameters: expected {name} as a share such as 2% or 0.02, found {value}: "
             "write the per cent sign"
@@ -104,9 +106,9 @@ def checked_box(box: Box) -> dict[str, float]:
         if name not in _MOST and half > MOST_SHARE:
             what = {"rotor": "rotor inertia"}.get(name, name)
             far = f"far from the file's, down to {100.0 * (1.0 - half):.4g} % of it"
-            found = "zero or negative" if half >= 1.0 else far
+            size = "zero or negative" if half >= 1.0 else far
             raise InputError(
                 f"--parameters: expected {name} of at most {100.0 * MOST_SHARE:g} %, found "
-                f"{100.0 * half:.10g} %: the box would hold robots whose {what} is {found}"
+                f"{100.0 * half:.10g} %: the box would hold robots whose {what} is {size}"
             )
     return {name: float(box[name]) for name in UNITS if name in box}

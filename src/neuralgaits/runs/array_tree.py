@@ -37,12 +37,13 @@ def read_tree(path: Path, like: Tree) -> Tree:
     """
     stored, _ = read_arrays(path)
     named = _named_leaves(like)
-    wanted = {name for name, leaf in named if _is_stored(leaf)}
-    for name in sorted(wanted ^ set(stored)):
-        found = "it is missing" if name in wanted else "the model has none"
-        raise _misfit(path, f"array {name}: {found}")
+    stored_names = {name for name, leaf in named if _is_stored(leaf)}
+    for name in sorted(stored_names ^ set(stored)):
+        problem = "it is missing" if name in stored_names else "the model has none"
+        raise _misfit(path, f"array {name}: {problem}")
     leaves = [
-        _like(path, name, stored[name], leaf) if name in wanted else leaf for name, leaf in named
+        _like(path, name, stored[name], leaf) if name in stored_names else leaf
+        for name, leaf in named
     ]
     return jax.tree_util.tree_unflatten(jax.tree_util.tree_structure(like), leaves)
 
@@ -66,19 +67,19 @@ def _to_numpy(leaf: Any) -> np.ndarray:
     return np.array(array, order="C")
 
 
-def _like(path: Path, name: str, found: np.ndarray, leaf: Any) -> Any:
+def _like(path: Path, name: str, array: np.ndarray, leaf: Any) -> Any:
     """Convert the stored array to the kind of leaf at its place in the tree."""
     if isinstance(leaf, bool | int | float):
-        if found.shape == () and found.dtype == np.asarray(leaf).dtype:
-            return type(leaf)(found)
-        raise _misfit(path, f"{name}: expected a {type(leaf).__name__}, found {_kind(found)}")
+        if array.shape == () and array.dtype == np.asarray(leaf).dtype:
+            return type(leaf)(array)
+        raise _misfit(path, f"{name}: expected a {type(leaf).__name__}, found {_kind(array)}")
     expected = jax.eval_shape(jax.random.key_data, leaf) if _is_key(leaf) else leaf
-    if found.shape != tuple(expected.shape) or found.dtype != expected.dtype:
-        raise _misfit(path, f"array {name}: expected {_kind(expected)}, found {_kind(found)}")
+    if array.shape != tuple(expected.shape) or array.dtype != expected.dtype:
+        raise _misfit(path, f"array {name}: expected {_kind(expected)}, found {_kind(array)}")
     if _is_key(leaf):
-        return jax.random.wrap_key_data(jnp.asarray(found), impl=jax.random.key_impl(leaf))
+        return jax.random.wrap_key_data(jnp.asarray(array), impl=jax.random.key_impl(leaf))
     # jnp.asarray would compile a copy for every shape.
-    return found if isinstance(leaf, np.ndarray | np.generic) else jax.device_put(found)
+    return array if isinstance(leaf, np.ndarray | np.generic) else jax.device_put(array)
 
 
 def _kind(array: Any) -> str:

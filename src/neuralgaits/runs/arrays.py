@@ -26,8 +26,8 @@ _LENGTH = 8
 def packed(arrays: Mapping[str, np.ndarray], metadata: Mapping[str, str]) -> bytes:
     """Return the content of a file. The same arrays and entries give the same bytes."""
     # safetensors writes the buffer as it lies in memory.
-    kept = {name: np.array(array, order="C") for name, array in arrays.items()}
-    data = save(kept, metadata=dict(metadata) | {SHA256: _digest(kept, metadata)})
+    contiguous = {name: np.array(array, order="C") for name, array in arrays.items()}
+    data = save(contiguous, metadata=dict(metadata) | {SHA256: _digest(contiguous, metadata)})
     # The library writes the entries in an order of its own, another one each time.
     end = _LENGTH + int.from_bytes(data[:_LENGTH], "little")
     table = json.loads(data[_LENGTH:end])

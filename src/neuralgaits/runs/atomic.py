@@ -57,8 +57,8 @@ def destination(path: Path, remedy: str = _EITHER) -> Path:
     with contextlib.suppress(FileNotFoundError):
         mode = os.stat(place).st_mode
         if not stat.S_ISREG(mode):
-            found = kind_of(mode)
-            raise InputError(f"expected a file to write, found {found} at {path}: {remedy}")
+            kind = kind_of(mode)
+            raise InputError(f"expected a file to write, found {kind} at {path}: {remedy}")
     return place
 
 
@@ -109,24 +109,24 @@ def write_together(files: Mapping[Path, bytes | None], *, clear: bool = False) -
     Raises: InputError if a path is no place for a regular file, OSError with that path if the
         system refuses: then everything is as it was.
     """
-    wanted = {}
+    texts = {}
     for path in files:
         with _blamed_on(path):
-            wanted[path] = destination(path)
+            texts[path] = destination(path)
     with contextlib.ExitStack() as staged:
         temporaries = {
-            path: staged.enter_context(_on_disk(path, wanted[path], data))
+            path: staged.enter_context(_on_disk(path, texts[path], data))
             for path, data in files.items()
             if data is not None
         }
         for path in temporaries if clear else ():
-            wanted[path].unlink(missing_ok=True)
+            texts[path].unlink(missing_ok=True)
         for path, temporary in temporaries.items():
             with _blamed_on(path):
-                temporary.replace(wanted[path])
+                temporary.replace(texts[path])
         for path in files.keys() - temporaries.keys():
             path.unlink(missing_ok=True)
-    for folder in {wanted[path].parent for path in temporaries}:
+    for folder in {texts[path].parent for path in temporaries}:
         _sync_folder(folder)
 
 

@@ -78,14 +78,14 @@ class RunFolder:
             for file, content in copies.items()
         }
         hashes = {file: sha256(content) for file, content in contents.items()}
-        known = {"format": FORMAT, "written_by": _versions(), "copies": hashes}
-        known["created_utc"] = datetime.now(UTC).isoformat(timespec="seconds")
-        if clash := sorted(set(known) & set(config)):
+        header = {"format": FORMAT, "written_by": _versions(), "copies": hashes}
+        header["created_utc"] = datetime.now(UTC).isoformat(timespec="seconds")
+        if clash := sorted(set(header) & set(config)):
             raise ValueError(f"expected a config without the names {clash}: runs writes them")
         with claimed(out, root, name, seed, what=_WHAT, config=CONFIG) as path:
             for file, content in contents.items():
                 write_bytes(path / file, content)
-            write_text(path / CONFIG, to_json(known | dict(config)))
+            write_text(path / CONFIG, to_json(header | dict(config)))
         return RunFolder.open(path)
 
     @staticmethod
@@ -103,10 +103,9 @@ class RunFolder:
         """
         path = Path(path)
         if not path.is_dir():
-            found = "a file" if path.exists() else "nothing"
+            kind = "a file" if path.exists() else "nothing"
             raise RunError(
-                f"expected a run folder at {path}, found {found}: give the path of a run or "
-                "`latest`"
+                f"expected a run folder at {path}, found {kind}: give the path of a run or `latest`"
             )
         if not (path / CONFIG).is_file():
             raise RunError(
@@ -116,8 +115,8 @@ class RunFolder:
         config = read_object(path / CONFIG)
         if config.get("format") != FORMAT:
             written = config.get("written_by")
-            known = written if isinstance(written, dict) else {}
-            writer = known.get("neuralgaits", "an unknown version")
+            table = written if isinstance(written, dict) else {}
+            writer = table.get("neuralgaits", "an unknown version")
             raise RunError(
                 f"expected run format {FORMAT}, found {config.get('format')!r} in {path} written "
                 f"by neuralgaits {writer}: use that version, or train again with {__version__}"

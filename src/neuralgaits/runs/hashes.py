@@ -20,9 +20,9 @@ def other_file(path: Path, recorded: Mapping[str, str | None], files: Iterable[s
         recorded: sha256 of files by name; None for one that was not there.
         files: files to look at; those that the record does not name are left out.
     """
-    known = [file for file in files if file in recorded]
-    found = file_hashes(path, known)
-    return next((file for file in known if recorded[file] != found[file]), None)
+    names = [file for file in files if file in recorded]
+    hashes = file_hashes(path, names)
+    return next((file for file in names if recorded[file] != hashes[file]), None)
 
 
 def _hash_of(file: Path) -> str | None:

@@ -102,14 +102,15 @@ def about_latest(root: Path = RUNS_ROOT) -> str | None:
         folder = resolve(LATEST, root)
     except RunError:
         return None
-    told = f"latest is {folder.path}, robot {folder.config.get('robot')}"
+    sentence = f"latest is {folder.path}, robot {folder.config.get('robot')}"
     start_time = _started_ns(folder.path)
     later = [path for path in _unfinished(root) if _started_ns(path) > start_time]
     if not later:
-        return told
+        return sentence
     last = max(later, key=_started_ns)
-    ended = (last / NAN_STATE).is_file()
-    return f"{told}; {last}, started later, {'ended in NaN' if ended else 'has not finished'}"
+    ended_in_nan = (last / NAN_STATE).is_file()
+    ending = "ended in NaN" if ended_in_nan else "has not finished"
+    return f"{sentence}; {last}, started later, {ending}"
 
 
 def _unfinished(root: Path) -> list[Path]:
@@ -124,19 +125,19 @@ def _started_ns(path: Path) -> int:
 
 
 def _latest_unfinished(root: Path) -> Path:
-    found = _unfinished(root)
-    if not found:
+    unfinished = _unfinished(root)
+    if not unfinished:
         raise RunError(
             f"expected an unfinished run below {root}, found none: nothing to resume; a run "
             "elsewhere is named by its path"
         )
-    return max(found, key=_started_ns)
+    return max(unfinished, key=_started_ns)
 
 
 def _latest(root: Path) -> Path:
     pointer = root / LATEST
-    if not pointer.is_file() and (begun := _unfinished(root)):
-        last = RunFolder.open(max(begun, key=_started_ns))
+    if not pointer.is_file() and (started := _unfinished(root)):
+        last = RunFolder.open(max(started, key=_started_ns))
         raise RunError(
             f"expected {pointer} to name a finished run, found one whose training "
             f"{unfinished(last)}"

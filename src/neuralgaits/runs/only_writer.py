@@ -33,10 +33,10 @@ def only_writer(folder: Path) -> Iterator[None]:
         try:
             fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
             # Whoever held it before may have removed the file that was opened here.
-            held = os.path.samestat(os.fstat(lock), path.lstat())
+            locked = os.path.samestat(os.fstat(lock), path.lstat())
         except OSError:
-            held = False
-        if not held:
+            locked = False
+        if not locked:
             raise InputError(
                 f"expected nobody else at work on {folder}, found another command that is: wait "
                 "for it, or give another folder"
@@ -73,9 +73,9 @@ def _opened(path: Path) -> Iterator[int]:
         os.close(lock)
 
 
-def _refuse(path: Path, found: str) -> NoReturn:
+def _refuse(path: Path, owner: str) -> NoReturn:
     raise InputError(
-        f"expected a lock of this program or nothing at {path}, found {found}: move it away"
+        f"expected a lock of this program or nothing at {path}, found {owner}: move it away"
     )
 
 

@@ -44,14 +44,14 @@ def content(path: Path) -> bytes:
             raise OSError(f"{lies.name} is JSON that is not compressed: rename it to {lies.stem}")
     try:
         with gzip.open(lies) as file:
-            found = file.read(LARGEST_BYTES + 1)
+            data = file.read(LARGEST_BYTES + 1)
     except (EOFError, zlib.error, gzip.BadGzipFile) as error:
         raise OSError(f"{lies.name} is damaged: {error}") from None
-    if not found:
+    if not data:
         raise OSError(f"{lies.name} is damaged: it is empty")
-    if len(found) > LARGEST_BYTES:
+    if len(data) > LARGEST_BYTES:
         raise OSError(f"{lies.name} holds more than {LARGEST_BYTES} bytes")
-    return found
+    return data
 
 
 def why_unreadable(path: Path) -> str | None:

@@ -35,8 +35,8 @@ def _at(place: str, wrong: str) -> str:
 
 
 def _found(expected: str, value: Any) -> str:
-    told = str(value)
-    return f"expected {expected}, found {told[:40]!r}"
+    text = str(value)
+    return f"expected {expected}, found {text[:40]!r}"
 
 
 def kind(expected: str, *types: type) -> Callable[[Any], str | None]:

@@ -79,20 +79,22 @@ def _values(text: str) -> list[float]:
 
 def ranges(text: str) -> dict[str, Interval]:
     """Read `NAME=LOW:HIGH,...` as ranges; degrees become radians. Raises: InputError."""
-    found: dict[str, Interval] = {}
+    intervals: dict[str, Interval] = {}
     for part in text.split(","):
         name, _, ends = (word.strip() for word in part.partition("="))
         try:
             low, high = (decimal(end) for end in ends.split(":"))
         except ValueError:
             low = high = math.nan
-        if not name or name in found or not math.isfinite(high - low):
+        if not name or name in intervals or not math.isfinite(high - low):
             raise InputError(
                 f"expected --within as NAME=LOW:HIGH,... with each name once, found {text!r}: "
                 "write speed=0.70:0.72"
             )
-        found[name] = (math.radians(low), math.radians(high)) if name == "slope" else (low, high)
-    return found
+        intervals[name] = (
+            (math.radians(low), math.radians(high)) if name == "slope" else (low, high)
+        )
+    return intervals
 
 
 def widths(text: str) -> tuple[int, ...]:

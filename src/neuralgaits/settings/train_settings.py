@@ -130,9 +130,9 @@ class TrainSettings(GaitSettings):
         super().__post_init__()
         if self.seed is not None:
             check_seed(self.seed)
-        given = self.given
-        if self.resume is not None and given:
-            flags = ", ".join(f"--{name.replace('_', '-')}" for name in given)
+        inputs = self.given
+        if self.resume is not None and inputs:
+            flags = ", ".join(f"--{name.replace('_', '-')}" for name in inputs)
             raise InputError(
                 f"expected --resume alone, found it with {flags}: a run goes on with its own "
                 "settings; drop them, or train anew without --resume"

@@ -57,16 +57,16 @@ class EpisodeLoop(NamedTuple):
         self, simulator: Simulator, watch: Watch | None, remote: Remote | None
     ) -> EpisodeBatch:
         """Run every episode in JAX, with controllers of other processes if there are any."""
-        given, plant = self.given, self.plants[0]
+        inputs, plant = self.given, self.plants[0]
         one = self.controllers[0] if self.shared else _stacked(self.controllers)
-        gap_depth = np.inf if given.courses is None else given.courses.gap_depth
-        scene = Scene.of(plant, one, self.steps, given.orders.first, gap_depth)
+        gap_depth = np.inf if inputs.courses is None else inputs.courses.gap_depth
+        scene = Scene.of(plant, one, self.steps, inputs.orders.first, gap_depth)
         legs = np.zeros(len(self.states), dtype=np.int32)
         batch = compile_batch(scene, legs, shared=self.shared)
         if remote is not None:
             batch = remote.batch(scene, batch)
         world = world_of(simulator, self.plants, self.states, self.threads)
-        return lockstep.run(one.robot, plant, batch, world, given, watch)
+        return lockstep.run(one.robot, plant, batch, world, inputs, watch)
 
 
 def _stacked(controllers: list[Controller]) -> Controller:

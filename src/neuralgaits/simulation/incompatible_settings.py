@@ -41,12 +41,12 @@ def drawn_robots(
     if not box:
         return None
     others = {"--plant": plant, "--terrain": terrain}
-    given = [name for name, value in others.items() if value is not None]
+    names = [name for name, value in others.items() if value is not None]
     if controller == REMOTE:
-        given.append(f"--controller {REMOTE}")
-    if given:
+        names.append(f"--controller {REMOTE}")
+    if names:
         raise InputError(
-            f"expected --parameters without {given[0]}, found both: robots are drawn around the "
+            f"expected --parameters without {names[0]}, found both: robots are drawn around the "
             "run's own, and walk on its floor; leave one out"
         )
     return DrawnRobots(robot, box, seed)
@@ -72,8 +72,8 @@ def refuse_shared(
             "expected --workers or --ray without --log and --video, found them together: walk the "
             "one that is to be kept by itself"
         )
-    for flag, given in (("--monitor", monitor), ("--joints", joints)):
-        if given:
+    for flag, value in (("--monitor", monitor), ("--joints", joints)):
+        if value:
             raise InputError(
                 f"expected {flag} without --workers or --ray, found them together: leave these out"
             )
@@ -88,12 +88,12 @@ def refuse_without_command(adapt: tuple[str, ...], commands: Commands) -> None:
     absent = [name for name in adapt if place_of(commands, name) is None]
     if not absent:
         return
-    taken = ", ".join(one.name for one in commands) or "no command"
+    names = ", ".join(one.name for one in commands) or "no command"
     flags = {ADAPTED: "--speed A:B", LEAN: "--lean SIZE", SLOPE: "--slope A:B"}
     remedy = " ".join(flags[name] for name in absent)
     raise InputError(
         f"--adapt {','.join(adapt)}: expected a gait that takes {' and '.join(absent)} as command, "
-        f"found one that takes {taken}: train one with {remedy}, or leave --adapt out"
+        f"found one that takes {names}: train one with {remedy}, or leave --adapt out"
     )
 
 
@@ -126,25 +126,25 @@ def about_other_robot(robot: PlanarBiped, plant: PlanarBiped) -> str | None:
         "mass": (float(robot.mass), float(plant.mass), "kg"),
         "leg length": (robot.leg_length, plant.leg_length, "m"),
     }
-    found = [
+    settings = [
         f"{what} {theirs:.3g} instead of {ours:.3g} {unit}"
         for what, (ours, theirs, unit) in pairs.items()
         if abs(theirs - ours) > OTHER_ROBOT * ours
     ]
     joints, others = robot.layout.leg_joints, plant.layout.leg_joints
     if joints != others:
-        found.insert(0, f"joints {', '.join(others[0])} instead of {', '.join(joints[0])}")
+        settings.insert(0, f"joints {', '.join(others[0])} instead of {', '.join(joints[0])}")
     own, other = (welded_joints(one.layout.xml) for one in (robot, plant))
     if own != other:
-        found.append(
+        settings.append(
             f"joints welded in its file: {other or 'none'}, and in that of the gait: "
             f"{own or 'none'}"
         )
-    if not found:
+    if not settings:
         return None
     return (
         f"plant {plant.name} is another robot than {robot.name}, which the gait was trained for: "
-        f"{'; '.join(found)}; without --plant it walks on its own"
+        f"{'; '.join(settings)}; without --plant it walks on its own"
     )
 
 
@@ -191,11 +191,11 @@ def refuse_beside_terrain(
         raise InputError(
             "expected --terrain or --commands, found both: what the robot sees sets its commands"
         )
-    given = parsed(command) if isinstance(command, str) else command or {}
-    taken = [name for name in given if name in commands_from_terrain(terrain)]
-    if taken:
+    requested = parsed(command) if isinstance(command, str) else command or {}
+    names = [name for name in requested if name in commands_from_terrain(terrain)]
+    if names:
         raise InputError(
-            f"expected --command without {taken[0]} on a terrain, found {taken[0]}: there the "
+            f"expected --command without {names[0]} on a terrain, found {names[0]}: there the "
             "robot is told what it sees; leave it out"
         )
     if disturbance.slope_deg or disturbance.floor_height:

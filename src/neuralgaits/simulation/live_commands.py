@@ -30,7 +30,7 @@ class LiveCommands:
         Raises: InputError for another name, or a value outside of its range.
         """
         # What the ground says may be out of range: it is clamped where it is latched.
-        known = dict(zip((c.name for c in self._commands), self.first.tolist(), strict=True))
-        checked = values(self._commands, known | dict(some))
-        given = [name in some for name in known]
-        self.requested[given] = checked[given]
+        current = dict(zip((c.name for c in self._commands), self.first.tolist(), strict=True))
+        checked = values(self._commands, current | dict(some))
+        is_named = [name in some for name in current]
+        self.requested[is_named] = checked[is_named]

@@ -29,19 +29,19 @@ class Floor(NamedTuple):
         half = 0.5 * math.atan(self.slope)
         return math.cos(half), 0.0, -math.sin(half), 0.0
 
-    def turned(self, wanted: float, foot: float, radius: float, passed: float) -> "Floor":
+    def turned(self, requested: float, foot: float, radius: float, passed: float) -> "Floor":
         """Return the floor turned about the standing foot for a time, towards a slope.
 
         Args:
-            wanted: requested slope (rise per metre).
+            requested: requested slope (rise per metre).
             foot: place of the foot's sphere (m).
             radius: radius of the sphere (m).
             passed: time since the last turn (s).
         """
         reach = math.radians(TILT_DEG_S * passed)
         angle = math.atan(self.slope)
-        way = math.atan(wanted) - angle
-        slope = wanted if abs(way) <= reach else math.tan(angle + math.copysign(reach, way))
+        way = math.atan(requested) - angle
+        slope = requested if abs(way) <= reach else math.tan(angle + math.copysign(reach, way))
         # The gap between sphere and plane stays, so no contact is pressed or torn apart.
         higher = math.hypot(1.0, slope) - math.hypot(1.0, self.slope)
         return Floor(slope, self.height(foot) - radius * higher - slope * foot)

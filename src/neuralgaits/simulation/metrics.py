@@ -83,18 +83,18 @@ def command_errors(commands: Commands, strides: list[Strides]) -> dict[str, Comm
     The error of speed is the mean over a walk minus the mean of what it was told, also where the
     command was adapted; that of footholds is of each step.
     """
-    found = {}
+    errors = {}
     for i, command in enumerate(commands):
-        misses = [_misses(command.name, i, walked) for walked in strides]
+        misses = [_misses(command.name, i, strides_of_walk) for strides_of_walk in strides]
         all_of_them = np.abs(np.concatenate([np.zeros(0), *misses]))
         # A lean that is told is a belief, and no step has to meet it.
         if command.name in UNITS and command.name != LEAN:
-            known = all_of_them.size > 0
-            found[command.name] = CommandError(
-                float(np.mean(all_of_them)) if known else None,
-                float(np.max(all_of_them)) if known else None,
+            measured = all_of_them.size > 0
+            errors[command.name] = CommandError(
+                float(np.mean(all_of_them)) if measured else None,
+                float(np.max(all_of_them)) if measured else None,
             )
-    return found
+    return errors
 
 
 def foothold_error(courses: Courses | None, strides: list[Strides]) -> CommandError | None:
@@ -102,7 +102,8 @@ def foothold_error(courses: Courses | None, strides: list[Strides]) -> CommandEr
     if courses is None or not courses.stones:
         return None
     misses = [
-        course.misses(walked.place) for course, walked in zip(courses.each, strides, strict=True)
+        course.misses(strides_of_walk.place)
+        for course, strides_of_walk in zip(courses.each, strides, strict=True)
     ]
     every = np.abs(np.concatenate(misses))
     if not every.size:
@@ -120,20 +121,20 @@ def hip_speed_error(walk: Walk) -> float | None:
     return float(np.sqrt(np.sum(gauge.speed_error) / ticks)) if ticks else None
 
 
-def _misses(name: str, i: int, walked: Strides) -> Float[np.ndarray, " K"]:
+def _misses(name: str, i: int, strides: Strides) -> Float[np.ndarray, " K"]:
     """Return measured minus requested values, of a walk or of its steps."""
-    walked = Strides(*(column[START_UP_STEPS - 1 :] for column in walked))
-    if len(walked.time) < 2:
+    strides = Strides(*(column[START_UP_STEPS - 1 :] for column in strides))
+    if len(strides.time) < 2:
         return np.zeros(0)
-    told = walked.told[1:, i]
+    commands = strides.told[1:, i]
     if name == ADAPTED:
         # The command itself may have been adapted.
-        told, time = walked.reference[1:], np.diff(walked.time)
-        mean = (walked.hip[-1] - walked.hip[0]) / np.sum(time)
-        return np.array([mean - np.sum(told * time) / np.sum(time)])
-    length, height = walked.length[1:], walked.height[1:]
+        commands, time = strides.reference[1:], np.diff(strides.time)
+        mean = (strides.hip[-1] - strides.hip[0]) / np.sum(time)
+        return np.array([mean - np.sum(commands * time) / np.sum(time)])
+    length, height = strides.length[1:], strides.height[1:]
     steps = {"step_length": length, "step_height": height, "slope": np.arctan2(height, length)}
-    return steps.get(name, told) - told
+    return steps.get(name, commands) - commands
 
 
 def adapted_speeds(walk: Walk, proved_level: int | None) -> AdaptedSpeeds | None:
@@ -143,14 +144,14 @@ def adapted_speeds(walk: Walk, proved_level: int | None) -> AdaptedSpeeds | None
         walk: the simulated walk.
         proved_level: level of the run's proof about every sequence of commands; None without one.
     """
-    walked, place = walk.episodes.strides[0], place_of(walk.commands, ADAPTED)
+    strides, place = walk.episodes.strides[0], place_of(walk.commands, ADAPTED)
     if place is None:
         return None
-    speeds = np.diff(walked.hip) / np.diff(walked.time)
-    measured = (None if np.isnan(one) else float(one) for one in walked.measured[1:])
+    speeds = np.diff(strides.hip) / np.diff(strides.time)
+    measured = (None if np.isnan(one) else float(one) for one in strides.measured[1:])
     return AdaptedSpeeds(
-        told=tuple(walked.reference[1:].tolist()),
-        commanded=tuple(walked.told[1:, place].ravel().tolist()),
+        told=tuple(strides.reference[1:].tolist()),
+        commanded=tuple(strides.told[1:, place].ravel().tolist()),
         walked=tuple(speeds.tolist()),
         measured=tuple(measured),
         proved_level=proved_level,

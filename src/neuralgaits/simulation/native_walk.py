@@ -152,8 +152,8 @@ def _engine(texts: Mapping[str, str], controller: Controller) -> WalkEngine:
         )
         # A folder each: what is loaded under one name is not loaded again.
         _own_folders.append(tempfile.TemporaryDirectory(prefix="neuralgaits-"))
-        made = compiler.compile(walk, Path(_own_folders[-1].name))
-        return WalkEngine(Library(made, controller), note)
+        library = compiler.compile(walk, Path(_own_folders[-1].name))
+        return WalkEngine(Library(library, controller), note)
 
 
 def _shared_library(texts: Mapping[str, str]) -> SharedLibrary:

@@ -59,18 +59,18 @@ class SharedWalks:
         whole = replace(self.walks, steps=1).walk(0, 1)
         start_time = time.perf_counter()
         count = max(1, min(_MOST_OF_A_PART, STEPS_OF_A_PART // self.walks.steps))
-        found: dict[str, Any] = {}
+        arrays: dict[str, Any] = {}
         with closing(
             engine.map(walk_part, self._jobs(episodes, count), common=self._files())
-        ) as done:
-            for one in done:
+        ) as results:
+            for one in results:
                 if one.failure is not None:
                     raise InputError(
                         f"expected walks {one.name} to be walked, found that they were not: "
                         f"{one.failure.reason}"
                     )
-                found[one.name] = safetensors.numpy.load(one.files[_ARRAYS])
-        parts = [found[job.name] for job in self._jobs(episodes, count)]
+                arrays[one.name] = safetensors.numpy.load(one.files[_ARRAYS])
+        parts = [arrays[job.name] for job in self._jobs(episodes, count)]
         merged = from_arrays(parts, time.perf_counter() - start_time)
         if not merged.strides:
             merged = merged._replace(strides=whole.episodes.strides[:0])
@@ -129,36 +129,38 @@ def walk_part(settings: Settings, files: Files) -> Files:
 @lru_cache(maxsize=1)
 def _opened(about: str, files: tuple[tuple[str, bytes], ...]) -> TrainedWalks:
     """Open the run of these files, once for all parts of a simulation that a worker walks."""
-    told, contents = json.loads(about), dict(files)
-    with tempfile.TemporaryDirectory(prefix="neuralgaits-") as made:
-        base = Path(made)
+    settings, contents = json.loads(about), dict(files)
+    with tempfile.TemporaryDirectory(prefix="neuralgaits-") as folder:
+        base = Path(folder)
         for name, content in contents.items():
             (base / name).parent.mkdir(exist_ok=True)
             (base / name).write_bytes(content)
         run = open_run(base / "run")
-        commands = RANDOM if told["random"] else None
+        commands = RANDOM if settings["random"] else None
         if _COMMANDS in contents:
             commands = str(base / _COMMANDS)
-        orders = orders_of(run.trained.commands, told["command"], commands, told["seed"])
+        orders = orders_of(run.trained.commands, settings["command"], commands, settings["seed"])
         run = at_first(run, orders.first)
         # What is read when it is first asked for is asked for now.
         _ = run.residuals
-    plant, box = None, told["parameters"]
+    plant, box = None, settings["parameters"]
     if _PLANT in contents:
-        plant = robot_from_text(contents[_PLANT].decode(), told["plant"])
+        plant = robot_from_text(contents[_PLANT].decode(), settings["plant"])
     return TrainedWalks(
         run=run,
-        library=walk_engine_for(run, told["controller"], told["engine"], told["simulator"]).library,
+        library=walk_engine_for(
+            run, settings["controller"], settings["engine"], settings["simulator"]
+        ).library,
         plant=plant,
-        controller=told["controller"],
-        steps=told["steps"],
-        start=told["start"],
-        push=told["push"],
-        disturbance=PlantChanges(**told["disturb"]),
-        seed=told["seed"],
+        controller=settings["controller"],
+        steps=settings["steps"],
+        start=settings["start"],
+        push=settings["push"],
+        disturbance=PlantChanges(**settings["disturb"]),
+        seed=settings["seed"],
         orders=orders,
-        drawn=None if box is None else DrawnRobots(run.robot, box, told["seed"]),
+        drawn=None if box is None else DrawnRobots(run.robot, box, settings["seed"]),
         threads=1,
-        simulator=told["simulator"],
-        adapt=tuple(told["adapt"]),
+        simulator=settings["simulator"],
+        adapt=tuple(settings["adapt"]),
     )

@@ -129,16 +129,16 @@ def walk_engine_for(
     return WalkEngine(None, None)
 
 
-def to_arrays(walked: Walk) -> dict[str, np.ndarray]:
+def to_arrays(result: Walk) -> dict[str, np.ndarray]:
     """Return the results of walks as arrays with a row a walk, without records."""
-    episodes = walked.episodes
+    episodes = result.episodes
     endings = [int(ending) for ending in episodes.endings]
     arrays: dict[str, np.ndarray] = {"endings": np.array(endings, np.int32)}
     for name, value in episodes.gauge._asdict().items():
         parts = value._asdict() if hasattr(value, "_asdict") else {"": value}
         arrays |= {f"gauge.{name}.{part}": np.asarray(x) for part, x in parts.items()}
     arrays["plant_steps"] = np.array([episodes.plant_steps])
-    if walked.commands:
+    if result.commands:
         lengths = [len(one.time) for one in episodes.strides]
         arrays["strides"] = np.array(lengths, np.int64)
         for name in Strides._fields:

@@ -134,58 +134,58 @@ class WalkInputs(WalkOptions):
 
 
 @called_with(WalkInputs)
-def walk(given: WalkInputs) -> Walk:
+def walk(inputs: WalkInputs) -> Walk:
     """Walk from each start.
 
     Returns: `Walk`.
     Raises: InputError if settings do not fit, or Drake is not installed.
     """
-    robot, policies, disturbance = given.robot, given.policies, given.disturbance
-    starts = _checked_starts(robot, given.starts)
-    law, count = law_of_drives(law_named(given.controller), disturbance), len(starts)
+    robot, policies, disturbance = inputs.robot, inputs.policies, inputs.disturbance
+    starts = _checked_starts(robot, inputs.starts)
+    law, count = law_of_drives(law_named(inputs.controller), disturbance), len(starts)
     shared = isinstance(policies, AbstractPolicy)
     each = [policies] if shared else _as_many(policies, count)
-    if given.robots is None:
-        plants = _plants(given.plant or robot, disturbance, given.courses)
+    if inputs.robots is None:
+        plants = _plants(inputs.plant or robot, disturbance, inputs.courses)
     else:
-        plants = [build(one, disturbance) for one in given.robots]
-    controllers = [_controller(given, policy, law, plants[0]) for policy in each]
-    orders = _orders(each[0].commands, given.orders, given.courses)
+        plants = [build(one, disturbance) for one in inputs.robots]
+    controllers = [_controller(inputs, policy, law, plants[0]) for policy in each]
+    orders = _orders(each[0].commands, inputs.orders, inputs.courses)
     loop = EpisodeLoop(
         plants=plants,
         controllers=controllers,
         shared=shared,
         states=plant_states(plants[0], starts),
-        given=_inputs(given, plants[0], orders, count),
-        steps=given.steps,
-        threads=cores() if given.threads is None else given.threads,
+        given=_inputs(inputs, plants[0], orders, count),
+        steps=inputs.steps,
+        threads=cores() if inputs.threads is None else inputs.threads,
     )
-    alone = given.remote is None and given.watch is None and given.simulator == MUJOCO
-    if given.library is not None and shared and alone and knows(law):
-        engine, episodes = "native", loop.run_native(given.library)
+    alone = inputs.remote is None and inputs.watch is None and inputs.simulator == MUJOCO
+    if inputs.library is not None and shared and alone and knows(law):
+        engine, episodes = "native", loop.run_native(inputs.library)
     else:
-        engine, episodes = "jax", loop.run_jax(given.simulator, given.watch, given.remote)
+        engine, episodes = "jax", loop.run_jax(inputs.simulator, inputs.watch, inputs.remote)
     law = loop.controllers[0].law
     return Walk(
-        robot, plants[0], law, engine, given.simulator, episodes, orders.commands, given.courses
+        robot, plants[0], law, engine, inputs.simulator, episodes, orders.commands, inputs.courses
     )
 
 
-def _inputs(given: WalkInputs, plant: Plant, orders: CommandSchedule, count: int) -> EpisodeInputs:
+def _inputs(inputs: WalkInputs, plant: Plant, orders: CommandSchedule, count: int) -> EpisodeInputs:
     """Return what the episodes meet: ground, pushes, commands, noise."""
-    seed, first, courses = given.seed, given.first, given.courses
-    told = None if courses is not None else _told_height(orders)
+    seed, first, courses = inputs.seed, inputs.first, inputs.courses
+    height = None if courses is not None else _told_height(orders)
     return EpisodeInputs(
-        Terrain(plant.disturbance.floor_height, seed, count, told, first),
-        Push(given.push, given.steps, seed, count, first),
+        Terrain(plant.disturbance.floor_height, seed, count, height, first),
+        Push(inputs.push, inputs.steps, seed, count, first),
         orders,
         courses,
         seed=seed,
         noisy=not _silent(plant),
         first=first,
-        record=given.record,
-        longest=given.longest,
-        adapt=given.adapt,
+        record=inputs.record,
+        longest=inputs.longest,
+        adapt=inputs.adapt,
     )
 
 
@@ -205,17 +205,17 @@ def _told_height(orders: CommandSchedule) -> float | None:
 
 
 def _controller(
-    given: WalkInputs, policy: AbstractPolicy, law: AbstractLaw, plant: Plant
+    inputs: WalkInputs, policy: AbstractPolicy, law: AbstractLaw, plant: Plant
 ) -> Controller:
     return Controller.init(
-        given.robot,
+        inputs.robot,
         policy,
         law,
-        z2_range=given.z2_range,
-        torque_limit=np.minimum(given.robot.torque_limit, plant.torque_limit),
+        z2_range=inputs.z2_range,
+        torque_limit=np.minimum(inputs.robot.torque_limit, plant.torque_limit),
         period_s=SUBSTEPS * TIMESTEP_S,
-        reset_residual=given.reset_residual,
-        joints=given.joints,
+        reset_residual=inputs.reset_residual,
+        joints=inputs.joints,
     )
 
 
@@ -225,11 +225,11 @@ def _plants(
     """Return the plant of all episodes, or that of each on its course."""
     if courses is None:
         return [build(robot, disturbance)]
-    made: dict[int, Plant] = {}
+    plants: dict[int, Plant] = {}
     for course in courses.each:
-        if id(course) not in made:
-            made[id(course)] = build(robot, disturbance, course)
-    return [made[id(course)] for course in courses.each]
+        if id(course) not in plants:
+            plants[id(course)] = build(robot, disturbance, course)
+    return [plants[id(course)] for course in courses.each]
 
 
 def _silent(plant: Plant) -> bool:

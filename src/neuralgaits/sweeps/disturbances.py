@@ -25,25 +25,25 @@ _ONE_TABLE_EACH = (
 )
 
 
-def disturbances_of(asked: str | Path | Mapping[str, Any]) -> dict[str, dict[str, Any]]:
+def disturbances_of(source: str | Path | Mapping[str, Any]) -> dict[str, dict[str, Any]]:
     """Return the requested disturbances of the plant by name, as plain values.
 
     Args:
-        asked: `standard` for the eighteen of `simulation.setup.disturbance_set`, `none` for no
+        source: `standard` for the eighteen of `simulation.setup.disturbance_set`, `none` for no
             disturbance, a TOML file, or a mapping of names to disturbances.
 
     Raises: InputError in one line.
     """
-    if isinstance(asked, str) and asked in (STANDARD, UNDISTURBED):
-        found: Mapping[str, Any] = DISTURBANCE_SET if asked == STANDARD else {}
+    if isinstance(source, str) and source in (STANDARD, UNDISTURBED):
+        tables: Mapping[str, Any] = DISTURBANCE_SET if source == STANDARD else {}
     else:
-        found = _read(Path(asked)) if isinstance(asked, str | Path) else asked
-    if UNDISTURBED in found:
+        tables = _read(Path(source)) if isinstance(source, str | Path) else source
+    if UNDISTURBED in tables:
         raise InputError(
             f"expected disturbances of other names than {UNDISTURBED!r}, found it: every gait "
             "walks without one as well; give it another name"
         )
-    return {name: plain(vars(_parsed(name, one))) for name, one in found.items()}
+    return {name: plain(vars(_parsed(name, one))) for name, one in tables.items()}
 
 
 def _parsed(name: Any, one: Any) -> PlantChanges:
@@ -64,7 +64,7 @@ def _has_tables(one: Mapping[str, Any]) -> bool:
 
 def _read(path: Path) -> dict[str, Any]:
     try:
-        found = toml_of(path)
+        table = toml_of(path)
     except OSError as error:
         raise InputError(
             f"expected --disturbances {STANDARD}, {UNDISTURBED} or a TOML file, found {path}: "
@@ -74,8 +74,8 @@ def _read(path: Path) -> dict[str, Any]:
         raise InputError(
             f"expected TOML in {path}, found what cannot be read ({error}): write {_ONE_TABLE_EACH}"
         ) from None
-    if not found:
+    if not table:
         raise InputError(
             f"expected disturbances in {path}, found none: --disturbances {UNDISTURBED} is for that"
         )
-    return found
+    return table

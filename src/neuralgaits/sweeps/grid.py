@@ -20,21 +20,21 @@ class Combination(NamedTuple):
     seed: int
 
 
-def combinations(asked: SweepAsked) -> Iterator[Combination]:
+def combinations(config: SweepAsked) -> Iterator[Combination]:
     """Combine every robot with every spec, speed and seed; names are unique and name folders."""
-    robots, specs = short_names(asked.robots), short_names(asked.specs)
-    seeds = range(*asked.seeds)
+    robots, specs = short_names(config.robots), short_names(config.specs)
+    seeds = range(*config.seeds)
     for (i, robot), (j, spec), speed, seed in product(
-        enumerate(robots), enumerate(specs), asked.speeds, seeds
+        enumerate(robots), enumerate(specs), config.speeds, seeds
     ):
-        told = [] if speed is None else [":".join(f"{v:g}" for v in speed).replace(":", "to")]
-        yield Combination("-".join([robot, spec, *told, str(seed)]), i, j, speed, seed)
+        speeds = [] if speed is None else [":".join(f"{v:g}" for v in speed).replace(":", "to")]
+        yield Combination("-".join([robot, spec, *speeds, str(seed)]), i, j, speed, seed)
 
 
-def count(asked: SweepAsked) -> int:
+def count(config: SweepAsked) -> int:
     """Return the number of combinations, without listing them."""
-    first, end = asked.seeds
-    return len(asked.robots) * len(asked.specs) * len(asked.speeds) * (end - first)
+    first, end = config.seeds
+    return len(config.robots) * len(config.specs) * len(config.speeds) * (end - first)
 
 
 def short_names(names: Sequence[str]) -> list[str]:

@@ -27,9 +27,9 @@ def inputs_of(names: Sequence[str], settings: Mapping[str, Any]) -> dict[str, by
         robot = load_robot(name)
         for spec in settings["specs"]:
             for speed in settings["speeds"]:
-                told = speed_of(speed)
-                spread = told if isinstance(told, tuple) else None
-                one = None if isinstance(told, tuple) else told
+                speed_range = speed_of(speed)
+                spread = speed_range if isinstance(speed_range, tuple) else None
+                one = None if isinstance(speed_range, tuple) else speed_range
                 with same_folder():
                     known_specs.load(spec, robot, commands_of(speed=spread), one)
     for number, spec in enumerate(settings["specs"]):

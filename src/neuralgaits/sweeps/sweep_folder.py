@@ -44,15 +44,15 @@ class SweepFolder:
 
     @classmethod
     def create(
-        cls, asked: SweepAsked, inputs: Files, *, out: Path | None, root: Path
+        cls, config: SweepAsked, inputs: Files, *, out: Path | None, root: Path
     ) -> "SweepFolder":
         """Make a folder; `sweep.json` is written last. Raises: RunError if `out` is not empty."""
-        seed, what = asked.seeds[0], "the sweep"
+        seed, what = config.seeds[0], "the sweep"
         with claimed(out, root, HOME, seed, what=what, config=ASKED) as path:
             for name, content in inputs.items():
                 write_bytes(path / INPUTS / name, content)
-            write_text(path / ASKED, to_json(asked))
-        return cls(path, asked)
+            write_text(path / ASKED, to_json(config))
+        return cls(path, config)
 
     @classmethod
     def there(cls, path: Path) -> bool:
@@ -67,10 +67,10 @@ class SweepFolder:
                 f"expected {ASKED} in {path}, found none: there is no sweep to go on with; leave "
                 "--resume out"
             )
-        found = Versioned.read(path / ASKED).format
-        if found != FORMAT:
+        version = Versioned.read(path / ASKED).format
+        if version != FORMAT:
             raise RunError(
-                f"expected a sweep of format {FORMAT}, found {found!r} in {path}: sweep anew"
+                f"expected a sweep of format {FORMAT}, found {version!r} in {path}: sweep anew"
             )
         return cls(path, SweepAsked.read(path / ASKED))
 
@@ -100,14 +100,14 @@ class SweepFolder:
             shutil.rmtree(path, ignore_errors=True)
         shutil.rmtree(self.path / FAILED, ignore_errors=True)
 
-    def refuse_other(self, given: Mapping[str, Any]) -> None:
+    def refuse_other(self, settings: Mapping[str, Any]) -> None:
         """Refuse settings that differ from those of the sweep. Raises: InputError."""
-        for name, value in given.items():
-            asked = getattr(self.asked, name)
-            if plain(asked) != plain(value):
+        for name, value in settings.items():
+            recorded = getattr(self.asked, name)
+            if plain(recorded) != plain(value):
                 raise InputError(
                     f"expected the {name} that the sweep in {self.path} was asked, "
-                    f"{_short(asked)}, found {_short(value)}: leave them out, or sweep into "
+                    f"{_short(recorded)}, found {_short(value)}: leave them out, or sweep into "
                     "another --out"
                 )
 
@@ -129,14 +129,14 @@ class SweepFolder:
 
     def rows(self, names: Iterable[str]) -> list[SweepRow]:
         """Read all rows, in the order of `names`. Raises: RunError if one is missing."""
-        found = [(name, self.row(name)) for name in names]
-        for name, row in found:
+        named_rows = [(name, self.row(name)) for name in names]
+        for name, row in named_rows:
             if row is None:
                 raise RunError(
                     f"expected the row {name} in {self.path}, found none: it was taken away; "
                     "--resume makes it again"
                 )
-        return [row for _, row in found if row is not None]
+        return [row for _, row in named_rows if row is not None]
 
     def keep(self, row: SweepRow, files: Mapping[str, bytes]) -> None:
         """Put a row into the folder with all its files, or not at all."""

@@ -32,26 +32,26 @@ _GAIT = ("walked_speed[m/s]", "cost_of_transport", "peak_torque[N m]", "least_no
 """Columns about the walks of a controller without a disturbance."""
 
 
-def header(asked: SweepAsked) -> list[str]:
+def header(config: SweepAsked) -> list[str]:
     """Return the columns; `stays_up:DISTURBANCE` is the share of walks that stayed up under it."""
     names = [*_FIRST]
-    for controller in asked.controllers:
+    for controller in config.controllers:
         names += [f"{controller}:{name}" for name in _GAIT]
-        names += [f"{controller}:stays_up:{name}" for name in (UNDISTURBED, *asked.disturbances)]
+        names += [f"{controller}:stays_up:{name}" for name in (UNDISTURBED, *config.disturbances)]
     return names
 
 
-def to_csv(asked: SweepAsked, rows: Sequence[SweepRow]) -> str:
+def to_csv(config: SweepAsked, rows: Sequence[SweepRow]) -> str:
     """Return the table as text; cells of parts that were not done are empty."""
     out = io.StringIO()
     writer = csv.writer(out, lineterminator="\n")
-    writer.writerow(header(asked))
+    writer.writerow(header(config))
     for row in rows:
-        writer.writerow([_cell(value) for value in _values(asked, row)])
+        writer.writerow([_cell(value) for value in _values(config, row)])
     return out.getvalue()
 
 
-def _values(asked: SweepAsked, row: SweepRow) -> list[Any]:
+def _values(config: SweepAsked, row: SweepRow) -> list[Any]:
     values: list[Any] = [
         row.name,
         row.robot,
@@ -69,16 +69,16 @@ def _values(asked: SweepAsked, row: SweepRow) -> list[Any]:
         row.margin,
         row.boxes,
     ]
-    for controller in asked.controllers:
+    for controller in config.controllers:
         own = row.under(controller, UNDISTURBED)
         gait = (None,) * len(_GAIT)
         if own is not None:
             gait = (own.speed_m_s, own.cost_of_transport, own.peak_torque_nm)
             gait += (own.min_normal_force_n,)
         values += gait
-        for name in (UNDISTURBED, *asked.disturbances):
-            walked = row.under(controller, name)
-            values.append(None if walked is None else walked.share)
+        for name in (UNDISTURBED, *config.disturbances):
+            walk = row.under(controller, name)
+            values.append(None if walk is None else walk.share)
     return values
 
 

@@ -66,9 +66,9 @@ def difference_from_mujoco(
     worst = 0.0, np.zeros(2 * len(reach))
 
     def compared(state: np.ndarray, force: float) -> tuple[float, np.ndarray]:
-        expected, found = formulas(state, force), joints.accelerations(model, world)
+        expected, measured = formulas(state, force), joints.accelerations(model, world)
         largest = max(1.0, np.max(np.abs(expected)))
-        share = float(np.max(np.abs(found - expected)) / largest)
+        share = float(np.max(np.abs(measured - expected)) / largest)
         return (worst[0], worst[1]) if share <= worst[0] else (share, state)
 
     places = itertools.product(SHARES, repeat=len(reach))

@@ -42,9 +42,11 @@ def with_claimed_levels(
     if not table.is_that_of(claims):
         why = f"its regions, conditions or chart are not those of {about}"
         return replace(report, verdict="rejected", reason=why, levels=(), holds=False)
-    stated = table.stated_bounds(claims)
-    found = conclude({name: x for name, x in stated.items() if name not in report.unclaimed})
-    if isinstance(found, str):
-        return replace(report, verdict="rejected", reason=found, levels=(), holds=False)
+    bounds = table.stated_bounds(claims)
+    conclusions = conclude({name: x for name, x in bounds.items() if name not in report.unclaimed})
+    if isinstance(conclusions, str):
+        return replace(report, verdict="rejected", reason=conclusions, levels=(), holds=False)
     word = "proved" if report.verdict == "proved" else "consistent"
-    return replace(report, levels=tuple(replace(one, verdict=word) for one in found if one.proved))
+    return replace(
+        report, levels=tuple(replace(one, verdict=word) for one in conclusions if one.proved)
+    )

@@ -44,21 +44,21 @@ class ConditionTable:
         if claims.asked is None:
             return False
         regions = {name: one.region for name, one in claims.asked.conditions.items()}
-        found = claims.asked.regions, regions, claims.chart
-        return found == (self.regions, self.conditions, self.chart)
+        claimed = claims.asked.regions, regions, claims.chart
+        return claimed == (self.regions, self.conditions, self.chart)
 
     def stated_bounds(self, claims: Claims) -> dict[str, float]:
         """Return the bound that a proof file states of each condition on its whole region.
 
         Conditions that are stated on a part of their region, or not at all, are left out.
         """
-        found = {}
+        bounds = {}
         for name, region in self.conditions.items():
-            stated = {
+            boxes = {
                 (one.low, one.high): one.bounds[name]
                 for one in claims.statements
                 if name in one.conditions
             }
-            if all(box in stated for box in self.regions[region]):
-                found[name] = min(stated[box] for box in self.regions[region])
-        return found
+            if all(box in boxes for box in self.regions[region]):
+                bounds[name] = min(boxes[box] for box in self.regions[region])
+        return bounds

@@ -149,8 +149,8 @@ def _largest_difference(
     with tempfile.TemporaryDirectory(prefix="neuralgaits-") as folder:
         compiled = ctypes.CDLL(str(compiler.compile(library, Path(folder))))
         function = getattr(compiled, header.function)
-        found = [_called(function, program, state)[first] for state in states]
-    error = float(np.abs(np.array(found) - expected).max())
+        forces = [_called(function, program, state)[first] for state in states]
+    error = float(np.abs(np.array(forces) - expected).max())
     # Rounding grows with the largest of the outputs, limits aside.
     if not error <= AGREES * max(header.limit, float(np.abs(expected).max())):
         raise MismatchError(

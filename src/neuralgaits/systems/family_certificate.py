@@ -70,7 +70,7 @@ def certify_family(
     to = int(run.system.highest) if level is None else level
     levels = run.system.conclude(bounds, run.config, to)
     open_ = [name for name, one in verdicts.items() if one.verdict == "undecided"]
-    found = CertificateRecord(
+    certificate = CertificateRecord(
         run=str(run.path),
         robot=run.config.robot,
         spec=run.config.spec,
@@ -86,14 +86,14 @@ def certify_family(
     )
     before = _level_of(run, stated_bounds(run, program) or {})
     # A condition that is broken somewhere is stated by no true proof.
-    if before > found.proved_level and found.verdict != "refuted":
+    if before > certificate.proved_level and certificate.verdict != "refuted":
         # A search that came to less, or was asked for less, leaves the proof that is there.
-        kept = f"the proof of level {before} from before stays"
-        reason = "; ".join(filter(None, (found.reason, kept)))
-        return replace(found, reason=reason, proof=str(run.path / PROOF))
+        sentence = f"the proof of level {before} from before stays"
+        reason = "; ".join(filter(None, (certificate.reason, sentence)))
+        return replace(certificate, reason=reason, proof=str(run.path / PROOF))
     put_hidden_aside(run.path)
-    write_certificate(run.path, files, to_json(found).encode())
-    return found
+    write_certificate(run.path, files, to_json(certificate).encode())
+    return certificate
 
 
 def _searched(
@@ -131,15 +131,15 @@ def _verdicts(
     table: ConditionTable, searched: Sequence[Searched], statements: Sequence[StatementRecord]
 ) -> tuple[dict[str, float], dict[str, ConditionVerdict]]:
     """Return the bounds of the conditions that are proved on all of their region, and verdicts."""
-    stated = {
+    stated_bounds = {
         (name, one.low, one.high): one.bounds[name] for one in statements for name in one.conditions
     }
     bounds, verdicts = {}, {}
     for name in table.conditions:
         roots = [pair for pair in searched if name in pair[0].names]
         keys = [(name, one.low, one.high) for one, _ in roots]
-        if all(key in stated for key in keys):
-            bounds[name] = min(stated[key] for key in keys)
+        if all(key in stated_bounds for key in keys):
+            bounds[name] = min(stated_bounds[key] for key in keys)
         verdicts[name] = verdict_on(name, roots, bounds.get(name))
     return bounds, verdicts
 

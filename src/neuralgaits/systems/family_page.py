@@ -42,12 +42,12 @@ def report_family(run: FamilyRun, out: Path | None = None) -> FamilyReport:
     refuse_outputs([place], run=run.path)
     if place.suffix.lower() not in ("", ".html", ".htm"):
         raise InputError(f"expected --out as a file *.html, found {place}: the report is a page")
-    stated = stated_bounds(run)
+    bounds = stated_bounds(run)
     figures = [
         tag("figure", inline_image("svg+xml", svg(figure), words), tag("figcaption", words))
         for figure, words in run.system.page_figures(run)
     ]
-    main = tag("main", join([_about(run), *figures, _proof(run, stated)]))
+    main = tag("main", join([_about(run), *figures, _proof(run, bounds)]))
     name = run.config.robot
     header = tag("header", tag("h1", f"{name}: {run.system.family.words}"))
     text = whole(name, header, main, printable(run.path), ())
@@ -56,18 +56,18 @@ def report_family(run: FamilyRun, out: Path | None = None) -> FamilyReport:
         run=str(run.path),
         report=str(place),
         bytes=len(text.encode()),
-        damaged=why_nothing_is_stated(run) if stated is None else None,
+        damaged=why_nothing_is_stated(run) if bounds is None else None,
     )
 
 
 def _about(run: FamilyRun) -> Html:
     """Return sentences about the robot, its set and the training."""
-    done, lines = run.summary, run.system.page_lines(run)
+    summary, lines = run.summary, run.system.page_lines(run)
     names = run.system.table.conditions
-    margins = [margin for name, margin in done.margins.items() if name in names]
+    margins = [margin for name, margin in summary.margins.items() if name in names]
     if margins:
         lines.append(
-            f"Recorded in training: at {done.samples} random states the smallest margin of "
+            f"Recorded in training: at {summary.samples} random states the smallest margin of "
             f"{len(margins)} conditions is {min(margins):.3g}."
         )
     return tag("section", tag("h2", "Run"), items(lines))
@@ -77,8 +77,8 @@ def _proof(run: FamilyRun, bounds: Mapping[str, float] | None) -> Html:
     """Return the bounds that the run's proof file states, and what follows."""
     if bounds is None:
         why = why_nothing_is_stated(run)
-        said = "No proof of this run." if why is None else f"Nothing is proved: {why}."
-        return tag("section", tag("h2", "Proof"), paragraph(said))
+        sentence = "No proof of this run." if why is None else f"Nothing is proved: {why}."
+        return tag("section", tag("h2", "Proof"), paragraph(sentence))
     system = run.system
     rows = [
         f"{name}, on the {region}: "
@@ -86,8 +86,8 @@ def _proof(run: FamilyRun, bounds: Mapping[str, float] | None) -> Html:
         for name, region in system.table.conditions.items()
     ]
     for one in system.conclude(bounds, run.config, system.highest):
-        said = "; ".join(one.words) if one.proved else one.reason
-        rows.append(f"level {one.level}: {one.verdict}; {said}")
+        sentence = "; ".join(one.words) if one.proved else one.reason
+        rows.append(f"level {one.level}: {one.verdict}; {sentence}")
     note = (
         "According to the proof file, which this page has not checked: about the rigid model in "
         "continuous time. Verify with check-proof or build/proofcheck."

@@ -74,13 +74,13 @@ def _given(settings: Any) -> dict[str, Any]:
     }
 
 
-def task_with(verb: str, given: Mapping[str, Any]) -> Task | None:
+def task_with(verb: str, options: Mapping[str, Any]) -> Task | None:
     """Return the task of a verb with these settings, as `task_of` does."""
-    run = given.get("run", given.get("resume"))
+    run = options.get("run", options.get("resume"))
     run = getattr(run, "path", run)
     family = family_of_run(run)
     if family is None and run is None and verb in _BY_ROBOT:
-        family = family_of_robot(given.get("robot"))
+        family = family_of_robot(options.get("robot"))
     if family is None:
         return None
     verbs = import_module(verbs_module(family.name)).VERBS
@@ -91,22 +91,22 @@ def task_with(verb: str, given: Mapping[str, Any]) -> Task | None:
         )
     parameters = signature(verbs[verb]).parameters
     own = [name for name in parameters if name != "progress"]
-    others = [name for name in given if name not in (*own, *_OF_ALL)]
+    others = [name for name in options if name not in (*own, *_OF_ALL)]
     if others:
         raise InputError(
             f"expected options of {family.words} ({_flags(own) or 'none'}), found "
             f"{_flags(others)}: leave it out"
         )
-    known = {name: value for name, value in given.items() if name in own}
+    own_options = {name: value for name, value in options.items() if name in own}
     if run is not None:
-        known["run"] = run
-    if known.get("out") is not None:
-        known["out"] = Path(known["out"])
+        own_options["run"] = run
+    if own_options.get("out") is not None:
+        own_options["out"] = Path(own_options["out"])
 
     def task(progress: ProgressCallbacks) -> VerbResult:
-        shown = {"progress": progress} if "progress" in parameters else {}
-        done: VerbResult = verbs[verb](**known, **shown)
-        return done
+        more = {"progress": progress} if "progress" in parameters else {}
+        result: VerbResult = verbs[verb](**own_options, **more)
+        return result
 
     return task
 

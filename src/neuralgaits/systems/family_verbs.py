@@ -26,13 +26,13 @@ class FileVerbs:
 
     def inspect(self, robot: str | Path) -> VerbResult:
         """Describe a file."""
-        done = inspect_robot(self.system, robot)
-        return VerbResult(done, True, self.system.robot_screen(done))
+        inspected = inspect_robot(self.system, robot)
+        return VerbResult(inspected, True, self.system.robot_screen(inspected))
 
     def robots(self, robot: str, out: Path | None = None) -> VerbResult:
         """Write a built-in robot's file."""
-        done = write_robot(self.system, robot, out)
-        return VerbResult(done, True, screens.screen_of_written(done))
+        written = write_robot(self.system, robot, out)
+        return VerbResult(written, True, screens.screen_of_written(written))
 
 
 @dataclass(frozen=True)
@@ -66,14 +66,14 @@ class FamilyVerbs(FileVerbs):
             root=root,
             progress=lambda step, loss: progress.trained(step, total, loss),
         )
-        done = run.summary
+        trained = run.summary
         if certify:
             proof = certify_family(run, budget=budget, progress=progress.proved)
-            done = replace(done, proof=proof.verdict)
-        good = done.holds and done.proof in (None, "proved")
-        undecided = done.holds and done.proof == "undecided"
-        screen = screens.screen_of_training(self.system, done)
-        return VerbResult(done, good, screen, undecided, run=run)
+            trained = replace(trained, proof=proof.verdict)
+        good = trained.holds and trained.proof in (None, "proved")
+        undecided = trained.holds and trained.proof == "undecided"
+        screen = screens.screen_of_training(self.system, trained)
+        return VerbResult(trained, good, screen, undecided, run=run)
 
     def certify(
         self,
@@ -90,9 +90,11 @@ class FamilyVerbs(FileVerbs):
                 f"expected a level from 1 to {highest}, found {level}: {self.system.why_highest}"
             )
         opened = open_family_run(self.system, run)
-        done = certify_family(opened, level=level, budget=budget, progress=progress.proved)
-        screen = screens.screen_of_proof(self.system, done)
-        return VerbResult(done, done.verdict == "proved", screen, done.verdict == "undecided")
+        certificate = certify_family(opened, level=level, budget=budget, progress=progress.proved)
+        screen = screens.screen_of_proof(self.system, certificate)
+        return VerbResult(
+            certificate, certificate.verdict == "proved", screen, certificate.verdict == "undecided"
+        )
 
     def simulate(
         self, run: str | Path, *, progress: ProgressCallbacks, episodes: int = 1, seed: int = 0
@@ -100,8 +102,8 @@ class FamilyVerbs(FileVerbs):
         """Simulate episodes in MuJoCo."""
         opened = open_family_run(self.system, run)
         progress.begun()
-        done, good = self.system.episodes(opened, episodes, seed)
-        return VerbResult(done, good, self.system.episodes_screen(done))
+        walks, good = self.system.episodes(opened, episodes, seed)
+        return VerbResult(walks, good, self.system.episodes_screen(walks))
 
     def export(
         self, run: str | Path, out: Path, *, progress: ProgressCallbacks, force: bool = False
@@ -112,9 +114,9 @@ class FamilyVerbs(FileVerbs):
             raise InputError(f"expected a controller with an export, found {system.family.words}")
         opened = open_family_run(system, run)
         progress.begun()
-        done = export_family(system, opened, out, force=force)
-        screen = screens.screen_of_export(system.header(opened).unit, done)
-        return VerbResult(done, done.checked, screen, undecided=not done.checked)
+        exported = export_family(system, opened, out, force=force)
+        screen = screens.screen_of_export(system.header(opened).unit, exported)
+        return VerbResult(exported, exported.checked, screen, undecided=not exported.checked)
 
     def report(
         self, run: str | Path, out: Path | None = None, *, progress: ProgressCallbacks
@@ -122,8 +124,8 @@ class FamilyVerbs(FileVerbs):
         """Write the page of a run."""
         opened = open_family_run(self.system, run)
         progress.begun()
-        done = report_family(opened, out)
-        return VerbResult(done, True, screens.screen_of_report(done))
+        written = report_family(opened, out)
+        return VerbResult(written, True, screens.screen_of_report(written))
 
     def by_name(self) -> dict[str, Callable[..., VerbResult]]:
         """Return the verbs that the family has by name."""

@@ -68,7 +68,7 @@ class ProvedSystem(TrainedSystem):
         )
 
     @abstractmethod
-    def sizes(self, done: Any) -> str:
+    def sizes(self, summary: Any) -> str:
         """Return the sizes of a training's summary in words."""
 
     @abstractmethod
@@ -98,8 +98,8 @@ class ProvedSystem(TrainedSystem):
         """Simulate in MuJoCo. Returns: a record, and whether the answer is yes."""
 
     @abstractmethod
-    def episodes_screen(self, done: Any) -> Screen:
-        """Return the record of `episodes` for a person."""
+    def episodes_screen(self, record: Any) -> Screen:
+        """Return the record of `record` for a person."""
 
     @abstractmethod
     def page_lines(self, run: Any) -> list[str]:

@@ -41,13 +41,13 @@ def calibrated(gait: CommandedGait, robot: PlanarBiped, residuals: Residuals) ->
     command = gait.commands[at]
     middle, half = 0.5 * (command.low + command.high), 0.5 * (command.high - command.low)
     places = np.linspace(-1.0 - BEYOND, 1.0 + BEYOND, KNOTS)
-    walked = np.array([_speed(gait, robot, residuals, at, middle + half * x) for x in places])
-    rising = np.isfinite(walked).all() and np.all(np.diff(walked) > 0.0)
+    speeds = np.array([_speed(gait, robot, residuals, at, middle + half * x) for x in places])
+    rising = np.isfinite(speeds).all() and np.all(np.diff(speeds) > 0.0)
     if not rising:
         return gait
-    asked = np.linspace(-1.0, 1.0, KNOTS)
-    wanted = np.interp(middle + half * asked, walked, places)
-    plain[at] = polynomial.polyfit(asked, wanted, CURVE_TERMS - 1)
+    requested = np.linspace(-1.0, 1.0, KNOTS)
+    corrected = np.interp(middle + half * requested, speeds, places)
+    plain[at] = polynomial.polyfit(requested, corrected, CURVE_TERMS - 1)
     return eqx.tree_at(lambda g: g.policy.curves, gait, plain)
 
 

@@ -56,16 +56,16 @@ def make_steps(
 
     def step(parameters, state, key, index, rate, extra):
         key = jax.random.fold_in(key, index)
-        drawn = sampler.draw(key, grown(index))
-        u, counts = with_extra(extra, 1, drawn, layout.counts, key)
+        batch = sampler.draw(key, grown(index))
+        u, counts = with_extra(extra, 1, batch, layout.counts, key)
         gradient_of = jax.value_and_grad(loss, has_aux=True)
         u, pushes = u.astype(jnp.float32), pushes_of(disturbance, key, len(u), jnp.float32)
         (_, result), gradient = gradient_of(parameters, u, counts, pushes)
         update, after = optimizer.update(gradient, state, parameters)
-        moved = optax.apply_updates(parameters, rate * update)
+        updated = optax.apply_updates(parameters, rate * update)
         if not spec.commands:
-            return moved, after, result
-        return *_if_finite((moved, after), (parameters, state)), result
+            return updated, after, result
+        return *_if_finite((updated, after), (parameters, state)), result
 
     return _in_one_loop(step, len(spec.trained_for))
 
@@ -79,11 +79,11 @@ def _in_one_loop(step: Callable, conditions: int) -> Callable:
     def steps(parameters, state, key, first, count, rate, extra):
         single = parameters.dtype
 
-        def body(done, before):
+        def body(number, before):
             parameters, state, _ = before
-            parameters, state, found = step(parameters, state, key, first + done, rate, extra)
+            parameters, state, report = step(parameters, state, key, first + number, rate, extra)
             # A float64 constant in a condition of one's own makes the loss float64.
-            same = jax.tree.map(lambda value: value.astype(single), found)
+            same = jax.tree.map(lambda value: value.astype(single), report)
             return parameters, state, same
 
         zero = jnp.zeros((), single)

@@ -50,11 +50,11 @@ def width_factor(spec: GaitSpec, gait: AnyGait) -> float:
     two of six seeds failed at the rate of a layer of 32 (one condition missed, one NaN), and
     none of six at the root of 32/256 of it.
     """
-    asked = _widest(gait)
+    widest = _widest(gait)
     own = _widest(spec.new_gait(jax.random.key(0), "posture", None))
-    if asked is None or own is None or asked <= own:
+    if widest is None or own is None or widest <= own:
         return 1.0
-    return (own / asked) ** 0.5
+    return (own / widest) ** 0.5
 
 
 def _widest(gait: AnyGait) -> int | None:

@@ -56,24 +56,24 @@ class Loss(NamedTuple):
 
 def lay_out(spec: GaitSpec, robot: Model, gait: AnyGait, sampler: Sampler) -> MarginLayout:
     """Evaluate the conditions once and tabulate their shapes."""
-    asked = spec.trained_for
+    weights = spec.trained_for
 
     def margins(u):
         at = spec.parted(u)
         step = gait.at(nominal_robot(robot), at.told)
         zd = ZeroDynamics(robot_of_step(robot, step, at.errors), step.policy)
         point = zd.point(step.z(at.plane))
-        return {c.name: c.margins(point, step) for c in asked}
+        return {c.name: c.margins(point, step) for c in weights}
 
     shapes = jax.eval_shape(margins, jax.ShapeDtypeStruct((spec.chart_size,), jnp.zeros(0).dtype))
-    sizes = [int(np.prod(shapes[c.name].shape)) for c in asked]
+    sizes = [int(np.prod(shapes[c.name].shape)) for c in weights]
     ends = np.cumsum([0, *sizes])
-    columns = {c.name: slice(int(ends[i]), int(ends[i + 1])) for i, c in enumerate(asked)}
+    columns = {c.name: slice(int(ends[i]), int(ends[i + 1])) for i, c in enumerate(weights)}
     total, rows = int(ends[-1]), len(sampler.low)
     counts = np.zeros((rows, total), dtype=bool)
-    mean_of = np.zeros((total, len(asked)))
+    mean_of = np.zeros((total, len(weights)))
     scale = np.ones(total)
-    for i, c in enumerate(asked):
+    for i, c in enumerate(weights):
         block = columns[c.name]
         scale[block], mean_of[block, i] = c.scale, 1.0 / sizes[i]
         for name, part in sampler.rows.items():
@@ -84,8 +84,8 @@ def lay_out(spec: GaitSpec, robot: Model, gait: AnyGait, sampler: Sampler) -> Ma
     aimed = _aims_rows(spec, sampler)
     counts[aimed, : int(ends[first])] = False
     counts[: aimed.start, int(ends[first]) :] = False
-    absolute = np.array([c.absolute_loss for c in asked])
-    weight = np.array([spec.weights.get(c.name, 1.0) for c in asked])
+    absolute = np.array([c.absolute_loss for c in weights])
+    weight = np.array([spec.weights.get(c.name, 1.0) for c in weights])
     return MarginLayout(columns, scale, counts, mean_of, absolute, weight, aimed)
 
 
@@ -121,10 +121,10 @@ def margin_matrix(
 
     def at(sample, push):
         flow, reset = residuals
-        moved = flow if push is None else DisturbedResidual(flow, push)
+        pushed_flow = flow if push is None else DisturbedResidual(flow, push)
         at = spec.parted(sample)
         step = gait.at(nominal_robot(robot), at.told, reset)
-        zd = ZeroDynamics(robot_of_step(robot, step, at.errors), step.policy, moved, reset)
+        zd = ZeroDynamics(robot_of_step(robot, step, at.errors), step.policy, pushed_flow, reset)
         return step, zd.point(step.z(at.plane))
 
     def one(sample, push):
@@ -132,9 +132,9 @@ def margin_matrix(
         # One derivative for all barriers: a network inside, as after a reset, is passed once.
         barriers = [c for c in spec.conditions if isinstance(c, Barrier)]
         values, rates = point.rate(lambda p: [c.function(p) for c in barriers])
-        known = {c.name: c.bent(*both) for c, *both in zip(barriers, values, rates, strict=True)}
+        bends = {c.name: c.bent(*both) for c, *both in zip(barriers, values, rates, strict=True)}
         margins = [
-            jnp.ravel(known[c.name] if c.name in known else c.margins(point, step))
+            jnp.ravel(bends[c.name] if c.name in bends else c.margins(point, step))
             for c in spec.conditions
         ]
         return jnp.concatenate(margins), point.torque

@@ -71,11 +71,13 @@ class Extra(NamedTuple):
             for pick in np.linspace(0, len(low) - 1, share).round().astype(int):
                 box = Box(tuple(low[pick].tolist()), tuple(high[pick].tolist()))
                 rows.append(_row(region, box, spec, layout))
-        made = cls(*(np.stack(part) for part in zip(*rows, strict=True)))
+        rows_of_cells = cls(*(np.stack(part) for part in zip(*rows, strict=True)))
         if before is None:
-            return made
-        kept = np.linspace(0, ROWS - 1, ROWS - new).round().astype(int)
-        return cls(*(np.concatenate([a, b[kept]]) for a, b in zip(made, before, strict=True)))
+            return rows_of_cells
+        numbers = np.linspace(0, ROWS - 1, ROWS - new).round().astype(int)
+        return cls(
+            *(np.concatenate([a, b[numbers]]) for a, b in zip(rows_of_cells, before, strict=True))
+        )
 
 
 def with_extra(

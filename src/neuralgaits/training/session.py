@@ -56,16 +56,16 @@ def take_all_steps(run: Run, progress: Progress | None, trainer: Trainer | None 
 
 def trainer_of(run: Run) -> Trainer:
     """Return the trainer for a run's config, not compiled yet."""
-    asked = run.asked
+    config = run.asked
     return Trainer.build(
         run.robot,
         run.spec,
         run.trained,
-        steps=asked.steps,
-        seed=asked.seed,
+        steps=config.steps,
+        seed=config.seed,
         residuals=run.residuals,
-        disturbance=asked.disturbance,
-        rate=asked.rate,
+        disturbance=config.disturbance,
+        rate=config.rate,
     )
 
 
@@ -82,9 +82,9 @@ def start_of(run: Run, trainer: Trainer) -> TrainState:
     """Return the last checkpoint if there is one, else the initial state."""
     if (run.path / STATE).is_file():
         return run.folder.read_tree(STATE, trainer.init(run.trained))
-    asked, recipe, gait = run.asked, run.spec.recipe, run.trained
+    config, recipe, gait = run.asked, run.spec.recipe, run.trained
     cold = START not in run.folder.copies
-    if cold and asked.init == "posture" and recipe.posture_steps and isinstance(gait, Gait):
-        key = jax.random.fold_in(jax.random.key(asked.seed), 1)
+    if cold and config.init == "posture" and recipe.posture_steps and isinstance(gait, Gait):
+        key = jax.random.fold_in(jax.random.key(config.seed), 1)
         gait = start_from_posture(run.robot, gait, recipe.posture_steps, key)
     return trainer.init(gait)

@@ -162,14 +162,14 @@ class Trainer:
         rate = jnp.ones((), jnp.float32)
         return TrainState(start, flat, self._optimizer.init(flat), flat, worst, rate)
 
-    def restart_with_smaller_rate(self, kept: TrainState) -> TrainState | None:
+    def restart_with_smaller_rate(self, state: TrainState) -> TrainState | None:
         """Go back to the best weights, with smaller steps, where a state turned to NaN.
 
         Returns: None if its steps are as small as makes sense.
         """
-        if float(kept.rate) < 1.5 * SMALLER**CAREFUL:
+        if float(state.rate) < 1.5 * SMALLER**CAREFUL:
             return None
-        return kept._replace(parameters=kept.best, rate=SMALLER * kept.rate)
+        return state._replace(parameters=state.best, rate=SMALLER * state.rate)
 
     def step(self, state: TrainState, count: int = 1) -> tuple[TrainState, Loss]:
         """Take gradient steps, each on fresh samples. Results arrive asynchronously, when read.

@@ -74,7 +74,7 @@ class GradientSteps:
 
         Raises: NonFiniteError where smaller steps do not help either.
         """
-        saved, kept, count = time.perf_counter(), state, 1
+        saved, best, count = time.perf_counter(), state, 1
         while not trainer.done(state) and time.monotonic() < deadline:
             start_time, first = time.perf_counter(), int(state.step)
             ahead = min(VALIDATE_EVERY - first % VALIDATE_EVERY, trainer.steps - first)
@@ -87,13 +87,13 @@ class GradientSteps:
             if step % VALIDATE_EVERY and not trainer.done(state):
                 continue
             if not (np.isfinite(float(loss.total)) and np.isfinite(state.parameters).all()):
-                smaller = trainer.restart_with_smaller_rate(kept)
+                smaller = trainer.restart_with_smaller_rate(best)
                 if smaller is None:
-                    self.refuse_nan(trainer, kept, save)
-                state = kept = smaller
+                    self.refuse_nan(trainer, best, save)
+                state = best = smaller
                 continue
             state = trainer.validate(state)
-            kept = state
+            best = state
             self.rows.append(self.row(before + step, loss, state))
             if self.progress is not None:
                 self.progress(before + step, before + trainer.steps, float(loss.total))
@@ -117,26 +117,26 @@ class GradientSteps:
     def _names(self) -> Sequence[str]:
         return [condition.name for condition in self.spec.trained_for]
 
-    def refuse_nan(self, trainer: Trainer, kept: TrainState, save: Save) -> NoReturn:
+    def refuse_nan(self, trainer: Trainer, last_good: TrainState, save: Save) -> NoReturn:
         """Save the last good state, and repeat the steps from it to the one that turned to NaN.
 
         Args:
             trainer: trainer of the run.
-            kept: the last good state.
+            last_good: the last good state.
             save: writes a checkpoint.
 
         Raises: NonFiniteError.
         """
-        save(kept)
-        state, loss = trainer.step(kept)
+        save(last_good)
+        state, loss = trainer.step(last_good)
         while np.isfinite(float(loss.total)) and not trainer.done(state):
             state, loss = trainer.step(state)
         terms = zip(self._names(), np.asarray(loss.terms), strict=True)
         bad = [name for name, value in terms if not np.isfinite(value)]
-        step, kept_step = int(state.step), int(kept.step)
-        found = EndedInNan(step=step, kept_step=kept_step, conditions=tuple(bad))
-        self.folder.write_json(NAN, found)
-        self.folder.write_tree(NAN_STATE, kept)
+        step, kept_step = int(state.step), int(last_good.step)
+        record = EndedInNan(step=step, kept_step=kept_step, conditions=tuple(bad))
+        self.folder.write_json(NAN, record)
+        self.folder.write_tree(NAN_STATE, last_good)
         raise NonFiniteError(
             f"expected a finite loss and weights, found NaN or infinity at step {step}, with "
             f"smaller steps too (conditions: "

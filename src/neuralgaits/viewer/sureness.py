@@ -102,7 +102,9 @@ def verdict_of(answer: CertificateRecord, part: ProvedPart | None) -> str:
 def _of_part(part: ProvedPart, count: int) -> str:
     """Describe the proof for a part of the commands; the gait has `count` conditions."""
     said = f"{len(part.conditions)} of {count} conditions hold at every state of their regions"
-    levels = (certificate_sentences.states(entry.level, told=True) for entry in part.levels)
+    levels = (
+        certificate_sentences.states(entry.level, with_commands=True) for entry in part.levels
+    )
     told = markdown.text("; ".join((said, *levels)))
     where = markdown.text("; ".join(part.told))
     return f"**Proved of some commands only: {where}.** There {told}. Of others nothing is proved."

@@ -55,22 +55,22 @@ def certify_alone(trained: Run, settings: CertifySettings) -> CertifyResult:
     control = ControlAssumption(
         settings.bandwidth, settings.clock == "free", settings.controller == "scheduled-pd"
     )
-    found = prove_run(trained, scope, disturbance, control, effort)
+    proof = prove_run(trained, scope, disturbance, control, effort)
     try:
-        result = finish_certificate(trained, scope, found, start_time)
+        result = finish_certificate(trained, scope, proof, start_time)
     except KeyboardInterrupt:
-        raise found.interruption from None
-    if found.interrupted:
-        raise found.interruption
+        raise proof.interruption from None
+    if proof.interrupted:
+        raise proof.interruption
     return result
 
 
-def _bounds(given: tuple[float, float] | str | None, run: Run) -> tuple[float, float]:
+def _bounds(disturbance: tuple[float, float] | str | None, run: Run) -> tuple[float, float]:
     """Return the bounds of a disturbance, or those that a run has learned. Raises: InputError."""
-    if given is None:
+    if disturbance is None:
         return 0.0, 0.0
-    if not isinstance(given, str):
-        return given
+    if not isinstance(disturbance, str):
+        return disturbance
     if run.learned is None:
         raise InputError(
             f"expected --disturbance {LEARNED} for a run with a residual, found one without in "

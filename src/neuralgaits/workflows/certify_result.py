@@ -16,19 +16,21 @@ class CertifyResult:
 
     def __repr__(self) -> str:
         """Summarise in one line: subject, verdict, proved level and least margin."""
-        found = self.summary
-        about = f"{found.robot}, spec {found.spec}"
-        level, least = found.proved_level, found.least_margin
-        said = [] if found.verdict == "proved" else [f"{found.verdict} at level {found.level}"]
+        summary = self.summary
+        about = f"{summary.robot}, spec {summary.spec}"
+        level, least = summary.proved_level, summary.least_margin
+        parts = (
+            [] if summary.verdict == "proved" else [f"{summary.verdict} at level {summary.level}"]
+        )
         if level and least is not None:
             # Rounded down, so that it stays a bound.
-            said += [f"proved to level {level}", f"margins at least {at_least(least, 3)} scales"]
-        return f"<Certificate of {about}: {', '.join(said)}>"
+            parts += [f"proved to level {level}", f"margins at least {at_least(least, 3)} scales"]
+        return f"<Certificate of {about}: {', '.join(parts)}>"
 
     def _repr_html_(self) -> str:
         """Return a table for a notebook: each level, then the conditions with the least margins."""
-        found = self.summary
-        rows = [("level 1", found.of_conditions, "")]
+        summary = self.summary
+        rows = [("level 1", summary.of_conditions, "")]
         rows += [(f"level {one.level}", one.verdict, one.reason or "") for one in self.conclusions]
         order = {"refuted": 0, "undecided": 1}
         listed = sorted(

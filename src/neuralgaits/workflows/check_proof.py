@@ -70,7 +70,7 @@ def check_proof(settings: CheckProofSettings) -> Checked:
         always = ASSUMPTIONS[0], ASSUMPTIONS[-1]
     always = (*always[:-1], TRUSTED[settings.arithmetic])
     assumed = (*own_spec, *always) if folder is not None else (DERIVED_ELSEWHERE, *always)
-    found = {name: value for name, value in vars(report).items() if name != "holds"}
+    values = {name: value for name, value in vars(report).items() if name != "holds"}
     return Checked(
         proof=str(file),
         run=None if settings.run is None else str(settings.run),
@@ -80,7 +80,7 @@ def check_proof(settings: CheckProofSettings) -> Checked:
         arithmetic=settings.arithmetic,
         assumptions=assumed,
         wall_s=time.perf_counter() - start_time,
-        **found,
+        **values,
     )
 
 
@@ -103,12 +103,12 @@ def proof_file_at(place: str | Path) -> Path:
     return proof
 
 
-def against(claims: Claims, report: CheckResult, found: RunComparison) -> CheckResult:
+def against(claims: Claims, report: CheckResult, comparison: RunComparison) -> CheckResult:
     """Report whether a file whose statements hold is about the run that it was compared with."""
-    if found.wrong:
-        return _rejected(claims, list(found.wrong))
-    report = tied(report, claims, found.asked)
-    return report if claims.chart == found.chart else _of_part(report, claims)
+    if comparison.wrong:
+        return _rejected(claims, list(comparison.wrong))
+    report = tied(report, claims, comparison.asked)
+    return report if claims.chart == comparison.chart else _of_part(report, claims)
 
 
 def _of_part(report: CheckResult, claims: Claims) -> CheckResult:

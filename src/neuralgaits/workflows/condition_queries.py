@@ -36,12 +36,12 @@ def queries_of(run: Run) -> tuple[ConditionQuery, ...]:
     spec, chart = scope.spec, scope.chart
     program, axes = _traced(run, scope), _axes(chart, spec.commands)
     files = file_names(condition.name for condition in spec.conditions)
-    found = []
+    queries = []
     for condition in spec.conditions:
         names = (condition.name, *((CHANGES,) if chart.coupled_axes else ()))
         part = prune(program, names)
         value = next(o.value for o in part.outputs if o.name == condition.name)
-        found.append(
+        queries.append(
             ConditionQuery(
                 name=condition.name,
                 file=files[condition.name],
@@ -56,7 +56,7 @@ def queries_of(run: Run) -> tuple[ConditionQuery, ...]:
                 program=one_output(part, names),
             )
         )
-    return tuple(found)
+    return tuple(queries)
 
 
 def _traced(run: Run, scope: Scope) -> Program:
@@ -66,12 +66,12 @@ def _traced(run: Run, scope: Scope) -> Program:
 
     def margins(u: Float[Array, " n"]) -> dict[str, Array]:
         step, zd = step_at(model, gait, u, run.residuals)
-        found = scope.spec.margins(step, zd, u[:PLANE])
+        margins_by_name = scope.spec.margins(step, zd, u[:PLANE])
         if not coupled:
-            return found
+            return margins_by_name
         changes = [(u[axes.second] - u[axes.first], axes.change) for axes in coupled]
         left = [most - sign * change for change, most in changes for sign in (1.0, -1.0)]
-        return found | {CHANGES: jnp.stack(left)}
+        return margins_by_name | {CHANGES: jnp.stack(left)}
 
     parameters = {"policy": gait.policy, "tube": gait.tube}
     return trace(margins, {"u": (scope.spec.chart_size,)}, parameters=parameters)
@@ -83,13 +83,13 @@ def _axes(chart: Chart, commands: Commands) -> tuple[QueryAxis, ...]:
         QueryAxis("phase", "share of the step: 0 at its start, 1 at touchdown"),
         QueryAxis("level", "share of the tube: 0 at its lower fence, 1 at its upper one"),
     )
-    told = [
+    command_axes = [
         QueryAxis(f"{command.name} {when}", f"[{command.unit}] {which}")
         for command in commands
         for when, which in (("before", "of the step before"), ("after", "of this step"))
     ]
     errors = [
         QueryAxis(axis.name, "difference from the robot file")
-        for axis in chart.parameters[len(told) :]
+        for axis in chart.parameters[len(command_axes) :]
     ]
-    return *plane, *told, *errors
+    return *plane, *command_axes, *errors

@@ -21,7 +21,7 @@ def deployed_robot(trained: Run) -> DeployedRobot:
     hashes = file_hashes(trained.path, (ROBOT, WEIGHTS, PROOF))
     by_role = {"robot": ROBOT, "policy": WEIGHTS, "proof": PROOF}
     files = {
-        role: None if (found := hashes[name]) is None else FileHash(name, found)
+        role: None if (digest := hashes[name]) is None else FileHash(name, digest)
         for role, name in by_role.items()
     }
     gait, robot = trained.trained, trained.robot

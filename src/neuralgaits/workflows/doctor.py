@@ -43,8 +43,8 @@ def doctor() -> Machine:
     return Machine(ready, __version__, *findings)
 
 
-def _finding(ok: bool, found: str, fix: str, *, needed: bool = True) -> Finding:
-    return Finding(ok, needed, found, None if ok else fix)
+def _finding(ok: bool, state: str, fix: str, *, needed: bool = True) -> Finding:
+    return Finding(ok, needed, state, None if ok else fix)
 
 
 def _python() -> Finding:
@@ -58,11 +58,11 @@ def _device() -> Finding:
         import jax
 
         device = jax.devices()[0]
-        found = f"{device.platform} ({device.device_kind}), {os.cpu_count()} cores, jax"
-        return _finding(True, f"{found} {jax.__version__}", fix)
+        problem = f"{device.platform} ({device.device_kind}), {os.cpu_count()} cores, jax"
+        return _finding(True, f"{problem} {jax.__version__}", fix)
     except Exception as error:
-        found, _, remedy = (why_jax_failed(error) or f"{error}: {fix}").rpartition(": ")
-        return _finding(False, " ".join(found.split()), remedy)
+        problem, _, remedy = (why_jax_failed(error) or f"{error}: {fix}").rpartition(": ")
+        return _finding(False, " ".join(problem.split()), remedy)
 
 
 def _double_precision() -> Finding:
@@ -75,16 +75,16 @@ def _double_precision() -> Finding:
 
 def _opengl() -> Finding:
     """Check whether pictures can be rendered; if not, suggest what would allow it."""
-    found = f"MUJOCO_GL={os.environ.get('MUJOCO_GL', 'default')}"
+    setting = f"MUJOCO_GL={os.environ.get('MUJOCO_GL', 'default')}"
     if _renders():
-        return _finding(True, f"{found}: renders", "", needed=False)
+        return _finding(True, f"{setting}: renders", "", needed=False)
     other = next((backend for backend in _WITHOUT_SCREEN if _renders(backend)), None)
     fix = (
         "for videos, install Mesa (libegl1 and libgl1 on Debian), then set MUJOCO_GL=egl"
         if other is None
         else f"for videos, set MUJOCO_GL={other}, which renders here"
     )
-    return _finding(False, f"{found}: no picture", fix, needed=False)
+    return _finding(False, f"{setting}: no picture", fix, needed=False)
 
 
 def _renders(backend: str | None = None) -> bool:

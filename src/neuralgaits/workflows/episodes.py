@@ -86,12 +86,12 @@ def episodes(settings: EpisodesSettings) -> Episodes:
     Raises: InputError or RunError with one line; Interrupted for KeyboardInterrupt.
     """
     start_time = time.perf_counter()
-    asked, resume, root = _asked(settings), settings.resume, settings.root
+    config, resume, root = _asked(settings), settings.resume, settings.root
     old = None if resume is None else EpisodeFolder.find(resume, root)
     if old is None:
-        folder = _begin(asked, resume, out=settings.out, root=root)
+        folder = _begin(config, resume, out=settings.out, root=root)
     else:
-        folder = old.gone_on_with(asked, settings.out)
+        folder = old.gone_on_with(config, settings.out)
     refuse_unwritable(folder.path / SUMMARY, folder.path / FIGURE, own=True)
     tell = settings.tell or (lambda number, what: None)
     session = _Session(folder, settings.progress, tell, root)
@@ -132,7 +132,7 @@ def _asked(settings: EpisodesSettings) -> dict[str, Any]:
 
 
 def _begin(
-    asked: dict[str, Any], resume: str | Path | None, *, out: str | Path | None, root: Path
+    settings: dict[str, Any], resume: str | Path | None, *, out: str | Path | None, root: Path
 ) -> EpisodeFolder:
     """Check the settings, and make the folder."""
     usual: dict[str, Any] = {
@@ -141,24 +141,24 @@ def _begin(
         "rounds": 2,
         "seed": 0,
     }
-    given = {name: value for name, value in asked.items() if value is not None}
-    config: dict[str, Any] = dict.fromkeys(asked) | usual | given
+    changes = {name: value for name, value in settings.items() if value is not None}
+    config: dict[str, Any] = dict.fromkeys(settings) | usual | changes
     law_named(config["controller"])
     check_seed(config["seed"])
-    plant, logs = asked["plant"], asked["logs"]
+    plant, logs = settings["plant"], settings["logs"]
     if (plant is None) == (logs is None):
-        found = "neither" if plant is None else "both"
+        number_given = "neither" if plant is None else "both"
         raise InputError(
-            f"expected either a plant or a folder of logs, found {found}: give --plant ROBOT to "
-            "walk in simulation, or --logs DIR with a robot's own logs"
+            f"expected either a plant or a folder of logs, found {number_given}: give --plant "
+            "ROBOT to walk in simulation, or --logs DIR with a robot's own logs"
         )
-    for path in filter(None, (logs, asked["columns"])):
+    for path in filter(None, (logs, settings["columns"])):
         if printable(path) != path:
             raise InputError(
                 f"expected logs and columns whose path is UTF-8, found {printable(path)}: rename "
                 "what is not; episodes are gone on with by that path"
             )
-    if asked["columns"] is not None and logs is None:
+    if settings["columns"] is not None and logs is None:
         raise InputError("expected --columns with --logs, found it with a plant: drop it")
     if logs is not None:
         if resume is None:
@@ -166,10 +166,10 @@ def _begin(
                 "expected the run whose policy walked the logs, found none: name it with "
                 "--resume RUN"
             )
-        if asked["disturb"] is not None:
+        if settings["disturb"] is not None:
             raise InputError("expected --disturb with a plant, found it with --logs: drop it")
         logs_of(Path(logs), 0)
-    start, robot = None if resume is None else open_run(resume), asked["robot"]
+    start, robot = None if resume is None else open_run(resume), settings["robot"]
     if start is not None and robot is not None and start.robot.layout.xml != robot.layout.xml:
         raise InputError(
             f"expected a run of robot {robot.name}, found one of {start.robot.name} in "
@@ -186,7 +186,7 @@ def _begin(
         read_all(
             logs_of(Path(logs), 0),
             config["robot"],
-            columns=asked["columns"],
+            columns=settings["columns"],
             policy=start.gait.policy,
         )
     return EpisodeFolder.create(config, start, out=out, root=root)
@@ -216,9 +216,9 @@ class _Session:
             missing = self._missing_logs(number)
             if missing is not None:
                 return entries, run, Stopped(waiting_for=missing)
-            walked = self._walk(number, run, momentum)
-            learned = self._learn(number, run, walked)
-            entries.append(Round.of_parts(number, str(run.path), run.summary, walked, learned))
+            walks = self._walk(number, run, momentum)
+            learned = self._learn(number, run, walks)
+            entries.append(Round.of_parts(number, str(run.path), run.summary, walks, learned))
         return entries, run, Stopped()
 
     def _missing_logs(self, number: int) -> str | None:
@@ -258,25 +258,25 @@ class _Session:
         self.tell(number, "walking" if plant is not None else "reading logs")
         if plant is None or momentum is None:
             assert config.logs is not None  # There is a plant, or there are logs.
-            found = logged_round(run, logs_of(Path(config.logs), number), config.columns)
+            walks = logged_round(run, logs_of(Path(config.logs), number), config.columns)
         else:
             field = Field(plant, PlantChanges(**(config.disturb or {})), config.controller)
-            found = walk_round(
+            walks = walk_round(
                 run, field, momentum=momentum, seed=config.seed, folder=self.folder.logs(number)
             )
-            if found.engine_note is not None:
-                self.tell(number, found.engine_note)
-        write(file, found)
-        return found
+            if walks.engine_note is not None:
+                self.tell(number, walks.engine_note)
+        write(file, walks)
+        return walks
 
-    def _learn(self, number: int, run: Run, walked: WalkedRound) -> Fitted | str:
+    def _learn(self, number: int, run: Run, walks: WalkedRound) -> Fitted | str:
         """Return the learned residual's summary, or the reason why nothing was learned."""
         summary = run.path / FIT_SUMMARY
         if summary.is_file():
             return read(summary, Fitted)
         self.tell(number, "learning")
         last = number == self.folder.config.rounds
-        files = [Path(file) for file in walked.logs]
+        files = [Path(file) for file in walks.logs]
         if self.folder.plant is not None:
             # The folder may have been moved, or the command be given from elsewhere.
             files = [self.folder.logs(number) / file.name for file in files]

@@ -81,14 +81,14 @@ def export_controller(settings: ExportSettings) -> Export:
         usual = template(about, usual_gains(design))
         # A ROS 2 package always has a map: without a file that of the robot file itself.
         mapped = usual if format == "ros2" and deployment is None else deployment
-        made = replace(design, deployment=mapped, supervised=settings.supervisor)
-        files, told = WRITERS[format](made, settings.states)
+        exported = replace(design, deployment=mapped, supervised=settings.supervisor)
+        files, notes = WRITERS[format](exported, settings.states)
     output_folder.refuse_stale_queries(folder, files)
     if format in MAPPED and deployment is None:
-        more, kept = _template_file(folder, deployment_text(usual))
-        files, lacking = {**files, **more}, [*lacking, *kept]
+        more, note = _template_file(folder, deployment_text(usual))
+        files, lacking = {**files, **more}, [*lacking, *note]
     return Export(
-        told(
+        notes(
             run=str(trained.path),
             format=format,
             out=str(folder),
@@ -206,9 +206,9 @@ def with_monitor(
     return monitored, []
 
 
-def _origin(trained: Run, found: CertificateReading, joints: str | None = None) -> Origin:
-    about, verdict = found.summary, None
-    if about is not None and found.proof is not None:
+def _origin(trained: Run, certificate: CertificateReading, joints: str | None = None) -> Origin:
+    about, verdict = certificate.summary, None
+    if about is not None and certificate.proof is not None:
         verdict = f"{about.verdict} at level {about.level}"
     hashes = file_hashes(trained.path, (ROBOT, WEIGHTS, PROOF))
     return Origin(

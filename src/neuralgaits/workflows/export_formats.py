@@ -64,16 +64,16 @@ def _checked(
 ) -> RecordFactory:
     """Compare the controller in C with Python. Returns: the factory of its record."""
     if not compilers:
-        known = None if design.monitor is None else MonitorExport(design.monitor.levels)
-        return partial(UncheckedExport, reason=NO_COMPILER, monitor=known)
+        monitor = None if design.monitor is None else MonitorExport(design.monitor.levels)
+        return partial(UncheckedExport, reason=NO_COMPILER, monitor=monitor)
     with output_folder.scratch(files | output_folder.harness()) as place:
         return check_controller(design, reference, place, compilers, states)
 
 
 def _ros2(design: Design, states: int) -> tuple[dict[str, str], RecordFactory]:
     """Return the files of a ROS 2 package, and the factory of the record of its controller in C."""
-    files, told = _c(design, states)
-    return ros2_files(design, files), told
+    files, notes = _c(design, states)
+    return ros2_files(design, files), notes
 
 
 def _onnx(design: Design, states: int) -> tuple[dict[str, bytes], RecordFactory]:

@@ -3,22 +3,22 @@
 from neuralgaits.certificate.run_certificate.verified_summary import CertificateReading
 
 
-def unproved_of_export(found: CertificateReading) -> list[str]:
+def unproved_of_export(certificate: CertificateReading) -> list[str]:
     """List what is not proved of this gait; agreement with Python says nothing about that."""
-    if found.summary is None:
-        why = found.reason or "it has no certificate"
+    if certificate.summary is None:
+        why = certificate.reason or "it has no certificate"
         return [f"nothing is proved of this gait: {why}"]
     warnings = []
-    for name, row in found.summary.conditions.items():
+    for name, row in certificate.summary.conditions.items():
         if row.counterexample is not None:
             z1, z2 = (f"{value:.4g}" for value in row.counterexample.z)
             warnings.append(
                 f"this gait is refuted: {name} is broken at z1 = {z1} m, z2 = {z2} kg m^2/s, as "
                 "certify recorded"
             )
-    if left := found.summary.named("undecided"):
+    if left := certificate.summary.named("undecided"):
         warnings.append(f"not proved of this gait: {', '.join(left)}")
-    for level in found.summary.levels:
+    for level in certificate.summary.levels:
         if not level.proved:
             warnings.append(f"level {level.level} is not proved of this gait: {level.reason}")
     return warnings

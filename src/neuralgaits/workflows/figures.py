@@ -32,7 +32,7 @@ def figures(run: Run | str | Path, out: str | Path | None = None) -> list[Drawn 
     return draw(open_run(run), out)
 
 
-def writable_figures(asked: TrainingConfig, folder: Path) -> list[Maker]:
+def writable_figures(config: TrainingConfig, folder: Path) -> list[Maker]:
     """Return the makers of the figures that such a run can have.
 
     Raises: InputError if the folder cannot take one of them.
@@ -41,7 +41,7 @@ def writable_figures(asked: TrainingConfig, folder: Path) -> list[Maker]:
         raise InputError(
             f"expected a folder for the figures, found a file at {folder}: move it away"
         )
-    makers = makers_of(asked)
+    makers = makers_of(config)
     refuse_unwritable(*(path for name, *_ in makers for path in paths_of(folder, name)), own=True)
     return makers
 
@@ -53,23 +53,23 @@ def draw(
     folder = run.path / FOLDER if out is None else Path(out)
     makers = writable_figures(run.asked, folder)
     of_run = RunFigures(run, certificate_of(run, certificate))
-    found: list[tuple[str, str] | Missing] = []
+    tables: list[tuple[str, str] | Missing] = []
     sheets = []
     with second_pen() as pen:
         for name, title, make in makers:
             try:
                 caption, figure = make(of_run)
             except Absent as absent:
-                found.append(Missing(name, title, absent.reason, absent.command))
+                tables.append(Missing(name, title, absent.reason, absent.command))
                 continue
-            found.append((title, caption))
+            tables.append((title, caption))
             sheets.append(FigureFile(figure, folder, name))
         files = zip(sheets, write_all(sheets, pen), strict=True)
-    drawn: list[Drawn | Missing] = []
-    for entry in found:
+    figures: list[Drawn | Missing] = []
+    for entry in tables:
         if isinstance(entry, Missing):
-            drawn.append(entry)
+            figures.append(entry)
         else:
             sheet, paths = next(files)
-            drawn.append(Drawn(sheet.name, *entry, *paths))
-    return drawn
+            figures.append(Drawn(sheet.name, *entry, *paths))
+    return figures

@@ -24,7 +24,9 @@ from neuralgaits.runs.plain import to_json
 from neuralgaits.workflows.certify_result import CertifyResult
 
 
-def finish_certificate(run: Run, scope: Scope, found: RunProof, start_time: float) -> CertifyResult:
+def finish_certificate(
+    run: Run, scope: Scope, run_proof: RunProof, start_time: float
+) -> CertifyResult:
     """Write the certificate: proof, map and summary; files of an older one are removed.
 
     A search that came to less leaves the older one; a proof that says what the new one does not
@@ -33,72 +35,72 @@ def finish_certificate(run: Run, scope: Scope, found: RunProof, start_time: floa
     Args:
         run: the run.
         scope: what was to be proved.
-        found: what is proved of it.
+        run_proof: what is proved of it.
         start_time: start time of the command (s, of `time.perf_counter`).
 
     Returns: the result, with words on a proof from before.
     Raises: as `write_certificate`.
     """
-    files = _map(run, scope, found) if found.searched and not scope.chart.parameters else {}
+    files = _map(run, scope, run_proof) if run_proof.searched and not scope.chart.parameters else {}
     proof = None
-    if found.proof is not None:
-        files[certified.PROOF], proof = found.proof, str(run.path / certified.PROOF)
+    if run_proof.proof is not None:
+        files[certified.PROOF], proof = run_proof.proof, str(run.path / certified.PROOF)
     summary = CertificateRecord(
         run=str(run.path),
         robot=run.asked.robot,
         spec=run.asked.spec,
-        verdict=verdict_of(found.verdicts, found.conclusions),
+        verdict=verdict_of(run_proof.verdicts, run_proof.conclusions),
         level=scope.level,
-        conditions=found.verdicts,
-        levels=tuple(found.conclusions),
+        conditions=run_proof.verdicts,
+        levels=tuple(run_proof.conclusions),
         sha256=hashes_with(run.path, files),
         wall_s=time.perf_counter() - start_time,
-        boxes=found.boxes,
+        boxes=run_proof.boxes,
         within=scope.within,
         parameters=dict(scope.box),
-        reason=found.reason,
+        reason=run_proof.reason,
         proof=proof,
-        full_order_proof=proof if found.sets.full_order else None,
+        full_order_proof=proof if run_proof.sets.full_order else None,
         map=str(run.path / MAP_FIGURE) if MAP in files else None,
     )
-    return _beside_earlier(run, summary, files, found)
+    return _beside_earlier(run, summary, files, run_proof)
 
 
-def _map(run: Run, scope: Scope, found: RunProof) -> dict[str, bytes]:
+def _map(run: Run, scope: Scope, run_proof: RunProof) -> dict[str, bytes]:
     """Return the contents of the map of all conditions' boxes, by file."""
     # Drawing takes longer to import than small proofs take.
     from neuralgaits.report.figures.map_of_boxes import map_files
 
-    own = of_conditions(scope.spec, found.searched)
+    own = of_conditions(scope.spec, run_proof.searched)
     return map_files(run, [problem for problem, _ in own], [state for _, state in own])
 
 
 def _beside_earlier(
-    run: Run, summary: CertificateRecord, files: Mapping[str, bytes], found: RunProof
+    run: Run, summary: CertificateRecord, files: Mapping[str, bytes], run_proof: RunProof
 ) -> CertifyResult:
     """Write the certificate, unless one from before says more."""
-    reached, parameters = found.reached, found.sets.parameters
+    reached, parameters = run_proof.reached, run_proof.sets.parameters
     before = EarlierProof.of(run.folder)
     # Where nothing could be traced, a proof from before would be taken for one of this run.
     if before is not None and summary.boxes and before.stays(summary, reached):
-        kept = replace(summary, proof=None, full_order_proof=None, map=None)
-        said = f"the certificate from before stays: {before.states}, and {before.checked_how}"
-        return CertifyResult(saying(kept, said))
-    known = before is None or before.is_said_by(summary, reached, parameters, found.statements)
-    said = _with_proofs_aside(run, summary, None if known else before)
+        without_files = replace(summary, proof=None, full_order_proof=None, map=None)
+        finished = f"the certificate from before stays: {before.states}, and {before.checked_how}"
+        return CertifyResult(saying(without_files, finished))
+    same = before is None or before.is_said_by(summary, reached, parameters, run_proof.statements)
+    finished = _with_proofs_aside(run, summary, None if same else before)
     write_certificate(run.path, files, to_json(summary).encode())
-    return CertifyResult(said)
+    return CertifyResult(finished)
 
 
 def _with_proofs_aside(
     run: Run, summary: CertificateRecord, unsaid: EarlierProof | None
 ) -> CertificateRecord:
     """Put proofs that the new one does not say aside, and return the summary with words on them."""
-    said = summary
+    finished = summary
     if unsaid is not None:
         what = "file" if unsaid.summary is None else "proof"
         aside = unsaid.put_aside()
-        said = saying(said, f"the {what} from before is now {aside}: {unsaid.states}")
+        finished = saying(finished, f"the {what} from before is now {aside}: {unsaid.states}")
     if (hidden := put_hidden_aside(run.path)) is not None:
-        said = saying(said, f"another proof, compressed beside it, is now {hidden}")
-    return said
+        finished = saying(finished, f"another proof, compressed beside it, is now {hidden}")
+    return finished

@@ -68,17 +68,17 @@ def fit_joints(
     _refuse_flat_feet(trained)
     refuse_unwritable(trained.path / JOINTS, own=True)
     if out is not None:
-        given = paths if columns is None else [*paths, Path(columns)]
-        refuse_outputs([out], given, run=trained.path)
+        files = paths if columns is None else [*paths, Path(columns)]
+        refuse_outputs([out], files, run=trained.path)
     refuse_logs_of_another(trained, paths)
     read, left_out = walks.read_all(paths, robot, columns=columns, policy=trained.gait.policy)
     _refuse_without_torques(read)
     strides, more_left_out = _strides(read, trained)
     heldout = list(range(HELD_OUT - 1, len(strides), HELD_OUT))
-    kept = [number for number in range(len(strides)) if number not in heldout]
+    fitted = [number for number in range(len(strides)) if number not in heldout]
     links = eqx.Partial(link_momenta, robot)
     joints = tuple(
-        _estimate(trained, place, windows.of(kept), windows.of(heldout))
+        _estimate(trained, place, windows.of(fitted), windows.of(heldout))
         for place, windows in enumerate(joint_windows(robot.layout, links, strides))
     )
     result = IdentifiedJoints(
@@ -89,7 +89,7 @@ def fit_joints(
         columns=None if columns is None else str(columns),
         computed=tuple(dict.fromkeys(what for log in read for what in log.computed)),
         joints=joints,
-        strides=len(kept),
+        strides=len(fitted),
         heldout_strides=len(heldout),
         walked_s=float(sum(log.t[-1] - log.t[0] for log in read)),
         left_out=left_out | more_left_out,
@@ -123,15 +123,15 @@ def _refuse_without_torques(read: Sequence[Log]) -> None:
 def _strides(read: Sequence[Log], trained: Run) -> tuple[list[tuple[Log, Stride]], dict[str, int]]:
     """Return the strides, each with its log, and the number of rows left out by reason."""
     cuts = [walks.cut([log], trained.robot) for log in read]
-    found = [(log, stride) for log, cut in zip(read, cuts, strict=True) for stride in cut.strides]
+    pairs = [(log, stride) for log, cut in zip(read, cuts, strict=True) for stride in cut.strides]
     left_out = {why: sum(cut.left_out[why] for cut in cuts) for why in cuts[0].left_out}
-    if len(found) < FEWEST_STRIDES:
+    if len(pairs) < FEWEST_STRIDES:
         rows = ", ".join(f"{count} {why}" for why, count in left_out.items() if count)
         raise InputError(
-            f"logs: expected at least {FEWEST_STRIDES} strides for --joints, found {len(found)}"
+            f"logs: expected at least {FEWEST_STRIDES} strides for --joints, found {len(pairs)}"
             f"{f' (rows left out: {rows})' if rows else ''}: walk longer or give more logs"
         )
-    return found, left_out
+    return pairs, left_out
 
 
 def _estimate(
@@ -150,8 +150,8 @@ def _estimate(
             f"logs: expected a torque of joint {windows.names[0]} that changes, found one that "
             "does not: name the column of its torques, or leave --joints out"
         )
-    found = identified(windows)
-    if not abs(delay := float(found.value[-1])) <= LONGEST_DELAY_S:
+    estimate = identified(windows)
+    if not abs(delay := float(estimate.value[-1])) <= LONGEST_DELAY_S:
         raise InputError(
             f"logs: expected torques of joint {windows.names[0]} at most {LONGEST_DELAY_S:g} s "
             f"late or early, found {delay:.3g} s: they do not belong to its motion; look at their "
@@ -160,7 +160,7 @@ def _estimate(
     robot = trained.robot
     file = np.array([robot.armature[1 + place], 0.0, robot.damping[1 + place], 0.0])
     armature, friction, damping, delay = (
-        Estimate(*(float(part) for part in parts)) for parts in zip(*found, file, strict=True)
+        Estimate(*(float(part) for part in parts)) for parts in zip(*estimate, file, strict=True)
     )
     return JointEstimate(
         names=windows.names,
@@ -168,7 +168,7 @@ def _estimate(
         damping_nms_rad=damping,
         armature_kg_m2=armature,
         delay_s=delay,
-        error_nm=torque_error(heldout, found.value),
+        error_nm=torque_error(heldout, estimate.value),
         nominal_error_nm=torque_error(heldout, file),
         windows=len(windows.torque),
     )

@@ -30,7 +30,7 @@ _NO_SOLUTION = "its zero dynamics have no finite solution"
 def given_run(
     robot: PlanarBiped,
     gait: GivenGait,
-    given: GaitOrigin,
+    origin: GaitOrigin,
     *,
     solve_s: float = 0.0,
     start_time: float,
@@ -42,7 +42,7 @@ def given_run(
     Args:
         robot: robot that it walks on.
         gait: its outputs.
-        given: origin of the outputs.
+        origin: origin of the outputs.
         solve_s: duration of an optimisation (s).
         start_time: start time of the command (s, of `time.perf_counter`).
         out: the run folder; a new one below `root` if None.
@@ -51,10 +51,10 @@ def given_run(
     Raises: InputError if no orbit attracts, ConvergenceError if an optimisation led to such a gait.
     """
     zd = ZeroDynamics(robot, gait.policy)
-    walk = _attracting_orbit(zd, given)
+    walk = _attracting_orbit(zd, origin)
     spec = specs.load(specs.GIVEN, robot, degree=gait.degree)
-    made = Gait(zd.policy, fit_tube(zd, spec, walk))
-    asked = TrainingConfig(
+    trained = Gait(zd.policy, fit_tube(zd, spec, walk))
+    config = TrainingConfig(
         robot=robot.name,
         spec=spec.name,
         seed=0,
@@ -63,7 +63,7 @@ def given_run(
         steps=0,
         described=spec.describe(),
         not_provable_because=None,
-        given=given,
+        given=origin,
     )
     copies = {
         ROBOT: robot.layout.xml,
@@ -71,14 +71,14 @@ def given_run(
         GAIT: write_gait(robot, gait),
     }
     place = None if out is None else Path(out)
-    folder = RunFolder.create(asked, copies, name=robot.name, seed=0, root=root, out=place)
-    folder.write_tree(WEIGHTS, made)
-    run = Run(folder, robot, spec, made)
+    folder = RunFolder.create(config, copies, name=robot.name, seed=0, root=root, out=place)
+    folder.write_tree(WEIGHTS, trained)
+    run = Run(folder, robot, spec, trained)
     finish(folder, _summary(run, walk, solve_s, start_time), root)
     return run
 
 
-def _attracting_orbit(zd: ZeroDynamics, given: GaitOrigin) -> Steady:
+def _attracting_orbit(zd: ZeroDynamics, origin: GaitOrigin) -> Steady:
     """Return the periodic orbit of a gait. Raises: as `given_run`, if none attracts."""
     robot = zd.robot
     try:
@@ -88,37 +88,37 @@ def _attracting_orbit(zd: ZeroDynamics, given: GaitOrigin) -> Steady:
     if not isinstance(walk, str) and not all(np.isfinite(part).all() for part in walk):
         walk = _NO_SOLUTION
     if isinstance(walk, str):
-        said = (
+        remedy = (
             f"expected a gait with a periodic orbit on {robot.name}, found that {walk}: check "
             "the joints' convention, and whether it is this robot's"
         )
-        raise _refusal(robot, given, walk, said)
+        raise _refusal(robot, origin, walk, remedy)
     if not 0.0 < walk.multiplier < 1.0:
-        found = f"a Poincare multiplier of {walk.multiplier:.4g}"
-        said = (
-            f"expected an orbit that attracts, found {found}: no tube around it is kept; give a "
+        problem = f"a Poincare multiplier of {walk.multiplier:.4g}"
+        remedy = (
+            f"expected an orbit that attracts, found {problem}: no tube around it is kept; give a "
             "gait that is stable without feedback along z"
         )
-        raise _refusal(robot, given, f"its orbit has {found}", said)
+        raise _refusal(robot, origin, f"its orbit has {problem}", remedy)
     return walk
 
 
-def _refusal(robot: PlanarBiped, given: GaitOrigin, found: str, said: str) -> NeuralGaitsError:
+def _refusal(robot: PlanarBiped, origin: GaitOrigin, problem: str, remedy: str) -> NeuralGaitsError:
     """Return the error for a gait without an attracting orbit, imported or optimised.
 
     Args:
         robot: robot that it should walk on.
-        given: origin of the gait.
-        found: defect of the gait, in words.
-        said: message for an imported gait.
+        origin: origin of the gait.
+        problem: defect of the gait, in words.
+        remedy: message for an imported gait.
     """
-    if given.by == "optimise":
+    if origin.by == "optimise":
         # Equations hold at the nodes; the flow between them is what decides.
         return ConvergenceError(
-            f"expected a gait of {robot.name} at {given.speed:g} m/s, found one in which, by its "
-            f"flow, {found}: ask for another speed, or for polynomials of another --degree"
+            f"expected a gait of {robot.name} at {origin.speed:g} m/s, found one in which, by its "
+            f"flow, {problem}: ask for another speed, or for polynomials of another --degree"
         )
-    return InputError(said)
+    return InputError(remedy)
 
 
 def _summary(run: Run, walk: Steady, solve_s: float, start_time: float) -> Trained:

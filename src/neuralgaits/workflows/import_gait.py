@@ -20,7 +20,7 @@ def import_gait(settings: ImportGaitSettings) -> Run:
     start_time = time.perf_counter()
     robot, out, root = robot_from(settings.robot), settings.out, settings.root
     gait = read_gait(Path(settings.file), robot, settings.name)
-    given = GaitOrigin("import-gait", gait.degree)
+    origin = GaitOrigin("import-gait", gait.degree)
     if settings.begun is not None:
         settings.begun()
-    return given_run(robot, gait, given, start_time=start_time, out=out, root=root)
+    return given_run(robot, gait, origin, start_time=start_time, out=out, root=root)

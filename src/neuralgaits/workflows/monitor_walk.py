@@ -35,13 +35,13 @@ class _Ticks(NamedTuple):
 def required_monitor(run: Run) -> StateMonitor:
     """Return the monitor of a run. Raises: InputError without a proof of level 2 or more."""
     certificate = read_certificate(run.folder)
-    found = monitor_of(run, certificate)
+    monitor = monitor_of(run, certificate)
     if place_of(run.trained.commands, LEAN) is not None:
         raise InputError(
             "--monitor: expected a gait without the command lean, found one that takes it, whose "
             "proved set is of a momentum that the robot only believes in: leave --monitor out"
         )
-    if found is None:
+    if monitor is None:
         reason = certificate.reason or (
             "it has no certificate" if certificate.summary is None else "no level above 1 is proved"
         )
@@ -49,7 +49,7 @@ def required_monitor(run: Run) -> StateMonitor:
             "--monitor: expected a run with a proved set, which begins with level 2, found none: "
             f"{reason}; prove it ({command('certify', named(run.path))}) or leave --monitor out"
         )
-    return found
+    return monitor
 
 
 def watched(run: Run, monitor: StateMonitor, records: Sequence[TickRecord]) -> MonitorFigures:
@@ -67,8 +67,8 @@ def watched(run: Run, monitor: StateMonitor, records: Sequence[TickRecord]) -> M
         inputs |= {"before": before, "after": after, "step": step_parameters(run, ticks.told)}
     levels = {}
     for one in monitor.sets:
-        found = _level(one, one.margins(**inputs), ticks)
-        levels |= {str(level): found for level in one.levels}
+        watched_level = _level(one, one.margins(**inputs), ticks)
+        levels |= {str(level): watched_level for level in one.levels}
     return MonitorFigures(
         ticks=len(ticks.time),
         levels={str(level): levels[str(level)] for level in monitor.levels},
@@ -90,20 +90,20 @@ def _columns(record: TickRecord) -> Iterator[np.ndarray]:
 
 
 def _level(one: StateSet, margins: np.ndarray, ticks: _Ticks) -> LevelWatched:
-    found = one.membership(margins)
-    worst = int(np.argmin(found.margin))
-    outside = np.flatnonzero(~found.inside)
+    inside = one.membership(margins)
+    worst = int(np.argmin(inside.margin))
+    outside = np.flatnonzero(~inside.inside)
     last = None
     if outside.size:
         tick = outside[-1]
         last = TickOutside(
             int(ticks.walk[tick]),
             float(ticks.time[tick]),
-            one.names[found.nearest[tick]],
-            float(found.margin[tick]),
+            one.names[inside.nearest[tick]],
+            float(inside.margin[tick]),
         )
-    name = one.names[found.nearest[worst]]
-    return LevelWatched(float(np.mean(found.inside)), float(found.margin[worst]), name, last)
+    name = one.names[inside.nearest[worst]]
+    return LevelWatched(float(np.mean(inside.inside)), float(inside.margin[worst]), name, last)
 
 
 def _in_time(monitor: StateMonitor, records: Sequence[TickRecord]) -> float | None:

@@ -85,14 +85,14 @@ def new_training(
     if isinstance(spec, str):
         spec = specs.for_robot(spec, robot)
     init, steps = settings.init or "posture", settings.steps
-    one, told, box = _meant_for(settings)
-    if (told or one is not None or box) and not isinstance(spec, str):
+    one, commands, box = _meant_for(settings)
+    if (commands or one is not None or box) and not isinstance(spec, str):
         raise InputError(
             "expected a spec by name with a speed, commands or parameters, found a GaitSpec: "
             "build it with specs.commanded or specs.robust"
         )
     with same_folder():
-        loaded = specs.load(spec, robot, told, one, box) if isinstance(spec, str) else spec
+        loaded = specs.load(spec, robot, commands, one, box) if isinstance(spec, str) else spec
     _refuse_untrainable(loaded)
     refuse_many_axes(loaded)
     gait = _new_gait(loaded, seed, init, settings.hidden)
@@ -113,7 +113,7 @@ def new_training(
         described=loaded.describe(),
         not_provable_because=unprovable,
         certify=Proving(budget) if certify else None,
-        commands=ranges_of(told),
+        commands=ranges_of(commands),
         speed=one,
         parameters=box,
     )
@@ -125,19 +125,19 @@ def _meant_for(settings: GaitSettings) -> tuple[float | None, Commands, dict[str
     """Return the one speed (m/s), the commands and the box of robots that a gait is meant for."""
     speed = settings.speed
     one, spread = (None, speed) if isinstance(speed, tuple) else (speed, None)
-    told = commands_of(
+    commands = commands_of(
         speed=spread,
         step_length=settings.step_length,
         step_height=settings.step_height,
         slope=settings.slope,
         lean=settings.lean,
     )
-    if one is not None and {command.name for command in told} - {LEAN}:
+    if one is not None and {command.name for command in commands} - {LEAN}:
         raise InputError(
             "expected one speed, or a range of it beside other commands, found --speed "
-            f"{one:g} with {', '.join(c.name for c in told)}: give --speed LOW:HIGH"
+            f"{one:g} with {', '.join(c.name for c in commands)}: give --speed LOW:HIGH"
         )
-    return one, told, checked_box(settings.parameters or {})
+    return one, commands, checked_box(settings.parameters or {})
 
 
 def _refuse_untrainable(spec: GaitSpec) -> None:

@@ -44,8 +44,14 @@ def optimise(settings: OptimiseSettings) -> Run:
     optimiser = Optimiser(robot, degree)
     if settings.begun is not None:
         settings.begun()
-    found = optimiser.at(speed)
-    given = GaitOrigin("optimise", degree, speed)
+    optimum = optimiser.at(speed)
+    origin = GaitOrigin("optimise", degree, speed)
     return given_run(
-        robot, found.gait, given, solve_s=found.solve_s, start_time=start_time, out=out, root=root
+        robot,
+        optimum.gait,
+        origin,
+        solve_s=optimum.solve_s,
+        start_time=start_time,
+        out=out,
+        root=root,
     )

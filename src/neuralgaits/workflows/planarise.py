@@ -48,12 +48,12 @@ def planar_copy(source: str | Path, feet: Feet = "point", weld: Collection[str] 
     """
     dropped: list[str] = []
     text, name, folder = _text_of(source, dropped)
-    made = planarise(text, name, feet, weld, folder)
+    copy = planarise(text, name, feet, weld, folder)
     resolved = () if folder is not None else _resolved(source, text, dropped)
     warnings = _about_cut_feet(text, name, weld, folder) if feet == "point" else ()
-    robot = robot_from_text(made.text, name)
+    robot = robot_from_text(copy.text, name)
     warnings = (*inspect(robot).warnings, *warnings)
-    return PlanarCopy(robot, made.text, (*resolved, *made.changes), warnings)
+    return PlanarCopy(robot, copy.text, (*resolved, *copy.changes), warnings)
 
 
 def planarise_file(
@@ -71,10 +71,10 @@ def planarise_file(
     Raises: RobotError if the file cannot be made into a planar biped, InputError if there is a file
         at `out`; nothing is written then.
     """
-    made = planar_copy(source, feet, weld)
-    write_new(out, made.text)
+    copy = planar_copy(source, feet, weld)
+    write_new(out, copy.text)
     facts = inspect(load_robot(out))
-    return replace(facts, written=str(out), changes=made.changes, warnings=made.warnings)
+    return replace(facts, written=str(out), changes=copy.changes, warnings=copy.warnings)
 
 
 def _about_cut_feet(
@@ -156,10 +156,10 @@ def _problems_of_urdf(source: str | Path, text: str, name: str, folder: Path) ->
     """Return what is in the way of a copy; that the file is no MJCF, if nothing is."""
     try:
         planarise(text, name, folder=folder)
-    except ManyProblems as found:
-        return found.problems
-    except RobotError as found:
-        return (str(found),)
+    except ManyProblems as error:
+        return error.problems
+    except RobotError as error:
+        return (str(error),)
     return problems_of_file(source)
 
 

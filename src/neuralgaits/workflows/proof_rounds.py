@@ -78,8 +78,8 @@ class ProofRounds:
                 state = state._replace(training=training)
                 gait = repairer.gait(training.best)
             number = 0 if state is None else int(state.number)
-            done = trainer.steps + number * repairer.steps
-            boxes = self._certify(gait, number, done, deadline, history)
+            steps = trainer.steps + number * repairer.steps
+            boxes = self._certify(gait, number, steps, deadline, history)
             proved, late = history[-1].verdict == "proved", time.monotonic() >= deadline
             if proved or not boxes or number == ROUNDS or late:
                 break
@@ -102,8 +102,8 @@ class ProofRounds:
         """Return the rounds of a killed run before the repair in which it was killed."""
         if state is None:
             return []
-        known = ProofHistory.read(self.folder.path / HISTORY).rounds
-        return [one for one in known if one.number < int(state.number)]
+        rounds = ProofHistory.read(self.folder.path / HISTORY).rounds
+        return [one for one in rounds if one.number < int(state.number)]
 
     def _repair(
         self, repairer: Trainer, state: RepairState, trained: int, deadline: float
@@ -135,21 +135,21 @@ class ProofRounds:
         budget = None if left == np.inf else max(left, 1e-3)
         settings = CertifySettings(run, level=1, budget=budget, progress=self.watch.proved)
         # Whoever trains holds the run's lock.
-        found = certify_alone(run, settings)
+        result = certify_alone(run, settings)
         left_open = self._open_boxes()
-        ended = ProofRound(
+        proof_round = ProofRound(
             number=number,
             steps=steps,
-            verdict=found.verdict,
+            verdict=result.verdict,
             open_boxes=sum(len(boxes.low) for boxes in left_open),
             failing=_failing(left_open),
-            smallest_margin=found.summary.least_margin,
-            wall_s=found.summary.wall_s,
+            smallest_margin=result.summary.least_margin,
+            wall_s=result.summary.wall_s,
         )
-        history.append(ended)
+        history.append(proof_round)
         self.folder.write_json(HISTORY, ProofHistory(tuple(history)))
         if self.watch.ended is not None:
-            self.watch.ended(ended)
+            self.watch.ended(proof_round)
         regions: dict[str, list[OpenBoxes]] = {}
         for boxes in left_open:
             regions.setdefault(boxes.region, []).append(boxes)

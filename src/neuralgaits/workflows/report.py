@@ -58,22 +58,22 @@ def write_report(
     run: Run | str | Path,
     *,
     out: str | Path | None = None,
-    begun: Callable[[], None] | None = None,
+    started: Callable[[], None] | None = None,
 ) -> Report:
     """Write the report of a run, finished or not.
 
     Args:
         run: a run, its folder, or `latest`.
         out: the file; `report.html` in the run if None.
-        begun: called when the run is read and the work begins.
+        started: called when the run is read and the work begins.
 
     Returns: `Report`; of a family beside walkers, the record that `--json` prints.
     Raises: RunError if the run does not exist or is damaged, TimeLimitError if its own spec does
         not come to an end; InputError if the file cannot be written.
     """
-    asked = {"run": run} if out is None else {"run": run, "out": Path(out)}
-    if (task := task_with("report", asked)) is not None:
-        return task(ProgressCallbacks(begun=begun)).returned
+    arguments = {"run": run} if out is None else {"run": run, "out": Path(out)}
+    if (task := task_with("report", arguments)) is not None:
+        return task(ProgressCallbacks(begun=started)).returned
     folder = run.folder if isinstance(run, Run) else resolve(run, finished=False)
     path = folder.path / FILE if out is None else Path(out)
     refuse_outputs([path], run=folder.path)
@@ -90,30 +90,30 @@ def write_report(
     robot = robot_from_text(folder.copy(ROBOT), saved.asked.robot)
     if folder.finished:
         writable_figures(saved.asked, folder.path / FOLDER)
-    if begun is not None:
-        begun()
+    if started is not None:
+        started()
     with ThreadPoolExecutor(1) as beside:
         # Most of a walk is compiled without Python, while the figures are drawn.
         walking = beside.submit(_walk, run, folder)
-        drawn = draw(open_run(folder.path), None, certificate) if folder.finished else []
+        figures = draw(open_run(folder.path), None, certificate) if folder.finished else []
         walk, no_walk = walking.result()
     contents = Contents(
         saved=saved,
         robot=inspect(robot),
         walk=walk,
         no_walk=no_walk,
-        figures=drawn,
+        figures=figures,
         assumptions=ASSUMPTIONS,
     )
     summary = Reported(
         run=str(folder.path),
         report=str(path),
         bytes=_written(path, contents),
-        figures=tuple(figure.name for figure in drawn if isinstance(figure, Drawn)),
+        figures=tuple(figure.name for figure in figures if isinstance(figure, Drawn)),
         missing=tuple(Lack(what, command) for what, command in missing_parts(contents)),
         damaged=saved.damaged,
     )
-    return Report(path, drawn, summary)
+    return Report(path, figures, summary)
 
 
 def _written(path: Path, contents: Contents) -> int:
@@ -127,15 +127,15 @@ def _written(path: Path, contents: Contents) -> int:
     return size
 
 
-def saved_of(folder: RunFolder, found: CertificateReading | None = None) -> Saved:
-    """Read a run's files; its certificate, too, if `found` is None."""
-    found = found or read_certificate(folder)
+def saved_of(folder: RunFolder, certificate: CertificateReading | None = None) -> Saved:
+    """Read a run's files; its certificate, too, if `certificate` is None."""
+    certificate = certificate or read_certificate(folder)
     disturbance: tuple[float, ...] = ()
-    if found.proof is not None and 2 in found.proof.theorems.claimed:
-        walking = found.proof.theorems.walking
+    if certificate.proof is not None and 2 in certificate.proof.theorems.claimed:
+        walking = certificate.proof.theorems.walking
         assert walking is not None  # It is claimed.
         disturbance = walking.disturbance if any(walking.disturbance) else ()
-    return read(folder, found.summary, found.reason, disturbance, part_of(found))
+    return read(folder, certificate.summary, certificate.reason, disturbance, part_of(certificate))
 
 
 def _walk(run: Run | str | Path, folder: RunFolder) -> tuple[ShownWalk | None, str | None]:

@@ -15,11 +15,11 @@ from neuralgaits.systems.family_tasks import all_families
 
 def robots() -> BuiltIn:
     """List the built-in robots and specs by name."""
-    known = {name: registry.describe(name) for name in registry.built_in()}
+    names = {name: registry.describe(name) for name in registry.built_in()}
     for family in all_families():
-        known |= family.built_in
+        names |= family.built_in
     return BuiltIn(
-        robots=tuple(CatalogueEntry(name, about) for name, about in known.items()),
+        robots=tuple(CatalogueEntry(name, about) for name, about in names.items()),
         specs=tuple(CatalogueEntry(name, one.description) for name, one in specs.BUILT_IN.items()),
     )
 

@@ -72,9 +72,12 @@ class SeedsInParallel:
         compile_steps(self.trainer, self.trainer.init(self.first.gait))
         compiled = time.perf_counter()
         self.compile_s = compiled - start_time
-        left, told = iter(numbers), _SeedProgress(progress, self.first.asked.steps, len(numbers))
+        left, seed_progress = (
+            iter(numbers),
+            _SeedProgress(progress, self.first.asked.steps, len(numbers)),
+        )
         pool = ThreadPoolExecutor(self.size)
-        threads = [pool.submit(self._work, left, told) for _ in range(self.size)]
+        threads = [pool.submit(self._work, left, seed_progress) for _ in range(self.size)]
         try:
             wait(threads, return_when=FIRST_EXCEPTION)
         finally:
@@ -85,11 +88,11 @@ class SeedsInParallel:
         _raise_of(threads)
         self.train_s = time.perf_counter() - compiled
 
-    def _work(self, left: Iterator[int], told: "_SeedProgress") -> None:
+    def _work(self, left: Iterator[int], seed_progress: "_SeedProgress") -> None:
         """Train one seed after another, until none is left."""
         try:
             while (run := self._next(left)) is not None:
-                self._train(run, told)
+                self._train(run, seed_progress)
         except BaseException:
             self._stopped = True
             raise
@@ -103,7 +106,7 @@ class SeedsInParallel:
             self.begun.append(run)
             return run
 
-    def _train(self, run: Run, told: "_SeedProgress") -> None:
+    def _train(self, run: Run, seed_progress: "_SeedProgress") -> None:
         seed, start_time = run.asked.seed, time.perf_counter()
         trainer = self.trainer.of_seed(seed, run.trained)
 
@@ -112,7 +115,7 @@ class SeedsInParallel:
                 if self._stopped:
                     raise KeyboardInterrupt
                 try:
-                    told.step(seed, step, loss)
+                    seed_progress.step(seed, step, loss)
                 except BaseException:
                     self._stopped = True
                     raise
@@ -131,7 +134,7 @@ class SeedsInParallel:
                 raise
             self.refused[seed] = error
             with self._lock:
-                told.refused(seed)
+                seed_progress.refused(seed)
 
 
 class _SeedProgress:
@@ -167,9 +170,9 @@ def _until_ended(threads: Sequence[Future[None]]) -> None:
 
 def _raise_of(threads: Sequence[Future[None]]) -> None:
     """Raise the error that stopped a thread; otherwise KeyboardInterrupt, if any was stopped."""
-    found = [error for thread in threads if (error := thread.exception()) is not None]
-    for error in found:
+    errors = [error for thread in threads if (error := thread.exception()) is not None]
+    for error in errors:
         if not isinstance(error, KeyboardInterrupt):
             raise error
-    if found:
+    if errors:
         raise KeyboardInterrupt

@@ -77,13 +77,13 @@ class Simulation:
 
     def __repr__(self) -> str:
         """Summarise in one line how many walks stayed up, and how far they came."""
-        done = self.summary
+        summary = self.summary
         steps = " to ".join(
-            str(n) for n in sorted({min(done.steps_walked), max(done.steps_walked)})
+            str(n) for n in sorted({min(summary.steps_walked), max(summary.steps_walked)})
         )
         return (
-            f"<Simulation of {done.plant} under {done.controller}: {done.stayed} of "
-            f"{len(done.fell)} walks stayed up, {steps} steps>"
+            f"<Simulation of {summary.plant} under {summary.controller}: {summary.stayed} of "
+            f"{len(summary.fell)} walks stayed up, {steps} steps>"
         )
 
 
@@ -125,20 +125,20 @@ def simulate(settings: SimulateSettings) -> Simulation:
     plan = _planned(settings)
     run = plan.walks.run
     engine = _engine(plan, settings)
-    walked, link = _walked(settings, plan, engine)
-    record = _record(settings, plan, walked, engine_note=engine.note, link=link)
-    figures = summary(walked, periodic_orbit(run.zero_dynamics, run.gait))
-    states = walked.episodes.records
-    seen = None if plan.monitor is None else watched(run, plan.monitor, states)
-    adapted = adaptation(run, walked, settings.adapted_commands)
-    result = Simulated(**vars(record), **vars(figures), monitor=seen, **adapted)
+    walk, link = _walked(settings, plan, engine)
+    record = _record(settings, plan, walk, engine_note=engine.note, link=link)
+    figures = summary(walk, periodic_orbit(run.zero_dynamics, run.gait))
+    states = walk.episodes.records
+    monitored = None if plan.monitor is None else watched(run, plan.monitor, states)
+    adapted = adaptation(run, walk, settings.adapted_commands)
+    result = Simulated(**vars(record), **vars(figures), monitor=monitored, **adapted)
     # First, so that nothing that can go wrong with a log or a video costs the walk.
     run.folder.write_json(SUMMARY, result)
     for number, (file, rows) in enumerate(zip(plan.logs, states, strict=bool(plan.logs))):
         logs.write(file, log_of(run.robot.joint_names, rows, f"episode {number}"))
     for film in plan.films:
-        films.write(film, walked.plant, walked.episodes.states, walked.episodes.floors)
-    return Simulation(walked, result)
+        films.write(film, walk.plant, walk.episodes.states, walk.episodes.floors)
+    return Simulation(walk, result)
 
 
 def _planned(settings: SimulateSettings) -> _Plan:
@@ -149,9 +149,9 @@ def _planned(settings: SimulateSettings) -> _Plan:
     command, commands = settings.command, settings.commands
     changes = sensed(parse(settings.disturb), settings.sensing)
     disturbance = with_gains(changes, settings.gains, settings.drive_rate)
-    drawn = drawn_robots(run.robot, settings.parameters, seed, plant, terrain, controller)
-    if drawn is not None:
-        disturbance = drawn.on_its_floor(disturbance)
+    robots = drawn_robots(run.robot, settings.parameters, seed, plant, terrain, controller)
+    if robots is not None:
+        disturbance = robots.on_its_floor(disturbance)
     orders = orders_of(run.trained.commands, command, commands, seed)
     refuse_without_command(settings.adapted_commands, run.trained.commands)
     if terrain is None:
@@ -161,8 +161,8 @@ def _planned(settings: SimulateSettings) -> _Plan:
     files, videos = _output_files(settings, run)
     wire = link_of(settings.link, controller)
     if _on_workers(settings):
-        known = {"monitor": settings.monitor, "joints": settings.joints is not None}
-        refuse_shared(controller, settings.log, settings.video, terrain, **known)
+        measurements = {"monitor": settings.monitor, "joints": settings.joints is not None}
+        refuse_shared(controller, settings.log, settings.video, terrain, **measurements)
     joints = None
     if settings.joints is not None:
         refuse_without_model(controller, wire)
@@ -191,7 +191,7 @@ def _planned(settings: SimulateSettings) -> _Plan:
         orders=orders,
         courses=courses,
         simulator=settings.simulator,
-        drawn=drawn,
+        drawn=robots,
         joints=None if joints is None else joints.model,
         adapt=settings.adapted_commands,
     )
@@ -204,7 +204,7 @@ def _output_files(settings: SimulateSettings, run: Run) -> tuple[list[Path], lis
     refuse_unwritable(*(run.path / file for file in (SUMMARY, PLANT)), own=True)
     videos = [] if settings.video is None else [Path(settings.video)]
     named = (settings.plant, settings.commands, settings.terrain, settings.joints)
-    inputs = [Path(given) for given in named if isinstance(given, str | Path)]
+    inputs = [Path(file) for file in named if isinstance(file, str | Path)]
     refuse_outputs([*files, *videos], inputs, run=run.path)
     for file in files:
         logs.refuse_unwritable_log(file)
@@ -228,8 +228,8 @@ def _walked(
     if wire is not None:
         design = design_of(walks.run, joints=plan.joints)
         with connected(design, wire, count, settings.seed) as remote:
-            walked = walks.walk(0, count, record=record, longest=longest, remote=remote)
-        return walked, remote.summary()
+            walk = walks.walk(0, count, record=record, longest=longest, remote=remote)
+        return walk, remote.summary()
     if _on_workers(settings):
         parts = SharedWalks(walks, settings.engine, plan.command, _text(settings.commands))
         with engine_of_workers(settings.workers, settings.ray) as pool:
@@ -240,38 +240,38 @@ def _walked(
 def _record(
     settings: SimulateSettings,
     plan: _Plan,
-    walked: Walk,
+    walk: Walk,
     *,
     engine_note: str | None,
     link: LinkFigures | None,
 ) -> WalkSettings:
     """Return the settings with which the walks can be repeated."""
-    run, law, drawn = plan.walks.run, settings.controller, plan.walks.drawn
+    run, law, robots = plan.walks.run, settings.controller, plan.walks.drawn
     return WalkSettings(
         run=str(run.path),
-        plant=walked.plant.robot.name,
+        plant=walk.plant.robot.name,
         controller=law if isinstance(law, str) else type(law).__name__,
-        law=fields_of_law(walked.law),
-        episodes=len(walked.episodes.endings),
+        law=fields_of_law(walk.law),
+        episodes=len(walk.episodes.endings),
         start=settings.start,
         push=settings.push,
-        disturb=vars(walked.plant.disturbance),
-        sensing=name_of(walked.plant.disturbance),
+        disturb=vars(walk.plant.disturbance),
+        sensing=name_of(walk.plant.disturbance),
         seed=settings.seed,
-        engine=walked.engine,
+        engine=walk.engine,
         engine_note=engine_note,
-        simulator=walked.simulator,
+        simulator=walk.simulator,
         steps=settings.steps,
         logs=tuple(str(file) for file in plan.logs),
         sha256=file_hashes(run.path, (ROBOT, WEIGHTS)),
-        plant_given=kept_plant(run, settings.plant, walked),
+        plant_given=kept_plant(run, settings.plant, walk),
         link=link,
         command=plan.command or None,
         commands=_text(settings.commands),
         adapt=settings.adapt,
         terrain=_text(settings.terrain),
-        parameters={} if drawn is None else drawn.box,
-        errors={} if drawn is None else drawn.errors_by_name(settings.episodes),
+        parameters={} if robots is None else robots.box,
+        errors={} if robots is None else robots.errors_by_name(settings.episodes),
         joints=_text(settings.joints),
         joints_sha256=None if plan.joints is None else plan.joints.sha256,
     )

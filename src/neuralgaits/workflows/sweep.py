@@ -84,8 +84,8 @@ def sweep(settings: SweepSettings) -> Sweep:
             settings.begun(f"{_counted(len(every), before)} {place}")
         jobs = (_job(folder, one) for one in every if not folder.has(one.name))
         try:
-            with closing(pool.map(carry_out, jobs)) as done:
-                for number, row in enumerate(_kept(folder, done, every), before + 1):
+            with closing(pool.map(carry_out, jobs)) as results:
+                for number, row in enumerate(_kept(folder, results, every), before + 1):
                     if tell is not None:
                         tell(row, number, len(every))
         except KeyboardInterrupt as stop:
@@ -121,12 +121,12 @@ def _given(settings: SweepSettings) -> dict[str, Any]:
     for controller in controllers or ():
         law_named(controller)
     refuse_same("controllers", controllers or ())
-    given = list(speeds or ())
-    for speed in given:
-        if given.count(speed) > 1:
+    ranges = list(speeds or ())
+    for speed in ranges:
+        if ranges.count(speed) > 1:
             raise InputError(f"expected speeds of different values, found {speed} twice: drop one")
-    told = settings.disturbances
-    asked = {
+    disturbances = settings.disturbances
+    config = {
         "specs": None if settings.specs is None else tuple(settings.specs),
         "speeds": None if speeds is None else tuple(_spread(speed) for speed in speeds),
         "seeds": settings.seeds,
@@ -134,10 +134,10 @@ def _given(settings: SweepSettings) -> dict[str, Any]:
         "certify": settings.certify,
         "budget": settings.budget,
         "controllers": None if controllers is None else tuple(controllers),
-        "disturbances": None if told is None else disturbances_of(told),
+        "disturbances": None if disturbances is None else disturbances_of(disturbances),
         "walks": settings.walks,
     }
-    return {name: value for name, value in asked.items() if value is not None}
+    return {name: value for name, value in config.items() if value is not None}
 
 
 def _spread(speed: float | Interval | None) -> Speed:
@@ -148,13 +148,13 @@ def _spread(speed: float | Interval | None) -> Speed:
 
 def _folder(asked_for: SweepSettings) -> Callable[[], SweepFolder]:
     """Return the function that opens the existing sweep or makes a new one, after all checks."""
-    given, out, resume = _given(asked_for), asked_for.out, asked_for.resume
+    values, out, resume = _given(asked_for), asked_for.out, asked_for.resume
     if resume and out is None:
         raise InputError("expected --out DIR with --resume, found none: name the sweep's folder")
     names = tuple(map(str, asked_for.robots))
     if resume and out is not None and (SweepFolder.there(Path(out)) or not names):
         folder = SweepFolder.open(Path(out))
-        folder.refuse_other({"robots": names} | dict(given) if names else given)
+        folder.refuse_other({"robots": names} | dict(values) if names else values)
         return lambda: folder
     if not names:
         raise InputError(
@@ -172,58 +172,58 @@ def _folder(asked_for: SweepSettings) -> Callable[[], SweepFolder]:
         "disturbances": None,
         "walks": WALKS,
     }
-    settings = usual | dict(given)
+    settings = usual | dict(values)
     if settings["disturbances"] is None:
         settings["disturbances"] = disturbances_of(STANDARD)
     if settings["budget"] is not None and settings["certify"] is None:
         raise InputError("expected a budget with --certify, found it alone: add --certify LEVEL")
     inputs = inputs_of(names, settings)
-    asked = SweepAsked(
+    config = SweepAsked(
         format=FORMAT,
         robots=names,
         walk_steps=WALK_STEPS,
         sha256={name: sha256(content) for name, content in inputs.items()},
         **settings,
     )
-    if (rows := count(asked)) > MOST_ROWS:
+    if (rows := count(config)) > MOST_ROWS:
         raise InputError(f"expected at most {MOST_ROWS} rows, found {rows}: take fewer seeds")
     place = None if out is None else Path(out)
-    return lambda: SweepFolder.create(asked, inputs, out=place, root=asked_for.root)
+    return lambda: SweepFolder.create(config, inputs, out=place, root=asked_for.root)
 
 
 def _job(folder: SweepFolder, one: Combination) -> Job:
     """Return the task of a row: all that it needs, with no reference to this machine's disk."""
-    asked = folder.asked
-    spec = asked.specs[one.spec]
-    own = spec_file(one.spec) in asked.sha256
+    config = folder.asked
+    spec = config.specs[one.spec]
+    own = spec_file(one.spec) in config.sha256
     files = {ROBOT: folder.input(robot_file(one.robot))}
     if own:
         files[SPEC] = folder.input(spec_file(one.spec))
     settings = {
         "name": one.name,
-        "robot": Path(asked.robots[one.robot]).stem,
+        "robot": Path(config.robots[one.robot]).stem,
         "spec": spec,
         "speed": None if one.speed is None else list(one.speed),
         "seed": one.seed,
         "spec_file": spec.rpartition(":")[0] if own else None,
         "place": str(folder.place(one.name)),
-        "steps": asked.steps,
-        "certify": asked.certify,
-        "budget": asked.budget,
-        "controllers": list(asked.controllers),
-        "disturbances": plain(asked.disturbances),
-        "walks": asked.walks,
-        "walk_steps": asked.walk_steps,
+        "steps": config.steps,
+        "certify": config.certify,
+        "budget": config.budget,
+        "controllers": list(config.controllers),
+        "disturbances": plain(config.disturbances),
+        "walks": config.walks,
+        "walk_steps": config.walk_steps,
     }
     return Job(one.name, settings, files)
 
 
 def _kept(
-    folder: SweepFolder, done: Iterator[Done], every: Sequence[Combination]
+    folder: SweepFolder, results: Iterator[Done], every: Sequence[Combination]
 ) -> Iterator[SweepRow]:
     """Put rows into the folder as they arrive, and yield them."""
     by_name = {one.name: one for one in every}
-    for one in done:
+    for one in results:
         files = dict(one.files)
         if one.failure is None:
             row = replace(row_of(files.pop(ROW)), tries=one.tries)

@@ -42,18 +42,18 @@ def carry_out(settings: Settings, files: Files) -> Files:
 
     Returns: the run's files by their paths in its folder, and `row.json`.
     """
-    with tempfile.TemporaryDirectory(prefix="neuralgaits-row-") as made:
-        base = Path(made)
+    with tempfile.TemporaryDirectory(prefix="neuralgaits-row-") as folder:
+        base = Path(folder)
         row = _Row(settings, files, base)
-        found = row.all_parts()
+        finished = row.all_parts()
         contents = {
             str(path.relative_to(row.run)): path.read_bytes()
             for path in sorted(row.run.rglob("*"))
             if path.is_file()
         }
-        moved = {str(row.run): settings["place"], str(base / SPEC): settings["spec_file"] or ""}
-        contents = {name: _moved(name, content, moved) for name, content in contents.items()}
-    return contents | {ROW: to_json(found).encode()}
+        replaced = {str(row.run): settings["place"], str(base / SPEC): settings["spec_file"] or ""}
+        contents = {name: _moved(name, content, replaced) for name, content in contents.items()}
+    return contents | {ROW: to_json(finished).encode()}
 
 
 class _Row:
@@ -110,22 +110,24 @@ class _Row:
             out=self.run,
             root=self.base,
         )
-        done: Trained = trained.summary
+        summary: Trained = trained.summary
         self.known |= {
-            "steps": done.steps,
-            "loss": done.loss,
-            "conditions": len(done.conditions),
-            "broken": len(done.broken),
+            "steps": summary.steps,
+            "loss": summary.loss,
+            "conditions": len(summary.conditions),
+            "broken": len(summary.broken),
         }
         return trained
 
     def _prove(self, run: Run) -> None:
-        found = certify(run, level=self.settings["certify"], budget=self.settings["budget"]).summary
+        certificate = certify(
+            run, level=self.settings["certify"], budget=self.settings["budget"]
+        ).summary
         self.known |= {
-            "verdict": found.verdict,
-            "proved_level": found.proved_level,
-            "margin": found.least_margin,
-            "boxes": found.boxes,
+            "verdict": certificate.verdict,
+            "proved_level": certificate.proved_level,
+            "margin": certificate.least_margin,
+            "boxes": certificate.boxes,
         }
 
     def _walk(self, run: Run) -> None:
@@ -144,14 +146,14 @@ class _Row:
             orders=orders,
             threads=1,
         )
-        walked = []
+        walks = []
         for controller in settings["controllers"]:
             under = replace(course, controller=controller)
-            for name, given in ((UNDISTURBED, {}), *settings["disturbances"].items()):
-                disturbance = on_slope(PlantChanges(**given), orders)
+            for name, changes in ((UNDISTURBED, {}), *settings["disturbances"].items()):
+                disturbance = on_slope(PlantChanges(**changes), orders)
                 one = replace(under, disturbance=disturbance).walk(0, settings["walks"])
-                walked.append(_walks(controller, name, summary(one)))
-        self.known["walks"] = tuple(walked)
+                walks.append(_walks(controller, name, summary(one)))
+        self.known["walks"] = tuple(walks)
         # What the run itself keeps of walks, as after `simulate`.
         simulate(
             run,
@@ -163,18 +165,18 @@ class _Row:
         )
 
 
-def _walks(controller: str, disturbance: str, found: WalkFigures) -> RowWalks:
+def _walks(controller: str, disturbance: str, figures: WalkFigures) -> RowWalks:
     """Return a row's entry about walks."""
     return RowWalks(
         controller=controller,
         disturbance=disturbance,
-        walks=len(found.fell),
-        stayed=found.stayed,
-        fewest_steps=min(found.steps_walked),
-        speed_m_s=found.speed_m_s,
-        cost_of_transport=found.cost_of_transport,
-        peak_torque_nm=found.peak_torque_nm,
-        min_normal_force_n=found.min_normal_force_n,
+        walks=len(figures.fell),
+        stayed=figures.stayed,
+        fewest_steps=min(figures.steps_walked),
+        speed_m_s=figures.speed_m_s,
+        cost_of_transport=figures.cost_of_transport,
+        peak_torque_nm=figures.peak_torque_nm,
+        min_normal_force_n=figures.min_normal_force_n,
     )
 
 

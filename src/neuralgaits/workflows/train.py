@@ -104,9 +104,11 @@ def train_to_the_end(
             else:
                 rounds = ProofRounds(run, session.steps, watch or Watch())
                 gait, proof = rounds.run(session.trainer, gait, run.asked.certify.budget_s)
-            done = replace(run, trained=gait)
-            finish(run.folder, summary_of(done, session, start_time=start_time, proof=proof), root)
-            return done
+            trained = replace(run, trained=gait)
+            finish(
+                run.folder, summary_of(trained, session, start_time=start_time, proof=proof), root
+            )
+            return trained
         except KeyboardInterrupt as stop:
             raise Interrupted(resuming(run.path)) from stop
 
@@ -124,33 +126,33 @@ def summary_of(
 
     Raises: NonFiniteError if its loss or a margin is NaN or infinity.
     """
-    asked = run.asked
+    config = run.asked
     report = session.trainer.report(run.trained, seed=FRESH_SAMPLES_SEED)
     aimed = report
     if run.spec.aims:
         # Aims concern the middle of the tubes, which calibration replaces by the orbit.
         aimed = session.trainer.report(session.gait, seed=FRESH_SAMPLES_SEED)
     aims = {aim.name: violations(aimed.margins[aim.name], aim.scale) for aim in run.spec.aims}
-    found = {
+    conditions = {
         condition.name: violations(report.margins[condition.name], condition.scale)
         for condition in run.spec.conditions
     }
     program = None
-    if asked.not_provable_because is None:
+    if config.not_provable_because is None:
         program = trace_spec(run.spec, run.robot, run.trained, run.residuals)
-    done = Trained(
+    summary = Trained(
         run=str(run.path),
-        robot=asked.robot,
-        spec=asked.spec,
-        seed=asked.seed,
+        robot=config.robot,
+        spec=config.spec,
+        seed=config.seed,
         steps=int(session.state.step) + (0 if proof is None else proof.repair_steps),
         loss=aimed.loss,
-        conditions=found,
+        conditions=conditions,
         provable=program is not None,
         program_hash=None if program is None else program.hash,
         after_impact=after_impact(run.robot, run.trained, run.residuals),
         certificate=proof,
-        commands=asked.commands,
+        commands=config.commands,
         aims=aims,
         orbit_speeds_m_s=_orbit_speeds(run),
         step_size=round(float(session.state.rate), 6),
@@ -159,37 +161,39 @@ def summary_of(
         train_s=session.train_s,
         wall_s=time.perf_counter() - start_time,
     )
-    refuse_non_finite(done)
-    return done
+    refuse_non_finite(summary)
+    return summary
 
 
 def _orbit_speeds(run: Run) -> tuple[float, float] | None:
     """Return the orbits' mean speeds at both ends of the range of `speed` (m/s), or None."""
-    told = run.asked.commands
-    if "speed" not in told:
+    commands = run.asked.commands
+    if "speed" not in commands:
         return None
-    middle = {name: 0.5 * (c.low + c.high) for name, c in told.items()}
-    found = []
-    for speed in (told["speed"].low, told["speed"].high):
+    middle = {name: 0.5 * (c.low + c.high) for name, c in commands.items()}
+    speeds = []
+    for speed in (commands["speed"].low, commands["speed"].high):
         there = run.at(**(middle | {"speed": speed}))
-        found.append(poincare(there.zero_dynamics, there.gait.z(np.array([0.5, 0.5]))).speed_m_s)
-    return (found[0], found[1]) if np.isfinite(found).all() else None
+        speeds.append(poincare(there.zero_dynamics, there.gait.z(np.array([0.5, 0.5]))).speed_m_s)
+    return (speeds[0], speeds[1]) if np.isfinite(speeds).all() else None
 
 
-def refuse_non_finite(done: Trained) -> None:
+def refuse_non_finite(summary: Trained) -> None:
     """Refuse a trained gait with a loss, margin or error that is NaN or infinity.
 
     Raises: NonFiniteError, which names all of them.
     """
-    numbers = {"loss": math.inf if done.loss is None else done.loss}
-    numbers |= {name: one.min_margin for name, one in {**done.conditions, **done.aims}.items()}
-    numbers |= done.after_impact or {}
+    numbers = {"loss": math.inf if summary.loss is None else summary.loss}
+    numbers |= {
+        name: one.min_margin for name, one in {**summary.conditions, **summary.aims}.items()
+    }
+    numbers |= summary.after_impact or {}
     bad = [name for name, number in numbers.items() if not math.isfinite(number)]
     if bad:
         raise NonFiniteError(
             f"expected a trained gait with a finite loss and margins, found NaN or infinity in "
             f"{', '.join(bad)}: train again with more --steps, with narrower ranges of commands "
-            f"or parameters, or with another --seed; {done.run} stays unfinished"
+            f"or parameters, or with another --seed; {summary.run} stays unfinished"
         )
 
 
@@ -205,12 +209,12 @@ def _resumed(settings: TrainSettings, resumed: str | Path) -> Run:
     """Open an unfinished run, with the robot and spec it started with, and its untrained gait."""
     robot = None if settings.robot is None else robot_from(settings.robot)
     folder = resolve_unfinished(resumed, settings.root)
-    asked = asked_of(folder)
+    config = asked_of(folder)
     files = (folder.path / file for file in (STATE, WEIGHTS, SUMMARY))
     refuse_unwritable(*files, settings.root / LATEST, own=True)
     if robot is not None and folder.copy(ROBOT) != robot.layout.xml:
         raise RunError(
-            f"expected the robot the run started with ({asked.robot}), found another "
+            f"expected the robot the run started with ({config.robot}), found another "
             f"robot file ({robot.name}): leave it out, `{resuming(folder.path)}`"
         )
     own, spec = open_parts(folder)

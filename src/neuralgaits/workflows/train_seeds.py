@@ -79,13 +79,13 @@ def train_seeds(settings: TrainSeedsSettings) -> Seeds:
 
 
 def _summary(many: SeedsInParallel, numbers: range, wall_s: float) -> TrainedSeeds:
-    asked = many.first.asked
+    config = many.first.asked
     return TrainedSeeds(
         folder=str(many.path),
-        robot=asked.robot,
-        spec=asked.spec,
+        robot=config.robot,
+        spec=config.spec,
         conditions=len(many.first.spec.conditions),
-        steps=asked.steps,
+        steps=config.steps,
         seeds=tuple(_row(many, number) for number in numbers),
         batch=many.size,
         devices=len(jax.devices()),
@@ -99,8 +99,8 @@ def _row(many: SeedsInParallel, number: int) -> TrainedSeed:
     if number in many.refused:
         line = " ".join(str(many.refused[number]).split())
         return TrainedSeed(number, str(many.path / str(number)), refused=line)
-    found = many.done[number].summary
-    return TrainedSeed(found.seed, found.run, found.loss, tuple(found.broken))
+    summary = many.done[number].summary
+    return TrainedSeed(summary.seed, summary.run, summary.loss, tuple(summary.broken))
 
 
 def _stopped(many: SeedsInParallel, numbers: range) -> Interrupted:

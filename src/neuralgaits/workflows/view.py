@@ -87,13 +87,13 @@ class LiveView:
         self.close()
 
     def _build_panel(self) -> Panel:
-        asked = self._run.asked
-        words = {one.name: any_condition(one.data) for one in asked.conditions}
+        config = self._run.asked
+        words = {one.name: any_condition(one.data) for one in config.conditions}
         return Panel(
             self._server,
             self.player,
-            title=f"**{markdown.text(asked.robot)}**, spec {markdown.code(asked.spec)}, "
-            f"seed {markdown.text(str(asked.seed))}",
+            title=f"**{markdown.text(config.robot)}**, spec {markdown.code(config.spec)}, "
+            f"seed {markdown.text(str(config.seed))}",
             settings=self.gait.settings,
             conditions={one.name: words.get(one.name, "") for one in self._run.spec.conditions},
             restarted=self._stage.restart,
@@ -109,10 +109,10 @@ class LiveView:
 
         try:
             run = self._run
-            look = PointEvaluator(quantities(run.zero_dynamics, run.gait, run.spec))
-            self.gait.look_with(look)
+            evaluate = PointEvaluator(quantities(run.zero_dynamics, run.gait, run.spec))
+            self.gait.look_with(evaluate)
             sure = how_sure(run)
-            plane = portrait(run, look, certified=sure.certified and sure.map_fits)
+            plane = portrait(run, evaluate, certified=sure.certified and sure.map_fits)
             with self._showing:
                 if not self._closed.is_set():
                     watched = None if sure.monitor is None else LiveMonitor(run, sure.monitor)

@@ -15,9 +15,9 @@ def log_files(first: Path, episodes: int) -> list[Path]:
     return [first, *more]
 
 
-def kept_plant(trained: Run, plant: RobotSource | None, walked: Walk) -> str | None:
+def kept_plant(trained: Run, plant: RobotSource | None, walk: Walk) -> str | None:
     """Return the name that gives the same plant: a built-in robot, or a copy that the run keeps."""
     if plant is None or str(plant) in registry.built_in():
         return None if plant is None else str(plant)
-    write_text(trained.path / PLANT, walked.plant.robot.layout.xml)
+    write_text(trained.path / PLANT, walk.plant.robot.layout.xml)
     return PLANT

@@ -70,13 +70,13 @@ def binary_place(version: str) -> tuple[str, str]:
 def archive(files: Mapping[str, str | bytes]) -> bytes:
     """Return a zip file with these files, the same bytes for the same content."""
     out = io.BytesIO()
-    with zipfile.ZipFile(out, "w", zipfile.ZIP_DEFLATED) as made:
+    with zipfile.ZipFile(out, "w", zipfile.ZIP_DEFLATED) as zipped:
         for name, content in files.items():
             entry = zipfile.ZipInfo(name, _EPOCH)
             entry.compress_type = zipfile.ZIP_DEFLATED
             entry.create_system = 3  # Unix, on every machine: the permissions are Unix's.
             entry.external_attr = (0o755 if name.startswith("binaries/") else 0o644) << 16
-            made.writestr(entry, content)
+            zipped.writestr(entry, content)
     return out.getvalue()
 
 
@@ -88,5 +88,5 @@ def _compiled(
     flags = (*build.PLAIN, "-fPIC", "-shared", "-fvisibility=hidden")
     stripped = ("-s",) if sys.platform == "linux" else ()
     with output_folder.scratch({**sources, **headers()}) as folder:
-        made: Path = build.build(compiler, folder, name, tuple(compiled), (*flags, *stripped))
-        return made.read_bytes()
+        binary: Path = build.build(compiler, folder, name, tuple(compiled), (*flags, *stripped))
+        return binary.read_bytes()

@@ -44,13 +44,13 @@ def compiled_files(design: Design, version: str) -> tuple[str, ...]:
 
 def _included(names: Iterable[str], files: Mapping[str, str]) -> set[str]:
     """Return those of some files that are among `names`, or that these include."""
-    found, ahead = set[str](), [name for name in names if name in files]
+    included, ahead = set[str](), [name for name in names if name in files]
     while ahead:
         name = ahead.pop()
-        if name not in found:
-            found.add(name)
+        if name not in included:
+            included.add(name)
             ahead += [one for one in re.findall(r'#include "(.*?)"', files[name]) if one in files]
-    return found
+    return included
 
 
 def source_files(
@@ -68,10 +68,12 @@ def source_files(
         controller: files of the exported controller.
     """
     folder = resources.files("neuralgaits.export.fmu") / "c"
-    known = dict(controller) | {"fmu_model.c": _tables(design, variables)}
+    available = dict(controller) | {"fmu_model.c": _tables(design, variables)}
     for name in ("fmu.c", "fmu.h", "fmu_gait.c", "fmu_supervised.c", *_ADAPTERS[version]):
-        known[name] = (folder / name).read_text(encoding="utf-8")
-    files = {name: known[name] for name in _included(compiled_files(design, version), known)}
+        available[name] = (folder / name).read_text(encoding="utf-8")
+    files = {
+        name: available[name] for name in _included(compiled_files(design, version), available)
+    }
     # The token is a hash of everything else, names of variables included.
     whole = hashlib.sha256(_header(design, variables, "").encode())
     for name in sorted(files):

@@ -96,13 +96,13 @@ class JointList:
 def variables_of(design: Design) -> list[FmuVariable]:
     """Return all variables but time, in the order of their value references within each type."""
     joints = JointList(design)
-    found = [*_inputs(design, joints), *_parameters(design)]
-    found += [*_joint_outputs(joints), *_outputs(design)]
+    variables = [*_inputs(design, joints), *_parameters(design)]
+    variables += [*_joint_outputs(joints), *_outputs(design)]
     if design.supervised:
-        found += _supervision()
+        variables += _supervision()
     if design.monitor is not None:
-        found += _monitor(design.monitor, design.supervised)
-    return [one for type in VariableType for one in found if one.type is type]
+        variables += _monitor(design.monitor, design.supervised)
+    return [one for type in VariableType for one in variables if one.type is type]
 
 
 def references(variables: Sequence[FmuVariable]) -> dict[str, int]:

@@ -116,17 +116,17 @@ def _text(value: float | int | bool) -> str:
 
 def _hashes(design: Design) -> dict[str, str]:
     origin = design.origin
-    found = {"robot": origin.robot_sha256, "policy": origin.policy_sha256}
-    return found if origin.proof_sha256 is None else found | {"proof": origin.proof_sha256}
+    digests = {"robot": origin.robot_sha256, "policy": origin.policy_sha256}
+    return digests if origin.proof_sha256 is None else digests | {"proof": origin.proof_sha256}
 
 
 def _description(design: Design) -> str:
     origin = design.origin
     hashes = ", ".join(f"{name} sha256 {value}" for name, value in _hashes(design).items())
-    stated = "none" if origin.proof_verdict is None else f"stated {origin.proof_verdict}"
+    proof = "none" if origin.proof_verdict is None else f"stated {origin.proof_verdict}"
     return _shown(
         f"Controller of a walking gait of {design.robot.name}, spec {origin.spec}; {hashes}; "
-        f"proof of gait and model, not of this code: {stated}"
+        f"proof of gait and model, not of this code: {proof}"
     )
 
 
@@ -151,11 +151,11 @@ def _units(root: ET.Element, variables: Sequence[FmuVariable]) -> None:
 
 def _typed(one: FmuVariable) -> dict[str, str]:
     """Return the attributes that follow from type and range."""
-    found = {} if one.unit is None else {"unit": one.unit}
-    found |= {} if one.low is None else {"min": _text(one.low)}
-    found |= {} if one.high is None else {"max": _text(one.high)}
+    attributes = {} if one.unit is None else {"unit": one.unit}
+    attributes |= {} if one.low is None else {"min": _text(one.low)}
+    attributes |= {} if one.high is None else {"max": _text(one.high)}
     # The values before the first tick are computed: the importer does not give them.
-    return found if one.role is Role.OUTPUT else found | {"start": _text(one.start)}
+    return attributes if one.role is Role.OUTPUT else attributes | {"start": _text(one.start)}
 
 
 def _part(one: FmuVariable) -> dict[str, str]:
@@ -164,8 +164,8 @@ def _part(one: FmuVariable) -> dict[str, str]:
     if one.role is Role.INPUT and one.type is not VariableType.REAL:
         variability = "discrete"
     exact = "calculated" if one.role is Role.OUTPUT else "exact"
-    found = {"causality": causality, "variability": variability}
-    return found if one.role is Role.INPUT else found | {"initial": exact}
+    attributes = {"causality": causality, "variability": variability}
+    return attributes if one.role is Role.INPUT else attributes | {"initial": exact}
 
 
 def _variables3(root: ET.Element, variables: Sequence[FmuVariable]) -> None:

@@ -241,9 +241,9 @@ class CommandedPolicy(NetworkPolicy):
     def _between(
         self, pair: Pair, ground: Ground | None, start: Start, guard: Guard, *, exact: bool
     ) -> HybridInvariantPolicy:
-        known = jnp.concatenate([self.scaled(command) for command in pair])
+        ends = jnp.concatenate([self.scaled(command) for command in pair])
         weights, biases = self.network.weights, self.network.biases
-        first = biases[0] + weights[0][:, 2:] @ known
+        first = biases[0] + weights[0][:, 2:] @ ends
         policy = HybridInvariantPolicy(
             network=Network(
                 (weights[0][:, :2], *weights[1:]), (first, *biases[1:]), self.network.activation

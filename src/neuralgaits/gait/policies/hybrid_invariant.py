@@ -170,7 +170,7 @@ class HybridInvariantPolicy(StepPolicy):
             first = start._replace(outputs=inside(start.outputs, self.lower, self.upper))
             last = guard._replace(outputs=inside(guard.outputs, self.lower, self.upper))
         ends = logit_ends(first, last, self.lower, self.upper)
-        found = eqx.tree_at(
+        policy = eqx.tree_at(
             lambda p: (
                 p.guard_outputs,
                 p.guard_slopes,
@@ -194,17 +194,17 @@ class HybridInvariantPolicy(StepPolicy):
             ),
         )
         if not exact:
-            return found
-        return eqx.tree_at(lambda p: p.ends, found, ends, is_leaf=lambda leaf: leaf is None)
+            return policy
+        return eqx.tree_at(lambda p: p.ends, policy, ends, is_leaf=lambda leaf: leaf is None)
 
     def trainable(self) -> "HybridInvariantPolicy":
         """Flags of trainable leaves: networks, guard outputs and guard slopes."""
 
-        def moved(policy: HybridInvariantPolicy):
+        def free_parts(policy: HybridInvariantPolicy):
             of_ankle = () if policy.ankle is None else (policy.ankle.network,)
             return policy.network, policy.guard_outputs, policy.guard_slopes, *of_ankle
 
-        return movable(self, moved)
+        return movable(self, free_parts)
 
 
 @eqx.filter_jit

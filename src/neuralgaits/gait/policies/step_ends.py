@@ -85,19 +85,19 @@ def on_foothold(
         steps: of Newton's method.
     """
     hip = hip_indices(robot)[-1]
-    moved = [hip] if foothold.length is None else [hip, robot.n - 2]
-    directions = np.eye(robot.n - 1, dtype=outputs.dtype)[moved]
+    free_joints = [hip] if foothold.length is None else [hip, robot.n - 2]
+    directions = np.eye(robot.n - 1, dtype=outputs.dtype)[free_joints]
 
     def miss(shift: Float[Array, " k"]) -> Float[Array, " k"]:
         along, up = swing_foot(robot, with_hip_at(robot, z_guard, outputs + shift @ directions))
         high = up - (foothold.height + foothold.rise * along)
         return high[None] if foothold.length is None else jnp.stack([high, along - foothold.length])
 
-    shift = jnp.zeros(len(moved), outputs.dtype)
+    shift = jnp.zeros(len(free_joints), outputs.dtype)
     for _ in range(steps):
         value, push = jax.linearize(miss, shift)
         shift = shift - _solved(
-            [push(row) for row in np.eye(len(moved), dtype=outputs.dtype)], value
+            [push(row) for row in np.eye(len(free_joints), dtype=outputs.dtype)], value
         )
     return outputs + shift @ directions
 

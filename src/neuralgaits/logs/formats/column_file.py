@@ -161,9 +161,9 @@ def _tables(robot: PlanarBiped) -> dict[str, tuple[tuple[str, ...], Dimension]]:
     }
 
 
-def _perhaps(word: str, known: Iterable[str]) -> str:
+def _perhaps(word: str, names: Iterable[str]) -> str:
     """Return a remedy for an unknown word."""
-    near = get_close_matches(word, list(known), n=1)
+    near = get_close_matches(word, list(names), n=1)
     return f"write {near[0]}" if near else f"leave it out, or see {PAGE}"
 
 
@@ -185,11 +185,13 @@ def _refuse_missing(
     tables: Mapping[str, tuple[tuple[str, ...], Dimension]],
 ) -> None:
     whole = ("torques", "desired", "desired_rates", "hip_velocity")
-    begun = [table for table in whole if any(key.startswith(f"{table}.") for key in sources)]
-    if "desired_rates" in begun and "desired" not in begun:
-        begun.append("desired")
+    started = [table for table in whole if any(key.startswith(f"{table}.") for key in sources)]
+    if "desired_rates" in started and "desired" not in started:
+        started.append("desired")
     needed = ["time", "pitch"]
-    needed += [f"{table}.{n}" for table in ("joints", "contact", *begun) for n in tables[table][0]]
+    needed += [
+        f"{table}.{n}" for table in ("joints", "contact", *started) for n in tables[table][0]
+    ]
     missing = [key for key in needed if key not in sources]
     if missing:
         raise InputError(
@@ -225,9 +227,9 @@ def _source(path: Path, key: str, entry: Any, dimension: Dimension) -> ColumnSou
         )
     contact = dimension is FORCE
     if not (contact and unit is None) and unit not in dimension.units:
-        known, near = ", ".join(dimension.units), _unit(unit, dimension)
+        units, near = ", ".join(dimension.units), _unit(unit, dimension)
         raise InputError(
-            f"{where}: expected the unit of {dimension.name} ({known}), found "
+            f"{where}: expected the unit of {dimension.name} ({units}), found "
             f"{'none' if unit is None else repr(unit)}: "
             + ("leave it out for 0 and 1" if contact else f'write unit = "{near}"')
         )
@@ -242,6 +244,6 @@ def _source(path: Path, key: str, entry: Any, dimension: Dimension) -> ColumnSou
     return ColumnSource(key, column, factor, float(sign), float(offset))
 
 
-def _unit(found: Any, dimension: Dimension) -> str:
-    near = get_close_matches(str(found), list(dimension.units), n=1, cutoff=0.4)
+def _unit(unit: Any, dimension: Dimension) -> str:
+    near = get_close_matches(str(unit), list(dimension.units), n=1, cutoff=0.4)
     return near[0] if near else dimension.si

@@ -55,8 +55,8 @@ class ColumnMending:
     def words(self, columns: ColumnFile) -> str | None:
         """Return the change in words; None if none fits clearly better than all others."""
         try:
-            found = numbers(self._text, self._robot, columns)
-            check_times(found.t, found.rows, str(self._text.path), columns.sources["time"].column)
+            arrays = numbers(self._text, self._robot, columns)
+            check_times(arrays.t, arrays.rows, str(self._text.path), columns.sources["time"].column)
         except InputError:
             return None  # Neither signs nor zeros are at fault.
         changes = sorted(self._changes(columns), key=lambda change: change.error)
@@ -68,9 +68,9 @@ class ColumnMending:
     def _changes(self, columns: ColumnFile) -> Iterator[_Change]:
         for key, source in columns.sources.items():
             if key == "pitch" or key.startswith("joints."):
-                turned = columns.turned(key)
+                sign_changed = columns.turned(key)
                 words = f"{key} fits with sign = {-source.sign:g}"
-                yield _Change(self._error(turned), words, turned)
+                yield _Change(self._error(sign_changed), words, sign_changed)
                 yield self._moved(columns, source)
 
     def _moved(self, columns: ColumnFile, source: ColumnSource) -> _Change:
@@ -86,18 +86,18 @@ class ColumnMending:
         tried = [self._error(with_zero(float(shift))) for shift in ZEROS_RAD]
         best, step = float(ZEROS_RAD[np.argmin(tried)]), float(ZEROS_RAD[1] - ZEROS_RAD[0])
         if min(tried) < WORTH_REFINING_RAD:
-            found = minimize_scalar(
+            optimum = minimize_scalar(
                 lambda shift: min(self._error(with_zero(float(shift))), np.pi),
                 bounds=(best - step, best + step),
                 method="bounded",
                 options={"xatol": 1e-3},
             )
-            best = float(found.x)
-        moved = with_zero(best)
-        offset = moved.sources[source.key].offset
+            best = float(optimum.x)
+        shifted = with_zero(best)
+        offset = shifted.sources[source.key].offset
         way = "higher" if best > 0.0 else "lower"
         words = f"{source.key} fits with offset = {offset:.4g}, {abs(best):.2g} rad {way}"
-        return _Change(self._error(moved), words, moved)
+        return _Change(self._error(shifted), words, shifted)
 
     def _error(self, columns: ColumnFile) -> float:
         try:

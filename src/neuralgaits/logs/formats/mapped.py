@@ -47,45 +47,45 @@ def read(
     where desired outputs are needed and cannot be computed.
     """
     _refuse_unknown_wishes(text, columns, policy)
-    found = numbers(text, robot, columns)
+    arrays = numbers(text, robot, columns)
     source = str(text.path)
-    check_times(found.t, found.rows, source, columns.sources["time"].column)
-    stance = _stance(source, robot, columns, found)
-    turned, wanted_rates = _rates(found, stance, columns)
+    check_times(arrays.t, arrays.rows, source, columns.sources["time"].column)
+    stance = _stance(source, robot, columns, arrays)
+    gyro_rates, wanted_rates = _rates(arrays, stance, columns)
     # A piece too short for a rate is a gap like the others.
-    good = (stance != UNKNOWN) & np.isfinite(turned).all(axis=1)
+    good = (stance != UNKNOWN) & np.isfinite(gyro_rates).all(axis=1)
     if not good.any():
         raise InputError(
             f"log {source}: expected at least 3 rows of one stance phase, found none: log faster, "
             f"or mend the contacts in {columns.path}"
         )
-    leg, shape = stance[good], (-1, *found.angles.shape[1:])
+    leg, shape = stance[good], (-1, *arrays.angles.shape[1:])
     sensed = SensorReadings(
-        found.pitch[good],
-        turned[good, 0],
-        found.angles[good],
-        turned[good, 1:].reshape(shape),
+        arrays.pitch[good],
+        gyro_rates[good, 0],
+        arrays.angles[good],
+        gyro_rates[good, 1:].reshape(shape),
     )
-    velocity = None if found.hip_velocity is None else found.hip_velocity[good]
+    velocity = None if arrays.hip_velocity is None else arrays.hip_velocity[good]
     state = states(robot, leg, sensed, velocity)
     if policy is None or columns.has("desired"):
-        wanted = _flat(found.desired), wanted_rates
-        qd, dqd = (stance_first(robot, leg, part[good].reshape(shape)) for part in wanted)
+        desired = _flat(arrays.desired), wanted_rates
+        qd, dqd = (stance_first(robot, leg, part[good].reshape(shape)) for part in desired)
     else:
         qd, dqd = asked(robot, policy, state)
     log = Log(
-        t=found.t[good],
+        t=arrays.t[good],
         stance=leg,
         q=state.q,
         dq=state.dq,
         qd=qd,
         dqd=dqd,
-        tau=stance_first(robot, leg, np.nan_to_num(found.torques[good])),
+        tau=stance_first(robot, leg, np.nan_to_num(arrays.torques[good])),
         pitch=sensed.pitch,
         dpitch=sensed.dpitch,
         z=state.z,
         z2_plant=None,
-        rows=found.rows[good],
+        rows=arrays.rows[good],
         joint_names=robot.joint_names,
         source=source,
         computed=computed(robot, columns),
@@ -110,25 +110,25 @@ def _flat(by_leg: Float[np.ndarray, "k 2 j"]) -> Float[np.ndarray, "k two_j"]:
 
 
 def _rates(
-    found: SheetArrays, stance: Int[np.ndarray, " k"], columns: ColumnFile
+    arrays: SheetArrays, stance: Int[np.ndarray, " k"], columns: ColumnFile
 ) -> tuple[Float[np.ndarray, "k c"], Float[np.ndarray, "k two_j"]]:
     """Return the rates of pitch and angles, and of the desired angles, computed where absent."""
-    turning = _Turning.of(found.t, stance)
-    encoders = np.column_stack([found.pitch, _flat(found.angles)])
-    turned = turning.filled(np.column_stack([found.dpitch, _flat(found.rates)]), encoders)
-    wanted_rates = _flat(found.desired_rates)
+    turning = _Turning.of(arrays.t, stance)
+    encoders = np.column_stack([arrays.pitch, _flat(arrays.angles)])
+    rates = turning.filled(np.column_stack([arrays.dpitch, _flat(arrays.rates)]), encoders)
+    wanted_rates = _flat(arrays.desired_rates)
     if columns.has("desired"):
-        wanted_rates = turning.filled(wanted_rates, _flat(found.desired))
-    return turned, wanted_rates
+        wanted_rates = turning.filled(wanted_rates, _flat(arrays.desired))
+    return rates, wanted_rates
 
 
 def _stance(
-    source: str, robot: PlanarBiped, columns: ColumnFile, found: SheetArrays
+    source: str, robot: PlanarBiped, columns: ColumnFile, arrays: SheetArrays
 ) -> Int[np.ndarray, " k"]:
     """Find the stance leg, UNKNOWN at first. Raises: InputError if the contacts show none."""
-    contact = found.contact
+    contact = arrays.contact
     stance = stance_legs(
-        robot.leg_length, found.t, contact, feet_apart(robot, found.pitch, found.angles)
+        robot.leg_length, arrays.t, contact, feet_apart(robot, arrays.pitch, arrays.angles)
     )
     where = f"log {source}, columns {both_contacts(robot, columns)}"
     if np.all(stance == UNKNOWN):
@@ -171,13 +171,13 @@ class _Turning:
         return cls(t, piece, t - begins >= UNSETTLED_S)
 
     def filled(
-        self, given: Float[np.ndarray, "k c"], angles: Float[np.ndarray, "k c"]
+        self, measured: Float[np.ndarray, "k c"], angles: Float[np.ndarray, "k c"]
     ) -> Float[np.ndarray, "k c"]:
         """Return a file's rates, computed from the angles for columns that it lacks."""
-        absent = np.isnan(given).all(axis=0)
+        absent = np.isnan(measured).all(axis=0)
         if not absent.any():
-            return given
-        values, filled = angles[:, absent], given.copy()
+            return measured
+        values, filled = angles[:, absent], measured.copy()
         # Glitches of encoders would spoil the rates of the rows around them.
         parts = np.split(values, np.flatnonzero(np.diff(self.piece)) + 1)
         spoilt = np.concatenate([stand_out(part, ANGLE_RAD) for part in parts])

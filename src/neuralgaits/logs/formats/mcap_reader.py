@@ -65,8 +65,8 @@ class McapFile:
             for channel in summary.channels.values():
                 yield summary.schemas.get(channel.schema_id), channel
             return
-        found = {c.id: (schema, c) for schema, c, _ in self._reader.iter_messages()}
-        yield from found.values()
+        channels = {c.id: (schema, c) for schema, c, _ in self._reader.iter_messages()}
+        yield from channels.values()
 
     @property
     def topics(self) -> list[str]:
@@ -78,18 +78,18 @@ class McapFile:
 
         It ends where every topic that has messages was seen.
         """
-        known = set(self.topics)
-        awaited = known - self._silent()
-        found: dict[str, McapMessage] = {}
-        for _, channel, message in self._reader.iter_messages(topics=known):
+        topics = set(self.topics)
+        awaited = topics - self._silent()
+        messages: dict[str, McapMessage] = {}
+        for _, channel, message in self._reader.iter_messages(topics=topics):
             decode = self.channels[channel.id].decode
-            if decode is not None and channel.topic not in found:
+            if decode is not None and channel.topic not in messages:
                 content = decode(message.data)
-                found[channel.topic] = McapMessage(channel.topic, message.log_time, content)
+                messages[channel.topic] = McapMessage(channel.topic, message.log_time, content)
                 awaited.discard(channel.topic)
                 if not awaited:
                     break
-        return {topic: found[topic] for topic in sorted(found)}
+        return {topic: messages[topic] for topic in sorted(messages)}
 
     def _silent(self) -> set[str]:
         """Return the topics that have no message, as far as the file says so."""
@@ -97,15 +97,15 @@ class McapFile:
         if summary is None or summary.statistics is None:
             return set()
         counts = summary.statistics.channel_message_counts
-        heard = {one.topic for number, one in self.channels.items() if counts.get(number)}
-        return {one.topic for one in self.channels.values()} - heard
+        topics = {one.topic for number, one in self.channels.items() if counts.get(number)}
+        return {one.topic for one in self.channels.values()} - topics
 
     def messages(self, topics: Set[str]) -> Iterator[McapMessage]:
         """Yield the messages of some topics in the order of their log times."""
         for _, channel, message in self._reader.iter_messages(topics=topics):
-            known = self.channels[channel.id]
-            if known.decode is not None:
-                yield McapMessage(known.topic, message.log_time, known.decode(message.data))
+            topic = self.channels[channel.id]
+            if topic.decode is not None:
+                yield McapMessage(topic.topic, message.log_time, topic.decode(message.data))
 
 
 def is_mcap(path: Path) -> bool:

@@ -29,11 +29,11 @@ def table_of(path: Path, columns: Sequence[str]) -> Text:
         first = _first_fields(file)
         if not first:
             raise _empty(file)
-        known = {f"{topic}.{field}": topic for topic, row in first.items() for field in row}
-        known[LOG_TIME] = ""
-        if not all(name in known for name in columns):
-            return Text(path, tuple(known), [], head="its messages")
-        topics = [known[name] for name in columns if known[name]]
+        topic_of = {f"{topic}.{field}": topic for topic, row in first.items() for field in row}
+        topic_of[LOG_TIME] = ""
+        if not all(name in topic_of for name in columns):
+            return Text(path, tuple(topic_of), [], head="its messages")
+        topics = [topic_of[name] for name in columns if topic_of[name]]
         if not topics:
             return Text(path, tuple(columns), [], head="its messages")
         main = max(dict.fromkeys(topics), key=topics.count)
@@ -48,10 +48,10 @@ def _first_fields(file: McapFile) -> dict[str, Row]:
 
 def _empty(file: McapFile) -> InputError:
     others = sorted({f"{one.topic} ({one.encoding})" for one in file.channels.values()})
-    held = f"found {', '.join(others)[:160]}" if others else "found no channel"
+    channels = f"found {', '.join(others)[:160]}" if others else "found no channel"
     return InputError(
-        f"log {file.path}: expected messages in JSON or ROS 2's CDR, {held}: name a log that holds "
-        "some"
+        f"log {file.path}: expected messages in JSON or ROS 2's CDR, {channels}: name a log that "
+        "holds some"
     )
 
 

@@ -37,8 +37,8 @@ def _numbers(value: Any, name: str, depth: int) -> Iterator[tuple[str, float | i
             if isinstance(part, str | bytes) or _parts(part) or not hasattr(part, "__len__"):
                 yield from _numbers(part, whole, depth + 1)
             elif len(part) <= _LONGEST:
-                known = labels if len(labels) == len(part) else range(len(part))
-                for label, one in zip(known, part, strict=True):
+                keys = labels if len(labels) == len(part) else range(len(part))
+                for label, one in zip(keys, part, strict=True):
                     yield from _numbers(one, f"{whole}[{label}]", depth + 1)
 
 
@@ -54,8 +54,10 @@ def _parts(value: Any) -> Mapping[str, Any]:
 
 def _names(value: Any) -> list[str]:
     """Return the names in a list; none if it has anything else."""
-    known = isinstance(value, list | tuple) and all(isinstance(one, str) for one in value)
-    return list(value) if known else []
+    is_list_of_names = isinstance(value, list | tuple) and all(
+        isinstance(one, str) for one in value
+    )
+    return list(value) if is_list_of_names else []
 
 
 def _together(parts: Mapping[str, Any], name: str) -> Iterator[tuple[str, float | int]]:

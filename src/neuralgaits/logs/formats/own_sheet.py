@@ -51,24 +51,25 @@ def numbers(text: Text, robot: PlanarBiped, columns: ColumnFile) -> SheetArrays:
 
     Raises: InputError for a missing column, a broken row, and a contact that is neither 0 nor 1.
     """
-    found, rows = _quantities(text, columns)
+    quantities, rows = _quantities(text, columns)
     layout = robot.layout
     signs, offsets = np.array(layout.leg_joint_signs), np.array(layout.leg_joint_offsets)
     unknown = np.full(len(rows), np.nan)
 
     def by_leg(table: str) -> Float[np.ndarray, "k 2 j"]:
         columns = [
-            [found.get(f"{table}.{name}", unknown) for name in leg] for leg in layout.leg_joints
+            [quantities.get(f"{table}.{name}", unknown) for name in leg]
+            for leg in layout.leg_joints
         ]
         return signs * np.moveaxis(np.array(columns), -1, 0)
 
-    contact = [_contact(text, columns, found, rows, robot, foot) for foot in layout.feet]
-    along, up = (found.get(f"hip_velocity.{way}") for way in ("x", "z"))
+    contact = [_contact(text, columns, quantities, rows, robot, foot) for foot in layout.feet]
+    along, up = (quantities.get(f"hip_velocity.{way}") for way in ("x", "z"))
     return SheetArrays(
-        t=found["time"],
+        t=quantities["time"],
         rows=rows,
-        pitch=layout.pitch_sign * found["pitch"] + layout.root_angle,
-        dpitch=layout.pitch_sign * found.get("pitch_rate", unknown),
+        pitch=layout.pitch_sign * quantities["pitch"] + layout.root_angle,
+        dpitch=layout.pitch_sign * quantities.get("pitch_rate", unknown),
         angles=by_leg("joints") + offsets,
         rates=by_leg("rates"),
         torques=by_leg("torques"),
@@ -81,8 +82,8 @@ def numbers(text: Text, robot: PlanarBiped, columns: ColumnFile) -> SheetArrays:
 
 def _quantities(text: Text, columns: ColumnFile) -> tuple[_Found, Int[np.ndarray, " k"]]:
     """Read the numbers of every quantity in SI units, by key, and each row's number in the file."""
-    width, wanted = len(text.header), columns.sources
-    names = tuple(dict.fromkeys(source.column for source in wanted.values()))
+    width, sources = len(text.header), columns.sources
+    names = tuple(dict.fromkeys(source.column for source in sources.values()))
     _check_header(text, columns, names)
     place = [text.header.index(name) for name in names]
     for row, cells in text.cells:
@@ -92,17 +93,17 @@ def _quantities(text: Text, columns: ColumnFile) -> tuple[_Found, Int[np.ndarray
                 f"{width} columns, found {len(cells)}: {REPAIR}"
             )
     # Columns that nobody asked for may hold words.
-    chosen = [(row, [cells[i] for i in place]) for row, cells in text.cells]
-    sheet = sheet_of(Text(text.path, names, chosen), names)
+    selected = [(row, [cells[i] for i in place]) for row, cells in text.cells]
+    sheet = sheet_of(Text(text.path, names, selected), names)
     at = {name: sheet.numbers[:, i] for i, name in enumerate(names)}
-    return {key: source.si(at[source.column]) for key, source in wanted.items()}, sheet.rows
+    return {key: source.si(at[source.column]) for key, source in sources.items()}, sheet.rows
 
 
 def _check_header(text: Text, columns: ColumnFile, names: tuple[str, ...]) -> None:
     missing = [name for name in names if name not in text.header]
     if not text.header or missing:
         near = _like(missing[0], text.header) if missing else []
-        found = ", ".join(text.header)[:160] or f"{text.width} columns without names"
+        header = ", ".join(text.header)[:160] or f"{text.width} columns without names"
         if len(text.header) == 1:
             remedy = "separate columns by commas"
         elif near:
@@ -111,7 +112,7 @@ def _check_header(text: Text, columns: ColumnFile, names: tuple[str, ...]) -> No
             remedy = f"name columns of the log in {columns.path}"
         raise InputError(
             f"{text.header_place}: expected the columns {', '.join(missing or names)} that "
-            f"{columns.path} names, found {found}: {remedy}"
+            f"{columns.path} names, found {header}: {remedy}"
         )
     twice = [name for name in names if text.header.count(name) > 1]
     if twice:
@@ -130,14 +131,14 @@ def _like(name: str, header: tuple[str, ...]) -> list[str]:
 def _contact(
     text: Text,
     columns: ColumnFile,
-    found: _Found,
+    quantities: _Found,
     rows: Int[np.ndarray, " k"],
     robot: PlanarBiped,
     foot: str,
 ) -> Bool[np.ndarray, " k"]:
     """Return whether a foot is on the ground. [k]."""
     source = columns.sources[f"contact.{foot}"]
-    value = found[source.key]
+    value = quantities[source.key]
     if source.factor is not None:
         return loaded(float(robot.mass * robot.gravity), value)
     bad = np.flatnonzero((value != 0.0) & (value != 1.0))

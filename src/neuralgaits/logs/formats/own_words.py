@@ -15,27 +15,27 @@ def computed(robot: PlanarBiped, columns: ColumnFile) -> tuple[str, ...]:
     """Describe the quantities that the file lacks and that are computed."""
     shortest, longest = HALF_WINDOWS_S
     window = f"{2e3 * shortest:g} to {2e3 * longest:g} ms, as long as the noise asks for"
-    found = ["stance leg from the contacts"]
+    sources = ["stance leg from the contacts"]
     slow = [name for name in joints_of(robot) if f"rates.{name}" not in columns.sources]
     slow += [] if columns.has("pitch_rate") else ["pitch"]
     if slow:
-        found.append(f"rates of {', '.join(slow)} by parabolas over {window}")
+        sources.append(f"rates of {', '.join(slow)} by parabolas over {window}")
     foot = "with" if columns.has("hip_velocity") else "without"
-    found.append(f"z from angles and rates, {foot} the speed of the stance foot")
+    sources.append(f"z from angles and rates, {foot} the speed of the stance foot")
     if not columns.has("desired"):
-        found.append("desired outputs and rates from the run's policy at that z")
+        sources.append("desired outputs and rates from the run's policy at that z")
     elif not columns.has("desired_rates"):
-        found.append(f"rates of desired outputs by parabolas over {window}")
+        sources.append(f"rates of desired outputs by parabolas over {window}")
     if not columns.has("torques"):
-        found.append("no torques: nothing is said of them")
-    return tuple(found)
+        sources.append("no torques: nothing is said of them")
+    return tuple(sources)
 
 
 def labels_of(robot: PlanarBiped, columns: ColumnFile) -> Labels:
     """Return the log's names of the quantities."""
     first, second = robot.layout.leg_joints
 
-    def said(table: str, joint: str) -> str:
+    def described(table: str, joint: str) -> str:
         source: ColumnSource | None = columns.sources.get(f"{table}.{joint}")
         if source is not None:
             return source.column
@@ -44,14 +44,17 @@ def labels_of(robot: PlanarBiped, columns: ColumnFile) -> Labels:
             return f"{columns.sources[f'{own}.{joint}'].column} (its rate)"
         return f"{table}.{joint} (computed)"
 
-    found: dict[str, tuple[str, str]] = {}
+    labels: dict[str, tuple[str, str]] = {}
     tables = {"q": "joints", "dq": "rates", "qd": "desired", "dqd": "desired_rates"}
     for prefix, table in {**tables, "tau": "torques"}.items():
         orders = [(*own, *reversed(other)) for own, other in ((first, second), (second, first))]
         if robot.torso is None:
             orders = [(*order[: len(first)], *order[len(first) + 1 :]) for order in orders]
         for i, joint in enumerate(robot.joint_names[1:]):
-            found[f"{prefix}_{joint}"] = (said(table, orders[0][i]), said(table, orders[1][i]))
+            labels[f"{prefix}_{joint}"] = (
+                described(table, orders[0][i]),
+                described(table, orders[1][i]),
+            )
     pitch = columns.sources["pitch"].column
     rate = columns.sources.get("pitch_rate")
     dpitch = f"{pitch} (its rate)" if rate is None else rate.column
@@ -66,4 +69,4 @@ def labels_of(robot: PlanarBiped, columns: ColumnFile) -> Labels:
         "z1": "z1 (computed)",
         "z2": "z2 (computed)",
     }
-    return found | {name: (label, label) for name, label in whole.items()}
+    return labels | {name: (label, label) for name, label in whole.items()}

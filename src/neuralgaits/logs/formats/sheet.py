@@ -63,18 +63,18 @@ def text_of(path: Path) -> Text:
     try:
         with path.open(newline="", encoding="utf-8-sig") as file:
             reader = csv.reader(file, skipinitialspace=True)
-            found = [(reader.line_num, _trimmed(row)) for row in reader]
+            rows = [(reader.line_num, _trimmed(row)) for row in reader]
     except (OSError, ValueError, csv.Error) as error:
         raise InputError(
             f"log {path}: expected a CSV file of a walk, found none that can be read "
             f"({reason(error)}): name the file that the robot wrote"
         ) from None
-    found = [(line, row) for line, row in found if row]
-    if not found:
+    rows = [(line, row) for line, row in rows if row]
+    if not rows:
         raise InputError(f"log {path}: expected a header and rows, found an empty file")
-    first = found[0][1]
+    first = rows[0][1]
     header = () if all(_is_number(cell) for cell in first) else tuple(first)
-    return Text(path, header, found[1:] if header else found)
+    return Text(path, header, rows[1:] if header else rows)
 
 
 def sheet_of(text: Text, names: tuple[str, ...]) -> Sheet:

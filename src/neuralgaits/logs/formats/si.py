@@ -110,17 +110,17 @@ def _some(heads: list[str]) -> str:
 
 
 def _check_header(text: Text, robot: PlanarBiped, heads: tuple[Column, ...]) -> None:
-    found: dict[str, str] = {}
+    units: dict[str, str] = {}
     for column, cell in enumerate(text.header, start=1):
         head = _HEADER.match(cell)
         assert head is not None
-        if head["name"] in found:
+        if head["name"] in units:
             raise InputError(
                 f"{text.header_place}, column {column}: expected every column once, found "
                 f"{head['name']} twice: rename or delete one"
             )
-        found[head["name"]] = head["unit"]
-    missing = [_head(head) for head in heads if head[0] not in found]
+        units[head["name"]] = head["unit"]
+    missing = [_head(head) for head in heads if head[0] not in units]
     if missing:
         joints = [cell for cell in text.header if cell.startswith("q_")]
         many = "s" if len(missing) > 1 else ""
@@ -131,10 +131,10 @@ def _check_header(text: Text, robot: PlanarBiped, heads: tuple[Column, ...]) -> 
             f"are: {PAGE}"
         )
     for name, unit in heads:
-        if found[name] != unit:
+        if units[name] != unit:
             raise InputError(
-                f"{text.header_place}, column {name}[{found[name]}]: expected unit {unit}, "
-                f"found {found[name]}: convert the column to SI units"
+                f"{text.header_place}, column {name}[{units[name]}]: expected unit {unit}, "
+                f"found {units[name]}: convert the column to SI units"
             )
 
 

@@ -48,12 +48,12 @@ class SignCheck:
 
         Raises: InputError with the columns and their signs.
         """
-        found = self._doubt(log)
-        if found is None or found.size <= 1.0:
+        doubt = self._doubt(log)
+        if doubt is None or doubt.size <= 1.0:
             return
         tried = [(self._with(columns.turned(*keys)), keys) for keys in self._choices()]
         best, keys = min(tried, key=lambda one: one[0].size)
-        if not (best.size <= 1.0 and CLEARLY * best.size < found.size):
+        if not (best.size <= 1.0 and CLEARLY * best.size < doubt.size):
             return
         sources = [columns.sources[key] for key in keys]
         names = " and ".join(dict.fromkeys(one.column for one in sources))
@@ -61,7 +61,7 @@ class SignCheck:
         raise InputError(
             f"log {self._text.path}, column {names}: expected angles with which the momentum about "
             "the stance foot changes as the weight changes it, and feet land on the floor, found "
-            f"{found}, and {best} with the other sign: write {signs} in {columns.path}, "
+            f"{doubt}, and {best} with the other sign: write {signs} in {columns.path}, "
             "all else as it is"
         )
 

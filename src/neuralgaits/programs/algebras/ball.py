@@ -167,17 +167,17 @@ class BallAlgebra(Algebra[BallModel]):
         if a.spread is None:
             return BallModel({(): function(a.constant)[0]})
         middle = _middle(a.constant)
-        moved = a.constant - middle
-        reach = BallModel({**a.terms, (): moved}).range()
+        offset = a.constant - middle
+        reach = BallModel({**a.terms, (): offset}).range()
         value, first, second, _ = function(middle)
         terms = {key: first * term for key, term in a.terms.items() if key}
-        value, powers = value + first * moved, reach * reach
+        value, powers = value + first * offset, reach * reach
         if self.degree == 2:
             half, powers = second / 2, powers * reach
             for key, term in self._quadratic(a, a).items():
                 _collect(terms, key, half * term)
             # Of d^2 = (linear + rest)^2, what is more than quadratic.
-            rest = moved if a.rest is None else moved + a.rest
+            rest = offset if a.rest is None else offset + a.rest
             value = value + half * rest * (rest if a.linear is None else rest + 2 * a.linear)
         remainder = function(middle + reach)[self.degree + 1] * powers
         terms[()] = value + remainder / (2 if self.degree == 1 else 6)

@@ -122,7 +122,7 @@ def times(a: Balls | None, b: Balls | None) -> Balls | None:
 
 def total(parts: Iterable[Balls]) -> Balls | None:
     """Add any number of arrays; None stands for zero."""
-    found = None
+    sum_of_parts = None
     for part in parts:
-        found = plus(found, part)
-    return found
+        sum_of_parts = plus(sum_of_parts, part)
+    return sum_of_parts

@@ -199,8 +199,8 @@ class DoubleAlgebra(Algebra[DoubleModel]):
         # The divisor's least magnitude, rounded down.
         spread = raised(b.spread + b.radius)
         least = (np.abs(b.terms[0]) - spread) * (1.0 - 4.0 * UNIT)
-        known = (least >= SMALLEST) & (np.abs(b.terms[0]) <= LARGEST)
-        return self._model(terms, raised(left / np.where(known, least, np.nan)), p.size)
+        valid = (least >= SMALLEST) & (np.abs(b.terms[0]) <= LARGEST)
+        return self._model(terms, raised(left / np.where(valid, least, np.nan)), p.size)
 
     def sqrt(self, a: DoubleModel) -> DoubleModel:
         """Take square roots: sqrt a = p + (a - p^2) / (sqrt a + p) for any p, as for quotients."""
@@ -216,8 +216,8 @@ class DoubleAlgebra(Algebra[DoubleModel]):
         left = raised(a.radius + _dropped(p, p) + rounded)
         spread = raised(a.spread + a.radius)
         lowest = (a.terms[0] - spread) * (1.0 - 4.0 * UNIT)
-        known = (lowest >= SMALLEST) & (a.terms[0] <= LARGEST)
-        least = np.sqrt(np.where(known, lowest, np.nan)) * (1.0 - 4.0 * UNIT)
+        valid = (lowest >= SMALLEST) & (a.terms[0] <= LARGEST)
+        least = np.sqrt(np.where(valid, lowest, np.nan)) * (1.0 - 4.0 * UNIT)
         # p may be negative on a wide box, where it says little: then there is no bound.
         least = (least + root - p.spread) * (1.0 - 4.0 * UNIT) - 4.0 * UNIT * (root + p.spread)
         least = np.where(least >= SMALLEST, least, np.nan)
@@ -240,9 +240,9 @@ class DoubleAlgebra(Algebra[DoubleModel]):
         if len(terms) > 1:
             linear = a.terms[self.layout.linear]
             terms[self.layout.products] += values[2] * self.layout.product(linear, linear)
-        known = errors[0] + errors[1] * reach + errors[2] * reach * reach
-        known = known + third * reach * reach * reach
-        radius = first * a.radius + second * beyond + known + 8.0 * UNIT * most
+        bound = errors[0] + errors[1] * reach + errors[2] * reach * reach
+        bound = bound + third * reach * reach * reach
+        radius = first * a.radius + second * beyond + bound + 8.0 * UNIT * most
         return self._model(terms, raised(radius), most)
 
     def _exact(self, terms: np.ndarray) -> DoubleModel:

@@ -93,8 +93,8 @@ def sine_cosine(x: Values) -> tuple[Values, Values]:
     cosine = sums(r * r, last=22, first=0, step=2, sign=-1.0)
     inside &= np.abs(r) <= 1.599
     quarter = whole & 3
-    turned = quarter & 1 == 1
-    first, second = np.where(turned, cosine, sine), np.where(turned, sine, cosine)
+    swapped = quarter & 1 == 1
+    first, second = np.where(swapped, cosine, sine), np.where(swapped, sine, cosine)
     first = np.where(quarter >= 2, -first, first)
     second = np.where((quarter == 1) | (quarter == 2), -second, second)
     return np.where(inside, first, np.nan), np.where(inside, second, np.nan)
@@ -168,8 +168,8 @@ def log1p(c: Values, r: Values) -> LocalExpansion:
     off = np.abs(ratio - 1.0) + 4.0 * ERROR * ratio
     slope = 1.0 / above
     half = -0.5 * slope * slope
-    known = (nearest >= 1e-50) & (above <= 1e50) & (off <= 0.25)
-    third = np.where(known, 1.0 / nearest, np.nan)
+    valid = (nearest >= 1e-50) & (above <= 1e50) & (off <= 0.25)
+    third = np.where(valid, 1.0 / nearest, np.nan)
     third = third * third * third * ((1.0 + 16.0 * UNIT) / 3.0)
     errors = 2.0 * off + 1e-300, 8.0 * UNIT * slope, 16.0 * UNIT * np.abs(half)
     return LocalExpansion((guess, slope, half), errors, third)

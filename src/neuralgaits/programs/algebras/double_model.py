@@ -89,15 +89,15 @@ class TermLayout:
         Three roundings a coefficient at most.
         """
         shape = np.broadcast_shapes(p.shape[1:], q.shape[1:])
-        found = np.empty((self.quadratic - 1 - self.axes, *shape))
-        np.multiply(p, q, out=found[: self.axes])
+        coefficients = np.empty((self.quadratic - 1 - self.axes, *shape))
+        np.multiply(p, q, out=coefficients[: self.axes])
         start = self.axes
         for i in range(self.axes - 1):
-            row = found[start : start + self.axes - 1 - i]
+            row = coefficients[start : start + self.axes - 1 - i]
             np.multiply(p[i], q[i + 1 :], out=row)
             row += row if p is q else p[i + 1 :] * q[i]
             start += len(row)
-        return found
+        return coefficients
 
 
 @dataclass(frozen=True)

@@ -97,11 +97,11 @@ class Writer:
 
     def _loop(self, group: list[Node]) -> list[str]:
         """Write elementwise operations of one size; stores come last, to let them share memory."""
-        kept = [node for node in group if node.number in self._layout.stored]
+        stored = [node for node in group if node.number in self._layout.stored]
         return [
             f"for (int i = 0; i < {group[0].size}; ++i) {{",
             *self._elements(group, "i"),
-            *(f"    {self._at(node, 'i')} = t{node.number};" for node in kept),
+            *(f"    {self._at(node, 'i')} = t{node.number};" for node in stored),
             "}",
         ]
 
@@ -141,12 +141,12 @@ class Writer:
         lines.append("}")
         if not group.streamed:
             return [*lines, *self._columns(nodes, inner, "j")]
-        kept = [node for node in group.streamed if node.number in self._layout.blocks]
+        in_blocks = [node for node in group.streamed if node.number in self._layout.blocks]
         body = [
-            *(f"ng_real {self._block(node)}[{BLOCK}];" for node in kept),
+            *(f"ng_real {self._block(node)}[{BLOCK}];" for node in in_blocks),
             f"for (int i = 0; i < {BLOCK}; ++i) {{",
             *self._elements(group.streamed, "j + i"),
-            *(f"    {self._block(node)}[i] = t{node.number};" for node in kept),
+            *(f"    {self._block(node)}[i] = t{node.number};" for node in in_blocks),
             "}",
             *self._columns(nodes, BLOCK, "k", "j + k"),
         ]
@@ -248,8 +248,8 @@ class Writer:
 
     def _blocks(self) -> list[list[Node]]:
         """Return, for each group, the streamed values that are kept in blocks."""
-        kept = self._layout.blocks
-        return [[n for n in group.streamed if n.number in kept] for group in self._layout.groups]
+        blocks = self._layout.blocks
+        return [[n for n in group.streamed if n.number in blocks] for group in self._layout.groups]
 
     def _block(self, node: Node) -> str:
         return f"b{node.number}"

@@ -68,10 +68,10 @@ class Node:
 
     def slice(self) -> tuple["Node", int] | None:
         """Return operand and first place of a `move` that is a contiguous part, else None."""
-        found = list(self.sources())
-        source, start = found[0]
-        same = all(operand is source for operand, _ in found)
-        places = [place for _, place in found]
+        elements = list(self.sources())
+        source, start = elements[0]
+        same = all(operand is source for operand, _ in elements)
+        places = [place for _, place in elements]
         return (source, start) if same and places == [*range(start, start + self.size)] else None
 
     @property

@@ -65,15 +65,15 @@ def lay_out(nodes: list[Node], outputs: list[Node]) -> OperationLayout:
     free: list[int] = []
     alive: set[int] = set()
     for number, group in enumerate(groups):
-        done = {k for k in alive if last[k][0] == number}
-        lent = {k for k in done if last[k][1] and group.loop}
+        ended = {k for k in alive if last[k][0] == number}
+        lent = {k for k in ended if last[k][1] and group.loop}
         free += sorted(stored[k] for k in lent)
         for node in group.nodes:
             if node.number in outside and (node.size > 1 or not _scalar(node)):
                 stored[node.number] = _slot(slots, free, node.size)
                 alive.add(node.number)
-        free += sorted(stored[k] for k in done - lent)
-        alive -= done
+        free += sorted(stored[k] for k in ended - lent)
+        alive -= ended
     streamed = {node.number for group in groups for node in group.streamed}
     return OperationLayout(groups, stored, slots, frozenset(streamed & outside))
 
@@ -87,9 +87,9 @@ def _slot(slots: list[int], free: list[int], size: int) -> int:
     """Return a free array that is large enough, the smallest first; else a new one."""
     fitting = [slot for slot in free if slots[slot] >= size]
     if fitting:
-        chosen = min(fitting, key=lambda slot: slots[slot])
-        free.remove(chosen)
-        return chosen
+        tightest = min(fitting, key=lambda slot: slots[slot])
+        free.remove(tightest)
+        return tightest
     slots.append(size)
     return len(slots) - 1
 
@@ -139,9 +139,9 @@ def _streamed(groups: list[Group], outputs: list[Node]) -> list[Group]:
             else:
                 continue
             gone.add(i)
-            for found in readers.values():
-                found |= {number} if i in found else set()
-                found.discard(i)
+            for numbers in readers.values():
+                numbers |= {number} if i in numbers else set()
+                numbers.discard(i)
     return [group for number, group in enumerate(groups) if number not in gone]
 
 
@@ -209,13 +209,13 @@ def _last_reads(groups: list[Group], outputs: list[Node]) -> dict[int, tuple[int
 def _read_outside(groups: list[Group], outputs: list[Node]) -> set[int]:
     """Return the values that are read outside the loop that computes them."""
     place = {node.number: i for i, group in enumerate(groups) for node in group.members()}
-    found = {n.number for group in groups for n in group.nodes if not _scalar(n) or n.size > 1}
-    found -= {n.number for group in groups for n in group.nodes if n.looped}
+    outside = {n.number for group in groups for n in group.nodes if not _scalar(n) or n.size > 1}
+    outside -= {n.number for group in groups for n in group.nodes if n.looped}
     for number, group in enumerate(groups):
         for node in group.members():
             for base, same in _read(node):
                 if base.lasting:
                     continue
                 if place[base.number] != number or not (same or base.size == 1):
-                    found.add(base.number)
-    return found | {base.number for output in outputs for base, _ in output.bases()}
+                    outside.add(base.number)
+    return outside | {base.number for output in outputs for base, _ in output.bases()}

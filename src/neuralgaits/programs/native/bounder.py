@@ -62,12 +62,12 @@ class Bounder:
         The upper one is the least of the elements' own: no smallest element is above it.
         """
         corners = [np.ascontiguousarray(side, dtype=np.float64) for side in (low, high)]
-        found = [np.empty((len(low), self._outputs)) for _ in corners]
+        corner_values = [np.empty((len(low), self._outputs)) for _ in corners]
         self._rules.ng_bounds(
             *(self._handle, corners[0].ctypes.data, corners[1].ctypes.data, len(low)),
-            *(self._threads, found[0].ctypes.data, found[1].ctypes.data),
+            *(self._threads, corner_values[0].ctypes.data, corner_values[1].ctypes.data),
         )
-        return found[0], found[1]
+        return corner_values[0], corner_values[1]
 
 
 def _room_for(symbols: int) -> int:

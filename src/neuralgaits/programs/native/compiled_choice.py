@@ -44,12 +44,12 @@ def compiled_choice(
         return ()
     code = encode(program, [output.name for output in program.outputs], folded, reuse=False)
     _arrays, arguments = code.arguments
-    chosen = np.empty(MOST_SYMBOLS, dtype=np.int64)
+    numbers = np.empty(MOST_SYMBOLS, dtype=np.int64)
     for share in SHARES:
         box = [np.ascontiguousarray(corner) for corner in middle(low, high, share)]
         count = rules.ng_choose_symbols(
-            *arguments, box[0].ctypes.data, box[1].ctypes.data, LEAST_GAIN, chosen.ctypes.data
+            *arguments, box[0].ctypes.data, box[1].ctypes.data, LEAST_GAIN, numbers.ctypes.data
         )
         if count >= 0:
-            return tuple(sorted(code.numbers[row] for row in chosen[:count]))
+            return tuple(sorted(code.numbers[row] for row in numbers[:count]))
     return ()

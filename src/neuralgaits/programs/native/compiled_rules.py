@@ -46,15 +46,15 @@ def library(axes: int, symbols: int) -> ctypes.CDLL | None:
     return None
 
 
-def _declared(found: ctypes.CDLL) -> ctypes.CDLL:
+def _declared(library: ctypes.CDLL) -> ctypes.CDLL:
     whole, pointer = ctypes.c_int64, ctypes.c_void_p
-    found.ng_bounder.restype = pointer
+    library.ng_bounder.restype = pointer
     code = [pointer, whole, pointer, whole, pointer, whole, pointer, whole, whole]
-    found.ng_bounder.argtypes = code
-    found.ng_choose_symbols.restype = whole
-    found.ng_choose_symbols.argtypes = [*code, pointer, pointer, ctypes.c_double, pointer]
-    found.ng_bounds.argtypes = [pointer, pointer, pointer, whole, ctypes.c_int, pointer, pointer]
-    found.ng_bounds.restype = None
-    found.ng_forget.argtypes = [pointer]
-    found.ng_forget.restype = None
-    return found
+    library.ng_bounder.argtypes = code
+    library.ng_choose_symbols.restype = whole
+    library.ng_choose_symbols.argtypes = [*code, pointer, pointer, ctypes.c_double, pointer]
+    library.ng_bounds.argtypes = [pointer, pointer, pointer, whole, ctypes.c_int, pointer, pointer]
+    library.ng_bounds.restype = None
+    library.ng_forget.argtypes = [pointer]
+    library.ng_forget.restype = None
+    return library

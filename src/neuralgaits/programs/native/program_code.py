@@ -80,8 +80,8 @@ def encode(
         radii.append(value.radius.reshape(-1))
         count += len(centres[-1])
     outputs = {output.name: output.value for output in program.outputs}
-    wanted = [outputs[name] for name in names]
-    last = _last_uses(program, wanted)
+    output_values = [outputs[name] for name in names]
+    last = _last_uses(program, output_values)
     room, sizes = _Workspace(program.sizes[0]), program.sizes
     numbers, table, index = [], [], []
     behind: set[int] = set()
@@ -109,7 +109,7 @@ def encode(
         np.array(table, dtype=np.int64).reshape(-1, FIELDS),
         np.array(index, dtype=np.int64),
         np.stack([np.concatenate([*part, [0.0]]) for part in (centres, radii)]),
-        np.array([(places[value], sizes[value]) for value in wanted], dtype=np.int64),
+        np.array([(places[value], sizes[value]) for value in output_values], dtype=np.int64),
         room.size,
     )
 
@@ -125,9 +125,9 @@ def _sources(operation: Operation, places: Mapping[int, int], sizes: Sequence[in
     return [joined[k] for k in operation.index]
 
 
-def _last_uses(program: Program, wanted: Sequence[int]) -> dict[int, int]:
+def _last_uses(program: Program, output_values: Sequence[int]) -> dict[int, int]:
     """Return the number of the last operation that reads each value that the outputs need."""
-    last = dict.fromkeys(wanted, len(program.sizes))
+    last = dict.fromkeys(output_values, len(program.sizes))
     for k in reversed(range(len(program.operations))):
         number = program.first_operation + k
         if number in last:
@@ -139,8 +139,8 @@ def _last_uses(program: Program, wanted: Sequence[int]) -> dict[int, int]:
 class _Workspace:
     """Places in the workspace: the first gap that is large enough."""
 
-    def __init__(self, taken: int):
-        self.size = taken
+    def __init__(self, used: int):
+        self.size = used
         self._gaps: list[tuple[int, int]] = []
 
     def take(self, size: int) -> int:

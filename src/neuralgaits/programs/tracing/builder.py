@@ -99,8 +99,8 @@ class Builder:
         if self._value_table.size != len(self._values):
             self._value_table = np.array(self._values)
         result = np.full(elements.shape, np.nan)
-        known = elements < 0
-        result[known] = self._value_table[-1 - elements[known]]
+        signs = elements < 0
+        result[signs] = self._value_table[-1 - elements[signs]]
         return result
 
     def is_constant(self, elements: Elements) -> bool:
@@ -162,10 +162,10 @@ class Builder:
 
     def _owners(self, elements: Elements) -> list[int]:
         """Return the nodes these elements belong to, in order of first appearance."""
-        known = self._start_table.size
-        if known < len(self._starts):
+        size = self._start_table.size
+        if size < len(self._starts):
             # Grown as it is asked for: turning the whole list into an array is what takes long.
-            added = np.array(self._starts[known:], dtype=np.int64)
+            added = np.array(self._starts[size:], dtype=np.int64)
             self._start_table = np.concatenate([self._start_table, added])
         owners = np.searchsorted(self._start_table, elements, side="right") - 1
         return list(dict.fromkeys(owners.tolist()))

@@ -50,10 +50,10 @@ def tangent(build: Builder, a: Elements) -> Elements:
 def reduce_sum(build: Builder, a: Elements, axes: tuple[int, ...]) -> Elements:
     """Lower a sum over some axes to row sums."""
     axes = tuple(int(axis) for axis in axes)
-    moved = np.moveaxis(a, axes, tuple(range(a.ndim - len(axes), a.ndim)))
-    kept = moved.shape[: a.ndim - len(axes)]
-    terms = int(np.prod(moved.shape[len(kept) :]))
-    return simplify.row_sums(build, moved.reshape(*kept, terms))
+    reordered = np.moveaxis(a, axes, tuple(range(a.ndim - len(axes), a.ndim)))
+    shape = reordered.shape[: a.ndim - len(axes)]
+    terms = int(np.prod(reordered.shape[len(shape) :]))
+    return simplify.row_sums(build, reordered.reshape(*shape, terms))
 
 
 def dot_general(build: Builder, arrays: list[Elements], dimensions: Any) -> Elements:
@@ -63,11 +63,11 @@ def dot_general(build: Builder, arrays: list[Elements], dimensions: Any) -> Elem
 
     def arranged(array: Elements, batch, contract) -> tuple[Elements, tuple[int, ...]]:
         free = [i for i in range(array.ndim) if i not in (*batch, *contract)]
-        turned = np.transpose(array, [*batch, *free, *contract])
+        transposed = np.transpose(array, [*batch, *free, *contract])
         batches = int(np.prod([array.shape[i] for i in batch]))
         terms = int(np.prod([array.shape[i] for i in contract]))
-        kept = tuple(array.shape[i] for i in free)
-        return turned.reshape(batches, int(np.prod(kept)), terms), kept
+        free_shape = tuple(array.shape[i] for i in free)
+        return transposed.reshape(batches, int(np.prod(free_shape)), terms), free_shape
 
     left, rows = arranged(a, batch_a, contract_a)
     right, columns = arranged(b, batch_b, contract_b)

@@ -145,11 +145,11 @@ def outside(name: str, arrays: Arrays, params: Mapping[str, Any]) -> str:
     else:
         return ""
     for column, axis in enumerate(axes):
-        size, found = operand.shape[axis], starts[..., column]
-        wrong = (found < 0) | (found + params["slice_sizes"][axis] > size)
+        size, start = operand.shape[axis], starts[..., column]
+        wrong = (start < 0) | (start + params["slice_sizes"][axis] > size)
         if np.any(wrong):
             # JAX has added the size to an index that counts from the end.
-            place = int(found[wrong].flat[0])
+            place = int(start[wrong].flat[0])
             place -= size if place < 0 else 0
             return f"index {place} of an axis of {size}"
     return ""

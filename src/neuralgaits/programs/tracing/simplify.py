@@ -148,17 +148,17 @@ def product(build: Builder, a: Elements, b: Elements) -> Elements:
     A constant matrix gives `affine`; one whose rows are unit vectors or zero moves data only.
     """
     # Either side may be the matrix: a b' is the transpose of b a'.
-    for left, right, turned in ((a, b, False), (b, a, True)):
-        chosen = _selection(build, left)
-        if chosen is not None:
+    for left, right, swapped in ((a, b, False), (b, a, True)):
+        selection = _selection(build, left)
+        if selection is not None:
             # A column of zeros more, for the rows that choose none.
             wide = np.concatenate([right, np.full((right.shape[0], 1), _zero(build))], axis=1)
-            result = wide[:, chosen].T
-            return result.T if turned else result
-    for left, right, turned in ((a, b, False), (b, a, True)):
+            result = wide[:, selection].T
+            return result.T if swapped else result
+    for left, right, swapped in ((a, b, False), (b, a, True)):
         if build.is_constant(left):
             result = _affine(build, left, right)
-            return result.T if turned else result
+            return result.T if swapped else result
     return inner(build, a[:, None, :], b[None, :, :])
 
 

@@ -83,8 +83,8 @@ def _jaxpr(function: Callable[..., Mapping[str, Any]], shapes: Mapping[str, tupl
     def flat(arrays):
         outputs = function(**arrays)
         if not isinstance(outputs, Mapping) or not all(isinstance(name, str) for name in outputs):
-            found = type(outputs).__name__
-            raise SpecError(f"a traced function must return a dict by name, found {found}")
+            type_name = type(outputs).__name__
+            raise SpecError(f"a traced function must return a dict by name, found {type_name}")
         names[:] = sorted(outputs)
         return [jax.numpy.asarray(outputs[name]) for name in names]
 
@@ -138,8 +138,8 @@ class _Tracer:
         self, jaxpr: Any, consts: Sequence[Any], arguments: Sequence[_Value], calls: tuple
     ) -> list[Elements]:
         """Follow the outermost jaxpr. Returns: the elements of each output."""
-        known = [self._known(value) for value in consts]
-        results = self._follow(jaxpr, known, arguments, calls)
+        constants = [self._known(value) for value in consts]
+        results = self._follow(jaxpr, constants, arguments, calls)
         for result in results:
             if not isinstance(result, _Real):
                 raise SpecError(
@@ -209,8 +209,8 @@ class _Tracer:
     def _arithmetic(self, name: str, params: Any, operands: list[_Value]) -> Elements:
         """Apply one operation; a library call repeated on the same operands reuses its result."""
         arrays = [self._elements(operand) for operand in operands]
-        wanted = tuple(params[key] for key in ("y", "axes", "dimension_numbers") if key in params)
-        key = (name, wanted, tuple((array.shape, array.tobytes()) for array in arrays))
+        settings = tuple(params[key] for key in ("y", "axes", "dimension_numbers") if key in params)
+        key = (name, settings, tuple((array.shape, array.tobytes()) for array in arrays))
         if key not in self._done:
             self._done[key] = ARITHMETIC[name](self.build, arrays, params)
         return self._done[key]
@@ -237,12 +237,12 @@ class _Tracer:
         arrays = [v.elements if isinstance(v, _Real) else v for v in operands]
         if name in INDEXED and (beyond := outside(name, arrays, equation.params)):
             raise self._refusal(calls, refusals.OUTSIDE, beyond)
-        moved = MOVEMENT[name](arrays, equation.params) if name in MOVEMENT else None
-        if moved is None:
+        parts = MOVEMENT[name](arrays, equation.params) if name in MOVEMENT else None
+        if parts is None:
             out = equation.primitive.bind(*map(jax.numpy.asarray, arrays), **equation.params)
-            moved = [np.asarray(out)]
+            parts = [np.asarray(out)]
         result: list[_Value] = []
-        for variable, array in zip(equation.outvars, moved, strict=True):
+        for variable, array in zip(equation.outvars, parts, strict=True):
             if np.dtype(variable.aval.dtype) != np.float64:
                 result.append(array)
                 continue
@@ -256,14 +256,14 @@ class _Tracer:
         name = equation.primitive.name
         if name.startswith(("random", "threefry")):
             raise self._refusal(calls, refusals.advice(name), name)
-        known = []
+        axes_of_values = []
         for operand in operands:
             if isinstance(operand, _Real):
                 if name not in EXACT or np.any(operand.elements >= 0):
                     raise self._refusal(calls, refusals.advice(name), name)
                 operand = self.build.values(operand.elements)
-            known.append(jax.numpy.asarray(operand))
-        out = equation.primitive.bind(*known, **equation.params)
+            axes_of_values.append(jax.numpy.asarray(operand))
+        out = equation.primitive.bind(*axes_of_values, **equation.params)
         results = out if equation.primitive.multiple_results else [out]
         return [self._known(result) for result in results]
 

@@ -112,7 +112,9 @@ def _range(name: str, one: Range) -> str:
 
 
 def _statements(level: int) -> str:
-    return "; ".join(certificate_sentences.states(one, told=True) for one in range(1, level + 1))
+    return "; ".join(
+        certificate_sentences.states(one, with_commands=True) for one in range(1, level + 1)
+    )
 
 
 def _figure(contents: Contents, pictures: Mapping[str, Html]) -> Iterator[Html]:

@@ -56,6 +56,6 @@ def _product(text: str) -> float:
         return 1.0
 
 
-def _refuse(what: str, found: float, most: int, of: str) -> None:
-    if not found <= most:
-        raise RobotError(f"<{what}> asks for {found:g} {of}: expected at most {most}; write fewer")
+def _refuse(what: str, count: float, most: int, of: str) -> None:
+    if not count <= most:
+        raise RobotError(f"<{what}> asks for {count:g} {of}: expected at most {most}; write fewer")

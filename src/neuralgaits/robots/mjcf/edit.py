@@ -87,11 +87,11 @@ class MjcfEdit:
         """Return a name that no element has where one of this kind is looked up."""
         tags = ("joint", "freejoint") if tag == "joint" else (tag,)
         if tag == "actuator":
-            taken = {element.get("name") for element in self.found.actuators}
+            used = {element.get("name") for element in self.found.actuators}
         else:
-            taken = {element.get("name") for one in tags for element in self.root.iter(one)}
-        names = (wish, *(f"{wish}_{count}" for count in range(2, len(taken) + 3)))
-        return next(name for name in names if name not in taken)
+            used = {element.get("name") for one in tags for element in self.root.iter(one)}
+        names = (wish, *(f"{wish}_{count}" for count in range(2, len(used) + 3)))
+        return next(name for name in names if name not in used)
 
     def parent_and_place(self, element: Element) -> tuple[Element, int]:
         """Return an element's parent, and the element's index among the children."""
@@ -101,9 +101,9 @@ class MjcfEdit:
                     return parent, place
         raise ValueError(f"<{element.tag}> is not in the file")
 
-    def insert(self, parent: Element, place: int, tag: str, given: dict[str, str]) -> None:
+    def insert(self, parent: Element, place: int, tag: str, attributes: dict[str, str]) -> None:
         """Insert a new element among the children of another, on a line of its own."""
-        new = ElementTree.Element(tag, given)
+        new = ElementTree.Element(tag, attributes)
         new.tail = parent[place - 1].tail if place else parent.text
         if place == len(parent) > 0:
             parent[-1].tail = parent.text

@@ -85,9 +85,9 @@ def match_elements(root: Element, model: mujoco.MjModel) -> Elements:
     actuators = [
         one for part in root.findall("actuator") for one in part if isinstance(one.tag, str)
     ]
-    found = Elements(tuple(bodies), tuple(joints), tuple(geoms), tuple(actuators))
-    _refuse_other_order(found, model)
-    return found
+    matched = Elements(tuple(bodies), tuple(joints), tuple(geoms), tuple(actuators))
+    _refuse_other_order(matched, model)
+    return matched
 
 
 def _within(body: Element) -> Iterator[Element]:
@@ -99,13 +99,13 @@ def _within(body: Element) -> Iterator[Element]:
             yield child
 
 
-def _refuse_other_order(found: Elements, model: mujoco.MjModel) -> None:
+def _refuse_other_order(matched: Elements, model: mujoco.MjModel) -> None:
     """Raise RobotError unless every element that has a name has that of its number."""
     pairs = (
-        (found.bodies[1:], [model.body(i).name for i in range(1, model.nbody)]),
-        (found.joints, [model.joint(i).name for i in range(model.njnt)]),
-        (found.geoms, [model.geom(i).name for i in range(model.ngeom)]),
-        (found.actuators, [model.actuator(i).name for i in range(model.nu)]),
+        (matched.bodies[1:], [model.body(i).name for i in range(1, model.nbody)]),
+        (matched.joints, [model.joint(i).name for i in range(model.njnt)]),
+        (matched.geoms, [model.geom(i).name for i in range(model.ngeom)]),
+        (matched.actuators, [model.actuator(i).name for i in range(model.nu)]),
     )
     for elements, names in pairs:
         if [one.get("name", "") for one in elements] != names:

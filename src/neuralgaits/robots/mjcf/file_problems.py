@@ -28,9 +28,9 @@ def problems_of_file(source: str | Path) -> tuple[str, ...]:
         source: name of a built-in robot, or path of an MJCF file.
     """
     with all_noted() as noted:
-        found = attempt(None, robot_text, source)
-        if found is not None:
-            note_problems(*found)
+        text = attempt(None, robot_text, source)
+        if text is not None:
+            note_problems(*text)
     return tuple(noted)
 
 

@@ -45,18 +45,18 @@ def choose_motor(model: mujoco.MjModel, joint: int, actuators: list[int]) -> Mot
     limited = [one for one in actuators if limits[one] is not None]
     if not limited:
         return MotorChoice(actuators[0] if len(actuators) == 1 else None, ())
-    kept = limited[0]
-    return MotorChoice(kept, tuple(one for one in actuators if one != kept), limits[kept])
+    motor = limited[0]
+    return MotorChoice(motor, tuple(one for one in actuators if one != motor), limits[motor])
 
 
 def is_plain_motor(model: mujoco.MjModel, actuator: int) -> bool:
     """Return whether an actuator's torque is its control times a constant."""
-    found = (
+    settings = (
         int(model.actuator_dyntype[actuator]),
         int(model.actuator_gaintype[actuator]),
         int(model.actuator_biastype[actuator]),
     )
-    return found == _MODEL_OF_TORQUE
+    return settings == _MODEL_OF_TORQUE
 
 
 def _servo_limit(model: mujoco.MjModel, joint: int, actuator: int) -> float | None:

@@ -43,15 +43,15 @@ def compile_what_can_be(text: str, name: str) -> tuple[mujoco.MjModel | None, st
     return None, text
 
 
-def _without(text: str, said: str) -> str | None:
+def _without(text: str, message: str) -> str | None:
     """Return the text without what MuJoCo refuses by this message; None if that is not known."""
     try:
         root = ElementTree.fromstring(text)
     except ElementTree.ParseError:
         return None
     for pattern, mend in _MENDS:
-        found = re.search(pattern, said)
-        if found and mend(root, *found.groups()):
+        match = re.search(pattern, message)
+        if match and mend(root, *match.groups()):
             return ElementTree.tostring(root, encoding="unicode")
     return None
 

@@ -173,11 +173,11 @@ def robot_text(name_or_path: str | Path, dropped: list[str] | None = None) -> tu
     path = Path(name_or_path)
     looks_like_name = isinstance(name_or_path, str) and path.name == name and not path.suffix
     if looks_like_name and not path.exists():
-        known = ", ".join(registry.built_in())
+        names = ", ".join(registry.built_in())
         hint = meant(name, registry.built_in())
         hint = f"{hint} " if hint else ""
         raise RobotError(
-            f"unknown robot {name}: {hint}use one of {known}, or a path to an MJCF file"
+            f"unknown robot {name}: {hint}use one of {names}, or a path to an MJCF file"
         )
     return standalone_text(path, dropped), printable(path.stem)
 

@@ -47,27 +47,27 @@ def read_motor(model: mujoco.MjModel, joint: int) -> Motor:
     """
     name = joint_name(model, joint)
     kinds = (int(mujoco.mjtTrn.mjTRN_JOINT), int(mujoco.mjtTrn.mjTRN_JOINTINPARENT))
-    found = [
+    motors = [
         a
         for a in range(model.nu)
         if int(model.actuator_trntype[a]) in kinds and int(model.actuator_trnid[a, 0]) == joint
     ]
     if not model.nu:
         raise RobotError(_NO_ACTUATORS)
-    if not found:
+    if not motors:
         raise RobotError(
             f'joint {name} is not actuated: add <motor name="{name}" joint="{name}"/>, '
             "or weld its body"
         )
-    if len(found) > 1:
-        labels = ", ".join(_label(model, actuator) for actuator in found)
+    if len(motors) > 1:
+        labels = ", ".join(_label(model, actuator) for actuator in motors)
         raise RobotError(
-            f"joint {name} has {len(found)} actuators ({labels}): expected one; keep the <motor> "
+            f"joint {name} has {len(motors)} actuators ({labels}): expected one; keep the <motor> "
             "and remove the others"
         )
-    if not model.actuator(found[0]).name:
+    if not model.actuator(motors[0]).name:
         refuse(f"the motor of joint {name} has no name: give it one")
-    return plain_motor(model, found[0], joint)
+    return plain_motor(model, motors[0], joint)
 
 
 def refuse_other_actuators(model: mujoco.MjModel, joints: list[int]) -> None:

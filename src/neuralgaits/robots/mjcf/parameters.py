@@ -95,9 +95,9 @@ def kinds_of(robot: PlanarBiped, names: tuple[str, ...]) -> tuple[str, ...]:
 
     Raises: ValueError if there are none.
     """
-    known = list(_names(_types(robot)))
-    kinds = tuple(dict.fromkeys(kind for kind, name in known if name in names))
-    if tuple(name for kind, name in known if kind in kinds) != names:
+    expected = list(_names(_types(robot)))
+    kinds = tuple(dict.fromkeys(kind for kind, name in expected if name in names))
+    if tuple(name for kind, name in expected if kind in kinds) != names:
         raise ValueError(f"axes that are no parameters of {robot.name}")
     return kinds
 
@@ -105,8 +105,8 @@ def kinds_of(robot: PlanarBiped, names: tuple[str, ...]) -> tuple[str, ...]:
 def box_of(robot: PlanarBiped, axes: tuple[ParameterAxis, ...]) -> dict[str, float]:
     """Return the box that has these axes. Raises: ValueError if there is none."""
     kinds = kinds_of(robot, tuple(axis.name for axis in axes))
-    known = {name: kind for kind, name in _names(_types(robot))}
-    halves = {(known[axis.name], axis.half) for axis in axes}
+    kind_of_name = {name: kind for kind, name in _names(_types(robot))}
+    halves = {(kind_of_name[axis.name], axis.half) for axis in axes}
     if len(halves) > len(kinds):
         raise ValueError(f"axes of one kind of parameter of {robot.name} that differ in width")
     return checked_box(dict(halves))
@@ -149,9 +149,9 @@ class RobotFamily(eqx.Module):
         types = _types(robot)
         masses = np.append(leg.mass, [] if torso is None else torso.mass)
         counts = np.bincount(types.link, minlength=len(masses)).astype(float)
-        kept = tuple(kind for kind in UNITS if kind in kinds and kind not in GROUND)
+        kinds_kept = tuple(kind for kind in UNITS if kind in kinds and kind not in GROUND)
         return cls(
-            robot, _tables(centre, types.link), masses, counts, types.link, types.joint, kept
+            robot, _tables(centre, types.link), masses, counts, types.link, types.joint, kinds_kept
         )
 
     @property
@@ -172,7 +172,7 @@ class RobotFamily(eqx.Module):
             features = jnp.concatenate([masses, np.zeros(3 * len(masses), p.dtype)])
         re_c, im_c, re_b, im_b = (table @ features for table in self.tables)
         across = "com" in self.kinds or robot.coupling_phase is not None
-        found = [
+        values = [
             (lambda r: r.coupling, re_c),
             (lambda r: r.coupling_across, im_c if across else None),
             (lambda r: r.coupling_phase, None),
@@ -182,29 +182,29 @@ class RobotFamily(eqx.Module):
             (lambda r: r.mass, self.counts @ masses),
         ]
         if inertia is not None:
-            found.append((lambda r: r.inertia, robot.inertia * (1.0 + inertia[links])))
+            values.append((lambda r: r.inertia, robot.inertia * (1.0 + inertia[links])))
         if rotor is not None:
             more = jnp.concatenate([np.zeros(1, p.dtype), rotor[np.array(self.joint)]])
-            found.append((lambda r: r.armature, robot.armature * (1.0 + more)))
+            values.append((lambda r: r.armature, robot.armature * (1.0 + more)))
         return eqx.tree_at(
-            lambda r: tuple(part(r) for part, _ in found),
+            lambda r: tuple(part(r) for part, _ in values),
             robot,
-            tuple(value for _, value in found),
+            tuple(value for _, value in values),
             is_leaf=lambda leaf: leaf is None,
         )
 
     def split(self, p: Float[Array, " k"]):
         """Split errors into masses, centres of mass [T, 2], inertias and rotors; None if absent."""
         count, start = len(self.masses), 0
-        found: dict[str, Float[Array, ...]] = {}
+        parts: dict[str, Float[Array, ...]] = {}
         for kind in self.kinds:
             size = {"com": 2 * count, "rotor": len(set(self.joint))}.get(kind, count)
-            found[kind] = p[start : start + size]
+            parts[kind] = p[start : start + size]
             start += size
-        offsets = found.get("com")
+        offsets = parts.get("com")
         zero = jnp.zeros((count, 2), p.dtype)
         com = zero if offsets is None else offsets.reshape(count, 2)
-        return found.get("mass"), com, found.get("inertia"), found.get("rotor")
+        return parts.get("mass"), com, parts.get("inertia"), parts.get("rotor")
 
 
 Model = PlanarBiped | RobotFamily

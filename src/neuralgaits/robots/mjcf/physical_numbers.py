@@ -68,8 +68,8 @@ def refuse_unphysical(model: mujoco.MjModel) -> None:
                 )
     for joint, place in enumerate(model.jnt_qposadr):
         if not abs(model.qpos0[place]) <= MOST:
-            found = f"{_label(model, 'jnt', joint)} has ref {model.qpos0[place]:g}"
-            refuse(f"{found}, which is no position: leave it out")
+            number = f"{_label(model, 'jnt', joint)} has ref {model.qpos0[place]:g}"
+            refuse(f"{number}, which is no position: leave it out")
     gravity = float(np.max(np.abs(model.opt.gravity)))
     if not LEAST <= gravity <= MOST:
         refuse(f'gravity is {gravity:g} m/s^2: use <option gravity="0 0 -9.81"/>')
@@ -175,9 +175,9 @@ def refuse_odd_contact(model: mujoco.MjModel, foot: int, floor: int) -> None:
         name = f"foot {model.geom(geom).name}" if geom == foot else "the floor"
         friction = model.geom_friction[geom]
         if np.any(friction < 0.0):
-            found = " ".join(f"{value:g}" for value in friction)
+            numbers = " ".join(f"{value:g}" for value in friction)
             refuse(
-                f'{name} has friction="{found}": expected no negative coefficient; write '
+                f'{name} has friction="{numbers}": expected no negative coefficient; write '
                 'friction="0.6"'
             )
         margin, gap = float(model.geom_margin[geom]), float(model.geom_gap[geom])
@@ -208,10 +208,10 @@ def refuse_odd_keyframes(text: str, model: mujoco.MjModel) -> None:
         label = key.get("name") or f"number {number}"
         for attribute, count in _OF_KEY.items():
             expected = int(getattr(model, count))
-            found = len(key.get(attribute, "").split())
-            if attribute in key.attrib and found != expected:
+            length = len(key.get(attribute, "").split())
+            if attribute in key.attrib and length != expected:
                 refuse(
-                    f"keyframe {label} has {found} numbers in {attribute}: expected {expected}, "
+                    f"keyframe {label} has {length} numbers in {attribute}: expected {expected}, "
                     f"one for each of its {'motors' if count == 'nu' else 'coordinates'}; mend or "
                     "remove it"
                 )

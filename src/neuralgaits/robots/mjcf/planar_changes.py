@@ -69,9 +69,9 @@ def _free_the_root(edit: MjcfEdit) -> None:
     names = []
     for offset, (label, kind, axis) in enumerate(axes):
         names.append(edit.free_name("joint", f"{name}_{label}"))
-        given = {"name": names[-1], "type": kind, "pos": "0 0 0"}
-        given["axis"] = " ".join(f"{value:.17g}" for value in into_body @ axis)
-        edit.insert(parent, place + offset, "joint", given | _FREE)
+        attributes = {"name": names[-1], "type": kind, "pos": "0 0 0"}
+        attributes["axis"] = " ".join(f"{value:.17g}" for value in into_body @ axis)
+        edit.insert(parent, place + offset, "joint", attributes | _FREE)
     edit.drop_references("joint", {name})
     edit.say(f"free joint {name}: replaced by {', '.join(names)}, which move in the plane x, z")
     edit.drop_keyframes()
@@ -107,11 +107,15 @@ def _keep_one_motor(edit: MjcfEdit) -> None:
         gone += choice.removed
         if choice.kept is not None and choice.limit is not None:
             element = edit.found.actuators[choice.kept]
-            kept = {key: element.get(key, "") for key in ("name", "joint") if key in element.attrib}
+            attributes = {
+                key: element.get(key, "") for key in ("name", "joint") if key in element.attrib
+            }
             limit = {"ctrlrange": f"{-choice.limit:.17g} {choice.limit:.17g}", "gear": "1"}
             element.tag = "motor"
             element.attrib.clear()
-            element.attrib.update(kept | limit | {"ctrllimited": "true", "forcelimited": "false"})
+            element.attrib.update(
+                attributes | limit | {"ctrllimited": "true", "forcelimited": "false"}
+            )
             edit.drop_keyframes()
     for number in gone:
         name = edit.found.actuators[number].get("name", "")
@@ -127,18 +131,18 @@ def _drop_forces(edit: MjcfEdit) -> None:
     for joint, element in enumerate(edit.found.joints):
         dof, name = int(model.jnt_dofadr[joint]), model.joint(joint).name
         body = int(model.jnt_bodyid[joint])
-        held: list[tuple[str, bool]] = [
+        forces: list[tuple[str, bool]] = [
             ("stiffness", bool(model.jnt_stiffness[joint])),
             ("frictionloss", bool(model.dof_frictionloss[dof])),
         ]
         root = model.body_weldid[model.body_parentid[body]] == 0
         if root:
-            held += [
+            forces += [
                 ("damping", bool(model.dof_damping[dof].any())),
                 ("armature", bool(model.dof_armature[dof])),
                 ("limited", bool(model.jnt_limited[joint])),
             ]
-        for attribute, present in held:
+        for attribute, present in forces:
             if present:
                 element.set(attribute, _FREE[attribute])
                 why = "the root is free" if root else "the closed form ignores it"
@@ -159,9 +163,15 @@ def _lay_floor(edit: MjcfEdit) -> None:
     if edit.floor() is not None:
         return
     name = edit.free_name("geom", "floor")
-    given = {"name": name, "type": "plane", "size": "0 0 0.1", "contype": "1", "conaffinity": "1"}
+    attributes = {
+        "name": name,
+        "type": "plane",
+        "size": "0 0 0.1",
+        "contype": "1",
+        "conaffinity": "1",
+    }
     world = edit.found.bodies[0]
-    edit.insert(world, 0, "geom", given)
+    edit.insert(world, 0, "geom", attributes)
     edit.say(f"level floor added: geom {name} at height 0")
 
 

@@ -188,9 +188,9 @@ def _planar_hinge(model: mujoco.MjModel, data: mujoco.MjData, index: int) -> Joi
     if model.jnt_type[index] != mujoco.mjtJoint.mjJNT_HINGE:
         return Joint(index, name, anchor, 1.0)  # It turns in space, which was said.
     if abs(abs(axis[1]) - 1.0) > _AXIS_TOLERANCE:
-        found = " ".join(f"{value:.3g}" for value in axis)
+        numbers = " ".join(f"{value:.3g}" for value in axis)
         refuse(
-            f"joint {name} is not planar: its axis points along ({found}); for a hip, knee or "
+            f"joint {name} is not planar: its axis points along ({numbers}); for a hip, knee or "
             'ankle of the plane write axis="0 1 0", else delete the joint and its motor'
         )
     return Joint(index, name, anchor, -1.0 if axis[1] >= 0.0 else 1.0)
@@ -208,14 +208,14 @@ def _root_joints(
     if kinds == [int(mujoco.mjtJoint.mjJNT_FREE)]:
         return ("", ""), _planar_hinge(model, data, indices[0])
     if kinds != [slide, slide, hinge]:
-        said = f"root body {name} has {len(indices)} joint(s), expected {remedy}"
+        message = f"root body {name} has {len(indices)} joint(s), expected {remedy}"
         if (
             sum(int(model.body_weldid[model.body_parentid[one]]) == body for one in _tops(model))
             < 2
         ):
             # What hangs below is another link of the root, and no leg.
-            raise RobotError(f"{said}; where several bodies share them, put them into one")
-        refuse(said)
+            raise RobotError(f"{message}; where several bodies share them, put them into one")
+        refuse(message)
         return ("", ""), Joint(indices[-1], name, _planar(data.xanchor[indices[-1]]), -1.0)
     slides = {}
     for index in indices[:2]:

@@ -63,14 +63,14 @@ def planarise(
     what is in the way; ManyProblems if several things are.
     """
     try:
-        made = _changed(text, name, feet, frozenset(weld), folder)
-        robot_from_text(made.text, name)
+        changed = _changed(text, name, feet, frozenset(weld), folder)
+        robot_from_text(changed.text, name)
     except RobotError as error:
-        found = _problems(text, name, feet, frozenset(weld), folder)
-        found = [_in_words_of(text, one) for one in found or (str(error),)]
-        lines = [f"{name} cannot be planarised: {one}" for one in found]
+        problems = _problems(text, name, feet, frozenset(weld), folder)
+        problems = [_in_words_of(text, one) for one in problems or (str(error),)]
+        lines = [f"{name} cannot be planarised: {one}" for one in problems]
         raise (ManyProblems(lines) if len(lines) > 1 else RobotError(lines[0])) from None
-    return made
+    return changed
 
 
 def _changed(
@@ -99,9 +99,9 @@ def _problems(
     with all_noted() as noted:
         if not is_urdf(text):
             _, text = compile_what_can_be(text, name)
-        made = attempt(None, _changed, text, name, feet, weld, folder)
-        if made is not None:
-            attempt(None, note_problems, made.text, name)
+        changed = attempt(None, _changed, text, name, feet, weld, folder)
+        if changed is not None:
+            attempt(None, note_problems, changed.text, name)
     return tuple(noted)
 
 

@@ -143,7 +143,7 @@ def _add_sphere(edit: MjcfEdit, body: int, place: np.ndarray, friction: float, f
     if kind == 0:
         affinity = int(model.geom_contype[floor])
     name = edit.free_name("geom", f"{body_name(model, body)}_point")
-    given = {
+    attributes = {
         "name": name,
         "type": "sphere",
         "size": f"{_RADIUS_M:g}",
@@ -157,7 +157,7 @@ def _add_sphere(edit: MjcfEdit, body: int, place: np.ndarray, friction: float, f
         "solref": _HARD_CONTACT,
     }
     element = edit.found.bodies[body]
-    edit.insert(element, len(element), "geom", given)
+    edit.insert(element, len(element), "geom", attributes)
     edit.say(f"point foot {name}: sphere of {1e3 * _RADIUS_M:g} mm without mass added")
 
 

@@ -31,8 +31,8 @@ def refuse_unmodelled_physics(model: mujoco.MjModel) -> None:
 def _refuse_world(model: mujoco.MjModel) -> None:
     gravity = model.opt.gravity
     if gravity[0] != 0.0 or gravity[1] != 0.0 or not gravity[2] < 0.0:
-        found = " ".join(f"{value:g}" for value in gravity)
-        refuse(f'gravity is ({found}): use <option gravity="0 0 -9.81"/>')
+        numbers = " ".join(f"{value:g}" for value in gravity)
+        refuse(f'gravity is ({numbers}): use <option gravity="0 0 -9.81"/>')
     if model.opt.density != 0.0 or model.opt.viscosity != 0.0:
         refuse("the file has air or water: remove density and viscosity from <option>")
     off = mujoco.mjtDisableBit
@@ -111,13 +111,13 @@ def refuse_excluded(model: mujoco.MjModel, foot: int, floor: int) -> None:
 
 def _refuse_joint(model: mujoco.MjModel, joint: int, *, is_root: bool) -> None:
     name, dof = model.joint(joint).name, int(model.jnt_dofadr[joint])
-    found = {
+    forces = {
         "stiffness": _any(model, "jnt_stiffness", joint) or _any(model, "jnt_stiffnesspoly", joint),
         "frictionloss": _any(model, "dof_frictionloss", dof),
         "a damping polynomial": _any(model, "dof_dampingpoly", dof),
         "a margin": _any(model, "jnt_margin", joint),
     }
-    for what, present in found.items():
+    for what, present in forces.items():
         if present:
             refuse(f"joint {name} has {what}, which the closed form ignores: remove it")
     if is_root and (model.dof_damping[dof] or model.dof_armature[dof]):

@@ -114,8 +114,8 @@ def _write_floor(world: Element, model: mujoco.MjModel, data: mujoco.MjData) -> 
     """Write a level floor where the file has its own, or at height 0."""
     floor = find_floor(model, data)
     height = 0.0 if floor is None else float(data.geom_xpos[floor][2])
-    given = {"name": "floor", "type": "plane", "size": "0 0 0.1", "pos": f"0 0 {height!r}"}
-    ElementTree.SubElement(world, "geom", given | {"contype": "1", "conaffinity": "0"})
+    attributes = {"name": "floor", "type": "plane", "size": "0 0 0.1", "pos": f"0 0 {height!r}"}
+    ElementTree.SubElement(world, "geom", attributes | {"contype": "1", "conaffinity": "0"})
 
 
 def _write_base(
@@ -124,8 +124,8 @@ def _write_base(
     """Write the base and its root joints. Returns: names of these."""
     base = links[-1]
     body = ElementTree.SubElement(world, "body", name=base.name, pos=_place(base.anchor))
-    taken = {model.joint(joint).name for leg in plan.legs for joint in leg}
-    prefix = next(p for p in ("root", "base", "section_root") if f"{p}_pitch" not in taken)
+    joint_names = {model.joint(joint).name for leg in plan.legs for joint in leg}
+    prefix = next(p for p in ("root", "base", "section_root") if f"{p}_pitch" not in joint_names)
     names = tuple(f"{prefix}_{end}" for end, _, _ in _ROOT)
     for label, (_, kind, axis) in zip(names, _ROOT, strict=True):
         ElementTree.SubElement(body, "joint", name=label, type=kind, axis=axis)
@@ -158,7 +158,7 @@ def _write_legs(
 def _joint(model: mujoco.MjModel, data: mujoco.MjData, joint: int) -> dict[str, str]:
     """Return the attributes of a kept hinge: its own coordinate, range, rotor and damping."""
     dof = int(model.jnt_dofadr[joint])
-    given = {
+    attributes = {
         "name": model.joint(joint).name
         or f"{body_name(model, int(model.jnt_bodyid[joint]))}_joint",
         "axis": f"0 {1 if data.xaxis[joint][1] > 0.0 else -1} 0",
@@ -166,8 +166,8 @@ def _joint(model: mujoco.MjModel, data: mujoco.MjData, joint: int) -> dict[str, 
         "damping": repr(float(np.ravel(model.dof_damping[dof])[0])),
     }
     if model.jnt_limited[joint]:
-        given["range"] = " ".join(repr(float(end)) for end in model.jnt_range[joint])
-    return given
+        attributes["range"] = " ".join(repr(float(end)) for end in model.jnt_range[joint])
+    return attributes
 
 
 def _write_inertial(body: Element, link: SectionLink) -> None:
@@ -185,7 +185,7 @@ def _write_foot(body: Element, foot: SectionFoot, above: complex) -> None:
     size = foot.size
     if foot.kind == "box":
         size = (size[0], 0.03, size[1])
-    given = {
+    attributes = {
         "name": foot.name or f"{body.get('name')}_{'sole' if foot.kind == 'box' else 'point'}",
         "type": foot.kind,
         "size": " ".join(repr(value) for value in size),
@@ -198,7 +198,7 @@ def _write_foot(body: Element, foot: SectionFoot, above: complex) -> None:
         "friction": f"{foot.friction:.10g} 0.005 0.0001",
         "solref": "0.002 1",
     }
-    ElementTree.SubElement(body, "geom", given)
+    ElementTree.SubElement(body, "geom", attributes)
 
 
 def _place(place: complex, across: float = 0.0) -> str:

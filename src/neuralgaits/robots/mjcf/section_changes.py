@@ -73,9 +73,10 @@ def _about_forces(model: mujoco.MjModel, plan: SectionPlan) -> list[str]:
         if model.jnt_stiffness[joint]:
             lines.append(f"joint {name}: stiffness taken out, the closed form ignores it")
         if model.dof_frictionloss[dof]:
-            found = f"{float(model.dof_frictionloss[dof]):.4g} N m"
+            friction = f"{float(model.dof_frictionloss[dof]):.4g} N m"
             lines.append(
-                f"joint {name}: dry friction (frictionloss) of {found} taken out, the closed form "
+                f"joint {name}: dry friction (frictionloss) of {friction} taken out, the closed "
+                "form "
                 "ignores it"
             )
     return lines
@@ -94,12 +95,12 @@ def _about_rest(model: mujoco.MjModel) -> list[str]:
         "mesh": model.nmesh,
         "site": model.nsite,
     }
-    found = [
+    rest = [
         f"{count} {what}{'' if count == 1 else 'es' if what == 'mesh' else 's'}"
         for what, count in counts.items()
         if count
     ]
-    return [f"not taken over: {', '.join(found)}"] if found else []
+    return [f"not taken over: {', '.join(rest)}"] if rest else []
 
 
 def _joints(model: mujoco.MjModel, joints: tuple[int, ...]) -> str:

@@ -132,8 +132,10 @@ def _frame_tip(model: mujoco.MjModel, data: mujoco.MjData, link: SectionLink) ->
         )
     frame = min(frames, key=lambda body: float(data.xpos[body, 2]))
     place = complex(data.xpos[frame, 0], data.xpos[frame, 2])
-    said = f"point foot of {link.name}: sphere of {1e3 * _TIP_M:g} mm at {body_name(model, frame)}"
-    return SectionFoot("sphere", place, (_TIP_M,), _DEFAULT_FRICTION, 3, said)
+    change = (
+        f"point foot of {link.name}: sphere of {1e3 * _TIP_M:g} mm at {body_name(model, frame)}"
+    )
+    return SectionFoot("sphere", place, (_TIP_M,), _DEFAULT_FRICTION, 3, change)
 
 
 def _contact(model: mujoco.MjModel, data: mujoco.MjData, geom: int) -> tuple[float, int]:

@@ -94,7 +94,7 @@ def equal_legs(
     if len(plan.legs[0]) != len(plan.legs[1]):
         return links, ()
     scale = max(_extent([links[joint] for joint in leg]) for leg in plan.legs)
-    made, largest = dict(links), 0.0
+    equal, largest = dict(links), 0.0
     for one, other in zip(*plan.legs, strict=True):
         a, b = links[one], links[other]
         differences = (
@@ -112,12 +112,12 @@ def equal_legs(
             "com": (a.com + b.com) / 2.0,
             "anchor": (a.anchor + b.anchor) / 2.0,
         }
-        made[one], made[other] = replace(a, **mean), replace(b, **mean)
+        equal[one], equal[other] = replace(a, **mean), replace(b, **mean)
     if largest <= _EQUAL:
         # Rounding of kinematics: one leg's numbers for both, and nothing to say.
-        return made, ()
-    said = f"legs: mean of left and right, which differ by {100.0 * largest:.2g} % at most"
-    return made, (said,)
+        return equal, ()
+    change = f"legs: mean of left and right, which differ by {100.0 * largest:.2g} % at most"
+    return equal, (change,)
 
 
 def _extent(links: list[SectionLink]) -> float:

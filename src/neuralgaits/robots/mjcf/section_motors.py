@@ -31,10 +31,10 @@ def write_motors(
     a motor that is none.
     """
     lines: list[str] = []
-    kept = {*plan.legs[0], *plan.legs[1]}
+    joints_kept = {*plan.legs[0], *plan.legs[1]}
     for joint in (*plan.legs[0], *plan.legs[1]):
         attempt(None, _write_motor, section, model, joint, lines)
-    gone = [one for one in range(model.nu) if _joint_of(model, one) not in kept]
+    gone = [one for one in range(model.nu) if _joint_of(model, one) not in joints_kept]
     if gone:
         names = ", ".join(model.actuator(one).name or f"number {one}" for one in gone)
         lines.append(f"actuators removed, since what they act on does not move: {names}")
@@ -65,5 +65,10 @@ def _write_motor(
         motor = plain_motor(model, choice.kept, joint)
         gear, limit = motor.gear, motor.limit
     end = limit / abs(gear)
-    given = {"name": label, "joint": name, "gear": repr(gear), "ctrlrange": f"{-end!r} {end!r}"}
-    ElementTree.SubElement(section, "motor", given)
+    attributes = {
+        "name": label,
+        "joint": name,
+        "gear": repr(gear),
+        "ctrlrange": f"{-end!r} {end!r}",
+    }
+    ElementTree.SubElement(section, "motor", attributes)

@@ -31,10 +31,10 @@ def write_pictures(
     for link in links.values():
         body = bodies[link.name]
         geoms = [g for g in range(model.ngeom) if int(model.geom_bodyid[g]) in link.bodies]
-        shown = [_drawn(model, data, geom, link) for geom in geoms]
-        for given in filter(None, shown):
-            ElementTree.SubElement(body, "geom", given)
-        if not any(shown):
+        pictures = [_drawn(model, data, geom, link) for geom in geoms]
+        for attributes in filter(None, pictures):
+            ElementTree.SubElement(body, "geom", attributes)
+        if not any(pictures):
             _draw_sticks(body, link)
 
 
@@ -46,8 +46,8 @@ def _draw_sticks(body: Element, link: SectionLink) -> None:
         ends.append(f"{up.real:.6g} 0 {up.imag:.6g}")
     for end in ends:
         if np.linalg.norm([float(word) for word in end.split()]) > _STICK_M:
-            given = {"type": "capsule", "fromto": f"0 0 0 {end}", "size": repr(_STICK_M)}
-            ElementTree.SubElement(body, "geom", given | _WITHOUT_CONTACT)
+            attributes = {"type": "capsule", "fromto": f"0 0 0 {end}", "size": repr(_STICK_M)}
+            ElementTree.SubElement(body, "geom", attributes | _WITHOUT_CONTACT)
 
 
 _WITHOUT_CONTACT = {"contype": "0", "conaffinity": "0", "mass": "0"}

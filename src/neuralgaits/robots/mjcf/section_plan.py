@@ -102,9 +102,9 @@ def plan_section(model: mujoco.MjModel, data: mujoco.MjData, weld: frozenset[str
     legs, across = [], []
     for chain in chains:
         joints = [joint for top in chain for joint in _joints_of(model, moving, top)]
-        kept = [joint for joint in joints if _turns_in_plane(model, data, joint)]
-        legs.append(tuple(kept))
-        across += [joint for joint in joints if joint not in kept]
+        planar = [joint for joint in joints if _turns_in_plane(model, data, joint)]
+        legs.append(tuple(planar))
+        across += [joint for joint in joints if joint not in planar]
     if base == 0:
         base = _hanging_from(model, (one[-2], other[-2]))
     root, rails = _root_of(model, data, moving, above)

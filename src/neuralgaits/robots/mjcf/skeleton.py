@@ -129,13 +129,13 @@ def find_legs(
     tops = tree.children(0)
     root = tree.links[0].name
     if len(tops) not in (1, 2):
-        said = (
+        message = (
             f"root body {root} carries {len(tops)} jointed bodies: expected two legs; "
             "weld other bodies to the torso"
         )
         if not tops:
-            raise RobotError(said)
-        refuse(said)
+            raise RobotError(message)
+        refuse(message)
         tops = tuple(sorted(sorted(tops, key=lambda top: _lowest(tree, top))[:2]))
     # A root with one child is itself a whole leg: no chain of its own hangs below it.
     own_chain = _chain(tree, tops[0]) if len(tops) == 2 else tuple[int, ...]()

@@ -32,7 +32,7 @@ def standalone_text(path: Path, dropped: list[str] | None = None) -> str:
     """
     text = _read(path)
     root = _parse(text, path)
-    touched = _include(root, path.parent, seen=(path.resolve(),))
+    touched = _include(root, path.parent, including=(path.resolve(),))
     touched |= _absolute_assets(root, path.parent, dropped)
     return ElementTree.tostring(root, encoding="unicode") if touched else text
 
@@ -85,35 +85,36 @@ def _parse(text: str, path: Path) -> ElementTree.Element:
 
 
 def _include(
-    element: ElementTree.Element, folder: Path, seen: tuple[Path, ...], depth: int = 0
+    element: ElementTree.Element, folder: Path, including: tuple[Path, ...], depth: int = 0
 ) -> bool:
     """Replace every <include> below `element`; paths start at the main file's folder."""
     if depth > MOST_NESTED:
         raise RobotError(
-            f"{seen[-1].name} has more than {MOST_NESTED} elements in one another, here "
+            f"{including[-1].name} has more than {MOST_NESTED} elements in one another, here "
             f"<{element.tag}>: mend what made the file"
         )
     touched = False
     for index, child in reversed(list(enumerate(element))):
         if child.tag != "include":
-            touched |= _include(child, folder, seen, depth + 1)
+            touched |= _include(child, folder, including, depth + 1)
             continue
         path = folder / child.get("file", "")
-        if path.resolve() in seen:
+        if path.resolve() in including:
             raise RobotError(f"{path.name} includes itself: remove that <include>")
         if not path.is_file():
-            found = "it names no file"
+            problem = "it names no file"
             if child.get("file"):
-                found = f"{path} is {no_file_at(path, 'not there')}"
+                problem = f"{path} is {no_file_at(path, 'not there')}"
             refuse(
-                f"expected the file that {seen[-1].name} includes, found that {found}: put it "
+                f"expected the file that {including[-1].name} includes, found that {problem}: "
+                "put it "
                 "there, or remove that <include>"
             )
             element.remove(child)
             touched = True
             continue
         included = _parse(_read(path), path)
-        _include(included, folder, (*seen, path.resolve()), depth + 1)
+        _include(included, folder, (*including, path.resolve()), depth + 1)
         element.remove(child)
         for offset, grandchild in enumerate(included):
             element.insert(index + offset, grandchild)

@@ -113,22 +113,22 @@ def _write_joint(body: Element, joint: Element, actuator: Element) -> None:
         refuse(f'joint {name} has axis "0 0 0": give it a direction, as xyz="0 1 0"')
         axis = np.array([0.0, 1.0, 0.0])
     limit, dynamics = joint.find("limit"), joint.find("dynamics")
-    given = {"name": name, "type": "slide" if kind == "prismatic" else "hinge"}
-    given |= {"axis": numbers(axis), "pos": "0 0 0"}
+    attributes = {"name": name, "type": "slide" if kind == "prismatic" else "hinge"}
+    attributes |= {"axis": numbers(axis), "pos": "0 0 0"}
     if kind != "continuous" and limit is not None:
         lower, upper = (
             float(attribute(limit, end, (0.0,), f"joint {name}")[0]) for end in ("lower", "upper")
         )
         if lower < upper:
-            given["range"] = f"{lower!r} {upper!r}"
+            attributes["range"] = f"{lower!r} {upper!r}"
         else:
             refuse(f"joint {name} has limits {lower:g} to {upper:g}: write the lower one first")
     for key, ours in (("damping", "damping"), ("friction", "frictionloss")):
         value = float(attribute(dynamics, key, (0.0,), f"joint {name}")[0])
         if value < 0.0:
             refuse(f"joint {name} has {key} {value:g}: expected 0 or more; mend that number")
-        given[ours] = repr(max(value, 0.0))
-    body.insert(0, ElementTree.Element("joint", given))
+        attributes[ours] = repr(max(value, 0.0))
+    body.insert(0, ElementTree.Element("joint", attributes))
     effort = float(attribute(limit, "effort", (0.0,), f"joint {name}")[0])
     if effort > 0.0:
         ends = f"{-effort!r} {effort!r}"
@@ -141,13 +141,13 @@ def _write_planar_joint(body: Element, name: str, normal: Float[np.ndarray, "3"]
         refuse(f'joint {name} moves in another plane than x, z: use <axis xyz="0 1 0"/>')
     axes = (("x", "slide", "1 0 0"), ("z", "slide", "0 0 1"), ("pitch", "hinge", "0 1 0"))
     for place, (end, kind, axis) in enumerate(axes):
-        given = {"name": f"{name}_{end}", "type": kind, "axis": axis}
-        body.insert(place, ElementTree.Element("joint", given))
+        attributes = {"name": f"{name}_{end}", "type": kind, "axis": axis}
+        body.insert(place, ElementTree.Element("joint", attributes))
 
 
 def _mass(link: Element) -> float:
-    found = link.find("inertial/mass")
-    return float(attribute(found, "value", (0.0,), f"link {link.get('name')}")[0])
+    element = link.find("inertial/mass")
+    return float(attribute(element, "value", (0.0,), f"link {link.get('name')}")[0])
 
 
 def _write_inertial(body: Element, link: Element, name: str) -> None:

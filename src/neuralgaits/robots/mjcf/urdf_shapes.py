@@ -45,14 +45,14 @@ class Shapes:
     def _geoms(self, body: Element, link: Element, kind: str, name: str) -> int:
         count = 0
         for part in link.findall(kind):
-            given = self._shape(part.find("geometry"), name)
-            if given is None:
+            attributes = self._shape(part.find("geometry"), name)
+            if attributes is None:
                 continue
             place, turn = orientation(part.find("origin"), f"link {name}")
-            given |= {"pos": numbers(place), "quat": numbers(turn), "mass": "0"}
+            attributes |= {"pos": numbers(place), "quat": numbers(turn), "mass": "0"}
             if kind == "visual":
-                given |= {"contype": "0", "conaffinity": "0"}
-            ElementTree.SubElement(body, "geom", given)
+                attributes |= {"contype": "0", "conaffinity": "0"}
+            ElementTree.SubElement(body, "geom", attributes)
             count += 1
         return count
 
@@ -79,8 +79,8 @@ class Shapes:
         self._count += 1
         scale = attribute(shape, "scale", (1.0, 1.0, 1.0), owner)
         mesh = f"mesh_{self._count}"
-        given = {"name": mesh, "file": str(file), "scale": numbers(scale)}
-        ElementTree.SubElement(self._asset, "mesh", given | {"inertia": "shell"})
+        attributes = {"name": mesh, "file": str(file), "scale": numbers(scale)}
+        ElementTree.SubElement(self._asset, "mesh", attributes | {"inertia": "shell"})
         return {"type": "mesh", "mesh": mesh}
 
 

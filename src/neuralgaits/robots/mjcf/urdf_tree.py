@@ -49,9 +49,9 @@ class UrdfTree:
 
     def free_joint_name(self, wish: str) -> str:
         """Return a name that no joint has."""
-        taken = {joint.get("name") for joint in self.joints}
-        names = (wish, *(f"{wish}_{count}" for count in range(2, len(taken) + 3)))
-        return next(name for name in names if name not in taken)
+        used = {joint.get("name") for joint in self.joints}
+        names = (wish, *(f"{wish}_{count}" for count in range(2, len(used) + 3)))
+        return next(name for name in names if name not in used)
 
 
 def read_urdf_tree(robot: Element, weld: frozenset[str]) -> UrdfTree:
@@ -70,10 +70,10 @@ def read_urdf_tree(robot: Element, weld: frozenset[str]) -> UrdfTree:
     joints = tuple(robot.findall("joint"))
     _refuse_repeated([one.get("name", "") for one in joints], "joints")
     parents: dict[str, str] = {}
-    kept = []
+    joints_kept = []
     for joint in joints:
         if _is_whole(joint, links, weld) and _is_new(joint, parents):
-            kept.append(joint)
+            joints_kept.append(joint)
     roots = [name for name in links if name not in parents]
     if not roots:
         raise RobotError(
@@ -86,9 +86,9 @@ def read_urdf_tree(robot: Element, weld: frozenset[str]) -> UrdfTree:
             "all but one"
         )
     below: dict[str, list[Element]] = {}
-    for joint in kept:
+    for joint in joints_kept:
         below.setdefault(_link_of(joint, "parent"), []).append(joint)
-    tree = UrdfTree(links, tuple(kept), below, roots[0])
+    tree = UrdfTree(links, tuple(joints_kept), below, roots[0])
     _refuse_deep(tree)
     return tree
 
@@ -126,8 +126,8 @@ def _is_new(joint: Element, parents: dict[str, str]) -> bool:
 
 
 def _link_of(joint: Element, end: str) -> str:
-    found = joint.find(end)
-    return "" if found is None else found.get("link", "")
+    element = joint.find(end)
+    return "" if element is None else element.get("link", "")
 
 
 def _refuse_repeated(names: list[str], what: str) -> None:
@@ -138,14 +138,14 @@ def _refuse_repeated(names: list[str], what: str) -> None:
 
 def _refuse_deep(tree: UrdfTree) -> None:
     """Refuse links that no path from the root reaches, and very deep trees."""
-    depth, seen, level = 0, {tree.root}, [tree.root]
+    depth, visited, level = 0, {tree.root}, [tree.root]
     while level:
         level = [tree.child(joint) for link in level for joint in tree.joints_below(link)]
-        seen.update(level)
+        visited.update(level)
         depth += 1
         if depth > _MOST_DEEP:
             raise RobotError(f"the URDF has links {depth} deep: at most {_MOST_DEEP} are read")
-    if lost := sorted(set(tree.links) - seen):
+    if lost := sorted(set(tree.links) - visited):
         raise RobotError(
             f"links {', '.join(lost)} hang from each other in a ring, a closed loop: expected a "
             "tree; remove the joint that closes it"

@@ -27,16 +27,16 @@ def attribute(
     if text is None:
         return np.array(default)
     try:
-        found = np.array([float(word) for word in text.split()])
+        values = np.array([float(word) for word in text.split()])
     except ValueError:
-        found = np.array([])
-    if len(found) != len(default) or not np.all(np.abs(found) <= _MOST):
+        values = np.array([])
+    if len(values) != len(default) or not np.all(np.abs(values) <= _MOST):
         refuse(
             f'{owner} has {key}="{text}": expected {len(default)} finite '
             f"number{'' if len(default) == 1 else 's'}; mend that"
         )
         return np.array(default)
-    return found
+    return values
 
 
 def orientation(

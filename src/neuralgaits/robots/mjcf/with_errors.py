@@ -63,9 +63,9 @@ def text_with_errors(text: str, errors: LinkErrors) -> str:
         kinds[skeleton.torso] = len(errors.mass) - 1
     for index, kind in kinds.items():
         line = lines[index][1] / abs(lines[index][1])
-        moved = line * complex(*errors.com[kind])
+        centre = line * complex(*errors.com[kind])
         link, shares = tree.links[index], (errors.mass[kind], errors.inertia[kind])
-        _change(bodies, model, data, link, shares, moved)
+        _change(bodies, model, data, link, shares, centre)
     rotors = {
         joint.joint.name: errors.rotor[kind]
         for leg in leg_joints(model, tree, skeleton, lines)
@@ -89,7 +89,7 @@ def _change(
     data: mujoco.MjData,
     link: Link,
     shares: tuple[float, float],
-    moved: complex,
+    centre: complex,
 ) -> None:
     """Give a link another mass and inertia (relative errors), and move its centre of mass (m)."""
     mass, inertia = shares
@@ -108,7 +108,7 @@ def _change(
         body, frame = bodies[number - 1], data.xmat[number].reshape(3, 3)
         for old in body.findall("inertial"):
             body.remove(old)
-        place = model.body_ipos[number] + frame.T @ np.array([moved.real, 0.0, moved.imag])
+        place = model.body_ipos[number] + frame.T @ np.array([centre.real, 0.0, centre.imag])
         grown = model.body_inertia[number] * (factor if number == turning else 1.0)
         inertial = ElementTree.Element(
             "inertial",

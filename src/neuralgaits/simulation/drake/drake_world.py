@@ -31,11 +31,11 @@ class DrakeWorld(World):
         """
         self._states = np.array(states)
         self._touch = np.zeros((len(states), 2))
-        made = {id(plant): drake_plant(plant) for plant in plants}
+        model = {id(plant): drake_plant(plant) for plant in plants}
         each = list(plants) * len(states) if len(plants) == 1 else list(plants)
         with _not_of_deformables():
             self._episodes = [
-                _Episode(made[id(plant)], plant, state)
+                _Episode(model[id(plant)], plant, state)
                 for plant, state in zip(each, self._states, strict=True)
             ]
 
@@ -75,29 +75,29 @@ def _not_of_deformables() -> Iterator[None]:
 class _Episode:
     """One robot in Drake, with its context."""
 
-    def __init__(self, made: DrakePlant, source: Plant, state: Float[np.ndarray, " s"]):
-        self._made, self._root = made, int(made.velocities[source.state_map.root[0]])
-        self._simulator = Simulator(made.diagram)
+    def __init__(self, model: DrakePlant, source: Plant, state: Float[np.ndarray, " s"]):
+        self._made, self._root = model, int(model.velocities[source.state_map.root[0]])
+        self._simulator = Simulator(model.diagram)
         self._whole = self._simulator.get_mutable_context()
-        self._context = made.plant.GetMyMutableContextFromRoot(self._whole)
-        self._positions = np.zeros(made.plant.num_positions())
-        self._velocities = np.zeros(made.plant.num_velocities())
-        self._applied = np.zeros(made.plant.num_velocities())
+        self._context = model.plant.GetMyMutableContextFromRoot(self._whole)
+        self._positions = np.zeros(model.plant.num_positions())
+        self._velocities = np.zeros(model.plant.num_velocities())
+        self._applied = np.zeros(model.plant.num_velocities())
         qpos, qvel = np.split(state[1:], 2)
-        self._positions[made.positions] = qpos - made.zeros
-        self._velocities[made.velocities] = qvel
-        made.plant.SetPositions(self._context, self._positions)
-        made.plant.SetVelocities(self._context, self._velocities)
-        for floor in made.floors:
+        self._positions[model.positions] = qpos - model.zeros
+        self._velocities[model.velocities] = qvel
+        model.plant.SetPositions(self._context, self._positions)
+        model.plant.SetVelocities(self._context, self._velocities)
+        for floor in model.floors:
             floor.Lock(self._context)
         self._began = float(state[0])
         self._ticks = 0
-        self._input = made.plant.get_applied_generalized_force_input_port()
+        self._input = model.plant.get_applied_generalized_force_input_port()
         self._input.FixValue(self._context, self._applied)
         # Dry friction wants joints at rest.
-        wished = made.plant.get_desired_state_input_port(default_model_instance())
+        wished = model.plant.get_desired_state_input_port(default_model_instance())
         wished.FixValue(self._context, np.zeros(wished.size()))
-        self._contact = made.plant.get_contact_results_output_port()
+        self._contact = model.plant.get_contact_results_output_port()
         self._simulator.Initialize()
 
     def lay_floors(self, levels: Float[np.ndarray, " 2"]) -> None:
@@ -127,9 +127,9 @@ class _Episode:
 
     def _forces(self) -> Float[np.ndarray, " 2"]:
         """Return the force on each foot, along the normal of the ground (N)."""
-        found, forces = self._contact.Eval(self._context), np.zeros(len(self._made.feet))
-        for i in range(found.num_point_pair_contacts()):
-            info = found.point_pair_contact_info(i)
+        contacts, forces = self._contact.Eval(self._context), np.zeros(len(self._made.feet))
+        for i in range(contacts.num_point_pair_contacts()):
+            info = contacts.point_pair_contact_info(i)
             pair = info.bodyA_index(), info.bodyB_index()
             leg = next(k for k, foot in enumerate(self._made.feet) if foot in pair)
             normal = info.point_pair().nhat_BA_W

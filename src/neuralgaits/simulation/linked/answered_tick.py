@@ -58,7 +58,7 @@ def answered_tick(scene: Scene) -> tuple[Callable[..., Any], Callable[..., Any]]
 
     @quick_jit
     @jax.vmap
-    def look(packed: jax.Array) -> tuple[Measurement, Array]:
+    def measure(packed: jax.Array) -> tuple[Measurement, Array]:
         reading = scene.reading(packed)
         return sense(scene, reading).seen, reading.requested
 
@@ -66,25 +66,25 @@ def answered_tick(scene: Scene) -> tuple[Callable[..., Any], Callable[..., Any]]
     @jax.vmap
     def judge(packed: jax.Array, packed_reading: jax.Array, row: jax.Array) -> tuple[Array, ...]:
         carry, reading = carry_of(packed), scene.reading(packed_reading)
-        seen = sense(scene, reading).seen
+        measurement = sense(scene, reading).seen
         if scene.estimator is not None:
-            carry, seen = estimated(scene, scene.estimator, carry, seen)
-        command = _command_of(scene, row, seen)
+            carry, measurement = estimated(scene, scene.estimator, carry, measurement)
+        command = _command_of(scene, row, measurement)
         state = _state_after(scene, carry.controller, command)
-        parts = account(scene, carry, reading, state, command, seen)
+        parts = account(scene, carry, reading, state, command, measurement)
         return tuple(ravel_pytree(part)[0] for part in parts)
 
-    return look, judge
+    return measure, judge
 
 
-def _command_of(scene: Scene, row: jax.Array, seen: Measurement) -> TickResult:
+def _command_of(scene: Scene, row: jax.Array, measurement: Measurement) -> TickResult:
     """Return what a controller answered, a row of `answered_tick`, as the result of a tick."""
     robot, count = scene.controller.robot, len(scene.first)
     ends = np.cumsum(sizes_of(robot, count))
     leg, (touchdown, saturated) = row[0].astype(jnp.int32), row[1:3] > 0.5
-    _, torque, _, y_d, dy_d, z, told, times = jnp.split(row[3:], ends[:-1])
+    _, torque, _, y_d, dy_d, z, reference, times = jnp.split(row[3:], ends[:-1])
     torque = torque.reshape(2, robot.n // 2)
-    q, dq = coordinates(robot, seen, leg)
+    q, dq = coordinates(robot, measurement, leg)
     return TickResult(
         torque=torque,
         actuated=stance_joints(robot.layout, torque, leg),
@@ -95,7 +95,7 @@ def _command_of(scene: Scene, row: jax.Array, seen: Measurement) -> TickResult:
         z=z,
         leg=leg,
         since_touchdown=times[0],
-        told=told.reshape(2, count),
+        told=reference.reshape(2, count),
         touchdown=touchdown,
         saturated=saturated,
         relaxed=jnp.zeros(2, bool),

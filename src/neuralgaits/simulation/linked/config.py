@@ -76,13 +76,13 @@ def parse_link(text: "str | Mapping[str, Any] | LinkConfig | None") -> LinkConfi
     if not text:
         return LinkConfig()
     pairs = dict(text) if isinstance(text, Mapping) else _pairs(text)
-    known = {entry.name: entry.type for entry in fields(LinkConfig)}
+    kinds = {entry.name: entry.type for entry in fields(LinkConfig)}
     values: dict[str, Any] = {}
     for name, value in pairs.items():
-        if name not in known:
-            raise InputError(f"unknown link setting {name!r}: expected one of {', '.join(known)}")
+        if name not in kinds:
+            raise InputError(f"unknown link setting {name!r}: expected one of {', '.join(kinds)}")
         try:
-            number = value if known[name] is str else decimal(value)
+            number = value if kinds[name] is str else decimal(value)
         except (TypeError, ValueError):
             raise InputError(f"link {name}: expected a number, found {value!r}") from None
         if name == "lockstep":

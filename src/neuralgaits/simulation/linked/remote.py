@@ -100,7 +100,7 @@ class Remote:
 
     def batch(self, scene: Scene, local: Batch) -> Batch:
         """Return the tick of a scene with the processes in the place of its law."""
-        look, judge = answered_tick(scene)
+        measure, judge = answered_tick(scene)
         robot = scene.controller.robot
         self._period_s, self._estimated = scene.controller.period_s, scene.estimator is not None
         first = np.asarray(scene.first)
@@ -111,13 +111,13 @@ class Remote:
         def tick(arrays: Any, carry: Array, reading: Array):
             if self._tick < 0:
                 # The simulation's first call only compiles.
-                look(reading)
+                measure(reading)
                 judge(carry, reading, np.stack([row_of(None, False, before)] * len(self._links)))
                 self._start(limit, first, Shape(robot.n // 2, robot.n - 1))
                 return local.tick(arrays, carry, reading)
-            measured, wanted = look(reading)
-            seen = Measurement(*(np.asarray(leaf) for leaf in measured))
-            answers = self._exchange(scene.layout, seen, np.asarray(wanted))
+            measured, commands = measure(reading)
+            measurement = Measurement(*(np.asarray(leaf) for leaf in measured))
+            answers = self._exchange(scene.layout, measurement, np.asarray(commands))
             return judge(carry, reading, np.stack([row_of(*one, before) for one in answers]))
 
         return local._replace(tick=tick)
@@ -146,17 +146,17 @@ class Remote:
     def _start(self, limit: float, first: Float[np.ndarray, " p"], shape: Shape) -> None:
         """Begin an episode. Raises: InputError if a controller is of another robot."""
         for link in self._links:
-            found = link.start(0, self._law, 0, self._config.blend_s, limit, first, self._laws)
-            if found != shape:
+            answer = link.start(0, self._law, 0, self._config.blend_s, limit, first, self._laws)
+            if answer != shape:
                 raise InputError(
                     f"expected a controller of {shape.leg_joints} joints a leg and "
-                    f"{shape.actuated} actuated ones, found one of {found.leg_joints} and "
-                    f"{found.actuated}: start the controller of this run"
+                    f"{shape.actuated} actuated ones, found one of {answer.leg_joints} and "
+                    f"{answer.actuated}: start the controller of this run"
                 )
         self._tick, self._began = 0, clock.monotonic()
 
     def _exchange(
-        self, layout: MjcfLayout, seen: Measurement, wanted: Float[np.ndarray, "B p"]
+        self, layout: MjcfLayout, measurement: Measurement, commands: Float[np.ndarray, "B p"]
     ) -> list[tuple[Answer | None, bool]]:
         """Query every controller; return the last commands, and whether each leg has changed."""
         if not self._config.lockstep:
@@ -167,9 +167,9 @@ class Remote:
         deadline = sent + (_ANSWER_TIMEOUT_S if self._config.lockstep else wait)
         results = []
         for i, link in enumerate(self._links):
-            one = Measurement(*(leaf[i] for leaf in seen))
+            one = Measurement(*(leaf[i] for leaf in measurement))
             packet = pack_reading(
-                layout, self._seen(i, one), self._tick, wanted[i], estimated=self._estimated
+                layout, self._seen(i, one), self._tick, commands[i], estimated=self._estimated
             )
             self._up[i].send(self._tick, packet)
             packets = self._up[i].arrived(self._tick)

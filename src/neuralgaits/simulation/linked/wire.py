@@ -51,7 +51,7 @@ def pack_reading(
     layout: MjcfLayout,
     measurement: Measurement,
     sequence: int,
-    wanted: Sequence[float] | Float[np.ndarray, " p"] = (),
+    commands: Sequence[float] | Float[np.ndarray, " p"] = (),
     *,
     estimated: bool = False,
 ) -> bytes:
@@ -61,7 +61,7 @@ def pack_reading(
         layout: layout of the plant's file.
         measurement: what the sensors measure.
         sequence: number of the reading.
-        wanted: commands requested from the next touchdown on.
+        commands: commands requested from the next touchdown on.
         estimated: whether the controller has to estimate rates and velocity. Those of the
             measurement are where its estimator starts.
     """
@@ -76,7 +76,7 @@ def pack_reading(
             measurement.normal_force,
             (signs * (np.asarray(measurement.angles) - offsets)).reshape(-1),
             (signs * np.asarray(measurement.rates)).reshape(-1),
-            np.asarray(wanted, dtype=np.float64),
+            np.asarray(commands, dtype=np.float64),
         ]
     )
     micros = round(1e6 * float(measurement.time)) % _SEQUENCES
@@ -133,11 +133,11 @@ class ControllerLink:
             errors="replace",
         )
         assert process.stdout is not None
-        said = process.stdout.readline().split()
-        if len(said) != 2 or said[0] != "port":
+        words = process.stdout.readline().split()
+        if len(words) != 2 or words[0] != "port":
             _, complaint = process.communicate()
             raise InputError(f"expected a controller that listens, found: {complaint.strip()}")
-        self._open(("127.0.0.1", int(said[1])), process)
+        self._open(("127.0.0.1", int(words[1])), process)
 
     @classmethod
     def to(cls, host: str, port: int) -> "ControllerLink":
@@ -205,27 +205,27 @@ class ControllerLink:
                     raise self._refusal(one, other, law, len(first), laws)
         raise self.silence("started")
 
-    def silence(self, wanted: str) -> InputError:
-        """Return the error of a controller that does not answer with the message `wanted`."""
+    def silence(self, expected: str) -> InputError:
+        """Return the error of a controller that does not answer with the message `expected`."""
         remedy = "report it"
         if self._process is None:
             remedy = "is it running, and exported from this run?"
-        return InputError(f"expected {wanted} from {self._whose}, found silence: {remedy}")
+        return InputError(f"expected {expected} from {self._whose}, found silence: {remedy}")
 
     def _refusal(
         self, why: int, number: int, law: int, commands: int, laws: Sequence[str]
     ) -> InputError:
         """Return the error of a controller that refuses a start, with its reason."""
         names = dict(enumerate(laws))
-        found, remedy = "a refusal without a reason", "is it exported from this run?"
+        difference, remedy = "a refusal without a reason", "is it exported from this run?"
         if why == _OTHER_LAW:
-            own, wanted = (names.get(one, f"number {one}") for one in (number, law))
-            found = f"that it has law {own} and not {wanted}"
+            own, requested = (names.get(one, f"number {one}") for one in (number, law))
+            difference = f"that it has law {own} and not {requested}"
             remedy = f"add law={own} to --link"
         elif why == _OTHER_COMMANDS:
-            found = f"that its gait takes {number} commands, and this one {commands}"
+            difference = f"that its gait takes {number} commands, and this one {commands}"
             remedy = "start the controller of this run"
-        return InputError(f"expected started from {self._whose}, found {found}: {remedy}")
+        return InputError(f"expected started from {self._whose}, found {difference}: {remedy}")
 
     def write(self, packet: bytes) -> None:
         """Send one datagram to the controller. Raises: InputError if nothing listens there."""
@@ -239,11 +239,11 @@ class ControllerLink:
 
         Raises: InputError if nothing listens there any more.
         """
-        found = self._drain()
-        if not found:
+        message = self._drain()
+        if not message:
             self._selector.select(max(0.0, deadline - time.monotonic()))
-            found = self._drain()
-        return found
+            message = self._drain()
+        return message
 
     def close(self) -> None:
         """Close the socket, and end the process if it is ours."""
@@ -259,12 +259,12 @@ class ControllerLink:
         self._socket.close()
 
     def _drain(self) -> list[bytes]:
-        found = []
+        chunks = []
         while True:
             try:
-                found.append(self._socket.recv(2048))
+                chunks.append(self._socket.recv(2048))
             except BlockingIOError:
-                return found
+                return chunks
             except OSError as error:
                 raise self._gone(error) from None
 
@@ -280,15 +280,15 @@ def _connected(host: str, port: int) -> socket.socket:
     """Return a socket that sends to a place. Raises: InputError if there is no such host."""
     try:
         family, kind, _, _, address = socket.getaddrinfo(host, port, type=socket.SOCK_DGRAM)[0]
-        made = socket.socket(family, kind)
+        connection = socket.socket(family, kind)
         try:
-            made.connect(address)
+            connection.connect(address)
         except OSError:
-            made.close()
+            connection.close()
             raise
     except (OSError, UnicodeError) as error:
         raise InputError(
             f"link address: expected a host that can be reached, found {host!r} ({reason(error)}): "
             "name another, as in 127.0.0.1:9000"
         ) from None
-    return made
+    return connection

@@ -89,11 +89,11 @@ def _equal(one: tuple, other: tuple) -> bool:
 def mujoco_library() -> Path:
     """Load MuJoCo's own library from its wheel. Raises: NativeError without it."""
     folder = Path(mujoco.__file__).parent
-    found = [
+    libraries = [
         file
         for pattern in ("libmujoco.so*", "libmujoco*.dylib", "mujoco.dll")
         for file in sorted(folder.glob(pattern))
     ]
-    if not found:
+    if not libraries:
         raise NativeError(f"the library of MuJoCo is not in {folder}")
-    return found[0]
+    return libraries[0]

@@ -54,7 +54,7 @@ def run(
     plant: Plant,
     controller: Controller,
     states: Float[np.ndarray, "B s"],
-    given: EpisodeInputs,
+    inputs: EpisodeInputs,
     *,
     steps: int,
     threads: int,
@@ -67,7 +67,7 @@ def run(
         plant: plant of all episodes, or of the first one on a course.
         controller: controller of all episodes.
         states: MuJoCo states to start from (time, qpos, qvel).
-        given: inputs of the episodes.
+        inputs: inputs of the episodes.
         steps: number of touchdowns of a walk.
         threads: largest number of walks at once.
         plants: plant of each episode, where they differ, as on courses.
@@ -76,8 +76,8 @@ def run(
     """
     if not library.fits(controller):
         raise InputError("expected the compiled walk of this controller, found another one's")
-    scene = scene_of(library, plant, controller, steps, given.push)
-    scene.uneven = int(given.terrain.uneven)
+    scene = scene_of(library, plant, controller, steps, inputs.push)
+    scene.uneven = int(inputs.terrain.uneven)
     own_plants = len(plants) == len(states)
     local, stop = threading.local(), threading.Event()
 
@@ -87,9 +87,9 @@ def run(
         if own_plants or not hasattr(local, "data"):
             local.data = mujoco.MjData(its_plant.model)
         _put(local.data, its_plant, states[episode])
-        found = _Episode(library, its_plant, given, episode)
-        found.run(its_scene, local.data, stop)
-        return found
+        walked_episode = _Episode(library, its_plant, inputs, episode)
+        walked_episode.run(its_scene, local.data, stop)
+        return walked_episode
 
     start_time = clock.perf_counter()
     with ThreadPoolExecutor(max(1, min(threads, len(states)))) as pool:
@@ -98,7 +98,7 @@ def run(
         except BaseException:
             stop.set()
             raise
-    return _batch(episodes, plant, given, clock.perf_counter() - start_time)
+    return _batch(episodes, plant, inputs, clock.perf_counter() - start_time)
 
 
 def _put(data: mujoco.MjData, plant: Plant, state: Float[np.ndarray, " s"]) -> None:
@@ -118,31 +118,31 @@ class _Episode:
         strides: touchdowns of each chunk.
     """
 
-    def __init__(self, library: Library, plant: Plant, given: EpisodeInputs, episode: int):
+    def __init__(self, library: Library, plant: Plant, inputs: EpisodeInputs, episode: int):
         """Begin the walk of an episode on leg 0, at its first command."""
         self.walk = walk = library.layout.walk()
         self.records: list[np.ndarray] = []
         self.states: list[np.ndarray] = []
         self.strides: list[np.ndarray] = []
-        self._library, self._given, self._episode = library, given, episode
-        self._number = given.first + episode
-        first = np.array(given.orders.first, dtype=np.float64)
+        self._library, self._given, self._episode = library, inputs, episode
+        self._number = inputs.first + episode
+        first = np.array(inputs.orders.first, dtype=np.float64)
         library.start(byref(walk), 0, pointer(first))
         if first.size:
-            walk.adapt.active = int(ADAPTED in given.adapt)
-            walk.adapt.learns = int(LEAN in given.adapt)
-            walk.adapt.tilts = int(SLOPE in given.adapt)
-        self._orders = _Orders(given.orders, self._number)
+            walk.adapt.active = int(ADAPTED in inputs.adapt)
+            walk.adapt.learns = int(LEAN in inputs.adapt)
+            walk.adapt.tilts = int(SLOPE in inputs.adapt)
+        self._orders = _Orders(inputs.orders, self._number)
         self._rises = np.zeros(0)
         self._meet_ground()
         self._late = np.zeros((plant.delay_ticks + 1, plant.model.nu))
         self._believed = np.zeros(plant.delay_ticks + 1)
         walk.late, walk.believed = pointer(self._late), pointer(self._believed)
-        walk.push_wait, walk.push_start = given.push.moments(episode)
-        self._draws = np.random.default_rng([given.seed, self._number, 3])
+        walk.push_wait, walk.push_start = inputs.push.moments(episode)
+        self._draws = np.random.default_rng([inputs.seed, self._number, 3])
         self._sensors = (2, 1 + plant.state_map.joints.size)
         self._state_size = 1 + plant.model.nq + plant.model.nv
-        if given.noisy:
+        if inputs.noisy:
             # The loop in JAX spends one tick's draws on being compiled.
             self._draws.standard_normal(self._sensors)
 
@@ -161,14 +161,14 @@ class _Episode:
 
     def _meet_ground(self) -> None:
         """Set what is known of the ground before the first step."""
-        walk, given = self.walk, self._given
-        if given.terrain.told is not None:
-            walk.next_rise, walk.rise_pending = given.terrain.told, 1
-        if given.courses is not None:
-            walk.floor[:] = given.courses.first_levels()[self._episode]
-            self._seen = np.ascontiguousarray(given.courses.each[self._episode].seen)
+        walk, inputs = self.walk, self._given
+        if inputs.terrain.told is not None:
+            walk.next_rise, walk.rise_pending = inputs.terrain.told, 1
+        if inputs.courses is not None:
+            walk.floor[:] = inputs.courses.first_levels()[self._episode]
+            self._seen = np.ascontiguousarray(inputs.courses.each[self._episode].seen)
             walk.seen, walk.seen_rows = pointer(self._seen), len(self._seen)
-            walk.told[:] = given.orders.first
+            walk.told[:] = inputs.orders.first
 
     def _lay_floors(self) -> None:
         """Provide the floors of a chunk before it runs, where floors are uneven."""
@@ -180,39 +180,39 @@ class _Episode:
 
     def _run_chunk(self, scene: Any, data: mujoco.MjData) -> None:
         """Run one chunk and keep its rows."""
-        walk, given, library = self.walk, self._given, self._library
-        whole = given.record and self._episode == 0
-        recorded = whole or walk.ticks < given.longest
-        strides = np.zeros((_TOUCHDOWNS, width(len(given.orders.commands))))
+        walk, inputs, library = self.walk, self._given, self._library
+        whole = inputs.record and self._episode == 0
+        recorded = whole or walk.ticks < inputs.longest
+        strides = np.zeros((_TOUCHDOWNS, width(len(inputs.orders.commands))))
         walk.strides, walk.strides_used = pointer(strides), 0
-        noise = self._draws.standard_normal((_CHUNK, *self._sensors)) if given.noisy else None
+        noise = self._draws.standard_normal((_CHUNK, *self._sensors)) if inputs.noisy else None
         records = np.zeros(_CHUNK, library.layout.record) if recorded else None
         states = np.zeros((_CHUNK, self._state_size)) if whole else None
         rows = (pointer(noise), pointer(records), pointer(states))
-        done = library.run(byref(scene), byref(walk), data._address, _CHUNK, *rows)
+        ticks = library.run(byref(scene), byref(walk), data._address, _CHUNK, *rows)
         self.strides.append(strides[: walk.strides_used])
         if records is not None:
-            self.records.append(records[:done])
+            self.records.append(records[:ticks])
         if states is not None:
-            self.states.append(states[:done])
+            self.states.append(states[:ticks])
 
 
 def _batch(
-    episodes: Sequence[_Episode], plant: Plant, given: EpisodeInputs, wall_s: float
+    episodes: Sequence[_Episode], plant: Plant, inputs: EpisodeInputs, wall_s: float
 ) -> EpisodeBatch:
     """Return the results of episodes that have ended."""
-    walks, robot, longest = [one.walk for one in episodes], plant.robot, given.longest
-    rows = np.concatenate(episodes[0].records) if given.record else None
-    begun = [np.concatenate(one.records)[:longest] for one in episodes] if longest else []
+    walks, robot, longest = [one.walk for one in episodes], plant.robot, inputs.longest
+    rows = np.concatenate(episodes[0].records) if inputs.record else None
+    records = [np.concatenate(one.records)[:longest] for one in episodes] if longest else []
     return EpisodeBatch(
         endings=[Ending(walk.ending) for walk in walks],
         gauge=_gauge(walks),
         record=None if rows is None else record_of(rows, robot),
-        states=np.concatenate(episodes[0].states) if given.record else np.array([]),
+        states=np.concatenate(episodes[0].states) if inputs.record else np.array([]),
         floors=rows["floor"] if rows is not None else np.array([]),
         plant_steps=sum(walk.plant_steps for walk in walks),
         wall_s=wall_s,
-        records=[record_of(each, robot) for each in begun],
+        records=[record_of(each, robot) for each in records],
         strides=[Strides.of_rows(np.concatenate(one.strides)) for one in episodes],
     )
 

@@ -88,13 +88,17 @@ def _set_ground(scene: Any, plant: Plant, controller: Controller) -> None:
         setattr(scene, f"told_{name}", 0 if at is None else at + 1)
 
 
-def _set_law(law: Any, wanted: AbstractLaw) -> CompiledLaw:
-    form = compiled_law(wanted)
+def _set_law(law: Any, own: AbstractLaw) -> CompiledLaw:
+    form = compiled_law(own)
     if form is None:
-        raise InputError(f"expected a law of this package, found {type(wanted).__name__}")
-    law.name, law.hold_ticks, law.bandwidth = b"", int(wanted.hold_ticks), float(form.bandwidth)
+        raise InputError(f"expected a law of this package, found {type(own).__name__}")
+    law.name, law.hold_ticks, law.bandwidth = (
+        b"",
+        int(own.hold_ticks),
+        float(form.bandwidth),
+    )
     law.model, law.measure_z2 = int(form.model), int(form.measure_z2)
-    law.uses_impact_consistent_rates = int(wanted.uses_impact_consistent_rates)
+    law.uses_impact_consistent_rates = int(own.uses_impact_consistent_rates)
     _fill(law.stiffness, form.stiffness)
     _fill(law.damping, form.damping)
     return form

@@ -114,30 +114,30 @@ def on_slope(disturbance: PlantChanges, orders: CommandSchedule) -> PlantChanges
     return replace(disturbance, slope_deg=math.degrees(float(orders.first[at])))
 
 
-def _constant(commands: Commands, given: str | Mapping[str, float]) -> Float[np.ndarray, " p"]:
-    wanted = parsed(given) if isinstance(given, str) else dict(given)
+def _constant(commands: Commands, setting: str | Mapping[str, float]) -> Float[np.ndarray, " p"]:
+    requested = parsed(setting) if isinstance(setting, str) else dict(setting)
     middle = dict(zip((c.name for c in commands), CommandLimits.of(commands).middle, strict=True))
-    unknown = [name for name in wanted if name not in middle]
+    unknown = [name for name in requested if name not in middle]
     if unknown:
         raise InputError(
             f"expected commands among {', '.join(middle)}, found {unknown[0]!r}: name one of them"
         )
-    return values(commands, middle | wanted)
+    return values(commands, middle | requested)
 
 
 def parsed(text: str) -> dict[str, float]:
     """Read `NAME=VALUE,...`, slopes in degrees as in every flag. Raises: InputError."""
-    found: dict[str, float] = {}
+    values: dict[str, float] = {}
     for part in text.split(","):
         name, equals, value = (word.strip() for word in part.partition("="))
         number = _number(value)
-        if not (name and equals) or number is None or name in found:
+        if not (name and equals) or number is None or name in values:
             raise InputError(
                 f"expected --command as NAME=VALUE,... with each name once, found {text!r}: write "
                 "speed=0.7"
             )
-        found[name] = math.radians(number) if name == "slope" else number
-    return found
+        values[name] = math.radians(number) if name == "slope" else number
+    return values
 
 
 def _rows(commands: Commands, path: Path) -> Float[np.ndarray, "K p"]:
@@ -169,7 +169,7 @@ def _rows(commands: Commands, path: Path) -> Float[np.ndarray, "K p"]:
                 f"{path}: expected steps one after the other from 0 or 1, found {step:g} in row "
                 f"{number + 1}: fill the gap"
             )
-    return np.array([told for _, told in rows])
+    return np.array([values for _, values in rows])
 
 
 def _row(
@@ -177,15 +177,15 @@ def _row(
 ) -> tuple[float, Float[np.ndarray, " p"]]:
     """Return the step and the commands of a row."""
     numbers = [_number(line[i]) for i in order] if len(line) == len(order) else [None]
-    step, *told = numbers
-    if step is None or any(value is None for value in told):
+    step, *cells = numbers
+    if step is None or any(value is None for value in cells):
         raise InputError(
             f"{path}: expected {len(order)} finite numbers in row {number + 1}, found "
             f"{','.join(line)!r}: {between_commas(','.join(line))}"
         )
-    given = {c.name: float(value or 0.0) for c, value in zip(commands, told, strict=True)}
+    by_name = {c.name: float(value or 0.0) for c, value in zip(commands, cells, strict=True)}
     try:
-        return step, values(commands, given)
+        return step, values(commands, by_name)
     except InputError as error:
         raise InputError(f"{path}, row {number + 1}: {error}") from None
 

@@ -107,7 +107,7 @@ class Courses:
 
     def look(
         self,
-        told: Float[np.ndarray, " p"],
+        command_values: Float[np.ndarray, " p"],
         episode: int,
         touchdowns: int,
         foot: Float[np.ndarray, "2"],
@@ -115,7 +115,7 @@ class Courses:
         """Overwrite an episode's commands with those that its robot sees now.
 
         Args:
-            told: commands of the next touchdown. [p]
+            command_values: commands of the next touchdown. [p]
             episode: number of the episode.
             touchdowns: number so far.
             foot: the swing foot, (x, z) (m).
@@ -124,7 +124,7 @@ class Courses:
         if not course.stones:
             slope = place_of(commands, "slope")
             assert slope is not None
-            told[slope] = np.interp(foot[0], course.seen[:, 0], course.seen[:, 1])
+            command_values[slope] = np.interp(foot[0], course.seen[:, 0], course.seen[:, 1])
             return
         # The foot is on its way to the stone before this one.
         next_stone = touchdowns + 2
@@ -134,7 +134,7 @@ class Courses:
         for name, value in zip(("step_length", "step_height"), ahead, strict=True):
             at = place_of(commands, name)
             if at is not None:
-                told[at] = value
+                command_values[at] = value
 
 
 def stones_at(middles: Float[np.ndarray, "K 2"], widths: Float[np.ndarray, " K"]) -> Course:

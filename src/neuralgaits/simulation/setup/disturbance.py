@@ -126,11 +126,11 @@ def parse(disturb: "str | Mapping[str, float] | PlantChanges | None") -> PlantCh
     if not disturb:
         return PlantChanges()
     pairs = _pairs(disturb) if isinstance(disturb, str) else list(disturb.items())
-    known = {entry.name for entry in fields(PlantChanges)}
+    names = {entry.name for entry in fields(PlantChanges)}
     values: dict[str, float] = {}
     for name, text in pairs:
-        if name not in known:
-            remedy = meant(name, known) or f"expected one of {existing()}"
+        if name not in names:
+            remedy = meant(name, names) or f"expected one of {existing()}"
             raise InputError(f"unknown disturbance {name!r}: {remedy}")
         if name in values:
             raise InputError(f"disturbance {name} is given twice: give it once")

@@ -62,11 +62,11 @@ class DrawnRobots:
         Raises: InputError if both set the floor.
         """
         named = {"floor": "floor_height", "friction": "friction"}
-        found = {named[kind]: self.box[kind] for kind in named if kind in self.box}
+        extents = {named[kind]: self.box[kind] for kind in named if kind in self.box}
         default = PlantChanges()
         for kind in named.values():
-            if kind in found and getattr(disturbance, kind) != getattr(default, kind):
+            if kind in extents and getattr(disturbance, kind) != getattr(default, kind):
                 raise InputError(
                     f"expected {kind} of --disturb or of --parameters, found both: leave one out"
                 )
-        return replace(disturbance, **found)
+        return replace(disturbance, **extents)

@@ -100,15 +100,15 @@ def add_drives(model: mujoco.MjModel, actuators: np.ndarray, disturbance: PlantC
 
 
 def held_by_drives(
-    state_map: StateMap, seen: Measurement, gains: Float[Array, "2"]
+    state_map: StateMap, measurement: Measurement, gains: Float[Array, "2"]
 ) -> Float[Array, "2 k"]:
     """Return what the controls add for the drives' targets: kp q + kd dq of the tick [N m].
 
     Args:
         state_map: of the plant.
-        seen: what the controller measured.
+        measurement: what the controller measured.
         gains: stiffness [N m/rad] and damping [N m s/rad].
     """
     # Motors know the file's angles, whose zeros lie elsewhere.
     offsets = jnp.asarray(np.array(state_map.layout.leg_joint_offsets))
-    return gains[0] * (seen.angles - offsets) + gains[1] * seen.rates
+    return gains[0] * (measurement.angles - offsets) + gains[1] * measurement.rates

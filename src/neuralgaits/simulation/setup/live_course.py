@@ -26,17 +26,17 @@ class LiveCourse:
 
     def __init__(
         self,
-        asked: str,
+        terrain: str,
         robot: PlanarBiped,
         steady: AbstractPolicy,
         base: CommandSchedule,
         seed: int = 0,
     ):
         """Lay the first length; see `terrains.courses_of`. Raises: InputError with one line."""
-        self._asked, self._robot, self._steady, self._base = asked, robot, steady, base
+        self._asked, self._robot, self._steady, self._base = terrain, robot, steady, base
         self._seed = seed
         self._sizes: dict[str, float] = {}
-        self.courses = self._laid(asked)
+        self.courses = self._laid(terrain)
 
     @property
     def course(self) -> Course:
@@ -56,8 +56,8 @@ class LiveCourse:
         Raises: InputError for another name or a size out of its range (m).
         """
         if name not in self.sizes:
-            known = ", ".join(self.sizes) or "none here"
-            raise InputError(f"expected a size among {known}, found {name!r}: name one of them")
+            names = ", ".join(self.sizes) or "none here"
+            raise InputError(f"expected a size among {names}, found {name!r}: name one of them")
         sizes = self._sizes | {name: size}
         if sizes == self._sizes:
             return
@@ -74,15 +74,15 @@ class LiveCourse:
         """Draw another ground of the kind for the next restart."""
         self._seed += 1
 
-    def _lay(self, asked: str, touchdowns: int) -> None:
+    def _lay(self, terrain: str, touchdowns: int) -> None:
         """Continue with other ground beyond the part that the robot knows."""
         last = min(touchdowns + _KNOWN, len(self.course.seen) - 1)
         self._seed += 1
-        more = self._laid(asked).each[0]
+        more = self._laid(terrain).each[0]
         self.courses = replace(self.courses, each=(joined(self.course, last, more),))
 
-    def _laid(self, asked: str) -> Courses:
-        steps = LAID if endless(asked) else 1
+    def _laid(self, terrain: str) -> Courses:
+        steps = LAID if endless(terrain) else 1
         return courses_of(
-            asked, self._robot, self._steady, self._base, steps=steps, seed=self._seed, episodes=1
+            terrain, self._robot, self._steady, self._base, steps=steps, seed=self._seed, episodes=1
         )

@@ -40,14 +40,14 @@ def sensed(disturbance: PlantChanges, sensing: str | None) -> PlantChanges:
                 f"for {ENCODERS}"
             )
         return replace(disturbance, estimator=0.0)
-    given = _read(settings)
-    wanted = {"bits": BITS, "pitch_noise": PITCH_NOISE, "delay_ms": DELAY_MS} | given
+    overrides = _read(settings)
+    figures = {"bits": BITS, "pitch_noise": PITCH_NOISE, "delay_ms": DELAY_MS} | overrides
     usual, values = PlantChanges(), {"estimator": 1.0}
-    for name, value in wanted.items():
+    for name, value in figures.items():
         field = "encoder_step" if name == "bits" else name
         if getattr(disturbance, field) == getattr(usual, field):
             values[field] = _step(value) if name == "bits" else value
-        elif name in given:
+        elif name in overrides:
             raise InputError(
                 f"sensing {name}: expected it once, found disturbance {field} beside it: leave "
                 "one of them out"

@@ -20,18 +20,18 @@ class Terrain:
     """
 
     def __init__(
-        self, height: float, seed: int, episodes: int, told: float | None = None, first: int = 0
+        self, height: float, seed: int, episodes: int, expected: float | None = None, first: int = 0
     ):
         """Put all floors at zero. Draws depend on seed and episode number alone.
 
-        `told` is the first foothold's height in the commands (m); None if no command gives it.
+        `expected` is the first foothold's height in the commands (m); None if no command gives it.
         `first` is the number of the first episode.
         """
         self.levels = np.zeros((episodes, 2))
         self._height = height
-        self.told = told
-        self._next_rise = np.full(episodes, told or 0.0)
-        self._pending = np.full(episodes, told is not None)
+        self.told = expected
+        self._next_rise = np.full(episodes, expected or 0.0)
+        self._pending = np.full(episodes, expected is not None)
         numbers = range(first, first + episodes)
         self._draws = [np.random.default_rng([seed, i, 1]) for i in numbers]
 

@@ -50,41 +50,41 @@ KINDS = {
 }
 
 
-def commands_from_terrain(asked: str) -> tuple[str, ...]:
+def commands_from_terrain(terrain: str) -> tuple[str, ...]:
     """Commands that the ground gives, so that nobody else can."""
-    kind, _ = kind_of(asked)
+    kind, _ = kind_of(terrain)
     return ("slope",) if kind == "slopes" else ("step_length", "step_height", "slope")
 
 
-def endless(asked: str) -> bool:
+def endless(terrain: str) -> bool:
     """Return whether the ground can be laid without end; that of a file cannot."""
-    return kind_of(asked)[0] is not None
+    return kind_of(terrain)[0] is not None
 
 
-def sizes_of(asked: str, commands: Commands) -> dict[str, Size]:
+def sizes_of(terrain: str, commands: Commands) -> dict[str, Size]:
     """Return the sizes of a requested ground under a gait's commands; none for a file.
 
     Raises: InputError with one line for a size out of its range.
     """
-    kind, given = kind_of(asked)
+    kind, settings = kind_of(terrain)
     if kind is None:
         return {}
-    found = {}
+    sizes = {}
     for name, (low, high, usual) in _ranges(kind, commands).items():
-        value = given.get(name, usual)
+        value = settings.get(name, usual)
         if not low <= value <= high:
             raise InputError(
                 f"--terrain {kind}: expected {name} between {low:g} and {high:g} "
                 f"({KINDS[kind].settings[name]}), found {value:g}"
             )
-        found[name] = Size(low, high, value)
-    return found
+        sizes[name] = Size(low, high, value)
+    return sizes
 
 
-def resized(asked: str, sizes: Mapping[str, float]) -> str:
+def resized(terrain: str, sizes: Mapping[str, float]) -> str:
     """Return the text of a ground's kind with other sizes (m)."""
-    kind, given = kind_of(asked)
-    new = given | dict(sizes)
+    kind, settings = kind_of(terrain)
+    new = settings | dict(sizes)
     return ",".join([str(kind), *(f"{name}={size!r}" for name, size in new.items())])
 
 
@@ -105,32 +105,32 @@ def _ranges(kind: str, commands: Commands) -> dict[str, Size]:
     }
 
 
-def kind_of(asked: str) -> tuple[str | None, dict[str, float]]:
+def kind_of(terrain: str) -> tuple[str | None, dict[str, float]]:
     """Return kind and given sizes of a ground; None for a file. Raises: InputError."""
-    kind = asked.partition(",")[0].strip()
+    kind = terrain.partition(",")[0].strip()
     if kind not in KINDS:
-        if Path(asked).is_file():
+        if Path(terrain).is_file():
             return None, {}
         raise InputError(
-            f"expected --terrain {', '.join(KINDS)} or a CSV file of stones, found {asked!r}: no "
-            f"such kind and {no_file_at(Path(asked), 'no such file')}"
+            f"expected --terrain {', '.join(KINDS)} or a CSV file of stones, found {terrain!r}: no "
+            f"such kind and {no_file_at(Path(terrain), 'no such file')}"
         )
-    found: dict[str, float] = {}
-    known = KINDS[kind].settings
-    for part in listed("--terrain", asked)[1:]:
+    sizes: dict[str, float] = {}
+    names = KINDS[kind].settings
+    for part in listed("--terrain", terrain)[1:]:
         name, _, text = (word.strip() for word in part.partition("="))
         try:
             value = decimal(text)
         except ValueError:
             value = math.nan
-        if name not in known or name in found or not math.isfinite(value):
-            settings = "; ".join(f"{name}: {about}" for name, about in known.items())
+        if name not in names or name in sizes or not math.isfinite(value):
+            settings = "; ".join(f"{name}: {about}" for name, about in names.items())
             raise InputError(
                 f"expected --terrain {kind} with NAME=VALUE, each name once ({settings}), found "
                 f"{part!r}"
             )
-        found[name] = value
-    return kind, found
+        sizes[name] = value
+    return kind, sizes
 
 
 def check_told(what: str, kind: TerrainKind, commands: Commands) -> None:
@@ -138,8 +138,8 @@ def check_told(what: str, kind: TerrainKind, commands: Commands) -> None:
     missing = [name for name in kind.asks if place_of(commands, name) is None]
     if missing:
         flags = " ".join(f"--{name.replace('_', '-')} A:B" for name in kind.asks)
-        taken = ", ".join(c.name for c in commands) or "none"
+        names = ", ".join(c.name for c in commands) or "none"
         raise InputError(
             f"expected a gait that takes {' and '.join(kind.asks)} on {what}, found one that "
-            f"takes {taken}: train one with {flags}"
+            f"takes {names}: train one with {flags}"
         )

@@ -34,7 +34,7 @@ _FASTEST = 1.3
 
 
 def courses_of(
-    asked: str,
+    terrain: str,
     robot: PlanarBiped,
     steady: AbstractPolicy,
     base: CommandSchedule,
@@ -46,7 +46,7 @@ def courses_of(
     """Return the requested ground of every episode.
 
     Args:
-        asked: kind with settings, `stones,width=0.12`, or a CSV file of stones.
+        terrain: kind with settings, `stones,width=0.12`, or a CSV file of stones.
         robot: robot that walks.
         steady: the policy of its steps at `base`.
         base: first commands, where the ground gives none.
@@ -56,15 +56,15 @@ def courses_of(
 
     Raises: InputError with one line.
     """
-    kind, _ = kind_of(asked)
+    kind, _ = kind_of(terrain)
     commands = base.commands
     if kind is None:
         check_told("a file of stones", KINDS["stones"], commands)
-        one = stones_of_file(Path(asked), commands, steps)
+        one = stones_of_file(Path(terrain), commands, steps)
         each = (one,) * episodes
     else:
         check_told(kind, KINDS[kind], commands)
-        size = {name: size.value for name, size in sizes_of(asked, commands).items()}
+        size = {name: size.value for name, size in sizes_of(terrain, commands).items()}
         make = _MAKERS[kind](commands, size, steps, partial(_step_length, robot, steady))
         each = tuple(make(np.random.default_rng([seed, i, _STREAM])) for i in range(episodes))
     first = _first_told(commands, base, each[0])
@@ -178,5 +178,5 @@ def _of_corners(corners: Float[np.ndarray, "K 2"], reach: float) -> Course:
     x, z = corners.T
     at = np.arange(x[0], x[-1], _LOOKS_M)
     rise = np.interp(at + reach, x, z) - np.interp(at, x, z)
-    seen = np.stack([at, np.arctan2(rise, reach)], axis=1)
-    return Course(np.concatenate([corners[:-1], corners[1:]], axis=1), seen, stones=False)
+    slopes = np.stack([at, np.arctan2(rise, reach)], axis=1)
+    return Course(np.concatenate([corners[:-1], corners[1:]], axis=1), slopes, stones=False)

@@ -167,10 +167,10 @@ class SupervisedRobot:
 
 def _standing(robot: PlanarBiped) -> Float[np.ndarray, " n"]:
     """Return the standing posture of a robot (rad). Raises: InputError if it has none."""
-    found = standing_postures(robot)
-    if found is None:
+    postures = standing_postures(robot)
+    if postures is None:
         raise InputError(
             f"{robot.name}: expected legs that can stand on two feet, found none of its postures "
             "within the joints' ranges: give a posture to start from"
         )
-    return found.path[0]
+    return postures.path[0]

@@ -36,8 +36,8 @@ def supervisor_library(design: Design, precision: str = "double") -> ctypes.CDLL
     files = output_folder.shipped() | gait_files(design)
     files[_HOST] = (folder / _HOST).read_text(encoding="utf-8")
     flags = (*_FLAGS, *build.PRECISIONS[precision])
-    wanted = SharedLibrary("supervisor", files, (*build.CORE, "supervisor.c", _HOST), flags)
-    library = ctypes.CDLL(str(compiler.kept(wanted, cache_folder())))
+    recipe = SharedLibrary("supervisor", files, (*build.CORE, "supervisor.c", _HOST), flags)
+    library = ctypes.CDLL(str(compiler.kept(recipe, cache_folder())))
     library.ng_host_bytes.restype = c_size_t
     library.ng_host_start.argtypes = [c_void_p, c_int, c_int]
     library.ng_host_tell.argtypes = [c_void_p, c_void_p]
@@ -76,8 +76,8 @@ class SupervisorTick:
         """
         self._library.ng_host_start(self._memory, 0, int(estimate))
         if commands:
-            wanted = np.asarray(commands, dtype=np.float64)
-            self._library.ng_host_tell(self._memory, wanted.ctypes.data)
+            values = np.asarray(commands, dtype=np.float64)
+            self._library.ng_host_tell(self._memory, values.ctypes.data)
 
     def tick(self, time_us: int, sensors: Float[np.ndarray, " s"], request: int) -> None:
         """Decide.

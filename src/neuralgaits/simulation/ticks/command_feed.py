@@ -54,9 +54,11 @@ class CommandFeed:
                 lean = float(verdict.lean[i])
                 self._adapted[i].touch_down(time, q[i], latched[i], self._told[i], lean)
         if self._courses is not None:
-            for i, told in enumerate(self._told):
-                self._courses.look(told, i, int(verdict.steps[i]), np.asarray(verdict.feet[i, 1]))
-                self.requested[i] = self._adapted[i].request(told)
+            for i, commands in enumerate(self._told):
+                self._courses.look(
+                    commands, i, int(verdict.steps[i]), np.asarray(verdict.feet[i, 1])
+                )
+                self.requested[i] = self._adapted[i].request(commands)
             return
         for i in np.flatnonzero(verdict.touchdown):
             self._told[i] = next(self._orders[i])

@@ -120,9 +120,9 @@ def update(
     """
     down = command.touchdown
     steps = gauge.steps + down
-    done = down & (gauge.steps >= START_UP_STEPS)
+    gauged = down & (gauge.steps >= START_UP_STEPS)
     here = Milestone(time, hip, gauge.energy)
-    steady = _choose(done, gauge.steady.with_(gauge.running), gauge.steady)
+    steady = _choose(gauged, gauge.steady.with_(gauge.running), gauge.steady)
     running = _choose(down, Extremes.none(), gauge.running)
     power = jnp.sum(jnp.abs(command.actuated * command.dq[1:]))
     now = _extremes(command, normal_force)

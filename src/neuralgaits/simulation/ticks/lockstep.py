@@ -79,7 +79,7 @@ def run(
     plant: Plant,
     batch: Batch,
     world: World,
-    given: EpisodeInputs,
+    inputs: EpisodeInputs,
     watch: Watch | None = None,
 ) -> EpisodeBatch:
     """Run every episode to its end.
@@ -89,33 +89,33 @@ def run(
         plant: plant of all episodes, or of the first one on a course.
         batch: the compiled control tick.
         world: the plants of all episodes at their starts.
-        given: inputs of the episodes.
+        inputs: inputs of the episodes.
         watch: called after each control tick.
 
     Returns: `EpisodeBatch`.
     """
-    count, first = len(world.states), given.first
-    terrain, courses = given.terrain, given.courses
+    count, first = len(world.states), inputs.first
+    terrain, courses = inputs.terrain, inputs.courses
     shape = (2, 1 + plant.state_map.joints.size)
-    noise = Noise(shape, given.seed, count, silent=not given.noisy, first=first)
+    noise = Noise(shape, inputs.seed, count, silent=not inputs.noisy, first=first)
     late = _Late(plant.delay_ticks, count, plant.state_map.nu)
     episodes = range(first, first + count)
-    told = CommandFeed(robot, given.orders, episodes, courses, adapt=given.adapt)
+    feed = CommandFeed(robot, inputs.orders, episodes, courses, adapt=inputs.adapt)
     levels = terrain.levels if courses is None else courses.first_levels()
-    results = _Results(batch, given, told, count)
+    results = _Results(batch, inputs, feed, count)
     carry, time, plant_steps = batch.carry, 0.0, 0
     # The first call compiles; its result is thrown away.
-    batch.tick(batch.arrays, carry, _reading(world, levels, noise, told))
+    batch.tick(batch.arrays, carry, _reading(world, levels, noise, feed))
     start_time = clock.perf_counter()
     while results.active.size:
-        reading = _reading(world, levels, noise, told)
+        reading = _reading(world, levels, noise, feed)
         carry, packed, record = batch.tick(batch.arrays, carry, reading)
         verdict = batch.verdict_of(packed)
-        told.advance(verdict, partial(batch.record_of, record))
+        feed.advance(verdict, partial(batch.record_of, record))
         if watch is not None:
             watch(batch.record_of(record), results.active)
         results.add(carry, verdict, record, world.states[0], levels[0])
-        force = given.push.at(time, verdict.touchdown, verdict.steps)
+        force = inputs.push.at(time, verdict.touchdown, verdict.steps)
         place = (verdict.touchdown, verdict.leg, verdict.z1, verdict.clearance)
         if courses is not None:
             courses.stand(levels, verdict.touchdown, verdict.leg, verdict.feet)
@@ -136,13 +136,13 @@ class _Results:
         active: numbers of the episodes that are still running. [a]
     """
 
-    def __init__(self, batch: Batch, given: EpisodeInputs, told: CommandFeed, count: int):
+    def __init__(self, batch: Batch, inputs: EpisodeInputs, feed: CommandFeed, count: int):
         self.active = np.arange(count)
-        self._batch, self._given, self._told = batch, given, told
+        self._batch, self._given, self._told = batch, inputs, feed
         self._endings = np.zeros(count, dtype=int)
         self._carries = np.array(batch.carry)
         self._strides: list[list[np.ndarray]] = [[] for _ in range(count)]
-        self._recorder = Recorder(given.longest) if given.longest else None
+        self._recorder = Recorder(inputs.longest) if inputs.longest else None
         # Of episode 0, one a tick.
         self._rows: list[np.ndarray] = []
         self._states: list[np.ndarray] = []
@@ -174,10 +174,10 @@ class _Results:
             self._rows.append(np.asarray(record)[0])
             self._states.append(state.copy())
             self._floors.append(levels.copy())
-        ended = active[verdict.ending[active] != Ending.RUNNING]
-        if ended.size:
-            self._endings[ended] = verdict.ending[ended]
-            self._carries[ended] = np.asarray(carry)[ended]
+        finished = active[verdict.ending[active] != Ending.RUNNING]
+        if finished.size:
+            self._endings[finished] = verdict.ending[finished]
+            self._carries[finished] = np.asarray(carry)[finished]
             self.active = np.flatnonzero(self._endings == Ending.RUNNING)
 
     def whole(self, plant_steps: int, wall_s: float) -> EpisodeBatch:
@@ -200,10 +200,10 @@ class _Results:
 
 
 def _reading(
-    world: World, levels: Float[np.ndarray, "B 2"], noise: Noise, told: CommandFeed
+    world: World, levels: Float[np.ndarray, "B 2"], noise: Noise, feed: CommandFeed
 ) -> Float[np.ndarray, "B r"]:
     """Return the present inputs of the tick, packed."""
-    return pack(PlantReading(world.states, world.touch, levels, noise.next(), told.requested))
+    return pack(PlantReading(world.states, world.touch, levels, noise.next(), feed.requested))
 
 
 class _Late:

@@ -36,8 +36,8 @@ def sense(scene: Scene, reading: PlantReading) -> TrueAndMeasured:
     arm, swept = state_map.layout.hip_arm(sensors.pitch - state_map.layout.root_angle, jnp)
     truth = measure(sensors, swept, time, reading.touch)
     shifted = truth._replace(pitch=truth.pitch + scene.pitch_offset)
-    seen = _rounded(_noisy(shifted, reading.noise, scene.noise), scene.encoder_step)
-    return TrueAndMeasured(truth, seen, sensors.base + arm)
+    measurement = _rounded(_noisy(shifted, reading.noise, scene.noise), scene.encoder_step)
+    return TrueAndMeasured(truth, measurement, sensors.base + arm)
 
 
 def _noisy(

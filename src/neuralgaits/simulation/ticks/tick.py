@@ -93,22 +93,22 @@ def begin(scene: Scene, leg: Int[Array, ""]) -> Carry:
         first = first._replace(lean=lean_sums.start(scene.controller.robot))
     if scene.estimator is None:
         return first
-    known = nothing_known(scene.controller.robot)
-    return first._replace(known=known, believed=jnp.zeros(scene.delay_ticks + 1))
+    state = nothing_known(scene.controller.robot)
+    return first._replace(known=state, believed=jnp.zeros(scene.delay_ticks + 1))
 
 
 def tick(scene: Scene, carry: Carry, reading: PlantReading) -> tuple[Carry, Verdict, TickRecord]:
     """Compute one tick of one episode. Returns: the next carry, the verdict, and the record."""
-    seen = sense(scene, reading).seen
+    measurement = sense(scene, reading).seen
     if scene.estimator is not None:
-        carry, seen = estimated(scene, scene.estimator, carry, seen)
+        carry, measurement = estimated(scene, scene.estimator, carry, measurement)
     state = tell(scene.controller, carry.controller, reading.requested)
-    state, command = step(scene.controller, state, seen)
-    return account(scene, carry, reading, state, command, seen)
+    state, command = step(scene.controller, state, measurement)
+    return account(scene, carry, reading, state, command, measurement)
 
 
 def estimated(
-    scene: Scene, estimator: Estimator, carry: Carry, seen: Measurement
+    scene: Scene, estimator: Estimator, carry: Carry, measurement: Measurement
 ) -> tuple[Carry, Measurement]:
     """Return the estimate that the controller uses where rates are not measured.
 
@@ -116,7 +116,7 @@ def estimated(
         scene: scene of the episode.
         estimator: its estimator.
         carry: its state before the tick.
-        seen: what the sensors measure.
+        measurement: what the sensors measure.
 
     Returns: the carry with the estimator's next state, and the estimate.
     """
@@ -125,10 +125,10 @@ def estimated(
     standing, period = carry.controller.stance, controller.period_s
     ankle = carry.controller.ankle
     robot = controller.believed(carry.controller.told)
-    known = estimate(estimator, robot, carry.known, seen, standing, period, ankle)
-    speed = known.estimate.hip_velocity[:1]
+    state = estimate(estimator, robot, carry.known, measurement, standing, period, ankle)
+    speed = state.estimate.hip_velocity[:1]
     believed = jnp.concatenate([speed, carry.believed[:-1]])
-    return carry._replace(known=known, believed=believed), known.estimate
+    return carry._replace(known=state, believed=believed), state.estimate
 
 
 def account(
@@ -137,7 +137,7 @@ def account(
     reading: PlantReading,
     state: ControllerState,
     command: TickResult,
-    seen: Measurement,
+    measurement: Measurement,
 ) -> tuple[Carry, Verdict, TickRecord]:
     """Judge and record an episode's tick under a command from any controller.
 
@@ -147,7 +147,7 @@ def account(
         reading: the tick's reading of the plant.
         state: the controller's next state.
         command: the tick's result.
-        seen: what the controller measured.
+        measurement: what the controller measured.
 
     Returns: the next carry, the verdict, and the record.
     """
@@ -169,11 +169,11 @@ def account(
     numbers = jnp.stack([truth.time, hip[0], -ahead, -up, place.feet[0, 0]])
     stride = jnp.concatenate([numbers, command.told[0]])
     z_plant = true_z(scene.plant_robot, truth, command.leg)
-    sums, lean = _learned(scene, carry, command, seen)
+    sums, lean = _learned(scene, carry, command, measurement)
     return (
         carry._replace(controller=state, gauge=gauge, age=age, lean=sums),
         Verdict(
-            controls=_controls(scene, command, seen),
+            controls=_controls(scene, command, measurement),
             ending=_ending(scene, reading, command, place, truth.pitch, age, gauge.steps),
             touchdown=command.touchdown,
             steps=gauge.steps,
@@ -190,20 +190,20 @@ def account(
 
 
 def _learned(
-    scene: Scene, carry: Carry, command: TickResult, seen: Measurement
+    scene: Scene, carry: Carry, command: TickResult, measurement: Measurement
 ) -> tuple[LeanSums | None, Scalar]:
     """Return the next sums, and the lean that a step which has just ended shows (m)."""
     if carry.lean is None:
         return None, jnp.full((), jnp.nan)
-    ticks = command.q, seen.time, command.since_touchdown, command.touchdown
+    ticks = command.q, measurement.time, command.since_touchdown, command.touchdown
     return lean_sums.advance(scene.controller.robot, carry.lean, *ticks)
 
 
-def _controls(scene: Scene, command: TickResult, seen: Measurement) -> Float[Array, " u"]:
+def _controls(scene: Scene, command: TickResult, measurement: Measurement) -> Float[Array, " u"]:
     """Return actuator controls of the law's torque, and of the targets of drives if it has some."""
     torque = command.torque
     if scene.has_drives:
-        torque = torque + held_by_drives(scene.state_map, seen, scene.gains)
+        torque = torque + held_by_drives(scene.state_map, measurement, scene.gains)
     return controls(scene.state_map, torque)
 
 

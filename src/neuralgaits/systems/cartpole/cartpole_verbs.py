@@ -93,9 +93,9 @@ class CartPoleSystem(EquilibriumSystem):
         """Return the record of episodes."""
         return CartPoleEpisodes(**fields, largest_x=largest, rail=run.robot.rail)
 
-    def reach_in_words(self, done: CartPoleEpisodes) -> tuple[str, str]:
+    def reach_in_words(self, episodes: CartPoleEpisodes) -> tuple[str, str]:
         """Return how far the cart went."""
-        return "cart", f"up to {done.largest_x:.4g} of {done.rail:g} m from the middle"
+        return "cart", f"up to {episodes.largest_x:.4g} of {episodes.rail:g} m from the middle"
 
     def header(self, run: FamilyRun) -> ControllerHeader:
         """Return names and numbers of the exported controller."""

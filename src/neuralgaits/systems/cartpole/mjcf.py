@@ -40,8 +40,8 @@ def read_cartpole(text: str, name: str) -> tuple[CartPole, CartPoleData]:
     """Read a cart-pole from MJCF text. Raises: RobotError with all that stands in the way."""
     model = compile_text(text, name)
     refuse_unphysical(model)
-    if found := [*_problems_of_tree(model)] or [*_problems(model)]:
-        raise RobotError(f"{name} is no cart-pole that can be treated: {'; '.join(found)}")
+    if problems := [*_problems_of_tree(model)] or [*_problems(model)]:
+        raise RobotError(f"{name} is no cart-pole that can be treated: {'; '.join(problems)}")
     data = _data(model)
     if not data.distance > 0.0:
         raise RobotError(f"{name}: expected the pole's mass away from its hinge, found it there")

@@ -26,21 +26,21 @@ class Ball(eqx.Module):
 
     def rate(self, normal: Float[Array, "4"], rates: Float[Array, "4"]) -> Float[Array, ""]:
         """Return the radius's rate where the state has these rates, by forward substitution."""
-        known = []
+        terms = []
         for row in range(4):
             left = rates[row]
-            for column, value in enumerate(known):
+            for column, value in enumerate(terms):
                 left = left - self.shape[row, column] * value
-            known.append(left / self.shape[row, row])
-        return normal @ jnp.stack(known)
+            terms.append(left / self.shape[row, row])
+        return normal @ jnp.stack(terms)
 
     def radius_squared(self, state: Float[Array, "4"]) -> Float[Array, ""]:
         """Return the square of the radius at which a state lies."""
-        known: list[Array] = []
+        terms: list[Array] = []
         for row in range(4):
-            left = state[row] - sum(self.shape[row, k] * known[k] for k in range(row))
-            known.append(left / self.shape[row, row])
-        return jnp.sum(jnp.square(jnp.stack(known)))
+            left = state[row] - sum(self.shape[row, k] * terms[k] for k in range(row))
+            terms.append(left / self.shape[row, row])
+        return jnp.sum(jnp.square(jnp.stack(terms)))
 
     @property
     def widths(self) -> tuple[float, ...]:

@@ -120,18 +120,18 @@ def train_ellipsoid(
     optimiser = optax.adam(rates)
 
     def loss(weights: EllipsoidWeights, draw: PRNGKeyArray):
-        found = sampled_margins(robot, start.controller(weights), rate, draw, recipe.samples)
+        margins = sampled_margins(robot, start.controller(weights), rate, draw, recipe.samples)
         short = [
             jax.lax.top_k(jax.nn.relu(recipe.targets.get(name, recipe.target) - row), recipe.worst)[
                 0
             ]
-            for name, row in found.items()
+            for name, row in margins.items()
         ]
         volume = jnp.sum(weights.sizes)
         return recipe.penalty * sum(jnp.mean(row) for row in short) - recipe.gain * volume
 
     @jax.jit
-    def moved(weights: Any, state, draw: PRNGKeyArray):
+    def updated(weights: Any, state, draw: PRNGKeyArray):
         value, gradient = jax.value_and_grad(loss)(weights, draw)
         # Sizes of inputs are units, no weights.
         gradient = eqx.tree_at(
@@ -143,7 +143,7 @@ def train_ellipsoid(
     weights: Any = start.weights
     state = optimiser.init(weights)
     for step in range(steps):
-        weights, state, value = moved(weights, state, jax.random.fold_in(key, step))
+        weights, state, value = updated(weights, state, jax.random.fold_in(key, step))
         if progress is not None and (step % EVERY == 0 or step + 1 == steps):
             progress(step + 1, float(value))
     return jax.tree.map(np.asarray, start.controller(weights))
@@ -163,12 +163,12 @@ def sampled_margins(
     share = jax.random.uniform(second, (count,))
     # Limits are reached on the face, and rates are smallest at either end.
     share = jnp.where(jnp.arange(count) % 2 == 0, 1.0, share)
-    found = {}
+    margins = {}
     for region in ("face", "ring", "core", "set"):
         low, high = RADII[region]
         rows = jax.vmap(lambda r, n: radial_margins(robot, controller, rate, r, n))(
             low + (high - low) * share, normal
         )
         names = [name for name in rows if RADIAL.get(name, "set") == region]
-        found |= {name: rows[name].reshape(-1) for name in names}
-    return found
+        margins |= {name: rows[name].reshape(-1) for name in names}
+    return margins

@@ -99,7 +99,7 @@ class EquilibriumSystem(ExportedSystem):
         """
 
     @abstractmethod
-    def reach_in_words(self, done: Any) -> tuple[str, str]:
+    def reach_in_words(self, episodes: Any) -> tuple[str, str]:
         """Return name and words of how far the first coordinate went."""
 
     def untrained(self, config: NetworkConfig) -> Controller:
@@ -137,17 +137,17 @@ class EquilibriumSystem(ExportedSystem):
     def measured(self, run: FamilyRun) -> dict[str, Any]:
         """Return the margins at fresh random states, and the set's sizes."""
         key, ball = jax.random.key(FRESH_SEED), run.controller.ball
-        found = sampled_margins(run.robot, run.controller, run.config.rate, key, FRESH)
+        margins = sampled_margins(run.robot, run.controller, run.config.rate, key, FRESH)
         return {
-            "margins": {name: float(np.min(rows)) for name, rows in found.items()},
+            "margins": {name: float(np.min(rows)) for name, rows in margins.items()},
             "samples": FRESH,
             "widths": ball.widths,
             "volume": ball.volume,
         }
 
-    def sizes(self, done: EllipsoidTrained) -> str:
+    def sizes(self, summary: EllipsoidTrained) -> str:
         """Return the half widths of the set in words."""
-        rows = zip(self.state_names, done.widths, self.state_units, strict=True)
+        rows = zip(self.state_names, summary.widths, self.state_units, strict=True)
         return ", ".join(f"{name} +-{width:.3g} {unit}" for name, width, unit in rows)
 
     def margins(self, run: FamilyRun, u: Float[Array, "4"]) -> Mapping[str, Array]:
@@ -193,23 +193,23 @@ class EquilibriumSystem(ExportedSystem):
         """Simulate in MuJoCo from the set's face."""
         fields, traces = simulate_at_rest(run, episodes=count, seed=seed, widest=self.widest)
         first = max(float(np.abs(one.state[:, 0]).max()) for one in traces)
-        done = self.episode_record(run, fields, first)
-        return done, done.stayed == done.episodes
+        record = self.episode_record(run, fields, first)
+        return record, record.stayed == record.episodes
 
-    def episodes_screen(self, done: RestEpisodes) -> Screen:
+    def episodes_screen(self, record: RestEpisodes) -> Screen:
         """Return how many episodes stayed in the set, and how close they came to its limits."""
-        good = done.stayed == done.episodes
-        rest = "not all" if done.settled_s is None else f"within {done.settled_s:.3g} s"
+        good = record.stayed == record.episodes
+        rest = "not all" if record.settled_s is None else f"within {record.settled_s:.3g} s"
         return Screen(
             "balances" if good else "leaves the set",
-            f": {done.stayed} of {done.episodes} episodes of {done.seconds:g} s stayed in it",
+            f": {record.stayed} of {record.episodes} episodes of {record.seconds:g} s stayed in it",
             None,
             [
                 ("at rest", rest),
-                ("force", f"up to {done.largest_force:.4g} of {done.force_limit:g} N"),
-                self.reach_in_words(done),
-                ("radius", f"up to {done.largest_radius:.6g}; 1 is the set's face"),
-                ("next", command("report", named(done.run))),
+                ("force", f"up to {record.largest_force:.4g} of {record.force_limit:g} N"),
+                self.reach_in_words(record),
+                ("radius", f"up to {record.largest_radius:.6g}; 1 is the set's face"),
+                ("next", command("report", named(record.run))),
             ],
         )
 

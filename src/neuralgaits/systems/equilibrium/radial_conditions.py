@@ -80,11 +80,11 @@ def radial_margins(
     """
     ball = controller.ball
 
-    def moved(distance):
-        found = robot.motion(controller.controls, ball.state(distance, normal))
-        return ball.rate(normal, found.rates), found.force
+    def motion_at(distance):
+        motion = robot.motion(controller.controls, ball.state(distance, normal))
+        return ball.rate(normal, motion.rates), motion.force
 
-    (speed, force), (slope, _) = jax.jvp(moved, (radius,), (jnp.ones_like(radius),))
+    (speed, force), (slope, _) = jax.jvp(motion_at, (radius,), (jnp.ones_like(radius),))
     shares = robot.limit_shares(ball.state(radius, normal), force)
     return {
         "inward": -2.0 * speed,

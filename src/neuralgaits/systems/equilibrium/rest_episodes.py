@@ -134,23 +134,23 @@ def simulate_at_rest(
     """
     start_time = time.perf_counter()
     starts = run.controller.ball.face(episodes, seed, widest)
-    found = [trace_of(run, start, SECONDS) for start in starts]
+    traces = [trace_of(run, start, SECONDS) for start in starts]
     limit = run.robot.force_limit
-    force = np.concatenate([np.abs(one.force) for one in found])
-    settled = [settling_time(one) for one in found]
-    good = [one.radius.max() <= 1.0 + 1e-9 and np.abs(one.force).max() <= limit for one in found]
+    force = np.concatenate([np.abs(one.force) for one in traces])
+    settled = [settling_time(one) for one in traces]
+    good = [one.radius.max() <= 1.0 + 1e-9 and np.abs(one.force).max() <= limit for one in traces]
     fields = {
         "run": str(run.path),
         "robot": run.config.robot,
-        "episodes": len(found),
+        "episodes": len(traces),
         "seconds": SECONDS,
         "stayed": sum(map(bool, good)),
-        "largest_radius": max(float(one.radius.max()) for one in found),
-        "last_radius": max(float(one.radius[-1]) for one in found),
+        "largest_radius": max(float(one.radius.max()) for one in traces),
+        "last_radius": max(float(one.radius[-1]) for one in traces),
         "settled_s": None if None in settled else max(filter(None, settled), default=0.0),
         "largest_force": float(force.max()),
         "force_limit": limit,
         "clamped": float(np.mean(force > limit)),
         "wall_s": time.perf_counter() - start_time,
     }
-    return fields, found
+    return fields, traces

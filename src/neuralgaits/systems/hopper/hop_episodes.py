@@ -265,11 +265,11 @@ def simulate_hops(run: FamilyRun, episodes: int, seed: int) -> HopEpisodes:
     began, robot = time.perf_counter(), run.robot
     levels = np.random.default_rng(seed).uniform(0.0, 1.0, episodes)
     simulation = HopSimulation(run)
-    found = [trace_hops(simulation, float(level), HOPS) for level in levels]
-    ticks: Any = np.concatenate([one.ticks for one in found])
-    touched = np.concatenate([one.touchdowns[1:] for one in found])
-    moved = sum(one.ticks[-1, 1] - one.ticks[0, 1] for one in found)
-    passed = sum(one.ticks[-1, 0] for one in found)
+    traces = [trace_hops(simulation, float(level), HOPS) for level in levels]
+    ticks: Any = np.concatenate([one.ticks for one in traces])
+    touched = np.concatenate([one.touchdowns[1:] for one in traces])
+    distance = sum(one.ticks[-1, 1] - one.ticks[0, 1] for one in traces)
+    passed = sum(one.ticks[-1, 0] for one in traces)
     force, torque = np.abs(ticks[:, 5]), np.abs(ticks[:, 6])
     beyond = (force > robot.force_limit) | (torque > robot.torque_limit)
     return HopEpisodes(
@@ -277,12 +277,12 @@ def simulate_hops(run: FamilyRun, episodes: int, seed: int) -> HopEpisodes:
         robot=run.config.robot,
         episodes=episodes,
         hops=HOPS,
-        stayed_up=sum(not one.fell for one in found),
+        stayed_up=sum(not one.fell for one in traces),
         done=len(touched),
         in_tube=float(np.mean((touched[:, 2] >= 0.0) & (touched[:, 2] <= 1.0)))
         if len(touched)
         else 0.0,
-        speed=float(moved / passed),
+        speed=float(distance / passed),
         air_time=float(np.mean(touched[:, 3])) if len(touched) else 0.0,
         largest_force=float(np.max(force[ticks[:, 7] > 0.0])),
         force_limit=robot.force_limit,

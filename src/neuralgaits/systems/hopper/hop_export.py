@@ -73,8 +73,8 @@ def forces_of(run: FamilyRun) -> Callable[[Float[Array, "13"]], dict[str, Array]
         plan = FlightPlan(duration, LegState(*start), LegState(lean, length, landing, 0.0))
         now = LegState(*leg)
         torque, force = flight_forces(robot, now, plan.at_share(share))
-        pushed = episodes.stance_force(robot, policy, s, now, sigma)
-        return {"forces": jnp.stack([pushed, force, torque])}
+        stance = episodes.stance_force(robot, policy, s, now, sigma)
+        return {"forces": jnp.stack([stance, force, torque])}
 
     return forces
 

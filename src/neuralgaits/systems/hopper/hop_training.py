@@ -72,7 +72,7 @@ def first_gait(robot: Hopper, width: int, key: PRNGKeyArray) -> HopController:
     return HopController(policy, HopTube(reference, *map(jnp.asarray, sizes)))
 
 
-def spread(held: float, free: float) -> np.ndarray:
+def spread(middle: float, free: float) -> np.ndarray:
     """Return coefficients of 1 + free s + held B(s). [DEGREE].
 
     B rises from 0 to 1 in the two places where the policy has a hold on the energy: its slope is
@@ -81,7 +81,7 @@ def spread(held: float, free: float) -> np.ndarray:
     s = np.polynomial.Polynomial([0.0, 1.0])
     slope = s**2 * (1.0 - s) ** 2 * (2.0 * s - 1.0) ** 2
     hold = slope.integ()
-    return (1.0 + free * s + held / hold(1.0) * hold).coef
+    return (1.0 + free * s + middle / hold(1.0) * hold).coef
 
 
 def sampled_hops(
@@ -89,7 +89,7 @@ def sampled_hops(
 ) -> dict[str, Float[Array, " N"]]:
     """Return margins at random states of each condition's region, many at its ends and corners."""
     draw = jnp.clip(1.2 * jax.random.uniform(key, (count, 2)) - 0.1, 0.0, 1.0)
-    found = {}
+    margins = {}
     for region, boxes in TABLE.regions.items():
         ((low, high),) = boxes
         low, size = jnp.asarray(low), jnp.asarray(high) - jnp.asarray(low)
@@ -97,8 +97,8 @@ def sampled_hops(
             draw
         )
         names = [name for name, place in TABLE.conditions.items() if place == region]
-        found |= {name: rows[name].reshape(-1) for name in names}
-    return {name: found[name] for name in TABLE.conditions}
+        margins |= {name: rows[name].reshape(-1) for name in names}
+    return {name: margins[name] for name in TABLE.conditions}
 
 
 def train_hopper(
@@ -139,15 +139,15 @@ def train_hopper(
         )
 
     def loss(weights: Any, draw: PRNGKeyArray):
-        found = sampled_hops(robot, controller_of(weights), rate, draw, SAMPLES)
+        margins = sampled_hops(robot, controller_of(weights), rate, draw, SAMPLES)
         short = [
             jax.lax.top_k(jax.nn.relu(TARGET - row / SCALES.get(name, 1.0)), WORST)[0]
-            for name, row in found.items()
+            for name, row in margins.items()
         ]
         return PENALTY * sum(jnp.mean(row) for row in short) - WIDE * weights[2]
 
     @jax.jit
-    def moved(weights: Any, state, draw: PRNGKeyArray):
+    def updated(weights: Any, state, draw: PRNGKeyArray):
         value, gradient = jax.value_and_grad(loss)(weights, draw)
         update, state = optimiser.update(gradient, state)
         return optax.apply_updates(weights, update), state, value
@@ -157,7 +157,7 @@ def train_hopper(
     weights: Any = (network, jnp.zeros_like(start.tube.middle), jnp.zeros(()))
     state = optimiser.init(weights)
     for step in range(steps):
-        weights, state, value = moved(weights, state, jax.random.fold_in(key, step))
+        weights, state, value = updated(weights, state, jax.random.fold_in(key, step))
         if progress is not None and (step % EVERY == 0 or step + 1 == steps):
             progress(step + 1, float(value))
     return jax.tree.map(np.asarray, controller_of(weights))

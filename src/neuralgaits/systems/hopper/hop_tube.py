@@ -34,7 +34,7 @@ class HopTube(eqx.Module):
 
 def polynomial(coefficients: Float[Array, " n"], s: Float[Array, ""]) -> Float[Array, ""]:
     """Return the value of a polynomial of ascending powers, by Horner's rule."""
-    found = coefficients[-1]
+    value = coefficients[-1]
     for k in range(coefficients.shape[0] - 2, -1, -1):
-        found = found * s + coefficients[k]
-    return found
+        value = value * s + coefficients[k]
+    return value

@@ -47,8 +47,8 @@ def read_hopper(text: str, name: str) -> tuple[Hopper, HopperData]:
     """Read a hopper from MJCF text. Raises: RobotError with all that stands in the way."""
     model = compile_text(text, name)
     refuse_unphysical(model)
-    if found := [*_problems_of_tree(model)] or [*_problems(model)]:
-        raise RobotError(f"{name} is no hopper that can be treated: {'; '.join(found)}")
+    if problems := [*_problems_of_tree(model)] or [*_problems(model)]:
+        raise RobotError(f"{name} is no hopper that can be treated: {'; '.join(problems)}")
     data = _data(model, model_name(model, name))
     share = difference_from_mujoco(model, data)
     if not share <= ALIKE:
@@ -218,9 +218,9 @@ def difference_from_mujoco(model: mujoco.MjModel, data: HopperData) -> float:
         world.qvel[:] = 0.0
         mujoco.mj_forward(model, world)
         pairs += [(world.qfrc_bias, weights), (world.qfrc_passive, np.zeros(5))]
-        for found, expected in pairs:
+        for measured, expected in pairs:
             scale = max(1.0, float(np.max(np.abs(expected))))
-            worst = max(worst, float(np.max(np.abs(found - expected))) / scale)
+            worst = max(worst, float(np.max(np.abs(measured - expected))) / scale)
     model.opt.disableflags = saved
     return worst
 

@@ -136,23 +136,23 @@ class HopperSystem(ExportedSystem):
     def measured(self, run: FamilyRun) -> dict[str, Any]:
         """Return the margins at fresh random states, and hops at both ends of the tube."""
         key = jax.random.key(FRESH_SEED)
-        found = sampled_hops(run.robot, run.controller, run.config.rate, key, FRESH)
+        margins = sampled_hops(run.robot, run.controller, run.config.rate, key, FRESH)
         hop, tube = run.controller.policy.flight(run.robot), run.controller.tube
         end = jnp.ones(())
         sigma = [float(tube.momentum(end, jnp.asarray(level))) for level in (0.0, 1.0)]
         rises = [float(hop.upward) * one for one in sigma]
         gravity = run.robot.gravity
         return {
-            "margins": {name: float(np.min(rows)) for name, rows in found.items()},
+            "margins": {name: float(np.min(rows)) for name, rows in margins.items()},
             "samples": FRESH,
             "speeds": tuple(float(hop.forward) * one for one in sigma),
             "heights": tuple(0.5 * one * one / gravity for one in rises),
             "air_times": tuple(2.0 * one / gravity for one in rises),
         }
 
-    def sizes(self, done: HopperTrained) -> str:
+    def sizes(self, summary: HopperTrained) -> str:
         """Return speeds and flights of the tube in words."""
-        (slow, fast), (low, high) = done.speeds, done.heights
+        (slow, fast), (low, high) = summary.speeds, summary.heights
         return f"{slow:.3g} to {fast:.3g} m/s, hops of {low * 1e3:.3g} to {high * 1e3:.3g} mm"
 
     def margins(self, run: FamilyRun, u: Float[Array, "2"]) -> Mapping[str, Array]:
@@ -192,35 +192,42 @@ class HopperSystem(ExportedSystem):
 
     def episodes(self, run: FamilyRun, count: int, seed: int) -> tuple[HopEpisodes, bool]:
         """Hop in MuJoCo."""
-        done = simulate_hops(run, count, seed)
-        return done, done.stayed_up == done.episodes
+        record = simulate_hops(run, count, seed)
+        return record, record.stayed_up == record.episodes
 
-    def episodes_screen(self, done: HopEpisodes) -> Screen:
+    def episodes_screen(self, record: HopEpisodes) -> Screen:
         """Return how many hops were done, and how they went."""
-        good = done.stayed_up == done.episodes
-        asked = done.hops * done.episodes
+        good = record.stayed_up == record.episodes
+        hops = record.hops * record.episodes
         return Screen(
             "hops" if good else "falls",
-            f": {done.stayed_up} of {done.episodes} episodes of {done.hops} hops stayed up",
+            f": {record.stayed_up} of {record.episodes} episodes of {record.hops} hops stayed up",
             None,
             [
                 (
                     "hops",
-                    f"{done.done} of {asked}, {100.0 * done.in_tube:.4g} % of landings in the tube",
+                    f"{record.done} of {hops}, {100.0 * record.in_tube:.4g} % of landings in the "
+                    "tube",
                 ),
-                ("speed", f"{done.speed:.3g} m/s, {done.air_time:.3g} s in the air each"),
-                ("leg", f"asked for {done.largest_force:.4g} of {done.force_limit:g} N in stance"),
-                ("wheel", f"asked for {done.largest_torque:.4g} of {done.torque_limit:g} N m"),
-                ("clamped", f"{100.0 * done.clamped:.2g} % of ticks"),
-                ("next", command("report", named(done.run))),
+                ("speed", f"{record.speed:.3g} m/s, {record.air_time:.3g} s in the air each"),
+                (
+                    "leg",
+                    f"asked for {record.largest_force:.4g} of {record.force_limit:g} N in stance",
+                ),
+                (
+                    "wheel",
+                    f"asked for {record.largest_torque:.4g} of {record.torque_limit:g} N m",
+                ),
+                ("clamped", f"{100.0 * record.clamped:.2g} % of ticks"),
+                ("next", command("report", named(record.run))),
             ],
         )
 
     def page_lines(self, run: FamilyRun) -> list[str]:
         """Return the sentences at the head of a run's page, about robot and tube."""
-        done = HopperTrained.read(run.path / "summary.json")
+        summary = HopperTrained.read(run.path / "summary.json")
         return [
-            f"Tube: {self.sizes(done)}.",
+            f"Tube: {self.sizes(summary)}.",
             f"Limits: {run.robot.force_limit:g} N of the leg's motor, {run.robot.torque_limit:g} "
             f"N m of the wheel's; friction {run.robot.friction:g}.",
         ]
