@@ -100,7 +100,7 @@ class LevelSearch(ABC):
         zd: ZeroDynamics,
         parameters: Parameters,
         u: Array,
-        xi: Array,
+        xi: Any,
     ) -> Margins:
         """Return the margins of the premises, by output name.
 
@@ -110,5 +110,5 @@ class LevelSearch(ABC):
             zd: zero dynamics of the gait.
             parameters: parameters of this level, and of those below.
             u: chart point.
-            xi: outputs, a point of the unit ball.
+            xi: outputs, a point of the unit ball; None if no set is about outputs off zero.
         """

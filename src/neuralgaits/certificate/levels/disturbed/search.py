@@ -1,5 +1,7 @@
 """Search for the set of level 5, and its premises as functions of a gait."""
 
+from typing import Any
+
 from neuralgaits._types import Array
 from neuralgaits.barriers import Gait, GaitSpec
 from neuralgaits.certificate.level import Parameters
@@ -31,7 +33,7 @@ class DisturbedSearch(LevelSearch):
         zd: ZeroDynamics,
         parameters: Parameters,
         u: Array,
-        xi: Array,
+        xi: Any,
     ) -> Margins:
         """Return the margins of the premises of the set under a disturbance."""
         model = FullOrderModel(zd.robot, gait, spec)

@@ -1,6 +1,7 @@
 """Search for the set of level 4, and its premises as functions of a gait."""
 
 from dataclasses import replace
+from typing import Any
 
 from neuralgaits._types import Array
 from neuralgaits.barriers import Gait, GaitSpec
@@ -47,7 +48,7 @@ class FullOrderSearch(LevelSearch):
         zd: ZeroDynamics,
         parameters: Parameters,
         u: Array,
-        xi: Array,
+        xi: Any,
     ) -> Margins:
         """Return the margins of the premises of the set at full order."""
         return margins(FullOrderModel(zd.robot, gait, spec), parameters[4], u, xi)

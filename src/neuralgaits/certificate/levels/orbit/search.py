@@ -1,5 +1,7 @@
 """Search for the set of level 3, and its premises as functions of a gait."""
 
+from typing import Any
+
 import numpy as np
 from numpy.polynomial.chebyshev import chebval
 
@@ -32,7 +34,7 @@ class OrbitSearch(LevelSearch):
         zd: ZeroDynamics,
         parameters: Parameters,
         u: Array,
-        xi: Array,
+        xi: Any,
     ) -> Margins:
         """Return the margins of the premises of the orbit."""
         return margins(gait, zd, parameters[3], u)

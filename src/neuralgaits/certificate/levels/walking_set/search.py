@@ -1,5 +1,7 @@
 """Search for the set of level 2, and its premises as functions of a gait."""
 
+from typing import Any
+
 from neuralgaits._types import Array
 from neuralgaits.barriers import Gait, GaitSpec
 from neuralgaits.certificate.level import Parameters
@@ -35,7 +37,7 @@ class WalkingSetSearch(LevelSearch):
         zd: ZeroDynamics,
         parameters: Parameters,
         u: Array,
-        xi: Array,
+        xi: Any,
     ) -> Margins:
         """Return the margins of the premises of the walking set."""
         if parameters[2].floor and zd.robot.feet is not None:
