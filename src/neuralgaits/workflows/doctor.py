@@ -58,8 +58,8 @@ def _device() -> Finding:
         import jax
 
         device = jax.devices()[0]
-        problem = f"{device.platform} ({device.device_kind}), {os.cpu_count()} cores, jax"
-        return _finding(True, f"{problem} {jax.__version__}", fix)
+        description = f"{device.platform} ({device.device_kind}), {os.cpu_count()} cores, jax"
+        return _finding(True, f"{description} {jax.__version__}", fix)
     except Exception as error:
         problem, _, remedy = (why_jax_failed(error) or f"{error}: {fix}").rpartition(": ")
         return _finding(False, " ".join(problem.split()), remedy)
