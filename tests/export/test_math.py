@@ -6,7 +6,7 @@ import pytest
 from neuralgaits.export.float_bound import FUNCTION_FLOOR, FUNCTION_UNITS
 from support.compiled import DOUBLE, FLOAT, filter_program, filter_source, through
 
-FUNCTIONS = ("sin", "cos", "tanh", "logistic", "exp", "log1p")
+FUNCTIONS = ("sin", "cos", "tanh", "logistic", "exp", "log1p", "sqrt")
 CALL = " ".join(f"out[{i}] = ng_{name}(in[0]);" for i, name in enumerate(FUNCTIONS))
 ULPS = FUNCTION_UNITS / 2.0
 
@@ -36,18 +36,20 @@ def _exact(x):
             one / (one + np.exp(-wide)),
             np.exp(wide),
             log1p,
+            np.sqrt(np.abs(wide)),
         ]
 
 
 def test_errors_are_a_few_units_in_the_last_place(functions):
-    """Over every size an argument can have; exp and log1p where their results are finite."""
+    """Over every size an argument can have; exp, log1p and sqrt where their results are
+    finite."""
     kind, call = functions
     rng = np.random.default_rng(1)
     spread = np.exp(rng.uniform(-40.0, np.log(80.0), 400_000)) * rng.choice([-1.0, 1.0], 400_000)
     x = np.concatenate([spread, rng.uniform(-12.0, 12.0, 400_000), [0.0]]).astype(kind)
     found = call(x)
     for name, value, expected in zip(FUNCTIONS, found, _exact(x), strict=True):
-        usable = x > -0.5 if name == "log1p" else np.isfinite(x)
+        usable = x >= {"log1p": -0.5, "sqrt": 0.0}.get(name, -np.inf)
         size = np.maximum(np.abs(expected), FUNCTION_FLOOR)
         ulps = np.abs(value - expected) / (size * np.finfo(kind).eps)
         assert np.max(ulps[usable]) <= ULPS, name
@@ -64,6 +66,8 @@ def test_tanh_near_zero_and_far_away(functions):
 def test_a_nan_stays_a_nan(functions):
     _, call = functions
     assert np.all(np.isnan(call(np.array([np.nan]))))
+    root = FUNCTIONS.index("sqrt")
+    assert np.isnan(call(np.array([-1e-30]))[root]) and call(np.array([0.0]))[root] == 0.0
 
 
 def test_functions_are_bounded_for_every_input(functions):

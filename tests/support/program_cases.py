@@ -15,7 +15,7 @@ WIDE = RNG.normal(size=(5, 8))
 
 def elementwise(x):
     a, b = jnp.sin(x), jnp.cos(x) + 2.0
-    c = jnp.exp(0.1 * a) / b - jnp.log1p(b * b)
+    c = jnp.exp(0.1 * a) / jnp.sqrt(b) - jnp.log1p(b * b)
     return {"y": jnp.tanh(c) * jax.lax.logistic(x) - jnp.square(a), "z": -c}
 
 

@@ -155,6 +155,7 @@ def test_the_exported_force_is_pythons(cartpole_run, tmp_path):
     assert sorted(path.name for path in (tmp_path / "c").iterdir()) == [
         "cartpole.c",
         "cartpole.h",
+        "cartpole_selftest.c",
         "ng_math.h",
     ]
     assert (done.states == 1000) is done.checked

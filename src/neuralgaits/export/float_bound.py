@@ -109,7 +109,7 @@ class RoundingAlgebra(Algebra[Rounded]):
         return self.sum(_mul(a, b), size)
 
     def elementwise(self, kind: str, *operands: Rounded) -> Rounded:
-        """Apply the rule of a kind; square roots have none, because C does not use them."""
+        """Apply the rule of a kind."""
         return rule(_RULES, kind, "running errors")(*operands)
 
 
@@ -147,6 +147,14 @@ def _square(a: Rounded) -> Rounded:
     ends = a.low * a.low, a.high * a.high
     least = np.where(a.low * a.high > 0.0, np.minimum(*ends), 0.0)
     return _rounded(least, np.maximum(*ends), (2.0 * a.size + a.error) * a.error)
+
+
+def _sqrt(a: Rounded) -> Rounded:
+    """Take the root; its error is infinite where a computed argument may be negative."""
+    with np.errstate(invalid="ignore", divide="ignore"):
+        low, high, least = (np.sqrt(part) for part in (a.low, a.high, a.low - a.error))
+        passed = np.where(a.error > 0.0, 0.5 * a.error / least, 0.0)
+    return _function(low, high, np.where(least >= 0.0, passed, np.inf))
 
 
 def _exp(a: Rounded) -> Rounded:
@@ -199,6 +207,7 @@ _RULES: dict[str, Callable[..., Rounded]] = {
     "div": _div,
     "neg": _neg,
     "square": _square,
+    "sqrt": _sqrt,
     "exp": _exp,
     "log1p": _log1p,
     "sin": partial(_wave, np.sin),

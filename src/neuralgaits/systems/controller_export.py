@@ -20,6 +20,7 @@ from neuralgaits.programs.program import Program
 from neuralgaits.programs.tracing.tracer import trace
 from neuralgaits.records.record import Count, Record, Texts
 from neuralgaits.systems.controller_header import ControllerHeader
+from neuralgaits.systems.controller_selftest import TESTED, selftest_file, selftest_name
 from neuralgaits.systems.family_run import FamilyRun
 from neuralgaits.systems.proved_system import ExportedSystem
 from neuralgaits.systems.run_statements import stated_bounds
@@ -28,6 +29,8 @@ STATES = 1000
 """States of the set at which C and Python are compared."""
 AGREES = 1e-9
 """Largest difference that is rounding, as a share of the limit of the compared output."""
+FLAGS = ("-std=c99", "-O2", "-Wall", "-Wextra", "-Werror", "-pedantic", "-fPIC", "-shared")
+"""Flags of the compiler."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -64,10 +67,13 @@ def export_family(
     Raises: InputError if the folder cannot be used; MismatchError if C differs from Python.
     """
     refuse_used(out, force=force)
-    program, header = controller_program(system, run), system.header(run)
+    header, states = system.header(run), system.states(run, STATES, seed=1)
+    program = controller_program(system, run)
+    expected = evaluate(program, {"state": states}, POINT)[program.outputs[0].name]
+    expected = expected.reshape(len(states), -1)
     files = c_files(run, program, header)
-    states = system.states(run, STATES, seed=1)
-    error = _largest_difference(program, states, files, header)
+    files |= selftest_file(header, program, states[:TESTED], expected[:TESTED])
+    error = _largest_difference(program, states, expected, files, header)
     written = publish(out, files)
     return FamilyExport(
         run=str(run.path),
@@ -81,8 +87,7 @@ def export_family(
 
 def controller_program(system: ExportedSystem, run: FamilyRun) -> Program:
     """Return the outputs of the exported controller as a Program of the state."""
-    size = system.states(run, 1, seed=0).shape[1]
-    return trace(system.law(run), {"state": (size,)}, parameters=run.controller)
+    return trace(system.law(run), {"state": (system.state_size,)}, parameters=run.controller)
 
 
 def c_files(run: FamilyRun, program: Program, header: ControllerHeader) -> dict[str, str]:
@@ -105,6 +110,8 @@ def c_files(run: FamilyRun, program: Program, header: ControllerHeader) -> dict[
                 for name, (value, about) in header.constants.items()
             ),
             f"{function.prototype};",
+            f"/* Returns: 0, or the line of {header.file}_selftest.c that C computes otherwise. */",
+            f"int {selftest_name(header)}(void);",
             "#endif",
             "",
         ]
@@ -132,7 +139,11 @@ def _proof_in_words(run: FamilyRun, header: ControllerHeader) -> str:
 
 
 def _largest_difference(
-    program: Program, states: np.ndarray, files: dict[str, str], header: ControllerHeader
+    program: Program,
+    states: np.ndarray,
+    expected: np.ndarray,
+    files: dict[str, str],
+    header: ControllerHeader,
 ) -> float | None:
     """Compile the files and return the largest difference of the first output; None if none can.
 
@@ -141,18 +152,17 @@ def _largest_difference(
     compiler = Compiler.for_c()
     if compiler is None:
         return None
-    flags = ("-std=c99", "-O2", "-Wall", "-Wextra", "-Werror", "-pedantic", "-fPIC", "-shared")
     sources = tuple(sorted(name for name in files if name.endswith(".c")))
-    library = SharedLibrary(header.file, files, sources, flags)
+    library = SharedLibrary(header.file, files, sources, FLAGS)
     first = program.outputs[0].name
-    expected = evaluate(program, {"state": states}, POINT)[first].reshape(len(states), -1)
     with tempfile.TemporaryDirectory(prefix="neuralgaits-") as folder:
         compiled = ctypes.CDLL(str(compiler.compile(library, Path(folder))))
         function = getattr(compiled, header.function)
-        forces = [_called(function, program, state)[first] for state in states]
-    error = float(np.abs(np.array(forces) - expected).max())
+        outputs = [_called(function, program, state)[first] for state in states]
+        wrong = getattr(compiled, selftest_name(header))()
+    error = float(np.abs(np.array(outputs) - expected).max())
     # Rounding grows with the largest of the outputs, limits aside.
-    if not error <= AGREES * max(header.limit, float(np.abs(expected).max())):
+    if wrong or not error <= AGREES * max(header.limit, float(np.abs(expected).max())):
         raise MismatchError(
             f"expected the {first}s of Python from C, found a difference of {error:.3g} "
             f"{header.unit}: report it"

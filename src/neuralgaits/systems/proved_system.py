@@ -111,7 +111,13 @@ class ProvedSystem(TrainedSystem):
 
 
 class ExportedSystem(ProvedSystem):
-    """A system whose controller is exported as C, with or without a memory."""
+    """A system whose controller is exported as C, with or without a memory.
+
+    Attributes:
+        state_size: how many numbers the exported function takes.
+    """
+
+    state_size: int
 
     @abstractmethod
     def header(self, run: Any) -> ControllerHeader:

@@ -27,6 +27,7 @@ typedef uint32_t ng_bits;
 #define NG_BIAS 127
 #define NG_ROUNDER 12582912.0f /* 1.5 * 2^23: adding it leaves the nearest integer in the low bits */
 #define NG_SQRT_HALF_BITS 0x3f3504f3u
+#define NG_ROOT_BITS 0x5f3759dfu
 #define NG_TANH_BOUND 10.0f
 #define NG_EXP_LOW (-87.0f)
 #define NG_EXP_HIGH 88.0f
@@ -44,6 +45,7 @@ typedef uint64_t ng_bits;
 #define NG_BIAS 1023
 #define NG_ROUNDER 6755399441055744.0 /* 1.5 * 2^52 */
 #define NG_SQRT_HALF_BITS 0x3fe6a09e667f3bcdu
+#define NG_ROOT_BITS 0x5fe6eb50c7b537a9u
 #define NG_TANH_BOUND 20.0
 #define NG_EXP_LOW (-708.0)
 #define NG_EXP_HIGH 709.0
@@ -199,5 +201,25 @@ static inline ng_real ng_sine_from(ng_real x, ng_bits quarter)
 static inline ng_real ng_sin(ng_real x) { return ng_sine_from(x, 0u); }
 
 static inline ng_real ng_cos(ng_real x) { return ng_sine_from(x, 1u); }
+
+/* NaN for x < 0; x above the least normal number, or 0. */
+static inline ng_real ng_sqrt(ng_real x)
+{
+    ng_word guess;
+    guess.number = x;
+    guess.bits = NG_ROOT_BITS - (guess.bits >> 1);
+    /* 1 / sqrt(x) within 4 %; each of Newton's iterations squares that. */
+    ng_real y = guess.number;
+    const ng_real half = NG(0.5) * x;
+    y = y * (NG(1.5) - half * y * y);
+    y = y * (NG(1.5) - half * y * y);
+    y = y * (NG(1.5) - half * y * y);
+#ifndef NG_FLOAT
+    y = y * (NG(1.5) - half * y * y);
+#endif
+    const ng_real root = x * y;
+    const ng_real close = root + NG(0.5) * y * (x - root * root);
+    return x < NG(0.0) ? (x - x) / (x - x) : close;
+}
 
 #endif

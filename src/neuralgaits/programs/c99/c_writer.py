@@ -12,7 +12,8 @@ from neuralgaits.programs.program import Program
 
 _INFIX = {"add": "{0} + {1}", "sub": "{0} - {1}", "mul": "{0} * {1}", "div": "{0} / {1}"}
 _PREFIX = {"neg": "-{0}", "square": "{0} * {0}"}
-_CALLS = {name: f"ng_{name}({{0}})" for name in ("sin", "cos", "tanh", "logistic", "exp", "log1p")}
+_CALLED = "sqrt", "sin", "cos", "tanh", "logistic", "exp", "log1p"
+_CALLS = {name: f"ng_{name}({{0}})" for name in _CALLED}
 _FORMS = _INFIX | _PREFIX | _CALLS
 COLUMNS_AT_ONCE = 4
 """Columns of a matrix taken in one pass over a result, so that it is loaded and stored less."""

@@ -2,8 +2,8 @@
 
 The walk records operations; `emit` lays them out. Operations of one size share a loop, products
 with one matrix share a pass over it, and arrays that are no longer needed lend their memory to
-later ones. The text calls `ng_sin`, `ng_cos`, `ng_tanh`, `ng_logistic`, `ng_exp` and `ng_log1p`
-on `ng_real`, which the caller defines, and nothing else: no heap, no state.
+later ones. The text calls `ng_sqrt`, `ng_sin`, `ng_cos`, `ng_tanh`, `ng_logistic`, `ng_exp` and
+`ng_log1p` on `ng_real`, which the caller defines, and nothing else: no heap, no state.
 """
 
 from collections.abc import Mapping, Sequence

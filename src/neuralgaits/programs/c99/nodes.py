@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-LOOPED = frozenset("add sub mul div neg square sin cos tanh logistic exp log1p".split())
+LOOPED = frozenset("add sub mul div neg square sqrt sin cos tanh logistic exp log1p".split())
 """Operations of one element each: they share loops."""
 GATHERED = frozenset(("sum", "inner"))
 NARROW = 4

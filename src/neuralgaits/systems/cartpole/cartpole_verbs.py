@@ -29,7 +29,7 @@ class CartPoleSystem(EquilibriumSystem):
 
     family, levels, table, recipe = FAMILY, LEVELS, LEVELS.table, RECIPE
     spec_name = "balancing"
-    steps, hidden = 3000, 16
+    steps, hidden, state_size = 3000, 16, 4
     why_highest = "a cart-pole's levels 2 and 3 are about the full order already"
     spec_files = (Path(radial_conditions.__file__), Path(cartpole_model.__file__))
     robot_file = Path(__file__).with_name("cartpole.xml")

@@ -12,7 +12,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from neuralgaits._types import Array, Float
-from neuralgaits.systems.walker3d.spatial_dynamics import SpatialState, loads
+from neuralgaits.systems.walker3d.spatial_dynamics import SpatialState, flow, loads
 from neuralgaits.systems.walker3d.spatial_motion import (
     UP,
     LinkMotion,
@@ -28,6 +28,7 @@ from neuralgaits.systems.walker3d.spatial_pose import (
     links_of,
     pose_of_joints,
     pose_of_outputs,
+    turns_of_pose,
 )
 from neuralgaits.systems.walker3d.spatial_walker import SpatialWalker
 
@@ -85,6 +86,14 @@ def measured_state(robot: SpatialWalker, found: Measured) -> SpatialState:
     return jnp.concatenate([pose.hips[0, :2], jnp.stack([about[1], -about[0]])])
 
 
+def exact_reading(robot: SpatialWalker, policy: SpatialPolicy, z: SpatialState) -> Measured:
+    """Return what is measured on the zero dynamics, on a foot at rest."""
+    now = flow(robot, policy, z)
+    joints = joints_of_pose(robot, now.pose)
+    velocity = jax.jvp(lambda q: hips_of(robot, q)[1], (joints,), (now.joints,))[1]
+    return Measured(joints, now.joints, velocity)
+
+
 def hips_of(robot: SpatialWalker, q: Float[Array, "8"]) -> tuple[Array, Array]:
     """Return the places of stance hip and middle of the hips from the stance foot [m]."""
     hips = pose_of_joints(robot, q).hips
@@ -116,10 +125,26 @@ def pd_law(
     """Return the torques of the gait at the measured z, with PD around its joints and rates."""
     z = measured_state(robot, found)
     now, needed = loads(robot, policy, z)
-    errors = (found.joints - joints_of_pose(robot, now.pose))[2:]
+    errors = angle_errors(found.joints, *turns_of_pose(robot, now.pose))[2:]
     slips = (found.rates - now.joints)[2:]
     torques = needed.torques - gains[0] * errors - gains[1] * slips
     return TorqueDemand(torques, errors, z, pose_of_joints(robot, found.joints).feet[1, 2])
+
+
+def angle_errors(
+    angles: Float[Array, " k"], sines: Float[Array, " k"], cosines: Float[Array, " k"]
+) -> Float[Array, " k"]:
+    """Return by how much angles exceed those of these sines and cosines, up to 1.5 rad either way.
+
+    Exported C has no inverse functions. Each iteration e + sin(error - e), from sin(error) on,
+    leaves less than the third power of the distance to the error.
+    """
+    sine = jnp.sin(angles) * cosines - jnp.cos(angles) * sines
+    cosine = jnp.cos(angles) * cosines + jnp.sin(angles) * sines
+    error = sine
+    for _ in range(3):
+        error = error + sine * jnp.cos(error) - cosine * jnp.sin(error)
+    return error
 
 
 class Linearisation(NamedTuple):

@@ -137,22 +137,28 @@ def _turned(frame: Float[Array, "3 3"], axis: int, angle: Float[Array, ""]) -> F
 
 def joints_of_pose(robot: SpatialWalker, pose: SpatialPose) -> Float[Array, "8"]:
     """Return the joint angles of a pose, in the order of `JOINTS` [rad]."""
-    forward, left, up = pose.torso
-    roll, pitch = jnp.arctan2(left[2], left[1]), jnp.arctan2(up[0], forward[0])
+    sines, cosines = turns_of_pose(robot, pose)
+    return jnp.arctan2(sines, cosines)
 
-    def leg(normal: Array, thigh: Array, shin: Array) -> Array:
+
+def turns_of_pose(
+    robot: SpatialWalker, pose: SpatialPose
+) -> tuple[Float[Array, "8"], Float[Array, "8"]]:
+    """Return sines and cosines of the joint angles of a pose, in the order of `JOINTS`."""
+    forward, left, up = pose.torso
+
+    def leg(normal: Array, thigh: Array, shin: Array) -> tuple[Array, Array]:
         rolled = cross(forward, normal)
-        return jnp.stack(
-            [
-                jnp.arctan2(normal @ up, normal @ left),
-                jnp.arctan2(thigh[2] @ forward, thigh[2] @ rolled),
-                jnp.arctan2(shin[2] @ thigh[0], shin[2] @ thigh[2]),
-            ]
-        )
+        sines = jnp.stack([normal @ up, thigh[2] @ forward, shin[2] @ thigh[0]])
+        cosines = jnp.stack([normal @ left, thigh[2] @ rolled, shin[2] @ thigh[2]])
+        return sines, cosines
 
     frames = links_of(robot, pose).frames
-    angles = jax.vmap(leg)(pose.normals, frames[1::2], frames[2::2])
-    return jnp.concatenate([jnp.stack([roll, pitch]), angles.reshape(6)])
+    sines, cosines = jax.vmap(leg)(pose.normals, frames[1::2], frames[2::2])
+    return (
+        jnp.concatenate([jnp.stack([left[2], up[0]]), sines.reshape(6)]),
+        jnp.concatenate([jnp.stack([left[1], forward[0]]), cosines.reshape(6)]),
+    )
 
 
 def links_of(robot: SpatialWalker, pose: SpatialPose) -> Links:

@@ -188,7 +188,8 @@ def walk(robot: SpatialRobot, gait: SpatialGait, plan: WalkPlan) -> tuple[Spatia
         since_push = plants.times() - log.pushed_at
         for one in map(int, np.flatnonzero(moving & ~lost)):
             acts = plan.push is not None and 0.0 <= since_push[one] < PUSH_S
-            plants.apply(one, now.torques[one], (plan.push or 0.0) / PUSH_S if acts else 0.0)
+            aside = (plan.push or 0.0) / PUSH_S if acts else 0.0
+            plants.apply(one, now.torques[one], np.array([0.0, aside]))
             log.fell[one] = plants.fallen(one)
     return plants, log
 

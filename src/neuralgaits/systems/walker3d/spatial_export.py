@@ -1,0 +1,94 @@
+"""The controller in C: the law `pd` on the right foot as a function, and a tick on either foot."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from neuralgaits._blocks import in_blocks
+from neuralgaits._quick_jit import quick_jit
+from neuralgaits._types import Array, Float
+from neuralgaits.systems.controller_header import ControllerHeader
+from neuralgaits.systems.family_run import FamilyRun
+from neuralgaits.systems.walker3d.spatial_laws import (
+    Measured,
+    exact_reading,
+    hips_of,
+    joint_gains,
+    pd_law,
+)
+from neuralgaits.systems.walker3d.spatial_plant import TICK_S
+from neuralgaits.systems.walker3d.spatial_tube import in_ball
+from neuralgaits.systems.walker3d.spatial_walks import LANDING
+
+MORE = ("walker3d_tick.h", "walker3d_tick.c", "README.md")
+"""Files that are the same for every biped, in the folder `c_files` beside this file."""
+ABOUT = """State: roll and pitch of the torso, then hip roll, hip pitch and knee of stance leg and
+ * swing leg; the rates of these eight; velocity of the middle of the hips, forward, left and up;
+ * 1 if that is measured, 0 if the stance foot counts as at rest. The stance leg is the right one:
+ * reflect a robot on its left foot. In rad, rad/s and m/s. Torques, stance leg first [N m], not
+ * limited. z: hip from stance foot, forward and to the left [m], and momenta about that foot, L_y
+ * and -L_x [kg m^2/s]"""
+BLOCK = 200
+"""States evaluated at once."""
+SPREAD = np.array([0.01, 0.02, 0.01])
+"""Deviations of the states at which an export is compared, of angles [rad], rates [rad/s] and
+velocities [m/s], about those of the gait."""
+
+
+def header_of(run: FamilyRun) -> ControllerHeader:
+    """Return names and numbers of the exported controller."""
+    robot, policy = run.robot, run.controller.policy
+    roll, pitch, knee = (float(limit) for limit in robot.torque_limits)
+    constants = {
+        "PERIOD": (TICK_S, "s, from tick to tick"),
+        "LANDING": (LANDING, "phase before which contact is no touchdown"),
+        "STEP_START": (float(policy.ends[0]), "m, hip ahead of the stance foot at phase 0"),
+        "STEP_END": (float(policy.ends[1]), "m, and at phase 1"),
+        "ROLL_LIMIT": (roll, "N m, of a hip's roll motor"),
+        "PITCH_LIMIT": (pitch, "N m, of a hip's pitch motor"),
+        "KNEE_LIMIT": (knee, "N m, of a knee's motor"),
+    }
+    folder = Path(__file__).with_name("c_files")
+    return ControllerHeader(
+        file="walker3d",
+        function="ng_walker3d_law",
+        title=f"the biped {run.config.robot}",
+        about=ABOUT,
+        advice="Call ng_walker3d_tick of walker3d_tick.h",
+        constants=constants,
+        unit="N m",
+        limit=max(roll, pitch, knee),
+        proved="its projected\n * hybrid zero dynamics, the yaw held, not of `pd` or sampling",
+        more={name: (folder / name).read_text(encoding="utf-8") for name in MORE},
+    )
+
+
+def law_of(run: FamilyRun) -> Callable[[Float[Array, "20"]], dict[str, Array]]:
+    """Return the function that is written in C."""
+    robot, policy = run.robot, run.controller.policy
+    gains = joint_gains(robot, policy, run.controller.start)
+
+    def law(state: Float[Array, "20"]) -> dict[str, Array]:
+        joints, rates, velocity = state[:8], state[8:16], state[16:19]
+        resting = jax.jvp(lambda q: hips_of(robot, q)[1], (joints,), (rates,))[1]
+        used = resting + state[19] * (velocity - resting)
+        asked = pd_law(robot, policy, gains, Measured(joints, rates, used))
+        return {"torques": asked.torques, "z": asked.z}
+
+    return law
+
+
+def random_states(run: FamilyRun, count: int, seed: int) -> Float[np.ndarray, "count 20"]:
+    """Return states near those of the tube, every second one without a measured velocity."""
+    draw, robot, gait = np.random.default_rng(seed), run.robot, run.controller
+
+    def full(u: Float[Array, "4"]) -> Float[Array, "19"]:
+        z = gait.state(u[0], gait.tube.section(u[0]).states(in_ball(u[1:])))
+        return jnp.concatenate(exact_reading(robot, gait.policy, z))
+
+    rows = in_blocks(quick_jit(jax.vmap(full)), BLOCK, draw.uniform(size=(count, 4)))
+    rows = rows + draw.standard_normal(rows.shape) * np.repeat(SPREAD, (8, 8, 3))
+    return np.concatenate([rows, np.arange(count)[:, None] % 2.0], axis=1)

@@ -1,0 +1,128 @@
+"""The biped's controller in C gives MuJoCo the torques that Python's gives, on either foot."""
+
+import ctypes
+
+import jax
+import numpy as np
+import pytest
+
+from neuralgaits._compiler import Compiler, SharedLibrary
+from neuralgaits.cli.main import main
+from neuralgaits.systems.controller_selftest import TESTED
+from neuralgaits.systems.family_run import open_family_run
+from neuralgaits.systems.walker3d.spatial_plant import SpatialPlants
+from neuralgaits.systems.walker3d.spatial_system import SYSTEM
+from neuralgaits.systems.walker3d.spatial_walks import LANDING, law_of_gait, starts_of
+
+pytestmark = pytest.mark.slow
+STEPS, LIMIT_NM = 3, 80.0
+Six, Three = 6 * ctypes.c_double, 3 * ctypes.c_double
+
+
+class Reading(ctypes.Structure):
+    """`ng_walker3d_reading`."""
+
+    _fields_ = [
+        *((name, ctypes.c_double) for name in ("roll", "pitch", "roll_rate", "pitch_rate")),
+        ("joints", Six),
+        ("rates", Six),
+        ("velocity", Three),
+        ("velocity_known", ctypes.c_int),
+        ("contact", 2 * ctypes.c_int),
+    ]
+
+
+class Tick(ctypes.Structure):
+    """`ng_walker3d`."""
+
+    _fields_ = [("left", ctypes.c_int), ("phase", ctypes.c_double), ("z", 4 * ctypes.c_double)]
+
+
+@pytest.fixture(scope="module")
+def run(spatial_run):
+    return open_family_run(SYSTEM, spatial_run)
+
+
+@pytest.fixture(scope="module")
+def exported(spatial_run, tmp_path_factory):
+    """The folder that `export` writes."""
+    folder = tmp_path_factory.mktemp("c") / "walker3d"
+    assert main(["export", str(spatial_run), "--out", str(folder)]) in (0, 3)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def library(exported, tmp_path_factory):
+    compiler = Compiler.for_c()
+    if compiler is None:
+        pytest.skip("no C compiler")
+    files = {path.name: path.read_text() for path in exported.iterdir()}
+    sources = tuple(name for name in files if name.endswith(".c"))
+    flags = ("-std=c99", "-O1", "-fPIC", "-shared")
+    made = SharedLibrary("walker3d", files, sources, flags)
+    return ctypes.CDLL(str(compiler.compile(made, tmp_path_factory.mktemp("built"))))
+
+
+def reading_of(plants):
+    """What a robot's own sensors say, which do not know on which foot it stands."""
+    (world,) = plants.worlds
+    feet, radius = plants.robot.tree.feet, plants.model.geom_size[plants.robot.tree.feet[0], 0]
+    q, dq = world.qpos, world.qvel
+    touching = [int(world.geom_xpos[foot, 2] <= radius) for foot in feet]
+    contact = (2 * ctypes.c_int)(*touching)
+    return Reading(*q[3:5], *dq[3:5], Six(*q[5:]), Six(*dq[5:]), Three(*dq[:3]), 1, contact)
+
+
+def test_the_tick_is_pythons_over_a_walk(run, library):
+    gait, tick, torques, off = run.controller, Tick(), Six(), []
+    law = law_of_gait(run.data, gait, "pd")
+    plants = SpatialPlants.started(run.data, gait, starts_of(gait, 2, 3)[1:])
+    library.ng_walker3d_start(ctypes.byref(tick), 0)
+    taken, phase = 0, 0.0
+    while taken < STEPS and len(off) < 3000:
+        touch = plants.landed()[0] and phase > LANDING
+        plants.left ^= touch
+        taken += touch
+        now = jax.tree.map(np.asarray, law(plants.measured()))
+        phase = float(gait.policy.phase(now.z[0]))
+        reading = reading_of(plants)
+        assert library.ng_walker3d_tick(ctypes.byref(tick), ctypes.byref(reading), torques) == 0
+        assert bool(tick.left) is bool(plants.left[0])
+        plants.apply(0, now.torques[0], np.array([0.0, 0.0]))
+        off.append(plants.worlds[0].ctrl - np.array(torques))
+    assert taken == STEPS
+    assert np.abs(off).max() < 1e-9 * LIMIT_NM
+
+
+def test_a_state_without_a_pose_has_no_torques_and_torques_have_limits(run, library):
+    tick, torques = Tick(), Six()
+    library.ng_walker3d_start(ctypes.byref(tick), 0)
+    plants = SpatialPlants.started(run.data, run.controller, starts_of(run.controller, 1, 0))
+    reading = reading_of(plants)
+    reading.joints[5] += 0.5
+    assert library.ng_walker3d_tick(ctypes.byref(tick), ctypes.byref(reading), torques) == 0
+    assert np.abs(np.array(torques)).max() == LIMIT_NM
+    reading.rates[1] = np.nan
+    assert library.ng_walker3d_tick(ctypes.byref(tick), ctypes.byref(reading), torques) == 1
+    assert np.abs(np.array(torques)).max() == 0.0
+
+
+def test_a_resting_foot_tells_the_velocity(run, library):
+    """On the zero dynamics the stance foot rests: measured or not, torques are the same."""
+    plants = SpatialPlants.started(run.data, run.controller, starts_of(run.controller, 1, 0))
+    found = []
+    for known in (1, 0):
+        tick, torques, reading = Tick(), Six(), reading_of(plants)
+        library.ng_walker3d_start(ctypes.byref(tick), 0)
+        reading.velocity_known = known
+        if not known:
+            reading.velocity = Three(9.0, 9.0, 9.0)
+        library.ng_walker3d_tick(ctypes.byref(tick), ctypes.byref(reading), torques)
+        found.append(np.array(torques))
+    np.testing.assert_allclose(found[1], found[0], atol=1e-9)
+
+
+def test_the_table_is_what_c_computes(exported, library):
+    assert library.ng_walker3d_law_selftest() == 0
+    table = (exported / "walker3d_selftest.c").read_text()
+    assert table.count("    {NG(") == 2 * TESTED
