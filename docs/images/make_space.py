@@ -10,15 +10,17 @@ from pathlib import Path
 
 from neuralgaits._environment import prepare
 
+NAMES = "space-step", "space-footprints", "space-tube", "space-sections"
+
 
 def main(run: str) -> None:
-    """Draw a step and the tube."""
+    """Draw a step, footprints and the tube."""
     prepare()
     from neuralgaits.systems.family_run import open_family_run
     from neuralgaits.systems.walker3d.spatial_system import SYSTEM
 
     figures = SYSTEM.page_figures(open_family_run(SYSTEM, run))
-    for (figure, _), name in zip(figures, ("space-step", "space-tube"), strict=True):
+    for (figure, _), name in zip(figures, NAMES, strict=True):
         figure.savefig(Path(__file__).with_name(f"{name}.png"), dpi=90)
 
 

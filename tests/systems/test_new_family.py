@@ -49,6 +49,7 @@ def test_command_line(pendulums, capsys):
             "options of a pendulum (none), found --push",
         ),
         (["certify", "swing"], "that of a pendulum, which has train, simulate and check-proof"),
+        (["view", "swing"], "that of a pendulum, which has train, simulate and check-proof"),
         (["train", "--resume", "swing"], "found --resume"),
         (["fit", "swing", "walk.csv"], "that of a pendulum"),
     ],

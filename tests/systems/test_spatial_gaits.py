@@ -148,9 +148,7 @@ def test_command_line(tmp_path, monkeypatch, capsys, spatial_run):
     assert main(["robots", "walker3d", "--out", "mine.xml"]) == 0
     assert main(["inspect", "mine.xml"]) == 0
     assert "hip roll" in capsys.readouterr().out
-    assert main(["export", str(spatial_run), "--out", "c"]) == 2
-    assert "which has train, certify, simulate, report, inspect, rob" in capsys.readouterr().err
     assert main(["train", "walker3d", "--hidden", "8"]) == 2
     assert "hidden: expected none" in capsys.readouterr().err
     assert main(["report", str(spatial_run), "--out", "page.html"]) == 0
-    assert Path("page.html").read_text(encoding="utf-8").count("<figure") == 2
+    assert Path("page.html").read_text(encoding="utf-8").count("<figure") == 4

@@ -127,6 +127,7 @@ def test_the_status_has_the_line_and_none_without_a_proof(unproved):
             time=0.0,
             walked=0.0,
             fall=None,
+            upright=False,
             memberships=memberships,
             speeds=None,
             lean=None,

@@ -11,7 +11,7 @@ import pytest
 from neuralgaits.gait.commands import Command
 from neuralgaits.simulation.live_tick import StepSpeeds
 from neuralgaits.simulation.ticks.adapted_command import ADAPTABLE
-from neuralgaits.viewer import live_server, panel
+from neuralgaits.viewer import limited_sliders, live_server, panel
 from neuralgaits.viewer.believed_lean import lean_of
 from neuralgaits.viewer.panel import PUSH, Panel
 from neuralgaits.viewer.player import SPEED, Picture
@@ -61,14 +61,14 @@ def test_a_number_beyond_the_limits_becomes_the_limit(
     typed(sliders[label], value)
     frame(made)
     assert sliders[label].value == value
-    monkeypatch.setattr(panel, "TYPED_S", -1.0)
+    monkeypatch.setattr(limited_sliders, "TYPED_S", -1.0)
     frame(made)
     assert sliders[label].value == getattr(limits, end)
 
 
 def test_a_number_within_the_limits_stays(built, monkeypatch):
     made, sliders = built
-    monkeypatch.setattr(panel, "TYPED_S", -1.0)
+    monkeypatch.setattr(limited_sliders, "TYPED_S", -1.0)
     typed(sliders["friction"], 0.25)
     frame(made)
     assert sliders["friction"].value == 0.25

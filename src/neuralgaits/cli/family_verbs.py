@@ -7,7 +7,7 @@ from typing import Any
 
 from rich.text import Text
 
-from neuralgaits.cli.arguments import CheckProofOptions
+from neuralgaits.cli.arguments import CheckProofOptions, ViewOptions
 from neuralgaits.cli.outcome import Outcome
 from neuralgaits.cli.proof_screen import show_proof
 from neuralgaits.cli.screen_tables import show_facts, show_sentence, show_table
@@ -20,8 +20,9 @@ _WAITS = {"simulate": "simulating", "export": "writing it, comparing it", "repor
 
 def outcome_of_family(verb: Any, name: str) -> Outcome | None:
     """Carry out a verb about a system of a family beside walkers; None if it is about a walker."""
-    if isinstance(verb, CheckProofOptions):
-        return None  # A proof file says itself what it is about.
+    if isinstance(verb, CheckProofOptions | ViewOptions):
+        # A proof file says itself what it is about; a page is served, not shown.
+        return None
     task = task_of(name, verb)
     if task is None:
         return None

@@ -8,7 +8,7 @@ from neuralgaits.cli.arguments import DemoOptions, PageOptions, ViewOptions
 from neuralgaits.cli.outcome import Outcome
 
 if TYPE_CHECKING:
-    from neuralgaits.workflows.view import LiveView
+    from neuralgaits.viewer.live_page import LivePage
 
 
 def carry_out_view(verb: ViewOptions) -> Outcome:
@@ -35,7 +35,7 @@ def _place(page: PageOptions) -> dict[str, Any]:
     return {"port": page.port} if page.host is None else {"port": page.port, "host": page.host}
 
 
-def _served(live: "LiveView", page: PageOptions) -> Outcome:
+def _served(live: "LivePage", page: PageOptions) -> Outcome:
     """Print the page's address, open the page, and serve it until Ctrl-C."""
     from neuralgaits.viewer.live_server import is_loopback, show_in_browser
 

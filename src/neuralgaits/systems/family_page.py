@@ -10,7 +10,7 @@ from neuralgaits.errors import InputError
 from neuralgaits.records.record import Count, Record
 from neuralgaits.report.drawing.figure import svg
 from neuralgaits.report.page.html_shell import inline_image, whole
-from neuralgaits.report.page.markup import Html, items, join, paragraph, tag
+from neuralgaits.report.page.markup import Html, items, join, paragraph, table, tag
 from neuralgaits.runs import write_text
 from neuralgaits.runs.outputs import refuse_outputs
 from neuralgaits.systems.family_run import FamilyRun
@@ -80,16 +80,18 @@ def _proof(run: FamilyRun, bounds: Mapping[str, float] | None) -> Html:
         sentence = "No proof of this run." if why is None else f"Nothing is proved: {why}."
         return tag("section", tag("h2", "Proof"), paragraph(sentence))
     system = run.system
-    rows = [
-        f"{name}, on the {region}: "
-        + (f"margin at least {at_least(bounds[name], 2)}" if name in bounds else "not stated")
-        for name, region in system.table.conditions.items()
-    ]
+    levels = []
     for one in system.conclude(bounds, run.config, system.highest):
         sentence = "; ".join(one.words) if one.proved else one.reason
-        rows.append(f"level {one.level}: {one.verdict}; {sentence}")
+        levels.append(f"level {one.level}: {one.verdict}; {sentence}")
+    rows = [
+        (name, region, at_least(bounds[name], 2) if name in bounds else "not stated")
+        for name, region in system.table.conditions.items()
+    ]
+    caption = "Level 1: conditions on all of their regions, with margins of at least"
+    conditions = table(caption, ("condition", "where", "margin"), rows, numbers="  n")
     note = (
         "According to the proof file, which this page has not checked: about the rigid model in "
         "continuous time. Verify with check-proof or build/proofcheck."
     )
-    return tag("section", tag("h2", "Proof"), items(rows), paragraph(note))
+    return tag("section", tag("h2", "Proof"), items(levels), paragraph(note), conditions)

@@ -56,7 +56,8 @@ class VerbResult:
         good: whether the answer is yes.
         screen: the result for a person.
         undecided: whether there is no answer.
-        run: an opened run that the Python call returns in place of the record; None for the record.
+        run: an opened run, or a live page that is being served, that the Python call returns in
+            place of the record; None for the record.
     """
 
     result: Any

@@ -10,6 +10,9 @@ from neuralgaits.viewer import page_style
 
 FOV = math.radians(40.0)
 
+Direction = tuple[float, float, float]
+"""From the scene's middle to a camera, in its distance."""
+FROM_THE_RIGHT: Direction = (-0.06, -1.0, 0.06)
 Pose = tuple[tuple[float, float, float], tuple[float, float, float]]
 """Position and target of a camera [m]."""
 
@@ -20,10 +23,11 @@ class Framing:
     Attributes:
         top: height of the scene [m].
         wide: its width [m].
+        direction: in which the camera is.
     """
 
-    def __init__(self, top: float, wide: float):
-        self.top, self.wide = top, wide
+    def __init__(self, top: float, wide: float, direction: Direction = FROM_THE_RIGHT):
+        self.top, self.wide, self.direction = top, wide, direction
 
     def of_window(self, width: int, height: int) -> Pose:
         """Return the pose for a window in pixels; for the usual one if its size is unknown."""
@@ -33,7 +37,8 @@ class Framing:
         middle = 0.45 * self.top
         tall = max(self.top / share, self.wide / aspect)
         away = 0.5 * tall / math.tan(0.5 * FOV)
-        position = (-0.06 * away, -away, middle + 0.06 * away)
+        ahead, aside, above = self.direction
+        position = (ahead * away, aside * away, middle + above * away)
         # The scene is in the upper share of the window.
         return position, (0.0, 0.0, middle - 0.5 * (1.0 - share) * tall)
 

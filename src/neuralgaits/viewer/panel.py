@@ -1,6 +1,5 @@
 """The controls beside the scene. A visitor sets numbers within limits, or presses buttons."""
 
-import time
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import Literal
@@ -10,17 +9,18 @@ import viser
 
 from neuralgaits.viewer import bars, page_style
 from neuralgaits.viewer.believed_lean import lean_html
+from neuralgaits.viewer.limited_sliders import LimitedSliders
 from neuralgaits.viewer.live_monitor import membership_lines
-from neuralgaits.viewer.page_style import BAD, GOOD, QUIET, SAID, line, note
-from neuralgaits.viewer.player import SPEED, Picture, Player
+from neuralgaits.viewer.page_style import QUIET, SAID, line, note
+from neuralgaits.viewer.player import Picture, Player
 from neuralgaits.viewer.slider import Slider
+from neuralgaits.viewer.time_controls import add_time_controls
+from neuralgaits.viewer.walk_status import walk_line
 from neuralgaits.viewer.walker import Shown, Walker
 
 PUSH = Slider("impulse [N s]", 0.0, 40.0, 8.0, 1.0, "at the hip, for 0.1 s")
 """Impulse of a push [N s]."""
 Key = Literal["U", "J", "I", "K", "O", "L"]
-TYPED_S = 1.0
-"""Time without a keystroke after which a number counts as typed [s]."""
 _STATUS_EVERY = 10
 """Frames between two updates of the status line."""
 
@@ -31,7 +31,7 @@ class Panel:
     def __init__(
         self,
         server: viser.ViserServer,
-        player: Player,
+        player: Player[Walker],
         *,
         title: str,
         settings: Mapping[str, Slider],
@@ -59,13 +59,13 @@ class Panel:
         self._words = conditions if isinstance(conditions, Mapping) else {}
         self._answer, self._answer_left, self._count = "", 0, 0
         self._laps = 0
-        self._limited: list[tuple[viser.GuiSliderHandle, Slider]] = []
         gui = server.gui
+        self._sliders = LimitedSliders(gui)
         gui.add_html(page_style.follow_scheme() + page_style.head())
         gui.add_markdown(title)
         self._verdict = gui.add_html(note("reading the certificate"))
         self._status = gui.add_html(line("getting ready: compiling the controller", QUIET))
-        self._add_time(gui)
+        add_time_controls(gui, player, self._sliders, self.reset)
         # Each pair moves a slider up and down.
         keys: tuple[tuple[Key, Key], ...] = (("U", "J"), ("I", "K"), ("O", "L"))
         self._keys = iter(keys)
@@ -100,7 +100,7 @@ class Panel:
         if self._count % _STATUS_EVERY == 0 or answer is not None:
             self._status.content = self.status(picture)
         self._answer_left = max(0, self._answer_left - 1)
-        self._put_back()
+        self._sliders.put_back()
 
     def say(self, answer: str) -> None:
         """Show a message for a while."""
@@ -127,42 +127,6 @@ class Panel:
         self._sure.content = "The certificate was not read."
         self._bars.content = note(why)
 
-    def _add_time(self, gui: viser.GuiApi) -> None:
-        player = self._player
-        pause = gui.add_button("Pause", icon=viser.Icon.PLAYER_PAUSE)
-        row = gui.add_button_group("time", ("Step 20 ms", "Reset"))
-        speed = self._slider(gui, SPEED)
-
-        def named() -> None:
-            pause.label = "Go on" if player.paused else "Pause"
-            pause.icon = viser.Icon.PLAYER_PLAY if player.paused else viser.Icon.PLAYER_PAUSE
-
-        @pause.on_click
-        def _(_event: object) -> None:
-            player.paused = not player.paused
-            named()
-
-        @row.on_click
-        def _(_event: object) -> None:
-            if row.value == "Reset":
-                self.reset()
-            else:
-                player.step()
-                named()
-
-        @speed.on_update
-        def _(_event: object) -> None:
-            value = SPEED.clip(speed.value)
-            if value is not None:
-                player.speed = value
-
-        waits = {"wait for Reset": None, "reset after 2 s": 2.0, "reset after 5 s": 5.0}
-        fall = gui.add_dropdown("after a fall", tuple(waits))
-
-        @fall.on_update
-        def _(_event: object) -> None:
-            player.reset_after = waits.get(fall.value)
-
     def reset(self) -> None:
         """Put the robot back; the plant keeps its settings."""
 
@@ -175,7 +139,7 @@ class Panel:
     def _add_push(self, gui: viser.GuiApi) -> None:
         along = {"◄ back": (-1, 0), "forward ►": (1, 0), "up": (0, 1), "down": (0, -1)}
         with gui.add_folder("Push"):
-            size = self._slider(gui, PUSH)
+            size = self._sliders.add(PUSH)
             ways = gui.add_button_group("push", tuple(along))
 
         @ways.on_click
@@ -197,7 +161,7 @@ class Panel:
             for name, slider in sliders.items():
                 keys = next(self._keys, None)
                 by_key = "" if keys is None else f"; keys {keys[0]} and {keys[1]}"
-                handle = self._slider(gui, slider._replace(hint=hint + by_key))
+                handle = self._sliders.add(slider._replace(hint=hint + by_key))
 
                 def ask(_event: object, step=0.0, name=name, handle=handle, slider=slider):
                     value = slider.clip(handle.value)
@@ -227,7 +191,7 @@ class Panel:
         restore = []
         with gui.add_folder("Robot and floor"):
             for name, slider in settings.items():
-                handle = self._slider(gui, slider)
+                handle = self._sliders.add(slider)
 
                 def change(_event: object, name=name, handle=handle, slider=slider):
                     value = slider.clip(handle.value)
@@ -244,35 +208,10 @@ class Panel:
                 handle.value = slider.first
                 change(event)
 
-    def _slider(self, gui: viser.GuiApi, slider: Slider) -> viser.GuiSliderHandle:
-        low, high, first = slider.shown
-        handle = gui.add_slider(slider.label, low, high, slider.notch, first, hint=slider.hint)
-        self._limited.append((handle, slider))
-        return handle
-
-    def _put_back(self) -> None:
-        """Correct a slider if a number beyond its limits was typed, or what is no number was sent.
-
-        It waits until the number is complete: a part of it may be beyond the limits.
-        """
-        for handle, slider in self._limited:
-            value = slider.clip(handle.value)
-            value = slider.first if value is None else value
-            if value != handle.value and time.time() - handle.update_timestamp > TYPED_S:
-                handle.value = value
-
     def status(self, picture: Picture) -> str:
         """Return the lines about the walk, as HTML."""
-        shown = picture.shown
-        facts = f"steps {shown.steps} · {shown.speed:.2f} m/s · {shown.walked:.1f} s"
-        if shown.fall is not None:
-            lines = line(ended(shown, picture.reset_in), BAD, strong=True)
-        elif picture.paused:
-            lines = line(f"Paused · {facts}", QUIET)
-        else:
-            lags = picture.pace < 0.9 * self._player.speed
-            slow = f" · plays at ×{picture.pace:.2f}" if lags else ""
-            lines = line(f"Walks · {facts}{slow}", GOOD)
+        shown: Shown = picture.shown
+        lines = walk_line(picture, shown, self._player.speed)
         said = line(self._answer, SAID) if self._answer_left else ""
         known = _speeds(shown) + lean_html(shown.lean) + membership_lines(shown.memberships)
         return lines + known + said
@@ -293,16 +232,3 @@ def _speeds(shown: Shown) -> str:
     told, commanded, walked = shown.speeds
     text = f"Last step: told {told:.3f}, commanded {commanded:.3f}, walked {walked:.3f} m/s"
     return line(text, QUIET)
-
-
-def ended(shown: Shown, left: float | None) -> str:
-    """Say why a walk ended, and what the visitor can do next.
-
-    Args:
-        shown: last moment of the walk.
-        left: time until the robot is put back (s); None if the visitor does that.
-    """
-    what = "Stopped" if shown.upright else "Fell"
-    text = f"{what}: {shown.fall}, after {shown.steps} steps. "
-    text += "Press Reset" if left is None else f"Reset in {left:.0f} s"
-    return text + ("; push it forward where it slows down." if shown.upright else ".")

@@ -8,10 +8,10 @@ import queue
 import threading
 import time
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import Any, Generic, NamedTuple, Protocol, TypeVar
 
 from neuralgaits.viewer.slider import Slider
-from neuralgaits.viewer.walker import Margins, Shown, Walker
+from neuralgaits.viewer.walker import Margins
 
 FRAMES_PER_S = 40.0
 """Target number of pictures a second."""
@@ -20,14 +20,40 @@ SPEED = Slider("playback ×", 0.1, 2.0, 1.0, 0.1, "speed, × real time")
 STEP_S = 0.02
 """Simulated time of a single step [s]."""
 
-Wish = Callable[[Walker], str | None]
+
+class Played(Protocol):
+    """Interface of a robot that a page plays; `viewer.walker.Walker` is a planar one's."""
+
+    period_s: float
+    """Duration of a control tick [s]."""
+
+    def tick(self) -> bool:
+        """Advance by one control tick. Returns: False once the robot has fallen."""
+        ...
+
+    def shown(self) -> Any:
+        """Return the present moment, with `fall`, `z` and whatever the page shows."""
+        ...
+
+    def margins(self, z: Any) -> Margins | None:
+        """Return margins of all conditions at a state; None if the page shows none."""
+        ...
+
+    def reset(self) -> None:
+        """Put the robot back into its first state."""
+        ...
+
+
+Robot = TypeVar("Robot", bound=Played)
+Wish = Callable[[Robot], str | None]
 """Request to do something to the robot; an answer is shown to the visitor."""
 
 
 class Picture(NamedTuple):
     """A frame as the page shows it."""
 
-    shown: Shown
+    shown: Any
+    """What the robot's `shown` returned."""
     margins: Margins | None
     """Margins of the conditions; None if they are not due."""
     paused: bool
@@ -39,8 +65,8 @@ class Picture(NamedTuple):
     """Answer to the last request, if it had one."""
 
 
-class Player:
-    """Thread that plays a walker and hands out pictures.
+class Player(Generic[Robot]):
+    """Thread that plays a robot and hands out pictures.
 
     Attributes:
         frames: number of pictures so far.
@@ -49,14 +75,14 @@ class Player:
         reset_after: time from a fall to the reset [s]; None waits for the visitor.
     """
 
-    def __init__(self, walker: Walker, show: Callable[[Picture], None]):
+    def __init__(self, walker: Robot, show: Callable[[Picture], None]):
         """Prepare playback; `show` gets every picture, from the player's thread."""
         self.frames = 0
         self.paused = False
         self.speed = SPEED.first
         self.reset_after: float | None = None
         self._walker, self._show = walker, show
-        self._wishes: queue.SimpleQueue[Wish] = queue.SimpleQueue()
+        self._wishes: queue.SimpleQueue[Wish[Robot]] = queue.SimpleQueue()
         self._steps = 0
         self._owed = 0.0
         self._pace = 0.0
@@ -88,14 +114,14 @@ class Player:
         self.failure = error
         self._stop.set()
 
-    def ask(self, wish: Wish) -> None:
+    def ask(self, wish: Wish[Robot]) -> None:
         """Queue a request, which is carried out before the next frame."""
         self._wishes.put(wish)
 
     def step(self) -> None:
         """Pause, and advance by `STEP_S` once."""
 
-        def one_more(_: Walker) -> None:
+        def one_more(_: Robot) -> None:
             self._steps += 1
 
         self.paused = True
@@ -154,7 +180,7 @@ class Player:
         self._owed = max(0.0, self._owed - done * period) if not self.paused else 0.0
         return done * period
 
-    def _after_fall(self, now: float, shown: Shown) -> float | None:
+    def _after_fall(self, now: float, shown: Any) -> float | None:
         """Reset when it is due. Returns: time left until then (s); None if no reset is planned."""
         if shown.fall is None:
             self._fallen_at = None

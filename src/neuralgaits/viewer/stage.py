@@ -20,13 +20,10 @@ from neuralgaits.robots.constants import MjcfLayout
 from neuralgaits.robots.link_rods import bones
 from neuralgaits.viewer.blocks import Blocks
 from neuralgaits.viewer.framing import Framing
+from neuralgaits.viewer.ground import SECTION, add_ground
 from neuralgaits.viewer.portrait import HEIGHT_PX, WIDTH_PX, Portrait
+from neuralgaits.viewer.push_arrow import RED, PushArrow
 from neuralgaits.viewer.walker import Shown
-
-_SECTION = 1.0
-"""Distance between the thick lines of the floor [m]."""
-_RED = (214, 39, 40)
-"""Colour of the moving point and of a push."""
 
 
 class Stage:
@@ -38,40 +35,11 @@ class Stage:
         self._leg = layout.leg_length
         self._model = _alone(layout)
         self._data = mujoco.MjData(self._model)
-        server.scene.set_up_direction("+z")
+        self._floor = add_ground(server)
         self._robot = ViserMujocoScene(server, self._model, 1)
         self._robot.camera_tracking_enabled = False
-        # No environment map: a browser without a graphics card needs seconds to prepare one.
-        server.scene.configure_environment_map(None)
-        server.scene.configure_default_lights(enabled=False)
-        server.scene.add_light_ambient("/sky", intensity=1.5)
-        server.scene.add_light_directional("/sun", intensity=1.8, position=(-1.5, -3.0, 4.0))
-        self._floor = server.scene.add_grid(
-            "/floor",
-            infinite_grid=True,
-            cell_size=0.25,
-            section_size=_SECTION,
-            # Greys that can be told from a light background and from a dark one.
-            cell_color=(190, 196, 202),
-            section_color=(140, 148, 156),
-            section_thickness=1.2,
-            plane_color=(128, 136, 146),
-            plane_opacity=0.08,
-            shadow_opacity=0.25,
-            fade_distance=30.0,
-        )
         self._blocks = Blocks(server)
-        self._arrow = server.scene.add_arrows(
-            "/push",
-            # Until there is a push, where nobody looks.
-            np.full((1, 2, 3), -99.0, dtype=np.float32),
-            _RED,
-            shaft_radius=0.016,
-            head_radius=0.04,
-            head_length=0.09,
-            visible=False,
-        )
-        self._arrow_until = -1.0
+        self._arrow = PushArrow(server)
         self._board: _Board | None = None
         self._fallen, self._laps = False, 0
         board = self._board_width * HEIGHT_PX / WIDTH_PX
@@ -100,7 +68,7 @@ class Stage:
 
     def restart(self) -> None:
         """Hide a push after the robot was moved; call it in the thread that calls `show`."""
-        self._arrow.visible = False
+        self._arrow.hide()
 
     def _show_robot(self, shown: Shown, x: float, ground: float) -> None:
         self._data.qpos[:] = shown.qpos
@@ -113,25 +81,15 @@ class Stage:
         """Place the floor through the origin, with its lines fixed to the ground."""
         self._floor.visible = shown.tops is None
         long = math.hypot(1.0, shown.slope)
-        behind = math.fmod(x * long, _SECTION)
+        behind = math.fmod(x * long, SECTION)
         self._floor.position = (-behind / long, 0.0, -behind / long * shown.slope)
         half = 0.5 * math.atan(shown.slope)
         self._floor.wxyz = (math.cos(half), 0.0, -math.sin(half), 0.0)
 
     def _show_push(self, shown: Shown, ground: float) -> None:
-        if np.any(shown.force):
-            hip = np.array([0.0, 0.0, shown.hip[1] - ground])
-            way = np.array([shown.force[0], 0.0, shown.force[1]])
-            tip = hip - np.sign(way) * 0.06
-            # In front of the robot, lest its body hide it.
-            # Its length is 2.2 mm for each newton.
-            points = np.stack([tip - 0.0022 * way, tip]) + np.array([0.0, -0.16, 0.0])
-            self._arrow.points = points[None].astype(np.float32)
-            self._arrow.visible = True
-            # The push itself lasts a fifth of this.
-            self._arrow_until = shown.time + 0.5
-        elif self._arrow.visible and not shown.time < self._arrow_until:
-            self._arrow.visible = False
+        # In front of the robot, lest its body hide it.
+        place = np.array([0.0, -0.16, shown.hip[1] - ground])
+        self._arrow.show(place, np.array([shown.force[0], 0.0, shown.force[1]]), shown.time)
 
     @property
     def _board_width(self) -> float:
@@ -174,7 +132,7 @@ class _Board:
             "/trail", np.zeros((1, 2, 3), dtype=np.float32), (240, 120, 40), thickness=0.007 * width
         )
         self._point = server.scene.add_icosphere(
-            "/point", radius=0.014 * width, color=_RED, cast_shadow=False, receive_shadow=False
+            "/point", radius=0.014 * width, color=RED, cast_shadow=False, receive_shadow=False
         )
 
         @image.on_click

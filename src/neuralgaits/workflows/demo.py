@@ -3,11 +3,12 @@
 from pathlib import Path
 
 from neuralgaits._argument_types import type_checked
+from neuralgaits.analysis.run import open_run
 from neuralgaits.errors import RunError
 from neuralgaits.runs.names import ROBOT
 from neuralgaits.runs.shell_words import LATEST, command
 from neuralgaits.viewer import live_server
-from neuralgaits.workflows.view import LiveView, view
+from neuralgaits.workflows.view import LiveView
 
 FOLDER = Path(__file__).parents[1] / "demo_run"
 """Shipped run folder, read-only; `tools/make_demo.py` makes it."""
@@ -26,4 +27,5 @@ def demo(
             f"expected the shipped run in {folder}, found none: install the package again, or "
             f"view a run of your own, as with `{command('view', LATEST)}`"
         )
-    return view(folder, host=host, port=port)
+    live_server.refuse_no_port(port)
+    return LiveView(open_run(folder), host, port)

@@ -1,6 +1,5 @@
 """A live page of a run: the robot walks in MuJoCo, and visitors can disturb it."""
 
-import threading
 from pathlib import Path
 from typing import Any
 
@@ -12,9 +11,12 @@ from neuralgaits.analysis.point_evaluator import PointEvaluator, quantities
 from neuralgaits.analysis.run import Run, open_run
 from neuralgaits.errors import SpecError
 from neuralgaits.report.page.phrases import any_condition
+from neuralgaits.systems.family_tasks import task_with
+from neuralgaits.systems.system_family import ProgressCallbacks
 from neuralgaits.viewer import live_server, markdown
 from neuralgaits.viewer.live_gait import LiveGait
 from neuralgaits.viewer.live_monitor import LiveMonitor
+from neuralgaits.viewer.live_page import LivePage
 from neuralgaits.viewer.panel import Panel
 from neuralgaits.viewer.phase_board import portrait
 from neuralgaits.viewer.player import Picture, Player
@@ -22,7 +24,7 @@ from neuralgaits.viewer.stage import Stage
 from neuralgaits.viewer.walker import Walker
 
 
-class LiveView:
+class LiveView(LivePage):
     """A live page that is being served.
 
     Attributes:
@@ -33,15 +35,13 @@ class LiveView:
         host: address that the server is bound to.
     """
 
+    player: Player[Walker]
+
     def __init__(self, run: Run, host: str, port: int | None, terrain: str | None = None):
         """Serve the page with the robot standing, and start the threads that complete it."""
+        super().__init__(f"Neural Gaits: {run.robot.name}", host, port)
         self._terrain = terrain
-        self._closed = threading.Event()
-        self._showing = threading.Lock()
-        self._server = live_server.open_server(f"Neural Gaits: {run.robot.name}", host, port)
         try:
-            self.host, self.port = host, self._server.get_port()
-            self.url = live_server.url(host, self.port)
             self.gait = LiveGait(run, terrain)
             self._run = self.gait.run
             self.player = Player(self.gait, self._show)
@@ -51,40 +51,13 @@ class LiveView:
         except BaseException:
             self.close()
             raise
-        self._alive = threading.Thread(target=self._bring_to_life, name="portrait", daemon=True)
-        self._alive.start()
+        self._complete_with(self._bring_to_life)
         self.player.start()
 
     @property
     def summary(self) -> dict[str, Any]:
         """Address and run of the page, as `view --json` prints them."""
-        about = {"url": self.url, "port": self.port, "run": str(self._run.path)}
-        return about | {"terrain": self._terrain}
-
-    def wait(self) -> None:
-        """Wait until Ctrl-C. Raises: any failure while the robot walked."""
-        self.player.wait()
-
-    def close(self) -> None:
-        """Stop the walk and the server."""
-        with self._showing:
-            # What is being put onto the page gets there; nothing is begun any more.
-            self._closed.set()
-        if hasattr(self, "player"):
-            self.player.stop()
-        with live_server.quiet():
-            self._server.stop()
-
-    def ready(self, timeout: float | None = None) -> bool:
-        """Wait for portrait and margins (s). Returns: whether they are available."""
-        self._alive.join(timeout)
-        return not self._alive.is_alive()
-
-    def __enter__(self) -> "LiveView":
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.close()
+        return super().summary | {"run": str(self._run.path), "terrain": self._terrain}
 
     def _build_panel(self) -> Panel:
         config = self._run.asked
@@ -107,24 +80,24 @@ class LiveView:
         # Its imports would hold up the first frame.
         from neuralgaits.viewer.sureness import how_sure
 
+        run = self._run
         try:
-            run = self._run
             evaluate = PointEvaluator(quantities(run.zero_dynamics, run.gait, run.spec))
             self.gait.look_with(evaluate)
             sure = how_sure(run)
             plane = portrait(run, evaluate, certified=sure.certified and sure.map_fits)
-            with self._showing:
-                if not self._closed.is_set():
-                    watched = None if sure.monitor is None else LiveMonitor(run, sure.monitor)
-                    self.gait.watch_with(watched, sure.beliefs_within)
-                    self._panel.tell_how_sure(sure.verdict, sure.words, sure.theorem)
-                    self._stage.hang(plane, self._clicked)
         except SpecError as error:
-            with self._showing:
-                if not self._closed.is_set():
-                    self._panel.explain_margins(f"no margins and no phase portrait: {error}")
-        except BaseException as error:
-            self.player.fail(error)
+            why = f"no margins and no phase portrait: {error}"
+            self._if_open(lambda: self._panel.explain_margins(why))
+            return
+
+        def complete() -> None:
+            watched = None if sure.monitor is None else LiveMonitor(run, sure.monitor)
+            self.gait.watch_with(watched, sure.beliefs_within)
+            self._panel.tell_how_sure(sure.verdict, sure.words, sure.theorem)
+            self._stage.hang(plane, self._clicked)
+
+        self._if_open(complete)
 
     def _show(self, picture: Picture) -> None:
         self._stage.show(picture.shown)
@@ -149,7 +122,7 @@ def view(
     host: str = live_server.LOOPBACK,
     port: int | None = None,
     terrain: str | Path | None = None,
-) -> LiveView:
+) -> LivePage:
     """Serve a live page of a run.
 
     Args:
@@ -158,9 +131,14 @@ def view(
         port: port to listen on; None takes a free one.
         terrain: blocks in place of the floor, as in `simulate`.
 
-    Returns: `LiveView`, already serving. `wait` until it ends, then `close` it, or use it as a
+    Returns: the page, already serving. `wait` until it ends, then `close` it, or use it as a
         context manager.
     Raises: InputError, RobotError or RunError with one line.
     """
     live_server.refuse_no_port(port)
+    asked = {"run": run, "port": port, "terrain": terrain}
+    given = {name: value for name, value in asked.items() if value is not None}
+    if (task := task_with("view", given | {"host": host})) is not None:
+        page: LivePage = task(ProgressCallbacks()).returned
+        return page
     return LiveView(open_run(run), host, port, None if terrain is None else str(terrain))

@@ -1,4 +1,9 @@
-"""Figures of a gait in three dimensions: a step from two sides, and the tube of steps."""
+"""Figures of a gait in three dimensions: a step from two sides, footprints, and the tube of steps.
+
+They are narrow, so that a phone shows their words.
+"""
+
+from collections.abc import Sequence
 
 import jax
 import jax.numpy as jnp
@@ -9,64 +14,100 @@ from neuralgaits._types import Float
 from neuralgaits.report.drawing import style
 from neuralgaits.systems.walker3d.spatial_gait import SpatialGait
 from neuralgaits.systems.walker3d.spatial_pose import SpatialPose, pose_of_outputs
+from neuralgaits.systems.walker3d.spatial_trace import WalkTrace
 from neuralgaits.systems.walker3d.spatial_walker import SpatialWalker
 
 SHOWN = 5
 """Phases at which the robot is drawn."""
-VIEWS = ((0, "from the right", "forward [m]"), (1, "from behind, poses beside each other", "[m]"))
+APART = 0.45
+"""Distance of poses that are drawn beside each other [m]."""
+WIDTH = 6.2
+"""Width of the figures [in]."""
+FEET = ((style.BLUE, "o", "right foot"), (style.ORANGE, "s", "left foot"))
+"""Colour, mark and words of right and left footprints."""
+SLICES = (("$y$ [mm]", 1e3), ("$L_y$ [kg m²/s]", 1.0), ("$n$ [kg m²/s]", 1.0))
+"""Words and factor of each deviation."""
 
 
 @style.styled
 def draw_step(robot: SpatialWalker, gait: SpatialGait) -> Figure:
-    """Draw poses of a step along the tube's middle from the side and from behind."""
-    figure = Figure(figsize=(8.0, 3.6), layout="constrained")
-    poses = [_pose(robot, gait, t) for t in np.linspace(0.0, 1.0, SHOWN)]
-    for axes, (across, words, label) in zip(figure.subplots(1, 2, sharey=True), VIEWS, strict=True):
-        for count, pose in enumerate(poses):
-            # The hips' middle moves by a step; from behind poses stand beside each other.
-            aside = 0.0 if across == 0 else 0.45 * count
-            faint = 0.35 + 0.65 * count / (SHOWN - 1)
-            for line, color in _lines(robot, pose):
-                axes.plot(
-                    aside - line[:, 1] if across else line[:, 0],
-                    line[:, 2],
-                    color=color,
-                    alpha=faint,
-                    lw=1.6,
-                    marker="o",
-                    markersize=2.5,
-                )
+    """Draw poses of a step along the tube's middle from the right and from behind."""
+    figure = Figure(figsize=(WIDTH, 3.0), layout="constrained")
+    seen, ticks = 0.43, APART * np.arange(SHOWN)
+    across = float(ticks[-1]) + 0.5
+    side, back = figure.subplots(1, 2, sharey=True, width_ratios=(2.0 * seen, across))
+    for count, t in enumerate(np.linspace(0.0, 1.0, SHOWN)):
+        faint = 0.35 + 0.65 * count / (SHOWN - 1)
+        for line, color in _lines(robot, _pose(robot, gait, t)):
+            drawn = {"color": color, "alpha": faint, "lw": 1.6, "marker": "o", "markersize": 2.5}
+            side.plot(line[:, 0], line[:, 2], **drawn)
+            back.plot(APART * count - line[:, 1], line[:, 2], **drawn)
+    for axes in (side, back):
         axes.axhline(0.0, color=style.GREY, lw=0.8)
-        axes.set(title=words, xlabel=label, aspect="equal")
-    figure.axes[0].set(ylabel="up [m]")
+        axes.set(aspect="equal")
+    side.set(title="from the right", xlabel="forward [m]", ylabel="up [m]", xlim=(-seen, seen))
+    back.set(title="from behind", xlabel="phase", xlim=(-0.35, across - 0.35))
+    back.set_xticks(ticks, [f"{t:.2f}" for t in np.linspace(0.0, 1.0, SHOWN)])
     return figure
 
 
 @style.styled
-def draw_spatial_tube(gait: SpatialGait) -> Figure:
-    """Draw the tube's extent over a step, and its sections at start, middle and end."""
-    figure = Figure(figsize=(8.0, 5.0), layout="constrained")
-    rows = figure.subplots(2, 3)
+def draw_footprints(traces: Sequence[WalkTrace], words: Sequence[str]) -> Figure:
+    """Draw walks from above, each in a panel: footprints, the hips, and where it was pushed."""
+    figure = Figure(figsize=(WIDTH, 1.1 * len(traces) + 0.8), layout="constrained")
+    panels = figure.subplots(len(traces), 1, sharex=True, sharey=True, squeeze=False)[:, 0]
+    for axes, trace, title in zip(panels, traces, words, strict=True):
+        axes.plot(*trace.path.T, color=style.GREY, lw=1.2, label="hips")
+        for left, (color, mark, name) in enumerate(FEET):
+            feet = np.array([(one.x, one.y) for one in trace.prints if one.left == left])
+            axes.plot(*feet.T, mark, color=color, markersize=5, label=name)
+        if np.all(np.isfinite(trace.pushed)):
+            x, y = trace.pushed
+            arrow = {"arrowstyle": "->", "color": style.RED, "lw": 1.8}
+            axes.annotate("", (x, y + 0.02), (x, y - 0.16), arrowprops=arrow)
+        axes.set(title=title, ylabel="left [m]", aspect="equal")
+    panels[-1].set(xlabel="forward [m]")
+    figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=3)
+    return figure
+
+
+@style.styled
+def draw_slices(gait: SpatialGait, trace: WalkTrace) -> Figure:
+    """Draw the tube's extent over a step, less its middle, and a walk's states."""
+    figure = Figure(figsize=(WIDTH, 5.2), layout="constrained")
     t = np.linspace(0.0, 1.0, 101)
-    centre, axes = gait.tube.sections(t)
+    _, axes = gait.tube.sections(t)
     half = np.linalg.norm(axes, axis=2)
-    words = ("y [mm]", "L_y [kg m^2/s]", "n [kg m^2/s]")
-    for k, (place, label) in enumerate(zip(rows[0], words, strict=True)):
-        size = 1e3 if k == 0 else 1.0
-        place.fill_between(
-            t, size * (centre - half)[:, k], size * (centre + half)[:, k], color=style.ALLOWED
-        )
-        place.plot(t, size * centre[:, k], color=style.BLUE)
-        place.set(xlabel="phase", ylabel=label)
+    panels = figure.subplots(3, 1, sharex=True)
+    for k, (place, (label, size)) in enumerate(zip(panels, SLICES, strict=True)):
+        band = size * half[:, k]
+        place.fill_between(t, -band, band, color=style.ALLOWED, label="tube")
+        place.axhline(0.0, color=style.BLUE, lw=1.0, label="periodic orbit")
+        walked = size * trace.rows[:, 1 + k]
+        place.plot(trace.rows[:, 0], walked, color=style.ORANGE, lw=1.0, label="MuJoCo, simulated")
+        place.set(ylabel=label)
+    panels[-1].set(xlabel="phase")
+    figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=3)
+    return figure
+
+
+@style.styled
+def draw_sections(gait: SpatialGait) -> Figure:
+    """Draw the outlines of the tube's sections at start, middle and end of a step."""
+    figure = Figure(figsize=(WIDTH, 4.6), layout="constrained")
+    panels = figure.subplots(2, 2).ravel()
+    phases = np.array([0.0, 0.5, 1.0])
+    _, axes = gait.tube.sections(phases)
     turn = np.linspace(0.0, 2.0 * np.pi, 181)
-    pairs = ((0, 2), (0, 1), (1, 2))
-    for place, (one, other) in zip(rows[1], pairs, strict=True):
-        for number, color in ((0, style.BLUE), (50, style.ORANGE), (100, style.RED)):
-            line = _outline(axes[number][[one, other]], turn)
-            line[:, 0] *= 1e3 if one == 0 else 1.0
-            place.plot(*line.T, color=color, label=f"phase {t[number]:.1f}")
-        place.set(xlabel=f"deviation of {words[one]}", ylabel=f"deviation of {words[other]}")
-    figure.legend(*rows[1][0].get_legend_handles_labels(), loc="outside lower center", ncols=3)
+    looks = ((style.BLUE, "-"), (style.ORANGE, "--"), (style.RED, ":"))
+    for place, (one, other) in zip(panels[:3], ((0, 2), (0, 1), (1, 2)), strict=True):
+        for phase, section, (color, dash) in zip(phases, axes, looks, strict=True):
+            sizes = np.array([SLICES[one][1], SLICES[other][1]])
+            line = sizes * _outline(section[[one, other]], turn)
+            place.plot(*line.T, dash, color=color, label=f"phase {phase:.1f}")
+        place.set(xlabel=SLICES[one][0], ylabel=SLICES[other][0])
+    panels[3].axis("off")
+    panels[3].legend(*panels[0].get_legend_handles_labels(), loc="center")
     return figure
 
 

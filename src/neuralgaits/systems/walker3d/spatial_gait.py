@@ -39,11 +39,21 @@ class SpatialGait(eqx.Module):
         """Return the state at a point of the chart: phase, and a point of the cube."""
         return self.state(u[0], self.tube.section(u[0]).states(in_ball(u[1:])))
 
-    def holds(self, states: Float[np.ndarray, "N 4"]) -> np.ndarray:
-        """Return which states are in the tube; phases beyond a step's ends count as these. [N]."""
+    def deviations(
+        self, states: Float[np.ndarray, "N 4"]
+    ) -> tuple[Float[np.ndarray, " N"], Float[np.ndarray, "N 3"], Float[np.ndarray, "N 3"]]:
+        """Return phases, and how far (y, L_y, n) are from the tube's middle, also in half axes.
+
+        Phases beyond a step's ends count as these.
+        """
         phases = np.clip(np.asarray(self.policy.phase(states.T)), 0.0, 1.0)
         centres, axes = self.tube.sections(phases)
-        w = np.linalg.solve(axes, (states[:, 1:] - centres)[..., None])[..., 0]
+        off = states[:, 1:] - centres
+        return phases, off, np.linalg.solve(axes, off[..., None])[..., 0]
+
+    def holds(self, states: Float[np.ndarray, "N 4"]) -> np.ndarray:
+        """Return which states are in the tube. [N]."""
+        _, _, w = self.deviations(states)
         return np.sum(w * w, axis=1) <= 1.0
 
     def starts(self, inside: Float[np.ndarray, "N 3"]) -> Float[np.ndarray, "N 4"]:

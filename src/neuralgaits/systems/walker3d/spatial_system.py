@@ -1,6 +1,6 @@
 """Bipeds in three dimensions as a family: robot files, gaits and what is measured of them."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -10,15 +10,22 @@ from matplotlib.figure import Figure
 from neuralgaits._types import Array, Float
 from neuralgaits.errors import InputError, RunError
 from neuralgaits.records.certified import Conclusion
+from neuralgaits.systems.controller_header import ControllerHeader
 from neuralgaits.systems.family_run import FamilyRun
 from neuralgaits.systems.proof_model import trace_conditions
-from neuralgaits.systems.proved_system import ProvedSystem
+from neuralgaits.systems.proved_system import ExportedSystem
 from neuralgaits.systems.system_family import Screen
 from neuralgaits.systems.trained_system import TrainingProgress
 from neuralgaits.systems.walker3d import FAMILY, spatial_conditions, spatial_tube
 from neuralgaits.systems.walker3d.orbit_search import exact_period, find_orbit
 from neuralgaits.systems.walker3d.spatial_conditions import spatial_margins
-from neuralgaits.systems.walker3d.spatial_figures import draw_spatial_tube, draw_step
+from neuralgaits.systems.walker3d.spatial_export import header_of, law_of, random_states
+from neuralgaits.systems.walker3d.spatial_figures import (
+    draw_footprints,
+    draw_sections,
+    draw_slices,
+    draw_step,
+)
 from neuralgaits.systems.walker3d.spatial_gait import SpatialGait, empty_gait
 from neuralgaits.systems.walker3d.spatial_levels import TABLE, conclude
 from neuralgaits.systems.walker3d.spatial_mjcf import SpatialRobot, read_spatial
@@ -27,6 +34,7 @@ from neuralgaits.systems.walker3d.spatial_records import SpatialConfig, SpatialF
 from neuralgaits.systems.walker3d.spatial_screens import screen_of_walks
 from neuralgaits.systems.walker3d.spatial_start import section_scale
 from neuralgaits.systems.walker3d.spatial_step import step_of_orbit
+from neuralgaits.systems.walker3d.spatial_trace import trace_walks
 from neuralgaits.systems.walker3d.spatial_walker import SpatialWalker
 from neuralgaits.systems.walker3d.spatial_walks import (
     STEPS,
@@ -41,15 +49,17 @@ from neuralgaits.systems.walker3d.tube_samples import needs_in_tube, sampled_mar
 FRESH_SEED, FRESH = 2**31, 2**15
 """Seed of the points at which the summary is measured, and their number in each region; no run can
 have that seed."""
+SHOWN_STEPS, SHOWN_PUSH_NS = 10, 5.0
+"""Steps of the walks on a page, and the push in one of them [N s]."""
 
 
-class SpatialSystem(ProvedSystem):
+class SpatialSystem(ExportedSystem):
     """The family of bipeds in three dimensions."""
 
     family, table = FAMILY, TABLE
     config, summary = SpatialConfig, SpatialTrained
     spec_files = tuple(Path(str(one.__file__)) for one in (spatial_conditions, spatial_tube))
-    steps, highest = 250, 3
+    steps, highest, state_size = 250, 3, 20
     why_highest = "a walker's levels in three dimensions are about its hybrid zero dynamics"
     about_proofs = "the rigid model's projected hybrid zero dynamics, the yaw of the torso held"
     robot_file = Path(__file__).with_name("walker3d.xml")
@@ -179,6 +189,18 @@ class SpatialSystem(ProvedSystem):
         del config
         return conclude(bounds, level)
 
+    def header(self, run: FamilyRun) -> ControllerHeader:
+        """Return names and numbers of the exported controller."""
+        return header_of(run)
+
+    def law(self, run: FamilyRun) -> Callable[[Float[Array, "20"]], dict[str, Array]]:
+        """Return the law `pd` of a robot on its right foot."""
+        return law_of(run)
+
+    def states(self, run: FamilyRun, count: int, seed: int) -> Float[np.ndarray, "count 20"]:
+        """Return random states near those of the tube."""
+        return random_states(run, count, seed)
+
     def episodes(self, run: FamilyRun, count: int, seed: int) -> tuple[SpatialWalks, bool]:
         """Walk in MuJoCo."""
         starts = starts_of(run.controller, count, seed)
@@ -201,13 +223,28 @@ class SpatialSystem(ProvedSystem):
         ]
 
     def page_figures(self, run: FamilyRun) -> Sequence[tuple[Figure, str]]:
-        """Draw a step of the orbit from two sides, and the tube."""
+        """Draw a step of the orbit from two sides, walks in MuJoCo from above, and the tube."""
+        gait, traces = run.controller, trace_walks(run, SHOWN_STEPS, (0.0, SHOWN_PUSH_NS))
+        titles = [
+            f"{'pushed by ' + format(push, 'g') + ' N s to the left' if push else 'not pushed'}"
+            f"{', fell' if trace.fell else ''}"
+            for push, trace in zip((0.0, SHOWN_PUSH_NS), traces, strict=True)
+        ]
         return (
             (
-                draw_step(run.robot, run.controller),
-                "A step of the periodic orbit from the side and from the front",
+                draw_step(run.robot, gait),
+                "A step of the periodic orbit from the right and from behind",
             ),
-            (draw_spatial_tube(run.controller), "The tube over a step, and its sections"),
+            (
+                draw_footprints(traces, titles),
+                f"{SHOWN_STEPS} steps in MuJoCo under pd from above, simulated and not proved",
+            ),
+            (
+                draw_slices(gait, traces[0]),
+                "The tube less its middle over a step, and the walk that is not pushed: a state "
+                "outside of a band is outside of the tube, and no proof is about it",
+            ),
+            (draw_sections(gait), "Sections of the tube, less its middle: shadows of ellipsoids"),
         )
 
 

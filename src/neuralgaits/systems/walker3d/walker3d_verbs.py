@@ -6,7 +6,7 @@ from pathlib import Path
 from neuralgaits.errors import InputError
 from neuralgaits.systems.family_run import open_family_run
 from neuralgaits.systems.family_verbs import FamilyVerbs
-from neuralgaits.systems.system_family import ProgressCallbacks, VerbResult
+from neuralgaits.systems.system_family import ProgressCallbacks, Screen, VerbResult
 from neuralgaits.systems.walker3d.spatial_screens import screen_of_walks
 from neuralgaits.systems.walker3d.spatial_system import SYSTEM
 from neuralgaits.systems.walker3d.spatial_walks import (
@@ -16,6 +16,7 @@ from neuralgaits.systems.walker3d.spatial_walks import (
     simulate_walks,
     starts_of,
 )
+from neuralgaits.viewer.live_server import LOOPBACK
 
 
 def simulate(
@@ -43,4 +44,13 @@ def simulate(
     return VerbResult(record, good, screen_of_walks(record))
 
 
-VERBS: dict[str, Callable[..., VerbResult]] = FamilyVerbs(SYSTEM).by_name() | {"simulate": simulate}
+def view(run: str | Path, *, host: str = LOOPBACK, port: int | None = None) -> VerbResult:
+    """Serve a live page of a run."""
+    from neuralgaits.systems.walker3d.live_page import SpatialPage  # Brings the server.
+
+    page = SpatialPage(open_family_run(SYSTEM, run), host, port)
+    return VerbResult(page.summary, True, Screen(), run=page)
+
+
+OWN: dict[str, Callable[..., VerbResult]] = {"simulate": simulate, "view": view}
+VERBS = FamilyVerbs(SYSTEM).by_name() | OWN

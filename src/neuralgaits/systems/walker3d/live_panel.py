@@ -1,0 +1,155 @@
+"""The controls beside a biped's scene, and what they say: what is proved, and what is simulated."""
+
+import html
+import math
+from typing import NamedTuple
+
+import numpy as np
+import viser
+
+from neuralgaits.systems.walker3d.live_drawings import TubeSlices, draw_prints
+from neuralgaits.systems.walker3d.live_stage import VIEWS, SpatialStage
+from neuralgaits.systems.walker3d.live_walk import SpatialLive, SpatialMoment
+from neuralgaits.systems.walker3d.spatial_gait import SpatialGait
+from neuralgaits.viewer import page_style
+from neuralgaits.viewer.limited_sliders import LimitedSliders
+from neuralgaits.viewer.page_style import GOOD, QUIET, TIGHT, line, note
+from neuralgaits.viewer.player import Picture, Player
+from neuralgaits.viewer.slider import Slider
+from neuralgaits.viewer.time_controls import add_time_controls
+from neuralgaits.viewer.walk_status import walk_line
+
+PUSH = Slider("impulse [N s]", 0.0, 20.0, 4.0, 0.5, "on the torso, for 0.1 s")
+"""Impulse of a push [N s]."""
+WAYS = {"◄ left": (0, 1), "right ►": (0, -1), "forward": (1, 0), "back": (-1, 0)}
+"""Directions of a push, forward and to the left."""
+KEYS = ("J", "L", "I", "K")
+"""Key of each direction."""
+WAITING = "Getting ready: the controller is being compiled"
+_EVERY = 8
+"""Frames between two updates of words and drawings."""
+_SLICES = (
+    "Green: the tube's extent, less its middle, from touchdown to touchdown. Inside the tube a "
+    "state is within all three bands; the tube's sections are ellipsoids and hold less."
+)
+_PRINTS = "Seen from above, forward to the right. Blue: right foot, orange: left; line: the hips."
+
+
+class StatedProof(NamedTuple):
+    """What a run's proof file states.
+
+    Attributes:
+        line: one line of text.
+        words: the whole in Markdown.
+        of_tube: whether it states what follows for the tube's trajectories.
+    """
+
+    line: str
+    words: str
+    of_tube: bool
+
+
+class SpatialPanel:
+    """Buttons, words and drawings beside the scene."""
+
+    def __init__(
+        self,
+        server: viser.ViserServer,
+        player: Player[SpatialLive],
+        stage: SpatialStage,
+        gait: SpatialGait,
+        title: str,
+    ):
+        """Build the panel; `title` is one line of Markdown."""
+        self._player, self._stage, self._count = player, stage, 0
+        self._tube_name = "tube"
+        gui = server.gui
+        self._sliders = LimitedSliders(gui)
+        gui.add_html(page_style.follow_scheme() + page_style.head())
+        gui.add_markdown(title)
+        self._verdict = gui.add_html(_kept_apart("reading the proof file"))
+        self._status = gui.add_html(line(WAITING, QUIET))
+        self._add_push(gui)
+        add_time_controls(gui, player, self._sliders, self.reset)
+        views = gui.add_button_group("look from", tuple(VIEWS))
+        with gui.add_folder("The tube, and where the robot is"):
+            self._slices, drawn = TubeSlices(gait), gui.add_html("")
+            self._tube = drawn
+            gui.add_html(note(_SLICES))
+        with gui.add_folder("Footprints"):
+            self._prints = gui.add_html("")
+            gui.add_html(note(_PRINTS))
+        with gui.add_folder("What is proved, and what is not"):
+            self._proof = gui.add_markdown("Reading the proof file.")
+
+        @views.on_click
+        def _(event: viser.GuiEvent) -> None:
+            if event.client is not None and views.value in VIEWS:
+                stage.look(event.client, views.value)
+
+    def reset(self) -> None:
+        """Put the robot back."""
+
+        def back(robot: SpatialLive) -> None:
+            robot.reset()
+            self._stage.restart()
+
+        self._player.ask(back)
+
+    def show(self, picture: Picture) -> None:
+        """Update words and drawings."""
+        self._count += 1
+        self._sliders.put_back()
+        if self._count % _EVERY != 1:
+            return
+        shown: SpatialMoment = picture.shown
+        self._status.content = self.status(picture)
+        self._tube.content = self._slices.render(shown)
+        self._prints.content = draw_prints(shown)
+
+    def tell_proof(self, found: StatedProof) -> None:
+        """Show what is proved: a line that stays in view, and the whole in Markdown."""
+        self._tube_name = "proved tube" if found.of_tube else "tube"
+        self._verdict.content = _kept_apart(found.line)
+        self._proof.content = found.words
+
+    def status(self, picture: Picture) -> str:
+        """Return the lines about the walk and the tube as HTML."""
+        shown: SpatialMoment = picture.shown
+        if math.isnan(shown.share):
+            return line(WAITING, QUIET)
+        walked = walk_line(picture, shown, self._player.speed)
+        inside = shown.distance <= 1.0
+        # Rounded down: not all ticks are inside unless all are.
+        share = math.floor(1000.0 * shown.share) / 10.0
+        words = (
+            f"Inside the {self._tube_name} now: {'yes' if inside else 'no'}, "
+            f"{shown.distance:.2f} half axes from its middle · {share:.1f} % of ticks so far"
+        )
+        return walked + line(words, GOOD if inside else TIGHT)
+
+    def _add_push(self, gui: viser.GuiApi) -> None:
+        with gui.add_folder("Push"):
+            size = self._sliders.add(PUSH)
+            ways = gui.add_button_group("push", tuple(WAYS))
+            gui.add_html(note("Keys J, L, I and K push left, right, forward and back."))
+
+        def push(way: str | None) -> None:
+            impulse = PUSH.clip(size.value)
+            if impulse is not None and way in WAYS:
+                self._player.ask(lambda robot: robot.push(impulse * np.array(WAYS[way])))
+
+        @ways.on_click
+        def _(_event: object) -> None:
+            push(ways.value)
+
+        for key, way in zip(KEYS, WAYS, strict=True):
+            command = gui.add_command(f"push {way.strip('◄► ')}", hotkey=key)
+            command.on_trigger(lambda _event, way=way: push(way))
+
+
+def _kept_apart(proved: str) -> str:
+    """Return two lines of HTML: what is proved, and what is only simulated."""
+    rows = (("Proved", proved), ("Simulated", "all that you see; the robot may fall."))
+    lines = (f"<div><b>{name}</b> {html.escape(words)}</div>" for name, words in rows)
+    return f'<div style="padding:2px 10px 6px;font-size:12.5px">{"".join(lines)}</div>'

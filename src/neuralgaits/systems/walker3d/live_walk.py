@@ -1,0 +1,201 @@
+"""One biped that walks in MuJoCo until it is stopped, and is pushed meanwhile."""
+
+from collections import deque
+from typing import NamedTuple
+
+import numpy as np
+
+from neuralgaits._types import Float
+from neuralgaits.systems.family_run import FamilyRun
+from neuralgaits.systems.walker3d.live_controllers import LiveController
+from neuralgaits.systems.walker3d.spatial_plant import TICK_S, SpatialPlants
+from neuralgaits.systems.walker3d.spatial_walks import LONGEST, PUSH_S
+from neuralgaits.viewer.step_speed import StepSpeed
+
+PRINTS = 14
+"""Footprints that are kept."""
+SAMPLE_TICKS, SAMPLES = 16, 130
+"""Ticks between two samples of the trail, and how many are kept: some four steps."""
+
+
+class Footprint(NamedTuple):
+    """Where a foot was put down: forward and to the left [m], and whether it is the left one."""
+
+    x: float
+    y: float
+    left: bool
+
+
+class SpatialMoment(NamedTuple):
+    """State of the walk at one moment.
+
+    Attributes:
+        time, walked: simulated time, and since the last start [s].
+        qpos: coordinates of MuJoCo.
+        hips: middle of the hips, forward, left and up [m]. [3]
+        z: state of the zero dynamics, reflected on the left foot; NaN before the first tick. [4]
+        phase: share of the step that is done, from 0 to 1.
+        off: distance of (y, L_y, n) from the tube's middle. [3]
+        distance: the same in half axes of the tube: it is inside up to 1.
+        share: share of the ticks since the start that were in the tube; NaN before any.
+        trail: phase, distances and |w| of the last steps, NaN between two of them. [K, 5]
+        prints: where the feet were put down, the last one last.
+        path: middle of the hips from above [m]. [K, 2]
+        steps: touchdowns since the last start.
+        speed: mean forward speed over the last whole step [m/s].
+        force: push under way [N]. [3]
+        fall: why the walk ended; None while it goes on.
+        upright: whether the robot stands upright although its walk has ended.
+    """
+
+    time: float
+    walked: float
+    qpos: Float[np.ndarray, " q"]
+    hips: Float[np.ndarray, "3"]
+    z: Float[np.ndarray, "4"]
+    phase: float
+    off: Float[np.ndarray, "3"]
+    distance: float
+    share: float
+    trail: Float[np.ndarray, "K 5"]
+    prints: tuple[Footprint, ...]
+    path: Float[np.ndarray, "K 2"]
+    steps: int
+    speed: float
+    force: Float[np.ndarray, "3"]
+    fall: str | None
+    upright: bool
+
+
+class SpatialLive:
+    """A walking robot on a page; implements `viewer.player.Played`.
+
+    Attributes:
+        run: whose gait walks.
+        plants: the robot in MuJoCo.
+    """
+
+    period_s = TICK_S
+
+    def __init__(self, run: FamilyRun):
+        """Put the robot into the tube's middle, where it stands until it has a controller."""
+        self.run = run
+        gait = run.controller
+        self.plants = SpatialPlants.started(run.data, gait, gait.starts(np.zeros((1, 3))))
+        (self._world,) = self.plants.worlds
+        self._first = self._world.qpos.copy(), self._world.qvel.copy()
+        self._controller: LiveController | None = None
+        self._longest = LONGEST * run.summary.step_s
+        self.reset()
+
+    def control_with(self, controller: LiveController) -> None:
+        """Walk under this controller from now on."""
+        controller.start()
+        self._controller = controller
+
+    def reset(self) -> None:
+        """Put the robot back into the tube's middle, on its right foot."""
+        world = self._world
+        world.qpos[:], world.qvel[:] = self._first
+        self.plants.settle(0)
+        if self._controller is not None:
+            self._controller.start()
+        self._begun = self._touched = float(world.time)
+        self._left, self._steps, self._pace = False, 0, StepSpeed()
+        self._pushed_until, self._force = -1.0, np.zeros(2)
+        self._fall: str | None = None
+        self._z, self._ticks, self._inside = np.full(4, np.nan), 0, 0
+        self._pending: list[np.ndarray] = []
+        self._place = 0.0, np.full(3, np.nan), np.nan
+        self._trail: deque[np.ndarray] = deque(maxlen=SAMPLES)
+        self._path: deque[np.ndarray] = deque(maxlen=2 * SAMPLES)
+        self._prints: deque[Footprint] = deque([self._print(left=False)], maxlen=PRINTS)
+
+    def push(self, impulse: Float[np.ndarray, "2"]) -> None:
+        """Push the torso forward and to the left [N s], for `PUSH_S`."""
+        self._force = np.asarray(impulse, dtype=np.float64) / PUSH_S
+        self._pushed_until = float(self._world.time) + PUSH_S - 0.5 * TICK_S
+
+    def margins(self, z: object) -> None:
+        """Return none: the page of this robot has no bars."""
+        del z
+
+    def tick(self) -> bool:
+        """Advance by one control tick. Returns: False after a fall, or without a controller."""
+        if self._controller is None or self._fall is not None:
+            return False
+        found = self._controller.tick(self.plants)
+        if found.left != self._left:
+            self._touch_down(found.left)
+        self._z = found.z
+        self._ticks += 1
+        self._pending.append(found.z)
+        if self._ticks % SAMPLE_TICKS == 0:
+            self._path.append(self._world.qpos[:2].copy())
+        if not np.all(np.isfinite(found.torques)):
+            self._fall = "the gait has no pose here"
+            return False
+        self.plants.drive(0, found.torques, self._pushing)
+        if self.plants.fallen(0):
+            self._fall = "the hips are low, or the torso leans"
+        elif self._world.time - self._touched > self._longest:
+            self._fall = "too slow to finish the step"
+        return self._fall is None
+
+    @property
+    def steps(self) -> int:
+        """Touchdowns since the last start."""
+        return self._steps
+
+    def shown(self) -> SpatialMoment:
+        """Return the present moment of the walk."""
+        self._compare()
+        world, mean = self._world, self._pace.mean
+        phase, off, distance = self._place
+        return SpatialMoment(
+            time=float(world.time),
+            walked=float(world.time) - self._begun,
+            qpos=world.qpos.copy(),
+            hips=self.plants.hips(0),
+            z=self._z,
+            phase=phase,
+            off=off,
+            distance=distance,
+            share=self._inside / self._ticks if self._ticks else np.nan,
+            trail=np.array(self._trail).reshape(-1, 5),
+            prints=tuple(self._prints),
+            path=np.array(self._path).reshape(-1, 2),
+            steps=self._steps,
+            speed=float(world.qvel[0]) if mean is None else mean,
+            force=np.append(self._pushing, 0.0),
+            fall=self._fall,
+            upright=self._fall is not None and not self.plants.fallen(0),
+        )
+
+    @property
+    def _pushing(self) -> Float[np.ndarray, "2"]:
+        """Force of the push under way [N]; 0 without one."""
+        return self._force if self._world.time < self._pushed_until else np.zeros(2)
+
+    def _touch_down(self, left: bool) -> None:
+        self._left, self._steps, self._touched = left, self._steps + 1, float(self._world.time)
+        self._compare()
+        self._trail.append(np.full(5, np.nan))
+        self._pace.touch_down(self._steps, self._touched, float(self._world.qpos[0]))
+        self._prints.append(self._print(left=left))
+
+    def _print(self, *, left: bool) -> Footprint:
+        place = self._world.geom_xpos[self.plants.robot.tree.feet[int(left)]]
+        return Footprint(float(place[0]), float(place[1]), left)
+
+    def _compare(self) -> None:
+        """Compare the ticks since the last comparison with the tube, all at once."""
+        if not self._pending:
+            return
+        states, self._pending = np.array(self._pending), []
+        phases, off, w = self.run.controller.deviations(states)
+        distance = np.linalg.norm(w, axis=1)
+        self._inside += int(np.count_nonzero(distance <= 1.0))
+        rows = np.column_stack([phases, off, distance])
+        self._trail.extend(rows[::SAMPLE_TICKS])
+        self._place = float(phases[-1]), off[-1], float(distance[-1])

@@ -1,0 +1,59 @@
+"""The line of a live page about a walk: steps, speed and time, or how it ended."""
+
+from typing import Protocol
+
+from neuralgaits.viewer.page_style import BAD, GOOD, QUIET, line
+from neuralgaits.viewer.player import Picture
+
+
+class WalkFacts(Protocol):
+    """Numbers of a walk at one moment, see `viewer.walker.Shown`."""
+
+    @property
+    def steps(self) -> int:
+        """Touchdowns since the last start."""
+        ...
+
+    @property
+    def speed(self) -> float:
+        """Mean forward speed over the last whole step [m/s]."""
+        ...
+
+    @property
+    def walked(self) -> float:
+        """Simulated time since the last start [s]."""
+        ...
+
+    @property
+    def fall(self) -> str | None:
+        """Reason why the robot fell or stopped; None while it walks."""
+        ...
+
+    @property
+    def upright(self) -> bool:
+        """Whether the robot stands upright although its walk has ended."""
+        ...
+
+
+def walk_line(picture: Picture, shown: WalkFacts, speed: float) -> str:
+    """Return the line as HTML; `speed` is the playback speed that was asked for."""
+    facts = f"steps {shown.steps} · {shown.speed:.2f} m/s · {shown.walked:.1f} s"
+    if shown.fall is not None:
+        return line(ended(shown, picture.reset_in), BAD, strong=True)
+    if picture.paused:
+        return line(f"Paused · {facts}", QUIET)
+    slow = f" · plays at ×{picture.pace:.2f}" if picture.pace < 0.9 * speed else ""
+    return line(f"Walks · {facts}{slow}", GOOD)
+
+
+def ended(shown: WalkFacts, left: float | None) -> str:
+    """Say why a walk ended, and what the visitor can do next.
+
+    Args:
+        shown: last moment of the walk.
+        left: time until the robot is put back (s); None if the visitor does that.
+    """
+    what = "Stopped" if shown.upright else "Fell"
+    text = f"{what}: {shown.fall}, after {shown.steps} steps. "
+    text += "Press Reset" if left is None else f"Reset in {left:.0f} s"
+    return text + ("; push it forward where it slows down." if shown.upright else ".")
