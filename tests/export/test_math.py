@@ -41,8 +41,7 @@ def _exact(x):
 
 
 def test_errors_are_a_few_units_in_the_last_place(functions):
-    """Over every size an argument can have; exp, log1p and sqrt where their results are
-    finite."""
+    """Over every size an argument can have; exp, log1p, sqrt where results are finite."""
     kind, call = functions
     rng = np.random.default_rng(1)
     spread = np.exp(rng.uniform(-40.0, np.log(80.0), 400_000)) * rng.choice([-1.0, 1.0], 400_000)
