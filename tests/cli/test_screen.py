@@ -102,7 +102,7 @@ def test_a_run_that_fails_says_how_to_train_it_again(
     )
     out = capsys.readouterr().out
     # Not twice the two steps that it had: its spec asks for more.
-    recipe = small_run.asked.recipe_steps
+    recipe = small_run.config.recipe_steps
     assert recipe > 4 and re.search(rf"train longer .*--steps {recipe} ", out)
     assert "another seed" in out and "--seed 1" in out
 

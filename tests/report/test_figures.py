@@ -62,7 +62,7 @@ FULL = FullOrderSet(
 
 def sketches(run):
     of_run = RunFigures(run, certificate_of(run))
-    for name, _, make in makers_of(run.asked):
+    for name, _, make in makers_of(run.config):
         try:
             yield name, *make(of_run)
         except Absent:
@@ -96,7 +96,7 @@ def needs_none(axis, side):
 
 
 def test_figures_have_words_and_files_that_open(run, drawn):
-    assert list(drawn) == [name for name, _, _ in makers_of(run.asked)]
+    assert list(drawn) == [name for name, _, _ in makers_of(run.config)]
     total = 0
     for figure in drawn.values():
         assert figure.title
@@ -308,7 +308,7 @@ def copied(run, tmp_path):
 
 def entry(run, name):
     """A figure's caption and drawing, or why it is missing."""
-    makers = makers_of(run.asked)
+    makers = makers_of(run.config)
     title, make = next((title, make) for known, title, make in makers if known == name)
     try:
         return make(RunFigures(run, certificate_of(run)))

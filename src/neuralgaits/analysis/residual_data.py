@@ -65,7 +65,7 @@ def _of_another(run: Run) -> bool:
 
 def _visited(run: Run, trained: bool) -> np.ndarray:
     """Return the states of the logs behind the residual, where the logs still exist. [K, 2]."""
-    parent = run.asked.parent
+    parent = run.config.parent
     places = [run.path.parent / Path(parent).name, Path(parent)] if trained and parent else []
     for place in places or [run.path]:
         try:

@@ -21,7 +21,7 @@ from neuralgaits.errors import RunError
 from neuralgaits.records.link_figures import LOCKSTEP, LinkFigures
 from neuralgaits.records.simulated import Simulated
 from neuralgaits.records.trained import Trained, TrainingProof
-from neuralgaits.records.training_config import asked_of
+from neuralgaits.records.training_config import config_of
 from neuralgaits.runs import RunFolder
 from neuralgaits.runs.shell_words import command, named
 
@@ -76,7 +76,7 @@ def _to_mend(result: Trained, worst: str) -> list[tuple[str, str]]:
             ("train longer", repeat_commands.longer(folder)),
             ("another seed", repeat_commands.another_seed(folder)),
         ]
-        if asked_of(folder).given is not None:
+        if config_of(folder).given is not None:
             # Its spec is no choice of the user's; a trained policy meets its start as it is made.
             last = "or a network", command("train", repeat_commands.robot_word(folder))
     except RunError:

@@ -79,7 +79,7 @@ class ClfQp(AbstractLaw):
         """Return the law as compiled walks have it, which add the program in place of clipping."""
         return CompiledLaw("", model=True, bandwidth=self.bandwidth, exported=False)
 
-    def told(self, z: ZeroState) -> ZeroState:
+    def policy_state(self, z: ZeroState) -> ZeroState:
         """Return all of z, unchanged. [2]."""
         return z
 

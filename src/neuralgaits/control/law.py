@@ -132,7 +132,7 @@ class AbstractLaw(eqx.Module):
         return False
 
     @abstractmethod
-    def told(self, z: ZeroState) -> ZeroState:
+    def policy_state(self, z: ZeroState) -> ZeroState:
         """Return z as the policy gets it, from the measured and bounded z. [2]."""
 
     @abstractmethod

@@ -168,8 +168,8 @@ def _tick(
         actuated=command.actuated,
         torque=torque,
         motors=torque,
-        requested=after.told.requested,
-        before=after.told.pair.before,
-        after=after.told.pair.after,
-        step=after.told.step_parameters,
+        requested=after.commands.requested,
+        before=after.commands.pair.before,
+        after=after.commands.pair.after,
+        step=after.commands.step_parameters,
     )

@@ -68,7 +68,9 @@ def problem(
         # |x| has no slope at 0, and most optima have powers there.
         smooth = casadi.sqrt(quantities["power"] ** 2 + smoothing**2) - smoothing
         powers.append(casadi.sum1(smooth))
-        constraints += [quantities[name] for name, (a, b) in step.asked.items() if a <= phase <= b]
+        constraints += [
+            quantities[name] for name, (a, b) in step.margin_ranges.items() if a <= phase <= b
+        ]
     slope, pace, power = (casadi.vertcat(*each) for each in (slopes, paces, powers))
     followed = zeta - zeta[0] - casadi.DM(mesh.integrals) @ slope
     equal.append(followed[1:])

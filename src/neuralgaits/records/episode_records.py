@@ -12,7 +12,7 @@ from neuralgaits.records.trained import Trained
 from neuralgaits.records.training_config import Seed, Steps
 from neuralgaits.runs.shape import NUMBER, may, table_of, whole
 
-ASKED, SUMMARY = "episodes.json", "summary.json"
+CONFIG_FILE, SUMMARY = "episodes.json", "summary.json"
 WALKS = "walks"
 """Folder in a round's run that holds `SUMMARY` and the logs of its walks."""
 
@@ -25,7 +25,7 @@ class Versioned(Record):
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class EpisodesAsked(Record):
+class EpisodesConfig(Record):
     """Settings of episodes: `episodes.json`.
 
     Attributes:

@@ -80,9 +80,9 @@ def part_of(found: CertificateReading) -> ProvedOfSome | None:
     if part is None or proof is None or summary is None:
         return None
     ranges = {}
-    if part.told:
+    if part.sequences:
         # Before and after have one range; how far they may be apart stands at the second.
-        axes = proof.chart.of_commands(len(part.told)).parameters[1::2]
+        axes = proof.chart.of_commands(len(part.sequences)).parameters[1::2]
         ranges = {
             axis.name.removesuffix(" after"): Range(axis.low, axis.high, axis.change)
             for axis in axes

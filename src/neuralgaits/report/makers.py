@@ -16,7 +16,7 @@ from neuralgaits.analysis.run import Run
 from neuralgaits.analysis.walk_log import measured_walk
 from neuralgaits.analysis.walks_by_command import alternating, drawn, walks_under
 from neuralgaits.errors import RunError
-from neuralgaits.records.episode_records import ASKED, SUMMARY, EpisodesDone
+from neuralgaits.records.episode_records import CONFIG_FILE, SUMMARY, EpisodesDone
 from neuralgaits.records.levels import ORBIT_LEVEL
 from neuralgaits.records.simulated import LOG
 from neuralgaits.records.training_config import TrainingConfig
@@ -121,7 +121,7 @@ class RunFigures:
     def phase_portrait(self) -> Made:
         """Draw the phase portrait, with a logged walk if there is one."""
         data, walk = self.data, self.walk
-        told_some = bool(self.run.asked.commands)
+        told_some = bool(self.run.config.commands)
         words = phase_portrait.caption(data, walk, self.certificate.level, told_some)
         return words, phase_portrait.draw(data, walk)
 
@@ -160,7 +160,7 @@ class RunFigures:
                 "boxes, and no picture of them."
             )
             return caption, certificate_map.draw(BoxMap.read(path))
-        if certificate.of_a_box or self.run.asked.parameters:
+        if certificate.of_a_box or self.run.config.parameters:
             raise self.absent_for_box(1, "the map is of states of one robot")
         missing = f"{path.name} is missing in the certificate, or another one's"
         raise Absent(certificate.reason or missing, command("certify", self.path))
@@ -172,7 +172,7 @@ class RunFigures:
 
     def full_order_set(self) -> Made:
         """Draw the invariant set of level 4."""
-        certificate, asked = self.certificate, self.run.asked
+        certificate, asked = self.certificate, self.run.config
         if asked.commands:
             line = repeat_commands.certifying(self.run.path, asked.last_level)
             raise Absent("level 4 is about one gait, and this one takes commands", line)
@@ -226,7 +226,7 @@ class RunFigures:
     def rounds(self) -> Made:
         """Draw the rounds of the run's episodes."""
         folder = self.run.path.parent
-        if not all((folder / file).is_file() for file in (ASKED, SUMMARY)):
+        if not all((folder / file).is_file() for file in (CONFIG_FILE, SUMMARY)):
             plant = repeat_commands.robot_word(self.run.folder)
             heavier = "--plant", plant, "--disturb", "mass_scale=1.05"
             line = command("episodes", *heavier, "--resume", self.path)

@@ -188,7 +188,7 @@ def _settings(run: Run, asked: AskedWalk) -> dict[str, Any]:
     usual, plant = PlantChanges(), asked.plant or run.robot
     changes = vars(asked.disturbance).items()
     return {
-        "robot": run.asked.robot,
+        "robot": run.config.robot,
         "plant": plant.name,
         "controller": asked.law,
         "origin": asked.origin,

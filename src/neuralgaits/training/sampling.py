@@ -91,7 +91,7 @@ class Sampler(NamedTuple):
 
         Returns: [N, n] (phase, level, then the axes of commands, then parameters of the robot).
         """
-        u = self._told(key, grown)
+        u = self._commands(key, grown)
         if not len(self.parameters):
             return u
         # The worst robots are corners of the box: most errors of a sample are at an end.
@@ -100,7 +100,7 @@ class Sampler(NamedTuple):
         share = jax.random.uniform(key, shape, dtype=u.dtype, minval=-1.0, maxval=1.0)
         return jnp.concatenate([u, self.parameters * jnp.clip(AT_ENDS * share, -1.0, 1.0)], axis=1)
 
-    def _told(self, key: PRNGKeyArray, grown: Scalar | float) -> Float[Array, "N c"]:
+    def _commands(self, key: PRNGKeyArray, grown: Scalar | float) -> Float[Array, "N c"]:
         """Draw the points without parameters of the robot."""
         share = jax.random.uniform(key, self.low.shape, dtype=jnp.zeros(0).dtype)
         u = self.low + (self.high - self.low) * share

@@ -106,7 +106,7 @@ def _of_part(part: ProvedPart, count: int) -> str:
         certificate_sentences.states(entry.level, with_commands=True) for entry in part.levels
     )
     told = markdown.text("; ".join((said, *levels)))
-    where = markdown.text("; ".join(part.told))
+    where = markdown.text("; ".join(part.sequences))
     return f"**Proved of some commands only: {where}.** There {told}. Of others nothing is proved."
 
 
@@ -114,7 +114,7 @@ def _lines(run: Run, answer: CertificateRecord, part: ProvedPart | None) -> list
     """Return the report's words, and how they relate to the simulation on the page."""
     level = answer.proved_level
     told = (
-        certificate_sentences.proved(answer, bool(run.asked.commands))
+        certificate_sentences.proved(answer, bool(run.config.commands))
         if level
         else _not_proved(answer)
     )

@@ -107,7 +107,7 @@ def against(claims: Claims, report: CheckResult, comparison: RunComparison) -> C
     """Report whether a file whose statements hold is about the run that it was compared with."""
     if comparison.wrong:
         return _rejected(claims, list(comparison.wrong))
-    report = tied(report, claims, comparison.asked)
+    report = tied(report, claims, comparison.outline)
     return report if claims.chart == comparison.chart else _of_part(report, claims)
 
 

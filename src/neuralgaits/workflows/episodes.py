@@ -86,7 +86,7 @@ def episodes(settings: EpisodesSettings) -> Episodes:
     Raises: InputError or RunError with one line; Interrupted for KeyboardInterrupt.
     """
     start_time = time.perf_counter()
-    config, resume, root = _asked(settings), settings.resume, settings.root
+    config, resume, root = _config_of(settings), settings.resume, settings.root
     old = None if resume is None else EpisodeFolder.find(resume, root)
     if old is None:
         folder = _begin(config, resume, out=settings.out, root=root)
@@ -115,7 +115,7 @@ def episodes(settings: EpisodesSettings) -> Episodes:
     return Episodes(folder.path, run, summary)
 
 
-def _asked(settings: EpisodesSettings) -> dict[str, Any]:
+def _config_of(settings: EpisodesSettings) -> dict[str, Any]:
     """Return the settings that the folder's config records; None for what was not given."""
     disturb, logs, columns = settings.disturb, settings.logs, settings.columns
     return {

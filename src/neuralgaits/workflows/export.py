@@ -216,7 +216,7 @@ def _origin(trained: Run, certificate: CertificateReading, joints: str | None = 
         policy_sha256=str(hashes[WEIGHTS]),
         proof_sha256=None if verdict is None else hashes[PROOF],
         proof_verdict=verdict,
-        spec=trained.asked.spec,
+        spec=trained.config.spec,
         version=__version__,
         joints_sha256=joints,
     )

@@ -126,8 +126,8 @@ def _summary(run: Run, walk: Steady, solve_s: float, start_time: float) -> Train
     program = trace_spec(run.spec, run.robot, run.gait)
     return Trained(
         run=str(run.path),
-        robot=run.asked.robot,
-        spec=run.asked.spec,
+        robot=run.config.robot,
+        spec=run.config.spec,
         steps=0,
         loss=None,
         conditions=_measured(run.spec, program),

@@ -55,7 +55,7 @@ def refine(settings: RefineSettings) -> Run:
         check_disturbance(disturbance)
     usual_steps = round(STEPS_SHARE * parent.spec.recipe.steps)
     config = replace(
-        parent.asked,
+        parent.config,
         seed=settings.seed,
         steps=usual_steps if settings.steps is None else settings.steps,
         rate=RATE,

@@ -87,9 +87,9 @@ def write_report(
         # No other process has traced its spec: before this one imports it, one does.
         refuse_endless(folder)
     saved = saved_of(folder, certificate)
-    robot = robot_from_text(folder.copy(ROBOT), saved.asked.robot)
+    robot = robot_from_text(folder.copy(ROBOT), saved.config.robot)
     if folder.finished:
-        writable_figures(saved.asked, folder.path / FOLDER)
+        writable_figures(saved.config, folder.path / FOLDER)
     if started is not None:
         started()
     with ThreadPoolExecutor(1) as beside:

@@ -79,7 +79,7 @@ def train_seeds(settings: TrainSeedsSettings) -> Seeds:
 
 
 def _summary(many: SeedsInParallel, numbers: range, wall_s: float) -> TrainedSeeds:
-    config = many.first.asked
+    config = many.first.config
     return TrainedSeeds(
         folder=str(many.path),
         robot=config.robot,
@@ -105,13 +105,13 @@ def _row(many: SeedsInParallel, number: int) -> TrainedSeed:
 
 def _stopped(many: SeedsInParallel, numbers: range) -> Interrupted:
     """Return the interruption, which names runs to resume and seeds that were not started."""
-    left = [one for one in many.begun if one.asked.seed not in many.done | many.refused]
+    left = [one for one in many.begun if one.config.seed not in many.done | many.refused]
     later = numbers[len(many.begun) :]
     rest = [f"and so with each of {len(left) - 1} more"] if len(left) > 1 else []
     if many.refused:
         rest.append(f"refused, see nan.json: {', '.join(map(str, sorted(many.refused)))}")
     if not left:
-        robot = many.first.asked.robot
+        robot = many.first.config.robot
         again = command("train", robot, "--seeds", f"{later[0]}:{later[-1] + 1}")
         more = "; ".join(["and the settings that were given, in another folder", *rest])
         return Interrupted(again, f" {more}")

@@ -87,7 +87,7 @@ class LiveView:
         self.close()
 
     def _build_panel(self) -> Panel:
-        config = self._run.asked
+        config = self._run.config
         words = {one.name: any_condition(one.data) for one in config.conditions}
         return Panel(
             self._server,

@@ -59,23 +59,23 @@ class PieceBounder:
     ):
         self._program, self._statements, self._trees = program, statements, trees
         self._arithmetic: Arithmetic = arithmetic
-        self._known: dict[int, StatementCheck] = {}
+        self._checkers: dict[int, StatementCheck] = {}
 
     def __call__(self, piece: Piece) -> PieceResult:
         """Bound the leaves of one piece, up to the first that fails."""
         number = piece.statement
-        if number not in self._known:
+        if number not in self._checkers:
             # One at a time: a statement's constants are folded once, and then let go.
             leaves, statement = len(self._trees[number][0]), self._statements[number]
             checker = StatementCheck.of(self._program, statement, leaves, self._arithmetic)
-            self._known = {number: checker}
-        checker, chosen = self._known[number], slice(piece.start, piece.start + piece.leaves)
+            self._checkers = {number: checker}
+        checker, chosen = self._checkers[number], slice(piece.start, piece.start + piece.leaves)
         before = checker.boxes, checker.boxes_in_balls
         low, high = self._trees[number]
         for _ in checker.walk((low[chosen], high[chosen])):
             pass
         if checker.verdict != "holds":
-            self._known = {}
+            self._checkers = {}
         counts = checker.boxes - before[0], checker.boxes_in_balls - before[1]
         return PieceResult(checker.verdict, checker.reason, *counts)
 

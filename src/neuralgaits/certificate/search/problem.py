@@ -132,7 +132,7 @@ class Problem:
         """
         return np.any(~(lower >= 0.0), axis=1) | (self.tight > 0.0)
 
-    def asked(self, low: Corners, high: Corners) -> np.ndarray:
+    def required(self, low: Corners, high: Corners) -> np.ndarray:
         """Return which boxes have a point that conditions apply to. A reader checks again. [B]."""
         apart = np.zeros(len(low), dtype=bool)
         for one, other, change in self.coupled_axes:

@@ -20,7 +20,13 @@ from neuralgaits.logs.labels import Labels
 from neuralgaits.logs.outliers import ANGLE_RAD, stand_out
 from neuralgaits.logs.rates import half_window, noise, rates
 from neuralgaits.logs.row_checks import check_times
-from neuralgaits.logs.sensor_readings import SensorReadings, asked, feet_apart, stance_first, states
+from neuralgaits.logs.sensor_readings import (
+    SensorReadings,
+    desired_outputs,
+    feet_apart,
+    stance_first,
+    states,
+)
 from neuralgaits.logs.strides import GAP_PERIODS, GAP_S, SETTLING_S
 from neuralgaits.logs.walk_table import Log
 from neuralgaits.robots import PlanarBiped
@@ -72,7 +78,7 @@ def read(
         desired = _flat(arrays.desired), wanted_rates
         qd, dqd = (stance_first(robot, leg, part[good].reshape(shape)) for part in desired)
     else:
-        qd, dqd = asked(robot, policy, state)
+        qd, dqd = desired_outputs(robot, policy, state)
     log = Log(
         t=arrays.t[good],
         stance=leg,

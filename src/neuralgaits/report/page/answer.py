@@ -107,13 +107,13 @@ def _counted(done: Simulated) -> str:
 
 
 def _why(saved: Saved) -> str:
-    numbers = "its commands and two numbers" if saved.asked.commands else "two numbers alone"
+    numbers = "its commands and two numbers" if saved.config.commands else "two numbers alone"
     known = (
         f"{numbers}: how far the hip is ahead of the foot on the ground, and with how much "
         "momentum the body turns over that foot"
     )
-    given = saved.asked.given is not None
-    if saved.asked.parameters or given:
+    given = saved.config.given is not None
+    if saved.config.parameters or given:
         known = "one number alone: how far the hip is ahead of the foot on the ground"
     what = "A polynomial" if given else "A small neural network"
     common = (
@@ -129,10 +129,10 @@ def _why(saved: Saved) -> str:
             f"{region} a whole region of states leads back into itself: a step that begins inside "
             "ends with a touchdown inside, so the next step can be taken, and so on."
         )
-    described = saved.asked.conditions
+    described = saved.config.conditions
     asked = ", ".join(phrases.gist([one.data for one in described]))
     listed = f" ({asked})" if asked else ""
-    if saved.asked.as_given is not None:
+    if saved.config.as_given is not None:
         return common + (
             f"It is one periodic motion, found elsewhere; {len(described)} conditions{listed} are "
             "looked at on a whole region of states around it."
@@ -155,7 +155,7 @@ def _how_sure(saved: Saved) -> str:
     if level == 0:
         told = certificate_sentences.not_proved(certificate)
         return f"Not proved. {told} {_sampled(saved)} Samples are no proof."
-    proved = certificate_sentences.proved(certificate, bool(saved.asked.commands))
+    proved = certificate_sentences.proved(certificate, bool(saved.config.commands))
     return f"{proved}{_borne(saved)} {certificate_sentences.AS_STATED}"
 
 
@@ -210,9 +210,9 @@ def headline(saved: Saved) -> str:
 def title(saved: Saved) -> Html:
     """Return the heading of the page, with its subject below."""
     about = [
-        f"spec {saved.asked.spec}",
-        f"seed {saved.asked.seed}",
-        f"{'trained' if saved.asked.as_given is None else 'made'} {saved.folder.created_utc[:10]}",
+        f"spec {saved.config.spec}",
+        f"seed {saved.config.seed}",
+        f"{'trained' if saved.config.as_given is None else 'made'} {saved.folder.created_utc[:10]}",
     ]
     return join(
         [

@@ -35,7 +35,9 @@ def _failures(contents: Contents) -> Iterator[str]:
     for name, measured in saved.measured.items():
         if measured.broken:
             most = html.number(measured.max_violation)
-            left = "Training left {} violated" if saved.asked.as_given is None else "{} is violated"
+            left = (
+                "Training left {} violated" if saved.config.as_given is None else "{} is violated"
+            )
             yield f"{left.format(name)} on samples, by up to {most} of its scale."
     for name, entry in saved.conditions.items():
         point = entry.counterexample
@@ -100,12 +102,12 @@ def missing_parts(contents: Contents) -> Iterator[tuple[str, str]]:
         return
     if saved.simulation is None:
         yield "simulations", command("simulate", saved.name)
-    unprovable = bool(saved.failing or saved.asked.not_provable_because)
+    unprovable = bool(saved.failing or saved.config.not_provable_because)
     if saved.failing:
         # The table has the rest.
         names = ", ".join(saved.failing[:3]) + (", …" if len(saved.failing) > 3 else "")
         what = f"a gait that can be proved: some states break {names}, which"
-        if saved.asked.as_given is None:
+        if saved.config.as_given is None:
             yield f"{what} more steps may mend", repeat_commands.longer(saved.folder)
         else:
             anew = command("train", repeat_commands.robot_word(saved.folder))
@@ -118,7 +120,7 @@ def missing_parts(contents: Contents) -> Iterator[tuple[str, str]]:
         other = _other_box(saved, saved.certificate)
         line = repeat_commands.certifying(saved.folder.path, level + 1, parameters=other)
         stated = certificate_sentences.states(
-            level + 1, bool(saved.asked.commands), saved.certificate
+            level + 1, bool(saved.config.commands), saved.certificate
         )
         yield f"level {level + 1}: {stated}", line
     for figure in contents.figures:
@@ -130,12 +132,14 @@ def missing_parts(contents: Contents) -> Iterator[tuple[str, str]]:
 
 def _other_box(saved: Saved, found: CertificateRecord) -> Mapping[str, float] | None:
     """Return the box that a proof is about; None if it is the box that the run is meant for."""
-    return None if found.parameters == saved.asked.parameters else found.parameters
+    return None if found.parameters == saved.config.parameters else found.parameters
 
 
 def _last_level(saved: Saved, found: CertificateRecord) -> int:
     """Return the highest level that can be requested for the same box; above 3 it is one robot."""
-    return min(saved.asked.last_level, ORBIT_LEVEL) if found.parameters else saved.asked.last_level
+    return (
+        min(saved.config.last_level, ORBIT_LEVEL) if found.parameters else saved.config.last_level
+    )
 
 
 def reproduction(contents: Contents) -> Html:
@@ -171,7 +175,7 @@ def _certifying(saved: Saved, found: CertificateRecord, copy: Path) -> str:
     within = {name: (one.low, one.high) for name, one in some.items()}
     other = _other_box(saved, found) if PROOF in saved.hashes else None
     if not level or (
-        level == 1 and "floor" in (saved.asked.parameters if other is None else other)
+        level == 1 and "floor" in (saved.config.parameters if other is None else other)
     ):
         # Statements about a floor begin at level 2.
         level = None
@@ -184,8 +188,8 @@ def _commands(saved: Saved, trained: str | None, lines: list[str]) -> list[Html]
     if trained is None:
         lost = (
             "the run that it was refined from is not where it was"
-            if saved.asked.parent
-            else f"its spec, {saved.asked.spec}, was made in Python and is in no file"
+            if saved.config.parent
+            else f"its spec, {saved.config.spec}, was made in Python and is in no file"
         )
         return [html.paragraph(f"No command makes this run again: {lost}.")]
     said = (

@@ -17,7 +17,7 @@ def family(contents: Contents, pictures: Mapping[str, Html]) -> Iterator[Html]:
         contents: contents of the page.
         pictures: an image element for each drawn figure, by name.
     """
-    commands = contents.saved.asked.commands
+    commands = contents.saved.config.commands
     if not commands:
         return
     yield section(

@@ -33,7 +33,7 @@ def certificate(contents: Contents) -> Html:
             "Here nothing rests on samples. The region is cut into boxes, and on each box the "
             "margin is bounded from below by interval arithmetic, every rounding error included."
         ),
-        _ladder(found, bool(saved.asked.commands)),
+        _ladder(found, bool(saved.config.commands)),
         *(_level(entry) for entry in found.levels),
         html.tag("h3", "Condition by condition (level 1)"),
         _conditions(saved, found),
@@ -54,8 +54,8 @@ def _absent(saved: Saved) -> Html:
         "This gait has no certificate: nothing is proved of it. Measured conditions and simulated "
         "walks are evidence, and no more."
     )
-    if saved.asked.not_provable_because:
-        said += f" It cannot have one: {saved.asked.not_provable_because}"
+    if saved.config.not_provable_because:
+        said += f" It cannot have one: {saved.config.not_provable_because}"
         return html.missing(said)
     said += " To prove it, some ten seconds for a built-in robot:"
     return html.missing(said, line=command("certify", saved.name))
@@ -120,7 +120,7 @@ def _rounded(constant: TheoremConstant) -> str:
 
 
 def _conditions(saved: Saved, found: CertificateRecord) -> Html:
-    words = {one.name: phrases.any_condition(one.data) for one in saved.asked.conditions}
+    words = {one.name: phrases.any_condition(one.data) for one in saved.config.conditions}
     rows = []
     tightness = {"refuted": 0, "undecided": 1}
     ordered = sorted(

@@ -14,7 +14,7 @@ from neuralgaits.barriers import specs
 from neuralgaits.errors import InputError
 from neuralgaits.records.link_figures import LOCKSTEP, LinkFigures
 from neuralgaits.records.simulated import Simulated
-from neuralgaits.records.training_config import GaitOrigin, TrainingConfig, asked_of
+from neuralgaits.records.training_config import GaitOrigin, TrainingConfig, config_of
 from neuralgaits.report.page import phrases
 from neuralgaits.robots import registry
 from neuralgaits.runs import RunFolder
@@ -37,7 +37,7 @@ P = ParamSpec("P")
 
 def robot_word(folder: RunFolder) -> str:
     """Return the run's robot as a word of the command line."""
-    copy, name = folder.path / ROBOT, asked_of(folder).robot
+    copy, name = folder.path / ROBOT, config_of(folder).robot
     if name in registry.built_in() and copy.is_file():
         file = registry.model_file(name)
         if copy.read_bytes().decode(errors="replace") == file.read_text(encoding="utf-8"):
@@ -47,7 +47,7 @@ def robot_word(folder: RunFolder) -> str:
 
 def spec_word(folder: RunFolder) -> str | None:
     """Return the run's spec as a word of the command line; None if no file defines it."""
-    name = asked_of(folder).spec
+    name = config_of(folder).spec
     if specs.is_built_in(name):
         return name
     file, colon, attribute = name.rpartition(":")
@@ -68,7 +68,7 @@ def training(
     Returns: the command, or None if the run's spec is in no file or its parent run is missing. For
         a gait that was not trained, the command ignores steps and seed.
     """
-    asked, spec = asked_of(folder), spec_word(folder)
+    asked, spec = config_of(folder), spec_word(folder)
     if asked.as_given is not None:
         return _given(folder, asked.as_given, out)
     proving = asked.certify
@@ -131,7 +131,7 @@ def _given(folder: RunFolder, given: GaitOrigin, out: Path | None) -> str:
 
 def another_seed(folder: RunFolder) -> str | None:
     """Return the command that trains the same gait with the next seed; see `training`."""
-    return training(folder, seed=(asked_of(folder).seed + 1) % SEEDS)
+    return training(folder, seed=(config_of(folder).seed + 1) % SEEDS)
 
 
 def longer(folder: RunFolder) -> str:
@@ -139,7 +139,7 @@ def longer(folder: RunFolder) -> str:
 
     It is one that trains afresh if `training` has none.
     """
-    twice = max(2 * asked_of(folder).steps, asked_of(folder).recipe_steps)
+    twice = max(2 * config_of(folder).steps, config_of(folder).recipe_steps)
     anew = ("train", robot_word(folder), "--spec", spec_word(folder) or "walking")
     return training(folder, steps=twice) or command(*anew, "--steps", twice)
 
@@ -219,7 +219,7 @@ def plant_word(folder: RunFolder, done: Simulated) -> str | None:
     """
     if done.plant_given == "":
         # Summaries of earlier versions have the name that the robot file gives itself.
-        own = done.plant == asked_of(folder).robot
+        own = done.plant == config_of(folder).robot
         return "" if own else done.plant if done.plant in registry.built_in() else None
     given = done.plant_given
     if given is None or given in registry.built_in():

@@ -16,7 +16,7 @@ from neuralgaits.records.report_walk import ShownWalk
 from neuralgaits.records.simulated import SUMMARY as WALK
 from neuralgaits.records.simulated import Simulated
 from neuralgaits.records.trained import EndedInNan, Trained, Violations, trained_of
-from neuralgaits.records.training_config import Range, TrainingConfig, asked_of
+from neuralgaits.records.training_config import Range, TrainingConfig, config_of
 from neuralgaits.report.drawing.drawn import Drawn, Missing
 from neuralgaits.runs import RunFolder
 from neuralgaits.runs.hashes import file_hashes, other_file
@@ -49,7 +49,7 @@ class Saved:
 
     Attributes:
         folder: folder of the run.
-        asked: settings of the training.
+        config: settings of the training.
         summary: result of `train` or `refine`; None if training has not ended.
         metrics: rows of `metrics.csv`, in the order of training.
         certificate: result of `certify`, as far as the run's proof files support it.
@@ -65,7 +65,7 @@ class Saved:
     """
 
     folder: RunFolder
-    asked: TrainingConfig
+    config: TrainingConfig
     summary: Trained | None
     metrics: list[dict[str, float]]
     certificate: CertificateRecord | None
@@ -87,7 +87,7 @@ class Saved:
     @property
     def robot(self) -> str:
         """Return the name of the robot."""
-        return self.asked.robot
+        return self.config.robot
 
     @property
     def proved_level(self) -> int:
@@ -176,7 +176,7 @@ def read(
             return None
 
     above = folder.path.resolve().parent
-    begun = (above / episode_records.ASKED).is_file()
+    begun = (above / episode_records.CONFIG_FILE).is_file()
     rounds = part(episode_records.SUMMARY, EpisodesDone, above) if begun else None
     files = file_hashes(folder.path, (WEIGHTS, ROBOT, SPEC, RESIDUAL, START, PROOF))
     hashes = {file: digest for file, digest in files.items() if digest is not None}
@@ -191,7 +191,7 @@ def read(
         damaged[TRAINING] = summary.left_out
     return Saved(
         folder=folder,
-        asked=asked_of(folder),
+        config=config_of(folder),
         summary=summary,
         metrics=_metrics(folder, damaged),
         certificate=certificate,

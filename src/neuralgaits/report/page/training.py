@@ -17,7 +17,7 @@ from neuralgaits.runs.shell_words import resuming
 def training(contents: Contents) -> Html:
     """Return the section on robot, settings, and every condition with its measured values."""
     saved = contents.saved
-    given = saved.asked.as_given is not None
+    given = saved.config.as_given is not None
     return html.section(
         "training",
         heading(saved),
@@ -33,7 +33,7 @@ def training(contents: Contents) -> Html:
 
 def heading(saved: Saved) -> str:
     """Return the heading of this part."""
-    return "What was trained" if saved.asked.as_given is None else "What was made"
+    return "What was trained" if saved.config.as_given is None else "What was made"
 
 
 def _state(saved: Saved) -> Html:
@@ -43,23 +43,23 @@ def _state(saved: Saved) -> Html:
     if summary is None:
         done = int(saved.metrics[-1]["step"]) if saved.metrics else 0
         said = (
-            f"The training has not ended: {html.number(done)} of {html.number(saved.asked.steps)} "
+            f"The training has not ended: {html.number(done)} of {html.number(saved.config.steps)} "
             "gradient steps are in the last row of its course. It goes on, bit for bit, with"
         )
         return html.missing(said, line=resuming(saved.folder.path))
     if summary.left_out is not None:
         return html.missing(f"Its recorded figures are left out: {summary.left_out}.")
-    if saved.asked.as_given is not None:
-        return html.paragraph(_not_trained(saved.asked.as_given, summary))
-    widths = " and ".join(map(str, saved.asked.hidden or ()))
+    if saved.config.as_given is not None:
+        return html.paragraph(_not_trained(saved.config.as_given, summary))
+    widths = " and ".join(map(str, saved.config.hidden or ()))
     network = f"hidden layers of {widths} units" if widths else "no network"
     said = (
         f"A policy with {network} was trained for "
         f"{html.number(summary.steps)} gradient steps to a loss of {html.number(summary.loss)}, "
         f"in {html.number(summary.wall_s)} s"
     )
-    if saved.asked.parent:
-        said += f", starting from the weights of {saved.asked.parent}"
+    if saved.config.parent:
+        said += f", starting from the weights of {saved.config.parent}"
     return html.paragraph(f"{said}.")
 
 
@@ -123,7 +123,7 @@ def _robot(robot: RobotFacts) -> list[Html]:
 
 
 def _settings(saved: Saved) -> list[tuple[str, Any]]:
-    asked = saved.asked
+    asked = saved.config
     if asked.as_given is not None:
         return [("spec", asked.spec), ("polynomials of degree", asked.as_given.degree)]
     rate = asked.learning_rate
@@ -148,11 +148,11 @@ def _settings(saved: Saved) -> list[tuple[str, Any]]:
 
 
 def _conditions(saved: Saved) -> list[Html]:
-    measured, asked = saved.measured, saved.asked.conditions
+    measured, asked = saved.measured, saved.config.conditions
     if not asked:
         return [html.paragraph("The run does not say which conditions it is meant for.")]
     broken = [name for name, entry in measured.items() if entry.broken]
-    unseen = " that training had not seen" if saved.asked.as_given is None else ""
+    unseen = " that training had not seen" if saved.config.as_given is None else ""
     recorded = f"Recorded when the gait was made, on random samples{unseen}:"
     if not measured and saved.summary is None:
         said = "What the gait is to satisfy; nothing is measured before the training ends."
@@ -172,7 +172,7 @@ def _conditions(saved: Saved) -> list[Html]:
     ordered = sorted(asked, key=lambda one: least.get(one.name, math.inf))
     rows = [_row(one, measured.get(one.name)) for one in ordered]
     head = ("condition", "where", "smallest margin recorded, in scales", "one scale is")
-    about, numbers = f"of spec {saved.asked.spec}", "  nn"
+    about, numbers = f"of spec {saved.config.spec}", "  nn"
     if measured:
         table = html.tightest(about, head, rows, len(broken), numbers=numbers)
     else:

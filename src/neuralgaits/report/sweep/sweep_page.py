@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from neuralgaits.records.swept import UNDISTURBED, SweepAsked, SweepRow, Swept
+from neuralgaits.records.swept import UNDISTURBED, SweepConfig, SweepRow, Swept
 from neuralgaits.report.drawing.figure import svg
 from neuralgaits.report.page import markup as html
 from neuralgaits.report.page.html_shell import inline_image, whole
@@ -16,7 +16,7 @@ MOST_ROWS = 500
 """Most rows of the table of runs; the CSV file has all of them."""
 
 
-def page(asked: SweepAsked, rows: Sequence[SweepRow], summary: Swept) -> str:
+def page(asked: SweepConfig, rows: Sequence[SweepRow], summary: Swept) -> str:
     """Return the page as HTML.
 
     Args:
@@ -42,7 +42,7 @@ def page(asked: SweepAsked, rows: Sequence[SweepRow], summary: Swept) -> str:
     return whole(name, header, html.tag("main", *parts), "the rows of the sweep", ("hints.js",))
 
 
-def _groups(asked: SweepAsked, rows: Sequence[SweepRow]) -> dict[str, list[SweepRow]]:
+def _groups(asked: SweepConfig, rows: Sequence[SweepRow]) -> dict[str, list[SweepRow]]:
     """Group rows that differ only in their seed, by a label."""
     found: dict[str, list[SweepRow]] = {}
     for row in rows:
@@ -55,7 +55,7 @@ def _groups(asked: SweepAsked, rows: Sequence[SweepRow]) -> dict[str, list[Sweep
     return found
 
 
-def _answer(asked: SweepAsked, rows: Sequence[SweepRow]) -> str:
+def _answer(asked: SweepConfig, rows: Sequence[SweepRow]) -> str:
     trained = [row for row in rows if row.loss is not None]
     words = [f"{len(trained)} of {len(rows)} combinations were trained to the end."]
     if asked.certify is not None:
@@ -73,7 +73,7 @@ def _answer(asked: SweepAsked, rows: Sequence[SweepRow]) -> str:
     return " ".join(words)
 
 
-def _overview(asked: SweepAsked, groups: Mapping[str, Sequence[SweepRow]]) -> Html:
+def _overview(asked: SweepConfig, groups: Mapping[str, Sequence[SweepRow]]) -> Html:
     head = ["runs of", "runs", "trained", "broken on samples"]
     head += [] if asked.certify is None else [f"proved, level {asked.certify}", "least margin"]
     head += ["speed m/s", "cost of transport"]
@@ -116,7 +116,7 @@ def _distributions(groups: Mapping[str, Sequence[SweepRow]]) -> Html:
     return html.section("distributions", title, picture)
 
 
-def _survival(asked: SweepAsked, groups: Mapping[str, Sequence[SweepRow]]) -> Html:
+def _survival(asked: SweepConfig, groups: Mapping[str, Sequence[SweepRow]]) -> Html:
     """Return the shares of walks that stayed up: over all runs, and of the worst run."""
     columns = [(name, law) for name in groups for law in asked.controllers]
     head = ["disturbance", *(f"{name}, {law}" for name, law in columns)]
@@ -181,7 +181,7 @@ def _failures(rows: Sequence[SweepRow]) -> Html:
     return html.section("failures", "What failed", listed)
 
 
-def _again(asked: SweepAsked, summary: Swept) -> Html:
+def _again(asked: SweepConfig, summary: Swept) -> Html:
     disturbed = ", ".join(asked.disturbances) or "none"
     told = [
         ("robots", ", ".join(asked.robots)),
