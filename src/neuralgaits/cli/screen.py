@@ -97,10 +97,6 @@ def _proof_of_training(proof: TrainingProof) -> Text:
     return Text.assemble(outcome, f" at level 1 after {repairs}, {margin}")
 
 
-_MANY_SATURATED = 0.05
-"""Share of ticks above which saturation is mentioned; a touchdown alone causes a tenth of it."""
-
-
 def show_walks(result: Simulated) -> None:
     """Show how far each episode came, what stopped it, and the gait's figures."""
     walks, count = result.steps_walked, len(result.fell)
@@ -129,7 +125,8 @@ def show_walks(result: Simulated) -> None:
     rows = [(label, f"{number(v)} {unit}".rstrip()) for label, v, unit in figures if v is not None]
     show_table(("figure", "value"), rows)
     share = result.saturated_fraction
-    if share is not None and share > _MANY_SATURATED:
+    # Share of ticks above which saturation is mentioned; a touchdown alone causes a tenth of it.
+    if share is not None and share > 0.05:
         show_sentence(
             f"{share:.0%} of ticks are at the torque limit: what walks here has no torque in "
             "reserve; a slower gait (`train --speed`), stronger motors or lower gains have"

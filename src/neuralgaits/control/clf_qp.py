@@ -33,15 +33,8 @@ from neuralgaits.robots.linear import solve
 
 DECAY = 0.75
 """Rate at which sqrt V falls under linearised outputs, in units of w."""
-SMALLEST_OUTPUT = 1e-9
-"""sqrt V below which outputs count as zero [rad]."""
-AT_LIMIT = 1e-6
-"""Share of a torque limit within which a torque counts as at it."""
 SLOWER = 1e-3
 """Excess of d sqrt V/dt over its bound from which a tick counts as relaxed [rad/s]."""
-OUT_OF_CONE = 1e-3
-"""Error of the forces beyond the friction cone, as a share of the weight, from which a tick counts
-as relaxed."""
 
 
 class ClfQp(AbstractLaw):
@@ -96,11 +89,14 @@ class ClfQp(AbstractLaw):
         torque, limit = demand.torque, demand.limit
         m, unit = robot.n - 1, jnp.max(limit)
         solution = minimise(self.program(robot, demand))
-        given_up = solution.x[m:] > np.array([SLOWER, OUT_OF_CONE])
+        # Error of the forces beyond the friction cone, as a share of the weight, from which a tick
+        # counts as relaxed.
+        given_up = solution.x[m:] > np.array([SLOWER, 1e-3])
         # A program without a solution in numbers: motors without torque.
         within = jnp.where(solution.converged, unit * solution.x[:m], torque)
         within = jnp.clip(within, -limit, limit)
-        at_limit = jnp.any(jnp.abs(within) >= (1.0 - AT_LIMIT) * limit)
+        # Share of a torque limit within which a torque counts as at it.
+        at_limit = jnp.any(jnp.abs(within) >= (1.0 - 1e-6) * limit)
         return Limited(within, at_limit, given_up | ~solution.converged)
 
     def program(self, robot: DrivenMechanism, demand: Demand) -> QuadraticProgram:
@@ -140,7 +136,8 @@ class ClfQp(AbstractLaw):
         y, dy = errors(reading, desired)
         one, two = dy / w, 2.0 * (y + dy / w)
         size = jnp.sqrt(one @ one + two @ two)
-        divisor = jnp.maximum(size, SMALLEST_OUTPUT)
+        # sqrt V below which outputs count as zero [rad].
+        divisor = jnp.maximum(size, 1e-9)
         lead = (one + 2.0 * two) / (w * divisor)
         gradient = robot.position_rows[0]
         along = desired.slope

@@ -21,12 +21,8 @@ from neuralgaits.engine.task import TRIES, Done, Failure, Files, Job, Task, Work
 from neuralgaits.errors import InputError
 
 LOCAL, AUTO = "local", "auto"
-_AHEAD = 2
-"""Tasks under way for each core: the next one waits on the node where it will run."""
 _COUNT_S = 5.0
 """Interval between two counts of the cluster's cores, since nodes come and go [s]."""
-_REACH_S = 5.0
-"""Longest time that a head may take to answer [s]."""
 
 
 class OnRay(WorkerPool):
@@ -96,7 +92,8 @@ class OnRay(WorkerPool):
         busy: dict[Any, tuple[Job, int]] = {}
         try:
             while True:
-                while len(busy) < _AHEAD * self.workers:
+                # Tasks under way for each core: the next one waits on the node where it will run.
+                while len(busy) < 2 * self.workers:
                     job, tried = again.popleft() if again else (next(left, None), 0)
                     if job is None:
                         break
@@ -182,7 +179,8 @@ def _reach(address: str) -> None:
             "prints the address of a cluster"
         )
     try:
-        socket.create_connection((host, int(port)), timeout=_REACH_S).close()
+        # Longest time that a head may take to answer [s].
+        socket.create_connection((host, int(port)), timeout=5.0).close()
     except (OSError, OverflowError) as error:
         raise InputError(
             f"expected a Ray cluster at {address}, found none ({error}): start its head with "

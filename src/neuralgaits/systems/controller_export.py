@@ -26,8 +26,6 @@ from neuralgaits.systems.run_statements import stated_bounds
 
 STATES = 1000
 """States of the set at which C and Python are compared."""
-AGREES = 1e-9
-"""Largest difference that is rounding, as a share of the limit of the compared output."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -152,7 +150,8 @@ def _largest_difference(
         forces = [_called(function, program, state)[first] for state in states]
     error = float(np.abs(np.array(forces) - expected).max())
     # Rounding grows with the largest of the outputs, limits aside.
-    if not error <= AGREES * max(header.limit, float(np.abs(expected).max())):
+    # Largest difference that is rounding, as a share of the limit of the compared output.
+    if not error <= 1e-9 * max(header.limit, float(np.abs(expected).max())):
         raise MismatchError(
             f"expected the {first}s of Python from C, found a difference of {error:.3g} "
             f"{header.unit}: report it"

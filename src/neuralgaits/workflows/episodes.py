@@ -41,8 +41,6 @@ from neuralgaits.workflows.refine import refine
 from neuralgaits.workflows.train import train
 
 FIGURE = "episodes.png"
-ENOUGH = 0.9
-"""Share of walks that must stay up for a policy to count as walking."""
 Tell = Callable[[int, str], None]
 """Callback that gets the round and the stage that begins."""
 
@@ -76,7 +74,8 @@ class Episodes:
         if self.summary.diverged is not None:
             return False
         share = self.summary.rounds[-1].share_that_walks
-        return None if share is None else share >= ENOUGH
+        # Share of walks that must stay up for a policy to count as walking.
+        return None if share is None else share >= 0.9
 
 
 @called_with(EpisodesSettings)

@@ -17,8 +17,6 @@ from neuralgaits.settings import RefineSettings, called_with
 from neuralgaits.settings.forms import LEARNED
 from neuralgaits.workflows.train import train_to_the_end
 
-STEPS_SHARE = 0.7
-"""Gradient steps, as a share of those of the recipe: the gait is nearly trained."""
 RATE = 0.5
 """Learning rate, as a share of that of the recipe."""
 
@@ -53,7 +51,8 @@ def refine(settings: RefineSettings) -> Run:
         disturbance = (float(learned.error_bound[0]), float(learned.error_bound[1]))
     if disturbance is not None:
         check_disturbance(disturbance)
-    usual_steps = round(STEPS_SHARE * parent.spec.recipe.steps)
+    # Gradient steps, as a share of those of the recipe: the gait is nearly trained.
+    usual_steps = round(0.7 * parent.spec.recipe.steps)
     config = replace(
         parent.config,
         seed=settings.seed,

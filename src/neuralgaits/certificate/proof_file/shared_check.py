@@ -26,8 +26,6 @@ from neuralgaits.records.checked import Arithmetic
 FEW = 512
 """Leaves that are bounded before another process starts."""
 MOST_PROCESSES = 8
-PAUSE_S = 0.005
-"""Time to wait before another process's results are read again [s]."""
 
 
 class Piece(NamedTuple):
@@ -189,7 +187,8 @@ class Beside:
 
     def wait(self) -> None:
         """Wait a short time for the process's next results."""
-        self._reader.join(PAUSE_S)
+        # Time to wait before another process's results are read again [s].
+        self._reader.join(0.005)
 
     def close(self) -> None:
         """End the process in any state."""

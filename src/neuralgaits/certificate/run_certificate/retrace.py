@@ -26,8 +26,6 @@ from neuralgaits.runs import RunFolder, plain, write_text
 
 LONGEST_S = 300.0
 """Longest time for tracing a spec [s]; the largest takes seconds."""
-LAST_LINES = 3
-"""Number of last lines of a failed process's standard error that are shown."""
 
 
 def retrace_in_subprocess(
@@ -59,7 +57,8 @@ def retrace_in_subprocess(
             ) from None
         description = _read(file)
     if description is None or process.returncode != 0:
-        lines = " | ".join(process.stderr.strip().splitlines()[-LAST_LINES:])
+        # Number of last lines of a failed process's standard error that are shown.
+        lines = " | ".join(process.stderr.strip().splitlines()[-3:])
         raise RunError(
             f"expected the conditions of {run}, traced again, found that the process that traces "
             f"them ended with code {process.returncode} and no answer: {lines or 'it said nothing'}"

@@ -37,8 +37,6 @@ HARD, HARD_IN_PLANE = 64, 500
 """Numbers of boxes from which on bounds are made with symbols for remainders: in more axes than two
 once the first boxes are bounded. In the plane boxes are cheap, and margins are read: the more boxes
 the nearer they come to the smallest margin seen."""
-CORNER_ROUNDS = 2
-"""Number of searches for ends of late axes at which margins are smaller."""
 POINTS = 33 * 33
 """Approximate number of points of the root that are evaluated first."""
 
@@ -88,7 +86,8 @@ def start(problem: Problem, confirm: Confirm) -> Search:
         )
     points = problem.grid(POINTS)
     state = _refute(problem, replace(state, tree=tree), points, confirm)
-    for _ in range(CORNER_ROUNDS if problem.weak_axes else 0):
+    # Number of searches for ends of late axes at which margins are smaller.
+    for _ in range(2 if problem.weak_axes else 0):
         points = problem.worse(points)
         state = _refute(problem, state, points, confirm)
     return state

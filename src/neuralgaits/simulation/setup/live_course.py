@@ -13,8 +13,6 @@ from neuralgaits.simulation.setup.terrains import courses_of
 
 LAID = 600
 """Number of steps that are laid at once: five minutes of walking."""
-_KNOWN = 2
-"""Number of stones ahead of the standing foot that the robot already knows."""
 
 
 class LiveCourse:
@@ -76,7 +74,8 @@ class LiveCourse:
 
     def _lay(self, terrain: str, touchdowns: int) -> None:
         """Continue with other ground beyond the part that the robot knows."""
-        last = min(touchdowns + _KNOWN, len(self.course.seen) - 1)
+        # Number of stones ahead of the standing foot that the robot already knows.
+        last = min(touchdowns + 2, len(self.course.seen) - 1)
         self._seed += 1
         more = self._laid(terrain).each[0]
         self.courses = replace(self.courses, each=(joined(self.course, last, more),))

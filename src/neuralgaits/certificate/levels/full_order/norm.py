@@ -33,12 +33,8 @@ FULL = 0.96
 """Share of the set that an impact may fill."""
 IMPACT = 1.18
 """Effect of an impact, as a multiple of the largest seen: bounds over outputs cost so much."""
-ABOVE_FLOOR = 1.04
-"""Bound on sqrt(V), as a multiple of the level at which pushes alone would keep outputs."""
 LONGEST = 4e-3
 """Longest hold that is tried [s]."""
-EARLY = 0.05
-"""Phase until which contact has to stand the error that an impact makes under old torques."""
 STRIP = 0.97
 """Phase at which the guard's strip begins."""
 LARGEST = 0.2
@@ -187,7 +183,9 @@ class Planned:
             slower = 1.0 - 2.0 * self.factor * bounds.push[1] / self.gamma
             if slower <= 0.2:
                 return none
-            floor = ABOVE_FLOOR * 2.0 * self.factor * bounds.push[0] / (slower * self.gamma)
+            # Bound on sqrt(V), as a multiple of the level at which pushes alone would keep
+            # outputs.
+            floor = 1.04 * 2.0 * self.factor * bounds.push[0] / (slower * self.gamma)
             left = math.exp(-slower * self.shrink * STRIP**2)
             growth = max(self.gain, 1.1) / FULL
             if growth * left >= 0.9:
@@ -203,7 +201,8 @@ class Planned:
         need = bound[:, None] * slope + (bounds.peak[0] + bounds.peak[1] * bound)[:, None] * pushed
         if not (HELD_SPARE * need <= value).all():
             return none
-        early, contact = self.samples.phase <= EARLY, slice(0, 3)
+        # Phase until which contact has to stand the error that an impact makes under old torques.
+        early, contact = self.samples.phase <= 0.05, slice(0, 3)
         need = bound[:, None] * slope + kick.peak * pushed
         if not (HELD_SPARE * need <= value)[early, contact].all():
             return none
