@@ -179,8 +179,8 @@ def _thin(
     room_left = room - np.max(np.abs(values_at(series, nodes) - rates))
     spread = np.exp(values_at(antiderivative(series), nodes) + room * nodes)
     z2 = np.sqrt(2.0 * unit * values_at(curve.series, nodes))
-    # The thin tube uses 0.8 of that width where it is widest.
-    half = 0.5 * 0.8 * Z2_WIDTH * spread * np.min(z2 / spread) / unit
+    # The thin tube is 0.8 of that width where it is widest.
+    half = 0.4 * Z2_WIDTH * spread * np.min(z2 / spread) / unit
     return _Thin(half, max(room_left, 0.1 * room) * np.min(half), attraction, bound, largest)
 
 
@@ -267,7 +267,6 @@ def _periodic(
     Whole steps are the quickest; where the flow is strong they go to and fro, and shorter ones
     settle.
     """
-    # Shares of an iteration\'s step, tried in turn.
     shares = (1.0, 0.5, 0.2)
     tried = (_iterated(evaluate, fences, unit, nodes, degree, share) for share in shares)
     return next((curve for curve in tried if curve is not None), None)
