@@ -16,7 +16,7 @@ from matplotlib._pylab_helpers import Gcf
 from neuralgaits import logs
 from neuralgaits.analysis.box_map import BoxMap
 from neuralgaits.analysis.data import MeasuredWalk, ResidualData
-from neuralgaits.analysis.learned import Learned
+from neuralgaits.analysis.learned import LearnedResiduals
 from neuralgaits.analysis.residual_data import residual_data
 from neuralgaits.analysis.run import open_run
 from neuralgaits.analysis.walk_log import measured_walk
@@ -167,7 +167,7 @@ def test_a_residual_brings_its_field(run, data, tmp_path):
     copy = copied(run, tmp_path)
     assert isinstance(entry(copy, "residual-field"), Missing)
     flow = Residual.like((4,))
-    Learned(flow, None, np.zeros(2)).write(copy.path / "residual" / "residual.safetensors")
+    LearnedResiduals(flow, None, np.zeros(2)).write(copy.path / "residual" / "residual.safetensors")
     made = entry(copy, "residual-field")
     assert not isinstance(made, Missing)
     # The record of `fit` says that another gait walked.

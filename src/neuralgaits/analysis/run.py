@@ -12,7 +12,7 @@ from jaxtyping import PRNGKeyArray
 from neuralgaits import _notebook
 from neuralgaits._inputs import same_folder
 from neuralgaits._quick_jit import quick_filter_jit
-from neuralgaits.analysis.learned import Learned
+from neuralgaits.analysis.learned import LearnedResiduals
 from neuralgaits.barriers import Gait, GaitSpec, specs
 from neuralgaits.errors import RunError
 from neuralgaits.gait import NO_RESIDUALS, AbstractPolicy, Residuals, ZeroDynamics
@@ -21,7 +21,7 @@ from neuralgaits.gait.commands import Command, Pair, values
 from neuralgaits.gait.policies.commanded import CommandedPolicy
 from neuralgaits.gait.policies.commanded_gait import AnyGait, CommandedGait
 from neuralgaits.gait.reset_residual import ResetCorrection
-from neuralgaits.records.trained import Trained, trained_of
+from neuralgaits.records.trained import TrainingSummary, trained_of
 from neuralgaits.records.training_config import TrainingConfig, config_of
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.robots.mjcf.loader import robot_from_text
@@ -122,7 +122,7 @@ class Run:
         return config_of(self.folder)
 
     @property
-    def summary(self) -> Trained:
+    def summary(self) -> TrainingSummary:
         """Summary that `train --json` printed; figures of other weights are left out.
 
         Raises: RunError if it is damaged.
@@ -130,14 +130,14 @@ class Run:
         return trained_of(self.path)
 
     @cached_property
-    def learned(self) -> Learned | None:
+    def learned(self) -> LearnedResiduals | None:
         """Corrections of the robot's model that the training used; None if there were none.
 
         Raises: RunError if the file is not as it was.
         """
         if RESIDUAL not in self.folder.copies:
             return None
-        return Learned.read(self.folder.copied(RESIDUAL), self.robot.n - 1)
+        return LearnedResiduals.read(self.folder.copied(RESIDUAL), self.robot.n - 1)
 
     @property
     def residuals(self) -> Residuals:

@@ -24,7 +24,7 @@ from neuralgaits.control.law import (
     CompiledLaw,
     Demand,
     Desired,
-    Limited,
+    LimitedTorque,
     MeasuredState,
     Outputs,
     errors,
@@ -84,8 +84,8 @@ class ClfQp(AbstractLaw):
         """Return the linearising torques. [m] (N m)."""
         return self.linearising.torque(robot, reading, desired)
 
-    def apply_limits(self, robot: DrivenMechanism, demand: Demand) -> Limited:
-        """Solve the program. Returns: `Limited`."""
+    def apply_limits(self, robot: DrivenMechanism, demand: Demand) -> LimitedTorque:
+        """Solve the program. Returns: `LimitedTorque`."""
         torque, limit = demand.torque, demand.limit
         m, unit = robot.n - 1, jnp.max(limit)
         solution = minimise(self.program(robot, demand))
@@ -97,7 +97,7 @@ class ClfQp(AbstractLaw):
         within = jnp.clip(within, -limit, limit)
         # Share of a torque limit within which a torque counts as at it.
         at_limit = jnp.any(jnp.abs(within) >= (1.0 - 1e-6) * limit)
-        return Limited(within, at_limit, given_up | ~solution.converged)
+        return LimitedTorque(within, at_limit, given_up | ~solution.converged)
 
     def program(self, robot: DrivenMechanism, demand: Demand) -> QuadraticProgram:
         """The program of one state. Torques are in units of the largest limit.

@@ -170,7 +170,7 @@ class TickResult(NamedTuple):
     saturated: Bool[Array, ""]
     """Whether any torque was clipped, or is at its limit."""
     relaxed: Bool[Array, "2"]
-    """Requirements that a law gave up to stay within limits, see `Limited`."""
+    """Requirements that a law gave up to stay within limits, see `LimitedTorque`."""
     told: Float[Array, "2 p"]
     """Commands of the step before, and of this one. [2, p]"""
     ankle: Scalar | None = None

@@ -17,7 +17,16 @@ from collections.abc import Generator, Iterable
 from typing import Any
 
 from neuralgaits.engine.carry import carry_out, differing, versions
-from neuralgaits.engine.task import TRIES, Done, Failure, Files, Job, Task, WorkerPool, name_of
+from neuralgaits.engine.task import (
+    TRIES,
+    Failure,
+    Files,
+    Job,
+    Task,
+    TaskResult,
+    WorkerPool,
+    name_of,
+)
 from neuralgaits.errors import InputError
 
 LOCAL, AUTO = "local", "auto"
@@ -82,7 +91,7 @@ class OnRay(WorkerPool):
 
     def map(
         self, task: Task, jobs: Iterable[Job], *, common: Files | None = None
-    ) -> Generator[Done, None, None]:
+    ) -> Generator[TaskResult, None, None]:
         """Carry out the jobs as remote Ray functions; see `WorkerPool.map`."""
         ray, named, left = self._ray, name_of(task), iter(jobs)
         remote = ray.remote(num_cpus=1, max_retries=0)(_carry_out_here)
@@ -109,7 +118,7 @@ class OnRay(WorkerPool):
                         continue
                     if failure is not None and failure.kind == "lost":
                         failure = Failure("lost", f"tried {tried} times; at last {failure.reason}")
-                    yield Done(job.name, files, failure, tried, wall)
+                    yield TaskResult(job.name, files, failure, tried, wall)
         finally:
             for one in busy:
                 ray.cancel(one, force=True)

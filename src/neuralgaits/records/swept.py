@@ -156,7 +156,7 @@ class SweepRow(Record):
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Swept(Record):
+class SweepSummary(Record):
     """Results of a sweep: `summary.json` of its folder.
 
     Attributes:

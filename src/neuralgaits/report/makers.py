@@ -16,7 +16,7 @@ from neuralgaits.analysis.run import Run
 from neuralgaits.analysis.walk_log import measured_walk
 from neuralgaits.analysis.walks_by_command import alternating, drawn, walks_under
 from neuralgaits.errors import RunError
-from neuralgaits.records.episode_records import CONFIG_FILE, SUMMARY, EpisodesDone
+from neuralgaits.records.episode_records import CONFIG_FILE, SUMMARY, EpisodesSummary
 from neuralgaits.records.levels import ORBIT_LEVEL
 from neuralgaits.records.simulated import LOG
 from neuralgaits.records.training_config import TrainingConfig
@@ -236,7 +236,7 @@ class RunFigures:
             "the logs, and the policy is trained on with it. From round to round it should walk "
             "further, from more speeds, and predict its own motion better."
         )
-        return caption, rounds.draw(EpisodesDone.read(folder / SUMMARY))
+        return caption, rounds.draw(EpisodesSummary.read(folder / SUMMARY))
 
     def family(self) -> Made:
         """Draw the gaits of a family at some of its commands."""

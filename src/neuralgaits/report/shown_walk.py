@@ -19,7 +19,7 @@ from neuralgaits.analysis.run import Run
 from neuralgaits.episode_rounds.episode_folder import EpisodeFolder
 from neuralgaits.errors import InputError, NeuralGaitsError, RunError
 from neuralgaits.records.report_walk import FILE, ShownWalk
-from neuralgaits.records.simulated import MUJOCO, SUMMARY, Simulated
+from neuralgaits.records.simulated import MUJOCO, SUMMARY, SimulationSummary
 from neuralgaits.report import animation
 from neuralgaits.report.page.repeat_commands import plant_word
 from neuralgaits.robots import PlanarBiped, load_robot
@@ -85,7 +85,7 @@ def shown_walk(run: Run) -> ShownWalk:
 def asked_of(run: Run) -> AskedWalk:
     """Return the settings of the simulation to repeat, or of the one to make."""
     try:
-        done = Simulated.read(run.path / SUMMARY)
+        done = SimulationSummary.read(run.path / SUMMARY)
         if done.steps is None or done.disturb is None:
             raise RunError("expected steps and disturbances, found another version")
         fallen = [number for number, fell in enumerate(done.fell) if fell]
@@ -124,7 +124,7 @@ def asked_of(run: Run) -> AskedWalk:
         return _of_episodes(run)
 
 
-def _plant(run: Run, done: Simulated) -> PlanarBiped | None:
+def _plant(run: Run, done: SimulationSummary) -> PlanarBiped | None:
     """Load the plant of a simulation. Raises: InputError if the run has kept no file of it."""
     word = plant_word(run.folder, done)
     if word is None:

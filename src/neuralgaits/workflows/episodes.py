@@ -25,8 +25,8 @@ from neuralgaits.episode_rounds.round_walks import (
 )
 from neuralgaits.errors import InputError, Interrupted, NonFiniteError
 from neuralgaits.logs import read_all
-from neuralgaits.records.episode_records import SUMMARY, EpisodesDone, Round, WalkedRound
-from neuralgaits.records.fitted import Fitted
+from neuralgaits.records.episode_records import SUMMARY, EpisodesSummary, Round, WalkedRound
+from neuralgaits.records.fitted import FitSummary
 from neuralgaits.report.figures.rounds import draw_file
 from neuralgaits.runs import plain
 from neuralgaits.runs.atomic import refuse_unwritable
@@ -66,7 +66,7 @@ class Episodes:
 
     path: Path
     run: Run
-    summary: EpisodesDone
+    summary: EpisodesSummary
 
     @property
     def walks(self) -> bool | None:
@@ -99,7 +99,7 @@ def episodes(settings: EpisodesSettings) -> Episodes:
     except KeyboardInterrupt as stop:
         raise Interrupted(command("episodes", "--resume", named(folder.path))) from stop
     names = ("robot", "plant", "disturb", "controller", "logs", "seed")
-    summary = EpisodesDone(
+    summary = EpisodesSummary(
         **{name: getattr(folder.config, name) for name in names},
         episodes=str(folder.path),
         run=str(run.path),
@@ -268,11 +268,11 @@ class _Session:
         write(file, walks)
         return walks
 
-    def _learn(self, number: int, run: Run, walks: WalkedRound) -> Fitted | str:
+    def _learn(self, number: int, run: Run, walks: WalkedRound) -> FitSummary | str:
         """Return the learned residual's summary, or the reason why nothing was learned."""
         summary = run.path / FIT_SUMMARY
         if summary.is_file():
-            return read(summary, Fitted)
+            return read(summary, FitSummary)
         self.tell(number, "learning")
         last = number == self.folder.config.rounds
         files = [Path(file) for file in walks.logs]

@@ -5,7 +5,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from neuralgaits._checks import check_disturbance
-from neuralgaits.analysis.learned import Learned
+from neuralgaits.analysis.learned import LearnedResiduals
 from neuralgaits.analysis.recorded_gait import refuse_residual_of_another
 from neuralgaits.analysis.run import Run, open_run
 from neuralgaits.errors import InputError, RunError
@@ -44,7 +44,7 @@ def refine(settings: RefineSettings) -> Run:
             f"expected a residual of {parent.path}, found no {LEARNED_RESIDUAL} in it: learn one "
             f"from a robot's logs, or as in `{learning(parent.path)}`, or give --residual FILE"
         )
-    learned = Learned.read(file, parent.robot.n - 1)
+    learned = LearnedResiduals.read(file, parent.robot.n - 1)
     refuse_residual_of_another(parent, file)
     disturbance = settings.disturbance
     if disturbance == LEARNED:

@@ -13,7 +13,7 @@ from typing import Any
 
 from neuralgaits.barriers.commanded_spec import Interval
 from neuralgaits.control.law_by_name import law_named
-from neuralgaits.engine import Done, Job, worker_pool_for
+from neuralgaits.engine import Job, TaskResult, worker_pool_for
 from neuralgaits.errors import InputError, Interrupted
 from neuralgaits.records.swept import (
     FORMAT,
@@ -24,7 +24,7 @@ from neuralgaits.records.swept import (
     Speed,
     SweepConfig,
     SweepRow,
-    Swept,
+    SweepSummary,
 )
 from neuralgaits.report.sweep.sweep_page import page
 from neuralgaits.runs import plain, to_json, write_text
@@ -58,7 +58,7 @@ class Sweep:
 
     path: Path
     rows: Sequence[SweepRow]
-    summary: Swept
+    summary: SweepSummary
 
 
 @called_with(SweepSettings)
@@ -92,7 +92,7 @@ def sweep(settings: SweepSettings) -> Sweep:
             raise Interrupted(_again(folder, workers, ray)) from stop
         rows = folder.rows(one.name for one in every)
         write_text(folder.path / TABLE, to_csv(folder.config, rows))
-        summary = Swept(
+        summary = SweepSummary(
             sweep=str(folder.path),
             rows=len(rows),
             failed=sum(row.failure is not None for row in rows),
@@ -219,7 +219,7 @@ def _job(folder: SweepFolder, one: Combination) -> Job:
 
 
 def _kept(
-    folder: SweepFolder, results: Iterator[Done], every: Sequence[Combination]
+    folder: SweepFolder, results: Iterator[TaskResult], every: Sequence[Combination]
 ) -> Iterator[SweepRow]:
     """Put rows into the folder as they arrive, and yield them."""
     by_name = {one.name: one for one in every}

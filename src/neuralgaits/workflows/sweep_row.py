@@ -13,7 +13,7 @@ from neuralgaits.errors import NeuralGaitsError, is_full
 from neuralgaits.records.record import build
 from neuralgaits.records.simulated import WalkFigures
 from neuralgaits.records.swept import ROW, UNDISTURBED, RowTimes, RowWalks, SweepRow
-from neuralgaits.records.trained import Trained
+from neuralgaits.records.trained import TrainingSummary
 from neuralgaits.robots.mjcf.loader import robot_from_text
 from neuralgaits.runs import to_json
 from neuralgaits.runs.names import ROBOT, SPEC
@@ -110,7 +110,7 @@ class _Row:
             out=self.run,
             root=self.base,
         )
-        summary: Trained = trained.summary
+        summary: TrainingSummary = trained.summary
         self.values |= {
             "steps": summary.steps,
             "loss": summary.loss,

@@ -14,7 +14,7 @@ from neuralgaits.analysis.walking_speeds import gait_doubt
 from neuralgaits.certificate.traced import after_impact, trace_spec
 from neuralgaits.errors import Interrupted, NonFiniteError, RunError
 from neuralgaits.gait.policies.commanded_gait import CommandedGait
-from neuralgaits.records.trained import Trained, TrainingProof, Violations, measured_hashes
+from neuralgaits.records.trained import TrainingProof, TrainingSummary, Violations, measured_hashes
 from neuralgaits.records.training_config import config_of
 from neuralgaits.runs import finish, resolve_unfinished
 from neuralgaits.runs.atomic import refuse_unwritable
@@ -115,7 +115,7 @@ def train_to_the_end(
 
 def summary_of(
     run: Run, session: Session, *, start_time: float, proof: TrainingProof | None = None
-) -> Trained:
+) -> TrainingSummary:
     """Return the summary of a training, with the hash of its conditions as a Program.
 
     Args:
@@ -140,7 +140,7 @@ def summary_of(
     program = None
     if config.not_provable_because is None:
         program = trace_spec(run.spec, run.robot, run.trained, run.residuals)
-    summary = Trained(
+    summary = TrainingSummary(
         run=str(run.path),
         robot=config.robot,
         spec=config.spec,
@@ -178,7 +178,7 @@ def _orbit_speeds(run: Run) -> tuple[float, float] | None:
     return (speeds[0], speeds[1]) if np.isfinite(speeds).all() else None
 
 
-def refuse_non_finite(summary: Trained) -> None:
+def refuse_non_finite(summary: TrainingSummary) -> None:
     """Refuse a trained gait with a loss, margin or error that is NaN or infinity.
 
     Raises: NonFiniteError, which names all of them.

@@ -16,7 +16,7 @@ from matplotlib import pyplot
 from neuralgaits import logs
 from neuralgaits.analysis import gait_data, residual_data
 from neuralgaits.analysis import run as runs
-from neuralgaits.analysis.learned import Learned
+from neuralgaits.analysis.learned import LearnedResiduals
 from neuralgaits.analysis.run import config_of, open_run
 from neuralgaits.barriers import specs
 from neuralgaits.certificate.chart import Chart
@@ -218,7 +218,7 @@ def resume_proof(place: Place, path: Path) -> None:
 
 def read_residual(place: Place, path: Path) -> None:
     """`refine RUN`, up to where it trains."""
-    Learned.read(path, place.robot.n - 1)
+    LearnedResiduals.read(path, place.robot.n - 1)
 
 
 def sure(place: Place, path: Path) -> None:

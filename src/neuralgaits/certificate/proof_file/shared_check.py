@@ -112,7 +112,7 @@ def bound_all(
     with contextlib.ExitStack() as stack:
         beside = [
             stack.enter_context(
-                contextlib.closing(Beside(program, statements, k, count, arithmetic))
+                contextlib.closing(OtherProcess(program, statements, k, count, arithmetic))
             )
             for k in range(1, count)
         ]
@@ -129,7 +129,7 @@ def bound_all(
 
 
 def _in_order(
-    pieces: Sequence[Piece], here: PieceBounder, beside: Sequence["Beside"]
+    pieces: Sequence[Piece], here: PieceBounder, beside: Sequence["OtherProcess"]
 ) -> Iterator[PieceResult]:
     """Yield the result of each piece in order; bound own pieces ahead while waiting for others."""
     count, own = 1 + len(beside), {}
@@ -148,7 +148,7 @@ def _in_order(
         yield own.pop(number) if number in own else other.found[place]  # pyright: ignore[reportOptionalMemberAccess]
 
 
-class Beside:
+class OtherProcess:
     """A process that bounds every `count`-th piece from `turn` on.
 
     Attributes:

@@ -1,6 +1,6 @@
 """Part of the page about a commanded speed that was adapted: the steps of the first walk."""
 
-from neuralgaits.records.simulated import Simulated
+from neuralgaits.records.simulated import SimulationSummary
 from neuralgaits.report.page import markup as html
 from neuralgaits.report.page.markup import Html
 
@@ -8,7 +8,7 @@ MOST_STEPS = 20
 """Steps that the table shows: an adapted speed has settled by then."""
 
 
-def adapted(done: Simulated) -> Html:
+def adapted(done: SimulationSummary) -> Html:
     """Return the speeds of a walk's steps; the belief alone where no speed is commanded."""
     speeds = done.adapted
     if speeds is None and (done.believed_lean or done.believed_slope) is not None:
@@ -30,7 +30,7 @@ def adapted(done: Simulated) -> Html:
     )
 
 
-def _way(done: Simulated) -> str:
+def _way(done: SimulationSummary) -> str:
     """Say how the speed was adapted, if it was."""
     if "speed" not in (done.adapt or "").split(","):
         return "The commanded speed was not adapted. "
@@ -40,7 +40,7 @@ def _way(done: Simulated) -> str:
     )
 
 
-def _learned(done: Simulated) -> str:
+def _learned(done: SimulationSummary) -> str:
     """Say what the joint angles show of the torso, and what the robot believed of it."""
     lean, belief = done.learned_lean, done.believed_lean
     said = "" if lean is None else f" Learned from joint angles and pitch: {lean.in_words}."
@@ -49,7 +49,7 @@ def _learned(done: Simulated) -> str:
     return said + ("" if slope is None else f" The slope that it was told: {slope.in_words}.")
 
 
-def _settled(done: Simulated) -> str:
+def _settled(done: SimulationSummary) -> str:
     """Say how near the walked speed came to the told one."""
     means = None if done.adapted is None else done.adapted.settled
     if means is None:

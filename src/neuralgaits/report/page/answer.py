@@ -2,7 +2,7 @@
 
 from neuralgaits.records import certificate_sentences
 from neuralgaits.records.report_walk import ShownWalk
-from neuralgaits.records.simulated import Simulated
+from neuralgaits.records.simulated import SimulationSummary
 from neuralgaits.report.page import phrases
 from neuralgaits.report.page.markup import Html, Section, join, number, paragraph, tag
 from neuralgaits.report.page.saved import Contents, Saved
@@ -73,11 +73,11 @@ def _walked(saved: Saved, shown: ShownWalk | None) -> str:
     )
 
 
-def _what_walked(done: Simulated) -> str:
+def _what_walked(done: SimulationSummary) -> str:
     return f"another robot, {done.plant}," if done.plant_given else "the whole robot"
 
 
-def _where(done: Simulated) -> str:
+def _where(done: SimulationSummary) -> str:
     changed = phrases.changes(done.changed)
     if done.drawn_from is not None:
         changed.insert(0, f"each walk of another robot, drawn from the box {done.drawn_from}")
@@ -86,7 +86,7 @@ def _where(done: Simulated) -> str:
     return f" ({'; '.join(changed)})" if changed else ""
 
 
-def _counted(done: Simulated) -> str:
+def _counted(done: SimulationSummary) -> str:
     steps, count = done.steps_walked, len(done.fell)
     if count == 1:
         asked = f" of {done.steps}" if done.fell[0] and done.steps is not None else ""

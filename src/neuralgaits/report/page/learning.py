@@ -1,7 +1,7 @@
 """The part of the page about the learned residual and the episodes."""
 
-from neuralgaits.records.episode_records import EpisodesDone
-from neuralgaits.records.fitted import Fitted
+from neuralgaits.records.episode_records import EpisodesSummary
+from neuralgaits.records.fitted import FitSummary
 from neuralgaits.report.page import phrases
 from neuralgaits.report.page.markup import Html, facts, number, paragraph, section, table
 from neuralgaits.report.page.saved import Saved
@@ -29,7 +29,7 @@ def learning(saved: Saved) -> Html:
     return section("learning", "What was learned from walking", *parts)
 
 
-def _residual(found: Fitted) -> list[Html]:
+def _residual(found: FitSummary) -> list[Html]:
     nominal, left = found.nominal_heldout_error, found.heldout_error
     share = ""
     if nominal and left is not None:
@@ -52,7 +52,7 @@ def _residual(found: Fitted) -> list[Html]:
     ]
 
 
-def _rounds(saved: Saved, found: EpisodesDone) -> list[Html]:
+def _rounds(saved: Saved, found: EpisodesSummary) -> list[Html]:
     rows = []
     for entry in found.rounds:
         steps, share = entry.steps_walked, entry.share_that_walks

@@ -4,7 +4,7 @@ import math
 
 from neuralgaits.records.certified import PROOF
 from neuralgaits.records.monitored import LevelWatched, MonitorFigures, margin_in_words
-from neuralgaits.records.simulated import Simulated
+from neuralgaits.records.simulated import SimulationSummary
 from neuralgaits.report.page import markup as html
 from neuralgaits.report.page.markup import Html
 from neuralgaits.report.page.saved import Saved
@@ -14,7 +14,7 @@ _LEAST = 2
 """Lowest level that is about a set of states."""
 
 
-def monitored(saved: Saved, done: Simulated) -> Html:
+def monitored(saved: Saved, done: SimulationSummary) -> Html:
     """Return how much of a simulation was in the sets of the run's proof.
 
     Without a proof of such a set there is nothing to say; without figures of this proof there is

@@ -13,7 +13,7 @@ from neuralgaits._control_laws import CONTROL_LAWS
 from neuralgaits.barriers import specs
 from neuralgaits.errors import InputError
 from neuralgaits.records.link_figures import LOCKSTEP, LinkFigures
-from neuralgaits.records.simulated import Simulated
+from neuralgaits.records.simulated import SimulationSummary
 from neuralgaits.records.training_config import GaitOrigin, TrainingConfig, config_of
 from neuralgaits.report.page import phrases
 from neuralgaits.robots import registry
@@ -176,7 +176,7 @@ def certifying(
     return command("certify", *words_of(given))
 
 
-def simulating(folder: RunFolder, done: Simulated, run: Path) -> str | None:
+def simulating(folder: RunFolder, done: SimulationSummary, run: Path) -> str | None:
     """Return the command that repeats a simulation.
 
     Args:
@@ -212,7 +212,7 @@ def simulating(folder: RunFolder, done: Simulated, run: Path) -> str | None:
     return _line("simulate", SimulateSettings, run, **given)
 
 
-def plant_word(folder: RunFolder, done: Simulated) -> str | None:
+def plant_word(folder: RunFolder, done: SimulationSummary) -> str | None:
     """Return the plant of a simulation as a word of the command line.
 
     Returns: the empty string for the run's own robot; None if the run kept no file of the plant.

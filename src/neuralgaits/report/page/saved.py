@@ -8,14 +8,14 @@ from typing import TypeVar
 from neuralgaits.errors import RunError
 from neuralgaits.records import episode_records
 from neuralgaits.records.certified import PROOF, SUMMARY, CertificateRecord, ConditionVerdict
-from neuralgaits.records.episode_records import EpisodesDone, WalkedRound
-from neuralgaits.records.fitted import Fitted
+from neuralgaits.records.episode_records import EpisodesSummary, WalkedRound
+from neuralgaits.records.fitted import FitSummary
 from neuralgaits.records.inspected import RobotFacts
 from neuralgaits.records.record import Record
 from neuralgaits.records.report_walk import ShownWalk
 from neuralgaits.records.simulated import SUMMARY as WALK
-from neuralgaits.records.simulated import Simulated
-from neuralgaits.records.trained import EndedInNan, Trained, Violations, trained_of
+from neuralgaits.records.simulated import SimulationSummary
+from neuralgaits.records.trained import EndedInNan, TrainingSummary, Violations, trained_of
 from neuralgaits.records.training_config import Range, TrainingConfig, config_of
 from neuralgaits.report.drawing.drawn import Drawn, Missing
 from neuralgaits.runs import RunFolder
@@ -66,14 +66,14 @@ class Saved:
 
     folder: RunFolder
     config: TrainingConfig
-    summary: Trained | None
+    summary: TrainingSummary | None
     metrics: list[dict[str, float]]
     certificate: CertificateRecord | None
     disturbance: tuple[float, ...]
-    simulation: Simulated | None
-    residual: Fitted | None
+    simulation: SimulationSummary | None
+    residual: FitSummary | None
     walks: WalkedRound | None
-    episodes: EpisodesDone | None
+    episodes: EpisodesSummary | None
     hashes: dict[str, str]
     nan: str | None
     damaged: dict[str, str]
@@ -177,13 +177,13 @@ def read(
 
     above = folder.path.resolve().parent
     begun = (above / episode_records.CONFIG_FILE).is_file()
-    rounds = part(episode_records.SUMMARY, EpisodesDone, above) if begun else None
+    rounds = part(episode_records.SUMMARY, EpisodesSummary, above) if begun else None
     files = file_hashes(folder.path, (WEIGHTS, ROBOT, SPEC, RESIDUAL, START, PROOF))
     hashes = {file: digest for file, digest in files.items() if digest is not None}
     if no_certificate is not None:
         again = f"prove it again with `{command('certify', named(folder.path))}`"
         damaged[SUMMARY] = f"{no_certificate}: {again}"
-    learned, simulation = part(LEARNING, Fitted), part(WALK, Simulated)
+    learned, simulation = part(LEARNING, FitSummary), part(WALK, SimulationSummary)
     outdated = _outdated(folder, learned, simulation, hashes)
     damaged |= outdated
     summary = trained_of(folder.path) if folder.finished else None
@@ -218,8 +218,8 @@ def _metrics(folder: RunFolder, damaged: dict[str, str]) -> list[dict[str, float
 
 def _outdated(
     folder: RunFolder,
-    learned: Fitted | None,
-    simulation: Simulated | None,
+    learned: FitSummary | None,
+    simulation: SimulationSummary | None,
     hashes: Mapping[str, str],
 ) -> dict[str, str]:
     """Return the parts that are about other files than the run's, with what to do."""

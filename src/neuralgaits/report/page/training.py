@@ -5,7 +5,7 @@ from typing import Any
 
 from neuralgaits.records.certified import box_in_words
 from neuralgaits.records.inspected import RobotFacts
-from neuralgaits.records.trained import Trained, Violations
+from neuralgaits.records.trained import TrainingSummary, Violations
 from neuralgaits.records.training_config import ConditionRecord, GaitOrigin
 from neuralgaits.report.page import markup as html
 from neuralgaits.report.page import phrases, repeat_commands
@@ -63,7 +63,7 @@ def _state(saved: Saved) -> Html:
     return html.paragraph(f"{said}.")
 
 
-def _not_trained(given: GaitOrigin, summary: Trained) -> str:
+def _not_trained(given: GaitOrigin, summary: TrainingSummary) -> str:
     """Describe the origin of a gait that was not trained."""
     made = (
         f"optimised for the least cost of transport at {html.number(given.speed)} m/s"

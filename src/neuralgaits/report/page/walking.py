@@ -4,7 +4,7 @@ import json
 
 from neuralgaits._control_laws import CONTROL_LAWS
 from neuralgaits.records.report_walk import ShownWalk
-from neuralgaits.records.simulated import Simulated
+from neuralgaits.records.simulated import SimulationSummary
 from neuralgaits.report.page import markup as html
 from neuralgaits.report.page import phrases
 from neuralgaits.report.page.adapted_table import adapted
@@ -187,7 +187,7 @@ def simulations(saved: Saved) -> Html:
     )
 
 
-def _remarks(done: Simulated) -> list[str]:
+def _remarks(done: SimulationSummary) -> list[str]:
     """Describe what a reader of the means and extremes may overlook."""
     said = []
     orbit = None if done.poincare is None else done.poincare.speed_m_s
@@ -205,7 +205,7 @@ def _remarks(done: Simulated) -> list[str]:
     return said
 
 
-def _walks(done: Simulated) -> Html:
+def _walks(done: SimulationSummary) -> Html:
     """Return a table of the walks that fell; nothing if none did."""
     fallen = [
         (n, steps, reason)

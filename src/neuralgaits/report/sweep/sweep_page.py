@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from neuralgaits.records.swept import UNDISTURBED, SweepConfig, SweepRow, Swept
+from neuralgaits.records.swept import UNDISTURBED, SweepConfig, SweepRow, SweepSummary
 from neuralgaits.report.drawing.figure import svg
 from neuralgaits.report.page import markup as html
 from neuralgaits.report.page.html_shell import inline_image, whole
@@ -16,7 +16,7 @@ MOST_ROWS = 500
 """Most rows of the table of runs; the CSV file has all of them."""
 
 
-def page(asked: SweepConfig, rows: Sequence[SweepRow], summary: Swept) -> str:
+def page(asked: SweepConfig, rows: Sequence[SweepRow], summary: SweepSummary) -> str:
     """Return the page as HTML.
 
     Args:
@@ -181,7 +181,7 @@ def _failures(rows: Sequence[SweepRow]) -> Html:
     return html.section("failures", "What failed", listed)
 
 
-def _again(asked: SweepConfig, summary: Swept) -> Html:
+def _again(asked: SweepConfig, summary: SweepSummary) -> Html:
     disturbed = ", ".join(asked.disturbances) or "none"
     told = [
         ("robots", ", ".join(asked.robots)),
