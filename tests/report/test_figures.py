@@ -247,9 +247,9 @@ def test_captions_claim_no_more_than_is_proved(data):
         assert "follow the policy exactly" in phase_portrait.caption(data, None, level)
     assert "settles" not in phase_portrait.caption(data, None, 2)
     assert "any two of them come together: that is proved" in phase_portrait.caption(
-        data, None, 3, told=True
+        data, None, 3, with_commands=True
     )
-    assert "orbit" not in phase_portrait.caption(data, None, 3, told=True)
+    assert "orbit" not in phase_portrait.caption(data, None, 3, with_commands=True)
     unsafe = replace(data, arrays={**data.arrays, "chart/barriers": np.array([[[-0.1]]])})
     assert "safe part" in phase_portrait.caption(unsafe, None, 2)
     assert phase_portrait.caption(data, None, 3).endswith("proved.")

@@ -172,9 +172,9 @@ class RunFigures:
 
     def full_order_set(self) -> Made:
         """Draw the invariant set of level 4."""
-        certificate, asked = self.certificate, self.run.config
-        if asked.commands:
-            line = repeat_commands.certifying(self.run.path, asked.last_level)
+        certificate, config = self.certificate, self.run.config
+        if config.commands:
+            line = repeat_commands.certifying(self.run.path, config.last_level)
             raise Absent("level 4 is about one gait, and this one takes commands", line)
         if certificate.full is not None:
             caption = (
@@ -185,7 +185,7 @@ class RunFigures:
                 "leaves and how the controller lets them die out."
             )
             return caption, full_order_set.draw(self.data, certificate.full)
-        if certificate.of_a_box or asked.parameters:
+        if certificate.of_a_box or config.parameters:
             raise self.absent_for_box(4, "level 4 is about one robot on the floor as meant")
         raise Absent(certificate.no_full, repeat_commands.certifying(self.run.path, 4))
 
@@ -240,20 +240,22 @@ class RunFigures:
 
     def family(self) -> Made:
         """Draw the gaits of a family at some of its commands."""
-        found = family_data(self.run)
-        if not found.periodic:
+        data = family_data(self.run)
+        if not data.periodic:
             line = repeat_commands.longer(self.run.folder)
             raise Absent("no periodic orbit was found at any command: train longer", line)
-        return family.caption(found), family.draw(found)
+        return family.caption(data), family.draw(data)
 
     def command_walks(self) -> Made:
         """Draw walks under commands that repeat, and under others."""
-        told = self.run.trained.commands
-        repeated, random = walks_under(self.run, alternating(told, STEPS), drawn(told, STEPS))
+        commands = self.run.trained.commands
+        repeated, random = walks_under(
+            self.run, alternating(commands, STEPS), drawn(commands, STEPS)
+        )
         if not (np.isfinite(repeated.z2).all() and np.isfinite(random.z2).all()):
             line = repeat_commands.longer(self.run.folder)
             raise Absent("a walk from a fence of the tube does not come back: train longer", line)
-        name, proved = told[0].name, self.certificate.level >= ORBIT_LEVEL
+        name, proved = commands[0].name, self.certificate.level >= ORBIT_LEVEL
         words = command_walks.caption(name, repeated, proved)
         return words, command_walks.draw(name, repeated, random)
 
@@ -280,8 +282,8 @@ MAKERS: tuple[Maker, ...] = (
 """Every figure that some run can have, in the order of the report."""
 
 
-def makers_of(asked: TrainingConfig) -> list[Maker]:
+def makers_of(config: TrainingConfig) -> list[Maker]:
     """Return the figures that count as missing if a run with these settings lacks them."""
-    never = set() if asked.commands else set(command_words.FIGURES)
-    never |= set() if asked.as_given is None else {"loss"}
+    never = set() if config.commands else set(command_words.FIGURES)
+    never |= set() if config.as_given is None else {"loss"}
     return [one for one in MAKERS if one[0] not in never]

@@ -47,9 +47,9 @@ def _title(summary: EpisodesSummary) -> str:
 
 def _steps(axes: Axes, rounds: Sequence[Round]) -> None:
     for entry in rounds:
-        walked = np.asarray(entry.steps_walked)
-        spread = np.linspace(-0.2, 0.2, len(walked))
-        axes.plot(entry.round + spread, walked, "o", color=BLUE, markersize=4)
+        steps = np.asarray(entry.steps_walked)
+        spread = np.linspace(-0.2, 0.2, len(steps))
+        axes.plot(entry.round + spread, steps, "o", color=BLUE, markersize=4)
     axes.set(title="one dot a walk", ylabel="steps walked [1]")
     axes.set_ylim(bottom=0)
 
@@ -86,9 +86,9 @@ def _errors(axes: Axes, rounds: Sequence[Round]) -> None:
         ("heldout_error", "with what was learned", "s--", BLUE),
     ):
         values = [(entry.round, getattr(entry, name)) for entry in rounds]
-        known = [(number, value) for number, value in values if value is not None]
-        if known:
-            axes.plot(*np.transpose(known), style, color=colour, label=label)
+        points = [(number, value) for number, value in values if value is not None]
+        if points:
+            axes.plot(*np.transpose(points), style, color=colour, label=label)
     axes.set(title="held-out strides, 0.1 s ahead", ylabel="error of scaled z [1]")
     axes.set_ylim(bottom=0)
     if axes.lines:

@@ -176,8 +176,8 @@ def read(
             return None
 
     above = folder.path.resolve().parent
-    begun = (above / episode_records.CONFIG_FILE).is_file()
-    rounds = part(episode_records.SUMMARY, EpisodesSummary, above) if begun else None
+    has_config = (above / episode_records.CONFIG_FILE).is_file()
+    rounds = part(episode_records.SUMMARY, EpisodesSummary, above) if has_config else None
     files = file_hashes(folder.path, (WEIGHTS, ROBOT, SPEC, RESIDUAL, START, PROOF))
     hashes = {file: digest for file, digest in files.items() if digest is not None}
     if no_certificate is not None:
@@ -223,31 +223,33 @@ def _outdated(
     hashes: Mapping[str, str],
 ) -> dict[str, str]:
     """Return the parts that are about other files than the run's, with what to do."""
-    found: dict[str, str] = {}
+    reasons: dict[str, str] = {}
     if learned is not None:
         about = dict(learned.sha256)
         if learned.residual_sha256 is not None:
             about[LEARNED_RESIDUAL] = learned.residual_sha256
         other = other_file(folder.path, about, (LEARNED_RESIDUAL, ROBOT, WEIGHTS))
         if other is not None:
-            found[LEARNING] = (
+            reasons[LEARNING] = (
                 f"{LEARNING} is about another {Path(other).name} than the run's: learn it again "
                 f"with `{learning(folder.path)}`"
             )
-    walked = {} if simulation is None else simulation.sha256
-    other = next((file for file, digest in walked.items() if digest != hashes.get(file)), None)
+    hashes_of_walk = {} if simulation is None else simulation.sha256
+    other = next(
+        (file for file, digest in hashes_of_walk.items() if digest != hashes.get(file)), None
+    )
     if other is not None:
         again = command("simulate", named(folder.path))
-        found[WALK] = f"{WALK} is about another {other} than the run's: walk with `{again}`"
-    return found
+        reasons[WALK] = f"{WALK} is about another {other} than the run's: walk with `{again}`"
+    return reasons
 
 
-def _nan(found: EndedInNan | None) -> str:
+def _nan(ending: EndedInNan | None) -> str:
     """Return a sentence that says where a training ended in NaN, as far as that is recorded."""
-    if found is None:
+    if ending is None:
         return "The training ended in NaN: its loss or its weights were no longer finite."
-    names = ", ".join(found.conditions) or "no condition alone: the sum, or its gradient"
+    names = ", ".join(ending.conditions) or "no condition alone: the sum, or its gradient"
     return (
-        f"The training ended in NaN at step {found.step}: its loss or its weights were no "
+        f"The training ended in NaN at step {ending.step}: its loss or its weights were no "
         f"longer finite (conditions: {names})."
     )
