@@ -29,7 +29,7 @@ def compiler():
 @pytest.fixture
 def made_once(compiler, twice, tmp_path_factory):
     """Name and content of the library, which this process has not loaded from its place."""
-    path = compiler.kept(twice, tmp_path_factory.mktemp("made"))
+    path = compiler.cached(twice, tmp_path_factory.mktemp("made"))
     return path.name, path.read_bytes()
 
 
@@ -58,10 +58,10 @@ def test_without_one_the_extra_is_taken_if_it_is_there(monkeypatch, there):
 
 
 def test_a_library_is_compiled_once(compiler, twice, tmp_path):
-    path = compiler.kept(twice, tmp_path / "new")
+    path = compiler.cached(twice, tmp_path / "new")
     made = path.stat().st_mtime_ns
     assert ctypes.CDLL(str(path)).twice(21) == 42
-    assert compiler.kept(twice, tmp_path / "new") == path
+    assert compiler.cached(twice, tmp_path / "new") == path
     assert path.stat().st_mtime_ns == made
     assert list(path.parent.iterdir()) == [path]
 
@@ -83,16 +83,16 @@ def test_a_damaged_library_is_compiled_again(
     path.write_bytes(DAMAGES[damage](content))
     loaded = []
     monkeypatch.setattr(_compiler, "_loads", loaded.append)
-    found = compiler.kept(twice, tmp_path)
+    found = compiler.cached(twice, tmp_path)
     # It was not even loaded.
     assert not loaded and ctypes.CDLL(str(found)).twice(4) == 8
 
 
 def test_a_library_that_does_not_load_is_compiled_again(compiler, twice, tmp_path, monkeypatch):
-    path = compiler.kept(twice, tmp_path)
+    path = compiler.cached(twice, tmp_path)
     made = path.stat().st_ino
     monkeypatch.setattr(_compiler, "_loads", lambda library: False)
-    compiler.kept(twice, tmp_path)
+    compiler.cached(twice, tmp_path)
     assert path.stat().st_ino != made
 
 
@@ -106,13 +106,13 @@ def test_a_library_that_does_not_load_is_compiled_again(compiler, twice, tmp_pat
     ],
 )
 def test_whatever_a_library_depends_on_is_in_its_name(compiler, twice, tmp_path, change):
-    paths = {compiler.kept(one, tmp_path) for one in (twice, replace(twice, **change))}
+    paths = {compiler.cached(one, tmp_path) for one in (twice, replace(twice, **change))}
     assert len(paths) == 2
 
 
 def test_a_compilation_that_fails_leaves_no_file_and_says_why(compiler, tmp_path):
     with pytest.raises(CompilerError, match=r"fails \(.*factor.h") as found:
-        compiler.kept(TWICE, tmp_path)
+        compiler.cached(TWICE, tmp_path)
     assert "error" in found.value.complaint and "\n" not in str(found.value)
     assert not list(tmp_path.iterdir())
 

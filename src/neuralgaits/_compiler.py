@@ -112,7 +112,7 @@ class Compiler:
             raise _failed(self.command[0], "it makes no file")
         return file
 
-    def kept(self, library: SharedLibrary, folder: Path) -> Path:
+    def cached(self, library: SharedLibrary, folder: Path) -> Path:
         """Return the path of a library in a folder of the cache, compiled now or before.
 
         Its name ends in the hash of its content: a damaged file, which can end the process that

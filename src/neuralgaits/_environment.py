@@ -43,8 +43,6 @@ _HARMLESS = re.compile(
 )
 """Beginnings of variables that change nothing that JAX computes."""
 _OF_JAX = ("jax", "jaxlib", "equinox", "jaxtyping")
-_MOST_SAID = 120
-"""Number of characters of an error of JAX that are repeated."""
 _OF_MATPLOTLIB = ("MPLCONFIGDIR", "MATPLOTLIBRC")
 """Environment variables with a folder of the user's settings for Matplotlib."""
 _NO_PLATFORM = re.compile("^(Unable to initialize|Unknown) backend ")
@@ -128,7 +126,8 @@ def _unusual(error: BaseException) -> str | None:
     unusual = [one for one in variables_of_jax() if not _HARMLESS.match(one)]
     if not unusual or not _is_of_jax(error):
         return None
-    message = next(iter(str(error).splitlines()), "")[:_MOST_SAID]
+    # Number of characters of an error of JAX that are repeated.
+    message = next(iter(str(error).splitlines()), "")[:120]
     what = f"{type(error).__name__} ({message})" if message else type(error).__name__
     return (
         f"expected JAX to compute as it does without settings, found {', '.join(unusual)} and then "

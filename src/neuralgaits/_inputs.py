@@ -21,8 +21,6 @@ MOST_BYTES = 2**26
 """Largest file that is read whole; the largest proof so far is a tenth of this."""
 MOST_LOG_BYTES = 2**31
 """Largest log: days of walking."""
-MOST_CHARACTERS = 4096
-"""Longest path: what Linux takes."""
 MOST_BYTES_OF_NAME = 255
 """Longest name of one file or folder, on all usual systems."""
 _KINDS = (
@@ -67,7 +65,8 @@ def refuse_no_path(what: str, value: object) -> None:
     """Refuse what cannot be a path. Raises: InputError in one line."""
     if not isinstance(value, str | Path):
         raise InputError(f"expected {what}, found {shown(value)}")
-    if "\0" in str(value) or len(str(value)) > MOST_CHARACTERS:
+    # Longest path: what Linux takes.
+    if "\0" in str(value) or len(str(value)) > 4096:
         raise InputError(
             f"expected {what}, found a name of {len(str(value))} characters, or with a NUL: "
             f"{shown(str(value))}"

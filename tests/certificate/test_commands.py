@@ -241,15 +241,15 @@ def test_a_proof_of_some_commands_is_read_as_that_and_no_more():
     """A statement on each box of a condition proves it for these commands; all prove levels."""
     low, high = (0.0, 0.0, 0.60, 0.60), (1.0, 1.0, 0.61, 0.61)
     chart = Chart.of([replace(SPEED, high=0.61, largest_change=0.004)])
-    asked: Any = SimpleNamespace(conditions={"torso": {}, "ahead": {}}, boxes=lambda: BOXES)
-    own = RunComparison((), asked, CHART, ("speed",))
+    outline: Any = SimpleNamespace(conditions={"torso": {}, "ahead": {}}, boxes=lambda: BOXES)
+    own = RunComparison((), outline, CHART, ("speed",))
     stated: Any = SimpleNamespace(scales={"torso": 1.0}, low=low, high=high)
     proof: Any = SimpleNamespace(chart=chart, statements=(stated,))
     open_ = {"torso": "undecided", "ahead": "undecided"}
     part = _part(summary_of(open_), proof, own)
     assert part is not None
     assert part.conditions == ("torso",) and part.levels == ()
-    assert part.told[0].startswith("speed from 0.6 to 0.61, by at most 0.004")
+    assert part.sequences[0].startswith("speed from 0.6 to 0.61, by at most 0.004")
     whole: Any = SimpleNamespace(chart=CHART, statements=())
     assert _part(summary_of(open_), whole, own) is None
     claimed = Conclusion(2, "proved", None, (), {})

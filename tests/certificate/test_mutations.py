@@ -119,7 +119,7 @@ def test_conclusions_that_do_not_follow_are_rejected(high, tmp_path):
             claims = read_claims(path)
         except InputError as error:
             return 2, str(error)
-        if wrong := inconsistencies(claims, claims.asked):
+        if wrong := inconsistencies(claims, claims.outline):
             return 1, wrong[0]
         report = checker._concluded(claims, checker.CheckResult("consistent", None, (), (), (), 0))
         return code(report.verdict, report.reason), report.reason

@@ -413,7 +413,7 @@ def test_nothing_is_asked_where_axes_are_not_near():
     state = _run(near)
     (statement,) = prove(near, state)
     assert not state.refuted and 0.0 <= statement.bounds["near"] <= 0.05
-    assert float(state.seen[0]) >= 0.05 - 1e-12
+    assert float(state.smallest[0]) >= 0.05 - 1e-12
 
 
 @pytest.mark.parametrize(("weak", "ended"), [(1, False), (2, True)])

@@ -11,7 +11,7 @@ from neuralgaits.certificate.search import root_turns
 from neuralgaits.certificate.search.problem import Problem
 from neuralgaits.certificate.search.root_turns import explore
 from neuralgaits.certificate.search.shared_bounds import SharedBounds, from_json, to_json
-from neuralgaits.engine import Done, Failure, Files, Job, Processes, Serial, WorkerPool
+from neuralgaits.engine import Failure, Files, Job, Processes, Serial, TaskResult, WorkerPool
 from neuralgaits.engine.task import Task
 from neuralgaits.programs.tracing.tracer import trace
 
@@ -37,7 +37,7 @@ class Backwards(WorkerPool):
 
     def map(
         self, task: Task, jobs: Iterable[Job], *, common: Files | None = None
-    ) -> Generator[Done, None, None]:
+    ) -> Generator[TaskResult, None, None]:
         done = list(Serial().map(task, jobs, common=common))
         for number, one in enumerate(reversed(done)):
             lost = number % 3 == 2

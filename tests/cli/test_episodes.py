@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import pytest
 
 from neuralgaits.cli.main import main
-from neuralgaits.records.episode_records import EpisodesDone
+from neuralgaits.records.episode_records import EpisodesSummary
 from neuralgaits.workflows import episodes as workflow
 
 ENTRY = {
@@ -42,7 +42,7 @@ def done(monkeypatch):
         names = {"figure": "F.png", "run": "R", "episodes": "E", "diverged": None}
         names |= {"robot": "amber3m", "plant": None, "controller": "pd", "logs": None}
         told = names | {"rounds": rounds, "waiting_for": None} | more
-        summary = EpisodesDone.of(told)
+        summary = EpisodesSummary.of(told)
         share = rounds[-1]["share_that_walks"]
 
         def episodes(robot, **settings):

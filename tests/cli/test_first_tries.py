@@ -19,7 +19,7 @@ from neuralgaits.cli import screen, verbs
 from neuralgaits.cli.main import main
 from neuralgaits.control import Fblin
 from neuralgaits.errors import InputError
-from neuralgaits.records.simulated import Simulated
+from neuralgaits.records.simulated import SimulationSummary
 from neuralgaits.report.page.repeat_commands import settings_of_link
 from neuralgaits.robots import PlanarBiped, load_robot
 from neuralgaits.robots.mjcf.loader import robot_from_text
@@ -178,14 +178,14 @@ def test_the_combinations_that_are_named_work():
 )
 def test_late_answers_are_a_share_and_say_whether_they_matter(capsys, mode, words):
     link = {"law": "pd", "mode": mode, "ticks": 20_000, "deadline_misses": 892, "faults": [0]}
-    screen.show_walks(Simulated.of(WALKED | {"link": link}))
+    screen.show_walks(SimulationSummary.of(WALKED | {"link": link}))
     out = " ".join(capsys.readouterr().out.split())
     assert "892 ticks (4.5%) kept the command of the tick before" in out and words in out
 
 
 def test_somebody_else_s_controller_has_its_address(capsys):
     link = {"law": "pd", "mode": "lock-step", "ticks": 9, "faults": [0], "address": "robot:9000"}
-    found = Simulated.of(WALKED | {"link": link})
+    found = SimulationSummary.of(WALKED | {"link": link})
     screen.show_walks(found)
     out = " ".join(capsys.readouterr().out.split())
     assert "process of its own" not in out
@@ -195,16 +195,16 @@ def test_somebody_else_s_controller_has_its_address(capsys):
 
 def test_no_late_answer_is_no_news(capsys):
     link = {"law": "pd", "mode": "lock-step", "ticks": 20_000, "faults": [0]}
-    screen.show_walks(Simulated.of(WALKED | {"link": link}))
+    screen.show_walks(SimulationSummary.of(WALKED | {"link": link}))
     assert "of the tick before" not in capsys.readouterr().out
 
 
 def test_a_push_that_ended_walks_is_said(capsys):
-    screen.show_walks(Simulated.of(WALKED | {"push": 64.0}))
+    screen.show_walks(SimulationSummary.of(WALKED | {"push": 64.0}))
     out = " ".join(capsys.readouterr().out.split())
     assert "2 of 3 walks ended once their push of 64 N s was due" in out and "at step 6 to 8" in out
-    screen.show_walks(Simulated.of(WALKED | {"push": None}))
-    screen.show_walks(Simulated.of(WALKED | {"push": 64.0, "steps_walked": [50, 2, 4]}))
+    screen.show_walks(SimulationSummary.of(WALKED | {"push": None}))
+    screen.show_walks(SimulationSummary.of(WALKED | {"push": 64.0, "steps_walked": [50, 2, 4]}))
     assert "their push" not in capsys.readouterr().out
 
 

@@ -4,7 +4,7 @@ import pytest
 
 from neuralgaits.cli.learning_screen import show_fit
 from neuralgaits.cli.main import main
-from neuralgaits.records.fitted import Fitted
+from neuralgaits.records.fitted import FitSummary
 
 SIZES = {"z1_m": 0.004, "z2_kg_m2_s": 0.5, "output_rad": 0.007, "rate_rad_s": 0.6}
 RESULT = {
@@ -27,7 +27,7 @@ RESULT = {
 
 
 def words(capsys, result):
-    show_fit(Fitted.of(result))
+    show_fit(FitSummary.of(result))
     return " ".join(capsys.readouterr().out.split())
 
 

@@ -13,7 +13,7 @@ from neuralgaits.analysis.run import open_run
 from neuralgaits.cli.arguments import CertifyOptions, TrainOptions
 from neuralgaits.cli.argv_parser import read, verb_name
 from neuralgaits.cli.main import main
-from neuralgaits.records.simulated import SUMMARY, Simulated
+from neuralgaits.records.simulated import SUMMARY, SimulationSummary
 from neuralgaits.report.page.repeat_commands import certifying, simulating
 from neuralgaits.robots import registry
 from neuralgaits.runs import RunFolder
@@ -167,7 +167,9 @@ def test_a_plant_that_is_in_no_file_is_not_named(own, at):
     place = at(own)
     folder = RunFolder.open(place.run)
     done = folder.read_json(SUMMARY)
-    old = Simulated.of({name: value for name, value in done.items() if name != "plant_given"})
+    old = SimulationSummary.of(
+        {name: value for name, value in done.items() if name != "plant_given"}
+    )
     assert simulating(folder, replace(old, plant="crutches"), place.run) is None
     assert "--plant" not in (simulating(folder, old, place.run) or "--plant")
     assert "--plant rabbit" in (simulating(folder, replace(old, plant="rabbit"), place.run) or "")
@@ -176,7 +178,7 @@ def test_a_plant_that_is_in_no_file_is_not_named(own, at):
 def test_a_frictionless_simulation_is_repeated_without_friction(own, at):
     place = at(own)
     folder = RunFolder.open(place.run)
-    done = Simulated.read(place.run / SUMMARY)
+    done = SimulationSummary.read(place.run / SUMMARY)
     changed = replace(done, disturb=dict(done.disturb or {}) | {"friction": 0.0})
     assert "--disturb friction=0.0" in (simulating(folder, changed, place.run) or "")
     laid = replace(done, terrain="stairs,rise=-0.05", command={"speed": 0.7})

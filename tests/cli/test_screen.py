@@ -10,8 +10,8 @@ import pytest
 from neuralgaits.cli import robot_screen, screen
 from neuralgaits.cli.usage import condense
 from neuralgaits.records.installed import BuiltIn, CatalogueEntry
-from neuralgaits.records.simulated import Simulated
-from neuralgaits.records.trained import Trained, Violations
+from neuralgaits.records.simulated import SimulationSummary
+from neuralgaits.records.trained import TrainingSummary, Violations
 from support.shipped_run import SHIPPED
 
 ASKED = {"plant": "amber3m", "controller": "pd", "start": "centre", "seed": 0, "episodes": 2}
@@ -26,7 +26,7 @@ def test_a_fall_is_counted(capsys: pytest.CaptureFixture[str]) -> None:
         "speed_m_s": 0.65432,
         "poincare": {"multiplier": None, "step_length_m": None},
     }
-    screen.show_walks(Simulated.of(result))
+    screen.show_walks(SimulationSummary.of(result))
     out = capsys.readouterr().out
     assert "falls: 1 of 2 episodes stayed up, 7 to 50 steps" in out
     assert "0.6543 m/s" in out
@@ -37,7 +37,7 @@ def test_a_fall_is_counted(capsys: pytest.CaptureFixture[str]) -> None:
 def test_torque_that_is_short_is_said(capsys: pytest.CaptureFixture[str], share, told) -> None:
     result = ASKED | {"steps_walked": [50], "fell": [False], "fall_reasons": [None]}
     result |= {"saturated_fraction": share, "poincare": None}
-    screen.show_walks(Simulated.of(result))
+    screen.show_walks(SimulationSummary.of(result))
     out = capsys.readouterr().out
     assert (told or "") in out
     assert ("no torque in" in out) is (told is not None)
@@ -46,7 +46,7 @@ def test_torque_that_is_short_is_said(capsys: pytest.CaptureFixture[str], share,
 def test_what_a_quadratic_program_gave_up_is_said(capsys: pytest.CaptureFixture[str]) -> None:
     result = ASKED | {"steps_walked": [50], "fell": [False], "fall_reasons": [None]}
     result |= {"poincare": None, "relaxed": {"decrease": 0.0123, "contact": 0.5}}
-    shown = Simulated.of(result)
+    shown = SimulationSummary.of(result)
     assert shown.relaxed is not None and shown.relaxed.contact == 0.5
     screen.show_walks(shown)
     out = " ".join(capsys.readouterr().out.split())
@@ -62,7 +62,7 @@ def test_why_it_fell_and_what_was_changed(capsys: pytest.CaptureFixture[str]) ->
         "disturb": disturb,
         "poincare": {"multiplier": 0.7, "step_length_m": None},
     }
-    screen.show_walks(Simulated.of(result))
+    screen.show_walks(SimulationSummary.of(result))
     lines = [line.split() for line in capsys.readouterr().out.splitlines()]
     assert ["hip", "too", "low", "2"] in lines
     assert ["disturb", "friction=0.2"] in lines
@@ -73,7 +73,7 @@ def test_what_a_walk_met_is_on_its_first_line(capsys: pytest.CaptureFixture[str]
     met = {"push": 10.0, "disturb": {"mass_scale": 1.2, "friction": None}, "plant": "rabbit"}
     walks = {"fell": [False], "steps_walked": [50], "controller": "pd", "plant_given": "rabbit"}
     walks |= {"episodes": 1, "start": "centre", "seed": 0, "fall_reasons": [None]}
-    screen.show_walks(Simulated.of(walks | met))
+    screen.show_walks(SimulationSummary.of(walks | met))
     (first, *_) = " ".join(capsys.readouterr().out.split()).split("speed")
     assert "under pd in MuJoCo, plant rabbit, push 10 N s, mass_scale=1.2" in first
 
@@ -81,7 +81,7 @@ def test_what_a_walk_met_is_on_its_first_line(capsys: pytest.CaptureFixture[str]
 def test_every_broken_condition_is_listed(capsys: pytest.CaptureFixture[str]) -> None:
     conditions = {"torso-upper": Violations(0.0, 1.5e-7, -1.5e-7, 2.0), "step-length": HOLDS}
     screen.show_training(
-        Trained(run="runs/a", steps=9, loss=0.0, conditions=conditions, wall_s=1.0)
+        TrainingSummary(run="runs/a", steps=9, loss=0.0, conditions=conditions, wall_s=1.0)
     )
     out = capsys.readouterr().out
     assert "1 of 2 conditions fail" in out
@@ -98,11 +98,11 @@ def test_a_run_that_fails_says_how_to_train_it_again(
     monkeypatch.setenv("COLUMNS", "400")
     broken = {"torso-upper": Violations(0.0, 1.5e-7, -1.5e-7, 2.0)}
     screen.show_training(
-        Trained(run=str(small_run.path), steps=2, loss=0.0, conditions=broken, wall_s=1.0)
+        TrainingSummary(run=str(small_run.path), steps=2, loss=0.0, conditions=broken, wall_s=1.0)
     )
     out = capsys.readouterr().out
     # Not twice the two steps that it had: its spec asks for more.
-    recipe = small_run.asked.recipe_steps
+    recipe = small_run.config.recipe_steps
     assert recipe > 4 and re.search(rf"train longer .*--steps {recipe} ", out)
     assert "another seed" in out and "--seed 1" in out
 
@@ -117,7 +117,9 @@ def test_of_a_gait_that_was_given_no_spec_is_to_be_loosened(
     given = {"by": "optimise", "degree": 5, "speed": 0.7}
     (run / "config.json").write_text(json.dumps(config | {"given": given}))
     broken = {"rate-match": Violations(0.0, 0.08, -0.08, 2.0)}
-    screen.show_training(Trained(run=str(run), steps=2, loss=0.0, conditions=broken, wall_s=1.0))
+    screen.show_training(
+        TrainingSummary(run=str(run), steps=2, loss=0.0, conditions=broken, wall_s=1.0)
+    )
     out = capsys.readouterr().out
     assert "or a network" in out and "neuralgaits train amber3m\n" in out
     assert "or loosen" not in out
@@ -126,7 +128,7 @@ def test_of_a_gait_that_was_given_no_spec_is_to_be_loosened(
 def test_conditions_that_hold_are_one_line(capsys: pytest.CaptureFixture[str]) -> None:
     conditions = dict.fromkeys("ab", HOLDS)
     screen.show_training(
-        Trained(
+        TrainingSummary(
             run="runs/a", steps=9, loss=0.0, conditions=conditions, wall_s=23.2, compile_s=18.04
         )
     )

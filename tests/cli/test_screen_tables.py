@@ -15,15 +15,15 @@ from neuralgaits.cli import (
 )
 from neuralgaits.cli.screen_tables import ROWS, show_facts, show_sentence, show_table
 from neuralgaits.records.certified import CertificateRecord
-from neuralgaits.records.checked import Checked
-from neuralgaits.records.episode_records import EpisodesDone
+from neuralgaits.records.checked import ProofCheck
+from neuralgaits.records.episode_records import EpisodesSummary
 from neuralgaits.records.exported import ControllerExport
-from neuralgaits.records.fitted import Fitted
+from neuralgaits.records.fitted import FitSummary
 from neuralgaits.records.inspected import RobotFacts
 from neuralgaits.records.installed import BuiltIn, Machine
-from neuralgaits.records.reported import Reported
-from neuralgaits.records.simulated import Simulated
-from neuralgaits.records.trained import Trained
+from neuralgaits.records.reported import ReportRecord
+from neuralgaits.records.simulated import SimulationSummary
+from neuralgaits.records.trained import TrainingSummary
 
 Captured = pytest.CaptureFixture[str]
 Environment = pytest.MonkeyPatch
@@ -266,12 +266,12 @@ INSPECTED = {
 }
 SCREENS = {
     "proof": (proof_screen.show_proof, CertificateRecord.of(PROOF)),
-    "check": (proof_screen.show_check, Checked.of(CHECK)),
-    "training": (screen.show_training, Trained.of(TRAINED)),
-    "episodes": (episodes_screen.show_episodes, EpisodesDone.of(ROUNDS)),
-    "fit": (learning_screen.show_fit, Fitted.of(FIT)),
+    "check": (proof_screen.show_check, ProofCheck.of(CHECK)),
+    "training": (screen.show_training, TrainingSummary.of(TRAINED)),
+    "episodes": (episodes_screen.show_episodes, EpisodesSummary.of(ROUNDS)),
+    "fit": (learning_screen.show_fit, FitSummary.of(FIT)),
     "export": (export_screen.show_export, ControllerExport.of(EXPORT)),
-    "report": (report_verb.show_report, Reported.of(REPORT)),
+    "report": (report_verb.show_report, ReportRecord.of(REPORT)),
     "doctor": (robot_screen.show_findings, Machine.of(DOCTOR)),
     "robots": (robot_screen.show_names, BuiltIn.of(ROBOTS)),
     "robot-file": (robot_screen.show_written, BuiltIn.of({**ROBOTS, "written": PATH})),
@@ -282,11 +282,11 @@ BRIEF = {
     "proof": (brief.brief_proof, CertificateRecord.of(PROOF)),
     "proof that is refuted": (brief.brief_proof, CertificateRecord.of(REFUTED)),
     "proof that is undecided": (brief.brief_proof, CertificateRecord.of(UNDECIDED)),
-    "check": (brief.brief_check, Checked.of(CHECK)),
-    "training": (brief.brief_training, Trained.of(TRAINED | {"conditions": {}})),
-    "fit": (brief.brief_fit, Fitted.of(FIT)),
-    "report": (brief.brief_report, Reported.of(REPORT)),
-    "walks": (brief.brief_walks, Simulated.of(WALKED)),
+    "check": (brief.brief_check, ProofCheck.of(CHECK)),
+    "training": (brief.brief_training, TrainingSummary.of(TRAINED | {"conditions": {}})),
+    "fit": (brief.brief_fit, FitSummary.of(FIT)),
+    "report": (brief.brief_report, ReportRecord.of(REPORT)),
+    "walks": (brief.brief_walks, SimulationSummary.of(WALKED)),
 }
 SCREENS |= {f"brief {name}": shown for name, shown in BRIEF.items()}
 MOST_LINES = 6
@@ -358,7 +358,7 @@ def test_open_conditions_are_never_counted_as_proved(capsys: Captured) -> None:
 
 
 def test_violations_left_out_are_smaller(capsys: Captured) -> None:
-    screen.show_training(Trained.of(TRAINED))
+    screen.show_training(TrainingSummary.of(TRAINED))
     out = capsys.readouterr().out
     # Condition 0 is not broken; 26 down to 15 are shown; 14 is the worst of the rest.
     assert "26 of 27 conditions fail" in out

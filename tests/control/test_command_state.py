@@ -99,10 +99,10 @@ def test_a_wish_waits_for_the_touchdown(robot, speed, law):
     np.testing.assert_allclose(after.told, [[0.6], [0.67]])
     pair = Pair(*jnp.asarray(after.told))
     np.testing.assert_allclose(
-        state.told.step_parameters, speed.parameters_of_step(robot, pair), rtol=1e-9, atol=1e-9
+        state.commands.step_parameters, speed.parameters_of_step(robot, pair), rtol=1e-9, atol=1e-9
     )
     # The outputs are those of the new step, at the z that its own interval bounds.
-    policy = speed.from_step_parameters(state.told.step_parameters)
+    policy = speed.from_step_parameters(state.commands.step_parameters)
     bounded = controller.bounds.over(policy)(after.z)
     np.testing.assert_allclose(after.y_d, policy(bounded), rtol=1e-9, atol=1e-9)
 
@@ -112,4 +112,4 @@ def test_a_gait_without_commands_is_told_nothing(robot):
 
     policy = specs.walking(robot).new_gait(jax.random.key(0), "posture", None).policy
     state = start(Controller.init(robot, policy, Pd()))
-    assert [leaf.size for leaf in jax.tree.leaves(state.told)] == [0, 0, 0, 0]
+    assert [leaf.size for leaf in jax.tree.leaves(state.commands)] == [0, 0, 0, 0]

@@ -157,7 +157,7 @@ def test_the_papers_controller_tells_the_policy_no_momentum(amber, rng):
     policy, q, dq = a_case(amber, rng)
     reading = reading_of(amber, q, dq)
     z1_only = jnp.array([reading.z[0], 0.0])
-    desired = PAPER.desired(amber, lambda z: policy(PAPER.told(z)), reading)
+    desired = PAPER.desired(amber, lambda z: policy(PAPER.policy_state(z)), reading)
     np.testing.assert_array_equal(desired.y, policy(z1_only))
     slope = jax.jacfwd(policy)(z1_only)[:, 0]
     np.testing.assert_allclose(desired.dy, slope * reading.dz[0])

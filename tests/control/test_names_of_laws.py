@@ -9,7 +9,7 @@ from neuralgaits.cli import arguments
 from neuralgaits.control import AbstractLaw
 from neuralgaits.control.law_by_name import exported_laws, law_named
 from neuralgaits.errors import InputError
-from neuralgaits.records.episode_records import EpisodesAsked
+from neuralgaits.records.episode_records import EpisodesConfig
 from neuralgaits.simulation.incompatible_settings import REMOTE
 
 
@@ -21,7 +21,7 @@ def test_the_command_line_knows_every_law():
 
 
 def test_episodes_are_read_back_under_every_law():
-    assert get_args(get_type_hints(EpisodesAsked)["controller"]) == tuple(CONTROL_LAWS)
+    assert get_args(get_type_hints(EpisodesConfig)["controller"]) == tuple(CONTROL_LAWS)
 
 
 def test_a_law_is_found_by_its_name_or_is_itself():

@@ -55,7 +55,7 @@ def test_the_run_opens_as_any_other(imported):
     assert isinstance(policy, BezierPolicy)
     np.testing.assert_array_equal(policy.coefficients, gait["bezier"])
     assert opened.summary.tied and opened.summary.left_out is None
-    assert opened.summary.broken == {} and opened.asked.as_given is not None
+    assert opened.summary.broken == {} and opened.config.as_given is not None
     # The run's own copy makes it again.
     line = repeat_commands.training(opened.folder)
     assert line is not None and line.startswith(f"neuralgaits import-gait {opened.path}/gait.json")

@@ -46,7 +46,7 @@ def optimised(amber, optimiser, tmp_path_factory):
 @pytest.mark.slow
 def test_the_flow_walks_as_the_optimisation_says(optimised):
     """Speed, impact and conditions by the package's own flow, which knows nothing of nodes."""
-    found, asked = optimised.summary, optimised.asked.given.speed
+    found, asked = optimised.summary, optimised.config.given.speed
     assert found.speed_m_s == pytest.approx(asked, rel=1e-6)
     assert found.after_impact["output_rad"] < 1e-6 and found.after_impact["rate_rad_s"] < 1e-5
     assert found.broken == {}

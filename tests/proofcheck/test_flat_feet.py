@@ -80,4 +80,6 @@ def test_level_4_of_flat_feet_is_rejected_by_both(asked, tmp_path, monkeypatch):
     assert not taken(answer)
     assert "level 4 is stated, and it is about point feet" in answer.stdout
     claims = read_claims(path)
-    assert "level 4 is stated, and it is about point feet" in inconsistencies(claims, claims.asked)
+    assert "level 4 is stated, and it is about point feet" in inconsistencies(
+        claims, claims.outline
+    )

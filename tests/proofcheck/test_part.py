@@ -143,7 +143,7 @@ def test_level_2_is_about_the_commands_of_the_gait(asked_by_program, speeds, tol
     speeds["theorems"][0]["parameters"]["told"] = told
     answer, path = asked_by_program(speeds)
     claims = read_claims(path)
-    assert OTHER_COMMANDS in inconsistencies(claims, claims.asked)
+    assert OTHER_COMMANDS in inconsistencies(claims, claims.outline)
     assert answer.returncode == 1 and OTHER_COMMANDS in answer.stdout
 
 

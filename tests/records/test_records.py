@@ -11,8 +11,8 @@ from neuralgaits.errors import RunError
 from neuralgaits.records.certified import CertificateRecord, Conclusion, ConditionVerdict
 from neuralgaits.records.levels import HIGHEST
 from neuralgaits.records.record import build, shape_of
-from neuralgaits.records.simulated import ModelOrbit, Simulated
-from neuralgaits.records.trained import Trained, Violations
+from neuralgaits.records.simulated import ModelOrbit, SimulationSummary
+from neuralgaits.records.trained import TrainingSummary, Violations
 from neuralgaits.runs import to_json
 from neuralgaits.runs.shape import complaint
 
@@ -44,10 +44,10 @@ def _certified(conditions: dict, levels: dict[int, str]) -> CertificateRecord:
 
 
 def test_what_is_printed_becomes_the_same_record_again() -> None:
-    done = Simulated.of(WALKED)
+    done = SimulationSummary.of(WALKED)
     assert done.steps_walked == (3, 50) and done.stayed == 1
     assert done.poincare is not None and done.poincare.step_length_m == 0.3
-    again = Simulated.of(json.loads(to_json(done)))
+    again = SimulationSummary.of(json.loads(to_json(done)))
     assert again == done and to_json(again) == to_json(done)
     assert replace(done, seed=1) != done
     for name, value in WALKED.items():
@@ -55,8 +55,8 @@ def test_what_is_printed_becomes_the_same_record_again() -> None:
 
 
 def test_a_field_without_a_meaning_is_not_printed() -> None:
-    alone = replace(Simulated.of(WALKED), link=None)
-    assert "link" in Simulated.of(WALKED) and "link" not in alone
+    alone = replace(SimulationSummary.of(WALKED), link=None)
+    assert "link" in SimulationSummary.of(WALKED) and "link" not in alone
     with pytest.raises(KeyError):
         alone["link"]
     assert "result" not in ModelOrbit(multiplier=0.7, period_s=0.4, step_length_m=0.3)
@@ -78,18 +78,18 @@ def test_a_field_without_a_meaning_is_not_printed() -> None:
 )
 def test_data_of_another_shape_are_refused_in_one_line(tmp_path, changed, words) -> None:
     with pytest.raises(ValueError, match=words):
-        Simulated.of(WALKED | changed)
+        SimulationSummary.of(WALKED | changed)
     file = tmp_path / "summary.json"
     file.write_text(json.dumps(WALKED | changed))
     with pytest.raises(RunError, match=f"summary.json is damaged .*{words}"):
-        Simulated.read(file)
+        SimulationSummary.read(file)
 
 
 def test_a_field_that_is_gone_is_named_and_one_more_is_left_aside() -> None:
     less = {name: value for name, value in WALKED.items() if name != "plant"}
     with pytest.raises(ValueError, match="there is no plant"):
-        Simulated.of(less)
-    assert Simulated.of(WALKED | {"of a later version": 1}) == Simulated.of(WALKED)
+        SimulationSummary.of(less)
+    assert SimulationSummary.of(WALKED | {"of a later version": 1}) == SimulationSummary.of(WALKED)
 
 
 def test_a_proof_goes_as_far_as_all_below_it_is_proved() -> None:
@@ -109,7 +109,7 @@ def test_a_proof_goes_as_far_as_all_below_it_is_proved() -> None:
 
 def test_a_condition_is_broken_if_some_sample_breaks_it() -> None:
     conditions = {"a": Violations(0.0, 0.0, 0.1, 1.0), "b": Violations(1e-9, 1e-6, -1e-6, 1.0)}
-    done = Trained(steps=1, loss=None, conditions=conditions, wall_s=1.0)
+    done = TrainingSummary(steps=1, loss=None, conditions=conditions, wall_s=1.0)
     assert list(done.broken) == ["b"] and done.proved
 
 

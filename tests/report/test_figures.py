@@ -16,7 +16,7 @@ from matplotlib._pylab_helpers import Gcf
 from neuralgaits import logs
 from neuralgaits.analysis.box_map import BoxMap
 from neuralgaits.analysis.data import MeasuredWalk, ResidualData
-from neuralgaits.analysis.learned import Learned
+from neuralgaits.analysis.learned import LearnedResiduals
 from neuralgaits.analysis.residual_data import residual_data
 from neuralgaits.analysis.run import open_run
 from neuralgaits.analysis.walk_log import measured_walk
@@ -62,7 +62,7 @@ FULL = FullOrderSet(
 
 def sketches(run):
     of_run = RunFigures(run, certificate_of(run))
-    for name, _, make in makers_of(run.asked):
+    for name, _, make in makers_of(run.config):
         try:
             yield name, *make(of_run)
         except Absent:
@@ -96,7 +96,7 @@ def needs_none(axis, side):
 
 
 def test_figures_have_words_and_files_that_open(run, drawn):
-    assert list(drawn) == [name for name, _, _ in makers_of(run.asked)]
+    assert list(drawn) == [name for name, _, _ in makers_of(run.config)]
     total = 0
     for figure in drawn.values():
         assert figure.title
@@ -167,7 +167,7 @@ def test_a_residual_brings_its_field(run, data, tmp_path):
     copy = copied(run, tmp_path)
     assert isinstance(entry(copy, "residual-field"), Missing)
     flow = Residual.like((4,))
-    Learned(flow, None, np.zeros(2)).write(copy.path / "residual" / "residual.safetensors")
+    LearnedResiduals(flow, None, np.zeros(2)).write(copy.path / "residual" / "residual.safetensors")
     made = entry(copy, "residual-field")
     assert not isinstance(made, Missing)
     # The record of `fit` says that another gait walked.
@@ -247,9 +247,9 @@ def test_captions_claim_no_more_than_is_proved(data):
         assert "follow the policy exactly" in phase_portrait.caption(data, None, level)
     assert "settles" not in phase_portrait.caption(data, None, 2)
     assert "any two of them come together: that is proved" in phase_portrait.caption(
-        data, None, 3, told=True
+        data, None, 3, with_commands=True
     )
-    assert "orbit" not in phase_portrait.caption(data, None, 3, told=True)
+    assert "orbit" not in phase_portrait.caption(data, None, 3, with_commands=True)
     unsafe = replace(data, arrays={**data.arrays, "chart/barriers": np.array([[[-0.1]]])})
     assert "safe part" in phase_portrait.caption(unsafe, None, 2)
     assert phase_portrait.caption(data, None, 3).endswith("proved.")
@@ -308,7 +308,7 @@ def copied(run, tmp_path):
 
 def entry(run, name):
     """A figure's caption and drawing, or why it is missing."""
-    makers = makers_of(run.asked)
+    makers = makers_of(run.config)
     title, make = next((title, make) for known, title, make in makers if known == name)
     try:
         return make(RunFigures(run, certificate_of(run)))

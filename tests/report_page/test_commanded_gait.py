@@ -37,10 +37,10 @@ def commanded(contents, tmp_path):
 
     def make(drawn=(), commands=None, **changed):
         page = contents(folder, figures=list(drawn))
-        asked = page.saved.asked
+        asked = page.saved.config
         if commands is not None:
             asked = replace(asked, commands=commands)
-        return replace(page, saved=replace(page.saved, asked=asked, **changed))
+        return replace(page, saved=replace(page.saved, config=asked, **changed))
 
     return make
 

@@ -354,9 +354,9 @@ def test_walks_unlike_the_model_are_pointed_out(contents, shipped, speed, force,
 
 def test_of_a_gait_that_was_given_nothing_is_said_to_be_trained(contents, shipped):
     saved = contents().saved
-    given = replace(saved.asked, given=GaitOrigin("optimise", 5, 0.7))
-    broken = contents(saved=replace(saved, asked=given, certificate=None)).saved
-    page = contents(saved=replace(saved, asked=given))
+    given = replace(saved.config, given=GaitOrigin("optimise", 5, 0.7))
+    broken = contents(saved=replace(saved, config=given, certificate=None)).saved
+    page = contents(saved=replace(saved, config=given))
     whole = document(page)
     for word in ("network", "What was trained", "was trained so that", "gait was trained"):
         assert word not in whole, word

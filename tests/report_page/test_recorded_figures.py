@@ -86,5 +86,5 @@ def test_a_summary_cannot_say_itself_why_figures_are_left_out(contents, unproved
 
 def test_figures_of_a_gait_that_was_not_trained_are_recorded_when_it_was_made(unproved):
     run = open_run(unproved)
-    run.__dict__["asked"] = replace(run.asked, given=GaitOrigin("optimise", 5, 0.6))  # Cached.
+    run.__dict__["config"] = replace(run.config, given=GaitOrigin("optimise", 5, 0.6))  # Cached.
     assert "seed 0, recorded when it was made: all 27 conditions" in repr(run)

@@ -12,8 +12,8 @@ class Soft(AbstractLaw):
     def with_gains_for(self, joints):
         return Soft(self.hold_ticks, self.pd.with_gains_for(joints))
 
-    def told(self, z):
-        return self.pd.told(z)
+    def policy_state(self, z):
+        return self.pd.policy_state(z)
 
     def desired(self, robot, outputs, reading):
         return self.pd.desired(robot, outputs, reading)

@@ -17,7 +17,7 @@ from neuralgaits.certificate.chart import PLANE_ONLY, Chart
 from neuralgaits.certificate.proof_file.theorem_tables import Theorems
 from neuralgaits.certificate.run_certificate import retrace
 from neuralgaits.errors import NeuralGaitsError
-from neuralgaits.records.training_config import asked_of
+from neuralgaits.records.training_config import config_of
 from neuralgaits.runs import RunFolder
 from neuralgaits.runs.names import CONFIG, GAIT, RESIDUAL, ROBOT, SPEC, START, WEIGHTS
 
@@ -146,7 +146,7 @@ def _is_built_in(run: Path) -> bool:
     from neuralgaits.barriers import specs  # Brings JAX.
 
     try:
-        return specs.is_built_in(asked_of(RunFolder.open(run)).spec)
+        return specs.is_built_in(config_of(RunFolder.open(run)).spec)
     except NeuralGaitsError:
         return False
 

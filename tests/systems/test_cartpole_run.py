@@ -195,7 +195,7 @@ def test_what_belongs_to_walkers_is_refused_in_one_line(cartpole_run, capfd):
         assert main(words.replace("RUN", run).split()) == 2
         assert capfd.readouterr().err.count("\n") == 1
     with pytest.raises(RunError, match="family 'cartpole'"):
-        _ = open_run(cartpole_run.path).asked
+        _ = open_run(cartpole_run.path).config
 
 
 CALLS: Any = ng

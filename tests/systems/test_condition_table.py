@@ -24,7 +24,7 @@ def statement(box, **bounds):
 def claims(*statements, table=TABLE) -> Any:
     conditions = {n: SimpleNamespace(region=region) for n, region in table.conditions.items()}
     asked = SimpleNamespace(regions=table.regions, conditions=conditions)
-    return SimpleNamespace(asked=asked, chart=table.chart, statements=statements)
+    return SimpleNamespace(outline=asked, chart=table.chart, statements=statements)
 
 
 def test_a_condition_is_stated_on_all_boxes_of_its_region_or_not():

@@ -263,7 +263,7 @@ def test_a_forged_proof_of_a_walker_in_space_is_believed_by_nobody(partial, prog
 def test_levels_follow_from_these_regions_and_conditions_alone(partial):
     claims = read_claims(partial.path / PROOF)
     report = CheckResult("proved", None, (), (), (), 1, holds=True)
-    assert claims.asked is not None
-    fewer = dict(list(claims.asked.conditions.items())[1:])
-    other = replace(claims, asked=replace(claims.asked, conditions=fewer))
+    assert claims.outline is not None
+    fewer = dict(list(claims.outline.conditions.items())[1:])
+    other = replace(claims, outline=replace(claims.outline, conditions=fewer))
     assert with_spatial_levels(report, other).verdict == "rejected"

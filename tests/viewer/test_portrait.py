@@ -222,7 +222,7 @@ def test_words_of_a_run_are_no_markup(shipped, tmp_path):
 
 def test_the_verdict_of_a_proof_about_some_commands_names_no_level(shipped):
     found = read_certificate(shipped.folder)
-    part = ProvedPart(told=("speed 0.5 to 0.6 m/s",), conditions=("knee",), levels=())
+    part = ProvedPart(sequences=("speed 0.5 to 0.6 m/s",), conditions=("knee",), levels=())
     assert found.summary is not None
     assert (
         verdict_of(found.summary, part) == "The proof file is about some commands only: see below."

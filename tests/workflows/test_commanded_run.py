@@ -29,7 +29,7 @@ def made(tmp_path_factory):
 
 def test_it_opens_as_it_was_made(made):
     opened = open_run(made.path)
-    (told,) = opened.asked.commands.values()
+    (told,) = opened.config.commands.values()
     assert (told.low, told.high) == (0.6, 0.8)
     assert told.largest_change == pytest.approx(0.024)
     assert set(opened.summary.aims) == {aim.name for aim in opened.spec.aims}

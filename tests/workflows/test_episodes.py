@@ -19,8 +19,8 @@ from neuralgaits.analysis.run import open_run
 from neuralgaits.episode_rounds import round_walks as episode_walks
 from neuralgaits.episode_rounds.round_walks import Field, logs_of, nominal_momentum, walk_round
 from neuralgaits.errors import InputError, NeuralGaitsError, NonFiniteError, RunError
-from neuralgaits.records.episode_records import EpisodesDone
-from neuralgaits.records.fitted import Fitted, StrideCounts
+from neuralgaits.records.episode_records import EpisodesSummary
+from neuralgaits.records.fitted import FitSummary, StrideCounts
 from neuralgaits.report.figures import rounds as figure
 from neuralgaits.robots import load_robot
 from neuralgaits.simulation.setup.disturbance import PlantChanges
@@ -31,7 +31,7 @@ from support import own_columns
 pytestmark = pytest.mark.slow
 
 FIELDS = {"steps_walked", "speed_range_m_s", "heldout_error", "nominal_heldout_error", "loss"}
-LEARNED = Fitted(
+LEARNED = FitSummary(
     logs=("walk.csv",),
     strides=StrideCounts(train=3, heldout=1),
     walked_s=3.0,
@@ -337,12 +337,12 @@ def test_the_figure_draws_rounds_with_and_without_figures(tmp_path):
     }
     good = entry | {"round": 1, "speed_range_m_s": [0.4, 0.9], "heldout_error": 0.1}
     names = {"robot": "a", "plant": None, "logs": "own", "controller": "pd"}
-    drawn = figure.draw(EpisodesDone.of({"rounds": [entry, good], **names}))
+    drawn = figure.draw(EpisodesSummary.of({"rounds": [entry, good], **names}))
     steps, speeds, _, errors = drawn.axes
     assert [float(y) for line in steps.lines for y in np.asarray(line.get_ydata())] == [3, 4, 3, 4]
     assert [np.asarray(line.get_ydata()).tolist() for line in speeds.lines] == [[0.4, 0.9]]
     assert len(errors.lines) == 1
-    empty = EpisodesDone.of({"rounds": [], **names})
+    empty = EpisodesSummary.of({"rounds": [], **names})
     assert figure.draw_file(empty, tmp_path / "none.png").stat().st_size > 1000
 
 

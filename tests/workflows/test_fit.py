@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from neuralgaits import logs
-from neuralgaits.analysis.learned import Learned
+from neuralgaits.analysis.learned import LearnedResiduals
 from neuralgaits.errors import InputError, RunError
 from neuralgaits.residual.fitter import FitConfig
 from neuralgaits.runs.hashes import file_hashes
@@ -92,14 +92,14 @@ def test_the_summary_names_the_gait_that_was_learned_from(fitted, brief_run):
 
 
 def test_a_stored_residual_reads_back_exactly(fitted, brief_run):
-    read = Learned.read(fitted.residual, brief_run.robot.n - 1)
+    read = LearnedResiduals.read(fitted.residual, brief_run.robot.n - 1)
     for one, other in zip(jax.tree.leaves(read), jax.tree.leaves(fitted.learned), strict=True):
         np.testing.assert_array_equal(one, other)
 
 
 def test_another_file_is_no_residual(brief_run):
     with pytest.raises(RunError, match=r"expected a residual.*give a file that `fit` wrote"):
-        Learned.read(brief_run.path / "policy.safetensors", brief_run.robot.n - 1)
+        LearnedResiduals.read(brief_run.path / "policy.safetensors", brief_run.robot.n - 1)
 
 
 def test_rows_left_out_are_counted(brief_run, planted_logs, tmp_path):

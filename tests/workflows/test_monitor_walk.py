@@ -18,7 +18,7 @@ from neuralgaits.cli.screen import show_walks
 from neuralgaits.errors import InputError
 from neuralgaits.gait.commands import Pair
 from neuralgaits.gait.policies.commanded_gait import CommandedGait
-from neuralgaits.records.simulated import Simulated
+from neuralgaits.records.simulated import SimulationSummary
 from neuralgaits.report.page.repeat_commands import simulating
 from neuralgaits.runs import to_json
 from neuralgaits.workflows import monitor_walk
@@ -67,7 +67,7 @@ def test_shares_are_those_of_the_logged_states(run, walked):
 
 def test_the_result_is_recorded_and_shown(run, walked, capsys):
     done, _ = walked
-    assert Simulated.of(json.loads(to_json(done))).monitor == done.monitor
+    assert SimulationSummary.of(json.loads(to_json(done))).monitor == done.monitor
     show_walks(done)
     said = " ".join(capsys.readouterr().out.split())
     assert (

@@ -110,7 +110,7 @@ def test_a_run_of_such_a_spec_is_opened_by_a_relative_path(own, tmp_path, monkey
     monkeypatch.chdir(tmp_path)
     shutil.copytree(own.path, "run")
     replace_spec(Path("run"), AWAY)
-    assert open_run("run").asked.spec == own.asked.spec
+    assert open_run("run").config.spec == own.config.spec
     assert os.path.samefile(os.curdir, tmp_path)
 
 

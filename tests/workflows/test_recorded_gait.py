@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from safetensors.numpy import load_file, save_file
 
-from neuralgaits.analysis.learned import Learned
+from neuralgaits.analysis.learned import LearnedResiduals
 from neuralgaits.analysis.recorded_gait import (
     refuse_logs_of_another,
     refuse_residual_of_another,
@@ -62,7 +62,7 @@ def log(one):
 def residual(one):
     """What the first run has learned."""
     file = one / RESIDUAL
-    Learned(Residual.like((4,)), None, np.zeros(2)).write(file)
+    LearnedResiduals(Residual.like((4,)), None, np.zeros(2)).write(file)
     (digest,) = file_hashes(one, (RESIDUAL,)).values()
     record = {"residual_sha256": digest, "sha256": file_hashes(one, GAIT_FILES)}
     written(one / "residual/summary.json", record)

@@ -84,7 +84,7 @@ def test_the_spec_is_not_run_before_the_boxes_hold(certified_own, tmp_path, monk
 
 def test_a_spec_of_the_package_is_compared_before_the_boxes_are_bounded(monkeypatch):
     def of_another_run(claims, _):
-        return RunComparison(("the hash is another",), claims.asked, claims.chart, ())
+        return RunComparison(("the hash is another",), claims.outline, claims.chart, ())
 
     monkeypatch.setattr(checking, "check", lambda *_: pytest.fail("bounded too early"))
     monkeypatch.setattr(checking, "compare_with_run", of_another_run)

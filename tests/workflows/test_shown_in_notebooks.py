@@ -12,7 +12,7 @@ import pytest
 import neuralgaits as ng
 from neuralgaits import _notebook
 from neuralgaits.records.certified import CertificateRecord
-from neuralgaits.records.simulated import Simulated
+from neuralgaits.records.simulated import SimulationSummary
 from neuralgaits.runs.plain import plain
 from neuralgaits.simulation.walk import Walk
 from neuralgaits.workflows.certify import CertifyResult
@@ -96,7 +96,7 @@ def test_a_certificate_that_is_undecided_names_what_is(proved):
 
 
 def test_a_simulation_is_a_line():
-    found = Simulated.of(
+    found = SimulationSummary.of(
         {
             "plant": "amber3m",
             "controller": "pd",

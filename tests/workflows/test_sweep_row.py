@@ -49,8 +49,8 @@ def test_its_files_are_a_run(settings: dict, files: dict[str, bytes]) -> None:
         (place / name).parent.mkdir(parents=True, exist_ok=True)
         (place / name).write_bytes(content)
     run = open_run(place)
-    assert run.summary.run == str(place) and run.asked.seed == 3
-    assert run.asked.spec == settings["spec"]
+    assert run.summary.run == str(place) and run.config.seed == 3
+    assert run.config.spec == settings["spec"]
     told = "".join(path.read_text() for path in place.rglob("*.json"))
     assert "neuralgaits-row-" not in told
     if (place / "certificate" / "proof.json").is_file():

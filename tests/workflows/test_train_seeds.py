@@ -73,7 +73,7 @@ def test_a_run_of_many_is_the_single_one_bit_for_bit(three, amber, root):
     for seed in (4, 5):
         alone = train(amber, SMALL, seed=seed, steps=STEPS, out=root / f"alone-{seed}", root=root)
         run = open_run(root / "three" / str(seed))
-        assert dict(run.asked) == dict(alone.asked)
+        assert dict(run.config) == dict(alone.config)
         assert eqx.tree_equal(run.trained, alone.trained)
         ours, theirs = run.folder.read_metrics(), alone.folder.read_metrics()
         assert [row["step"] for row in ours] == [10, 20, STEPS]
@@ -109,7 +109,7 @@ def test_a_killed_seed_goes_on_to_the_same_weights(three, root, tmp_path):
 
 
 def _trainer(run):
-    return Trainer.build(run.robot, run.spec, run.trained, steps=STEPS, seed=run.asked.seed)
+    return Trainer.build(run.robot, run.spec, run.trained, steps=STEPS, seed=run.config.seed)
 
 
 def test_a_seed_is_walked_by_the_verb(three, capfd):
@@ -170,7 +170,7 @@ def test_progress_ends_at_all_steps_though_the_last_seed_is_refused(amber, tmp_p
     told, whole = [], seeds_in_parallel.train_to_the_end
 
     def refusing(run, **how):
-        if run.asked.seed == 1:
+        if run.config.seed == 1:
             raise NonFiniteError("no way out")
         return whole(run, **how)
 
@@ -245,7 +245,7 @@ def stopped_after(monkeypatch):
 def test_ctrl_c_behind_the_last_step_of_all_is_too_late(amber, tmp_path, stopped_after):
     stopped_after(2)
     done = train_seeds(amber, SMALL, seeds=(0, 2), steps=5, out=tmp_path / "out", root=tmp_path)
-    assert [run.asked.seed for run in done.runs] == [0, 1]
+    assert [run.config.seed for run in done.runs] == [0, 1]
     assert len(json.loads((tmp_path / "out" / "seeds.json").read_text())["seeds"]) == 2
 
 

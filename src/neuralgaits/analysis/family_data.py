@@ -23,7 +23,7 @@ NODES = 30
 """Steps of the flow over a step of the robot: errors near 1e-9 of z2, at half the time."""
 
 
-class _Found(NamedTuple):
+class _OrbitAt(NamedTuple):
     """The gait at a constant command, and its orbit."""
 
     run: Run
@@ -48,7 +48,7 @@ def family_data(run: Run) -> Family:
     with np.errstate(all="ignore"):
         for one in commands:
             values = np.linspace(one.low, one.high, VALUES)
-            orbits: list[_Found] = []
+            orbits: list[_OrbitAt] = []
             for value in values:
                 level = orbits[-1].level if orbits else MIDDLE
                 orbits.append(_at(run, middle | {one.name: float(value)}, level))
@@ -60,7 +60,7 @@ def family_data(run: Run) -> Family:
     return Family(tuple(sweeps), tuple(members), run.robot.torso is not None)
 
 
-def _at(run: Run, command: dict[str, float], level: float) -> _Found:
+def _at(run: Run, command: dict[str, float], level: float) -> _OrbitAt:
     """Search for the orbit at a command, from a level of the tube there on."""
     steady = run.at(**command)
     chart, motion = PlaneChart(steady.gait, run.spec), motion_of(steady.zero_dynamics)
@@ -69,13 +69,13 @@ def _at(run: Run, command: dict[str, float], level: float) -> _Found:
     orbit = orbit_near(motion, float(np.sqrt(2.0 * (low + level * (high - low)))), mesh)
     orbit_level = float((0.5 * orbit.fixed_point[1] ** 2 - low) / (high - low))
     if 0.0 <= orbit_level <= 1.0:
-        return _Found(steady, motion, chart, mesh, orbit, orbit_level)
+        return _OrbitAt(steady, motion, chart, mesh, orbit, orbit_level)
     # What Newton's method finds outside of the fences is not of this gait.
     none = orbit._replace(period_s=float("nan"), result="no periodic orbit between the fences")
-    return _Found(steady, motion, chart, mesh, none, MIDDLE)
+    return _OrbitAt(steady, motion, chart, mesh, none, MIDDLE)
 
 
-def _member(value: float, orbit_at: _Found) -> Member:
+def _member(value: float, orbit_at: _OrbitAt) -> Member:
     robot, chart = orbit_at.run.robot, orbit_at.chart
     phase = np.linspace(0.0, 1.0, PHASES)
     orbit = cycle(orbit_at.motion, orbit_at.orbit, orbit_at.mesh).z[:, 0]

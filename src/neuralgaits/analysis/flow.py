@@ -19,15 +19,6 @@ Quantity = Callable[[np.ndarray], np.ndarray]
 """Function of states [N, 2] (m, kg m^2/s)."""
 STEPS = 60
 """Fifth-order steps over the usual length of a step: errors near 1e-11 of z2."""
-BEHIND = 0.3
-"""Distance behind the usual guard, in lengths of a step, beyond which a foot does not land any
-more."""
-OF_LEG = 0.012
-"""Step of the flow where no usual length is known, in leg lengths."""
-SLOWEST_M_S = 1e-3
-"""A hip slower than this has stopped [m/s]."""
-SECANT_STEPS = 12
-"""Largest number of secant steps, bracketed, to find the foot's contact within one step."""
 ON_GROUND_M = 1e-15
 """Distance to the ground below which a foot is on it, to rounding [m]."""
 
@@ -54,7 +45,9 @@ class Mesh(NamedTuple):
     @classmethod
     def of_gait(cls, start: float, guard: float, steps: int = STEPS) -> "Mesh":
         """Return the mesh of a gait whose steps usually go from a start to a guard (m)."""
-        return cls((guard - start) / steps, guard + BEHIND * (guard - start))
+        # Distance behind the usual guard, in lengths of a step, beyond which a foot does not land
+        # any more.
+        return cls((guard - start) / steps, guard + 0.3 * (guard - start))
 
     @classmethod
     def of_leg(cls, length: float) -> "Mesh":
@@ -63,7 +56,8 @@ class Mesh(NamedTuple):
         It reaches one leg's length, since a hip that far ahead of the foot is on the ground
         itself.
         """
-        return cls(OF_LEG * length, length)
+        # Step of the flow where no usual length is known, in leg lengths.
+        return cls(0.012 * length, length)
 
 
 class Swing(NamedTuple):
@@ -143,7 +137,8 @@ def _timed(z: np.ndarray) -> np.ndarray:
 def _rate(motion: FlowQuantities, y: np.ndarray) -> np.ndarray:
     """Return slopes of (z1, z2, t) in z1. [N, 3]."""
     dz = motion.dz(y[:, :2])
-    pace = np.where(dz[:, 0] > SLOWEST_M_S, dz[:, 0], np.nan)
+    # A hip slower than this has stopped [m/s].
+    pace = np.where(dz[:, 0] > 1e-3, dz[:, 0], np.nan)
     return np.stack([np.ones(len(y)), dz[:, 1] / pace, 1.0 / pace], axis=1)
 
 
@@ -173,7 +168,8 @@ def _landing(motion: FlowQuantities, y: np.ndarray, step: float) -> np.ndarray:
     low, high = np.zeros(len(y)), np.full(len(y), step)
     at_low = np.maximum(_foot(motion, y), 0.0)
     at_high = _foot(motion, _step(motion, y, high))
-    for _ in range(SECANT_STEPS):
+    # Largest number of secant steps, bracketed, to find the foot's contact within one step.
+    for _ in range(12):
         fall = at_high - at_low
         share = np.divide(at_high, fall, out=np.zeros_like(fall), where=fall != 0.0)
         middle = high - share * (high - low)

@@ -49,7 +49,7 @@ def fingerprint(run: Run) -> str:
     for file in (ROBOT, SPEC, WEIGHTS, RESIDUAL):
         path = run.path / file
         parts.append(hashlib.sha256(path.read_bytes()).hexdigest() if path.is_file() else "-")
-    parts.append(json.dumps(run.asked.described, sort_keys=True))
+    parts.append(json.dumps(run.config.described, sort_keys=True))
     return hashlib.sha256("\n".join(parts).encode()).hexdigest()
 
 
@@ -59,7 +59,7 @@ def _with_names(run: Run, arrays: dict[str, np.ndarray]) -> GaitData:
         arrays,
         tuple(condition.name for condition in conditions),
         tuple(condition.name for condition in conditions if isinstance(condition, Barrier)),
-        tuple(one.data for one in run.asked.conditions),
+        tuple(one.data for one in run.config.conditions),
         run.robot.joint_names[1:],
         run.robot.torso is not None,
         run.residuals.flow is not None,

@@ -18,7 +18,7 @@ from neuralgaits.runs import read_arrays, read_tree, write_tree
 _LAYER = "flow.network.biases[{}]"
 
 
-class Learned(eqx.Module):
+class LearnedResiduals(eqx.Module):
     """Corrections of a robot's model, learned from logs.
 
     Attributes:
@@ -41,7 +41,7 @@ class Learned(eqx.Module):
         write_tree(path, self)
 
     @classmethod
-    def read(cls, path: Path, joints: int) -> "Learned":
+    def read(cls, path: Path, joints: int) -> "LearnedResiduals":
         """Read a file of `write` for a robot with so many actuated joints.
 
         Raises: RunError if it is missing, damaged, no residual, or of a robot with other joints.

@@ -16,14 +16,8 @@ from neuralgaits.errors import InputError
 from neuralgaits.gait import Orbit, ZeroDynamics
 
 NEWTON_STEPS = 25
-FIXED_POINT_TOLERANCE = 1e-10
-"""Relative change of z2 over one step that counts as periodic."""
 DIFFERENCE = 1e-4
 """Relative change of z2 for the map's slope, whose error is quadratic in it."""
-MAP_POINTS = 25
-"""Number of samples of the map between the fences."""
-LEAST_GAP = 0.05
-"""Distance of the map's slope from one below which Newton's step explodes."""
 
 
 def poincare(zd: ZeroDynamics, z0: ZeroState) -> Orbit:
@@ -66,13 +60,15 @@ def orbit_near(motion: FlowQuantities, z2: float, mesh: Mesh) -> Orbit:
             return _failed(f"the step from z2 = {z2:.4g} at z1 = 0 does not come back")
         slope = float(step.z2[2] - step.z2[0]) / (2.0 * change)
         missed = float(step.z2[1]) - z2
-        if abs(missed) <= FIXED_POINT_TOLERANCE * abs(z2):
+        # Relative change of z2 over one step that counts as periodic.
+        if abs(missed) <= 1e-10 * abs(z2):
             period, length = float(step.duration[1]), float(step.length[1])
             fixed = np.array([0.0, step.z2[1]])
             return Orbit(fixed, slope, period, length, step.before[1], "found")
         # Near an indifferent multiplier fall back on walking a step.
         gap = 1.0 - slope
-        z2 += missed / gap if gap > LEAST_GAP else missed
+        # Distance of the map's slope from one below which Newton's step explodes.
+        z2 += missed / gap if gap > 0.05 else missed
     return _failed(f"no periodic orbit within {NEWTON_STEPS} Newton steps")
 
 
@@ -88,7 +84,8 @@ class SampledMap(NamedTuple):
 
 def sampled_map(motion: FlowQuantities, chart: PlaneChart) -> SampledMap:
     """Sample the map from fence to fence of a gait's tube."""
-    z2, mesh = chart.section(MAP_POINTS), Mesh.of_gait(chart.start, chart.guard)
+    # Number of samples of the map between the fences.
+    z2, mesh = chart.section(25), Mesh.of_gait(chart.start, chart.guard)
     after = returns(motion, z2, mesh).z2
     return SampledMap(z2, after, orbit_between(motion, z2, after, mesh))
 

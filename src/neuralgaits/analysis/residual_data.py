@@ -9,7 +9,7 @@ import numpy as np
 from neuralgaits import logs
 from neuralgaits.analysis.data import ResidualData
 from neuralgaits.analysis.gait_data import fingerprint, gait_data
-from neuralgaits.analysis.learned import Learned
+from neuralgaits.analysis.learned import LearnedResiduals
 from neuralgaits.analysis.point_evaluator import PointEvaluator
 from neuralgaits.analysis.run import Run
 from neuralgaits.analysis.walk_log import GAIT_FILES
@@ -44,7 +44,7 @@ def residual_data(run: Run) -> ResidualData | None:
             arrays, words = {}, {}
         if SHA256 in words and words.get("of") == of:
             return ResidualData(gait, arrays["epsilon"], arrays["visited"], trained)
-    flow = Learned.read(path, run.robot.n - 1).flow
+    flow = LearnedResiduals.read(path, run.robot.n - 1).flow
     evaluate = PointEvaluator(lambda z: {"epsilon": flow(z)})
     z1, z2 = gait["plane/z1"], gait["plane/z2"]
     grid = np.stack(np.meshgrid(z1, z2), axis=-1)
@@ -65,7 +65,7 @@ def _of_another(run: Run) -> bool:
 
 def _visited(run: Run, trained: bool) -> np.ndarray:
     """Return the states of the logs behind the residual, where the logs still exist. [K, 2]."""
-    parent = run.asked.parent
+    parent = run.config.parent
     places = [run.path.parent / Path(parent).name, Path(parent)] if trained and parent else []
     for place in places or [run.path]:
         try:

@@ -12,7 +12,7 @@ from jaxtyping import PRNGKeyArray
 from neuralgaits import _notebook
 from neuralgaits._inputs import same_folder
 from neuralgaits._quick_jit import quick_filter_jit
-from neuralgaits.analysis.learned import Learned
+from neuralgaits.analysis.learned import LearnedResiduals
 from neuralgaits.barriers import Gait, GaitSpec, specs
 from neuralgaits.errors import RunError
 from neuralgaits.gait import NO_RESIDUALS, AbstractPolicy, Residuals, ZeroDynamics
@@ -21,8 +21,8 @@ from neuralgaits.gait.commands import Command, Pair, values
 from neuralgaits.gait.policies.commanded import CommandedPolicy
 from neuralgaits.gait.policies.commanded_gait import AnyGait, CommandedGait
 from neuralgaits.gait.reset_residual import ResetCorrection
-from neuralgaits.records.trained import Trained, trained_of
-from neuralgaits.records.training_config import TrainingConfig, asked_of
+from neuralgaits.records.trained import TrainingSummary, trained_of
+from neuralgaits.records.training_config import TrainingConfig, config_of
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.robots.mjcf.loader import robot_from_text
 from neuralgaits.runs import RunFolder, plain, resolve
@@ -53,7 +53,7 @@ class Run:
         """Return one line with folder, robot, spec and what was recorded of its conditions."""
         command = "" if self.command is None else f" at {dict(self.command)}"
         try:
-            config, outcome = self.asked, self._on_samples
+            config, outcome = self.config, self._on_samples
         except RunError:
             # Whoever looks at it may be looking for what is wrong with it.
             return f"<Run {self.path}{command}: {self.robot.name}, files damaged>"
@@ -86,7 +86,7 @@ class Run:
         count, broken = len(summary.conditions), len(summary.broken)
         outcome = f"all {count}" if not broken else f"{count - broken} of {count}"
         of = "" if summary.tied else ", of weights that the record does not name"
-        when = "in training" if self.asked.as_given is None else "when it was made"
+        when = "in training" if self.config.as_given is None else "when it was made"
         return f"recorded {when}: {outcome} conditions hold on fresh samples{of}"
 
     @cached_property
@@ -117,12 +117,12 @@ class Run:
         return self.folder.path
 
     @cached_property
-    def asked(self) -> TrainingConfig:
+    def config(self) -> TrainingConfig:
         """Settings with which the training was started."""
-        return asked_of(self.folder)
+        return config_of(self.folder)
 
     @property
-    def summary(self) -> Trained:
+    def summary(self) -> TrainingSummary:
         """Summary that `train --json` printed; figures of other weights are left out.
 
         Raises: RunError if it is damaged.
@@ -130,14 +130,14 @@ class Run:
         return trained_of(self.path)
 
     @cached_property
-    def learned(self) -> Learned | None:
+    def learned(self) -> LearnedResiduals | None:
         """Corrections of the robot's model that the training used; None if there were none.
 
         Raises: RunError if the file is not as it was.
         """
         if RESIDUAL not in self.folder.copies:
             return None
-        return Learned.read(self.folder.copied(RESIDUAL), self.robot.n - 1)
+        return LearnedResiduals.read(self.folder.copied(RESIDUAL), self.robot.n - 1)
 
     @property
     def residuals(self) -> Residuals:
@@ -227,7 +227,7 @@ def _shaped(folder: RunFolder, spec: GaitSpec) -> AnyGait:
     The values that training started from are left out: computing them takes a second. A user's own
     function may do with them as it likes, so it gets them.
     """
-    if not specs.is_built_in(asked_of(folder).spec):
+    if not specs.is_built_in(config_of(folder).spec):
         return untrained(folder, spec)
     shapes_kept = {}
 
@@ -246,7 +246,7 @@ def _shaped(folder: RunFolder, spec: GaitSpec) -> AnyGait:
 @same_folder()
 def open_parts(folder: RunFolder) -> tuple[PlanarBiped, GaitSpec]:
     """Open robot and spec of a run, from the run's own copies."""
-    config = asked_of(folder)
+    config = config_of(folder)
     robot = robot_from_text(folder.copy(ROBOT), config.robot)
     name = config.spec
     if not specs.is_built_in(name):
@@ -281,7 +281,7 @@ def open_parts(folder: RunFolder) -> tuple[PlanarBiped, GaitSpec]:
 
 def untrained(folder: RunFolder, spec: GaitSpec) -> AnyGait:
     """Return the gait the run started from, before any posture steps."""
-    gait = _new_gait(folder, spec, jax.random.key(asked_of(folder).seed))
+    gait = _new_gait(folder, spec, jax.random.key(config_of(folder).seed))
     if START not in folder.copies:
         return gait
     folder.copied(START)  # Refuses weights that were changed since.
@@ -290,5 +290,5 @@ def untrained(folder: RunFolder, spec: GaitSpec) -> AnyGait:
 
 @same_folder()
 def _new_gait(folder: RunFolder, spec: GaitSpec, key: PRNGKeyArray) -> AnyGait:
-    config = asked_of(folder)
+    config = config_of(folder)
     return spec.new_gait(key, config.init, config.hidden)

@@ -20,9 +20,6 @@ LONGEST_STEP = 1.0
 """Longest step in leg lengths: legs 60 degrees apart at touchdown."""
 LEGS_M = (0.02, 20.0)
 """Shortest and longest legs that are likely to be meant (m); else a file may be in millimetres."""
-BENT = 0.25
-"""Inertia of a leg about its hip with the knee bent as far as it goes, as a share of the straight
-leg's: half as long."""
 
 
 def fastest_by_gravity(robot: PlanarBiped) -> float:
@@ -37,7 +34,9 @@ def fastest_by_torque(robot: PlanarBiped) -> float:
     step within the time T of that step: at full torque one way and then the other this takes
     4 I a / T^2. A walk asks for more, since the foot leaves the floor going backwards.
     """
-    inertia = BENT * _leg_inertia(robot)
+    # Inertia of a leg about its hip with the knee bent as far as it goes, as a share of the
+    # straight leg's: half as long.
+    inertia = 0.25 * _leg_inertia(robot)
     angle = 2.0 * math.asin(0.5 * LONGEST_STEP)
     torque = float(robot.torque_limit[_swing_hip(robot) - 1])
     time = math.sqrt(4.0 * inertia * angle / torque)

@@ -28,8 +28,6 @@ FENCE_DEGREE = 16
 LEAN = 0.35
 """Largest lean of the torso to either side [rad]: 20 degrees, more than in any published gait of
 such robots."""
-ALPHA = 10.0
-"""Class-K gain of that barrier, in units of the reference robot's time [1/s]."""
 LIFT_OFF, LANDING = 0.05, 0.95
 """Phases between which the foot must be above the ground: at the ends it is on it."""
 OUTPUT_ERROR, RATE_ERROR = 1e-3, 2e-2
@@ -91,7 +89,8 @@ def _stance(robot: "PlanarBiped") -> list[Barrier | Pointwise]:
     weight, speed, cone = unit.weight_n, unit.speed, float(robot.friction)
     conditions: list[Barrier | Pointwise] = []
     if robot.torso is not None:
-        alpha, scale = ALPHA / unit.time, 3.3 / unit.time
+        # Class-K gain of that barrier, in units of the reference robot's time [1/s].
+        alpha, scale = 10.0 / unit.time, 3.3 / unit.time
         conditions += [
             Barrier("torso-lower", "tube", scale, f.at_least(f.torso_angle, -LEAN), alpha),
             Barrier("torso-upper", "tube", scale, f.at_most(f.torso_angle, LEAN), alpha),

@@ -106,7 +106,7 @@ class ChartPoint(NamedTuple):
 
     plane: Float[Array, "2"]
     """Phase and level of the point."""
-    told: Float[Array, " c"]
+    commands: Float[Array, " c"]
     """Point of the commands' axes."""
     errors: Float[Array, " k"]
     """Errors of the robot's parameters."""

@@ -12,12 +12,12 @@ from rich.text import Text
 from neuralgaits._digits import at_least
 from neuralgaits.cli.screen_tables import number, show_facts, show_sentence, verdict
 from neuralgaits.records.certified import PROOF, CertificateRecord
-from neuralgaits.records.checked import Checked
-from neuralgaits.records.fitted import Fitted
+from neuralgaits.records.checked import ProofCheck
+from neuralgaits.records.fitted import FitSummary
 from neuralgaits.records.levels import FULL_ORDER_LEVEL, WORDS
-from neuralgaits.records.reported import Reported
-from neuralgaits.records.simulated import Simulated
-from neuralgaits.records.trained import Trained
+from neuralgaits.records.reported import ReportRecord
+from neuralgaits.records.simulated import SimulationSummary
+from neuralgaits.records.trained import TrainingSummary
 from neuralgaits.runs.shell_words import command, named
 
 _NAMED = 3
@@ -30,7 +30,7 @@ _SUBJECTS = {
 """Subject of the levels below full order, and of the others."""
 
 
-def brief_training(result: Trained) -> None:
+def brief_training(result: TrainingSummary) -> None:
     """Print whether a training's conditions hold on fresh samples, and what to do next."""
     assert not result.broken  # A training that failed is shown whole.
     count = len(result.conditions)
@@ -53,7 +53,7 @@ def brief_training(result: Trained) -> None:
     show_facts(facts)
 
 
-def brief_walks(result: Simulated) -> None:
+def brief_walks(result: SimulationSummary) -> None:
     """Print how many walks stayed up, how fast they went, and what made others fall."""
     count, steps = len(result.fell), result.steps_walked or (0,)
     span = f"{min(steps)}" if len(set(steps)) == 1 else f"{min(steps)} to {max(steps)}"
@@ -102,7 +102,7 @@ def brief_walks(result: Simulated) -> None:
     show_facts(facts)
 
 
-def _after_walks(result: Simulated) -> str:
+def _after_walks(result: SimulationSummary) -> str:
     """Return the command to give next: look at a fall, prove a gait, read about a proved one."""
     if result.stayed < len(result.fell):
         return command("view", named(result.run))
@@ -152,7 +152,7 @@ def brief_proof(result: CertificateRecord) -> None:
     show_facts(facts)
 
 
-def _arithmetic(result: Checked) -> str:
+def _arithmetic(result: ProofCheck) -> str:
     """Return in what arithmetic boxes were bounded."""
     if result.arithmetic == "balls":
         return "all in balls"
@@ -161,7 +161,7 @@ def _arithmetic(result: Checked) -> str:
     return "in doubles"
 
 
-def brief_check(result: Checked) -> None:
+def brief_check(result: ProofCheck) -> None:
     """Print the verdict on a proof file, what it is about, and that it rests on assumptions."""
     reason = f": {result.reason}" if result.reason else ""
     show_sentence(verdict(result.verdict), reason)
@@ -176,7 +176,7 @@ def brief_check(result: Checked) -> None:
     show_facts(facts)
 
 
-def brief_fit(result: Fitted) -> None:
+def brief_fit(result: FitSummary) -> None:
     """Print by how much a residual lowers the prediction error, and what error it leaves."""
     learned, nominal = result.heldout_error, result.nominal_heldout_error
     if result.better and nominal and learned is not None:
@@ -202,7 +202,7 @@ def brief_fit(result: Fitted) -> None:
     )
 
 
-def brief_report(result: Reported) -> None:
+def brief_report(result: ReportRecord) -> None:
     """Print the page to open, what is damaged, and how much could still be made."""
     size = f"{len(result.figures)} figures, {result.bytes / 1e6:.1f} MB, opens without a network"
     show_sentence(Text("written", "green"), f": {size}")

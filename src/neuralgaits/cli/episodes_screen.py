@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from rich.text import Text
 
 from neuralgaits.cli.screen_tables import show_facts, show_sentence, show_table
-from neuralgaits.records.episode_records import EpisodesDone
+from neuralgaits.records.episode_records import EpisodesSummary
 from neuralgaits.records.record import Pair
 from neuralgaits.runs.shell_words import command, named
 
@@ -14,7 +14,7 @@ _HEAD = ("round", "steps", "stay up", "0.8-1.2 z2", "speeds m/s", "in tube", "er
 the model's. It fits 80 columns."""
 
 
-def show_episodes(result: EpisodesDone) -> None:
+def show_episodes(result: EpisodesSummary) -> None:
     """Show a line for each round, and the next command."""
     rounds = result.rounds
     if rounds and (share := rounds[-1].share_that_walks) is not None:

@@ -9,7 +9,7 @@ from neuralgaits.cli.screen_tables import show_sentence, show_table
 from neuralgaits.records.exported import (
     Agreement,
     ControllerExport,
-    Exported,
+    ExportRecord,
     Model,
     ModelAgreement,
     ModelExport,
@@ -19,7 +19,7 @@ from neuralgaits.records.exported import (
 )
 
 
-def show_export(result: Exported) -> None:
+def show_export(result: ExportRecord) -> None:
     """Show whether the export agrees with Python, and how close, how fast and how large it is."""
     count = f"{len(result.files)} files in {result.out}"
     for warning in result.warnings:

@@ -8,7 +8,7 @@ from neuralgaits.cli.arguments import ImportGaitOptions, OptimiseOptions
 from neuralgaits.cli.argv_parser import given
 from neuralgaits.cli.outcome import Outcome
 from neuralgaits.cli.screen_tables import number, show_facts, show_sentence, show_table
-from neuralgaits.records.trained import Trained
+from neuralgaits.records.trained import TrainingSummary
 from neuralgaits.runs.shell_words import command, named
 from neuralgaits.settings import ImportGaitSettings, OptimiseSettings
 
@@ -33,7 +33,7 @@ def carry_out_import(verb: ImportGaitOptions) -> Outcome:
     return Outcome(run.summary, True, show_given)
 
 
-def show_given(result: Trained) -> None:
+def show_given(result: TrainingSummary) -> None:
     """Show the orbit, whether the limits hold in the tube around it, and the next command."""
     broken = result.broken
     if broken:

@@ -3,7 +3,7 @@
 from rich.text import Text
 
 from neuralgaits.cli.screen_tables import show_facts, show_sentence, show_table
-from neuralgaits.records.fitted import Fitted, TouchdownErrors
+from neuralgaits.records.fitted import FitSummary, TouchdownErrors
 from neuralgaits.runs.shell_words import command, named
 
 _LANDINGS = (
@@ -14,7 +14,7 @@ _LANDINGS = (
 )
 
 
-def show_fit(result: Fitted) -> None:
+def show_fit(result: FitSummary) -> None:
     """Show errors with and without the residual, at touchdowns, too, and the data that was used."""
     learned, nominal, better = result.heldout_error, result.nominal_heldout_error, result.better
     share = f"{100.0 * learned / nominal:.3g} %" if nominal and learned is not None else "all"

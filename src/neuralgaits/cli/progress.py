@@ -24,8 +24,6 @@ _LINES = 10
 """Approximate number of lines in place of a bar."""
 _BAR = 24
 """Width of a bar [characters], with which the whole line fits 80 columns."""
-_QUIET_S = 30.0
-"""Longest silence of a task that has not advanced by another tenth [s]."""
 MANY_BOXES: dict[Arithmetic, int] = {"doubles": 10_000_000, "balls": 100_000}
 """From here on a proof takes this program hours to check, and the C++ checker minutes."""
 _NAMED = 3
@@ -164,7 +162,8 @@ class _Share(_OnTerminal):
         elif share >= self._next_share or now >= self._next_time:
             # The last line is the whole: no tenth after it.
             self._next_share = min(share + 1.0 / _LINES, 1.0) if share < 1.0 else 2.0
-            self._next_time = now + _QUIET_S
+            # Longest silence of a task that has not advanced by another tenth [s].
+            self._next_time = now + 30.0
             self._line(f"{self._what} {100.0 * share:.1f} %  {count}")
 
 

@@ -19,7 +19,7 @@ from neuralgaits.records.certified import (
     ConditionVerdict,
     TheoremConstant,
 )
-from neuralgaits.records.checked import Checked
+from neuralgaits.records.checked import ProofCheck
 
 _INDENT = 2
 _TOGETHER = 4
@@ -80,7 +80,7 @@ def _row(name: str, entry: ConditionVerdict) -> tuple[Any, ...]:
     return name, verdict(entry.verdict), share, bound, number(entry.boxes), detail
 
 
-def show_check(result: Checked) -> None:
+def show_check(result: ProofCheck) -> None:
     """Show the verdict and its reason, the claims of the file, and their assumptions."""
     reason = f": {result.reason}" if result.reason else ""
     show_sentence(verdict(result.verdict), reason)

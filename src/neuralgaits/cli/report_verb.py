@@ -6,7 +6,7 @@ from neuralgaits.cli.arguments import ReportOptions
 from neuralgaits.cli.brief import brief_report
 from neuralgaits.cli.outcome import Outcome
 from neuralgaits.cli.screen_tables import show_facts, show_sentence
-from neuralgaits.records.reported import Reported
+from neuralgaits.records.reported import ReportRecord
 
 _INDENT = 2
 
@@ -22,7 +22,7 @@ def carry_out_report(verb: ReportOptions) -> Outcome:
     return Outcome(written.summary, True, show_report, brief=brief_report)
 
 
-def show_report(result: Reported) -> None:
+def show_report(result: ReportRecord) -> None:
     """Show where the page is, what is in it, and which commands would add the missing parts."""
     size = result.bytes / 1e6
     sentence = f": {len(result.figures)} figures, {size:.1f} MB, opens without a network"

@@ -19,14 +19,14 @@ from neuralgaits.cli.screen_tables import (
 )
 from neuralgaits.errors import RunError
 from neuralgaits.records.link_figures import LOCKSTEP, LinkFigures
-from neuralgaits.records.simulated import Simulated
-from neuralgaits.records.trained import Trained, TrainingProof
-from neuralgaits.records.training_config import asked_of
+from neuralgaits.records.simulated import SimulationSummary
+from neuralgaits.records.trained import TrainingProof, TrainingSummary
+from neuralgaits.records.training_config import config_of
 from neuralgaits.runs import RunFolder
 from neuralgaits.runs.shell_words import command, named
 
 
-def show_training(result: Trained) -> None:
+def show_training(result: TrainingSummary) -> None:
     """Show whether the conditions hold on fresh samples, which ones fail, and what to do next."""
     broken = result.broken
     if broken:
@@ -62,7 +62,7 @@ def show_training(result: Trained) -> None:
     show_facts(facts)
 
 
-def _to_mend(result: Trained, worst: str) -> list[tuple[str, str]]:
+def _to_mend(result: TrainingSummary, worst: str) -> list[tuple[str, str]]:
     """Return what to do about failing conditions; only general advice if the run is missing."""
     # Imported here: few commands need it.
     from neuralgaits.report.page import repeat_commands
@@ -76,7 +76,7 @@ def _to_mend(result: Trained, worst: str) -> list[tuple[str, str]]:
             ("train longer", repeat_commands.longer(folder)),
             ("another seed", repeat_commands.another_seed(folder)),
         ]
-        if asked_of(folder).given is not None:
+        if config_of(folder).given is not None:
             # Its spec is no choice of the user's; a trained policy meets its start as it is made.
             last = "or a network", command("train", repeat_commands.robot_word(folder))
     except RunError:
@@ -97,11 +97,7 @@ def _proof_of_training(proof: TrainingProof) -> Text:
     return Text.assemble(outcome, f" at level 1 after {repairs}, {margin}")
 
 
-_MANY_SATURATED = 0.05
-"""Share of ticks above which saturation is mentioned; a touchdown alone causes a tenth of it."""
-
-
-def show_walks(result: Simulated) -> None:
+def show_walks(result: SimulationSummary) -> None:
     """Show how far each episode came, what stopped it, and the gait's figures."""
     walks, count = result.steps_walked, len(result.fell)
     span = _span(walks or (0,))
@@ -129,7 +125,8 @@ def show_walks(result: Simulated) -> None:
     rows = [(label, f"{number(v)} {unit}".rstrip()) for label, v, unit in figures if v is not None]
     show_table(("figure", "value"), rows)
     share = result.saturated_fraction
-    if share is not None and share > _MANY_SATURATED:
+    # Share of ticks above which saturation is mentioned; a touchdown alone causes a tenth of it.
+    if share is not None and share > 0.05:
         show_sentence(
             f"{share:.0%} of ticks are at the torque limit: what walks here has no torque in "
             "reserve; a slower gait (`train --speed`), stronger motors or lower gains have"
@@ -160,7 +157,7 @@ def show_walks(result: Simulated) -> None:
     _settings_of_walks(result)
 
 
-def _adapted(result: Simulated) -> None:
+def _adapted(result: SimulationSummary) -> None:
     """Show what was adapted and learned from step to step."""
     if result.adapted is not None:
         show_sentence(f"adapted {result.adapted.in_words}")
@@ -172,7 +169,7 @@ def _adapted(result: Simulated) -> None:
         show_sentence(f"learned {result.learned_lean.in_words}")
 
 
-def _settings_of_walks(result: Simulated) -> None:
+def _settings_of_walks(result: SimulationSummary) -> None:
     """Show what walked, and under which conditions."""
     names = ("plant", "simulator", "controller", "engine", "terrain", "start", "push", "run")
     facts = [(name, value) for name in names if (value := getattr(result, name)) is not None]
@@ -224,7 +221,7 @@ def _held(count: int) -> str:
     return "its condition holds" if count == 1 else f"all {count} conditions hold"
 
 
-def _disturbed(result: Simulated) -> Iterable[tuple[str, Any]]:
+def _disturbed(result: SimulationSummary) -> Iterable[tuple[str, Any]]:
     """Return the disturbances that differ from their defaults."""
     from neuralgaits.simulation.setup.disturbance import PlantChanges
 

@@ -7,7 +7,7 @@ from neuralgaits.cli.argv_parser import given
 from neuralgaits.cli.outcome import Outcome
 from neuralgaits.cli.screen_tables import ROWS, number, show_facts, show_sentence, show_table
 from neuralgaits.errors import InputError
-from neuralgaits.records.trained import TrainedSeed, TrainedSeeds
+from neuralgaits.records.trained import SeedsSummary, SeedSummary
 from neuralgaits.runs.shell_words import command, named
 from neuralgaits.settings import TrainSeedsSettings
 
@@ -48,7 +48,7 @@ def carry_out_seeds(verb: TrainOptions) -> Outcome:
     return Outcome(summary.summary, not summary.summary.refused, show_seeds)
 
 
-def show_seeds(result: TrainedSeeds) -> None:
+def show_seeds(result: SeedsSummary) -> None:
     """Show how many seeds satisfy all conditions, which ones do not, and the best seed."""
     every, holding, refused = len(result.seeds), result.holding, result.refused
     state = Text("trained", "yellow" if refused else "green")
@@ -77,9 +77,9 @@ def show_seeds(result: TrainedSeeds) -> None:
     show_facts(facts)
 
 
-def _count(one: TrainedSeed) -> int:
+def _count(one: SeedSummary) -> int:
     return len(one.broken or ())
 
 
-def _broken(one: TrainedSeed) -> str:
+def _broken(one: SeedSummary) -> str:
     return ", ".join(one.broken or ())

@@ -6,7 +6,7 @@ from neuralgaits.cli.arguments import SweepOptions
 from neuralgaits.cli.argv_parser import given
 from neuralgaits.cli.outcome import Outcome
 from neuralgaits.cli.screen_tables import show_facts, show_sentence
-from neuralgaits.records.swept import SweepRow, Swept
+from neuralgaits.records.swept import SweepRow, SweepSummary
 from neuralgaits.runs.shell_words import command, named
 from neuralgaits.settings import SweepSettings
 
@@ -26,7 +26,7 @@ def carry_out_sweep(verb: SweepOptions) -> Outcome:
     return Outcome(summary, not summary.failed, show_sweep, undecided=summary.lost > 0)
 
 
-def show_sweep(result: Swept) -> None:
+def show_sweep(result: SweepSummary) -> None:
     """Show how many rows there are, and where the table and the page are."""
     good = result.rows - result.failed
     state = Text("done", "green") if not result.failed else Text("not all done", "yellow")

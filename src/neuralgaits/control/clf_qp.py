@@ -24,7 +24,7 @@ from neuralgaits.control.law import (
     CompiledLaw,
     Demand,
     Desired,
-    Limited,
+    LimitedTorque,
     MeasuredState,
     Outputs,
     errors,
@@ -33,15 +33,8 @@ from neuralgaits.robots.linear import solve
 
 DECAY = 0.75
 """Rate at which sqrt V falls under linearised outputs, in units of w."""
-SMALLEST_OUTPUT = 1e-9
-"""sqrt V below which outputs count as zero [rad]."""
-AT_LIMIT = 1e-6
-"""Share of a torque limit within which a torque counts as at it."""
 SLOWER = 1e-3
 """Excess of d sqrt V/dt over its bound from which a tick counts as relaxed [rad/s]."""
-OUT_OF_CONE = 1e-3
-"""Error of the forces beyond the friction cone, as a share of the weight, from which a tick counts
-as relaxed."""
 
 
 class ClfQp(AbstractLaw):
@@ -79,7 +72,7 @@ class ClfQp(AbstractLaw):
         """Return the law as compiled walks have it, which add the program in place of clipping."""
         return CompiledLaw("", model=True, bandwidth=self.bandwidth, exported=False)
 
-    def told(self, z: ZeroState) -> ZeroState:
+    def policy_state(self, z: ZeroState) -> ZeroState:
         """Return all of z, unchanged. [2]."""
         return z
 
@@ -91,17 +84,20 @@ class ClfQp(AbstractLaw):
         """Return the linearising torques. [m] (N m)."""
         return self.linearising.torque(robot, reading, desired)
 
-    def apply_limits(self, robot: DrivenMechanism, demand: Demand) -> Limited:
-        """Solve the program. Returns: `Limited`."""
+    def apply_limits(self, robot: DrivenMechanism, demand: Demand) -> LimitedTorque:
+        """Solve the program. Returns: `LimitedTorque`."""
         torque, limit = demand.torque, demand.limit
         m, unit = robot.n - 1, jnp.max(limit)
         solution = minimise(self.program(robot, demand))
-        given_up = solution.x[m:] > np.array([SLOWER, OUT_OF_CONE])
+        # Error of the forces beyond the friction cone, as a share of the weight, from which a tick
+        # counts as relaxed.
+        given_up = solution.x[m:] > np.array([SLOWER, 1e-3])
         # A program without a solution in numbers: motors without torque.
         within = jnp.where(solution.converged, unit * solution.x[:m], torque)
         within = jnp.clip(within, -limit, limit)
-        at_limit = jnp.any(jnp.abs(within) >= (1.0 - AT_LIMIT) * limit)
-        return Limited(within, at_limit, given_up | ~solution.converged)
+        # Share of a torque limit within which a torque counts as at it.
+        at_limit = jnp.any(jnp.abs(within) >= (1.0 - 1e-6) * limit)
+        return LimitedTorque(within, at_limit, given_up | ~solution.converged)
 
     def program(self, robot: DrivenMechanism, demand: Demand) -> QuadraticProgram:
         """The program of one state. Torques are in units of the largest limit.
@@ -140,7 +136,8 @@ class ClfQp(AbstractLaw):
         y, dy = errors(reading, desired)
         one, two = dy / w, 2.0 * (y + dy / w)
         size = jnp.sqrt(one @ one + two @ two)
-        divisor = jnp.maximum(size, SMALLEST_OUTPUT)
+        # sqrt V below which outputs count as zero [rad].
+        divisor = jnp.maximum(size, 1e-9)
         lead = (one + 2.0 * two) / (w * divisor)
         gradient = robot.position_rows[0]
         along = desired.slope

@@ -104,19 +104,19 @@ class Controller(eqx.Module):
             joints=joints,
         )
 
-    def believed(self, told: CommandState) -> PlanarBiped:
+    def believed(self, now: CommandState) -> PlanarBiped:
         """Return the model of the step under way: leaning as it was told, if that is a command."""
-        return believed_robot(self.robot, self.policy.commands, told.pair.after)
+        return believed_robot(self.robot, self.policy.commands, now.pair.after)
 
-    def latch(self, told: CommandState, touchdown: Bool[Array, ""]) -> CommandState:
+    def latch(self, before: CommandState, touchdown: Bool[Array, ""]) -> CommandState:
         """Take over what was requested, if the tick is a touchdown. Returns: `CommandState`."""
         commands = self.policy.commands
         if not commands:
-            return told
-        pair = command_state.next_pair(commands, told)
+            return before
+        pair = command_state.next_pair(commands, before)
         step = self.policy.parameters_of_step(self.robot, pair, self.reset_residual)
-        after = CommandState(told.requested, pair, step)
-        return jax.tree.map(lambda new, old: jnp.where(touchdown, new, old), after, told)
+        after = CommandState(before.requested, pair, step)
+        return jax.tree.map(lambda new, old: jnp.where(touchdown, new, old), after, before)
 
 
 @eqx.filter_jit
@@ -138,7 +138,7 @@ class ControllerState(NamedTuple):
     """Ticks until the policy is evaluated again."""
     held: Desired
     """Latest output of the policy."""
-    told: CommandState
+    commands: CommandState
     """Commands, and the parameters of the step under way."""
     ankle: Scalar | None = None
     """Torque of the stance ankle at the last tick [N m]; None on point feet."""
@@ -170,7 +170,7 @@ class TickResult(NamedTuple):
     saturated: Bool[Array, ""]
     """Whether any torque was clipped, or is at its limit."""
     relaxed: Bool[Array, "2"]
-    """Requirements that a law gave up to stay within limits, see `Limited`."""
+    """Requirements that a law gave up to stay within limits, see `LimitedTorque`."""
     told: Float[Array, "2 p"]
     """Commands of the step before, and of this one. [2, p]"""
     ankle: Scalar | None = None
@@ -205,8 +205,8 @@ def tell(
     controller: Controller, state: ControllerState, requested: Float[Array, " p"]
 ) -> ControllerState:
     """Request other commands from the next touchdown on, see `command_state.tell`."""
-    told = command_state.tell(controller.policy.commands, state.told, requested)
-    return state._replace(told=told)
+    updated = command_state.tell(controller.policy.commands, state.commands, requested)
+    return state._replace(commands=updated)
 
 
 def step(
@@ -221,7 +221,7 @@ def step(
     )
     q, dq = coordinates(robot, measurement, standing.leg)
     foot_velocity = stance_foot_velocity(robot, q, dq, measurement)
-    now = controller.latch(state.told, touchdown)
+    now = controller.latch(state.commands, touchdown)
     robot = controller.believed(now)
     reading = MeasuredState(q, dq, *zero_state(robot, q, dq, foot_velocity))
     reading = _with_ankle(controller, now, reading)
@@ -265,8 +265,8 @@ def _ask(controller: Controller, now: CommandState, reading: MeasuredState) -> D
 
 def _outputs(controller: Controller, now: CommandState) -> Outputs:
     """Return the policy of the step under way, with the z that the law gives it."""
-    policy, told = _step_policy(controller, now)
-    return lambda z: policy(told(z))
+    policy, policy_state = _step_policy(controller, now)
+    return lambda z: policy(policy_state(z))
 
 
 def _step_policy(
@@ -276,12 +276,12 @@ def _step_policy(
     policy = controller.policy.from_step_parameters(now.step_parameters)
     bounds = controller.bounds.over(policy)
     # After the bounds, whose interval need not hold what a law tells instead of z2.
-    return policy, lambda z: controller.law.told(bounds(z))
+    return policy, lambda z: controller.law.policy_state(bounds(z))
 
 
 def _with_ankle(controller: Controller, now: CommandState, reading: MeasuredState) -> MeasuredState:
     """Return a reading with the policy's torque of the stance ankle, if the robot has one."""
     if controller.robot.feet is None:
         return reading
-    policy, told = _step_policy(controller, now)
-    return stance_ankle.read(reading, lambda z: policy.ankle_torque(told(z)))
+    policy, policy_state = _step_policy(controller, now)
+    return stance_ankle.read(reading, lambda z: policy.ankle_torque(policy_state(z)))

@@ -39,7 +39,7 @@ class Fblin(AbstractLaw):
         """Its torques are the model's."""
         return True
 
-    def told(self, z: ZeroState) -> ZeroState:
+    def policy_state(self, z: ZeroState) -> ZeroState:
         """Return all of z, unchanged. [2]."""
         return z
 

@@ -19,8 +19,6 @@ GAP = 1e-11
 """Mean product of slack and multiplier at which the rounds end, in units of the problem."""
 CLOSED = 1e-10
 """Size below which a round that does not reduce it is not taken, since rounding dominates."""
-SHORT_OF_BOUND = 0.995
-"""Share of the way to the nearest bound that a round may go."""
 
 
 class QuadraticProgram(NamedTuple):
@@ -93,7 +91,8 @@ def _round(program: QuadraticProgram, point: _Point) -> _Point:
     left = jnp.mean((slack + far * ahead.slack) * (multiplier + far * ahead.multiplier))
     centring = (left / gap) ** 3
     step = towards(slack * multiplier + ahead.slack * ahead.multiplier - centring * gap)
-    length = SHORT_OF_BOUND * _longest(point, step)
+    # Share of the way to the nearest bound that a round may go.
+    length = 0.995 * _longest(point, step)
     return jax.tree.map(lambda value, change: value + length * change, point, step)
 
 

@@ -59,7 +59,7 @@ class Demand(NamedTuple):
     """Torque limit of every motor [N m]. [m]"""
 
 
-class Limited(NamedTuple):
+class LimitedTorque(NamedTuple):
     """Torques within the limits, and which limits were active."""
 
     torque: Actuated
@@ -132,7 +132,7 @@ class AbstractLaw(eqx.Module):
         return False
 
     @abstractmethod
-    def told(self, z: ZeroState) -> ZeroState:
+    def policy_state(self, z: ZeroState) -> ZeroState:
         """Return z as the policy gets it, from the measured and bounded z. [2]."""
 
     @abstractmethod
@@ -143,10 +143,10 @@ class AbstractLaw(eqx.Module):
     def torque(self, robot: DrivenMechanism, reading: MeasuredState, desired: Desired) -> Actuated:
         """Joint torques before saturation. Returns: [m] (N m)."""
 
-    def apply_limits(self, robot: DrivenMechanism, demand: Demand) -> Limited:
-        """Clip the torques that the law asks for. Returns: `Limited`."""
+    def apply_limits(self, robot: DrivenMechanism, demand: Demand) -> LimitedTorque:
+        """Clip the torques that the law asks for. Returns: `LimitedTorque`."""
         clipped, saturated = saturate(demand.torque, demand.limit)
-        return Limited(clipped, saturated, jnp.zeros(2, bool))
+        return LimitedTorque(clipped, saturated, jnp.zeros(2, bool))
 
 
 def compiled_law(law: AbstractLaw) -> CompiledLaw | None:

@@ -87,7 +87,7 @@ class Pd(AbstractLaw):
         """Where z2 is measured: desired rates of a touchdown are held beyond it."""
         return self.measure_z2
 
-    def told(self, z: ZeroState) -> ZeroState:
+    def policy_state(self, z: ZeroState) -> ZeroState:
         """All of z, or z1 with z2 = 0. Returns: [2]."""
         return z if self.measure_z2 else z * jnp.array([1.0, 0.0])
 

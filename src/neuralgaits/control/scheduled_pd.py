@@ -111,7 +111,7 @@ class ScheduledPd(AbstractLaw):
         """Whether it predicts rates."""
         return self.predicts_rates
 
-    def told(self, z: ZeroState) -> ZeroState:
+    def policy_state(self, z: ZeroState) -> ZeroState:
         """Return all of z, unchanged. [2]."""
         return z
 

@@ -17,8 +17,6 @@ from neuralgaits.records.deployed import DeploymentFinding
 
 CLEAR = 2.0
 """Factor by which one motor must move more than all others."""
-TYPICAL_MOTION = 0.5
-"""What the largest motion of a motor is taken for if all of them moved [rad]."""
 LEAST_MOTION = 0.05
 """Smallest motion that counts [rad]."""
 ZERO_TOLERANCE = 0.05
@@ -75,7 +73,8 @@ def _motors_seen(motion: LabelledMotion, log: HungLog) -> dict[str, list[tuple[i
     if {name for name, _ in windows} == by_joint:
         # Each motor moved, so each has a scale of its own: its gear may belong to another joint.
         spans = [np.ptp(log.position[rows], axis=0) for _, rows in windows]
-        scale = np.maximum(np.max(spans, axis=0) / TYPICAL_MOTION, 1e-9)
+        # What the largest motion of a motor is taken for if all of them moved [rad].
+        scale = np.maximum(np.max(spans, axis=0) / 0.5, 1e-9)
     for name, rows in windows:
         span = np.ptp(log.position[rows], axis=0) / scale
         order = np.argsort(span)[::-1]

@@ -16,15 +16,11 @@ from scipy.signal import savgol_filter
 from neuralgaits._types import Float
 from neuralgaits.deployment.hanging_leg import HangingLeg
 
-SMOOTHED_S = 0.2
-"""Length of the window of the cubic that angles and torques are smoothed by [s]."""
 ROWS_HZ = 25.0
 """Rows that are fitted, a second: further ones say nothing more after smoothing."""
 ZERO_PRIOR, KNOWN_ZERO = 0.5, 0.03
 """Standard deviations of a zero's error before torques are looked at: if nothing is known of it,
 and if the log has rows that show it [rad]."""
-MASS_PRIOR = 0.15
-"""Standard deviation of the factors of masses."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,7 +64,8 @@ class LegSeries:
         columns = np.column_stack([q, torque, pitch, driven])
         *rows, alone = (np.interp(even, time, column) for column in columns.T)
         data = np.column_stack(rows)
-        window = max(5, 2 * round(SMOOTHED_S / step / 2.0) + 1)
+        # Length of the window of the cubic that angles and torques are smoothed by [s].
+        window = max(5, 2 * round(0.2 / step / 2.0) + 1)
         k = q.shape[1]
         if len(even) < 3 * window:
             none = np.zeros((0, k))
@@ -147,9 +144,8 @@ class LegFitter:
         turns = np.ones(k)
         solved = np.zeros(4 * k)
         covariance = np.eye(4 * k)
-        prior = np.concatenate(
-            [self.prior, np.full(k, MASS_PRIOR), 0.02 * self.limit, 0.02 * self.limit]
-        )
+        # Standard deviation of the factors of masses.
+        prior = np.concatenate([self.prior, np.full(k, 0.15), 0.02 * self.limit, 0.02 * self.limit])
         residual = torque
         for turn in range(5):
             plain, links = self._torques(series, flips, zeros, pitch_flip)

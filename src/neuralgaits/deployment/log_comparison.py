@@ -23,10 +23,6 @@ EXPLAINED = 0.6
 """Share of a joint's torque that may be unexplained if it is to say anything."""
 TILT = 0.1
 """Smallest tilt that shows the sign of the pitch [rad]."""
-LEAST_ROWS = 30
-"""Fewest rows that torques are fitted on."""
-SWING = 0.1
-"""Largest motion of a torso that is held [rad]."""
 BEYOND = 0.05
 """How far beyond its range a joint may be [rad]."""
 
@@ -95,7 +91,8 @@ def _fitted(
             [one.sign * one.gear * log.torque[:, log.motors.index(one.motor)] for one in own]
         )
         series = LegSeries.smoothed(log.time, angles, torque, pitch, driven)
-        if len(series.q) < LEAST_ROWS:
+        # Fewest rows that torques are fitted on.
+        if len(series.q) < 30:
             labelled.unchecked.append("torques: too few rows in which drives move joints")
             return []
         fitter = LegFitter(
@@ -140,7 +137,8 @@ def _driven(labelled: LabelledMotion, log: HungLog) -> Float[np.ndarray, " t"]:
     joints = {one.joint for one in labelled.file.joints}
     for name, _, rows in log.windows():
         swing = float(np.ptp(log.pitch[rows]))
-        if name in joints and swing > SWING:
+        # Largest motion of a torso that is held [rad].
+        if name in joints and swing > 0.1:
             labelled.unchecked.append(
                 f"torques of {name}: the torso swung by {swing:.2g} rad meanwhile: hold it"
             )

@@ -7,9 +7,6 @@ from neuralgaits.deployment.deployment_file import ContactChannel, DeploymentFil
 from neuralgaits.deployment.hung_log import HungLog
 from neuralgaits.records.deployed import DeploymentFinding
 
-LEAST_FORCE_SHARE = 0.05
-"""Least change of a contact that is pressed, as a share of the largest reading of any."""
-
 
 def pressed_feet(file: DeploymentFile, log: HungLog) -> tuple[list[DeploymentFinding], list[str]]:
     """Compare the channels that answer to feet that are pressed with the file's.
@@ -47,7 +44,8 @@ def _answering(log: HungLog, rows: slice) -> int | None:
     # For most of the log no foot is pressed.
     span = np.abs(log.contact[rows] - np.median(log.contact, axis=0)).max(axis=0)
     # A reading that only trembles answers to nothing.
-    least = LEAST_FORCE_SHARE * np.abs(log.contact).max(initial=0.0)
+    # Least change of a contact that is pressed, as a share of the largest reading of any.
+    least = 0.05 * np.abs(log.contact).max(initial=0.0)
     return log.channels[int(np.argmax(span))] if span.max() > least else None
 
 

@@ -15,13 +15,12 @@ MOST_ROWS = 64
 """Longest list."""
 LEAST = 1e-6
 """Least of the numbers above 0: with a smaller gear, single precision overflows."""
-_LARGEST = 1e9
-"""Largest number; C computes in single precision, too."""
 
 
 def _number(text: str) -> float:
     value = float(text)
-    if not math.isfinite(value) or abs(value) > _LARGEST or "_" in text:
+    # Largest number; C computes in single precision, too.
+    if not math.isfinite(value) or abs(value) > 1e9 or "_" in text:
         raise ValueError
     return value
 

@@ -8,16 +8,16 @@ became of each as it comes.
 from neuralgaits.engine.choice import worker_pool_for
 from neuralgaits.engine.processes import Processes
 from neuralgaits.engine.serial import Serial
-from neuralgaits.engine.task import Done, Failure, Files, Job, Settings, WorkerPool
+from neuralgaits.engine.task import Failure, Files, Job, Settings, TaskResult, WorkerPool
 
 __all__ = [
-    "Done",
     "Failure",
     "Files",
     "Job",
     "Processes",
     "Serial",
     "Settings",
+    "TaskResult",
     "WorkerPool",
     "worker_pool_for",
 ]

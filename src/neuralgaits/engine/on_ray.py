@@ -17,16 +17,21 @@ from collections.abc import Generator, Iterable
 from typing import Any
 
 from neuralgaits.engine.carry import carry_out, differing, versions
-from neuralgaits.engine.task import TRIES, Done, Failure, Files, Job, Task, WorkerPool, name_of
+from neuralgaits.engine.task import (
+    TRIES,
+    Failure,
+    Files,
+    Job,
+    Task,
+    TaskResult,
+    WorkerPool,
+    name_of,
+)
 from neuralgaits.errors import InputError
 
 LOCAL, AUTO = "local", "auto"
-_AHEAD = 2
-"""Tasks under way for each core: the next one waits on the node where it will run."""
 _COUNT_S = 5.0
 """Interval between two counts of the cluster's cores, since nodes come and go [s]."""
-_REACH_S = 5.0
-"""Longest time that a head may take to answer [s]."""
 
 
 class OnRay(WorkerPool):
@@ -86,7 +91,7 @@ class OnRay(WorkerPool):
 
     def map(
         self, task: Task, jobs: Iterable[Job], *, common: Files | None = None
-    ) -> Generator[Done, None, None]:
+    ) -> Generator[TaskResult, None, None]:
         """Carry out the jobs as remote Ray functions; see `WorkerPool.map`."""
         ray, named, left = self._ray, name_of(task), iter(jobs)
         remote = ray.remote(num_cpus=1, max_retries=0)(_carry_out_here)
@@ -96,7 +101,8 @@ class OnRay(WorkerPool):
         busy: dict[Any, tuple[Job, int]] = {}
         try:
             while True:
-                while len(busy) < _AHEAD * self.workers:
+                # Tasks under way for each core: the next one waits on the node where it will run.
+                while len(busy) < 2 * self.workers:
                     job, tried = again.popleft() if again else (next(left, None), 0)
                     if job is None:
                         break
@@ -112,7 +118,7 @@ class OnRay(WorkerPool):
                         continue
                     if failure is not None and failure.kind == "lost":
                         failure = Failure("lost", f"tried {tried} times; at last {failure.reason}")
-                    yield Done(job.name, files, failure, tried, wall)
+                    yield TaskResult(job.name, files, failure, tried, wall)
         finally:
             for one in busy:
                 ray.cancel(one, force=True)
@@ -182,7 +188,8 @@ def _reach(address: str) -> None:
             "prints the address of a cluster"
         )
     try:
-        socket.create_connection((host, int(port)), timeout=_REACH_S).close()
+        # Longest time that a head may take to answer [s].
+        socket.create_connection((host, int(port)), timeout=5.0).close()
     except (OSError, OverflowError) as error:
         raise InputError(
             f"expected a Ray cluster at {address}, found none ({error}): start its head with "

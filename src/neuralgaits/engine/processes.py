@@ -16,7 +16,16 @@ from multiprocessing.process import BaseProcess
 
 from neuralgaits._environment import one_thread, prepare
 from neuralgaits.engine.carry import carry_out
-from neuralgaits.engine.task import TRIES, Done, Failure, Files, Job, Task, WorkerPool, name_of
+from neuralgaits.engine.task import (
+    TRIES,
+    Failure,
+    Files,
+    Job,
+    Task,
+    TaskResult,
+    WorkerPool,
+    name_of,
+)
 from neuralgaits.errors import InputError
 
 _READY = "ready"
@@ -54,7 +63,7 @@ class Processes(WorkerPool):
 
     def map(
         self, task: Task, jobs: Iterable[Job], *, common: Files | None = None
-    ) -> Generator[Done, None, None]:
+    ) -> Generator[TaskResult, None, None]:
         """Carry out the jobs in processes of this machine; see `WorkerPool.map`."""
         named, left = name_of(task), iter(jobs)
         again: deque[tuple[Job, int]] = deque()
@@ -87,7 +96,7 @@ class Processes(WorkerPool):
                         if tried < TRIES:
                             again.append((job, tried))
                         else:
-                            yield Done(job.name, {}, _died(end, tried), tried, 0.0)
+                            yield TaskResult(job.name, {}, _died(end, tried), tried, 0.0)
                         continue
                     if answer == _READY:
                         worker.ready = True
@@ -95,7 +104,7 @@ class Processes(WorkerPool):
                     del busy[pipe]
                     self._idle.append(worker)
                     files, failure, wall = answer
-                    yield Done(job.name, files, failure, tried, wall)
+                    yield TaskResult(job.name, files, failure, tried, wall)
         finally:
             for worker, *_ in busy.values():
                 if worker in self._all:

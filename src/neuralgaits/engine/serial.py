@@ -3,7 +3,7 @@
 from collections.abc import Generator, Iterable
 
 from neuralgaits.engine.carry import carry_out
-from neuralgaits.engine.task import Done, Files, Job, Task, WorkerPool, name_of
+from neuralgaits.engine.task import Files, Job, Task, TaskResult, WorkerPool, name_of
 
 
 class Serial(WorkerPool):
@@ -18,12 +18,12 @@ class Serial(WorkerPool):
 
     def map(
         self, task: Task, jobs: Iterable[Job], *, common: Files | None = None
-    ) -> Generator[Done, None, None]:
+    ) -> Generator[TaskResult, None, None]:
         """Carry out the jobs in order, in this process; see `WorkerPool.map`."""
         named = name_of(task)
         for job in jobs:
             files, failure, wall = carry_out(named, job, common or {})
-            yield Done(job.name, files, failure, 1, wall)
+            yield TaskResult(job.name, files, failure, 1, wall)
 
     def close(self) -> None:
         """Do nothing: this engine holds no resources to release."""

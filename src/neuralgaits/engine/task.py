@@ -38,7 +38,7 @@ class Failure(NamedTuple):
     reason: str
 
 
-class Done(NamedTuple):
+class TaskResult(NamedTuple):
     """Outcome of a job.
 
     Attributes:
@@ -70,13 +70,13 @@ class WorkerPool(ABC):
     @abstractmethod
     def map(
         self, task: Task, jobs: Iterable[Job], *, common: Files | None = None
-    ) -> Generator[Done, None, None]:
+    ) -> Generator[TaskResult, None, None]:
         """Carry out a task for every job, in no particular order.
 
         Jobs are taken one at a time, as workers become free, and nothing is kept of a finished
         one: memory does not grow with their number. A job whose worker dies is given to another;
-        one that fails is `Done` with a failure. Closing the generator early ends what is under
-        way.
+        one that fails is a `TaskResult` with a failure. Closing the generator early ends what
+        is under way.
 
         Args:
             task: a module-level function.

@@ -14,7 +14,13 @@ from typing import Any, TypeVar
 
 from neuralgaits.analysis.run import Run
 from neuralgaits.errors import InputError, RunError, reason
-from neuralgaits.records.episode_records import ASKED, SUMMARY, WALKS, EpisodesAsked, Versioned
+from neuralgaits.records.episode_records import (
+    CONFIG_FILE,
+    SUMMARY,
+    WALKS,
+    EpisodesConfig,
+    Versioned,
+)
 from neuralgaits.records.record import Record
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.robots.mjcf.loader import robot_from_text
@@ -44,7 +50,7 @@ class EpisodeFolder:
     """
 
     path: Path
-    config: EpisodesAsked
+    config: EpisodesConfig
     robot: PlanarBiped
     plant: PlanarBiped | None
 
@@ -71,15 +77,17 @@ class EpisodeFolder:
         place = None if out is None else Path(out)
         names = {"robot": robot.name, "plant": plant and plant.name}
         start_path = None if start is None else str(start.path)
-        config = EpisodesAsked(**{"format": FORMAT, **settings, **names, "start": start_path})
+        config = EpisodesConfig(**{"format": FORMAT, **settings, **names, "start": start_path})
         home, what = root / HOME, "the episodes"
-        with claimed(place, home, robot.name, settings["seed"], what=what, config=ASKED) as path:
+        with claimed(
+            place, home, robot.name, settings["seed"], what=what, config=CONFIG_FILE
+        ) as path:
             write_text(path / ROBOT, robot.layout.xml)
             if plant is not None:
                 write_text(path / PLANT, plant.layout.xml)
             if start is not None:
                 _copy_run(start.path, path / "round-0")
-            write(path / ASKED, config)
+            write(path / CONFIG_FILE, config)
         return cls(path, config, robot, plant)
 
     @classmethod
@@ -89,21 +97,21 @@ class EpisodeFolder:
         Returns: None if the place holds something else. Raises: RunError if they are damaged.
         """
         if str(place) == LATEST:
-            folders = [*(root / HOME).glob(f"*/*/{ASKED}")]
+            folders = [*(root / HOME).glob(f"*/*/{CONFIG_FILE}")]
             if not folders:
                 raise RunError(
                     f"expected episodes below {root / HOME}, found none: leave --resume out"
                 )
             place = max(folders, key=lambda file: file.stat().st_mtime_ns).parent
         path = Path(place)
-        if not (path / ASKED).is_file():
+        if not (path / CONFIG_FILE).is_file():
             return None
-        version = read(path / ASKED, Versioned).format
+        version = read(path / CONFIG_FILE, Versioned).format
         if version != FORMAT:
             raise RunError(
                 f"expected episodes of format {FORMAT} in {path}, found {version!r}: begin new ones"
             )
-        config = EpisodesAsked.read(path / ASKED)
+        config = EpisodesConfig.read(path / CONFIG_FILE)
         robot = load_robot_of(path / ROBOT, config.robot)
         plant = None if config.plant is None else load_robot_of(path / PLANT, config.plant)
         return cls(path, config, robot, plant)
@@ -137,7 +145,7 @@ class EpisodeFolder:
         if rounds is None or rounds == self.config.rounds:
             return self
         config = replace(self.config, rounds=rounds)
-        write(self.path / ASKED, config)
+        write(self.path / CONFIG_FILE, config)
         return replace(self, config=config)
 
     def round(self, number: int) -> Path:

@@ -23,8 +23,6 @@ from neuralgaits.export.facts import Design
 from neuralgaits.robots.dynamics import swing_foot
 from neuralgaits.robots.mjcf_state import StateMap
 
-NO_RATE_LIMIT = 1e9
-"""Torque rate [N m/s] that never binds."""
 NEVER = 1e30
 """Time since the last touchdown while there is none yet [s], as `NG_NEVER`."""
 _OUTPUT_ERROR, _RATE_ERROR = 0.05, 0.5
@@ -219,13 +217,12 @@ def _at(
     force = weight * np.where(stands, rng.uniform(0.3, 1.5, (count, 1)), swinging)
     time_us = rng.integers(0, 2**31, count)
     blend_s = np.where(rng.uniform(size=count) < 0.7, 0.0, 0.25)
-    rate_limit = np.where(rng.uniform(size=count) < 0.5, NO_RATE_LIMIT, 1e4)
+    # Torque rate [N m/s] that never binds.
+    rate_limit = np.where(rng.uniform(size=count) < 0.5, 1e9, 1e4)
     joints = qpos[:, state_map.joints]
     away = rng.uniform(-0.05, 0.05, (count, 2, k))
-    signs, offsets = (
-        np.array(robot.layout.leg_joint_signs),
-        np.array(robot.layout.leg_joint_offsets),
-    )
+    signs = np.array(robot.layout.leg_joint_signs)
+    offsets = np.array(robot.layout.leg_joint_offsets)
     return Cases(
         law=rng.integers(0, len(design.controllers), count),
         blend_s=blend_s,

@@ -19,22 +19,14 @@ from neuralgaits.records.exported import Agreement, ExportTolerance, FloatBound
 from neuralgaits.records.link_figures import Percentiles
 
 SEED = 20220117
-_WIDE = 64
-"""Widest hidden layer for which the tighter limit of single precision holds."""
-_NEAR_LIMIT = 1e-4
-"""Share of a torque limit within which the two precisions may disagree about clipping."""
 STEP_TIME = "policy_step"
 """Name of the measured time for numbers that are computed once a step, in `c/check.c`."""
 _STEP_LIMITS = {"double": 1e-11, "float": 1e-3}
 """Largest error of a step's numbers, as a share of each one's range: an impact and Newton's method
 lie between them and the commands."""
-_BOUND_STEPS = 4
-"""Number of a family's steps whose single precision errors are bounded."""
 _STEP_TORQUE = 5e-4
 """Largest torque error in single precision where the step's numbers are in single precision, too:
 joint damping turns errors of desired rates into 0.01 N m of 41."""
-_SMALLEST_RANGE = 1e-3
-"""Smallest range of a step's number to which its error is relative."""
 _CUTS = {"z": (64, 32), "dz": (2, 2)}
 
 
@@ -62,7 +54,8 @@ def limits(design: Design, precision: str) -> ExportTolerance:
     if precision == "double":
         return ExportTolerance(1e-12, 1e-12)
     torque = _STEP_TORQUE if design.commands else 5e-5
-    return ExportTolerance(2e-6 if max(widths) <= _WIDE else 1e-5, torque)
+    # Widest hidden layer for which the tighter limit of single precision holds.
+    return ExportTolerance(2e-6 if max(widths) <= 64 else 1e-5, torque)
 
 
 def questions(design: Design, reference: Reference, states: int) -> Questions:
@@ -165,7 +158,8 @@ def float_bound(design: Design, rates: Part, questions: Questions) -> FloatBound
     dz = questions.points[:, 2:4]
     ranges = np.ptp(questions.policy, axis=0)
     rows = []
-    for step in questions.points[:_BOUND_STEPS, 6:] if design.commands else [None]:
+    # Number of a family's steps whose single precision errors are bounded.
+    for step in questions.points[:4, 6:] if design.commands else [None]:
         lows = {"z": np.array(bounds.lower), "dz": dz.min(axis=0)}
         highs = {"z": np.array(bounds.upper), "dz": dz.max(axis=0)}
         if step is not None:
@@ -182,7 +176,8 @@ def _same_decisions(design: Design, questions: Questions, results: Results) -> N
     expected = questions.ticks
     going = expected.fault == 0
     limit = np.asarray(design.controller.torque_limit)
-    close = np.abs(np.abs(expected.actuated) - limit) < _NEAR_LIMIT * limit
+    # Share of a torque limit within which the two precisions may disagree about clipping.
+    close = np.abs(np.abs(expected.actuated) - limit) < 1e-4 * limit
     sure = going & ~np.any(close, axis=1)
     checks = {"fault": slice(None), "leg": slice(None), "touchdown": going, "ticks": going}
     for name, where in (*checks.items(), ("saturated", sure)):
@@ -200,7 +195,8 @@ def _same_steps(design: Design, questions: Questions, answers: Results, precisio
     expected, going = questions.ticks, questions.ticks.fault == 0
     for name in ("requested", "before", "after", "step") if design.commands else ():
         one, other = (getattr(results, name)[going] for results in (answers, expected))
-        unit = np.maximum(np.ptp(other, axis=0), _SMALLEST_RANGE)
+        # Smallest range of a step's number to which its error is relative.
+        unit = np.maximum(np.ptp(other, axis=0), 1e-3)
         distance = float(np.max(np.abs(one - other) / unit))
         if not distance <= _STEP_LIMITS[precision]:
             raise MismatchError(

@@ -19,8 +19,6 @@ from neuralgaits.records.exported import QueryExport, QueryModel
 
 LIMIT = 1e-9
 """Largest distance of a model in double precision from Python, in scales or shares of a margin."""
-_MOST_POINTS = 200
-"""Points of each condition that are compared: a call takes longer than that of a policy."""
 _ERRORS_ONLY = 3
 """Severity from which the runtime writes messages."""
 
@@ -38,7 +36,8 @@ def query_files(
         are not finite; MismatchError if a model is too far from Python.
     """
     queries = design.queries
-    points = min(max(states // len(queries), 1), _MOST_POINTS)
+    # Points of each condition that are compared: a call takes longer than that of a policy.
+    points = min(max(states // len(queries), 1), 200)
     models = {model_name(query): condition_model(design, query, "double") for query in queries}
     rows = tuple(_compared(design, query, models[model_name(query)], points) for query in queries)
     record = partial(

@@ -23,9 +23,6 @@ from neuralgaits.export.facts import Design
 from neuralgaits.export.programs import path
 from neuralgaits.gait.commands import Pair
 
-_ROWS = 4096
-"""Number of cases evaluated at once; another number would compile the code again."""
-
 
 class Results(NamedTuple):
     """Results of a tick, in the order of `write_result` in `c/check.c`; N rows."""
@@ -77,7 +74,8 @@ class Reference:
             which = np.flatnonzero(cases.law == number)
             if which.size:
                 order.append(which)
-                parts.append(in_blocks(partial(self._some, controller, cases), _ROWS, which))
+                # Number of cases evaluated at once; another number would compile the code again.
+                parts.append(in_blocks(partial(self._some, controller, cases), 4096, which))
         back = np.argsort(np.concatenate(order))
         return Results(*(np.concatenate(columns)[back] for columns in zip(*parts, strict=True)))
 
@@ -168,8 +166,8 @@ def _tick(
         actuated=command.actuated,
         torque=torque,
         motors=torque,
-        requested=after.told.requested,
-        before=after.told.pair.before,
-        after=after.told.pair.after,
-        step=after.told.step_parameters,
+        requested=after.commands.requested,
+        before=after.commands.pair.before,
+        after=after.commands.pair.after,
+        step=after.commands.step_parameters,
     )

@@ -14,8 +14,6 @@ from neuralgaits.robots import PlanarBiped
 _FIRST_MOMENTUM = 0.09
 """Momentum beyond that which just tips over the foot, with which a first step begins, in units of a
 point mass on the leg that turns at the pendulum's rate."""
-_KNOTS = 9
-"""Number of postures on the path from standing to the first step."""
 _GUESS_KNEE = 0.5
 """Flexion of the knees that Newton's method starts from [rad]."""
 _NEWTON_STEPS = 60
@@ -74,7 +72,8 @@ def _at_height(robot: PlanarBiped, height: float) -> StandingPostures | None:
     """Return the postures with the hip at a height, as `Stand.height`; None if there are none."""
     path, sway = [], []
     guess = None
-    for ahead in np.linspace(-0.5, _LEANING, _KNOTS):
+    # Number of postures on the path from standing to the first step.
+    for ahead in np.linspace(-0.5, _LEANING, 9):
         guess = posture(robot, Stand(_SPACING, height, float(ahead)), guess)
         if guess is None:
             return None

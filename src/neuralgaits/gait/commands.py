@@ -36,8 +36,6 @@ MOST = {
 }
 LEAST_WIDTH = 1e-6
 """Smallest width of the range of a command, in its unit."""
-MOST_OF_ANY = 1e6
-"""Largest value of a command, by name or of any other, in its unit."""
 
 CommandPoint = Float[Array, " k"]
 """A point of the commands' axes, see `Command.axes`."""
@@ -76,7 +74,8 @@ class Command:
                 f"command {self.name}: expected a range at least {LEAST_WIDTH:g} {self.unit} wide, "
                 f"found {self.low:g}:{self.high:g}"
             )
-        most = MOST.get(self.name, MOST_OF_ANY)
+        # Largest value of a command, by name or of any other, in its unit.
+        most = MOST.get(self.name, 1e6)
         if not max(abs(self.low), abs(self.high)) <= most:
             raise SpecError(
                 f"command {self.name}: expected a range between -{most:g} and {most:g} "

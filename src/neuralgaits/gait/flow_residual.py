@@ -15,8 +15,6 @@ BOUND_QUANTILE, BOUND_FACTOR = 0.99, 2.0
 """A residual is bounded by this quantile of the defects it is learned from, times this factor."""
 LEAST_BOUND = (1e-3, 1e-2)
 """Bounds where the model has no defect (m/s, N m): a bound of zero has no gradient."""
-SPREAD = 1.5
-"""Inputs are scaled by this many standard deviations of the states learned from."""
 
 
 class Residual(eqx.Module):
@@ -52,7 +50,8 @@ class Residual(eqx.Module):
             hidden: widths of the hidden layers.
             key: random key of the network.
         """
-        scale = SPREAD * np.maximum(np.std(states, axis=0), 1e-3 * np.abs(states).max(axis=0))
+        # Inputs are scaled by this many standard deviations of the states learned from.
+        scale = 1.5 * np.maximum(np.std(states, axis=0), 1e-3 * np.abs(states).max(axis=0))
         sizes = np.quantile(np.abs(defects), BOUND_QUANTILE, axis=0)
         network = Network.init((2, *hidden, 2), activation="tanh", key=key, near=np.zeros(2))
         bound = np.maximum(BOUND_FACTOR * sizes, LEAST_BOUND)

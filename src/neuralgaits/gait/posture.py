@@ -27,8 +27,6 @@ MOMENTUM = 0.363
 """Typical z2 of a walk, in m l sqrt(g l)."""
 TORSO_LEAN = -0.05
 """Torso angle of the path [rad]: slightly forward."""
-KNEE_BEND = 0.40
-"""Knee angles of a leg at the guard, all together [rad]."""
 SWING_THIGH = 0.40
 """Up-angle of the swing thigh at the guard [rad]."""
 GUARD_LEAN = -0.15
@@ -106,7 +104,8 @@ def walking_posture(robot: "PlanarBiped") -> Posture:
     """Bounds and starting point for a walking policy on this robot."""
     m, hips, length = robot.n - 1, hip_indices(robot), robot.leg_length
     lower, upper, side = _knee_bounds(robot)
-    guard, slopes, bend = KNEE_BEND * side, np.zeros(m), np.zeros(m)
+    # Knee angles of a leg at the guard, all together [rad].
+    guard, slopes, bend = 0.40 * side, np.zeros(m), np.zeros(m)
     slopes[: hips[0]], slopes[hips[-1] + 1 :] = STANCE_KNEE_SLOPE, SWING_KNEE_SLOPE
     bend[hips[-1] + 1 :] = KNEE_LIFT
     # Legs of three links share one knee's bend between their two.

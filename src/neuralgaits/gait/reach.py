@@ -19,8 +19,6 @@ MOST_FROUDE = 4.0
 speed would need a floor that pulls with three times the weight."""
 FRICTION = 0.45
 """Friction of the floor in the conditions of the walk: feet slip on a steeper slope."""
-GRID_POINTS = 1e5
-"""Number of postures among which the widest step is looked for."""
 
 
 def refuse_unreachable(robot: "PlanarBiped", commands: Commands) -> None:
@@ -134,7 +132,8 @@ def widest_step(robot: "PlanarBiped") -> float:
     It is the largest on a grid, and a hundredth more, which is ten times what the grid misses.
     """
     posture = walking_posture(robot)
-    count = max(int(GRID_POINTS ** (1.0 / (robot.n - 1))), 3)
+    # Number of postures among which the widest step is looked for.
+    count = max(int(1e5 ** (1.0 / (robot.n - 1))), 3)
     values = np.linspace(posture.lower, posture.upper, count).T
     outputs = np.stack([one.ravel() for one in np.meshgrid(*values)])
     # The distance does not depend on the first coordinate, which turns the whole robot.

@@ -107,7 +107,7 @@ class BipedEnv(gymnasium.Env):
         m = self.body.joints
         self.action_space = spaces.Box(-1.0, 1.0, (m,), np.float32)
         self.observation_space = _observations(m)
-        self._asked, self._begun = self._speed[0], False
+        self._requested_speed, self._begun = self._speed[0], False
         self._before = np.zeros(m)
 
     def reset(
@@ -128,13 +128,13 @@ class BipedEnv(gymnasium.Env):
         options, draw = dict(options or {}), self.np_random
         if stray := sorted(map(str, set(options) - {"speed", "state"})):
             raise InputError(f"reset options: expected speed, state, found {stray}")
-        self._asked = draw.uniform(*self._speed)
+        self._requested_speed = draw.uniform(*self._speed)
         if "speed" in options:
-            self._asked = _range("speed", options["speed"], 0.0, _SPEED)[0]
+            self._requested_speed = _range("speed", options["speed"], 0.0, _SPEED)[0]
         push = draw.uniform(*self._push)
         plant = self._plants[int(draw.integers(len(self._plants)))]
         leg, share, pace = int(draw.integers(2)), draw.uniform(), draw.uniform(SLOWEST, 1.0)
-        q, dq = self._first.at(share, pace * self._asked)
+        q, dq = self._first.at(share, pace * self._requested_speed)
         if "state" in options:
             leg, (q, dq) = 0, np.split(self._checked_state(options["state"]), 2)
         seed_of_body = int(draw.integers(2**31))
@@ -166,7 +166,7 @@ class BipedEnv(gymnasium.Env):
         finite = ending is not Ending.NOT_FINITE
         parts = self._reward.parts(
             speed=float(speed) if finite else 0.0,
-            requested_speed=float(self._asked),
+            requested_speed=float(self._requested_speed),
             power=float(power) / self.body.weight if finite else 0.0,
             pitch=self.body.pitch if finite and self.robot.torso is not None else 0.0,
             change=float(np.mean((action - self._before) ** 2)),
@@ -187,7 +187,7 @@ class BipedEnv(gymnasium.Env):
 
     def _observed(self) -> np.ndarray:
         body = self.body
-        phase_and_command = [2.0 * body.leg - 1.0, body.since, self._asked]
+        phase_and_command = [2.0 * body.leg - 1.0, body.since, self._requested_speed]
         observation = np.nan_to_num(np.concatenate([body.measured(), phase_and_command]))
         space = self.observation_space
         assert isinstance(space, spaces.Box)

@@ -55,20 +55,20 @@ class Body:
         self.weight = float(robot.mass * robot.gravity)
         # Once each: the hip of a robot without a torso is in the rows of both legs.
         actuators = plant.state_map.actuators.ravel()
-        self._kept = np.sort(np.unique(actuators, return_index=True)[1])
+        self._motor_order = np.sort(np.unique(actuators, return_index=True)[1])
         by_leg = leg_joints(robot.layout, np.arange(robot.n - 1.0), np.asarray(0))
-        self._order = np.asarray(by_leg).ravel()[self._kept].astype(int)
+        self._order = np.asarray(by_leg).ravel()[self._motor_order].astype(int)
         self._rng = np.random.default_rng(0)
         self._take(plant)
 
     def _take(self, plant: Plant) -> None:
         self.plant, state_map = plant, plant.state_map
         self.data = mujoco.MjData(plant.model)
-        self._addresses = state_map.joints.ravel()[self._kept]
-        self._motors = state_map.actuators.ravel()[self._kept]
-        self._signs = np.array(state_map.layout.leg_joint_signs).ravel()[self._kept]
-        self._offsets = np.array(state_map.layout.leg_joint_offsets).ravel()[self._kept]
-        self._gears = np.array(state_map.layout.gears).ravel()[self._kept]
+        self._addresses = state_map.joints.ravel()[self._motor_order]
+        self._motors = state_map.actuators.ravel()[self._motor_order]
+        self._signs = np.array(state_map.layout.leg_joint_signs).ravel()[self._motor_order]
+        self._offsets = np.array(state_map.layout.leg_joint_offsets).ravel()[self._motor_order]
+        self._gears = np.array(state_map.layout.gears).ravel()[self._motor_order]
         self.limit = self.by_joint(np.minimum(self._robot.torque_limit, plant.torque_limit))
         self._feet = [plant.model.geom(name).id for name in state_map.layout.feet]
         self._touch = [int(plant.model.sensor(f"_touch_{leg}").adr[0]) for leg in (0, 1)]
@@ -76,7 +76,7 @@ class Body:
     @property
     def joints(self) -> int:
         """Return the number of motors, m."""
-        return len(self._kept)
+        return len(self._motor_order)
 
     def by_joint(self, actuated: ArrayLike) -> Joints:
         """Reorder the actuated coordinates of a robot on leg 0 into the order of the joints."""
@@ -185,9 +185,9 @@ class Body:
     def _measured_joints(self) -> tuple[Joints, Joints]:
         angles = self._signs * self.data.qpos[self._addresses] + self._offsets
         rates = self._signs * self.data.qvel[self._addresses]
-        return self._seen(angles), self._seen_rates(rates)
+        return self._measured(angles), self._measured_rates(rates)
 
-    def _seen(self, angles: np.ndarray) -> np.ndarray:
+    def _measured(self, angles: np.ndarray) -> np.ndarray:
         disturbance = self.plant.disturbance
         if disturbance.encoder_noise:
             draws = self._rng.standard_normal(angles.shape)
@@ -196,7 +196,7 @@ class Body:
             angles = disturbance.encoder_step * np.round(angles / disturbance.encoder_step)
         return angles
 
-    def _seen_rates(self, rates: np.ndarray) -> np.ndarray:
+    def _measured_rates(self, rates: np.ndarray) -> np.ndarray:
         deviation = self.plant.disturbance.rate_noise
         return rates + deviation * self._rng.standard_normal(rates.shape) if deviation else rates
 
@@ -212,8 +212,8 @@ class Body:
         angles, rates = self._measured_joints()
         return np.concatenate(
             [
-                self._seen(np.atleast_1d(sensors.pitch)),
-                self._seen_rates(np.atleast_1d(sensors.dpitch)),
+                self._measured(np.atleast_1d(sensors.pitch)),
+                self._measured_rates(np.atleast_1d(sensors.dpitch)),
                 angles,
                 rates,
                 sensors.base_velocity + swept * sensors.dpitch,

@@ -17,8 +17,6 @@ from neuralgaits.hzd.collocation import Nodes
 from neuralgaits.hzd.transcription import StepFunctions
 from neuralgaits.robots import PlanarBiped
 
-AIM = 0.02
-"""Margin that each condition keeps at the nodes, in scales, so that it holds between them, too."""
 FOOT_SCALE, RATE_SCALE = 0.1, 10.0
 """Sizes of the foot's height [m] and of rates [rad/s] in the equations, so that all are alike."""
 SHORTEST, LONGEST = 0.05, 0.45
@@ -68,7 +66,9 @@ def problem(
         # |x| has no slope at 0, and most optima have powers there.
         smooth = casadi.sqrt(quantities["power"] ** 2 + smoothing**2) - smoothing
         powers.append(casadi.sum1(smooth))
-        constraints += [quantities[name] for name, (a, b) in step.asked.items() if a <= phase <= b]
+        constraints += [
+            quantities[name] for name, (a, b) in step.margin_ranges.items() if a <= phase <= b
+        ]
     slope, pace, power = (casadi.vertcat(*each) for each in (slopes, paces, powers))
     followed = zeta - zeta[0] - casadi.DM(mesh.integrals) @ slope
     equal.append(followed[1:])
@@ -95,8 +95,9 @@ def problem(
         "f": cost,
         "g": casadi.vertcat(equations, margins),
     }
+    # Margin that each condition keeps at the nodes, in scales, so that it holds between them, too.
     g_bounds = (
-        np.concatenate([none, np.full(many, AIM)]),
+        np.concatenate([none, np.full(many, 0.02)]),
         np.concatenate([none, np.full(many, np.inf)]),
     )
     return NonlinearProgram(symbols, _bounds(robot, count, degree), g_bounds)

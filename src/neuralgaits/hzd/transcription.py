@@ -29,13 +29,13 @@ class StepFunctions(NamedTuple):
     Attributes:
         along: rates per phase, power and the margins of conditions, in scales.
         end: the state after the impact, and the margins at the guard.
-        asked: names of conditions by the first and last phase of their regions.
+        margin_ranges: names of conditions by the first and last phase of their regions.
         unit: unit of zeta [(kg m^2/s)^2].
     """
 
     along: "NamedFunction"
     end: "NamedFunction"
-    asked: Mapping[str, tuple[float, float]]
+    margin_ranges: Mapping[str, tuple[float, float]]
     unit: float
 
 

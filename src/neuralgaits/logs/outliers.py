@@ -12,11 +12,7 @@ from neuralgaits.logs.walk_table import Log
 
 NEIGHBOURS = 3
 """Number of neighbouring rows on either side."""
-NOISES = 6.0
-"""Threshold in robust standard deviations of the log's own scatter about its running median."""
 ANGLE_RAD = 0.02
-RATE_RAD_S = 1.0
-"""Least deviation of an outlier's rate: joints jerk as much within three rows at 1 kHz."""
 # Standard deviation of normal noise over the median of its absolute value.
 _NORMAL = 1.4826
 
@@ -29,7 +25,8 @@ def outliers(log: Log) -> Bool[np.ndarray, " k"]:
             continue
         # Rates jump where a stance phase begins, which is no fault of the encoder.
         inner = slice(NEIGHBOURS, None)
-        for values, floor in ((log.q, ANGLE_RAD), (log.dq, RATE_RAD_S)):
+        # Least deviation of an outlier's rate: joints jerk as much within three rows at 1 kHz.
+        for values, floor in ((log.q, ANGLE_RAD), (log.dq, 1.0)):
             bad[rows[inner]] |= np.any(stand_out(values[rows], floor)[inner], axis=1)
     return bad
 
@@ -41,4 +38,5 @@ def stand_out(values: Float[np.ndarray, "k n"], floor: float) -> Bool[np.ndarray
     around = np.lib.stride_tricks.sliding_window_view(padded, 2 * NEIGHBOURS + 1, axis=0)
     distance = np.abs(values - np.median(around, axis=-1))
     noise = _NORMAL * np.median(distance, axis=0)
-    return distance > np.maximum(floor, NOISES * noise)
+    # Threshold in robust standard deviations of the log's own scatter about its running median.
+    return distance > np.maximum(floor, 6.0 * noise)

@@ -17,8 +17,6 @@ HALF_WINDOWS_S = (0.01, 0.04)
 """Shortest and longest reach of a window to either side [s]. Near the ends of a piece a window is
 as long, one-sided, and its noise about four times as large."""
 DEGREE = 2
-_SPOILT = 1e-6
-"""Weight of an outlier; not zero, so that every parabola has three rows."""
 _BLOCK = 4096
 """Number of rows at a time, since a log may be long."""
 # Standard deviation of normal noise over the median of its absolute value; that of the third
@@ -98,7 +96,8 @@ def _slopes(
     powers = ((t[window] - t[rows, None]) / scale_s)[..., None] ** np.arange(DEGREE + 1)
     slopes = np.empty((len(rows), values.shape[1]))
     for column in range(values.shape[1]):
-        weights = np.where(spoilt[window, column], _SPOILT, 1.0)
+        # Weight of an outlier; not zero, so that every parabola has three rows.
+        weights = np.where(spoilt[window, column], 1e-6, 1.0)
         weighted = np.swapaxes(powers * weights[..., None], 1, 2)
         change = values[window, column] - values[rows, column][:, None]
         solved = np.linalg.solve(weighted @ powers, weighted @ change[..., None])

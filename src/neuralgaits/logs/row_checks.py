@@ -25,16 +25,6 @@ JOINT_SLACK_RAD = 0.1
 """Reach of joints past their range [rad]: stops give way, and encoders have offsets."""
 FASTEST_RAD_S = 40.0
 """Fastest joint rate of a walking robot, a fall included: eight times AMBER-3M's motors."""
-FASTEST_DESIRED_RAD_S = 100.0
-"""Largest desired rate: the authors' own controller stops beyond it."""
-LARGEST_TORQUE = 10.0
-"""Commanded torques before saturation stay below this many torque limits."""
-FASTEST_FALL = 3.0
-"""|z2| stays below this many mass * leg length * sqrt(g leg length)."""
-OUTLIER_SHARE = 0.01
-"""Largest share of rows out of range: with more, the column is wrong, not the row."""
-OUTLIER_RUN = 5
-"""Number of bad rows one after another from which they are no outliers."""
 BASELINE_S = 0.02
 """Time over which angles are compared with rates: over one row encoder noise would hide them."""
 RATE_RATIO = (0.4, 2.5)
@@ -42,16 +32,12 @@ RATE_RATIO = (0.4, 2.5)
 SLOWEST_RAD_S = 0.2
 """Least rate at which a joint says anything about units: below, it is at rest, or noise."""
 Z1_TOLERANCE_M = 1e-3
-Z2_TOLERANCE = 0.02
-"""Tolerance as a share of the median |z2|: contact creep leaves 0.4 %, another torso's mass 3 %."""
 PITCH_TOLERANCE_RAD = 0.1
 """Largest difference of pitch and joint angles, from offsets and noise."""
 SMALLEST_TORQUE = 1e-3
 """Least torque that a walking robot commands somewhere, as a share of mass * g * leg length."""
 LOWEST_FOOT = -0.005
 """Usual lower limit of the swing foot's height over the stance foot, in leg lengths."""
-UPRIGHT_Z1 = 0.4
-"""Distance of the hip from above the foot beyond which the robot falls, in leg lengths."""
 
 
 class _Range(NamedTuple):
@@ -136,11 +122,13 @@ def check_times(
 
 
 def _ranges(log: Log, robot: PlanarBiped) -> Iterator[_Range]:
-    turn, fastest = np.pi, FASTEST_DESIRED_RAD_S
+    # Largest desired rate: the authors' own controller stops beyond it.
+    turn, fastest = np.pi, 100.0
     for i, name in enumerate(log.joint_names[1:]):
         low = float(robot.joint_lower[i]) - JOINT_SLACK_RAD
         high = float(robot.joint_upper[i]) + JOINT_SLACK_RAD
-        most = LARGEST_TORQUE * float(robot.torque_limit[i])
+        # Commanded torques before saturation stay below this many torque limits.
+        most = 10.0 * float(robot.torque_limit[i])
         yield _Range(f"q_{name}", log.q[:, i + 1], low, high, "rad")
         yield _Range(f"dq_{name}", log.dq[:, i + 1], -FASTEST_RAD_S, FASTEST_RAD_S, "rad/s")
         yield _Range(f"qd_{name}", log.qd[:, i], -turn, turn, "rad")
@@ -155,7 +143,8 @@ def _ranges(log: Log, robot: PlanarBiped) -> Iterator[_Range]:
     if log.z is not None:
         reach = float(np.abs(robot.hip_gradient).sum()) * turn
         length = robot.leg_length
-        fall = FASTEST_FALL * float(robot.mass) * length * np.sqrt(float(robot.gravity) * length)
+        # |z2| stays below this many mass * leg length * sqrt(g leg length).
+        fall = 3.0 * float(robot.mass) * length * np.sqrt(float(robot.gravity) * length)
         yield _Range("z1", log.z[:, 0], -reach, reach, "m")
         yield _Range("z2", log.z[:, 1], -fall, fall, "kg m^2/s")
 
@@ -165,7 +154,9 @@ def _are_many(bad: Bool[np.ndarray, " k"]) -> bool:
     rows = np.flatnonzero(bad)
     if not rows.size:
         return False
-    return rows.size > max(1, OUTLIER_SHARE * len(bad)) or _longest_run(rows) > OUTLIER_RUN
+    # Largest share of rows out of range: with more, the column is wrong, not the row.
+    # Number of bad rows one after another from which they are no outliers.
+    return rows.size > max(1, 0.01 * len(bad)) or _longest_run(rows) > 5
 
 
 def _refuse(log: Log, labels: Labels, part: _Range, rows: Int[np.ndarray, " b"]) -> NoReturn:
@@ -239,7 +230,8 @@ def _check_stance(
     log: Log, robot: PlanarBiped, labels: Labels, good: Bool[np.ndarray, " k"]
 ) -> None:
     """Check that the stance leg is the one with the lower foot."""
-    upright = good & (np.abs(log.q @ robot.hip_gradient) < UPRIGHT_Z1 * float(robot.leg_length))
+    # Distance of the hip from above the foot beyond which the robot falls, in leg lengths.
+    upright = good & (np.abs(log.q @ robot.hip_gradient) < 0.4 * float(robot.leg_length))
     if not upright.any():
         return
     height = float(np.median(foot_heights(robot, log.q[upright])))
@@ -273,9 +265,11 @@ def _check_model(log: Log, robot: PlanarBiped, good: Bool[np.ndarray, " k"]) -> 
     z = zero_states(robot, log.q[good], log.dq[good])
     error = np.median(np.abs(z - log.z[good]), axis=0)
     usual = float(np.median(np.abs(z[:, 1])))
+    # Tolerance as a share of the median |z2|: contact creep leaves 0.4 %, another torso's
+    # mass 3 %.
     for value, allowed, name in (
         (error[0], Z1_TOLERANCE_M, "z1[m]"),
-        (error[1], Z2_TOLERANCE * usual, "z2[kg m^2/s]"),
+        (error[1], 0.02 * usual, "z2[kg m^2/s]"),
     ):
         if value > allowed:
             raise InputError(

@@ -77,7 +77,7 @@ def stance_first(
     return in_blocks(partial(_stance_first, robot), BLOCK, np.column_stack([stance, _flat(by_leg)]))
 
 
-def asked(
+def desired_outputs(
     robot: PlanarBiped, policy: AbstractPolicy, of: States
 ) -> tuple[Float[np.ndarray, "k m"], Float[np.ndarray, "k m"]]:
     """Compute desired outputs and their rates as the joint PD of `simulate` does.
@@ -87,8 +87,8 @@ def asked(
     Returns: [k, m] (rad), [k, m] (rad/s).
     """
     momenta = momenta_of_walking(momentum_unit(robot))
-    asking = _Asking(robot, policy, zero_state_bounds(policy, momenta))
-    parts = in_blocks(partial(_asked, asking), BLOCK, np.concatenate([*of], axis=1))
+    policy_at = _PolicyAtRows(robot, policy, zero_state_bounds(policy, momenta))
+    parts = in_blocks(partial(_desired_outputs, policy_at), BLOCK, np.concatenate([*of], axis=1))
     m = robot.n - 1
     return parts[:, :m], parts[:, m:]
 
@@ -142,22 +142,24 @@ def _stance_first(robot: PlanarBiped, rows: Float[Array, "b c"]) -> Float[Array,
     return jax.vmap(one)(rows)
 
 
-class _Asking(eqx.Module):
+class _PolicyAtRows(eqx.Module):
     robot: PlanarBiped
     policy: AbstractPolicy
     bounds: ZeroStateBounds
 
 
 @quick_filter_jit
-def _asked(asking: _Asking, rows: Float[Array, "b c"]) -> Float[Array, "b two_m"]:
-    n = asking.robot.n
+def _desired_outputs(
+    policy_at: _PolicyAtRows, rows: Float[Array, "b c"]
+) -> Float[Array, "b two_m"]:
+    n = policy_at.robot.n
 
     def outputs(z: ZeroState) -> Actuated:
-        return asking.policy(asking.bounds(z))
+        return policy_at.policy(policy_at.bounds(z))
 
     def one(row: Array) -> Array:
         reading = MeasuredState(*jnp.split(row, [n, 2 * n, 2 * n + 2]))
-        desired = Pd().desired(asking.robot, outputs, reading)
+        desired = Pd().desired(policy_at.robot, outputs, reading)
         return jnp.concatenate([desired.y, desired.dy])
 
     return jax.vmap(one)(rows)

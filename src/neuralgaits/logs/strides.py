@@ -20,15 +20,6 @@ SETTLING_S = 0.02
 """Time after a touchdown that is left out: the contact settles, and z2 from q and dq jumps."""
 LONGEST_STRIDE_S = 2.0
 """A stance phase longer than this is standing, not walking: three to four usual steps."""
-BOUNCE_S = 0.1
-"""An impact within this time after a touchdown belongs to it: the foot bounces."""
-JUMP_NOISES = 6.0
-"""Least jump of an impact, in robust standard deviations of the log's rates of z2."""
-FALLING_RAD = 0.5
-"""Deviation of a joint from its desired angle beyond which the robot falls, whatever z is."""
-FALLING_Z1 = 0.4
-"""Distance of the hip from above the foot beyond which the robot falls, in leg lengths: twice as
-far as in a long step."""
 GAP_PERIODS, GAP_S = 2.5, 5e-3
 """Rows further apart than this many sample periods, and than this time, have a gap between them:
 single rows that are missing hide nothing."""
@@ -166,7 +157,8 @@ def _settled(
     impact = jumps[phase] & (t - t[0] + slack >= SETTLING_S)
     impact[0] = True
     last = np.maximum.accumulate(np.where(impact, t, -np.inf))
-    landed = t[impact & (t - t[0] < BOUNCE_S)][-1]
+    # An impact within this time after a touchdown belongs to it: the foot bounces.
+    landed = t[impact & (t - t[0] < 0.1)][-1]
     return phase[(t - last + slack >= SETTLING_S) & (t > landed)]
 
 
@@ -175,7 +167,8 @@ def _jumps(log: Log, z: Float[np.ndarray, "k 2"], robot: PlanarBiped) -> Bool[np
     rate = np.diff(z[:, 1], prepend=z[0, 1]) / np.diff(log.t, prepend=log.t[0] - log.period_s)
     noise = 1.4826 * float(np.median(np.abs(rate - np.median(rate))))
     weight = float(robot.mass * robot.gravity) * robot.leg_length
-    return np.abs(rate) > max(weight, JUMP_NOISES * noise)
+    # Least jump of an impact, in robust standard deviations of the log's rates of z2.
+    return np.abs(rate) > max(weight, 6.0 * noise)
 
 
 def _walking(
@@ -183,8 +176,11 @@ def _walking(
 ) -> Int[np.ndarray, " w"]:
     """Return the rows before the first one in which the robot falls."""
     error = np.abs(log.q[rows, 1:] - log.qd[rows]).max(axis=1, initial=0.0)
-    far = np.abs(z[rows, 0]) > FALLING_Z1 * robot.leg_length
-    fallen = np.flatnonzero((error > FALLING_RAD) | far)
+    # Distance of the hip from above the foot beyond which the robot falls, in leg lengths: twice
+    # as far as in a long step.
+    far = np.abs(z[rows, 0]) > 0.4 * robot.leg_length
+    # Deviation of a joint from its desired angle beyond which the robot falls, whatever z is.
+    fallen = np.flatnonzero((error > 0.5) | far)
     return rows[: fallen[0]] if fallen.size else rows
 
 

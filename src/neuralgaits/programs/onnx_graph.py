@@ -57,16 +57,16 @@ class OnnxAlgebra(Algebra[Tensor]):
 
     Attributes:
         real: float64 or float32.
-        taken: names that no constant may have.
+        reserved: names that no constant may have.
         nodes: of the graph so far.
         constants: initialisers by name.
     """
 
     real: np.dtype
-    taken: frozenset[str]
+    reserved: frozenset[str]
     nodes: list[NodeProto] = field(default_factory=list)
     constants: dict[str, TensorProto] = field(default_factory=dict)
-    _known: dict[tuple[bytes, str, tuple[int, ...]], str] = field(default_factory=dict)
+    _names: dict[tuple[bytes, str, tuple[int, ...]], str] = field(default_factory=dict)
 
     def enter(self, program: Program, inputs: Mapping[str, Any]) -> dict[str, Tensor]:
         """Create a flat tensor for each input."""
@@ -171,13 +171,13 @@ class OnnxAlgebra(Algebra[Tensor]):
     def _kept(self, array: np.ndarray, wish: str) -> str:
         """Return the name of an initialiser; equal arrays are stored once."""
         key = (array.tobytes(), array.dtype.str, array.shape)
-        if key not in self._known:
+        if key not in self._names:
             name, count = wish, 2
-            while name in self.constants or name in self.taken:
+            while name in self.constants or name in self.reserved:
                 name, count = f"{wish}_{count}", count + 1
-            self._known[key] = name
+            self._names[key] = name
             self.constants[name] = numpy_helper.from_array(array, name)
-        return self._known[key]
+        return self._names[key]
 
 
 def graph(

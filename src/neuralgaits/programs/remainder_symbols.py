@@ -70,7 +70,7 @@ def values_with_symbols(
         return ()
     with np.errstate(all="ignore"):
         for share in SHARES:
-            at_middle = _Looks(program, *middle(low, high, share), remainders)
+            at_middle = _Evaluations(program, *middle(low, high, share), remainders)
             if np.all(np.isfinite(at_middle.of_outputs(at_middle.remainders([])))):
                 return tuple(sorted(at_middle.greedy()))
     return ()
@@ -92,7 +92,7 @@ def middle(
     return centre - half, centre + half
 
 
-class _Looks:
+class _Evaluations:
     """Remainders and sensitivities of a Program in the middle of its region."""
 
     def __init__(

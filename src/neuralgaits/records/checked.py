@@ -12,7 +12,7 @@ decide; or all of them in balls."""
 
 
 @dataclass(frozen=True, eq=False)
-class Checked(Record):
+class ProofCheck(Record):
     """Result of checking a proof file.
 
     Attributes:

@@ -6,13 +6,13 @@ from typing import Annotated, Any, Self
 
 from neuralgaits._checks import MOST_ROUNDS
 from neuralgaits._control_laws import LawName
-from neuralgaits.records.fitted import Fitted, TouchdownErrors
+from neuralgaits.records.fitted import FitSummary, TouchdownErrors
 from neuralgaits.records.record import Count, Disturb, Pair, Record, Texts
-from neuralgaits.records.trained import Trained
+from neuralgaits.records.trained import TrainingSummary
 from neuralgaits.records.training_config import Seed, Steps
 from neuralgaits.runs.shape import NUMBER, may, table_of, whole
 
-ASKED, SUMMARY = "episodes.json", "summary.json"
+CONFIG_FILE, SUMMARY = "episodes.json", "summary.json"
 WALKS = "walks"
 """Folder in a round's run that holds `SUMMARY` and the logs of its walks."""
 
@@ -25,7 +25,7 @@ class Versioned(Record):
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class EpisodesAsked(Record):
+class EpisodesConfig(Record):
     """Settings of episodes: `episodes.json`.
 
     Attributes:
@@ -136,7 +136,7 @@ class _RoundPolicy(Record):
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Round(RoundWalks, _RoundPolicy):
-    """A round: its policy, its walks, and what was learned from them; see `Fitted`.
+    """A round: its policy, its walks, and what was learned from them; see `FitSummary`.
 
     Attributes:
         reason: why nothing was learned.
@@ -153,7 +153,12 @@ class Round(RoundWalks, _RoundPolicy):
 
     @classmethod
     def of_parts(
-        cls, number: int, run: str, trained: Trained, walks: WalkedRound, learned: Fitted | str
+        cls,
+        number: int,
+        run: str,
+        trained: TrainingSummary,
+        walks: WalkedRound,
+        learned: FitSummary | str,
     ) -> Self:
         """Combine a round's training, its walks, and the fit, or the reason why there is none."""
         values = {part.name: getattr(walks, part.name) for part in fields(RoundWalks)}
@@ -172,7 +177,7 @@ class Round(RoundWalks, _RoundPolicy):
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class EpisodesDone(Record):
+class EpisodesSummary(Record):
     """Results of all rounds: `summary.json` of episodes.
 
     Attributes:

@@ -136,7 +136,7 @@ class Model:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Exported(Record):
+class ExportRecord(Record):
     """Result of an export.
 
     Attributes:
@@ -174,7 +174,7 @@ class Exported(Record):
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class UncheckedExport(Exported):
+class UncheckedExport(ExportRecord):
     """A controller without any comparison. Attributes: reason: why there is none."""
 
     checked: bool = False
@@ -182,7 +182,7 @@ class UncheckedExport(Exported):
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class ControllerExport(Exported):
+class ControllerExport(ExportRecord):
     """A controller in C.
 
     Attributes:
@@ -207,7 +207,7 @@ class ControllerExport(Exported):
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class ModelExport(Exported):
+class ModelExport(ExportRecord):
     """A policy in ONNX.
 
     Attributes:
@@ -242,7 +242,7 @@ class QueryModel:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class QueryExport(Exported):
+class QueryExport(ExportRecord):
     """Conditions for other provers.
 
     Attributes:

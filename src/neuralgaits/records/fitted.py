@@ -49,14 +49,14 @@ class Logs(Record):
 
 @dataclass(frozen=True, eq=False)
 class FittedGait(Record):
-    """Gait that a residual is of, in the summary of `fit`. Attributes: as of `Fitted`."""
+    """Gait that a residual is of, in the summary of `fit`. Attributes: as of `FitSummary`."""
 
     residual_sha256: str | None = None
     sha256: Mapping[str, str | None] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Fitted(Record):
+class FitSummary(Record):
     """Result of learning from logs.
 
     Attributes:

@@ -15,7 +15,7 @@ class Lack:
 
 
 @dataclass(frozen=True, eq=False)
-class Reported(Record):
+class ReportRecord(Record):
     """Result of writing a report.
 
     Attributes:

@@ -217,7 +217,7 @@ def disturbances(values: Mapping[str, Any] | None) -> dict[str, float]:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Simulated(WalkFigures, WalkSettings):
+class SimulationSummary(WalkFigures, WalkSettings):
     """A simulation: its settings and results.
 
     Attributes:

@@ -13,7 +13,7 @@ from neuralgaits.runs.shape import NUMBER, list_of, may, one_of, whole
 
 FORMAT = 1
 """Version of the layout of a sweep's folder; other versions are refused."""
-ASKED, SUMMARY = "sweep.json", "summary.json"
+CONFIG_FILE, SUMMARY = "sweep.json", "summary.json"
 TABLE, PAGE = "table.csv", "sweep.html"
 ROW = "row.json"
 """File of a row, in its run folder."""
@@ -25,7 +25,7 @@ Speed = Annotated[tuple[float, ...] | None, may(list_of(NUMBER, 1, 2))]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class SweepAsked(Record):
+class SweepConfig(Record):
     """Settings of a sweep: `sweep.json`.
 
     Attributes:
@@ -156,7 +156,7 @@ class SweepRow(Record):
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Swept(Record):
+class SweepSummary(Record):
     """Results of a sweep: `summary.json` of its folder.
 
     Attributes:

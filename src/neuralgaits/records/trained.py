@@ -100,7 +100,7 @@ class ProofHistory(Record):
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Trained(Record):
+class TrainingSummary(Record):
     """Result of a training.
 
     Attributes:
@@ -193,7 +193,7 @@ class EndedInNan(Record):
 
 
 @dataclass(frozen=True)
-class TrainedSeed:
+class SeedSummary:
     """Result of one seed of many.
 
     Attributes:
@@ -211,7 +211,7 @@ class TrainedSeed:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class TrainedSeeds(Record):
+class SeedsSummary(Record):
     """Result of `train --seeds`: `seeds.json` of the folder that holds the runs.
 
     Attributes:
@@ -230,7 +230,7 @@ class TrainedSeeds(Record):
     spec: str
     conditions: Count
     steps: Count
-    seeds: tuple[TrainedSeed, ...]
+    seeds: tuple[SeedSummary, ...]
     batch: Count
     devices: Count
     compile_s: float
@@ -238,12 +238,12 @@ class TrainedSeeds(Record):
     wall_s: float
 
     @property
-    def holding(self) -> list[TrainedSeed]:
+    def holding(self) -> list[SeedSummary]:
         """Seeds whose conditions all hold on fresh samples."""
         return [one for one in self.seeds if one.broken == ()]
 
     @property
-    def refused(self) -> list[TrainedSeed]:
+    def refused(self) -> list[SeedSummary]:
         """Seeds that could not be trained."""
         return [one for one in self.seeds if one.refused is not None]
 
@@ -253,7 +253,7 @@ def measured_hashes(run: Path) -> dict[str, str | None]:
     return file_hashes(run, _MEASURED)
 
 
-def trained_of(run: Path) -> Trained:
+def trained_of(run: Path) -> TrainingSummary:
     """Return the summary of a finished training, without figures of other files than the run's.
 
     The hashes show a mix-up of files, no forgery: who edits the figures can edit the hashes.
@@ -261,7 +261,7 @@ def trained_of(run: Path) -> Trained:
     Raises: RunError if it is damaged; the last checkpoint can be finished again.
     """
     try:
-        summary = Trained.read(run / SUMMARY)
+        summary = TrainingSummary.read(run / SUMMARY)
     except RunError as error:
         again = resuming(run)
         raise RunError(f"{error}; deleted, it is written again by `{again}`") from None

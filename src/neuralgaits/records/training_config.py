@@ -177,7 +177,7 @@ class TrainingConfig(Record):
         return self.described["regions"]
 
 
-def asked_of(folder: Folder) -> TrainingConfig:
+def config_of(folder: Folder) -> TrainingConfig:
     """Return the settings of a run. Raises: RunError if its config is not that of a training."""
     if (family := folder.config.get("family")) is not None:
         raise RunError(

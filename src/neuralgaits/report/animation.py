@@ -68,36 +68,40 @@ def ground_force(
     return force
 
 
-def shapes(model: mujoco.MjModel, moved: BodyMotion, layout: MjcfLayout) -> list[dict[str, Any]]:
+def shapes(model: mujoco.MjModel, motion: BodyMotion, layout: MjcfLayout) -> list[dict[str, Any]]:
     """Return the robot's shapes, placed in the frames of their bodies in the first state.
 
     Args:
         model: compiled model.
-        moved: poses of the model; only the first set is used.
+        motion: poses of the model; only the first set is used.
         layout: of the robot; rods stand for the links of one whose file has no shapes.
 
     Returns: one dict for each shape, with body (counted from 0), kind, size (m), pos (m), quat and
         colour.
     """
-    found = [_shape(model, geom, moved) for geom in range(model.ngeom) if is_drawn(model, geom)]
+    drawn_shapes = [
+        _shape(model, geom, motion) for geom in range(model.ngeom) if is_drawn(model, geom)
+    ]
     for bone in bones(model, layout):
         along, quat = bone.ends[1] - bone.ends[0], np.zeros(4)
         length = float(np.linalg.norm(along))
         mujoco.mju_quatZ2Vec(quat, along / length)
         size = np.array([bone.radius, 0.5 * length, 0.0])
-        rod = _placed(model, bone.body, moved, "capsule", size, bone.ends.mean(axis=0), quat)
-        found.append(rod | {"colour": list(bone.colour[:3])})
-    return found
+        rod = _placed(model, bone.body, motion, "capsule", size, bone.ends.mean(axis=0), quat)
+        drawn_shapes.append(rod | {"colour": list(bone.colour[:3])})
+    return drawn_shapes
 
 
-def contacts(model: mujoco.MjModel, moved: BodyMotion, feet: Sequence[str]) -> list[dict[str, Any]]:
+def contacts(
+    model: mujoco.MjModel, motion: BodyMotion, feet: Sequence[str]
+) -> list[dict[str, Any]]:
     """Return the centre and radius of each foot's sphere in its body, where ground forces act."""
-    found = []
+    rows = []
     for name in feet:
         geom = model.geom(name).id
-        shape = _shape(model, geom, moved)
-        found.append({"body": shape["body"], "pos": shape["pos"], "radius": shape["size"][0]})
-    return found
+        shape = _shape(model, geom, motion)
+        rows.append({"body": shape["body"], "pos": shape["pos"], "radius": shape["size"][0]})
+    return rows
 
 
 def _bodies(model: mujoco.MjModel) -> np.ndarray:
@@ -105,7 +109,7 @@ def _bodies(model: mujoco.MjModel) -> np.ndarray:
     return 1 + np.flatnonzero(model.body_mocapid[1:] < 0)
 
 
-def _shape(model: mujoco.MjModel, geom: int, moved: BodyMotion) -> dict[str, Any]:
+def _shape(model: mujoco.MjModel, geom: int, motion: BodyMotion) -> dict[str, Any]:
     kinds = {
         mujoco.mjtGeom.mjGEOM_SPHERE: "sphere",
         mujoco.mjtGeom.mjGEOM_CAPSULE: "capsule",
@@ -123,14 +127,14 @@ def _shape(model: mujoco.MjModel, geom: int, moved: BodyMotion) -> dict[str, Any
     local += model.geom_pos[geom]
     material, body = model.geom_matid[geom], int(model.geom_bodyid[geom])
     colour = model.mat_rgba[material] if material >= 0 else model.geom_rgba[geom]
-    placed = _placed(model, body, moved, kind, size, local, model.geom_quat[geom])
+    placed = _placed(model, body, motion, kind, size, local, model.geom_quat[geom])
     return placed | {"colour": _short(colour[:3], 3)}
 
 
 def _placed(
     model: mujoco.MjModel,
     body: int,
-    moved: BodyMotion,
+    motion: BodyMotion,
     kind: str,
     size: np.ndarray,
     pos: np.ndarray,
@@ -138,9 +142,9 @@ def _placed(
 ) -> dict[str, Any]:
     """Place a shape in the frame of its body at angle 0; the shape takes over the body's y."""
     place, turn, number = np.zeros(3), np.zeros(4), int(_bodies(model).searchsorted(body))
-    mujoco.mju_rotVecQuat(place, np.ascontiguousarray(pos), moved.first[number])
-    mujoco.mju_mulQuat(turn, moved.first[number], np.ascontiguousarray(quat))
-    place[1] += moved.y[number]
+    mujoco.mju_rotVecQuat(place, np.ascontiguousarray(pos), motion.first[number])
+    mujoco.mju_mulQuat(turn, motion.first[number], np.ascontiguousarray(quat))
+    place[1] += motion.y[number]
     return {
         "body": number,
         "kind": kind,

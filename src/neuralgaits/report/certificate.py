@@ -46,43 +46,43 @@ class ProvedOfGait:
     of_a_box: bool = False
 
 
-def certificate_of(run: Run, found: CertificateReading | None = None) -> ProvedOfGait:
-    """Return what figures show of a run's certificate, which is read if `found` is None."""
-    found = found or read_certificate(run.folder)
-    if found.summary is None:
-        return ProvedOfGait(found.reason or "the run has no certificate")
-    level = found.summary.conclusion
+def certificate_of(run: Run, reading: CertificateReading | None = None) -> ProvedOfGait:
+    """Return what figures show of a run's certificate, which is read if `reading` is None."""
+    reading = reading or read_certificate(run.folder)
+    if reading.summary is None:
+        return ProvedOfGait(reading.reason or "the run has no certificate")
+    level = reading.summary.conclusion
     margins = {
         name: float(row.margin)
-        for name, row in found.summary.conditions.items()
+        for name, row in reading.summary.conditions.items()
         if row.verdict == "proved" and row.margin is not None
     }
-    theorems = None if found.proof is None else found.proof.theorems
+    theorems = None if reading.proof is None else reading.proof.theorems
     orbit = None if theorems is None else tube_around_orbit(run, level(ORBIT_LEVEL), theorems.orbit)
     fourth = level(FULL_ORDER_LEVEL)
     shape = None if theorems is None else full_order_set(fourth, theorems.full)
     reason = (None if fourth is None else fourth.reason) or ProvedOfGait.no_full
     return ProvedOfGait(
         None,
-        found.summary.proved_level,
+        reading.summary.proved_level,
         margins,
         orbit,
         shape,
         reason,
-        found.map_fits,
-        bool(found.summary.parameters),
+        reading.map_fits,
+        bool(reading.summary.parameters),
     )
 
 
-def part_of(found: CertificateReading) -> ProvedOfSome | None:
+def part_of(reading: CertificateReading) -> ProvedOfSome | None:
     """Return the proof for a part of the gait's commands, for its page; None if there is none."""
-    part, proof, summary = found.part, found.proof, found.summary
+    part, proof, summary = reading.part, reading.proof, reading.summary
     if part is None or proof is None or summary is None:
         return None
     ranges = {}
-    if part.told:
+    if part.sequences:
         # Before and after have one range; how far they may be apart stands at the second.
-        axes = proof.chart.of_commands(len(part.told)).parameters[1::2]
+        axes = proof.chart.of_commands(len(part.sequences)).parameters[1::2]
         ranges = {
             axis.name.removesuffix(" after"): Range(axis.low, axis.high, axis.change)
             for axis in axes

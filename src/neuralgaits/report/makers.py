@@ -16,7 +16,7 @@ from neuralgaits.analysis.run import Run
 from neuralgaits.analysis.walk_log import measured_walk
 from neuralgaits.analysis.walks_by_command import alternating, drawn, walks_under
 from neuralgaits.errors import RunError
-from neuralgaits.records.episode_records import ASKED, SUMMARY, EpisodesDone
+from neuralgaits.records.episode_records import CONFIG_FILE, SUMMARY, EpisodesSummary
 from neuralgaits.records.levels import ORBIT_LEVEL
 from neuralgaits.records.simulated import LOG
 from neuralgaits.records.training_config import TrainingConfig
@@ -121,7 +121,7 @@ class RunFigures:
     def phase_portrait(self) -> Made:
         """Draw the phase portrait, with a logged walk if there is one."""
         data, walk = self.data, self.walk
-        told_some = bool(self.run.asked.commands)
+        told_some = bool(self.run.config.commands)
         words = phase_portrait.caption(data, walk, self.certificate.level, told_some)
         return words, phase_portrait.draw(data, walk)
 
@@ -160,7 +160,7 @@ class RunFigures:
                 "boxes, and no picture of them."
             )
             return caption, certificate_map.draw(BoxMap.read(path))
-        if certificate.of_a_box or self.run.asked.parameters:
+        if certificate.of_a_box or self.run.config.parameters:
             raise self.absent_for_box(1, "the map is of states of one robot")
         missing = f"{path.name} is missing in the certificate, or another one's"
         raise Absent(certificate.reason or missing, command("certify", self.path))
@@ -172,9 +172,9 @@ class RunFigures:
 
     def full_order_set(self) -> Made:
         """Draw the invariant set of level 4."""
-        certificate, asked = self.certificate, self.run.asked
-        if asked.commands:
-            line = repeat_commands.certifying(self.run.path, asked.last_level)
+        certificate, config = self.certificate, self.run.config
+        if config.commands:
+            line = repeat_commands.certifying(self.run.path, config.last_level)
             raise Absent("level 4 is about one gait, and this one takes commands", line)
         if certificate.full is not None:
             caption = (
@@ -185,7 +185,7 @@ class RunFigures:
                 "leaves and how the controller lets them die out."
             )
             return caption, full_order_set.draw(self.data, certificate.full)
-        if certificate.of_a_box or asked.parameters:
+        if certificate.of_a_box or config.parameters:
             raise self.absent_for_box(4, "level 4 is about one robot on the floor as meant")
         raise Absent(certificate.no_full, repeat_commands.certifying(self.run.path, 4))
 
@@ -226,7 +226,7 @@ class RunFigures:
     def rounds(self) -> Made:
         """Draw the rounds of the run's episodes."""
         folder = self.run.path.parent
-        if not all((folder / file).is_file() for file in (ASKED, SUMMARY)):
+        if not all((folder / file).is_file() for file in (CONFIG_FILE, SUMMARY)):
             plant = repeat_commands.robot_word(self.run.folder)
             heavier = "--plant", plant, "--disturb", "mass_scale=1.05"
             line = command("episodes", *heavier, "--resume", self.path)
@@ -236,24 +236,26 @@ class RunFigures:
             "the logs, and the policy is trained on with it. From round to round it should walk "
             "further, from more speeds, and predict its own motion better."
         )
-        return caption, rounds.draw(EpisodesDone.read(folder / SUMMARY))
+        return caption, rounds.draw(EpisodesSummary.read(folder / SUMMARY))
 
     def family(self) -> Made:
         """Draw the gaits of a family at some of its commands."""
-        found = family_data(self.run)
-        if not found.periodic:
+        data = family_data(self.run)
+        if not data.periodic:
             line = repeat_commands.longer(self.run.folder)
             raise Absent("no periodic orbit was found at any command: train longer", line)
-        return family.caption(found), family.draw(found)
+        return family.caption(data), family.draw(data)
 
     def command_walks(self) -> Made:
         """Draw walks under commands that repeat, and under others."""
-        told = self.run.trained.commands
-        repeated, random = walks_under(self.run, alternating(told, STEPS), drawn(told, STEPS))
+        commands = self.run.trained.commands
+        repeated, random = walks_under(
+            self.run, alternating(commands, STEPS), drawn(commands, STEPS)
+        )
         if not (np.isfinite(repeated.z2).all() and np.isfinite(random.z2).all()):
             line = repeat_commands.longer(self.run.folder)
             raise Absent("a walk from a fence of the tube does not come back: train longer", line)
-        name, proved = told[0].name, self.certificate.level >= ORBIT_LEVEL
+        name, proved = commands[0].name, self.certificate.level >= ORBIT_LEVEL
         words = command_walks.caption(name, repeated, proved)
         return words, command_walks.draw(name, repeated, random)
 
@@ -280,8 +282,8 @@ MAKERS: tuple[Maker, ...] = (
 """Every figure that some run can have, in the order of the report."""
 
 
-def makers_of(asked: TrainingConfig) -> list[Maker]:
+def makers_of(config: TrainingConfig) -> list[Maker]:
     """Return the figures that count as missing if a run with these settings lacks them."""
-    never = set() if asked.commands else set(command_words.FIGURES)
-    never |= set() if asked.as_given is None else {"loss"}
+    never = set() if config.commands else set(command_words.FIGURES)
+    never |= set() if config.as_given is None else {"loss"}
     return [one for one in MAKERS if one[0] not in never]

@@ -19,7 +19,7 @@ from neuralgaits.analysis.run import Run
 from neuralgaits.episode_rounds.episode_folder import EpisodeFolder
 from neuralgaits.errors import InputError, NeuralGaitsError, RunError
 from neuralgaits.records.report_walk import FILE, ShownWalk
-from neuralgaits.records.simulated import MUJOCO, SUMMARY, Simulated
+from neuralgaits.records.simulated import MUJOCO, SUMMARY, SimulationSummary
 from neuralgaits.report import animation
 from neuralgaits.report.page.repeat_commands import plant_word
 from neuralgaits.robots import PlanarBiped, load_robot
@@ -73,62 +73,66 @@ def shown_walk(run: Run) -> ShownWalk:
 
     Raises: InputError in one line if it cannot be simulated.
     """
-    asked = asked_of(run)
-    if (kept := kept_walk(run, asked)) is not None:
-        return kept
-    at = run if asked.command is None else run.at(**asked.command)
-    shown = _shown(at, asked, walk_again(at, asked), _key(run, asked))
-    run.folder.write_json(FILE, shown)
-    return shown
+    settings = asked_of(run)
+    if (stored := kept_walk(run, settings)) is not None:
+        return stored
+    at = run if settings.command is None else run.at(**settings.command)
+    walk = _shown(at, settings, walk_again(at, settings), _key(run, settings))
+    run.folder.write_json(FILE, walk)
+    return walk
 
 
 def asked_of(run: Run) -> AskedWalk:
     """Return the settings of the simulation to repeat, or of the one to make."""
     try:
-        done = Simulated.read(run.path / SUMMARY)
-        if done.steps is None or done.disturb is None:
+        simulation = SimulationSummary.read(run.path / SUMMARY)
+        if simulation.steps is None or simulation.disturb is None:
             raise RunError("expected steps and disturbances, found another version")
-        fallen = [number for number, fell in enumerate(done.fell) if fell]
-        push = float(done.push or 0.0)
-        law = done.controller if done.link is None else done.link.law
-        steps = done.steps
-        shown = steps if fallen or push else min(STEPS, steps)
-        disturbance, episode = PlantChanges(**done.disturb), fallen[0] if fallen else 0
-        other = done.link is not None or law not in CONTROL_LAWS or done.commands is not None
-        other = other or done.simulator != MUJOCO or done.joints is not None
-        other = other or done.adapt is not None
-        if done.terrain is not None:
+        fallen = [number for number, fell in enumerate(simulation.fell) if fell]
+        push = float(simulation.push or 0.0)
+        law = simulation.controller if simulation.link is None else simulation.link.law
+        steps = simulation.steps
+        steps_shown = steps if fallen or push else min(STEPS, steps)
+        disturbance, episode = PlantChanges(**simulation.disturb), fallen[0] if fallen else 0
+        other = (
+            simulation.link is not None
+            or law not in CONTROL_LAWS
+            or simulation.commands is not None
+        )
+        other = other or simulation.simulator != MUJOCO or simulation.joints is not None
+        other = other or simulation.adapt is not None
+        if simulation.terrain is not None:
             origin = "walks on level ground, unlike the last simulation of this run"
         elif other:
             origin = (
                 "starts as a walk of the last simulation of this run did, not repeating its course"
             )
-        elif shown < steps:
-            origin = f"repeats the first {shown} steps of the last simulation of this run"
+        elif steps_shown < steps:
+            origin = f"repeats the first {steps_shown} steps of the last simulation of this run"
         else:
             origin = "repeats the last simulation of this run"
         return AskedWalk(
-            plant=_plant(run, done),
+            plant=_plant(run, simulation),
             law=law if law in CONTROL_LAWS else "pd",
-            steps=shown,
-            start=done.start,
+            steps=steps_shown,
+            start=simulation.start,
             push=push,
             disturbance=disturbance,
-            seed=done.seed,
+            seed=simulation.seed,
             episode=episode,
             origin=origin,
-            command=None if done.terrain is not None else done.command,
+            command=None if simulation.terrain is not None else simulation.command,
         )
     except (TypeError, ValueError, NeuralGaitsError):
         # A plant that is no longer where it was, or a summary of another version.
         return _of_episodes(run)
 
 
-def _plant(run: Run, done: Simulated) -> PlanarBiped | None:
+def _plant(run: Run, simulation: SimulationSummary) -> PlanarBiped | None:
     """Load the plant of a simulation. Raises: InputError if the run has kept no file of it."""
-    word = plant_word(run.folder, done)
+    word = plant_word(run.folder, simulation)
     if word is None:
-        raise InputError(f"expected a file of plant {done.plant} in the run, found none")
+        raise InputError(f"expected a file of plant {simulation.plant} in the run, found none")
     return load_robot(word) if word else None
 
 
@@ -148,11 +152,11 @@ def _of_episodes(run: Run) -> AskedWalk:
         return AskedWalk()
 
 
-def _key(run: Run, asked: AskedWalk) -> str:
+def _key(run: Run, settings: AskedWalk) -> str:
     """Return a hash of the weights, the robot that walks and all settings."""
-    robot = (asked.plant or run.robot).layout.xml
-    rest = plain(vars(replace(asked, plant=None)))
-    if asked.command is None:
+    robot = (settings.plant or run.robot).layout.xml
+    rest = plain(vars(replace(settings, plant=None)))
+    if settings.command is None:
         del rest["command"]
     text = json.dumps([rest, robot, animation.FRAME_S, _LONGEST], sort_keys=True, default=str)
     weights = (run.path / WEIGHTS).read_bytes()
@@ -165,64 +169,64 @@ def _content(walk: ShownWalk) -> str:
     return hashlib.sha256(text.encode()).hexdigest()
 
 
-def kept_walk(run: Run, asked: AskedWalk) -> ShownWalk | None:
+def kept_walk(run: Run, expected: AskedWalk) -> ShownWalk | None:
     """Return the walk that the run has kept; None if it has none of these settings.
 
     An edited file is none: its settings, and what has come of them, must agree with the run.
     """
     try:
-        kept = ShownWalk.read(run.path / FILE)
+        stored = ShownWalk.read(run.path / FILE)
     except RunError:
         return None
-    steps, settings = kept.steps_walked, plain(_settings(run, asked))
-    if kept.fell:
-        possible = steps <= asked.steps and kept.fall_reason in {one.reason for one in Ending}
+    steps, settings = stored.steps_walked, plain(_settings(run, expected))
+    if stored.fell:
+        possible = steps <= expected.steps and stored.fall_reason in {one.reason for one in Ending}
     else:
-        possible = steps == asked.steps and kept.fall_reason is None
-    same = kept.key == _key(run, asked) and kept.content == _content(kept)
-    return kept if possible and same and settings.items() <= dict(kept).items() else None
+        possible = steps == expected.steps and stored.fall_reason is None
+    same = stored.key == _key(run, expected) and stored.content == _content(stored)
+    return stored if possible and same and settings.items() <= dict(stored).items() else None
 
 
-def _settings(run: Run, asked: AskedWalk) -> dict[str, Any]:
+def _settings(run: Run, settings: AskedWalk) -> dict[str, Any]:
     """Return the fields of a shown walk that follow from the run and its settings alone."""
-    usual, plant = PlantChanges(), asked.plant or run.robot
-    changes = vars(asked.disturbance).items()
+    usual, plant = PlantChanges(), settings.plant or run.robot
+    changes = vars(settings.disturbance).items()
     return {
-        "robot": run.asked.robot,
+        "robot": run.config.robot,
         "plant": plant.name,
-        "controller": asked.law,
-        "origin": asked.origin,
-        "start": asked.start,
-        "push_n_s": asked.push or None,
+        "controller": settings.law,
+        "origin": settings.origin,
+        "start": settings.start,
+        "push_n_s": settings.push or None,
         "disturb": {name: value for name, value in changes if value != getattr(usual, name)},
-        "seed": asked.seed,
-        "steps_asked": asked.steps,
+        "seed": settings.seed,
+        "steps_asked": settings.steps,
         "leg_length_m": plant.leg_length,
     }
 
 
-def walk_again(run: Run, asked: AskedWalk) -> Walk:
+def walk_again(run: Run, settings: AskedWalk) -> Walk:
     """Simulate a walk in MuJoCo with a record of every tick."""
     # Of a family, the gait at the command alone.
     one = replace(run, trained=run.gait)
     walks = TrainedWalks(
         run=one,
         library=engine_of_trained(one).library,
-        plant=asked.plant,
-        controller=asked.law,
-        steps=asked.steps,
-        start=asked.start,
-        push=asked.push,
-        disturbance=asked.disturbance,
-        seed=asked.seed,
+        plant=settings.plant,
+        controller=settings.law,
+        steps=settings.steps,
+        start=settings.start,
+        push=settings.push,
+        disturbance=settings.disturbance,
+        seed=settings.seed,
         orders=CommandSchedule.constant(()),
     )
-    return walks.walk(asked.episode, 1, record=True)
+    return walks.walk(settings.episode, 1, record=True)
 
 
-def _shown(run: Run, asked: AskedWalk, walked: Walk, key: str) -> ShownWalk:
+def _shown(run: Run, settings: AskedWalk, result: Walk, key: str) -> ShownWalk:
     """Return the frames of a walk with everything that the page says about it."""
-    episodes, plant = walked.episodes, walked.plant
+    episodes, plant = result.episodes, result.plant
     record = episodes.record
     if record is None or not len(episodes.states):
         raise InputError("expected a recorded walk, found none")
@@ -231,18 +235,18 @@ def _shown(run: Run, asked: AskedWalk, walked: Walk, key: str) -> ShownWalk:
     ticks = np.arange(len(episodes.states))[::stride]
     # Eight seconds before a fall.
     ticks = ticks[-400:] if fell else ticks[:_LONGEST]
-    moved = animation.motion(plant.model, episodes.states[ticks])
+    motion = animation.motion(plant.model, episodes.states[ticks])
     weight = float(np.sum(plant.model.body_mass)) * float(plant.robot.gravity)
-    force = animation.ground_force(moved.momenta, weight, animation.FRAME_S)
+    force = animation.ground_force(motion.momenta, weight, animation.FRAME_S)
     legs = np.asarray(record.command.leg)[ticks].astype(int)
     floors = np.asarray(episodes.floors)[ticks]
     frames = {
-        "shapes": animation.shapes(plant.model, moved, plant.robot.layout),
-        "contacts": animation.contacts(plant.model, moved, plant.robot.layout.feet),
-        "poses": np.round(moved.poses.reshape(len(ticks), -1), 4),
+        "shapes": animation.shapes(plant.model, motion, plant.robot.layout),
+        "contacts": animation.contacts(plant.model, motion, plant.robot.layout.feet),
+        "poses": np.round(motion.poses.reshape(len(ticks), -1), 4),
         "leg": legs,
         # A push is a force too, and would be taken for the ground's.
-        "force_n": None if asked.push else np.round(force, 1),
+        "force_n": None if settings.push else np.round(force, 1),
         "floor_m": np.round(floors[np.arange(len(ticks)), legs], 4),
         "slope": plant.slope,
         "z": np.round(np.asarray(record.command.z)[ticks], 4),
@@ -257,7 +261,7 @@ def _shown(run: Run, asked: AskedWalk, walked: Walk, key: str) -> ShownWalk:
         first_s=float(episodes.states[ticks[0], 0]),
         weight_n=weight,
         **plain(frames),
-        **plain(_settings(run, asked)),
+        **plain(_settings(run, settings)),
     )
     return replace(walk, content=_content(walk))
 

@@ -7,9 +7,6 @@ import numpy as np
 from neuralgaits._types import Float, Int
 from neuralgaits.residual.joint_windows import JointWindows
 
-CONFIDENCE = 0.95
-"""Of the intervals."""
-
 
 class JointNumbers(NamedTuple):
     """Rotor inertia, dry friction, damping and delay of the torques, with intervals. [4] each."""
@@ -43,7 +40,8 @@ def identified(windows: JointWindows) -> JointNumbers:
     by_stride, by_phase = (_clustered(scores, group) for group in (windows.stride, windows.phase))
     spread = np.sqrt(np.diag(inverse @ (by_stride + by_phase) @ inverse))
     groups = min(len(np.unique(group)) for group in (windows.stride, windows.phase))
-    half = stdtrit(groups - 1, 0.5 + 0.5 * CONFIDENCE) * spread
+    # Intervals of 95 % confidence.
+    half = stdtrit(groups - 1, 0.975) * spread
     # A delay may have either sign: a column of its own for each.
     parts, _ = nnls(np.column_stack([features, -features[:, -1]]), torque)
     value = np.append(parts[:-2], parts[-2] - parts[-1])

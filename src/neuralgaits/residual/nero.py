@@ -19,8 +19,6 @@ LEARNING_RATE, BETA = 0.01, 0.999
 """Values that the paper uses in all of its experiments."""
 ZERO_SCALE = 0.01
 """Scale of parameters that start at zero, as biases do. Source: the paper."""
-LEAST_CENTRED = 3
-"""Shortest row that is centred; with two entries of zero mean, only a sign would be left."""
 
 
 class NeroState(NamedTuple):
@@ -91,6 +89,7 @@ def _scale(array: Array) -> Float[Array, ""]:
 def _balanced(array: Array) -> Array:
     if array.ndim < 2:
         return array
-    if array.shape[1] >= LEAST_CENTRED:
+    # Shortest row that is centred; with two entries of zero mean, only a sign would be left.
+    if array.shape[1] >= 3:
         array = array - jnp.mean(array, axis=1, keepdims=True)
     return array / _norms(array)

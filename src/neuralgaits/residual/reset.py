@@ -20,16 +20,12 @@ from neuralgaits.gait.zero_coordinates import momentum_of, position_of
 from neuralgaits.logs import Touchdowns
 from neuralgaits.residual.shooting import Rate, model_rate, shoot
 
-LEAST_TOUCHDOWNS = 4
-"""Fewest touchdowns that allow a correction."""
 BOUND_FACTOR = 2.0
 """Bound on a correction, as a multiple of the largest one seen."""
 BLOCK = 64
 """Touchdowns evaluated together: one compiled shape for any number of them."""
 LEAST_BOUND = 1e-6
 """Smallest bound, per unit of z2: a bound of zero has no inverse."""
-SHRINKAGE = 1.0
-"""Strength of the prior that corrections do not depend on z, in touchdowns."""
 
 
 class Landings(NamedTuple):
@@ -60,7 +56,8 @@ def fit_reset(zd: ZeroDynamics, touchdowns: Touchdowns) -> ResetResidual | None:
 
     Returns: None if there are too few.
     """
-    if len(touchdowns.z_before) < LEAST_TOUCHDOWNS:
+    # Fewest touchdowns that allow a correction.
+    if len(touchdowns.z_before) < 4:
         return None
     plain = ZeroDynamics(zd.robot, zd.policy, zd.residual)
     missed = landings(plain, touchdowns).z
@@ -73,7 +70,8 @@ def fit_reset(zd: ZeroDynamics, touchdowns: Touchdowns) -> ResetResidual | None:
     scale = np.maximum(spread, 1e-3 * np.abs(centre))
     inputs = (touchdowns.z_before - centre) / scale
     offset = targets.mean(axis=0)
-    shrunk = inputs.T @ inputs + SHRINKAGE * np.eye(2)
+    # The prior that corrections do not depend on z is as strong as one touchdown.
+    shrunk = inputs.T @ inputs + np.eye(2)
     weight = np.linalg.solve(shrunk, inputs.T @ (targets - offset)).T
     return ResetResidual(weight, offset, scale, centre / scale, bound)
 

@@ -11,8 +11,6 @@ import numpy as np
 from neuralgaits._types import Float
 from neuralgaits.robots.constants import MjcfLayout
 
-THICKNESS = 0.022
-"""Radius of a rod in leg lengths."""
 COLOURS = ((0.95, 0.55, 0.16, 1.0), (0.10, 0.42, 0.75, 1.0), (0.27, 0.31, 0.37, 1.0))
 """Colours (RGBA) of leg 0, leg 1 and torso, as in the built-in robots."""
 
@@ -54,7 +52,8 @@ def bones(model, layout: MjcfLayout) -> list[Bone]:
     data = mujoco.MjData(model)
     mujoco.mj_kinematics(model, data)
     mujoco.mj_comPos(model, data)
-    radius, rods = THICKNESS * layout.leg_length, []
+    # Radius of a rod in leg lengths.
+    radius, rods = 0.022 * layout.leg_length, []
     for leg, joints in enumerate(layout.leg_joints):
         foot = model.geom(layout.feet[leg])
         body, below = int(foot.bodyid[0]), data.geom_xpos[foot.id]

@@ -22,8 +22,6 @@ from neuralgaits.errors import InputError, reason
 
 _MASK = threading.Lock()
 """Lock, since two threads that set and restore the mask could leave the value of one of them."""
-_MOST_LINKS = 40
-"""Largest number of links that lead to one file; Linux follows no more."""
 _STREAMS = Path("/proc")
 """Links below this folder lead to files that a process has open, whatever their names say."""
 _LONGEST_PREFIX = 40
@@ -44,7 +42,8 @@ def destination(path: Path, remedy: str = _EITHER) -> Path:
     Raises: InputError on anything but a regular file; OSError if the system refuses to look.
     """
     place = path
-    for _ in range(_MOST_LINKS):
+    # Largest number of links that lead to one file; Linux follows no more.
+    for _ in range(40):
         folder = Path(os.path.realpath(place.parent))
         if folder.is_relative_to(_STREAMS):
             raise InputError(f"expected a file to write, found an open stream at {path}: {remedy}")

@@ -33,7 +33,7 @@ class EpisodeLoop(NamedTuple):
     """Whether all episodes have the same policy."""
     states: Float[np.ndarray, "B s"]
     """MuJoCo states to start from (time, qpos, qvel)."""
-    given: EpisodeInputs
+    inputs: EpisodeInputs
     """Inputs of the episodes."""
     steps: int
     """Number of touchdowns of a walk."""
@@ -47,7 +47,7 @@ class EpisodeLoop(NamedTuple):
             self.plants[0],
             self.controllers[0],
             self.states,
-            self.given,
+            self.inputs,
             steps=self.steps,
             threads=self.threads,
             plants=self.plants,
@@ -57,7 +57,7 @@ class EpisodeLoop(NamedTuple):
         self, simulator: Simulator, watch: Watch | None, remote: Remote | None
     ) -> EpisodeBatch:
         """Run every episode in JAX, with controllers of other processes if there are any."""
-        inputs, plant = self.given, self.plants[0]
+        inputs, plant = self.inputs, self.plants[0]
         one = self.controllers[0] if self.shared else _stacked(self.controllers)
         gap_depth = np.inf if inputs.courses is None else inputs.courses.gap_depth
         scene = Scene.of(plant, one, self.steps, inputs.orders.first, gap_depth)

@@ -22,8 +22,6 @@ from neuralgaits.simulation.setup.disturbance import PlantChanges
 from neuralgaits.simulation.setup.drawn_robots import DrawnRobots
 from neuralgaits.simulation.setup.terrain_kinds import commands_from_terrain
 
-OTHER_ROBOT = 0.25
-"""Largest difference of a plant's mass or leg length, as a share, before it is another robot."""
 REMOTE = "c"
 """Name of the controller that runs in a process of its own."""
 
@@ -126,10 +124,11 @@ def about_other_robot(robot: PlanarBiped, plant: PlanarBiped) -> str | None:
         "mass": (float(robot.mass), float(plant.mass), "kg"),
         "leg length": (robot.leg_length, plant.leg_length, "m"),
     }
+    # Largest difference of a plant's mass or leg length, as a share, before it is another robot.
     settings = [
         f"{what} {theirs:.3g} instead of {ours:.3g} {unit}"
         for what, (ours, theirs, unit) in pairs.items()
-        if abs(theirs - ours) > OTHER_ROBOT * ours
+        if abs(theirs - ours) > 0.25 * ours
     ]
     joints, others = robot.layout.leg_joints, plant.layout.leg_joints
     if joints != others:

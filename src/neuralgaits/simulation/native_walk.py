@@ -144,7 +144,7 @@ def _engine(texts: Mapping[str, str], controller: Controller) -> WalkEngine:
         raise NativeError(NO_COMPILER)
     walk, folder = _shared_library(texts), cache_folder() / "walks"
     try:
-        return WalkEngine(Library(compiler.kept(walk, folder), controller), None)
+        return WalkEngine(Library(compiler.cached(walk, folder), controller), None)
     except OSError as error:
         note = (
             f"compiled the walk for this command alone, because {folder} cannot be written "

@@ -36,6 +36,8 @@ STEPS_OF_A_PART = 1600
 """Number of walking steps of a task: some ten seconds of compiled code."""
 _MOST_OF_A_PART = 256
 _PLANT, _COMMANDS, _ARRAYS = "plant.xml", "commands.csv", "walks.safetensors"
+_SENT = ("controller", "steps", "start", "push", "seed", "simulator", "adapt")
+"""Settings of `TrainedWalks` that are sent to workers as they are."""
 
 
 @dataclass(frozen=True)
@@ -78,20 +80,12 @@ class SharedWalks:
 
     def _jobs(self, episodes: int, count: int) -> Iterator[Job]:
         walks = self.walks
-        about = {
-            "robot": walks.run.robot.name,
+        about = {name: getattr(walks, name) for name in _SENT} | {
             "plant": None if walks.plant is None else walks.plant.name,
-            "controller": walks.controller,
-            "steps": walks.steps,
-            "start": walks.start,
-            "push": walks.push,
             "disturb": plain(vars(walks.disturbance)),
-            "seed": walks.seed,
             "engine": self.choice,
-            "simulator": walks.simulator,
             "command": None if self.command is None else dict(self.command),
             "random": self.commands == RANDOM,
-            "adapt": list(walks.adapt),
             "parameters": None if walks.drawn is None else dict(walks.drawn.box),
         }
         for first in range(0, episodes, count):
@@ -146,21 +140,16 @@ def _opened(about: str, files: tuple[tuple[str, bytes], ...]) -> TrainedWalks:
     plant, box = None, settings["parameters"]
     if _PLANT in contents:
         plant = robot_from_text(contents[_PLANT].decode(), settings["plant"])
+    engine = walk_engine_for(run, settings["controller"], settings["engine"], settings["simulator"])
+    sent = {name: settings[name] for name in _SENT}
+    sent["adapt"] = tuple(sent["adapt"])
     return TrainedWalks(
         run=run,
-        library=walk_engine_for(
-            run, settings["controller"], settings["engine"], settings["simulator"]
-        ).library,
+        library=engine.library,
         plant=plant,
-        controller=settings["controller"],
-        steps=settings["steps"],
-        start=settings["start"],
-        push=settings["push"],
         disturbance=PlantChanges(**settings["disturb"]),
-        seed=settings["seed"],
         orders=orders,
         drawn=None if box is None else DrawnRobots(run.robot, box, settings["seed"]),
         threads=1,
-        simulator=settings["simulator"],
-        adapt=tuple(settings["adapt"]),
+        **sent,
     )

@@ -156,7 +156,7 @@ def walk(inputs: WalkInputs) -> Walk:
         controllers=controllers,
         shared=shared,
         states=plant_states(plants[0], starts),
-        given=_inputs(inputs, plants[0], orders, count),
+        inputs=_inputs(inputs, plants[0], orders, count),
         steps=inputs.steps,
         threads=cores() if inputs.threads is None else inputs.threads,
     )

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from neuralgaits.errors import InputError
-from neuralgaits.records.swept import Speed, SweepAsked
+from neuralgaits.records.swept import Speed, SweepConfig
 
 
 class Combination(NamedTuple):
@@ -20,7 +20,7 @@ class Combination(NamedTuple):
     seed: int
 
 
-def combinations(config: SweepAsked) -> Iterator[Combination]:
+def combinations(config: SweepConfig) -> Iterator[Combination]:
     """Combine every robot with every spec, speed and seed; names are unique and name folders."""
     robots, specs = short_names(config.robots), short_names(config.specs)
     seeds = range(*config.seeds)
@@ -31,7 +31,7 @@ def combinations(config: SweepAsked) -> Iterator[Combination]:
         yield Combination("-".join([robot, spec, *speeds, str(seed)]), i, j, speed, seed)
 
 
-def count(config: SweepAsked) -> int:
+def count(config: SweepConfig) -> int:
     """Return the number of combinations, without listing them."""
     first, end = config.seeds
     return len(config.robots) * len(config.specs) * len(config.speeds) * (end - first)

@@ -20,7 +20,7 @@ from typing import Any
 from neuralgaits.engine import Files
 from neuralgaits.errors import InputError, RunError
 from neuralgaits.records.episode_records import Versioned
-from neuralgaits.records.swept import ASKED, FORMAT, ROW, SweepAsked, SweepRow
+from neuralgaits.records.swept import CONFIG_FILE, FORMAT, ROW, SweepConfig, SweepRow
 from neuralgaits.runs import plain, to_json, write_bytes, write_text
 from neuralgaits.runs.claim import claimed
 from neuralgaits.runs.file_content import file_content
@@ -37,48 +37,48 @@ _SHOWN = 80
 
 @dataclass(frozen=True)
 class SweepFolder:
-    """A sweep that has been started. Attributes: path: its folder; asked: its settings."""
+    """A sweep that has been started. Attributes: path: its folder; config: its settings."""
 
     path: Path
-    asked: SweepAsked
+    config: SweepConfig
 
     @classmethod
     def create(
-        cls, config: SweepAsked, inputs: Files, *, out: Path | None, root: Path
+        cls, config: SweepConfig, inputs: Files, *, out: Path | None, root: Path
     ) -> "SweepFolder":
         """Make a folder; `sweep.json` is written last. Raises: RunError if `out` is not empty."""
         seed, what = config.seeds[0], "the sweep"
-        with claimed(out, root, HOME, seed, what=what, config=ASKED) as path:
+        with claimed(out, root, HOME, seed, what=what, config=CONFIG_FILE) as path:
             for name, content in inputs.items():
                 write_bytes(path / INPUTS / name, content)
-            write_text(path / ASKED, to_json(config))
+            write_text(path / CONFIG_FILE, to_json(config))
         return cls(path, config)
 
     @classmethod
     def there(cls, path: Path) -> bool:
         """Return whether a folder holds a sweep."""
-        return (path / ASKED).is_file()
+        return (path / CONFIG_FILE).is_file()
 
     @classmethod
     def open(cls, path: Path) -> "SweepFolder":
         """Open a sweep. Raises: RunError if there is none, or one of another version."""
         if not cls.there(path):
             raise RunError(
-                f"expected {ASKED} in {path}, found none: there is no sweep to go on with; leave "
-                "--resume out"
+                f"expected {CONFIG_FILE} in {path}, found none: there is no sweep to go on with; "
+                "leave --resume out"
             )
-        version = Versioned.read(path / ASKED).format
+        version = Versioned.read(path / CONFIG_FILE).format
         if version != FORMAT:
             raise RunError(
                 f"expected a sweep of format {FORMAT}, found {version!r} in {path}: sweep anew"
             )
-        return cls(path, SweepAsked.read(path / ASKED))
+        return cls(path, SweepConfig.read(path / CONFIG_FILE))
 
     def input(self, name: str) -> bytes:
         """Return an input file of the sweep. Raises: RunError if the file has changed since."""
         path = self.path / INPUTS / name
         content = file_content(path) if path.is_file() else b""
-        if sha256(content) != self.asked.sha256[name]:
+        if sha256(content) != self.config.sha256[name]:
             raise RunError(
                 f"expected {path} as it was when the sweep began, found another sha256: restore it"
             )
@@ -103,7 +103,7 @@ class SweepFolder:
     def refuse_other(self, settings: Mapping[str, Any]) -> None:
         """Refuse settings that differ from those of the sweep. Raises: InputError."""
         for name, value in settings.items():
-            recorded = getattr(self.asked, name)
+            recorded = getattr(self.config, name)
             if plain(recorded) != plain(value):
                 raise InputError(
                     f"expected the {name} that the sweep in {self.path} was asked, "

@@ -9,7 +9,7 @@ import io
 from collections.abc import Sequence
 from typing import Any
 
-from neuralgaits.records.swept import UNDISTURBED, SweepAsked, SweepRow
+from neuralgaits.records.swept import UNDISTURBED, SweepConfig, SweepRow
 
 _FIRST = (
     "row",
@@ -32,7 +32,7 @@ _GAIT = ("walked_speed[m/s]", "cost_of_transport", "peak_torque[N m]", "least_no
 """Columns about the walks of a controller without a disturbance."""
 
 
-def header(config: SweepAsked) -> list[str]:
+def header(config: SweepConfig) -> list[str]:
     """Return the columns; `stays_up:DISTURBANCE` is the share of walks that stayed up under it."""
     names = [*_FIRST]
     for controller in config.controllers:
@@ -41,7 +41,7 @@ def header(config: SweepAsked) -> list[str]:
     return names
 
 
-def to_csv(config: SweepAsked, rows: Sequence[SweepRow]) -> str:
+def to_csv(config: SweepConfig, rows: Sequence[SweepRow]) -> str:
     """Return the table as text; cells of parts that were not done are empty."""
     out = io.StringIO()
     writer = csv.writer(out, lineterminator="\n")
@@ -51,7 +51,7 @@ def to_csv(config: SweepAsked, rows: Sequence[SweepRow]) -> str:
     return out.getvalue()
 
 
-def _values(config: SweepAsked, row: SweepRow) -> list[Any]:
+def _values(config: SweepConfig, row: SweepRow) -> list[Any]:
     values: list[Any] = [
         row.name,
         row.robot,

@@ -37,7 +37,7 @@ def with_claimed_levels(
         about: that spec, in words.
         conclude: draws conclusions from bounds; returns why the file is rejected, if it is.
     """
-    if claims.asked is None or not report.holds:
+    if claims.outline is None or not report.holds:
         return report
     if not table.is_that_of(claims):
         why = f"its regions, conditions or chart are not those of {about}"

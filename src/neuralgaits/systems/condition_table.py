@@ -41,10 +41,10 @@ class ConditionTable:
 
     def is_that_of(self, claims: Claims) -> bool:
         """Return whether a proof file is about these conditions on these regions."""
-        if claims.asked is None:
+        if claims.outline is None:
             return False
-        regions = {name: one.region for name, one in claims.asked.conditions.items()}
-        claimed = claims.asked.regions, regions, claims.chart
+        regions = {name: one.region for name, one in claims.outline.conditions.items()}
+        claimed = claims.outline.regions, regions, claims.chart
         return claimed == (self.regions, self.conditions, self.chart)
 
     def stated_bounds(self, claims: Claims) -> dict[str, float]:

@@ -41,13 +41,13 @@ def stated_bounds(run: FamilyRun, program: Program | None = None) -> dict[str, f
     program = trace_conditions(run) if program is None else program
     try:
         claims = read_claims(run.path / PROOF)
-        if claims.asked is None or not run.system.table.is_that_of(claims):
+        if claims.outline is None or not run.system.table.is_that_of(claims):
             return None
         if claims.program_hash != program.hash or claims.model != plain(model_data(run, program)):
             return None
         if differences(claims, run.path):
             return None
-        if inconsistencies(claims, claims.asked) or first_broken_bound(claims):
+        if inconsistencies(claims, claims.outline) or first_broken_bound(claims):
             return None
     except InputError:
         return None

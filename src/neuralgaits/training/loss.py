@@ -60,7 +60,7 @@ def lay_out(spec: GaitSpec, robot: Model, gait: AnyGait, sampler: Sampler) -> Ma
 
     def margins(u):
         at = spec.parted(u)
-        step = gait.at(nominal_robot(robot), at.told)
+        step = gait.at(nominal_robot(robot), at.commands)
         zd = ZeroDynamics(robot_of_step(robot, step, at.errors), step.policy)
         point = zd.point(step.z(at.plane))
         return {c.name: c.margins(point, step) for c in weights}
@@ -123,7 +123,7 @@ def margin_matrix(
         flow, reset = residuals
         pushed_flow = flow if push is None else DisturbedResidual(flow, push)
         at = spec.parted(sample)
-        step = gait.at(nominal_robot(robot), at.told, reset)
+        step = gait.at(nominal_robot(robot), at.commands, reset)
         zd = ZeroDynamics(robot_of_step(robot, step, at.errors), step.policy, pushed_flow, reset)
         return step, zd.point(step.z(at.plane))
 

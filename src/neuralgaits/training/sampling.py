@@ -12,9 +12,6 @@ from neuralgaits._types import Array, Float, Scalar
 from neuralgaits.barriers import Box
 from neuralgaits.gait.commands import Commands
 
-AT_ENDS = 4.0
-"""Factor on the range of parameters' errors before clipping: 3/4 of the draws lie on an end."""
-
 
 class Sampler(NamedTuple):
     """A plan of one batch: each row is a stratum of a box of a region.
@@ -91,16 +88,18 @@ class Sampler(NamedTuple):
 
         Returns: [N, n] (phase, level, then the axes of commands, then parameters of the robot).
         """
-        u = self._told(key, grown)
+        u = self._commands(key, grown)
         if not len(self.parameters):
             return u
         # The worst robots are corners of the box: most errors of a sample are at an end.
         shape = (len(self.low), len(self.parameters))
         key = jax.random.fold_in(key, 3)
         share = jax.random.uniform(key, shape, dtype=u.dtype, minval=-1.0, maxval=1.0)
-        return jnp.concatenate([u, self.parameters * jnp.clip(AT_ENDS * share, -1.0, 1.0)], axis=1)
+        # Factor on the range of parameters' errors before clipping: 3/4 of the draws lie on an
+        # end.
+        return jnp.concatenate([u, self.parameters * jnp.clip(4.0 * share, -1.0, 1.0)], axis=1)
 
-    def _told(self, key: PRNGKeyArray, grown: Scalar | float) -> Float[Array, "N c"]:
+    def _commands(self, key: PRNGKeyArray, grown: Scalar | float) -> Float[Array, "N c"]:
         """Draw the points without parameters of the robot."""
         share = jax.random.uniform(key, self.low.shape, dtype=jnp.zeros(0).dtype)
         u = self.low + (self.high - self.low) * share

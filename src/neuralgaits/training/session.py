@@ -56,7 +56,7 @@ def take_all_steps(run: Run, progress: Progress | None, trainer: Trainer | None 
 
 def trainer_of(run: Run) -> Trainer:
     """Return the trainer for a run's config, not compiled yet."""
-    config = run.asked
+    config = run.config
     return Trainer.build(
         run.robot,
         run.spec,
@@ -82,7 +82,7 @@ def start_of(run: Run, trainer: Trainer) -> TrainState:
     """Return the last checkpoint if there is one, else the initial state."""
     if (run.path / STATE).is_file():
         return run.folder.read_tree(STATE, trainer.init(run.trained))
-    config, recipe, gait = run.asked, run.spec.recipe, run.trained
+    config, recipe, gait = run.config, run.spec.recipe, run.trained
     cold = START not in run.folder.copies
     if cold and config.init == "posture" and recipe.posture_steps and isinstance(gait, Gait):
         key = jax.random.fold_in(jax.random.key(config.seed), 1)

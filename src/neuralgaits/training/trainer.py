@@ -36,8 +36,6 @@ from neuralgaits.training.train_state import FreshMargins, TrainState
 
 VALIDATE_EVERY = 100
 """Gradient steps between two evaluations of the fixed validation samples."""
-REPAIR_RATE = 0.5
-"""Share of the recipe's learning rate in further training: the gait is nearly there."""
 SMALLER, CAREFUL = 0.3, 3
 """Factor on the size of steps after NaN, and how often it may be applied."""
 
@@ -143,7 +141,8 @@ class Trainer:
 
     def repairing(self, steps: int) -> "Trainer":
         """Return a trainer for repair rounds of a trained gait, `steps` steps each."""
-        factor = REPAIR_RATE * width_factor(self.spec, self._template)
+        # Share of the recipe's learning rate in further training: the gait is nearly there.
+        factor = 0.5 * width_factor(self.spec, self._template)
         optimizer = optimizer_of(self.spec.recipe, steps, factor)
         parts = self.spec, self._float32_parts, self.disturbance, self._unflatten
         compiled = quick_jit(make_steps(*parts, optimizer))

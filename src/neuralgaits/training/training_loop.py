@@ -24,8 +24,6 @@ Progress = Callable[[int, int, float], None]
 Save = Callable[[TrainState], None]
 Rows = list[Mapping[str, float]]
 
-AT_ONCE_S = 0.2
-"""Duration of the steps taken in one call [s]."""
 CHECKPOINT_S = 2.0
 """Time between two checkpoints [s]."""
 
@@ -83,7 +81,8 @@ class GradientSteps:
             jax.block_until_ready(loss)
             # As many at once as a user who stops it, or a budget, can wait for.
             each = (time.perf_counter() - start_time) / (step - first)
-            count = max(1, round(AT_ONCE_S / each))
+            # Duration of the steps taken in one call [s].
+            count = max(1, round(0.2 / each))
             if step % VALIDATE_EVERY and not trainer.done(state):
                 continue
             if not (np.isfinite(float(loss.total)) and np.isfinite(state.parameters).all()):

@@ -80,9 +80,9 @@ class LiveGait:
         self._z = self._middle
         self._begun, self._pace, self._trail = 0.0, StepSpeed(), Trail()
 
-    def look_with(self, look: PointEvaluator) -> None:
+    def look_with(self, evaluate: PointEvaluator) -> None:
         """Enable live evaluation of margins by this evaluator."""
-        self._look = look
+        self._look = evaluate
 
     def watch_with(self, monitor: LiveMonitor | None, beliefs_within: float | None = None) -> None:
         """Show what is proved from now on: ticks in its sets, and the distance of a belief (m)."""
@@ -97,7 +97,7 @@ class LiveGait:
         slide = "sliding coefficient between feet and floor"
         heavy = "factor on all masses and inertias; the controller is not told"
         weak = "limit of every joint; the controller knows it"
-        found = {
+        values = {
             "slope_deg": Slider("slope [deg]", -6.0, 6.0, 0.0, 0.5, tilt),
             "friction": Slider("friction", 0.05, max(1.2, friction), friction, 0.01, slide),
             "mass_scale": Slider("mass ×", 0.5, 2.0, 1.0, 0.01, heavy),
@@ -105,12 +105,12 @@ class LiveGait:
         }
         if robot.torso is not None:
             ahead = "centre of mass ahead of the file's; the controller is not told"
-            found["torso_shift_m"] = Slider(
+            values["torso_shift_m"] = Slider(
                 "torso's weight ahead [m]", -0.05, 0.05, 0.0, 0.005, ahead
             )
         if self._on is not None:
-            del found["slope_deg"]
-        return found
+            del values["slope_deg"]
+        return values
 
     @property
     def commands(self) -> Mapping[str, Slider]:
@@ -140,8 +140,8 @@ class LiveGait:
     @property
     def adaptable(self) -> tuple[str, ...]:
         """Return the gait's commands that can be adapted."""
-        taken = [command.name for command in self.run.trained.commands]
-        return tuple(name for name in ADAPTABLE if name in taken)
+        names = [command.name for command in self.run.trained.commands]
+        return tuple(name for name in ADAPTABLE if name in names)
 
     def adapt(self, active: bool) -> None:
         """Adapt these commands to what the robot does from now on, or no longer."""
@@ -219,19 +219,19 @@ class LiveGait:
             if why or self._look is None:
                 nothing = np.full(len(conditions), np.nan)
                 return Margins(nothing, np.zeros(len(conditions), dtype=bool), why)
-            asked = [_nearest(here, self.run.spec.regions[c.region]) for c in conditions]
-            points = np.unique(np.array(asked), axis=0)
+            nearest = [_nearest(here, self.run.spec.regions[c.region]) for c in conditions]
+            points = np.unique(np.array(nearest), axis=0)
             states = self.chart.z(points[:, 0], points[:, 1])
             # The state itself, not its image in the chart: it may lie outside of it.
             states[(points == here).all(axis=1)] = z
-            found = self._look(states)
-            where = [int(np.flatnonzero((points == one).all(axis=1))[0]) for one in asked]
+            quantities = self._look(states)
+            where = [int(np.flatnonzero((points == one).all(axis=1))[0]) for one in nearest]
             values = [
-                float(np.min(found[f"margin/{condition.name}"][row]))
+                float(np.min(quantities[f"margin/{condition.name}"][row]))
                 for condition, row in zip(conditions, where, strict=True)
             ]
         within = bool(np.all((here >= -ENDS) & (here <= 1.0 + ENDS)))
-        inside = [within and bool(np.all(one == here)) for one in asked]
+        inside = [within and bool(np.all(one == here)) for one in nearest]
         return Margins(np.array(values), np.array(inside, dtype=bool))
 
     @property

@@ -75,12 +75,12 @@ class LiveMonitor:
             step = step_parameters(self._run, ticks.told)
             inputs |= {"before": before, "after": after, "step": step}
         admissible = self._monitor.admissible(before, after)
-        found = []
+        answers = []
         for place, one in enumerate(self._monitor.sets):
             member = one.membership(one.margins(**inputs))
             inside = member.inside & admissible
             self._inside[place] += int(np.count_nonzero(inside))
-            found.append(
+            answers.append(
                 SetMembership(
                     ", ".join(map(str, one.levels)),
                     bool(inside[-1]),
@@ -90,7 +90,7 @@ class LiveMonitor:
                     self._inside[place] / self._ticks,
                 )
             )
-        self._latest = tuple(found)
+        self._latest = tuple(answers)
         return self._latest
 
 

@@ -43,13 +43,13 @@ def open_server(label: str, host: str = LOOPBACK, port: int | None = None) -> Lo
 
     Raises: InputError if host or port is not available.
     """
-    found = _free_port(host, port)
+    free_port = _free_port(host, port)
     _keep_visitors_quiet()
     with quiet():
-        server = LocalServer(host=host, port=found, label=label, verbose=False)
-    if server.get_port() != found:
+        server = LocalServer(host=host, port=free_port, label=label, verbose=False)
+    if server.get_port() != free_port:
         server.stop()
-        raise InputError(f"expected port {found} to be free, found it taken: {_REMEDY}")
+        raise InputError(f"expected port {free_port} to be free, found it taken: {_REMEDY}")
     server.gui.configure_theme(show_logo=False, show_share_button=False, brand_color=(11, 87, 164))
     server.gui.main_panel.dock_right()
     server.gui.main_panel.set_width(_PANEL_PX)
@@ -101,10 +101,10 @@ def _is_free(host: str, port: int) -> bool:
     Raises: InputError for a host that is not an address of this machine.
     """
     try:
-        known = socket.getaddrinfo(host or None, port, type=socket.SOCK_STREAM)
+        addresses = socket.getaddrinfo(host or None, port, type=socket.SOCK_STREAM)
     except (OSError, UnicodeError):
         raise InputError(f"expected --host as an address of this machine, found {host!r}") from None
-    family, kind, protocol, _, address = known[0]
+    family, kind, protocol, _, address = addresses[0]
     with socket.socket(family, kind, protocol) as probe:
         probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         try:

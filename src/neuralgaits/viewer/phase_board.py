@@ -13,26 +13,26 @@ from neuralgaits.runs.names import MAP
 from neuralgaits.viewer.portrait import Portrait
 
 
-def portrait(run: Run, look: PointEvaluator, *, certified: bool) -> Portrait:
+def portrait(run: Run, evaluate: PointEvaluator, *, certified: bool) -> Portrait:
     """Compute the phase portrait of a run's gait.
 
     Args:
         run: run whose gait is drawn.
-        look: evaluator of the quantities at states.
+        evaluate: evaluator of the quantities at states.
         certified: whether the map of the run's certificate is about exactly this gait.
     """
     chart = PlaneChart(run.gait, run.spec)
-    motion = FlowQuantities(*look.each(*FlowQuantities._fields))
+    motion = FlowQuantities(*evaluate.each(*FlowQuantities._fields))
     with np.errstate(all="ignore"):
         around = plane(chart, phases=61, lines=(41, 31), beyond=(0.14, 0.22))
         dz = around.laid_out(motion.dz(around.states))
         boxes = _proved(run) if certified else None
         if boxes is None:
-            boxes, known = _sampled(chart, look), "sampled margins, not a proof"
+            boxes, basis = _sampled(chart, evaluate), "sampled margins, not a proof"
         elif np.all(boxes.answer == BoxAnswer.PROVED):
-            known = "proved margins"
+            basis = "proved margins"
         else:
-            known = "bounded margins (only green is proved)"
+            basis = "bounded margins (only green is proved)"
         orbit = sampled_map(motion, chart).orbit
         path = cycle(motion, orbit, Mesh.of_gait(chart.start, chart.guard)).z[:, 0]
     return Portrait(
@@ -40,7 +40,7 @@ def portrait(run: Run, look: PointEvaluator, *, certified: bool) -> Portrait:
         dz=dz,
         orbit=path[np.isfinite(path).all(axis=1)],
         boxes=boxes,
-        title=f"Zero dynamics, {known}: click to put the robot there",
+        title=f"Zero dynamics, {basis}: click to put the robot there",
     )
 
 
@@ -52,15 +52,15 @@ def _proved(run: Run) -> BoxMap | None:
         return None
 
 
-def _sampled(chart: PlaneChart, look: PointEvaluator) -> BoxMap:
+def _sampled(chart: PlaneChart, evaluate: PointEvaluator) -> BoxMap:
     """Return the tube's cells, with the least margin at the middle of each."""
     phases, levels = np.linspace(0.0, 1.0, 41), np.linspace(0.0, 1.0, 21)
     edges = chart.z(*np.meshgrid(phases, levels))
     corners = np.stack([edges[:-1, :-1], edges[:-1, 1:], edges[1:, 1:], edges[1:, :-1]], axis=2)
     middles = [0.5 * (ends[1:] + ends[:-1]) for ends in (phases, levels)]
     at_phase, at_level = np.meshgrid(*middles)
-    found = look(chart.z(at_phase, at_level).reshape(-1, 2))
-    least = np.nanmin(chart.margins(found, at_phase, at_level), axis=0, initial=np.inf).ravel()
+    values = evaluate(chart.z(at_phase, at_level).reshape(-1, 2))
+    least = np.nanmin(chart.margins(values, at_phase, at_level), axis=0, initial=np.inf).ravel()
     answer = np.where(least >= 0.0, BoxAnswer.PROVED, BoxAnswer.REFUTED)
     margin = np.where(np.isfinite(least), least, 0.0)
     return BoxMap(corners.reshape(-1, 4, 2), answer, margin)

@@ -120,10 +120,10 @@ class Portrait:
         colours = greens(np.clip(boxes.margin / top, 0.0, 1.0))
         colours[boxes.answer == BoxAnswer.UNDECIDED] = to_rgba("#f0a040")
         colours[boxes.answer == BoxAnswer.REFUTED] = to_rgba("#d0664c")
-        shown = boxes.drawn_last[~boxes.curved[boxes.drawn_last]]
-        drawn = PolyCollection(list(boxes.corners[shown]), linewidths=0.3)
-        drawn.set(facecolors=colours[shown], edgecolors=colours[shown])
-        axes.add_collection(drawn)
+        flat = boxes.drawn_last[~boxes.curved[boxes.drawn_last]]
+        polygons = PolyCollection(list(boxes.corners[flat]), linewidths=0.3)
+        polygons.set(facecolors=colours[flat], edgecolors=colours[flat])
+        axes.add_collection(polygons)
 
     def _label(self, axes) -> None:
         axes.set(xlim=(self.z1[0], self.z1[-1]), ylim=(self.z2[0], self.z2[-1]))

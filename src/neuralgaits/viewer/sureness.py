@@ -56,35 +56,35 @@ def how_sure(run: Run) -> Sureness:
     """
     again = markdown.code(command("certify", named(run.path)))
     watched = "You watch a simulation: the robot may fall."
-    found = read_certificate(run.folder)
-    if found.summary is None and found.reason is None:
+    reading = read_certificate(run.folder)
+    if reading.summary is None and reading.reason is None:
         return Sureness(
             False,
             f"Nothing is proved of this gait. {watched}",
             "**Nothing is proved of this gait.** What training records is of samples. "
             f"{again} looks for a proof.",
         )
-    if found.summary is None:
+    if reading.summary is None:
         return Sureness(
             False,
             f"There is no certificate of this gait. {watched}",
-            f"**There is no certificate of this gait**: {markdown.text(str(found.reason))}. "
+            f"**There is no certificate of this gait**: {markdown.text(str(reading.reason))}. "
             f"{again} looks for a new one.",
         )
-    told = "\n\n".join(_lines(run, found.summary, found.part))
-    verdict = f"{verdict_of(found.summary, found.part)} {watched}"
-    monitor = _monitor(run, found)
+    text = "\n\n".join(_lines(run, reading.summary, reading.part))
+    verdict = f"{verdict_of(reading.summary, reading.part)} {watched}"
+    monitor = _monitor(run, reading)
     if monitor is not None:
-        told += f"\n\n{_COMPARED}"
-    within = found.summary.parameters.get(LEAN) if found.summary.proved_level >= 2 else None
-    theorem = _theorem(found.summary)
-    return Sureness(True, verdict, told, found.map_fits, theorem, monitor, within)
+        text += f"\n\n{_COMPARED}"
+    within = reading.summary.parameters.get(LEAN) if reading.summary.proved_level >= 2 else None
+    theorem = _theorem(reading.summary)
+    return Sureness(True, verdict, text, reading.map_fits, theorem, monitor, within)
 
 
-def _monitor(run: Run, found: CertificateReading) -> StateMonitor | None:
+def _monitor(run: Run, reading: CertificateReading) -> StateMonitor | None:
     """Return the monitor of a run; None if nothing above level 1 is proved, or it cannot be."""
     try:
-        return monitor_of(run, found)
+        return monitor_of(run, reading)
     except SpecError:
         return None
 
@@ -101,28 +101,28 @@ def verdict_of(answer: CertificateRecord, part: ProvedPart | None) -> str:
 
 def _of_part(part: ProvedPart, count: int) -> str:
     """Describe the proof for a part of the commands; the gait has `count` conditions."""
-    said = f"{len(part.conditions)} of {count} conditions hold at every state of their regions"
+    sentence = f"{len(part.conditions)} of {count} conditions hold at every state of their regions"
     levels = (
         certificate_sentences.states(entry.level, with_commands=True) for entry in part.levels
     )
-    told = markdown.text("; ".join((said, *levels)))
-    where = markdown.text("; ".join(part.told))
-    return f"**Proved of some commands only: {where}.** There {told}. Of others nothing is proved."
+    text = markdown.text("; ".join((sentence, *levels)))
+    where = markdown.text("; ".join(part.sequences))
+    return f"**Proved of some commands only: {where}.** There {text}. Of others nothing is proved."
 
 
 def _lines(run: Run, answer: CertificateRecord, part: ProvedPart | None) -> list[str]:
     """Return the report's words, and how they relate to the simulation on the page."""
     level = answer.proved_level
-    told = (
-        certificate_sentences.proved(answer, bool(run.asked.commands))
+    text = (
+        certificate_sentences.proved(answer, bool(run.config.commands))
         if level
         else _not_proved(answer)
     )
-    lines = [markdown.text(told)]
+    lines = [markdown.text(text)]
     if part is not None and part.conditions:
         lines = [_of_part(part, len(answer.conditions))]
         level = max((entry.level for entry in part.levels), default=0)
-    seen = (
+    samples = (
         "What you see here is a MuJoCo simulation of the whole robot, with whatever you do to "
         "it: it may fall."
     )
@@ -130,11 +130,11 @@ def _lines(run: Run, answer: CertificateRecord, part: ProvedPart | None) -> list
         lines.append(markdown.text(certificate_sentences.AS_STATED))
         claims = f"It claims nothing about {certificate_sentences.not_claimed(level)}."
         rests = markdown.text(
-            f"{certificate_sentences.left_open(level, answer.robots)} {claims} {seen}"
+            f"{certificate_sentences.left_open(level, answer.robots)} {claims} {samples}"
         )
         lines.append(f"**What is not covered.** {rests}")
     else:
-        lines.append(seen)
+        lines.append(samples)
     if answer.proof:
         file = named(packed.place(run.path / PROOF))
         check = command("check-proof", file, "--run", named(run.path))

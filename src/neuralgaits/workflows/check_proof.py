@@ -27,7 +27,7 @@ from neuralgaits.certificate.proof_file.run_match import differences
 from neuralgaits.certificate.run_certificate.run_comparison import RunComparison, compare_with_run
 from neuralgaits.errors import RunError
 from neuralgaits.records.certified import PROOF
-from neuralgaits.records.checked import Checked
+from neuralgaits.records.checked import ProofCheck
 from neuralgaits.runs import packed, resolve
 from neuralgaits.runs.folder import CONFIG
 from neuralgaits.runs.latest import through_latest
@@ -37,13 +37,13 @@ from neuralgaits.systems.family_tasks import family_named
 
 
 @called_with(CheckProofSettings)
-def check_proof(settings: CheckProofSettings) -> Checked:
+def check_proof(settings: CheckProofSettings) -> ProofCheck:
     """Check a proof file.
 
-    Returns: `Checked`, a mapping of what `check-proof --json` prints: verdict ("proved" with a run,
-        "consistent" without; "rejected" or "undecided"), reason (None if proved), statements (in
-        words), levels, unclaimed, boxes, boxes_in_balls, arithmetic, wall_s, assumptions, proof,
-        run, robot, spec, weights_sha256.
+    Returns: `ProofCheck`, a mapping of what `check-proof --json` prints: verdict ("proved" with a
+        run, "consistent" without; "rejected" or "undecided"), reason (None if proved), statements
+        (in words), levels, unclaimed, boxes, boxes_in_balls, arithmetic, wall_s, assumptions,
+        proof, run, robot, spec, weights_sha256.
     Raises: InputError in one line if the file is no proof file; RunError if the run does not exist.
     """
     start_time = time.perf_counter()
@@ -71,7 +71,7 @@ def check_proof(settings: CheckProofSettings) -> Checked:
     always = (*always[:-1], TRUSTED[settings.arithmetic])
     assumed = (*own_spec, *always) if folder is not None else (DERIVED_ELSEWHERE, *always)
     values = {name: value for name, value in vars(report).items() if name != "holds"}
-    return Checked(
+    return ProofCheck(
         proof=str(file),
         run=None if settings.run is None else str(settings.run),
         robot=claims.robot[0],
@@ -107,7 +107,7 @@ def against(claims: Claims, report: CheckResult, comparison: RunComparison) -> C
     """Report whether a file whose statements hold is about the run that it was compared with."""
     if comparison.wrong:
         return _rejected(claims, list(comparison.wrong))
-    report = tied(report, claims, comparison.asked)
+    report = tied(report, claims, comparison.outline)
     return report if claims.chart == comparison.chart else _of_part(report, claims)
 
 

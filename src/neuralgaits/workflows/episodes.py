@@ -25,8 +25,8 @@ from neuralgaits.episode_rounds.round_walks import (
 )
 from neuralgaits.errors import InputError, Interrupted, NonFiniteError
 from neuralgaits.logs import read_all
-from neuralgaits.records.episode_records import SUMMARY, EpisodesDone, Round, WalkedRound
-from neuralgaits.records.fitted import Fitted
+from neuralgaits.records.episode_records import SUMMARY, EpisodesSummary, Round, WalkedRound
+from neuralgaits.records.fitted import FitSummary
 from neuralgaits.report.figures.rounds import draw_file
 from neuralgaits.runs import plain
 from neuralgaits.runs.atomic import refuse_unwritable
@@ -41,8 +41,6 @@ from neuralgaits.workflows.refine import refine
 from neuralgaits.workflows.train import train
 
 FIGURE = "episodes.png"
-ENOUGH = 0.9
-"""Share of walks that must stay up for a policy to count as walking."""
 Tell = Callable[[int, str], None]
 """Callback that gets the round and the stage that begins."""
 
@@ -68,7 +66,7 @@ class Episodes:
 
     path: Path
     run: Run
-    summary: EpisodesDone
+    summary: EpisodesSummary
 
     @property
     def walks(self) -> bool | None:
@@ -76,7 +74,8 @@ class Episodes:
         if self.summary.diverged is not None:
             return False
         share = self.summary.rounds[-1].share_that_walks
-        return None if share is None else share >= ENOUGH
+        # Share of walks that must stay up for a policy to count as walking.
+        return None if share is None else share >= 0.9
 
 
 @called_with(EpisodesSettings)
@@ -86,7 +85,7 @@ def episodes(settings: EpisodesSettings) -> Episodes:
     Raises: InputError or RunError with one line; Interrupted for KeyboardInterrupt.
     """
     start_time = time.perf_counter()
-    config, resume, root = _asked(settings), settings.resume, settings.root
+    config, resume, root = _config_of(settings), settings.resume, settings.root
     old = None if resume is None else EpisodeFolder.find(resume, root)
     if old is None:
         folder = _begin(config, resume, out=settings.out, root=root)
@@ -100,7 +99,7 @@ def episodes(settings: EpisodesSettings) -> Episodes:
     except KeyboardInterrupt as stop:
         raise Interrupted(command("episodes", "--resume", named(folder.path))) from stop
     names = ("robot", "plant", "disturb", "controller", "logs", "seed")
-    summary = EpisodesDone(
+    summary = EpisodesSummary(
         **{name: getattr(folder.config, name) for name in names},
         episodes=str(folder.path),
         run=str(run.path),
@@ -115,7 +114,7 @@ def episodes(settings: EpisodesSettings) -> Episodes:
     return Episodes(folder.path, run, summary)
 
 
-def _asked(settings: EpisodesSettings) -> dict[str, Any]:
+def _config_of(settings: EpisodesSettings) -> dict[str, Any]:
     """Return the settings that the folder's config records; None for what was not given."""
     disturb, logs, columns = settings.disturb, settings.logs, settings.columns
     return {
@@ -269,11 +268,11 @@ class _Session:
         write(file, walks)
         return walks
 
-    def _learn(self, number: int, run: Run, walks: WalkedRound) -> Fitted | str:
+    def _learn(self, number: int, run: Run, walks: WalkedRound) -> FitSummary | str:
         """Return the learned residual's summary, or the reason why nothing was learned."""
         summary = run.path / FIT_SUMMARY
         if summary.is_file():
-            return read(summary, Fitted)
+            return read(summary, FitSummary)
         self.tell(number, "learning")
         last = number == self.folder.config.rounds
         files = [Path(file) for file in walks.logs]

@@ -23,7 +23,7 @@ from neuralgaits.export.facts import Design, Origin
 from neuralgaits.export.monitor_source import monitor_files
 from neuralgaits.gait.policies.commanded_gait import AnyGait
 from neuralgaits.records.certified import PROOF
-from neuralgaits.records.exported import Exported
+from neuralgaits.records.exported import ExportRecord
 from neuralgaits.runs.hashes import file_hashes
 from neuralgaits.runs.names import ROBOT, WEIGHTS
 from neuralgaits.settings import ExportSettings, called_with
@@ -46,7 +46,7 @@ LARGEST = 1e30
 class Export:
     """Written export. Attributes: summary: what `export --json` prints."""
 
-    summary: Exported
+    summary: ExportRecord
 
     @property
     def checked(self) -> bool:
@@ -216,7 +216,7 @@ def _origin(trained: Run, certificate: CertificateReading, joints: str | None = 
         policy_sha256=str(hashes[WEIGHTS]),
         proof_sha256=None if verdict is None else hashes[PROOF],
         proof_verdict=verdict,
-        spec=trained.asked.spec,
+        spec=trained.config.spec,
         version=__version__,
         joints_sha256=joints,
     )

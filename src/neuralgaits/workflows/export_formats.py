@@ -16,7 +16,7 @@ from neuralgaits.export.reference import Reference
 from neuralgaits.export.ros2_source import ros2_files
 from neuralgaits.export.selftest import selftest_file
 from neuralgaits.export.source import gait_files
-from neuralgaits.records.exported import Exported, MonitorExport, UncheckedExport
+from neuralgaits.records.exported import ExportRecord, MonitorExport, UncheckedExport
 
 NO_COMPILER = "no C compiler: the files are written and not checked; install gcc or clang"
 NO_EXTRA = (
@@ -31,7 +31,7 @@ QUERIED = "vnnlib"
 """Format of conditions, without a controller."""
 SUPERVISED = ("fmu", "fmu2", "ros2")
 """Formats that may have the supervisor in the place of the controller alone."""
-RecordFactory = Callable[..., Exported]
+RecordFactory = Callable[..., ExportRecord]
 """Makes a record of what is known of files, once it is said where they are."""
 
 

@@ -51,7 +51,7 @@ def draw(
 ) -> list[Drawn | Missing]:
     """Draw the figures of an open run, whose certificate may already have been read."""
     folder = run.path / FOLDER if out is None else Path(out)
-    makers = writable_figures(run.asked, folder)
+    makers = writable_figures(run.config, folder)
     of_run = RunFigures(run, certificate_of(run, certificate))
     tables: list[tuple[str, str] | Missing] = []
     sheets = []

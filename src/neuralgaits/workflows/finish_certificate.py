@@ -47,8 +47,8 @@ def finish_certificate(
         files[certified.PROOF], proof = run_proof.proof, str(run.path / certified.PROOF)
     summary = CertificateRecord(
         run=str(run.path),
-        robot=run.asked.robot,
-        spec=run.asked.spec,
+        robot=run.config.robot,
+        spec=run.config.spec,
         verdict=verdict_of(run_proof.verdicts, run_proof.conclusions),
         level=scope.level,
         conditions=run_proof.verdicts,

@@ -10,7 +10,7 @@ import numpy as np
 
 from neuralgaits import logs as walks
 from neuralgaits._types import Array, Float
-from neuralgaits.analysis.learned import Learned
+from neuralgaits.analysis.learned import LearnedResiduals
 from neuralgaits.analysis.recorded_gait import refuse_logs_of_another
 from neuralgaits.analysis.run import Run, open_run
 from neuralgaits.analysis.walk_log import GAIT_FILES
@@ -18,7 +18,7 @@ from neuralgaits.errors import InputError
 from neuralgaits.gait import ZeroDynamics
 from neuralgaits.gait.flow_residual import Residual
 from neuralgaits.logs import Split, Stride, Windows
-from neuralgaits.records.fitted import Fitted, StrideCounts
+from neuralgaits.records.fitted import FitSummary, StrideCounts
 from neuralgaits.residual.fitter import FitConfig, Fitter
 from neuralgaits.residual.fitter import fit as fit_flow
 from neuralgaits.residual.floor import floor
@@ -47,8 +47,8 @@ class Fit:
     """
 
     residual: Path
-    learned: Learned
-    summary: Fitted
+    learned: LearnedResiduals
+    summary: FitSummary
 
 
 @called_with(FitSettings)
@@ -82,10 +82,10 @@ def fit(settings: FitSettings) -> Fit:
     reset = fit_reset(corrected, walks.touchdowns([*parts.train, *parts.validation], zd))
     # Pairs of samples reach further into a stride's end than the windows of the fit.
     pairs = walks.windows(parts.heldout, samples=2, step=STEP_S)
-    learned = Learned(flow, reset, largest_defects(missed(zd, flow, pairs)))
+    learned = LearnedResiduals(flow, reset, largest_defects(missed(zd, flow, pairs)))
     path = trained.path / LEARNED_RESIDUAL
     learned.write(path)
-    summary = Fitted(
+    summary = FitSummary(
         run=str(trained.path),
         residual=str(path),
         residual_sha256=hashlib.sha256(path.read_bytes()).hexdigest(),

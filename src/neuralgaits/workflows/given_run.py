@@ -14,7 +14,7 @@ from neuralgaits.hzd.gait_file import GivenGait, write_gait
 from neuralgaits.hzd.given_orbit import Steady, steady
 from neuralgaits.hzd.tube import fit_tube
 from neuralgaits.programs import POINT, Program, evaluate
-from neuralgaits.records.trained import Trained, Violations, measured_hashes
+from neuralgaits.records.trained import TrainingSummary, Violations, measured_hashes
 from neuralgaits.records.training_config import GaitOrigin, TrainingConfig
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.runs import RunFolder, finish
@@ -121,13 +121,13 @@ def _refusal(robot: PlanarBiped, origin: GaitOrigin, problem: str, remedy: str) 
     return InputError(remedy)
 
 
-def _summary(run: Run, walk: Steady, solve_s: float, start_time: float) -> Trained:
+def _summary(run: Run, walk: Steady, solve_s: float, start_time: float) -> TrainingSummary:
     """Return the summary of the gait: its orbit, and its conditions on samples of the tube."""
     program = trace_spec(run.spec, run.robot, run.gait)
-    return Trained(
+    return TrainingSummary(
         run=str(run.path),
-        robot=run.asked.robot,
-        spec=run.asked.spec,
+        robot=run.config.robot,
+        spec=run.config.spec,
         steps=0,
         loss=None,
         conditions=_measured(run.spec, program),

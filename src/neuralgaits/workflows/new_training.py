@@ -33,20 +33,20 @@ class NewTraining:
         robot: the model.
         spec: the conditions.
         gait: the untrained gait.
-        asked: settings, which become the run's config.
+        config: settings, which become the run's config.
         copies: contents of the input files that the run must be able to read again, by name.
     """
 
     robot: PlanarBiped
     spec: GaitSpec
     gait: AnyGait
-    asked: TrainingConfig
+    config: TrainingConfig
     copies: Mapping[str, str]
 
     def of_seed(self, seed: int) -> "NewTraining":
         """Return this training with other weights and samples."""
-        gait = _new_gait(self.spec, seed, self.asked.init, self.asked.hidden)
-        return replace(self, gait=gait, asked=replace(self.asked, seed=seed))
+        gait = _new_gait(self.spec, seed, self.config.init, self.config.hidden)
+        return replace(self, gait=gait, config=replace(self.config, seed=seed))
 
     def begun(self, root: Path, out: Path | None) -> Run:
         """Return the run of this training, with a folder of its own.
@@ -55,8 +55,10 @@ class NewTraining:
             root: folder of the runs.
             out: path of the run folder; a new one below `root` if None.
         """
-        name, seed = self.robot.name, self.asked.seed
-        folder = RunFolder.create(self.asked, self.copies, name=name, seed=seed, root=root, out=out)
+        name, seed = self.robot.name, self.config.seed
+        folder = RunFolder.create(
+            self.config, self.copies, name=name, seed=seed, root=root, out=out
+        )
         return Run(folder, self.robot, self.spec, self.gait)
 
 

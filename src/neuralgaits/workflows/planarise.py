@@ -17,9 +17,6 @@ from neuralgaits.runs.atomic import write_new
 from neuralgaits.runs.shell_words import command
 from neuralgaits.workflows.inspect import inspect
 
-LARGE_FEET = 0.1
-"""Length of a sole, in lengths of the leg, from which on it matters that it becomes a point."""
-
 MOST_NAMES = 4
 """Number of files that a line names."""
 
@@ -85,7 +82,9 @@ def _about_cut_feet(
         robot = robot_from_text(planarise(text, name, "flat", weld, folder).text, name)
         if robot.feet is not None:
             sole = float(robot.feet.heel + robot.feet.toe)
-            if sole > LARGE_FEET * robot.leg_length:
+            # Length of a sole, in lengths of the leg, from which on it matters that it becomes a
+            # point.
+            if sole > 0.1 * robot.leg_length:
                 return (
                     f"soles of {1e3 * sole:.3g} mm, {sole / robot.leg_length:.2g} of the leg, are "
                     "cut to points, and their ankles' motors are lost: --feet flat keeps them",

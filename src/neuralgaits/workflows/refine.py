@@ -5,7 +5,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from neuralgaits._checks import check_disturbance
-from neuralgaits.analysis.learned import Learned
+from neuralgaits.analysis.learned import LearnedResiduals
 from neuralgaits.analysis.recorded_gait import refuse_residual_of_another
 from neuralgaits.analysis.run import Run, open_run
 from neuralgaits.errors import InputError, RunError
@@ -17,8 +17,6 @@ from neuralgaits.settings import RefineSettings, called_with
 from neuralgaits.settings.forms import LEARNED
 from neuralgaits.workflows.train import train_to_the_end
 
-STEPS_SHARE = 0.7
-"""Gradient steps, as a share of those of the recipe: the gait is nearly trained."""
 RATE = 0.5
 """Learning rate, as a share of that of the recipe."""
 
@@ -46,16 +44,17 @@ def refine(settings: RefineSettings) -> Run:
             f"expected a residual of {parent.path}, found no {LEARNED_RESIDUAL} in it: learn one "
             f"from a robot's logs, or as in `{learning(parent.path)}`, or give --residual FILE"
         )
-    learned = Learned.read(file, parent.robot.n - 1)
+    learned = LearnedResiduals.read(file, parent.robot.n - 1)
     refuse_residual_of_another(parent, file)
     disturbance = settings.disturbance
     if disturbance == LEARNED:
         disturbance = (float(learned.error_bound[0]), float(learned.error_bound[1]))
     if disturbance is not None:
         check_disturbance(disturbance)
-    usual_steps = round(STEPS_SHARE * parent.spec.recipe.steps)
+    # Gradient steps, as a share of those of the recipe: the gait is nearly trained.
+    usual_steps = round(0.7 * parent.spec.recipe.steps)
     config = replace(
-        parent.asked,
+        parent.config,
         seed=settings.seed,
         steps=usual_steps if settings.steps is None else settings.steps,
         rate=RATE,

@@ -18,7 +18,7 @@ from neuralgaits.certificate.run_certificate.verified_summary import (
 from neuralgaits.errors import InputError, RunError
 from neuralgaits.records import report_walk
 from neuralgaits.records.report_walk import ShownWalk
-from neuralgaits.records.reported import Lack, Reported
+from neuralgaits.records.reported import Lack, ReportRecord
 from neuralgaits.report.certificate import part_of
 from neuralgaits.report.drawing.drawn import Drawn, Missing
 from neuralgaits.report.page.closing import missing_parts
@@ -50,7 +50,7 @@ class Report:
 
     path: Path
     figures: list[Drawn | Missing]
-    summary: Reported
+    summary: ReportRecord
 
 
 @type_checked
@@ -87,9 +87,9 @@ def write_report(
         # No other process has traced its spec: before this one imports it, one does.
         refuse_endless(folder)
     saved = saved_of(folder, certificate)
-    robot = robot_from_text(folder.copy(ROBOT), saved.asked.robot)
+    robot = robot_from_text(folder.copy(ROBOT), saved.config.robot)
     if folder.finished:
-        writable_figures(saved.asked, folder.path / FOLDER)
+        writable_figures(saved.config, folder.path / FOLDER)
     if started is not None:
         started()
     with ThreadPoolExecutor(1) as beside:
@@ -105,7 +105,7 @@ def write_report(
         figures=figures,
         assumptions=ASSUMPTIONS,
     )
-    summary = Reported(
+    summary = ReportRecord(
         run=str(folder.path),
         report=str(path),
         bytes=_written(path, contents),

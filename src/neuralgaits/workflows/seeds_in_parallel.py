@@ -49,7 +49,7 @@ class SeedsInParallel:
         self.first, self.path, self.root = first, path, root
         self.size = min(cores(), count)
         self.trainer = Trainer.build(
-            first.robot, first.spec, first.gait, steps=first.asked.steps, seed=first.asked.seed
+            first.robot, first.spec, first.gait, steps=first.config.steps, seed=first.config.seed
         )
         self.begun: list[Run] = []
         self.done: dict[int, Run] = {}
@@ -74,7 +74,7 @@ class SeedsInParallel:
         self.compile_s = compiled - start_time
         left, seed_progress = (
             iter(numbers),
-            _SeedProgress(progress, self.first.asked.steps, len(numbers)),
+            _SeedProgress(progress, self.first.config.steps, len(numbers)),
         )
         pool = ThreadPoolExecutor(self.size)
         threads = [pool.submit(self._work, left, seed_progress) for _ in range(self.size)]
@@ -107,7 +107,7 @@ class SeedsInParallel:
             return run
 
     def _train(self, run: Run, seed_progress: "_SeedProgress") -> None:
-        seed, start_time = run.asked.seed, time.perf_counter()
+        seed, start_time = run.config.seed, time.perf_counter()
         trainer = self.trainer.of_seed(seed, run.trained)
 
         def tell(step: int, _: int, loss: float) -> None:

@@ -13,7 +13,7 @@ from neuralgaits.control.law_by_name import fields_of_law
 from neuralgaits.engine import worker_pool_for as engine_of_workers
 from neuralgaits.errors import InputError
 from neuralgaits.records.link_figures import LinkFigures
-from neuralgaits.records.simulated import PLANT, SUMMARY, Simulated, WalkSettings
+from neuralgaits.records.simulated import PLANT, SUMMARY, SimulationSummary, WalkSettings
 from neuralgaits.runs.atomic import refuse_unwritable
 from neuralgaits.runs.hashes import file_hashes
 from neuralgaits.runs.names import ROBOT, WEIGHTS
@@ -68,7 +68,7 @@ class Simulation:
     """
 
     walk: Walk
-    summary: Simulated
+    summary: SimulationSummary
 
     @property
     def plant_note(self) -> str | None:
@@ -131,7 +131,7 @@ def simulate(settings: SimulateSettings) -> Simulation:
     states = walk.episodes.records
     monitored = None if plan.monitor is None else watched(run, plan.monitor, states)
     adapted = adaptation(run, walk, settings.adapted_commands)
-    result = Simulated(**vars(record), **vars(figures), monitor=monitored, **adapted)
+    result = SimulationSummary(**vars(record), **vars(figures), monitor=monitored, **adapted)
     # First, so that nothing that can go wrong with a log or a video costs the walk.
     run.folder.write_json(SUMMARY, result)
     for number, (file, rows) in enumerate(zip(plan.logs, states, strict=bool(plan.logs))):

@@ -13,7 +13,7 @@ from typing import Any
 
 from neuralgaits.barriers.commanded_spec import Interval
 from neuralgaits.control.law_by_name import law_named
-from neuralgaits.engine import Done, Job, worker_pool_for
+from neuralgaits.engine import Job, TaskResult, worker_pool_for
 from neuralgaits.errors import InputError, Interrupted
 from neuralgaits.records.swept import (
     FORMAT,
@@ -22,9 +22,9 @@ from neuralgaits.records.swept import (
     SUMMARY,
     TABLE,
     Speed,
-    SweepAsked,
+    SweepConfig,
     SweepRow,
-    Swept,
+    SweepSummary,
 )
 from neuralgaits.report.sweep.sweep_page import page
 from neuralgaits.runs import plain, to_json, write_text
@@ -58,7 +58,7 @@ class Sweep:
 
     path: Path
     rows: Sequence[SweepRow]
-    summary: Swept
+    summary: SweepSummary
 
 
 @called_with(SweepSettings)
@@ -77,7 +77,7 @@ def sweep(settings: SweepSettings) -> Sweep:
     # Before a folder is made, so that an engine that cannot be had leaves none.
     with settings.engine or worker_pool_for(workers, ray) as pool, make().alone() as folder:
         refuse_unwritable(*(folder.path / file for file in (TABLE, PAGE, SUMMARY)), own=True)
-        every = list(combinations(folder.asked))
+        every = list(combinations(folder.config))
         before = sum(folder.has(one.name) for one in every)
         if settings.begun is not None:
             place = f"in {folder.path}, {pool.workers} at once"
@@ -91,8 +91,8 @@ def sweep(settings: SweepSettings) -> Sweep:
         except KeyboardInterrupt as stop:
             raise Interrupted(_again(folder, workers, ray)) from stop
         rows = folder.rows(one.name for one in every)
-        write_text(folder.path / TABLE, to_csv(folder.asked, rows))
-        summary = Swept(
+        write_text(folder.path / TABLE, to_csv(folder.config, rows))
+        summary = SweepSummary(
             sweep=str(folder.path),
             rows=len(rows),
             failed=sum(row.failure is not None for row in rows),
@@ -104,7 +104,7 @@ def sweep(settings: SweepSettings) -> Sweep:
             workers=pool.workers,
             wall_s=time.perf_counter() - start_time,
         )
-        write_text(folder.path / PAGE, page(folder.asked, rows, summary))
+        write_text(folder.path / PAGE, page(folder.config, rows, summary))
         write_text(folder.path / SUMMARY, to_json(summary))
     return Sweep(folder.path, rows, summary)
 
@@ -116,7 +116,7 @@ def _counted(rows: int, before: int) -> str:
 
 
 def _given(settings: SweepSettings) -> dict[str, Any]:
-    """Return the settings of a `SweepAsked` that are given, checked as far as possible."""
+    """Return the settings of a `SweepConfig` that are given, checked as far as possible."""
     controllers, speeds = settings.controllers, settings.speeds
     for controller in controllers or ():
         law_named(controller)
@@ -178,7 +178,7 @@ def _folder(asked_for: SweepSettings) -> Callable[[], SweepFolder]:
     if settings["budget"] is not None and settings["certify"] is None:
         raise InputError("expected a budget with --certify, found it alone: add --certify LEVEL")
     inputs = inputs_of(names, settings)
-    config = SweepAsked(
+    config = SweepConfig(
         format=FORMAT,
         robots=names,
         walk_steps=WALK_STEPS,
@@ -193,7 +193,7 @@ def _folder(asked_for: SweepSettings) -> Callable[[], SweepFolder]:
 
 def _job(folder: SweepFolder, one: Combination) -> Job:
     """Return the task of a row: all that it needs, with no reference to this machine's disk."""
-    config = folder.asked
+    config = folder.config
     spec = config.specs[one.spec]
     own = spec_file(one.spec) in config.sha256
     files = {ROBOT: folder.input(robot_file(one.robot))}
@@ -219,7 +219,7 @@ def _job(folder: SweepFolder, one: Combination) -> Job:
 
 
 def _kept(
-    folder: SweepFolder, results: Iterator[Done], every: Sequence[Combination]
+    folder: SweepFolder, results: Iterator[TaskResult], every: Sequence[Combination]
 ) -> Iterator[SweepRow]:
     """Put rows into the folder as they arrive, and yield them."""
     by_name = {one.name: one for one in every}
@@ -231,8 +231,8 @@ def _kept(
             job = by_name[one.name]
             row = SweepRow(
                 name=one.name,
-                robot=Path(folder.asked.robots[job.robot]).stem,
-                spec=folder.asked.specs[job.spec],
+                robot=Path(folder.config.robots[job.robot]).stem,
+                spec=folder.config.specs[job.spec],
                 speed=job.speed,
                 seed=job.seed,
                 failure=one.failure.kind,

@@ -13,7 +13,7 @@ from neuralgaits.errors import NeuralGaitsError, is_full
 from neuralgaits.records.record import build
 from neuralgaits.records.simulated import WalkFigures
 from neuralgaits.records.swept import ROW, UNDISTURBED, RowTimes, RowWalks, SweepRow
-from neuralgaits.records.trained import Trained
+from neuralgaits.records.trained import TrainingSummary
 from neuralgaits.robots.mjcf.loader import robot_from_text
 from neuralgaits.runs import to_json
 from neuralgaits.runs.names import ROBOT, SPEC
@@ -37,7 +37,7 @@ def carry_out(settings: Settings, files: Files) -> Files:
     Args:
         settings: those of a `SweepRow`'s first fields, and: `spec_file`, the original path of a
             spec's file; `place`, where the run folder will be; `steps`, `certify`, `budget`,
-            `controllers`, `disturbances`, `walks`, `walk_steps` of a `SweepAsked`.
+            `controllers`, `disturbances`, `walks`, `walk_steps` of a `SweepConfig`.
         files: `robot.xml`, and `spec.py` for a spec that is in a file.
 
     Returns: the run's files by their paths in its folder, and `row.json`.
@@ -62,10 +62,10 @@ class _Row:
     def __init__(self, settings: Settings, files: Files, base: Path):
         self.settings, self.files, self.base = settings, files, base
         self.run = base / "run"
-        self.known: dict[str, Any] = {
+        self.values: dict[str, Any] = {
             name: settings[name] for name in ("name", "robot", "spec", "seed")
         }
-        self.known["speed"] = None if settings["speed"] is None else tuple(settings["speed"])
+        self.values["speed"] = None if settings["speed"] is None else tuple(settings["speed"])
         self.times: dict[str, float] = {}
 
     def all_parts(self) -> SweepRow:
@@ -84,8 +84,8 @@ class _Row:
                 # The machine's fault, not the row's: it may come out well elsewhere.
                 raise
             line = " ".join(str(error).replace(str(self.base), "").split())
-            self.known |= {"failure": "refused", "reason": f"{part}: {line}"}
-        return SweepRow(**self.known, wall_s=RowTimes(**self.times))
+            self.values |= {"failure": "refused", "reason": f"{part}: {line}"}
+        return SweepRow(**self.values, wall_s=RowTimes(**self.times))
 
     def _timed(self, part: str, do: Callable[[], Any]) -> Any:
         start_time = time.perf_counter()
@@ -110,8 +110,8 @@ class _Row:
             out=self.run,
             root=self.base,
         )
-        summary: Trained = trained.summary
-        self.known |= {
+        summary: TrainingSummary = trained.summary
+        self.values |= {
             "steps": summary.steps,
             "loss": summary.loss,
             "conditions": len(summary.conditions),
@@ -123,7 +123,7 @@ class _Row:
         certificate = certify(
             run, level=self.settings["certify"], budget=self.settings["budget"]
         ).summary
-        self.known |= {
+        self.values |= {
             "verdict": certificate.verdict,
             "proved_level": certificate.proved_level,
             "margin": certificate.least_margin,
@@ -153,7 +153,7 @@ class _Row:
                 disturbance = on_slope(PlantChanges(**changes), orders)
                 one = replace(under, disturbance=disturbance).walk(0, settings["walks"])
                 walks.append(_walks(controller, name, summary(one)))
-        self.known["walks"] = tuple(walks)
+        self.values["walks"] = tuple(walks)
         # What the run itself keeps of walks, as after `simulate`.
         simulate(
             run,

@@ -14,8 +14,8 @@ from neuralgaits.analysis.walking_speeds import gait_doubt
 from neuralgaits.certificate.traced import after_impact, trace_spec
 from neuralgaits.errors import Interrupted, NonFiniteError, RunError
 from neuralgaits.gait.policies.commanded_gait import CommandedGait
-from neuralgaits.records.trained import Trained, TrainingProof, Violations, measured_hashes
-from neuralgaits.records.training_config import asked_of
+from neuralgaits.records.trained import TrainingProof, TrainingSummary, Violations, measured_hashes
+from neuralgaits.records.training_config import config_of
 from neuralgaits.runs import finish, resolve_unfinished
 from neuralgaits.runs.atomic import refuse_unwritable
 from neuralgaits.runs.names import ROBOT, STATE, SUMMARY, WEIGHTS
@@ -99,11 +99,11 @@ def train_to_the_end(
             gait, proof = session.gait, None
             if isinstance(gait, CommandedGait):
                 gait = calibrated(gait, run.robot, run.residuals)
-            if run.asked.certify is None:
+            if run.config.certify is None:
                 run.folder.write_tree(WEIGHTS, gait)
             else:
                 rounds = ProofRounds(run, session.steps, watch or Watch())
-                gait, proof = rounds.run(session.trainer, gait, run.asked.certify.budget_s)
+                gait, proof = rounds.run(session.trainer, gait, run.config.certify.budget_s)
             trained = replace(run, trained=gait)
             finish(
                 run.folder, summary_of(trained, session, start_time=start_time, proof=proof), root
@@ -115,7 +115,7 @@ def train_to_the_end(
 
 def summary_of(
     run: Run, session: Session, *, start_time: float, proof: TrainingProof | None = None
-) -> Trained:
+) -> TrainingSummary:
     """Return the summary of a training, with the hash of its conditions as a Program.
 
     Args:
@@ -126,7 +126,7 @@ def summary_of(
 
     Raises: NonFiniteError if its loss or a margin is NaN or infinity.
     """
-    config = run.asked
+    config = run.config
     report = session.trainer.report(run.trained, seed=FRESH_SAMPLES_SEED)
     aimed = report
     if run.spec.aims:
@@ -140,7 +140,7 @@ def summary_of(
     program = None
     if config.not_provable_because is None:
         program = trace_spec(run.spec, run.robot, run.trained, run.residuals)
-    summary = Trained(
+    summary = TrainingSummary(
         run=str(run.path),
         robot=config.robot,
         spec=config.spec,
@@ -167,7 +167,7 @@ def summary_of(
 
 def _orbit_speeds(run: Run) -> tuple[float, float] | None:
     """Return the orbits' mean speeds at both ends of the range of `speed` (m/s), or None."""
-    commands = run.asked.commands
+    commands = run.config.commands
     if "speed" not in commands:
         return None
     middle = {name: 0.5 * (c.low + c.high) for name, c in commands.items()}
@@ -178,7 +178,7 @@ def _orbit_speeds(run: Run) -> tuple[float, float] | None:
     return (speeds[0], speeds[1]) if np.isfinite(speeds).all() else None
 
 
-def refuse_non_finite(summary: Trained) -> None:
+def refuse_non_finite(summary: TrainingSummary) -> None:
     """Refuse a trained gait with a loss, margin or error that is NaN or infinity.
 
     Raises: NonFiniteError, which names all of them.
@@ -209,7 +209,7 @@ def _resumed(settings: TrainSettings, resumed: str | Path) -> Run:
     """Open an unfinished run, with the robot and spec it started with, and its untrained gait."""
     robot = None if settings.robot is None else robot_from(settings.robot)
     folder = resolve_unfinished(resumed, settings.root)
-    config = asked_of(folder)
+    config = config_of(folder)
     files = (folder.path / file for file in (STATE, WEIGHTS, SUMMARY))
     refuse_unwritable(*files, settings.root / LATEST, own=True)
     if robot is not None and folder.copy(ROBOT) != robot.layout.xml:

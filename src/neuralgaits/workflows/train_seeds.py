@@ -9,7 +9,7 @@ import jax
 from neuralgaits.analysis.run import Run
 from neuralgaits.analysis.walking_speeds import gait_doubt
 from neuralgaits.errors import Interrupted
-from neuralgaits.records.trained import TrainedSeed, TrainedSeeds
+from neuralgaits.records.trained import SeedsSummary, SeedSummary
 from neuralgaits.runs import to_json, write_text
 from neuralgaits.runs.atomic import refuse_unwritable
 from neuralgaits.runs.claim import claim, filled
@@ -36,7 +36,7 @@ class Seeds:
 
     path: Path
     runs: tuple[Run, ...]
-    summary: TrainedSeeds
+    summary: SeedsSummary
 
 
 @called_with(TrainSeedsSettings)
@@ -78,9 +78,9 @@ def train_seeds(settings: TrainSeedsSettings) -> Seeds:
     return Seeds(path, runs, summary)
 
 
-def _summary(many: SeedsInParallel, numbers: range, wall_s: float) -> TrainedSeeds:
-    config = many.first.asked
-    return TrainedSeeds(
+def _summary(many: SeedsInParallel, numbers: range, wall_s: float) -> SeedsSummary:
+    config = many.first.config
+    return SeedsSummary(
         folder=str(many.path),
         robot=config.robot,
         spec=config.spec,
@@ -95,23 +95,23 @@ def _summary(many: SeedsInParallel, numbers: range, wall_s: float) -> TrainedSee
     )
 
 
-def _row(many: SeedsInParallel, number: int) -> TrainedSeed:
+def _row(many: SeedsInParallel, number: int) -> SeedSummary:
     if number in many.refused:
         line = " ".join(str(many.refused[number]).split())
-        return TrainedSeed(number, str(many.path / str(number)), refused=line)
+        return SeedSummary(number, str(many.path / str(number)), refused=line)
     summary = many.done[number].summary
-    return TrainedSeed(summary.seed, summary.run, summary.loss, tuple(summary.broken))
+    return SeedSummary(summary.seed, summary.run, summary.loss, tuple(summary.broken))
 
 
 def _stopped(many: SeedsInParallel, numbers: range) -> Interrupted:
     """Return the interruption, which names runs to resume and seeds that were not started."""
-    left = [one for one in many.begun if one.asked.seed not in many.done | many.refused]
+    left = [one for one in many.begun if one.config.seed not in many.done | many.refused]
     later = numbers[len(many.begun) :]
     rest = [f"and so with each of {len(left) - 1} more"] if len(left) > 1 else []
     if many.refused:
         rest.append(f"refused, see nan.json: {', '.join(map(str, sorted(many.refused)))}")
     if not left:
-        robot = many.first.asked.robot
+        robot = many.first.config.robot
         again = command("train", robot, "--seeds", f"{later[0]}:{later[-1] + 1}")
         more = "; ".join(["and the settings that were given, in another folder", *rest])
         return Interrupted(again, f" {more}")

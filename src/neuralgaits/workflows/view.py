@@ -60,7 +60,7 @@ class LiveView(LivePage):
         return super().summary | {"run": str(self._run.path), "terrain": self._terrain}
 
     def _build_panel(self) -> Panel:
-        config = self._run.asked
+        config = self._run.config
         words = {one.name: any_condition(one.data) for one in config.conditions}
         return Panel(
             self._server,

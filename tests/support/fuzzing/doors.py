@@ -16,8 +16,8 @@ from matplotlib import pyplot
 from neuralgaits import logs
 from neuralgaits.analysis import gait_data, residual_data
 from neuralgaits.analysis import run as runs
-from neuralgaits.analysis.learned import Learned
-from neuralgaits.analysis.run import asked_of, open_run
+from neuralgaits.analysis.learned import LearnedResiduals
+from neuralgaits.analysis.run import config_of, open_run
 from neuralgaits.barriers import specs
 from neuralgaits.certificate.chart import Chart
 from neuralgaits.certificate.proof_file.check import check, in_words
@@ -107,7 +107,7 @@ def page_of(name: str) -> Reader:
 
     def write(place: Place, path: Path) -> None:
         folder = resolve(place.root / name, finished=False)
-        asked_of(folder)
+        config_of(folder)
         saved = saved_of(folder)
         robot = inspect(robot_from_text(folder.copy(ROBOT), folder.config["robot"]))
         walk, why = _kept_walk(place.root / name) if folder.finished else (None, "none")
@@ -218,7 +218,7 @@ def resume_proof(place: Place, path: Path) -> None:
 
 def read_residual(place: Place, path: Path) -> None:
     """`refine RUN`, up to where it trains."""
-    Learned.read(path, place.robot.n - 1)
+    LearnedResiduals.read(path, place.robot.n - 1)
 
 
 def sure(place: Place, path: Path) -> None:

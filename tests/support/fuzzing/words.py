@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from neuralgaits import logs
-from neuralgaits.analysis.learned import Learned
+from neuralgaits.analysis.learned import LearnedResiduals
 from neuralgaits.barriers import specs
 from neuralgaits.certificate.proof_file.reader import read_claims
 from neuralgaits.episode_rounds.episode_folder import EpisodeFolder
@@ -64,7 +64,7 @@ READERS: tuple[Reader, ...] = (
     _reads(lambda place, text: resolve(text, place.root)),
     _reads(lambda place, text: resolve_unfinished(text, place.root)),
     _reads(lambda place, text: EpisodeFolder.find(text, place.root)),
-    _reads(lambda place, text: Learned.read(Path(text), place.robot.n - 1)),
+    _reads(lambda place, text: LearnedResiduals.read(Path(text), place.robot.n - 1)),
     _reads(lambda place, text: parse(text)),
     _reads(lambda place, text: parse_link(text)),
     _reads(lambda place, text: forms.disturbance(text)),

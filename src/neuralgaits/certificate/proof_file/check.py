@@ -109,7 +109,7 @@ def check(
         unclaimed=_unclaimed(claims),
         boxes=0,
     )
-    if wrong := inconsistencies(claims, claims.asked):
+    if wrong := inconsistencies(claims, claims.outline):
         return replace(report, verdict="rejected", reason="; ".join(wrong[:SHOWN]))
     try:
         trees = [statement.leaves() for statement in claims.statements]
@@ -154,8 +154,8 @@ def all_in_words(claims: Claims) -> tuple[str, ...]:
 
 def _unclaimed(claims: Claims) -> tuple[str, ...]:
     """Return the conditions that are not claimed, by box where the boxes are known."""
-    if claims.asked is not None:
-        return _not_on_all(claims, claims.asked)
+    if claims.outline is not None:
+        return _not_on_all(claims, claims.outline)
     claimed = {name for statement in claims.statements for name in statement.conditions}
     return tuple(o.name for o in claims.program.outputs if o.name not in claimed)
 
@@ -167,7 +167,7 @@ def _not_on_all(claims: Claims, outline: SpecOutline) -> tuple[str, ...]:
 
 def _concluded(claims: Claims, report: CheckResult) -> CheckResult:
     """Draw the conclusions that the file claims from its statements, all of which hold by now."""
-    theorems, outline = claims.theorems, claims.asked
+    theorems, outline = claims.theorems, claims.outline
     boxes = level_one_boxes(claims.statements) if outline is None else outline.boxes()
     bounds = proved_bounds(claims.statements, len(claims.chart.state))
     try:
@@ -188,9 +188,9 @@ def _concluded(claims: Claims, report: CheckResult) -> CheckResult:
 
 def _why_incomplete(claims: Claims) -> str | None:
     """Name the conditions that a complete proof would claim and this one does not; or None."""
-    if claims.asked is not None:
-        missing = unstated(claims.statements, claims.asked, len(claims.chart.state))
-        return why_incomplete(missing, len(claims.asked.conditions)) if missing else None
+    if claims.outline is not None:
+        missing = unstated(claims.statements, claims.outline, len(claims.chart.state))
+        return why_incomplete(missing, len(claims.outline.conditions)) if missing else None
     conditions = {name for statement in claims.statements for name in statement.conditions}
     names = [o.name for o in claims.program.outputs if "/" not in o.name]
     left = [name for name in names if name not in conditions]

@@ -134,7 +134,7 @@ class Claims:
         statements: statements in the order of the file.
         theorems: levels above 1, whose premises are statements.
         model: the file's data for readers that derive the dynamics, or None.
-        asked: the spec's conditions and regions, as the model has them; None without one.
+        outline: the spec's conditions and regions, as the model has them; None without one.
         commands: the gait's commands, as the model has them.
     """
 
@@ -147,7 +147,7 @@ class Claims:
     statements: tuple[Statement, ...]
     theorems: Theorems
     model: dict[str, Any] | None
-    asked: SpecOutline | None
+    outline: SpecOutline | None
     commands: tuple[ModelCommand, ...] = ()
 
     @cached_property
@@ -220,7 +220,7 @@ def _claims(table: Any) -> Claims:
         statements=tuple(_statement(entry, outputs, chart) for entry in entries),
         theorems=theorems,
         model=model,
-        asked=None if model is None else _asked(model, outputs, chart),
+        outline=None if model is None else _outline(model, outputs, chart),
         commands=() if model is None else command_ranges(model),
     )
 
@@ -232,7 +232,7 @@ def _refuse_names(outputs: set[str], premises: set[str]) -> None:
             raise ValueError(f"an output of the Program named {why}")
 
 
-def _asked(model: dict[str, Any], outputs: set[str], chart: Chart) -> SpecOutline:
+def _outline(model: dict[str, Any], outputs: set[str], chart: Chart) -> SpecOutline:
     outline = SpecOutline.read(
         model.get("regions"), model.get("conditions"), decimals=False, axes=len(chart.state)
     )

@@ -26,8 +26,6 @@ from neuralgaits.records.checked import Arithmetic
 FEW = 512
 """Leaves that are bounded before another process starts."""
 MOST_PROCESSES = 8
-PAUSE_S = 0.005
-"""Time to wait before another process's results are read again [s]."""
 
 
 class Piece(NamedTuple):
@@ -59,23 +57,23 @@ class PieceBounder:
     ):
         self._program, self._statements, self._trees = program, statements, trees
         self._arithmetic: Arithmetic = arithmetic
-        self._known: dict[int, StatementCheck] = {}
+        self._checkers: dict[int, StatementCheck] = {}
 
     def __call__(self, piece: Piece) -> PieceResult:
         """Bound the leaves of one piece, up to the first that fails."""
         number = piece.statement
-        if number not in self._known:
+        if number not in self._checkers:
             # One at a time: a statement's constants are folded once, and then let go.
             leaves, statement = len(self._trees[number][0]), self._statements[number]
             checker = StatementCheck.of(self._program, statement, leaves, self._arithmetic)
-            self._known = {number: checker}
-        checker, chosen = self._known[number], slice(piece.start, piece.start + piece.leaves)
+            self._checkers = {number: checker}
+        checker, chosen = self._checkers[number], slice(piece.start, piece.start + piece.leaves)
         before = checker.boxes, checker.boxes_in_balls
         low, high = self._trees[number]
         for _ in checker.walk((low[chosen], high[chosen])):
             pass
         if checker.verdict != "holds":
-            self._known = {}
+            self._checkers = {}
         counts = checker.boxes - before[0], checker.boxes_in_balls - before[1]
         return PieceResult(checker.verdict, checker.reason, *counts)
 
@@ -114,7 +112,7 @@ def bound_all(
     with contextlib.ExitStack() as stack:
         beside = [
             stack.enter_context(
-                contextlib.closing(Beside(program, statements, k, count, arithmetic))
+                contextlib.closing(OtherProcess(program, statements, k, count, arithmetic))
             )
             for k in range(1, count)
         ]
@@ -131,7 +129,7 @@ def bound_all(
 
 
 def _in_order(
-    pieces: Sequence[Piece], here: PieceBounder, beside: Sequence["Beside"]
+    pieces: Sequence[Piece], here: PieceBounder, beside: Sequence["OtherProcess"]
 ) -> Iterator[PieceResult]:
     """Yield the result of each piece in order; bound own pieces ahead while waiting for others."""
     count, own = 1 + len(beside), {}
@@ -150,7 +148,7 @@ def _in_order(
         yield own.pop(number) if number in own else other.found[place]  # pyright: ignore[reportOptionalMemberAccess]
 
 
-class Beside:
+class OtherProcess:
     """A process that bounds every `count`-th piece from `turn` on.
 
     Attributes:
@@ -189,7 +187,8 @@ class Beside:
 
     def wait(self) -> None:
         """Wait a short time for the process's next results."""
-        self._reader.join(PAUSE_S)
+        # Time to wait before another process's results are read again [s].
+        self._reader.join(0.005)
 
     def close(self) -> None:
         """End the process in any state."""

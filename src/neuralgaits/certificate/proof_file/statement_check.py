@@ -39,8 +39,6 @@ MANY = 24
 """Number of leaves from which on symbols for remainders are worth choosing. The search has them
 from 64 boxes on, and its leaves are too large for bounds without: from 250 on, 27 of 294 thousand
 boxes of all speeds went to balls, and the check took fourteen times as long."""
-MORE_CUTS = 6
-"""Most halvings of every axis of a leaf before the check gives up on it."""
 MOST_MORE = 2**13
 """Most boxes that leaves bounded together may add; in many axes, halvings of every axis would go on
 without end."""
@@ -121,7 +119,8 @@ class StatementCheck:
             if not failing.any():
                 continue
             low, high = low[failing], high[failing]
-            if depth == MORE_CUTS * len(self.wide) or self.boxes > most:
+            # Most halvings of every axis of a leaf before the check gives up on it.
+            if depth == 6 * len(self.wide) or self.boxes > most:
                 box = f"from {low[0].tolist()} to {high[0].tolist()}"
                 names = ", ".join(self.statement.conditions)
                 self.verdict = "undecided"

@@ -23,8 +23,6 @@ from neuralgaits.programs import Program
 
 FORMAT = 3
 KIND = "neuralgaits certificate"
-SIMILAR = 4.0
-"""Largest ratio, roughly, of the numbers of boxes of two conditions in one statement."""
 
 
 @dataclass(frozen=True)
@@ -84,7 +82,8 @@ def prove(problem: Problem, state: Search) -> list[StatementRecord]:
     for column, name in enumerate(problem.names):
         if proved[column] and name not in state.refuted:
             boxes = _statement(problem, tree, [column]).boxes
-            groups.setdefault(round(math.log(boxes, SIMILAR)), []).append(column)
+            # Largest ratio, roughly, of the numbers of boxes of two conditions in one statement.
+            groups.setdefault(round(math.log(boxes, 4.0)), []).append(column)
     return [_statement(problem, tree, columns) for _, columns in sorted(groups.items())]
 
 

@@ -32,7 +32,7 @@ def confirmed_conditions(
     Raises: Unfit if a verdict contradicts the proof file, or itself.
     """
     statements = {} if proof is None else dict(stated_roots(proof.statements))
-    boxes = [] if own is None else own.asked.boxes()
+    boxes = [] if own is None else own.outline.boxes()
     for name, row in conditions.items():
         _refuse_contradiction(name, row)
         required = [box for box in boxes if box[0] == name]

@@ -71,7 +71,7 @@ class EarlierProof(NamedTuple):
         summary, part = reading.summary, reading.part
         levels = summary.levels if part is None else part.levels
         level = level_reached(summary.conditions.values(), levels)
-        about = [" and ".join(part.told)] if part is not None else []
+        about = [" and ".join(part.sequences)] if part is not None else []
         about += [f"robots within {summary.robots}"] if summary.robots else []
         theorems = reading.proof.theorems
         claims = max(theorems.claimed, default=1)

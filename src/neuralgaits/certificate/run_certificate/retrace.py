@@ -21,13 +21,11 @@ from neuralgaits._own_process import command_of, environment_of
 from neuralgaits.certificate.chart import PLANE_ONLY, Chart
 from neuralgaits.certificate.proof_file.theorem_tables import Theorems
 from neuralgaits.errors import InputError, NeuralGaitsError, RunError, TimeLimitError
-from neuralgaits.records.training_config import asked_of
+from neuralgaits.records.training_config import config_of
 from neuralgaits.runs import RunFolder, plain, write_text
 
 LONGEST_S = 300.0
 """Longest time for tracing a spec [s]; the largest takes seconds."""
-LAST_LINES = 3
-"""Number of last lines of a failed process's standard error that are shown."""
 
 
 def retrace_in_subprocess(
@@ -59,7 +57,8 @@ def retrace_in_subprocess(
             ) from None
         description = _read(file)
     if description is None or process.returncode != 0:
-        lines = " | ".join(process.stderr.strip().splitlines()[-LAST_LINES:])
+        # Number of last lines of a failed process's standard error that are shown.
+        lines = " | ".join(process.stderr.strip().splitlines()[-3:])
         raise RunError(
             f"expected the conditions of {run}, traced again, found that the process that traces "
             f"them ended with code {process.returncode} and no answer: {lines or 'it said nothing'}"
@@ -83,7 +82,7 @@ def refuse_endless(folder: RunFolder) -> None:
     Raises: TimeLimitError if the spec does not come to an end; RunError if it ends the process.
         All other faults are left to the caller, who meets them again.
     """
-    if ".py:" not in asked_of(folder).spec:
+    if ".py:" not in config_of(folder).spec:
         return
     try:
         retrace_in_subprocess(folder.path, Theorems())
@@ -97,7 +96,7 @@ def here_if_built_in(run: Path, theorems: Theorems, chart: Chart = PLANE_ONLY) -
     """Describe a run of a built-in spec in this process, any other in one of its own."""
     from neuralgaits.barriers import specs  # Brings JAX.
 
-    built_in = specs.is_built_in(asked_of(RunFolder.open(run)).spec)
+    built_in = specs.is_built_in(config_of(RunFolder.open(run)).spec)
     return (describe_run if built_in else retrace_in_subprocess)(run, theorems, chart)
 
 

@@ -16,15 +16,15 @@ class RunComparison(NamedTuple):
 
     Attributes:
         wrong: differences, one sentence each.
-        asked: conditions and regions of the run's spec.
+        outline: conditions and regions of the run's spec.
         chart: every command that the run's gait takes, and the proof's axes of robots.
-        told: names of these commands.
+        command_names: names of these commands.
     """
 
     wrong: tuple[str, ...]
-    asked: SpecOutline
+    outline: SpecOutline
     chart: Chart
-    told: tuple[str, ...]
+    command_names: tuple[str, ...]
 
 
 def compare_with_run(claims: Claims, folder: Path, *, own_process: bool = True) -> RunComparison:

@@ -107,7 +107,7 @@ def _refuse_level(run: Run, level: int, box: Mapping[str, float]) -> None:
             "expected level 2 or 3 with a floor of unknown height, found 1, which is about single "
             "states: raise --level, or leave floor out"
         )
-    if run.spec.commands and level > run.asked.last_level:
+    if run.spec.commands and level > run.config.last_level:
         raise InputError(
             f"expected level 1, 2 or 3 for a gait with commands, found {level}: the theorem of "
             "full order is about one gait; leave --level out"

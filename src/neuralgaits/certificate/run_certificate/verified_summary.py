@@ -35,7 +35,7 @@ from neuralgaits.records.certified import (
 )
 from neuralgaits.records.levels import HIGHEST_OF_MANY, ORBIT_LEVEL, WALKING_SET_LEVEL
 from neuralgaits.records.record import build, shape_of
-from neuralgaits.records.training_config import asked_of
+from neuralgaits.records.training_config import config_of
 from neuralgaits.runs import RunFolder, from_json, packed
 from neuralgaits.runs.file_content import refuse_large
 from neuralgaits.runs.hashes import file_hashes
@@ -52,12 +52,12 @@ class ProvedPart(NamedTuple):
     """Proved results for some of the commands that a gait takes, and for no others.
 
     Attributes:
-        told: these commands, one phrase each.
+        sequences: these commands, one phrase each.
         conditions: those that are proved on all of their region.
         levels: levels above 1 that follow.
     """
 
-    told: tuple[str, ...]
+    sequences: tuple[str, ...]
     conditions: tuple[str, ...]
     levels: tuple[Conclusion, ...]
 
@@ -126,7 +126,7 @@ def _read(folder: RunFolder, summary: CertificateRecord) -> CertificateReading:
                 else f"{name} is missing"
             )
     _refuse_disorder(summary)
-    config = asked_of(folder)
+    config = config_of(folder)
     described = config.described
     for what, named in {"robot": summary.robot, "spec": summary.spec}.items():
         if named not in ("", getattr(config, what)):
@@ -137,7 +137,7 @@ def _read(folder: RunFolder, summary: CertificateRecord) -> CertificateReading:
     if summary.within is not None and not described.get("commands"):
         raise Unfit(f"{SUMMARY} is about ranges of commands, and the run's gait takes none")
     robot_box = {kind: half for kind, half in summary.parameters.items() if kind != "friction"}
-    if proof is not None and own is not None and _box(run, proof, own.told) != robot_box:
+    if proof is not None and own is not None and _box(run, proof, own.command_names) != robot_box:
         raise Unfit(f"{SUMMARY} is about another box of robots than {PROOF}")
     _refuse_ground(summary, proof, described)
     # Nothing is said of a floor where the level that speaks of it is not claimed.
@@ -188,10 +188,10 @@ def _part(summary: CertificateRecord, proof: Claims, own: RunComparison) -> Prov
     called += [f"level {entry.level}" for entry in summary.levels if entry.proved]
     if called:
         raise Unfit(f"{SUMMARY} calls {called[0]} proved, and {PROOF} is about some commands only")
-    left = {name for name, *_ in unstated(proof.statements, own.asked)}
-    conditions = tuple(name for name in own.asked.conditions if name not in left)
-    levels = () if left else tuple(_concluded(proof, own.asked))
-    return ProvedPart(proof.chart.sequences(own.told) or (), conditions, levels)
+    left = {name for name, *_ in unstated(proof.statements, own.outline)}
+    conditions = tuple(name for name in own.outline.conditions if name not in left)
+    levels = () if left else tuple(_concluded(proof, own.outline))
+    return ProvedPart(proof.chart.sequences(own.command_names) or (), conditions, levels)
 
 
 def _box(run: Path, proof: Claims, command_names: Sequence[str]) -> dict[str, float]:
@@ -226,7 +226,7 @@ def _claims(run: Path) -> tuple[Claims, RunComparison] | tuple[None, None]:
     if (run / RESIDUAL).is_file() and (full or rigid):
         wrong.append("it is about the rigid model, and the run's dynamics carry a residual")
     if not wrong:
-        wrong = inconsistencies(claims, claims.asked)
+        wrong = inconsistencies(claims, claims.outline)
     if wrong:
         raise Unfit(f"{PROOF} is not about this run: {wrong[0]}")
     try:
@@ -235,7 +235,7 @@ def _claims(run: Path) -> tuple[Claims, RunComparison] | tuple[None, None]:
         raise
     except InputError as error:
         raise Unfit(f"{PROOF} could not be compared with the run: {error}") from None
-    if wrong := [*own.wrong, *inconsistencies(claims, own.asked)]:
+    if wrong := [*own.wrong, *inconsistencies(claims, own.outline)]:
         raise Unfit(f"{PROOF} is not about this run: {wrong[0]}")
     if broken := first_broken_bound(claims):
         raise Unfit(f"{PROOF} states what is not so: {broken}")
@@ -246,7 +246,7 @@ def _levels(
     summary: CertificateRecord, proof: Claims | None, own: RunComparison | None
 ) -> Iterator[Conclusion]:
     """Return levels above 1; each proved level is claimed by the proof file and follows from it."""
-    concluded = [] if proof is None or own is None else _concluded(proof, own.asked)
+    concluded = [] if proof is None or own is None else _concluded(proof, own.outline)
     by_level = {one.level: one for one in concluded}
     below = True
     for entry in summary.levels:

@@ -37,8 +37,6 @@ HARD, HARD_IN_PLANE = 64, 500
 """Numbers of boxes from which on bounds are made with symbols for remainders: in more axes than two
 once the first boxes are bounded. In the plane boxes are cheap, and margins are read: the more boxes
 the nearer they come to the smallest margin seen."""
-CORNER_ROUNDS = 2
-"""Number of searches for ends of late axes at which margins are smaller."""
 POINTS = 33 * 33
 """Approximate number of points of the root that are evaluated first."""
 
@@ -49,12 +47,12 @@ class Search:
 
     Attributes:
         tree: boxes so far, all bounded but the first.
-        seen: smallest margin seen at a point, in scales; inf if none. [C]
+        smallest: smallest margin seen at a point, in scales; inf if none. [C]
         refuted: counterexamples by condition.
     """
 
     tree: BoxTree
-    seen: Float[np.ndarray, " C"]
+    smallest: Float[np.ndarray, " C"]
     refuted: Mapping[str, Counterexample] = field(default_factory=dict)
 
     @classmethod
@@ -66,7 +64,7 @@ class Search:
     @property
     def begun(self) -> bool:
         """Return whether the search has evaluated anything."""
-        return bool(np.any(self.tree.lower > -np.inf) or np.any(self.seen < np.inf))
+        return bool(np.any(self.tree.lower > -np.inf) or np.any(self.smallest < np.inf))
 
 
 def start(problem: Problem, confirm: Confirm) -> Search:
@@ -83,10 +81,13 @@ def start(problem: Problem, confirm: Confirm) -> Search:
     every, (lows, highs) = np.arange(len(tree.first)), tree.corners
     for batch in np.split(every, range(problem.batch, len(every), problem.batch)):
         low, high = lows[batch], highs[batch]
-        tree = tree.with_bounds(batch, *_of_asked(problem, low, high, problem.bounds(low, high)))
+        tree = tree.with_bounds(
+            batch, *_where_required(problem, low, high, problem.bounds(low, high))
+        )
     points = problem.grid(POINTS)
     state = _refute(problem, replace(state, tree=tree), points, confirm)
-    for _ in range(CORNER_ROUNDS if problem.weak_axes else 0):
+    # Number of searches for ends of late axes at which margins are smaller.
+    for _ in range(2 if problem.weak_axes else 0):
         points = problem.worse(points)
         state = _refute(problem, state, points, confirm)
     return state
@@ -146,7 +147,7 @@ def missing(problem: Problem, state: Search, phase: Phase) -> Float[np.ndarray, 
     with np.errstate(invalid="ignore"):
         # A condition that is not decided yet has no margin to raise.
         decided = np.all((tree.lower >= 0.0) | ~tree.is_leaf[:, None], axis=0)
-        worth = np.where(np.isfinite(state.seen), problem.tight * state.seen, 0.0)
+        worth = np.where(np.isfinite(state.smallest), problem.tight * state.smallest, 0.0)
     # The statement of level 1 is g >= b s: first with b = 0, then with b near the smallest seen.
     if phase == "decide":
         # With late axes there is no map of the boxes around a point that breaks a condition.
@@ -179,7 +180,7 @@ def _round(
     batches = [tree.halves_of(work[batch], axis[batch]) for batch in slices]
     with closing(bound_all(problem, batches)) as batch_bounds:
         for (low, high), bounds in zip(batches, batch_bounds, strict=False):
-            parts.append((low, high, *_of_asked(problem, low, high, bounds)))
+            parts.append((low, high, *_where_required(problem, low, high, bounds)))
             done += len(low) // 2
             if time.monotonic() >= deadline:
                 break
@@ -187,7 +188,9 @@ def _round(
     keep = problem.unfinished(lower)
     tree = tree.with_halves(work[:done], axis[:done], (low, high), lower, upper, keep)
     state = replace(state, tree=tree)
-    unsure = np.flatnonzero(np.any(~(lower >= 0.0) | (lower < problem.tight * state.seen), axis=1))
+    unsure = np.flatnonzero(
+        np.any(~(lower >= 0.0) | (lower < problem.tight * state.smallest), axis=1)
+    )
     if len(unsure) > MOST_POINTS:
         worst = np.min(np.where(np.isnan(lower), -np.inf, lower)[unsure], axis=1)
         unsure = unsure[np.argpartition(worst, MOST_POINTS)[:MOST_POINTS]]
@@ -201,9 +204,9 @@ def bound_here(problem: Problem, batches: Sequence[Boxes]) -> Generator[Bounds, 
         yield problem.bounds(low, high)
 
 
-def _of_asked(problem: Problem, low: np.ndarray, high: np.ndarray, bounds: Bounds) -> Bounds:
+def _where_required(problem: Problem, low: np.ndarray, high: np.ndarray, bounds: Bounds) -> Bounds:
     """Bound boxes; bounds are infinite on boxes that nothing is required of. [B, C] each."""
-    required = problem.asked(low, high)[:, None]
+    required = problem.required(low, high)[:, None]
     return np.where(required, bounds[0], np.inf), np.where(required, bounds[1], np.inf)
 
 
@@ -211,7 +214,7 @@ def _refute(problem: Problem, state: Search, points: np.ndarray, confirm: Confir
     """Evaluate the margins at points; confirm the worst where one is negative."""
     values = problem.values(points)
     # Where nothing is asked, and where there is no value, nothing is seen.
-    evaluated = problem.asked(points, points)[:, None] & ~np.isnan(values)
+    evaluated = problem.required(points, points)[:, None] & ~np.isnan(values)
     worst = np.where(evaluated, values, np.inf)
     refuted = dict(state.refuted)
     for column, name in enumerate(problem.names):
@@ -220,4 +223,4 @@ def _refute(problem: Problem, state: Search, points: np.ndarray, confirm: Confir
             counterexample = confirm(name, points[place])
             if counterexample is not None:
                 refuted[name] = counterexample
-    return replace(state, seen=np.fmin(state.seen, worst.min(axis=0)), refuted=refuted)
+    return replace(state, smallest=np.fmin(state.smallest, worst.min(axis=0)), refuted=refuted)

@@ -31,7 +31,7 @@ def save(path: Path, problem: Problem, state: Search) -> None:
         alone = np.full((len(tree.first), len(problem.low)), np.inf)
         alone[tree.pending.number] = tree.pending.alone
         arrays |= {"upper": tree.upper, "alone": alone}
-    arrays["seen"] = state.seen
+    arrays["seen"] = state.smallest
     refuted = {
         name: {"u": point.u, "z": point.z, "margin": point.margin}
         for name, point in state.refuted.items()

@@ -30,8 +30,6 @@ Bounds = tuple[np.ndarray, np.ndarray]
 BoundAll = Callable[["Problem", Sequence[Boxes]], Generator[Bounds, None, None]]
 """Function that yields bounds on the boxes of each batch, in order."""
 INPUT = "u"
-MOST_ALONG = 33
-"""Most points along an axis of a grid."""
 
 
 @dataclass(frozen=True)
@@ -132,7 +130,7 @@ class Problem:
         """
         return np.any(~(lower >= 0.0), axis=1) | (self.tight > 0.0)
 
-    def asked(self, low: Corners, high: Corners) -> np.ndarray:
+    def required(self, low: Corners, high: Corners) -> np.ndarray:
         """Return which boxes have a point that conditions apply to. A reader checks again. [B]."""
         apart = np.zeros(len(low), dtype=bool)
         for one, other, change in self.coupled_axes:
@@ -148,7 +146,8 @@ class Problem:
         """
         early = len(self.low) - self.weak_axes
         wide = [axis for axis in wide_axes(np.array(self.low), np.array(self.high)) if axis < early]
-        size = min(max(round(points ** (1.0 / max(len(wide), 1))), 3), MOST_ALONG)
+        # Most points along an axis of a grid.
+        size = min(max(round(points ** (1.0 / max(len(wide), 1))), 3), 33)
         lines = [
             np.linspace(low, high, size if axis in wide else 1)
             for axis, (low, high) in enumerate(

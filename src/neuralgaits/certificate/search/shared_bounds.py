@@ -18,8 +18,6 @@ from neuralgaits.engine import Files, Job, Settings, WorkerPool, worker_pool_for
 from neuralgaits.programs import Program
 
 _PROBLEM, _LOW, _HIGH, _LOWER, _UPPER = "problem.json", "low", "high", "lower", "upper"
-PIECE = 512
-"""Most boxes of a task for compiled code: tenths of a second."""
 _TUPLES = ("low", "high", "names", "scales", "least", "symbols")
 
 
@@ -82,7 +80,8 @@ def bounding(workers: int | None, ray: str | None) -> Iterator[BoundAll | None]:
 def _pieces(problem: Problem, batch: Boxes) -> list[Boxes]:
     """Split a batch: compiled code bounds each box by itself, NumPy whole batches."""
     low, high = batch
-    count = -(-len(low) // PIECE) if problem.compiled else 1
+    # Most boxes of a task for compiled code: tenths of a second.
+    count = -(-len(low) // 512) if problem.compiled else 1
     return list(zip(np.array_split(low, count), np.array_split(high, count), strict=True))
 
 

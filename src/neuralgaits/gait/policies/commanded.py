@@ -43,8 +43,6 @@ if TYPE_CHECKING:
 
 NEWTON_STEPS = 4
 """Newton steps that put the swing foot on its foothold: from a few centimetres off, 1e-12 m."""
-START_NEWTON_STEPS = 20
-"""Newton steps from the nominal posture, which may be far off."""
 
 
 class CommandedPolicy(NetworkPolicy):
@@ -270,7 +268,8 @@ def _start_guard(
     """Return outputs of the nominal posture with the swing foot on the middle foothold. [m]."""
     middle = jnp.array([0.5 * (c.low + c.high) for c in commands])
     foothold = _foothold(commands, middle)
-    outputs = on_foothold(robot, z1[0], posture.guard_outputs, foothold, START_NEWTON_STEPS)
+    # Newton steps from the nominal posture, which may be far off.
+    outputs = on_foothold(robot, z1[0], posture.guard_outputs, foothold, 20)
     return inside(outputs, posture.lower, posture.upper)
 
 

@@ -23,14 +23,10 @@ from neuralgaits.logs.formats.sheet import Text
 from neuralgaits.logs.row_checks import check, check_times
 from neuralgaits.robots import PlanarBiped
 
-FOLLOWED_RAD = 0.05
-"""Largest error of the worst joint that follows a policy, in the median row [rad]."""
 CLEARLY = 2.0
 """Least ratio of that error under the second best change to that under the best."""
 ZEROS_RAD = np.linspace(-0.6, 0.6, 13)
 """Changes of a zero that are tried, before the best one is refined [rad]."""
-WORTH_REFINING_RAD = 0.2
-"""Largest error at a zero that is tried from which it is refined [rad]."""
 MOST_ROWS = 1500
 """Rows of a log that are looked at, but for the checks: a few steps."""
 
@@ -60,7 +56,8 @@ class ColumnMending:
         except InputError:
             return None  # Neither signs nor zeros are at fault.
         changes = sorted(self._changes(columns), key=lambda change: change.error)
-        good = [one for one in changes if one.error < FOLLOWED_RAD and self._passes(one.columns)]
+        # Largest error of the worst joint that follows a policy, in the median row [rad].
+        good = [one for one in changes if one.error < 0.05 and self._passes(one.columns)]
         if not good or (len(good) > 1 and good[1].error < CLEARLY * good[0].error):
             return None
         return good[0].words
@@ -85,7 +82,8 @@ class ColumnMending:
 
         tried = [self._error(with_zero(float(shift))) for shift in ZEROS_RAD]
         best, step = float(ZEROS_RAD[np.argmin(tried)]), float(ZEROS_RAD[1] - ZEROS_RAD[0])
-        if min(tried) < WORTH_REFINING_RAD:
+        # Largest error at a zero that is tried from which it is refined [rad].
+        if min(tried) < 0.2:
             optimum = minimize_scalar(
                 lambda shift: min(self._error(with_zero(float(shift))), np.pi),
                 bounds=(best - step, best + step),

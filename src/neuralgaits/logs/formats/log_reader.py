@@ -26,11 +26,6 @@ from neuralgaits.logs.row_checks import check
 from neuralgaits.logs.walk_table import Log
 from neuralgaits.robots import PlanarBiped
 
-JITTER = 1.5
-"""Largest distance of neighbouring rows in sample periods: clocks jitter."""
-SAME_RAD = 1e-6
-"""Angles of two walks that agree to this are one walk: a simulation repeats itself to rounding."""
-
 
 class CleanedLog(NamedTuple):
     """Good rows of a log, and what was left out."""
@@ -156,10 +151,12 @@ def read_all(
 
 
 def _is_same_walk(one: Log, other: Log) -> bool:
-    return len(one) == len(other) and float(np.abs(one.q - other.q).max()) < SAME_RAD
+    # Angles of two walks that agree to this are one walk: a simulation repeats itself to rounding.
+    return len(one) == len(other) and float(np.abs(one.q - other.q).max()) < 1e-6
 
 
 def _missing(log: Log) -> int:
     """Count the rows that are missing in the gaps."""
     steps = np.diff(log.t) / log.period_s
-    return int(np.sum(np.round(steps[steps > JITTER]) - 1))
+    # Largest distance of neighbouring rows in sample periods: clocks jitter.
+    return int(np.sum(np.round(steps[steps > 1.5]) - 1))

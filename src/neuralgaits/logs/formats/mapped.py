@@ -20,13 +20,17 @@ from neuralgaits.logs.labels import Labels
 from neuralgaits.logs.outliers import ANGLE_RAD, stand_out
 from neuralgaits.logs.rates import half_window, noise, rates
 from neuralgaits.logs.row_checks import check_times
-from neuralgaits.logs.sensor_readings import SensorReadings, asked, feet_apart, stance_first, states
+from neuralgaits.logs.sensor_readings import (
+    SensorReadings,
+    desired_outputs,
+    feet_apart,
+    stance_first,
+    states,
+)
 from neuralgaits.logs.strides import GAP_PERIODS, GAP_S, SETTLING_S
 from neuralgaits.logs.walk_table import Log
 from neuralgaits.robots import PlanarBiped
 
-AGREEING = 0.5
-"""Least share of the rows with one foot on the ground in which it is the stance foot."""
 UNSETTLED_S = 0.5 * SETTLING_S
 """Time after a touchdown in which rates change fast: those of later rows are not computed from it
 [s]."""
@@ -72,7 +76,7 @@ def read(
         desired = _flat(arrays.desired), wanted_rates
         qd, dqd = (stance_first(robot, leg, part[good].reshape(shape)) for part in desired)
     else:
-        qd, dqd = asked(robot, policy, state)
+        qd, dqd = desired_outputs(robot, policy, state)
     log = Log(
         t=arrays.t[good],
         stance=leg,
@@ -138,7 +142,8 @@ def _stance(
         )
     single = (stance != UNKNOWN) & (contact[:, 0] != contact[:, 1])
     # Exchanged, the swing foot is ahead of its foothold for less than half of a step.
-    if np.mean(contact[single, 1] == stance[single]) < AGREEING:
+    # Least share of the rows with one foot on the ground in which it is the stance foot.
+    if np.mean(contact[single, 1] == stance[single]) < 0.5:
         raise InputError(
             f"{where}: expected the foot that lands to be the one in front, found it behind in "
             f"most rows: exchange the two lines of [contact] in {columns.path}, or mend the signs "

@@ -12,7 +12,7 @@ from neuralgaits.logs.formats.column_file import ColumnFile
 from neuralgaits.logs.formats.sheet import REPAIR, Text, sheet_of
 from neuralgaits.robots import PlanarBiped
 
-_Found = dict[str, Float[np.ndarray, " k"]]
+_Columns = dict[str, Float[np.ndarray, " k"]]
 """Quantities by their key in the file of columns."""
 
 
@@ -80,7 +80,7 @@ def numbers(text: Text, robot: PlanarBiped, columns: ColumnFile) -> SheetArrays:
     )
 
 
-def _quantities(text: Text, columns: ColumnFile) -> tuple[_Found, Int[np.ndarray, " k"]]:
+def _quantities(text: Text, columns: ColumnFile) -> tuple[_Columns, Int[np.ndarray, " k"]]:
     """Read the numbers of every quantity in SI units, by key, and each row's number in the file."""
     width, sources = len(text.header), columns.sources
     names = tuple(dict.fromkeys(source.column for source in sources.values()))
@@ -131,7 +131,7 @@ def _like(name: str, header: tuple[str, ...]) -> list[str]:
 def _contact(
     text: Text,
     columns: ColumnFile,
-    quantities: _Found,
+    quantities: _Columns,
     rows: Int[np.ndarray, " k"],
     robot: PlanarBiped,
     foot: str,

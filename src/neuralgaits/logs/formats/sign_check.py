@@ -21,8 +21,6 @@ from neuralgaits.logs.row_checks import check
 from neuralgaits.logs.walk_table import Log
 from neuralgaits.robots import PlanarBiped
 
-SUSPICIOUS = 0.3
-"""Share of the momentum's balance that may be off without a doubt about signs."""
 LANDING = 0.03
 """Height of a foot that lands up to which there is none, in leg lengths: zeros, uneven floors."""
 CLEARLY = 3.0
@@ -92,7 +90,8 @@ class SignCheck:
         if self._robot.feet is not None or height is None:
             return None
         lands = LANDING * float(self._robot.leg_length)
-        return _Doubt(off, height, max((off or 0.0) / SUSPICIOUS, height / lands))
+        # Share of the momentum's balance that may be off without a doubt about signs.
+        return _Doubt(off, height, max((off or 0.0) / 0.3, height / lands))
 
 
 class _Doubt(NamedTuple):

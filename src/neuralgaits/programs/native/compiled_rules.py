@@ -42,7 +42,7 @@ def library(axes: int, symbols: int) -> ctypes.CDLL | None:
         depends_on=(platform.node(),),
     )
     with contextlib.suppress(OSError, CompilerError):
-        return _declared(ctypes.CDLL(str(compiler.kept(rules, cache_folder()))))
+        return _declared(ctypes.CDLL(str(compiler.cached(rules, cache_folder()))))
     return None
 
 

@@ -61,7 +61,7 @@ class Builder:
         self._nodes: list[_Node] = []
         self._starts: list[int] = []
         self._end = 0
-        self._known: dict[bytes, int] = {}  # Nodes by digest.
+        self._by_digest: dict[bytes, int] = {}
         # Element -1 - k is the constant _values[k]; elements by the bits of their value.
         self._values: list[float] = []
         self._bits: dict[int, int] = {}
@@ -180,13 +180,13 @@ class Builder:
         if "array" in extra:
             digest.update(np.asarray(extra["array"], dtype="<f8").tobytes())
         key = digest.digest()
-        if key not in self._known:
+        if key not in self._by_digest:
             varies = kind == _INPUT or any(self._nodes[i].varies for i in operands)
-            self._known[key] = len(self._nodes)
+            self._by_digest[key] = len(self._nodes)
             self._nodes.append(_Node(kind, operands, size, key, varies, **extra))
             self._starts.append(self._end)
             self._end += size
-        return self._known[key]
+        return self._by_digest[key]
 
     def _gather(self, elements: Elements, scalar: bool) -> int:
         """Return the node of exactly these elements; of one if `scalar` and all are equal."""

@@ -27,7 +27,7 @@ def words(name: str) -> Words:
     """Return a command in words; a command of a spec's own is described by its name."""
     ahead = "how high above the foot that stands the next foothold is"
     torso = "how far ahead of the file the torso's centre of mass is believed to be"
-    known = {
+    words_of_name = {
         "speed": Words("mean speed", "the mean speed to walk at", "m/s"),
         "slope": Words(
             "slope of the ground", "the slope of the ground under the next foothold", "°"
@@ -36,7 +36,7 @@ def words(name: str) -> Words:
         "step_height": Words("step height", ahead, "m"),
         "lean": Words("lean of the torso", torso, "m"),
     }
-    return known.get(name, Words(name, name, ""))
+    return words_of_name.get(name, Words(name, name, ""))
 
 
 def value(name: str, command: float) -> float:
@@ -68,7 +68,7 @@ def change_within(name: str, change: float) -> str:
     return _with_unit(name, at_least(value(name, change), _DIGITS))
 
 
-def _with_unit(name: str, shown: str) -> str:
+def _with_unit(name: str, number: str) -> str:
     unit = words(name).unit
     space = "" if unit in ("°", "") else " "
-    return f"{shown}{space}{unit}".replace("-", "\u2212")
+    return f"{number}{space}{unit}".replace("-", "\u2212")

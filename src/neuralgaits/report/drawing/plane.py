@@ -71,7 +71,7 @@ def heat_map(
     """
     z = data["chart/z"]
     usual = {"cmap": "Blues", "norm": Normalize(0.0, float(values.max()))}
-    look = usual | colours | {"shading": "gouraud", "rasterized": True}
-    mesh = panels[0].pcolormesh(z[..., 0], z[..., 1], values, **look)
+    style = usual | colours | {"shading": "gouraud", "rasterized": True}
+    mesh = panels[0].pcolormesh(z[..., 0], z[..., 1], values, **style)
     bar = figure.colorbar(mesh, ax=panels, location="bottom", shrink=0.6, aspect=40)
     bar.set_label(name)

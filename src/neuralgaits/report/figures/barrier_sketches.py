@@ -47,12 +47,12 @@ def _torso(axes: Axes, data: GaitData) -> None:
         if low is not None and high is not None:
             # Up-angles are positive backwards: to the left.
             first, last = (90.0 + float(np.degrees(angle)) for angle in (low, high))
-            look = {"facecolor": ALLOWED, "edgecolor": BLUE, "linewidth": 1.2, "zorder": 1}
-            axes.add_patch(Wedge(tuple(hip), size, first, last, **look))
+            style = {"facecolor": ALLOWED, "edgecolor": BLUE, "linewidth": 1.2, "zorder": 1}
+            axes.add_patch(Wedge(tuple(hip), size, first, last, **style))
             for angle, where in ((low, "left"), (high, "right")):
                 tip = hip + 1.03 * size * np.array([-np.sin(angle), np.cos(angle)])
-                look = {"ha": where, "va": "bottom", "fontsize": 9, "color": BLUE}
-                axes.text(tip[0], tip[1], f"{angle:+.2f} rad", **look)
+                style = {"ha": where, "va": "bottom", "fontsize": 9, "color": BLUE}
+                axes.text(tip[0], tip[1], f"{angle:+.2f} rad", **style)
         else:
             say(axes, "this spec has no condition on torso", 0.86)
     _frame(axes, points, 1.25)
@@ -67,22 +67,22 @@ def _foot(axes: Axes, data: GaitData) -> None:
     tall = 1.25 * max(float(y.max()), ceiling or 0.0)
     axes.plot(x, y, color=BLACK, label="path of the swing foot")
     floor = np.zeros_like(x)
-    known = False
+    recognised = False
     for arc in data.bounds("foot_above_arc"):
         floor = arc["clearance"] * 4.0 * phase * (1.0 - phase)
-        known = True
+        recognised = True
     for circle in data.bounds("foot_on_circle"):
         across, up = circle["centre"]
         square = circle["radius"] ** 2 - (x - across) ** 2
         floor = up + np.sqrt(np.maximum(square, 0.0))
-        known = True
+        recognised = True
     for parabola in data.bounds("parabolic_clearance"):
         share = z1 / parabola["half_width"]
         floor = parabola["height"] * (1.0 - share**2) - parabola["slack"]
-        known = True
-    if known:
-        look = {"facecolor": FORBIDDEN, "edgecolor": GREY, "hatch": "////", "linewidth": 0}
-        axes.fill_between(x, -0.06 * tall, floor, label="too low", zorder=0.5, **look)
+        recognised = True
+    if recognised:
+        style = {"facecolor": FORBIDDEN, "edgecolor": GREY, "hatch": "////", "linewidth": 0}
+        axes.fill_between(x, -0.06 * tall, floor, label="too low", zorder=0.5, **style)
         axes.plot(x, floor, "--", color=RED, linewidth=1.2)
     else:
         say(axes, "this spec has no condition on foot clearance", 0.86)
@@ -90,8 +90,8 @@ def _foot(axes: Axes, data: GaitData) -> None:
         axes.axhline(ceiling, color=BLUE, linestyle="-.", linewidth=1.4, label="ceiling")
     axes.axhline(0.0, color=BLACK, linewidth=1.0)
     axes.plot(0.0, 0.0, "o", color=BLACK, ms=7)
-    look = {"textcoords": "offset points", "ha": "center", "va": "top", "fontsize": 9}
-    axes.annotate("stance foot", (0.0, 0.0), (0, -9), **look)
+    style = {"textcoords": "offset points", "ha": "center", "va": "top", "fontsize": 9}
+    axes.annotate("stance foot", (0.0, 0.0), (0, -9), **style)
     axes.set_ylim(-0.16 * tall, 1.25 * tall)
     axes.set(xlabel="swing foot ahead of the stance foot [m]", ylabel="height [m]")
     axes.legend(loc="upper left", ncols=3, fontsize=8.5, columnspacing=1.0, handlelength=1.6)
@@ -178,8 +178,8 @@ def _knee(
     axes.plot(*line, "--", color=RED, linewidth=1.2, zorder=2)
     bend = side * data["orbit/q"][row, joint + 1]
     offset = (8, 2) if swing else (-8, 2)
-    look = {"textcoords": "offset points", "ha": "left" if swing else "right", "fontsize": 9}
-    axes.annotate(f"{bend:.2f} rad", tuple(points[at]), offset, **look)
+    style = {"textcoords": "offset points", "ha": "left" if swing else "right", "fontsize": 9}
+    axes.annotate(f"{bend:.2f} rad", tuple(points[at]), offset, **style)
 
 
 def _frame(axes: Axes, points: np.ndarray, share: float) -> None:

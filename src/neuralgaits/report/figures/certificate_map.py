@@ -26,11 +26,11 @@ def draw(boxes: BoxMap) -> Figure:
         (BoxAnswer.UNDECIDED, "undecided", ORANGE, "///"),
         (BoxAnswer.REFUTED, "violated", "#7f0000", "xxx"),
     ):
-        chosen = boxes.answer == answer
-        curved = boxes.curved[chosen]
+        rows = boxes.answer == answer
+        curved = boxes.curved[rows]
         axes.add_collection(
             PolyCollection(
-                list(boxes.corners[chosen]),
+                list(boxes.corners[rows]),
                 facecolors=colour,
                 edgecolors=np.where(curved, colour, BLACK),
                 hatch=hatch,
@@ -52,19 +52,19 @@ def draw(boxes: BoxMap) -> Figure:
 
 def _proved(axes: Axes, boxes: BoxMap) -> PolyCollection:
     """Draw the proved boxes, coloured by their margins, and return them."""
-    chosen = boxes.drawn_last[boxes.answer[boxes.drawn_last] == BoxAnswer.PROVED]
-    corners, margin, curved = boxes.corners[chosen], boxes.margin[chosen], boxes.curved[chosen]
+    rows = boxes.drawn_last[boxes.answer[boxes.drawn_last] == BoxAnswer.PROVED]
+    corners, margin, curved = boxes.corners[rows], boxes.margin[rows], boxes.curved[rows]
     greens = LinearSegmentedColormap.from_list("margin", ["#e5f5e0", "#74c476", "#00592b"])
-    drawn = PolyCollection(list(corners), array=margin, cmap=greens, edgecolors="face")
+    polygons = PolyCollection(list(corners), array=margin, cmap=greens, edgecolors="face")
     # Thousands of boxes: a picture of them is smaller than their corners.
-    drawn.set_rasterized(True)
+    polygons.set_rasterized(True)
     top = float(np.max(margin[~curved], initial=1e-6))
     # Curves (fences, guard) have no area: their edge carries the colour.
-    drawn.set(clim=(0.0, top), linewidths=np.where(curved, 3.0, 0.25))
-    axes.add_collection(drawn)
+    polygons.set(clim=(0.0, top), linewidths=np.where(curved, 3.0, 0.25))
+    axes.add_collection(polygons)
     line = {"facecolors": "none", "edgecolors": "#00441b30", "linewidths": 0.3}
     axes.add_collection(PolyCollection(list(corners[~curved]), **line, rasterized=True))
-    return drawn
+    return polygons
 
 
 def _patch(boxes: BoxMap, answer: BoxAnswer, word: str, colour: str, hatch: str) -> Patch:

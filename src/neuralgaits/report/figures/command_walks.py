@@ -76,8 +76,8 @@ def _steps(axes: Axes, walks: CommandWalks) -> None:
 def _orbit(axes: Axes, name: str, walks: CommandWalks) -> None:
     """Plot the last two steps, and the resets between them."""
     last = [path[:, 0] for path in walks.paths[-2:]]
-    for number, (path, told) in enumerate(zip(last, walks.told[-2:], strict=True)):
-        label = f"told {command_words.written(name, float(told[0]))}"
+    for number, (path, command) in enumerate(zip(last, walks.told[-2:], strict=True)):
+        label = f"told {command_words.written(name, float(command[0]))}"
         axes.plot(*path.T, linewidth=2.0, label=label, **series(number))
         ahead = last[1 - number][0]
         axes.plot(*np.stack([path[-1], ahead]).T, color=GREY, linestyle=":", linewidth=1.2)

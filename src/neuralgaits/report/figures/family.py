@@ -25,7 +25,7 @@ from neuralgaits.report.drawing.style import (
 def caption(family: Family) -> str:
     """Return the figure's caption, with the commands that have no orbit."""
     first = family.sweeps[0]
-    shown = [command_words.written(first.name, member.value) for member in family.members]
+    values = [command_words.written(first.name, member.value) for member in family.members]
     text = (
         "The periodic orbits at commands that stay, computed from the model: nothing here is "
         "simulated or proved. a) The mean speed at which each orbit walks forward"
@@ -35,7 +35,7 @@ def caption(family: Family) -> str:
     name = command_words.words(first.name).short
     text += (
         f". b) The tubes, the states that the gait is made for, tinted, and one step of the orbit, "
-        f"at {name} {', '.join(shown[:-1])} and {shown[-1]}. c) The "
+        f"at {name} {', '.join(values[:-1])} and {values[-1]}. c) The "
         "posture in which these steps end, over each other, with a mark at the next foothold."
     )
     if len(family.sweeps) > 1:
@@ -109,14 +109,14 @@ def _speeds(axes: Axes, sweep: CommandSweep, members: tuple[Member, ...]) -> Non
 
 
 def _tube_and_orbit(axes: Axes, number: int, member: Member) -> None:
-    look = series(number)
+    style = series(number)
     low, high = member.fence_z2
     axes.fill_between(
-        member.fence_z1, low, high, color=look["color"], alpha=0.13, linewidth=0, zorder=1
+        member.fence_z1, low, high, color=style["color"], alpha=0.13, linewidth=0, zorder=1
     )
     for fence in (low, high):
-        axes.plot(member.fence_z1, fence, linewidth=1.0, zorder=2, **look)
-    axes.plot(*member.orbit.T, linewidth=2.4, zorder=3, **look)
+        axes.plot(member.fence_z1, fence, linewidth=1.0, zorder=2, **style)
+    axes.plot(*member.orbit.T, linewidth=2.4, zorder=3, **style)
 
 
 def _postures(axes: Axes, family: Family) -> None:

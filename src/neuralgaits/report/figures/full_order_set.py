@@ -64,9 +64,9 @@ def draw(data: GaitData, full: FullOrderSet) -> Figure:
     z = data["chart/z"]
     name = "largest error of the joints, √V, picture a [mrad]"
     plane.heat_map(figure, (left, right), data, most, name)
-    shown = [size for size in (0.5, 2.0, 5.0) if size < float(most.max())]
-    if shown:
-        lines = left.contour(z[..., 0], z[..., 1], most, shown, colors=BLACK, linewidths=1.0)
+    sizes = [size for size in (0.5, 2.0, 5.0) if size < float(most.max())]
+    if sizes:
+        lines = left.contour(z[..., 0], z[..., 1], most, sizes, colors=BLACK, linewidths=1.0)
         left.clabel(lines, fmt=lambda size: f"{size:g} mrad", fontsize=8)
     plane.fences(left, data, color=BLUE, linewidth=2.0)
     left.plot([], [], color=BLUE, linewidth=2.0, label="$C_Z$: edge of the tube, no error")

@@ -20,8 +20,8 @@ def draw(
         torso: whether the robot has one.
     """
     tiles = 7
-    chosen = [int(np.argmin(np.abs(t - moment))) for moment in np.linspace(t[0], t[-1], tiles)]
-    poses = points[chosen]
+    rows = [int(np.argmin(np.abs(t - moment))) for moment in np.linspace(t[0], t[-1], tiles)]
+    poses = points[rows]
     poses = poses - poses[:, :1] * np.array([1.0, 0.0])
     low, high = float(poses[..., 0].min()), float(poses[..., 0].max())
     tall = float(poses[..., 1].max())
@@ -32,11 +32,11 @@ def draw(
     foot = poses[:, -1]
     # In centimetres, without the sign of a rounded zero.
     heights = np.round(100.0 * foot[:, 1], 1) + 0.0
-    for number, row in enumerate(chosen):
+    for number, row in enumerate(rows):
         shift = number * pitch
         if number:
             # Where the swing foot has been.
-            way = points[chosen[0] : row + 1, -1] - points[chosen[0] : row + 1, 0]
+            way = points[rows[0] : row + 1, -1] - points[rows[0] : row + 1, 0]
             axes.plot(way[:, 0] + shift, way[:, 1], ":", color=GREY, linewidth=1.0)
         robot_drawing.draw(axes, poses[number], torso, shift=shift)
         axes.text(

@@ -34,7 +34,7 @@ def map_files(run: Run, problems: Sequence[Problem], states: Sequence[Search]) -
     corners, answers, margins = (np.concatenate(part) for part in zip(*parts, strict=True))
     names = sorted({name for state in states for name in state.refuted})
     conditions = {name for problem in problems for name in problem.names}
-    title = f"{run.asked.robot}, {run.asked.spec}: {len(conditions)} conditions"
+    title = f"{run.config.robot}, {run.config.spec}: {len(conditions)} conditions"
     if names:
         title += f"; refuted: {', '.join(names)}"
     broken = np.array(points, dtype=np.float64).reshape(-1, 2)

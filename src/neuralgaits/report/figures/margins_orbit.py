@@ -28,7 +28,7 @@ SHOWN = 1.0
 
 def caption(data: GaitData, proved: Mapping[str, float]) -> str:
     """Return the caption, which says of diamonds only if there are some. Args: as of `draw`."""
-    told = (
+    sentence = (
         "; diamonds are bounds that are proved for every state of it"
         if _bounds(_least(data), data, proved)
         else ", which proves nothing of the states between"
@@ -37,7 +37,7 @@ def caption(data: GaitData, proved: Mapping[str, float]) -> str:
         "A condition is a limit the robot must keep, and its margin is what is left of it: above "
         "zero it holds. Left: the margins over one step of the periodic gait, the tightest ones by "
         "name. Right: the least margin of each condition on a grid over the region where it must "
-        f"hold{told}."
+        f"hold{sentence}."
     )
 
 
@@ -96,8 +96,8 @@ def _worst(axes: Axes, data: GaitData, proved: Mapping[str, float]) -> None:
     if bounds:
         at = [row for row, i in enumerate(order) if i in bounds]
         cut_bounds = [min(bounds[i], SHOWN) for i in order if i in bounds]
-        look = {"color": GREEN, "mec": BLACK, "ms": 5, "label": "proved: at least"}
-        axes.plot(cut_bounds, at, "D", linestyle="none", **look)
+        style = {"color": GREEN, "mec": BLACK, "ms": 5, "label": "proved: at least"}
+        axes.plot(cut_bounds, at, "D", linestyle="none", **style)
     axes.barh([], [], color=BLUE, label="least found on a grid")
     _forbidden(axes.axvspan, axes.axvline)
     axes.set_xlim(min(-0.1, 1.2 * float(np.nanmin(least))), 1.12 * SHOWN)

@@ -35,14 +35,14 @@ def draw(data: GaitData) -> Figure:
     margins, z = data["chart/margins"], data["chart/z"]
     # Conditions on edges alone have no area to colour.
     wide = [row for row in range(len(margins)) if np.isfinite(margins[row, 1:-1, 1:-1]).any()]
-    known = np.where(np.isfinite(margins[wide]), margins[wide], np.inf)
-    least, which = known.min(axis=0), known.argmin(axis=0)
+    finite = np.where(np.isfinite(margins[wide]), margins[wide], np.inf)
+    least, which = finite.min(axis=0), finite.argmin(axis=0)
     figure = new_figure(4.6)
     left, right = figure.subplots(1, 2, sharey=True)
     low, colours = float(least.min()), {}
     if low < 0.0:
-        broken, held = colormaps["Oranges_r"], colormaps["Blues"]
-        both = [broken(np.linspace(0.0, 0.6, 128)), held(np.linspace(0.0, 1.0, 128))]
+        broken, positive = colormaps["Oranges_r"], colormaps["Blues"]
+        both = [broken(np.linspace(0.0, 0.6, 128)), positive(np.linspace(0.0, 1.0, 128))]
         norm = TwoSlopeNorm(0.0, low, max(float(least.max()), 1e-9))
         colours = {"cmap": ListedColormap(np.vstack(both)), "norm": norm}
     name = "least margin, picture a [scale of the condition]"
@@ -72,9 +72,9 @@ def draw(data: GaitData) -> Figure:
 
 def _names(axes: Axes, data: GaitData, z: np.ndarray, which: np.ndarray) -> None:
     """Show with a fill and a hatch where each condition is the tightest."""
-    found, counts = np.unique(which, return_counts=True)
+    numbers, counts = np.unique(which, return_counts=True)
     handles = []
-    for number, row in enumerate(found[np.argsort(-counts)]):
+    for number, row in enumerate(numbers[np.argsort(-counts)]):
         fill, hatch = _FILLS[number % len(_FILLS)]
         mask = (which == row).astype(float)
         area = axes.contourf(z[..., 0], z[..., 1], mask, [0.5, 1.5], colors=[fill], hatches=[hatch])

@@ -23,14 +23,17 @@ from neuralgaits.report.drawing.style import (
 )
 
 
-def caption(data: GaitData, walk: MeasuredWalk | None, level: int, told: bool = False) -> str:
+def caption(
+    data: GaitData, walk: MeasuredWalk | None, level: int, with_commands: bool = False
+) -> str:
     """Return the caption.
 
     Args:
         data: data of the gait.
         walk: measured walk, or None.
         level: highest proved level, 0 if nothing is proved.
-        told: whether it takes commands; its level 3 is then about two walks, not about an orbit.
+        with_commands: whether it takes commands; its level 3 is then about two walks, and not
+            about an orbit.
     """
     text = (
         "As long as the joints follow the policy exactly, a point is the whole state of the "
@@ -42,7 +45,9 @@ def caption(data: GaitData, walk: MeasuredWalk | None, level: int, told: bool = 
     # Where barrier functions are negative on the tube, the walking set is the rest of it.
     where = "the blue tube" if np.min(chart, initial=0.0) >= 0.0 else "the tube's safe part"
     if level >= ORBIT_LEVEL:
-        ends = "any two of them come together" if told else "every one settles on one orbit"
+        ends = (
+            "any two of them come together" if with_commands else "every one settles on one orbit"
+        )
         text += f"No such walk that begins in {where} leaves it, and {ends}: that is proved"
     elif level == WALKING_SET_LEVEL:
         text += f"No such walk that begins in {where} leaves it: that is proved"

@@ -118,8 +118,8 @@ def _approach(axes: Axes, data: GaitData, proved: Proved | None) -> None:
         (z2[-1], "^", "from the upper fence"),
     ):
         away = np.abs(_iterates(data, float(start)) - numbers.z2)
-        shown = np.where(away > 1e-5, away, np.nan)
-        axes.plot(steps, shown, marker=mark, ms=5, linestyle="none", color=BLACK, label=label)
+        distances = np.where(away > 1e-5, away, np.nan)
+        axes.plot(steps, distances, marker=mark, ms=5, linestyle="none", color=BLACK, label=label)
     first = float(np.max(np.abs(z2[[0, -1]] - numbers.z2)))
     label = f"multiplier {numbers.multiplier:.3f}, each step"
     axes.plot(steps, first * numbers.multiplier**steps, "--", color=RED, linewidth=1.2, label=label)
@@ -153,7 +153,7 @@ def farthest(
 def _iterates(data: GaitData, start: float) -> np.ndarray:
     """Iterate the sampled map from a start. [STEPS + 1]."""
     z2, after = data["map/z2"], data["map/z2_after"]
-    found = [start]
+    states = [start]
     for _ in range(STEPS):
-        found.append(float(np.interp(found[-1], z2, after)))
-    return np.array(found)
+        states.append(float(np.interp(states[-1], z2, after)))
+    return np.array(states)

@@ -7,20 +7,20 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from neuralgaits.records.episode_records import EpisodesDone, Round
+from neuralgaits.records.episode_records import EpisodesSummary, Round
 from neuralgaits.report.drawing.figure import png
 from neuralgaits.report.drawing.style import BLUE, GREEN, GREY, ORANGE, new_figure, styled
 from neuralgaits.runs import write_bytes
 
 
-def draw_file(summary: EpisodesDone, figure: Path) -> Path:
+def draw_file(summary: EpisodesSummary, figure: Path) -> Path:
     """Draw a summary of episodes. Returns: the path of the PNG file."""
     write_bytes(figure, png(draw(summary)))
     return figure
 
 
 @styled
-def draw(summary: EpisodesDone) -> Figure:
+def draw(summary: EpisodesSummary) -> Figure:
     """Draw steps walked, speeds held, barriers held and held-out error over the rounds."""
     rounds = summary.rounds
     numbers = [entry.round for entry in rounds]
@@ -37,7 +37,7 @@ def draw(summary: EpisodesDone) -> Figure:
     return figure
 
 
-def _title(summary: EpisodesDone) -> str:
+def _title(summary: EpisodesSummary) -> str:
     where = summary.plant or f"logs of {summary.logs}"
     changed = [f"{name}={value:g}" for name, value in (summary.disturb or {}).items() if value]
     extra = [part for part in changed if part != "mass_scale=1"]
@@ -47,9 +47,9 @@ def _title(summary: EpisodesDone) -> str:
 
 def _steps(axes: Axes, rounds: Sequence[Round]) -> None:
     for entry in rounds:
-        walked = np.asarray(entry.steps_walked)
-        spread = np.linspace(-0.2, 0.2, len(walked))
-        axes.plot(entry.round + spread, walked, "o", color=BLUE, markersize=4)
+        steps = np.asarray(entry.steps_walked)
+        spread = np.linspace(-0.2, 0.2, len(steps))
+        axes.plot(entry.round + spread, steps, "o", color=BLUE, markersize=4)
     axes.set(title="one dot a walk", ylabel="steps walked [1]")
     axes.set_ylim(bottom=0)
 
@@ -86,9 +86,9 @@ def _errors(axes: Axes, rounds: Sequence[Round]) -> None:
         ("heldout_error", "with what was learned", "s--", BLUE),
     ):
         values = [(entry.round, getattr(entry, name)) for entry in rounds]
-        known = [(number, value) for number, value in values if value is not None]
-        if known:
-            axes.plot(*np.transpose(known), style, color=colour, label=label)
+        points = [(number, value) for number, value in values if value is not None]
+        if points:
+            axes.plot(*np.transpose(points), style, color=colour, label=label)
     axes.set(title="held-out strides, 0.1 s ahead", ylabel="error of scaled z [1]")
     axes.set_ylim(bottom=0)
     if axes.lines:

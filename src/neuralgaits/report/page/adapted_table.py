@@ -1,6 +1,6 @@
 """Part of the page about a commanded speed that was adapted: the steps of the first walk."""
 
-from neuralgaits.records.simulated import Simulated
+from neuralgaits.records.simulated import SimulationSummary
 from neuralgaits.report.page import markup as html
 from neuralgaits.report.page.markup import Html
 
@@ -8,11 +8,11 @@ MOST_STEPS = 20
 """Steps that the table shows: an adapted speed has settled by then."""
 
 
-def adapted(done: Simulated) -> Html:
+def adapted(simulation: SimulationSummary) -> Html:
     """Return the speeds of a walk's steps; the belief alone where no speed is commanded."""
-    speeds = done.adapted
-    if speeds is None and (done.believed_lean or done.believed_slope) is not None:
-        return html.paragraph(_learned(done).strip())
+    speeds = simulation.adapted
+    if speeds is None and (simulation.believed_lean or simulation.believed_slope) is not None:
+        return html.paragraph(_learned(simulation).strip())
     if speeds is None or not speeds.told:
         return Html("")
     columns = zip(speeds.told, speeds.commanded, speeds.walked, speeds.measured, strict=True)
@@ -26,13 +26,13 @@ def adapted(done: Simulated) -> Html:
     return html.tag(
         "div",
         html.table(f"Speeds of the first walk in m/s{rest}", head, rows, numbers="nnnnn"),
-        html.paragraph(f"{_way(done)}{_settled(done)}{_learned(done)}"),
+        html.paragraph(f"{_way(simulation)}{_settled(simulation)}{_learned(simulation)}"),
     )
 
 
-def _way(done: Simulated) -> str:
+def _way(simulation: SimulationSummary) -> str:
     """Say how the speed was adapted, if it was."""
-    if "speed" not in (done.adapt or "").split(","):
+    if "speed" not in (simulation.adapt or "").split(","):
         return "The commanded speed was not adapted. "
     return (
         "The command was adapted at each touchdown, within the range of the gait's commands, "
@@ -40,18 +40,18 @@ def _way(done: Simulated) -> str:
     )
 
 
-def _learned(done: Simulated) -> str:
+def _learned(simulation: SimulationSummary) -> str:
     """Say what the joint angles show of the torso, and what the robot believed of it."""
-    lean, belief = done.learned_lean, done.believed_lean
-    said = "" if lean is None else f" Learned from joint angles and pitch: {lean.in_words}."
-    said += "" if belief is None else f" The lean that it was told: {belief.in_words}."
-    slope = done.believed_slope
-    return said + ("" if slope is None else f" The slope that it was told: {slope.in_words}.")
+    lean, belief = simulation.learned_lean, simulation.believed_lean
+    sentence = "" if lean is None else f" Learned from joint angles and pitch: {lean.in_words}."
+    sentence += "" if belief is None else f" The lean that it was told: {belief.in_words}."
+    slope = simulation.believed_slope
+    return sentence + ("" if slope is None else f" The slope that it was told: {slope.in_words}.")
 
 
-def _settled(done: Simulated) -> str:
+def _settled(simulation: SimulationSummary) -> str:
     """Say how near the walked speed came to the told one."""
-    means = None if done.adapted is None else done.adapted.settled
+    means = None if simulation.adapted is None else simulation.adapted.settled
     if means is None:
         return "The walk is too short for it to settle."
     return f"In the mean of the later steps it walked {means[1]:.3f} m/s for {means[0]:.3f} m/s."

@@ -2,7 +2,7 @@
 
 from neuralgaits.records import certificate_sentences
 from neuralgaits.records.report_walk import ShownWalk
-from neuralgaits.records.simulated import Simulated
+from neuralgaits.records.simulated import SimulationSummary
 from neuralgaits.report.page import phrases
 from neuralgaits.report.page.markup import Html, Section, join, number, paragraph, tag
 from neuralgaits.report.page.saved import Contents, Saved
@@ -24,8 +24,8 @@ def answer(contents: Contents) -> Section:
 
 def _heading(contents: Contents) -> str:
     """Return the second paragraph's heading, which depends on falls and refuted conditions."""
-    saved, walk, done = contents.saved, contents.walk, contents.saved.simulation
-    fell = (walk is not None and walk.fell) or (done is not None and any(done.fell))
+    saved, walk, simulation = contents.saved, contents.walk, contents.saved.simulation
+    fell = (walk is not None and walk.fell) or (simulation is not None and any(simulation.fell))
     broken = any(entry.verdict == "refuted" for entry in saved.conditions.values())
     meant = fell or saved.summary is None or broken
     return "How it is meant to stay up." if meant else "Why it stays up."
@@ -51,12 +51,12 @@ def _what(contents: Contents) -> str:
     return f"{who} {_walked(saved, contents.walk)}"
 
 
-def _walked(saved: Saved, shown: ShownWalk | None) -> str:
+def _walked(saved: Saved, walk: ShownWalk | None) -> str:
     """Describe what simulations showed, preferring the more detailed record."""
-    done, walks = saved.simulation, saved.walks
-    if done is not None:
-        walker = f"{_what_walked(done)}{_where(done)}"
-        return f"In a {done.stepped_by} simulation of {walker} {_counted(done)}."
+    simulation, walks = saved.simulation, saved.walks
+    if simulation is not None:
+        walker = f"{_what_walked(simulation)}{_where(simulation)}"
+        return f"In a {simulation.stepped_by} simulation of {walker} {_counted(simulation)}."
     if walks is not None and walks.steps_walked and walks.share_that_walks is not None:
         count = len(walks.steps_walked)
         stayed = round(walks.share_that_walks * count)
@@ -64,75 +64,77 @@ def _walked(saved: Saved, shown: ShownWalk | None) -> str:
             f"In MuJoCo, on the robot of its episodes, {stayed} of {count} walks stayed up to "
             f"their last step."
         )
-    if shown is None:
+    if walk is None:
         return "It has not been simulated yet."
-    ending = "fell after" if shown.fell else "took all"
+    ending = "fell after" if walk.fell else "took all"
     return (
         "In the one walk recorded for this page, a MuJoCo simulation of the whole robot, it "
-        f"{ending} {shown.steps_walked} steps."
+        f"{ending} {walk.steps_walked} steps."
     )
 
 
-def _what_walked(done: Simulated) -> str:
-    return f"another robot, {done.plant}," if done.plant_given else "the whole robot"
+def _what_walked(simulation: SimulationSummary) -> str:
+    return f"another robot, {simulation.plant}," if simulation.plant_given else "the whole robot"
 
 
-def _where(done: Simulated) -> str:
-    changed = phrases.changes(done.changed)
-    if done.drawn_from is not None:
-        changed.insert(0, f"each walk of another robot, drawn from the box {done.drawn_from}")
-    if done.push:
-        changed.append(f"a push of {number(done.push)} N s")
+def _where(simulation: SimulationSummary) -> str:
+    changed = phrases.changes(simulation.changed)
+    if simulation.drawn_from is not None:
+        changed.insert(0, f"each walk of another robot, drawn from the box {simulation.drawn_from}")
+    if simulation.push:
+        changed.append(f"a push of {number(simulation.push)} N s")
     return f" ({'; '.join(changed)})" if changed else ""
 
 
-def _counted(done: Simulated) -> str:
-    steps, count = done.steps_walked, len(done.fell)
+def _counted(simulation: SimulationSummary) -> str:
+    steps, count = simulation.steps_walked, len(simulation.fell)
     if count == 1:
-        asked = f" of {done.steps}" if done.fell[0] and done.steps is not None else ""
-        said = (
-            f"it fell after {steps[0]}{asked} steps"
-            if done.fell[0]
+        of_steps = (
+            f" of {simulation.steps}" if simulation.fell[0] and simulation.steps is not None else ""
+        )
+        sentence = (
+            f"it fell after {steps[0]}{of_steps} steps"
+            if simulation.fell[0]
             else f"it walked all {steps[0]} steps"
         )
     else:
-        said = f"{done.stayed} of {count} walks stayed up to their last step"
-        reasons = sorted({reason for reason in done.fall_reasons if reason})
-        said += f" (falls: {', '.join(reasons)})" if reasons else ""
-    if done.speed_m_s is not None:
-        said += f", at {number(done.speed_m_s, 2)} m/s"
-        time = done.step_time_s
-        said += "" if time is None else f" with a step every {number(time, 2)} s"
-    return said
+        sentence = f"{simulation.stayed} of {count} walks stayed up to their last step"
+        reasons = sorted({reason for reason in simulation.fall_reasons if reason})
+        sentence += f" (falls: {', '.join(reasons)})" if reasons else ""
+    if simulation.speed_m_s is not None:
+        sentence += f", at {number(simulation.speed_m_s, 2)} m/s"
+        time = simulation.step_time_s
+        sentence += "" if time is None else f" with a step every {number(time, 2)} s"
+    return sentence
 
 
 def _why(saved: Saved) -> str:
-    numbers = "its commands and two numbers" if saved.asked.commands else "two numbers alone"
-    known = (
+    numbers = "its commands and two numbers" if saved.config.commands else "two numbers alone"
+    numbers_known = (
         f"{numbers}: how far the hip is ahead of the foot on the ground, and with how much "
         "momentum the body turns over that foot"
     )
-    given = saved.asked.given is not None
-    if saved.asked.parameters or given:
-        known = "one number alone: how far the hip is ahead of the foot on the ground"
-    what = "A polynomial" if given else "A small neural network"
+    is_given = saved.config.given is not None
+    if saved.config.parameters or is_given:
+        numbers_known = "one number alone: how far the hip is ahead of the foot on the ground"
+    what = "A polynomial" if is_given else "A small neural network"
     common = (
-        f"{what} says where every joint should be, from {known}. No clock is involved: the legs "
-        "wait for the body. "
+        f"{what} says where every joint should be, from {numbers_known}. No clock is involved: "
+        "the legs wait for the body. "
     )
     level = saved.proved_level
     if saved.summary is None:
         return common + "It is trained towards conditions on a whole region of states."
     if level >= 2:
-        region = "Around its orbit" if given else "It was trained so that"
+        region = "Around its orbit" if is_given else "It was trained so that"
         return common + (
             f"{region} a whole region of states leads back into itself: a step that begins inside "
             "ends with a touchdown inside, so the next step can be taken, and so on."
         )
-    described = saved.asked.conditions
-    asked = ", ".join(phrases.gist([one.data for one in described]))
-    listed = f" ({asked})" if asked else ""
-    if saved.asked.as_given is not None:
+    described = saved.config.conditions
+    gist = ", ".join(phrases.gist([one.data for one in described]))
+    listed = f" ({gist})" if gist else ""
+    if saved.config.as_given is not None:
         return common + (
             f"It is one periodic motion, found elsewhere; {len(described)} conditions{listed} are "
             "looked at on a whole region of states around it."
@@ -153,9 +155,9 @@ def _how_sure(saved: Saved) -> str:
             "gait."
         )
     if level == 0:
-        told = certificate_sentences.not_proved(certificate)
-        return f"Not proved. {told} {_sampled(saved)} Samples are no proof."
-    proved = certificate_sentences.proved(certificate, bool(saved.asked.commands))
+        sentence = certificate_sentences.not_proved(certificate)
+        return f"Not proved. {sentence} {_sampled(saved)} Samples are no proof."
+    proved = certificate_sentences.proved(certificate, bool(saved.config.commands))
     return f"{proved}{_borne(saved)} {certificate_sentences.AS_STATED}"
 
 
@@ -176,13 +178,13 @@ def _left_open(saved: Saved) -> str:
     model = ""
     if RESIDUAL in saved.folder.copies:
         model = " The model is the robot file's, corrected by what was learned from logs."
-    seen = (
+    samples = (
         " The simulation covers some of that, in the walks it made."
         if saved.simulation is not None
         else ""
     )
     claims = f"It claims nothing about {certificate_sentences.not_claimed(saved.proved_level)}."
-    return f"{rests}{model} {claims}{seen}"
+    return f"{rests}{model} {claims}{samples}"
 
 
 def _sampled(saved: Saved) -> str:
@@ -202,17 +204,21 @@ def _sampled(saved: Saved) -> str:
 
 def headline(saved: Saved) -> str:
     """Return what the page is about: it says walking of no gait that fell or breaks a condition."""
-    done = saved.simulation
-    fails = bool(saved.failing) or saved.nan is not None or (done is not None and any(done.fell))
+    simulation = saved.simulation
+    fails = (
+        bool(saved.failing)
+        or saved.nan is not None
+        or (simulation is not None and any(simulation.fell))
+    )
     return f"{'A gait' if fails else 'A walking gait'} for {saved.robot}"
 
 
 def title(saved: Saved) -> Html:
     """Return the heading of the page, with its subject below."""
     about = [
-        f"spec {saved.asked.spec}",
-        f"seed {saved.asked.seed}",
-        f"{'trained' if saved.asked.as_given is None else 'made'} {saved.folder.created_utc[:10]}",
+        f"spec {saved.config.spec}",
+        f"seed {saved.config.seed}",
+        f"{'trained' if saved.config.as_given is None else 'made'} {saved.folder.created_utc[:10]}",
     ]
     return join(
         [

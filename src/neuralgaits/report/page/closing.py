@@ -19,11 +19,11 @@ from neuralgaits.runs.shell_words import command, named, resuming
 
 def failures(contents: Contents) -> Html:
     """List everything that failed, with its reason."""
-    found = list(_failures(contents))
-    if found:
-        return html.section("failures", "What failed, and why", html.items(found))
-    said = "Nothing failed in what was done with this run. What was not done is listed next."
-    return html.section("failures", "What failed, and why", html.paragraph(said))
+    items = list(_failures(contents))
+    if items:
+        return html.section("failures", "What failed, and why", html.items(items))
+    sentence = "Nothing failed in what was done with this run. What was not done is listed next."
+    return html.section("failures", "What failed, and why", html.paragraph(sentence))
 
 
 def _failures(contents: Contents) -> Iterator[str]:
@@ -35,7 +35,9 @@ def _failures(contents: Contents) -> Iterator[str]:
     for name, measured in saved.measured.items():
         if measured.broken:
             most = html.number(measured.max_violation)
-            left = "Training left {} violated" if saved.asked.as_given is None else "{} is violated"
+            left = (
+                "Training left {} violated" if saved.config.as_given is None else "{} is violated"
+            )
             yield f"{left.format(name)} on samples, by up to {most} of its scale."
     for name, entry in saved.conditions.items():
         point = entry.counterexample
@@ -58,14 +60,14 @@ def _failures(contents: Contents) -> Iterator[str]:
 
 
 def _falls(contents: Contents) -> Iterator[str]:
-    done, walks = contents.saved.simulation, contents.saved.walks
-    for where, found in (("In simulation", done), ("In its round of episodes", walks)):
-        told = () if found is None else found.fall_reasons or ()
-        for reason, count in Counter(reason for reason in told if reason).items():
-            yield f"{where} {count} of {len(told)} walks fell: {reason}."
-    shown = contents.walk
-    if shown is not None and shown.fell:
-        yield (f"The walk shown above fell after {shown.steps_walked} steps: {shown.fall_reason}.")
+    simulation, walks = contents.saved.simulation, contents.saved.walks
+    for where, walked in (("In simulation", simulation), ("In its round of episodes", walks)):
+        reasons = () if walked is None else walked.fall_reasons or ()
+        for reason, count in Counter(reason for reason in reasons if reason).items():
+            yield f"{where} {count} of {len(reasons)} walks fell: {reason}."
+    walk = contents.walk
+    if walk is not None and walk.fell:
+        yield (f"The walk shown above fell after {walk.steps_walked} steps: {walk.fall_reason}.")
 
 
 def missing(contents: Contents) -> Html:
@@ -100,12 +102,12 @@ def missing_parts(contents: Contents) -> Iterator[tuple[str, str]]:
         return
     if saved.simulation is None:
         yield "simulations", command("simulate", saved.name)
-    unprovable = bool(saved.failing or saved.asked.not_provable_because)
+    unprovable = bool(saved.failing or saved.config.not_provable_because)
     if saved.failing:
         # The table has the rest.
         names = ", ".join(saved.failing[:3]) + (", …" if len(saved.failing) > 3 else "")
         what = f"a gait that can be proved: some states break {names}, which"
-        if saved.asked.as_given is None:
+        if saved.config.as_given is None:
             yield f"{what} more steps may mend", repeat_commands.longer(saved.folder)
         else:
             anew = command("train", repeat_commands.robot_word(saved.folder))
@@ -117,10 +119,10 @@ def missing_parts(contents: Contents) -> Iterator[tuple[str, str]]:
     elif (level := saved.certificate.proved_level) < _last_level(saved, saved.certificate):
         other = _other_box(saved, saved.certificate)
         line = repeat_commands.certifying(saved.folder.path, level + 1, parameters=other)
-        stated = certificate_sentences.states(
-            level + 1, bool(saved.asked.commands), saved.certificate
+        statement = certificate_sentences.states(
+            level + 1, bool(saved.config.commands), saved.certificate
         )
-        yield f"level {level + 1}: {stated}", line
+        yield f"level {level + 1}: {statement}", line
     for figure in contents.figures:
         # What a proof would show is no use to ask for where there can be none.
         proof = isinstance(figure, Missing) and figure.command.startswith(command("certify"))
@@ -128,14 +130,18 @@ def missing_parts(contents: Contents) -> Iterator[tuple[str, str]]:
             yield f"figure “{figure.title}”: {figure.reason}", figure.command
 
 
-def _other_box(saved: Saved, found: CertificateRecord) -> Mapping[str, float] | None:
+def _other_box(saved: Saved, certificate: CertificateRecord) -> Mapping[str, float] | None:
     """Return the box that a proof is about; None if it is the box that the run is meant for."""
-    return None if found.parameters == saved.asked.parameters else found.parameters
+    return None if certificate.parameters == saved.config.parameters else certificate.parameters
 
 
-def _last_level(saved: Saved, found: CertificateRecord) -> int:
+def _last_level(saved: Saved, certificate: CertificateRecord) -> int:
     """Return the highest level that can be requested for the same box; above 3 it is one robot."""
-    return min(saved.asked.last_level, ORBIT_LEVEL) if found.parameters else saved.asked.last_level
+    return (
+        min(saved.config.last_level, ORBIT_LEVEL)
+        if certificate.parameters
+        else saved.config.last_level
+    )
 
 
 def reproduction(contents: Contents) -> Html:
@@ -164,14 +170,14 @@ def reproduction(contents: Contents) -> Html:
     )
 
 
-def _certifying(saved: Saved, found: CertificateRecord, copy: Path) -> str:
+def _certifying(saved: Saved, certificate: CertificateRecord, copy: Path) -> str:
     """Return the command that proves what the run's proof file confirms; usual settings else."""
     level: int | None = saved.confirmed_level
     some = {} if saved.of_some is None else saved.of_some.ranges
     within = {name: (one.low, one.high) for name, one in some.items()}
-    other = _other_box(saved, found) if PROOF in saved.hashes else None
+    other = _other_box(saved, certificate) if PROOF in saved.hashes else None
     if not level or (
-        level == 1 and "floor" in (saved.asked.parameters if other is None else other)
+        level == 1 and "floor" in (saved.config.parameters if other is None else other)
     ):
         # Statements about a floor begin at level 2.
         level = None
@@ -184,25 +190,25 @@ def _commands(saved: Saved, trained: str | None, lines: list[str]) -> list[Html]
     if trained is None:
         lost = (
             "the run that it was refined from is not where it was"
-            if saved.asked.parent
-            else f"its spec, {saved.asked.spec}, was made in Python and is in no file"
+            if saved.config.parent
+            else f"its spec, {saved.config.spec}, was made in Python and is in no file"
         )
         return [html.paragraph(f"No command makes this run again: {lost}.")]
-    said = (
+    sentence = (
         "On the same machine and the same versions these commands give the same gait, bit for "
         "bit; elsewhere, a gait that differs in its last digits. They write to a folder beside "
         "this run, which must be new."
     )
-    done = saved.simulation
+    simulation = saved.simulation
     if (
-        done is not None
-        and repeat_commands.simulating(saved.folder, done, saved.folder.path) is None
+        simulation is not None
+        and repeat_commands.simulating(saved.folder, simulation, saved.folder.path) is None
     ):
-        said += (
-            f" The simulation is left out: the run has kept no file of its plant, {done.plant}, "
-            f"or of its controller, {done.controller}."
+        sentence += (
+            " The simulation is left out: the run has kept no file of its plant, "
+            f"{simulation.plant}, or of its controller, {simulation.controller}."
         )
-    return [html.paragraph(said), html.shell(lines)]
+    return [html.paragraph(sentence), html.shell(lines)]
 
 
 def figures(contents: Contents, pictures: Mapping[str, Html]) -> Html:
@@ -214,17 +220,17 @@ def figures(contents: Contents, pictures: Mapping[str, Html]) -> Html:
     """
     # What is told has a part of its own, with its figure.
     here = [figure for figure in contents.figures if figure.name not in OF_COMMANDS]
-    drawn = [
+    inline = [
         html.captioned(figure.title, figure.caption, pictures[figure.name])
         for figure in here
         if isinstance(figure, Drawn)
     ]
-    parts = [html.tag("div", *drawn, class_="figures wide")] if drawn else []
+    parts = [html.tag("div", *inline, class_="figures wide")] if inline else []
     absent = [figure.title for figure in here if isinstance(figure, Missing)]
     if absent:
-        said = f"Optional, not made yet: {'; '.join(absent)}. "
+        sentence = f"Optional, not made yet: {'; '.join(absent)}. "
         link = html.tag("a", "What is missing", href="#missing")
-        parts.append(html.paragraph(said, link, " has the commands.", class_="quiet"))
+        parts.append(html.paragraph(sentence, link, " has the commands.", class_="quiet"))
     if not parts:
         parts.append(html.paragraph("There are no figures of this run."))
     return html.section("figures", "Figures", *parts)

@@ -17,7 +17,7 @@ def family(contents: Contents, pictures: Mapping[str, Html]) -> Iterator[Html]:
         contents: contents of the page.
         pictures: an image element for each drawn figure, by name.
     """
-    commands = contents.saved.asked.commands
+    commands = contents.saved.config.commands
     if not commands:
         return
     yield section(
@@ -37,13 +37,17 @@ def family(contents: Contents, pictures: Mapping[str, Html]) -> Iterator[Html]:
 
 def _told(commands: Mapping[str, Range]) -> str:
     what = " and ".join(command_words.words(name).whole for name in commands)
-    said = (
+    sentence = (
         f"At each touchdown this robot gets commands for its next step: {what}. One network "
         "serves all of them. It also knows the commands of the step before, because that decides "
         "in which posture this one begins. What is out of range is taken as the nearest value in it"
     )
     spread = any(one.largest_change is not None for one in commands.values())
-    return f"{said}, and too large a change is spread over several steps." if spread else f"{said}."
+    return (
+        f"{sentence}, and too large a change is spread over several steps."
+        if spread
+        else f"{sentence}."
+    )
 
 
 def _ranges(commands: Mapping[str, Range]) -> Html:
@@ -64,17 +68,18 @@ def _ranges(commands: Mapping[str, Range]) -> Html:
 
 def _proved(saved: Saved) -> Iterator[Html | str]:
     """Yield for which commands something is proved, and what it states."""
-    found, link = saved.certificate, tag("a", "The certificate", href="#certificate")
-    if found is None:
+    certificate, link = saved.certificate, tag("a", "The certificate", href="#certificate")
+    if certificate is None:
         yield "Nothing is proved for any of these commands."
         return
     if saved.of_some is not None:
-        yield from _of_some(saved.of_some, len(found.conditions))
+        yield from _of_some(saved.of_some, len(certificate.conditions))
         return
     if not saved.proved_level:
-        count = sum(entry.verdict == "proved" for entry in found.conditions.values())
+        count = sum(entry.verdict == "proved" for entry in certificate.conditions.values())
         yield (
-            f"{count} of {len(found.conditions)} conditions are proved for all of these commands. "
+            f"{count} of {len(certificate.conditions)} conditions are proved for all of these "
+            "commands. "
         )
         yield link
         yield " names the others."
@@ -126,5 +131,5 @@ def _figure(contents: Contents, pictures: Mapping[str, Html]) -> Iterator[Html]:
             yield captioned(figure.title, figure.caption, pictures[figure.name])
         else:
             link = tag("a", "What is missing", href="#missing")
-            said = f"“{figure.title}” is not drawn: {figure.reason}. "
-            yield paragraph(said, link, " has the command.", class_="quiet")
+            sentence = f"“{figure.title}” is not drawn: {figure.reason}. "
+            yield paragraph(sentence, link, " has the command.", class_="quiet")

@@ -1,7 +1,7 @@
 """The part of the page about the learned residual and the episodes."""
 
-from neuralgaits.records.episode_records import EpisodesDone
-from neuralgaits.records.fitted import Fitted
+from neuralgaits.records.episode_records import EpisodesSummary
+from neuralgaits.records.fitted import FitSummary
 from neuralgaits.report.page import phrases
 from neuralgaits.report.page.markup import Html, facts, number, paragraph, section, table
 from neuralgaits.report.page.saved import Saved
@@ -29,21 +29,21 @@ def learning(saved: Saved) -> Html:
     return section("learning", "What was learned from walking", *parts)
 
 
-def _residual(found: Fitted) -> list[Html]:
-    nominal, left = found.nominal_heldout_error, found.heldout_error
+def _residual(summary: FitSummary) -> list[Html]:
+    nominal, left = summary.nominal_heldout_error, summary.heldout_error
     share = ""
     if nominal and left is not None:
         share = f": {number(100.0 * left / nominal, 2)} % of the model's own error is left"
-    strides = found.strides
+    strides = summary.strides
     rows = [
-        ("logs", number(len(found.logs))),
-        ("walked", f"{number(found.walked_s)} s"),
+        ("logs", number(len(summary.logs))),
+        ("walked", f"{number(summary.walked_s)} s"),
         ("strides to learn from, to test on", f"{strides.train}, {strides.heldout}"),
         ("error of the model on strides not learned from", number(nominal)),
         ("error with what was learned", number(left)),
         (
             "what may still be off in dz",
-            "({} m/s, {} N m)".format(*(number(bound) for bound in found.error_bound)),
+            "({} m/s, {} N m)".format(*(number(bound) for bound in summary.error_bound)),
         ),
     ]
     return [
@@ -52,25 +52,25 @@ def _residual(found: Fitted) -> list[Html]:
     ]
 
 
-def _rounds(saved: Saved, found: EpisodesDone) -> list[Html]:
+def _rounds(saved: Saved, episodes: EpisodesSummary) -> list[Html]:
     rows = []
-    for entry in found.rounds:
+    for entry in episodes.rounds:
         steps, share = entry.steps_walked, entry.share_that_walks
         span = " to ".join(str(n) for n in sorted({min(steps), max(steps)})) if steps else "–"
         stayed = "–" if share is None else f"{number(100.0 * share)} %"
         own = entry.round == _round_of(saved)
         name = f"{entry.round} (this run)" if own else str(entry.round)
         rows.append((name, span, stayed, number(entry.speed_m_s), number(entry.loss)))
-    where = found.plant or f"a robot with logs in {found.logs}"
-    changed = ", ".join(["", *phrases.changes(found.disturb)])
-    said = (
-        f"The model is {found.robot}; what walks is {where}{changed}. "
+    where = episodes.plant or f"a robot with logs in {episodes.logs}"
+    changed = ", ".join(["", *phrases.changes(episodes.disturb)])
+    sentence = (
+        f"The model is {episodes.robot}; what walks is {where}{changed}. "
         "In each round the policy walks, what the model missed is learned from the logs, and the "
         "policy is trained on."
     )
     head = ("round", "steps walked", "stayed up", "speed [m/s]", "loss")
     return [
-        paragraph(said),
+        paragraph(sentence),
         table(
             "Episodes, a row a round; round 0 knows the model alone", head, rows, numbers=" nnnn"
         ),

@@ -59,9 +59,9 @@ class Section(Html):
     @classmethod
     def of(cls, name: str, title: str, content: Html) -> "Section":
         """Return a part whose element has its name as `id`."""
-        found = cls(content)
-        found.name, found.title = name, title
-        return found
+        html = cls(content)
+        html.name, html.title = name, title
+        return html
 
 
 def section(name: str, title: str, *parts: Any) -> Section:
@@ -69,9 +69,9 @@ def section(name: str, title: str, *parts: Any) -> Section:
     return Section.of(name, title, tag("section", tag("h2", title, id=name), *parts))
 
 
-def missing(*said: Any, line: str | None = None) -> Html:
+def missing(*words: Any, line: str | None = None) -> Html:
     """Return a box that says what is missing, with the command that makes it."""
-    return tag("div", paragraph(*said), shell([line]) if line else "", class_="missing")
+    return tag("div", paragraph(*words), shell([line]) if line else "", class_="missing")
 
 
 def table(
@@ -133,14 +133,18 @@ def tightest(
         failing: number of conditions that do not hold, which come first.
         numbers: see `table`.
     """
-    shown = max(5, failing)
-    rest, count = len(rows) - shown, len(rows)
-    which = f"The {shown} tightest of {count} conditions" if rest > 0 else f"All {count} conditions"
-    first = table(f"{which} {about}", head, rows[:shown], numbers=numbers, cards=True)
+    rows_shown = max(5, failing)
+    rest, count = len(rows) - rows_shown, len(rows)
+    which = (
+        f"The {rows_shown} tightest of {count} conditions"
+        if rest > 0
+        else f"All {count} conditions"
+    )
+    first = table(f"{which} {about}", head, rows[:rows_shown], numbers=numbers, cards=True)
     if rest <= 0:
         return first
     more = f"{rest} more, none with a smaller margin"
-    others = table(more, head, rows[shown:], numbers=numbers, cards=True)
+    others = table(more, head, rows[rows_shown:], numbers=numbers, cards=True)
     return join([first, folded(more, others)])
 
 
@@ -160,9 +164,9 @@ def captioned(title: str, caption: str, picture: Html) -> Html:
     return tag("figure", scrolling(title, picture), words)
 
 
-def folded(said: str, *parts: Any) -> Html:
+def folded(summary: str, *parts: Any) -> Html:
     """Return parts that are folded behind a line; a click on it opens them."""
-    return tag("details", tag("summary", said), *parts)
+    return tag("details", tag("summary", summary), *parts)
 
 
 def facts(caption: str, rows: Iterable[tuple[Any, Any]]) -> Html:

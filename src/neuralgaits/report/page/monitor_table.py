@@ -4,7 +4,7 @@ import math
 
 from neuralgaits.records.certified import PROOF
 from neuralgaits.records.monitored import LevelWatched, MonitorFigures, margin_in_words
-from neuralgaits.records.simulated import Simulated
+from neuralgaits.records.simulated import SimulationSummary
 from neuralgaits.report.page import markup as html
 from neuralgaits.report.page.markup import Html
 from neuralgaits.report.page.saved import Saved
@@ -14,7 +14,7 @@ _LEAST = 2
 """Lowest level that is about a set of states."""
 
 
-def monitored(saved: Saved, done: Simulated) -> Html:
+def monitored(saved: Saved, simulation: SimulationSummary) -> Html:
     """Return how much of a simulation was in the sets of the run's proof.
 
     Without a proof of such a set there is nothing to say; without figures of this proof there is
@@ -22,17 +22,17 @@ def monitored(saved: Saved, done: Simulated) -> Html:
     """
     if saved.confirmed_level < _LEAST:
         return Html("")
-    seen = done.monitor
-    if seen is None or seen.proof_sha256 != saved.hashes.get(PROOF):
-        was = "not compared" if seen is None else "compared with those of another proof, not"
+    figures = simulation.monitor
+    if figures is None or figures.proof_sha256 != saved.hashes.get(PROOF):
+        was = "not compared" if figures is None else "compared with those of another proof, not"
         return html.missing(
             f"Optional, not made yet: this simulation was {was} with the sets that are proved.",
             line=command("simulate", saved.name, "--monitor"),
         )
-    return html.tag("div", _sets(seen), html.paragraph(_said(seen)))
+    return html.tag("div", _sets(figures), html.paragraph(_said(figures)))
 
 
-def _sets(seen: MonitorFigures) -> Html:
+def _sets(figures: MonitorFigures) -> Html:
     """Return a table with a row for each set."""
     rows = [
         (
@@ -41,10 +41,10 @@ def _sets(seen: MonitorFigures) -> Html:
             f"{html.number(one.margin)}, {margin_in_words(one.name)}",
             _outside(one),
         )
-        for levels, one in seen.by_set
+        for levels, one in figures.by_set
     ]
     head = ("proved set of", "inside", "smallest margin", "last tick outside")
-    return html.table(f"States at all {seen.ticks} control ticks", head, rows)
+    return html.table(f"States at all {figures.ticks} control ticks", head, rows)
 
 
 def share(value: float) -> str:
@@ -60,20 +60,22 @@ def _outside(one: LevelWatched) -> str:
     return f"walk {tick.walk}, {tick.time_s:.3f} s: {html.number(tick.margin)}, {name}"
 
 
-def _said(seen: MonitorFigures) -> str:
+def _said(figures: MonitorFigures) -> str:
     """Say what the table is not."""
-    told = (
+    sentence = (
         ""
-        if seen.admissible == 1.0
-        else (f" At {share(seen.admissible)} % of the ticks the commands were those of the proof.")
+        if figures.admissible == 1.0
+        else (
+            f" At {share(figures.admissible)} % of the ticks the commands were those of the proof."
+        )
     )
     late = (
         ""
-        if seen.in_time is None
-        else (f" {share(seen.in_time)} % of the ticks came within the hold that level 5 allows.")
+        if figures.in_time is None
+        else (f" {share(figures.in_time)} % of the ticks came within the hold that level 5 allows.")
     )
     return (
         "A margin is negative outside. The sets are those of the model under the proof's own "
         "controller: inside, a simulation may still fall, and outside, nothing is proved."
-        f"{told}{late}"
+        f"{sentence}{late}"
     )

@@ -144,15 +144,15 @@ def condition(described: Mapping[str, Any]) -> str:
 
 def gist(conditions: Sequence[Mapping[str, Any]]) -> list[str]:
     """Summarise the requirements of a list of conditions, each once, in the order of the list."""
-    found = {}
+    counts = {}
     for described in conditions:
         inner = _object(described.get("quantity"))
-        known = _known(_object(inner.get("of")) or inner)
+        words_of_quantity = _known(_object(inner.get("of")) or inner)
         if described.get("kind") == "Inlet":
-            found["a next step that begins in range"] = None
-        elif known is not None and known.gist is not None:
-            found[known.gist] = None
-    return list(found)
+            counts["a next step that begins in range"] = None
+        elif words_of_quantity is not None and words_of_quantity.gist is not None:
+            counts[words_of_quantity.gist] = None
+    return list(counts)
 
 
 def _object(value: Any) -> Mapping[str, Any]:
@@ -168,9 +168,9 @@ def quantity(described: Mapping[str, Any]) -> str:
         what, unit = _named(described["of"])
         sign = "≥" if name == "at_least" else "≤"
         return f"{what} {sign} {_numbers(described['bound'])} {unit}".rstrip()
-    known = _known(described)
-    if known is not None and known.says is not None:
-        return known.says(described, number)
+    words_of_quantity = _known(described)
+    if words_of_quantity is not None and words_of_quantity.says is not None:
+        return words_of_quantity.says(described, number)
     what, unit = _named(described)
     return f"{what} ≥ 0 {unit}".rstrip()
 
@@ -197,8 +197,8 @@ def _named(described: Mapping[str, Any]) -> tuple[str, str]:
     if name == "after_reset":
         what, unit = _named(described["of"])
         return f"{what}, after touchdown", unit
-    if (known := _known(described)) is not None and known.what:
-        return known.what, known.unit
+    if (words_of_quantity := _known(described)) is not None and words_of_quantity.what:
+        return words_of_quantity.what, words_of_quantity.unit
     if name is None:
         own = f"{described.get('user', 'a quantity')}, written by the user"
         what, unit = (_short_text(described.get(key)) for key in ("what", "unit"))
@@ -222,8 +222,8 @@ def _unit(described: Mapping[str, Any]) -> str:
     kind, inner = described.get("kind"), _object(described.get("quantity"))
     while inner.get("function") in ("after_reset", "at_least", "at_most"):
         inner = _object(inner.get("of"))
-    known = _known(inner)
-    unit = _short_text(inner.get("unit")) if known is None else known.unit
+    words_of_quantity = _known(inner)
+    unit = _short_text(inner.get("unit")) if words_of_quantity is None else words_of_quantity.unit
     if kind == "Barrier" and unit:
         # What a rate is compared with.
         alpha = described.get("alpha")

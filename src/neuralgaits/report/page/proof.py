@@ -23,8 +23,8 @@ from neuralgaits.runs.shell_words import command, named, quoted
 def certificate(contents: Contents) -> Html:
     """Return the section on what is proved and what is not, condition by condition."""
     saved = contents.saved
-    found = saved.certificate
-    if found is None:
+    summary = saved.certificate
+    if summary is None:
         return html.section("certificate", "The certificate", _absent(saved))
     return html.section(
         "certificate",
@@ -33,45 +33,47 @@ def certificate(contents: Contents) -> Html:
             "Here nothing rests on samples. The region is cut into boxes, and on each box the "
             "margin is bounded from below by interval arithmetic, every rounding error included."
         ),
-        _ladder(found, bool(saved.asked.commands)),
-        *(_level(entry) for entry in found.levels),
+        _ladder(summary, bool(saved.config.commands)),
+        *(_level(entry) for entry in summary.levels),
         html.tag("h3", "Condition by condition (level 1)"),
-        _conditions(saved, found),
+        _conditions(saved, summary),
         html.tag("h3", "What it assumes"),
-        html.items(certificate_sentences.assumptions(saved.confirmed_level, found.robots)),
+        html.items(certificate_sentences.assumptions(saved.confirmed_level, summary.robots)),
         html.paragraph(
             f"It claims nothing about {certificate_sentences.not_claimed(saved.confirmed_level)}."
         ),
         html.folded("The same in the words of check-proof", html.items(contents.assumptions)),
         html.tag("h3", "Check it again"),
-        *_files(saved, found),
+        *_files(saved, summary),
     )
 
 
 def _absent(saved: Saved) -> Html:
     reason = saved.damaged.get(SUMMARY)
-    said = reason or (
+    sentence = reason or (
         "This gait has no certificate: nothing is proved of it. Measured conditions and simulated "
         "walks are evidence, and no more."
     )
-    if saved.asked.not_provable_because:
-        said += f" It cannot have one: {saved.asked.not_provable_because}"
-        return html.missing(said)
-    said += " To prove it, some ten seconds for a built-in robot:"
-    return html.missing(said, line=command("certify", saved.name))
+    if saved.config.not_provable_because:
+        sentence += f" It cannot have one: {saved.config.not_provable_because}"
+        return html.missing(sentence)
+    sentence += " To prove it, some ten seconds for a built-in robot:"
+    return html.missing(sentence, line=command("certify", saved.name))
 
 
-def _ladder(found: CertificateRecord, told: bool) -> Html:
-    """Return the table of levels; `told` says whether the gait takes commands."""
-    answers = {1: found.of_conditions} | {entry.level: entry.verdict for entry in found.levels}
-    if told or found.parameters:
+def _ladder(certificate: CertificateRecord, with_commands: bool) -> Html:
+    """Return the table of levels; `with_commands` says whether the gait takes commands."""
+    answers = {1: certificate.of_conditions} | {
+        entry.level: entry.verdict for entry in certificate.levels
+    }
+    if with_commands or certificate.parameters:
         # Higher levels are about a single gait of one robot.
         above = dict.fromkeys(range(HIGHEST_OF_MANY + 1, HIGHEST + 1), "not about such a gait")
         answers = above | answers
     rows = [
         (
             level,
-            certificate_sentences.states(level, told, found),
+            certificate_sentences.states(level, with_commands, certificate),
             phrases.verdict(answers.get(level, "not asked")),
         )
         for level in WORDS
@@ -119,12 +121,12 @@ def _rounded(constant: TheoremConstant) -> str:
     return html.bound(constant.value, above=constant.side == "most")
 
 
-def _conditions(saved: Saved, found: CertificateRecord) -> Html:
-    words = {one.name: phrases.any_condition(one.data) for one in saved.asked.conditions}
+def _conditions(saved: Saved, certificate: CertificateRecord) -> Html:
+    words = {one.name: phrases.any_condition(one.data) for one in saved.config.conditions}
     rows = []
     tightness = {"refuted": 0, "undecided": 1}
     ordered = sorted(
-        found.conditions.items(),
+        certificate.conditions.items(),
         key=lambda row: (
             2 if row[1].in_part else tightness.get(row[1].verdict, 2),
             row[1].margin or 0.0,
@@ -140,11 +142,13 @@ def _conditions(saved: Saved, found: CertificateRecord) -> Html:
             detail = "proved in this part" if entry.in_part else left
         share = f"{int(1e4 * entry.proved_fraction) / 100:g} %"
         margin, boxes = html.bound(entry.margin), html.number(entry.boxes)
-        shown = phrases.named(name, words.get(name, ""))
-        rows.append((shown, phrases.verdict(entry.verdict), margin, share, boxes, detail))
+        words_of_condition = phrases.named(name, words.get(name, ""))
+        rows.append(
+            (words_of_condition, phrases.verdict(entry.verdict), margin, share, boxes, detail)
+        )
     head = ("condition", "verdict", "margin at least", "of its region", "boxes", "")
     failed = sum(
-        entry.verdict != "proved" and not entry.in_part for entry in found.conditions.values()
+        entry.verdict != "proved" and not entry.in_part for entry in certificate.conditions.values()
     )
     about = (
         "with margins in scales, as above; every state of a condition's region has at least its. "
@@ -153,22 +157,22 @@ def _conditions(saved: Saved, found: CertificateRecord) -> Html:
     return html.tightest(about, head, rows, failed, numbers="  nnn")
 
 
-def _files(saved: Saved, found: CertificateRecord) -> list[Html]:
+def _files(saved: Saved, certificate: CertificateRecord) -> list[Html]:
     if PROOF not in saved.hashes:
         return [html.paragraph("There is no proof file: nothing was proved that could be checked.")]
     rows = [(html.tag("code", PROOF), html.tag("code", saved.hashes[PROOF]))]
     proof = packed.place(saved.folder.path / PROOF)
     line = command("check-proof", named(proof), "--run", saved.name)
-    derives, asked = "derives the robot's dynamics again", ["build/proofcheck"]
-    if found.robots is not None:
+    derives, words = "derives the robot's dynamics again", ["build/proofcheck"]
+    if certificate.robots is not None:
         # Its own formulas know one robot.
         derives = "here bounds the arithmetic in the file, which it does not derive again"
-        asked.append("--program")
+        words.append("--program")
     file = quoted(str(proof.resolve()))
     # It knows no packed files.
-    check = f"gunzip -c {file} | {shlex.join(asked)} /dev/stdin"
+    check = f"gunzip -c {file} | {shlex.join(words)} /dev/stdin"
     if proof.name == Path(PROOF).name:
-        check = f"{shlex.join(asked)} {file}"
+        check = f"{shlex.join(words)} {file}"
     return [
         html.paragraph(
             "The proof file holds the statements, the boxes and the arithmetic they are about. "
@@ -180,6 +184,7 @@ def _files(saved: Saved, found: CertificateRecord) -> list[Html]:
         html.paragraph("In the folder with the source of this program, where its Makefile is:"),
         html.shell(["make proofcheck", check]),
         html.paragraph(
-            f"{html.number(found.boxes)} boxes, {html.number(found.wall_s)} s.", class_="quiet"
+            f"{html.number(certificate.boxes)} boxes, {html.number(certificate.wall_s)} s.",
+            class_="quiet",
         ),
     ]

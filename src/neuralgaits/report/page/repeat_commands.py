@@ -13,8 +13,8 @@ from neuralgaits._control_laws import CONTROL_LAWS
 from neuralgaits.barriers import specs
 from neuralgaits.errors import InputError
 from neuralgaits.records.link_figures import LOCKSTEP, LinkFigures
-from neuralgaits.records.simulated import Simulated
-from neuralgaits.records.training_config import GaitOrigin, TrainingConfig, asked_of
+from neuralgaits.records.simulated import SimulationSummary
+from neuralgaits.records.training_config import GaitOrigin, TrainingConfig, config_of
 from neuralgaits.report.page import phrases
 from neuralgaits.robots import registry
 from neuralgaits.runs import RunFolder
@@ -37,7 +37,7 @@ P = ParamSpec("P")
 
 def robot_word(folder: RunFolder) -> str:
     """Return the run's robot as a word of the command line."""
-    copy, name = folder.path / ROBOT, asked_of(folder).robot
+    copy, name = folder.path / ROBOT, config_of(folder).robot
     if name in registry.built_in() and copy.is_file():
         file = registry.model_file(name)
         if copy.read_bytes().decode(errors="replace") == file.read_text(encoding="utf-8"):
@@ -47,7 +47,7 @@ def robot_word(folder: RunFolder) -> str:
 
 def spec_word(folder: RunFolder) -> str | None:
     """Return the run's spec as a word of the command line; None if no file defines it."""
-    name = asked_of(folder).spec
+    name = config_of(folder).spec
     if specs.is_built_in(name):
         return name
     file, colon, attribute = name.rpartition(":")
@@ -68,22 +68,22 @@ def training(
     Returns: the command, or None if the run's spec is in no file or its parent run is missing. For
         a gait that was not trained, the command ignores steps and seed.
     """
-    asked, spec = asked_of(folder), spec_word(folder)
-    if asked.as_given is not None:
-        return _given(folder, asked.as_given, out)
-    proving = asked.certify
+    config, spec = config_of(folder), spec_word(folder)
+    if config.as_given is not None:
+        return _given(folder, config.as_given, out)
+    proving = config.certify
     usual: dict[str, Any] = {
-        "seed": asked.seed if seed is None else seed,
-        "steps": asked.steps if steps is None else steps,
+        "seed": config.seed if seed is None else seed,
+        "steps": config.steps if steps is None else steps,
         "certify": proving is not None,
         "budget": None if proving is None else proving.budget_s,
         "out": out,
     }
-    if asked.parent is not None:
-        parent = _parent(folder, asked.parent)
+    if config.parent is not None:
+        parent = _parent(folder, config.parent)
         if parent is None:
             return None
-        disturbance = asked.disturbance if any(asked.disturbance or ()) else None
+        disturbance = config.disturbance if any(config.disturbance or ()) else None
         residual = folder.path / RESIDUAL
         return _line(
             "refine", RefineSettings, parent, residual=residual, disturbance=disturbance, **usual
@@ -95,10 +95,10 @@ def training(
         TrainSettings,
         robot_word(folder),
         spec,
-        init=asked.init,
-        hidden=asked.hidden or None,
-        parameters=asked.parameters or None,
-        **_meant_for(asked),
+        init=config.init,
+        hidden=config.hidden or None,
+        parameters=config.parameters or None,
+        **_meant_for(config),
         **usual,
     )
 
@@ -111,19 +111,19 @@ def _line(verb: str, kind: Callable[P, Any], *args: P.args, **kwargs: P.kwargs) 
         return None
 
 
-def _meant_for(asked: TrainingConfig) -> dict[str, Any]:
+def _meant_for(config: TrainingConfig) -> dict[str, Any]:
     """Return the settings of a commanded speed, or of ranges of commands."""
-    if asked.speed is not None:
-        return {"speed": asked.speed}
-    return {name: (told.low, told.high) for name, told in asked.commands.items()}
+    if config.speed is not None:
+        return {"speed": config.speed}
+    return {name: (command.low, command.high) for name, command in config.commands.items()}
 
 
-def _given(folder: RunFolder, given: GaitOrigin, out: Path | None) -> str:
+def _given(folder: RunFolder, origin: GaitOrigin, out: Path | None) -> str:
     """Return the command that recreates a run whose gait was not trained."""
     robot = robot_word(folder)
-    if given.by == "optimise":
-        assert given.speed is not None
-        again = OptimiseSettings(robot, given.speed, degree=given.degree, out=out)
+    if origin.by == "optimise":
+        assert origin.speed is not None
+        again = OptimiseSettings(robot, origin.speed, degree=origin.degree, out=out)
         return command("optimise", *words_of(again))
     imported = ImportGaitSettings(folder.path / GAIT, robot, out=out)
     return command("import-gait", *words_of(imported))
@@ -131,7 +131,7 @@ def _given(folder: RunFolder, given: GaitOrigin, out: Path | None) -> str:
 
 def another_seed(folder: RunFolder) -> str | None:
     """Return the command that trains the same gait with the next seed; see `training`."""
-    return training(folder, seed=(asked_of(folder).seed + 1) % SEEDS)
+    return training(folder, seed=(config_of(folder).seed + 1) % SEEDS)
 
 
 def longer(folder: RunFolder) -> str:
@@ -139,14 +139,14 @@ def longer(folder: RunFolder) -> str:
 
     It is one that trains afresh if `training` has none.
     """
-    twice = max(2 * asked_of(folder).steps, asked_of(folder).recipe_steps)
+    twice = max(2 * config_of(folder).steps, config_of(folder).recipe_steps)
     anew = ("train", robot_word(folder), "--spec", spec_word(folder) or "walking")
     return training(folder, steps=twice) or command(*anew, "--steps", twice)
 
 
-def _parent(folder: RunFolder, told: str) -> Path | None:
+def _parent(folder: RunFolder, path: str) -> Path | None:
     """Find the parent run at its recorded path, or beside this run; None if it is in neither."""
-    places = Path(told), folder.path.resolve().parent / Path(told).name
+    places = Path(path), folder.path.resolve().parent / Path(path).name
     return next((place for place in places if (place / "config.json").is_file()), None)
 
 
@@ -166,71 +166,71 @@ def certifying(
         within: narrower ranges of its commands; the full ranges if None.
         parameters: box of robots; that of the run if None.
     """
-    given = CertifySettings(
+    settings = CertifySettings(
         run,
         level=level,
         disturbance=(disturbance[0], disturbance[1]) if disturbance else None,
         within=within or None,
         parameters=parameters,
     )
-    return command("certify", *words_of(given))
+    return command("certify", *words_of(settings))
 
 
-def simulating(folder: RunFolder, done: Simulated, run: Path) -> str | None:
+def simulating(folder: RunFolder, simulation: SimulationSummary, run: Path) -> str | None:
     """Return the command that repeats a simulation.
 
     Args:
         folder: run folder that holds the simulation.
-        done: summary of the simulation.
+        simulation: summary of the simulation.
         run: folder of the run that walks.
 
     Returns: the command, or None if the run kept no file of the plant or of the controller.
     """
-    plant = plant_word(folder, done)
-    if done.controller not in (*CONTROL_LAWS, REMOTE) or plant is None:
+    plant = plant_word(folder, simulation)
+    if simulation.controller not in (*CONTROL_LAWS, REMOTE) or plant is None:
         return None
-    changed = phrases.disturbances(done.changed)
-    given: dict[str, Any] = {
+    changed = phrases.disturbances(simulation.changed)
+    options: dict[str, Any] = {
         "plant": plant or None,
-        "controller": done.controller,
-        "steps": 50 if done.steps is None else done.steps,
-        "link": None if done.link is None else settings_of_link(done.link),
-        "simulator": done.simulator,
-        "start": done.start,
-        "seed": done.seed,
-        "episodes": done.episodes,
-        "push": done.push or None,
-        "command": command_word(done.command) if done.command else None,
-        "commands": done.commands,
-        "adapt": done.adapt,
-        "joints": done.joints,
-        "parameters": done.parameters or None,
-        "terrain": done.terrain,
-        "monitor": done.monitor is not None,
+        "controller": simulation.controller,
+        "steps": 50 if simulation.steps is None else simulation.steps,
+        "link": None if simulation.link is None else settings_of_link(simulation.link),
+        "simulator": simulation.simulator,
+        "start": simulation.start,
+        "seed": simulation.seed,
+        "episodes": simulation.episodes,
+        "push": simulation.push or None,
+        "command": command_word(simulation.command) if simulation.command else None,
+        "commands": simulation.commands,
+        "adapt": simulation.adapt,
+        "joints": simulation.joints,
+        "parameters": simulation.parameters or None,
+        "terrain": simulation.terrain,
+        "monitor": simulation.monitor is not None,
         "disturb": ",".join(f"{name}={value!r}" for name, value in changed.items()) or None,
     }
-    return _line("simulate", SimulateSettings, run, **given)
+    return _line("simulate", SimulateSettings, run, **options)
 
 
-def plant_word(folder: RunFolder, done: Simulated) -> str | None:
+def plant_word(folder: RunFolder, simulation: SimulationSummary) -> str | None:
     """Return the plant of a simulation as a word of the command line.
 
     Returns: the empty string for the run's own robot; None if the run kept no file of the plant.
     """
-    if done.plant_given == "":
+    if simulation.plant_given == "":
         # Summaries of earlier versions have the name that the robot file gives itself.
-        own = done.plant == asked_of(folder).robot
-        return "" if own else done.plant if done.plant in registry.built_in() else None
-    given = done.plant_given
-    if given is None or given in registry.built_in():
-        return given or ""
-    return named(folder.path / given) if (folder.path / given).is_file() else None
+        own = simulation.plant == config_of(folder).robot
+        return "" if own else simulation.plant if simulation.plant in registry.built_in() else None
+    word = simulation.plant_given
+    if word is None or word in registry.built_in():
+        return word or ""
+    return named(folder.path / word) if (folder.path / word).is_file() else None
 
 
 def settings_of_link(link: LinkFigures) -> str:
     """Return the settings of a controller's connection, as `--link` takes them."""
-    asked = {"loss": link.loss, "jitter_ms": link.jitter_ms, "blend_s": link.blend_s}
+    numbers_of_link = {"loss": link.loss, "jitter_ms": link.jitter_ms, "blend_s": link.blend_s}
     lockstep = ["lockstep=1"] if link.mode == LOCKSTEP else []
-    numbers = (f"{name}={value!r}" for name, value in asked.items() if value)
+    numbers = (f"{name}={value!r}" for name, value in numbers_of_link.items() if value)
     address = [] if link.address is None else [f"address={link.address}"]
     return ",".join([f"law={link.law}", *lockstep, *numbers, *address])

@@ -8,15 +8,15 @@ from typing import TypeVar
 from neuralgaits.errors import RunError
 from neuralgaits.records import episode_records
 from neuralgaits.records.certified import PROOF, SUMMARY, CertificateRecord, ConditionVerdict
-from neuralgaits.records.episode_records import EpisodesDone, WalkedRound
-from neuralgaits.records.fitted import Fitted
+from neuralgaits.records.episode_records import EpisodesSummary, WalkedRound
+from neuralgaits.records.fitted import FitSummary
 from neuralgaits.records.inspected import RobotFacts
 from neuralgaits.records.record import Record
 from neuralgaits.records.report_walk import ShownWalk
 from neuralgaits.records.simulated import SUMMARY as WALK
-from neuralgaits.records.simulated import Simulated
-from neuralgaits.records.trained import EndedInNan, Trained, Violations, trained_of
-from neuralgaits.records.training_config import Range, TrainingConfig, asked_of
+from neuralgaits.records.simulated import SimulationSummary
+from neuralgaits.records.trained import EndedInNan, TrainingSummary, Violations, trained_of
+from neuralgaits.records.training_config import Range, TrainingConfig, config_of
 from neuralgaits.report.drawing.drawn import Drawn, Missing
 from neuralgaits.runs import RunFolder
 from neuralgaits.runs.hashes import file_hashes, other_file
@@ -49,7 +49,7 @@ class Saved:
 
     Attributes:
         folder: folder of the run.
-        asked: settings of the training.
+        config: settings of the training.
         summary: result of `train` or `refine`; None if training has not ended.
         metrics: rows of `metrics.csv`, in the order of training.
         certificate: result of `certify`, as far as the run's proof files support it.
@@ -65,15 +65,15 @@ class Saved:
     """
 
     folder: RunFolder
-    asked: TrainingConfig
-    summary: Trained | None
+    config: TrainingConfig
+    summary: TrainingSummary | None
     metrics: list[dict[str, float]]
     certificate: CertificateRecord | None
     disturbance: tuple[float, ...]
-    simulation: Simulated | None
-    residual: Fitted | None
+    simulation: SimulationSummary | None
+    residual: FitSummary | None
     walks: WalkedRound | None
-    episodes: EpisodesDone | None
+    episodes: EpisodesSummary | None
     hashes: dict[str, str]
     nan: str | None
     damaged: dict[str, str]
@@ -87,7 +87,7 @@ class Saved:
     @property
     def robot(self) -> str:
         """Return the name of the robot."""
-        return self.asked.robot
+        return self.config.robot
 
     @property
     def proved_level(self) -> int:
@@ -176,14 +176,14 @@ def read(
             return None
 
     above = folder.path.resolve().parent
-    begun = (above / episode_records.ASKED).is_file()
-    rounds = part(episode_records.SUMMARY, EpisodesDone, above) if begun else None
+    has_config = (above / episode_records.CONFIG_FILE).is_file()
+    rounds = part(episode_records.SUMMARY, EpisodesSummary, above) if has_config else None
     files = file_hashes(folder.path, (WEIGHTS, ROBOT, SPEC, RESIDUAL, START, PROOF))
     hashes = {file: digest for file, digest in files.items() if digest is not None}
     if no_certificate is not None:
         again = f"prove it again with `{command('certify', named(folder.path))}`"
         damaged[SUMMARY] = f"{no_certificate}: {again}"
-    learned, simulation = part(LEARNING, Fitted), part(WALK, Simulated)
+    learned, simulation = part(LEARNING, FitSummary), part(WALK, SimulationSummary)
     outdated = _outdated(folder, learned, simulation, hashes)
     damaged |= outdated
     summary = trained_of(folder.path) if folder.finished else None
@@ -191,7 +191,7 @@ def read(
         damaged[TRAINING] = summary.left_out
     return Saved(
         folder=folder,
-        asked=asked_of(folder),
+        config=config_of(folder),
         summary=summary,
         metrics=_metrics(folder, damaged),
         certificate=certificate,
@@ -218,36 +218,38 @@ def _metrics(folder: RunFolder, damaged: dict[str, str]) -> list[dict[str, float
 
 def _outdated(
     folder: RunFolder,
-    learned: Fitted | None,
-    simulation: Simulated | None,
+    learned: FitSummary | None,
+    simulation: SimulationSummary | None,
     hashes: Mapping[str, str],
 ) -> dict[str, str]:
     """Return the parts that are about other files than the run's, with what to do."""
-    found: dict[str, str] = {}
+    reasons: dict[str, str] = {}
     if learned is not None:
         about = dict(learned.sha256)
         if learned.residual_sha256 is not None:
             about[LEARNED_RESIDUAL] = learned.residual_sha256
         other = other_file(folder.path, about, (LEARNED_RESIDUAL, ROBOT, WEIGHTS))
         if other is not None:
-            found[LEARNING] = (
+            reasons[LEARNING] = (
                 f"{LEARNING} is about another {Path(other).name} than the run's: learn it again "
                 f"with `{learning(folder.path)}`"
             )
-    walked = {} if simulation is None else simulation.sha256
-    other = next((file for file, digest in walked.items() if digest != hashes.get(file)), None)
+    hashes_of_walk = {} if simulation is None else simulation.sha256
+    other = next(
+        (file for file, digest in hashes_of_walk.items() if digest != hashes.get(file)), None
+    )
     if other is not None:
         again = command("simulate", named(folder.path))
-        found[WALK] = f"{WALK} is about another {other} than the run's: walk with `{again}`"
-    return found
+        reasons[WALK] = f"{WALK} is about another {other} than the run's: walk with `{again}`"
+    return reasons
 
 
-def _nan(found: EndedInNan | None) -> str:
+def _nan(ending: EndedInNan | None) -> str:
     """Return a sentence that says where a training ended in NaN, as far as that is recorded."""
-    if found is None:
+    if ending is None:
         return "The training ended in NaN: its loss or its weights were no longer finite."
-    names = ", ".join(found.conditions) or "no condition alone: the sum, or its gradient"
+    names = ", ".join(ending.conditions) or "no condition alone: the sum, or its gradient"
     return (
-        f"The training ended in NaN at step {found.step}: its loss or its weights were no "
+        f"The training ended in NaN at step {ending.step}: its loss or its weights were no "
         f"longer finite (conditions: {names})."
     )

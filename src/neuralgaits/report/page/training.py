@@ -5,7 +5,7 @@ from typing import Any
 
 from neuralgaits.records.certified import box_in_words
 from neuralgaits.records.inspected import RobotFacts
-from neuralgaits.records.trained import Trained, Violations
+from neuralgaits.records.trained import TrainingSummary, Violations
 from neuralgaits.records.training_config import ConditionRecord, GaitOrigin
 from neuralgaits.report.page import markup as html
 from neuralgaits.report.page import phrases, repeat_commands
@@ -17,7 +17,7 @@ from neuralgaits.runs.shell_words import resuming
 def training(contents: Contents) -> Html:
     """Return the section on robot, settings, and every condition with its measured values."""
     saved = contents.saved
-    given = saved.asked.as_given is not None
+    is_given = saved.config.as_given is not None
     return html.section(
         "training",
         heading(saved),
@@ -25,7 +25,7 @@ def training(contents: Contents) -> Html:
         html.tag("h3", "The robot"),
         *_robot(contents.robot),
         html.tag("h3", "The settings"),
-        html.facts(f"How the policy was {'made' if given else 'trained'}", _settings(saved)),
+        html.facts(f"How the policy was {'made' if is_given else 'trained'}", _settings(saved)),
         html.tag("h3", "The conditions"),
         *_conditions(saved),
     )
@@ -33,7 +33,7 @@ def training(contents: Contents) -> Html:
 
 def heading(saved: Saved) -> str:
     """Return the heading of this part."""
-    return "What was trained" if saved.asked.as_given is None else "What was made"
+    return "What was trained" if saved.config.as_given is None else "What was made"
 
 
 def _state(saved: Saved) -> Html:
@@ -41,37 +41,39 @@ def _state(saved: Saved) -> Html:
     if summary is None and saved.folder.ended_in_nan:
         return _ended_in_nan(saved)
     if summary is None:
-        done = int(saved.metrics[-1]["step"]) if saved.metrics else 0
-        said = (
-            f"The training has not ended: {html.number(done)} of {html.number(saved.asked.steps)} "
+        steps = int(saved.metrics[-1]["step"]) if saved.metrics else 0
+        sentence = (
+            f"The training has not ended: {html.number(steps)} of "
+            f"{html.number(saved.config.steps)} "
             "gradient steps are in the last row of its course. It goes on, bit for bit, with"
         )
-        return html.missing(said, line=resuming(saved.folder.path))
+        return html.missing(sentence, line=resuming(saved.folder.path))
     if summary.left_out is not None:
         return html.missing(f"Its recorded figures are left out: {summary.left_out}.")
-    if saved.asked.as_given is not None:
-        return html.paragraph(_not_trained(saved.asked.as_given, summary))
-    widths = " and ".join(map(str, saved.asked.hidden or ()))
+    if saved.config.as_given is not None:
+        return html.paragraph(_not_trained(saved.config.as_given, summary))
+    widths = " and ".join(map(str, saved.config.hidden or ()))
     network = f"hidden layers of {widths} units" if widths else "no network"
-    said = (
+    sentence = (
         f"A policy with {network} was trained for "
         f"{html.number(summary.steps)} gradient steps to a loss of {html.number(summary.loss)}, "
         f"in {html.number(summary.wall_s)} s"
     )
-    if saved.asked.parent:
-        said += f", starting from the weights of {saved.asked.parent}"
-    return html.paragraph(f"{said}.")
+    if saved.config.parent:
+        sentence += f", starting from the weights of {saved.config.parent}"
+    return html.paragraph(f"{sentence}.")
 
 
-def _not_trained(given: GaitOrigin, summary: Trained) -> str:
+def _not_trained(origin: GaitOrigin, summary: TrainingSummary) -> str:
     """Describe the origin of a gait that was not trained."""
-    made = (
-        f"optimised for the least cost of transport at {html.number(given.speed)} m/s"
-        if given.by == "optimise"
+    sentence = (
+        f"optimised for the least cost of transport at {html.number(origin.speed)} m/s"
+        if origin.by == "optimise"
         else "read from a file"
     )
     return (
-        f"Nothing was trained: Bézier polynomials of degree {given.degree} in z1 were {made}, and "
+        f"Nothing was trained: Bézier polynomials of degree {origin.degree} in z1 were "
+        f"{sentence}, and "
         "a tube was put around their periodic orbit, as wide as the robot's limits allow. On the "
         f"zero dynamics it walks at {html.number(summary.speed_m_s)} m/s with a mechanical cost of "
         f"transport of {html.number(summary.cost_of_transport)}."
@@ -79,12 +81,12 @@ def _not_trained(given: GaitOrigin, summary: Trained) -> str:
 
 
 def _ended_in_nan(saved: Saved) -> Html:
-    said = (
+    sentence = (
         f"{saved.nan} It is no use to go on: the same steps would meet it again. Other random "
         "numbers may not"
     )
     line = repeat_commands.another_seed(saved.folder)
-    return html.missing(f"{said}:" if line else f"{said}.", line=line)
+    return html.missing(f"{sentence}:" if line else f"{sentence}.", line=line)
 
 
 def _robot(robot: RobotFacts) -> list[Html]:
@@ -123,63 +125,63 @@ def _robot(robot: RobotFacts) -> list[Html]:
 
 
 def _settings(saved: Saved) -> list[tuple[str, Any]]:
-    asked = saved.asked
-    if asked.as_given is not None:
-        return [("spec", asked.spec), ("polynomials of degree", asked.as_given.degree)]
-    rate = asked.learning_rate
+    config = saved.config
+    if config.as_given is not None:
+        return [("spec", config.spec), ("polynomials of degree", config.as_given.degree)]
+    rate = config.learning_rate
     rows: list[tuple[str, Any]] = [
-        ("spec", asked.spec),
-        ("seed", asked.seed),
-        ("start", asked.init),
-        ("gradient steps", html.number(asked.steps)),
+        ("spec", config.spec),
+        ("seed", config.seed),
+        ("start", config.init),
+        ("gradient steps", html.number(config.steps)),
         ("learning rate", None if rate is None else html.number(rate)),
     ]
-    if asked.parameters:
-        rows.append(("for robots and floors off by", box_in_words(asked.parameters)))
-    if asked.samples:
-        told = ", ".join(f"{count} in {name}" for name, count in asked.samples.items())
-        rows.append(("samples a step", told))
-    if asked.disturbance:
-        first, second = (html.number(bound) for bound in asked.disturbance)
+    if config.parameters:
+        rows.append(("for robots and floors off by", box_in_words(config.parameters)))
+    if config.samples:
+        samples = ", ".join(f"{count} in {name}" for name, count in config.samples.items())
+        rows.append(("samples a step", samples))
+    if config.disturbance:
+        first, second = (html.number(bound) for bound in config.disturbance)
         rows.append(("borne in training", f"|d| ≤ ({first} m/s, {second} N m)"))
-    if asked.not_provable_because:
-        rows.append(("cannot be proved, because", asked.not_provable_because))
+    if config.not_provable_because:
+        rows.append(("cannot be proved, because", config.not_provable_because))
     return rows
 
 
 def _conditions(saved: Saved) -> list[Html]:
-    measured, asked = saved.measured, saved.asked.conditions
-    if not asked:
+    measured, described = saved.measured, saved.config.conditions
+    if not described:
         return [html.paragraph("The run does not say which conditions it is meant for.")]
     broken = [name for name, entry in measured.items() if entry.broken]
-    unseen = " that training had not seen" if saved.asked.as_given is None else ""
+    unseen = " that training had not seen" if saved.config.as_given is None else ""
     recorded = f"Recorded when the gait was made, on random samples{unseen}:"
     if not measured and saved.summary is None:
-        said = "What the gait is to satisfy; nothing is measured before the training ends."
+        sentence = "What the gait is to satisfy; nothing is measured before the training ends."
     elif not measured:
-        said = "What the gait is to satisfy; no figures of these weights were recorded."
+        sentence = "What the gait is to satisfy; no figures of these weights were recorded."
     elif broken:
-        said = (
+        sentence = (
             f"{recorded} {len(broken)} of {len(measured)} conditions were broken at some of them, "
             f"where their margin is negative.{_untied(saved)}"
         )
     else:
-        said = (
+        sentence = (
             f"{recorded} all {len(measured)} held at all of them. This page has not measured them "
             f"again; what is proved stands further down.{_untied(saved)}"
         )
     least = {name: entry.min_margin for name, entry in measured.items()}
-    ordered = sorted(asked, key=lambda one: least.get(one.name, math.inf))
+    ordered = sorted(described, key=lambda one: least.get(one.name, math.inf))
     rows = [_row(one, measured.get(one.name)) for one in ordered]
     head = ("condition", "where", "smallest margin recorded, in scales", "one scale is")
-    about, numbers = f"of spec {saved.asked.spec}", "  nn"
+    about, numbers = f"of spec {saved.config.spec}", "  nn"
     if measured:
         table = html.tightest(about, head, rows, len(broken), numbers=numbers)
     else:
         all_of_them = f"All {len(rows)} conditions"
         whole = html.table(f"{all_of_them} {about}", head, rows, numbers=numbers, cards=True)
         table = html.folded(all_of_them, whole)
-    return [html.paragraph(said), html.paragraph(_explained(ordered)), table]
+    return [html.paragraph(sentence), html.paragraph(_explained(ordered)), table]
 
 
 def _untied(saved: Saved) -> str:
@@ -192,19 +194,19 @@ def _untied(saved: Saved) -> str:
     )
 
 
-def _explained(asked: list[ConditionRecord]) -> str:
+def _explained(conditions: list[ConditionRecord]) -> str:
     """Explain the terms of the table, only those that occur in it."""
-    said = (
+    sentence = (
         "A margin is how far a condition is from failing. It is counted in scales: a scale is a "
         "typical size of what the condition looks at, so that a margin of a force and one of a "
         "length can be compared."
     )
-    if any(one.region.startswith("fence") for one in asked):
-        said += (
+    if any(one.region.startswith("fence") for one in conditions):
+        sentence += (
             " The slow and the fast edge are the borders of the region: the least and the most "
             "momentum that the gait is made for, at each place of the step."
         )
-    return said
+    return sentence
 
 
 def _row(one: ConditionRecord, measured: Violations | None) -> tuple[Any, ...]:
@@ -214,5 +216,5 @@ def _row(one: ConditionRecord, measured: Violations | None) -> tuple[Any, ...]:
     if measured is None:
         return name, where, "–", size
     least = measured.min_margin
-    held = "good" if least >= 0.0 else "bad"
-    return name, where, html.tag("span", html.number(least), class_=held), size
+    verdict = "good" if least >= 0.0 else "bad"
+    return name, where, html.tag("span", html.number(least), class_=verdict), size

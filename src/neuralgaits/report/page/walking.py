@@ -4,7 +4,7 @@ import json
 
 from neuralgaits._control_laws import CONTROL_LAWS
 from neuralgaits.records.report_walk import ShownWalk
-from neuralgaits.records.simulated import Simulated
+from neuralgaits.records.simulated import SimulationSummary
 from neuralgaits.report.page import markup as html
 from neuralgaits.report.page import phrases
 from neuralgaits.report.page.adapted_table import adapted
@@ -23,7 +23,7 @@ def animation(contents: Contents) -> Html:
     walk = contents.walk
     if walk is None:
         return html.section("walk", "The walk", html.missing(contents.no_walk or ""))
-    shown = html.tag(
+    picture = html.tag(
         "section",
         _pictures(),
         _controls(walk),
@@ -35,7 +35,7 @@ def animation(contents: Contents) -> Html:
         id="walk",
         aria_label="The walk",
     )
-    return Section.of("walk", "The walk", shown)
+    return Section.of("walk", "The walk", picture)
 
 
 def _pictures() -> Html:
@@ -95,28 +95,28 @@ def _said(walk: ShownWalk) -> str:
     """Describe the walk, and say that it is a simulation, not a playback of the plan."""
     law = CONTROL_LAWS.get(walk.controller)
     control = f"controller {walk.controller}" if law is None else law.words
-    said = (
+    sentence = (
         f"Recorded from a MuJoCo simulation of the whole robot under {control}, with contact, "
         f"impacts and torque limits: not a playback of the plan. It {walk.origin}"
     )
     if walk.fell:
-        said += f", and falls after {walk.steps_walked} steps: {walk.fall_reason}."
+        sentence += f", and falls after {walk.steps_walked} steps: {walk.fall_reason}."
     else:
-        said += f", and stays up for all its {walk.steps_walked} steps."
-    return said
+        sentence += f", and stays up for all its {walk.steps_walked} steps."
+    return sentence
 
 
 def _beside(walk: ShownWalk) -> str:
     """Describe the differences between the plant and the model."""
-    told = []
+    parts = []
     if walk.plant != walk.robot:
-        told.append(f"the robot that walks is {walk.plant}, the model is {walk.robot}")
+        parts.append(f"the robot that walks is {walk.plant}, the model is {walk.robot}")
     if changed := phrases.changes(walk.disturb):
-        told.append(f"changed in the simulation: {', '.join(changed)}")
+        parts.append(f"changed in the simulation: {', '.join(changed)}")
     if walk.push_n_s:
-        told.append(f"a push of {html.number(walk.push_n_s)} N s")
-    said = "; ".join(told)
-    return f"{said[0].upper()}{said[1:]}." if said else ""
+        parts.append(f"a push of {html.number(walk.push_n_s)} N s")
+    sentence = "; ".join(parts)
+    return f"{sentence[0].upper()}{sentence[1:]}." if sentence else ""
 
 
 def _controls(walk: ShownWalk) -> Html:
@@ -146,8 +146,8 @@ def _controls(walk: ShownWalk) -> Html:
 
 def simulations(saved: Saved) -> Html:
     """Return the results of `simulate`, or the command to run if there are none."""
-    done = saved.simulation
-    if done is None:
+    simulation = saved.simulation
+    if simulation is None:
         return html.section(
             "simulations",
             "Simulations",
@@ -156,66 +156,74 @@ def simulations(saved: Saved) -> Html:
                 line=command("simulate", saved.name),
             ),
         )
-    rows = [(said, f"{html.number(value)} {unit}".rstrip()) for said, value, unit in done.shown]
-    orbit = done.poincare
+    rows = [
+        (words, f"{html.number(value)} {unit}".rstrip()) for words, value, unit in simulation.shown
+    ]
+    orbit = simulation.poincare
     if orbit is not None and orbit.multiplier is not None:
-        told = f"{html.number(orbit.multiplier)}, computed in float64; not the proved enclosure"
-        rows.append(("multiplier of the model's orbit", told))
+        number = f"{html.number(orbit.multiplier)}, computed in float64; not the proved enclosure"
+        rows.append(("multiplier of the model's orbit", number))
         rows.append(("length of a step on that orbit", f"{html.number(orbit.step_length_m)} m"))
-    drawn = [] if done.drawn_from is None else [f"robots drawn from the box {done.drawn_from}"]
-    changed = ", ".join([*drawn, *phrases.changes(done.changed)]) or "nothing"
-    push = f", push {html.number(done.push)} N s" if done.push else ""
-    ground = "" if done.terrain is None else f", terrain {done.terrain}"
-    off = done.foothold_error_m
+    notes = (
+        []
+        if simulation.drawn_from is None
+        else [f"robots drawn from the box {simulation.drawn_from}"]
+    )
+    changed = ", ".join([*notes, *phrases.changes(simulation.changed)]) or "nothing"
+    push = f", push {html.number(simulation.push)} N s" if simulation.push else ""
+    ground = "" if simulation.terrain is None else f", terrain {simulation.terrain}"
+    off = simulation.foothold_error_m
     if off is not None and off.mean is not None and off.worst is not None:
-        told = f"{html.number(off.mean)} m in the mean, {html.number(off.worst)} m at worst"
-        rows.append(("feet from the middle of their stones", told))
+        distance = f"{html.number(off.mean)} m in the mean, {html.number(off.worst)} m at worst"
+        rows.append(("feet from the middle of their stones", distance))
     return html.section(
         "simulations",
         "Simulations",
         html.paragraph(
-            f"The whole robot in {done.stepped_by}, controller {done.controller}: {done.stayed} of "
-            f"{len(done.fell)} walks stayed up to their last step. Started from {done.start}, "
-            f"plant {done.plant}, changed: {changed}{push}{ground}, seed {done.seed}. "
+            f"The whole robot in {simulation.stepped_by}, controller {simulation.controller}: "
+            f"{simulation.stayed} of "
+            f"{len(simulation.fell)} walks stayed up to their last step. Started from "
+            f"{simulation.start}, "
+            f"plant {simulation.plant}, changed: {changed}{push}{ground}, seed {simulation.seed}. "
             "Simulations are samples: they show what happened, not what must happen."
         ),
-        _walks(done),
+        _walks(simulation),
         html.facts("Means and extremes over these walks", rows),
-        *map(html.paragraph, _remarks(done)),
-        adapted(done),
-        monitored(saved, done),
+        *map(html.paragraph, _remarks(simulation)),
+        adapted(simulation),
+        monitored(saved, simulation),
     )
 
 
-def _remarks(done: Simulated) -> list[str]:
+def _remarks(simulation: SimulationSummary) -> list[str]:
     """Describe what a reader of the means and extremes may overlook."""
-    said = []
-    orbit = None if done.poincare is None else done.poincare.speed_m_s
-    if orbit and done.speed_m_s and abs(done.speed_m_s / orbit - 1.0) > OTHER_SPEED:
-        said.append(
-            f"The walks had {html.number(done.speed_m_s)} m/s, and the model's orbit has "
+    remarks = []
+    orbit = None if simulation.poincare is None else simulation.poincare.speed_m_s
+    if orbit and simulation.speed_m_s and abs(simulation.speed_m_s / orbit - 1.0) > OTHER_SPEED:
+        remarks.append(
+            f"The walks had {html.number(simulation.speed_m_s)} m/s, and the model's orbit has "
             f"{html.number(orbit)} m/s: a proof is about the model, whose contact is rigid and "
             "whose joints follow the gait exactly."
         )
-    if done.min_normal_force_n is not None and done.min_normal_force_n <= 0.0:
-        said.append(
+    if simulation.min_normal_force_n is not None and simulation.min_normal_force_n <= 0.0:
+        remarks.append(
             "At some moment between touchdowns the standing foot pressed on nothing: in the "
             "simulation it left the floor."
         )
-    return said
+    return remarks
 
 
-def _walks(done: Simulated) -> Html:
+def _walks(simulation: SimulationSummary) -> Html:
     """Return a table of the walks that fell; nothing if none did."""
     fallen = [
         (n, steps, reason)
         for n, (steps, fell, reason) in enumerate(
-            zip(done.steps_walked, done.fell, done.fall_reasons, strict=True)
+            zip(simulation.steps_walked, simulation.fell, simulation.fall_reasons, strict=True)
         )
         if fell
     ]
     if not fallen:
         return Html("")
-    shown = fallen[:20]
-    rest = f" The first {len(shown)} of {len(fallen)}." if len(fallen) > len(shown) else ""
-    return html.table(f"Walks that fell.{rest}", ("walk", "steps", "reason"), shown, numbers="nn ")
+    listed = fallen[:20]
+    rest = f" The first {len(listed)} of {len(fallen)}." if len(fallen) > len(listed) else ""
+    return html.table(f"Walks that fell.{rest}", ("walk", "steps", "reason"), listed, numbers="nn ")

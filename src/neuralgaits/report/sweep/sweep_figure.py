@@ -40,13 +40,13 @@ def draw(groups: Mapping[str, Sequence[SweepRow]]) -> Figure:
 
 def _dots(axes: Axes, groups: Sequence[Sequence[float | None]]) -> None:
     for place, values in enumerate(groups):
-        known = np.array([value for value in values if value is not None])
-        if not known.size:
+        numbers = np.array([value for value in values if value is not None])
+        if not numbers.size:
             continue
-        heights = place + np.linspace(-0.28, 0.28, known.size) * (known.size > 1)
+        heights = place + np.linspace(-0.28, 0.28, numbers.size) * (numbers.size > 1)
         colour = series(place)["color"]
-        axes.plot(known, heights, marker(place), color=colour, markersize=4, alpha=0.7)
-        middle = float(np.median(known))
+        axes.plot(numbers, heights, marker(place), color=colour, markersize=4, alpha=0.7)
+        middle = float(np.median(numbers))
         axes.plot([middle] * 2, [place - 0.4, place + 0.4], color=BLACK, linewidth=1.2)
     if not axes.lines:
         say(axes, "none")

@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from neuralgaits.records.swept import UNDISTURBED, SweepAsked, SweepRow, Swept
+from neuralgaits.records.swept import UNDISTURBED, SweepConfig, SweepRow, SweepSummary
 from neuralgaits.report.drawing.figure import svg
 from neuralgaits.report.page import markup as html
 from neuralgaits.report.page.html_shell import inline_image, whole
@@ -16,74 +16,74 @@ MOST_ROWS = 500
 """Most rows of the table of runs; the CSV file has all of them."""
 
 
-def page(asked: SweepAsked, rows: Sequence[SweepRow], summary: Swept) -> str:
+def page(config: SweepConfig, rows: Sequence[SweepRow], summary: SweepSummary) -> str:
     """Return the page as HTML.
 
     Args:
-        asked: settings of the sweep.
+        config: settings of the sweep.
         rows: rows in the order of the table.
         summary: summary by the command that finished the sweep.
     """
-    groups = _groups(asked, rows)
+    groups = _groups(config, rows)
     parts = [
-        _overview(asked, groups),
+        _overview(config, groups),
         _distributions(groups),
-        _survival(asked, groups),
+        _survival(config, groups),
         _runs(rows),
         _failures(rows),
-        _again(asked, summary),
+        _again(config, summary),
     ]
     header = html.tag(
         "header",
         html.tag("h1", f"A sweep of {_many(len(rows), 'run')}"),
-        html.tag("div", html.paragraph(_answer(asked, rows)), class_="answer"),
+        html.tag("div", html.paragraph(_answer(config, rows)), class_="answer"),
     )
-    name = f"Sweep of {', '.join(asked.robots)}"
+    name = f"Sweep of {', '.join(config.robots)}"
     return whole(name, header, html.tag("main", *parts), "the rows of the sweep", ("hints.js",))
 
 
-def _groups(asked: SweepAsked, rows: Sequence[SweepRow]) -> dict[str, list[SweepRow]]:
+def _groups(config: SweepConfig, rows: Sequence[SweepRow]) -> dict[str, list[SweepRow]]:
     """Group rows that differ only in their seed, by a label."""
-    found: dict[str, list[SweepRow]] = {}
+    groups: dict[str, list[SweepRow]] = {}
     for row in rows:
         words = [row.robot]
-        if len(asked.specs) > 1:
+        if len(config.specs) > 1:
             words.append(row.spec.rpartition(":")[2])
-        if len(asked.speeds) > 1 and row.speed is not None:
+        if len(config.speeds) > 1 and row.speed is not None:
             words.append(f"{_speed(row)} m/s")
-        found.setdefault(", ".join(words), []).append(row)
-    return found
+        groups.setdefault(", ".join(words), []).append(row)
+    return groups
 
 
-def _answer(asked: SweepAsked, rows: Sequence[SweepRow]) -> str:
+def _answer(config: SweepConfig, rows: Sequence[SweepRow]) -> str:
     trained = [row for row in rows if row.loss is not None]
     words = [f"{len(trained)} of {len(rows)} combinations were trained to the end."]
-    if asked.certify is not None:
-        proved = sum(row.proved(asked.certify) for row in rows)
-        words.append(f"{proved} are proved at level {asked.certify}.")
-    walked = [row.undisturbed for row in rows if row.undisturbed is not None]
-    if walked:
-        all_up = sum(one.stayed == one.walks for one in walked)
+    if config.certify is not None:
+        proved = sum(row.proved(config.certify) for row in rows)
+        words.append(f"{proved} are proved at level {config.certify}.")
+    undisturbed = [row.undisturbed for row in rows if row.undisturbed is not None]
+    if undisturbed:
+        all_up = sum(one.stayed == one.walks for one in undisturbed)
         words.append(
-            f"Without a disturbance {all_up} of {len(walked)} stayed up in all of their "
-            f"{_many(asked.walks, 'simulated walk')} of {asked.walk_steps} steps."
+            f"Without a disturbance {all_up} of {len(undisturbed)} stayed up in all of their "
+            f"{_many(config.walks, 'simulated walk')} of {config.walk_steps} steps."
         )
     if lost := sum(not row.final for row in rows):
         words.append(f"{_many(lost, 'row')} could not be carried out: --resume tries them again.")
     return " ".join(words)
 
 
-def _overview(asked: SweepAsked, groups: Mapping[str, Sequence[SweepRow]]) -> Html:
+def _overview(config: SweepConfig, groups: Mapping[str, Sequence[SweepRow]]) -> Html:
     head = ["runs of", "runs", "trained", "broken on samples"]
-    head += [] if asked.certify is None else [f"proved, level {asked.certify}", "least margin"]
+    head += [] if config.certify is None else [f"proved, level {config.certify}", "least margin"]
     head += ["speed m/s", "cost of transport"]
     body = []
     for name, rows in groups.items():
-        done = [row for row in rows if row.loss is not None]
-        cells = [name, len(rows), len(done), sum(bool(row.broken) for row in done)]
-        if asked.certify is not None:
+        trained = [row for row in rows if row.loss is not None]
+        cells = [name, len(rows), len(trained), sum(bool(row.broken) for row in trained)]
+        if config.certify is not None:
             margins = [row.margin for row in rows if row.margin is not None]
-            proved = sum(row.proved(asked.certify) for row in rows)
+            proved = sum(row.proved(config.certify) for row in rows)
             cells += [proved, html.bound(min(margins)) if margins else "–"]
         own = [row.undisturbed for row in rows if row.undisturbed is not None]
         cells += [
@@ -116,24 +116,24 @@ def _distributions(groups: Mapping[str, Sequence[SweepRow]]) -> Html:
     return html.section("distributions", title, picture)
 
 
-def _survival(asked: SweepAsked, groups: Mapping[str, Sequence[SweepRow]]) -> Html:
+def _survival(config: SweepConfig, groups: Mapping[str, Sequence[SweepRow]]) -> Html:
     """Return the shares of walks that stayed up: over all runs, and of the worst run."""
-    columns = [(name, law) for name in groups for law in asked.controllers]
+    columns = [(name, law) for name in groups for law in config.controllers]
     head = ["disturbance", *(f"{name}, {law}" for name, law in columns)]
     body = []
-    for disturbance in (UNDISTURBED, *asked.disturbances):
+    for disturbance in (UNDISTURBED, *config.disturbances):
         cells: list[str] = [disturbance]
         for name, law in columns:
-            found = [row.under(law, disturbance) for row in groups[name]]
-            shares = [one.share for one in found if one is not None]
+            walks = [row.under(law, disturbance) for row in groups[name]]
+            shares = [one.share for one in walks if one is not None]
             cells.append(
                 f"{_percent(float(np.mean(shares)))} ({_percent(min(shares))})" if shares else "–"
             )
         body.append(cells)
     caption = "Walks that stayed up: of all runs, and in brackets of the worst one"
     about = (
-        f"Each run walks {_many(asked.walks, 'time')} of {asked.walk_steps} steps in MuJoCo under "
-        "each disturbance, from states anywhere in the region it was trained on."
+        f"Each run walks {_many(config.walks, 'time')} of {config.walk_steps} steps in MuJoCo "
+        "under each disturbance, from states anywhere in the region it was trained on."
     )
     return html.section(
         "survival", "Disturbances", html.paragraph(about), html.table(caption, head, body)
@@ -144,7 +144,7 @@ def _runs(rows: Sequence[SweepRow]) -> Html:
     head = ("run", "state", "verdict", "level", "least margin", "speed m/s", "stays up", "time s")
     body = []
     for row in rows[:MOST_ROWS]:
-        walked, stayed = (sum(getattr(w, n) for w in row.walks) for n in ("walks", "stayed"))
+        walks, stayed = (sum(getattr(w, n) for w in row.walks) for n in ("walks", "stayed"))
         own, times = row.undisturbed, row.wall_s
         took = sum(t for t in (times.train, times.prove, times.walk) if t is not None)
         name = html.tag("a", row.name, href=f"rows/{row.name}/row.json") if row.final else row.name
@@ -156,7 +156,7 @@ def _runs(rows: Sequence[SweepRow]) -> Html:
                 html.number(row.proved_level),
                 html.bound(row.margin),
                 html.number(None if own is None else own.speed_m_s),
-                _percent(stayed / walked) if walked else "–",
+                _percent(stayed / walks) if walks else "–",
                 html.number(took),
             )
         )
@@ -181,13 +181,13 @@ def _failures(rows: Sequence[SweepRow]) -> Html:
     return html.section("failures", "What failed", listed)
 
 
-def _again(asked: SweepAsked, summary: Swept) -> Html:
-    disturbed = ", ".join(asked.disturbances) or "none"
-    told = [
-        ("robots", ", ".join(asked.robots)),
-        ("specs", ", ".join(asked.specs)),
-        ("seeds", f"{asked.seeds[0]}:{asked.seeds[1]}"),
-        ("controllers", ", ".join(asked.controllers)),
+def _again(config: SweepConfig, summary: SweepSummary) -> Html:
+    disturbed = ", ".join(config.disturbances) or "none"
+    options = [
+        ("robots", ", ".join(config.robots)),
+        ("specs", ", ".join(config.specs)),
+        ("seeds", f"{config.seeds[0]}:{config.seeds[1]}"),
+        ("controllers", ", ".join(config.controllers)),
         ("disturbances", disturbed),
         ("carried out on", f"{summary.engine}, {_many(summary.workers, 'worker')}"),
         ("time of the last command", f"{summary.wall_s:.0f} s"),
@@ -195,17 +195,17 @@ def _again(asked: SweepAsked, summary: Swept) -> Html:
     return html.section(
         "again",
         "How it was made",
-        html.facts("What was asked", told),
+        html.facts("What was asked", options),
         html.paragraph("What is missing is made, and what is there is kept, by"),
         html.shell([command("sweep", "--out", named(summary.sweep), "--resume")]),
     )
 
 
 def _span(values: Sequence[float | None]) -> str:
-    known = [value for value in values if value is not None]
-    if not known:
+    numbers = [value for value in values if value is not None]
+    if not numbers:
         return "–"
-    low, high = html.number(min(known)), html.number(max(known))
+    low, high = html.number(min(numbers)), html.number(max(numbers))
     return low if low == high else f"{low} to {high}"
 
 

@@ -8,8 +8,6 @@ from xml.etree import ElementTree
 
 from neuralgaits.errors import RobotError
 
-MOST_COPIES = 1000
-"""Largest number of copies that a file may make of anything, copies of copies counted."""
 MOST_VALUES = 10**8
 """Largest number of values of one asset: pixels of a texture, heights of a field."""
 MOST_OF_SIZE = 10**4
@@ -37,7 +35,8 @@ def refuse_large_counts(text: str) -> None:
         tag = str(element.tag)
         if tag in _COPIES:
             copies *= _product(element.get(_COPIES[tag], "1"))
-            _refuse(tag, copies, MOST_COPIES, "copies")
+            # Largest number of copies that a file may make of anything, copies of copies counted.
+            _refuse(tag, copies, 1000, "copies")
         if tag in _ASSETS:
             sides = " ".join(element.get(name, "1") for name in _ASSETS[tag])
             _refuse(tag, _product(sides), MOST_VALUES, "values")

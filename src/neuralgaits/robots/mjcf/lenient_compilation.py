@@ -17,8 +17,6 @@ from neuralgaits.errors import RobotError
 from neuralgaits.robots.mjcf.compiled import compile_text
 from neuralgaits.robots.mjcf.refuse_or_note import refuse
 
-_MOST_FAULTS = 50
-"""Number of parts that are taken out of one file."""
 Element = ElementTree.Element
 
 
@@ -31,7 +29,8 @@ def compile_what_can_be(text: str, name: str) -> tuple[mujoco.MjModel | None, st
 
     Returns: the model and its text, or None if there is a fault that cannot be taken out.
     """
-    for _ in range(_MOST_FAULTS):
+    # Number of parts that are taken out of one file.
+    for _ in range(50):
         try:
             return compile_text(text, name), text
         except RobotError as error:

@@ -18,8 +18,6 @@ from neuralgaits.errors import RobotError
 from neuralgaits.robots.mjcf.planar_tree import joint_name
 from neuralgaits.robots.mjcf.refuse_or_note import refuse
 
-LEAST_RANGE = 0.1
-"""Smallest range of a joint [rad]: no step fits into less; 1.6 rad read as degrees is 0.03."""
 MOST_RANGE = 4.0 * math.pi
 """Largest range of a joint [rad]: no leg joint turns twice around; 180° read as radians would."""
 _NO_ACTUATORS = "the file has no actuators: add a <motor> for every joint but the root's"
@@ -103,7 +101,8 @@ def read_range(model: mujoco.MjModel, joint: int) -> tuple[float, float]:
             f'joint {name} has no range: add range="LOWER UPPER", it bounds the policy'
         )
     lower, upper = model.jnt_range[joint]
-    if upper - lower < LEAST_RANGE:
+    # Smallest range of a joint [rad]: no step fits into less; 1.6 rad read as degrees is 0.03.
+    if upper - lower < 0.1:
         refuse(
             f"joint {joint_name(model, joint)} can turn by {upper - lower:.2g} rad in all, too "
             "little for a step: widen its range; if it is written in radians, say so with "

@@ -31,8 +31,6 @@ from neuralgaits.robots.mjcf.skeleton import find_floor
 
 Element = ElementTree.Element
 _ROOT = (("x", "slide", "1 0 0"), ("z", "slide", "0 0 1"), ("pitch", "hinge", "0 1 0"))
-_LINKS_WITH_ANKLE = 2
-"""Least number of hinges of a leg whose last link can be a foot."""
 
 
 def needs_section(model: mujoco.MjModel) -> bool:
@@ -81,10 +79,8 @@ def section(text: str, name: str, weld: frozenset[str]) -> tuple[str, tuple[str,
     data = at_posture(model, qpos)
     plan = plan_section(model, data, weld)
     links, alike = equal_legs(section_links(model, data, plan), plan)
-    feet = [
-        section_foot(model, data, links[leg[-1]], has_ankle=len(leg) >= _LINKS_WITH_ANKLE)
-        for leg in plan.legs
-    ]
+    # Least number of hinges of a leg whose last link can be a foot.
+    feet = [section_foot(model, data, links[leg[-1]], has_ankle=len(leg) >= 2) for leg in plan.legs]
     root = ElementTree.Element("mujoco", model=_model_name(model, name))
     ElementTree.SubElement(root, "compiler", angle="radian", autolimits="true")
     gravity = " ".join(f"{value:.15g}" for value in model.opt.gravity)

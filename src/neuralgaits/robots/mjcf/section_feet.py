@@ -14,13 +14,9 @@ from neuralgaits.robots.mjcf.planar_tree import body_name
 from neuralgaits.robots.mjcf.section_links import SectionLink
 from neuralgaits.robots.mjcf.skeleton import find_floor
 
-_SOLE_M = 0.01
-"""Largest height of a point of the sole over the lowest one [m]."""
 _TIP_M = 0.003
 """Radius of a sphere at the tip of a leg that the file draws otherwise [m]."""
 _SHORTEST_M = 0.02
-_FLAT = 1.0
-"""Smallest length of a foot, in heights of its ankle."""
 _DEFAULT_FRICTION = 1.0
 
 
@@ -70,11 +66,13 @@ def section_foot(
     level = float(points[lowest][:, 1].min())
     friction, condim = _contact(model, data, lowest)
     every = np.concatenate(list(points.values()))
-    sole = every[every[:, 1] <= level + _SOLE_M, 0]
+    # Largest height of a point of the sole over the lowest one [m].
+    sole = every[every[:, 1] <= level + 0.01, 0]
     heel, toe = float(sole.min()), float(sole.max())
     high = link.anchor.imag - level
     ankle = link.anchor.real
-    flat = toe - heel >= _SHORTEST_M and max(toe, ankle) - min(heel, ankle) > _FLAT * high > 0.0
+    # A foot is longer than its ankle is high.
+    flat = toe - heel >= _SHORTEST_M and max(toe, ankle) - min(heel, ankle) > high > 0.0
     if has_ankle and flat:
         half = min(0.0125, high / 4.0)
         what = "its mesh ends" if _is_mesh(model, lowest) else "its shapes end"

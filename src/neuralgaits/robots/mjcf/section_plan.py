@@ -17,8 +17,6 @@ from neuralgaits.errors import RobotError
 from neuralgaits.robots.mjcf.low_points import low_points
 from neuralgaits.robots.mjcf.planar_tree import body_name
 
-_LOW_SHARE = 0.05
-"""Largest height of a foot over the lowest one, in heights of the robot."""
 AXIS_TOLERANCE = 1e-3
 """Largest error of the axis of a hinge that is kept."""
 
@@ -219,7 +217,8 @@ def _feet(model: mujoco.MjModel, data: mujoco.MjData, tops: list[int]) -> tuple[
         raise RobotError("expected joints of two legs, found none: check the file's joints")
     lowest = min(reach.values())
     height = max(float(data.xpos[1:, 2].max()) - lowest, 1e-6)
-    low = [top for top in groups if reach[top] <= lowest + _LOW_SHARE * height]
+    # Largest height of a foot over the lowest one, in heights of the robot.
+    low = [top for top in groups if reach[top] <= lowest + 0.05 * height]
     above = {one for top in low for one in _path(model, tops, top)[1:]}
     ends = [top for top in low if top not in above]
     if len(ends) == 1:

@@ -22,10 +22,6 @@ from pydrake.multibody.tree import (
     WeldJoint,
 )
 
-DRY_FRICTION_SLOPE = 1e3
-"""Slope of a joint's dry friction, as a multiple of its size, up to that size: 2 N m are reached at
-2 mrad/s [N m s/rad]."""
-
 
 class Tree:
     """Bodies and joints, by their numbers in the compiled file.
@@ -106,7 +102,9 @@ def add_rotors(plant: Any, model: mujoco.MjModel, tree: Tree) -> None:
         actuator.set_default_rotor_inertia(rotor)
         actuator.set_default_gear_ratio(1.0)
         if friction:
-            actuator.set_controller_gains(PdControllerGains(p=0.0, d=DRY_FRICTION_SLOPE))
+            # Slope of a joint's dry friction, as a multiple of its size, up to that size: 2 N m
+            # are reached at 2 mrad/s [N m s/rad].
+            actuator.set_controller_gains(PdControllerGains(p=0.0, d=1e3))
 
 
 def inertia(model: mujoco.MjModel, number: int) -> SpatialInertia:

@@ -25,9 +25,6 @@ from pydrake.multibody.tree import PrismaticJoint, SpatialInertia
 from neuralgaits.simulation.drake.drake_tree import Tree, pose
 from neuralgaits.simulation.setup.plant import Plant
 
-_LOCKED_KG = 1.0
-"""Mass of a floor [kg]; it has no effect, because floors are locked."""
-
 
 @dataclass(frozen=True)
 class ContactConfig:
@@ -99,9 +96,8 @@ def add_ground(
     else:
         tilt = RigidTransform(RotationMatrix.MakeYRotation(-math.atan(source.slope)))
         for leg in range(len(spheres)):
-            body = plant.AddRigidBody(
-                f"floor {leg}", SpatialInertia.SolidSphereWithMass(_LOCKED_KG, 1.0)
-            )
+            # Mass of a floor [kg]; it has no effect, because floors are locked.
+            body = plant.AddRigidBody(f"floor {leg}", SpatialInertia.SolidSphereWithMass(1.0, 1.0))
             name = f"height of floor {leg}"
             joint = PrismaticJoint(name, plant.world_frame(), body.body_frame(), [0.0, 0.0, 1.0])
             floors.append(plant.AddJoint(joint))

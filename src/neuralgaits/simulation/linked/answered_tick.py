@@ -60,13 +60,13 @@ def answered_tick(scene: Scene) -> tuple[Callable[..., Any], Callable[..., Any]]
     @jax.vmap
     def measure(packed: jax.Array) -> tuple[Measurement, Array]:
         reading = scene.reading(packed)
-        return sense(scene, reading).seen, reading.requested
+        return sense(scene, reading).measured, reading.requested
 
     @quick_jit
     @jax.vmap
     def judge(packed: jax.Array, packed_reading: jax.Array, row: jax.Array) -> tuple[Array, ...]:
         carry, reading = carry_of(packed), scene.reading(packed_reading)
-        measurement = sense(scene, reading).seen
+        measurement = sense(scene, reading).measured
         if scene.estimator is not None:
             carry, measurement = estimated(scene, scene.estimator, carry, measurement)
         command = _command_of(scene, row, measurement)

@@ -31,10 +31,6 @@ from neuralgaits.simulation.ticks.batch import Batch
 from neuralgaits.simulation.ticks.scene import Scene
 
 _ANSWER_TIMEOUT_S = 10.0
-_SILENCE_S = 0.2
-"""Time without any answer, in real time, after which somebody else's controller is gone [s]."""
-_DEADLINE_SHARE = 0.8
-"""Share of a tick after which the plant continues without an answer; it needs the rest itself."""
 _SPIN_S = 2e-4
 """Time before a tick that is spent without sleeping [s], because a sleep may end that late."""
 
@@ -163,7 +159,9 @@ class Remote:
             self._wait()
         self._tick += 1
         sent = clock.monotonic()
-        wait = _DEADLINE_SHARE * self._period_s
+        # Share of a tick after which the plant continues without an answer; it needs the rest
+        # itself.
+        wait = 0.8 * self._period_s
         deadline = sent + (_ANSWER_TIMEOUT_S if self._config.lockstep else wait)
         results = []
         for i, link in enumerate(self._links):
@@ -221,7 +219,9 @@ class Remote:
                 return
             if not packets:
                 silent_s = (self._tick - self._answered) * self._period_s
-                if self._config.lockstep or (self._config.address and silent_s > _SILENCE_S):
+                # Time without any answer, in real time, after which somebody else's controller is
+                # gone [s].
+                if self._config.lockstep or (self._config.address and silent_s > 0.2):
                     raise self._links[i].silence("a command")
                 return
 

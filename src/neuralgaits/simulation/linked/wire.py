@@ -19,8 +19,6 @@ from neuralgaits.robots import MjcfLayout
 
 _HEAD = struct.Struct("<4sIII")
 _START_TIMEOUT_S = 10.0
-_ESTIMATED = 1
-"""Flag of a reading whose rates and velocity are not measured."""
 _OTHER_LAW, _OTHER_COMMANDS = 1, 2
 """Reasons of a controller that refuses a start: it lacks the law, or takes other commands."""
 _LEG, _TOUCHDOWN, _SATURATED, _STALE = 1, 2, 4, 8
@@ -80,7 +78,8 @@ def pack_reading(
         ]
     )
     micros = round(1e6 * float(measurement.time)) % _SEQUENCES
-    flags = _ESTIMATED if estimated else 0
+    # Flag of a reading whose rates and velocity are not measured.
+    flags = 1 if estimated else 0
     return _HEAD.pack(b"NGR1", sequence, micros, flags) + numbers.astype("<f8").tobytes()
 
 

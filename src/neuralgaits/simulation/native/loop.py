@@ -124,7 +124,7 @@ class _Episode:
         self.records: list[np.ndarray] = []
         self.states: list[np.ndarray] = []
         self.strides: list[np.ndarray] = []
-        self._library, self._given, self._episode = library, inputs, episode
+        self._library, self._inputs, self._episode = library, inputs, episode
         self._number = inputs.first + episode
         first = np.array(inputs.orders.first, dtype=np.float64)
         library.start(byref(walk), 0, pointer(first))
@@ -161,7 +161,7 @@ class _Episode:
 
     def _meet_ground(self) -> None:
         """Set what is known of the ground before the first step."""
-        walk, inputs = self.walk, self._given
+        walk, inputs = self.walk, self._inputs
         if inputs.terrain.told is not None:
             walk.next_rise, walk.rise_pending = inputs.terrain.told, 1
         if inputs.courses is not None:
@@ -172,7 +172,7 @@ class _Episode:
 
     def _lay_floors(self) -> None:
         """Provide the floors of a chunk before it runs, where floors are uneven."""
-        walk, terrain = self.walk, self._given.terrain
+        walk, terrain = self.walk, self._inputs.terrain
         left = self._rises[walk.rises_used :]
         if terrain.uneven and len(left) < _TOUCHDOWNS:
             self._rises = np.concatenate([left, terrain.rises(self._episode, 2 * _TOUCHDOWNS)])
@@ -180,7 +180,7 @@ class _Episode:
 
     def _run_chunk(self, scene: Any, data: mujoco.MjData) -> None:
         """Run one chunk and keep its rows."""
-        walk, inputs, library = self.walk, self._given, self._library
+        walk, inputs, library = self.walk, self._inputs, self._library
         whole = inputs.record and self._episode == 0
         recorded = whole or walk.ticks < inputs.longest
         strides = np.zeros((_TOUCHDOWNS, width(len(inputs.orders.commands))))

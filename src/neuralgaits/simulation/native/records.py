@@ -11,9 +11,6 @@ from neuralgaits.robots import PlanarBiped
 from neuralgaits.simulation.ticks.sensors import true_z
 from neuralgaits.simulation.ticks.tick import TickRecord
 
-NEVER_S = 1e30
-"""Value of NG_NEVER: time since a touchdown while there is none [s]."""
-
 
 def record_of(rows: np.ndarray, plant_robot: PlanarBiped) -> TickRecord:
     """Return a `TickRecord` with a leading axis of ticks.
@@ -24,6 +21,7 @@ def record_of(rows: np.ndarray, plant_robot: PlanarBiped) -> TickRecord:
     """
     leg = rows["leg"].astype(np.int32)
     since = rows["since_touchdown"]
+    # Value of NG_NEVER: time since a touchdown while there is none [s].
     command = TickResult(
         torque=rows["torque"],
         actuated=rows["actuated"],
@@ -33,7 +31,7 @@ def record_of(rows: np.ndarray, plant_robot: PlanarBiped) -> TickRecord:
         dy_d=rows["dy_d"],
         z=rows["z"],
         leg=leg,
-        since_touchdown=np.where(since >= NEVER_S, np.inf, since),
+        since_touchdown=np.where(since >= 1e30, np.inf, since),
         touchdown=rows["touchdown"] > 0.5,
         saturated=rows["saturated"] > 0.5,
         relaxed=rows["relaxed"] > 0.5,

@@ -12,11 +12,6 @@ from neuralgaits._types import Bool, Float, Int
 from neuralgaits.gait.commands import place_of
 from neuralgaits.simulation.setup.command_schedule import CommandSchedule
 
-GAP_DEPTH_M = 0.03
-"""Depth below the stones before and behind it at which a foot has missed them [m]."""
-_BEFORE_END_M = 1.0
-"""Length of the last slope's end that no step uses [m]."""
-
 
 @dataclass(frozen=True, eq=False)
 class Course:
@@ -44,7 +39,8 @@ class Course:
     @property
     def gap_depth(self) -> float:
         """Return the depth at which a foot has missed its stones [m]; infinite without gaps."""
-        return GAP_DEPTH_M if self.stones else np.inf
+        # Depth below the stones before and behind it at which a foot has missed them [m].
+        return 0.03 if self.stones else np.inf
 
     def ends(self, touchdowns: int, foot: float) -> bool:
         """Return whether a robot has reached the last stone, or a metre before the end of a slope.
@@ -55,7 +51,8 @@ class Course:
         """
         if self.stones:
             return touchdowns >= len(self.seen) - 1
-        return foot > self.tops[-1, 2] - _BEFORE_END_M
+        # Length of the last slope's end that no step uses [m].
+        return foot > self.tops[-1, 2] - 1.0
 
     def misses(self, places: Float[np.ndarray, " T"]) -> Float[np.ndarray, " T"]:
         """Return the distance of feet at touchdowns from the middle of their stones (m)."""

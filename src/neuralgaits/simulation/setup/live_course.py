@@ -13,8 +13,6 @@ from neuralgaits.simulation.setup.terrains import courses_of
 
 LAID = 600
 """Number of steps that are laid at once: five minutes of walking."""
-_KNOWN = 2
-"""Number of stones ahead of the standing foot that the robot already knows."""
 
 
 class LiveCourse:
@@ -33,7 +31,7 @@ class LiveCourse:
         seed: int = 0,
     ):
         """Lay the first length; see `terrains.courses_of`. Raises: InputError with one line."""
-        self._asked, self._robot, self._steady, self._base = terrain, robot, steady, base
+        self._terrain, self._robot, self._steady, self._base = terrain, robot, steady, base
         self._seed = seed
         self._sizes: dict[str, float] = {}
         self.courses = self._laid(terrain)
@@ -46,9 +44,9 @@ class LiveCourse:
     @property
     def sizes(self) -> Mapping[str, Size]:
         """Return the present sizes of stones or stairs, which may change ahead of the robot."""
-        if not (self.course.stones and endless(self._asked)):
+        if not (self.course.stones and endless(self._terrain)):
             return {}
-        return sizes_of(resized(self._asked, self._sizes), self._base.commands)
+        return sizes_of(resized(self._terrain, self._sizes), self._base.commands)
 
     def resize(self, name: str, size: float, touchdowns: int) -> None:
         """Lay other stones beyond those that the robot already knows.
@@ -61,14 +59,14 @@ class LiveCourse:
         sizes = self._sizes | {name: size}
         if sizes == self._sizes:
             return
-        self._lay(resized(self._asked, sizes), touchdowns)
+        self._lay(resized(self._terrain, sizes), touchdowns)
         self._sizes = sizes
 
     def again(self) -> None:
         """Restart at the first foothold, with the first sizes of the stones around it."""
-        self.courses = self._laid(self._asked)
+        self.courses = self._laid(self._terrain)
         if self._sizes:
-            self._lay(resized(self._asked, self._sizes), 0)
+            self._lay(resized(self._terrain, self._sizes), 0)
 
     def draw_anew(self) -> None:
         """Draw another ground of the kind for the next restart."""
@@ -76,7 +74,8 @@ class LiveCourse:
 
     def _lay(self, terrain: str, touchdowns: int) -> None:
         """Continue with other ground beyond the part that the robot knows."""
-        last = min(touchdowns + _KNOWN, len(self.course.seen) - 1)
+        # Number of stones ahead of the standing foot that the robot already knows.
+        last = min(touchdowns + 2, len(self.course.seen) - 1)
         self._seed += 1
         more = self._laid(terrain).each[0]
         self.courses = replace(self.courses, each=(joined(self.course, last, more),))

@@ -9,12 +9,6 @@ from neuralgaits.errors import InputError
 from neuralgaits.simulation.setup.disturbance import PlantChanges
 
 PERFECT, ENCODERS = "perfect", "encoders"
-BITS = 14
-"""Resolution of a joint encoder in bits a turn: a usual absolute encoder of a robot's joint."""
-PITCH_NOISE = 1e-3
-"""Standard deviation of an inertial unit's pitch [rad]."""
-DELAY_MS = 2.0
-"""Delay from reading to torque [ms]."""
 _MOST_BITS = 32
 _NAMES = ("bits", "pitch_noise", "pitch_offset", "delay_ms")
 """Names of settings that `encoders` takes."""
@@ -41,7 +35,9 @@ def sensed(disturbance: PlantChanges, sensing: str | None) -> PlantChanges:
             )
         return replace(disturbance, estimator=0.0)
     overrides = _read(settings)
-    figures = {"bits": BITS, "pitch_noise": PITCH_NOISE, "delay_ms": DELAY_MS} | overrides
+    # A usual absolute encoder of a joint, in bits a turn; noise of an inertial unit's pitch [rad];
+    # delay from reading to torque [ms].
+    figures = {"bits": 14, "pitch_noise": 1e-3, "delay_ms": 2.0} | overrides
     usual, values = PlantChanges(), {"estimator": 1.0}
     for name, value in figures.items():
         field = "encoder_step" if name == "bits" else name

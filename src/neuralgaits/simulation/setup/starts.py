@@ -21,8 +21,6 @@ KINDS = ("centre", "region", "fixed-point")
 _FENCE_SAMPLES = 101
 _TOGETHER = 16
 """Number of states that are computed at once."""
-_PAIRS = 100
-"""Approximate number of a family's steps that are evaluated for its range of momenta."""
 
 
 def full_states(
@@ -80,7 +78,8 @@ def momentum_range(gait: AnyGait) -> tuple[float, float]:
 def _pairs(commands: Commands) -> Pair:
     """Return a grid of the pairs of commands that may follow each other. [N, p] each."""
     limits = CommandLimits.of(commands)
-    ends = np.linspace(0.0, 1.0, max(2, round(_PAIRS ** (0.5 / len(commands)))))
+    # Approximate number of a family's steps that are evaluated for its range of momenta.
+    ends = np.linspace(0.0, 1.0, max(2, round(100 ** (0.5 / len(commands)))))
     grid = np.stack(np.meshgrid(*[ends] * (2 * len(commands))), axis=-1)
     first, change = np.split(grid.reshape(-1, 2 * len(commands)), 2, axis=1)
     before = limits.low + first * (limits.high - limits.low)

@@ -27,10 +27,6 @@ _SPARE = 2
 """Number of stones beyond the last one of the walk, so that there is one ahead."""
 _RUN_UP_M = 1.0
 """Length of level ground before and behind the start of a walk on slopes [m]."""
-_LOOKS_M = 0.02
-"""Distance between two places at which the slope ahead is tabulated [m]."""
-_FASTEST = 1.3
-"""Longest steps of a gait that chooses their length, in units of those at the middle command."""
 
 
 def courses_of(
@@ -144,7 +140,8 @@ def _slopes(commands: Commands, size: Mapping[str, float], steps: int, reach: Re
     step = reach() if length is None else 0.5 * (length.low + length.high)
     whole = slope.high - slope.low
     change = whole if slope.largest_change is None else slope.largest_change
-    end = _RUN_UP_M + (steps + _SPARE) * step * _FASTEST
+    # Longest steps of a gait that chooses their length, in units of those at the middle command.
+    end = _RUN_UP_M + (steps + _SPARE) * step * 1.3
 
     def make(draws: np.random.Generator) -> Course:
         x, z = [-_RUN_UP_M, _RUN_UP_M], [0.0, 0.0]
@@ -176,7 +173,8 @@ def _sums(lengths: Float[np.ndarray, " K"], rises: Float[np.ndarray, " K"]) -> n
 def _of_corners(corners: Float[np.ndarray, "K 2"], reach: float) -> Course:
     """Return planes between corners; the robot sees the slope of the chord under the step ahead."""
     x, z = corners.T
-    at = np.arange(x[0], x[-1], _LOOKS_M)
+    # Distance between two places at which the slope ahead is tabulated [m].
+    at = np.arange(x[0], x[-1], 0.02)
     rise = np.interp(at + reach, x, z) - np.interp(at, x, z)
     slopes = np.stack([at, np.arctan2(rise, reach)], axis=1)
     return Course(np.concatenate([corners[:-1], corners[1:]], axis=1), slopes, stones=False)

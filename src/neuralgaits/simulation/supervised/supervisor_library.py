@@ -37,7 +37,7 @@ def supervisor_library(design: Design, precision: str = "double") -> ctypes.CDLL
     files[_HOST] = (folder / _HOST).read_text(encoding="utf-8")
     flags = (*_FLAGS, *build.PRECISIONS[precision])
     recipe = SharedLibrary("supervisor", files, (*build.CORE, "supervisor.c", _HOST), flags)
-    library = ctypes.CDLL(str(compiler.kept(recipe, cache_folder())))
+    library = ctypes.CDLL(str(compiler.cached(recipe, cache_folder())))
     library.ng_host_bytes.restype = c_size_t
     library.ng_host_start.argtypes = [c_void_p, c_int, c_int]
     library.ng_host_tell.argtypes = [c_void_p, c_void_p]

@@ -32,10 +32,10 @@ class CommandFeed:
         self._courses = courses
         self._orders = [orders.of(i) for i in episodes]
         first = [next(rows) for rows in self._orders]
-        self._told = np.array(first, dtype=np.float64).reshape(len(episodes), -1)
+        self._scheduled = np.array(first, dtype=np.float64).reshape(len(episodes), -1)
         commands, first_of_all = orders.commands, orders.first
         self._adapted = [AdaptedCommand(robot, commands, first_of_all, adapt) for _ in episodes]
-        self.requested = np.array(self._told)
+        self.requested = np.array(self._scheduled)
 
     def advance(self, verdict: Verdict, record: Callable[[], TickRecord]) -> None:
         """Advance to the next command after a latch; on a course, look ahead again.
@@ -52,17 +52,17 @@ class CommandFeed:
             for i in np.flatnonzero(verdict.touchdown):
                 time = float(verdict.stride[i, 0])
                 lean = float(verdict.lean[i])
-                self._adapted[i].touch_down(time, q[i], latched[i], self._told[i], lean)
+                self._adapted[i].touch_down(time, q[i], latched[i], self._scheduled[i], lean)
         if self._courses is not None:
-            for i, commands in enumerate(self._told):
+            for i, commands in enumerate(self._scheduled):
                 self._courses.look(
                     commands, i, int(verdict.steps[i]), np.asarray(verdict.feet[i, 1])
                 )
                 self.requested[i] = self._adapted[i].request(commands)
             return
         for i in np.flatnonzero(verdict.touchdown):
-            self._told[i] = next(self._orders[i])
-            self.requested[i] = self._adapted[i].request(self._told[i])
+            self._scheduled[i] = next(self._orders[i])
+            self.requested[i] = self._adapted[i].request(self._scheduled[i])
 
     def row(self, episode: int, stride: Float[np.ndarray, " r"]) -> Float[np.ndarray, " w"]:
         """Return a row of `Strides`: that of the tick, with the speeds of the step that ended."""

@@ -138,7 +138,7 @@ class _Results:
 
     def __init__(self, batch: Batch, inputs: EpisodeInputs, feed: CommandFeed, count: int):
         self.active = np.arange(count)
-        self._batch, self._given, self._told = batch, inputs, feed
+        self._batch, self._inputs, self._feed = batch, inputs, feed
         self._endings = np.zeros(count, dtype=int)
         self._carries = np.array(batch.carry)
         self._strides: list[list[np.ndarray]] = [[] for _ in range(count)]
@@ -167,10 +167,10 @@ class _Results:
         """
         active = self.active
         for i in active[verdict.touchdown[active]]:
-            self._strides[i].append(self._told.row(int(i), np.asarray(verdict.stride[i])))
+            self._strides[i].append(self._feed.row(int(i), np.asarray(verdict.stride[i])))
         if self._recorder is not None:
             self._recorder(self._batch.record_of(record), active)
-        if self._given.record and self._endings[0] == Ending.RUNNING:
+        if self._inputs.record and self._endings[0] == Ending.RUNNING:
             self._rows.append(np.asarray(record)[0])
             self._states.append(state.copy())
             self._floors.append(levels.copy())
@@ -183,11 +183,11 @@ class _Results:
     def whole(self, plant_steps: int, wall_s: float) -> EpisodeBatch:
         """Return the results once every episode has ended."""
         batch, recorder, count = self._batch, self._recorder, len(self._endings)
-        columns = width(len(self._given.orders.commands))
+        columns = width(len(self._inputs.orders.commands))
         return EpisodeBatch(
             endings=[Ending(value) for value in self._endings],
             gauge=batch.carry_of(self._carries).gauge,
-            record=batch.record_of(np.array(self._rows)) if self._given.record else None,
+            record=batch.record_of(np.array(self._rows)) if self._inputs.record else None,
             states=np.array(self._states),
             floors=np.array(self._floors),
             plant_steps=plant_steps,

@@ -21,7 +21,7 @@ class TrueAndMeasured(NamedTuple):
 
     truth: Measurement
     """Measurement without noise or other errors."""
-    seen: Measurement
+    measured: Measurement
     """Measurement that the controller gets."""
     hip: Planar
     """Hip position in the world, (x, z) [m]."""

@@ -39,9 +39,9 @@ class Carry(NamedTuple):
     gauge: Gauge
     age: Scalar
     """Time since the last touchdown, or since the start of the episode [s]."""
-    known: EstimatorState | None = None
+    estimator: EstimatorState | None = None
     """State of an estimator of rates; None without one."""
-    believed: Float[Array, " d"] | None = None
+    believed_speeds: Float[Array, " d"] | None = None
     """The estimator's last hip speeds, newest first: the number of ticks of delay, plus one
     [m/s]."""
     lean: LeanSums | None = None
@@ -94,12 +94,12 @@ def begin(scene: Scene, leg: Int[Array, ""]) -> Carry:
     if scene.estimator is None:
         return first
     state = nothing_known(scene.controller.robot)
-    return first._replace(known=state, believed=jnp.zeros(scene.delay_ticks + 1))
+    return first._replace(estimator=state, believed_speeds=jnp.zeros(scene.delay_ticks + 1))
 
 
 def tick(scene: Scene, carry: Carry, reading: PlantReading) -> tuple[Carry, Verdict, TickRecord]:
     """Compute one tick of one episode. Returns: the next carry, the verdict, and the record."""
-    measurement = sense(scene, reading).seen
+    measurement = sense(scene, reading).measured
     if scene.estimator is not None:
         carry, measurement = estimated(scene, scene.estimator, carry, measurement)
     state = tell(scene.controller, carry.controller, reading.requested)
@@ -121,14 +121,14 @@ def estimated(
     Returns: the carry with the estimator's next state, and the estimate.
     """
     controller = scene.controller
-    assert carry.known is not None and carry.believed is not None
+    assert carry.estimator is not None and carry.believed_speeds is not None
     standing, period = carry.controller.stance, controller.period_s
     ankle = carry.controller.ankle
-    robot = controller.believed(carry.controller.told)
-    state = estimate(estimator, robot, carry.known, measurement, standing, period, ankle)
+    robot = controller.believed(carry.controller.commands)
+    state = estimate(estimator, robot, carry.estimator, measurement, standing, period, ankle)
     speed = state.estimate.hip_velocity[:1]
-    believed = jnp.concatenate([speed, carry.believed[:-1]])
-    return carry._replace(known=state, believed=believed), state.estimate
+    believed = jnp.concatenate([speed, carry.believed_speeds[:-1]])
+    return carry._replace(estimator=state, believed_speeds=believed), state.estimate
 
 
 def account(
@@ -269,10 +269,10 @@ def _ending(
 
 def _speed_error(carry: Carry, truth: Measurement) -> Scalar | float:
     """Return the error of the hip speed that torques are based on, at the time they act (m/s)."""
-    if carry.believed is None:
+    if carry.believed_speeds is None:
         return 0.0
-    error = carry.believed[-1] - truth.hip_velocity[0]
-    return jnp.where(carry.gauge.ticks >= carry.believed.size - 1, error, 0.0)
+    error = carry.believed_speeds[-1] - truth.hip_velocity[0]
+    return jnp.where(carry.gauge.ticks >= carry.believed_speeds.size - 1, error, 0.0)
 
 
 def _in_gap(

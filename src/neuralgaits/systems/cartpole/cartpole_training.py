@@ -21,8 +21,6 @@ RECIPE = EllipsoidRecipe(
 )
 DECAY = 5.0
 """Decay of the velocity's error at the start [1/s]."""
-FIRST_SIZE = 0.05
-"""Size of the first ellipsoid, as a part of one of unit Lyapunov weights."""
 TURNING = 3.0
 """Angular velocity of the pole that is weighed like one metre and one radian [rad/s]."""
 
@@ -36,4 +34,5 @@ def linear_start(robot: CartPole, width: int, key: PRNGKeyArray) -> EllipsoidSta
     policy = VelocityPolicy.init(-b @ riccati, scale, width, first)
     decay = ErrorDecay.init(DECAY, np.append(scale, 1.0), width, second)
     sizes = np.array([1.0, 1.0, 1.0, TURNING])
-    return EllipsoidStart.linear(robot, Controls(policy, decay), sizes, FIRST_SIZE)
+    # Size of the first ellipsoid, as a part of one of unit Lyapunov weights.
+    return EllipsoidStart.linear(robot, Controls(policy, decay), sizes, 0.05)

@@ -12,8 +12,6 @@ from neuralgaits.systems.hopper.hopper_model import Hopper
 
 SHORTEST_FLIGHT = 0.02
 """Least duration of a plan [s]."""
-LIFT = 0.05
-"""Shortening of the leg in the middle of a flight [m]."""
 STIFFNESS, DAMPING = 3600.0, 120.0
 """Gains on positions [1/s^2] and rates [1/s] of lean and length."""
 
@@ -90,7 +88,8 @@ class FlightPlan:
         length = _cubic(share, total, start.length, end.length, start.sliding, 0.0)
         bump = share * (1.0 - share)
         first, second = 2.0 * bump * (1.0 - 2.0 * share), 2.0 - 12.0 * bump
-        lift = -16.0 * LIFT
+        # Shortening of the leg in the middle of a flight [m].
+        lift = -16.0 * 0.05
         return lean, Track(
             length.value + lift * bump * bump,
             length.rate + lift * first / total,

@@ -16,10 +16,6 @@ from neuralgaits.systems.hopper.length_policy import LengthPolicy
 
 LEAST_FORWARD = 0.2
 """Least rate of the lean in stance [rad/s]."""
-LEAST_UPWARD = 0.3
-"""Least upward velocity of the centre of mass at lift-off [m/s]."""
-LEAST_SUPPORT = 0.05
-"""Least upward force of the floor, as a share of the weight."""
 LEAST_RATIO = 0.1
 """Least ratio of momenta about the foot after and before a flight, and least weight and width."""
 
@@ -99,17 +95,19 @@ def hop_margins(
     blow = hop.blow * sigma
     landing = tube.level(jnp.zeros_like(s), hop.landing * hop.landing * energy)
     start = polynomial(tube.weight, jnp.zeros_like(s))
+    # Least upward velocity of the centre of mass at lift-off [m/s].
+    # Least upward force of the floor, as a share of the weight.
     return {
         "low fence": upward,
         "high fence": -upward,
         "forward": jnp.stack([rates[0], policy.sweep]) - LEAST_FORWARD,
         "chart": jnp.stack([weight, width]) - LEAST_RATIO,
-        "support": support - LEAST_SUPPORT,
+        "support": support - 0.05,
         "grip": jnp.stack([robot.friction * support - forward, robot.friction * support + forward]),
         "push": jnp.stack([1.0 - push, 1.0 + push]),
         "reach": jnp.stack([length - robot.shortest, robot.longest - length]),
         "flies": jnp.stack(
-            [hop.upward * sigma - LEAST_UPWARD, (hop.landing - LEAST_RATIO) * jnp.ones_like(s)]
+            [hop.upward * sigma - 0.3, (hop.landing - LEAST_RATIO) * jnp.ones_like(s)]
         ),
         "blow": jnp.stack([robot.friction * blow[1] - blow[0], robot.friction * blow[1] + blow[0]]),
         "lands": jnp.stack([landing, 1.0 - landing]),

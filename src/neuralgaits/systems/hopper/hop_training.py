@@ -23,8 +23,6 @@ REACH = 0.6
 """Share of the leg's range at lift-off."""
 SPEED = 1.0
 """Forward speed of the hip in the first stance where the leg is upright [m/s]."""
-HALF_WIDTH = 0.08
-"""Half of the first tube's width, as a share of its middle energy."""
 DEGREE = 8
 """Degree of the polynomials of the tube."""
 WIDENS, NARROWS = 0.02, 0.3
@@ -64,7 +62,8 @@ def first_gait(robot: Hopper, width: int, key: PRNGKeyArray) -> HopController:
     rise = slope.integ()
     # The energy is smallest in the middle of a stance, where `middle` is about the momentum.
     energies = rise + 0.5 * middle**2 - rise(0.5)
-    reference, scale = jnp.asarray(energies.coef), HALF_WIDTH * middle**2
+    # Half of the first tube's width, as a share of its middle energy.
+    reference, scale = jnp.asarray(energies.coef), 0.08 * middle**2
     policy = eqx.tree_at(
         lambda one: (one.reference, one.scale), policy, (reference, jnp.asarray(0.5 * scale))
     )

@@ -85,9 +85,7 @@ def find_full_order(
     impacts = _Impacts.sample(evaluators, levels, crossing, strip, guard_radius, ample)
     start_strip = float(at_most(1.2 * impacts.landing_at(guard_radius), DIGITS))
     samples = _with_strips(samples, evaluators, levels, start_strip, strip)
-    barrier_constants = [
-        _barrier(k, name, samples, impacts, gamma, radius, plan) for k, name in enumerate(names)
-    ]
+    rows = (_barrier(k, n, samples, impacts, gamma, radius, plan) for k, n in enumerate(names))
     return FullOrderConstants(
         bandwidth=bandwidth,
         radius=radius,
@@ -104,7 +102,7 @@ def find_full_order(
         gain=impacts.gain,
         landing=impacts.landing,
         landing_slope=impacts.landing_slope,
-        barriers=tuple(barrier_constants),
+        barriers=tuple(rows),
         least_radius=floor,
         weights=plan.weights if plan else (),
     )

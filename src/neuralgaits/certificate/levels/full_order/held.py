@@ -11,8 +11,6 @@ JERK = 1.1
 """Bound on the outputs' jerk under held torques at y = 0, as a multiple of the largest seen."""
 REST = 1.1
 """Bound on a law's own error at xi = 0, as a multiple of the largest seen."""
-DECAY_ROOM = 3.0
-"""Room for the decay under a law, as a multiple of the largest slope of its error over w."""
 GROWTH_ROOM = 3.0
 """Room for the slope of S de/dt in xi, as a multiple of the largest slope of the jerk that is seen;
 enclosures of third derivatives are wide."""
@@ -117,7 +115,8 @@ def least_decay(slopes: np.ndarray, bandwidth: float) -> float:
     flow = bandwidth * np.kron([[-1.0, -1.0 / stiff], [0.0, -1.0]], np.eye(m))
     rate_matrix = flow + np.concatenate([slopes, stiff * slopes], axis=1) / bandwidth
     least = float(np.linalg.eigvalsh(-rate_matrix - rate_matrix.swapaxes(1, 2)).min())
-    return least - DECAY_ROOM * frobenius(slopes) / bandwidth
+    # Room for the decay under a law, as a multiple of the largest slope of its error over w.
+    return least - 3.0 * frobenius(slopes) / bandwidth
 
 
 def kick_bounds(

@@ -33,12 +33,8 @@ FULL = 0.96
 """Share of the set that an impact may fill."""
 IMPACT = 1.18
 """Effect of an impact, as a multiple of the largest seen: bounds over outputs cost so much."""
-ABOVE_FLOOR = 1.04
-"""Bound on sqrt(V), as a multiple of the level at which pushes alone would keep outputs."""
 LONGEST = 4e-3
 """Longest hold that is tried [s]."""
-EARLY = 0.05
-"""Phase until which contact has to stand the error that an impact makes under old torques."""
 STRIP = 0.97
 """Phase at which the guard's strip begins."""
 LARGEST = 0.2
@@ -138,14 +134,14 @@ class Planned:
     """Plans for holds and sets that one norm allows."""
 
     def __init__(self, samples: GaitSamples, bandwidth: float, matrix: np.ndarray):
-        self.seen, self.w, self.matrix = samples, bandwidth, matrix
+        self.samples, self.w, self.matrix = samples, bandwidth, matrix
         inverse = np.linalg.inv(matrix)
         both, back = doubled(matrix), doubled(inverse)
         usual, self.factor = float(lyapunov_rate(bandwidth)), push_factor(bandwidth)
         own, along = samples.law
         # Where a law is not exact: the decay that is left of the usual, and its error at xi = 0.
         self.gamma = least_decay(matrix @ along @ back, bandwidth) if along.any() else usual
-        self.kept, self.rest = self.gamma / usual, REST * float(_size(own @ matrix.T).max())
+        self.gamma_share, self.rest = self.gamma / usual, REST * float(_size(own @ matrix.T).max())
         value, slope, pushed = samples.slack
         self.slack = value, _size(slope @ back), _size(pushed @ inverse)
         self.coupling = 1.15 * _size(samples.rate[1] @ back)
@@ -187,7 +183,9 @@ class Planned:
             slower = 1.0 - 2.0 * self.factor * bounds.push[1] / self.gamma
             if slower <= 0.2:
                 return none
-            floor = ABOVE_FLOOR * 2.0 * self.factor * bounds.push[0] / (slower * self.gamma)
+            # Bound on sqrt(V), as a multiple of the level at which pushes alone would keep
+            # outputs.
+            floor = 1.04 * 2.0 * self.factor * bounds.push[0] / (slower * self.gamma)
             left = math.exp(-slower * self.shrink * STRIP**2)
             growth = max(self.gain, 1.1) / FULL
             if growth * left >= 0.9:
@@ -198,12 +196,13 @@ class Planned:
             bounds = self._held(hold, radius)
         if bounds is None or radius > LARGEST:
             return none
-        bound = floor + (radius - floor) * np.exp(-slower * self.shrink * self.seen.phase**2)
+        bound = floor + (radius - floor) * np.exp(-slower * self.shrink * self.samples.phase**2)
         value, slope, pushed = self.slack
         need = bound[:, None] * slope + (bounds.peak[0] + bounds.peak[1] * bound)[:, None] * pushed
         if not (HELD_SPARE * need <= value).all():
             return none
-        early, contact = self.seen.phase <= EARLY, slice(0, 3)
+        # Phase until which contact has to stand the error that an impact makes under old torques.
+        early, contact = self.samples.phase <= 0.05, slice(0, 3)
         need = bound[:, None] * slope + kick.peak * pushed
         if not (HELD_SPARE * need <= value)[early, contact].all():
             return none
@@ -211,10 +210,10 @@ class Planned:
         push = bounds.push[0] + bounds.push[1] * radius
         if self.kick:
             push = max(push, 0.5 * self.gamma * hold * (kick.mean + self.rest))
-        sigma = tuple(self._sigma(i, push, before, radius) for i in range(len(self.seen.inlet)))
+        sigma = tuple(self._sigma(i, push, before, radius) for i in range(len(self.samples.inlet)))
         if 0.0 in sigma:
             return none
-        return Plan(self.matrix, hold, radius, floor, self.kept * slower, sigma, self)
+        return Plan(self.matrix, hold, radius, floor, self.gamma_share * slower, sigma, self)
 
     def _held(self, hold: float, radius: float) -> Held | None:
         """Bound errors of a hold, that of the law at xi = 0 included."""
@@ -250,7 +249,7 @@ class Planned:
         value, slope, _ = self.slack
         stands = SPARE * radius * self.shape[:, None] * slope <= value
         if radius > 0.0 and self.slack_of_impacts == 0.0 and stands.all():
-            sigma = tuple(self._still_sigma(i, radius) for i in range(len(self.seen.inlet)))
+            sigma = tuple(self._still_sigma(i, radius) for i in range(len(self.samples.inlet)))
         if not sigma or 0.0 in sigma:
             radius, sigma = 0.0, ()
         return Plan(self.matrix, 0.0, radius, 0.0, 1.0, sigma, self)
@@ -258,11 +257,11 @@ class Planned:
     def _still_sigma(self, i: int, radius: float) -> float:
         """Return the weight that leaves a barrier the most room without pushes; 0 if none does."""
         c, read, before = self.coupling[:, i].max(), self.reading[i], radius * self.left
-        rate = (self.seen.rate[0][:, i] + GAINS[:, None] * self.seen.h[:, i]).min(axis=1)
+        rate = (self.samples.rate[0][:, i] + GAINS[:, None] * self.samples.h[:, i]).min(axis=1)
         tight = read**2 / (4.0 * SIGMAS)
         lost = 1.1 * c**2 / (4.0 * SIGMAS[:, None] * (self.gamma - GAINS))
         room = (0.91 * rate - lost - GAINS * tight[:, None]).max(axis=1)
-        inlet = 0.95 * self.seen.inlet[i] - self.reset[i] * before - tight
+        inlet = 0.95 * self.samples.inlet[i] - self.reset[i] * before - tight
         room[1.05 * SIGMAS * (self.gain * before) ** 2 > inlet] = -1.0
         return float(SIGMAS[room.argmax()]) if room.max() > 0.0 else 0.0
 
@@ -272,7 +271,7 @@ class Planned:
         `before` bounds sqrt(V) before an impact.
         """
         c, read = self.coupling[:, i], self.reading[i]
-        value = 0.97 * (self.seen.rate[0][:, i] + GAINS[:, None] * self.seen.h[:, i])
+        value = 0.97 * (self.samples.rate[0][:, i] + GAINS[:, None] * self.samples.h[:, i])
         rest = self.gamma - GAINS
         middle = c.max() / (2.0 * self.factor * push)
         sigma = np.concatenate(
@@ -280,7 +279,7 @@ class Planned:
         )
         sigma = sigma[sigma > 0.0]
         tight = read**2 / (4.0 * sigma)
-        inlet = 0.95 * self.seen.inlet[i] - self.reset[i] * before - tight
+        inlet = 0.95 * self.samples.inlet[i] - self.reset[i] * before - tight
         lost = (c + 2.0 * sigma[:, None, None] * self.factor * push) ** 2 / (
             4.0 * sigma[:, None, None] * rest[:, None]
         )

@@ -28,9 +28,6 @@ CORNERS = 8
 """Number of corners of a box of robots that are evaluated."""
 TOLD = 1.5
 """Phases that a reset may land in per phase seen, apart from the change of lengths."""
-CLEAR_TOLD = 5e-5
-"""Height that the foot must have with commands [m]; it exceeds the spread of bounds over
-commands."""
 DIGITS = 3
 """Significant digits of the strip before a step, which a statement gives exactly, for people to
 read."""
@@ -58,8 +55,10 @@ def find_set(
     elif spec.parameters:
         evaluate, levels = over_all(spec, evaluate), np.linspace(0.0, 1.0, FEW_LEVELS)
     widths = WIDE_STRIPS if floor else STRIPS
+    # Height that the foot must have with commands [m]; it exceeds the spread of bounds over
+    # commands.
     strip = _guard_strip(
-        evaluate, levels, floor * ROOM**0.5 + (CLEAR_TOLD if command_names else CLEAR), widths
+        evaluate, levels, floor * ROOM**0.5 + (5e-5 if command_names else CLEAR), widths
     )
     if strip is None:
         ground = f"heights within {floor:g} m of the ground" if floor else "the ground"

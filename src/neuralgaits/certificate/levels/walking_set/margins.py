@@ -121,12 +121,12 @@ def disturbed(zd: ZeroDynamics, bound: tuple[float, float]) -> list[ZeroDynamics
     if not any(bound):
         return [zd]
     corners = [(a, b) for a in (-1.0, 1.0) for b in (-1.0, 1.0)]
-    pushes = [_Pushed(zd.residual, bound, corner) for corner in corners]
+    pushes = [_DisturbedPoint(zd.residual, bound, corner) for corner in corners]
     return [ZeroDynamics(zd.robot, zd.policy, push, zd.reset_residual) for push in pushes]
 
 
 @dataclass(frozen=True)
-class _Pushed:
+class _DisturbedPoint:
     """A residual with a corner of the disturbance's box added."""
 
     residual: object
