@@ -31,8 +31,10 @@ def spatial_robot():
 
 
 @pytest.fixture(scope="session")
-def spatial_run(tmp_path_factory):
-    """The gait that `train walker3d` finds."""
-    folder = tmp_path_factory.mktemp("walker3d")
-    VERBS["train"](BUILT_IN, progress=ProgressCallbacks(), out=folder / "run", root=folder)
-    return folder / "run"
+def spatial_run(made_once):
+    """The gait that `train walker3d` finds, shared by all workers: nobody changes it."""
+
+    def make(run):
+        VERBS["train"](BUILT_IN, progress=ProgressCallbacks(), out=run, root=run.parent)
+
+    return made_once("walker3d", make)
