@@ -44,7 +44,8 @@ def called_with(
         verb.__doc__ = _with_arguments(inspect.getdoc(carry_out) or "", texts)
         result = inspect.signature(carry_out).return_annotation
         parameters = [
-            one.replace(annotation=_shown(one.annotation)) for one in signature.parameters.values()
+            one.replace(annotation=_caller_type(one.annotation))
+            for one in signature.parameters.values()
         ]
         verb.__dict__["__signature__"] = inspect.Signature(parameters, return_annotation=result)
         return verb
@@ -70,7 +71,7 @@ class PythonType:
         return self.words
 
 
-def _shown(hint: Any) -> Any:
+def _caller_type(hint: Any) -> Any:
     """Return the type of a field for a Python caller, without the marks for the command line."""
     marks = marks_in(hint)
     wider = next((mark for mark in marks if isinstance(mark, PythonType)), None)
@@ -100,7 +101,9 @@ def _refuse_unknown(name: str, arguments: Mapping[str, Any], names: Mapping[str,
 
 def descriptions(settings: type) -> dict[str, str]:
     """Return what a class of settings says about each field: the text behind it, on one line."""
-    texts = {name: text for one in reversed(settings.__mro__[:-1]) for name, text in _said(one)}
+    texts = {
+        name: text for one in reversed(settings.__mro__[:-1]) for name, text in _field_texts(one)
+    }
     hints = typing.get_type_hints(settings, include_extras=True)
     for name, hint in hints.items():
         for mark in marks_in(hint):
@@ -111,7 +114,7 @@ def descriptions(settings: type) -> dict[str, str]:
     return {name: " ".join(texts[name].split()) for name in order if name in texts}
 
 
-def _said(settings: type) -> Iterator[tuple[str, str]]:
+def _field_texts(settings: type) -> Iterator[tuple[str, str]]:
     """Yield the fields of a class with the docstrings that follow them."""
     try:
         [definition] = ast.parse(inspect.getsource(settings)).body

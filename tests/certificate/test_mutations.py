@@ -121,7 +121,9 @@ def test_conclusions_that_do_not_follow_are_rejected(high, tmp_path):
             return 2, str(error)
         if wrong := inconsistencies(claims, claims.outline):
             return 1, wrong[0]
-        report = checker._concluded(claims, checker.CheckResult("consistent", None, (), (), (), 0))
+        report = checker._with_conclusions(
+            claims, checker.CheckResult("consistent", None, (), (), (), 0)
+        )
         return code(report.verdict, report.reason), report.reason
 
     assert concluded(json.dumps(high.table).encode()) == (0, None)

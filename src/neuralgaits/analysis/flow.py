@@ -92,7 +92,7 @@ def swing(motion: FlowQuantities, start: np.ndarray, mesh: Mesh) -> Swing:
         start: all with the same z1. [N, 2]
         mesh: of z1.
     """
-    y, h = _timed(start), np.full(len(start), mesh.step)
+    y, h = _with_time(start), np.full(len(start), mesh.step)
     nodes, finished, end = [y], np.zeros(len(y), bool), np.full((len(y), 3), np.nan)
     while not finished.all() and y[0, 0] < mesh.last:
         ahead = _step(motion, y, h)
@@ -111,7 +111,7 @@ def swing(motion: FlowQuantities, start: np.ndarray, mesh: Mesh) -> Swing:
 
 def to_section(motion: FlowQuantities, start: np.ndarray, mesh: Mesh) -> np.ndarray:
     """Flow states forward to z1 = 0. Returns: z1, z2 and time there. [N, 3] (m, kg m^2/s, s)."""
-    y = _timed(start)
+    y = _with_time(start)
     farthest = float(np.max(np.abs(y[:, 0]), initial=0.0, where=np.isfinite(y[:, 0])))
     count = int(np.ceil(farthest / mesh.step))
     h = -y[:, 0] / max(count, 1)
@@ -129,7 +129,7 @@ def returns(motion: FlowQuantities, z2: np.ndarray, mesh: Mesh) -> Returns:
     return Returns(after[:, 1], swung.t[-1] + after[:, 2], before, length)
 
 
-def _timed(z: np.ndarray) -> np.ndarray:
+def _with_time(z: np.ndarray) -> np.ndarray:
     """Return states with the elapsed time, which are integrated together. [N, 3]."""
     return np.column_stack([z, np.zeros(len(z))])
 

@@ -208,7 +208,7 @@ def open_run(run: "Run | str | Path") -> Run:
         return run
     folder = resolve(run)
     robot, spec = open_parts(folder)
-    gait = folder.read_tree(WEIGHTS, _shaped(folder, spec))
+    gait = folder.read_tree(WEIGHTS, _gait_of_shapes(folder, spec))
     arrays = map(np.asarray, jax.tree.leaves(gait))
     wrong = None
     if not all(np.all(np.abs(array) <= LARGEST) for array in arrays):
@@ -221,7 +221,7 @@ def open_run(run: "Run | str | Path") -> Run:
     return Run(folder, robot, spec, gait)
 
 
-def _shaped(folder: RunFolder, spec: GaitSpec) -> AnyGait:
+def _gait_of_shapes(folder: RunFolder, spec: GaitSpec) -> AnyGait:
     """Return a gait whose arrays have shapes and kinds but no values, for a run's weights.
 
     The values that training started from are left out: computing them takes a second. A user's own

@@ -60,10 +60,12 @@ def walks_under(run: Run, *sequences: Float[np.ndarray, "S p"]) -> tuple[Command
     for sequence in sequences:
         _refuse(CommandLimits.of(family.commands), sequence)
     flow_of = _flow_by_commands(run, family)
-    return tuple(_walked(run, flow_of, sequence) for sequence in sequences)
+    return tuple(_walk_under(run, flow_of, sequence) for sequence in sequences)
 
 
-def _walked(run: Run, flow_of: FlowByCommands, sequence: Float[np.ndarray, "S p"]) -> CommandWalks:
+def _walk_under(
+    run: Run, flow_of: FlowByCommands, sequence: Float[np.ndarray, "S p"]
+) -> CommandWalks:
     names = [command.name for command in run.trained.commands]
     first = run.at(**dict(zip(names, map(float, sequence[0]), strict=True)))
     chart = PlaneChart(first.gait, run.spec)

@@ -116,7 +116,7 @@ def _culprit(spec: GaitSpec, robot: PlanarBiped, gait: AnyGait) -> str | None:
             return True
         return False
 
-    names = _known(robot)
+    names = _built_in_conditions(robot)
     own = [one for one in spec.conditions if plain(describe_condition(one)) not in names]
     suspect = next(filter(raises, own), None)
     if suspect is None:
@@ -126,7 +126,7 @@ def _culprit(spec: GaitSpec, robot: PlanarBiped, gait: AnyGait) -> str | None:
     return None if any(map(raises, basis)) else suspect.name
 
 
-def _known(robot: PlanarBiped) -> list[Any]:
+def _built_in_conditions(robot: PlanarBiped) -> list[Any]:
     """Return the conditions of a robot's built-in specs, as data."""
     names = []
     for name in specs.BUILT_IN:

@@ -24,12 +24,12 @@ def as_called(text: str) -> str:
     if path is not None and Path(path).samefile(called):
         return text
     pip = called.with_name("pip")
-    text = _OWN.sub(lambda at: f"{at[1]}{quoted(_typed(called))} ", text)
+    text = _OWN.sub(lambda at: f"{at[1]}{quoted(_as_path(called))} ", text)
     if pip.is_file():
-        text = _PIP.sub(lambda _: f"{quoted(_typed(pip))} install '", text)
+        text = _PIP.sub(lambda _: f"{quoted(_as_path(pip))} install '", text)
     return text
 
 
-def _typed(path: Path) -> str:
+def _as_path(path: Path) -> str:
     """Return a path that a shell can run; a bare name would be searched among the programs."""
     return str(path) if len(path.parts) > 1 else f"./{path}"

@@ -63,14 +63,14 @@ def carry_out_episodes(verb: EpisodesOptions) -> Outcome:
     from neuralgaits.cli.progress import TrainingProgress
     from neuralgaits.workflows.episodes import episodes
 
-    resume = None if verb.resume is None else _found(verb.resume, verb.output.json)
+    resume = None if verb.resume is None else _episodes_to_resume(verb.resume, verb.output.json)
     with TrainingProgress(quiet=verb.output.json) as progress:
         others = {"resume": resume, "progress": progress, "tell": progress.stage}
         summary = episodes(**given(verb, EpisodesSettings, **others))
     return Outcome(summary.summary, summary.walks is not False, episodes_screen.show_episodes)
 
 
-def _found(resume: str | Path, quiet: bool) -> str | Path:
+def _episodes_to_resume(resume: str | Path, quiet: bool) -> str | Path:
     """Return the episodes to resume; print which ones `latest` means to stderr, unless `quiet`."""
     from neuralgaits.episode_rounds.episode_folder import EpisodeFolder
     from neuralgaits.runs import RUNS_ROOT

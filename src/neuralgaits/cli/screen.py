@@ -42,7 +42,7 @@ def show_training(result: TrainingSummary) -> None:
             show_sentence(f"and {len(rows) - ROWS} more, by {rows[ROWS][2]} at most")
         show_facts(_to_mend(result, worst[0][0]))
     else:
-        sentence = _held(len(result.conditions))
+        sentence = _all_hold(len(result.conditions))
         show_sentence(Text("trained", "green"), f": {sentence} on fresh samples")
     if result.certificate is not None:
         show_sentence(_proof_of_training(result.certificate))
@@ -201,10 +201,10 @@ def _link(link: LinkFigures) -> None:
     show_sentence(words)
     if link.deadline_misses:
         share = f"{link.deadline_misses} ticks ({link.missed_share:.1%})"
-        show_sentence(f"{share} kept the command of the tick before: {_missed(link)}")
+        show_sentence(f"{share} kept the command of the tick before: {_why_missed(link)}")
 
 
-def _missed(link: LinkFigures) -> str:
+def _why_missed(link: LinkFigures) -> str:
     """Explain why answers were missed, and whether that matters."""
     if link.mode == LOCKSTEP:
         return (
@@ -217,7 +217,7 @@ def _missed(link: LinkFigures) -> str:
     )
 
 
-def _held(count: int) -> str:
+def _all_hold(count: int) -> str:
     return "its condition holds" if count == 1 else f"all {count} conditions hold"
 
 

@@ -58,7 +58,7 @@ def show_seeds(result: SeedsSummary) -> None:
     for one in refused[:ROWS]:
         show_sentence(f"seed {one.seed}: {one.refused}", hang=2)
     failing = sorted((one for one in result.seeds if one.broken), key=lambda one: -_count(one))
-    rows = [(str(one.seed), number(one.loss), _broken(one)) for one in failing]
+    rows = [(str(one.seed), number(one.loss), _broken_names(one)) for one in failing]
     show_table(("seed", "loss", "conditions that fail somewhere"), rows[:ROWS])
     for count, what in ((len(refused), "refused"), (len(rows), "with such conditions")):
         if count > ROWS:
@@ -81,5 +81,5 @@ def _count(one: SeedSummary) -> int:
     return len(one.broken or ())
 
 
-def _broken(one: SeedSummary) -> str:
+def _broken_names(one: SeedSummary) -> str:
     return ", ".join(one.broken or ())

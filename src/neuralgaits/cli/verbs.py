@@ -107,7 +107,7 @@ def _train(verb: TrainOptions) -> Outcome:
     from neuralgaits.cli.progress import TrainingProgress
     from neuralgaits.workflows.train import train
 
-    resume = None if verb.resume is None else _unfinished(verb.resume, verb.output.json)
+    resume = None if verb.resume is None else _run_to_resume(verb.resume, verb.output.json)
     with TrainingProgress(quiet=verb.output.json) as progress:
         watch = Watch(progress.proved, progress.round_ended, progress.say)
         others = {"resume": resume, "progress": progress, "watch": watch}
@@ -120,7 +120,7 @@ def _train(verb: TrainOptions) -> Outcome:
     )
 
 
-def _unfinished(run: str | Path, quiet: bool) -> Path:
+def _run_to_resume(run: str | Path, quiet: bool) -> Path:
     """Return the run folder to resume; print which one `latest` means to stderr, unless `quiet`.
 
     Raises: RunError if the run does not exist.

@@ -44,7 +44,7 @@ def impact_consistent_rates(
     """
     slope, by_momentum = _jet(outputs, reading.z).jacobian.T
     falling, momentum = momentum_of(reading.dz), momentum_of(reading.z)
-    dq, dz1 = _balanced(robot, reading, slope, by_momentum * falling, momentum)
+    dq, dz1 = _balance(robot, reading, slope, by_momentum * falling, momentum)
     return reading._replace(dq=dq, dz=jnp.stack([dz1, falling]))
 
 
@@ -71,10 +71,10 @@ def consistent_acceleration(
     if reading.ankle is not None:
         # The motor makes up for the joint's own friction.
         moment = moment - robot.damping[0] * reading.dq[0] + reading.ankle
-    return _balanced(robot, reading, slope, fixed, moment)[0]
+    return _balance(robot, reading, slope, fixed, moment)[0]
 
 
-def _balanced(
+def _balance(
     robot: DrivenMechanism, reading: MeasuredState, slope: Actuated, fixed: Actuated, moment: Scalar
 ) -> tuple[Coordinates, Scalar]:
     """Rates or accelerations x, x_a = slope x1 + known, with D x about the foot of -moment.

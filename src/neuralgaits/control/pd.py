@@ -68,7 +68,7 @@ class Pd(AbstractLaw):
 
     def in_c(self) -> CompiledLaw:
         """Return the law as compiled code has it."""
-        gains = f"{_shown(self.stiffness)} N m/rad, {_shown(self.damping)} N m s/rad"
+        gains = f"{_gain_text(self.stiffness)} N m/rad, {_gain_text(self.damping)} N m s/rad"
         return CompiledLaw(
             words=f"the model's torques, {gains}" if self.feed_forward else gains,
             stiffness=self.stiffness,
@@ -120,7 +120,7 @@ def _each(gains: Sequence[float] | Actuated, count: int) -> tuple[float, ...]:
     return tuple(float(gain) for gain in np.broadcast_to(np.asarray(gains), count))
 
 
-def _shown(gains: tuple[float, ...]) -> str:
+def _gain_text(gains: tuple[float, ...]) -> str:
     """Return gains by joint, stance leg first; one number if they are alike."""
     every = set(gains)
     return "/".join(f"{gain:.4g}" for gain in (every if len(every) == 1 else gains))

@@ -55,7 +55,7 @@ def compared(
     if log.torque is None:
         labelled.unchecked.append("torques: the log has none")
     else:
-        fits = _fitted(labelled, about, log)
+        fits = _best_fits(labelled, about, log)
     for names, fit in fits:
         _judge(labelled, names, fit)
     _common_zero(labelled, fits, about)
@@ -72,7 +72,7 @@ def refuse_without_torso(about: DeployedRobot) -> None:
         )
 
 
-def _fitted(
+def _best_fits(
     labelled: LabelledMotion, about: DeployedRobot, log: HungLog
 ) -> list[tuple[tuple[str, ...], LegFit]]:
     """Return the best fit of each leg; the sign of the pitch is common to both."""

@@ -35,7 +35,7 @@ def pressed_feet(file: DeploymentFile, log: HungLog) -> tuple[list[DeploymentFin
             )
             continue
         pressed = np.concatenate([log.contact[rows] for rows in windows])
-        findings += _judged(log, one, answers[0], pressed)
+        findings += _findings_of_foot(log, one, answers[0], pressed)
     return findings, unchecked
 
 
@@ -49,7 +49,7 @@ def _answering(log: HungLog, rows: slice) -> int | None:
     return log.channels[int(np.argmax(span))] if span.max() > least else None
 
 
-def _judged(
+def _findings_of_foot(
     log: HungLog, one: ContactChannel, actual: int | None, pressed: Float[np.ndarray, "p c"]
 ) -> list[DeploymentFinding]:
     """Return what a foot that is pressed says against the file."""

@@ -35,7 +35,7 @@ def _bounded(holds: Callable[[float], bool]) -> Callable[[str], float]:
     return read
 
 
-def _whole(low: int, high: int) -> Callable[[str], int]:
+def _whole_number(low: int, high: int) -> Callable[[str], int]:
     def read(text: str) -> int:
         if not re.fullmatch(r"[+-]?[0-9]{1,9}", text) or not low <= int(text) <= high:
             raise ValueError
@@ -64,7 +64,7 @@ def _sha256(text: str) -> str:
 
 KINDS: Mapping[str, tuple[str, Callable[[str], Any]]] = {
     "text": ("a name", _text),
-    "index": (f"a whole number from 0 to {MOST_INDEX}", _whole(0, MOST_INDEX)),
+    "index": (f"a whole number from 0 to {MOST_INDEX}", _whole_number(0, MOST_INDEX)),
     "sign": ("1 or -1", _sign),
     "number": ("a number", _number),
     "positive": (

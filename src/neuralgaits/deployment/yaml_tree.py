@@ -57,7 +57,7 @@ def yaml_tree(path: Path) -> YamlNode:
         _refuse_events(yaml.parse(text, Loader=yaml.BaseLoader), path)
         node = yaml.compose(text, Loader=yaml.BaseLoader)
     except yaml.YAMLError as error:
-        raise InputError(f"{printable(path)}: expected YAML, found {_said(error)}") from None
+        raise InputError(f"{printable(path)}: expected YAML, found {_message(error)}") from None
     if node is None:
         raise InputError(f"{printable(path)}: expected keys with values, found an empty file")
     twice: list[str] = []
@@ -129,7 +129,7 @@ def _converted(node: Any, path: str, twice: list[str]) -> YamlNode:
     return YamlNode(nodes, line)
 
 
-def _said(error: Any) -> str:
+def _message(error: Any) -> str:
     """Return what PyYAML found, with the line, in a few words."""
     mark = getattr(error, "problem_mark", None)
     problem = getattr(error, "problem", None) or getattr(error, "reason", None) or "something else"

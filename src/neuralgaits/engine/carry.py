@@ -25,7 +25,7 @@ def carry_out(task: str, job: Job, common: Files) -> tuple[Files, Failure | None
     files: Files = {}
     failure = None
     try:
-        files = _found(task)(job.settings, {**common, **job.files})
+        files = _task_named(task)(job.settings, {**common, **job.files})
     except MemoryError:
         failure = Failure("lost", "a worker ran out of memory")
     except Exception as error:
@@ -42,7 +42,7 @@ def carry_out(task: str, job: Job, common: Files) -> tuple[Files, Failure | None
     return files, failure, time.perf_counter() - start_time
 
 
-def _found(task: str) -> Task:
+def _task_named(task: str) -> Task:
     module, _, function = task.partition(":")
     return getattr(import_module(module), function)
 

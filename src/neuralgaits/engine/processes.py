@@ -75,7 +75,7 @@ class Processes(WorkerPool):
                     job, tried = again.popleft() if again else (next(left, None), 0)
                     if job is None:
                         break
-                    worker = self._idle.pop() if self._idle else self._started()
+                    worker = self._idle.pop() if self._idle else self._start_worker()
                     busy[worker.pipe] = worker, job, tried + 1
                     common_settings = None if worker.pipe in fresh else dict(common or {})
                     # One that has died meanwhile is met below, where its pipe has ended.
@@ -117,7 +117,7 @@ class Processes(WorkerPool):
             self._all.pop().kill()
         self._idle.clear()
 
-    def _started(self) -> "_Worker":
+    def _start_worker(self) -> "_Worker":
         self._all.append(_Worker(self._memory))
         return self._all[-1]
 

@@ -112,7 +112,7 @@ def walk_round(run: Run, field: Field, *, momentum: float, seed: int, folder: Pa
         momentum_range=stable,
         speed_range_m_s=None if stable is None else _speeds(run, momentum, stable),
         speed_m_s=tried.speed_m_s,
-        barriers=_judged(run, logs),
+        barriers=_barrier_shares(run, logs),
         walked_s=float(sum(log.t[-1] - log.t[0] for log in logs)),
         logs=tuple(str(file) for file in files),
         logs_left_out=len(logs) - len(files),
@@ -178,14 +178,14 @@ def logged_round(run: Run, files: Sequence[Path], columns: str | Path | None = N
         steps_walked=tuple(len(touchdowns) for touchdowns in strides),
         share_that_walks=None,
         speed_range_m_s=None,
-        barriers=_judged(run, read),
+        barriers=_barrier_shares(run, read),
         walked_s=float(sum(log.t[-1] - log.t[0] for log in read)),
         logs=tuple(str(file) for file in files),
         wall_s=time.perf_counter() - start_time,
     )
 
 
-def _judged(run: Run, walks: Sequence[Log]) -> Shares:
+def _barrier_shares(run: Run, walks: Sequence[Log]) -> Shares:
     return Shares(**satisfaction(walks, run.robot, run.gait, run.spec)._asdict())
 
 

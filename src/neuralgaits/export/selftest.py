@@ -55,11 +55,11 @@ def _cases(design: Design, reference: Reference) -> Cases:
         held_drift=zeros,
         posture=joints,
         torque=joints,
-        **_told(design, joined),
+        **_steady_commands(design, joined),
     )
 
 
-def _told(design: Design, cases: Cases) -> dict[str, np.ndarray]:
+def _steady_commands(design: Design, cases: Cases) -> dict[str, np.ndarray]:
     """Return steps that begin at a command that has been constant for long."""
     first = cases.before
     # A table of C has no NaN.

@@ -98,11 +98,11 @@ def posture(
     """
     q = _bent(robot) if guess is None else np.array(guess)
     for _ in range(_NEWTON_STEPS):
-        missed = _missed(robot, stand, q)
+        missed = _distance(robot, stand, q)
         if np.max(np.abs(missed)) < _ACCURACY:
             fits = np.all((q[1:] >= robot.joint_lower) & (q[1:] <= robot.joint_upper))
             return q if fits else None
-        nearby = [_missed(robot, stand, q + row) for row in _DIFFERENCE * np.eye(len(q))]
+        nearby = [_distance(robot, stand, q + row) for row in _DIFFERENCE * np.eye(len(q))]
         slope = (np.array(nearby) - missed).T / _DIFFERENCE
         # Legs of more links than two have further freedom: they stay near the guess.
         move = np.linalg.lstsq(slope, missed, rcond=None)[0]
@@ -110,7 +110,7 @@ def posture(
     return None
 
 
-def _missed(
+def _distance(
     robot: PlanarBiped, stand: Stand, q: Float[np.ndarray, " n"]
 ) -> Float[np.ndarray, " n"]:
     """Return how far coordinates are from a posture: a number for each coordinate."""

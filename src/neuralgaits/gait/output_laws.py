@@ -50,14 +50,14 @@ class ExactLinearisation:
     def growth(self, point: FullPoint, u: Chart, e: Actuated) -> Actuated:
         """Differentiate e = ddy + w^2 y + 2 w dy."""
         del u
-        moved = _accelerated(point, point.output_acceleration + e)
+        moved = _with_accelerations(point, point.output_acceleration + e)
         w, ddy = point.bandwidth, moved.output_acceleration
         return held_jerk(moved) + (w * w) * point.output_rate + (2.0 * w) * ddy
 
     def after_impact(self, point: FullPoint, u: Chart, e: Actuated) -> Actuated:
         """Compare the torque from before with that of the new step."""
         del u
-        after = _landed(point)
+        after = _after_impact(point)
         held = _renamed(point, point.torque + inertia(point) @ e)
         return solve(inertia(after), held - after.torque)
 
@@ -83,7 +83,7 @@ class ScheduledLaw(NamedTuple):
         M (w^2 y + 2 w dy) is in both, so only M - M' is multiplied by it: bounds know that then.
         """
         own = inertia(point)
-        still = _accelerated(point, jnp.zeros_like(point.output)).torque
+        still = _with_accelerations(point, jnp.zeros_like(point.output)).torque
         lack = self.gains.torque_at(u) - still
         return solve(own, lack + (own - self.gains.inertia_at(u)) @ _pull(point))
 
@@ -107,7 +107,7 @@ class ScheduledLaw(NamedTuple):
 
     def after_impact(self, point: FullPoint, u: Chart, e: Actuated) -> Actuated:
         """Compare the torque from before with the law's in the new step."""
-        after = _landed(point)
+        after = _after_impact(point)
         held = _renamed(point, self.torque(point, u) + inertia(point) @ e)
         return solve(inertia(after), held - self.torque(after, self.chart(after.z)))
 
@@ -125,18 +125,18 @@ def _pull(point: FullPoint) -> Actuated:
 def inertia(point: FullPoint) -> Float[Array, "m m"]:
     """Return M = du/d(ddy), a function of z and y [kg m^2]."""
     ddy = point.output_acceleration
-    torque: Callable[[Actuated], Actuated] = lambda ddy: _accelerated(point, ddy).torque  # noqa: E731
+    torque: Callable[[Actuated], Actuated] = lambda ddy: _with_accelerations(point, ddy).torque  # noqa: E731
     rows = jnp.eye(len(ddy), dtype=ddy.dtype)
     return jnp.stack([jax.jvp(torque, (ddy,), (row,))[1] for row in rows], axis=1)
 
 
-def _accelerated(point: FullPoint, ddy: Actuated) -> FullPoint:
+def _with_accelerations(point: FullPoint, ddy: Actuated) -> FullPoint:
     """Return the same state with other accelerations of the outputs."""
     eta = jnp.concatenate([point.output, point.output_rate])
     return FullPoint(point.robot, point.policy, point.z, eta, point.bandwidth, ddy)
 
 
-def _landed(point: FullPoint) -> FullPoint:
+def _after_impact(point: FullPoint) -> FullPoint:
     """Return the state right after an impact, in the new step."""
     policy = point.policy.steady_next
     return FullPoint(point.robot, policy, point.z_after, point.eta_after, point.bandwidth)

@@ -181,9 +181,9 @@ class Point:
     @cached_property
     def dq(self) -> Coordinates:
         """Rates of the coordinates [rad/s]. [n]."""
-        return self._moved(self.dz)
+        return self._position_rates(self.dz)
 
-    def _moved(self, rate: ZeroState) -> Coordinates:
+    def _position_rates(self, rate: ZeroState) -> Coordinates:
         """Return the coordinate rates of a rate of z, outputs at rest. [n]."""
         of_positions, of_momenta = self.coordinates.split(rate)
         shift = combined(self.along_positions, of_positions)
@@ -212,7 +212,7 @@ class Point:
         nominal_dq, curvature = self.dq, self._curvature(self.nominal_dz)
         residual_rate = jnp.zeros_like(self.z)
         if self.residual is not None:
-            nominal_dq = self._moved(self.nominal_dz)
+            nominal_dq = self._position_rates(self.nominal_dz)
             _, residual_rate = jax.jvp(self.residual, (self.z,), (self.dz,))
         rows_rate = robot.momentum_rows_rate(self.q, self.dq)
         fixed_rate = self.coordinates.still(curvature) + combined(self.along_momenta, falling)
@@ -225,7 +225,7 @@ class Point:
     @cached_property
     def ddq(self) -> Coordinates:
         """Accelerations of the coordinates [rad/s^2]. [n]."""
-        return self._moved(self.ddz) + self.coordinates.still(self._curvature(self.dz))
+        return self._position_rates(self.ddz) + self.coordinates.still(self._curvature(self.dz))
 
     @cached_property
     def torque(self) -> Actuated:

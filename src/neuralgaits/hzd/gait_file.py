@@ -76,7 +76,7 @@ def read_gait(file: Path, robot: PlanarBiped, name: str | None = None) -> GivenG
     if not file.is_file():
         message = no_file_at(file, "none")
         raise InputError(f"expected a gait file, found {message} at {file}: give the path of one")
-    table = _chosen(file, _read(file), name)
+    table = _choose(file, _read(file), name)
     _refuse_misspelt(file, table)
     for field, what in _FIELDS.items():
         if field not in table:
@@ -86,7 +86,7 @@ def read_gait(file: Path, robot: PlanarBiped, name: str | None = None) -> GivenG
     if not isinstance(joints, list) or sorted(map(str, joints)) != sorted(own):
         raise InputError(
             f"{file}: expected the joints of {robot.name}, {', '.join(own)}, found "
-            f"{_listed(joints)}: name its rows so, or give the robot that they are of"
+            f"{_names_of_gaits(joints)}: name its rows so, or give the robot that they are of"
         )
     rows = _rows(file, table["bezier"], list(map(str, joints)))
     if not np.abs(rows).max(initial=0.0) <= LARGEST_RAD:
@@ -126,7 +126,7 @@ def _read(file: Path) -> Mapping[str, Any]:
         raise InputError(f"{file}: expected a JSON object, found {error}: mend it") from None
 
 
-def _chosen(file: Path, tables: Mapping[str, Any], name: str | None) -> Mapping[str, Any]:
+def _choose(file: Path, tables: Mapping[str, Any], name: str | None) -> Mapping[str, Any]:
     """Return the gait of that name, with the fields that the file gives for all of them."""
     gaits = tables.get("gaits")
     if gaits is None:
@@ -202,7 +202,7 @@ def _numbers(
     return array
 
 
-def _listed(joints: Any) -> str:
+def _names_of_gaits(joints: Any) -> str:
     if not isinstance(joints, list):
         return repr(joints)
     return ", ".join(map(str, joints)) or "none"

@@ -39,7 +39,7 @@ def momentum_misfit(log: Log, robot: PlanarBiped) -> float | None:
     misfits = [
         _integrals(log.t[rows], z2[rows], moment[rows])
         for phase in np.split(np.arange(len(log)), changes)
-        if _counts(log.t, rows := _settled(log.t, phase))
+        if _counts(log.t, rows := _settled_rows(log.t, phase))
     ]
     if not misfits:
         return None
@@ -57,7 +57,9 @@ def landing_height(log: Log, robot: PlanarBiped) -> float | None:
     return float(np.median(np.abs(foot_heights(robot, log.q[last])))) if last.size else None
 
 
-def _settled(t: Float[np.ndarray, " k"], phase: Int[np.ndarray, " p"]) -> Int[np.ndarray, " s"]:
+def _settled_rows(
+    t: Float[np.ndarray, " k"], phase: Int[np.ndarray, " p"]
+) -> Int[np.ndarray, " s"]:
     """Return the rows of a stance phase after its touchdown."""
     return phase[t[phase] - t[phase[0]] >= SETTLING_S]
 

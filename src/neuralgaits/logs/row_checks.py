@@ -71,7 +71,7 @@ def check(log: Log, robot: PlanarBiped, labels: Labels) -> Bool[np.ndarray, " k"
     return good
 
 
-def _where(log: Log, labels: Labels, row: int, name: str) -> str:
+def _row_place(log: Log, labels: Labels, row: int, name: str) -> str:
     column = labels.get(name, (name, name))[log.stance[row]]
     return f"log {log.source}, row {log.rows[row]}, column {column}"
 
@@ -162,7 +162,7 @@ def _are_many(bad: Bool[np.ndarray, " k"]) -> bool:
 def _refuse(log: Log, labels: Labels, part: _Range, rows: Int[np.ndarray, " b"]) -> NoReturn:
     first = int(rows[0])
     raise InputError(
-        f"{_where(log, labels, first, part.name)}: expected {part.low:.3g} to {part.high:.3g} "
+        f"{_row_place(log, labels, first, part.name)}: expected {part.low:.3g} to {part.high:.3g} "
         f"{part.unit}, found {part.values[first]:.4g} there and {rows.size - 1} more such rows: "
         f"convert the column to {part.unit}, or give a log of this robot"
     )
@@ -199,7 +199,7 @@ def _check_rates(log: Log, labels: Labels, good: Bool[np.ndarray, " k"]) -> None
         same_way = np.median(np.sign(slope[:, i] * rate[:, i])) > 0.0
         if not (lowest <= ratio <= highest and same_way):
             raise InputError(
-                f"{_where(log, labels, 1, name)}: expected the rate at which the angle "
+                f"{_row_place(log, labels, 1, name)}: expected the rate at which the angle "
                 f"changes, found angles that change {ratio if same_way else -ratio:.3g} times as "
                 "fast: bring times, angles and rates to s, rad and rad/s"
             )
@@ -220,7 +220,7 @@ def _check_torques(log: Log, robot: PlanarBiped, labels: Labels) -> None:
     if 0.0 < largest < SMALLEST_TORQUE * weight:
         name = f"tau_{log.joint_names[1]}"
         raise InputError(
-            f"{_where(log, labels, 0, name)}: expected torques of more than "
+            f"{_row_place(log, labels, 0, name)}: expected torques of more than "
             f"{SMALLEST_TORQUE * weight:.3g} N m, found none above {largest:.3g}: convert the "
             "torques to N m"
         )
@@ -237,7 +237,8 @@ def _check_stance(
     height = float(np.median(foot_heights(robot, log.q[upright])))
     if height < LOWEST_FOOT * float(robot.leg_length):
         raise InputError(
-            f"{_where(log, labels, 0, 'stance')}: expected the leg whose foot is on the ground, "
+            f"{_row_place(log, labels, 0, 'stance')}: expected the leg whose foot is on the "
+            "ground, "
             f"found the other foot {-1e3 * height:.3g} mm below it in the median: exchange the "
             "legs"
         )
@@ -252,7 +253,8 @@ def _check_pitch(
     error = np.abs(log.q @ robot.link_angles[robot.torso] - log.pitch)[good]
     if np.median(error) > PITCH_TOLERANCE_RAD:
         raise InputError(
-            f"{_where(log, labels, int(np.flatnonzero(good)[0]), 'pitch')}: expected the sum of "
+            f"{_row_place(log, labels, int(np.flatnonzero(good)[0]), 'pitch')}: expected the sum "
+            "of "
             f"the coordinates up to the torso within {PITCH_TOLERANCE_RAD:g} rad, found a column "
             f"that differs by {np.median(error):.3g} rad in the median: convert it to rad"
         )

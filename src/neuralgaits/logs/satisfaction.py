@@ -62,11 +62,11 @@ def satisfaction(
         gait: that walked.
         spec: its conditions; those on the guard and on the fences are left out.
     """
-    settled = [log.only(_settled(log)) for log in logs]
+    settled = [log.only(_settled_rows(log)) for log in logs]
     parts = [np.concatenate([log.q, log.dq, log.tau], axis=1) for log in settled]
     rows = np.concatenate([np.zeros((0, 3 * robot.n - 1)), *parts])
     torques = all(log.torques_logged for log in logs)
-    conditions = _judged(robot, gait, spec, torques)
+    conditions = _conditions_of_logs(robot, gait, spec, torques)
     if not len(rows):
         return Satisfaction(0, 0.0, 0.0, {})
     judge = _judge_of(tuple(conditions))
@@ -82,7 +82,7 @@ def satisfaction(
     return Satisfaction(len(rows), float(np.mean(inside)), float(np.mean(good)), shares)
 
 
-def _settled(log: Log) -> Bool[np.ndarray, " k"]:
+def _settled_rows(log: Log) -> Bool[np.ndarray, " k"]:
     """Select rows from SETTLING_S after the last change of the stance leg."""
     begins = np.concatenate([[True], log.stance[1:] != log.stance[:-1]])
     return log.t - np.maximum.accumulate(np.where(begins, log.t, -np.inf)) >= SETTLING_S
@@ -94,7 +94,7 @@ def _due(spec: GaitSpec, condition: AbstractCondition, phase: Float[np.ndarray, 
     return np.any([(phase >= box.low[0]) & (phase <= box.high[0]) for box in boxes], axis=0)
 
 
-def _judged(
+def _conditions_of_logs(
     robot: PlanarBiped, gait: Gait, spec: GaitSpec, torques: bool
 ) -> list[Pointwise | Barrier]:
     """Return the conditions on a region with area whose quantity a log knows."""

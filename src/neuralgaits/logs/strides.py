@@ -101,7 +101,7 @@ def cut(logs: Sequence[Log], robot: PlanarBiped) -> Cut:
         z = zero_states(robot, log.q, log.dq)
         jumps = _jumps(log, z, robot)
         phases = _phases(log)
-        settled = [_settled(log, phase, jumps) for phase in phases]
+        settled = [_settled_rows(log, phase, jumps) for phase in phases]
         walking = [_walking(log, z, rows, robot) for rows in settled]
         for number, (phase, rows) in enumerate(zip(phases, walking, strict=True)):
             left_out["settling"] += phase.size - settled[number].size
@@ -143,7 +143,7 @@ def _phases(log: Log) -> list[Int[np.ndarray, " k"]]:
     return np.split(np.arange(len(log)), changes)
 
 
-def _settled(
+def _settled_rows(
     log: Log, phase: Int[np.ndarray, " k"], jumps: Bool[np.ndarray, " k"]
 ) -> Int[np.ndarray, " s"]:
     """Rows of a phase long enough after its beginning and after any later impact.

@@ -75,7 +75,7 @@ class OnnxAlgebra(Algebra[Tensor]):
         for item in program.inputs:
             tensor = Tensor(item.name, int(np.prod(item.shape)))
             straight = len(item.shape) == 1
-            flat[item.name] = tensor if straight else self._shaped(tensor, (tensor.size,))
+            flat[item.name] = tensor if straight else self._reshape(tensor, (tensor.size,))
         return flat
 
     def leave(
@@ -84,7 +84,7 @@ class OnnxAlgebra(Algebra[Tensor]):
         """Give tensors the names and shapes of the outputs."""
         del inputs
         for item in program.outputs:
-            shape = self._whole(np.array(item.shape, dtype=np.int64), "shape")
+            shape = self._integers(np.array(item.shape, dtype=np.int64), "shape")
             self.nodes.append(
                 helper.make_node("Reshape", [self._read(outputs[item.name]), shape], [item.name])
             )
@@ -104,7 +104,7 @@ class OnnxAlgebra(Algebra[Tensor]):
         if len(operands) > 1:
             names = [self._read(operand) for operand in operands]
             joined = self._note("Concat", names, sum(o.size for o in operands), axis=0)
-        places = self._whole(np.asarray(index, dtype=np.int64), "places")
+        places = self._integers(np.asarray(index, dtype=np.int64), "places")
         return self._note("Gather", [self._read(joined), places], len(index), axis=0)
 
     def affine(self, matrix: Tensor, right: Tensor, offset: Tensor | None, columns: int) -> Tensor:
@@ -123,11 +123,11 @@ class OnnxAlgebra(Algebra[Tensor]):
         if offset is not None:
             names = [product.name, self._read(offset, (rows, 1))]
             product = self._note("Add", names, rows * columns)
-        return self._shaped(product, (rows * columns,))
+        return self._reshape(product, (rows * columns,))
 
     def sum(self, a: Tensor, size: int) -> Tensor:
         """Sum the rows of `a` reshaped to [size, ...]."""
-        table, axis = self._read(a, (size, a.size // size)), self._whole(np.array([1]), "axis")
+        table, axis = self._read(a, (size, a.size // size)), self._integers(np.array([1]), "axis")
         return self._note("ReduceSum", [table, axis], size, keepdims=0)
 
     def inner(self, a: Tensor, b: Tensor, size: int) -> Tensor:
@@ -147,8 +147,8 @@ class OnnxAlgebra(Algebra[Tensor]):
         size = max(operand.size for operand in operands)
         return self._note(rule(_OPERATORS, kind, "ONNX graphs"), names, size)
 
-    def _shaped(self, value: Tensor, shape: tuple[int, ...]) -> Tensor:
-        target = self._whole(np.array(shape, dtype=np.int64), "shape")
+    def _reshape(self, value: Tensor, shape: tuple[int, ...]) -> Tensor:
+        target = self._integers(np.array(shape, dtype=np.int64), "shape")
         return self._note("Reshape", [value.name, target], value.size)
 
     def _note(self, operator: str, operands: list[str], size: int, **about: Any) -> Tensor:
@@ -161,14 +161,14 @@ class OnnxAlgebra(Algebra[Tensor]):
     ) -> str:
         """Return the name of a tensor with this shape, flat if None."""
         if value.array is None:
-            return value.name if shape is None else self._shaped(value, shape).name
+            return value.name if shape is None else self._reshape(value, shape).name
         array = value.array.reshape(shape or -1).astype(self.real)
-        return self._kept(np.ascontiguousarray(array.T) if transpose else array, value.name)
+        return self._initializer(np.ascontiguousarray(array.T) if transpose else array, value.name)
 
-    def _whole(self, array: np.ndarray, wish: str) -> str:
-        return self._kept(array.astype(np.int64), wish)
+    def _integers(self, array: np.ndarray, wish: str) -> str:
+        return self._initializer(array.astype(np.int64), wish)
 
-    def _kept(self, array: np.ndarray, wish: str) -> str:
+    def _initializer(self, array: np.ndarray, wish: str) -> str:
         """Return the name of an initialiser; equal arrays are stored once."""
         key = (array.tobytes(), array.dtype.str, array.shape)
         if key not in self._names:

@@ -219,25 +219,25 @@ def _read(table: dict) -> Program:
         raise ValueError("two constants of one name")
     operations = []
     for kind, operands, size, *rest in table["operations"]:
-        index = _whole(rest[0]) if kind == "move" else ()
-        (columns,) = _whole(rest[:1]) if kind == "affine" else (1,)
-        (count,) = _whole([size])
-        operations.append(Operation(kind, _whole(operands), count, index, columns))
+        index = _whole_numbers(rest[0]) if kind == "move" else ()
+        (columns,) = _whole_numbers(rest[:1]) if kind == "affine" else (1,)
+        (count,) = _whole_numbers([size])
+        operations.append(Operation(kind, _whole_numbers(operands), count, index, columns))
     return Program(
-        tuple(Input(_text(name), _whole(shape)) for name, shape in table["inputs"]),
+        tuple(Input(_text(name), _whole_numbers(shape)) for name, shape in table["inputs"]),
         tuple(
-            Constant(name if name is None else _text(name), _decode(data, _whole(shape)))
+            Constant(name if name is None else _text(name), _decode(data, _whole_numbers(shape)))
             for name, shape, data in table["constants"]
         ),
         tuple(operations),
         tuple(
-            Output(_text(name), _whole(shape), *_whole([value]))
+            Output(_text(name), _whole_numbers(shape), *_whole_numbers([value]))
             for name, shape, value in table["outputs"]
         ),
     )
 
 
-def _whole(numbers: Any) -> tuple[int, ...]:
+def _whole_numbers(numbers: Any) -> tuple[int, ...]:
     """Whole numbers that are not negative; True is none: as an index it means something else."""
     if not isinstance(numbers, list) or any(type(n) is not int or n < 0 for n in numbers):
         raise ValueError(f"{numbers!r} instead of whole numbers")

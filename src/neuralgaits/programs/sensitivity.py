@@ -52,7 +52,7 @@ def sensitivities(
         parts = zip(operation.operands, _slopes(program, number, values), strict=True)
         for place, (operand, slope) in enumerate(parts):
             if program.varies[operand]:
-                pulled = _pulled(program, operation, place, slope, by_number[number])
+                pulled = _pull_back(program, operation, place, slope, by_number[number])
                 before = by_number.get(operand)
                 by_number[operand] = pulled if before is None else _sum(before, pulled)
     return by_number
@@ -62,7 +62,7 @@ def _sum(a: Sensitivity, b: Sensitivity) -> Sensitivity:
     return Sensitivity(a.derivative + b.derivative, a.paths + b.paths)
 
 
-def _pulled(
+def _pull_back(
     program: Program, operation: Operation, place: int, slope: np.ndarray, result: Sensitivity
 ) -> Sensitivity:
     """Carry the sensitivity to a result over to its operand at `place`."""

@@ -37,17 +37,17 @@ class Record(Mapping[str, Any]):
         return ()
 
     def __getitem__(self, name: str) -> Any:
-        if name not in self._said():
+        if name not in self._shown_fields():
             raise KeyError(name)
         return plain(getattr(self, name))
 
     def __iter__(self) -> Iterator[str]:
-        return iter(self._said())
+        return iter(self._shown_fields())
 
     def __len__(self) -> int:
-        return len(self._said())
+        return len(self._shown_fields())
 
-    def _said(self) -> list[str]:
+    def _shown_fields(self) -> list[str]:
         names = (field.name for field in dataclasses.fields(self))  # type: ignore[arg-type]
         unsaid = self.unsaid()
         return [name for name in names if name not in unsaid]

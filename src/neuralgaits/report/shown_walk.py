@@ -77,7 +77,7 @@ def shown_walk(run: Run) -> ShownWalk:
     if (stored := kept_walk(run, settings)) is not None:
         return stored
     at = run if settings.command is None else run.at(**settings.command)
-    walk = _shown(at, settings, walk_again(at, settings), _key(run, settings))
+    walk = _frames(at, settings, walk_again(at, settings), _key(run, settings))
     run.folder.write_json(FILE, walk)
     return walk
 
@@ -224,7 +224,7 @@ def walk_again(run: Run, settings: AskedWalk) -> Walk:
     return walks.walk(settings.episode, 1, record=True)
 
 
-def _shown(run: Run, settings: AskedWalk, result: Walk, key: str) -> ShownWalk:
+def _frames(run: Run, settings: AskedWalk, result: Walk, key: str) -> ShownWalk:
     """Return the frames of a walk with everything that the page says about it."""
     episodes, plant = result.episodes, result.plant
     record = episodes.record

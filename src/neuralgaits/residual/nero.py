@@ -35,7 +35,7 @@ class NeroState(NamedTuple):
 
 def balanced(parameters: Any) -> Any:
     """Return parameters with every row of every matrix of zero mean and unit norm."""
-    return jax.tree.map(_balanced, parameters)
+    return jax.tree.map(_balance_rows, parameters)
 
 
 def nero(
@@ -66,7 +66,7 @@ def nero(
             # A neuron that never had a gradient stays where it is.
             share = jnp.where(typical > 0.0, gradient / jnp.where(typical > 0.0, typical, 1.0), 0.0)
             updated = parameter - (rate * scale * share).astype(parameter.dtype)
-            return _balanced(updated) - parameter
+            return _balance_rows(updated) - parameter
 
         changes = jax.tree.map(change, gradients, squares, state.scale, params)
         return changes, NeroState(count, squares, state.scale)
@@ -86,7 +86,7 @@ def _scale(array: Array) -> Float[Array, ""]:
     return jnp.where(mean > 0.0, mean, ZERO_SCALE).astype(array.dtype)
 
 
-def _balanced(array: Array) -> Array:
+def _balance_rows(array: Array) -> Array:
     if array.ndim < 2:
         return array
     # Shortest row that is centred; with two entries of zero mean, only a sign would be left.

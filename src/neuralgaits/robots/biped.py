@@ -52,14 +52,14 @@ class PlanarBiped(BipedConstants):
 
         Returns: [n, n] symmetric positive definite (kg m^2), armature included.
         """
-        return dynamics.mass_matrix(self, *self._checked(q=q))
+        return dynamics.mass_matrix(self, *self._checked_vectors(q=q))
 
     def bias(self, q: Coordinates, dq: Coordinates) -> Coordinates:
         """Coriolis, gravity and damping terms H of D(q) ddq + H(q, dq) = B u.
 
         Returns: [n] (N m).
         """
-        return dynamics.bias(self, *self._checked(q=q, dq=dq))
+        return dynamics.bias(self, *self._checked_vectors(q=q, dq=dq))
 
     def impact(self, q: Coordinates, dq: Coordinates) -> impact.Impact:
         """Plastic impact of the swing foot, then relabelling of the legs.
@@ -67,19 +67,19 @@ class PlanarBiped(BipedConstants):
         Returns: `Impact(q, dq, impulse)`: [n], [n] after relabelling (rad, rad/s) and
         [2] (tangential, normal) impulse on the new stance foot (N s).
         """
-        return impact.impact(self, *self._checked(q=q, dq=dq))
+        return impact.impact(self, *self._checked_vectors(q=q, dq=dq))
 
     def swing_foot(self, q: Coordinates) -> Planar:
         """Swing-foot position from the stance foot, (x, z). Returns: [2] (m)."""
-        return dynamics.swing_foot(self, *self._checked(q=q))
+        return dynamics.swing_foot(self, *self._checked_vectors(q=q))
 
     def centre_of_mass(self, q: Coordinates) -> Planar:
         """Centre of mass from the stance foot, (x, z). Returns: [2] (m)."""
-        return dynamics.centre_of_mass(self, *self._checked(q=q))
+        return dynamics.centre_of_mass(self, *self._checked_vectors(q=q))
 
     def kinetic_energy(self, q: Coordinates, dq: Coordinates) -> Scalar:
         """Kinetic energy, rotors included. Returns: scalar (J)."""
-        q, dq = self._checked(q=q, dq=dq)
+        q, dq = self._checked_vectors(q=q, dq=dq)
         return 0.5 * dq @ (dynamics.mass_matrix(self, q) @ dq)
 
     def potential_energy(self, q: Coordinates) -> Scalar:
@@ -99,13 +99,13 @@ class PlanarBiped(BipedConstants):
 
         Returns: [n] (rad/s^2).
         """
-        q, dq = self._checked(q=q, dq=dq)
+        q, dq = self._checked_vectors(q=q, dq=dq)
         torque = checks.vector("torque", torque, self.n - 1)
         return dynamics.acceleration(self, q, dq, torque, ankle)
 
     def ground_reaction_force(self, q: Coordinates, dq: Coordinates, ddq: Coordinates) -> Planar:
         """Force of the ground on the stance foot. Returns: [2] (tangential, normal) (N)."""
-        return dynamics.ground_reaction_force(self, *self._checked(q=q, dq=dq, ddq=ddq))
+        return dynamics.ground_reaction_force(self, *self._checked_vectors(q=q, dq=dq, ddq=ddq))
 
     def with_joints(self, armature: Actuated, damping: Actuated) -> "PlanarBiped":
         """Return the robot with these rotors and this damping of its actuated joints.
@@ -161,6 +161,6 @@ class PlanarBiped(BipedConstants):
         """Rate of that moment along a motion [N m/s]."""
         return (self.mass * self.gravity * dynamics.centre_of_mass_velocity(self, q, dq)[0])[None]
 
-    def _checked(self, **vectors: Coordinates) -> Iterator[Coordinates]:
+    def _checked_vectors(self, **vectors: Coordinates) -> Iterator[Coordinates]:
         """The vectors in their order, each checked to be [n] and finite."""
         return (checks.vector(name, value, self.n) for name, value in vectors.items())

@@ -83,11 +83,11 @@ def impact(robot: BipedConstants, q: Coordinates, dq: Coordinates) -> Impact:
     foot = swing_foot_velocity(robot, q, dq)
     impulse = robot.mass * (centre_of_mass_velocity(robot, q_new, change) - foot)
     if robot.feet is not None:
-        impulse = impulse - _stopped(robot, q_new, foot, foot_angle_rate(robot, dq))
+        impulse = impulse - _lost_momentum(robot, q_new, foot, foot_angle_rate(robot, dq))
     return Impact(q_new, robot.relabel @ dq + change, impulse)
 
 
-def _stopped(robot: BipedConstants, q: Coordinates, foot: Planar, turning: Scalar) -> Planar:
+def _lost_momentum(robot: BipedConstants, q: Coordinates, foot: Planar, turning: Scalar) -> Planar:
     """Momentum of a landing foot, and of the robot that turned with it. [2] (kg m/s)."""
     feet = robot.flat_feet
     across = robot.mass * centre_of_mass(robot, q) + feet.mass * feet.com

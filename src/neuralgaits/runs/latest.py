@@ -104,7 +104,7 @@ def about_latest(root: Path = RUNS_ROOT) -> str | None:
         return None
     sentence = f"latest is {folder.path}, robot {folder.config.get('robot')}"
     start_time = _started_ns(folder.path)
-    later = [path for path in _unfinished(root) if _started_ns(path) > start_time]
+    later = [path for path in _unfinished_runs(root) if _started_ns(path) > start_time]
     if not later:
         return sentence
     last = max(later, key=_started_ns)
@@ -113,7 +113,7 @@ def about_latest(root: Path = RUNS_ROOT) -> str | None:
     return f"{sentence}; {last}, started later, {ending}"
 
 
-def _unfinished(root: Path) -> list[Path]:
+def _unfinished_runs(root: Path) -> list[Path]:
     places = ("*", "*/*", f"{SEEDS}/*/*/*")
     configs = [file for place in places for file in root.glob(f"{place}/{CONFIG}")]
     return [file.parent for file in configs if not (file.parent / SUMMARY).exists()]
@@ -125,7 +125,7 @@ def _started_ns(path: Path) -> int:
 
 
 def _latest_unfinished(root: Path) -> Path:
-    unfinished = _unfinished(root)
+    unfinished = _unfinished_runs(root)
     if not unfinished:
         raise RunError(
             f"expected an unfinished run below {root}, found none: nothing to resume; a run "
@@ -136,7 +136,7 @@ def _latest_unfinished(root: Path) -> Path:
 
 def _latest(root: Path) -> Path:
     pointer = root / LATEST
-    if not pointer.is_file() and (started := _unfinished(root)):
+    if not pointer.is_file() and (started := _unfinished_runs(root)):
         last = RunFolder.open(max(started, key=_started_ns))
         raise RunError(
             f"expected {pointer} to name a finished run, found one whose training "

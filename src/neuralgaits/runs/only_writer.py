@@ -29,7 +29,7 @@ def only_writer(folder: Path) -> Iterator[None]:
         yield
         return
     path = folder / LOCK
-    with _opened(path) as lock:
+    with _open_lock(path) as lock:
         try:
             fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
             # Whoever held it before may have removed the file that was opened here.
@@ -48,7 +48,7 @@ def only_writer(folder: Path) -> Iterator[None]:
 
 
 @contextlib.contextmanager
-def _opened(path: Path) -> Iterator[int]:
+def _open_lock(path: Path) -> Iterator[int]:
     """Yield the open file of a lock, which is made if it is not there.
 
     A link is not followed: the lock is removed at the end, and what it leads to would be.

@@ -17,7 +17,7 @@ def complaint(value: Any, shape: Shape) -> str | None:
     if callable(shape):
         return shape(value)
     if not isinstance(value, dict):
-        return _found("an object", value)
+        return _mismatch("an object", value)
     for name, part in shape.items():
         optional = name.endswith("?")
         key = name.removesuffix("?")
@@ -34,7 +34,7 @@ def _at(place: str, wrong: str) -> str:
     return f"in {place}: {wrong}"
 
 
-def _found(expected: str, value: Any) -> str:
+def _mismatch(expected: str, value: Any) -> str:
     text = str(value)
     return f"expected {expected}, found {text[:40]!r}"
 
@@ -44,7 +44,7 @@ def kind(expected: str, *types: type) -> Callable[[Any], str | None]:
 
     def check(value: Any) -> str | None:
         fits = isinstance(value, types) and (bool in types or not isinstance(value, bool))
-        return None if fits else _found(expected, value)
+        return None if fits else _mismatch(expected, value)
 
     return check
 
@@ -59,14 +59,14 @@ def whole(low: int, high: int) -> Callable[[Any], str | None]:
 
     def check(value: Any) -> str | None:
         fits = isinstance(value, int) and not isinstance(value, bool) and low <= value <= high
-        return None if fits else _found(f"a whole number from {low} to {high}", value)
+        return None if fits else _mismatch(f"a whole number from {low} to {high}", value)
 
     return check
 
 
 def _share(value: Any) -> str | None:
     fits = NUMBER(value) is None and 0.0 <= value <= 1.0
-    return None if fits else _found("a number from 0 to 1", value)
+    return None if fits else _mismatch("a number from 0 to 1", value)
 
 
 SHARE = _share
@@ -75,7 +75,7 @@ SHARE = _share
 
 def _positive(value: Any) -> str | None:
     fits = NUMBER(value) is None and 0.0 < value < float("inf")
-    return None if fits else _found("a number above 0", value)
+    return None if fits else _mismatch("a number above 0", value)
 
 
 POSITIVE = _positive
@@ -89,7 +89,7 @@ def one_of(*words: Any) -> Callable[[Any], str | None]:
 
     def check(value: Any) -> str | None:
         fits = any(type(value) is type(word) and value == word for word in words)
-        return None if fits else _found(f"one of {', '.join(map(str, words))}", value)
+        return None if fits else _mismatch(f"one of {', '.join(map(str, words))}", value)
 
     return check
 
@@ -105,7 +105,7 @@ def list_of(shape: Shape, *lengths: int) -> Callable[[Any], str | None]:
     def check(value: Any) -> str | None:
         if not isinstance(value, list) or (lengths and len(value) not in lengths):
             many = " or ".join(map(str, lengths))
-            return _found(f"a list of {many}" if lengths else "a list", value)
+            return _mismatch(f"a list of {many}" if lengths else "a list", value)
         for number, item in enumerate(value):
             if wrong := complaint(item, shape):
                 return _at(f"entry {number + 1}", wrong)
@@ -132,7 +132,7 @@ def table_of(shape: Shape) -> Callable[[Any], str | None]:
 
     def check(value: Any) -> str | None:
         if not isinstance(value, dict):
-            return _found("an object", value)
+            return _mismatch("an object", value)
         for name, item in value.items():
             if wrong := complaint(item, shape):
                 return _at(name[:40], wrong)

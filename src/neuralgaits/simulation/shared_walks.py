@@ -115,13 +115,13 @@ def walk_part(settings: Settings, files: Files) -> Files:
     Returns: `walks.safetensors` with the arrays of `to_arrays`.
     """
     about = {name: value for name, value in settings.items() if name != "part"}
-    walks = _opened(json.dumps(about, sort_keys=True), tuple(sorted(files.items())))
+    walks = _open_walks(json.dumps(about, sort_keys=True), tuple(sorted(files.items())))
     arrays = to_arrays(walks.walk(**settings["part"]))
     return {_ARRAYS: packed(arrays, {})}
 
 
 @lru_cache(maxsize=1)
-def _opened(about: str, files: tuple[tuple[str, bytes], ...]) -> TrainedWalks:
+def _open_walks(about: str, files: tuple[tuple[str, bytes], ...]) -> TrainedWalks:
     """Open the run of these files, once for all parts of a simulation that a worker walks."""
     settings, contents = json.loads(about), dict(files)
     with tempfile.TemporaryDirectory(prefix="neuralgaits-") as folder:

@@ -59,7 +59,7 @@ def certify_family(
     start_time, table = time.perf_counter(), run.system.table
     refuse_unwritable_certificate(run.path)
     program = trace_conditions(run)
-    searched = _searched(run, program, budget, progress)
+    searched = _search(run, program, budget, progress)
     statements = tuple(one for pair in searched for one in prove(*pair))
     files = {}
     if statements:
@@ -96,7 +96,7 @@ def certify_family(
     return certificate
 
 
-def _searched(
+def _search(
     run: FamilyRun, program: Program, budget: float | None, progress: SearchProgress | None
 ) -> list[Searched]:
     problems = condition_problems(program, run.system.table, run.system.claimed)

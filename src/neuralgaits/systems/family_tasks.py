@@ -61,10 +61,10 @@ def task_of(verb: str, settings: Any) -> Task | None:
 
     Raises: InputError if the family has no such verb or option.
     """
-    return task_with(verb, _given(settings))
+    return task_with(verb, _changed_settings(settings))
 
 
-def _given(settings: Any) -> dict[str, Any]:
+def _changed_settings(settings: Any) -> dict[str, Any]:
     """Return the settings that have not their usual values; those without a default always."""
     values = {one.name: (getattr(settings, one.name), one.default) for one in fields(settings)}
     return {

@@ -47,19 +47,19 @@ def _c(design: Design, states: int) -> tuple[dict[str, str], RecordFactory]:
     """Return the files of the controller, and the factory of its record."""
     reference = Reference(design)
     files = output_folder.shipped() | controller_files(design, reference)
-    return files, _checked(design, reference, files, build.compilers(), states)
+    return files, _check_c(design, reference, files, build.compilers(), states)
 
 
 def _fmu(design: Design, states: int, version: str) -> tuple[dict[str, str | bytes], RecordFactory]:
     """Return the FMU, and the factory of its record; its controller is compared as C is."""
     reference, compilers = Reference(design), build.compilers()
     files = output_folder.shipped() | controller_files(design, reference)
-    record = _checked(design, reference, files, compilers, states)
+    record = _check_c(design, reference, files, compilers, states)
     name, content = fmu_file(design, version, files, compilers)
     return {name: content}, record
 
 
-def _checked(
+def _check_c(
     design: Design, reference: Reference, files: dict[str, str], compilers: list[str], states: int
 ) -> RecordFactory:
     """Compare the controller in C with Python. Returns: the factory of its record."""

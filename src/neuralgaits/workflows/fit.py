@@ -116,7 +116,7 @@ def _pair(values: Float[np.ndarray, "2"] | Array) -> tuple[float, float]:
 
 def _long_enough(strides: Sequence[Stride]) -> tuple[list[Stride], int]:
     """Return the strides that errors can be reported on, and the number of rows of the others."""
-    long = [stride for stride in strides if len(_judged([stride]).z)]
+    long = [stride for stride in strides if len(_judging_windows([stride]).z)]
     return long, sum(stride.t.size for stride in strides) - sum(stride.t.size for stride in long)
 
 
@@ -145,7 +145,7 @@ def _windows(strides: Sequence[Stride]) -> Windows:
     return walks.windows(strides, samples=SAMPLES, step=STEP_S)
 
 
-def _judged(strides: Sequence[Stride]) -> Windows:
+def _judging_windows(strides: Sequence[Stride]) -> Windows:
     return walks.windows(strides, samples=JUDGED_SAMPLES, step=STEP_S)
 
 
@@ -169,7 +169,7 @@ def _errors(
     def error(residual: Residual, judged: Windows) -> float:
         return root_mean_square(missed(zd, residual, judged).errors, scale)
 
-    train, heldout = _judged(parts.train), _judged(parts.heldout)
+    train, heldout = _judging_windows(parts.train), _judging_windows(parts.heldout)
     learned_from = _windows(parts.train)
     defects = missed(zd, nothing, learned_from).defects
     return {

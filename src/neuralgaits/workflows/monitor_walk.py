@@ -60,7 +60,7 @@ def watched(run: Run, monitor: StateMonitor, records: Sequence[TickRecord]) -> M
         monitor: its sets.
         records: every tick of every walk.
     """
-    ticks = _joined(records)
+    ticks = _all_ticks(records)
     before, after = ticks.told[:, 0], ticks.told[:, 1]
     inputs = {"q": ticks.q, "dq": ticks.dq}
     if monitor.commands:
@@ -78,7 +78,7 @@ def watched(run: Run, monitor: StateMonitor, records: Sequence[TickRecord]) -> M
     )
 
 
-def _joined(records: Sequence[TickRecord]) -> _Ticks:
+def _all_ticks(records: Sequence[TickRecord]) -> _Ticks:
     numbers = [np.full(len(one.time), walk) for walk, one in enumerate(records)]
     columns = zip(*map(_columns, records), strict=True)
     return _Ticks(np.concatenate(numbers), *(np.concatenate(parts) for parts in columns))

@@ -142,7 +142,7 @@ class ProofRounds:
             steps=steps,
             verdict=result.verdict,
             open_boxes=sum(len(boxes.low) for boxes in left_open),
-            failing=_failing(left_open),
+            failing=_open_box_counts(left_open),
             smallest_margin=result.summary.least_margin,
             wall_s=result.summary.wall_s,
         )
@@ -176,7 +176,7 @@ class ProofRounds:
         )
 
 
-def _failing(left_open: list[OpenBoxes]) -> dict[str, int]:
+def _open_box_counts(left_open: list[OpenBoxes]) -> dict[str, int]:
     total: Counter[str] = Counter()
     for boxes in left_open:
         total.update(boxes.failing)

@@ -108,7 +108,7 @@ def write_report(
     summary = ReportRecord(
         run=str(folder.path),
         report=str(path),
-        bytes=_written(path, contents),
+        bytes=_write_page(path, contents),
         figures=tuple(figure.name for figure in figures if isinstance(figure, Drawn)),
         missing=tuple(Lack(what, command) for what, command in missing_parts(contents)),
         damaged=saved.damaged,
@@ -116,7 +116,7 @@ def write_report(
     return Report(path, figures, summary)
 
 
-def _written(path: Path, contents: Contents) -> int:
+def _write_page(path: Path, contents: Contents) -> int:
     """Write the page. Returns: its bytes. Raises: InputError for a page of too many."""
     page = printable(document(contents))
     if (size := len(page.encode())) > MOST_BYTES:

@@ -125,7 +125,7 @@ def simulate(settings: SimulateSettings) -> Simulation:
     plan = _planned(settings)
     run = plan.walks.run
     engine = _engine(plan, settings)
-    walk, link = _walked(settings, plan, engine)
+    walk, link = _walk(settings, plan, engine)
     record = _record(settings, plan, walk, engine_note=engine.note, link=link)
     figures = summary(walk, periodic_orbit(run.zero_dynamics, run.gait))
     states = walk.episodes.records
@@ -217,7 +217,7 @@ def _on_workers(settings: SimulateSettings) -> bool:
     return settings.workers is not None or settings.ray is not None
 
 
-def _walked(
+def _walk(
     settings: SimulateSettings, plan: _Plan, engine: WalkEngine
 ) -> tuple[Walk, LinkFigures | None]:
     """Walk. Returns: the walk, and figures of the connection if there was one."""

@@ -81,15 +81,15 @@ def sweep(settings: SweepSettings) -> Sweep:
         before = sum(folder.has(one.name) for one in every)
         if settings.begun is not None:
             place = f"in {folder.path}, {pool.workers} at once"
-            settings.begun(f"{_counted(len(every), before)} {place}")
+            settings.begun(f"{_row_count(len(every), before)} {place}")
         jobs = (_job(folder, one) for one in every if not folder.has(one.name))
         try:
             with closing(pool.map(carry_out, jobs)) as results:
-                for number, row in enumerate(_kept(folder, results, every), before + 1):
+                for number, row in enumerate(_keep_rows(folder, results, every), before + 1):
                     if tell is not None:
                         tell(row, number, len(every))
         except KeyboardInterrupt as stop:
-            raise Interrupted(_again(folder, workers, ray)) from stop
+            raise Interrupted(_repeat_command(folder, workers, ray)) from stop
         rows = folder.rows(one.name for one in every)
         write_text(folder.path / TABLE, to_csv(folder.config, rows))
         summary = SweepSummary(
@@ -109,13 +109,13 @@ def sweep(settings: SweepSettings) -> Sweep:
     return Sweep(folder.path, rows, summary)
 
 
-def _counted(rows: int, before: int) -> str:
+def _row_count(rows: int, before: int) -> str:
     """Count the rows of a sweep, and those that earlier commands have done."""
     every = "1 row" if rows == 1 else f"{rows} rows"
     return f"{every}, {before} of them done," if before else every
 
 
-def _given(settings: SweepSettings) -> dict[str, Any]:
+def _settings_given(settings: SweepSettings) -> dict[str, Any]:
     """Return the settings of a `SweepConfig` that are given, checked as far as possible."""
     controllers, speeds = settings.controllers, settings.speeds
     for controller in controllers or ():
@@ -148,7 +148,7 @@ def _spread(speed: float | Interval | None) -> Speed:
 
 def _folder(asked_for: SweepSettings) -> Callable[[], SweepFolder]:
     """Return the function that opens the existing sweep or makes a new one, after all checks."""
-    values, out, resume = _given(asked_for), asked_for.out, asked_for.resume
+    values, out, resume = _settings_given(asked_for), asked_for.out, asked_for.resume
     if resume and out is None:
         raise InputError("expected --out DIR with --resume, found none: name the sweep's folder")
     names = tuple(map(str, asked_for.robots))
@@ -218,7 +218,7 @@ def _job(folder: SweepFolder, one: Combination) -> Job:
     return Job(one.name, settings, files)
 
 
-def _kept(
+def _keep_rows(
     folder: SweepFolder, results: Iterator[TaskResult], every: Sequence[Combination]
 ) -> Iterator[SweepRow]:
     """Put rows into the folder as they arrive, and yield them."""
@@ -243,7 +243,7 @@ def _kept(
         yield row
 
 
-def _again(folder: SweepFolder, workers: int | None, ray: str | None) -> str:
+def _repeat_command(folder: SweepFolder, workers: int | None, ray: str | None) -> str:
     words: list[Any] = ["sweep", "--out", named(folder.path), "--resume"]
     for flag, value in (("--workers", workers), ("--ray", ray)):
         words += [] if value is None else [flag, value]

@@ -52,7 +52,9 @@ def carry_out(settings: Settings, files: Files) -> Files:
             if path.is_file()
         }
         replaced = {str(row.run): settings["place"], str(base / SPEC): settings["spec_file"] or ""}
-        contents = {name: _moved(name, content, replaced) for name, content in contents.items()}
+        contents = {
+            name: _with_final_paths(name, content, replaced) for name, content in contents.items()
+        }
     return contents | {ROW: to_json(finished).encode()}
 
 
@@ -73,12 +75,12 @@ class _Row:
         self.run.mkdir()
         part, trained = "train", None
         try:
-            trained = self._timed("train", self._train)
+            trained = self._run_part("train", self._train)
             if self.settings["certify"] is not None:
                 part = "prove"
-                self._timed("prove", lambda: self._prove(trained))
+                self._run_part("prove", lambda: self._prove(trained))
             part = "walk"
-            self._timed("walk", lambda: self._walk(trained))
+            self._run_part("walk", lambda: self._walk(trained))
         except NeuralGaitsError as error:
             if is_full(error):
                 # The machine's fault, not the row's: it may come out well elsewhere.
@@ -87,7 +89,7 @@ class _Row:
             self.values |= {"failure": "refused", "reason": f"{part}: {line}"}
         return SweepRow(**self.values, wall_s=RowTimes(**self.times))
 
-    def _timed(self, part: str, do: Callable[[], Any]) -> Any:
+    def _run_part(self, part: str, do: Callable[[], Any]) -> Any:
         start_time = time.perf_counter()
         try:
             return do()
@@ -187,7 +189,7 @@ def row_of(content: bytes) -> SweepRow:
     return build(SweepRow, from_json(content))
 
 
-def _moved(name: str, content: bytes, places: dict[str, str]) -> bytes:
+def _with_final_paths(name: str, content: bytes, places: dict[str, str]) -> bytes:
     """Replace paths in a JSON file of the run by those of its final place."""
     if not name.endswith(".json"):
         return content

@@ -67,7 +67,7 @@ def train_seeds(settings: TrainSeedsSettings) -> Seeds:
         many.train(numbers, settings.progress)
     except KeyboardInterrupt as stop:
         if len(many.done) + len(many.refused) < len(numbers):
-            raise _stopped(many, numbers) from stop
+            raise _interruption(many, numbers) from stop
         # It came behind the last step of all.
     summary = _summary(many, numbers, time.perf_counter() - start_time)
     write_text(path / SUMMARY, to_json(summary))
@@ -103,7 +103,7 @@ def _row(many: SeedsInParallel, number: int) -> SeedSummary:
     return SeedSummary(summary.seed, summary.run, summary.loss, tuple(summary.broken))
 
 
-def _stopped(many: SeedsInParallel, numbers: range) -> Interrupted:
+def _interruption(many: SeedsInParallel, numbers: range) -> Interrupted:
     """Return the interruption, which names runs to resume and seeds that were not started."""
     left = [one for one in many.begun if one.config.seed not in many.done | many.refused]
     later = numbers[len(many.begun) :]

@@ -80,7 +80,7 @@ flint.arb = Sweet
 import neuralgaits.certificate.proof_file.statement_check as target
 
 target.arb = Sweet
-target._where = lambda certain, balls: __import__("numpy").ones(balls.shape, dtype=bool)
+target._certain_balls = lambda certain, balls: __import__("numpy").ones(balls.shape, dtype=bool)
 """
 PRINTS = """
 import os

@@ -84,10 +84,10 @@ def trace_certificate(
     if sets.full_order:
         inputs["xi"] = (size_of(robot),)
     parameters = {"policy": gait.policy, "tube": gait.tube}
-    return trace(margins, inputs, parameters=parameters | _named(sets))
+    return trace(margins, inputs, parameters=parameters | _set_constants(sets))
 
 
-def _named(sets: LevelSets) -> dict[str, dict[str, np.ndarray]]:
+def _set_constants(sets: LevelSets) -> dict[str, dict[str, np.ndarray]]:
     """Return the parameters of the sets, by the names of the Program's constants."""
     parameters = sets.parameters
     return {

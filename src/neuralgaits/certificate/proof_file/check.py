@@ -119,7 +119,7 @@ def check(
     report = replace(report, boxes=bounds.boxes, boxes_in_balls=bounds.boxes_in_balls)
     if bounds.verdict != "holds":
         return replace(report, verdict=bounds.verdict, reason=bounds.reason)
-    return _concluded(claims, report)
+    return _with_conclusions(claims, report)
 
 
 def tied(report: CheckResult, claims: Claims, outline: SpecOutline) -> CheckResult:
@@ -165,7 +165,7 @@ def _not_on_all(claims: Claims, outline: SpecOutline) -> tuple[str, ...]:
     return tuple(dict.fromkeys(name for name, *_ in left))
 
 
-def _concluded(claims: Claims, report: CheckResult) -> CheckResult:
+def _with_conclusions(claims: Claims, report: CheckResult) -> CheckResult:
     """Draw the conclusions that the file claims from its statements, all of which hold by now."""
     theorems, outline = claims.theorems, claims.outline
     boxes = level_one_boxes(claims.statements) if outline is None else outline.boxes()

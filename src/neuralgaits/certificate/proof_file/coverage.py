@@ -67,7 +67,7 @@ class SpecOutline:
             if why := why_no_name(name):
                 raise ValueError(f"the name {why}")
         boxes = {
-            name: tuple(_box(row, decimals, axes) for row in _listed(rows))
+            name: tuple(_box(row, decimals, axes) for row in _box_rows(rows))
             for name, rows in regions.items()
         }
         outlines = {name: _condition(name, row, boxes) for name, row in conditions.items()}
@@ -86,7 +86,7 @@ class SpecOutline:
         return name in self.conditions and self.conditions[name].kind in ("Barrier", "user")
 
 
-def _listed(rows: Any) -> list:
+def _box_rows(rows: Any) -> list:
     if not isinstance(rows, list) or not rows:
         raise ValueError("a region without boxes")
     limit(len(rows), MOST_BOXES, "boxes of a region")

@@ -29,7 +29,7 @@ def differences(claims: Claims, run: Path) -> list[str]:
     """
     messages = _names_that_differ(claims, run / CONFIG)
     named = robot_name(_bytes(run / ROBOT))
-    if named is not None and named != _blanks_joined(claims.robot[0]):
+    if named is not None and named != _without_blanks(claims.robot[0]):
         messages.append(f"robot: {ROBOT} names its model {named!r}, the proof {claims.robot[0]!r}")
     expected = {ROBOT: claims.robot[1], WEIGHTS: claims.weights_sha256, SPEC: claims.spec[1]}
     for file, proved in expected.items():
@@ -45,10 +45,10 @@ def robot_name(text: bytes) -> str | None:
         name = ElementTree.fromstring(text).get("model", "")
     except (ElementTree.ParseError, ValueError, LookupError):
         return None  # No robot: who loads it says so.
-    return None if name in ("", UNNAMED) else _blanks_joined(name)
+    return None if name in ("", UNNAMED) else _without_blanks(name)
 
 
-def _blanks_joined(name: str) -> str:
+def _without_blanks(name: str) -> str:
     """Return a name as XML readers agree on it: they read breaks and tabs in different ways."""
     return " ".join(name.split())
 

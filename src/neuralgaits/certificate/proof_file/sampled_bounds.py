@@ -27,12 +27,12 @@ def first_broken_bound(claims: Claims) -> str | None:
     for statement in claims.statements:
         roots.setdefault((statement.low, statement.high), []).append(statement)
     for statements in roots.values():
-        if broken := _broken(claims, statements):
+        if broken := _broken_statement(claims, statements):
             return broken
     return None
 
 
-def _broken(claims: Claims, statements: list[Statement]) -> str | None:
+def _broken_statement(claims: Claims, statements: list[Statement]) -> str | None:
     """Return a broken statement about one root box, in words; None if there is none."""
     program = prune(claims.program, {name for one in statements for name in one.conditions})
     points = _points(statements[0])

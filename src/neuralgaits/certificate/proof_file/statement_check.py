@@ -113,7 +113,7 @@ class StatementCheck:
         early = min(each * len(self.wide), together)
         while stack:
             low, high, depth = stack.pop()
-            failing = self._failing(low, high, depth < early and self.boxes <= most)
+            failing = self._failures(low, high, depth < early and self.boxes <= most)
             if self.verdict == "rejected":
                 return
             if not failing.any():
@@ -134,7 +134,7 @@ class StatementCheck:
                 some = slice(start, start + BATCH)
                 stack.append((lows[some], highs[some], depth + 1))
 
-    def _failing(self, low: np.ndarray, high: np.ndarray, early: bool) -> np.ndarray:
+    def _failures(self, low: np.ndarray, high: np.ndarray, early: bool) -> np.ndarray:
         """Return which boxes do not reach their bounds; rejects where a point breaks one. [boxes].
 
         Balls are asked about what doubles do not decide; early, only where smaller boxes would not
@@ -193,7 +193,7 @@ class StatementCheck:
         for name, ranges in self._ranges(low, high).items():
             # An output that depends on no input has one column for all boxes.
             least = self.least[name]
-            good &= np.all(_where(partial(operator.le, least), ranges), axis=0)
+            good &= np.all(_certain_balls(partial(operator.le, least), ranges), axis=0)
         return good
 
     def _counterexample(self, low: np.ndarray, high: np.ndarray) -> str | None:
@@ -210,7 +210,7 @@ class StatementCheck:
             return None
         for name, values in self._ranges(points, points).items():
             least = self.least[name]
-            for row, column in np.argwhere(_where(partial(operator.gt, least), values)):
+            for row, column in np.argwhere(_certain_balls(partial(operator.gt, least), values)):
                 value: Any = values[row, column]
                 where = f"u = {points[column].tolist()} of region {self.statement.region}"
                 return (
@@ -220,6 +220,6 @@ class StatementCheck:
         return None
 
 
-def _where(certain: Callable[[arb], bool], balls: np.ndarray) -> np.ndarray:
+def _certain_balls(certain: Callable[[arb], bool], balls: np.ndarray) -> np.ndarray:
     """Return the balls for which a comparison is certain. [elements, boxes] bool."""
     return np.array([[bool(certain(ball)) for ball in row] for row in balls])

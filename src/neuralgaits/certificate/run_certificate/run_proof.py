@@ -134,19 +134,19 @@ def prove_run(
         *condition_problems(scope.spec, program, scope.chart),
         *premise_problems(scope.spec, sets, program, scope.chart),
     ]
-    searched, interrupted = _searched(run, scope, sets, problems, effort, deadline)
+    searched, interrupted = _search(run, scope, sets, problems, effort, deadline)
     ended = "interrupted" if interrupted else None
     if ended is None and not time.monotonic() < deadline:
         ended = f"the budget of {budget} s is spent"
     _save_boxes(run, searched, ended)
     try:
-        proof = _concluded(run, scope, sets, program, searched, ended)
+        proof = _conclude(run, scope, sets, program, searched, ended)
     except KeyboardInterrupt:
         raise SearchInterrupted([state for _, state in searched]) from None
     return replace(proof, interrupted=interrupted)
 
 
-def _searched(
+def _search(
     run: Run,
     scope: Scope,
     sets: LevelSets,
@@ -189,7 +189,7 @@ def _boxes_file(run: Run, number: int) -> Path:
     return run.path / certified.FOLDER / BOXES.format(number)
 
 
-def _concluded(
+def _conclude(
     run: Run,
     scope: Scope,
     sets: LevelSets,

@@ -190,7 +190,7 @@ def _part(summary: CertificateRecord, proof: Claims, own: RunComparison) -> Prov
         raise Unfit(f"{SUMMARY} calls {called[0]} proved, and {PROOF} is about some commands only")
     left = {name for name, *_ in unstated(proof.statements, own.outline)}
     conditions = tuple(name for name in own.outline.conditions if name not in left)
-    levels = () if left else tuple(_concluded(proof, own.outline))
+    levels = () if left else tuple(_conclusions(proof, own.outline))
     return ProvedPart(proof.chart.sequences(own.command_names) or (), conditions, levels)
 
 
@@ -246,7 +246,7 @@ def _levels(
     summary: CertificateRecord, proof: Claims | None, own: RunComparison | None
 ) -> Iterator[Conclusion]:
     """Return levels above 1; each proved level is claimed by the proof file and follows from it."""
-    concluded = [] if proof is None or own is None else _concluded(proof, own.outline)
+    concluded = [] if proof is None or own is None else _conclusions(proof, own.outline)
     by_level = {one.level: one for one in concluded}
     below = True
     for entry in summary.levels:
@@ -270,7 +270,7 @@ def _verdict(summary: CertificateRecord) -> Verdict:
     return "undecided" if summary.of_all == "proved" and not whole else summary.of_all
 
 
-def _concluded(claims: Claims, outline: SpecOutline) -> list[Conclusion]:
+def _conclusions(claims: Claims, outline: SpecOutline) -> list[Conclusion]:
     """Return the conclusions that a file claims and that follow from its statements."""
     theorems, bounds = claims.theorems, proved_bounds(claims.statements)
     try:

@@ -105,7 +105,7 @@ class Problem:
         half = np.maximum(high - centre, centre - low) * (1.0 + 2.0**-51)
         with np.errstate(all="ignore"):
             models = evaluate(
-                self.program, {INPUT: (centre, half)}, self._algebra, self._folded, self._named
+                self.program, {INPUT: (centre, half)}, self._algebra, self._folded, self._symbols_of
             )
             ranges = [models[name].range() for name in self.names]
         return self._smallest([r[0] for r in ranges], low), self._smallest(
@@ -200,15 +200,15 @@ class Problem:
         """Return compiled code where there is a compiler; the Python rules are the reference."""
         if self.degree != COMPILED_DEGREE:
             return None
-        return Bounder.of(self.program, self.names, self._folded, self._named)
+        return Bounder.of(self.program, self.names, self._folded, self._symbols_of)
 
     @cached_property
-    def _named(self) -> dict[int, int]:
+    def _symbols_of(self) -> dict[int, int]:
         return numbered(self.program, self.symbols)
 
     @cached_property
     def _algebra(self) -> TaylorAlgebra:
-        return TaylorAlgebra(self.degree, count_of(self.program, self._named))
+        return TaylorAlgebra(self.degree, count_of(self.program, self._symbols_of))
 
     @cached_property
     def _folded(self):

@@ -52,7 +52,7 @@ def model_description(
         "fmiModelDescription",
         {
             "fmiVersion": version,
-            "modelName": f"{_shown(design.robot.name)}, controller",
+            "modelName": f"{_printable_text(design.robot.name)}, controller",
             ("instantiationToken" if three else "guid"): token,
             "description": _description(design),
             "generationTool": f"neuralgaits {design.origin.version}",
@@ -104,7 +104,7 @@ def _document(root: ET.Element) -> str:
     return f'<?xml version="1.0" encoding="UTF-8"?>\n{text}\n'
 
 
-def _shown(text: str) -> str:
+def _printable_text(text: str) -> str:
     """Return a text without signs that XML cannot hold."""
     return "".join(sign if sign.isprintable() else "?" for sign in text)
 
@@ -124,7 +124,7 @@ def _description(design: Design) -> str:
     origin = design.origin
     hashes = ", ".join(f"{name} sha256 {value}" for name, value in _hashes(design).items())
     proof = "none" if origin.proof_verdict is None else f"stated {origin.proof_verdict}"
-    return _shown(
+    return _printable_text(
         f"Controller of a walking gait of {design.robot.name}, spec {origin.spec}; {hashes}; "
         f"proof of gait and model, not of this code: {proof}"
     )
@@ -137,7 +137,9 @@ def _annotation(parent: ET.Element, tag: str, key: str, design: Design) -> None:
     for name, value in _hashes(design).items():
         ET.SubElement(entry, "hash", {"of": name, "sha256": value})
     facts = ET.SubElement(entry, "facts")
-    facts.text = "\n".join(["", *(_shown(commented(one)) for one in statement.prose(design)), ""])
+    facts.text = "\n".join(
+        ["", *(_printable_text(commented(one)) for one in statement.prose(design)), ""]
+    )
 
 
 def _units(root: ET.Element, variables: Sequence[FmuVariable]) -> None:
@@ -149,7 +151,7 @@ def _units(root: ET.Element, variables: Sequence[FmuVariable]) -> None:
             ET.SubElement(unit, "BaseUnit", {base: str(power) for base, power in powers.items()})
 
 
-def _typed(one: FmuVariable) -> dict[str, str]:
+def _type_attributes(one: FmuVariable) -> dict[str, str]:
     """Return the attributes that follow from type and range."""
     attributes = {} if one.unit is None else {"unit": one.unit}
     attributes |= {} if one.low is None else {"min": _text(one.low)}
@@ -176,8 +178,8 @@ def _variables3(root: ET.Element, variables: Sequence[FmuVariable]) -> None:
     places = references(variables)
     for one in variables:
         about = {"name": one.name, "valueReference": str(places[one.name])}
-        about |= {"description": _shown(one.description)}
-        ET.SubElement(parent, one.type.value[0], about | _part(one) | _typed(one))
+        about |= {"description": _printable_text(one.description)}
+        ET.SubElement(parent, one.type.value[0], about | _part(one) | _type_attributes(one))
 
 
 def _structure3(root: ET.Element, variables: Sequence[FmuVariable]) -> None:
@@ -194,9 +196,9 @@ def _variables2(root: ET.Element, variables: Sequence[FmuVariable]) -> None:
     places = references(variables)
     for one in variables:
         about = {"name": one.name, "valueReference": str(places[one.name])}
-        about |= {"description": _shown(one.description)}
+        about |= {"description": _printable_text(one.description)}
         scalar = ET.SubElement(parent, "ScalarVariable", about | _part(one))
-        ET.SubElement(scalar, one.type.value[1], _typed(one))
+        ET.SubElement(scalar, one.type.value[1], _type_attributes(one))
 
 
 def _structure2(root: ET.Element, variables: Sequence[FmuVariable]) -> None:

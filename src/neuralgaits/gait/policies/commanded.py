@@ -204,8 +204,8 @@ class CommandedPolicy(NetworkPolicy):
         again = _ground(robot, self.commands, pair.steady, after, after)
         # Whatever comes next, the impact at the end of this step is that of its own guard.
         start = start._replace(momentum_ratio=then.momentum_ratio)
-        following = self._between(pair.steady, again, then, after, exact=exact)
-        policy = self._between(pair, ground, start, after, exact=exact)
+        following = self._policy_between(pair.steady, again, then, after, exact=exact)
+        policy = self._policy_between(pair, ground, start, after, exact=exact)
         return eqx.tree_at(lambda p: p.then, policy, following, is_leaf=lambda leaf: leaf is None)
 
     @property
@@ -236,7 +236,7 @@ class CommandedPolicy(NetworkPolicy):
             z2_dependence=self.z2_dependence,
         )
 
-    def _between(
+    def _policy_between(
         self, pair: Pair, ground: Ground | None, start: Start, guard: Guard, *, exact: bool
     ) -> HybridInvariantPolicy:
         ends = jnp.concatenate([self.scaled(command) for command in pair])

@@ -50,7 +50,7 @@ def read(text: Text, robot: PlanarBiped) -> tuple[Log, Labels]:
             "the AMBER-3M format, which has a torso and four joints: give a run of amber3m"
         )
     sheet = sheet_of(text, COLUMNS)
-    rows = _written(sheet.numbers)
+    rows = _rows_with_time(sheet.numbers)
     table, numbers = sheet.numbers[rows], sheet.rows[rows]
     flag = table[:, _STANCE]
     bad = np.flatnonzero((flag != 0.0) & (flag != 1.0))
@@ -86,7 +86,7 @@ def read(text: Text, robot: PlanarBiped) -> tuple[Log, Labels]:
     return log, _labels(robot)
 
 
-def _written(table: Float[np.ndarray, "k c"]) -> slice:
+def _rows_with_time(table: Float[np.ndarray, "k c"]) -> slice:
     """Return rows up to the last one with a time: the robot's program pads a file with zeros."""
     timed = np.flatnonzero(table[:, 0] != 0.0)
     return slice(0, timed[-1] + 1 if timed.size else len(table))

@@ -68,9 +68,9 @@ class ColumnMending:
                 sign_changed = columns.turned(key)
                 words = f"{key} fits with sign = {-source.sign:g}"
                 yield _Change(self._error(sign_changed), words, sign_changed)
-                yield self._moved(columns, source)
+                yield self._best_zero(columns, source)
 
-    def _moved(self, columns: ColumnFile, source: ColumnSource) -> _Change:
+    def _best_zero(self, columns: ColumnFile, source: ColumnSource) -> _Change:
         """Return the best change of a zero."""
         from scipy.optimize import minimize_scalar  # Slow to import, and seldom needed.
 

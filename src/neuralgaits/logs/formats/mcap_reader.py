@@ -46,13 +46,13 @@ class McapFile:
         self.path, self._reader = path, reader
         factory = DecoderFactory()
         self.channels: dict[int, McapChannel] = {}
-        for schema, channel in self._listed():
+        for schema, channel in self._channels():
             encoding = channel.message_encoding
             decode = json.loads if encoding == "json" else factory.decoder_for(encoding, schema)
             about = ("", "") if schema is None else (schema.name, schema.data.decode())
             self.channels[channel.id] = McapChannel(channel.topic, encoding, about, decode)
 
-    def _listed(self) -> Iterator[tuple[Any, Any]]:
+    def _channels(self) -> Iterator[tuple[Any, Any]]:
         """Yield the schema and the record of each channel."""
         summary = self._reader.get_summary()
         if summary is not None and summary.channels:

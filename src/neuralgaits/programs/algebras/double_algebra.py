@@ -169,7 +169,7 @@ class DoubleAlgebra(Algebra[DoubleModel]):
             terms[self.layout.products] += self.layout.product(slope, other)
         most = raised(a.size * b.size)
         radius = a.radius * (b.size + b.radius) + b.radius * a.size
-        radius = raised(radius + _dropped(a, b) + 8.0 * UNIT * most)
+        radius = raised(radius + _higher_terms(a, b) + 8.0 * UNIT * most)
         return self._model(terms, radius, most)
 
     def square(self, a: DoubleModel) -> DoubleModel:
@@ -195,7 +195,7 @@ class DoubleAlgebra(Algebra[DoubleModel]):
             terms[self.layout.products] -= both * inverse
         p = self._model(terms, np.zeros(1), np.zeros(1))
         rounded = 16.0 * UNIT * (a.size + p.size * b.size)
-        left = raised(a.radius + b.radius * p.size + _dropped(p, b) + rounded)
+        left = raised(a.radius + b.radius * p.size + _higher_terms(p, b) + rounded)
         # The divisor's least magnitude, rounded down.
         spread = raised(b.spread + b.radius)
         least = (np.abs(b.terms[0]) - spread) * (1.0 - 4.0 * UNIT)
@@ -213,7 +213,7 @@ class DoubleAlgebra(Algebra[DoubleModel]):
             terms[self.layout.products] -= self.layout.product(linear, linear) * inverse
         p = self._model(terms, np.zeros(1), np.zeros(1))
         rounded = 16.0 * UNIT * (a.size + p.size * p.size)
-        left = raised(a.radius + _dropped(p, p) + rounded)
+        left = raised(a.radius + _higher_terms(p, p) + rounded)
         spread = raised(a.spread + a.radius)
         lowest = (a.terms[0] - spread) * (1.0 - 4.0 * UNIT)
         valid = (lowest >= SMALLEST) & (a.terms[0] <= LARGEST)
@@ -273,7 +273,7 @@ class DoubleAlgebra(Algebra[DoubleModel]):
         return self._model(terms, raised(a.radius + b.radius + 2.0 * UNIT * most), most)
 
 
-def _dropped(a: DoubleModel, b: DoubleModel) -> np.ndarray:
+def _higher_terms(a: DoubleModel, b: DoubleModel) -> np.ndarray:
     """Bound the terms of a product that are of neither first nor second degree in e."""
     return a.linear * b.rest + a.rest * b.spread
 

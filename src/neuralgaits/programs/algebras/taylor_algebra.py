@@ -158,7 +158,7 @@ class TaylorAlgebra(Algebra[Taylor]):
         poly[1 : len(p)] += p[1:] * q[0]
         if self.degree == 2:
             poly[layout.quadratic] += products(p[layout.linear], q[layout.linear])
-        radius += self._dropped(a, b)
+        radius += self._higher_terms(a, b)
         return rounded(poly, radius, layout, a.bound * b.bound)
 
     def div(self, a: Taylor, b: Taylor) -> Taylor:
@@ -188,11 +188,11 @@ class TaylorAlgebra(Algebra[Taylor]):
             if a.layout.axes:
                 linear = a.poly[a.layout.linear]
                 poly[a.layout.quadratic] += half * products(linear, linear)
-                dropped = dropped + self._dropped(a, a)
+                dropped = dropped + self._higher_terms(a, a)
             radius += np.abs(half) * dropped
         return rounded(poly, radius, a.layout, error)
 
-    def _dropped(self, a: Taylor, b: Taylor) -> np.ndarray:
+    def _higher_terms(self, a: Taylor, b: Taylor) -> np.ndarray:
         """Bound the terms that a product of models without constants and remainders drops."""
         if self.degree == 1:
             return a.spread * b.spread

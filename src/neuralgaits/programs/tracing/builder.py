@@ -47,7 +47,7 @@ class _Node:
 
 
 @lru_cache(maxsize=4096)
-def _counted(size: int) -> np.ndarray:
+def _count_array(size: int) -> np.ndarray:
     """Return the array 0, 1, ..., size - 1."""
     return np.arange(size)
 
@@ -150,11 +150,11 @@ class Builder:
         )
 
     def _whole(self, number: int) -> Elements:
-        return _counted(self._nodes[number].size) + self._starts[number]
+        return _count_array(self._nodes[number].size) + self._starts[number]
 
     def _is_whole(self, elements: Elements, number: int) -> bool:
         start, size = self._starts[number], self._nodes[number].size
-        return elements.size == size and np.array_equal(elements, _counted(size) + start)
+        return elements.size == size and np.array_equal(elements, _count_array(size) + start)
 
     def _owner(self, element: int) -> int:
         """Return the node one element belongs to."""

@@ -138,7 +138,7 @@ class _Tracer:
         self, jaxpr: Any, consts: Sequence[Any], arguments: Sequence[_Value], calls: tuple
     ) -> list[Elements]:
         """Follow the outermost jaxpr. Returns: the elements of each output."""
-        constants = [self._known(value) for value in consts]
+        constants = [self._constant_value(value) for value in consts]
         results = self._follow(jaxpr, constants, arguments, calls)
         for result in results:
             if not isinstance(result, _Real):
@@ -155,7 +155,7 @@ class _Tracer:
         values |= dict(zip(jaxpr.invars, arguments, strict=True))
 
         def read(atom: Any) -> _Value:
-            return self._known(atom.val) if hasattr(atom, "val") else values[atom]
+            return self._constant_value(atom.val) if hasattr(atom, "val") else values[atom]
 
         for equation in jaxpr.eqns:
             operands = [read(atom) for atom in equation.invars]
@@ -164,7 +164,7 @@ class _Tracer:
                 values[variable] = result
         return [read(atom) for atom in jaxpr.outvars]
 
-    def _known(self, value: Any) -> _Value:
+    def _constant_value(self, value: Any) -> _Value:
         """Return a constant of the function as a known value or a vector of reals."""
         if not isinstance(getattr(value, "dtype", np.dtype(int)), np.dtype):
             return value  # A random key, which no rule takes.
@@ -186,7 +186,7 @@ class _Tracer:
                 text = refusals.linalg(function)
                 raise self._refusal(calls, text, f"jnp.linalg.{function}")
             jaxpr, consts, operands = inner
-            return self._follow(jaxpr, [self._known(c) for c in consts], operands, calls)
+            return self._follow(jaxpr, [self._constant_value(c) for c in consts], operands, calls)
         # Not of a call: what it is given and does not use may be of any type.
         for variable in (*equation.invars, *equation.outvars):
             dtype = variable.aval.dtype
@@ -265,7 +265,7 @@ class _Tracer:
             axes_of_values.append(jax.numpy.asarray(operand))
         out = equation.primitive.bind(*axes_of_values, **equation.params)
         results = out if equation.primitive.multiple_results else [out]
-        return [self._known(result) for result in results]
+        return [self._constant_value(result) for result in results]
 
     def _refusal(self, calls: Sequence[Any], text: str, what: str) -> SpecError:
         """Return the error for the innermost of the calls, at the user's own line."""

@@ -12,7 +12,7 @@ def adapted(simulation: SimulationSummary) -> Html:
     """Return the speeds of a walk's steps; the belief alone where no speed is commanded."""
     speeds = simulation.adapted
     if speeds is None and (simulation.believed_lean or simulation.believed_slope) is not None:
-        return html.paragraph(_learned(simulation).strip())
+        return html.paragraph(_learned_lean(simulation).strip())
     if speeds is None or not speeds.told:
         return Html("")
     columns = zip(speeds.told, speeds.commanded, speeds.walked, speeds.measured, strict=True)
@@ -26,11 +26,13 @@ def adapted(simulation: SimulationSummary) -> Html:
     return html.tag(
         "div",
         html.table(f"Speeds of the first walk in m/s{rest}", head, rows, numbers="nnnnn"),
-        html.paragraph(f"{_way(simulation)}{_settled(simulation)}{_learned(simulation)}"),
+        html.paragraph(
+            f"{_how_adapted(simulation)}{_settled_speed(simulation)}{_learned_lean(simulation)}"
+        ),
     )
 
 
-def _way(simulation: SimulationSummary) -> str:
+def _how_adapted(simulation: SimulationSummary) -> str:
     """Say how the speed was adapted, if it was."""
     if "speed" not in (simulation.adapt or "").split(","):
         return "The commanded speed was not adapted. "
@@ -40,7 +42,7 @@ def _way(simulation: SimulationSummary) -> str:
     )
 
 
-def _learned(simulation: SimulationSummary) -> str:
+def _learned_lean(simulation: SimulationSummary) -> str:
     """Say what the joint angles show of the torso, and what the robot believed of it."""
     lean, belief = simulation.learned_lean, simulation.believed_lean
     sentence = "" if lean is None else f" Learned from joint angles and pitch: {lean.in_words}."
@@ -49,7 +51,7 @@ def _learned(simulation: SimulationSummary) -> str:
     return sentence + ("" if slope is None else f" The slope that it was told: {slope.in_words}.")
 
 
-def _settled(simulation: SimulationSummary) -> str:
+def _settled_speed(simulation: SimulationSummary) -> str:
     """Say how near the walked speed came to the told one."""
     means = None if simulation.adapted is None else simulation.adapted.settled
     if means is None:

@@ -13,8 +13,8 @@ def answer(contents: Contents) -> Section:
     """Return three short paragraphs that use the run's own numbers."""
     saved = contents.saved
     parts = [
-        _part("What it does.", _what(contents)),
-        _part(_heading(contents), _why(saved)),
+        _part("What it does.", _what_is_shown(contents)),
+        _part(_heading(contents), _why_it_walks(saved)),
         _part("How sure we are.", _how_sure(saved)),
     ]
     if saved.proved_level:
@@ -35,7 +35,7 @@ def _part(head: str, body: str) -> Html:
     return paragraph(tag("b", head), " ", body)
 
 
-def _what(contents: Contents) -> str:
+def _what_is_shown(contents: Contents) -> str:
     saved, robot = contents.saved, contents.robot
     feet = "feet like points: nothing holds it upright but the next step"
     if robot.flat_feet is not None:
@@ -48,15 +48,15 @@ def _what(contents: Contents) -> str:
         return f"{who} {saved.nan} There is no gait to judge."
     if saved.summary is None:
         return f"{who} The training of its gait has not ended, so there is no gait to judge yet."
-    return f"{who} {_walked(saved, contents.walk)}"
+    return f"{who} {_walk_sentence(saved, contents.walk)}"
 
 
-def _walked(saved: Saved, walk: ShownWalk | None) -> str:
+def _walk_sentence(saved: Saved, walk: ShownWalk | None) -> str:
     """Describe what simulations showed, preferring the more detailed record."""
     simulation, walks = saved.simulation, saved.walks
     if simulation is not None:
-        walker = f"{_what_walked(simulation)}{_where(simulation)}"
-        return f"In a {simulation.stepped_by} simulation of {walker} {_counted(simulation)}."
+        walker = f"{_what_walked(simulation)}{_place_of_walk(simulation)}"
+        return f"In a {simulation.stepped_by} simulation of {walker} {_counts(simulation)}."
     if walks is not None and walks.steps_walked and walks.share_that_walks is not None:
         count = len(walks.steps_walked)
         stayed = round(walks.share_that_walks * count)
@@ -77,7 +77,7 @@ def _what_walked(simulation: SimulationSummary) -> str:
     return f"another robot, {simulation.plant}," if simulation.plant_given else "the whole robot"
 
 
-def _where(simulation: SimulationSummary) -> str:
+def _place_of_walk(simulation: SimulationSummary) -> str:
     changed = phrases.changes(simulation.changed)
     if simulation.drawn_from is not None:
         changed.insert(0, f"each walk of another robot, drawn from the box {simulation.drawn_from}")
@@ -86,7 +86,7 @@ def _where(simulation: SimulationSummary) -> str:
     return f" ({'; '.join(changed)})" if changed else ""
 
 
-def _counted(simulation: SimulationSummary) -> str:
+def _counts(simulation: SimulationSummary) -> str:
     steps, count = simulation.steps_walked, len(simulation.fell)
     if count == 1:
         of_steps = (
@@ -108,7 +108,7 @@ def _counted(simulation: SimulationSummary) -> str:
     return sentence
 
 
-def _why(saved: Saved) -> str:
+def _why_it_walks(saved: Saved) -> str:
     numbers = "its commands and two numbers" if saved.config.commands else "two numbers alone"
     numbers_known = (
         f"{numbers}: how far the hip is ahead of the foot on the ground, and with how much "

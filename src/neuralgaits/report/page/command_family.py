@@ -23,7 +23,7 @@ def family(contents: Contents, pictures: Mapping[str, Html]) -> Iterator[Html]:
     yield section(
         "told",
         "Its commands",
-        paragraph(_told(commands)),
+        paragraph(_command_ranges(commands)),
         _ranges(commands),
         paragraph(*_proved(contents.saved)),
         *_figure(contents, pictures),
@@ -35,7 +35,7 @@ def family(contents: Contents, pictures: Mapping[str, Html]) -> Iterator[Html]:
     )
 
 
-def _told(commands: Mapping[str, Range]) -> str:
+def _command_ranges(commands: Mapping[str, Range]) -> str:
     what = " and ".join(command_words.words(name).whole for name in commands)
     sentence = (
         f"At each touchdown this robot gets commands for its next step: {what}. One network "

@@ -29,7 +29,7 @@ def monitored(saved: Saved, simulation: SimulationSummary) -> Html:
             f"Optional, not made yet: this simulation was {was} with the sets that are proved.",
             line=command("simulate", saved.name, "--monitor"),
         )
-    return html.tag("div", _sets(figures), html.paragraph(_said(figures)))
+    return html.tag("div", _sets(figures), html.paragraph(_caveat(figures)))
 
 
 def _sets(figures: MonitorFigures) -> Html:
@@ -60,7 +60,7 @@ def _outside(one: LevelWatched) -> str:
     return f"walk {tick.walk}, {tick.time_s:.3f} s: {html.number(tick.margin)}, {name}"
 
 
-def _said(figures: MonitorFigures) -> str:
+def _caveat(figures: MonitorFigures) -> str:
     """Say what the table is not."""
     sentence = (
         ""

@@ -125,7 +125,7 @@ def condition(described: Mapping[str, Any]) -> str:
     if kind == "Equality":
         inner = described["quantity"]
         bounded = inner.get("function") in ("at_least", "at_most")
-        what, unit = _named(inner["of"] if bounded else inner)
+        what, unit = _words_and_unit(inner["of"] if bounded else inner)
         middle = f" of {_numbers(inner['bound'])}" if bounded else ""
         return f"{what} within ±{number(described['tolerance'])}{middle} {unit}".rstrip()
     inner = described.get("quantity")
@@ -147,7 +147,7 @@ def gist(conditions: Sequence[Mapping[str, Any]]) -> list[str]:
     counts = {}
     for described in conditions:
         inner = _object(described.get("quantity"))
-        words_of_quantity = _known(_object(inner.get("of")) or inner)
+        words_of_quantity = _quantity_words(_object(inner.get("of")) or inner)
         if described.get("kind") == "Inlet":
             counts["a next step that begins in range"] = None
         elif words_of_quantity is not None and words_of_quantity.gist is not None:
@@ -165,17 +165,17 @@ def quantity(described: Mapping[str, Any]) -> str:
     if name == "after_reset":
         return f"after touchdown: {quantity(described['of'])}"
     if name in ("at_least", "at_most"):
-        what, unit = _named(described["of"])
+        what, unit = _words_and_unit(described["of"])
         sign = "≥" if name == "at_least" else "≤"
         return f"{what} {sign} {_numbers(described['bound'])} {unit}".rstrip()
-    words_of_quantity = _known(described)
+    words_of_quantity = _quantity_words(described)
     if words_of_quantity is not None and words_of_quantity.says is not None:
         return words_of_quantity.says(described, number)
-    what, unit = _named(described)
+    what, unit = _words_and_unit(described)
     return f"{what} ≥ 0 {unit}".rstrip()
 
 
-def _known(described: Mapping[str, Any]) -> QuantityWords | None:
+def _quantity_words(described: Mapping[str, Any]) -> QuantityWords | None:
     """Return the words about a quantity of this package; None for any other."""
     name = described.get("function")
     return QUANTITIES.get(name) if isinstance(name, str) else None
@@ -191,13 +191,13 @@ def _numbers(bound: Any) -> str:
     return ", ".join(number(value) for value in (bound if isinstance(bound, list) else [bound]))
 
 
-def _named(described: Mapping[str, Any]) -> tuple[str, str]:
+def _words_and_unit(described: Mapping[str, Any]) -> tuple[str, str]:
     """Return a quantity's words and unit; its name if it has no words."""
     name = described.get("function")
     if name == "after_reset":
-        what, unit = _named(described["of"])
+        what, unit = _words_and_unit(described["of"])
         return f"{what}, after touchdown", unit
-    if (words_of_quantity := _known(described)) is not None and words_of_quantity.what:
+    if (words_of_quantity := _quantity_words(described)) is not None and words_of_quantity.what:
         return words_of_quantity.what, words_of_quantity.unit
     if name is None:
         own = f"{described.get('user', 'a quantity')}, written by the user"
@@ -222,7 +222,7 @@ def _unit(described: Mapping[str, Any]) -> str:
     kind, inner = described.get("kind"), _object(described.get("quantity"))
     while inner.get("function") in ("after_reset", "at_least", "at_most"):
         inner = _object(inner.get("of"))
-    words_of_quantity = _known(inner)
+    words_of_quantity = _quantity_words(inner)
     unit = _short_text(inner.get("unit")) if words_of_quantity is None else words_of_quantity.unit
     if kind == "Barrier" and unit:
         # What a rate is compared with.

@@ -70,7 +70,7 @@ def training(
     """
     config, spec = config_of(folder), spec_word(folder)
     if config.as_given is not None:
-        return _given(folder, config.as_given, out)
+        return _recreating(folder, config.as_given, out)
     proving = config.certify
     usual: dict[str, Any] = {
         "seed": config.seed if seed is None else seed,
@@ -118,7 +118,7 @@ def _meant_for(config: TrainingConfig) -> dict[str, Any]:
     return {name: (command.low, command.high) for name, command in config.commands.items()}
 
 
-def _given(folder: RunFolder, origin: GaitOrigin, out: Path | None) -> str:
+def _recreating(folder: RunFolder, origin: GaitOrigin, out: Path | None) -> str:
     """Return the command that recreates a run whose gait was not trained."""
     robot = robot_word(folder)
     if origin.by == "optimise":

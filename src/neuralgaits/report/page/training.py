@@ -181,7 +181,7 @@ def _conditions(saved: Saved) -> list[Html]:
         all_of_them = f"All {len(rows)} conditions"
         whole = html.table(f"{all_of_them} {about}", head, rows, numbers=numbers, cards=True)
         table = html.folded(all_of_them, whole)
-    return [html.paragraph(sentence), html.paragraph(_explained(ordered)), table]
+    return [html.paragraph(sentence), html.paragraph(_explain_terms(ordered)), table]
 
 
 def _untied(saved: Saved) -> str:
@@ -194,7 +194,7 @@ def _untied(saved: Saved) -> str:
     )
 
 
-def _explained(conditions: list[ConditionRecord]) -> str:
+def _explain_terms(conditions: list[ConditionRecord]) -> str:
     """Explain the terms of the table, only those that occur in it."""
     sentence = (
         "A margin is how far a condition is from failing. It is counted in scales: a scale is a "

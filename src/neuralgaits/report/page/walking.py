@@ -27,9 +27,9 @@ def animation(contents: Contents) -> Html:
         "section",
         _pictures(),
         _controls(walk),
-        html.paragraph(_said(walk)),
+        html.paragraph(_walk_sentence(walk)),
         html.paragraph(differs) if (differs := _beside(walk)) else "",
-        html.folded("What the pictures show, and how to turn them", *_explained(walk)),
+        html.folded("What the pictures show, and how to turn them", *_explain_pictures(walk)),
         html.tag("noscript", html.paragraph("The animation needs JavaScript; the rest does not.")),
         data(walk),
         id="walk",
@@ -63,7 +63,7 @@ def _pictures() -> Html:
     )
 
 
-def _explained(walk: ShownWalk) -> list[Html]:
+def _explain_pictures(walk: ShownWalk) -> list[Html]:
     """Explain both pictures and the ways to turn the robot."""
     force = (
         " The arrow is the force of the ground on the standing foot, the mean over "
@@ -91,7 +91,7 @@ def data(walk: ShownWalk) -> Html:
     return html.tag("script", Html(safe), type="application/json", id="recording")
 
 
-def _said(walk: ShownWalk) -> str:
+def _walk_sentence(walk: ShownWalk) -> str:
     """Describe the walk, and say that it is a simulation, not a playback of the plan."""
     law = CONTROL_LAWS.get(walk.controller)
     control = f"controller {walk.controller}" if law is None else law.words

@@ -31,7 +31,7 @@ def page(config: SweepConfig, rows: Sequence[SweepRow], summary: SweepSummary) -
         _survival(config, groups),
         _runs(rows),
         _failures(rows),
-        _again(config, summary),
+        _repeat_command(config, summary),
     ]
     header = html.tag(
         "header",
@@ -181,7 +181,7 @@ def _failures(rows: Sequence[SweepRow]) -> Html:
     return html.section("failures", "What failed", listed)
 
 
-def _again(config: SweepConfig, summary: SweepSummary) -> Html:
+def _repeat_command(config: SweepConfig, summary: SweepSummary) -> Html:
     disturbed = ", ".join(config.disturbances) or "none"
     options = [
         ("robots", ", ".join(config.robots)),

@@ -67,7 +67,11 @@ def link_directions(tree: PlanarTree, skeleton: Skeleton) -> dict[int, tuple[com
     for leg, foot in zip(skeleton.legs, skeleton.feet, strict=True):
         lower = foot.centre
         for place, index in enumerate(leg):
-            upper = skeleton.hip if place == len(leg) - 1 else _between(tree, index, leg[place + 1])
+            upper = (
+                skeleton.hip
+                if place == len(leg) - 1
+                else _joint_anchor(tree, index, leg[place + 1])
+            )
             if abs(upper - lower) < _MIN_LENGTH_M:
                 refuse(
                     f"body {tree.links[index].name} has no length: its lower and upper joint (or "
@@ -80,7 +84,7 @@ def link_directions(tree: PlanarTree, skeleton: Skeleton) -> dict[int, tuple[com
     return lines
 
 
-def _between(tree: PlanarTree, lower: int, upper: int) -> complex:
+def _joint_anchor(tree: PlanarTree, lower: int, upper: int) -> complex:
     """Return the anchor of the joint between two neighbouring links, whichever is the parent."""
     child = lower if tree.links[lower].parent == upper else upper
     return tree.links[child].joint.anchor
@@ -163,8 +167,9 @@ def leg_data(
             i = int(wrong[0])
             names = [tree.links[leg[i]].name for leg in skeleton.legs]
             refuse(
-                f"legs of unequal data: {_QUANTITIES[field.name]} is {_shown(ours[i])} at body "
-                f"{names[0]} and {_shown(theirs[i])} at body {names[1]}; make the legs equal"
+                f"legs of unequal data: {_QUANTITIES[field.name]} is {_number_text(ours[i])} at "
+                "body "
+                f"{names[0]} and {_number_text(theirs[i])} at body {names[1]}; make the legs equal"
             )
     refuse_large_foot(
         float(first.foot_radius[0]), float(np.sum(first.length)), skeleton.feet[0].name
@@ -172,7 +177,7 @@ def leg_data(
     return first
 
 
-def _shown(value: complex) -> str:
+def _number_text(value: complex) -> str:
     """Return a number, or both parts of a place: along the link, and ahead of it."""
     if not np.iscomplexobj(value):
         return f"{value:.6g}"

@@ -31,7 +31,7 @@ def write_pictures(
     for link in links.values():
         body = bodies[link.name]
         geoms = [g for g in range(model.ngeom) if int(model.geom_bodyid[g]) in link.bodies]
-        pictures = [_drawn(model, data, geom, link) for geom in geoms]
+        pictures = [_picture_of(model, data, geom, link) for geom in geoms]
         for attributes in filter(None, pictures):
             ElementTree.SubElement(body, "geom", attributes)
         if not any(pictures):
@@ -53,7 +53,7 @@ def _draw_sticks(body: Element, link: SectionLink) -> None:
 _WITHOUT_CONTACT = {"contype": "0", "conaffinity": "0", "mass": "0"}
 
 
-def _drawn(
+def _picture_of(
     model: mujoco.MjModel, data: mujoco.MjData, geom: int, link: SectionLink
 ) -> dict[str, str] | None:
     """Return the attributes of a copy of a geom, or None of one that is no plain shape."""

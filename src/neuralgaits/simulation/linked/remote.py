@@ -167,7 +167,11 @@ class Remote:
         for i, link in enumerate(self._links):
             one = Measurement(*(leaf[i] for leaf in measurement))
             packet = pack_reading(
-                layout, self._seen(i, one), self._tick, commands[i], estimated=self._estimated
+                layout,
+                self._measured_until_answer(i, one),
+                self._tick,
+                commands[i],
+                estimated=self._estimated,
             )
             self._up[i].send(self._tick, packet)
             packets = self._up[i].arrived(self._tick)
@@ -177,7 +181,7 @@ class Remote:
             results.append(self._newest(i))
         return results
 
-    def _seen(self, i: int, measured: Measurement) -> Measurement:
+    def _measured_until_answer(self, i: int, measured: Measurement) -> Measurement:
         """Leave out rates and velocity where they are estimated, until the first answer."""
         if not self._estimated or self._last[i] is None:
             return measured

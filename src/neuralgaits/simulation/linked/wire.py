@@ -231,7 +231,7 @@ class ControllerLink:
         try:
             self._socket.send(packet)
         except OSError as error:
-            raise self._gone(error) from None
+            raise self._no_listener(error) from None
 
     def read(self, deadline: float) -> list[bytes]:
         """Return datagrams that have come; wait for one until `deadline` (monotonic clock, s).
@@ -265,9 +265,9 @@ class ControllerLink:
             except BlockingIOError:
                 return chunks
             except OSError as error:
-                raise self._gone(error) from None
+                raise self._no_listener(error) from None
 
-    def _gone(self, error: OSError) -> InputError:
+    def _no_listener(self, error: OSError) -> InputError:
         """Return the error of a socket that nothing listens to."""
         remedy = "report it" if self._process is not None else "start it first, or again"
         return InputError(

@@ -35,7 +35,7 @@ class Library:
 
         Raises: NativeError if it does not load or was made for something else.
         """
-        self._made_for = _written(controller)
+        self._made_for = _constant_parts(controller)
         robot, policy = controller.robot, controller.policy
         self.layout: StructLayout = layout_of(
             robot.n // 2, robot.n - 1, len(policy.commands), policy.step_size
@@ -64,10 +64,10 @@ class Library:
 
     def fits(self, controller: Controller) -> bool:
         """Return whether it was written from this controller, apart from law and torque limits."""
-        return _equal(self._made_for, _written(controller))
+        return _equal(self._made_for, _constant_parts(controller))
 
 
-def _written(controller: Controller) -> tuple:
+def _constant_parts(controller: Controller) -> tuple:
     """Return the parts of a controller that its C code has as constants."""
     return (
         controller.robot,

@@ -95,10 +95,10 @@ def pack(tree: PlantReading) -> Float[np.ndarray, "B r"]:
 def _numbers(scene: Scene) -> tuple[Any, Scene]:
     """Split a scene into parts that may differ between episodes, and all others."""
     arrays = eqx.filter(scene, eqx.is_array)
-    return _own(arrays), eqx.tree_at(_own, arrays, (None, None))
+    return _own_parts(arrays), eqx.tree_at(_own_parts, arrays, (None, None))
 
 
-def _own(scene: Scene):
+def _own_parts(scene: Scene):
     """Return the parts of a scene that may differ between episodes."""
     return scene.controller.policy, scene.controller.bounds
 
@@ -109,7 +109,7 @@ def _compiled(tree: Any, fixed_leaves: tuple, fixed_tree: Any, shared: bool):
     own_axis = None if shared else 0
 
     def whole(own: Any, common: Scene) -> Scene:
-        arrays = eqx.tree_at(_own, common, own, is_leaf=lambda leaf: leaf is None)
+        arrays = eqx.tree_at(_own_parts, common, own, is_leaf=lambda leaf: leaf is None)
         return eqx.combine(arrays, fixed)
 
     shapes: dict[tuple, tuple[Any, Any, Any]] = {}

@@ -101,9 +101,9 @@ class Scene(eqx.Module):
             layout=state_map.layout,
             sizes=(state_map.nq, state_map.nu),
             addresses=(
-                _frozen(state_map.root),
-                _frozen(state_map.joints),
-                _frozen(state_map.actuators),
+                _static_key(state_map.root),
+                _static_key(state_map.joints),
+                _static_key(state_map.actuators),
             ),
             on_course=plant.course is not None,
             estimator=Estimator() if disturbance.estimator else None,
@@ -136,6 +136,6 @@ class Scene(eqx.Module):
         return ((1 + 2 * nq,), (2,), (2,), (2, 1 + joints), self.first.shape)
 
 
-def _frozen(addresses: np.ndarray) -> tuple:
+def _static_key(addresses: np.ndarray) -> tuple:
     nested = addresses.tolist()
     return tuple(tuple(part) if isinstance(part, list) else part for part in nested)

@@ -169,7 +169,7 @@ def account(
     numbers = jnp.stack([truth.time, hip[0], -ahead, -up, place.feet[0, 0]])
     stride = jnp.concatenate([numbers, command.told[0]])
     z_plant = true_z(scene.plant_robot, truth, command.leg)
-    sums, lean = _learned(scene, carry, command, measurement)
+    sums, lean = _learn_lean(scene, carry, command, measurement)
     return (
         carry._replace(controller=state, gauge=gauge, age=age, lean=sums),
         Verdict(
@@ -189,7 +189,7 @@ def account(
     )
 
 
-def _learned(
+def _learn_lean(
     scene: Scene, carry: Carry, command: TickResult, measurement: Measurement
 ) -> tuple[LeanSums | None, Scalar]:
     """Return the next sums, and the lean that a step which has just ended shows (m)."""

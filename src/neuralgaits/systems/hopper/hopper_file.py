@@ -149,7 +149,7 @@ def _data(model: mujoco.MjModel, name: str) -> HopperData:
     hip, (foot,) = still.xanchor[3], _feet(model)
     hub, wheel, leg = (planar_link(model, still, joint, PLANE) for joint in (2, 3, 4))
     offset = hub.centre[1] + still.xanchor[2][2] - hip[2]
-    upper = _joined(hub._replace(centre=np.array([0.0, offset])), wheel)
+    upper = _with_wheel(hub._replace(centre=np.array([0.0, offset])), wheel)
     length = hip[2] - still.geom_xpos[foot][2]
     low, high = model.jnt_range[4]
     (on_wheel,), (on_leg,) = _motors(model, 3), _motors(model, 4)
@@ -184,7 +184,7 @@ def _data(model: mujoco.MjModel, name: str) -> HopperData:
     )
 
 
-def _joined(hub: PlanarLink, wheel: PlanarLink) -> PlanarLink:
+def _with_wheel(hub: PlanarLink, wheel: PlanarLink) -> PlanarLink:
     """Return hub and wheel as one link; the wheel counts as a mass on the hip's axis."""
     mass = hub.mass + wheel.mass
     centre = hub.mass * hub.centre / mass

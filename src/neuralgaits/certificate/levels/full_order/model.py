@@ -115,7 +115,7 @@ class FullOrderModel:
         """Return the names of all barriers of the theorem; each element of a vector has its own."""
         barrier_names = [LOWER, UPPER]
         for condition in self.tightened:
-            size = jax.eval_shape(partial(self._own, condition), np.zeros(2)).size
+            size = jax.eval_shape(partial(self._on_manifold, condition), np.zeros(2)).size
             alone = [condition.name]
             barrier_names += alone if size == 1 else [f"{condition.name}[{k}]" for k in range(size)]
         return barrier_names
@@ -139,10 +139,10 @@ class FullOrderModel:
     def barriers(self, z: ZeroState) -> Vector:
         """Return h_Z of every barrier. [I]."""
         level = self.gait.level(z)
-        own = [self._own(condition, z) for condition in self.tightened]
+        own = [self._on_manifold(condition, z) for condition in self.tightened]
         return jnp.concatenate([jnp.stack([level, 1.0 - level]), *own])
 
-    def _own(self, condition: Barrier, z: ZeroState) -> Vector:
+    def _on_manifold(self, condition: Barrier, z: ZeroState) -> Vector:
         """Return h of a barrier condition on the zero dynamics manifold."""
         point = Point(self.robot, self.gait.policy, None, z)
         return jnp.ravel(condition.function(point))

@@ -176,7 +176,7 @@ class Planned:
         none = Plan(self.matrix, 0.0, 0.0, 0.0, 1.0, (), self)
         radius = floor = slower = 0.0
         kick = Kick()
-        bounds = self._held(hold, radius) if hold > 0.0 and self.gamma > 0.0 else None
+        bounds = self._hold_bounds(hold, radius) if hold > 0.0 and self.gamma > 0.0 else None
         for _ in range(4):
             if bounds is None:
                 return none
@@ -193,7 +193,7 @@ class Planned:
             kick = self._kicked(hold, bounds, floor + (radius - floor) * left, radius)
             kicked = self.factor * hold * (kick.mean + self.rest) / FULL if self.kick else 0.0
             radius = (growth * floor * (1.0 - left) + kicked) / (1.0 - growth * left)
-            bounds = self._held(hold, radius)
+            bounds = self._hold_bounds(hold, radius)
         if bounds is None or radius > LARGEST:
             return none
         bound = floor + (radius - floor) * np.exp(-slower * self.shrink * self.samples.phase**2)
@@ -215,7 +215,7 @@ class Planned:
             return none
         return Plan(self.matrix, hold, radius, floor, self.gamma_share * slower, sigma, self)
 
-    def _held(self, hold: float, radius: float) -> Held | None:
+    def _hold_bounds(self, hold: float, radius: float) -> Held | None:
         """Bound errors of a hold, that of the law at xi = 0 included."""
         bounds = self.jerk.held(hold, 0.0, self.w, radius, self.gamma)
         if bounds is None:
