@@ -85,7 +85,7 @@ def proof_in_words(run: FamilyRun) -> StatedProof:
     names = [name for name in system.table.conditions if name in bounds]
     highest = max((one.level for one in proved), default=1)
     first = proved[0].words[0] if proved else f"{len(names)} conditions hold on their regions"
-    check = markdown.code(command("check-proof", "latest", "--run", named(run.path)))
+    check = markdown.code(command("check-proof", named(run.path), "--run", named(run.path)))
     rows = [f"- Level {one.level}: {markdown.text(s)}." for one in proved for s in one.words]
     rows.insert(0, f"- Level 1: {len(names)} conditions hold at every state of their regions.")
     words = (

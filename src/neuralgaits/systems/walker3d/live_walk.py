@@ -16,6 +16,8 @@ PRINTS = 14
 """Footprints that are kept."""
 SAMPLE_TICKS, SAMPLES = 16, 130
 """Ticks between two samples of the trail, and how many are kept: some four steps."""
+TOO_SLOW = "too slow to finish the step"
+"""Why a walk ends of a robot that still stands upright."""
 
 
 class Footprint(NamedTuple):
@@ -139,7 +141,7 @@ class SpatialLive:
         if self.plants.fallen(0):
             self._fall = "the hips are low, or the torso leans"
         elif self._world.time - self._touched > self._longest:
-            self._fall = "too slow to finish the step"
+            self._fall = TOO_SLOW
         return self._fall is None
 
     @property
@@ -169,7 +171,7 @@ class SpatialLive:
             speed=float(world.qvel[0]) if mean is None else mean,
             force=np.append(self._pushing, 0.0),
             fall=self._fall,
-            upright=self._fall is not None and not self.plants.fallen(0),
+            upright=self._fall == TOO_SLOW,
         )
 
     @property
