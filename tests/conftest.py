@@ -149,12 +149,12 @@ def runs_traced_once(tmp_path_factory: pytest.TempPathFactory):
 
 
 @pytest.fixture(scope="session", autouse=True)
-def results_are_kept(runs_traced_once):
+def results_are_kept(runs_traced_once, tmp_path_factory: pytest.TempPathFactory):
     """Of functions that tests have computed for equal arguments, as long as nobody patches them."""
     from support.kept_results import KeptResults
 
     with pytest.MonkeyPatch.context() as patch:
-        kept = KeptResults()
+        kept = KeptResults(_of_all_workers(tmp_path_factory))
         kept.patch(patch)
         yield kept
 

@@ -78,6 +78,10 @@ def test_while_the_package_is_patched_everything_is_computed(kept, monkeypatch):
         patch.setattr(problems, "PLANE", 2)
         assert numbered(1) == {"call": 2}
     assert numbered(1) == {"call": 1} and len(calls) == 2
+    monkeypatch.setattr("neuralgaits.systems.hopper.hop_episodes.HOPS", 2)
+    assert numbered(1) == {"call": 1}
+    monkeypatch.setattr("neuralgaits.systems.hopper.hop_episodes.LATEST_S", 2.0)
+    assert numbered(1) == {"call": 3}
 
 
 def test_copies_are_the_callers_and_errors_are_not_kept(kept):
@@ -94,6 +98,16 @@ def test_copies_are_the_callers_and_errors_are_not_kept(kept):
         with pytest.raises(SpecError):
             kept.of(raising, False)(1)
     assert len(raised) == 2
+
+
+def test_workers_share_what_can_be_copied(tmp_path):
+    workers = KeptResults(tmp_path), KeptResults(tmp_path)
+    for copied, expected in ((True, 1), (False, 2)):
+        made = [pair_of(one, copied=copied)[1] for one in workers]
+        assert [one(copied) for one in made] == [{"call": 1}] * 2
+        assert sum(one.computed for one in workers) == expected + (not copied)
+    assert pair_of(workers[1], copied=True)[1](3) == {"call": 1}
+    assert workers[1].computed == 2 and not list(tmp_path.glob("*.[0-9]*"))
 
 
 def test_in_single_precision_nothing_is_kept(kept):

@@ -147,6 +147,8 @@ def test_whoever_asks_of_a_built_in_spec_and_in_whatever_process_has_one_trace(a
         ((certify, "find_sets", None), True),
         (("neuralgaits.workflows.certify.find_sets", None), True),
         ((os, "fsync", None), True),
+        (("neuralgaits.systems.equilibrium.rest_episodes.SECONDS", None), True),
+        (("neuralgaits.systems.equilibrium.rest_episodes.AT_REST", None), False),
         ((os, "getcwd", None), False),
         ((problems, "step_at", None), False),
         (("neuralgaits.certificate.levels.problems.step_at", None), False),

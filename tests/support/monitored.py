@@ -104,8 +104,8 @@ def tube_margins(
 ) -> dict[str, np.ndarray]:
     """Phases and levels of states, as both theorems have them. [N] each."""
     first, last = shape.ends
-    phase = np.asarray(jax.vmap(gait.phase)(jnp.asarray(z[:, 0])))
-    level = np.asarray(jax.vmap(gait.level)(jnp.asarray(z)))
+    phase = np.asarray(jax.jit(jax.vmap(gait.phase))(jnp.asarray(z[:, 0])))
+    level = np.asarray(jax.jit(jax.vmap(gait.level))(jnp.asarray(z)))
     return {
         "phase-start": phase - first,
         "phase-end": last - phase,
@@ -126,13 +126,14 @@ def theorem_margins(
     model = FullOrderModel(robot, gait, run.spec)
     phi = jax.jit(jax.vmap(ZeroDynamics(robot, gait.policy).phi))
     eta, z = map(np.asarray, phi(jnp.concatenate([q, dq], axis=1)))
-    xi = jax.vmap(lambda one: scaled_coordinates(one, shape.bandwidth, shape.weights))(eta)
+    scaled = jax.vmap(lambda one: scaled_coordinates(one, shape.bandwidth, shape.weights))
+    xi = jax.jit(scaled)(eta)
     v = np.sum(np.asarray(xi) ** 2, axis=1)
     found = tube_margins(gait, shape, z)
     phase = found["phase-start"] + shape.ends[0]
     floor, widest = shape.least_radius, shape.radius
     bound = floor + (widest - floor) * np.exp(-shape.shrink * phase**2)
-    foot = np.asarray(jax.vmap(lambda one: swing_foot(robot, one)[1])(jnp.asarray(q)))
+    foot = np.asarray(jax.jit(jax.vmap(lambda one: swing_foot(robot, one)[1]))(jnp.asarray(q)))
     found |= {"foot": foot, "output-error": bound - np.sqrt(v)}
     h = np.asarray(jax.jit(jax.vmap(model.barriers))(jnp.asarray(z)))
     for k, row in enumerate(shape.barriers):

@@ -2,6 +2,7 @@
 
 import functools
 import hashlib
+import importlib
 import json
 import os
 import sys
@@ -12,14 +13,15 @@ from typing import Any
 
 import pytest
 
-from neuralgaits._families import retrace_module
+from neuralgaits._families import FAMILIES, verbs_module
 from neuralgaits.certificate.chart import PLANE_ONLY, Chart
 from neuralgaits.certificate.proof_file.theorem_tables import Theorems
 from neuralgaits.certificate.run_certificate import retrace
-from neuralgaits.errors import NeuralGaitsError
+from neuralgaits.errors import InputError, NeuralGaitsError
 from neuralgaits.records.training_config import config_of
 from neuralgaits.runs import RunFolder
 from neuralgaits.runs.names import CONFIG, GAIT, RESIDUAL, ROBOT, SPEC, START, WEIGHTS
+from support.kept_results import is_a_size
 
 READ = frozenset((CONFIG, GAIT, RESIDUAL, ROBOT, SPEC, START, WEIGHTS))
 """Files of a run that it is opened from, if its spec is built in."""
@@ -42,8 +44,8 @@ class TracedOnce:
     of these is changed, the run is traced again. A result is kept as JSON, and each caller reads it
     anew. Errors are not kept.
 
-    A built-in spec is traced in this process, whoever asks: the tests of `retrace` itself compare
-    that with what a process of its own finds.
+    A built-in spec, and a family's run, is traced in this process, whoever asks: tests compare that
+    with what a process of its own finds.
 
     Attributes:
         trusted: whether the program is as it was written. If not, each run is traced.
@@ -89,8 +91,8 @@ class TracedOnce:
         if not self.trusted or _replaced():
             self.traced += 1
             return trace(run, theorems, chart)
-        if _is_of_a_built_in_walker(run):
-            name, trace = "describe_run", retrace.describe_run
+        if (describe := _description_of(run)) is not None:
+            name, trace = "describe_run", describe
         key = name, json.dumps([theorems.tables(), chart.table()]), *_contents(run)
         if key not in self._known:
             self._known[key] = self._read_or_traced(key, lambda: trace(run, theorems, chart))
@@ -121,7 +123,10 @@ def _uninvolved(target: Any, *given: Any) -> bool:
         name = given[0] if given else None
     if not isinstance(target, ModuleType):
         return False
-    return target.__name__.startswith(UNINVOLVED) or (target is os and name in _WRITES)
+    place = target.__name__
+    return (
+        place.startswith(UNINVOLVED) or is_a_size(place, name) or (target is os and name in _WRITES)
+    )
 
 
 def _contents(run: Path) -> Key:
@@ -151,9 +156,26 @@ def _is_built_in(run: Path) -> bool:
         return False
 
 
-def _is_of_a_built_in_walker(run: Path) -> bool:
-    """Return whether a run is of a built-in spec and of no other family."""
-    return _is_built_in(run) and not retrace_module(RunFolder.open(run).config)
+def _description_of(run: Path) -> Callable[..., dict[str, Any]] | None:
+    """Return what `retrace_in_subprocess` has another process call; None if a user's code is."""
+    try:
+        family = RunFolder.open(run).config.get("family")
+    except NeuralGaitsError:
+        return None
+    if family not in FAMILIES:
+        return retrace.describe_run if _is_built_in(run) else None
+    from neuralgaits.systems.family_retrace import describe_family_run  # Brings JAX.
+
+    system = importlib.import_module(verbs_module(family)).SYSTEM
+
+    def describe(run: Path, theorems: Theorems, chart: Chart) -> dict[str, Any]:
+        del theorems, chart
+        try:
+            return describe_family_run(system, run)
+        except NeuralGaitsError as error:
+            raise InputError(str(error)) from None  # As from another process.
+
+    return describe
 
 
 def _replaced() -> bool:

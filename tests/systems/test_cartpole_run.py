@@ -4,10 +4,12 @@ import json
 import os
 import re
 import shutil
+import sys
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple, cast
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
@@ -18,6 +20,7 @@ from neuralgaits.certificate.proof_file.check import CheckResult
 from neuralgaits.certificate.proof_file.reader import read_claims
 from neuralgaits.certificate.proof_file.run_match import differences
 from neuralgaits.certificate.proof_file.sampled_bounds import first_broken_bound
+from neuralgaits.certificate.run_certificate.retrace import retrace_in_subprocess
 from neuralgaits.certificate.run_certificate.run_comparison import compare_with_run
 from neuralgaits.cli.main import main
 from neuralgaits.errors import InputError, RunError
@@ -35,14 +38,16 @@ from neuralgaits.systems.equilibrium.radial_conditions import radial_margins
 from neuralgaits.systems.equilibrium.rest_episodes import (
     RestTrace,
     settling_time,
-    trace_of,
+    traces_of,
 )
 from neuralgaits.systems.family_certificate import certify_family
 from neuralgaits.systems.family_page import PAGE, report_family
+from neuralgaits.systems.family_retrace import describe_family_run
 from neuralgaits.systems.family_run import FamilyRun, open_family_run
 from neuralgaits.systems.proof_model import trace_conditions
 from neuralgaits.systems.run_statements import stated_bounds
 from neuralgaits.workflows.certify_result import CertifyResult
+from support.kept_results import SIZES
 
 
 class Renamed(NamedTuple):
@@ -56,6 +61,16 @@ class Renamed(NamedTuple):
 
 
 pytestmark = pytest.mark.slow
+EPISODES = "neuralgaits.systems.equilibrium.rest_episodes.SECONDS"
+PAGES = "neuralgaits.systems.equilibrium.equilibrium_system"
+
+
+@pytest.fixture(autouse=True)
+def few_episodes(monkeypatch):
+    """Lengths of episodes matter to no test here: some of twenty seconds take seconds each."""
+    monkeypatch.setattr(EPISODES, 1.0)
+    monkeypatch.setattr(f"{PAGES}.EPISODES", 2)
+    monkeypatch.setattr(f"{PAGES}.SHOWN_S", 0.2)
 
 
 def opened(run: Path) -> FamilyRun:
@@ -75,14 +90,14 @@ def test_the_program_computes_the_margins_of_the_conditions(cartpole_run):
     program = trace_conditions(cartpole_run)
     points = np.random.default_rng(0).uniform(0.1, 1.0, (20, 4))
     found = evaluate(program, {"u": points}, POINT)
+
+    @jax.jit
+    def margins(u):
+        robot, controller = cartpole_run.robot, cartpole_run.controller
+        return radial_margins(robot, controller, 0.05, u[0], direction(u[1:]))
+
     for row, u in enumerate(points):
-        own = radial_margins(
-            cartpole_run.robot,
-            cartpole_run.controller,
-            0.05,
-            jnp.asarray(u[0]),
-            direction(jnp.asarray(u[1:])),
-        )
+        own = margins(jnp.asarray(u))
         for name, value in own.items():
             column = found[name].reshape(len(points), -1)[row]
             np.testing.assert_allclose(column, np.ravel(value), rtol=1e-9, atol=1e-11)
@@ -98,6 +113,23 @@ def test_a_proof_is_that_of_its_run_and_of_no_other(cartpole_run, cartpole_certi
     (tmp_path / "other.json").write_text(json.dumps(table))
     wrong = compare_with_run(read_claims(tmp_path / "other.json"), cartpole_run.path).wrong
     assert any("model" in one for one in wrong)
+
+
+def test_what_tests_share_of_a_run_is_what_a_process_of_its_own_traces(
+    cartpole_run, cartpole_certificate, runs_traced_once, monkeypatch
+):
+    claims = read_claims(cartpole_run.path / PROOF)
+    of = cartpole_run.path, claims.theorems, claims.chart
+    own = retrace_in_subprocess(*of)
+    assert own["program_hash"] == claims.program_hash
+    before = runs_traced_once.traced
+    assert runs_traced_once.retrace_in_subprocess(*of) == own
+    assert runs_traced_once.traced <= before + 1
+    # How much is simulated or drawn is no part of it.
+    for name, module in list(sys.modules.items()):
+        for size in SIZES & set(vars(module)) if name.startswith("neuralgaits.systems.") else ():
+            monkeypatch.setattr(module, size, None)
+    assert describe_family_run(SYSTEM, cartpole_run.path) == own
 
 
 def test_a_search_that_came_to_less_leaves_the_proof(cartpole_run, cartpole_certificate):
@@ -126,7 +158,7 @@ def test_a_proof_is_believed_of_its_own_run_only(cartpole_run, cartpole_certific
 def test_a_radius_never_rises_in_mujoco(cartpole_run):
     shape = np.asarray(cartpole_run.controller.ball.shape)
     start = shape @ np.asarray(direction(jnp.array([0.4, 0.3, 0.8])))
-    one = trace_of(cartpole_run, start, 2.0)
+    (one,) = traces_of(cartpole_run, [start], 2.0)
     assert one.radius[0] == pytest.approx(1.0)
     assert np.all(np.diff(one.radius) <= 0.0)
     assert np.abs(one.force).max() < cartpole_run.robot.force_limit
@@ -138,12 +170,11 @@ def test_a_file_without_names_is_simulated(cartpole_run):
     assert (data.hinge, data.motor) == ("", "")
     start, folder = np.array([0.01, 0.02, 0.0, 0.0]), Renamed(text)
     anonymous = replace(cartpole_run, data=data, folder=cast(RunFolder, folder))
-    one, other = trace_of(cartpole_run, start, 0.1), trace_of(anonymous, start, 0.1)
+    (one,), (other,) = (traces_of(run, [start], 0.1) for run in (cartpole_run, anonymous))
     np.testing.assert_array_equal(one.state, other.state)
 
 
-def test_episodes_are_counted(cartpole_run, monkeypatch):
-    monkeypatch.setattr("neuralgaits.systems.equilibrium.rest_episodes.SECONDS", 1.0)
+def test_episodes_are_counted(cartpole_run):
     done, _ = SYSTEM.episodes(cartpole_run, 2, 0)
     assert (done.episodes, done.stayed, done.clamped) == (2, 2, 0.0)
     # One second is too short to come to rest from the face.
@@ -164,11 +195,7 @@ def test_the_exported_force_is_pythons(cartpole_run, tmp_path):
         export_family(SYSTEM, cartpole_run, tmp_path / "c")
 
 
-def test_the_page_says_what_is_proved_and_what_is_not(
-    cartpole_run, cartpole_certificate, tmp_path, monkeypatch
-):
-    monkeypatch.setattr("neuralgaits.systems.equilibrium.equilibrium_system.EPISODES", 2)
-    monkeypatch.setattr("neuralgaits.systems.equilibrium.equilibrium_system.SHOWN_S", 0.2)
+def test_the_page_says_what_is_proved_and_what_is_not(cartpole_run, cartpole_certificate, tmp_path):
     done = report_family(cartpole_run, tmp_path / PAGE)
     text = (tmp_path / PAGE).read_text()
     assert done.bytes == len(text.encode())
@@ -217,7 +244,6 @@ def test_python_calls_take_cart_poles(cartpole_run, tmp_path):
 
 def test_the_command_line_trains_and_proves(tmp_path, monkeypatch, capfd):
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("neuralgaits.systems.equilibrium.equilibrium_system.EPISODES", 2)
     assert main(["train", "cartpole", "--steps", "20", "--hidden", "2", "--certify"]) == 0
     assert main(["certify", "latest"]) == 0
     assert "proved to level 3" in capfd.readouterr().out
@@ -333,10 +359,7 @@ def test_a_training_says_what_came_of_its_proof(tmp_path, monkeypatch, capfd):
     assert json.loads(capfd.readouterr().out)["proof"] == "undecided"
 
 
-def test_a_page_says_that_a_proof_counts_for_nothing(
-    cartpole_run, cartpole_certificate, tmp_path, monkeypatch
-):
-    monkeypatch.setattr("neuralgaits.systems.equilibrium.equilibrium_system.EPISODES", 1)
+def test_a_page_says_that_a_proof_counts_for_nothing(cartpole_run, cartpole_certificate, tmp_path):
     run = shutil.copytree(cartpole_run.path, tmp_path / "run")
     assert report_family(opened(run)).damaged is None
     (run / PROOF).write_bytes((run / PROOF).read_bytes()[:900])

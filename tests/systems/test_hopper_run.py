@@ -148,7 +148,7 @@ def test_the_program_computes_the_margins(hopper_run):
     program = trace_conditions(hopper_run)
     points = np.random.default_rng(0).uniform(0.0, 1.0, (5, 2))
     found = evaluate(program, {"u": points}, POINT)
-    margins = jax.vmap(lambda u: SYSTEM.margins(hopper_run, u))(jnp.asarray(points))
+    margins = jax.jit(jax.vmap(lambda u: SYSTEM.margins(hopper_run, u)))(jnp.asarray(points))
     for name, value in margins.items():
         column = found[name].reshape(len(points), -1)
         expected = np.asarray(value).reshape(len(points), -1)

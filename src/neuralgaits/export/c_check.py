@@ -40,14 +40,17 @@ def check_controller(
     Raises: MismatchError if C does not compile, or its results differ from Python's.
     """
     inputs = questions(design, reference, states)
-    builds = tuple(
+    compiled = [
         _built(design, inputs, folder, compiler, precision, flags)
         for compiler in compilers
         for precision in build.PRECISIONS
         for flags in (build.PLAIN, build.NATIVE)
-    )
+    ]
+    builds = tuple(one for one, _ in compiled)
+    # Structs are as large under every compiler and every flag.
+    structs = {one.precision: sizes for one, sizes in compiled}
     sizes = {
-        precision: _sizes(folder, compilers[0], defines)
+        precision: _sizes(folder, compilers[0], defines, structs[precision])
         for precision, defines in build.PRECISIONS.items()
     }
     if design.deployment is not None:
@@ -85,25 +88,26 @@ def _built(
     compiler: str,
     precision: str,
     flags: tuple[str, ...],
-) -> Build:
-    """Compile, compare and time one build."""
+) -> tuple[Build, dict[str, int]]:
+    """Compile, compare and time one build. Returns: it, and the size of each struct (bytes)."""
     defines = build.PRECISIONS[precision]
     program = build.build(compiler, folder, "check", build.CHECKED, (*flags, *defines))
-    return Build(
+    made = Build(
         compiler,
         precision,
         " ".join(flags),
         agree(design, questions, program, precision),
         latency(questions, program),
     )
+    rows = build.run(program, "sizes").decode().split()
+    return made, dict(zip(rows[::2], map(int, rows[1::2]), strict=True))
 
 
-def _sizes(folder: Path, compiler: str, defines: tuple[str, ...]) -> Memory:
+def _sizes(
+    folder: Path, compiler: str, defines: tuple[str, ...], structs: dict[str, int]
+) -> Memory:
     """Return the memory of one precision. Raises: MismatchError for heap calls or static memory."""
     core = _sizes_of(folder, compiler, defines, build.CORE)
-    program = build.build(compiler, folder, "check", build.CHECKED, (*build.PLAIN, *defines))
-    rows = build.run(program, "sizes").decode().split()
-    structs = dict(zip(rows[::2], map(int, rows[1::2]), strict=True))
     ram = sum(structs.values())
     stack = core.stack_bytes
     return Memory(core.flash_bytes, None if stack is None else ram + stack, stack, structs)

@@ -5,6 +5,7 @@ all of it is one formula of the guard's outputs and slopes. Hybrid invariance as
 Grizzle and Koditschek (2003).
 """
 
+from functools import partial
 from typing import TYPE_CHECKING, NamedTuple
 
 import jax
@@ -93,12 +94,16 @@ def on_foothold(
         high = up - (foothold.height + foothold.rise * along)
         return high[None] if foothold.length is None else jnp.stack([high, along - foothold.length])
 
+    # Traced once for all steps; inlined, it is the same formula as without `jit`.
+    @partial(jax.jit, inline=True)
+    def newton(shift: Float[Array, " k"]) -> Float[Array, " k"]:
+        value, push = jax.linearize(miss, shift)
+        columns = [push(row) for row in np.eye(len(free_joints), dtype=outputs.dtype)]
+        return shift - _solved(columns, value)
+
     shift = jnp.zeros(len(free_joints), outputs.dtype)
     for _ in range(steps):
-        value, push = jax.linearize(miss, shift)
-        shift = shift - _solved(
-            [push(row) for row in np.eye(len(free_joints), dtype=outputs.dtype)], value
-        )
+        shift = newton(shift)
     return outputs + shift @ directions
 
 

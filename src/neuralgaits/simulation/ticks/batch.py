@@ -113,17 +113,20 @@ def _compiled(tree: Any, fixed_leaves: tuple, fixed_tree: Any, shared: bool):
         return eqx.combine(arrays, fixed)
 
     shapes: dict[tuple, tuple[Any, Any, Any]] = {}
+    unpacked: dict[tuple, Callable[[Any], Any]] = {}
 
     def one_tick(own: Any, common: Scene, packed: Any, reading: Any):
         scene = whole(own, common)
-        _, carry_of = ravel_pytree(begin(scene, jnp.zeros((), jnp.int32)))
-        parts = tick(scene, carry_of(packed), scene.reading(reading))
+        carry = unpacked[_kinds((own, common))](packed)
+        parts = tick(scene, carry, scene.reading(reading))
         # Noted while it is traced: what is packed has lost them.
         shapes[_kinds((own, common, packed, reading))] = jax.tree.map(_kind, parts)
         return tuple(ravel_pytree(part)[0] for part in parts)
 
     def one_start(own: Any, common: Scene, leg: Array):
-        return ravel_pytree(begin(whole(own, common), leg))[0]
+        # Noted while it is traced: `first` runs before the first tick, whose carry this is.
+        packed, unpacked[_kinds((own, common))] = ravel_pytree(begin(whole(own, common), leg))
+        return packed
 
     every_tick: Callable[..., Any] = jax.vmap(one_tick, in_axes=(own_axis, None, 0, 0))
     every_start: Callable[..., Any] = jax.vmap(one_start, in_axes=(own_axis, None, 0))

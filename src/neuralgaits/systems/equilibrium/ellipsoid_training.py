@@ -140,7 +140,8 @@ def train_ellipsoid(
         update, state = optimiser.update(gradient, state)
         return optax.apply_updates(weights, update), state, value
 
-    weights: Any = start.weights
+    # With a weakly typed number among them the step would be compiled three times.
+    weights: Any = jax.tree.map(lambda leaf: jnp.asarray(leaf, leaf.dtype), start.weights)
     state = optimiser.init(weights)
     for step in range(steps):
         weights, state, value = updated(weights, state, jax.random.fold_in(key, step))
@@ -163,12 +164,12 @@ def sampled_margins(
     share = jax.random.uniform(second, (count,))
     # Limits are reached on the face, and rates are smallest at either end.
     share = jnp.where(jnp.arange(count) % 2 == 0, 1.0, share)
+    # Traced and compiled once for all regions.
+    one = jax.jit(lambda r, n: radial_margins(robot, controller, rate, r, n), inline=True)
     margins = {}
     for region in ("face", "ring", "core", "set"):
         low, high = RADII[region]
-        rows = jax.vmap(lambda r, n: radial_margins(robot, controller, rate, r, n))(
-            low + (high - low) * share, normal
-        )
+        rows = jax.vmap(one)(low + (high - low) * share, normal)
         names = [name for name in rows if RADIAL.get(name, "set") == region]
         margins |= {name: rows[name].reshape(-1) for name in names}
     return margins

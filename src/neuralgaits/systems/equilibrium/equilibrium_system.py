@@ -29,7 +29,7 @@ from neuralgaits.systems.equilibrium.rest_episodes import (
     RestEpisodes,
     law_of,
     simulate_at_rest,
-    trace_of,
+    traces_of,
 )
 from neuralgaits.systems.equilibrium.rest_figures import StateLabels, draw_planes, draw_times
 from neuralgaits.systems.equilibrium.velocity_policy import Controls
@@ -216,7 +216,7 @@ class EquilibriumSystem(ExportedSystem):
     def page_figures(self, run: FamilyRun) -> Sequence[tuple[Figure, str]]:
         """Draw episodes of MuJoCo from the set's face."""
         labels = self.labels(run.robot)
-        traces = [trace_of(run, start, SHOWN_S) for start in self.states(run, EPISODES, seed=0)]
+        traces = traces_of(run, self.states(run, EPISODES, seed=0), SHOWN_S)
         planes = draw_planes(traces, run.controller.ball.shape, labels)
         times = draw_times(traces, run.config.rate, labels)
         return (

@@ -9,7 +9,7 @@ until the next; MuJoCo clamps it at the motor's limit. The proof is about contin
 
 import math
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -22,6 +22,7 @@ from neuralgaits.records.record import Count, Record
 from neuralgaits.robots.mjcf.compiled import compile_text
 from neuralgaits.runs.names import ROBOT
 from neuralgaits.systems.family_run import FamilyRun
+from neuralgaits.systems.joint_map import JointMap
 
 SECONDS = 20.0
 """Length of an episode [s]."""
@@ -93,10 +94,22 @@ def law_of(run: FamilyRun) -> RestLaw:
     return law
 
 
-def trace_of(run: FamilyRun, start: Float[np.ndarray, "4"], seconds: float) -> RestTrace:
-    """Simulate one episode from a state."""
+def traces_of(
+    run: FamilyRun, starts: Iterable[Float[np.ndarray, "4"]], seconds: float
+) -> list[RestTrace]:
+    """Simulate an episode from each of some states; the controller is compiled once."""
     model = compile_text(run.folder.copy(ROBOT), run.config.robot)
     joints, law = run.data.joint_map(model), jax.jit(law_of(run))
+    return [_trace_of(model, joints, law, start, seconds) for start in starts]
+
+
+def _trace_of(
+    model: mujoco.MjModel,
+    joints: JointMap,
+    law: RestLaw,
+    start: Float[np.ndarray, "4"],
+    seconds: float,
+) -> RestTrace:
     world = mujoco.MjData(model)
     joints.write(model, world, start)
     rows = []
@@ -134,7 +147,7 @@ def simulate_at_rest(
     """
     start_time = time.perf_counter()
     starts = run.controller.ball.face(episodes, seed, widest)
-    traces = [trace_of(run, start, SECONDS) for start in starts]
+    traces = traces_of(run, starts, SECONDS)
     limit = run.robot.force_limit
     force = np.concatenate([np.abs(one.force) for one in traces])
     settled = [settling_time(one) for one in traces]

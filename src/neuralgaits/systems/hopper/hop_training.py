@@ -55,7 +55,8 @@ def first_gait(robot: Hopper, width: int, key: PRNGKeyArray) -> HopController:
     policy = LengthPolicy.init(ends, GAIN, width, key)
     still = eqx.tree_at(lambda one: (one.gain, one.output), policy, replace_fn=jnp.zeros_like)
     s = np.linspace(0.0, 1.0, 401)
-    slopes = jax.vmap(lambda x: energy_slope(robot, still, x, jnp.asarray(0.5 * middle**2)))(s)
+    slope_at = jax.jit(lambda x: energy_slope(robot, still, x, jnp.asarray(0.5 * middle**2)))
+    slopes = jax.vmap(slope_at)(s)
     slope = np.polynomial.Chebyshev.fit(s, np.asarray(slopes), DEGREE - 1).convert(
         kind=np.polynomial.Polynomial
     )
@@ -88,13 +89,13 @@ def sampled_hops(
 ) -> dict[str, Float[Array, " N"]]:
     """Return margins at random states of each condition's region, many at its ends and corners."""
     draw = jnp.clip(1.2 * jax.random.uniform(key, (count, 2)) - 0.1, 0.0, 1.0)
+    # Traced and compiled once for all regions.
+    one = jax.jit(lambda u: hop_margins(robot, controller, rate, u), inline=True)
     margins = {}
     for region, boxes in TABLE.regions.items():
         ((low, high),) = boxes
         low, size = jnp.asarray(low), jnp.asarray(high) - jnp.asarray(low)
-        rows = jax.vmap(lambda u, a=low, b=size: hop_margins(robot, controller, rate, a + b * u))(
-            draw
-        )
+        rows = jax.vmap(one)(low[None] + size[None] * draw)
         names = [name for name, place in TABLE.conditions.items() if place == region]
         margins |= {name: rows[name].reshape(-1) for name in names}
     return {name: margins[name] for name in TABLE.conditions}
@@ -154,6 +155,8 @@ def train_hopper(
     policy = start.policy
     network = (policy.gain, policy.hidden, policy.bias, policy.output)
     weights: Any = (network, jnp.zeros_like(start.tube.middle), jnp.zeros(()))
+    # With a weakly typed number among them the step would be compiled three times.
+    weights = jax.tree.map(lambda leaf: jnp.asarray(leaf, leaf.dtype), weights)
     state = optimiser.init(weights)
     for step in range(steps):
         weights, state, value = updated(weights, state, jax.random.fold_in(key, step))
