@@ -18,7 +18,7 @@ from neuralgaits.certificate.search.box_tree import BoxTree
 from neuralgaits.certificate.search.halving import Corners
 from neuralgaits.certificate.search.problem import BoundAll, Problem
 
-TOGETHER = 4.0
+TOGETHER = 32.0
 """How many times the sum of the costs of its axes a box lacks, from where on halvings are tried."""
 
 
