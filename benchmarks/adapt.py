@@ -5,7 +5,8 @@ of speeds an adapter cannot help: a row says for which share of the steps the co
 Twenty walks a row from random states of the region, in MuJoCo; all rows take about 10 minutes.
 DISTURB, TOLD, LAWS and WALKS in the environment choose others, SENSING what `--sensing` takes, and
 DISTURB=standard the eighteen standard disturbances; RUN is another run than the shipped
-one: of a gait that takes leans or slopes, too, the rows also have these adapted, and all.
+one: of a gait that takes leans or slopes, too, the rows also have these adapted, and all; ADAPT is
+the only combination to walk, as in speed,lean,slope.
 """
 
 import os
@@ -91,6 +92,8 @@ def _run(place: Path) -> Run:
 
 def _modes(commands: Commands) -> tuple[tuple[str, ...], ...]:
     """Return the commands that are adapted, a column each: none, one by one, all."""
+    if (chosen := os.environ.get("ADAPT")) is not None:
+        return (tuple(chosen.split(",")),)
     taken = tuple(name for name in ADAPTABLE if place_of(commands, name) is not None)
     return ((), *((name,) for name in taken), *([taken] if len(taken) > 1 else []))
 

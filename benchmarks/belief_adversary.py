@@ -6,6 +6,9 @@ the lean within the trained distance of the robot's own. It tells whatever leave
 to a fence. Walks are of the projected zero dynamics (rigid links, outputs zero) from random states
 of the tube, by fourth-order steps of the phase. They are simulations, whatever is proved.
 
+Then robots of the same leans walk in MuJoCo, told what the adversary told them in the rigid model:
+the first IN_MUJOCO of the walks, from random states of the region, under each of LAWS.
+
 Asked: of 1000 walks of 50 steps none leaves the tube. RUN is a run of a gait that takes a lean;
 WALKS and STEPS choose other numbers.
 """
@@ -29,8 +32,12 @@ from neuralgaits.gait.commands import LEAN, CommandLimits, Pair, place_of
 from neuralgaits.gait.policies.commanded_gait import CommandedGait
 from neuralgaits.gait.runge_kutta import RK4, step
 from neuralgaits.robots.mjcf.parameters import model_of, nominal_robot
+from neuralgaits.simulation.setup.command_schedule import CommandSchedule
+from neuralgaits.simulation.setup.disturbance import PlantChanges
+from neuralgaits.simulation.trained_walks import TrainedWalks, at_first, walk_engine_for
 
 WALKS, STEPS = whole("WALKS", 1000), whole("STEPS", 50)
+IN_MUJOCO, LAWS = whole("IN_MUJOCO", 1000), os.environ.get("LAWS", "pd,fblin").split(",")
 NODES = 16
 """Fourth-order steps in a step: levels are then right to 1e-6."""
 
@@ -119,7 +126,7 @@ def main() -> None:
     assert isinstance(gait, CommandedGait)
     stride = jax.jit(jax.vmap(jax.vmap(stride_of(run, gait)), (None, None, 0, None)))
     walkers = start(run, gait, np.random.default_rng(0))
-    begun, worst = time.process_time(), []
+    begun, worst, told = time.process_time(), [], [walkers.told]
     for _ in range(STEPS):
         options = admissible(run.spec, np.asarray(walkers.told), np.asarray(walkers.true))
         z2, room, least = (np.asarray(one) for one in stride(*walkers[:2], options, walkers.true))
@@ -129,12 +136,40 @@ def main() -> None:
         walkers = Walkers(
             z2[rows], options[rows], walkers.true, np.minimum(walkers.least, least[rows])
         )
+        told.append(walkers.told)
     left = int(np.count_nonzero(~(np.asarray(walkers.least) >= 0.0)))
     show(f"walks of {STEPS} steps under the worst belief that leave the tube", left, "0")
     show("of walks", WALKS)
     show("least distance from a fence, in tube widths", float(np.min(walkers.least)), ">= 0")
     show("the same in the last ten steps", min(worst[-10:]))
     show("processor time [s]", time.process_time() - begun)
+    sequences = np.stack(told, axis=1)[:IN_MUJOCO]
+    for law in LAWS:
+        fell = falls_in_mujoco(run, law, sequences, walkers.true)
+        show(f"the same under {law} in MuJoCo: falls of {len(sequences)}", fell)
+
+
+def falls_in_mujoco(
+    run: Run, law: str, sequences: Float[np.ndarray, "M k p"], true: Float[np.ndarray, " N"]
+) -> int:
+    """Walk robots with these leans (m) in MuJoCo, told these commands; return how many fell."""
+    library, fell = walk_engine_for(run, law, None).library, 0
+    for number, (told, lean) in enumerate(zip(sequences, true, strict=False)):
+        walked = TrainedWalks(
+            run=at_first(run, told[0]),
+            library=library,
+            plant=None,
+            controller=law,
+            steps=STEPS,
+            start="region",
+            push=0.0,
+            disturbance=PlantChanges(torso_shift_m=float(lean)),
+            seed=0,
+            orders=CommandSchedule(run.trained.commands, told[0], told[1:]),
+            threads=1,
+        ).walk(number, 1)
+        fell += sum(ending.fell for ending in walked.episodes.endings)
+    return fell
 
 
 if __name__ == "__main__":

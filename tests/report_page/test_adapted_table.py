@@ -62,6 +62,14 @@ def test_a_belief_is_said_with_speeds_and_without():
     assert "too few steps" in page(None, "lean", BelievedLean(()))
 
 
+def test_a_belief_at_the_end_of_its_range_is_said_to_be_there():
+    ended = page(None, "lean", BelievedLean((0.01,), at_end=True))
+    assert "after 1 steps, the end of the gait" in ended
+    slope = page(None, "slope", slope=BelievedSlope((0.035,), at_end=True))
+    assert "uphill after 1 steps, the end of the gait" in slope
+    assert "the end of the gait" not in page(None, "lean", BelievedLean((0.01,)))
+
+
 def test_what_is_proved_of_beliefs_is_said_with_the_robots_that_it_is_about():
     proved = page(None, "lean", BelievedLean((0.01,), 3, 0.0025))
     assert "to level 3, is about every sequence of beliefs, of robots within 2.5 mm" in proved

@@ -149,10 +149,12 @@ def test_both_engines_believe_alike(run, law, observed):
     ("words", "found"),
     [
         ("--command lean=0.02", "expected lean between -0.012 and 0.012 m, found 0.02"),
-        ("--command lean=nan", "expected --command as NAME=VALUE"),
+        ("--command lean=nan", "expected --command lean as a finite number, found 'nan'"),
         ("--adapt speed", "--adapt speed: expected a gait that takes speed as command"),
         ("--monitor", "--monitor: expected a gait without the command lean, found one that takes"),
-        ("--adapt speed,lean", "a gait that takes speed as command, found one that takes lean"),
+        ("--adapt lean,mass", "expected --adapt as names among speed, lean, slope, each once"),
+        ("--adapt lean,lean", "each once, found 'lean,lean': write speed,lean"),
+        ("--adapt lean,speed", "a gait that takes speed as command, found one that takes lean"),
     ],
 )
 def test_what_the_gait_does_not_take_is_one_line(run, capfd, words, found):

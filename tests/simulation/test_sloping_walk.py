@@ -34,11 +34,14 @@ def test_the_slope_is_learned_in_some_steps(run, degrees):
     assert slopes[-1] == pytest.approx(degrees, abs=0.15)
     assert np.max(np.abs(np.diff(slopes))) <= math.degrees(0.012) + 1e-9
     assert "after 12 steps; no proof" in found.believed_slope.in_words
+    assert not found.believed_slope.at_end
 
 
 def test_a_slope_beyond_the_range_is_believed_at_its_end(run):
-    slopes = walked(run, -4.0, steps=10).believed_slope.believed_rad
+    believed = walked(run, -4.0, steps=10).believed_slope
+    slopes = believed.believed_rad
     assert min(slopes) == -0.05 and slopes[-1] == -0.05
+    assert believed.at_end and "the end of the gait's range" in believed.in_words
 
 
 @pytest.mark.slow

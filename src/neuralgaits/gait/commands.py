@@ -275,7 +275,7 @@ def values(commands: Commands, command_values: Mapping[Any, Any]) -> Float[np.nd
                 # Flags speak of degrees, all else of radians.
                 low, high, same = (f"{math.degrees(x):.4g}" for x in (c.low, c.high, value))
                 message += f"; in degrees {low} to {high}, and {same}"
-            raise InputError(f"expected {c.name} {message}")
+            raise InputError(f"expected {c.name} {message}: stay inside, or train a wider range")
     return np.array([_number(name, command_values[name]) for name in names])
 
 

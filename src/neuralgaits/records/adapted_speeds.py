@@ -33,6 +33,9 @@ class LearnedLean:
         )
 
 
+_AT_END = ", the end of the gait's range: more than that it cannot learn"
+
+
 @dataclass(frozen=True)
 class BelievedLean:
     """Leans that the first walk believed in.
@@ -42,11 +45,13 @@ class BelievedLean:
         proved_level: level up to which the run's proof is about every sequence of beliefs in the
             range of the command; None without such a proof.
         near_m: how far from its belief a robot may be that the proof is about [m]; None without.
+        at_end: whether the last belief stands at an end of the command's range.
     """
 
     believed_m: tuple[float, ...]
     proved_level: Count | None = None
     near_m: float | None = None
+    at_end: bool = False
 
     @property
     def in_words(self) -> str:
@@ -56,7 +61,7 @@ class BelievedLean:
             last = self.believed_m[-1]
             found = (
                 f"believed {abs(1e3 * last):.1f} mm {_side(last)} the file's after "
-                f"{len(self.believed_m)} steps"
+                f"{len(self.believed_m)} steps{_AT_END if self.at_end else ''}"
             )
         about = "no proof of this run is about what it believes"
         if self.proved_level is not None and self.near_m is not None:
@@ -75,10 +80,12 @@ class BelievedSlope:
         believed_rad: slope of each step that ended with a touchdown, positive uphill [rad].
         proved_level: level up to which the run's proof is about every sequence of slopes in the
             range of the command; None without such a proof.
+        at_end: whether the last belief stands at an end of the command's range.
     """
 
     believed_rad: tuple[float, ...]
     proved_level: Count | None = None
+    at_end: bool = False
 
     @property
     def in_words(self) -> str:
@@ -88,6 +95,7 @@ class BelievedSlope:
             last = math.degrees(self.believed_rad[-1])
             way = "uphill" if last >= 0.0 else "downhill"
             found = f"believed {abs(last):.2f} degrees {way} after {len(self.believed_rad)} steps"
+            found += _AT_END if self.at_end else ""
         about = "no proof of this run is about what it believes"
         if self.proved_level is not None:
             about = (

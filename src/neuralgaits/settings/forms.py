@@ -16,6 +16,8 @@ COMMAND_UNITS = {
     "lean": "m",
 }
 """Commands of a gait, with their units on the command line."""
+ADAPTED = "speed", "lean", "slope"
+"""Commands that can be adapted, in the order in which they are written."""
 LEARNED: Literal["learned"] = "learned"
 """Word that stands for the two bounds of the run's residual."""
 Interval = tuple[float, float]
@@ -151,6 +153,17 @@ def gains(text: str) -> tuple[float, float]:
             "300,5"
         ) from None
     return stiffness, damping
+
+
+def adapted(text: str) -> str:
+    """Read names of commands to adapt, in any order, as in `lean,speed`. Raises: InputError."""
+    words = _list("adapt", text)
+    if not set(words) <= set(ADAPTED) or len(set(words)) < len(words):
+        raise InputError(
+            f"expected --adapt as names among {', '.join(ADAPTED)}, each once, found {text!r}: "
+            "write speed,lean"
+        )
+    return ",".join(name for name in ADAPTED if name in words)
 
 
 def seeds(text: str) -> tuple[int, int]:

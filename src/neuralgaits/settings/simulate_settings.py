@@ -4,7 +4,8 @@ from dataclasses import KW_ONLY, dataclass
 from typing import Annotated, Literal
 
 from neuralgaits._checks import check_walks
-from neuralgaits.settings.options import Settings, arg
+from neuralgaits.settings import forms
+from neuralgaits.settings.options import Settings, arg, option
 from neuralgaits.settings.shared_options import (
     A_PATH,
     AnyName,
@@ -84,7 +85,7 @@ class SimulateSettings(Settings):
             "speed", "lean", "slope", "speed,lean", "speed,slope", "lean,slope", "speed,lean,slope"
         ]
         | None,
-        arg(metavar="NAME,..."),
+        option("NAME,...", forms.adapted, str),
     ] = None
     """Adapt commands at each touchdown, within their ranges: speed, until the robot walks as told;
     lean and slope, to what the joint angles show of them, as in speed,lean or speed,lean,slope.

@@ -6,7 +6,7 @@ from neuralgaits._types import Array, Float
 from neuralgaits.control import ClfQp
 from neuralgaits.control.speed_adapter import ADAPTED
 from neuralgaits.gait import Orbit
-from neuralgaits.gait.commands import LEAN, SLOPE, UNITS, Commands, place_of
+from neuralgaits.gait.commands import LEAN, SLOPE, UNITS, Command, Commands, place_of
 from neuralgaits.records.adapted_speeds import AdaptedSpeeds, BelievedLean, BelievedSlope
 from neuralgaits.records.simulated import CommandError, ModelOrbit, Relaxed, WalkFigures
 from neuralgaits.simulation.setup.course import Courses
@@ -172,14 +172,20 @@ def believed_lean(
     if place is None:
         return None
     believed = tuple(walk.episodes.strides[0].told[:, place].tolist())
-    return BelievedLean(believed, proved_level, near_m)
+    return BelievedLean(believed, proved_level, near_m, _at_end(walk.commands[place], believed))
 
 
 def believed_slope(walk: Walk, proved_level: int | None) -> BelievedSlope | None:
     """Return what the first walk believed of its ground; None of a gait that takes no slope."""
     if (place := place_of(walk.commands, SLOPE)) is None:
         return None
-    return BelievedSlope(tuple(walk.episodes.strides[0].told[:, place].tolist()), proved_level)
+    believed = tuple(walk.episodes.strides[0].told[:, place].tolist())
+    return BelievedSlope(believed, proved_level, _at_end(walk.commands[place], believed))
+
+
+def _at_end(command: Command, values: tuple[float, ...]) -> bool:
+    """Return whether the last value stands at an end of a command's range."""
+    return bool(values) and values[-1] in (command.low, command.high)
 
 
 def _orbit(orbit: Orbit) -> ModelOrbit:

@@ -1,9 +1,10 @@
 """Branch and bound over the boxes of one root, a round at a time.
 
 A round halves every leaf on which a condition falls short of its target, along the axis that
-promises most, and bounds the halves. First every target is 0, which decides; then it is a share of
-the smallest margin seen at points, which makes the proved margin meaningful. A condition that is
-negative at a point is refuted; its boxes are halved a little further, for the map, and no more.
+promises most (`halved_axis`), and bounds the halves. First every target is 0, which decides; then
+it is a share of the smallest margin seen at points, which makes the proved margin meaningful. A
+condition that is negative at a point is refuted; its boxes are halved a little further, for the
+map, and no more.
 """
 
 import time
@@ -18,6 +19,7 @@ from neuralgaits._types import Float
 from neuralgaits.certificate.chart import PLANE
 from neuralgaits.certificate.search.axis_costs import with_axis_costs
 from neuralgaits.certificate.search.box_tree import BoxTree
+from neuralgaits.certificate.search.halved_axis import axis_to_halve
 from neuralgaits.certificate.search.problem import BoundAll, Bounds, Boxes, Problem
 from neuralgaits.records.certified import Counterexample
 
@@ -174,7 +176,7 @@ def _round(
     """Halve the leaves `work`, as many as there is time for."""
     tree = with_axis_costs(problem, state.tree, work, lacking, deadline, bound_all)
     done, parts = 0, []
-    axis = tree.best_axis(work)
+    axis = axis_to_halve(problem, tree, work, lacking, deadline, bound_all)
     size = problem.batch // 2
     slices = [slice(start, start + size) for start in range(0, len(work), size)]
     batches = [tree.halves_of(work[batch], axis[batch]) for batch in slices]

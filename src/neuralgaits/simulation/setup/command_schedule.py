@@ -131,6 +131,11 @@ def parsed(text: str) -> dict[str, float]:
     for part in text.split(","):
         name, equals, value = (word.strip() for word in part.partition("="))
         number = _number(value)
+        if name and value and number is None:
+            raise InputError(
+                f"expected --command {name} as a finite number, found {value!r}: write its value "
+                "in m/s, m or degrees"
+            )
         if not (name and equals) or number is None or name in values:
             raise InputError(
                 f"expected --command as NAME=VALUE,... with each name once, found {text!r}: write "
