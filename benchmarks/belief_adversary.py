@@ -145,7 +145,7 @@ def main() -> None:
     show("processor time [s]", time.process_time() - begun)
     sequences = np.stack(told, axis=1)[:IN_MUJOCO]
     for law in LAWS:
-        fell = falls_in_mujoco(run, law, sequences, walkers.true)
+        fell = falls_in_mujoco(run, law, sequences, np.asarray(walkers.true))
         show(f"the same under {law} in MuJoCo: falls of {len(sequences)}", fell)
 
 

@@ -74,7 +74,7 @@ def _half_beyond_reach(problem: Problem, low: Corners, high: Corners) -> Int[np.
     for axis in {axis for pair in problem.coupled_axes for axis in (pair.first, pair.second)}:
         ends, starts = high.copy(), low.copy()
         ends[:, axis] = starts[:, axis] = middle[:, axis]
-        both = problem.asked(low, ends) & problem.asked(starts, high)
+        both = problem.required(low, ends) & problem.required(starts, high)
         found = np.where(both, found, axis)
     return found
 
