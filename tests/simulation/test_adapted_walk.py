@@ -2,7 +2,7 @@
 
 import shutil
 from types import SimpleNamespace
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 import pytest
@@ -193,5 +193,5 @@ def test_a_gait_without_a_speed_command_is_refused(tmp_path):
         simulate(plain, adapt="speed")
     with pytest.raises(InputError, match=r"--adapt lean: expected .* takes lean .* train one with"):
         simulate(plain, adapt="lean")
-    with pytest.raises(InputError, match=r"adapt: expected one of speed, lean, .* found 'mass'"):
-        simulate(plain, adapt=cast(Any, "mass"))
+    with pytest.raises(InputError, match=r"--adapt as names among .* found 'mass'"):
+        simulate(plain, adapt="mass")

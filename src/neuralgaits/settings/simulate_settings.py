@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 
 from neuralgaits._checks import check_walks
 from neuralgaits.settings import forms
-from neuralgaits.settings.options import Settings, arg, option
+from neuralgaits.settings.options import Settings, arg
 from neuralgaits.settings.shared_options import (
     A_PATH,
     AnyName,
@@ -80,13 +80,7 @@ class SimulateSettings(Settings):
     command: Constant = None
     """Constant command of a gait that takes commands, as in speed=0.7 or slope=3 [degrees]; the
     middle of its ranges if not given. A mapping in Python is in SI units."""
-    adapt: Annotated[
-        Literal[
-            "speed", "lean", "slope", "speed,lean", "speed,slope", "lean,slope", "speed,lean,slope"
-        ]
-        | None,
-        option("NAME,...", forms.adapted, str),
-    ] = None
+    adapt: Annotated[str | None, arg(metavar="NAME,...")] = None
     """Adapt commands at each touchdown, within their ranges: speed, until the robot walks as told;
     lean and slope, to what the joint angles show of them, as in speed,lean or speed,lean,slope.
     For a gait that takes them as commands."""
@@ -117,6 +111,8 @@ class SimulateSettings(Settings):
     def __post_init__(self) -> None:
         super().__post_init__()
         check_walks(self.episodes, self.seed, self.push)
+        if self.adapt is not None:
+            object.__setattr__(self, "adapt", forms.adapted(self.adapt))
 
     @property
     def adapted_commands(self) -> tuple[str, ...]:
