@@ -11,6 +11,8 @@ from typing import Any
 
 import pytest
 
+from support import system_runs
+
 REPOSITORY = Path(__file__).parents[2]
 PROGRAM = REPOSITORY / "build" / "proofcheck"
 
@@ -69,3 +71,9 @@ def asked(proofcheck, tmp_path):
         return proofcheck(path)
 
     return ask
+
+
+@pytest.fixture(scope="session")
+def spatial_run(made_once):
+    """The gait that `train walker3d` finds, shared by all workers: nobody changes it."""
+    return made_once("walker3d", system_runs.biped)
