@@ -209,7 +209,7 @@ def spec_file(folder: Path, text: str, function: str | None = None) -> str:
 
 
 def widened(table: Table) -> None:
-    """Half axes of a biped's tube doubled: rows of their coefficients are constants without a name."""
+    """Double the half axes of a biped's tube: rows of coefficients, constants without a name."""
     axes = table["model"]["tube"]["axes"]["values"]
     table["model"]["tube"]["axes"]["values"] = [number(one, 2.0) for one in axes]
     program = program_of(table)

@@ -1,4 +1,4 @@
-"""Forgeries of every system with proofs: flat feet, beliefs, speeds, cart-poles, hoppers, bipeds."""
+"""Forgeries of all systems with proofs: flat feet, beliefs, speeds, cart-poles, hoppers, bipeds."""
 
 import copy
 from collections.abc import Callable

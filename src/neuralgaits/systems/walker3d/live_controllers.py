@@ -86,7 +86,7 @@ class CompiledController:
         sources = tuple(name for name in files if name.endswith(".c"))
         library = SharedLibrary("walker3d", files, sources, FLAGS)
         try:
-            return cls(ctypes.CDLL(str(compiler.kept(library, cache_folder() / "walker3d"))))
+            return cls(ctypes.CDLL(str(compiler.cached(library, cache_folder() / "walker3d"))))
         except CompilerError:
             return None
         except OSError:
