@@ -11,8 +11,6 @@ from typing import Any
 
 import pytest
 
-from support import system_runs
-
 REPOSITORY = Path(__file__).parents[2]
 PROGRAM = REPOSITORY / "build" / "proofcheck"
 
@@ -71,9 +69,3 @@ def asked(proofcheck, tmp_path):
         return proofcheck(path)
 
     return ask
-
-
-@pytest.fixture(scope="session")
-def spatial_run(made_once):
-    """The gait that `train walker3d` finds, shared by all workers: nobody changes it."""
-    return made_once("walker3d", system_runs.biped)

@@ -27,9 +27,9 @@ def traced():
 
 
 @pytest.fixture(scope="module")
-def base(feet_run, small_cartpole, small_hopper, spatial_run, tmp_path_factory):
+def base(feet_run, small_cartpole, small_hopper, tmp_path_factory):
     folder = tmp_path_factory.mktemp("systems")
-    return system_bases.systems(folder, feet_run.path, small_cartpole, small_hopper, spatial_run)
+    return system_bases.systems(folder, feet_run.path, small_cartpole, small_hopper)
 
 
 def test_what_is_forged_is_true(proofcheck, base, traced, tmp_path):
@@ -37,9 +37,7 @@ def test_what_is_forged_is_true(proofcheck, base, traced, tmp_path):
     for about, text in base.texts.items():
         file = tmp_path / f"{about}.json"
         file.write_text(text)
-        # C++ does not know the biped in three dimensions, and no box of its proof is bounded.
-        if about != "walker3d":
-            assert ask_cpp(PROGRAM, file).word == YES["cpp"], about
+        assert ask_cpp(PROGRAM, file).word == YES["cpp"], about
         with statements_taken_as_checked(), system_bases.systems_traced_once(traced):
             alone, known = ask_python(file), ask_python(file, base.runs[about])
         assert (alone.word, known.word) == (YES["alone"], YES["run"]), (about, alone, known)
@@ -60,8 +58,7 @@ def test_forgeries_of_systems(proofcheck, base, traced, tmp_path, about):
         with contextlib.ExitStack() as stack:
             stack.enter_context(statements_taken_as_checked(known if kind.bounded else None))
             stack.enter_context(system_bases.systems_traced_once(traced))
-            first = ("alone",) if about == "walker3d" else ("cpp", "alone")
-            heard = answers(kind, forged, tmp_path, PROGRAM, first)
+            heard = answers(kind, forged, tmp_path, PROGRAM, ("cpp", "alone"))
             if heard["alone"].word not in ("rejected", "unreadable"):
                 heard |= answers(kind, forged, tmp_path, PROGRAM, ("run",))
         if found := complaints(kind, heard):

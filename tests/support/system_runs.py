@@ -23,11 +23,3 @@ def small(family: str, steps: int) -> Callable[[Path], None]:
         train_family(system, family, seed=0, steps=steps, hidden=(2,), out=run, root=run.parent)
 
     return make
-
-
-def biped(run: Path) -> None:
-    """Train the biped in three dimensions as `train walker3d` does."""
-    from neuralgaits.systems.system_family import ProgressCallbacks
-    from neuralgaits.systems.walker3d.walker3d_verbs import VERBS
-
-    VERBS["train"]("walker3d", progress=ProgressCallbacks(), out=run, root=run.parent)

@@ -7,8 +7,9 @@ import pytest
 from neuralgaits.systems.cartpole.cartpole_verbs import SYSTEM
 from neuralgaits.systems.family_certificate import certify_family
 from neuralgaits.systems.family_run import open_family_run
+from neuralgaits.systems.system_family import ProgressCallbacks
 from neuralgaits.systems.walker3d.spatial_mjcf import BUILT_IN, read_spatial, spatial_text
-from support import system_runs
+from neuralgaits.systems.walker3d.walker3d_verbs import VERBS
 
 
 @pytest.fixture(scope="session")
@@ -32,4 +33,8 @@ def spatial_robot():
 @pytest.fixture(scope="session")
 def spatial_run(made_once):
     """The gait that `train walker3d` finds, shared by all workers: nobody changes it."""
-    return made_once("walker3d", system_runs.biped)
+
+    def make(run):
+        VERBS["train"](BUILT_IN, progress=ProgressCallbacks(), out=run, root=run.parent)
+
+    return made_once("walker3d", make)

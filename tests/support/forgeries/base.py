@@ -16,9 +16,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 Table = dict[str, Any]
-About = Literal[
-    "small", "walk", "full", "feet", "belief", "speeds", "cartpole", "hopper", "walker3d"
-]
+About = Literal["small", "walk", "full", "feet", "belief", "speeds", "cartpole", "hopper"]
 Content = Table | str | bytes
 EXIT = {
     "proved": 0,

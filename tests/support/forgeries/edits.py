@@ -206,12 +206,3 @@ def spec_file(folder: Path, text: str, function: str | None = None) -> str:
         config["spec"] = f"spec.py:{function}"
     (folder / "config.json").write_text(json.dumps(config))
     return digest
-
-
-def widened(table: Table) -> None:
-    """Double the half axes of a biped's tube: rows of coefficients, constants without a name."""
-    axes = table["model"]["tube"]["axes"]["values"]
-    table["model"]["tube"]["axes"]["values"] = [number(one, 2.0) for one in axes]
-    program = program_of(table)
-    rows = [replace(c, array=2.0 * c.array) if c.array.size == 9 else c for c in program.constants]
-    put(table, replace(program, constants=tuple(rows)))

@@ -11,17 +11,14 @@ from unittest import mock
 
 from neuralgaits._families import verbs_module
 from neuralgaits.certificate.chart import Chart
-from neuralgaits.certificate.proof_file.proof_from_run import proof_of
 from neuralgaits.certificate.proof_file.theorem_tables import Theorems
 from neuralgaits.certificate.run_certificate import retrace
-from neuralgaits.certificate.search.statement_record import StatementRecord
 from neuralgaits.errors import InputError, NeuralGaitsError
 from neuralgaits.gait.commands import Command
 from neuralgaits.runs import RunFolder
-from neuralgaits.systems.family_certificate import certify_family, condition_problems
+from neuralgaits.systems.family_certificate import certify_family
 from neuralgaits.systems.family_retrace import describe_family_run
 from neuralgaits.systems.family_run import open_family_run
-from neuralgaits.systems.proof_model import model_data, trace_conditions
 from neuralgaits.workflows.certify import certify
 from support.commanded_run import LEANS, SPEED, make
 from support.forgeries.base import About, Base, Table
@@ -47,7 +44,7 @@ def mine(robot):
 """A spec of two conditions that both checkers know."""
 
 
-def systems(scratch: Path, feet: Path, cartpole: Path, hopper: Path, biped: Path) -> Base:
+def systems(scratch: Path, feet: Path, cartpole: Path, hopper: Path) -> Base:
     """Certify a run of each kind in a new folder.
 
     Args:
@@ -55,7 +52,6 @@ def systems(scratch: Path, feet: Path, cartpole: Path, hopper: Path, biped: Path
         feet: a trained run on flat feet.
         cartpole: a run of a cart-pole.
         hopper: one of a hopper.
-        biped: one of a biped in three dimensions.
     """
     runs: dict[About, Path] = {
         "belief": told(scratch / "belief", LEANS),
@@ -67,38 +63,10 @@ def systems(scratch: Path, feet: Path, cartpole: Path, hopper: Path, biped: Path
     assert certify(runs["feet"]).verdict == "proved"
     for name in ("cartpole", "hopper"):
         assert certify_family(open_family_run(_system(name), runs[name])).verdict == "proved"
-    runs["walker3d"] = Path(shutil.copytree(biped, scratch / "walker3d"))
-    state_all(runs["walker3d"])
     proofs: dict[About, Table] = {
         about: json.loads((runs[about] / PROOF).read_text()) for about in runs
     }
     return Base(proofs, runs, scratch)
-
-
-def state_all(folder: Path) -> None:
-    """Write a proof of a biped in three dimensions of which no box was bounded.
-
-    It states every condition of the table on its regions, by a tree of one leaf: forgeries of
-    structure need no more, and a search takes minutes. Those that are bounded break it anyway.
-    """
-    run = open_family_run(_system("walker3d"), folder)
-    program, table = trace_conditions(run), run.system.table
-    stated = tuple(
-        StatementRecord(
-            one.names,
-            one.region,
-            {one.names[0]: 1.0},
-            {one.names[0]: 1e-3},
-            one.degree,
-            one.low,
-            one.high,
-            "-",
-        )
-        for one in condition_problems(program, table, run.system.claimed)
-    )
-    proof = proof_of(run.folder, program, stated, model_data(run, program), table.chart)
-    (folder / PROOF).parent.mkdir()
-    (folder / PROOF).write_bytes(proof.content())
 
 
 def told(folder: Path, command: Command) -> Path:

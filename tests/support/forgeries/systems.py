@@ -1,4 +1,4 @@
-"""Forgeries of all systems with proofs: flat feet, beliefs, speeds, cart-poles, hoppers, bipeds."""
+"""Forgeries of every system with proofs: flat feet, beliefs, speeds, cart-poles, hoppers."""
 
 import copy
 from collections.abc import Callable
@@ -28,7 +28,6 @@ from support.forgeries.edits import (
     program_of,
     put,
     renew,
-    widened,
     without,
 )
 
@@ -73,7 +72,6 @@ SUBJECTS = (
     Subject("speeds", "inertia", _torso, "along", "policy.network.biases[0]", 2),
     Subject("cartpole", "force", _robot, "pole_mass", "controls.policy.output", 3, family=True),
     Subject("hopper", "reach", _robot, "foot_mass", "policy.bias", 1, family=True),
-    Subject("walker3d", "touchdown", _robot, "thigh.mass", "policy.start", 0, family=True),
 )
 BOX = {"low": ["0x0p+0", "0x0p+0"], "high": ["0x1p-1", "0x1p+0"]}
 
@@ -156,8 +154,7 @@ def _(case: Case, _: Subject) -> None:
 
 @_each("an operation that is another, under the hash before", refused("rejected"), NO)
 def _(case: Case, _: Subject) -> None:
-    operation = case.table["program"]["operations"][3]
-    operation[0] = "sin" if operation[0] == "neg" else "neg"
+    case.table["program"]["operations"][3][0] = "neg"
 
 
 @_each("a Program with an operation more", true(), LOOSE)
@@ -294,8 +291,6 @@ _kind("cartpole", "a rate of ten", lambda t: t["model"].update(rate=(10.0).hex()
 _kind("cartpole", "a rate below zero", lambda t: t["model"].update(rate="-0x1p-4"), NO, NO)
 _kind("cartpole", "a hopper", lambda t: t["model"].update(family="hopper"), NO, NO)
 _kind("hopper", "a rate below zero", lambda t: t["model"].update(rate="-0x1p-4"), NO, NO)
-_kind("walker3d", "a tube twice as wide, in the model, too", widened)
-_kind("walker3d", "a hopper", lambda t: t["model"].update(family="hopper"), NO, NO)
 _kind("hopper", "a cart-pole", lambda t: t["model"].update(family="cartpole"), NO, NO)
 
 
