@@ -39,6 +39,16 @@ REFUSED = {
         '<inertial pos="0 0.02 0.2" mass="14"',
         None,
     ),
+    "of right_hip_roll, -0.6 to 0.6 rad, found -0.5 to 0.6": (
+        ROLL + ' range="-0.6 0.6"',
+        ROLL + ' range="-0.5 0.6"',
+        "give it that range",
+    ),
+    "of right_knee, 0.02 to 2.2 rad": (
+        '"left_knee" axis="0 1 0" range="0.02 2.2"',
+        '"left_knee" axis="0 1 0" range="-2.2 -0.02"',
+        "give it that range",
+    ),
     "yaw is free": (
         '<joint name="root_pitch"',
         '<joint name="root_yaw" type="hinge" axis="0 0 1"/><joint name="root_pitch"',
@@ -85,3 +95,15 @@ def test_all_problems_are_told_at_once(text):
         read_spatial(changed, "mine")
     for words in ("has damping", "expected one motor, found 0", "expected one plane"):
         assert words in str(refusal.value)
+
+
+def test_roll_ranges_that_are_mirror_images_are_read(text):
+    changed = text.replace(
+        '"left_hip_roll" axis="1 0 0" range="-0.6 0.6"',
+        '"left_hip_roll" axis="1 0 0" range="-0.5 0.6"',
+    )
+    changed = changed.replace(
+        '"right_hip_roll" axis="1 0 0" range="-0.6 0.6"',
+        '"right_hip_roll" axis="1 0 0" range="-0.6 0.5"',
+    )
+    assert read_spatial(changed, "mine").walker.ranges[0] == (-0.5, 0.6)

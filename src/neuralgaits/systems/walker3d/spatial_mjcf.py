@@ -174,6 +174,7 @@ def _unequal(model: mujoco.MjModel, tree: SpatialTree) -> Iterator[str]:
                 yield f"the {side} {what}'s centre of mass is off the leg's line: move it there"
             if not _diagonal(link.inertia):
                 yield f"the {side} {what}'s inertia is not around the leg's axes: use diaginertia"
+    yield from _unlike_ranges(model, tree)
     feet = [data.geom_xpos[foot] for foot in tree.feet]
     for side, foot, leg in zip(("right", "left"), feet, tree.joints, strict=True):
         if np.abs(foot - data.xanchor[leg[2]])[:2].max() > CLOSE:
@@ -183,6 +184,27 @@ def _unequal(model: mujoco.MjModel, tree: SpatialTree) -> Iterator[str]:
         yield (
             "the legs are unequal: their lengths, armatures, motors' limits, gears or feet differ"
         )
+
+
+def _unlike_ranges(model: mujoco.MjModel, tree: SpatialTree) -> Iterator[str]:
+    """Say which ranges of the legs' joints are no mirror images: rolls change sign."""
+    for number, (right, left) in enumerate(zip(*tree.joints, strict=True)):
+        first, second = _range(model, right), _range(model, left)
+        expected = (-first[1], -first[0]) if number == 0 else first
+        if not np.allclose(second, expected, rtol=0.0, atol=CLOSE):
+            low, high = expected
+            yield (
+                f"joint {joint_name(model, left)}: expected the mirror image of the range of "
+                f"{joint_name(model, right)}, {low:g} to {high:g} rad, found {second[0]:g} to "
+                f"{second[1]:g}: give it that range"
+            )
+
+
+def _range(model: mujoco.MjModel, joint: int) -> tuple[float, float]:
+    """Return the lowest and highest angle of a joint; a full turn if it has no limits."""
+    if not model.jnt_limited[joint]:
+        return -np.pi, np.pi
+    return float(model.jnt_range[joint, 0]), float(model.jnt_range[joint, 1])
 
 
 def _leg_numbers(
@@ -218,11 +240,6 @@ def _walker(model: mujoco.MjModel, tree: SpatialTree, name: str) -> SpatialWalke
         moments = (float(inertia[0]), float(inertia[1]), float(inertia[2]))
         return RigidLink(length, top - float(body.centre[2]), body.mass, moments)
 
-    def ranges(joint: int) -> tuple[float, float]:
-        if not model.jnt_limited[joint]:
-            return -np.pi, np.pi
-        return float(model.jnt_range[joint, 0]), float(model.jnt_range[joint, 1])
-
     across = np.diag(torso.inertia)
     left = tree.joints[1]
     return SpatialWalker(
@@ -235,7 +252,7 @@ def _walker(model: mujoco.MjModel, tree: SpatialTree, name: str) -> SpatialWalke
         armature=(numbers[2], numbers[3], numbers[4]),
         gravity=float(-model.opt.gravity[2]),
         torque_limits=(numbers[6], numbers[8], numbers[10]),
-        ranges=(ranges(left[0]), ranges(left[1]), ranges(left[2])),
+        ranges=(_range(model, left[0]), _range(model, left[1]), _range(model, left[2])),
         friction=max(float(model.geom_friction[one, 0]) for one in (*floors_of(model), *tree.feet)),
         name=name,
     )

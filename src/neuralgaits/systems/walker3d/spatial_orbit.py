@@ -23,6 +23,8 @@ from neuralgaits.systems.walker3d.spatial_start import FirstGuess, section_scale
 from neuralgaits.systems.walker3d.spatial_step import PHASES, SpatialStep, step_from
 from neuralgaits.systems.walker3d.spatial_walker import SpatialWalker
 
+NEIGHBOURS = 0.3
+"""Deviations whose steps give the section's derivatives, in those of `section_scale`."""
 DIFFERENCE = 1e-6
 """Step of the forward differences, in the numbers' own units."""
 
@@ -54,7 +56,7 @@ class OrbitAims(NamedTuple):
     friction: float = 0.3
     torque: float = 0.69
     stretch: float = 0.97
-    clearance: float = 0.035
+    clearance: float = 0.045
     touchdown: float = 0.15
     leaving: float = 0.06
     sagittal: float = 0.75
@@ -65,10 +67,10 @@ class OrbitAims(NamedTuple):
         """Return the aims for a robot, at a speed that goes with the length of its legs."""
         size = (robot.thigh.length + robot.shin.length) / 0.8
         return cls(
-            speed=0.65 * float(np.sqrt(size)),
-            duration=0.44 * float(np.sqrt(size)),
+            speed=0.7 * float(np.sqrt(size)),
+            duration=0.36 * float(np.sqrt(size)),
             side=0.0625 * robot.hip_width,
-            clearance=0.035 * size,
+            clearance=0.045 * size,
         )
 
 
@@ -119,7 +121,8 @@ class OrbitProblem:
 
     def residuals(self, policy: SpatialPolicy, start: Array) -> Array:
         """Return all residuals."""
-        near = jnp.asarray(np.vstack([np.zeros(3), np.diag(self.scale), -np.diag(self.scale)]))
+        around = NEIGHBOURS * np.diag(self.scale)
+        near = jnp.asarray(np.vstack([np.zeros(3), around, -around]))
         steps = jax.vmap(lambda one: step_from(self.robot, policy, one))(start[None] + near)
         orbit = jax.tree.map(lambda rows: rows[0], steps)
         return jnp.concatenate(
@@ -132,20 +135,22 @@ class OrbitProblem:
 
     def _return_map(self, policy: SpatialPolicy, start: Array, steps: SpatialStep) -> Array:
         """Return residuals of the period, of its neighbours, and of where the swing foot starts."""
-        section = (steps.landed[1:4, 1:] - steps.landed[4:, 1:]).T / 2.0 / self.scale[:, None]
+        apart = steps.landed[1:4, 1:] - steps.landed[4:, 1:]
+        section = apart.T / (2.0 * NEIGHBOURS) / self.scale[:, None]
         # Where the swing foot is after the touchdown, less where the policy starts it.
         missed = jax.vmap(lambda z: policy(z).aside)(steps.landed) - steps.states[:, -1, 1]
-        (a, _, b), forward, (c, _, d) = section
+        (a, p, b), forward, (c, q, d) = section
         lateral = jnp.stack([(a + d) * 5.0, (a * d - b * c + self.aims.lateral) * 10.0, b, c])
+        own = forward[1]
+        shift = jnp.stack([(own - d) * p + b * q, c * p + (own - a) * q])
         return jnp.concatenate(
             [
                 100.0 * (steps.landed[0, 1:] - start) / self.scale,
                 missed[:1] / 5e-4,
-                (missed[1:4] - missed[4:]) / 4e-3,
+                (missed[1:4] - missed[4:]) / (4e-3 * NEIGHBOURS),
                 lateral * jnp.array([1.0, 1.0, 0.5, 0.5]),
                 forward * 0.5,
-                section[0, 1:2] * 0.5,
-                section[2, 1:2] * 0.5,
+                shift * 10.0,
                 15.0 * _above(forward[1:2], self.aims.sagittal),
             ]
         )

@@ -15,8 +15,8 @@ from neuralgaits._types import Array, Float
 from neuralgaits.systems.walker3d.spatial_dynamics import SpatialState
 from neuralgaits.systems.walker3d.spatial_pose import Outputs
 
-INPUT_SCALE = np.array([0.08, 0.10, 0.016])
-"""Sizes of the three invariants about their centre [m^2/s^2, 1, m^2]."""
+INPUT_SCALE = np.array([0.08, 0.003, 0.016])
+"""Sizes of the three invariants about their centre [m^2/s^2, m^2, m^2]."""
 
 
 class Pendulum(eqx.Module):
@@ -45,9 +45,10 @@ class Pendulum(eqx.Module):
         impulse = self.mass * self.height
         velocity = forward / impulse
         ahead, across = velocity / self.rate, aside / (impulse * self.rate)
-        middle, growing = y + self.half_width, x + ahead
+        middle, growing, falling = y + self.half_width, ahead + x, ahead - x
         energy = velocity * velocity - (self.rate * x) * (self.rate * x)
-        return jnp.stack([energy, (middle + across) / growing, (middle - across) * growing])
+        # What grows aside times what falls ahead, and the reverse: products have no poles.
+        return jnp.stack([energy, (middle + across) * falling, (middle - across) * growing])
 
 
 class SpatialPolicy(eqx.Module):

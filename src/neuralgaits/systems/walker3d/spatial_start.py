@@ -72,7 +72,8 @@ def first_guess(
     before = [0.5 * (1.0 + difference) / lateral, 0.5 * (1.0 - difference) / lateral]
 
     def weights(gains: list[float], size: float) -> np.ndarray:
-        return np.array([side, 0.0, gains[0] * up * size, gains[1] * down / size])
+        other = fast / rate * 2.0 - size
+        return np.array([side, 0.0, gains[0] * up / other, gains[1] * down / size])
 
     policy = SpatialPolicy(
         ends=np.array([-reach, reach]),
