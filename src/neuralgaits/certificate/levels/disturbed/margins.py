@@ -83,6 +83,16 @@ class _Errors(NamedTuple):
         """Return S e_L: that of the law's own torque [rad/s^2]. [m]."""
         return weighted(self.model.weights, self.law.error(self.model.point(self.u, xi), self.u))
 
+    def forces(self, xi: Outputs) -> Quantities:
+        """Return the slacks of contact and torques under the law's own torque."""
+        point = self.model.point(self.u, xi, self.of_law(xi))
+        found = self.model.in_step(point)
+        if isinstance(self.law, ScheduledLaw):
+            # The torque is a polynomial: from the accelerations it would have wide bounds.
+            share = self.law.torque(point, self.u) / self.model.robot.torque_limit
+            found["torque"] = jnp.concatenate([1.0 - share, 1.0 + share])
+        return {name: found[name] for name in FORCES}
+
     def growth(self, xi: Outputs, e: Vector) -> Vector:
         """Return S de/dt while torques are held, S e given [rad/s^3]. [m]."""
         point, off = self.model.point(self.u, xi), unweighted(self.model.weights, e)
@@ -120,7 +130,7 @@ def _forces(its: _Errors, xi: Outputs, peak: Scalar) -> Quantities:
         return {name: found[name] for name in FORCES}
 
     # Forces are affine in what is added to ddy, so the slopes are those at any.
-    found, slopes = slacks(its.of_law(xi)), jax.jacfwd(slacks)(its.none)
+    found, slopes = its.forces(xi), jax.jacfwd(slacks)(its.none)
     # v - P |dv/d(S e)| > 0 for each slack v.
     return {
         f"disturbed/{name}": found[name]

@@ -26,12 +26,12 @@ from neuralgaits.certificate.levels.full_order.held import (
 from neuralgaits.certificate.levels.full_order.samples import GaitSamples, doubled
 from neuralgaits.certificate.levels.full_order.theorem import STIFF, lyapunov_rate
 
-SPARE, HELD_SPARE = 1.6, 1.15
+SPARE, HELD_SPARE = 1.6, 1.1
 """Factors of room for contact, torque and foot. The one for held torques is smaller, because slopes
 already take too much."""
-FULL = 0.96
+FULL = 0.985
 """Share of the set that an impact may fill."""
-IMPACT = 1.18
+IMPACT = 1.08
 """Effect of an impact, as a multiple of the largest seen: bounds over outputs cost so much."""
 LONGEST = 4e-3
 """Longest hold that is tried [s]."""
@@ -43,7 +43,7 @@ SIGMAS = np.geomspace(1.0, 1e5, 121)
 """Weights of V in a barrier that are tried for a set without pushes."""
 GAINS = np.array([0.5, 1.0, 2.0, 3.0, 5.0, 8.0, 12.0, 20.0])
 """Barrier gains alpha that are tried [1/s]."""
-TRIES = 500
+TRIES = 900
 """Number of norms that are tried."""
 
 
@@ -185,7 +185,7 @@ class Planned:
                 return none
             # Bound on sqrt(V), as a multiple of the level at which pushes alone would keep
             # outputs.
-            floor = 1.04 * 2.0 * self.factor * bounds.push[0] / (slower * self.gamma)
+            floor = 1.02 * 2.0 * self.factor * bounds.push[0] / (slower * self.gamma)
             left = math.exp(-slower * self.shrink * STRIP**2)
             growth = max(self.gain, 1.1) / FULL
             if growth * left >= 0.9:
