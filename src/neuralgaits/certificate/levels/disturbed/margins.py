@@ -45,7 +45,7 @@ def margins(
     rows = parts["barriers"].reshape(-1, len(OF_BARRIER))
     bound, guard = its.bound(u[0]), its.set["guard_radius"] * xi
     xi = bound * xi
-    errors = _Errors(model, _law(model, shape, parts), u)
+    errors = LawErrors(model, _law(model, shape, parts), u)
     found = _forces(errors, xi, parts["peak"][0] + parts["peak"][1] * bound)
     if shape.scheduled:
         found |= _decay(errors, xi, parts["law"])
@@ -66,7 +66,7 @@ def margins(
     return found
 
 
-class _Errors(NamedTuple):
+class LawErrors(NamedTuple):
     """Errors of the outputs' acceleration under a law, at one point, in the norm of S.
 
     Attributes:
@@ -122,7 +122,7 @@ def _law(
     return ScheduledLaw(ScheduledGains(torque, inertia), model.gait)
 
 
-def _forces(its: _Errors, xi: Outputs, peak: Scalar) -> Quantities:
+def _forces(its: LawErrors, xi: Outputs, peak: Scalar) -> Quantities:
     """Return the slacks of forces under the law less the most that e may take of them."""
 
     def slacks(e: Vector) -> Quantities:
@@ -139,7 +139,7 @@ def _forces(its: _Errors, xi: Outputs, peak: Scalar) -> Quantities:
     }
 
 
-def _decay(its: _Errors, xi: Outputs, bounds: Float[Array, "2"]) -> Quantities:
+def _decay(its: LawErrors, xi: Outputs, bounds: Float[Array, "2"]) -> Quantities:
     """Return margins of the decay of V under a law, and of its error where nothing is off."""
     rest, along = its.of_law(jnp.zeros_like(xi)), jax.jacfwd(its.of_law)(xi)
     return {
@@ -164,7 +164,7 @@ def decay_matrix(
     return -(moved + moved.T) - decay * (turn.T @ turn)
 
 
-def _kicks(its: _Errors, xi: Outputs, bounds: Float[Array, "4"]) -> Quantities:
+def _kicks(its: LawErrors, xi: Outputs, bounds: Float[Array, "4"]) -> Quantities:
     """Return margins of the error right after an impact under the torque from before it."""
     exact = its.after_impact(jnp.zeros_like(xi), its.none)
     along, pushed = (jax.jacfwd(its.after_impact, k)(xi, its.none) for k in (0, 1))
@@ -175,7 +175,7 @@ def _kicks(its: _Errors, xi: Outputs, bounds: Float[Array, "4"]) -> Quantities:
     }
 
 
-def _growth(its: _Errors, xi: Outputs, bounds: Float[Array, "3"]) -> Quantities:
+def _growth(its: LawErrors, xi: Outputs, bounds: Float[Array, "3"]) -> Quantities:
     """Return margins of S de/dt under held torques: its size at xi = 0, e = 0 and its slopes."""
     still = its.growth(jnp.zeros_like(xi), its.none)
     along, pushed = (jax.jacfwd(its.growth, k)(xi, its.none) for k in (0, 1))
