@@ -45,8 +45,6 @@ GAINS = np.array([0.5, 1.0, 2.0, 3.0, 5.0, 8.0, 12.0, 20.0])
 """Barrier gains alpha that are tried [1/s]."""
 TRIES, HELD_TRIES = 500, 900
 """Number of norms that are tried."""
-
-
 Worth = Callable[["Planned"], float]
 
 
