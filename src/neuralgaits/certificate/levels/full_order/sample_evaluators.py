@@ -35,7 +35,7 @@ from neuralgaits.programs.tracing.tracer import trace
 EXACT = ExactLinearisation()
 PLANNED = (0.8, 0.6, 0.5, 0.4, 0.3, 0.2)
 """Shares of the planned push that are tried in turn."""
-LARGEST_SCHEDULED = 7.5e-3
+LARGEST_SCHEDULED = 6.5e-3
 """Largest radius tried where the law is not exact [rad]: bounds on its decay fail beyond it."""
 SMALL = 1.0 / 200.0
 """Half width of boxes on which premises are tried before any search, in sides of the root."""
