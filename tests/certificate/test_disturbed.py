@@ -7,8 +7,9 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
+from neuralgaits.analysis.run import open_run
 from neuralgaits.certificate.levels.disturbed.conclude import conclude_disturbed, constants
-from neuralgaits.certificate.levels.disturbed.margins import decay_matrix, margins
+from neuralgaits.certificate.levels.disturbed.margins import LawErrors, decay_matrix, margins
 from neuralgaits.certificate.levels.disturbed.push_inequalities import (
     error_rate,
     first_kick,
@@ -34,9 +35,12 @@ from neuralgaits.certificate.levels.full_order.model import (
 )
 from neuralgaits.certificate.levels.full_order.theorem import premises as of_level_four
 from neuralgaits.gait.full_order import held_jerk
+from neuralgaits.gait.output_laws import ScheduledLaw
+from neuralgaits.gait.scheduled_gains import ScheduledGains
 from neuralgaits.robots import dynamics
 from neuralgaits.robots.linear import pivots
 from support.full_order_shape import SHAPE
+from support.shipped_run import SHIPPED
 
 WEIGHTS = (1.1, 1.3, -0.2, -0.05, 1.5, -0.1, -0.08, 1.3, 0.35, 0.4)
 GAMMA, B = 45.0, np.sqrt(5.0) / 30.0
@@ -377,3 +381,21 @@ def test_forces_of_the_worst_push_and_the_jerk_of_held_torques(trained):
     np.testing.assert_allclose(jax.jit(accelerations)(x), acceleration, atol=1e-6)
     jerk = jax.jit(lambda x: jax.jvp(accelerations, (x,), (rate(x),))[1])(x)
     np.testing.assert_allclose(said, jerk, rtol=1e-6, atol=1e-5)
+
+
+def test_torques_of_scheduled_pd_are_those_that_its_accelerations_need():
+    """Bounds read its polynomial; inverse dynamics of the accelerations agree with it."""
+    run = open_run(SHIPPED)
+    model = FullOrderModel(run.robot, run.gait, run.spec, 40.0)
+    law = ScheduledLaw(ScheduledGains.of(run.robot, run.gait), run.gait)
+
+    @jax.jit
+    def both(u, xi):
+        errors = LawErrors(model, law, u)
+        return errors.forces(xi), model.in_step(model.point(u, xi, errors.of_law(xi)))
+
+    random = np.random.default_rng(6)
+    for _ in range(4):
+        said, needed = both(random.uniform(size=2), 5e-3 * random.normal(size=model.size))
+        for name in ("contact", "torque"):
+            np.testing.assert_allclose(said[name], needed[name], rtol=1e-9, atol=1e-9)

@@ -63,14 +63,21 @@ def singular(u):
     return {"h": u[1] / (u[0] + 0.05 + u[2] * u[3])}
 
 
+def off_zero(u, xi):
+    """What nearly cancels depends on an xi in the unit ball."""
+    y = jnp.exp(jnp.sin(3.0 * u[0] + xi[0]) * u[1]) / (2.0 + jnp.cos(2.0 * u[1] - xi[1]))
+    return {"h": y * (10.0 + u[2]) - y * (9.7 + u[3])}
+
+
 def both(function) -> tuple[tuple[int, ...], tuple[int, ...] | None, Program]:
-    program = trace(function, {"u": (4,)})
+    sizes = {"u": (4,)} | ({"xi": (2,)} if function is off_zero else {})
+    program = trace(function, sizes)
     folded = fold(program, TaylorAlgebra(2))
     rules = values_with_symbols(program, LOW, HIGH, taylor_remainders)
     return rules, compiled_choice(program, LOW, HIGH, folded), program
 
 
-@pytest.mark.parametrize("function", [every_operation, quotient, many, narrow])
+@pytest.mark.parametrize("function", [every_operation, quotient, many, narrow, off_zero])
 def test_the_same_values_have_symbols(function):
     rules, compiled, _ = both(function)
     assert len(rules) > 0

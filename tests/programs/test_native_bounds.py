@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from neuralgaits.certificate.search.problem import Problem
+from neuralgaits.programs import POINT, evaluate
 from neuralgaits.programs.native.compiled_rules import ENGINE, library
 from neuralgaits.programs.remainder_symbols import MOST_SYMBOLS, count_of, numbered
 from neuralgaits.programs.tracing.tracer import trace
@@ -25,12 +26,20 @@ def everything(u):
     return {"first": jnp.stack([inner, root]), "second": smooth * near - 0.7}
 
 
-@pytest.fixture(scope="module", params=[(2, False), (4, False), (4, True)])
+def off_zero(u, xi):
+    """Every kind of operation, of axes and of an xi in the unit ball."""
+    return everything(jnp.concatenate([u, 0.3 * xi[:2] - 0.2 * xi[2]]))
+
+
+@pytest.fixture(scope="module", params=[(2, False, 0), (4, False, 0), (4, True, 0), (2, True, 3)])
 def problem(request):
-    axes, symbols = request.param
-    if library(axes, 0) is None:
+    axes, symbols, ball = request.param
+    if library(axes, 0, ball) is None:
         pytest.skip("no C++ compiler")
-    program = trace(lambda u: everything(jnp.resize(u, (4,))), {"u": (axes,)})
+    if ball:
+        program = trace(off_zero, {"u": (axes,), "xi": (ball,)})
+    else:
+        program = trace(lambda u: everything(jnp.resize(u, (4,))), {"u": (axes,)})
     low, high = (-1.0,) * axes, (1.0,) * axes
     names, scales = ("first", "second"), (1.0, 2.0)
     made = Problem("all", low, high, names, scales, program, least=(0.1, 0.0))
@@ -64,8 +73,14 @@ def test_they_hold_at_random_points(problem):
     lower, _ = problem.bounds(low, high)
     random = np.random.default_rng(2)
     for _ in range(20):
-        points = random.uniform(low, high)
-        assert np.all(lower <= problem.values(points))
+        inputs = {"u": random.uniform(low, high)}
+        for item in problem.program.inputs[1:]:
+            xi = random.normal(size=(len(low), *item.shape))
+            # On the sphere, where linear parts are largest.
+            inputs[item.name] = xi / np.linalg.norm(xi, axis=1, keepdims=True)
+        values = evaluate(problem.program, inputs, POINT)
+        for k, (name, scale) in enumerate(zip(problem.names, problem.scales, strict=True)):
+            assert np.all(lower[:, k] <= values[name].min(axis=1) / scale - problem.least[k])
 
 
 def test_a_box_on_a_singularity_has_no_bound():

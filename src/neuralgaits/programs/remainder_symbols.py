@@ -25,11 +25,17 @@ from neuralgaits.programs.sensitivity import Sensitivity, sensitivities
 MOST_SYMBOLS = 16
 """Most symbols of a Program. Four hard conditions over all speeds took 279 thousand boxes and 21 s
 with 8, 151 thousand and 15 s with 16; one of them alone took over 600 thousand with none."""
-SHARES = (0.05, 0.005)
-"""Widths of the box on which remainders are compared, in those of the region: the next one if the
-first has no bounds."""
+MOST_OFF_ZERO = 32
+"""The same where xi is an input: terms of second order in xi do not shrink with boxes. With 16 the
+slope of held errors under scheduled PD has no bound in sets of 6.4 mrad on boxes of 1/400; with 32
+it has."""
+SHARES = (0.05, 0.005, 5e-4, 5e-5)
+"""Widths of the box on which remainders are compared, in those of the region: the next one where
+one has no bounds. Eliminations of large matrices have bounds on small boxes alone."""
 LEAST_GAIN = 0.02
 """Least part of an output's remainder for which a value gets symbols."""
+LEAST_OFF_ZERO = 0.002
+"""The same where xi is an input: many small values share what is lost."""
 MOST_NUMBERS = 2**23
 """Most sensitivities: of larger Programs nothing is chosen."""
 
@@ -37,6 +43,16 @@ Symbols = Mapping[int, int]
 """By the number of a value whose remainders have symbols, the first of these, from 0 on."""
 Remainders = Callable[[Program, np.ndarray, np.ndarray, Symbols], dict[int, np.ndarray]]
 """Function from Program, corners of a box [n] and symbols to remainders of all results [size]."""
+
+
+def most_symbols(program: Program) -> int:
+    """Return how many symbols a Program may have."""
+    return MOST_SYMBOLS if len(program.inputs) == 1 else MOST_OFF_ZERO
+
+
+def least_gain(program: Program) -> float:
+    """Return the least part of an output's remainder for which a value gets symbols."""
+    return LEAST_GAIN if len(program.inputs) == 1 else LEAST_OFF_ZERO
 
 
 def count_of(program: Program, symbols: Symbols) -> int:
@@ -128,7 +144,9 @@ class _Evaluations:
 
     def greedy(self) -> Iterator[int]:
         """Yield values while there are symbols left for one that helps."""
-        program, numbers, left = self.program, [], MOST_SYMBOLS
+        program, numbers, left = self.program, [], most_symbols(self.program)
+        # Off zero the gain of one symbol counts: a large value would leave room for nothing else.
+        off_zero = len(program.inputs) > 1
         remainders = self.remainders(numbers)
         whole = self.of_outputs(remainders)
         while True:
@@ -138,8 +156,13 @@ class _Evaluations:
                 for number in remainders
                 if number in reached and program.sizes[number] <= left
             }
-            best = max(gains, key=lambda number: gains[number].sum(), default=None)
-            if best is None or not gains[best].max() >= LEAST_GAIN:
+            helping = {
+                number: gain.sum() / (program.sizes[number] if off_zero else 1)
+                for number, gain in gains.items()
+                if gain.max() >= least_gain(program) or not off_zero
+            }
+            best = max(helping, key=lambda number: helping[number], default=None)
+            if best is None or not gains[best].max() >= least_gain(program):
                 return
             yield best
             numbers.append(best)

@@ -2,8 +2,8 @@
 // programs/algebras/taylor_algebra.py, as many boxes at a time as a register holds, on all cores.
 //
 // A value is a run of elements. An element is its coefficients, in the order 1, e_1 .. e_n, e_i e_j for
-// i <= j, then of the symbols that stand for remainders (programs/remainder_symbols.py), and the
-// radius of the remainder, each a vector over these boxes. What is added to the remainder for rounding is what the Python rules add: it exceeds the rounding of an operation many
+// i <= j, then of the symbols that stand for remainders (programs/remainder_symbols.py), then of the
+// elements of xi in the unit ball, and the radius of the remainder, each a vector over these boxes. What is added to the remainder for rounding is what the Python rules add: it exceeds the rounding of an operation many
 // times over, whatever order its sums are in. Nothing here is trusted: the checkers decide.
 
 #include <algorithm>
@@ -52,25 +52,37 @@ struct Operand {
   int64_t at, size;
 };
 // Its results get the symbols from `symbol` on, if that is not negative. `reads` says whether an
-// operand may depend on symbols.
+// operand may depend on symbols or on xi.
 struct Operation {
   int64_t kind, out, size, columns, index, operands, symbol, reads;
   Operand operand[3];
 };
 constexpr int64_t kFields = 14;
 
-// Of so many axes and symbols: compiled for each number, since each takes seconds.
-constexpr int kAxes = NG_AXES, kSymbols = NG_SYMBOLS;
+// Of so many axes, symbols and elements of xi: compiled for each number, since each takes seconds.
+constexpr int kAxes = NG_AXES, kSymbols = NG_SYMBOLS, kBall = NG_BALL;
 constexpr int kLinear = 1 + kAxes, kTerms = kLinear + kAxes * (kAxes + 1) / 2;
-constexpr int kAll = kTerms + kSymbols;
+constexpr int kNamed = kTerms + kSymbols, kAll = kNamed + kBall;
 
 struct Element {
   V c[kAll];
   V r;
 };
 
-// The parts of an element that functions below need; All: whether it may depend on symbols. If not,
-// their coefficients are zero, and nobody reads them.
+inline V root(V x) {
+  return each(x, [](double y) { return std::sqrt(y); });
+}
+
+// The most that symbols and xi add: magnitudes of the former, the Euclidean length of the latter.
+inline V length(const Element& a) {
+  V sum = all(0.0), squares = all(0.0);
+  for (int i = kTerms; i < kNamed; ++i) sum += size(a.c[i]);
+  for (int i = kNamed; i < kAll; ++i) squares += a.c[i] * a.c[i];
+  return kBall == 0 ? sum : sum + root(squares) * (1.0 + kSlack) + kTiny;
+}
+
+// The parts of an element that functions below need; All: whether it may depend on symbols or xi.
+// If not, their coefficients are zero, and nobody reads them.
 template <bool All>
 struct Parts {
   static constexpr int kUsed = All ? kAll : kTerms;
@@ -78,7 +90,8 @@ struct Parts {
 
   explicit Parts(const Element& a) : linear(size(a.c[1])), rest(size(a.c[kLinear])) {
     for (int i = 2; i < kLinear; ++i) linear += size(a.c[i]);
-    for (int i = kLinear + 1; i < kUsed; ++i) rest += size(a.c[i]);
+    for (int i = kLinear + 1; i < kTerms; ++i) rest += size(a.c[i]);
+    if (All) rest += length(a);
     spread = linear + rest;
     bound = size(a.c[0]) + spread;
   }
@@ -125,8 +138,8 @@ inline Expansion expanded(int64_t kind, V c, V r) {
   switch (kind) {
     case kSqrt: {
       const V near = within(c - r - kSlack * (size(c) + r), size(c) + r);
-      const V v = each(c, [](double x) { return std::sqrt(x); });
-      const V edge = each(near, [](double x) { return std::sqrt(x); });
+      const V v = root(c);
+      const V edge = root(near);
       return relative(v, 0.5 / v, -0.25 / (v * v * v), r, 0.0625 * edge * cube(r / near));
     }
     case kLog1p: {
@@ -258,6 +271,10 @@ class Bounder {
         u.c[1 + axis][lane] = std::max(b - centre, centre - a) * (1.0 + 0x1p-51);
       }
     }
+    for (int i = 0; i < kBall; ++i) {
+      clear(space[kAxes + i]);
+      space[kAxes + i].c[kNamed + i] = all(1.0);
+    }
   }
 
   // An element of an operand; a constant is put into `spare`.
@@ -309,8 +326,7 @@ class Bounder {
 
   static void range(const E& a, V& low, V& high) {
     const Parts<true> parts(a);
-    V straight = parts.linear + a.r;
-    for (int i = kTerms; i < kAll; ++i) straight += size(a.c[i]);
+    const V straight = parts.linear + length(a) + a.r;
     low = a.c[0] - straight;
     high = a.c[0] + straight;
     for (int i = 0, pair = kLinear; i < kAxes; ++i)
@@ -427,7 +443,7 @@ class Bounder {
 
 extern "C" {
 
-// A bounder of a Program in NG_AXES axes with at most NG_SYMBOLS symbols.
+// A bounder of a Program in NG_AXES axes with at most NG_SYMBOLS symbols, and xi of NG_BALL elements.
 void* ng_bounder(const int64_t* code, int64_t operations, const int64_t* index,
                  int64_t indices, const double* constants, int64_t count, const int64_t* outputs,
                  int64_t output_count, int64_t workspace) {

@@ -9,18 +9,18 @@ from neuralgaits._environment import cores
 from neuralgaits._types import Float
 from neuralgaits.programs.algebras.taylor_model import Taylor
 from neuralgaits.programs.evaluation import NO_SYMBOLS
-from neuralgaits.programs.native.compiled_rules import library
+from neuralgaits.programs.native.compiled_rules import rules_of
 from neuralgaits.programs.native.program_code import ProgramCode, encode
 from neuralgaits.programs.program import Program
-from neuralgaits.programs.remainder_symbols import MOST_SYMBOLS, count_of
+from neuralgaits.programs.remainder_symbols import MOST_OFF_ZERO, MOST_SYMBOLS, count_of
 
 MOST_THREADS = 16
-ROOM = (0, 4, 8, MOST_SYMBOLS)
+ROOM = (0, 4, 8, MOST_SYMBOLS, MOST_OFF_ZERO)
 """Numbers of symbols for which code is compiled: room for sixteen doubles the time of bounds."""
 
 
 class Bounder:
-    """Bounds on the smallest element of some outputs over boxes of u."""
+    """Bounds on the smallest element of some outputs over boxes of u, and a unit ball of xi."""
 
     def __init__(self, code: ProgramCode, rules: ctypes.CDLL):
         self._rules, self._outputs, self._threads = rules, len(code.outputs), _cores()
@@ -35,19 +35,16 @@ class Bounder:
         folded: Mapping[int, Taylor],
         symbols: Mapping[int, int] = NO_SYMBOLS,
     ) -> "Bounder | None":
-        """Create a bounder for outputs of a Program of u alone; None without compiled code.
+        """Create a bounder for outputs of a Program; None without compiled code.
 
         Args:
-            program: whose only input is u, over which boxes are given.
+            program: of u, over which boxes are given, and perhaps of an xi in the unit ball.
             names: of the outputs.
             folded: its constant values, as `fold` gives them.
-            symbols: first symbols of the values whose remainders have symbols; `MOST_SYMBOLS` at
-                most.
+            symbols: first symbols of the values whose remainders have symbols; `most_symbols`
+                at most.
         """
-        if len(program.inputs) != 1:
-            return None
-        (axes,) = program.inputs[0].shape
-        rules = library(axes, _room_for(count_of(program, symbols)))
+        rules = rules_of(program, _room_for(count_of(program, symbols)))
         return None if rules is None else cls(encode(program, names, folded, symbols), rules)
 
     def __del__(self):

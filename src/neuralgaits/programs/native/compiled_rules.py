@@ -1,4 +1,4 @@
-"""The compiled rules of Taylor models: compiled once for each number of axes and symbols, and kept.
+"""The compiled rules of Taylor models: compiled once for each number of coefficients, and kept.
 
 The Python rules in `algebras.taylor_algebra` are the reference, and the fallback where no C++
 compiler is at hand. NEURALGAITS_ENGINE=numpy selects them.
@@ -6,6 +6,7 @@ compiler is at hand. NEURALGAITS_ENGINE=numpy selects them.
 
 import contextlib
 import ctypes
+import math
 import os
 import platform
 from functools import cache
@@ -13,6 +14,7 @@ from importlib import resources
 
 from neuralgaits._cache import cache_folder
 from neuralgaits._compiler import Compiler, CompilerError, SharedLibrary
+from neuralgaits.programs.program import Program
 
 SOURCE, HEADER = "bounder.cpp", "symbol_choice.hpp"
 FLAGS = (
@@ -24,10 +26,11 @@ ENGINE = "NEURALGAITS_ENGINE"
 
 
 @cache
-def library(axes: int, symbols: int) -> ctypes.CDLL | None:
+def library(axes: int, symbols: int, ball: int = 0) -> ctypes.CDLL | None:
     """Return the rules in so many axes, with so many symbols at most.
 
-    None where they cannot be compiled or are not wanted.
+    A second input of `ball` elements is in the unit ball. None where they cannot be compiled or are
+    not wanted.
     """
     compiler = Compiler.first_of(COMPILERS)
     if compiler is None or os.environ.get(ENGINE) == "numpy":
@@ -37,13 +40,19 @@ def library(axes: int, symbols: int) -> ctypes.CDLL | None:
         "bounder",
         {name: folder.joinpath(name).read_text(encoding="utf-8") for name in (SOURCE, HEADER)},
         (SOURCE,),
-        (*FLAGS, f"-DNG_AXES={axes}", f"-DNG_SYMBOLS={symbols}"),
+        (*FLAGS, f"-DNG_AXES={axes}", f"-DNG_SYMBOLS={symbols}", f"-DNG_BALL={ball}"),
         # Code for this processor need not run on another machine that has the same cache.
         depends_on=(platform.node(),),
     )
     with contextlib.suppress(OSError, CompilerError):
         return _declared(ctypes.CDLL(str(compiler.cached(rules, cache_folder()))))
     return None
+
+
+def rules_of(program: Program, symbols: int) -> ctypes.CDLL | None:
+    """Return the rules for a Program, with so many symbols at most; None as `library`."""
+    axes, *ball = (math.prod(item.shape) for item in program.inputs)
+    return library(axes, symbols, sum(ball))
 
 
 def _declared(library: ctypes.CDLL) -> ctypes.CDLL:

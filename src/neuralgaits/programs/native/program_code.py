@@ -23,8 +23,8 @@ class ProgramCode(NamedTuple):
     Attributes:
         numbers: number of the result of each operation in the Program. [n]
         operations: kind, place and size of the result, columns, place in `index`, number of
-            operands, first symbol of the result or -1, whether an operand may depend on symbols,
-            and (place, size) of three of them. [n, FIELDS]
+            operands, first symbol of the result or -1, whether an operand may depend on symbols
+            or xi, and (place, size) of three of them. [n, FIELDS]
         index: of all moves: places of elements.
         constants: centres and radii of all constant elements. [2, m]
         outputs: (place, size). [C, 2]
@@ -64,13 +64,15 @@ def encode(
     """Encode a Program; constants have places -1 - number.
 
     Args:
-        program: whose only input is u.
+        program: of u, and perhaps of an xi in the unit ball.
         names: of the outputs.
         folded: its constant values, as `fold` gives them.
         symbols: first symbols of the values whose remainders have symbols.
         reuse: whether results reuse freed places.
     """
-    places: dict[int, int] = {0: 0}
+    # Inputs come first: u, then xi.
+    inputs = range(len(program.inputs))
+    places = {number: sum(program.sizes[:number]) for number in inputs}
     centres: list[np.ndarray] = []
     radii: list[np.ndarray] = []
     count = 0
@@ -82,9 +84,9 @@ def encode(
     outputs = {output.name: output.value for output in program.outputs}
     output_values = [outputs[name] for name in names]
     last = _last_uses(program, output_values)
-    room, sizes = _Workspace(program.sizes[0]), program.sizes
+    room, sizes = _Workspace(sum(program.sizes[k] for k in inputs)), program.sizes
     numbers, table, index = [], [], []
-    behind: set[int] = set()
+    behind = set(inputs[1:])
     for number, operation in enumerate(program.operations, start=program.first_operation):
         if not program.varies[number] or number not in last:
             continue

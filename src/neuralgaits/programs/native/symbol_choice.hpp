@@ -89,9 +89,16 @@ class SymbolChoice : public Bounder {
       }
     }
     int64_t best = -1;
-    for (size_t k = 0; k < operations_.size(); ++k)
-      if (operations_[k].size <= left && (best < 0 || sums[k] > sums[static_cast<size_t>(best)]))
-        best = static_cast<int64_t>(k);
+    double most = 0.0;
+    for (size_t k = 0; k < operations_.size(); ++k) {
+      const int64_t size = operations_[k].size;
+      // Off zero the gain of one symbol: a large value would leave room for nothing else.
+      const double worth = kBall == 0 ? sums[k] : sums[k] / static_cast<double>(size);
+      if (size > left || (kBall > 0 && !(largest[k] >= least_gain))) continue;
+      if (best >= 0 && !(worth > most)) continue;
+      best = static_cast<int64_t>(k);
+      most = worth;
+    }
     return best >= 0 && largest[static_cast<size_t>(best)] >= least_gain ? best : -1;
   }
 

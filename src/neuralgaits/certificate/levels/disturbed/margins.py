@@ -45,7 +45,7 @@ def margins(
     rows = parts["barriers"].reshape(-1, len(OF_BARRIER))
     bound, guard = its.bound(u[0]), its.set["guard_radius"] * xi
     xi = bound * xi
-    errors = _Errors(model, _law(model, shape, parts), u)
+    errors = LawErrors(model, _law(model, shape, parts), u)
     found = _forces(errors, xi, parts["peak"][0] + parts["peak"][1] * bound)
     if shape.scheduled:
         found |= _decay(errors, xi, parts["law"])
@@ -66,7 +66,7 @@ def margins(
     return found
 
 
-class _Errors(NamedTuple):
+class LawErrors(NamedTuple):
     """Errors of the outputs' acceleration under a law, at one point, in the norm of S.
 
     Attributes:
@@ -82,6 +82,16 @@ class _Errors(NamedTuple):
     def of_law(self, xi: Outputs) -> Vector:
         """Return S e_L: that of the law's own torque [rad/s^2]. [m]."""
         return weighted(self.model.weights, self.law.error(self.model.point(self.u, xi), self.u))
+
+    def forces(self, xi: Outputs) -> Quantities:
+        """Return the slacks of contact and torques under the law's own torque."""
+        point = self.model.point(self.u, xi, self.of_law(xi))
+        found = self.model.in_step(point)
+        if isinstance(self.law, ScheduledLaw):
+            # The torque is a polynomial: from the accelerations it would have wide bounds.
+            share = self.law.torque(point, self.u) / self.model.robot.torque_limit
+            found["torque"] = jnp.concatenate([1.0 - share, 1.0 + share])
+        return {name: found[name] for name in FORCES}
 
     def growth(self, xi: Outputs, e: Vector) -> Vector:
         """Return S de/dt while torques are held, S e given [rad/s^3]. [m]."""
@@ -112,7 +122,7 @@ def _law(
     return ScheduledLaw(ScheduledGains(torque, inertia), model.gait)
 
 
-def _forces(its: _Errors, xi: Outputs, peak: Scalar) -> Quantities:
+def _forces(its: LawErrors, xi: Outputs, peak: Scalar) -> Quantities:
     """Return the slacks of forces under the law less the most that e may take of them."""
 
     def slacks(e: Vector) -> Quantities:
@@ -120,7 +130,7 @@ def _forces(its: _Errors, xi: Outputs, peak: Scalar) -> Quantities:
         return {name: found[name] for name in FORCES}
 
     # Forces are affine in what is added to ddy, so the slopes are those at any.
-    found, slopes = slacks(its.of_law(xi)), jax.jacfwd(slacks)(its.none)
+    found, slopes = its.forces(xi), jax.jacfwd(slacks)(its.none)
     # v - P |dv/d(S e)| > 0 for each slack v.
     return {
         f"disturbed/{name}": found[name]
@@ -129,7 +139,7 @@ def _forces(its: _Errors, xi: Outputs, peak: Scalar) -> Quantities:
     }
 
 
-def _decay(its: _Errors, xi: Outputs, bounds: Float[Array, "2"]) -> Quantities:
+def _decay(its: LawErrors, xi: Outputs, bounds: Float[Array, "2"]) -> Quantities:
     """Return margins of the decay of V under a law, and of its error where nothing is off."""
     rest, along = its.of_law(jnp.zeros_like(xi)), jax.jacfwd(its.of_law)(xi)
     return {
@@ -154,7 +164,7 @@ def decay_matrix(
     return -(moved + moved.T) - decay * (turn.T @ turn)
 
 
-def _kicks(its: _Errors, xi: Outputs, bounds: Float[Array, "4"]) -> Quantities:
+def _kicks(its: LawErrors, xi: Outputs, bounds: Float[Array, "4"]) -> Quantities:
     """Return margins of the error right after an impact under the torque from before it."""
     exact = its.after_impact(jnp.zeros_like(xi), its.none)
     along, pushed = (jax.jacfwd(its.after_impact, k)(xi, its.none) for k in (0, 1))
@@ -165,7 +175,7 @@ def _kicks(its: _Errors, xi: Outputs, bounds: Float[Array, "4"]) -> Quantities:
     }
 
 
-def _growth(its: _Errors, xi: Outputs, bounds: Float[Array, "3"]) -> Quantities:
+def _growth(its: LawErrors, xi: Outputs, bounds: Float[Array, "3"]) -> Quantities:
     """Return margins of S de/dt under held torques: its size at xi = 0, e = 0 and its slopes."""
     still = its.growth(jnp.zeros_like(xi), its.none)
     along, pushed = (jax.jacfwd(its.growth, k)(xi, its.none) for k in (0, 1))

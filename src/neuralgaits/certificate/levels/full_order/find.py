@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from neuralgaits._digits import at_least, at_most
-from neuralgaits.certificate.levels.full_order.norm import IMPACT, Plan
+from neuralgaits.certificate.levels.full_order.norm import Plan
 from neuralgaits.certificate.levels.full_order.samples import (
     SampleEvaluators,
     Samples,
@@ -81,7 +81,7 @@ def find_full_order(
     if slowest <= 0.0 or strip is None:
         return "outputs off zero may stop the hip, or move the guard further than the tube goes on"
     guard_radius = _at(radius, floor, shrink, 1.0 - strip) * (1.0 + 1e-12)
-    ample = AMPLE if plan is None else IMPACT
+    ample = AMPLE if plan is None else plan.planned.impact
     impacts = _Impacts.sample(evaluators, levels, crossing, strip, guard_radius, ample)
     start_strip = float(at_most(1.2 * impacts.landing_at(guard_radius), DIGITS))
     samples = _with_strips(samples, evaluators, levels, start_strip, strip)

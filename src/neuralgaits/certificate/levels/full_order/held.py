@@ -7,18 +7,18 @@ import numpy as np
 
 from neuralgaits.certificate.levels.full_order.theorem import STIFF, lyapunov_rate
 
-JERK = 1.1
+JERK = 1.04
 """Bound on the outputs' jerk under held torques at y = 0, as a multiple of the largest seen."""
 REST = 1.1
 """Bound on a law's own error at xi = 0, as a multiple of the largest seen."""
-GROWTH_ROOM = 3.0
+GROWTH_ROOM = 1.5
 """Room for the slope of S de/dt in xi, as a multiple of the largest slope of the jerk that is seen;
 enclosures of third derivatives are wide."""
-JERK_PUSH, LAW_JERK_PUSH = 1.5, 4.0
+JERK_PUSH, LAW_JERK_PUSH = 1.5, 6.0
 """Factors for the slope of de/dt in e less 2 w, under exact linearisation and another law."""
-KICK = 1.04
+KICK = 1.02
 """Bound on the error right after an impact, as a multiple of the largest seen."""
-KICK_SLOPE = 1.3, 6000.0
+KICK_SLOPE = 1.3, 700.0
 """Factors for its slope in xi: of the slope, and of the slope times the radius before an impact."""
 
 
@@ -116,7 +116,7 @@ def least_decay(slopes: np.ndarray, bandwidth: float) -> float:
     rate_matrix = flow + np.concatenate([slopes, stiff * slopes], axis=1) / bandwidth
     least = float(np.linalg.eigvalsh(-rate_matrix - rate_matrix.swapaxes(1, 2)).min())
     # Room for the decay under a law, as a multiple of the largest slope of its error over w.
-    return least - 3.0 * frobenius(slopes) / bandwidth
+    return least - 1.5 * frobenius(slopes) / bandwidth
 
 
 def kick_bounds(

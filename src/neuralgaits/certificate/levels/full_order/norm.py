@@ -26,13 +26,13 @@ from neuralgaits.certificate.levels.full_order.held import (
 from neuralgaits.certificate.levels.full_order.samples import GaitSamples, doubled
 from neuralgaits.certificate.levels.full_order.theorem import STIFF, lyapunov_rate
 
-SPARE, HELD_SPARE = 1.6, 1.15
+SPARE, HELD_SPARE = 1.6, 1.1
 """Factors of room for contact, torque and foot. The one for held torques is smaller, because slopes
 already take too much."""
-FULL = 0.96
+FULL, HELD_FULL = 0.96, 0.985
 """Share of the set that an impact may fill."""
-IMPACT = 1.18
-"""Effect of an impact, as a multiple of the largest seen: bounds over outputs cost so much."""
+IMPACT, HELD_IMPACT = 1.18, 1.08
+"""Effect of an impact, as a multiple of the largest seen: bounds cost so much."""
 LONGEST = 4e-3
 """Longest hold that is tried [s]."""
 STRIP = 0.97
@@ -43,8 +43,9 @@ SIGMAS = np.geomspace(1.0, 1e5, 121)
 """Weights of V in a barrier that are tried for a set without pushes."""
 GAINS = np.array([0.5, 1.0, 2.0, 3.0, 5.0, 8.0, 12.0, 20.0])
 """Barrier gains alpha that are tried [1/s]."""
-TRIES = 500
+TRIES, HELD_TRIES = 500, 900
 """Number of norms that are tried."""
+Worth = Callable[["Planned"], float]
 
 
 class Plan(NamedTuple):
@@ -87,7 +88,7 @@ def push_factor(bandwidth: float) -> float:
 
 def find_plan(samples: GaitSamples, bandwidth: float) -> Plan | None:
     """Return the plan in which torques can be held the longest; None if no set exists."""
-    plan = _best(samples, bandwidth, lambda planned: 1e3 * planned.best().hold).best()
+    plan = _best(samples, bandwidth, lambda planned: 1e3 * planned.best().hold, held=True).best()
     return plan if plan.hold > 0.0 else None
 
 
@@ -102,7 +103,7 @@ def find_widest(samples: GaitSamples, bandwidth: float) -> Plan | None:
     return plan if plan.radius > 0.0 else None
 
 
-def _best(samples: GaitSamples, bandwidth: float, worth: Callable[["Planned"], float]) -> "Planned":
+def _best(samples: GaitSamples, bandwidth: float, worth: Worth, held=False) -> "Planned":
     """Return the norm with the highest value."""
     from scipy.optimize import minimize  # Slow to import, and only proofs need it.
 
@@ -119,22 +120,23 @@ def _best(samples: GaitSamples, bandwidth: float, worth: Callable[["Planned"], f
     lower[np.diag_indices(m)] = np.log(np.diagonal(lower))
     with np.errstate(all="ignore"):
         best = minimize(
-            lambda x: -worth(Planned(samples, bandwidth, matrix(x))),
+            lambda x: -worth(Planned(samples, bandwidth, matrix(x), held)),
             lower[rows],
             method="Nelder-Mead",
-            options={"maxfev": TRIES, "adaptive": True},
+            options={"maxfev": HELD_TRIES if held else TRIES, "adaptive": True},
         )
         norm = matrix(best.x)
         # The size of S means nothing: 1 for the determinant, and few digits.
         size = np.linalg.det(norm) ** (1.0 / m)
-        return Planned(samples, bandwidth, np.round(norm / size, 4))
+        return Planned(samples, bandwidth, np.round(norm / size, 4), held)
 
 
 class Planned:
     """Plans for holds and sets that one norm allows."""
 
-    def __init__(self, samples: GaitSamples, bandwidth: float, matrix: np.ndarray):
+    def __init__(self, samples: GaitSamples, bandwidth: float, matrix: np.ndarray, held=False):
         self.samples, self.w, self.matrix = samples, bandwidth, matrix
+        self.impact = HELD_IMPACT if held else IMPACT
         inverse = np.linalg.inv(matrix)
         both, back = doubled(matrix), doubled(inverse)
         usual, self.factor = float(lyapunov_rate(bandwidth)), push_factor(bandwidth)
@@ -147,8 +149,8 @@ class Planned:
         self.coupling = 1.15 * _size(samples.rate[1] @ back)
         self.reading = 1.2 * _size(samples.reading @ back).max(axis=0)
         after = both @ samples.after @ back
-        self.gain = IMPACT * float(np.sqrt((after**2).sum(axis=(1, 2)).max()))
-        self.reset = IMPACT * _size(samples.reset @ back).max(axis=0)
+        self.gain = self.impact * float(np.sqrt((after**2).sum(axis=(1, 2)).max()))
+        self.reset = self.impact * _size(samples.reset @ back).max(axis=0)
         jerk, along, moved = samples.jerk
         self.jerk = Jerk(
             JERK * float(_size(jerk @ matrix.T).max()),
@@ -185,13 +187,13 @@ class Planned:
                 return none
             # Bound on sqrt(V), as a multiple of the level at which pushes alone would keep
             # outputs.
-            floor = 1.04 * 2.0 * self.factor * bounds.push[0] / (slower * self.gamma)
+            floor = 1.02 * 2.0 * self.factor * bounds.push[0] / (slower * self.gamma)
             left = math.exp(-slower * self.shrink * STRIP**2)
-            growth = max(self.gain, 1.1) / FULL
+            growth = max(self.gain, 1.1) / HELD_FULL
             if growth * left >= 0.9:
                 return none
             kick = self._kicked(hold, bounds, floor + (radius - floor) * left, radius)
-            kicked = self.factor * hold * (kick.mean + self.rest) / FULL if self.kick else 0.0
+            kicked = self.factor * hold * (kick.mean + self.rest) / HELD_FULL if self.kick else 0.0
             radius = (growth * floor * (1.0 - left) + kicked) / (1.0 - growth * left)
             bounds = self._hold_bounds(hold, radius)
         if bounds is None or radius > LARGEST:

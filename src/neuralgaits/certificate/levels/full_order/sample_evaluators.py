@@ -1,5 +1,6 @@
 """Functions that the finder of level 4 evaluates, and the choice of the set."""
 
+import math
 from collections.abc import Callable, Mapping
 from functools import cache
 
@@ -34,8 +35,8 @@ from neuralgaits.programs.tracing.tracer import trace
 EXACT = ExactLinearisation()
 PLANNED = (0.8, 0.6, 0.5, 0.4, 0.3, 0.2)
 """Shares of the planned push that are tried in turn."""
-SCHEDULED = (0.55, 0.45, 0.35, 0.25)
-"""The same where the law is not exact: bounds of its decay widen with the set."""
+LARGEST_SCHEDULED = 6.5e-3
+"""Largest radius tried where the law is not exact [rad]: bounds on its decay fail beyond it."""
 SMALL = 1.0 / 200.0
 """Half width of boxes on which premises are tried before any search, in sides of the root."""
 WIDEST = tuple(np.round(np.arange(1.0, 0.14, -0.05), 2).tolist())
@@ -71,15 +72,16 @@ def set_of(
     samples = sample_gait(evaluators, free_clock) if pushed or widest else None
     small, smaller = (SMALLER, WIDEST) if widest else (SMALL, PLANNED)
     plan = None
+    largest = math.inf
     if pushed and samples is not None and samples.law[1].any():
-        smaller = SCHEDULED
+        largest = LARGEST_SCHEDULED
     if samples is not None:
         plan = find_plan(samples, w) if pushed else find_widest(samples, w)
     tries: list[tuple[float, Plan | None]] = []
     tries += [(1.0, plan.smaller(share)) for share in smaller] if plan else []
     tries += [(share, None) for share in SHARES]
     for share, planned in tries:
-        if planned is not None and planned.radius == 0.0:
+        if planned is not None and not 0.0 < planned.radius <= largest:
             continue
         shape = find_full_order(evaluators, model.names, w, share, planned)
         if isinstance(shape, str):
