@@ -121,9 +121,10 @@ def main() -> None:
     show("demo, nothing compiled: walks", f"{walks:.1f} s, {spent:.1f} s of processor", "<= 10 s")
     prepare()
     from neuralgaits.workflows.demo import FOLDER
-    from neuralgaits.workflows.view import view
+    from neuralgaits.workflows.view import LiveView, view
 
     with view(sys.argv[1] if len(sys.argv) > 1 else FOLDER) as live:
+        assert isinstance(live, LiveView)
         start_time = time.perf_counter()
         live.ready()
         show(

@@ -5,8 +5,8 @@ import pytest
 
 from neuralgaits.systems.family_run import open_family_run
 from neuralgaits.systems.walker3d.live_controllers import CompiledController, TracedController
-from neuralgaits.systems.walker3d.live_page import proof_in_words
 from neuralgaits.systems.walker3d.live_walk import SpatialLive
+from neuralgaits.systems.walker3d.spatial_page import proof_in_words
 from neuralgaits.systems.walker3d.spatial_plant import TICK_S
 from neuralgaits.systems.walker3d.spatial_system import SYSTEM
 
@@ -117,7 +117,7 @@ def test_in_jax_it_is_the_same_controller(run, live, compiled):
 
 
 def test_a_page_tells_what_the_proof_file_states_and_no_more(run, monkeypatch):
-    page = "neuralgaits.systems.walker3d.live_page.stated_bounds"
+    page = "neuralgaits.systems.walker3d.spatial_page.stated_bounds"
     monkeypatch.setattr(page, lambda _: None)
     nothing = proof_in_words(run)
     assert nothing.line == "nothing of this gait." and not nothing.of_tube

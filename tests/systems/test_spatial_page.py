@@ -6,7 +6,7 @@ import pytest
 
 import neuralgaits as ng
 from neuralgaits.cli.main import main
-from neuralgaits.systems.walker3d.live_page import SpatialPage
+from neuralgaits.systems.walker3d.spatial_page import SpatialPage
 
 pytestmark = pytest.mark.slow
 

@@ -34,7 +34,7 @@ def outcome_of_family(verb: Any, name: str) -> Outcome | None:
 
 
 def _show(outcome: VerbResult, result: Any) -> None:
-    """Show a family's result."""
+    """Show the answer of a family's verb, then its screen."""
     del result
     screen = outcome.screen
     if screen.answer:

@@ -85,7 +85,7 @@ class FieldReader:
         self._file = file
 
     def note(self, line: int, what: str, expected: str, found: str, remedy: str) -> None:
-        """Note one problem."""
+        """Note one problem; all of a file are raised together."""
         self.problems.append(
             f"{self._file}, line {line}: {what}: expected {expected}, found {found}: {remedy}"
         )

@@ -87,7 +87,7 @@ def drawn_cases(design: Design, count: int, seed: int = SEED) -> MonitorCases:
 
 
 def python_answers(monitor: StateMonitor, cases: MonitorCases) -> MonitorAnswers:
-    """Evaluate the Programs."""
+    """Return what the monitor's Programs say of each case, in Python."""
     margins = [one.margins(**cases.inputs(monitor)) for one in monitor.sets]
     places = [monitor.sets.index(monitor.set_of(level)) for level in monitor.levels]
     memberships = [monitor.sets[k].membership(margins[k]) for k in places]

@@ -76,7 +76,7 @@ class FullPoint(Point):
     @cached_property
     def dq(self) -> Coordinates:
         """Rates of the coordinates at this state [rad/s]. [n]."""
-        return self._moved(self.dz) + self.coordinates.still(self.output_rate)
+        return self._position_rates(self.dz) + self.coordinates.still(self.output_rate)
 
     def _curvature(self, along: ZeroState) -> Actuated:
         """Joint accelerations that do not come from ddz: curvature of y_d, and ddy."""

@@ -43,7 +43,7 @@ class ExactLinearisation:
     """The torque of exact input-output linearisation: `control.fblin`."""
 
     def error(self, point: FullPoint, u: Chart) -> Actuated:
-        """Return zeros."""
+        """Return zeros: exact torques make no error of their own."""
         del u
         return jnp.zeros_like(point.output)
 

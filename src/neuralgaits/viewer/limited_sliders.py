@@ -11,7 +11,7 @@ TYPED_S = 1.0
 
 
 class LimitedSliders:
-    """Sliders of one page."""
+    """Sliders of one page that clamp what is typed beside them."""
 
     def __init__(self, gui: viser.GuiApi):
         """Prepare to add sliders to this page."""

@@ -20,9 +20,9 @@ from neuralgaits.robots.constants import MjcfLayout
 from neuralgaits.robots.link_rods import bones
 from neuralgaits.viewer.blocks import Blocks
 from neuralgaits.viewer.framing import Framing
-from neuralgaits.viewer.ground import SECTION, add_ground
 from neuralgaits.viewer.portrait import HEIGHT_PX, WIDTH_PX, Portrait
 from neuralgaits.viewer.push_arrow import RED, PushArrow
+from neuralgaits.viewer.scenery import SECTION, add_ground
 from neuralgaits.viewer.walker import Shown
 
 

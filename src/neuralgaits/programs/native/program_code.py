@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from neuralgaits._types import Float
 from neuralgaits.programs.algebras.taylor_model import Taylor
 from neuralgaits.programs.evaluation import NO_SYMBOLS
 from neuralgaits.programs.program import Operation, Program
@@ -73,14 +74,7 @@ def encode(
     # Inputs come first: u, then xi.
     inputs = range(len(program.inputs))
     places = {number: sum(program.sizes[:number]) for number in inputs}
-    centres: list[np.ndarray] = []
-    radii: list[np.ndarray] = []
-    count = 0
-    for number, value in folded.items():
-        places[number] = -1 - count
-        centres.append(value.poly[0].reshape(-1))
-        radii.append(value.radius.reshape(-1))
-        count += len(centres[-1])
+    places |= _constant_places(folded)
     outputs = {output.name: output.value for output in program.outputs}
     output_values = [outputs[name] for name in names]
     last = _last_uses(program, output_values)
@@ -110,10 +104,23 @@ def encode(
         tuple(numbers),
         np.array(table, dtype=np.int64).reshape(-1, FIELDS),
         np.array(index, dtype=np.int64),
-        np.stack([np.concatenate([*part, [0.0]]) for part in (centres, radii)]),
+        _constants(folded),
         np.array([(places[value], sizes[value]) for value in output_values], dtype=np.int64),
         room.size,
     )
+
+
+def _constant_places(folded: Mapping[int, Taylor]) -> dict[int, int]:
+    """Return the places of constants, which count down from -1, by number of the value."""
+    ends = np.cumsum([0, *(value.radius.size for value in folded.values())])
+    return {number: -1 - int(end) for number, end in zip(folded, ends, strict=False)}
+
+
+def _constants(folded: Mapping[int, Taylor]) -> Float[np.ndarray, "2 K"]:
+    """Return centres and radii of the constants' elements, and a last one of 0."""
+    centres = [value.poly[0].reshape(-1) for value in folded.values()]
+    radii = [value.radius.reshape(-1) for value in folded.values()]
+    return np.stack([np.concatenate([*part, [0.0]]) for part in (centres, radii)])
 
 
 def _sources(operation: Operation, places: Mapping[int, int], sizes: Sequence[int]) -> list[int]:

@@ -1,5 +1,6 @@
 """Training: the widest tube of stances on which the conditions hold at random states."""
 
+from collections.abc import Mapping
 from typing import Any
 
 import equinox as eqx
@@ -101,6 +102,15 @@ def sampled_hops(
     return {name: margins[name] for name in TABLE.conditions}
 
 
+def _shortfall(margins: Mapping[str, Array]) -> Array:
+    """Return by how much margins fall short of their target, worst states only, on average."""
+    short = [
+        jax.lax.top_k(jax.nn.relu(TARGET - row / SCALES.get(name, 1.0)), WORST)[0]
+        for name, row in margins.items()
+    ]
+    return sum((jnp.mean(row) for row in short), start=jnp.zeros(()))
+
+
 def train_hopper(
     robot: Hopper,
     *,
@@ -140,11 +150,7 @@ def train_hopper(
 
     def loss(weights: Any, draw: PRNGKeyArray):
         margins = sampled_hops(robot, controller_of(weights), rate, draw, SAMPLES)
-        short = [
-            jax.lax.top_k(jax.nn.relu(TARGET - row / SCALES.get(name, 1.0)), WORST)[0]
-            for name, row in margins.items()
-        ]
-        return PENALTY * sum(jnp.mean(row) for row in short) - WIDE * weights[2]
+        return PENALTY * _shortfall(margins) - WIDE * weights[2]
 
     @jax.jit
     def updated(weights: Any, state, draw: PRNGKeyArray):

@@ -22,8 +22,8 @@ FLAGS = ("-std=c99", "-O1", "-fPIC", "-shared")
 _SIX, _THREE = 6 * ctypes.c_double, 3 * ctypes.c_double
 
 
-class LiveTick(NamedTuple):
-    """What a controller makes of a tick.
+class TorqueTick(NamedTuple):
+    """Torques of a tick, and the state they were computed from.
 
     Attributes:
         torques: of the motors, right leg first [N m]; not finite where the gait has no pose. [6]
@@ -43,13 +43,13 @@ class LiveController(Protocol):
         """Begin a step on the right foot."""
         ...
 
-    def tick(self, plants: SpatialPlants) -> LiveTick:
+    def tick(self, plants: SpatialPlants) -> TorqueTick:
         """Read the sensors of the only robot. Returns: torques, and where it is."""
         ...
 
 
 class _Reading(ctypes.Structure):
-    """`ng_walker3d_reading`."""
+    """Memory of `ng_walker3d_reading`, field by field as in C."""
 
     _fields_ = (
         *((name, ctypes.c_double) for name in ("roll", "pitch", "roll_rate", "pitch_rate")),
@@ -62,7 +62,7 @@ class _Reading(ctypes.Structure):
 
 
 class _Memory(ctypes.Structure):
-    """`ng_walker3d`."""
+    """Memory of `ng_walker3d`, field by field as in C."""
 
     _fields_ = (("left", ctypes.c_int), ("phase", ctypes.c_double), ("z", 4 * ctypes.c_double))
 
@@ -71,7 +71,7 @@ class CompiledController:
     """The exported controller, compiled."""
 
     def __init__(self, library: ctypes.CDLL):
-        """Take the library of `walker3d_tick.c`."""
+        """Take the loaded library of `walker3d_tick.c` for one robot."""
         self._library, self._memory, self._torques = library, _Memory(), _SIX()
         self.start()
 
@@ -97,7 +97,7 @@ class CompiledController:
         """Begin a step on the right foot."""
         self._library.ng_walker3d_start(ctypes.byref(self._memory), 0)
 
-    def tick(self, plants: SpatialPlants) -> LiveTick:
+    def tick(self, plants: SpatialPlants) -> TorqueTick:
         """Read the sensors of the only robot. Returns: torques, and where it is."""
         (world,) = plants.worlds
         q, dq = world.qpos, world.qvel
@@ -108,7 +108,7 @@ class CompiledController:
         memory = ctypes.byref(self._memory)
         lost = self._library.ng_walker3d_tick(memory, ctypes.byref(reading), self._torques)
         torques = np.full(6, np.nan) if lost else np.array(self._torques)
-        return LiveTick(torques, np.array(self._memory.z), bool(self._memory.left))
+        return TorqueTick(torques, np.array(self._memory.z), bool(self._memory.left))
 
 
 class TracedController:
@@ -123,7 +123,7 @@ class TracedController:
         """Begin a step on the right foot."""
         self._phase, self._left = 0.0, False
 
-    def tick(self, plants: SpatialPlants) -> LiveTick:
+    def tick(self, plants: SpatialPlants) -> TorqueTick:
         """Read the sensors of the only robot. Returns: torques, and where it is."""
         swing = plants.touching(0)[0 if self._left else 1]
         self._left ^= bool(swing and self._phase > LANDING)
@@ -132,7 +132,7 @@ class TracedController:
         self._phase = float(self._policy.phase(found.z[0]))
         torques = found.torques[0]
         own = SIGNS[2:] * torques[SWAPPED[2:] - 2] if self._left else torques
-        return LiveTick(own, found.z[0], self._left)
+        return TorqueTick(own, found.z[0], self._left)
 
 
 def controller_of(run: FamilyRun) -> LiveController:

@@ -28,7 +28,7 @@ class TubeSlices:
     """Slices of a gait's tube: deviations of (y, L_y, n) from its middle over a step."""
 
     def __init__(self, gait: SpatialGait):
-        """Draw the bands."""
+        """Draw the tube's bands once; states are drawn over them."""
         self._phases = np.linspace(0.0, 1.0, 41)
         _, axes = gait.tube.sections(self._phases)
         self._half = np.linalg.norm(axes, axis=2)

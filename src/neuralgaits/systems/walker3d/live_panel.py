@@ -36,7 +36,7 @@ _PRINTS = "Seen from above, forward to the right. Blue: right foot, orange: left
 
 
 class StatedProof(NamedTuple):
-    """What a run's proof file states.
+    """Statement of a run's proof file, in words.
 
     Attributes:
         line: one line of text.
@@ -88,7 +88,7 @@ class SpatialPanel:
                 stage.look(event.client, views.value)
 
     def reset(self) -> None:
-        """Put the robot back."""
+        """Put the robot back into the tube's middle at the next tick."""
 
         def back(robot: SpatialLive) -> None:
             robot.reset()

@@ -17,8 +17,8 @@ from mjviser import ViserMujocoScene
 from neuralgaits.systems.walker3d.live_walk import SpatialMoment
 from neuralgaits.systems.walker3d.spatial_mjcf import SpatialRobot
 from neuralgaits.viewer.framing import Direction, Framing
-from neuralgaits.viewer.ground import SECTION, add_ground
 from neuralgaits.viewer.push_arrow import PushArrow
+from neuralgaits.viewer.scenery import SECTION, add_ground
 
 VIEWS: dict[str, Direction] = {
     "turned": (0.6, -0.85, 0.3),

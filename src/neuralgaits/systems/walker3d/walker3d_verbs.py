@@ -46,7 +46,7 @@ def simulate(
 
 def view(run: str | Path, *, host: str = LOOPBACK, port: int | None = None) -> VerbResult:
     """Serve a live page of a run."""
-    from neuralgaits.systems.walker3d.live_page import SpatialPage  # Brings the server.
+    from neuralgaits.systems.walker3d.spatial_page import SpatialPage  # Brings the server.
 
     page = SpatialPage(open_family_run(SYSTEM, run), host, port)
     return VerbResult(page.summary, True, Screen(), run=page)

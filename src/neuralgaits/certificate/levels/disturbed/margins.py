@@ -105,7 +105,7 @@ class LawErrors(NamedTuple):
 
     @property
     def none(self) -> Vector:
-        """No error. [m]."""
+        """Error of exact torques: zero for each output. [m]."""
         return jnp.zeros(self.model.size // 2)
 
 

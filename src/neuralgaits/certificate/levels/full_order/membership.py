@@ -53,7 +53,7 @@ def full_order_membership(
 
 
 def wall_names(shape: FullOrderConstants) -> tuple[str, ...]:
-    """Return the names of `walls`."""
+    """Return what each of the `walls` is of, in their order."""
     return ERROR, *(barrier.name for barrier in shape.barriers)
 
 

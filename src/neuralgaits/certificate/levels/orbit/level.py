@@ -11,7 +11,7 @@ from neuralgaits.records.certified import Conclusion
 
 
 class OrbitLevel(Level):
-    """Theorem of the orbit."""
+    """Level 3: one periodic orbit attracts every trajectory of the walking set."""
 
     number, part, parameters = 3, "orbit", OrbitConstants
     rests_on = (2,)

@@ -19,7 +19,7 @@ def series_above(
 
 
 def values_at(series: np.ndarray, phases: np.ndarray) -> np.ndarray:
-    """Return a series' values."""
+    """Return a series' values at phases from 0 to 1."""
     return chebyshev.chebval(2.0 * phases - 1.0, series)
 
 

@@ -16,7 +16,7 @@ from neuralgaits.gait import ZeroDynamics
 
 
 class OrbitSearch(LevelSearch):
-    """Search of the orbit."""
+    """Search for a bracket of the orbit and the constants of its contraction."""
 
     def find(self, target: SearchTarget, parameters: Parameters) -> SearchResult:
         """Find the orbit, or the contraction of all gaits."""

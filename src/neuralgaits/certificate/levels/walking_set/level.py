@@ -14,7 +14,7 @@ from neuralgaits.records.certified import Conclusion
 
 
 class WalkingSetLevel(Level):
-    """Theorem of the walking set."""
+    """Level 2: every trajectory that starts in the walking set walks for ever."""
 
     number, part, parameters = 2, "walking", WalkingSetConstants
 

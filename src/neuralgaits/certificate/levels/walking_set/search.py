@@ -19,7 +19,7 @@ FLAT_ON_OTHER_FLOORS = (
 
 
 class WalkingSetSearch(LevelSearch):
-    """Search of the walking set."""
+    """Search for the strips and the floor that the walking set needs beside its conditions."""
 
     def find(self, target: SearchTarget, parameters: Parameters) -> SearchResult:
         """Find the walking set, and how far inside its inlet landings must be."""
