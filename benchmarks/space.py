@@ -9,6 +9,7 @@ names a run that is there.
 """
 
 import os
+from pathlib import Path
 
 import jax
 import jax.numpy as jnp
