@@ -200,7 +200,8 @@ def test_the_command_line_has_its_verbs(hopper_run, hopper_certificate, monkeypa
     out = str(Path(run).parent / "c")
     assert main(["export", run, "--out", out, "--json"]) == 0
     done = json.loads(capfd.readouterr().out)
-    assert done["max_abs_error"] < 1e-9 and len(done["files"]) == 5
+    assert done["max_abs_error"] < 1e-9 and len(done["files"]) == 6
+    assert any(file.endswith("/hopper_selftest.c") for file in done["files"])
 
 
 @pytest.mark.slow
