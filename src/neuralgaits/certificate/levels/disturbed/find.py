@@ -177,9 +177,10 @@ class _Seen:
         def size(values: np.ndarray) -> float:
             return float(np.sqrt((values**2).reshape(len(u), -1).sum(axis=1).max()))
 
+        tight = free_clock or bool(off["law/slope"].any())
         self.jerk = Jerk(
             float(at_most(STILL * size(off["jerk"]), DIGITS)),
-            float(at_most(growth_bound(off["jerk/slope"], full.bandwidth), DIGITS)),
+            float(at_most(growth_bound(off["jerk/slope"], full.bandwidth, tight=tight), DIGITS)),
             float(at_most(push_bound(off["jerk/push"], off["law/slope"]), DIGITS)),
         )
         self.u, self.kick = u, _kick_bounds(looks, full) if free_clock else None

@@ -11,9 +11,10 @@ JERK = 1.04
 """Bound on the outputs' jerk under held torques at y = 0, as a multiple of the largest seen."""
 REST = 1.1
 """Bound on a law's own error at xi = 0, as a multiple of the largest seen."""
-GROWTH_ROOM = 1.5
+GROWTH_ROOM, TIGHT_GROWTH_ROOM = 3.0, 1.5
 """Room for the slope of S de/dt in xi, as a multiple of the largest slope of the jerk that is seen;
-enclosures of third derivatives are wide."""
+enclosures of third derivatives are wide. The second is enough for the search; the first is what
+the C++ checker needs, which derives exact linearisation with ticks at touchdowns."""
 JERK_PUSH, LAW_JERK_PUSH = 1.5, 6.0
 """Factors for the slope of de/dt in e less 2 w, under exact linearisation and another law."""
 KICK = 1.02
@@ -92,13 +93,16 @@ def frobenius(matrices: np.ndarray) -> float:
     return float(np.sqrt((matrices**2).sum(axis=(-2, -1)).max()))
 
 
-def growth_bound(slopes: np.ndarray, bandwidth: float) -> float:
-    """Bound the slope of S de/dt in xi, given those seen. [n, m, 2m]."""
+def growth_bound(slopes: np.ndarray, bandwidth: float, *, tight: bool) -> float:
+    """Bound the slope of S de/dt in xi, given those seen [n, m, 2m].
+
+    `tight` leaves less room than the C++ checker needs.
+    """
     m = slopes.shape[1]
     # Of a robot that nothing but its outputs moves, it is w^3 (1, 1).
     own = slopes + bandwidth**3 * np.concatenate([np.eye(m), np.eye(m)], axis=1)
     largest = float(np.sqrt(np.linalg.eigvalsh(slopes @ slopes.swapaxes(1, 2)).max()))
-    return largest + GROWTH_ROOM * frobenius(own)
+    return largest + (TIGHT_GROWTH_ROOM if tight else GROWTH_ROOM) * frobenius(own)
 
 
 def push_bound(pushes: np.ndarray, law_slopes: np.ndarray) -> float:

@@ -154,7 +154,7 @@ class Planned:
         jerk, along, moved = samples.jerk
         self.jerk = Jerk(
             JERK * float(_size(jerk @ matrix.T).max()),
-            growth_bound(matrix @ along @ back, bandwidth),
+            growth_bound(matrix @ along @ back, bandwidth, tight=samples.beyond_cpp),
             push_bound(matrix @ moved @ inverse, samples.law[1]),
         )
         self.kick = None

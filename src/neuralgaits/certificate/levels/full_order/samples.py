@@ -104,6 +104,11 @@ class GaitSamples:
     inertia: np.ndarray
     kick: tuple[np.ndarray, np.ndarray, np.ndarray] | None = None
 
+    @property
+    def beyond_cpp(self) -> bool:
+        """Whether the C++ checker derives no level 5 of them: a free clock, or a law of its own."""
+        return self.kick is not None or bool(self.law[1].any())
+
 
 def doubled(matrix: np.ndarray) -> np.ndarray:
     """Apply a matrix to both halves of xi: return the block diagonal matrix."""
