@@ -18,7 +18,7 @@ def carry_out_report(verb: ReportOptions) -> Outcome:
 
     what = "walking once more, drawing the figures"
     with waiting(what, quiet=verb.output.json) as progress:
-        written = write_report(verb.run, out=verb.out, started=progress.begun)
+        written = write_report(verb.run, out=verb.out, begun=progress.begun)
     return Outcome(written.summary, True, show_report, brief=brief_report)
 
 

@@ -58,14 +58,14 @@ def write_report(
     run: Run | str | Path,
     *,
     out: str | Path | None = None,
-    started: Callable[[], None] | None = None,
+    begun: Callable[[], None] | None = None,
 ) -> Report:
     """Write the report of a run, finished or not.
 
     Args:
         run: a run, its folder, or `latest`.
         out: the file; `report.html` in the run if None.
-        started: called when the run is read and the work begins.
+        begun: called when the run is read and the work begins.
 
     Returns: `Report`; of a family beside walkers, the record that `--json` prints.
     Raises: RunError if the run does not exist or is damaged, TimeLimitError if its own spec does
@@ -73,7 +73,7 @@ def write_report(
     """
     arguments = {"run": run} if out is None else {"run": run, "out": Path(out)}
     if (task := task_with("report", arguments)) is not None:
-        return task(ProgressCallbacks(begun=started)).returned
+        return task(ProgressCallbacks(begun=begun)).returned
     folder = run.folder if isinstance(run, Run) else resolve(run, finished=False)
     path = folder.path / FILE if out is None else Path(out)
     refuse_outputs([path], run=folder.path)
@@ -90,8 +90,8 @@ def write_report(
     robot = robot_from_text(folder.copy(ROBOT), saved.config.robot)
     if folder.finished:
         writable_figures(saved.config, folder.path / FOLDER)
-    if started is not None:
-        started()
+    if begun is not None:
+        begun()
     with ThreadPoolExecutor(1) as beside:
         # Most of a walk is compiled without Python, while the figures are drawn.
         walking = beside.submit(_walk, run, folder)

@@ -68,15 +68,19 @@ def axis_to_halve(
 def _half_beyond_reach(problem: Problem, low: Corners, high: Corners) -> Int[np.ndarray, " W"]:
     """Return an axis of which one half is too far from the axis it is coupled to; -1 without. [W].
 
-    Corners of the boxes [W, n] each.
+    Corners of the boxes [W, n] each. Of two such axes it is the one that is wider in the box: a box
+    that reaches what is required in a corner alone would else be cut along one of them for ever.
     """
-    found, middle = np.full(len(low), -1), low + (high - low) * 0.5
+    axis_of_box, widest = np.full(len(low), -1), np.zeros(len(low))
+    middle, whole = low + (high - low) * 0.5, np.subtract(problem.high, problem.low)
     for axis in {axis for pair in problem.coupled_axes for axis in (pair.first, pair.second)}:
         ends, starts = high.copy(), low.copy()
         ends[:, axis] = starts[:, axis] = middle[:, axis]
         both = problem.required(low, ends) & problem.required(starts, high)
-        found = np.where(both, found, axis)
-    return found
+        width = np.where(both, 0.0, (high - low)[:, axis] / whole[axis])
+        axis_of_box = np.where(width > widest, axis, axis_of_box)
+        widest = np.maximum(widest, width)
+    return axis_of_box
 
 
 def _after_halving(
