@@ -1,8 +1,8 @@
 """The supervisor in C on a robot in MuJoCo: it stands, walks, stops and damps."""
 
-import mujoco
 import numpy as np
 import pytest
+from mujoco import mj_forward  # pyright: ignore[reportAttributeAccessIssue]
 
 from neuralgaits.analysis.run import open_run
 from neuralgaits.control.safeguard import Fault
@@ -194,7 +194,7 @@ def test_a_robot_in_mid_step_walks_on(double, design):
     place = (0.0, float(double.plant.robot.foot_radius) - 1e-4)
     double.data.qpos[:], double.data.qvel[:] = double.plant.state_map.to_mjcf(q, dq, 1, place)
     # Touch sensors are of the last step, when it stood on both feet, until they are read anew.
-    mujoco.mj_forward(double.plant.model, double.data)
+    mj_forward(double.plant.model, double.data)
     first = double.tick(Request.WALK)
     assert (first.mode, first.reason, first.leg) == (Mode.WALK, Reason.FROM_MID_STEP, 1)
     until(double, Request.WALK, steps(3))
