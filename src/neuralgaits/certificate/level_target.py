@@ -4,7 +4,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -82,6 +82,24 @@ class SearchTarget:
         return self.make_evaluator()
 
 
+class PremisePoint(NamedTuple):
+    """Point of a gait at which the premises of levels are evaluated.
+
+    Attributes:
+        spec, gait, zd: of a run.
+        parameters: parameters of all levels, by number of the level.
+        u: chart point.
+        xi: outputs, a point of the unit ball; None if no set is about outputs off zero.
+    """
+
+    spec: GaitSpec
+    gait: Gait
+    zd: ZeroDynamics
+    parameters: Parameters
+    u: Array
+    xi: Any
+
+
 class LevelSearch(ABC):
     """Search for the set of a level, and its premises as functions of a gait."""
 
@@ -93,22 +111,5 @@ class LevelSearch(ABC):
         """
 
     @abstractmethod
-    def margins(
-        self,
-        spec: GaitSpec,
-        gait: Gait,
-        zd: ZeroDynamics,
-        parameters: Parameters,
-        u: Array,
-        xi: Any,
-    ) -> Margins:
-        """Return the margins of the premises, by output name.
-
-        Args:
-            spec: spec of a run.
-            gait: gait of the run.
-            zd: zero dynamics of the gait.
-            parameters: parameters of this level, and of those below.
-            u: chart point.
-            xi: outputs, a point of the unit ball; None if no set is about outputs off zero.
-        """
+    def margins(self, point: PremisePoint) -> Margins:
+        """Return the margins of the premises at a point, by output name."""

@@ -8,7 +8,7 @@ import numpy as np
 from neuralgaits._types import Array, Float
 from neuralgaits.barriers import Gait, GaitSpec
 from neuralgaits.certificate.chart import PLANE, PLANE_ONLY, Chart, Corner
-from neuralgaits.certificate.level_target import Margins
+from neuralgaits.certificate.level_target import Margins, PremisePoint
 from neuralgaits.certificate.levels.disturbed.theorem import REGION as DISTURBED_REGION
 from neuralgaits.certificate.levels.full_order.model import size_of
 from neuralgaits.certificate.levels.full_order.theorem import REGION as FULL_ORDER_REGION
@@ -109,9 +109,9 @@ def set_margins(
     xi: Any = None,
 ) -> Margins:
     """Return margins of the sets at one chart point and one xi, by output name."""
-    margins = {}
+    point, margins = PremisePoint(spec, gait, zd, sets.parameters, u, xi), {}
     for number in sets.parameters:
-        margins |= LEVEL_SEARCHES[number].margins(spec, gait, zd, sets.parameters, u, xi)
+        margins |= LEVEL_SEARCHES[number].margins(point)
     return margins
 
 

@@ -1,16 +1,18 @@
 """Search for the set of level 5, and its premises as functions of a gait."""
 
-from typing import Any
-
-from neuralgaits._types import Array
-from neuralgaits.barriers import Gait, GaitSpec
+from neuralgaits.barriers import Gait
 from neuralgaits.certificate.level import Parameters
-from neuralgaits.certificate.level_target import LevelSearch, Margins, SearchResult, SearchTarget
+from neuralgaits.certificate.level_target import (
+    LevelSearch,
+    Margins,
+    PremisePoint,
+    SearchResult,
+    SearchTarget,
+)
 from neuralgaits.certificate.levels.disturbed.find import find_disturbed
 from neuralgaits.certificate.levels.disturbed.margins import margins
 from neuralgaits.certificate.levels.full_order.model import FullOrderModel
 from neuralgaits.certificate.levels.full_order.sample_evaluators import evaluators_in_norm
-from neuralgaits.gait import ZeroDynamics
 
 
 class DisturbedSearch(LevelSearch):
@@ -26,15 +28,7 @@ class DisturbedSearch(LevelSearch):
         constants = find_disturbed(evaluators, full, free_clock=free, gains=gains)
         return constants if isinstance(constants, str) else (constants, {})
 
-    def margins(
-        self,
-        spec: GaitSpec,
-        gait: Gait,
-        zd: ZeroDynamics,
-        parameters: Parameters,
-        u: Array,
-        xi: Any,
-    ) -> Margins:
+    def margins(self, point: PremisePoint) -> Margins:
         """Return the margins of the premises of the set under a disturbance."""
-        model = FullOrderModel(zd.robot, gait, spec)
-        return margins(model, parameters[4], parameters[5], u, xi)
+        model = FullOrderModel(point.zd.robot, point.gait, point.spec)
+        return margins(model, point.parameters[4], point.parameters[5], point.u, point.xi)

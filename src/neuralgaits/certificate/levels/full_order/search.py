@@ -1,17 +1,20 @@
 """Search for the set of level 4, and its premises as functions of a gait."""
 
 from dataclasses import replace
-from typing import Any
 
-from neuralgaits._types import Array
-from neuralgaits.barriers import Gait, GaitSpec
+from neuralgaits.barriers import Gait
 from neuralgaits.certificate.level import Parameters
-from neuralgaits.certificate.level_target import LevelSearch, Margins, SearchResult, SearchTarget
+from neuralgaits.certificate.level_target import (
+    LevelSearch,
+    Margins,
+    PremisePoint,
+    SearchResult,
+    SearchTarget,
+)
 from neuralgaits.certificate.levels.full_order.margins import margins
 from neuralgaits.certificate.levels.full_order.model import FullOrderModel
 from neuralgaits.certificate.levels.full_order.sample_evaluators import EXACT, evaluators_of, set_of
 from neuralgaits.errors import SpecError
-from neuralgaits.gait import ZeroDynamics
 from neuralgaits.gait.output_laws import ScheduledLaw
 
 
@@ -41,14 +44,7 @@ class FullOrderSearch(LevelSearch):
             return str(error)
         return constants if isinstance(constants, str) else (constants, {})
 
-    def margins(
-        self,
-        spec: GaitSpec,
-        gait: Gait,
-        zd: ZeroDynamics,
-        parameters: Parameters,
-        u: Array,
-        xi: Any,
-    ) -> Margins:
+    def margins(self, point: PremisePoint) -> Margins:
         """Return the margins of the premises of the set at full order."""
-        return margins(FullOrderModel(zd.robot, gait, spec), parameters[4], u, xi)
+        model = FullOrderModel(point.zd.robot, point.gait, point.spec)
+        return margins(model, point.parameters[4], point.u, point.xi)

@@ -1,18 +1,20 @@
 """Search for the set of level 3, and its premises as functions of a gait."""
 
-from typing import Any
-
 import numpy as np
 from numpy.polynomial.chebyshev import chebval
 
-from neuralgaits._types import Array
-from neuralgaits.barriers import Gait, GaitSpec
+from neuralgaits.barriers import Gait
 from neuralgaits.certificate.level import Parameters
-from neuralgaits.certificate.level_target import LevelSearch, Margins, SearchResult, SearchTarget
+from neuralgaits.certificate.level_target import (
+    LevelSearch,
+    Margins,
+    PremisePoint,
+    SearchResult,
+    SearchTarget,
+)
 from neuralgaits.certificate.levels.orbit.find import Fences, find_contraction, find_orbit
 from neuralgaits.certificate.levels.orbit.margins import margins
 from neuralgaits.certificate.levels.walking_set.find import over_all
-from neuralgaits.gait import ZeroDynamics
 
 
 class OrbitSearch(LevelSearch):
@@ -27,17 +29,9 @@ class OrbitSearch(LevelSearch):
         unit = float(target.gait.tube.unit)
         return find_orbit(evaluate, fences_of(target.gait), unit, parameters[2])
 
-    def margins(
-        self,
-        spec: GaitSpec,
-        gait: Gait,
-        zd: ZeroDynamics,
-        parameters: Parameters,
-        u: Array,
-        xi: Any,
-    ) -> Margins:
+    def margins(self, point: PremisePoint) -> Margins:
         """Return the margins of the premises of the orbit."""
-        return margins(gait, zd, parameters[3], u)
+        return margins(point.gait, point.zd, point.parameters[3], point.u)
 
 
 def fences_of(gait: Gait) -> Fences:

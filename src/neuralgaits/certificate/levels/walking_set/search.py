@@ -1,15 +1,16 @@
 """Search for the set of level 2, and its premises as functions of a gait."""
 
-from typing import Any
-
-from neuralgaits._types import Array
-from neuralgaits.barriers import Gait, GaitSpec
 from neuralgaits.certificate.level import Parameters
-from neuralgaits.certificate.level_target import LevelSearch, Margins, SearchResult, SearchTarget
+from neuralgaits.certificate.level_target import (
+    LevelSearch,
+    Margins,
+    PremisePoint,
+    SearchResult,
+    SearchTarget,
+)
 from neuralgaits.certificate.levels.walking_set.find import find_set, least_of_inlet
 from neuralgaits.certificate.levels.walking_set.margins import margins
 from neuralgaits.errors import SpecError
-from neuralgaits.gait import ZeroDynamics
 
 FLAT_ON_OTHER_FLOORS = (
     "floors of unknown height are about point feet: a flat foot is level where the floor is meant "
@@ -30,16 +31,9 @@ class WalkingSetSearch(LevelSearch):
             return constants
         return constants, least_of_inlet(target.spec, target.evaluate, constants)
 
-    def margins(
-        self,
-        spec: GaitSpec,
-        gait: Gait,
-        zd: ZeroDynamics,
-        parameters: Parameters,
-        u: Array,
-        xi: Any,
-    ) -> Margins:
+    def margins(self, point: PremisePoint) -> Margins:
         """Return the margins of the premises of the walking set."""
-        if parameters[2].floor and zd.robot.feet is not None:
+        constants = point.parameters[2]
+        if constants.floor and point.zd.robot.feet is not None:
             raise SpecError(FLAT_ON_OTHER_FLOORS)
-        return margins(spec, gait, zd, parameters[2], u)
+        return margins(point.spec, point.gait, point.zd, constants, point.u)
