@@ -25,7 +25,7 @@ WIDTHS = (390, 1440)
 def written(tmp_path_factory):
     folder = Path(shutil.copytree(SHIPPED, tmp_path_factory.mktemp("report") / "a run"))
     begun = []
-    done = write_report(folder, started=lambda: begun.append(1))
+    done = write_report(folder, begun=lambda: begun.append(1))
     assert begun == [1]
     return done
 

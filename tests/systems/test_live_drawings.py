@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from neuralgaits.systems.walker3d.live_drawings import SEEN, TubeSlices, draw_prints
+from neuralgaits.systems.walker3d.live_panel import tube_line
 from neuralgaits.systems.walker3d.live_walk import Footprint, SpatialMoment
 from neuralgaits.systems.walker3d.spatial_gait import empty_gait
 
@@ -64,6 +65,14 @@ def test_a_state_is_within_the_band_exactly_if_it_is_within_the_half_width(slice
         assert bool(upper <= y <= lower) is (abs(share) <= 1.0)
         # Up is positive.
         assert share == 0.0 or bool(y < 0.5 * (upper + lower)) is (share > 0.0)
+
+
+@pytest.mark.parametrize(("distance", "word"), [(0.99, "yes"), (1.01, "no")])
+def test_the_line_says_inside_up_to_one_half_axis(distance, word):
+    line = tube_line("proved tube", moment(0.0, np.zeros(3), distance)._replace(share=0.99999))
+    assert f"Inside the proved tube now: {word}, {distance:.2f} half axes" in line
+    # Rounded down: 100 % is said of all ticks only.
+    assert "99.9 % of ticks" in line
 
 
 def test_what_is_far_off_stays_on_the_drawing_and_is_told(slices):

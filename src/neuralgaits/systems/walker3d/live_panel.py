@@ -118,15 +118,7 @@ class SpatialPanel:
         shown: SpatialMoment = picture.shown
         if math.isnan(shown.share):
             return line(WAITING, QUIET)
-        walked = walk_line(picture, shown, self._player.speed)
-        inside = shown.distance <= 1.0
-        # Rounded down: not all ticks are inside unless all are.
-        share = math.floor(1000.0 * shown.share) / 10.0
-        words = (
-            f"Inside the {self._tube_name} now: {'yes' if inside else 'no'}, "
-            f"{shown.distance:.2f} half axes from its middle · {share:.1f} % of ticks so far"
-        )
-        return walked + line(words, GOOD if inside else TIGHT)
+        return walk_line(picture, shown, self._player.speed) + tube_line(self._tube_name, shown)
 
     def _add_push(self, gui: viser.GuiApi) -> None:
         with gui.add_folder("Push"):
@@ -146,6 +138,18 @@ class SpatialPanel:
         for key, way in zip(KEYS, WAYS, strict=True):
             command = gui.add_command(f"push {way.strip('◄► ')}", hotkey=key)
             command.on_trigger(lambda _event, way=way: push(way))
+
+
+def tube_line(tube: str, shown: SpatialMoment) -> str:
+    """Return the line that says whether the state is in the tube now, and how often it was."""
+    inside = shown.distance <= 1.0
+    # Rounded down: not all ticks are inside unless all are.
+    share = math.floor(1000.0 * shown.share) / 10.0
+    words = (
+        f"Inside the {tube} now: {'yes' if inside else 'no'}, "
+        f"{shown.distance:.2f} half axes from its middle · {share:.1f} % of ticks so far"
+    )
+    return line(words, GOOD if inside else TIGHT)
 
 
 def _kept_apart(proved: str) -> str:

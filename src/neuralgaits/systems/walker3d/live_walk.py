@@ -126,18 +126,18 @@ class SpatialLive:
         """Advance by one control tick. Returns: False after a fall, or without a controller."""
         if self._controller is None or self._fall is not None:
             return False
-        found = self._controller.tick(self.plants)
-        if found.left != self._left:
-            self._touch_down(found.left)
-        self._z = found.z
+        done = self._controller.tick(self.plants)
+        if done.left != self._left:
+            self._touch_down(done.left)
+        self._z = done.z
         self._ticks += 1
-        self._pending.append(found.z)
+        self._pending.append(done.z)
         if self._ticks % SAMPLE_TICKS == 0:
             self._path.append(self._world.qpos[:2].copy())
-        if not np.all(np.isfinite(found.torques)):
+        if not np.all(np.isfinite(done.torques)):
             self._fall = "the gait has no pose here"
             return False
-        self.plants.drive(0, found.torques, self._pushing)
+        self.plants.drive(0, done.torques, self._pushing)
         if self.plants.fallen(0):
             self._fall = "the hips are low, or the torso leans"
         elif self._world.time - self._touched > self._longest:
