@@ -1,7 +1,7 @@
 """Write proof files: claims, and the trees of boxes on which they were found to hold.
 
 A file holds everything that a reader needs: the Program with the weights in it, root boxes, bounds,
-and one bit for each box. It holds no intermediate result that a reader must trust.
+and a digit for each box that is halved. It holds no intermediate result that a reader must trust.
 """
 
 import json
@@ -14,6 +14,7 @@ import numpy as np
 
 from neuralgaits.certificate.chart import Chart
 from neuralgaits.certificate.proof_file.array_tables import hexes
+from neuralgaits.certificate.proof_file.reader import FORMAT, KIND
 from neuralgaits.certificate.search.box_tree import BoxTree
 from neuralgaits.certificate.search.branch_and_bound import Search
 from neuralgaits.certificate.search.halving import to_text
@@ -21,8 +22,6 @@ from neuralgaits.certificate.search.problem import Problem
 from neuralgaits.certificate.search.statement_record import StatementRecord
 from neuralgaits.programs import Program
 
-FORMAT = 3
-KIND = "neuralgaits certificate"
 
 
 @dataclass(frozen=True)
