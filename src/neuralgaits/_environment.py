@@ -25,6 +25,8 @@ OFF_SCREEN = {"egl": "libEGL.so.1", "osmesa": "libOSMesa.so"}
 """Values of MUJOCO_GL that need no window, best first, and the library that each one needs."""
 THREADS = "NEURALGAITS_THREADS"
 """Environment variable: number of threads of a computation; all cores if it is not set."""
+PLAYER, COMPLETING = PAGE_THREADS = "player", "completing"
+"""Names of the threads of a live page that may be in compiled code when the process ends."""
 _USUAL = {
     # Many small programs: their compile times add up to more than reading them back.
     "JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS": "0",

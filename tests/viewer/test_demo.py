@@ -92,7 +92,15 @@ def test_a_missing_or_broken_run_is_refused_in_one_line(change, what, tmp_path):
 def test_the_command_serves_prints_where_and_ends_at_ctrl_c(capfd):
     # A child of a background job would ignore the signal.
     heard = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)\n"
-    entry = f"{heard}from neuralgaits.cli.main import run; run()"
+    # What completes the page is still at work then, as if in compiled code: Python must not clean
+    # up around it, and crash.
+    busy = """
+import atexit, sys, time, types
+sureness = types.SimpleNamespace(how_sure=lambda run: time.sleep(60))
+sys.modules["neuralgaits.viewer.sureness"] = sureness
+atexit.register(print, "cleaned up")
+"""
+    entry = f"{heard}{busy}from neuralgaits.cli.main import run; run()"
     command = [sys.executable, "-c", entry, "demo", "--json", "--no-browser"]
     with subprocess.Popen(
         command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True

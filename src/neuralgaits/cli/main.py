@@ -18,6 +18,7 @@ from pathlib import Path
 from typing import NoReturn
 
 from neuralgaits._environment import (
+    PAGE_THREADS,
     prepare,
     refuse_settings_without_end,
     variables_of_jax,
@@ -38,8 +39,6 @@ from neuralgaits.errors import (
 GOOD, NO, BAD_INPUT, UNDECIDED, DEFECT, INTERRUPTED = 0, 1, 2, 3, 70, 130
 _LONG = ("train", "refine", "episodes", "certify", "sweep")
 """Verbs whose work can be worth resuming."""
-UNFINISHED = ("player", "portrait")
-"""Names of the threads of a live page that may still run when the process ends."""
 
 
 class ProgressStream(io.TextIOWrapper):
@@ -87,7 +86,7 @@ def run() -> None:
 
 def _leave(code: int) -> NoReturn:
     """End the process, at once if a page's thread may be in compiled code: Python would abort."""
-    if any(one.daemon and one.name in UNFINISHED for one in threading.enumerate()):
+    if any(one.daemon and one.name in PAGE_THREADS for one in threading.enumerate()):
         with contextlib.suppress(OSError, ValueError):
             sys.stdout.flush()
             sys.stderr.flush()

@@ -4,6 +4,7 @@ import threading
 from collections.abc import Callable
 from typing import Any, Self
 
+from neuralgaits._environment import COMPLETING
 from neuralgaits.viewer import live_server
 from neuralgaits.viewer.player import Player
 
@@ -67,7 +68,7 @@ class LivePage:
             except BaseException as error:
                 self.player.fail(error)
 
-        self._completing = threading.Thread(target=complete, name="completing", daemon=True)
+        self._completing = threading.Thread(target=complete, name=COMPLETING, daemon=True)
         self._completing.start()
 
     def _if_open(self, function: Callable[[], None]) -> None:

@@ -10,6 +10,7 @@ import time
 from collections.abc import Callable
 from typing import Any, Generic, NamedTuple, Protocol, TypeVar
 
+from neuralgaits._environment import PLAYER
 from neuralgaits.viewer.slider import Slider
 from neuralgaits.viewer.walker import Margins
 
@@ -89,7 +90,7 @@ class Player(Generic[Robot]):
         self._fallen_at: float | None = None
         self._margins_at = 0.0
         self._stop = threading.Event()
-        self._thread = threading.Thread(target=self._run, name="player", daemon=True)
+        self._thread = threading.Thread(target=self._run, name=PLAYER, daemon=True)
         self.failure: BaseException | None = None
 
     def start(self) -> None:

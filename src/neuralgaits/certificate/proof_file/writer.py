@@ -23,7 +23,6 @@ from neuralgaits.certificate.search.statement_record import StatementRecord
 from neuralgaits.programs import Program
 
 
-
 @dataclass(frozen=True)
 class Proof:
     """Content of a proof file.
