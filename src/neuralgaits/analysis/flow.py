@@ -45,9 +45,8 @@ class Mesh(NamedTuple):
     @classmethod
     def of_gait(cls, start: float, guard: float, steps: int = STEPS) -> "Mesh":
         """Return the mesh of a gait whose steps usually go from a start to a guard (m)."""
-        # Distance behind the usual guard, in lengths of a step, beyond which a foot does not land
-        # any more.
-        return cls((guard - start) / steps, guard + 0.3 * (guard - start))
+        late = 0.3  # Lengths of a step behind the usual guard: beyond, a foot does not land.
+        return cls((guard - start) / steps, guard + late * (guard - start))
 
     @classmethod
     def of_leg(cls, length: float) -> "Mesh":
@@ -56,8 +55,8 @@ class Mesh(NamedTuple):
         It reaches one leg's length, since a hip that far ahead of the foot is on the ground
         itself.
         """
-        # Step of the flow where no usual length is known, in leg lengths.
-        return cls(0.012 * length, length)
+        step = 0.012 * length  # No usual length of a gait's step is known.
+        return cls(step, length)
 
 
 class Swing(NamedTuple):
@@ -137,8 +136,8 @@ def _with_time(z: np.ndarray) -> np.ndarray:
 def _rate(motion: FlowQuantities, y: np.ndarray) -> np.ndarray:
     """Return slopes of (z1, z2, t) in z1. [N, 3]."""
     dz = motion.dz(y[:, :2])
-    # A hip slower than this has stopped [m/s].
-    pace = np.where(dz[:, 0] > 1e-3, dz[:, 0], np.nan)
+    stopped = 1e-3  # Velocity of the hip [m/s].
+    pace = np.where(dz[:, 0] > stopped, dz[:, 0], np.nan)
     return np.stack([np.ones(len(y)), dz[:, 1] / pace, 1.0 / pace], axis=1)
 
 
@@ -168,7 +167,7 @@ def _landing(motion: FlowQuantities, y: np.ndarray, step: float) -> np.ndarray:
     low, high = np.zeros(len(y)), np.full(len(y), step)
     at_low = np.maximum(_foot(motion, y), 0.0)
     at_high = _foot(motion, _step(motion, y, high))
-    # Largest number of secant steps, bracketed, to find the foot's contact within one step.
+    # Bracketed secant steps to the foot's contact within one step.
     for _ in range(12):
         fall = at_high - at_low
         share = np.divide(at_high, fall, out=np.zeros_like(fall), where=fall != 0.0)

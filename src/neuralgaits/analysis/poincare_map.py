@@ -60,15 +60,14 @@ def orbit_near(motion: FlowQuantities, z2: float, mesh: Mesh) -> Orbit:
             return _failed(f"the step from z2 = {z2:.4g} at z1 = 0 does not come back")
         slope = float(step.z2[2] - step.z2[0]) / (2.0 * change)
         missed = float(step.z2[1]) - z2
-        # Relative change of z2 over one step that counts as periodic.
-        if abs(missed) <= 1e-10 * abs(z2):
+        tolerance = 1e-10 * abs(z2)
+        if abs(missed) <= tolerance:
             period, length = float(step.duration[1]), float(step.length[1])
             fixed = np.array([0.0, step.z2[1]])
             return Orbit(fixed, slope, period, length, step.before[1], "found")
-        # Near an indifferent multiplier fall back on walking a step.
-        gap = 1.0 - slope
-        # Distance of the map's slope from one below which Newton's step explodes.
-        z2 += missed / gap if gap > 0.05 else missed
+        # Near an indifferent multiplier Newton's step explodes: walk one step of the gait instead.
+        gap, least_gap = 1.0 - slope, 0.05
+        z2 += missed / gap if gap > least_gap else missed
     return _failed(f"no periodic orbit within {NEWTON_STEPS} Newton steps")
 
 
@@ -84,8 +83,8 @@ class SampledMap(NamedTuple):
 
 def sampled_map(motion: FlowQuantities, chart: PlaneChart) -> SampledMap:
     """Sample the map from fence to fence of a gait's tube."""
-    # Number of samples of the map between the fences.
-    z2, mesh = chart.section(25), Mesh.of_gait(chart.start, chart.guard)
+    samples = 25
+    z2, mesh = chart.section(samples), Mesh.of_gait(chart.start, chart.guard)
     after = returns(motion, z2, mesh).z2
     return SampledMap(z2, after, orbit_between(motion, z2, after, mesh))
 

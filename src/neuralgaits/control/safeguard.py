@@ -138,13 +138,13 @@ def check(
     gap = measurement.time - state.last_time
     touching = jnp.any(force >= config.contact_share * weight)
     airborne = jnp.where(touching, 0.0, state.airborne + controller.period_s)
-    # Resolution of the clock of readings [s].
+    least_gap = 0.5e-6  # Half the resolution of the clock of readings [s].
     tests = (
         (~_finite(measurement), Fault.NOT_FINITE),
         (jnp.abs(measurement.pitch) > config.largest_pitch, Fault.PITCH),
         (jnp.abs(measurement.dpitch) > config.largest_rate, Fault.RATE),
         (jnp.any(jnp.abs(measurement.hip_velocity) > config.largest_speed), Fault.SPEED),
-        (state.running & ((gap < 0.5e-6) | (gap > config.gap_s)), Fault.TIME),
+        (state.running & ((gap < least_gap) | (gap > config.gap_s)), Fault.TIME),
         *(
             (test, fault)
             for leg in (0, 1)

@@ -64,8 +64,8 @@ class LegSeries:
         columns = np.column_stack([q, torque, pitch, driven])
         *rows, alone = (np.interp(even, time, column) for column in columns.T)
         data = np.column_stack(rows)
-        # Length of the window of the cubic that angles and torques are smoothed by [s].
-        window = max(5, 2 * round(0.2 / step / 2.0) + 1)
+        window_s = 0.2  # Of the cubic that smooths angles and torques.
+        window = max(5, 2 * round(window_s / step / 2.0) + 1)
         k = q.shape[1]
         if len(even) < 3 * window:
             none = np.zeros((0, k))

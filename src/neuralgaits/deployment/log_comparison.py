@@ -91,8 +91,8 @@ def _best_fits(
             [one.sign * one.gear * log.torque[:, log.motors.index(one.motor)] for one in own]
         )
         series = LegSeries.smoothed(log.time, angles, torque, pitch, driven)
-        # Fewest rows that torques are fitted on.
-        if len(series.q) < 30:
+        fewest = 30
+        if len(series.q) < fewest:
             labelled.unchecked.append("torques: too few rows in which drives move joints")
             return []
         fitter = LegFitter(
@@ -137,8 +137,8 @@ def _driven(labelled: LabelledMotion, log: HungLog) -> Float[np.ndarray, " t"]:
     joints = {one.joint for one in labelled.file.joints}
     for name, _, rows in log.windows():
         swing = float(np.ptp(log.pitch[rows]))
-        # Largest motion of a torso that is held [rad].
-        if name in joints and swing > 0.1:
+        largest = 0.1  # Motion of a torso that is held [rad].
+        if name in joints and swing > largest:
             labelled.unchecked.append(
                 f"torques of {name}: the torso swung by {swing:.2g} rad meanwhile: hold it"
             )

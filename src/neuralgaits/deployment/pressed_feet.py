@@ -44,7 +44,6 @@ def _answering(log: HungLog, rows: slice) -> int | None:
     # For most of the log no foot is pressed.
     span = np.abs(log.contact[rows] - np.median(log.contact, axis=0)).max(axis=0)
     # A reading that only trembles answers to nothing.
-    # Least change of a contact that is pressed, as a share of the largest reading of any.
     least = 0.05 * np.abs(log.contact).max(initial=0.0)
     return log.channels[int(np.argmax(span))] if span.max() > least else None
 

@@ -54,8 +54,8 @@ def limits(design: Design, precision: str) -> ExportTolerance:
     if precision == "double":
         return ExportTolerance(1e-12, 1e-12)
     torque = _STEP_TORQUE if design.commands else 5e-5
-    # Widest hidden layer for which the tighter limit of single precision holds.
-    return ExportTolerance(2e-6 if max(widths) <= 64 else 1e-5, torque)
+    is_narrow = max(widths) <= 64
+    return ExportTolerance(2e-6 if is_narrow else 1e-5, torque)
 
 
 def questions(design: Design, reference: Reference, states: int) -> Questions:
@@ -158,7 +158,7 @@ def float_bound(design: Design, rates: Part, questions: Questions) -> FloatBound
     dz = questions.points[:, 2:4]
     ranges = np.ptp(questions.policy, axis=0)
     rows = []
-    # Number of a family's steps whose single precision errors are bounded.
+    # Of a family's steps the first four are bounded.
     for step in questions.points[:4, 6:] if design.commands else [None]:
         lows = {"z": np.array(bounds.lower), "dz": dz.min(axis=0)}
         highs = {"z": np.array(bounds.upper), "dz": dz.max(axis=0)}
@@ -176,7 +176,7 @@ def _same_decisions(design: Design, questions: Questions, results: Results) -> N
     expected = questions.ticks
     going = expected.fault == 0
     limit = np.asarray(design.controller.torque_limit)
-    # Share of a torque limit within which the two precisions may disagree about clipping.
+    # So close to a limit the two precisions may disagree about clipping.
     close = np.abs(np.abs(expected.actuated) - limit) < 1e-4 * limit
     sure = going & ~np.any(close, axis=1)
     checks = {"fault": slice(None), "leg": slice(None), "touchdown": going, "ticks": going}
@@ -195,7 +195,7 @@ def _same_steps(design: Design, questions: Questions, answers: Results, precisio
     expected, going = questions.ticks, questions.ticks.fault == 0
     for name in ("requested", "before", "after", "step") if design.commands else ():
         one, other = (getattr(results, name)[going] for results in (answers, expected))
-        # Smallest range of a step's number to which its error is relative.
+        # Errors are relative to the range of each number, or to this if it hardly varies.
         unit = np.maximum(np.ptp(other, axis=0), 1e-3)
         distance = float(np.max(np.abs(one - other) / unit))
         if not distance <= _STEP_LIMITS[precision]:

@@ -74,7 +74,7 @@ class Reference:
             which = np.flatnonzero(cases.law == number)
             if which.size:
                 order.append(which)
-                # Number of cases evaluated at once; another number would compile the code again.
+                # One size of block: another would compile the code again.
                 parts.append(in_blocks(partial(self._some, controller, cases), 4096, which))
         back = np.argsort(np.concatenate(order))
         return Results(*(np.concatenate(columns)[back] for columns in zip(*parts, strict=True)))

@@ -72,7 +72,7 @@ def _at_height(robot: PlanarBiped, height: float) -> StandingPostures | None:
     """Return the postures with the hip at a height, as `Stand.height`; None if there are none."""
     path, sway = [], []
     guess = None
-    # Number of postures on the path from standing to the first step.
+    # The path from standing to the first step.
     for ahead in np.linspace(-0.5, _LEANING, 9):
         guess = posture(robot, Stand(_SPACING, height, float(ahead)), guess)
         if guess is None:

@@ -168,12 +168,12 @@ def numbers(design: Design) -> list[Number]:
     if controller.joints is not None:
         rate = "desired, at which dry friction is made up for [rad/s]"
         rows.append(("friction_rate", FRICTION_RATE, rate))
-    # Centre of mass outside of the feet, as a share of the leg length, from which none comes back.
+    outside = 0.1  # Centre of mass beyond the feet, in leg lengths, from which none comes back.
     rows += [
         ("weight", weight, "[N]"),
         ("pendulum", pendulum_rate(robot), "rate of falling over a foot [rad/s]"),
         ("first_momentum", first_momentum(robot), "beyond just tipping over [kg m^2/s]"),
-        ("over_foot", 0.1 * robot.leg_length, "centre of mass outside of the feet [m]"),
+        ("over_foot", outside * robot.leg_length, "centre of mass outside of the feet [m]"),
     ]
     if design.commands:
         rows.append(("z1_share", Z1_MARGIN, "of the step's own interval, as ng_z_margin"))

@@ -132,8 +132,8 @@ def widest_step(robot: "PlanarBiped") -> float:
     It is the largest on a grid, and a hundredth more, which is ten times what the grid misses.
     """
     posture = walking_posture(robot)
-    # Number of postures among which the widest step is looked for.
-    count = max(int(1e5 ** (1.0 / (robot.n - 1))), 3)
+    postures = 1e5
+    count = max(int(postures ** (1.0 / (robot.n - 1))), 3)
     values = np.linspace(posture.lower, posture.upper, count).T
     outputs = np.stack([one.ravel() for one in np.meshgrid(*values)])
     # The distance does not depend on the first coordinate, which turns the whole robot.

@@ -95,9 +95,10 @@ def problem(
         "f": cost,
         "g": casadi.vertcat(equations, margins),
     }
-    # Margin that each condition keeps at the nodes, in scales, so that it holds between them, too.
+    # In scales, at the nodes, so that each condition holds between them, too.
+    margin = 0.02
     g_bounds = (
-        np.concatenate([none, np.full(many, 0.02)]),
+        np.concatenate([none, np.full(many, margin)]),
         np.concatenate([none, np.full(many, np.inf)]),
     )
     return NonlinearProgram(symbols, _bounds(robot, count, degree), g_bounds)

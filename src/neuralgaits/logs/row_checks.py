@@ -122,8 +122,8 @@ def check_times(
 
 
 def _ranges(log: Log, robot: PlanarBiped) -> Iterator[_Range]:
-    # Largest desired rate: the authors' own controller stops beyond it.
-    turn, fastest = np.pi, 100.0
+    turn = np.pi
+    fastest = 100.0  # Desired rate [rad/s]: the authors' own controller stops beyond it.
     for i, name in enumerate(log.joint_names[1:]):
         low = float(robot.joint_lower[i]) - JOINT_SLACK_RAD
         high = float(robot.joint_upper[i]) + JOINT_SLACK_RAD
@@ -154,9 +154,9 @@ def _are_many(bad: Bool[np.ndarray, " k"]) -> bool:
     rows = np.flatnonzero(bad)
     if not rows.size:
         return False
-    # Largest share of rows out of range: with more, the column is wrong, not the row.
-    # Number of bad rows one after another from which they are no outliers.
-    return rows.size > max(1, 0.01 * len(bad)) or _longest_run(rows) > 5
+    most = max(1, 0.01 * len(bad))  # With more, the column is wrong, not the rows.
+    longest = 5  # Outliers one after another.
+    return rows.size > most or _longest_run(rows) > longest
 
 
 def _refuse(log: Log, labels: Labels, part: _Range, rows: Int[np.ndarray, " b"]) -> NoReturn:
@@ -230,8 +230,8 @@ def _check_stance(
     log: Log, robot: PlanarBiped, labels: Labels, good: Bool[np.ndarray, " k"]
 ) -> None:
     """Check that the stance leg is the one with the lower foot."""
-    # Distance of the hip from above the foot beyond which the robot falls, in leg lengths.
-    upright = good & (np.abs(log.q @ robot.hip_gradient) < 0.4 * float(robot.leg_length))
+    falls = 0.4 * float(robot.leg_length)  # Distance of the hip from above the foot [m].
+    upright = good & (np.abs(log.q @ robot.hip_gradient) < falls)
     if not upright.any():
         return
     height = float(np.median(foot_heights(robot, log.q[upright])))
@@ -267,11 +267,10 @@ def _check_model(log: Log, robot: PlanarBiped, good: Bool[np.ndarray, " k"]) -> 
     z = zero_states(robot, log.q[good], log.dq[good])
     error = np.median(np.abs(z - log.z[good]), axis=0)
     usual = float(np.median(np.abs(z[:, 1])))
-    # Tolerance as a share of the median |z2|: contact creep leaves 0.4 %, another torso's
-    # mass 3 %.
+    z2_share = 0.02  # Of the median |z2|: contact creep leaves 0.4 %, another torso's mass 3 %.
     for value, allowed, name in (
         (error[0], Z1_TOLERANCE_M, "z1[m]"),
-        (error[1], 0.02 * usual, "z2[kg m^2/s]"),
+        (error[1], z2_share * usual, "z2[kg m^2/s]"),
     ):
         if value > allowed:
             raise InputError(

@@ -157,18 +157,19 @@ def _settled_rows(
     impact = jumps[phase] & (t - t[0] + slack >= SETTLING_S)
     impact[0] = True
     last = np.maximum.accumulate(np.where(impact, t, -np.inf))
-    # An impact within this time after a touchdown belongs to it: the foot bounces.
-    landed = t[impact & (t - t[0] < 0.1)][-1]
+    bounces_s = 0.1  # An impact so soon after a touchdown belongs to it.
+    landed = t[impact & (t - t[0] < bounces_s)][-1]
     return phase[(t - last + slack >= SETTLING_S) & (t > landed)]
 
 
 def _jumps(log: Log, z: Float[np.ndarray, "k 2"], robot: PlanarBiped) -> Bool[np.ndarray, " k"]:
     """Find rows at which z2 has changed faster than weight can change it: an impact."""
     rate = np.diff(z[:, 1], prepend=z[0, 1]) / np.diff(log.t, prepend=log.t[0] - log.period_s)
+    # The standard deviation, robust against the impacts themselves.
     noise = 1.4826 * float(np.median(np.abs(rate - np.median(rate))))
     weight = float(robot.mass * robot.gravity) * robot.leg_length
-    # Least jump of an impact, in robust standard deviations of the log's rates of z2.
-    return np.abs(rate) > max(weight, 6.0 * noise)
+    least_jump = 6.0 * noise
+    return np.abs(rate) > max(weight, least_jump)
 
 
 def _walking(
@@ -176,11 +177,10 @@ def _walking(
 ) -> Int[np.ndarray, " w"]:
     """Return the rows before the first one in which the robot falls."""
     error = np.abs(log.q[rows, 1:] - log.qd[rows]).max(axis=1, initial=0.0)
-    # Distance of the hip from above the foot beyond which the robot falls, in leg lengths: twice
-    # as far as in a long step.
+    # The hip's distance from above the foot is twice that of a long step.
     far = np.abs(z[rows, 0]) > 0.4 * robot.leg_length
-    # Deviation of a joint from its desired angle beyond which the robot falls, whatever z is.
-    fallen = np.flatnonzero((error > 0.5) | far)
+    largest_error = 0.5  # Of a joint [rad]; beyond, the robot falls whatever z is.
+    fallen = np.flatnonzero((error > largest_error) | far)
     return rows[: fallen[0]] if fallen.size else rows
 
 

@@ -79,10 +79,9 @@ class GradientSteps:
             state, loss = trainer.step(state, min(count, ahead))
             step = int(state.step)
             jax.block_until_ready(loss)
-            # As many at once as a user who stops it, or a budget, can wait for.
             each = (time.perf_counter() - start_time) / (step - first)
-            # Duration of the steps taken in one call [s].
-            count = max(1, round(0.2 / each))
+            call_s = 0.2  # What a user who stops it, or a budget, can wait for.
+            count = max(1, round(call_s / each))
             if step % VALIDATE_EVERY and not trainer.done(state):
                 continue
             if not (np.isfinite(float(loss.total)) and np.isfinite(state.parameters).all()):

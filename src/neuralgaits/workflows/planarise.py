@@ -82,8 +82,7 @@ def _about_cut_feet(
         robot = robot_from_text(planarise(text, name, "flat", weld, folder).text, name)
         if robot.feet is not None:
             sole = float(robot.feet.heel + robot.feet.toe)
-            # Length of a sole, in lengths of the leg, from which on it matters that it becomes a
-            # point.
+            # A shorter sole may as well be a point.
             if sole > 0.1 * robot.leg_length:
                 return (
                     f"soles of {1e3 * sole:.3g} mm, {sole / robot.leg_length:.2g} of the leg, are "

@@ -51,7 +51,7 @@ def refine(settings: RefineSettings) -> Run:
         disturbance = (float(learned.error_bound[0]), float(learned.error_bound[1]))
     if disturbance is not None:
         check_disturbance(disturbance)
-    # Gradient steps, as a share of those of the recipe: the gait is nearly trained.
+    # Fewer than the recipe has: the gait is nearly trained.
     usual_steps = round(0.7 * parent.spec.recipe.steps)
     config = replace(
         parent.config,

@@ -187,8 +187,7 @@ class OtherProcess:
 
     def wait(self) -> None:
         """Wait a short time for the process's next results."""
-        # Time to wait before another process's results are read again [s].
-        self._reader.join(0.005)
+        self._reader.join(timeout=0.005)
 
     def close(self) -> None:
         """End the process in any state."""

@@ -80,7 +80,7 @@ def prove(problem: Problem, state: Search) -> list[StatementRecord]:
     for column, name in enumerate(problem.names):
         if proved[column] and name not in state.refuted:
             boxes = _statement(problem, tree, [column]).boxes
-            # Largest ratio, roughly, of the numbers of boxes of two conditions in one statement.
+            # Numbers of boxes of the conditions of one statement differ by a factor of about 4.
             groups.setdefault(round(math.log(boxes, 4.0)), []).append(column)
     return [_statement(problem, tree, columns) for _, columns in sorted(groups.items())]
 

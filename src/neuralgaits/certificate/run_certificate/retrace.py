@@ -57,11 +57,11 @@ def retrace_in_subprocess(
             ) from None
         description = _read(file)
     if description is None or process.returncode != 0:
-        # Number of last lines of a failed process's standard error that are shown.
-        lines = " | ".join(process.stderr.strip().splitlines()[-3:])
+        last_lines = " | ".join(process.stderr.strip().splitlines()[-3:])
         raise RunError(
             f"expected the conditions of {run}, traced again, found that the process that traces "
-            f"them ended with code {process.returncode} and no answer: {lines or 'it said nothing'}"
+            f"them ended with code {process.returncode} and no answer: "
+            f"{last_lines or 'it said nothing'}"
         )
     if "error" in description:
         raise InputError(str(description["error"]))

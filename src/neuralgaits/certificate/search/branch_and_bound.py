@@ -88,7 +88,7 @@ def start(problem: Problem, confirm: Confirm) -> Search:
         )
     points = problem.grid(POINTS)
     state = _refute(problem, replace(state, tree=tree), points, confirm)
-    # Number of searches for ends of late axes at which margins are smaller.
+    # Twice, look for ends of the weak axes at which margins are smaller.
     for _ in range(2 if problem.weak_axes else 0):
         points = problem.worse(points)
         state = _refute(problem, state, points, confirm)

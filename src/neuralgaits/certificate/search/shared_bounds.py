@@ -5,6 +5,7 @@ made of them, are the same whoever bounded them.
 """
 
 import json
+import math
 from collections.abc import Generator, Iterator, Sequence
 from contextlib import closing, contextmanager
 from dataclasses import fields
@@ -80,8 +81,8 @@ def bounding(workers: int | None, ray: str | None) -> Iterator[BoundAll | None]:
 def _pieces(problem: Problem, batch: Boxes) -> list[Boxes]:
     """Split a batch: compiled code bounds each box by itself, NumPy whole batches."""
     low, high = batch
-    # Most boxes of a task for compiled code: tenths of a second.
-    count = -(-len(low) // 512) if problem.compiled else 1
+    most = 512  # Boxes of a task for compiled code: tenths of a second.
+    count = math.ceil(len(low) / most) if problem.compiled else 1
     return list(zip(np.array_split(low, count), np.array_split(high, count), strict=True))
 
 

@@ -151,12 +151,12 @@ def read_all(
 
 
 def _is_same_walk(one: Log, other: Log) -> bool:
-    # Angles of two walks that agree to this are one walk: a simulation repeats itself to rounding.
+    # A simulation repeats itself to rounding.
     return len(one) == len(other) and float(np.abs(one.q - other.q).max()) < 1e-6
 
 
 def _missing(log: Log) -> int:
     """Count the rows that are missing in the gaps."""
     steps = np.diff(log.t) / log.period_s
-    # Largest distance of neighbouring rows in sample periods: clocks jitter.
-    return int(np.sum(np.round(steps[steps > 1.5]) - 1))
+    longest = 1.5  # Sample periods between neighbouring rows: clocks jitter.
+    return int(np.sum(np.round(steps[steps > longest]) - 1))

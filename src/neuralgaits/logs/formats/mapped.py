@@ -142,8 +142,8 @@ def _stance(
         )
     single = (stance != UNKNOWN) & (contact[:, 0] != contact[:, 1])
     # Exchanged, the swing foot is ahead of its foothold for less than half of a step.
-    # Least share of the rows with one foot on the ground in which it is the stance foot.
-    if np.mean(contact[single, 1] == stance[single]) < 0.5:
+    least_share = 0.5
+    if np.mean(contact[single, 1] == stance[single]) < least_share:
         raise InputError(
             f"{where}: expected the foot that lands to be the one in front, found it behind in "
             f"most rows: exchange the two lines of [contact] in {columns.path}, or mend the signs "

@@ -90,8 +90,8 @@ class SignCheck:
         if self._robot.feet is not None or height is None:
             return None
         lands = LANDING * float(self._robot.leg_length)
-        # Share of the momentum's balance that may be off without a doubt about signs.
-        return _Doubt(off, height, max((off or 0.0) / 0.3, height / lands))
+        usual_share = 0.3  # Of the momentum's balance.
+        return _Doubt(off, height, max((off or 0.0) / usual_share, height / lands))
 
 
 class _Doubt(NamedTuple):

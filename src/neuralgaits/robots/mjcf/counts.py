@@ -35,8 +35,8 @@ def refuse_large_counts(text: str) -> None:
         tag = str(element.tag)
         if tag in _COPIES:
             copies *= _product(element.get(_COPIES[tag], "1"))
-            # Largest number of copies that a file may make of anything, copies of copies counted.
-            _refuse(tag, copies, 1000, "copies")
+            most_copies = 1000  # Of anything, copies of copies counted.
+            _refuse(tag, copies, most_copies, "copies")
         if tag in _ASSETS:
             sides = " ".join(element.get(name, "1") for name in _ASSETS[tag])
             _refuse(tag, _product(sides), MOST_VALUES, "values")

@@ -29,7 +29,7 @@ def compile_what_can_be(text: str, name: str) -> tuple[mujoco.MjModel | None, st
 
     Returns: the model and its text, or None if there is a fault that cannot be taken out.
     """
-    # Number of parts that are taken out of one file.
+    # As many parts are taken out of one file at most.
     for _ in range(50):
         try:
             return compile_text(text, name), text

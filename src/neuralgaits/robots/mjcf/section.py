@@ -79,8 +79,11 @@ def section(text: str, name: str, weld: frozenset[str]) -> tuple[str, tuple[str,
     data = at_posture(model, qpos)
     plan = plan_section(model, data, weld)
     links, alike = equal_legs(section_links(model, data, plan), plan)
-    # Least number of hinges of a leg whose last link can be a foot.
-    feet = [section_foot(model, data, links[leg[-1]], has_ankle=len(leg) >= 2) for leg in plan.legs]
+    feet = [
+        # The last link of a leg can be a foot if another hinge is above its own.
+        section_foot(model, data, links[leg[-1]], has_ankle=len(leg) >= 2)
+        for leg in plan.legs
+    ]
     root = ElementTree.Element("mujoco", model=_model_name(model, name))
     ElementTree.SubElement(root, "compiler", angle="radian", autolimits="true")
     gravity = " ".join(f"{value:.15g}" for value in model.opt.gravity)

@@ -66,8 +66,8 @@ def section_foot(
     level = float(points[lowest][:, 1].min())
     friction, condim = _contact(model, data, lowest)
     every = np.concatenate(list(points.values()))
-    # Largest height of a point of the sole over the lowest one [m].
-    sole = every[every[:, 1] <= level + 0.01, 0]
+    thickness = 0.01  # Of the sole: points so far above the lowest one belong to it [m].
+    sole = every[every[:, 1] <= level + thickness, 0]
     heel, toe = float(sole.min()), float(sole.max())
     high = link.anchor.imag - level
     ankle = link.anchor.real

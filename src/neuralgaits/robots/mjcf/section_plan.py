@@ -217,8 +217,8 @@ def _feet(model: mujoco.MjModel, data: mujoco.MjData, tops: list[int]) -> tuple[
         raise RobotError("expected joints of two legs, found none: check the file's joints")
     lowest = min(reach.values())
     height = max(float(data.xpos[1:, 2].max()) - lowest, 1e-6)
-    # Largest height of a foot over the lowest one, in heights of the robot.
-    low = [top for top in groups if reach[top] <= lowest + 0.05 * height]
+    uneven = 0.05 * height  # Largest height of a foot over the lowest one.
+    low = [top for top in groups if reach[top] <= lowest + uneven]
     above = {one for top in low for one in _path(model, tops, top)[1:]}
     ends = [top for top in low if top not in above]
     if len(ends) == 1:

@@ -102,9 +102,9 @@ def add_rotors(plant: Any, model: mujoco.MjModel, tree: Tree) -> None:
         actuator.set_default_rotor_inertia(rotor)
         actuator.set_default_gear_ratio(1.0)
         if friction:
-            # Slope of a joint's dry friction, as a multiple of its size, up to that size: 2 N m
-            # are reached at 2 mrad/s [N m s/rad].
-            actuator.set_controller_gains(PdControllerGains(p=0.0, d=1e3))
+            # Damping that the joint's dry friction limits: 2 N m are reached at 2 mrad/s.
+            damping = 1e3  # [N m s/rad]
+            actuator.set_controller_gains(PdControllerGains(p=0.0, d=damping))
 
 
 def inertia(model: mujoco.MjModel, number: int) -> SpatialInertia:

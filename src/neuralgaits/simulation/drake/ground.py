@@ -96,7 +96,7 @@ def add_ground(
     else:
         tilt = RigidTransform(RotationMatrix.MakeYRotation(-math.atan(source.slope)))
         for leg in range(len(spheres)):
-            # Mass of a floor [kg]; it has no effect, because floors are locked.
+            # Any mass: floors are locked.
             body = plant.AddRigidBody(f"floor {leg}", SpatialInertia.SolidSphereWithMass(1.0, 1.0))
             name = f"height of floor {leg}"
             joint = PrismaticJoint(name, plant.world_frame(), body.body_frame(), [0.0, 0.0, 1.0])

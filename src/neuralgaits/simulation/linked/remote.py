@@ -159,8 +159,7 @@ class Remote:
             self._wait()
         self._tick += 1
         sent = clock.monotonic()
-        # Share of a tick after which the plant continues without an answer; it needs the rest
-        # itself.
+        # The plant needs the rest of a tick itself.
         wait = 0.8 * self._period_s
         deadline = sent + (_ANSWER_TIMEOUT_S if self._config.lockstep else wait)
         results = []
@@ -223,9 +222,8 @@ class Remote:
                 return
             if not packets:
                 silent_s = (self._tick - self._answered) * self._period_s
-                # Time without any answer, in real time, after which somebody else's controller is
-                # gone [s].
-                if self._config.lockstep or (self._config.address and silent_s > 0.2):
+                gone_s = 0.2  # In real time, after which somebody else's controller is gone.
+                if self._config.lockstep or (self._config.address and silent_s > gone_s):
                     raise self._links[i].silence("a command")
                 return
 

@@ -39,7 +39,6 @@ class Course:
     @property
     def gap_depth(self) -> float:
         """Return the depth at which a foot has missed its stones [m]; infinite without gaps."""
-        # Depth below the stones before and behind it at which a foot has missed them [m].
         return 0.03 if self.stones else np.inf
 
     def ends(self, touchdowns: int, foot: float) -> bool:
@@ -51,8 +50,8 @@ class Course:
         """
         if self.stones:
             return touchdowns >= len(self.seen) - 1
-        # Length of the last slope's end that no step uses [m].
-        return foot > self.tops[-1, 2] - 1.0
+        unused = 1.0  # Length of the last slope's end [m].
+        return foot > self.tops[-1, 2] - unused
 
     def misses(self, places: Float[np.ndarray, " T"]) -> Float[np.ndarray, " T"]:
         """Return the distance of feet at touchdowns from the middle of their stones (m)."""

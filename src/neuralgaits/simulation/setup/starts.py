@@ -78,8 +78,8 @@ def momentum_range(gait: AnyGait) -> tuple[float, float]:
 def _pairs(commands: Commands) -> Pair:
     """Return a grid of the pairs of commands that may follow each other. [N, p] each."""
     limits = CommandLimits.of(commands)
-    # Approximate number of a family's steps that are evaluated for its range of momenta.
-    ends = np.linspace(0.0, 1.0, max(2, round(100 ** (0.5 / len(commands)))))
+    count = 100  # Of pairs, roughly.
+    ends = np.linspace(0.0, 1.0, max(2, round(count ** (0.5 / len(commands)))))
     grid = np.stack(np.meshgrid(*[ends] * (2 * len(commands))), axis=-1)
     first, change = np.split(grid.reshape(-1, 2 * len(commands)), 2, axis=1)
     before = limits.low + first * (limits.high - limits.low)

@@ -88,8 +88,8 @@ class FlightPlan:
         length = _cubic(share, total, start.length, end.length, start.sliding, 0.0)
         bump = share * (1.0 - share)
         first, second = 2.0 * bump * (1.0 - 2.0 * share), 2.0 - 12.0 * bump
-        # Shortening of the leg in the middle of a flight [m].
-        lift = -16.0 * 0.05
+        shortening = 0.05  # Of the leg in the middle of a flight [m].
+        lift = -16.0 * shortening
         return lean, Track(
             length.value + lift * bump * bump,
             length.rate + lift * first / total,

@@ -95,19 +95,19 @@ def hop_margins(
     blow = hop.blow * sigma
     landing = tube.level(jnp.zeros_like(s), hop.landing * hop.landing * energy)
     start = polynomial(tube.weight, jnp.zeros_like(s))
-    # Least upward velocity of the centre of mass at lift-off [m/s].
-    # Least upward force of the floor, as a share of the weight.
+    least_support = 0.05  # Upward force of the floor, as a share of the weight.
+    least_rise = 0.3  # Upward velocity of the centre of mass at lift-off [m/s].
     return {
         "low fence": upward,
         "high fence": -upward,
         "forward": jnp.stack([rates[0], policy.sweep]) - LEAST_FORWARD,
         "chart": jnp.stack([weight, width]) - LEAST_RATIO,
-        "support": support - 0.05,
+        "support": support - least_support,
         "grip": jnp.stack([robot.friction * support - forward, robot.friction * support + forward]),
         "push": jnp.stack([1.0 - push, 1.0 + push]),
         "reach": jnp.stack([length - robot.shortest, robot.longest - length]),
         "flies": jnp.stack(
-            [hop.upward * sigma - 0.3, (hop.landing - LEAST_RATIO) * jnp.ones_like(s)]
+            [hop.upward * sigma - least_rise, (hop.landing - LEAST_RATIO) * jnp.ones_like(s)]
         ),
         "blow": jnp.stack([robot.friction * blow[1] - blow[0], robot.friction * blow[1] + blow[0]]),
         "lands": jnp.stack([landing, 1.0 - landing]),
