@@ -26,6 +26,7 @@ TIMESTEP_MS = float(os.environ.get("TIMESTEP_MS", 0.5))
 # Before anything reads them. A tick is 1 ms, or one step that is longer.
 mujoco_plant.TIMESTEP_S = 1e-3 * TIMESTEP_MS
 mujoco_plant.SUBSTEPS = max(1, round(1.0 / TIMESTEP_MS))
+mujoco_plant.PERIOD_S = mujoco_plant.SUBSTEPS * mujoco_plant.TIMESTEP_S
 
 # ruff: noqa: E402
 from neuralgaits.barriers import DiscreteBarrier, Gait, GaitSpec, functions, specs

@@ -37,30 +37,23 @@ def listed(what: str, text: str) -> list[str]:
     return parts
 
 
-def shortened(count: int) -> str:
-    """Write a whole number for a message in a few characters, however long it is."""
-    return shown(int(count))
-
-
 def check_walked(name: str, count: int) -> None:
     """Check numbers of walking steps and episodes. Raises: InputError if they take too long."""
     if count > MOST_WALKED:
-        raise InputError(f"{name}: expected at most {MOST_WALKED}, found {shortened(count)}")
+        raise InputError(f"{name}: expected at most {MOST_WALKED}, found {shown(count)}")
 
 
 def check_seed(seed: int) -> None:
     """Check a seed. Raises: InputError unless JAX and NumPy both take it."""
     if not 0 <= seed < SEEDS:
-        raise InputError(f"expected a seed from 0 to {SEEDS - 1}, found {shortened(seed)}")
+        raise InputError(f"expected a seed from 0 to {SEEDS - 1}, found {shown(seed)}")
 
 
 def check_seeds(seeds: tuple[int, int]) -> None:
     """Check a range of seeds, its last one excluded. Raises: InputError on a wrong one."""
     first, end = seeds
     if not first < end:
-        raise InputError(
-            f"expected seeds A:B with A < B, found {shortened(first)}:{shortened(end)}"
-        )
+        raise InputError(f"expected seeds A:B with A < B, found {shown(first)}:{shown(end)}")
     check_seed(first)
     check_seed(end - 1)
     if end - first > MOST_SEEDS:
@@ -70,10 +63,10 @@ def check_seeds(seeds: tuple[int, int]) -> None:
 def check_steps(steps: int | None) -> None:
     """Check a number of gradient steps; None leaves it open. Raises: InputError if it is wrong."""
     if steps is not None and steps < 1:
-        raise InputError(f"expected at least 1 gradient step, found {shortened(steps)}")
+        raise InputError(f"expected at least 1 gradient step, found {shown(steps)}")
     if steps is not None and steps > MOST_GRADIENT_STEPS:
         raise InputError(
-            f"expected at most {MOST_GRADIENT_STEPS} gradient steps, found {shortened(steps)}"
+            f"expected at most {MOST_GRADIENT_STEPS} gradient steps, found {shown(steps)}"
         )
 
 
@@ -89,7 +82,7 @@ def check_widths(hidden: tuple[int, ...] | None) -> None:
     if len(hidden) > MOST_LAYERS or max(hidden) > MOST_WIDTH:
         raise InputError(
             f"expected at most {MOST_LAYERS} hidden widths of at most {MOST_WIDTH}, found "
-            f"{len(hidden)}, the largest {shortened(max(hidden))}"
+            f"{len(hidden)}, the largest {shown(max(hidden))}"
         )
 
 
@@ -99,7 +92,7 @@ def check_walks(episodes: int, seed: int, push: float | None) -> None:
     Raises: InputError unless they can be walked so.
     """
     if episodes < 1:
-        raise InputError(f"expected at least 1 episode, found {shortened(episodes)}")
+        raise InputError(f"expected at least 1 episode, found {shown(episodes)}")
     check_seed(seed)
     check_walked("episodes", episodes)
     check_push(push)
@@ -117,7 +110,7 @@ def check_push(push: float | None) -> None:
 def check_rounds(rounds: int | None) -> None:
     """Check a number of rounds; None leaves it open. Raises: InputError if they take too long."""
     if rounds is not None and not 1 <= rounds <= MOST_ROUNDS:
-        raise InputError(f"expected 1 to {MOST_ROUNDS} rounds, found {shortened(rounds)}")
+        raise InputError(f"expected 1 to {MOST_ROUNDS} rounds, found {shown(rounds)}")
 
 
 def check_disturbance(bounds: tuple[float, float]) -> None:

@@ -10,6 +10,7 @@ import math
 import os
 import re
 import unicodedata
+from numbers import Integral
 
 PRINTABLE = "neuralgaits-printable"
 """Name of the error handler, for `str.encode` and for streams."""
@@ -63,6 +64,8 @@ def shown(value: object) -> str:
 
     Python writes no whole number of more than 4300 digits, and an object's own text may fail.
     """
+    if isinstance(value, Integral) and not isinstance(value, bool):
+        value = int(value)  # NumPy's text of one says its type, too.
     if isinstance(value, int) and abs(value) >= LARGEST_SHOWN:
         # A logarithm may be rounded up.
         power = math.floor(math.log10(abs(value)))

@@ -30,6 +30,7 @@ from neuralgaits.certificate.levels.walking_set.theorem import (
     walking_premises,
 )
 from neuralgaits.certificate.proof_file.theorem_tables import Theorems
+from neuralgaits.certificate.run_certificate.confirmed_conditions import ProofOfRun
 from neuralgaits.certificate.run_certificate.run_comparison import RunComparison
 from neuralgaits.certificate.run_certificate.scope import commands_within
 from neuralgaits.certificate.run_certificate.verified_summary import Unfit, _part
@@ -246,16 +247,16 @@ def test_a_proof_of_some_commands_is_read_as_that_and_no_more():
     stated: Any = SimpleNamespace(scales={"torso": 1.0}, low=low, high=high)
     proof: Any = SimpleNamespace(chart=chart, statements=(stated,))
     open_ = {"torso": "undecided", "ahead": "undecided"}
-    part = _part(summary_of(open_), proof, own)
+    part = _part(summary_of(open_), ProofOfRun(proof, own))
     assert part is not None
     assert part.conditions == ("torso",) and part.levels == ()
     assert part.sequences[0].startswith("speed from 0.6 to 0.61, by at most 0.004")
     whole: Any = SimpleNamespace(chart=CHART, statements=())
-    assert _part(summary_of(open_), whole, own) is None
+    assert _part(summary_of(open_), ProofOfRun(whole, own)) is None
     claimed = Conclusion(2, "proved", None, (), {})
     for more in (summary_of(open_ | {"torso": "proved"}), summary_of(open_, (claimed,))):
         with pytest.raises(Unfit, match="about some commands only"):
-            _part(more, proof, own)
+            _part(more, ProofOfRun(proof, own))
 
 
 @pytest.fixture(scope="module")

@@ -13,10 +13,10 @@ import pytest
 from neuralgaits.control import Fblin
 from neuralgaits.errors import InputError
 from neuralgaits.gait import ZeroDynamics
-from neuralgaits.simulation.live import PERIOD_S, LiveWalk
+from neuralgaits.simulation.live import LiveWalk
 from neuralgaits.simulation.live_floor import TILT_DEG_S
 from neuralgaits.simulation.setup.disturbance import PlantChanges
-from neuralgaits.simulation.setup.plant import build
+from neuralgaits.simulation.setup.plant import PERIOD_S, build
 from neuralgaits.simulation.setup.push import DURATION_S
 from neuralgaits.simulation.walk import walk
 

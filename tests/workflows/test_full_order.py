@@ -13,6 +13,7 @@ import pytest
 from flint import arb
 
 from neuralgaits.barriers import Barrier
+from neuralgaits.certificate.level_target import grid
 from neuralgaits.certificate.levels.full_order.conclude import conclude_full_order
 from neuralgaits.certificate.levels.full_order.find import find_full_order
 from neuralgaits.certificate.levels.full_order.model import (
@@ -21,7 +22,6 @@ from neuralgaits.certificate.levels.full_order.model import (
     scaled_coordinates,
 )
 from neuralgaits.certificate.levels.full_order.sample_evaluators import evaluators_of
-from neuralgaits.certificate.levels.full_order.samples import grid
 from neuralgaits.certificate.levels.full_order.theorem import (
     REGION,
     FullOrderConstants,

@@ -190,7 +190,7 @@ def steady_gait(
 ) -> Gait:
     """Return the gait of a family at a constant command; None for the middle of its ranges."""
     if command is None:
-        command = {c.name: 0.5 * (c.low + c.high) for c in family.commands}
+        command = {c.name: c.middle for c in family.commands}
     command_values = values(family.commands, command)
     v = [
         x for c, a in zip(family.commands, command_values, strict=True) for x in c.coordinates(a, a)

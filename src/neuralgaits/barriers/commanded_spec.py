@@ -278,7 +278,7 @@ def _new_gait(
 
 def _faster(robot: "PlanarBiped", tube: CommandedTube, i: int, command: Command) -> CommandedTube:
     """Return fences of a linear inverted pendulum whose mean speed is about the commanded one."""
-    middle, half = 0.5 * (command.low + command.high), 0.5 * (command.high - command.low)
+    middle, half = command.middle, command.half
     terms = factors(len(tube.told))
     series = []
     for side, fence in zip(SIDES, (tube.lower, tube.upper), strict=True):

@@ -19,6 +19,7 @@ from neuralgaits.barriers.walking import (
     walking,
 )
 from neuralgaits.errors import SpecError
+from neuralgaits.gait.posture import REFERENCE_MASS_KG
 
 if TYPE_CHECKING:
     from neuralgaits.robots import PlanarBiped
@@ -61,7 +62,7 @@ def _sole(robot: "PlanarBiped") -> list[AbstractCondition]:
     unit, feet = units(robot), robot.flat_feet
     reach = 0.5 * float(feet.heel + feet.toe)
     moment = 0.5 * reach * unit.weight_n
-    push = 5.0 * unit.mass_kg * unit.speed / 21.5562
+    push = 5.0 * unit.mass_kg * unit.speed / REFERENCE_MASS_KG
     speed, arc = 0.5 * unit.speed, SOLE_CLEARANCE * unit.length
     lower, upper = float(robot.joint_lower[-1]), float(robot.joint_upper[-1])
     velocity = f.sole_vertical_velocity

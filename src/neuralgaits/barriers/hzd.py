@@ -17,6 +17,7 @@ from neuralgaits.barriers.spec import GaitSpec, Init, Recipe
 from neuralgaits.barriers.walking import pendulum_height, regions_of_step, units
 from neuralgaits.gait import BezierPolicy, walking_posture
 from neuralgaits.gait.gaits import Gait
+from neuralgaits.gait.posture import REFERENCE_MASS_KG
 from neuralgaits.gait.tubes import Tube
 
 if TYPE_CHECKING:
@@ -95,7 +96,7 @@ def _stance(robot: "PlanarBiped") -> list[Barrier | Pointwise]:
             Barrier("torso-lower", "tube", scale, f.at_least(f.torso_angle, -LEAN), alpha),
             Barrier("torso-upper", "tube", scale, f.at_most(f.torso_angle, LEAN), alpha),
         ]
-    inertia = 20.0 * unit.mass_kg * unit.length / 21.5562
+    inertia = 20.0 * unit.mass_kg * unit.length / REFERENCE_MASS_KG
     lower, upper = np.asarray(robot.joint_lower), np.asarray(robot.joint_upper)
     return [
         *conditions,
@@ -136,7 +137,7 @@ def _tube() -> list[Fence | Inlet]:
 def _guard(robot: "PlanarBiped") -> list[Pointwise | Equality]:
     """Conditions at the guard: a feasible impact, the old foot leaves, outputs near zero."""
     unit = units(robot)
-    push, cone = 5.0 * unit.mass_kg * unit.speed / 21.5562, float(robot.friction)
+    push, cone = 5.0 * unit.mass_kg * unit.speed / REFERENCE_MASS_KG, float(robot.friction)
     step, speed = 0.3 * unit.length, 0.5 * unit.speed
     rate = RATE_ERROR / unit.time
     return [

@@ -16,8 +16,10 @@ from neuralgaits.gait.policies.commanded_gait import AnyGait
 from neuralgaits.gait.scheduled_gains import ScheduledGains
 
 Evaluator = Callable[[Float[np.ndarray, "n 2"]], Mapping[str, np.ndarray]]
-"""Chart points [n, 2] to quantities by name: "foot" [m], "foot_rate" [m/s], "slope", "expansion",
-"pace", "gain" and "after" (phase, zeta) [n, 2]."""
+"""Chart points [n, 2] to quantities by name: "foot" [m], "foot_rate" [m/s], "pace" [1/s], "slope"
+d zeta / d phase and its "expansion" d slope / d zeta, "stride" [m], "steepness" of both fences
+[n, 2], and of a reset "after" (phase, zeta) [n, 2], "gain", "moved_zeta" and "moved_z1" as
+`orbit.return_map.Landing` has them."""
 Margins = dict[str, Float[Array, "..."]]
 SearchResult = tuple[Any, Mapping[str, float]] | str
 """Parameters of a level, and lower bounds to be proved of outputs that enclose constants; or one
@@ -113,3 +115,8 @@ class LevelSearch(ABC):
     @abstractmethod
     def margins(self, point: PremisePoint) -> Margins:
         """Return the margins of the premises at a point, by output name."""
+
+
+def grid(phases: np.ndarray, levels: np.ndarray) -> Float[np.ndarray, "n 2"]:
+    """Return all points of the chart at these phases and levels, phase by phase. [n, 2]."""
+    return np.stack(np.meshgrid(phases, levels, indexing="ij"), axis=-1).reshape(-1, 2)

@@ -1,6 +1,7 @@
 """Trace the Program of a gait under its spec once, for every other interpreter."""
 
-import equinox as eqx
+from dataclasses import replace
+
 import jax.numpy as jnp
 import numpy as np
 
@@ -58,9 +59,7 @@ def step_at(
         step = gait.of_pair(nominal_robot(model), pair, residuals.reset, exact=True, bounded=True)
         start, guard = step.span
         anchor = jnp.stack([u[0], start + u[0] * (guard - start)])
-        step = eqx.tree_at(
-            lambda g: g.policy.anchor, step, anchor, is_leaf=lambda leaf: leaf is None
-        )
+        step = replace(step, policy=replace(step.policy, anchor=anchor))
     return step, ZeroDynamics(robot_of_step(model, step, u[end:]), step.policy, *residuals)
 
 

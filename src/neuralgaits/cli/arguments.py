@@ -5,6 +5,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -193,7 +194,7 @@ class InspectOptions:
     are removed; every change is listed."""
     feet: Literal["point", "flat"] = "point"
     """Feet of that copy: flat keeps the ankles and their motors."""
-    weld: Annotated[Sequence[str], option("JOINT,...", forms.weld, ",".join)] = ()
+    weld: Annotated[Sequence[str], option("JOINT,...", partial(forms.names, "weld"), ",".join)] = ()
     """Joints to weld in that copy: at the file's first keyframe, or at zero without one."""
     output: Output = OutputOptions()
 

@@ -15,7 +15,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from neuralgaits._types import Actuated, Array, Coordinates, Float, Planar, Scalar, ZeroState
+from neuralgaits._types import Actuated, Array, Coordinates, Float, Planar, Scalar
 from neuralgaits.control.driven_mechanism import DrivenMechanism
 from neuralgaits.control.fblin import Fblin
 from neuralgaits.control.interior_point import QuadraticProgram, minimise
@@ -72,10 +72,6 @@ class ClfQp(AbstractLaw):
         """Return the law as compiled walks have it, which add the program in place of clipping."""
         return CompiledLaw("", model=True, bandwidth=self.bandwidth, exported=False)
 
-    def policy_state(self, z: ZeroState) -> ZeroState:
-        """Return all of z, unchanged. [2]."""
-        return z
-
     def desired(self, robot: DrivenMechanism, outputs: Outputs, reading: MeasuredState) -> Desired:
         """Return desired outputs, rates, and the terms of their accelerations, a `Desired`."""
         return self.linearising.desired(robot, outputs, reading)
@@ -89,14 +85,14 @@ class ClfQp(AbstractLaw):
         torque, limit = demand.torque, demand.limit
         m, unit = robot.n - 1, jnp.max(limit)
         solution = minimise(self.program(robot, demand))
-        # Error of the forces beyond the friction cone, as a share of the weight, from which a tick
-        # counts as relaxed.
-        given_up = solution.x[m:] > np.array([SLOWER, 1e-3])
+        # Error of the forces beyond the friction cone, as a share of the weight.
+        outside_cone = 1e-3
+        given_up = solution.x[m:] > np.array([SLOWER, outside_cone])
         # A program without a solution in numbers: motors without torque.
         within = jnp.where(solution.converged, unit * solution.x[:m], torque)
         within = jnp.clip(within, -limit, limit)
-        # Share of a torque limit within which a torque counts as at it.
-        at_limit = jnp.any(jnp.abs(within) >= (1.0 - 1e-6) * limit)
+        tolerance = 1e-6  # Share of a torque limit within which a torque counts as at it.
+        at_limit = jnp.any(jnp.abs(within) >= (1.0 - tolerance) * limit)
         return LimitedTorque(within, at_limit, given_up | ~solution.converged)
 
     def program(self, robot: DrivenMechanism, demand: Demand) -> QuadraticProgram:

@@ -5,7 +5,7 @@ Source: Westervelt et al. (2007), section 5.
 
 import equinox as eqx
 
-from neuralgaits._types import Actuated, ZeroState
+from neuralgaits._types import Actuated
 from neuralgaits.control.driven_mechanism import DrivenMechanism
 from neuralgaits.control.inverse_dynamics import accelerated, inverse_dynamics
 from neuralgaits.control.law import (
@@ -38,10 +38,6 @@ class Fblin(AbstractLaw):
     def takes_joints(self) -> bool:
         """Its torques are the model's."""
         return True
-
-    def policy_state(self, z: ZeroState) -> ZeroState:
-        """Return all of z, unchanged. [2]."""
-        return z
 
     def desired(self, robot: DrivenMechanism, outputs: Outputs, reading: MeasuredState) -> Desired:
         """Return desired outputs, rates, and the terms of their accelerations, a `Desired`."""

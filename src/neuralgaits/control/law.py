@@ -131,9 +131,9 @@ class AbstractLaw(eqx.Module):
         """Whether at a touchdown it goes by `impact_consistent_rates`, not by those measured."""
         return False
 
-    @abstractmethod
     def policy_state(self, z: ZeroState) -> ZeroState:
-        """Return z as the policy gets it, from the measured and bounded z. [2]."""
+        """Return z as the policy gets it, from the measured and bounded z: all of it. [2]."""
+        return z
 
     @abstractmethod
     def desired(self, robot: DrivenMechanism, outputs: Outputs, reading: MeasuredState) -> Desired:

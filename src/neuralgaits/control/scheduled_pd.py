@@ -111,10 +111,6 @@ class ScheduledPd(AbstractLaw):
         """Whether it predicts rates."""
         return self.predicts_rates
 
-    def policy_state(self, z: ZeroState) -> ZeroState:
-        """Return all of z, unchanged. [2]."""
-        return z
-
     def desired(self, robot: DrivenMechanism, outputs: Outputs, reading: MeasuredState) -> Desired:
         """Return desired outputs and rates; accelerations are in the feed-forward torque."""
         y, dy = jax.jvp(outputs, (reading.z,), (reading.dz,))

@@ -109,7 +109,7 @@ def adapter_for(commands: Commands) -> SpeedAdapter | None:
     speed = command_named(commands, ADAPTED)
     if speed is None:
         return None
-    change = speed.high - speed.low if speed.largest_change is None else speed.largest_change
+    change = speed.change_limit
     return SpeedAdapter(speed.low, speed.high, change)
 
 

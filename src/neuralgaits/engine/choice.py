@@ -1,7 +1,7 @@
 """Choose the engine that a command runs its tasks on."""
 
-from neuralgaits._checks import shortened
 from neuralgaits._environment import cores
+from neuralgaits._printable import shown
 from neuralgaits.engine.processes import Processes
 from neuralgaits.engine.task import WorkerPool
 from neuralgaits.errors import InputError
@@ -24,7 +24,7 @@ def worker_pool_for(workers: int | None = None, ray: str | None = None) -> Worke
     if workers is not None and workers < 1:
         raise InputError(f"expected at least 1 worker, found {workers}")
     if workers is not None and workers > MOST_WORKERS:
-        raise InputError(f"expected at most {MOST_WORKERS} workers, found {shortened(workers)}")
+        raise InputError(f"expected at most {MOST_WORKERS} workers, found {shown(workers)}")
     if ray is None:
         return Processes(cores() if workers is None else workers)
     if workers is not None and ray != LOCAL:

@@ -29,7 +29,7 @@ from neuralgaits.simulation.episode_log import log_of
 from neuralgaits.simulation.metrics import summary
 from neuralgaits.simulation.native_walk import WalkEngine, engine_of_run
 from neuralgaits.simulation.setup.disturbance import PlantChanges
-from neuralgaits.simulation.setup.plant import SUBSTEPS, TIMESTEP_S
+from neuralgaits.simulation.setup.plant import PERIOD_S
 from neuralgaits.simulation.setup.starts import full_states, momentum_range, periodic_orbit
 from neuralgaits.simulation.walk import walk
 
@@ -143,7 +143,7 @@ def _walk(
         z2_range=momentum_range(run.gait),
         disturbance=field.disturbance,
         seed=seed,
-        longest=int(longest_s / (SUBSTEPS * TIMESTEP_S)),
+        longest=int(longest_s / PERIOD_S),
         library=engine.library,
     )
     records = walk_result.episodes.records

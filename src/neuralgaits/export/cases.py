@@ -7,7 +7,7 @@ Every number is exact in single precision, so both builds get the same inputs.
 # MuJoCo ships no type stubs.
 
 from collections.abc import Iterator
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 
 import jax
 import jax.numpy as jnp
@@ -79,12 +79,6 @@ class Cases:
         """Return the cases that an index selects."""
         return Cases(**{field.name: getattr(self, field.name)[which] for field in fields(self)})
 
-    def replaced(self, **columns: np.ndarray) -> "Cases":
-        """Return these cases with other values in some columns."""
-        return Cases(
-            **({field.name: getattr(self, field.name) for field in fields(self)} | columns)
-        )
-
     @staticmethod
     def joined(parts: "list[Cases]") -> "Cases":
         """Join several sets, one after the other."""
@@ -119,7 +113,7 @@ def of_region(design: Design, count: int, seed: int) -> Cases:
     chart = np.where(rng.uniform(size=count)[:, None] < 0.85, inside, around)
     cases = _at(design, chart, rng)
     away = _clear(design, cases)
-    return cases.replaced(force=np.where(away[:, None], cases.force, 0.0))
+    return replace(cases, force=np.where(away[:, None], cases.force, 0.0))
 
 
 def of_guard(design: Design, seed: int) -> Cases:
@@ -142,7 +136,8 @@ def of_guard(design: Design, seed: int) -> Cases:
     rng = np.random.default_rng(seed)
     cases = _at(design, np.stack([phase, level], axis=1), rng, leg.astype(int))
     force = np.where(np.arange(2) == leg[:, None], weight, share[:, None] * weight)
-    return cases.replaced(
+    return replace(
+        cases,
         force=single(force),
         since=single(since),
         ticks=ticks.astype(int),
@@ -152,22 +147,22 @@ def of_guard(design: Design, seed: int) -> Cases:
 
 def of_faults(design: Design, seed: int) -> Cases:
     """Draw readings that must stop the robot, and neighbours of them that must not."""
-    chart = np.tile([0.5, 0.5], (1, 1))
+    chart = np.full((1, 2), 0.5)
     base = _at(design, chart, np.random.default_rng(seed), np.zeros(1, dtype=int))
-    base = base.replaced(time_us=base.last_us + 1000, running=np.ones(1, dtype=int))
+    base = replace(base, time_us=base.last_us + 1000, running=np.ones(1, dtype=int))
     cases = [base]
     for name, flat, values in _spoils(design):
         for value in values:
             column = getattr(base, name).astype(np.float64).copy()
             column.reshape(-1)[flat] = value
-            cases.append(base.replaced(**{name: column}))
+            cases.append(replace(base, **{name: column}))
     safe = design.safeguard
     for gap in (1000, 0.9e6 * safe.gap_s, 1.1e6 * safe.gap_s, 0, -1000):
-        cases.append(base.replaced(time_us=base.last_us + round(gap)))
+        cases.append(replace(base, time_us=base.last_us + round(gap)))
     for share in (0.9, 1.1):
         longest = np.full(1, share * safe.airborne_s)
-        cases.append(base.replaced(airborne=single(longest), force=np.zeros((1, 2))))
-    cases += [base.replaced(fault=np.full(1, int(fault))) for fault in Fault]
+        cases.append(replace(base, airborne=single(longest), force=np.zeros((1, 2))))
+    cases += [replace(base, fault=np.full(1, int(fault))) for fault in Fault]
     return Cases.joined(cases)
 
 
@@ -217,8 +212,8 @@ def _at(
     force = weight * np.where(stands, rng.uniform(0.3, 1.5, (count, 1)), swinging)
     time_us = rng.integers(0, 2**31, count)
     blend_s = np.where(rng.uniform(size=count) < 0.7, 0.0, 0.25)
-    # Torque rate [N m/s] that never binds.
-    rate_limit = np.where(rng.uniform(size=count) < 0.5, 1e9, 1e4)
+    unlimited = 1e9  # Torque rate [N m/s] that never binds.
+    rate_limit = np.where(rng.uniform(size=count) < 0.5, unlimited, 1e4)
     joints = qpos[:, state_map.joints]
     away = rng.uniform(-0.05, 0.05, (count, 2, k))
     signs = np.array(robot.layout.leg_joint_signs)

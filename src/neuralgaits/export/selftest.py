@@ -1,5 +1,7 @@
 """Write the table of inputs and outputs that can run on the target: `gait_selftest.h`."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from neuralgaits.control.safeguard import Fault
@@ -40,7 +42,8 @@ def _cases(design: Design, reference: Reference) -> Cases:
     count = joined.count
     zeros, joints = np.zeros((count, design.robot.n - 1)), np.zeros(joined.joints.shape)
     rate = 2.0 * float(np.max(design.controller.torque_limit)) / design.safeguard.torque_swing_s
-    return joined.replaced(
+    return replace(
+        joined,
         pitch=tipped,
         law=np.arange(count) % len(design.controllers),
         blend_s=np.full(count, design.safeguard.blend_s),

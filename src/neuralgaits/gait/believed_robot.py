@@ -1,7 +1,7 @@
 """The robot that a gait believes in: that of the file, leaning as it was told at the touchdown."""
 
 from neuralgaits._types import Array, Float
-from neuralgaits.gait.commands import LEAN, Commands, Step, place_of
+from neuralgaits.gait.commands import LEAN, Commands, place_of
 from neuralgaits.gait.gaits import Gait
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.robots.mjcf.leaning import leaning_robot
@@ -30,8 +30,8 @@ def robot_of_step(model: Model, step: Gait, errors: Float[Array, " k"]) -> Plana
         step: of a gait; one that is told a lean latched it at the beginning of the step.
         errors: of the robot's parameters; with such a step, of the lean alone (m).
     """
-    told = getattr(step.policy, "told", None)
-    if not isinstance(told, Step) or LEAN not in told.names:
+    commands = step.policy.step
+    if commands is None or LEAN not in commands.names:
         return robot_at(model, errors)
-    lean = told.pair.after[told.names.index(LEAN)]
+    _, lean = commands[LEAN]
     return leaning_robot(nominal_robot(model), lean + errors[0] if errors.shape[0] else lean)

@@ -94,6 +94,27 @@ class Command:
         return UNITS.get(self.name, "-")
 
     @property
+    def middle(self) -> float:
+        """Middle of the range."""
+        return 0.5 * (self.low + self.high)
+
+    @property
+    def half(self) -> float:
+        """Half the width of the range."""
+        return 0.5 * (self.high - self.low)
+
+    @property
+    def change_limit(self) -> float:
+        """Largest change from one step to the next: the whole range if any may follow any."""
+        return self.high - self.low if self.largest_change is None else self.largest_change
+
+    def in_degrees(self, text: str, *values: float) -> str:
+        """Return what an error adds about values in rad, since flags are in degrees; else ""."""
+        if self.unit != "rad":
+            return ""
+        return "; in degrees " + text.format(*(f"{math.degrees(value):.4g}" for value in values))
+
+    @property
     def axes(self) -> tuple[tuple[str, float, float], ...]:
         """Two axes of the chart, (name, low, high), on which all pairs lie.
 
@@ -113,16 +134,16 @@ class Command:
         """Return (before, after) at a point of the command's two axes."""
         if self.largest_change is None:
             return first, second
-        middle, share = 0.5 * (self.low + self.high), self._share(second)
-        middle = middle + share * (first - middle)
+        middle = self.middle + self._share(second) * (first - self.middle)
         return middle - 0.5 * second, middle + 0.5 * second
 
     def coordinates(self, before: Number, after: Number) -> tuple[Number, Number]:
         """Return the point of the command's two axes that has this pair."""
         if self.largest_change is None:
             return before, after
-        middle, change = 0.5 * (self.low + self.high), after - before
-        return middle + (0.5 * (before + after) - middle) / self._share(change), change
+        change = after - before
+        off = 0.5 * (before + after) - self.middle
+        return self.middle + off / self._share(change), change
 
     def _share(self, change: Number) -> Number:
         """Share of the range in which the middle of a pair with this change may lie, and a little.
@@ -144,7 +165,7 @@ class Command:
 
     def scaled(self, value: Float[Array, "..."]) -> Float[Array, "..."]:
         """Scale values to units of half the range, 0 in its middle."""
-        return (value - 0.5 * (self.low + self.high)) / (0.5 * (self.high - self.low))
+        return (value - self.middle) / self.half
 
 
 Commands = tuple[Command, ...]
@@ -169,12 +190,11 @@ class CommandLimits(NamedTuple):
     @classmethod
     def of(cls, commands: Commands) -> "CommandLimits":
         """Return the limits of some commands."""
-        low, high = (np.array([getattr(c, n) for c in commands], float) for n in ("low", "high"))
-        change = [
-            c.high - c.low if c.largest_change is None else min(c.largest_change, c.high - c.low)
-            for c in commands
-        ]
-        return cls(low, high, np.array(change, float))
+        return cls(
+            low=np.array([c.low for c in commands], float),
+            high=np.array([c.high for c in commands], float),
+            change=np.array([c.change_limit for c in commands], float),
+        )
 
     @property
     def middle(self) -> Float[np.ndarray, " p"]:
@@ -270,12 +290,11 @@ def values(commands: Commands, command_values: Mapping[Any, Any]) -> Float[np.nd
     for c in commands:
         value = _number(c.name, command_values[c.name])
         if not c.low <= value <= c.high:
-            message = f"between {c.low:g} and {c.high:g} {c.unit}, found {value:g}"
-            if c.unit == "rad":
-                # Flags speak of degrees, all else of radians.
-                low, high, same = (f"{math.degrees(x):.4g}" for x in (c.low, c.high, value))
-                message += f"; in degrees {low} to {high}, and {same}"
-            raise InputError(f"expected {c.name} {message}: stay inside, or train a wider range")
+            degrees = c.in_degrees("{} to {}, and {}", c.low, c.high, value)
+            raise InputError(
+                f"expected {c.name} between {c.low:g} and {c.high:g} {c.unit}, "
+                f"found {value:g}{degrees}: stay inside, or train a wider range"
+            )
     return np.array([_number(name, command_values[name]) for name in names])
 
 

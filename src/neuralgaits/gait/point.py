@@ -105,19 +105,12 @@ class Point:
     @cached_property
     def along_positions(self) -> Float[Array, "n k"]:
         """Coordinate rates per unit rate of each position [rad/m]. [n, k]."""
-        by_positions, _ = self._slopes(self.outputs)
-        return self.coordinates.along(by_positions)
+        return self.coordinates.along(self.outputs.jacobian[:, : self.coordinates.k])
 
     @cached_property
     def along_momenta(self) -> Float[Array, "n k"]:
         """Coordinate rates per unit rate of each momentum [rad s/(kg m^2)]. [n, k]."""
-        _, by_momenta = self._slopes(self.outputs)
-        return self.coordinates.still(by_momenta)
-
-    def _slopes(self, outputs: OutputJet) -> tuple[Float[Array, "m k"], Float[Array, "m k"]]:
-        """Return the outputs' derivatives in the positions, and in the momenta."""
-        k = self.coordinates.k
-        return outputs.jacobian[:, :k], outputs.jacobian[:, k:]
+        return self.coordinates.still(self.outputs.jacobian[:, self.coordinates.k :])
 
     @cached_property
     def momentum_rows(self) -> Float[Array, "k n"]:

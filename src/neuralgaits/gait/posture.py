@@ -17,6 +17,8 @@ if TYPE_CHECKING:
 
 REFERENCE_LEG_M = 0.8731
 """Leg length of AMBER-3M, for which lengths and slopes were tuned."""
+REFERENCE_MASS_KG = 21.5562
+"""Mass of AMBER-3M, for which scales of conditions were tuned."""
 GUARD = 0.17 / REFERENCE_LEG_M
 """z1 at the guard, in leg lengths."""
 HIP_HEIGHT = 0.835 / REFERENCE_LEG_M

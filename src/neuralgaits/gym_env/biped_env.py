@@ -15,12 +15,12 @@ from neuralgaits.control import Pd
 from neuralgaits.errors import InputError
 from neuralgaits.gait.joint_inertia import JointResponse
 from neuralgaits.gait.posture import walking_posture
-from neuralgaits.gym_env.body import PERIOD_S, Body, Joints
+from neuralgaits.gym_env.body import Body, Joints
 from neuralgaits.gym_env.first_states import FirstStates
 from neuralgaits.gym_env.reward import Reward, reward_of
 from neuralgaits.robots import PlanarBiped, load_robot
 from neuralgaits.simulation.setup.disturbance import PlantChanges, parse
-from neuralgaits.simulation.setup.plant import build
+from neuralgaits.simulation.setup.plant import PERIOD_S, build
 from neuralgaits.simulation.ticks.falls import Ending
 
 Action = Literal["target", "torque"]

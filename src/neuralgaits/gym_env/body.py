@@ -19,12 +19,11 @@ from neuralgaits.control.measurement import leg_joints
 from neuralgaits.control.stance import StanceConfig, touches_down
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.robots.mjcf_state import Sensors
-from neuralgaits.simulation.setup.plant import SUBSTEPS, TIMESTEP_S, Plant
+from neuralgaits.simulation.setup.plant import PERIOD_S, SUBSTEPS, Plant
 from neuralgaits.simulation.setup.push import Push
 from neuralgaits.simulation.setup.terrain import Terrain
 from neuralgaits.simulation.ticks.falls import Ending, ending
 
-PERIOD_S = SUBSTEPS * TIMESTEP_S
 """Duration of a control tick [s]."""
 Joints = Float[np.ndarray, " m"]
 Torques = Callable[[Joints, Joints], Joints]

@@ -28,7 +28,7 @@ from neuralgaits.runs.names import WEIGHTS
 from neuralgaits.simulation.native_walk import engine_of_trained
 from neuralgaits.simulation.setup.command_schedule import CommandSchedule
 from neuralgaits.simulation.setup.disturbance import PlantChanges
-from neuralgaits.simulation.setup.plant import SUBSTEPS, TIMESTEP_S
+from neuralgaits.simulation.setup.plant import PERIOD_S
 from neuralgaits.simulation.ticks.falls import Ending
 from neuralgaits.simulation.trained_walks import TrainedWalks
 from neuralgaits.simulation.walk import Walk
@@ -230,7 +230,7 @@ def _frames(run: Run, settings: AskedWalk, result: Walk, key: str) -> ShownWalk:
     record = episodes.record
     if record is None or not len(episodes.states):
         raise InputError("expected a recorded walk, found none")
-    stride = round(animation.FRAME_S / (SUBSTEPS * TIMESTEP_S))
+    stride = round(animation.FRAME_S / PERIOD_S)
     fell = episodes.endings[0].fell
     ticks = np.arange(len(episodes.states))[::stride]
     # Eight seconds before a fall.

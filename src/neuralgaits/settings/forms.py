@@ -16,7 +16,7 @@ COMMAND_UNITS = {
     "lean": "m",
 }
 """Commands of a gait, with their units on the command line."""
-ADAPTED = "speed", "lean", "slope"
+ADAPTABLE = "speed", "lean", "slope"
 """Commands that can be adapted, in the order in which they are written."""
 LEARNED: Literal["learned"] = "learned"
 """Word that stands for the two bounds of the run's residual."""
@@ -25,23 +25,28 @@ Interval = tuple[float, float]
 
 def speed(text: str) -> float | Interval:
     """Read `V` or `LOW:HIGH` in m/s. Raises: InputError."""
-    values = _numbers("speed", "a number or LOW:HIGH", text, (1, 2))
+    return _speed_or_range("--speed: expected a number or LOW:HIGH in m/s", text)
+
+
+def _speed_or_range(expected: str, text: str) -> float | Interval:
+    values = _values(text)
+    if len(values) not in (1, 2):
+        raise InputError(f"{expected}, found {text!r}")
     return values[0] if len(values) == 1 else (values[0], values[1])
 
 
-def step_length(text: str) -> Interval:
-    """Read `LOW:HIGH` in m. Raises: InputError."""
-    return _interval("step_length", text)
-
-
-def step_height(text: str) -> Interval:
-    """Read `LOW:HIGH` in m. Raises: InputError."""
-    return _interval("step_height", text)
+def interval(name: str, text: str) -> Interval:
+    """Read `LOW:HIGH` of a command, in its unit on the command line. Raises: InputError."""
+    values = _values(text)
+    if len(values) != 2:
+        flag = f"--{name.replace('_', '-')}"
+        raise InputError(f"{flag}: expected LOW:HIGH in {COMMAND_UNITS[name]}, found {text!r}")
+    return values[0], values[1]
 
 
 def slope(text: str) -> Interval:
     """Read `LOW:HIGH` in degrees. Returns: radians. Raises: InputError."""
-    low, high = _interval("slope", text)
+    low, high = interval("slope", text)
     return math.radians(low), math.radians(high)
 
 
@@ -49,25 +54,12 @@ def lean(text: str) -> Interval:
     """Read `LOW:HIGH` in m, or one length with a unit, as in `2cm`, which is either way."""
     length = re.fullmatch(r"([0-9.]+(?:[eE][-+]?[0-9]+)?) *(mm|cm|m)", text.strip())
     if length is None:
-        return _interval("lean", text)
+        return interval("lean", text)
     try:
         half = decimal(length[1]) * {"mm": 1e-3, "cm": 1e-2, "m": 1.0}[length[2]]
     except ValueError:
         raise InputError(f"--lean: expected a length as in 2cm, found {text!r}") from None
     return -half, half
-
-
-def _interval(name: str, text: str) -> Interval:
-    low, high = _numbers(name, "LOW:HIGH", text, (2,))
-    return low, high
-
-
-def _numbers(name: str, form: str, text: str, counts: tuple[int, ...]) -> list[float]:
-    values = _values(text)
-    if len(values) not in counts:
-        flag = f"--{name.replace('_', '-')}"
-        raise InputError(f"{flag}: expected {form} in {COMMAND_UNITS[name]}, found {text!r}")
-    return values
 
 
 def _values(text: str) -> list[float]:
@@ -157,13 +149,13 @@ def gains(text: str) -> tuple[float, float]:
 
 def adapted(text: str) -> str:
     """Read names of commands to adapt, in any order, as in `lean,speed`. Raises: InputError."""
-    words = _list("adapt", text)
-    if not set(words) <= set(ADAPTED) or len(set(words)) < len(words):
+    words = names("adapt", text)
+    if not set(words) <= set(ADAPTABLE) or len(set(words)) < len(words):
         raise InputError(
-            f"expected --adapt as names among {', '.join(ADAPTED)}, each once, found {text!r}: "
+            f"expected --adapt as names among {', '.join(ADAPTABLE)}, each once, found {text!r}: "
             "write speed,lean"
         )
-    return ",".join(name for name in ADAPTED if name in words)
+    return ",".join(name for name in ADAPTABLE if name in words)
 
 
 def seeds(text: str) -> tuple[int, int]:
@@ -174,37 +166,19 @@ def seeds(text: str) -> tuple[int, int]:
     return ends[0], ends[1] if len(ends) == 2 else ends[0] + 1
 
 
-def specs(text: str) -> list[str]:
-    """Read names of specs with commas between them. Raises: InputError."""
-    return _list("specs", text)
-
-
-def controllers(text: str) -> list[str]:
-    """Read names of control laws with commas between them. Raises: InputError."""
-    return _list("controllers", text)
-
-
-def weld(text: str) -> list[str]:
-    """Read names of joints with commas between them. Raises: InputError."""
-    return _list("weld", text)
-
-
 def speeds(text: str) -> list[float | Interval]:
     """Read speeds or ranges of them, `V|A:B,...` in m/s. Raises: InputError."""
-    return [_one_of_speeds(word) for word in _list("speeds", text)]
+    return [
+        _speed_or_range("--speeds: expected numbers or LOW:HIGH in m/s", word)
+        for word in names("speeds", text)
+    ]
 
 
-def _one_of_speeds(text: str) -> float | Interval:
-    values = _values(text)
-    if len(values) not in (1, 2):
-        raise InputError(f"--speeds: expected numbers or LOW:HIGH in m/s, found {text!r}")
-    return values[0] if len(values) == 1 else (values[0], values[1])
-
-
-def _list(name: str, text: str) -> list[str]:
+def names(option: str, text: str) -> list[str]:
+    """Read names with commas between them. Raises: InputError."""
     words = [word.strip() for word in text.split(",")]
     if not all(words):
-        raise InputError(f"expected --{name} as A,B,..., found {text!r}: a name is missing")
+        raise InputError(f"expected --{option} as A,B,..., found {text!r}: a name is missing")
     return words
 
 

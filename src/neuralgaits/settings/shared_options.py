@@ -6,6 +6,7 @@ the caller's for a type checker, and as the word's at run time.
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
@@ -66,9 +67,13 @@ Number = Annotated[int | None, arg(metavar="N")]
 Seconds = Annotated[float | None, arg(metavar="SECONDS")]
 Seeds = Annotated[tuple[int, int] | None, option("A:B", forms.seeds, forms.seeds_word)]
 Speed = Annotated[float | Interval | None, option("V|A:B", forms.speed, forms.speed_word)]
-StepLength = Annotated[Interval | None, option("A:B", forms.step_length, forms.interval_word)]
+StepLength = Annotated[
+    Interval | None, option("A:B", partial(forms.interval, "step_length"), forms.interval_word)
+]
 Lean = Annotated[Interval | None, option("SIZE|A:B", forms.lean, forms.interval_word)]
-StepHeight = Annotated[Interval | None, option("A:B", forms.step_height, forms.interval_word)]
+StepHeight = Annotated[
+    Interval | None, option("A:B", partial(forms.interval, "step_height"), forms.interval_word)
+]
 Slope = Annotated[Interval | None, option("A:B", forms.slope, forms.slope_word)]
 Box = Annotated[Mapping[str, float] | None, option("NAME=SIZE,...", forms.box, forms.box_word)]
 Disturbance = Annotated[

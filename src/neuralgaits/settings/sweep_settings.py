@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -41,8 +42,10 @@ else:
     Disturbances = str
 
 _SOME_DISTURBANCES = PythonType("str | Path | Mapping[str, Any] | None", (str, Path, Mapping))
-_Specs = Annotated[Sequence[str] | None, option("S,...", forms.specs, ",".join)]
-_Controllers = Annotated[Sequence[str] | None, option("C,...", forms.controllers, ",".join)]
+_Specs = Annotated[Sequence[str] | None, option("S,...", partial(forms.names, "specs"), ",".join)]
+_Controllers = Annotated[
+    Sequence[str] | None, option("C,...", partial(forms.names, "controllers"), ",".join)
+]
 _Speeds = Annotated[
     Sequence[float | Interval | None] | None,
     option("V|A:B,...", forms.speeds, forms.speeds_word),

@@ -5,6 +5,7 @@ Robot and spec are words on the command line, and words or objects in Python.
 
 from collections.abc import Callable
 from dataclasses import KW_ONLY, dataclass, fields
+from functools import partial
 from pathlib import Path
 from typing import Annotated
 
@@ -83,7 +84,7 @@ class GaitSettings(Settings):
     feet: Feet = None
     """Train a changed copy of the robot file, as inspect --planarise writes it, on point feet or
     flat ones; it becomes the run's robot.xml, with the list of changes at its top."""
-    weld: Annotated[Names, option("JOINT,...", forms.weld, ",".join)] = ()
+    weld: Annotated[Names, option("JOINT,...", partial(forms.names, "weld"), ",".join)] = ()
     """With --feet: joints to weld in that copy, at the file's first keyframe or at zero."""
     parameters: Box = None
     """Box of robots that one policy must walk on, as in mass=2%,com=5mm,inertia=5%,rotor=5%:

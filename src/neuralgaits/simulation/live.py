@@ -21,13 +21,13 @@ from neuralgaits.gait.reset_residual import ResetCorrection
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.simulation.live_commands import LiveCommands
 from neuralgaits.simulation.live_floor import Floor
-from neuralgaits.simulation.live_push import PERIOD_S, LivePush
+from neuralgaits.simulation.live_push import LivePush
 from neuralgaits.simulation.live_tick import MeasuredTick, tick_of
 from neuralgaits.simulation.native.compiled_walk import Library
 from neuralgaits.simulation.setup.course import Course
 from neuralgaits.simulation.setup.disturbance import PlantChanges
 from neuralgaits.simulation.setup.live_course import LiveCourse
-from neuralgaits.simulation.setup.plant import build
+from neuralgaits.simulation.setup.plant import PERIOD_S, build
 from neuralgaits.simulation.setup.terrain_kinds import Size
 from neuralgaits.simulation.ticks.falls import Ending
 from neuralgaits.simulation.ticks.tick import TickRecord, Verdict

@@ -4,10 +4,9 @@ import numpy as np
 
 from neuralgaits._types import Float
 from neuralgaits.errors import InputError
-from neuralgaits.simulation.setup.plant import SUBSTEPS, TIMESTEP_S
+from neuralgaits.simulation.setup.plant import PERIOD_S
 from neuralgaits.simulation.setup.push import DURATION_S
 
-PERIOD_S = SUBSTEPS * TIMESTEP_S
 """Time of one tick [s]."""
 
 

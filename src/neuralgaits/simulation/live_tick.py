@@ -134,7 +134,7 @@ class JaxTick(LiveTick):
         self._wanted = np.array(wanted, dtype=np.float64)
 
     def adapt(self, active: bool) -> None:
-        """Adapt the commanded speed, and the lean if there is one, from now on, or no longer."""
+        """Adapt speed, lean and slope, as far as they are commands, from now on, or no longer."""
         self._adapted_names = self._adapted.names = ADAPTABLE if active else ()
 
     def change(self, plant: Plant, torque_limit: Float[np.ndarray, " m"], slope: float) -> None:

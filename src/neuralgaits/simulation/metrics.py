@@ -10,7 +10,7 @@ from neuralgaits.gait.commands import LEAN, SLOPE, UNITS, Command, Commands, pla
 from neuralgaits.records.adapted_speeds import AdaptedSpeeds, BelievedLean, BelievedSlope
 from neuralgaits.records.simulated import CommandError, ModelOrbit, Relaxed, WalkFigures
 from neuralgaits.simulation.setup.course import Courses
-from neuralgaits.simulation.setup.plant import SUBSTEPS, TIMESTEP_S
+from neuralgaits.simulation.setup.plant import PERIOD_S
 from neuralgaits.simulation.ticks.gauge import START_UP_STEPS
 from neuralgaits.simulation.ticks.stride_table import Strides
 from neuralgaits.simulation.walk import Walk
@@ -44,7 +44,7 @@ def summary(walk: Walk, orbit: Orbit | None = None) -> WalkFigures:
     with np.errstate(divide="ignore", invalid="ignore"):
         speed, step_time = distance / time, time / (gauge.steps - START_UP_STEPS)
         cost = work / (weight * distance)
-    simulated = float(np.sum(gauge.ticks)) * SUBSTEPS * TIMESTEP_S
+    simulated = float(np.sum(gauge.ticks)) * PERIOD_S
     return WalkFigures(
         steps_walked=tuple(int(steps) for steps in gauge.steps),
         fell=tuple(ending.fell for ending in episodes.endings),

@@ -19,7 +19,7 @@ from neuralgaits._types import Float
 from neuralgaits.errors import InputError
 from neuralgaits.robots.link_rods import Bone, bones
 from neuralgaits.runs import write_bytes
-from neuralgaits.simulation.setup.plant import SECOND_FLOOR_GROUP, SUBSTEPS, TIMESTEP_S, Plant
+from neuralgaits.simulation.setup.plant import PERIOD_S, SECOND_FLOOR_GROUP, Plant
 
 FRAMES_PER_S = 50
 SIZE = (480, 640)
@@ -78,7 +78,7 @@ def write(
 
     Raises: InputError with the remedy, if OpenGL or ffmpeg fails.
     """
-    ticks = round(1.0 / (FRAMES_PER_S * SUBSTEPS * TIMESTEP_S))
+    ticks = round(1.0 / (FRAMES_PER_S * PERIOD_S))
     renderer = _renderer(plant.model)
     moments = zip(states[::ticks], floors[::ticks], strict=True)
     skeleton = bones(plant.model, plant.robot.layout)

@@ -26,7 +26,7 @@ from neuralgaits.simulation.setup.course import Courses
 from neuralgaits.simulation.setup.disturbance import PlantChanges
 from neuralgaits.simulation.setup.drives import law_of_drives
 from neuralgaits.simulation.setup.episode_inputs import EpisodeInputs
-from neuralgaits.simulation.setup.plant import SUBSTEPS, TIMESTEP_S, Plant, build
+from neuralgaits.simulation.setup.plant import PERIOD_S, Plant, build
 from neuralgaits.simulation.setup.push import Push
 from neuralgaits.simulation.setup.terrain import Terrain
 from neuralgaits.simulation.simulators import MUJOCO, Simulator, check_simulator
@@ -181,7 +181,7 @@ def _inputs(inputs: WalkInputs, plant: Plant, orders: CommandSchedule, count: in
         orders,
         courses,
         seed=seed,
-        noisy=not _silent(plant),
+        noisy=plant.disturbance.is_noisy,
         first=first,
         record=inputs.record,
         longest=inputs.longest,
@@ -213,7 +213,7 @@ def _controller(
         law,
         z2_range=inputs.z2_range,
         torque_limit=np.minimum(inputs.robot.torque_limit, plant.torque_limit),
-        period_s=SUBSTEPS * TIMESTEP_S,
+        period_s=PERIOD_S,
         reset_residual=inputs.reset_residual,
         joints=inputs.joints,
     )
@@ -230,11 +230,6 @@ def _plants(
         if id(course) not in plants:
             plants[id(course)] = build(robot, disturbance, course)
     return [plants[id(course)] for course in courses.each]
-
-
-def _silent(plant: Plant) -> bool:
-    disturbance = plant.disturbance
-    return not (disturbance.noise_of_pitch or disturbance.rate_noise)
 
 
 def plant_states(plant: Plant, starts: Float[np.ndarray, "B two_n"]) -> np.ndarray:

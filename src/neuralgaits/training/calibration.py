@@ -39,7 +39,7 @@ def calibrated(gait: CommandedGait, robot: PlanarBiped, residuals: Residuals) ->
         return gait
     at, plain = names.index("speed"), plain_curves(gait.commands)
     command = gait.commands[at]
-    middle, half = 0.5 * (command.low + command.high), 0.5 * (command.high - command.low)
+    middle, half = command.middle, command.half
     places = np.linspace(-1.0 - BEYOND, 1.0 + BEYOND, KNOTS)
     speeds = np.array([_speed(gait, robot, residuals, at, middle + half * x) for x in places])
     rising = np.isfinite(speeds).all() and np.all(np.diff(speeds) > 0.0)
@@ -57,7 +57,7 @@ def _speed(
     """Return the mean speed of the orbit (m/s); NaN without one."""
     v: list[Number] = []
     for i, command in enumerate(gait.commands):
-        value = speed if i == at else 0.5 * (command.low + command.high)
+        value = speed if i == at else command.middle
         v += command.coordinates(value, value)
     step = _steady(gait, robot, np.array(v), residuals)
     walking = robot_of_step(robot, step, np.zeros(0))

@@ -12,10 +12,11 @@ from neuralgaits.control.law_by_name import law_named
 from neuralgaits.errors import InputError
 from neuralgaits.gait.zero_coordinates import momentum_of
 from neuralgaits.robots.mjcf_state import Sensors
-from neuralgaits.simulation.live import PERIOD_S, LiveWalk
+from neuralgaits.simulation.live import LiveWalk
 from neuralgaits.simulation.native_walk import engine_of_trained
 from neuralgaits.simulation.setup.command_schedule import CommandSchedule
 from neuralgaits.simulation.setup.live_course import LiveCourse
+from neuralgaits.simulation.setup.plant import PERIOD_S
 from neuralgaits.simulation.setup.starts import momentum_range
 from neuralgaits.simulation.setup.terrain_kinds import commands_from_terrain
 from neuralgaits.simulation.ticks.adapted_command import ADAPTABLE
@@ -117,7 +118,7 @@ class LiveGait:
         """Return the commands that a visitor may give at each touchdown, with their ranges."""
         own = () if self._on is None else commands_from_terrain(self._on)
         return {
-            c.name: Slider(f"{c.name} [{c.unit}]", c.low, c.high, 0.5 * (c.low + c.high))
+            c.name: Slider(f"{c.name} [{c.unit}]", c.low, c.high, c.middle)
             for c in self.run.trained.commands
             if c.name not in own
         }

@@ -24,7 +24,7 @@ class Shown(NamedTuple):
     slope: float
     """Rise of the floor per metre forward."""
     ground: float
-    """Height of the hip above the floor, or above the line between footholds [m]."""
+    """Height of the floor, or of the line between footholds, under the hip [m]."""
     z: Float[np.ndarray, "2"]
     """Measured state of the zero dynamics (m, kg m^2/s)."""
     trail: Float[np.ndarray, "K 2"]
@@ -96,7 +96,7 @@ class Walker(Protocol):
         ...
 
     def adapt(self, active: bool) -> None:
-        """Adapt the commanded speed to the walked one from now on, or no longer."""
+        """Adapt speed, lean and slope, as far as they are commands, from now on, or no longer."""
         ...
 
     def resize(self, name: str, size: float) -> None:

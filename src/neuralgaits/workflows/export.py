@@ -64,33 +64,33 @@ def export_controller(settings: ExportSettings) -> Export:
     _refuse_settings(settings)
     if (task := task_of("export", settings)) is not None:
         return task(ProgressCallbacks(begun=settings.begun)).returned
-    trained, folder, format = open_run(settings.run), Path(settings.out), settings.format
+    trained, folder, kind = open_run(settings.run), Path(settings.out), settings.format
     output_folder.refuse_used(folder, force=settings.force)
-    if format == "c" and settings.config is None:
+    if kind == "c" and settings.config is None:
         output_folder.refuse_stale_map(folder)
     certificate = read_certificate(trained.folder)
     _refuse_unusable(trained.trained)
     about = deployed_robot(trained)
     deployment = None if settings.config is None else read_deployment(settings.config, about)
-    joints = None if settings.joints is None else _joints_for(trained, format, settings.joints)
+    joints = None if settings.joints is None else _joints_for(trained, kind, settings.joints)
     if settings.begun is not None:
         settings.begun()
     # Numbers that are not finite are refused where they are written.
     with np.errstate(all="ignore"):
-        design, lacking = _designed(trained, certificate, format, joints)
+        design, lacking = _designed(trained, certificate, kind, joints)
         usual = template(about, usual_gains(design))
         # A ROS 2 package always has a map: without a file that of the robot file itself.
-        mapped = usual if format == "ros2" and deployment is None else deployment
+        mapped = usual if kind == "ros2" and deployment is None else deployment
         exported = replace(design, deployment=mapped, supervised=settings.supervisor)
-        files, notes = WRITERS[format](exported, settings.states)
+        files, make_record = WRITERS[kind](exported, settings.states)
     output_folder.refuse_stale_queries(folder, files)
-    if format in MAPPED and deployment is None:
+    if kind in MAPPED and deployment is None:
         more, note = _template_file(folder, deployment_text(usual))
         files, lacking = {**files, **more}, [*lacking, *note]
     return Export(
-        notes(
+        make_record(
             run=str(trained.path),
-            format=format,
+            format=kind,
             out=str(folder),
             files=tuple(output_folder.publish(folder, files)),
             laws=tuple(design.controllers),
@@ -108,44 +108,44 @@ def _template_file(folder: Path, text: str) -> tuple[dict[str, str], list[str]]:
 
 
 def _designed(
-    trained: Run, certificate: CertificateReading, format: str, joints: JointFile | None
+    trained: Run, certificate: CertificateReading, kind: str, joints: JointFile | None
 ) -> tuple[Design, list[str]]:
     """Return everything that the files are made of, and what it lacks: laws, a monitor."""
     design = design_of(trained, certificate, joints)
-    if format == QUERIED:
+    if kind == QUERIED:
         return replace(design, queries=queries_of(trained)), []
     # Pages say which laws gaits with commands have.
     lacking = [] if design.commands else [f"no law {reason}" for reason in design.left_out]
-    if format not in MONITORED:
+    if kind not in MONITORED:
         return design, lacking
     monitored, more = with_monitor(design, trained, certificate)
     return monitored, [*lacking, *more]
 
 
-def _joints_for(trained: Run, format: str, joints: str | Path) -> JointFile:
+def _joints_for(trained: Run, kind: str, joints: str | Path) -> JointFile:
     """Return identified joints for an export. Raises: InputError for one without torques."""
-    if format not in MONITORED:
+    if kind not in MONITORED:
         raise InputError(
             f"--joints: expected --format {' or '.join(MONITORED)}, whose controller gives "
-            f"torques, found {format}: leave --joints out"
+            f"torques, found {kind}: leave --joints out"
         )
     return read_joints(trained, joints)
 
 
 def _refuse_settings(settings: ExportSettings) -> None:
     """Refuse settings that make no sense together. Raises: InputError."""
-    format = settings.format
-    if format not in WRITERS:
-        raise InputError(f"unknown format {format!r}: expected one of {', '.join(WRITERS)}")
-    if settings.config is not None and format not in MAPPED:
+    kind = settings.format
+    if kind not in WRITERS:
+        raise InputError(f"unknown format {kind!r}: expected one of {', '.join(WRITERS)}")
+    if settings.config is not None and kind not in MAPPED:
         raise InputError(
-            f"--config: expected --format {' or '.join(MAPPED)} beside it, found {format}: "
+            f"--config: expected --format {' or '.join(MAPPED)} beside it, found {kind}: "
             "leave one of them out"
         )
-    if settings.supervisor and format not in SUPERVISED:
-        remedy = "C always has the supervisor" if format == "c" else "it has no torques"
+    if settings.supervisor and kind not in SUPERVISED:
+        remedy = "C always has the supervisor" if kind == "c" else "it has no torques"
         raise InputError(
-            f"--supervisor: expected --format {' or '.join(SUPERVISED)} beside it, found {format}: "
+            f"--supervisor: expected --format {' or '.join(SUPERVISED)} beside it, found {kind}: "
             f"leave --supervisor out, {remedy}"
         )
 

@@ -72,8 +72,8 @@ def _check_c(
 
 def _ros2(design: Design, states: int) -> tuple[dict[str, str], RecordFactory]:
     """Return the files of a ROS 2 package, and the factory of the record of its controller in C."""
-    files, notes = _c(design, states)
-    return ros2_files(design, files), notes
+    files, make_record = _c(design, states)
+    return ros2_files(design, files), make_record
 
 
 def _onnx(design: Design, states: int) -> tuple[dict[str, bytes], RecordFactory]:

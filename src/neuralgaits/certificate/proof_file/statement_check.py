@@ -2,10 +2,9 @@
 
 Doubles with bounded rounding come first; boxes that they do not decide are bounded in balls, where
 a violation is sought, too. Either way, a leaf that does not reach its bound is split further, a few
-times. Where there are many leaves,
-remainders have symbols of their own: the search that made them had these too, but a proof file does
-not say which, and the check chooses its own. A comparison with a ball is true
-only if it holds for all of the ball, so neither rounding nor NaN can pass.
+times. Where there are many leaves, remainders have symbols of their own: the search that made them
+had these too, but a proof file does not say which, and the check chooses its own. A comparison with
+a ball is true only if it holds for all of the ball, so neither rounding nor NaN can pass.
 """
 
 import itertools
@@ -111,6 +110,7 @@ class StatementCheck:
         stack, most = [(low, high, 0)], self.boxes + len(low) + MOST_MORE
         each, together = HALVINGS_IN_DOUBLES
         early = min(each * len(self.wide), together)
+        deepest = 6 * len(self.wide)  # Halvings of a leaf before the check gives up on it.
         while stack:
             low, high, depth = stack.pop()
             failing = self._failures(low, high, depth < early and self.boxes <= most)
@@ -119,8 +119,7 @@ class StatementCheck:
             if not failing.any():
                 continue
             low, high = low[failing], high[failing]
-            # Most halvings of every axis of a leaf before the check gives up on it.
-            if depth == 6 * len(self.wide) or self.boxes > most:
+            if depth == deepest or self.boxes > most:
                 box = f"from {low[0].tolist()} to {high[0].tolist()}"
                 names = ", ".join(self.statement.conditions)
                 self.verdict = "undecided"

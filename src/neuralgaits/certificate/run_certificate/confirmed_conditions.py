@@ -2,6 +2,7 @@
 
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import replace
+from typing import NamedTuple
 
 from neuralgaits.certificate.proof_file.coverage import stated_roots
 from neuralgaits.certificate.proof_file.reader import Claims
@@ -13,10 +14,16 @@ class Unfit(Exception):
     """Raised when a certificate contradicts its run. The message gives the contradiction."""
 
 
+class ProofOfRun(NamedTuple):
+    """A proof file about a run's own files, and its comparison with the run."""
+
+    claims: Claims
+    comparison: RunComparison
+
+
 def confirmed_conditions(
     conditions: Mapping[str, ConditionVerdict],
-    proof: Claims | None,
-    own: RunComparison | None,
+    proof: ProofOfRun | None,
     in_part: Collection[str],
 ) -> Iterator[tuple[str, ConditionVerdict]]:
     """Return verdicts on conditions; a proved one has a statement on each box of its region.
@@ -25,14 +32,13 @@ def confirmed_conditions(
 
     Args:
         conditions: those of the summary, by name.
-        proof: claims of the proof file, if there is one.
-        own: its comparison with the run.
+        proof: the run's proof file, if there is one.
         in_part: names of conditions that are proved for some of the gait's commands.
 
     Raises: Unfit if a verdict contradicts the proof file, or itself.
     """
-    statements = {} if proof is None else dict(stated_roots(proof.statements))
-    boxes = [] if own is None else own.outline.boxes()
+    statements = {} if proof is None else dict(stated_roots(proof.claims.statements))
+    boxes = [] if proof is None else proof.comparison.outline.boxes()
     for name, row in conditions.items():
         _refuse_contradiction(name, row)
         required = [box for box in boxes if box[0] == name]

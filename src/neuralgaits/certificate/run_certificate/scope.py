@@ -127,18 +127,17 @@ def commands_within(run: Run, within: Ranges) -> tuple[Command, ...]:
             f"expected a command of {run.path}, {', '.join(c.name for c in commands)}, "
             f"found {unknown[0]}"
         )
-    message = []
+    narrowed: list[Command] = []
     for c in commands:
         low, high = within.get(c.name, (c.low, c.high))
         if not c.low <= low < high <= c.high:
-            message = f"{c.low:g}:{c.high:g} {c.unit}, found {low:g}:{high:g}"
-            if c.unit == "rad":
-                # The command line speaks of degrees, all else of radians.
-                ends = [f"{x:.4g}" for x in np.degrees([c.low, c.high, low, high])]
-                message += f"; in degrees {ends[0]}:{ends[1]}, and {ends[2]}:{ends[3]}"
-            raise InputError(f"expected a range of {c.name} in {message}")
+            degrees = c.in_degrees("{}:{}, and {}:{}", c.low, c.high, low, high)
+            raise InputError(
+                f"expected a range of {c.name} in {c.low:g}:{c.high:g} {c.unit}, "
+                f"found {low:g}:{high:g}{degrees}"
+            )
         change = c.largest_change
         if change is not None and change >= high - low:
             change = None
-        message.append(replace(c, low=low, high=high, largest_change=change))
-    return tuple(message)
+        narrowed.append(replace(c, low=low, high=high, largest_change=change))
+    return tuple(narrowed)

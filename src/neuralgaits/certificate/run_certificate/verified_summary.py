@@ -6,7 +6,7 @@ their statements have to be about the run's own files and cover its spec, and th
 concluded again from them. The boxes are not bounded again here: `check-proof` does.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -15,16 +15,17 @@ from neuralgaits._inputs import MOST_BYTES
 from neuralgaits.certificate.levels.levels import conclude
 from neuralgaits.certificate.premises import proved_bounds
 from neuralgaits.certificate.proof_file.consistency import inconsistencies
-from neuralgaits.certificate.proof_file.coverage import SpecOutline, unstated
+from neuralgaits.certificate.proof_file.coverage import unstated
 from neuralgaits.certificate.proof_file.reader import Claims, read_claims
 from neuralgaits.certificate.proof_file.run_match import differences
 from neuralgaits.certificate.proof_file.sampled_bounds import first_broken_bound
 from neuralgaits.certificate.run_certificate.confirmed_conditions import (
+    ProofOfRun,
     Unfit,
     confirmed_conditions,
 )
 from neuralgaits.certificate.run_certificate.friction_requirement import friction_needed
-from neuralgaits.certificate.run_certificate.run_comparison import RunComparison, compare_with_run
+from neuralgaits.certificate.run_certificate.run_comparison import compare_with_run
 from neuralgaits.errors import InputError, RunError, TimeLimitError
 from neuralgaits.records.certified import (
     PROOF,
@@ -133,27 +134,28 @@ def _read(folder: RunFolder, summary: CertificateRecord) -> CertificateReading:
             raise Unfit(f"{SUMMARY} is about {what} {named!r}, not {getattr(config, what)!r}")
     if set(summary.conditions) != {row["name"] for row in described["conditions"]}:
         raise Unfit(f"{SUMMARY} is about other conditions than the run's")
-    proof, own = _claims(run)
+    proof = _proof_of(run)
+    claims = None if proof is None else proof.claims
     if summary.within is not None and not described.get("commands"):
         raise Unfit(f"{SUMMARY} is about ranges of commands, and the run's gait takes none")
     robot_box = {kind: half for kind, half in summary.parameters.items() if kind != "friction"}
-    if proof is not None and own is not None and _box(run, proof, own.command_names) != robot_box:
+    if proof is not None and _box(run, proof) != robot_box:
         raise Unfit(f"{SUMMARY} is about another box of robots than {PROOF}")
-    _refuse_ground(summary, proof, described)
+    _refuse_ground(summary, claims, described)
     # Nothing is said of a floor where the level that speaks of it is not claimed.
-    if proof is None or WALKING_SET_LEVEL not in proof.theorems.claimed:
+    if claims is None or WALKING_SET_LEVEL not in claims.theorems.claimed:
         without = {kind: half for kind, half in summary.parameters.items() if kind != "floor"}
         summary = replace(summary, parameters=without)
-    part = None if proof is None or own is None else _part(summary, proof, own)
+    part = None if proof is None else _part(summary, proof)
     in_part = () if part is None else part.conditions
     summary = replace(
         summary,
-        conditions=dict(confirmed_conditions(summary.conditions, proof, own, in_part)),
-        levels=tuple(_levels(summary, proof, own)),
+        conditions=dict(confirmed_conditions(summary.conditions, proof, in_part)),
+        levels=tuple(_levels(summary, proof)),
     )
     summary = replace(summary, verdict=_verdict(summary))
     map_fits = digests[MAP] is not None and summary.sha256.get(MAP) == digests[MAP]
-    return CertificateReading(summary, None, proof, map_fits, part)
+    return CertificateReading(summary, None, claims, map_fits, part)
 
 
 def _refuse_disorder(summary: CertificateRecord) -> None:
@@ -164,10 +166,10 @@ def _refuse_disorder(summary: CertificateRecord) -> None:
 
 
 def _refuse_ground(
-    summary: CertificateRecord, proof: Claims | None, described: Mapping[str, Any]
+    summary: CertificateRecord, claims: Claims | None, described: Mapping[str, Any]
 ) -> None:
     """Raise Unfit if the proof does not cover the summary's box of robots or floors."""
-    claimed = () if proof is None else proof.theorems.claimed
+    claimed = () if claims is None else claims.theorems.claimed
     if summary.parameters and max(claimed, default=0) > HIGHEST_OF_MANY:
         raise Unfit(f"{SUMMARY} states a box of robots of level {max(claimed)}, which is of one")
     least = summary.parameters.get("friction")
@@ -177,27 +179,29 @@ def _refuse_ground(
         raise Unfit(f"{SUMMARY} is about less friction than its conditions ask for")
 
 
-def _part(summary: CertificateRecord, proof: Claims, own: RunComparison) -> ProvedPart | None:
+def _part(summary: CertificateRecord, proof: ProofOfRun) -> ProvedPart | None:
     """Return a proof's results for some of the commands; None if it is about all of them.
 
     Raises: Unfit if the summary calls anything proved of all of them.
     """
-    if proof.chart == own.chart:
+    claims, comparison = proof
+    if claims.chart == comparison.chart:
         return None
     called = [name for name, row in summary.conditions.items() if row.verdict == "proved"]
     called += [f"level {entry.level}" for entry in summary.levels if entry.proved]
     if called:
         raise Unfit(f"{SUMMARY} calls {called[0]} proved, and {PROOF} is about some commands only")
-    left = {name for name, *_ in unstated(proof.statements, own.outline)}
-    conditions = tuple(name for name in own.outline.conditions if name not in left)
-    levels = () if left else tuple(_conclusions(proof, own.outline))
-    return ProvedPart(proof.chart.sequences(own.command_names) or (), conditions, levels)
+    outline = comparison.outline
+    left = {name for name, *_ in unstated(claims.statements, outline)}
+    conditions = tuple(name for name in outline.conditions if name not in left)
+    levels = () if left else tuple(_conclusions(proof))
+    return ProvedPart(claims.chart.sequences(comparison.command_names) or (), conditions, levels)
 
 
-def _box(run: Path, proof: Claims, command_names: Sequence[str]) -> dict[str, float]:
+def _box(run: Path, proof: ProofOfRun) -> dict[str, float]:
     """Return the box of robots of a proof, from the names and widths of its axes."""
-    walking = proof.theorems.walking
-    errors = proof.chart.behind(len(command_names)).parameters
+    walking = proof.claims.theorems.walking
+    errors = proof.claims.chart.behind(len(proof.comparison.command_names)).parameters
     floor = {} if walking is None or not walking.floor else {"floor": walking.floor}
     if not errors:
         return floor
@@ -208,14 +212,14 @@ def _box(run: Path, proof: Claims, command_names: Sequence[str]) -> dict[str, fl
     return box_of(load_robot(run / ROBOT), axes) | floor
 
 
-def _claims(run: Path) -> tuple[Claims, RunComparison] | tuple[None, None]:
-    """Return the claims of a proof about the run's own files, with the statements of its spec.
+def _proof_of(run: Path) -> ProofOfRun | None:
+    """Return a proof about the run's own files; None if there is no file.
 
     Raises: Unfit if it contradicts itself, is about another run, or states more than a few
         evaluations of its Program give.
     """
     if not packed.is_there(run / PROOF):
-        return None, None
+        return None
     try:
         claims = read_claims(run / PROOF)
         wrong = differences(claims, run)
@@ -230,23 +234,21 @@ def _claims(run: Path) -> tuple[Claims, RunComparison] | tuple[None, None]:
     if wrong:
         raise Unfit(f"{PROOF} is not about this run: {wrong[0]}")
     try:
-        own = compare_with_run(claims, run, own_process=False)
+        comparison = compare_with_run(claims, run, own_process=False)
     except TimeLimitError:
         raise
     except InputError as error:
         raise Unfit(f"{PROOF} could not be compared with the run: {error}") from None
-    if wrong := [*own.wrong, *inconsistencies(claims, own.outline)]:
+    if wrong := [*comparison.wrong, *inconsistencies(claims, comparison.outline)]:
         raise Unfit(f"{PROOF} is not about this run: {wrong[0]}")
     if broken := first_broken_bound(claims):
         raise Unfit(f"{PROOF} states what is not so: {broken}")
-    return claims, own
+    return ProofOfRun(claims, comparison)
 
 
-def _levels(
-    summary: CertificateRecord, proof: Claims | None, own: RunComparison | None
-) -> Iterator[Conclusion]:
+def _levels(summary: CertificateRecord, proof: ProofOfRun | None) -> Iterator[Conclusion]:
     """Return levels above 1; each proved level is claimed by the proof file and follows from it."""
-    concluded = [] if proof is None or own is None else _conclusions(proof, own.outline)
+    concluded = [] if proof is None else _conclusions(proof)
     by_level = {one.level: one for one in concluded}
     below = True
     for entry in summary.levels:
@@ -270,11 +272,12 @@ def _verdict(summary: CertificateRecord) -> Verdict:
     return "undecided" if summary.of_all == "proved" and not whole else summary.of_all
 
 
-def _conclusions(claims: Claims, outline: SpecOutline) -> list[Conclusion]:
+def _conclusions(proof: ProofOfRun) -> list[Conclusion]:
     """Return the conclusions that a file claims and that follow from its statements."""
+    claims, boxes = proof.claims, proof.comparison.outline.boxes()
     theorems, bounds = claims.theorems, proved_bounds(claims.statements)
     try:
-        conclusions = conclude(theorems.parameters, outline.boxes(), bounds, claims.chart)
+        conclusions = conclude(theorems.parameters, boxes, bounds, claims.chart)
     except (OverflowError, ZeroDivisionError):
         return []
     return [one for one in conclusions if one.level in theorems.claimed and one.proved]

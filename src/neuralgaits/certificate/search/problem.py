@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from neuralgaits._types import Float
-from neuralgaits.certificate.chart import CoupledAxes
+from neuralgaits.certificate.chart import CoupledAxes, required_boxes
 from neuralgaits.certificate.search.halving import Corners, PerCondition, wide_axes
 from neuralgaits.programs import POINT, Program, evaluate, fold
 from neuralgaits.programs.algebras.taylor_algebra import TaylorAlgebra, taylor_remainders
@@ -132,11 +132,7 @@ class Problem:
 
     def required(self, low: Corners, high: Corners) -> np.ndarray:
         """Return which boxes have a point that conditions apply to. A reader checks again. [B]."""
-        apart = np.zeros(len(low), dtype=bool)
-        for one, other, change in self.coupled_axes:
-            gap = np.maximum(low[:, one] - high[:, other], low[:, other] - high[:, one])
-            apart |= gap > change
-        return ~apart
+        return required_boxes(self.coupled_axes, low, high)
 
     def grid(self, points: int) -> Corners:
         """Return about so many points that cover the box, its edges included. [B, n].
@@ -146,8 +142,8 @@ class Problem:
         """
         early = len(self.low) - self.weak_axes
         wide = [axis for axis in wide_axes(np.array(self.low), np.array(self.high)) if axis < early]
-        # Most points along an axis of a grid.
-        size = min(max(round(points ** (1.0 / max(len(wide), 1))), 3), 33)
+        fewest, most = 3, 33  # Points along an axis.
+        size = min(max(round(points ** (1.0 / max(len(wide), 1))), fewest), most)
         lines = [
             np.linspace(low, high, size if axis in wide else 1)
             for axis, (low, high) in enumerate(

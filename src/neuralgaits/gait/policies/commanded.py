@@ -6,6 +6,7 @@ leaves the robot, and ends at the guard of the command after; the network knows 
 dynamics manifold is invariant through the impact for every pair of commands.
 """
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import equinox as eqx
@@ -101,12 +102,11 @@ class CommandedPolicy(NetworkPolicy):
         z1 = np.zeros(len(terms))
         z1[0] = posture.z_guard
         for i, command in enumerate(commands):
-            middle, half = 0.5 * (command.low + command.high), 0.5 * (command.high - command.low)
             if command.name == "step_length":
-                z1[0], z1[1 + i] = 0.5 * middle, 0.5 * half
+                z1[0], z1[1 + i] = 0.5 * command.middle, 0.5 * command.half
             elif command.name == "speed":
                 # A walk at twice the speed takes steps about half as long again.
-                z1[1 + i] = 0.5 * posture.z_guard * half / middle
+                z1[1 + i] = 0.5 * posture.z_guard * command.half / command.middle
         # From here on a few Newton steps are enough.
         with jax.ensure_compile_time_eval():  # Runs are opened without computing weights.
             guard = np.asarray(_start_guard(robot, z1[:1], posture, commands))
@@ -206,7 +206,7 @@ class CommandedPolicy(NetworkPolicy):
         start = start._replace(momentum_ratio=then.momentum_ratio)
         following = self._policy_between(pair.steady, again, then, after, exact=exact)
         policy = self._policy_between(pair, ground, start, after, exact=exact)
-        return eqx.tree_at(lambda p: p.then, policy, following, is_leaf=lambda leaf: leaf is None)
+        return replace(policy, then=following)
 
     @property
     def step_size(self) -> int:
@@ -266,7 +266,7 @@ def _start_guard(
     robot: "PlanarBiped", z1: Float[Array, "1"], posture: Posture, commands: Commands
 ) -> Actuated:
     """Return outputs of the nominal posture with the swing foot on the middle foothold. [m]."""
-    middle = jnp.array([0.5 * (c.low + c.high) for c in commands])
+    middle = jnp.array([command.middle for command in commands])
     foothold = _foothold(commands, middle)
     # Newton steps from the nominal posture, which may be far off.
     outputs = on_foothold(robot, z1[0], posture.guard_outputs, foothold, 20)

@@ -8,6 +8,7 @@ invariant, and the impact multiplies z2 by a constant. Hybrid invariance as
 in Westervelt, Grizzle and Koditschek (2003).
 """
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import equinox as eqx
@@ -170,32 +171,18 @@ class HybridInvariantPolicy(StepPolicy):
             first = start._replace(outputs=inside(start.outputs, self.lower, self.upper))
             last = guard._replace(outputs=inside(guard.outputs, self.lower, self.upper))
         ends = logit_ends(first, last, self.lower, self.upper)
-        policy = eqx.tree_at(
-            lambda p: (
-                p.guard_outputs,
-                p.guard_slopes,
-                p.z_guard,
-                p.z_start,
-                p.cubic,
-                p.start_outputs,
-                p.start_slopes,
-                p.momentum_ratio,
-            ),
+        return replace(
             self,
-            (
-                guard.outputs,
-                guard.slopes,
-                guard.z1,
-                start.z1,
-                cubic_between(ends),
-                start.outputs,
-                start.slopes,
-                start.momentum_ratio,
-            ),
+            guard_outputs=guard.outputs,
+            guard_slopes=guard.slopes,
+            z_guard=guard.z1,
+            z_start=start.z1,
+            cubic=cubic_between(ends),
+            start_outputs=start.outputs,
+            start_slopes=start.slopes,
+            momentum_ratio=start.momentum_ratio,
+            ends=ends if exact else self.ends,
         )
-        if not exact:
-            return policy
-        return eqx.tree_at(lambda p: p.ends, policy, ends, is_leaf=lambda leaf: leaf is None)
 
     def trainable(self) -> "HybridInvariantPolicy":
         """Flags of trainable leaves: networks, guard outputs and guard slopes."""

@@ -13,10 +13,8 @@ from pydrake.systems.analysis import Simulator
 
 from neuralgaits._types import Float
 from neuralgaits.simulation.drake.drake_plant import DrakePlant, drake_plant
-from neuralgaits.simulation.setup.plant import SUBSTEPS, TIMESTEP_S, Plant
+from neuralgaits.simulation.setup.plant import PERIOD_S, Plant
 from neuralgaits.simulation.ticks.world import Controls, Some, World
-
-_PERIOD_S = SUBSTEPS * TIMESTEP_S
 
 
 class DrakeWorld(World):
@@ -115,7 +113,7 @@ class _Episode:
         self._input.FixValue(self._context, self._applied)
         self._ticks += 1
         try:
-            self._simulator.AdvanceTo(self._ticks * _PERIOD_S)
+            self._simulator.AdvanceTo(self._ticks * PERIOD_S)
         except RuntimeError:
             # So Drake's solver ends on rates beyond all reason; to the loop that is a fall.
             return np.full(1 + 2 * len(made.zeros), np.nan), np.zeros(len(made.feet))

@@ -51,8 +51,8 @@ def answered_tick(scene: Scene) -> tuple[Callable[..., Any], Callable[..., Any]]
     Args:
         scene: scene of all episodes.
 
-    Returns: `look`, from packed readings to measurements and requested commands, and `judge`, from
-    carries, packed readings and rows of answers to the packed results of a tick.
+    Returns: `measure`, from packed readings to measurements and requested commands, and `judge`,
+    from carries, packed readings and rows of answers to the packed results of a tick.
     """
     _, carry_of = ravel_pytree(begin(scene, jnp.zeros((), jnp.int32)))
 

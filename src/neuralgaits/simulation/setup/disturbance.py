@@ -107,6 +107,11 @@ class PlantChanges:
         """Return the standard deviation of the measured pitch [rad]."""
         return math.hypot(self.encoder_noise, self.pitch_noise)
 
+    @property
+    def is_noisy(self) -> bool:
+        """Return whether a reading has noise."""
+        return self.noise_of_pitch > 0.0 or self.rate_noise > 0.0
+
 
 def existing() -> str:
     """Return every name with its meaning, for messages and help."""

@@ -24,7 +24,9 @@ from neuralgaits.simulation.setup.drives import add_drives
 
 TIMESTEP_S = 5e-4
 SUBSTEPS = 2
-"""MuJoCo steps per control tick: control runs at 1 kHz. Drives with a faster loop take more."""
+"""MuJoCo steps per control tick. Drives with a faster loop take more."""
+PERIOD_S = SUBSTEPS * TIMESTEP_S
+"""Length of a control tick [s]: control runs at 1 kHz."""
 
 CONTROL_SPEC = (
     mujoco.mjtState.mjSTATE_CTRL
@@ -74,7 +76,7 @@ class Plant:
     @property
     def delay_ticks(self) -> int:
         """Return the number of control ticks from a reading to its torque."""
-        return round(self.disturbance.delay_ms * 1e-3 / (SUBSTEPS * TIMESTEP_S))
+        return round(self.disturbance.delay_ms * 1e-3 / PERIOD_S)
 
     @property
     def substeps(self) -> int:
@@ -90,7 +92,7 @@ class Plant:
 
 def substeps_of(disturbance: PlantChanges) -> int:
     """Return the number of MuJoCo's steps in a control tick: one for each of the drives' loops."""
-    return round(SUBSTEPS * TIMESTEP_S * disturbance.drive_rate)
+    return round(PERIOD_S * disturbance.drive_rate)
 
 
 def build(
@@ -145,7 +147,7 @@ def _add_floors(
 
     The feet keep the contact parameters of the file; priority makes them count alone.
     """
-    spec.option.timestep = SUBSTEPS * TIMESTEP_S / substeps_of(disturbance)
+    spec.option.timestep = PERIOD_S / substeps_of(disturbance)
     pictures = [(geom.rgba.copy(), geom.material) for geom in _planes(spec)][:1]
     for geom in list(_planes(spec)):
         spec.delete(geom)

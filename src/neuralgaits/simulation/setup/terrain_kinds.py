@@ -101,7 +101,7 @@ def _ranges(kind: str, commands: Commands) -> dict[str, Size]:
     assert height is not None
     return {
         "rise": Size(height.low, height.high, height.high),
-        "run": Size(length.low, length.high, 0.5 * (length.low + length.high)),
+        "run": Size(length.low, length.high, length.middle),
     }
 
 

@@ -112,7 +112,7 @@ def _stones(commands: Commands, size: Mapping[str, float], steps: int, reach: Re
         lengths = draws.uniform(length.low, length.high, count)
         rises = np.zeros(count) if height is None else draws.uniform(height.low, height.high, count)
         # The gait that a walk starts with is that of its first step.
-        lengths[0] = 0.5 * (length.low + length.high)
+        lengths[0] = length.middle
         rises[0] = 0.0 if height is None else np.clip(0.0, height.low, height.high)
         return stones_at(_sums(lengths, rises), np.full(count + 1, size["width"]))
 
@@ -137,11 +137,11 @@ def _slopes(commands: Commands, size: Mapping[str, float], steps: int, reach: Re
     """Return plane after plane; each slope differs from the last by at most a step's change."""
     slope, length = command_named(commands, "slope"), command_named(commands, "step_length")
     assert slope is not None
-    step = reach() if length is None else 0.5 * (length.low + length.high)
+    step = reach() if length is None else length.middle
     whole = slope.high - slope.low
     change = whole if slope.largest_change is None else slope.largest_change
-    # Longest steps of a gait that chooses their length, in units of those at the middle command.
-    end = _RUN_UP_M + (steps + _SPARE) * step * 1.3
+    longest = 1.3  # Step of a gait that chooses its length, in units of the middle command's.
+    end = _RUN_UP_M + (steps + _SPARE) * step * longest
 
     def make(draws: np.random.Generator) -> Course:
         x, z = [-_RUN_UP_M, _RUN_UP_M], [0.0, 0.0]
@@ -173,8 +173,8 @@ def _sums(lengths: Float[np.ndarray, " K"], rises: Float[np.ndarray, " K"]) -> n
 def _of_corners(corners: Float[np.ndarray, "K 2"], reach: float) -> Course:
     """Return planes between corners; the robot sees the slope of the chord under the step ahead."""
     x, z = corners.T
-    # Distance between two places at which the slope ahead is tabulated [m].
-    at = np.arange(x[0], x[-1], 0.02)
+    spacing = 0.02  # Of the table of slopes ahead [m].
+    at = np.arange(x[0], x[-1], spacing)
     rise = np.interp(at + reach, x, z) - np.interp(at, x, z)
     slopes = np.stack([at, np.arctan2(rise, reach)], axis=1)
     return Course(np.concatenate([corners[:-1], corners[1:]], axis=1), slopes, stones=False)

@@ -82,7 +82,7 @@ class Gauge(NamedTuple):
     saturated: Int[Array, ""]
     """Number of ticks with a clipped torque."""
     relaxed: Int[Array, "2"]
-    """Numbers of ticks at which a law relaxed a constraint, see `control.law.Limited`."""
+    """Numbers of ticks at which a law relaxed a constraint, see `LimitedTorque`."""
     ticks: Int[Array, ""]
     """Number of ticks so far."""
     speed_error: Scalar

@@ -14,7 +14,7 @@ import numpy as np
 from neuralgaits._types import Array, Float, Int
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.simulation.setup.episode_inputs import EpisodeInputs
-from neuralgaits.simulation.setup.plant import SUBSTEPS, TIMESTEP_S, Plant
+from neuralgaits.simulation.setup.plant import PERIOD_S, Plant
 from neuralgaits.simulation.ticks.batch import Batch, pack
 from neuralgaits.simulation.ticks.command_feed import CommandFeed
 from neuralgaits.simulation.ticks.falls import Ending
@@ -58,17 +58,17 @@ class Noise:
     """Standard normal draws for the sensors of each episode, by seed and episode number."""
 
     def __init__(
-        self, shape: tuple[int, int], seed: int, episodes: int, *, silent: bool, first: int = 0
+        self, shape: tuple[int, int], seed: int, episodes: int, *, noisy: bool, first: int = 0
     ):
-        """Draw `shape` per episode, starting at a first number; draws are zero if `silent`."""
+        """Draw `shape` per episode, starting at a first number; all are zero unless `noisy`."""
         numbers = range(first, first + episodes)
         self._draws = [np.random.default_rng([seed, i, 3]) for i in numbers]
-        self._silent = silent
+        self._noisy = noisy
         self._values = np.zeros((episodes, *shape))
 
     def next(self) -> Float[np.ndarray, "B 2 j"]:
         """Return the draws of one tick."""
-        if not self._silent:
+        if self._noisy:
             for values, draws in zip(self._values, self._draws, strict=True):
                 values[:] = draws.standard_normal(values.shape)
         return self._values
@@ -97,7 +97,7 @@ def run(
     count, first = len(world.states), inputs.first
     terrain, courses = inputs.terrain, inputs.courses
     shape = (2, 1 + plant.state_map.joints.size)
-    noise = Noise(shape, inputs.seed, count, silent=not inputs.noisy, first=first)
+    noise = Noise(shape, inputs.seed, count, noisy=inputs.noisy, first=first)
     late = _Late(plant.delay_ticks, count, plant.state_map.nu)
     episodes = range(first, first + count)
     feed = CommandFeed(robot, inputs.orders, episodes, courses, adapt=inputs.adapt)
@@ -116,13 +116,14 @@ def run(
             watch(batch.record_of(record), results.active)
         results.add(carry, verdict, record, world.states[0], levels[0])
         force = inputs.push.at(time, verdict.touchdown, verdict.steps)
-        place = (verdict.touchdown, verdict.leg, verdict.z1, verdict.clearance)
         if courses is not None:
             courses.stand(levels, verdict.touchdown, verdict.leg, verdict.feet)
-        elif terrain.advance(*place, verdict.rise):
+        elif terrain.advance(
+            verdict.touchdown, verdict.leg, verdict.z1, verdict.clearance, verdict.rise
+        ):
             world.lay_floors(terrain.levels)
         controls = late.due(verdict.controls)
-        time += SUBSTEPS * TIMESTEP_S
+        time += PERIOD_S
         if results.active.size:
             world.advance(results.active, controls, force)
             plant_steps += plant.substeps * results.active.size

@@ -8,6 +8,7 @@ import numpy as np
 from flint import arb
 
 from neuralgaits._digits import at_least, at_most
+from neuralgaits.certificate.level_target import grid
 from neuralgaits.certificate.levels.disturbed.push_inequalities import factor, inequalities
 from neuralgaits.certificate.levels.disturbed.theorem import DisturbedBarrier, DisturbedConstants
 from neuralgaits.certificate.levels.full_order.held import (
@@ -27,7 +28,7 @@ from neuralgaits.certificate.levels.full_order.inequalities import (
     obstacle,
 )
 from neuralgaits.certificate.levels.full_order.norm import GAINS, LONGEST
-from neuralgaits.certificate.levels.full_order.samples import SampleEvaluators, grid
+from neuralgaits.certificate.levels.full_order.samples import SampleEvaluators
 from neuralgaits.certificate.levels.full_order.theorem import FullOrderConstants, lyapunov_rate
 from neuralgaits.gait.scheduled_gains import ScheduledGains
 

@@ -10,6 +10,7 @@ import numpy as np
 
 from neuralgaits._types import Array
 from neuralgaits.certificate.chart import PLANE, Corner
+from neuralgaits.certificate.level_target import grid
 from neuralgaits.certificate.levels.full_order.find import find_full_order
 from neuralgaits.certificate.levels.full_order.inequalities import inequalities, obstacle
 from neuralgaits.certificate.levels.full_order.margins import margins
@@ -19,7 +20,6 @@ from neuralgaits.certificate.levels.full_order.samples import (
     GaitSamples,
     SampleEvaluator,
     SampleEvaluators,
-    grid,
 )
 from neuralgaits.certificate.levels.full_order.theorem import (
     FullOrderConstants,

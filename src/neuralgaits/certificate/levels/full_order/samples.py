@@ -115,11 +115,6 @@ def doubled(matrix: np.ndarray) -> np.ndarray:
     return np.kron(np.eye(2), matrix)
 
 
-def grid(phases: np.ndarray, levels: np.ndarray) -> np.ndarray:
-    """Return all pairs of these phases and levels. [n, 2]."""
-    return np.stack(np.meshgrid(phases, levels, indexing="ij"), axis=-1).reshape(-1, 2)
-
-
 def sphere(count: int, size: int, radius: float) -> np.ndarray:
     """Return points on the sphere of a radius. [count, size]."""
     draw = np.random.default_rng(0).normal(size=(count, size))

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.polynomial import chebyshev
 
 from neuralgaits._types import Float
+from neuralgaits.certificate.level_target import grid
 from neuralgaits.certificate.levels.orbit.phase_series import (
     antiderivative,
     coefficients,
@@ -114,8 +115,7 @@ def find_contraction(evaluate: Evaluator, shape: WalkingSetConstants) -> OrbitPr
     phases, levels = np.linspace(*shape.ends, 61), np.linspace(0.0, 1.0, 5)
     series = series_above(phases, _largest(evaluate, phases, levels), BOUND_DEGREE)
     ends = np.linspace(1.0 - shape.guard_strip, 1.0 + shape.guard_strip, 3)
-    strip = np.stack(np.meshgrid(ends, levels, indexing="ij"), axis=-1).reshape(-1, 2)
-    guard = evaluate(strip)
+    guard = evaluate(grid(ends, levels))
     gain = float(np.abs(guard["moved_zeta" if shape.told else "gain"]).max())
     contraction = gain * np.exp(over_a_step(series))
     if not contraction < COMFORT:
@@ -254,8 +254,7 @@ def _bounds(
 
 def _largest(evaluate: Evaluator, phases: np.ndarray, levels: np.ndarray) -> np.ndarray:
     """Return dF/dzeta at some phases, at the worst of some levels."""
-    grid = np.stack(np.meshgrid(phases, levels, indexing="ij"), axis=-1).reshape(-1, 2)
-    return evaluate(grid)["expansion"].reshape(len(phases), -1).max(axis=1)
+    return evaluate(grid(phases, levels))["expansion"].reshape(len(phases), -1).max(axis=1)
 
 
 def _periodic(

@@ -9,7 +9,7 @@ import numpy as np
 
 from neuralgaits._digits import at_most
 from neuralgaits.barriers import Barrier, DiscreteBarrier, GaitSpec, Pointwise
-from neuralgaits.certificate.level_target import Evaluator
+from neuralgaits.certificate.level_target import Evaluator, grid
 from neuralgaits.certificate.levels.walking_set.theorem import OFF_THE_LINE, WalkingSetConstants
 from neuralgaits.gait.commands import all_pairs
 
@@ -55,18 +55,16 @@ def find_set(
     elif spec.parameters:
         evaluate, levels = over_all(spec, evaluate), np.linspace(0.0, 1.0, FEW_LEVELS)
     widths = WIDE_STRIPS if floor else STRIPS
-    # Height that the foot must have with commands [m]; it exceeds the spread of bounds over
-    # commands.
-    strip = _guard_strip(
-        evaluate, levels, floor * ROOM**0.5 + (5e-5 if command_names else CLEAR), widths
-    )
+    # With commands more than the spread of bounds over them [m].
+    clear = 5e-5 if command_names else CLEAR
+    strip = _guard_strip(evaluate, levels, floor * ROOM**0.5 + clear, widths)
     if strip is None:
         ground = f"heights within {floor:g} m of the ground" if floor else "the ground"
         return (
             f"the swing foot does not go through {ground} everywhere within {widths[-1]} phases of "
             "the guard"
         )
-    guard = _grid(np.linspace(1.0 - strip, 1.0 + strip, 5), levels)
+    guard = grid(np.linspace(1.0 - strip, 1.0 + strip, 5), levels)
     quantities = evaluate(guard)
     landed = np.abs(quantities["after"][:, 0]).max()
     more = TOLD * quantities["stride"].max() / quantities["stride"].min() if command_names else 2.0
@@ -74,7 +72,7 @@ def find_set(
     if not start_strip < widths[-1]:
         return f"the reset lands up to {landed:.3g} phases from the start of a step"
     phases = np.linspace(0.0, 1.0, count)
-    rate = evaluate(_grid(phases, levels))["foot_rate"].reshape(count, -1)
+    rate = evaluate(grid(phases, levels))["foot_rate"].reshape(count, -1)
     slowest, fastest = rate.min(axis=1), rate.max(axis=1)
     if slowest[0] <= 0.0 or fastest[-1] >= 0.0:
         return "the swing foot does not rise at the start of the step, or does not fall at its end"
@@ -82,14 +80,15 @@ def find_set(
     falling = fastest <= SHARE * fastest[-1]
     risen = phases[np.argmin(rising) - 1]
     fall = phases[count - np.argmin(falling[::-1])]
+    barriers, carried = names_of(spec)
     return WalkingSetConstants(
         start_strip=start_strip,
         guard_strip=strip,
         risen=float(risen),
         falling=float(fall),
         disturbance=disturbance,
-        barriers=names_of(spec)[0],
-        carried=names_of(spec)[1],
+        barriers=barriers,
+        carried=carried,
         told=command_names,
         floor=floor,
     )
@@ -111,9 +110,9 @@ def least_of_inlet(
     if not shape.told:
         return {"set/reset-phase": -shape.start_strip, **dict.fromkeys(OFF_THE_LINE, shape.floor)}
     over = over_all(spec, evaluate)
-    quantities = over(_grid(np.array([-shape.start_strip, 0.0, shape.start_strip]), np.zeros(1)))
+    quantities = over(grid(np.array([-shape.start_strip, 0.0, shape.start_strip]), np.zeros(1)))
     phases, levels = np.linspace(0.0, 1.0, FEW_PHASES), np.linspace(0.0, 1.0, FEW_LEVELS)
-    pace = float(over(_grid(phases, levels))["pace"].min())
+    pace = float(over(grid(phases, levels))["pace"].min())
     steep, stride = (
         ROOM * float(np.abs(quantities["steepness"]).max()),
         float(quantities["stride"].min()),
@@ -159,13 +158,9 @@ def _guard_strip(
 ) -> float | None:
     """Return a strip around phase 1 with the foot above ground before it and below behind."""
     for number, width in enumerate(widths):
-        above = evaluate(_grid(np.array([1.0 - width]), levels))["foot"]
-        below = evaluate(_grid(np.array([1.0 + width]), levels))["foot"]
+        above = evaluate(grid(np.array([1.0 - width]), levels))["foot"]
+        below = evaluate(grid(np.array([1.0 + width]), levels))["foot"]
         if above.min() > clear and below.max() < -clear:
             # Before and behind: the next wider one has more room.
             return widths[min(number + 1, len(widths) - 1)]
     return None
-
-
-def _grid(phases: np.ndarray, levels: np.ndarray) -> np.ndarray:
-    return np.stack(np.meshgrid(phases, levels, indexing="ij"), axis=-1).reshape(-1, 2)

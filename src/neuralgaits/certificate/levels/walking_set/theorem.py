@@ -47,6 +47,16 @@ class WalkingSetConstants:
         return (-self.start_strip, 0.0), (self.start_strip, 1.0)
 
     @property
+    def guard(self) -> tuple[Corner, Corner]:
+        """Corners of the strip around phase 1."""
+        return (1.0 - self.guard_strip, 0.0), (1.0 + self.guard_strip, 1.0)
+
+    @property
+    def whole(self) -> tuple[Corner, Corner]:
+        """Corners of all of T."""
+        return (-self.start_strip, 0.0), (1.0 + self.guard_strip, 1.0)
+
+    @property
     def ends(self) -> tuple[float, float]:
         """First and last phase of T."""
         return -self.start_strip, 1.0 + self.guard_strip
@@ -55,21 +65,19 @@ class WalkingSetConstants:
 def walking_premises(shape: WalkingSetConstants) -> list[Premise]:
     """Return premises of level 2 about the set itself; for the spec's conditions see `strips`."""
     first, last = shape.ends
-    before, inside = 1.0 - shape.guard_strip, (shape.risen, shape.falling)
-    whole = (first, 0.0), (last, 1.0)
+    before = 1.0 - shape.guard_strip
     lower, upper = ((first, 0.0), (last, 0.0)), ((first, 1.0), (last, 1.0))
-    strip = (before, 0.0), (last, 1.0)
     rows = [
         # C1: dphi/dt > 0 and |J.s| > 0 on T.
-        Premise("set/forward", *whole),
-        Premise("set/inertia", *whole),
+        Premise("set/forward", *shape.whole),
+        Premise("set/inertia", *shape.whole),
         Premise("set/width", *lower),
         # C2: on both fences the flow points inward.
         Premise("set/fence-lower", *lower),
         Premise("set/fence-upper", *upper),
         # C4: the foot rises until `risen` and is above the ground until it falls.
         Premise("set/foot-rises", (first, 0.0), (shape.risen, 1.0)),
-        Premise("set/foot-above", (inside[0], 0.0), (inside[1], 1.0)),
+        Premise("set/foot-above", (shape.risen, 0.0), (shape.falling, 1.0)),
         # C3: it falls from `falling` on, is above at phase 1 - g and below at 1 + g.
         Premise("set/foot-falls", (shape.falling, 0.0), (last, 1.0)),
         Premise("set/foot-above", (before, 0.0), (before, 1.0)),
@@ -81,19 +89,21 @@ def walking_premises(shape: WalkingSetConstants) -> list[Premise]:
         # Where a step is told commands, nothing that is read behind a reset may depend on those
         # that come next: the function is asked on the strip that every reset lands in.
         # C6, after the reset: h >= 0.
-        after = (f"set/value {name}", *shape.start) if shape.told else (f"set/after {name}", *strip)
-        rows.append(Premise(*after, sign="not negative"))
+        if shape.told:
+            after = Premise(f"set/value {name}", *shape.start, sign="not negative")
+        else:
+            after = Premise(f"set/after {name}", *shape.guard, sign="not negative")
+        rows.append(after)
         if any(shape.disturbance):
-            rows.append(Premise(f"set/rate {name}", *whole, sign="not negative"))
+            rows.append(Premise(f"set/rate {name}", *shape.whole, sign="not negative"))
     return rows
 
 
 def _reset(shape: WalkingSetConstants) -> list[Premise]:
     """Return premises for the place where a reset lands, in the chart of the only tube."""
-    strip = (1.0 - shape.guard_strip, 0.0), (shape.ends[1], 1.0)
     return [
-        Premise("set/reset-phase", *strip, sign="any"),
-        Premise("set/reset-level", *strip),
+        Premise("set/reset-phase", *shape.guard, sign="any"),
+        Premise("set/reset-level", *shape.guard),
     ]
 
 
@@ -105,11 +115,10 @@ def _inlet(shape: WalkingSetConstants) -> list[Premise]:
     phase does: so its place is measured in metres, its zeta against the fences at phase 0, and the
     effect of fences and lengths is bounded over all pairs of commands.
     """
-    strip = (1.0 - shape.guard_strip, 0.0), (shape.ends[1], 1.0)
     origin = (0.0, 0.0), (0.0, 0.0)
     return [
-        Premise("set/reset-place", *strip, sign="any"),
-        Premise("set/inlet", *strip),
+        Premise("set/reset-place", *shape.guard, sign="any"),
+        Premise("set/inlet", *shape.guard),
         Premise("set/stride", *origin),
         Premise("set/within-bounds", *origin, sign="not negative"),
         Premise("set/steepness", (-shape.start_strip, 0.0), (shape.start_strip, 0.0), sign="any"),
@@ -123,10 +132,10 @@ def off_the_line(shape: WalkingSetConstants) -> list[Premise]:
 
 def safe_premises(shape: WalkingSetConstants) -> list[Premise]:
     """Return premises by which all of T is safe; without them only its safe part is invariant."""
-    first, last = shape.ends
-    whole = (first, 0.0), (last, 1.0)
     # C6, on T: h >= 0.
-    return [Premise(f"set/value {name}", *whole, sign="not negative") for name in shape.barriers]
+    return [
+        Premise(f"set/value {name}", *shape.whole, sign="not negative") for name in shape.barriers
+    ]
 
 
 def strips(
