@@ -9,6 +9,7 @@ import pytest
 from neuralgaits.barriers import functions, specs
 from neuralgaits.errors import SpecError
 from neuralgaits.gait import ZeroDynamics
+from neuralgaits.gait.third_order import ThirdOrderPolicy
 from neuralgaits.robots import load_robot
 
 
@@ -43,6 +44,11 @@ def test_its_torque_is_part_of_the_momentum_s_rate_and_moves_the_robot(robot, po
         np.testing.assert_allclose(point.dz[1], weight + point.ankle_torque, rtol=1e-12)
         found = robot.acceleration(point.q, point.dq, point.torque, point.ankle_torque)
         np.testing.assert_allclose(found, point.ddq, atol=1e-9)
+
+
+def test_an_expansion_that_would_lose_the_ankle_is_refused(gait):
+    with pytest.raises(SpecError, match="expected a policy of a robot on point feet"):
+        ThirdOrderPolicy.of(gait.policy, gait.z(jnp.array([0.5, 0.5])))
 
 
 def test_accelerations_are_those_of_the_flow(robot, gait, points):

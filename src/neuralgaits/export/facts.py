@@ -85,7 +85,6 @@ class Design:
         laws: Mapping[str, AbstractLaw],
         z2_range: tuple[float, float],
         origin: Origin,
-        safeguard: SafeguardConfig | None = None,
         reset_residual: ResetCorrection = None,
         joints: JointModel | None = None,
     ) -> "Design":
@@ -97,7 +96,6 @@ class Design:
             laws: laws by name; one that the gait cannot have is left out.
             z2_range: momenta of the region (kg m^2/s).
             origin: origin of the design.
-            safeguard: thresholds, the defaults if None.
             reset_residual: corrects the impact that the steps of a family begin with.
             joints: rotors and friction that torques are for, those of the robot if None.
         """
@@ -114,7 +112,7 @@ class Design:
                 )
             except SpecError as error:
                 left_out.append(str(error))
-        safeguard = safeguard or SafeguardConfig.for_robot(robot)
+        safeguard = SafeguardConfig.for_robot(robot)
         return cls(robot, gait, controllers, safeguard, origin, left_out=tuple(left_out))
 
     @property

@@ -96,6 +96,7 @@ def _code(design: Design, functions: list[Emitted], tables: Tables) -> str:
         f"/* {array.unit} */\nconst ng_real {_declaration(array)} = {braces(array.value)};"
         for array in statement.arrays(design)
     ]
+    # Before the tables are written: a law may add some.
     laws = _laws(design, tables)
     sections = [
         "/* Data and functions of the gait described in gait.h. Written by a program. */",

@@ -4,6 +4,7 @@ import jax
 from jaxtyping import Array, Float
 
 from neuralgaits._types import Actuated, Scalar, ZeroState
+from neuralgaits.errors import SpecError
 from neuralgaits.gait.policy import AbstractPolicy
 
 
@@ -28,7 +29,15 @@ class ThirdOrderPolicy(AbstractPolicy):
 
     @classmethod
     def of(cls, policy: AbstractPolicy, z: ZeroState) -> "ThirdOrderPolicy":
-        """Expand a policy at z [2] to third order."""
+        """Expand a policy at z [2] to third order.
+
+        Raises: SpecError for a policy with more than outputs, which the polynomial does not have.
+        """
+        if policy.step is not None or policy.ankle_torque(z) is not None:
+            raise SpecError(
+                "expected a policy of a robot on point feet without commands, found one with: "
+                "leave out what needs derivatives of torques, level 5"
+            )
         first = jax.jacfwd(policy)
         second = jax.jacfwd(first)
         derivatives = first(z), second(z), jax.jacfwd(second)(z)

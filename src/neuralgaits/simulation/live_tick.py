@@ -221,7 +221,7 @@ class NativeTick(LiveTick):
 
     def tell(self, wanted: Float[np.ndarray, " p"]) -> None:
         """Request other commands from the next touchdown on."""
-        self._wanted[:] = wanted
+        self._wanted[:] = wanted  # C reads this array, so it stays where it is.
 
     def adapt(self, active: bool) -> None:
         """Adapt the commands that can be, from now on, or no longer."""

@@ -105,7 +105,7 @@ def update(
     hip: Scalar,
     normal_force: Float[Array, "2"],
     period_s: float,
-    speed_error: Scalar | float = 0.0,
+    speed_error: Scalar | float,
 ) -> Gauge:
     """Add one tick to the figures.
 
