@@ -133,7 +133,7 @@ def _walked(
     late = [_late(one) for one in episodes.strides if len(one.time) > SETTLED_STEPS + 2]
     means = np.array([np.ptp(one.hip) / np.ptp(one.time) for one in late])
     speed, place = run.trained.commands[0], place_of(run.trained.commands, ADAPTED)
-    commands = np.concatenate([one.told[1:, place] for one in late] or [np.zeros(0)])
+    commands = np.concatenate([one.commands[1:, place] for one in late] or [np.zeros(0)])
     at_end = np.minimum(np.abs(commands - speed.low), np.abs(commands - speed.high)) < 1e-9
     nothing = not means.size
     return Row(

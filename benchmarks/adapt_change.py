@@ -70,9 +70,9 @@ def _speed(
     name, _, size = change.partition("=")
     steps, ends = 0, []
     while steps < BEFORE + later + AFTER:
-        if not live.tick() or live.verdict is None:
+        if not live.tick() or live.outcome is None:
             return None
-        if live.verdict.touchdown[0]:
+        if live.outcome.touchdown[0]:
             steps += 1
             if steps == BEFORE + later:
                 live.disturb(**{name: float(size)})

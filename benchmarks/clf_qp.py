@@ -120,7 +120,7 @@ def inside(runs: list[Run]) -> None:
             disturbance = PlantChanges(torque_limit=limit)
             one = walked(run, "clf-qp", disturbance, longest=LOOKED_AT)
             made.append(summary(one))
-            found = one.episodes.records[0].command
+            found = one.episodes.records[0].result
             w = ClfQp().bandwidth
             y, dy = found.q[:, 1:] - found.y_d, found.dq[:, 1:] - found.dy_d
             root = np.sqrt(np.sum((dy / w) ** 2, 1) + 4.0 * np.sum((y + dy / w) ** 2, 1))

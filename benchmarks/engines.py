@@ -96,7 +96,7 @@ def bare(found: Walk, threads: int) -> float:
     plant, record = found.plant, found.episodes.record
     assert record is not None
     state_map, model = plant.state_map, plant.model
-    torque = np.asarray(record.command.torque)
+    torque = np.asarray(record.result.torque)
     controls = np.zeros((len(torque), model.nu))
     controls[:, state_map.actuators] = torque / np.array(state_map.layout.gears)
     begins = np.arange(0, len(torque) - SEGMENT, SEGMENT)

@@ -80,7 +80,7 @@ def walked(
 
 def _settled(record: Any) -> np.ndarray:
     """Z2 of a walk at SETTLING_S after each impact (kg m^2/s)."""
-    since = np.asarray(record.command.since_touchdown)
+    since = np.asarray(record.result.since_touchdown)
     ticks = np.flatnonzero((since[1:] >= SETTLING_S) & (since[:-1] < SETTLING_S)) + 1
     return np.asarray(record.z_plant)[ticks, 1]
 

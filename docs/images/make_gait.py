@@ -60,7 +60,7 @@ def walked(run: str) -> tuple[Plant, np.ndarray]:
     states, model = done.episodes.states, done.plant.model
     record = done.episodes.record
     assert record is not None
-    touchdowns = np.flatnonzero(record.command.touchdown)
+    touchdowns = np.flatnonzero(record.result.touchdown)
     begin, end = touchdowns[STEADY_STEPS - 2], touchdowns[STEADY_STEPS - 1]
     shown = begin + np.linspace(0.0, STEPS_SHOWN, POSES) * (end - begin)
     return done.plant, states[shown.round().astype(int), 1 : 1 + model.nq]

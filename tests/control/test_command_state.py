@@ -93,11 +93,11 @@ def test_a_wish_waits_for_the_touchdown(robot, speed, law):
     q, dq = np.array([0.0, 0.0, 0.1, -0.25, 0.0]), np.zeros(5)
     state = tell(controller, start(controller, 0, jnp.array([0.6])), jnp.array([0.9]))
     state, before = run(state, reading(robot, q, dq, (90.0, 0.0)))
-    np.testing.assert_allclose(before.told, [[0.6], [0.6]])
+    np.testing.assert_allclose(before.commands, [[0.6], [0.6]])
     state, after = run(state, reading(robot, q, dq, (0.0, 99.0)))
     assert after.touchdown
-    np.testing.assert_allclose(after.told, [[0.6], [0.67]])
-    pair = Pair(*jnp.asarray(after.told))
+    np.testing.assert_allclose(after.commands, [[0.6], [0.67]])
+    pair = Pair(*jnp.asarray(after.commands))
     np.testing.assert_allclose(
         state.commands.step_parameters, speed.parameters_of_step(robot, pair), rtol=1e-9, atol=1e-9
     )

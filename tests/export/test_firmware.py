@@ -78,7 +78,7 @@ def walked(trained, sensing: str, address: str | None, steps: int = STEPS):
         with Remote(None, list(LAWS), config, 1, 0) as remote:
             done = walk(trained.robot, policy, start, remote=remote, **setting).episodes
     assert done.record is not None
-    return done.endings, done.record.command
+    return done.endings, done.record.result
 
 
 @pytest.mark.slow

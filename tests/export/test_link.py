@@ -70,7 +70,7 @@ def test_the_process_walks_as_python_does(both):
     inside, outside, summary, _ = both
     assert outside.endings == inside.endings
     assert summary["deadline_misses"] == 0 and summary["faults"] == [0]
-    found, expected = outside.record.command, inside.record.command
+    found, expected = outside.record.result, inside.record.result
     # From rest, the first torques are held back by their rate limit: the walks differ by that.
     size = min(len(found.leg), len(expected.leg))
     assert abs(len(found.leg) - len(expected.leg)) <= 3
@@ -84,15 +84,15 @@ def test_one_tick_is_python_s_to_rounding(both):
     """The first tick sees the same state: what the policy wants is equal to the last digits."""
     inside, outside, _, _ = both
     for name in ("q", "dq", "y_d", "dy_d", "z"):
-        found = getattr(outside.record.command, name)[0]
-        np.testing.assert_allclose(found, getattr(inside.record.command, name)[0], rtol=1e-10)
+        found = getattr(outside.record.result, name)[0]
+        np.testing.assert_allclose(found, getattr(inside.record.result, name)[0], rtol=1e-10)
 
 
 def test_the_process_writes_a_log_that_is_read(both, trained):
     """The 38 columns of the robot, in the signs and names of the package."""
     _, outside, _, path = both
     log = logs.read(path, trained.robot).log
-    command = outside.record.command
+    command = outside.record.result
     assert len(log.t) == len(command.leg)
     np.testing.assert_allclose(log.t, outside.record.time, atol=1e-9)
     np.testing.assert_array_equal(log.stance, command.leg)
@@ -228,7 +228,7 @@ def test_somebody_else_s_controller_walks_and_lives_on(trained, program):
             assert summary is not None and summary["address"] == address
             found, expected = other.episodes.record, own.episodes.record
             assert found is not None
-            np.testing.assert_array_equal(found.command.torque, expected.command.torque)
+            np.testing.assert_array_equal(found.result.torque, expected.result.torque)
         assert process.poll() is None
 
 

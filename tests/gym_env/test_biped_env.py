@@ -117,7 +117,7 @@ def test_the_plant_is_that_of_simulate(disturb):
     body = Body(run.robot, build(run.robot, disturbance))
     q, dq = np.split(starts[0], 2)
     body.stand(body.plant, q, dq, 0, push=0.0, seed=5)
-    command = walked.record.command
+    command = walked.record.result
     for i, torque in enumerate(command.torque):
         assert body.leg == command.leg[i]
         here = np.concatenate([[body.data.time], body.data.qpos, body.data.qvel])

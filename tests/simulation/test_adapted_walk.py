@@ -66,7 +66,7 @@ def test_both_engines_adapt_alike(run, commands):
         assert len(ours.time) == 6
         for a, b in zip(ours, theirs, strict=True):
             np.testing.assert_allclose(a, b, rtol=1e-9, atol=1e-9)
-    assert np.max(np.abs(one[0].told[:, 0] - one[0].reference)) > 0.02
+    assert np.max(np.abs(one[0].commands[:, 0] - one[0].reference)) > 0.02
 
 
 @pytest.mark.parametrize("disturb", [AHEAD, "torso_shift_m=-0.01", "slope_deg=1", ENCODERS])
@@ -79,7 +79,7 @@ def test_what_is_told_is_walked(run, disturb):
     assert abs(np.mean(walked.measured[1:] - speeds)) < 1e-3
     assert np.max(np.abs(walked.measured[1:] - speeds)) < 5e-3
     np.testing.assert_array_equal(walked.reference, 0.7)
-    told = walked.told[:, 0]
+    told = walked.commands[:, 0]
     assert 0.55 <= np.min(told) and np.max(told) <= 0.9
     assert np.max(np.abs(np.diff(told))) <= LARGEST_CHANGE + 1e-12
 
@@ -99,7 +99,7 @@ def test_joint_angles_show_how_far_the_torso_is_ahead(run, disturb):
     """Whatever the masses are as a whole; a slope or friction is not taken for a lean."""
     record = walks_of(run, disturb, steps=6).walk(0, 1, record=True).episodes.record
     assert record is not None
-    time, q, down = map(np.asarray, (record.time, record.command.q, record.command.touchdown))
+    time, q, down = map(np.asarray, (record.time, record.result.q, record.result.touchdown))
     leans = leans_of(run.robot, time, q, down > 0.5)
     assert leans is not None and len(leans) == 5
     np.testing.assert_allclose(1e3 * leans, LEANS_MM[disturb], atol=0.5)
@@ -112,11 +112,11 @@ def test_only_robots_with_a_torso_on_point_feet_have_a_lean(run):
 
 def test_without_it_nothing_changes_and_speeds_are_measured(run):
     (walked,) = strides_of(walks_of(run, AHEAD, commands="random", adapt=()))
-    np.testing.assert_array_equal(walked.told[:, 0], walked.reference)
+    np.testing.assert_array_equal(walked.commands[:, 0], walked.reference)
     speeds = np.diff(walked.hip) / np.diff(walked.time)
     assert np.max(np.abs(walked.measured[1:] - speeds)) < 2e-3
     orders = iter(orders_of(run.trained.commands, None, "random", 3).of(0))
-    np.testing.assert_array_equal(walked.told[1:, 0], [next(orders)[0] for _ in range(7)])
+    np.testing.assert_array_equal(walked.commands[1:, 0], [next(orders)[0] for _ in range(7)])
 
 
 @pytest.mark.slow
@@ -154,8 +154,8 @@ def live_speeds(run, *, native, steps, adapt=True):
     live.control.adapt(adapt)
     found = []
     while len(found) < steps:
-        assert live.tick() and live.verdict is not None
-        if live.verdict.touchdown[0]:
+        assert live.tick() and live.outcome is not None
+        if live.outcome.touchdown[0]:
             found.append(live.control.speeds)
     live.reset()
     assert live.control.speeds is None
@@ -169,10 +169,10 @@ def test_live_walks_adapt_until_they_are_told_not_to(run):
     theirs = live_speeds(run, native=False, steps=5)
     assert ours[0] is None and theirs[0] is None
     np.testing.assert_allclose(np.array(ours[1:5]), np.array(theirs[1:]), rtol=1e-8)
-    assert abs(ours[-1].walked - 0.7) < 5e-3 and ours[-1].told == pytest.approx(0.7)
+    assert abs(ours[-1].walked - 0.7) < 5e-3 and ours[-1].requested == pytest.approx(0.7)
     assert abs(ours[-1].commanded - 0.7) > 0.01
     off = live_speeds(run, native=True, steps=12, adapt=False)[-1]
-    assert off.told == off.commanded == pytest.approx(0.7)
+    assert off.requested == off.commanded == pytest.approx(0.7)
     assert abs(off.walked - 0.7) > 0.02
 
 

@@ -58,8 +58,8 @@ def same(one, two):
     for a, b in zip(one.records, two.records, strict=True):
         jax.tree.map(
             lambda x, y: np.testing.assert_allclose(x, y, rtol=1e-6, atol=1e-6),
-            (a.command.y_d, a.command.told, a.command.z),
-            (b.command.y_d, b.command.told, b.command.z),
+            (a.result.y_d, a.result.commands, a.result.z),
+            (b.result.y_d, b.result.commands, b.result.z),
         )
 
 
@@ -75,10 +75,10 @@ def test_a_process_is_told_what_python_is_told(run):
         assert remote.summary().faults == (0, 0)
     for ours, theirs in zip(here.strides, there.strides, strict=True):
         # A change that is too large is spread over steps at both ends.
-        np.testing.assert_allclose(theirs.told, ours.told, atol=1e-12)
+        np.testing.assert_allclose(theirs.commands, ours.commands, atol=1e-12)
         # From rest the first torques are held back by their rate limit.
         np.testing.assert_allclose(theirs.time, ours.time, atol=0.02)
-    told = there.records[0].command.told
+    told = there.records[0].result.commands
     assert len(np.unique(told[:, 1])) >= 3
 
 
@@ -91,7 +91,7 @@ def test_both_engines_walk_alike(run):
     one, two = walked(run, orders, **settings), walked(run, orders, library=library, **settings)
     same(one, two)
     # Clamped to the range and to the largest change; the first step is told the first command.
-    told = one.records[0].command.told
+    told = one.records[0].result.commands
     ends = np.flatnonzero(np.diff(told[:, 1, 0])) + 1
     np.testing.assert_allclose(told[0], [[0.725], [0.725]])
     np.testing.assert_allclose(told[ends[:2]], [[[0.725], [0.655]], [[0.655], [0.725]]])
@@ -227,13 +227,13 @@ def test_a_live_walk_hears_at_the_next_touchdown(run):
     libraries = None, engine_of_trained(run, "native").library
     lives = [live_walk(run, library) for library in libraries]
     for live in lives:
-        np.testing.assert_allclose(live.told, [[0.725], [0.725]])
+        np.testing.assert_allclose(live.commands, [[0.725], [0.725]])
         live.tell(speed=0.9)
         with pytest.raises(InputError, match=r"between 0\.55 and 0\.9"):
             live.tell(speed=2.0)
         with pytest.raises(InputError, match="gait's commands, speed"):
             live.tell(pace=0.6)
-        while live.verdict is None or not live.verdict.touchdown[0]:
+        while live.outcome is None or not live.outcome.touchdown[0]:
             assert live.tick()
-        np.testing.assert_allclose(live.told, [[0.725], [0.795]])
+        np.testing.assert_allclose(live.commands, [[0.725], [0.795]])
     assert lives[0].time == lives[1].time

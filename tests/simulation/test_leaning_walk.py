@@ -84,9 +84,9 @@ def test_live_walks_learn_it_until_they_are_told_not_to(run, native):
     live.control.adapt(True)
     latched = []
     while len(latched) < 6:
-        assert live.tick() and live.verdict is not None and live.measured is not None
-        if live.verdict.touchdown[0]:
-            latched.append(float(live.measured.told[1, 0]))
+        assert live.tick() and live.outcome is not None and live.measured is not None
+        if live.outcome.touchdown[0]:
+            latched.append(float(live.measured.commands[1, 0]))
             if len(latched) == 4:
                 live.control.adapt(False)
     assert latched[0] == 0.0 and latched[3] > latched[2] > 0.0

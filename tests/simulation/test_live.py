@@ -95,7 +95,7 @@ def test_a_jump_lands_on_the_zero_dynamics(amber, slow, live):
         np.testing.assert_allclose(velocity, 0.0, atol=1e-12)
         assert foot[1] == pytest.approx(float(amber.foot_radius), abs=1e-12)
         live.tick()
-        found = live.record.command
+        found = live.record.result
         eta, reached = jax.jit(lambda x: zd.phi(x))(np.concatenate([found.q[0], found.dq[0]]))
         np.testing.assert_allclose(reached, z, rtol=0.0, atol=1e-9)
         np.testing.assert_allclose(eta, 0.0, atol=1e-9)
@@ -143,7 +143,7 @@ def test_masses_friction_and_torque_limit_change_at_once(amber, live):
         live.tick()
         if live.ending.fell:
             break
-        torques.append(np.abs(live.record.command.actuated).max())
+        torques.append(np.abs(live.record.result.actuated).max())
     assert max(torques) <= 15.0
 
 
@@ -162,7 +162,7 @@ def test_a_fall_has_a_reason_and_stops_time(live):
     assert not live.ending.fell
     advance(live, 1.0)
     assert not live.ending.fell
-    assert live.verdict.steps[0] >= 1
+    assert live.outcome.steps[0] >= 1
 
 
 @pytest.mark.parametrize("impulse", [[math.nan, 0.0], [math.inf, 0.0], [1.0]])

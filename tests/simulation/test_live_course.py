@@ -72,7 +72,7 @@ def stairs(run, library):
 
 
 def until_step(live, count):
-    while live.verdict is None or int(live.verdict.steps[0]) < count:
+    while live.outcome is None or int(live.outcome.steps[0]) < count:
         assert live.tick(), live.ending
 
 
@@ -122,7 +122,7 @@ def test_stones_that_were_heard_of_stay_and_those_beyond_are_laid_anew(stairs):
     # One after the other, each where its course says, under the robot that walks on.
     assert stairs.plant.model.geom("_block_5").pos[0] == pytest.approx(now.seen[5, 0])
     until_step(stairs, 3)
-    before, after = stairs.told
+    before, after = stairs.commands
     np.testing.assert_allclose([before[1], after[1]], [0.004, -0.01], atol=0.003)
 
 
@@ -152,7 +152,7 @@ def test_put_back_it_stands_on_the_first_stone_before_the_sizes_of_now(stairs):
     np.testing.assert_allclose(foot, [0.0, float(stairs.plant.robot.foot_radius)], atol=1e-12)
     # It begins with the step that it was begun with; then come the new ones.
     np.testing.assert_allclose(np.diff(stairs.course.seen[:5, 1]), [0.004, 0.004, -0.01, -0.01])
-    np.testing.assert_array_equal(stairs.told, np.tile([0.34, 0.004], (2, 1)))
+    np.testing.assert_array_equal(stairs.commands, np.tile([0.34, 0.004], (2, 1)))
     until_step(stairs, 1)
 
 
@@ -163,7 +163,7 @@ def test_at_the_end_it_begins_on_other_stones(run, library, monkeypatch):
     assert len(before) == 3
     until_step(live, 1)
     assert live.laps == ()
-    while live.verdict is not None:
+    while live.outcome is not None:
         assert live.tick()
     assert live.laps == (len(before) - 1,)
     assert live.hip[0] < 0.3
@@ -186,7 +186,7 @@ def test_a_wish_is_heard_while_the_next_stone_is_still_far(stairs):
     with pytest.raises(InputError, match="step_height"):
         stairs.tell(step_height=0.5)
     until_step(stairs, 3)
-    assert stairs.told[1, 1] == pytest.approx(0.004, abs=0.003)
+    assert stairs.commands[1, 1] == pytest.approx(0.004, abs=0.003)
 
 
 def test_a_floor_has_no_sizes(amber, slow):

@@ -45,10 +45,10 @@ def test_every_episode_has_the_record_it_would_have_alone(amber, slow):
     alone = walk(amber, policy, start[None], controller="fblin", steps=2, record=True)
     first, second = records[0], records[1]
     assert alone.episodes.record is not None
-    np.testing.assert_allclose(first.command.q, alone.episodes.record.command.q, atol=1e-12)
+    np.testing.assert_allclose(first.result.q, alone.episodes.record.result.q, atol=1e-12)
     ticks = [int(count) for count in done.episodes.gauge.ticks]
     assert [len(first.time), len(second.time)] == ticks
-    assert np.abs(first.command.dq[0] - second.command.dq[0]).max() > 1e-3
+    assert np.abs(first.result.dq[0] - second.result.dq[0]).max() > 1e-3
 
 
 def test_a_log_reads_back_exactly_with_everything_disturbed_at_once(amber, slow, tmp_path):
@@ -67,11 +67,11 @@ def test_a_log_reads_back_exactly_with_everything_disturbed_at_once(amber, slow,
 def test_angles_are_counted_and_the_plant_knows_better(amber, slow):
     _, records = walked(amber, slow, steps=2, disturbance=PlantChanges(encoder_step=STEP))
     record = records[0]
-    counts = record.command.q[:, 1:] / STEP
+    counts = record.result.q[:, 1:] / STEP
     np.testing.assert_allclose(counts, np.round(counts), atol=1e-9)
-    assert np.abs(record.command.dq[:, 1:] / STEP % 1.0 - 0.5).min() < 0.4
+    assert np.abs(record.result.dq[:, 1:] / STEP % 1.0 - 0.5).min() < 0.4
     _, exact = walked(amber, slow, steps=2)
-    before, after = exact[0].command.q[0], record.command.q[0]
+    before, after = exact[0].result.q[0], record.result.q[0]
     assert 0.0 < np.abs(before - after)[1:].max() <= 0.5 * STEP + 1e-12
 
 

@@ -187,7 +187,7 @@ def check_in_mujoco(
     ticks = np.zeros(2, dtype=int)
 
     def watch(record: TickRecord, active: np.ndarray) -> None:
-        found = record.command
+        found = record.result
         errors = [found.q[:, 1:] - found.y_d, found.dq[:, 1:] - found.dy_d]
         here = np.asarray(inside(found.z, np.concatenate(errors, axis=1)))[active]
         always[active] &= here

@@ -82,7 +82,7 @@ def test_a_jump_inside_lands_where_it_was_clicked(shipped, gait):
     # z1 is the linearised position of the hip ahead of the foot: near the true one.
     assert sensors.base[0] - foot[0] == pytest.approx(z[0], abs=0.02)
     gait.tick()
-    command = gait.live.record.command
+    command = gait.live.record.result
     np.testing.assert_allclose(command.z[0], z, atol=1e-9)
     assert hip @ command.q[0] == pytest.approx(z[0], abs=1e-9)
 

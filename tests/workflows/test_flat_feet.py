@@ -85,8 +85,8 @@ def test_stance_feet_stay_flat_and_the_ankle_pushes(run, walked):
     found = walked("jax", "pd", steps=8)
     record, states = found.record, build(run.robot).state_map
     sensors = states.sensors(*np.split(found.states[:, 1:], 2, axis=1))
-    leg = np.asarray(record.command.leg)
+    leg = np.asarray(record.result.leg)
     foot = sensors.pitch - sensors.joints[np.arange(len(leg)), leg].sum(axis=1)
-    settled = np.asarray(record.command.since_touchdown) > SETTLED
+    settled = np.asarray(record.result.since_touchdown) > SETTLED
     assert np.max(np.abs(foot[settled])) < 2e-3
-    assert np.ptp(np.asarray(record.command.ankle)) > 0.1
+    assert np.ptp(np.asarray(record.result.ankle)) > 0.1

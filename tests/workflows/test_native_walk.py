@@ -347,7 +347,7 @@ def test_gaits_that_are_not_kept_are_two_all_the_same(run, quickly_made, tmp_pat
             for given in (library, None)
         )
         assert one is not None and apart(one, two) <= RELATIVE
-        torques.append(one.command.torque[0])
+        torques.append(one.result.torque[0])
     assert np.abs(torques[0] - torques[1]).max() > 1e-3
 
 

@@ -31,10 +31,10 @@ FlowByCommands = Callable[[Float[np.ndarray, " 2p"]], FlowQuantities]
 
 
 class CommandWalks(NamedTuple):
-    """Walks that start between the fences and are told the same. S steps, N walks."""
+    """Walks that start between the fences and get the same commands. S steps, N walks."""
 
-    told: Float[np.ndarray, "S p"]
-    """Command that each step was told, in the commands' units."""
+    commands: Float[np.ndarray, "S p"]
+    """Commands of each step, in their units."""
     z2: Float[np.ndarray, "S+1 N"]
     """Momentum as each step begins, and as the step after the last would; NaN after a fall
     [kg m^2/s]."""
@@ -45,14 +45,14 @@ class CommandWalks(NamedTuple):
 def walks_under(run: Run, *sequences: Float[np.ndarray, "S p"]) -> tuple[CommandWalks, ...]:
     """Walk the zero dynamics from both fences of the tube.
 
-    The step before the first was told what the first is.
+    The step before the first has the commands of the first.
 
     Args:
         run: of a gait that takes commands.
         sequences: commands of each step, in the commands' units.
 
     Returns: `CommandWalks` of each sequence.
-    Raises: InputError for a gait without commands, or commands that it may not be told.
+    Raises: InputError for a gait without commands, or commands that it may not get.
     """
     family = run.trained
     if not isinstance(family, CommandedGait):

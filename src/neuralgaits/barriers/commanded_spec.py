@@ -279,7 +279,7 @@ def _new_gait(
 def _faster(robot: "PlanarBiped", tube: CommandedTube, i: int, command: Command) -> CommandedTube:
     """Return fences of a linear inverted pendulum whose mean speed is about the commanded one."""
     middle, half = command.middle, command.half
-    terms = factors(len(tube.told))
+    terms = factors(len(tube.commands))
     series = []
     for side, fence in zip(SIDES, (tube.lower, tube.upper), strict=True):
         share, new = (1.0 + side * START_WIDTH) ** 2, np.array(fence)

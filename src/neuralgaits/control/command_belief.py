@@ -36,8 +36,8 @@ class CommandBelief(NamedTuple):
 
 def belief_for(commands: Commands, name: str) -> CommandBelief | None:
     """Return how a gait's command is learned; None if it takes none of that name."""
-    told = command_named(commands, name)
-    return None if told is None else CommandBelief(told.low, told.high)
+    command = command_named(commands, name)
+    return None if command is None else CommandBelief(command.low, command.high)
 
 
 def next_belief(belief: CommandBelief, believed: float, learned: float) -> float:

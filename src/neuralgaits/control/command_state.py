@@ -40,15 +40,15 @@ def steady(
     return CommandState(one, pair, policy.parameters_of_step(robot, pair, reset_residual))
 
 
-def tell(commands: Commands, told: CommandState, requested: Float[Array, " p"]) -> CommandState:
+def tell(commands: Commands, state: CommandState, requested: Float[Array, " p"]) -> CommandState:
     """Wish for other values from the next touchdown on: clamped, the last one in place of NaN."""
     limits = CommandLimits.of(commands)
     inside = jnp.clip(requested, limits.low, limits.high)
-    return told._replace(requested=jnp.where(jnp.isnan(requested), told.requested, inside))
+    return state._replace(requested=jnp.where(jnp.isnan(requested), state.requested, inside))
 
 
-def next_pair(commands: Commands, told: CommandState) -> Pair:
+def next_pair(commands: Commands, state: CommandState) -> Pair:
     """The pair of the step that begins at a touchdown."""
     change = CommandLimits.of(commands).change
-    last = told.pair.after
-    return Pair(last, jnp.clip(told.requested, last - change, last + change))
+    last = state.pair.after
+    return Pair(last, jnp.clip(state.requested, last - change, last + change))

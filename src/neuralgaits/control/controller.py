@@ -40,7 +40,7 @@ class Controller(eqx.Module):
     """Everything a control tick needs that does not change from tick to tick.
 
     Attributes:
-        robot: the model the controller believes in, but for a lean that it is told.
+        robot: the model the controller believes in, except for a commanded lean.
         policy: desired outputs y_d(z), or a family of them that takes commands.
         law: how torques follow from them, fitted to the robot.
         bounds: of the measured z; the law selects the part that the policy gets.
@@ -89,7 +89,8 @@ class Controller(eqx.Module):
             joints: rotors and friction that torques are for; None for those of `robot`.
         """
         middle = CommandLimits.of(policy.commands).middle
-        of_middle = policy.from_step_parameters(_numbers(robot, policy, middle, reset_residual))
+        parameters = _steady_parameters(robot, policy, middle, reset_residual)
+        of_middle = policy.from_step_parameters(parameters)
         limit = robot.torque_limit if torque_limit is None else torque_limit
         momenta = z2_range or momenta_of_walking(momentum_unit(robot))
         return cls(
@@ -120,7 +121,7 @@ class Controller(eqx.Module):
 
 
 @eqx.filter_jit
-def _numbers(
+def _steady_parameters(
     robot: PlanarBiped,
     policy: AbstractPolicy,
     command: Float[Array, " p"],
@@ -171,7 +172,7 @@ class TickResult(NamedTuple):
     """Whether any torque was clipped, or is at its limit."""
     relaxed: Bool[Array, "2"]
     """Requirements that a law gave up to stay within limits, see `LimitedTorque`."""
-    told: Float[Array, "2 p"]
+    commands: Float[Array, "2 p"]
     """Commands of the step before, and of this one. [2, p]"""
     ankle: Scalar | None = None
     """Torque of the stance ankle, positive forward [N m]; None on point feet."""
@@ -195,7 +196,7 @@ def start(
     first = command_state.steady(controller.robot, policy, command, controller.reset_residual)
     at_rest = MeasuredState(jnp.zeros(n), jnp.zeros(n), jnp.zeros(2), jnp.zeros(2))
     at_rest = _with_ankle(controller, first, at_rest)
-    shapes = jax.eval_shape(_ask, controller, first, at_rest)
+    shapes = jax.eval_shape(_desired, controller, first, at_rest)
     torques = jax.tree.map(lambda leaf: jnp.zeros(leaf.shape, leaf.dtype), shapes)
     ankle = None if controller.robot.feet is None else jnp.zeros(())
     return ControllerState(stance.start(leg), jnp.zeros((), jnp.int32), torques, first, ankle)
@@ -231,7 +232,7 @@ def step(
     # After a touchdown the held outputs belong to the wrong legs.
     ask = touchdown | (state.ticks_to_policy <= 0)
     held = jax.tree.map(
-        lambda new, old: jnp.where(ask, new, old), _ask(controller, now, reading), state.held
+        lambda new, old: jnp.where(ask, new, old), _desired(controller, now, reading), state.held
     )
     remaining = jnp.where(ask, law.hold_ticks, state.ticks_to_policy) - 1
     model = robot if joints is None else robot.with_joints(joints.armature, joints.damping)
@@ -240,7 +241,7 @@ def step(
         requested_torque = requested_torque + joints.friction_torque(held.dy)
     demand = Demand(reading, held, requested_torque, controller.torque_limit)
     torque, saturated, relaxed = law.apply_limits(model, demand)
-    command = TickResult(
+    result = TickResult(
         torque=leg_joints(robot.layout, stance_ankle.motors(robot, reading, torque), standing.leg),
         actuated=torque,
         q=q,
@@ -253,13 +254,13 @@ def step(
         touchdown=touchdown,
         saturated=saturated,
         relaxed=relaxed,
-        told=jnp.stack(now.pair),
+        commands=jnp.stack(now.pair),
         ankle=reading.ankle,
     )
-    return ControllerState(standing, remaining, held, now, reading.ankle), command
+    return ControllerState(standing, remaining, held, now, reading.ankle), result
 
 
-def _ask(controller: Controller, now: CommandState, reading: MeasuredState) -> Desired:
+def _desired(controller: Controller, now: CommandState, reading: MeasuredState) -> Desired:
     return controller.law.desired(controller.believed(now), _outputs(controller, now), reading)
 
 

@@ -164,7 +164,7 @@ def guard(
     config: SafeguardConfig,
     state: SafeguardState,
     measurement: Measurement,
-    command: TickResult,
+    result: TickResult,
 ) -> tuple[SafeguardState, Float[Array, "2 k"]]:
     """Limit a law's torques to those that may go to the motors.
 
@@ -177,7 +177,7 @@ def guard(
     blending = state.elapsed < config.blend_s
     s = jnp.where(blending, state.elapsed / jnp.maximum(config.blend_s, controller.period_s), 1.0)
     share = s * s * (3.0 - 2.0 * s)
-    blended = jnp.where(blending, (1.0 - share) * hold + share * command.torque, command.torque)
+    blended = jnp.where(blending, (1.0 - share) * hold + share * result.torque, result.torque)
     change = torque_rate(controller, config) * controller.period_s
     torque = jnp.clip(blended, state.torque - change, state.torque + change)
     broken = ~jnp.all(jnp.isfinite(torque))

@@ -1,4 +1,4 @@
-"""The robot that a gait believes in: that of the file, leaning as it was told at the touchdown."""
+"""The robot that a gait believes in: that of the file, with the lean commanded at the touchdown."""
 
 from neuralgaits._types import Array, Float
 from neuralgaits.gait.commands import LEAN, Commands, place_of
@@ -27,7 +27,7 @@ def robot_of_step(model: Model, step: Gait, errors: Float[Array, " k"]) -> Plana
 
     Args:
         model: a robot, or those of a box around it.
-        step: of a gait; one that is told a lean latched it at the beginning of the step.
+        step: of a gait; one that takes a lean latched it at the beginning of the step.
         errors: of the robot's parameters; with such a step, of the lean alone (m).
     """
     commands = step.policy.step

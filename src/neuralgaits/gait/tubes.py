@@ -138,13 +138,13 @@ class CommandedTube(eqx.Module):
     Attributes:
         lower, upper: coefficients, one series a monomial of the scaled commands. [M, degree + 1]
         unit: unit of zeta [(kg m^2/s)^2].
-        told: the commands.
+        commands: those of the gait.
     """
 
     lower: Float[Array, "M k"]
     upper: Float[Array, "M k"]
     unit: Float[Array, ""]
-    told: Commands = eqx.field(static=True)
+    commands: Commands = eqx.field(static=True)
 
     @classmethod
     def around(cls, tube: Tube, commands: Commands) -> "CommandedTube":

@@ -238,7 +238,7 @@ def _frames(run: Run, settings: AskedWalk, result: Walk, key: str) -> ShownWalk:
     motion = animation.motion(plant.model, episodes.states[ticks])
     weight = float(np.sum(plant.model.body_mass)) * float(plant.robot.gravity)
     force = animation.ground_force(motion.momenta, weight, animation.FRAME_S)
-    legs = np.asarray(record.command.leg)[ticks].astype(int)
+    legs = np.asarray(record.result.leg)[ticks].astype(int)
     floors = np.asarray(episodes.floors)[ticks]
     frames = {
         "shapes": animation.shapes(plant.model, motion, plant.robot.layout),
@@ -249,7 +249,7 @@ def _frames(run: Run, settings: AskedWalk, result: Walk, key: str) -> ShownWalk:
         "force_n": None if settings.push else np.round(force, 1),
         "floor_m": np.round(floors[np.arange(len(ticks)), legs], 4),
         "slope": plant.slope,
-        "z": np.round(np.asarray(record.command.z)[ticks], 4),
+        "z": np.round(np.asarray(record.result.z)[ticks], 4),
         "tube": _tube(run),
     }
     walk = ShownWalk(

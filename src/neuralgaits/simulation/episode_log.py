@@ -14,18 +14,18 @@ def log_of(joint_names: tuple[str, ...], record: TickRecord, source: str) -> Log
         record: record of the episode; every leaf has a leading axis of ticks.
         source: name of the episode in messages.
     """
-    command = record.command
+    result = record.result
     return Log(
         t=np.asarray(record.time),
-        stance=np.asarray(command.leg, dtype=int),
-        q=np.asarray(command.q),
-        dq=np.asarray(command.dq),
-        qd=np.asarray(command.y_d),
-        dqd=np.asarray(command.dy_d),
-        tau=np.asarray(command.actuated),
+        stance=np.asarray(result.leg, dtype=int),
+        q=np.asarray(result.q),
+        dq=np.asarray(result.dq),
+        qd=np.asarray(result.y_d),
+        dqd=np.asarray(result.dy_d),
+        tau=np.asarray(result.actuated),
         pitch=np.asarray(record.pitch),
         dpitch=np.asarray(record.dpitch),
-        z=np.asarray(command.z),
+        z=np.asarray(result.z),
         z2_plant=np.asarray(record.z_plant[:, 1]),
         rows=np.arange(1, 1 + len(record.time)),
         joint_names=joint_names,

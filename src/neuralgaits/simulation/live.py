@@ -30,7 +30,7 @@ from neuralgaits.simulation.setup.live_course import LiveCourse
 from neuralgaits.simulation.setup.plant import PERIOD_S, build
 from neuralgaits.simulation.setup.terrain_kinds import Size
 from neuralgaits.simulation.ticks.falls import Ending
-from neuralgaits.simulation.ticks.tick import TickRecord, Verdict
+from neuralgaits.simulation.ticks.tick import TickOutcome, TickRecord
 
 CHANGEABLE = ("friction", "torque_limit", "slope_deg", "mass_scale", "torso_shift_m")
 """Disturbances that may change while the robot walks."""
@@ -48,7 +48,7 @@ class LiveWalk:
         data: MuJoCo's state of the plant.
         floor: floor under the feet.
         control: its control tick.
-        verdict: verdict of the last tick; None before the first.
+        outcome: outcome of the last tick; None before the first.
         laps: touchdowns of each walk to the end of a course, after which it begins again.
     """
 
@@ -81,7 +81,7 @@ class LiveWalk:
         self.plant = build(robot, None, self.course)
         self.data = mujoco.MjData(self.plant.model)
         self.floor = Floor(0.0, 0.0)
-        self.verdict: Verdict | None = None
+        self.outcome: TickOutcome | None = None
         self.laps: tuple[int, ...] = ()
         self._robot = robot
         controller = Controller.init(
@@ -126,7 +126,7 @@ class LiveWalk:
     @property
     def ending(self) -> Ending:
         """Whether the robot still walks, or the reason why it does not."""
-        return Ending.RUNNING if self.verdict is None else Ending(int(self.verdict.ending[0]))
+        return Ending.RUNNING if self.outcome is None else Ending(int(self.outcome.ending[0]))
 
     @property
     def record(self) -> TickRecord | None:
@@ -160,12 +160,12 @@ class LiveWalk:
         if self._ticks % _TILT_TICKS == 0:
             self._tilt()
         self._ticks += 1
-        self.verdict = verdict = self.control.decide(self.data, self._levels[0])
+        self.outcome = outcome = self.control.decide(self.data, self._levels[0])
         if self.ending.fell:
             return False
-        if self._ground is not None and self._walk_on(self._ground, verdict):
+        if self._ground is not None and self._walk_on(self._ground, outcome):
             return True
-        self.data.ctrl[:] = verdict.controls[0]
+        self.data.ctrl[:] = outcome.controls[0]
         self.data.qfrc_applied[self.plant.state_map.root[:2]] = self.pushing
         # As in an episode, where every tick is a rollout of its own: the walk is the same to a bit.
         self.data.qacc_warmstart[:] = 0.0
@@ -181,9 +181,9 @@ class LiveWalk:
         """
         self._push.begin(impulse)
 
-    def _walk_on(self, ground: LiveCourse, verdict: Verdict) -> bool:
+    def _walk_on(self, ground: LiveCourse, outcome: TickOutcome) -> bool:
         """Update the commands from the ground. Returns: whether the course ended and began anew."""
-        steps, feet = int(verdict.steps[0]), np.asarray(verdict.feet)
+        steps, feet = int(outcome.steps[0]), np.asarray(outcome.feet)
         if ground.course.ends(steps, float(feet[0, 0, 0])):
             self.laps = (*self.laps, steps)
             ground.draw_anew()
@@ -191,7 +191,7 @@ class LiveWalk:
             return True
         ground.courses.look(self._commands.requested, 0, steps, feet[0, 1])
         self.control.tell(self._commands.requested)
-        down, leg = np.asarray(verdict.touchdown), np.asarray(verdict.leg)
+        down, leg = np.asarray(outcome.touchdown), np.asarray(outcome.leg)
         ground.courses.stand(self._levels, down, leg, feet)
         return False
 
@@ -210,7 +210,7 @@ class LiveWalk:
         """Change a size of the blocks ahead (m). Raises: InputError if unknown or out of range."""
         if self._ground is None:
             raise InputError(f"expected a course of blocks to change the {name} of, found a floor")
-        steps = 0 if self.verdict is None else int(self.verdict.steps[0])
+        steps = 0 if self.outcome is None else int(self.outcome.steps[0])
         self._ground.resize(name, size, steps)
         self._rebuild(self.plant.disturbance)
 
@@ -235,11 +235,11 @@ class LiveWalk:
         self.control.tell(self._commands.requested)
 
     @property
-    def told(self) -> Float[np.ndarray, "2 p"]:
+    def commands(self) -> Float[np.ndarray, "2 p"]:
         """Return the commands of the step before and of this one. [2, p]."""
         if self.record is None:
             return np.stack([self._commands.first] * 2)
-        return np.asarray(self.record.command.told)[0]
+        return np.asarray(self.record.result.commands)[0]
 
     def place(self, x: Float[np.ndarray, " two_n"]) -> None:
         """Restart from a full state on leg 0 (rad, rad/s), at the robot's place. [2n].
@@ -271,7 +271,7 @@ class LiveWalk:
         self.data.qpos[:], self.data.qvel[:] = self.plant.state_map.to_mjcf(q, dq, 0, foot)
         for name in ("ctrl", "qfrc_applied", "sensordata"):
             getattr(self.data, name)[:] = 0.0
-        self.verdict = None
+        self.outcome = None
         self.control.restart()
         self._push.drop()
         if self._ground is not None:
@@ -282,7 +282,7 @@ class LiveWalk:
         """Turn the floor a little towards the requested slope, about the stance foot."""
         if self.floor.slope == self.plant.slope:
             return
-        leg = 0 if self.verdict is None else int(self.verdict.leg[0])
+        leg = 0 if self.outcome is None else int(self.outcome.leg[0])
         state_map = self.plant.state_map
         foot, _ = state_map.foot(leg, state_map.sensors(self.data.qpos, self.data.qvel))
         radius, passed = float(self._robot.foot_radius), _TILT_TICKS * PERIOD_S

@@ -22,7 +22,7 @@ from neuralgaits.simulation.ticks.adapted_command import ADAPTABLE, AdaptedComma
 from neuralgaits.simulation.ticks.batch import Batch, compile_batch, numbers, pack
 from neuralgaits.simulation.ticks.scene import PlantReading, Scene
 from neuralgaits.simulation.ticks.stride_table import width
-from neuralgaits.simulation.ticks.tick import TickRecord, Verdict
+from neuralgaits.simulation.ticks.tick import TickOutcome, TickRecord
 
 
 class MeasuredTick(NamedTuple):
@@ -32,17 +32,17 @@ class MeasuredTick(NamedTuple):
     """Measured coordinates [rad]. [n]"""
     dq: Float[np.ndarray, " n"]
     """Measured rates [rad/s]. [n]"""
-    told: Float[np.ndarray, "2 p"]
+    commands: Float[np.ndarray, "2 p"]
     """Commands of the step before, and of this one. [2, p]"""
 
 
 class StepSpeeds(NamedTuple):
     """Speeds of the last whole step, of a gait that takes a speed as command [m/s]."""
 
-    told: float
-    """Speed that the step was to have, spread over steps as told."""
+    requested: float
+    """Speed that the step was to have, spread over steps as large changes are."""
     commanded: float
-    """Command of the step; another one than told where it is adapted."""
+    """Command of the step; another one than requested where it is adapted."""
     walked: float
     """Mean speed by joint angles and pitch."""
 
@@ -69,7 +69,7 @@ class LiveTick(ABC):
         """Clear the memory: the robot stands on leg 0."""
 
     @abstractmethod
-    def tell(self, wanted: Float[np.ndarray, " p"]) -> None:
+    def tell(self, requested: Float[np.ndarray, " p"]) -> None:
         """Request other commands from the next touchdown on."""
 
     @abstractmethod
@@ -81,7 +81,7 @@ class LiveTick(ABC):
         """Continue with another plant, torque limits (N m) and slope of the floor."""
 
     @abstractmethod
-    def decide(self, data: Any, levels: Float[np.ndarray, "2"]) -> Verdict:
+    def decide(self, data: Any, levels: Float[np.ndarray, "2"]) -> TickOutcome:
         """Compute one tick at a state of MuJoCo. Leaves have an axis of one.
 
         `levels` are those of the floor, or of the foothold that each foot had last (m).
@@ -112,7 +112,7 @@ class JaxTick(LiveTick):
         self._scene = Scene.of(plant, controller, ENDLESS, first, gap_depth)
         self._batch: Batch | None = None
         self._noise = np.zeros((1, 2, 1 + plant.state_map.joints.size))
-        self._wanted = np.array(self._scene.first)
+        self._requested = np.array(self._scene.first)
         self._adapted_names: tuple[str, ...] = ()
         self.restart()
 
@@ -129,9 +129,9 @@ class JaxTick(LiveTick):
         commands, robot = controller.policy.commands, controller.robot
         self._adapted = AdaptedCommand(robot, commands, first, self._adapted_names)
 
-    def tell(self, wanted: Float[np.ndarray, " p"]) -> None:
+    def tell(self, requested: Float[np.ndarray, " p"]) -> None:
         """Request other commands from the next touchdown on."""
-        self._wanted = np.array(wanted, dtype=np.float64)
+        self._requested = np.array(requested, dtype=np.float64)
 
     def adapt(self, active: bool) -> None:
         """Adapt speed, lean and slope, as far as they are commands, from now on, or no longer."""
@@ -146,25 +146,25 @@ class JaxTick(LiveTick):
         if self._batch is not None:
             self._arrays = numbers(self._scene)
 
-    def decide(self, data: Any, levels: Float[np.ndarray, "2"]) -> Verdict:
+    def decide(self, data: Any, levels: Float[np.ndarray, "2"]) -> TickOutcome:
         """Compute one tick at a state of MuJoCo."""
         if self._batch is None:
             self.compile()
         assert self._batch is not None
         state = np.concatenate([[data.time], data.qpos, data.qvel])
-        wanted = self._adapted.request(self._wanted)[None]
+        requested = self._adapted.request(self._requested)[None]
         touch = data.sensordata[None, -2:]
-        reading = PlantReading(state[None], touch, levels[None], self._noise, wanted)
+        reading = PlantReading(state[None], touch, levels[None], self._noise, requested)
         carry = self._batch.carry if self._carry is None else self._carry
         self._carry, judged, self._found = self._batch.tick(self._arrays, carry, pack(reading))
-        verdict = self._batch.verdict_of(judged)
-        if verdict.touchdown[0]:
-            command = self._batch.record_of(self._found).command
-            latched = np.asarray(command.told[0])
-            lean = float(verdict.lean[0])
-            self._adapted.touch_down(float(data.time), command.q[0], latched, self._wanted, lean)
+        outcome = self._batch.outcome_of(judged)
+        if outcome.touchdown[0]:
+            result = self._batch.record_of(self._found).result
+            latched = np.asarray(result.commands[0])
+            lean = float(outcome.lean[0])
+            self._adapted.touch_down(float(data.time), result.q[0], latched, self._requested, lean)
             self.speeds = _speeds(self._adapted.ended, latched[0], self._adapted.place)
-        return verdict
+        return outcome
 
     @property
     def record(self) -> TickRecord | None:
@@ -178,9 +178,9 @@ class JaxTick(LiveTick):
         """State at the last tick; None before it."""
         if (record := self.record) is None:
             return None
-        command = record.command
+        result = record.result
         return MeasuredTick(
-            *(np.asarray(part)[0] for part in (command.q, command.dq, command.told))
+            *(np.asarray(part)[0] for part in (result.q, result.dq, result.commands))
         )
 
 
@@ -203,7 +203,7 @@ class NativeTick(LiveTick):
         self._library, self._controller = library, controller
         self._walk = library.layout.walk()
         self._row = np.zeros(1, library.layout.record)
-        self._first, self._wanted = np.array(first, dtype=np.float64), np.array(first)
+        self._first, self._requested = np.array(first, dtype=np.float64), np.array(first)
         self._active, self._place = 0, place_of(controller.policy.commands, ADAPTED)
         self.change(plant, np.asarray(controller.torque_limit), plant.slope)
         self.restart()
@@ -215,17 +215,17 @@ class NativeTick(LiveTick):
         """Clear the memory of stance and policy."""
         self._library.start(byref(self._walk), 0, pointer(self._first))
         self.speeds = None
-        if self._wanted.size:
-            self._walk.orders, self._walk.orders_used = pointer(self._wanted), 0
+        if self._requested.size:
+            self._walk.orders, self._walk.orders_used = pointer(self._requested), 0
             self.adapt(bool(self._active))
 
-    def tell(self, wanted: Float[np.ndarray, " p"]) -> None:
+    def tell(self, requested: Float[np.ndarray, " p"]) -> None:
         """Request other commands from the next touchdown on."""
-        self._wanted[:] = wanted  # C reads this array, so it stays where it is.
+        self._requested[:] = requested  # C reads this array, so it stays where it is.
 
     def adapt(self, active: bool) -> None:
         """Adapt the commands that can be, from now on, or no longer."""
-        self._active, adapt = int(active), self._walk.adapt if self._wanted.size else None
+        self._active, adapt = int(active), self._walk.adapt if self._requested.size else None
         if adapt is not None:
             adapt.active = adapt.learns = adapt.tilts = self._active
 
@@ -237,24 +237,24 @@ class NativeTick(LiveTick):
         self._scene.slope = slope
         self._plant, self._controls = plant, np.zeros((1, plant.model.nu))
 
-    def decide(self, data: Any, levels: Float[np.ndarray, "2"]) -> Verdict:
+    def decide(self, data: Any, levels: Float[np.ndarray, "2"]) -> TickOutcome:
         """Compute one tick at a state of MuJoCo."""
         walk, row = self._walk, self._row
-        if self._wanted.size:
+        if self._requested.size:
             walk.orders_used = 0
-        stride = np.zeros((1, width(self._wanted.size)))
+        stride = np.zeros((1, width(self._requested.size)))
         walk.strides, walk.strides_used = pointer(stride), 0
         for leg in (0, 1):
             walk.floor[leg], walk.touch[leg] = levels[leg], data.sensordata[leg - 2]
         self._library.tick(
             byref(self._scene), byref(walk), data._address, pointer(self._controls), pointer(row)
         )
-        if self._wanted.size:
+        if self._requested.size:
             if walk.strides_used:
                 self.speeds = _speeds(tuple(stride[0, 5:7]), stride[0, 7:], self._place)
             # As the tick in JAX has it, without speeds.
             stride = np.delete(stride, (5, 6), axis=1)
-        return Verdict(
+        return TickOutcome(
             controls=self._controls,
             ending=np.array([walk.ending]),
             touchdown=row["touchdown"] > 0.5,
@@ -279,8 +279,8 @@ class NativeTick(LiveTick):
         if not self._walk.ticks:
             return None
         row = self._row[0]
-        told = row["told"] if "told" in (row.dtype.names or ()) else np.zeros((2, 0))
-        return MeasuredTick(row["q"].copy(), row["dq"].copy(), told.copy())
+        commands = row["told"] if "told" in (row.dtype.names or ()) else np.zeros((2, 0))
+        return MeasuredTick(row["q"].copy(), row["dq"].copy(), commands.copy())
 
 
 def _speeds(

@@ -126,7 +126,7 @@ def _misses(name: str, i: int, strides: Strides) -> Float[np.ndarray, " K"]:
     strides = Strides(*(column[START_UP_STEPS - 1 :] for column in strides))
     if len(strides.time) < 2:
         return np.zeros(0)
-    commands = strides.told[1:, i]
+    commands = strides.commands[1:, i]
     if name == ADAPTED:
         # The command itself may have been adapted.
         commands, time = strides.reference[1:], np.diff(strides.time)
@@ -151,7 +151,7 @@ def adapted_speeds(walk: Walk, proved_level: int | None) -> AdaptedSpeeds | None
     measured = (None if np.isnan(one) else float(one) for one in strides.measured[1:])
     return AdaptedSpeeds(
         told=tuple(strides.reference[1:].tolist()),
-        commanded=tuple(strides.told[1:, place].ravel().tolist()),
+        commanded=tuple(strides.commands[1:, place].ravel().tolist()),
         walked=tuple(speeds.tolist()),
         measured=tuple(measured),
         proved_level=proved_level,
@@ -171,7 +171,7 @@ def believed_lean(
     place = place_of(walk.commands, LEAN)
     if place is None:
         return None
-    believed = tuple(walk.episodes.strides[0].told[:, place].tolist())
+    believed = tuple(walk.episodes.strides[0].commands[:, place].tolist())
     return BelievedLean(believed, proved_level, near_m, _at_end(walk.commands[place], believed))
 
 
@@ -179,7 +179,7 @@ def believed_slope(walk: Walk, proved_level: int | None) -> BelievedSlope | None
     """Return what the first walk believed of its ground; None of a gait that takes no slope."""
     if (place := place_of(walk.commands, SLOPE)) is None:
         return None
-    believed = tuple(walk.episodes.strides[0].told[:, place].tolist())
+    believed = tuple(walk.episodes.strides[0].commands[:, place].tolist())
     return BelievedSlope(believed, proved_level, _at_end(walk.commands[place], believed))
 
 

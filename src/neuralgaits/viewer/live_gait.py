@@ -74,7 +74,7 @@ class LiveGait:
             reset_residual=run.residuals.reset,
             ground=ground,
         )
-        self._first = self.live.told
+        self._first = self.live.commands
         self._look: PointEvaluator | None = None
         self._monitor: LiveMonitor | None = None
         self._beliefs_within: float | None = None
@@ -154,7 +154,7 @@ class LiveGait:
         if self.steps != self._pace.steps:
             self._pace.touch_down(self.steps, self.live.time, float(self._sensors().base[0]))
         if (record := self.live.record) is not None:
-            self._z = np.asarray(record.command.z)[0]
+            self._z = np.asarray(record.result.z)[0]
             self._trail.add(self._z, self.steps)
         monitor, measured = self._monitor, self.live.measured
         if walks and monitor is not None and measured is not None:
@@ -184,7 +184,7 @@ class LiveGait:
             speeds=live.control.speeds,
             lean=lean_of(
                 self.run.trained.commands,
-                live.told[1],
+                live.commands[1],
                 live.plant.disturbance.torso_shift_m,
                 self._beliefs_within,
             ),
@@ -194,8 +194,8 @@ class LiveGait:
     @property
     def steps(self) -> int:
         """Return the number of touchdowns since the last start."""
-        verdict = self.live.verdict
-        return 0 if verdict is None else int(verdict.steps[0])
+        outcome = self.live.outcome
+        return 0 if outcome is None else int(outcome.steps[0])
 
     def _sensors(self) -> Sensors:
         live = self.live
@@ -238,7 +238,7 @@ class LiveGait:
     @property
     def _elsewhere(self) -> bool:
         """Return whether the robot's command differs from that of the gait on the board."""
-        return not np.allclose(self.live.told, self._first, atol=1e-9)
+        return not np.allclose(self.live.commands, self._first, atol=1e-9)
 
     def push(self, impulse: Float[np.ndarray, "2"]) -> None:
         """Push along x and z (N s)."""

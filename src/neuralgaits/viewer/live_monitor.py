@@ -69,10 +69,10 @@ class LiveMonitor:
         ticks = MeasuredTick(*map(np.stack, zip(*self._pending, strict=True)))
         self._pending = []
         self._ticks += len(ticks.q)
-        before, after = ticks.told[:, 0], ticks.told[:, 1]
+        before, after = ticks.commands[:, 0], ticks.commands[:, 1]
         inputs = {"q": ticks.q, "dq": ticks.dq}
         if self._monitor.commands:
-            step = step_parameters(self._run, ticks.told)
+            step = step_parameters(self._run, ticks.commands)
             inputs |= {"before": before, "after": after, "step": step}
         admissible = self._monitor.admissible(before, after)
         answers = []

@@ -59,8 +59,8 @@ def _learned_lean(run: Run, walk: Walk) -> LearnedLean | None:
     record = walk.episodes.record
     if record is None:
         return None
-    command = record.command
-    ticks = (record.time, command.q, np.asarray(command.touchdown) > 0.5)
+    result = record.result
+    ticks = (record.time, result.q, np.asarray(result.touchdown) > 0.5)
     leans = leans_of(run.robot, *map(np.asarray, ticks))
     if leans is None or not leans.size:
         return None

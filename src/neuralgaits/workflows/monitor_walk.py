@@ -28,7 +28,7 @@ class _Ticks(NamedTuple):
     time: np.ndarray
     q: np.ndarray
     dq: np.ndarray
-    told: np.ndarray
+    commands: np.ndarray
     """[N, 2, p]"""
 
 
@@ -61,10 +61,10 @@ def watched(run: Run, monitor: StateMonitor, records: Sequence[TickRecord]) -> M
         records: every tick of every walk.
     """
     ticks = _all_ticks(records)
-    before, after = ticks.told[:, 0], ticks.told[:, 1]
+    before, after = ticks.commands[:, 0], ticks.commands[:, 1]
     inputs = {"q": ticks.q, "dq": ticks.dq}
     if monitor.commands:
-        inputs |= {"before": before, "after": after, "step": step_parameters(run, ticks.told)}
+        inputs |= {"before": before, "after": after, "step": step_parameters(run, ticks.commands)}
     levels = {}
     for one in monitor.sets:
         watched_level = _level(one, one.margins(**inputs), ticks)
@@ -85,8 +85,8 @@ def _all_ticks(records: Sequence[TickRecord]) -> _Ticks:
 
 
 def _columns(record: TickRecord) -> Iterator[np.ndarray]:
-    command = record.command
-    yield from map(np.asarray, (record.time, command.q, command.dq, command.told))
+    result = record.result
+    yield from map(np.asarray, (record.time, result.q, result.dq, result.commands))
 
 
 def _level(one: StateSet, margins: np.ndarray, ticks: _Ticks) -> LevelWatched:

@@ -57,7 +57,7 @@ class CommandedPolicy(NetworkPolicy):
         guard_z1: of z1 at the guard [m]. [M]
         curves: cubics of the scaled commands, powers upwards: a speed that is asked for to the
             place in the family that walks at it, see `training.calibration`. [p, 4]
-        told: what the gait is told, as `commands`.
+        taken_commands: value of `commands`, a property, which no field can override.
         z2_dependence: of its policies, see `HybridInvariantPolicy`.
     """
 
@@ -65,7 +65,7 @@ class CommandedPolicy(NetworkPolicy):
     guard_slopes: Float[Array, "M m"]
     guard_z1: Float[Array, " M"]
     curves: Float[Array, "p 4"]
-    told: Commands = eqx.field(static=True)
+    taken_commands: Commands = eqx.field(static=True)
     z2_dependence: bool = eqx.field(static=True, default=True)
 
     @classmethod
@@ -119,14 +119,14 @@ class CommandedPolicy(NetworkPolicy):
             guard_z1=z1,
             **frame_of(posture),
             curves=plain_curves(commands),
-            told=commands,
+            taken_commands=commands,
             z2_dependence=z2_dependence,
         )
 
     @property
     def commands(self) -> Commands:
         """Commands that the gait receives at each touchdown."""
-        return self.told
+        return self.taken_commands
 
     def __call__(self, z: ZeroState) -> Actuated:
         """Raise InputError, since a family has no outputs of its own."""
@@ -182,7 +182,7 @@ class CommandedPolicy(NetworkPolicy):
         """The policy of one step.
 
         Args:
-            robot: whose impact it is matched to, leaning as it is told if that is a command.
+            robot: whose impact it is matched to, leaning as commanded if the lean is a command.
             pair: commands of the step before and of this one.
             reset_residual: corrects that impact.
             exact: leave out the clip that keeps a training off the bounds of the outputs: one
@@ -256,7 +256,7 @@ class CommandedPolicy(NetworkPolicy):
             start_slopes=start.slopes,
             momentum_ratio=start.momentum_ratio,
             z2_dependence=self.z2_dependence,
-            told=Step(pair, ground, tuple(command.name for command in self.commands)),
+            step_commands=Step(pair, ground, tuple(command.name for command in self.commands)),
         )
         return policy.between(start, guard, exact=exact)
 

@@ -53,12 +53,12 @@ class HybridInvariantPolicy(StepPolicy):
         guard_slopes: their slopes d y_d / d z1 at the guard [rad/m]; trainable. [m]
         start_outputs, start_slopes: outputs and slopes after the impact; computed. [m]
         momentum_ratio: z2 after impact / z2 before; computed.
-        told: what the robot was told of this step; None for a gait without commands.
+        step_commands: value of `step`, a property, which no field can override.
         then: the policy of the next step, if the command stays; None for this one.
         ends: values and slopes of H at phases 0 and 1, (H0, H0', H1, H1'), in whose terms it is
             evaluated if they are given: bounds of it are then as tight as those of its ends. [4, m]
         anchor: a phase and the z1 that it is at; None where both are numbers. Phases are then
-            told from there, so that what start and guard depend on cancels. [2]
+            counted from there, so that what start and guard depend on cancels. [2]
         ankle: torque of the stance ankle of a robot with flat feet; None on point feet.
     """
 
@@ -68,7 +68,7 @@ class HybridInvariantPolicy(StepPolicy):
     start_slopes: Float[Array, " m"]
     momentum_ratio: Float[Array, ""]
     z2_dependence: bool = eqx.field(static=True)
-    told: Step | None = None
+    step_commands: Step | None = None
     then: "HybridInvariantPolicy | None" = None
     ends: Float[Array, "4 m"] | None = None
     anchor: Float[Array, "2"] | None = None
@@ -143,7 +143,7 @@ class HybridInvariantPolicy(StepPolicy):
     @property
     def step(self) -> Step | None:
         """Commands of this step; None for a gait without commands."""
-        return self.told
+        return self.step_commands
 
     @property
     def steady_next(self) -> "HybridInvariantPolicy":

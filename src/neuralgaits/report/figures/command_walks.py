@@ -27,7 +27,7 @@ def caption(name: str, alternating: CommandWalks, proved: bool) -> str:
         proved: whether it is proved that walks under the same commands converge.
     """
     words = command_words.words(name)
-    first, second = (command_words.written(name, float(row[0])) for row in alternating.told[:2])
+    first, second = (command_words.written(name, float(row[0])) for row in alternating.commands[:2])
     text = (
         "Walks of the zero dynamics from both fences of the tube, computed from the model: nothing "
         f"here is simulated. a) Told a {words.short} of {first} and {second} in turn, both come to "
@@ -76,7 +76,7 @@ def _steps(axes: Axes, walks: CommandWalks) -> None:
 def _orbit(axes: Axes, name: str, walks: CommandWalks) -> None:
     """Plot the last two steps, and the resets between them."""
     last = [path[:, 0] for path in walks.paths[-2:]]
-    for number, (path, command) in enumerate(zip(last, walks.told[-2:], strict=True)):
+    for number, (path, command) in enumerate(zip(last, walks.commands[-2:], strict=True)):
         label = f"told {command_words.written(name, float(command[0]))}"
         axes.plot(*path.T, linewidth=2.0, label=label, **series(number))
         ahead = last[1 - number][0]

@@ -69,9 +69,9 @@ def answered_tick(scene: Scene) -> tuple[Callable[..., Any], Callable[..., Any]]
         measurement = sense(scene, reading).measured
         if scene.estimator is not None:
             carry, measurement = estimated(scene, scene.estimator, carry, measurement)
-        command = _command_of(scene, row, measurement)
-        state = _state_after(scene, carry.controller, command)
-        parts = account(scene, carry, reading, state, command, measurement)
+        result = _command_of(scene, row, measurement)
+        state = _state_after(scene, carry.controller, result)
+        parts = account(scene, carry, reading, state, result, measurement)
         return tuple(ravel_pytree(part)[0] for part in parts)
 
     return measure, judge
@@ -95,19 +95,19 @@ def _command_of(scene: Scene, row: jax.Array, measurement: Measurement) -> TickR
         z=z,
         leg=leg,
         since_touchdown=times[0],
-        told=reference.reshape(2, count),
+        commands=reference.reshape(2, count),
         touchdown=touchdown,
         saturated=saturated,
         relaxed=jnp.zeros(2, bool),
     )
 
 
-def _state_after(scene: Scene, state: ControllerState, command: TickResult) -> ControllerState:
+def _state_after(scene: Scene, state: ControllerState, result: TickResult) -> ControllerState:
     """Return what an estimator needs to know of the controller at the next tick."""
     robot = scene.controller.robot
-    standing = StanceState(command.leg, command.since_touchdown)
+    standing = StanceState(result.leg, result.since_touchdown)
     if robot.feet is None:
         return state._replace(stance=standing)
     # The motor of a stance ankle makes up for the joint's own friction.
-    motor = command.torque[command.leg, 0]
-    return state._replace(stance=standing, ankle=robot.damping[0] * command.dq[0] - motor)
+    motor = result.torque[result.leg, 0]
+    return state._replace(stance=standing, ankle=robot.damping[0] * result.dq[0] - motor)

@@ -21,8 +21,9 @@ def record_of(rows: np.ndarray, plant_robot: PlanarBiped) -> TickRecord:
     """
     leg = rows["leg"].astype(np.int32)
     since = rows["since_touchdown"]
+    has_commands = "told" in (rows.dtype.names or ())
     # Value of NG_NEVER: time since a touchdown while there is none [s].
-    command = TickResult(
+    result = TickResult(
         torque=rows["torque"],
         actuated=rows["actuated"],
         q=rows["q"],
@@ -35,12 +36,12 @@ def record_of(rows: np.ndarray, plant_robot: PlanarBiped) -> TickRecord:
         touchdown=rows["touchdown"] > 0.5,
         saturated=rows["saturated"] > 0.5,
         relaxed=rows["relaxed"] > 0.5,
-        told=rows["told"] if "told" in (rows.dtype.names or ()) else np.zeros((len(rows), 2, 0)),
+        commands=rows["told"] if has_commands else np.zeros((len(rows), 2, 0)),
     )
     names = ("time", "pitch", "dpitch", "angles", "rates", "hip_velocity", "normal_force")
     truth = Measurement(*(rows[name] for name in names))
     z = np.asarray(_plant_z(plant_robot, _padded(truth), _padded(leg)))[: len(rows)]
-    return TickRecord(rows["time"], command, rows["pitch"], rows["dpitch"], z)
+    return TickRecord(rows["time"], result, rows["pitch"], rows["dpitch"], z)
 
 
 @quick_filter_jit

@@ -1,7 +1,7 @@
 """Compile the tick of many episodes once.
 
 A call of compiled code costs time for every array that goes in or comes out, more than the
-arithmetic on one robot. Carries, readings, verdicts and records are therefore packed, one array
+arithmetic on one robot. Carries, readings, outcomes and records are therefore packed, one array
 each, at this edge.
 """
 
@@ -25,15 +25,15 @@ class Batch(NamedTuple):
     """Compiled tick of a batch of episodes."""
 
     tick: Callable[..., tuple[jax.Array, jax.Array, jax.Array]]
-    """Function from (arrays, carry, reading) to (carry, verdict, record), each packed. [B, ...]"""
+    """Function from (arrays, carry, reading) to (carry, outcome, record), each packed. [B, ...]"""
     arrays: list[jax.Array]
     """Arrays with the numbers of the scene."""
     carry: jax.Array
     """Carry of the first tick, packed. [B, ...]"""
     carry_of: "Unpack"
     """Function from packed carries to a `Carry` with a leading axis."""
-    verdict_of: "Unpack"
-    """Function from packed verdicts to a `Verdict` with a leading axis."""
+    outcome_of: "Unpack"
+    """Function from packed outcomes to a `TickOutcome` with a leading axis."""
     record_of: "Unpack"
     """Function from packed records to a `TickRecord` with a leading axis."""
 

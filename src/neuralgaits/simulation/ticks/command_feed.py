@@ -9,7 +9,7 @@ from neuralgaits.robots import PlanarBiped
 from neuralgaits.simulation.setup.command_schedule import CommandSchedule
 from neuralgaits.simulation.setup.course import Courses
 from neuralgaits.simulation.ticks.adapted_command import AdaptedCommand
-from neuralgaits.simulation.ticks.tick import TickRecord, Verdict
+from neuralgaits.simulation.ticks.tick import TickOutcome, TickRecord
 
 
 class CommandFeed:
@@ -37,30 +37,30 @@ class CommandFeed:
         self._adapted = [AdaptedCommand(robot, commands, first_of_all, adapt) for _ in episodes]
         self.requested = np.array(self._scheduled)
 
-    def advance(self, verdict: Verdict, record: Callable[[], TickRecord]) -> None:
+    def advance(self, outcome: TickOutcome, record: Callable[[], TickRecord]) -> None:
         """Advance to the next command after a latch; on a course, look ahead again.
 
         Args:
-            verdict: verdicts of a tick, with a leading axis of episodes.
+            outcome: outcomes of a tick, with a leading axis of episodes.
             record: gives its records, which are needed only at touchdowns.
         """
         if not self.requested.size and self._courses is None:
             return
-        if self.requested.size and verdict.touchdown.any():
-            command = record().command
-            q, latched = np.asarray(command.q), np.asarray(command.told)
-            for i in np.flatnonzero(verdict.touchdown):
-                time = float(verdict.stride[i, 0])
-                lean = float(verdict.lean[i])
+        if self.requested.size and outcome.touchdown.any():
+            result = record().result
+            q, latched = np.asarray(result.q), np.asarray(result.commands)
+            for i in np.flatnonzero(outcome.touchdown):
+                time = float(outcome.stride[i, 0])
+                lean = float(outcome.lean[i])
                 self._adapted[i].touch_down(time, q[i], latched[i], self._scheduled[i], lean)
         if self._courses is not None:
             for i, commands in enumerate(self._scheduled):
                 self._courses.look(
-                    commands, i, int(verdict.steps[i]), np.asarray(verdict.feet[i, 1])
+                    commands, i, int(outcome.steps[i]), np.asarray(outcome.feet[i, 1])
                 )
                 self.requested[i] = self._adapted[i].request(commands)
             return
-        for i in np.flatnonzero(verdict.touchdown):
+        for i in np.flatnonzero(outcome.touchdown):
             self._scheduled[i] = next(self._orders[i])
             self.requested[i] = self._adapted[i].request(self._scheduled[i])
 

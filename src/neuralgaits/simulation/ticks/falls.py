@@ -79,11 +79,11 @@ def ending(
     Returns: an `Ending` as an integer.
     """
     leg_length = xp.sum(robot.hip)
-    patience = STALL * xp.sqrt(leg_length / robot.gravity)
-    verdict = xp.where(steps_left <= 0, Ending.WALKED, Ending.RUNNING)
-    verdict = xp.where(since_touchdown > patience, Ending.STALLED, verdict)
+    longest_step = STALL * xp.sqrt(leg_length / robot.gravity)
+    state = xp.where(steps_left <= 0, Ending.WALKED, Ending.RUNNING)
+    state = xp.where(since_touchdown > longest_step, Ending.STALLED, state)
     if robot.torso is not None:
-        verdict = xp.where(xp.abs(pitch) > TORSO_RAD, Ending.TORSO, verdict)
-    verdict = xp.where(hip_height < HIP_SHARE * leg_length, Ending.LOW_HIP, verdict)
-    verdict = xp.where(in_gap, Ending.GAP, verdict)
-    return xp.where(finite, verdict, Ending.NOT_FINITE).astype(xp.int32)
+        state = xp.where(xp.abs(pitch) > TORSO_RAD, Ending.TORSO, state)
+    state = xp.where(hip_height < HIP_SHARE * leg_length, Ending.LOW_HIP, state)
+    state = xp.where(in_gap, Ending.GAP, state)
+    return xp.where(finite, state, Ending.NOT_FINITE).astype(xp.int32)

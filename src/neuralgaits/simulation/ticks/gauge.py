@@ -99,7 +99,7 @@ class Gauge(NamedTuple):
 
 def update(
     gauge: Gauge,
-    command: TickResult,
+    result: TickResult,
     *,
     time: Scalar,
     hip: Scalar,
@@ -111,21 +111,21 @@ def update(
 
     Args:
         gauge: figures before the tick.
-        command: command of the tick.
+        result: result of the tick.
         time: time of the tick (s).
         hip: hip position forward (m).
         normal_force: normal force on each foot, legs in the order of the robot file [2] (N).
         period_s: length of the tick (s).
         speed_error: error of the hip speed that its torques are based on (m/s).
     """
-    down = command.touchdown
+    down = result.touchdown
     steps = gauge.steps + down
     gauged = down & (gauge.steps >= START_UP_STEPS)
     here = Milestone(time, hip, gauge.energy)
     steady = _choose(gauged, gauge.steady.with_(gauge.running), gauge.steady)
     running = _choose(down, Extremes.none(), gauge.running)
-    power = jnp.sum(jnp.abs(command.actuated * command.dq[1:]))
-    now = _extremes(command, normal_force)
+    power = jnp.sum(jnp.abs(result.actuated * result.dq[1:]))
+    now = _extremes(result, normal_force)
     return Gauge(
         steps=steps,
         energy=gauge.energy + period_s * power,
@@ -134,27 +134,27 @@ def update(
         steady=steady,
         running=running.with_(now),
         peak_torque=jnp.maximum(gauge.peak_torque, now.torque),
-        saturated=gauge.saturated + command.saturated,
-        relaxed=gauge.relaxed + command.relaxed,
+        saturated=gauge.saturated + result.saturated,
+        relaxed=gauge.relaxed + result.relaxed,
         ticks=gauge.ticks + 1,
         speed_error=gauge.speed_error + speed_error**2,
     )
 
 
-def _extremes(command: TickResult, normal_force: Float[Array, "2"]) -> Extremes:
+def _extremes(result: TickResult, normal_force: Float[Array, "2"]) -> Extremes:
     """Return the extremes of one tick."""
-    settled = command.since_touchdown >= SETTLING_S
+    settled = result.since_touchdown >= SETTLING_S
 
     def largest(values: Actuated) -> Scalar:
         return jnp.max(jnp.abs(values))
 
-    torque = largest(command.actuated)
+    torque = largest(result.actuated)
     return Extremes(
-        output_error=jnp.where(settled, largest(command.q[1:] - command.y_d), 0.0),
+        output_error=jnp.where(settled, largest(result.q[1:] - result.y_d), 0.0),
         settled_torque=jnp.where(settled, torque, 0.0),
         torque=torque,
-        joint_rate=jnp.where(settled, largest(command.dq[1:]), 0.0),
-        normal_force=jnp.where(settled, normal_force[command.leg], jnp.inf),
+        joint_rate=jnp.where(settled, largest(result.dq[1:]), 0.0),
+        normal_force=jnp.where(settled, normal_force[result.leg], jnp.inf),
     )
 
 

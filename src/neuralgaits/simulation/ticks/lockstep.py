@@ -22,7 +22,7 @@ from neuralgaits.simulation.ticks.gauge import Gauge
 from neuralgaits.simulation.ticks.recorder import Recorder
 from neuralgaits.simulation.ticks.scene import PlantReading
 from neuralgaits.simulation.ticks.stride_table import Strides, width
-from neuralgaits.simulation.ticks.tick import TickRecord, Verdict
+from neuralgaits.simulation.ticks.tick import TickOutcome, TickRecord
 from neuralgaits.simulation.ticks.world import World
 
 
@@ -110,19 +110,19 @@ def run(
     while results.active.size:
         reading = _reading(world, levels, noise, feed)
         carry, packed, record = batch.tick(batch.arrays, carry, reading)
-        verdict = batch.verdict_of(packed)
-        feed.advance(verdict, partial(batch.record_of, record))
+        outcome = batch.outcome_of(packed)
+        feed.advance(outcome, partial(batch.record_of, record))
         if watch is not None:
             watch(batch.record_of(record), results.active)
-        results.add(carry, verdict, record, world.states[0], levels[0])
-        force = inputs.push.at(time, verdict.touchdown, verdict.steps)
+        results.add(carry, outcome, record, world.states[0], levels[0])
+        force = inputs.push.at(time, outcome.touchdown, outcome.steps)
         if courses is not None:
-            courses.stand(levels, verdict.touchdown, verdict.leg, verdict.feet)
+            courses.stand(levels, outcome.touchdown, outcome.leg, outcome.feet)
         elif terrain.advance(
-            verdict.touchdown, verdict.leg, verdict.z1, verdict.clearance, verdict.rise
+            outcome.touchdown, outcome.leg, outcome.z1, outcome.clearance, outcome.rise
         ):
             world.lay_floors(terrain.levels)
-        controls = late.due(verdict.controls)
+        controls = late.due(outcome.controls)
         time += PERIOD_S
         if results.active.size:
             world.advance(results.active, controls, force)
@@ -152,7 +152,7 @@ class _Results:
     def add(
         self,
         carry: Array,
-        verdict: Verdict,
+        outcome: TickOutcome,
         record: Array,
         state: Float[np.ndarray, " s"],
         levels: Float[np.ndarray, "2"],
@@ -161,23 +161,23 @@ class _Results:
 
         Args:
             carry: carries after the tick, packed. [B, c]
-            verdict: verdicts, with a leading axis of episodes.
+            outcome: outcomes, with a leading axis of episodes.
             record: records, packed. [B, r]
             state: MuJoCo state of episode 0 at the tick.
             levels: floor levels of episode 0 at the tick (m).
         """
         active = self.active
-        for i in active[verdict.touchdown[active]]:
-            self._strides[i].append(self._feed.row(int(i), np.asarray(verdict.stride[i])))
+        for i in active[outcome.touchdown[active]]:
+            self._strides[i].append(self._feed.row(int(i), np.asarray(outcome.stride[i])))
         if self._recorder is not None:
             self._recorder(self._batch.record_of(record), active)
         if self._inputs.record and self._endings[0] == Ending.RUNNING:
             self._rows.append(np.asarray(record)[0])
             self._states.append(state.copy())
             self._floors.append(levels.copy())
-        finished = active[verdict.ending[active] != Ending.RUNNING]
+        finished = active[outcome.ending[active] != Ending.RUNNING]
         if finished.size:
-            self._endings[finished] = verdict.ending[finished]
+            self._endings[finished] = outcome.ending[finished]
             self._carries[finished] = np.asarray(carry)[finished]
             self.active = np.flatnonzero(self._endings == Ending.RUNNING)
 

@@ -20,10 +20,10 @@ class Strides(NamedTuple):
     """Heights of the new footholds above the old ones [m]."""
     place: Float[np.ndarray, " K"]
     """Places of the new footholds, forward [m]."""
-    told: Float[np.ndarray, "K p"]
+    commands: Float[np.ndarray, "K p"]
     """Commands of that step, in their units."""
     reference: Float[np.ndarray, " K"]
-    """Speed that the step was to have, as told, see `speed_adapter`; NaN without that command
+    """Speed that the step was to have, as requested, see `speed_adapter`; NaN without that command
     [m/s]."""
     measured: Float[np.ndarray, " K"]
     """Mean speed of the step by joint angles and pitch; NaN where it is not measured [m/s]."""

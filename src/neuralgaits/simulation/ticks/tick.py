@@ -1,4 +1,4 @@
-"""One control tick of one episode: plant readings in, controls and verdict out, compiled once.
+"""One control tick of one episode: plant readings in, controls and outcome out, compiled once.
 
 `batch` vmaps it over episodes. Numbers are arguments, so policies and plants of the same
 structure share one compilation; addresses and the shape of the controller are constants.
@@ -48,7 +48,7 @@ class Carry(NamedTuple):
     """Sums from which the lean of the torso is learned; None of a gait that is told none."""
 
 
-class Verdict(NamedTuple):
+class TickOutcome(NamedTuple):
     """Results of a tick for the loop outside."""
 
     controls: Float[Array, " u"]
@@ -79,7 +79,7 @@ class TickRecord(NamedTuple):
     """Quantities of a tick that a log has."""
 
     time: Scalar
-    command: TickResult
+    result: TickResult
     pitch: Scalar
     dpitch: Scalar
     z_plant: ZeroState
@@ -97,14 +97,16 @@ def begin(scene: Scene, leg: Int[Array, ""]) -> Carry:
     return first._replace(estimator=state, believed_speeds=jnp.zeros(scene.delay_ticks + 1))
 
 
-def tick(scene: Scene, carry: Carry, reading: PlantReading) -> tuple[Carry, Verdict, TickRecord]:
-    """Compute one tick of one episode. Returns: the next carry, the verdict, and the record."""
+def tick(
+    scene: Scene, carry: Carry, reading: PlantReading
+) -> tuple[Carry, TickOutcome, TickRecord]:
+    """Compute one tick of one episode. Returns: the next carry, the outcome, and the record."""
     measurement = sense(scene, reading).measured
     if scene.estimator is not None:
         carry, measurement = estimated(scene, scene.estimator, carry, measurement)
     state = tell(scene.controller, carry.controller, reading.requested)
-    state, command = step(scene.controller, state, measurement)
-    return account(scene, carry, reading, state, command, measurement)
+    state, result = step(scene.controller, state, measurement)
+    return account(scene, carry, reading, state, result, measurement)
 
 
 def estimated(
@@ -136,72 +138,72 @@ def account(
     carry: Carry,
     reading: PlantReading,
     state: ControllerState,
-    command: TickResult,
+    result: TickResult,
     measurement: Measurement,
-) -> tuple[Carry, Verdict, TickRecord]:
-    """Judge and record an episode's tick under a command from any controller.
+) -> tuple[Carry, TickOutcome, TickRecord]:
+    """Judge and record an episode's tick, decided by any controller.
 
     Args:
         scene: scene of the episode.
         carry: its state before the tick.
         reading: the tick's reading of the plant.
         state: the controller's next state.
-        command: the tick's result.
+        result: the tick's result.
         measurement: what the controller measured.
 
-    Returns: the next carry, the verdict, and the record.
+    Returns: the next carry, the outcome, and the record.
     """
     truth, _, hip = sense(scene, reading)
     period = scene.controller.period_s
-    age = jnp.where(command.touchdown, 0.0, carry.age + period)
+    age = jnp.where(result.touchdown, 0.0, carry.age + period)
     gauge = gauges.update(
         carry.gauge,
-        command,
+        result,
         time=truth.time,
         hip=hip[0],
         normal_force=reading.touch,
         period_s=period,
         speed_error=_speed_error(carry, truth),
     )
-    place = _place(scene, command, hip)
+    place = _place(scene, result, hip)
     ahead, up = place.step
     # At a touchdown the swing foot is the old stance foot.
     numbers = jnp.stack([truth.time, hip[0], -ahead, -up, place.feet[0, 0]])
-    stride = jnp.concatenate([numbers, command.told[0]])
-    z_plant = true_z(scene.plant_robot, truth, command.leg)
-    sums, lean = _learn_lean(scene, carry, command, measurement)
+    stride = jnp.concatenate([numbers, result.commands[0]])
+    z_plant = true_z(scene.plant_robot, truth, result.leg)
+    sums, lean = _learn_lean(scene, carry, result, measurement)
     return (
         carry._replace(controller=state, gauge=gauge, age=age, lean=sums),
-        Verdict(
-            controls=_controls(scene, command, measurement),
-            ending=_ending(scene, reading, command, place, truth.pitch, age, gauge.steps),
-            touchdown=command.touchdown,
+        TickOutcome(
+            controls=_controls(scene, result, measurement),
+            ending=_ending(scene, reading, result, place, truth.pitch, age, gauge.steps),
+            touchdown=result.touchdown,
             steps=gauge.steps,
-            leg=command.leg,
-            z1=command.z[0],
+            leg=result.leg,
+            z1=result.z[0],
             clearance=up - scene.slope * ahead,
-            stride=jnp.where(command.touchdown, stride, 0.0),
+            stride=jnp.where(result.touchdown, stride, 0.0),
             feet=place.feet,
             rise=place.rise,
             lean=lean,
         ),
-        TickRecord(truth.time, command, truth.pitch, truth.dpitch, z_plant),
+        TickRecord(truth.time, result, truth.pitch, truth.dpitch, z_plant),
     )
 
 
 def _learn_lean(
-    scene: Scene, carry: Carry, command: TickResult, measurement: Measurement
+    scene: Scene, carry: Carry, result: TickResult, measurement: Measurement
 ) -> tuple[LeanSums | None, Scalar]:
     """Return the next sums, and the lean that a step which has just ended shows (m)."""
     if carry.lean is None:
         return None, jnp.full((), jnp.nan)
-    ticks = command.q, measurement.time, command.since_touchdown, command.touchdown
+    ticks = result.q, measurement.time, result.since_touchdown, result.touchdown
     return lean_sums.advance(scene.controller.robot, carry.lean, *ticks)
 
 
-def _controls(scene: Scene, command: TickResult, measurement: Measurement) -> Float[Array, " u"]:
+def _controls(scene: Scene, result: TickResult, measurement: Measurement) -> Float[Array, " u"]:
     """Return actuator controls of the law's torque, and of the targets of drives if it has some."""
-    torque = command.torque
+    torque = result.torque
     if scene.has_drives:
         torque = torque + held_by_drives(scene.state_map, measurement, scene.gains)
     return controls(scene.state_map, torque)
@@ -220,20 +222,20 @@ class _Place(NamedTuple):
     """Commanded height of the next foothold [m]; 0 without a command."""
 
 
-def _place(scene: Scene, command: TickResult, hip: Float[Array, "2"]) -> _Place:
+def _place(scene: Scene, result: TickResult, hip: Float[Array, "2"]) -> _Place:
     controller = scene.controller
-    ahead, up = swing_foot(controller.robot, command.q)
-    stance = hip - hip_position(controller.robot, command.q)
+    ahead, up = swing_foot(controller.robot, result.q)
+    stance = hip - hip_position(controller.robot, result.q)
     feet = jnp.stack([stance, stance + jnp.stack([ahead, up])])
     height = place_of(controller.policy.commands, "step_height")
-    rise = jnp.zeros(()) if height is None else command.told[1, height]
+    rise = jnp.zeros(()) if height is None else result.commands[1, height]
     return _Place(hip, (ahead, up), feet, rise)
 
 
 def _ending(
     scene: Scene,
     reading: PlantReading,
-    command: TickResult,
+    result: TickResult,
     place: _Place,
     pitch: Scalar,
     age: Scalar,
@@ -244,26 +246,26 @@ def _ending(
     Args:
         scene: scene of the episode.
         reading: the tick's reading of the plant.
-        command: the tick's result.
+        result: the tick's result.
         place: place of the robot.
         pitch: true pitch (rad).
         age: time since the last touchdown (s).
         steps: number of touchdowns so far.
     """
     hip, feet = place.hip, place.feet
-    floor = reading.floor[command.leg]
+    floor = reading.floor[result.leg]
     if scene.on_course:
         # What stands there now has not been heard of yet.
         under = feet[0, 1] - scene.plant_robot.foot_radius
-        floor = jnp.where(command.touchdown, under, floor)
+        floor = jnp.where(result.touchdown, under, floor)
     return ending(
         scene.controller.robot,
         hip_height=hip[1] - floor - scene.slope * hip[0],
         pitch=pitch,
         since_touchdown=age,
         steps_left=scene.steps - steps,
-        in_gap=_in_gap(scene, feet, floor, reading.floor[1 - command.leg], place.rise),
-        finite=jnp.all(jnp.isfinite(reading.state)) & jnp.all(jnp.isfinite(command.torque)),
+        in_gap=_in_gap(scene, feet, floor, reading.floor[1 - result.leg], place.rise),
+        finite=jnp.all(jnp.isfinite(reading.state)) & jnp.all(jnp.isfinite(result.torque)),
     )
 
 
