@@ -9,7 +9,7 @@ from common import show, trained
 
 from neuralgaits.analysis.gait_data import gait_data
 from neuralgaits.analysis.run import open_run
-from neuralgaits.report.drawing.drawn import Drawn
+from neuralgaits.report.drawing.figure_files import FigureFiles
 from neuralgaits.workflows.certify import certify
 from neuralgaits.workflows.figures import figures
 from neuralgaits.workflows.simulate import simulate
@@ -30,7 +30,7 @@ def main() -> None:
         gait_data(run)
         show("data of the gait: CPU [s]", time.process_time() - start_time, "≤ 5")
         start_time = time.process_time()
-        drawn = [figure for figure in figures(run) if isinstance(figure, Drawn)]
+        drawn = [figure for figure in figures(run) if isinstance(figure, FigureFiles)]
         show(f"{len(drawn)} figures, each PNG and SVG: CPU [s]", time.process_time() - start_time)
         show("data and figures, asked", "", "≤ 10")
         for kind, sizes in (

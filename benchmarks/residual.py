@@ -22,7 +22,7 @@ from neuralgaits.gait import ZeroDynamics
 from neuralgaits.gait.flow_residual import Residual
 from neuralgaits.logs import Windows
 from neuralgaits.residual.fitter import FitConfig, Fitter, Optimizer
-from neuralgaits.residual.trajectories import missed, root_mean_square
+from neuralgaits.residual.trajectories import prediction_errors, root_mean_square
 from neuralgaits.workflows.fit import JUDGED_SAMPLES, SAMPLES, STEP_S, fit
 from neuralgaits.workflows.simulate import simulate
 from neuralgaits.workflows.walk_files import log_files
@@ -126,8 +126,8 @@ def fitted(
     values = np.array(jax.device_get(losses))
     finite = np.where(np.isfinite(values), values, np.inf)
     tenth = finite[-FIT_STEPS // 10 :]
-    model = missed(zd, Residual.like(config.hidden), heldout).errors
-    left = missed(zd, fitter.residual(state.parameters), heldout).errors
+    model = prediction_errors(zd, Residual.like(config.hidden), heldout).errors
+    left = prediction_errors(zd, fitter.residual(state.parameters), heldout).errors
     share = root_mean_square(left, scale) / root_mean_square(model, scale)
     return Course(share, float(finite.max() / finite[0]), float(np.median(tenth) / finite[0]))
 

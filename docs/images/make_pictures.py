@@ -15,8 +15,8 @@ from PIL import Image
 
 from neuralgaits.analysis.gait_data import gait_data
 from neuralgaits.analysis.run import open_run
-from neuralgaits.report.drawing.drawn import Drawn
 from neuralgaits.report.drawing.figure import png
+from neuralgaits.report.drawing.figure_files import FigureFiles
 from neuralgaits.workflows.figures import figures
 
 FOLDER = Path(__file__).parent
@@ -54,7 +54,7 @@ def main() -> None:
         found = {drawn.name: drawn for drawn in figures(run, out=options.scratch)}
         for name, figure in wanted.items():
             drawn = found[figure]
-            if not isinstance(drawn, Drawn):
+            if not isinstance(drawn, FigureFiles):
                 raise SystemExit(f"{run}: {drawn.reason}; first run {drawn.command}")
             save(name, drawn.path_png.read_bytes())
 

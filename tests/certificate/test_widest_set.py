@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from neuralgaits.certificate.levels.full_order.inequalities import inequalities
-from neuralgaits.certificate.levels.full_order.norm import Planned, find_widest
+from neuralgaits.certificate.levels.full_order.norm import NormPlans, find_widest
 from neuralgaits.certificate.levels.full_order.sample_evaluators import (
     evaluators_of,
     sample_gait,
@@ -64,7 +64,7 @@ def test_no_walk_of_the_model_leaves_it(trained, shape):
 
 
 def test_without_a_norm_of_its_own_impacts_would_not_fit_in(seen):
-    plain = Planned(seen, W, np.eye(4))
+    plain = NormPlans(seen, W, np.eye(4))
     assert plain.slack_of_impacts < 0.0 and plain.widest().radius == 0.0
     plan = find_widest(seen, W)
     assert plan is not None and plan.planned.slack_of_impacts == 0.0

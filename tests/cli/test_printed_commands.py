@@ -13,7 +13,7 @@ from neuralgaits.analysis.run import open_run
 from neuralgaits.cli.arguments import CertifyOptions, TrainOptions
 from neuralgaits.cli.argv_parser import read, verb_name
 from neuralgaits.cli.main import main
-from neuralgaits.records.simulated import SUMMARY, SimulationSummary
+from neuralgaits.records.simulated import WALK_SUMMARY, SimulationSummary
 from neuralgaits.report.page.repeat_commands import certifying, simulating
 from neuralgaits.robots import registry
 from neuralgaits.runs import RunFolder
@@ -166,7 +166,7 @@ def test_a_plant_that_is_in_no_file_is_not_named(own, at):
     """A summary of an earlier version has only the name that the plant gave itself."""
     place = at(own)
     folder = RunFolder.open(place.run)
-    done = folder.read_json(SUMMARY)
+    done = folder.read_json(WALK_SUMMARY)
     old = SimulationSummary.of(
         {name: value for name, value in done.items() if name != "plant_given"}
     )
@@ -178,7 +178,7 @@ def test_a_plant_that_is_in_no_file_is_not_named(own, at):
 def test_a_frictionless_simulation_is_repeated_without_friction(own, at):
     place = at(own)
     folder = RunFolder.open(place.run)
-    done = SimulationSummary.read(place.run / SUMMARY)
+    done = SimulationSummary.read(place.run / WALK_SUMMARY)
     changed = replace(done, disturb=dict(done.disturb or {}) | {"friction": 0.0})
     assert "--disturb friction=0.0" in (simulating(folder, changed, place.run) or "")
     laid = replace(done, terrain="stairs,rise=-0.05", command={"speed": 0.7})

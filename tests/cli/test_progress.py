@@ -13,7 +13,7 @@ import pytest
 
 import neuralgaits
 from neuralgaits.cli.main import main
-from neuralgaits.cli.progress import CheckProgress, ProofProgress, TrainingProgress, waiting
+from neuralgaits.cli.progress import CheckProgress, ProofProgress, TrainingProgress, WorkProgress
 from neuralgaits.errors import InputError
 
 SOURCE = Path(neuralgaits.__file__).parents[1]
@@ -33,7 +33,7 @@ with ProofProgress(quiet={quiet}) as progress:
 with CheckProgress(quiet={quiet}) as progress:
     progress(1, 4)
     time.sleep(0.2)
-with waiting("walking in MuJoCo", quiet={quiet}) as progress:
+with WorkProgress("walking in MuJoCo", quiet={quiet}) as progress:
     progress.begun()
     time.sleep(0.3)
 """
@@ -128,7 +128,7 @@ def test_work_without_countable_steps_has_one_line_without_a_terminal(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     for quiet in (False, True):
-        with waiting("walking", quiet=quiet) as progress:
+        with WorkProgress("walking", quiet=quiet) as progress:
             progress.begun()
     assert capsys.readouterr() == ("", "walking\n")
 
@@ -166,7 +166,7 @@ def test_a_verb_says_what_it_does_once_it_begins(
 def test_a_bar_is_silent_without_a_terminal(
     capsys: pytest.CaptureFixture[str], quiet: bool
 ) -> None:
-    with waiting("walking", quiet=quiet), TrainingProgress(quiet=True) as progress:
+    with WorkProgress("walking", quiet=quiet), TrainingProgress(quiet=True) as progress:
         progress(1, 1, 0.0)
         progress.stage(0, "walking")
     assert capsys.readouterr() == ("", "")

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from neuralgaits.export.float_bound import FUNCTION_FLOOR, FUNCTION_UNITS, UNIT, Rounded
+from neuralgaits.export.float_bound import FUNCTION_FLOOR, FUNCTION_UNITS, UNIT, RoundedValue
 from neuralgaits.export.float_bound import RoundingAlgebra as Rules
 
 FUNCTIONS = {
@@ -35,7 +35,7 @@ def _drawn(rng, low: float, high: float):
     wrong = exact + rng.choice([-1.0, 1.0], COUNT) * 10.0 ** rng.uniform(-7.0, -2.0, COUNT)
     computed = wrong.astype(np.float32)
     error = np.abs(computed.astype(np.float64) - exact)
-    return Rounded(ends[:1], ends[1:], error[None]), exact, computed
+    return RoundedValue(ends[:1], ends[1:], error[None]), exact, computed
 
 
 @pytest.mark.parametrize("kind", ARITHMETIC)
@@ -71,7 +71,7 @@ def test_bounds_of_single_states_are_no_larger_than_they_must(kind):
     function = (ARITHMETIC | FUNCTIONS)[kind]
     points = rng.uniform(0.3, 0.9, (2, COUNT))[: 2 if kind in ("add", "sub", "mul", "div") else 1]
     error = 10.0 ** rng.uniform(-6.0, -4.0, (1, COUNT))
-    bound = Rules().elementwise(kind, *(Rounded(p[None], p[None], error) for p in points))
+    bound = Rules().elementwise(kind, *(RoundedValue(p[None], p[None], error) for p in points))
     value = function(*points)
     np.testing.assert_allclose(bound.low[0], value, rtol=1e-12)
     np.testing.assert_allclose(bound.high[0], value, rtol=1e-12)
@@ -87,11 +87,11 @@ def test_bounds_of_single_states_are_no_larger_than_they_must(kind):
 
 def test_a_long_sum_rounds_at_every_term():
     terms = np.full((1000, 1), 0.1)
-    bound = Rules().sum(Rounded(terms, terms, np.zeros_like(terms)), 1)
+    bound = Rules().sum(RoundedValue(terms, terms, np.zeros_like(terms)), 1)
     assert 1000 * UNIT * 100.0 < bound.error.item() < 1001 * UNIT * 100.0 / (1.0 - 1000 * UNIT)
 
 
 def test_what_may_be_divided_by_zero_has_no_bound():
-    one = Rounded(np.ones((1, 1)), np.ones((1, 1)), np.zeros((1, 1)))
-    near = Rounded(np.full((1, 1), 0.1), np.full((1, 1), 0.2), np.full((1, 1), 0.1))
+    one = RoundedValue(np.ones((1, 1)), np.ones((1, 1)), np.zeros((1, 1)))
+    near = RoundedValue(np.full((1, 1), 0.1), np.full((1, 1), 0.2), np.full((1, 1), 0.1))
     assert np.isinf(Rules().elementwise("div", one, near).error).all()

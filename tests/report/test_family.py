@@ -16,7 +16,7 @@ from neuralgaits.errors import InputError
 from neuralgaits.report import makers
 from neuralgaits.report.certificate import certificate_of
 from neuralgaits.report.drawing import command_words
-from neuralgaits.report.drawing.drawn import Drawn
+from neuralgaits.report.drawing.figure_files import FigureFiles
 from neuralgaits.report.drawing.style import series
 from neuralgaits.report.figures import family as drawing
 from neuralgaits.workflows import demo
@@ -179,7 +179,7 @@ def test_the_figure_is_one_of_gaits_with_commands_only(run, family, tmp_path, mo
     monkeypatch.setattr(makers, "family_data", lambda run: family)
     monkeypatch.setattr(makers, "MAKERS", makers.MAKERS[:1])
     (found,) = writing.figures(run, out=tmp_path / "told")
-    assert isinstance(found, Drawn) and found.name == command_words.FAMILY
+    assert isinstance(found, FigureFiles) and found.name == command_words.FAMILY
     assert found.path_png.stat().st_size < 300_000 and found.path_svg.is_file()
     plain = open_run(Path(shutil.copytree(demo.FOLDER, tmp_path / "plain")))
     assert writing.figures(plain, out=tmp_path / "none") == []

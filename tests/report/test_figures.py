@@ -25,10 +25,10 @@ from neuralgaits.cli.argv_parser import read
 from neuralgaits.errors import InputError, RunError
 from neuralgaits.gait.flow_residual import Residual
 from neuralgaits.logs.walk_table import Log
-from neuralgaits.records.simulated import SUMMARY as SIMULATION
+from neuralgaits.records.simulated import WALK_SUMMARY
 from neuralgaits.report.certificate import certificate_of
-from neuralgaits.report.drawing.drawn import Drawn, Missing
 from neuralgaits.report.drawing.figure import png, svg, write
+from neuralgaits.report.drawing.figure_files import FigureFiles, MissingFigure
 from neuralgaits.report.figures import (
     certificate_map,
     full_order_set,
@@ -40,7 +40,7 @@ from neuralgaits.report.figures import (
     return_map,
 )
 from neuralgaits.report.figures.full_order_set import FullOrderSet
-from neuralgaits.report.figures.return_map import Proved
+from neuralgaits.report.figures.return_map import ProvedOrbit
 from neuralgaits.report.makers import Absent, RunFigures, makers_of
 from neuralgaits.runs.hashes import file_hashes
 from neuralgaits.runs.names import FIT_SUMMARY, ROBOT, WEIGHTS
@@ -100,7 +100,7 @@ def test_figures_have_words_and_files_that_open(run, drawn):
     total = 0
     for figure in drawn.values():
         assert figure.title
-        if isinstance(figure, Missing):
+        if isinstance(figure, MissingFigure):
             assert figure.reason and figure.command.startswith("neuralgaits ")
             continue
         sentences = figure.caption.count(".") + figure.caption.count(";")
@@ -114,13 +114,13 @@ def test_figures_have_words_and_files_that_open(run, drawn):
         )
         total += figure.path_png.stat().st_size + figure.path_svg.stat().st_size
     assert total < LARGEST_BYTES
-    there = {name for name, figure in drawn.items() if isinstance(figure, Drawn)}
+    there = {name for name, figure in drawn.items() if isinstance(figure, FigureFiles)}
     assert {"gait-tiles", "phase-portrait", "barrier-sketches", "stride", "return-map"} <= there
     assert {"margins-orbit", "margins-region", "loss"} <= there
 
 
 def test_commands_of_missing_figures_are_commands(run, drawn):
-    missing = {name: figure for name, figure in drawn.items() if isinstance(figure, Missing)}
+    missing = {name: figure for name, figure in drawn.items() if isinstance(figure, MissingFigure)}
     wanted = {"walk-tiles", "certificate-map", "full-order-set", "residual-field", "rounds"}
     assert set(missing) == wanted
     for figure in missing.values():
@@ -137,7 +137,7 @@ def test_a_log_brings_the_walk(run, data, tmp_path):
     """The log that `simulate --log` would write, here of the orbit itself, walked twice."""
     copy = copied(run, tmp_path)
     missing = entry(copy, "walk-tiles")
-    assert isinstance(missing, Missing)
+    assert isinstance(missing, MissingFigure)
     simulate = read(shlex.split(missing.command)[1:])
     assert isinstance(simulate, arguments.SimulateOptions) and simulate.log is not None
     target = Path(simulate.log)
@@ -155,25 +155,25 @@ def test_a_log_brings_the_walk(run, data, tmp_path):
 
     # The record of `simulate` says that another gait walked.
     record = {"logs": [str(target)], "sha256": dict.fromkeys((ROBOT, WEIGHTS), "0" * 64)}
-    (copy.path / SIMULATION).write_text(json.dumps(record))
+    (copy.path / WALK_SUMMARY).write_text(json.dumps(record))
     assert measured_walk(copy) is None
-    assert isinstance(entry(copy, "walk-tiles"), Missing)
+    assert isinstance(entry(copy, "walk-tiles"), MissingFigure)
     record["sha256"] = file_hashes(copy.path, (ROBOT, WEIGHTS))
-    (copy.path / SIMULATION).write_text(json.dumps(record))
+    (copy.path / WALK_SUMMARY).write_text(json.dumps(record))
     assert measured_walk(copy) is not None
 
 
 def test_a_residual_brings_its_field(run, data, tmp_path):
     copy = copied(run, tmp_path)
-    assert isinstance(entry(copy, "residual-field"), Missing)
+    assert isinstance(entry(copy, "residual-field"), MissingFigure)
     flow = Residual.like((4,))
     LearnedResiduals(flow, None, np.zeros(2)).write(copy.path / "residual" / "residual.safetensors")
     made = entry(copy, "residual-field")
-    assert not isinstance(made, Missing)
+    assert not isinstance(made, MissingFigure)
     # The record of `fit` says that another gait walked.
     record = {"logs": [], "sha256": {WEIGHTS: "0" * 64}}
     (copy.path / FIT_SUMMARY).write_text(json.dumps(record))
-    assert isinstance(entry(copy, "residual-field"), Missing)
+    assert isinstance(entry(copy, "residual-field"), MissingFigure)
     (copy.path / FIT_SUMMARY).unlink()
     caption, _ = made
     assert "has not been trained with it yet" in caption
@@ -230,7 +230,7 @@ def a_map():
 
 def test_the_proved_enclosure_is_drawn_around_the_fixed_point(data):
     z2 = data.numbers.z2
-    figure = return_map.draw(data, Proved((z2 - 4e-4, z2 + 4e-4), (0.5, 0.9), 0.9))
+    figure = return_map.draw(data, ProvedOrbit((z2 - 4e-4, z2 + 4e-4), (0.5, 0.9), 0.9))
     inset = figure.axes[0].child_axes[0]
     low, high = inset.get_xlim()
     corners = inset.patches[0].get_extents().transformed(inset.transData.inverted())
@@ -313,7 +313,7 @@ def entry(run, name):
     try:
         return make(RunFigures(run, certificate_of(run)))
     except Absent as absent:
-        return Missing(name, title, absent.reason, absent.command)
+        return MissingFigure(name, title, absent.reason, absent.command)
 
 
 def orbit_log(run, data) -> Log:

@@ -14,7 +14,7 @@ from neuralgaits.records.certified import CertificateRecord, Conclusion, Conditi
 from neuralgaits.records.training_config import Range
 from neuralgaits.report.certificate import part_of
 from neuralgaits.report.drawing.command_words import FAMILY
-from neuralgaits.report.drawing.drawn import Drawn, Missing
+from neuralgaits.report.drawing.figure_files import FigureFiles, MissingFigure
 from neuralgaits.report.page.answer import answer
 from neuralgaits.report.page.closing import figures, missing_parts, reproduction
 from neuralgaits.report.page.command_family import family
@@ -191,7 +191,9 @@ def test_the_figure_stands_there_and_nowhere_else(commanded, tmp_path):
     files = tmp_path / "a.png", tmp_path / "a.svg"
     for file in files:
         file.write_bytes(b"a picture")
-    drawn = [Drawn(name, f"title of {name}", "to be seen.", *files) for name in (FAMILY, "loss")]
+    drawn = [
+        FigureFiles(name, f"title of {name}", "to be seen.", *files) for name in (FAMILY, "loss")
+    ]
     page = commanded(drawn)
     pictures = {figure.name: PICTURE for figure in drawn}
     assert f"title of {FAMILY}" in said(page, pictures) and PICTURE in said(page, pictures)
@@ -201,7 +203,9 @@ def test_the_figure_stands_there_and_nowhere_else(commanded, tmp_path):
 
 
 def test_where_there_is_no_orbit_a_line_says_why(commanded):
-    lost = Missing(FAMILY, "A family of gaits", "no orbit was found", "neuralgaits train amber3m")
+    lost = MissingFigure(
+        FAMILY, "A family of gaits", "no orbit was found", "neuralgaits train amber3m"
+    )
     page = commanded([lost])
     assert "not drawn: no orbit was found." in said(page) and 'href="#missing"' in said(page)
     assert "A family" not in figures(page, {})

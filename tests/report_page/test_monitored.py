@@ -5,12 +5,12 @@ from typing import Any
 
 import pytest
 
-from neuralgaits.records.monitored import LevelWatched, MonitorFigures, TickOutside
+from neuralgaits.records.monitored import LevelOccupancy, MonitorFigures, TickOutside
 from neuralgaits.report.page.monitor_table import monitored, share
 
 PROOF = "a" * 64
-WALKING = LevelWatched(0.9996, -0.25, "level-lower", TickOutside(2, 24.983, "phase-end", -0.01))
-FULL = LevelWatched(1.0, 0.031, "knee-clears")
+WALKING = LevelOccupancy(0.9996, -0.25, "level-lower", TickOutside(2, 24.983, "phase-end", -0.01))
+FULL = LevelOccupancy(1.0, 0.031, "knee-clears")
 SEEN = MonitorFigures(1000, {"2": WALKING, "4": FULL, "5": FULL}, 0.75, 1.0, PROOF)
 
 

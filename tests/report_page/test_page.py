@@ -15,7 +15,7 @@ from neuralgaits.certificate.run_certificate.verified_summary import UNCHECKED, 
 from neuralgaits.cli.argv_parser import read as read_words
 from neuralgaits.cli.argv_parser import verb_name
 from neuralgaits.records.training_config import GaitOrigin
-from neuralgaits.report.drawing.drawn import Missing
+from neuralgaits.report.drawing.figure_files import MissingFigure
 from neuralgaits.report.page import phrases
 from neuralgaits.report.page.answer import answer
 from neuralgaits.report.page.closing import failures, missing, missing_parts, reproduction
@@ -370,7 +370,7 @@ def test_of_a_gait_that_was_given_nothing_is_said_to_be_trained(contents, shippe
 
 
 def test_missing_figures_stand_with_their_commands(contents, shipped):
-    lost = Missing("x", "A picture", "no log", "neuralgaits simulate RUN --log F.csv")
+    lost = MissingFigure("x", "A picture", "no log", "neuralgaits simulate RUN --log F.csv")
     page = contents(shipped, figures=[lost])
     assert "A picture" in document(page) and "neuralgaits simulate RUN --log F.csv" in missing(page)
 
@@ -426,7 +426,7 @@ def test_nothing_that_a_run_says_becomes_markup(contents, shipped, walk, hostile
     _change(shipped, "certificate/summary.json", told)
     _simulated(shipped, fall_reasons=[None, hostile, hostile], plant=hostile, controller=hostile)
     walk = replace(walk, plant=hostile, fall_reason=hostile, origin=hostile, controller=hostile)
-    page = contents(shipped, walk=walk, figures=[Missing(hostile, hostile, hostile, hostile)])
+    page = contents(shipped, walk=walk, figures=[MissingFigure(hostile, hostile, hostile, hostile)])
     page = replace(page, robot=replace(page.robot, robot=hostile), assumptions=(hostile,))
     tags = _Tags(document(page)).found
     kinds = [name for name, _ in tags]

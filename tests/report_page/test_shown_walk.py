@@ -12,7 +12,7 @@ from neuralgaits.analysis.run import open_run
 from neuralgaits.episode_rounds.episode_folder import EpisodeFolder
 from neuralgaits.records.report_walk import FILE, ShownWalk
 from neuralgaits.report import shown_walk
-from neuralgaits.report.shown_walk import STEPS, AskedWalk, asked_of, walk_again
+from neuralgaits.report.shown_walk import STEPS, WalkRequest, request_of, walk_again
 from neuralgaits.robots import load_robot
 from neuralgaits.simulation.setup.disturbance import PlantChanges
 from neuralgaits.workflows.simulate import simulate
@@ -30,13 +30,13 @@ SIMULATED = {
 }
 
 
-def _simulated(folder: Path, **changed) -> AskedWalk:
+def _simulated(folder: Path, **changed) -> WalkRequest:
     (folder / "simulation").mkdir(exist_ok=True)
     told = SIMULATED | changed
     walks = len(told["fell"]) if isinstance(told["fell"], list) else 1
     told |= {"episodes": walks, "steps_walked": [3] * walks, "fall_reasons": [None] * walks}
     (folder / "simulation/summary.json").write_text(json.dumps(told))
-    return asked_of(open_run(folder))
+    return request_of(open_run(folder))
 
 
 def test_the_first_fall_is_walked_again_to_its_end(shipped):
@@ -62,7 +62,7 @@ def test_what_is_shown_is_the_walk_that_fell_and_what_it_met(shipped):
     done = simulate(
         run, steps=3, start="region", push=4.0, disturb=disturbance, seed=seed, episodes=3
     )
-    asked = AskedWalk(
+    asked = WalkRequest(
         steps=3, start="region", push=4.0, disturbance=disturbance, seed=seed, episode=2
     )
     all_three, shown = done.walk.episodes.gauge, walk_again(run, asked).episodes.gauge
@@ -101,7 +101,7 @@ def test_a_process_of_its_own_is_shown_by_the_law_it_ran(shipped):
 
 @pytest.mark.parametrize("lost", [{"plant": "no/such/robot.xml"}, {"fell": 3}])
 def test_a_simulation_that_cannot_be_repeated_gives_a_plain_walk(shipped, lost):
-    assert _simulated(shipped, **lost) == AskedWalk()
+    assert _simulated(shipped, **lost) == WalkRequest()
 
 
 def test_without_a_simulation_the_robot_of_the_episodes_walks(tmp_path):
@@ -117,7 +117,7 @@ def test_without_a_simulation_the_robot_of_the_episodes_walks(tmp_path):
     }
     folder = EpisodeFolder.create(asked, None, out=tmp_path / "episodes", root=tmp_path)
     shutil.copytree(SHIPPED, folder.round(1))
-    found = asked_of(open_run(folder.round(1)))
+    found = request_of(open_run(folder.round(1)))
     assert found.plant is not None and found.plant.name == "amber3m-tail"
     assert found.disturbance.torso_shift_m == -0.02 and found.law == "fblin"
 

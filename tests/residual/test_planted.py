@@ -6,7 +6,7 @@ import pytest
 from neuralgaits.gait.flow_residual import Residual
 from neuralgaits.residual.fitter import FitConfig, Fitter, fit
 from neuralgaits.residual.floor import binned, floor
-from neuralgaits.residual.trajectories import largest_defects, missed, root_mean_square
+from neuralgaits.residual.trajectories import largest_defects, prediction_errors, root_mean_square
 
 SCALE = np.array([0.34, 19.0])
 
@@ -42,13 +42,13 @@ def test_a_planted_residual_is_recovered_in_the_region_visited(zd, data, walked)
 def test_one_step_of_10_ms_is_accurate(zd, data):
     # Against SciPy's eighth-order method at 1e-9: less than 2e-5 of the state's scale.
     train = data[0]
-    assert root_mean_square(missed(zd, planted, train).errors, SCALE) < 2e-5
+    assert root_mean_square(prediction_errors(zd, planted, train).errors, SCALE) < 2e-5
 
 
 def test_the_defect_is_the_planted_rate_to_first_order(zd, data):
     # What is missing also moves z, which changes omega: half a step's worth of it on average.
     train = data[0]
-    found = missed(zd, Residual.like((16, 16)), train).defects
+    found = prediction_errors(zd, Residual.like((16, 16)), train).defects
     middle = np.mean(train.z[:, :2], axis=1)
 
     def expected(z):
@@ -62,7 +62,7 @@ def test_the_defect_is_the_planted_rate_to_first_order(zd, data):
 def test_what_a_residual_leaves_is_bounded_by_the_largest_defect(zd, data):
     # Three quarters of the planted rate are known: a quarter is left.
     train = data[0]
-    left = largest_defects(missed(zd, lambda z: 0.75 * planted(z), train))
+    left = largest_defects(prediction_errors(zd, lambda z: 0.75 * planted(z), train))
     size = np.abs(jax.jit(jax.vmap(planted))(train.z[:, 0])).max(axis=0)
     np.testing.assert_allclose(left, 0.25 * size, rtol=0.05)
 
@@ -74,10 +74,10 @@ def test_the_best_table_leaves_what_varies_within_its_bins(zd, walked):
 
     train = walked(sloping, starts(3, 6), samples=2)
     judged = walked(sloping, starts(4, 6), samples=11)
-    nothing = missed(zd, lambda z: 0.0 * z, judged).errors
-    defects = missed(zd, lambda z: 0.0 * z, train).defects
+    nothing = prediction_errors(zd, lambda z: 0.0 * z, judged).errors
+    defects = prediction_errors(zd, lambda z: 0.0 * z, train).defects
     left = floor(zd, np.mean(train.z[:, :2], axis=1), defects, judged, SCALE)
     whole = root_mean_square(nothing, SCALE)
     assert 1e-3 * whole < left < 0.1 * whole
     constant = binned(train.z[:, 0], np.ones_like(defects), (32, 4))
-    assert root_mean_square(missed(zd, constant, judged).errors, SCALE) > whole
+    assert root_mean_square(prediction_errors(zd, constant, judged).errors, SCALE) > whole

@@ -9,7 +9,7 @@ import pytest
 
 from neuralgaits.errors import InputError, RunError
 from neuralgaits.runs.claim import claimed
-from neuralgaits.runs.names import SUMMARY
+from neuralgaits.runs.names import TRAINING_SUMMARY
 from neuralgaits.runs.only_writer import LOCK, only_writer
 from neuralgaits.workflows.train import train
 
@@ -57,7 +57,7 @@ def test_two_commands_do_not_fill_one_folder(tmp_path):
 
 def test_a_run_that_is_being_trained_is_not_resumed(small_run, tmp_path):
     path = shutil.copytree(small_run.path, tmp_path / "run")
-    (path / SUMMARY).unlink()
+    (path / TRAINING_SUMMARY).unlink()
     before = {one: one.read_bytes() for one in path.iterdir() if one.is_file()}
     with only_writer(path):
         with pytest.raises(InputError, match="nobody else at work"):

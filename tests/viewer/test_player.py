@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from neuralgaits.viewer.player import STEP_S, Player
-from neuralgaits.viewer.walker import Margins, Shown
+from neuralgaits.viewer.walker import Margins, WalkFrame
 
 PERIOD_S = 1e-3
 
@@ -28,7 +28,7 @@ class Clockwork:
     def shown(self):
         nothing = np.zeros(2)
         now = self.ticks * PERIOD_S
-        return Shown(
+        return WalkFrame(
             time=now,
             walked=now,
             qpos=nothing,

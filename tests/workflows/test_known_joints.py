@@ -15,7 +15,7 @@ from neuralgaits.control import Controller, Pd
 from neuralgaits.errors import InputError
 from neuralgaits.export import build
 from neuralgaits.export.source import gait_files
-from neuralgaits.records.simulated import SUMMARY, SimulationSummary
+from neuralgaits.records.simulated import WALK_SUMMARY, SimulationSummary
 from neuralgaits.report.page.repeat_commands import simulating
 from neuralgaits.robots import load_robot
 from neuralgaits.runs.hashes import sha256
@@ -86,7 +86,7 @@ def test_the_record_and_the_repeated_command_name_them(run, known):
     assert summary.joints == "latest"
     assert summary.joints_sha256 == sha256((run.path / JOINTS).read_bytes())
     assert summary.walked_by == "under pd with identified joints in MuJoCo"
-    recorded = SimulationSummary.read(run.path / SUMMARY)
+    recorded = SimulationSummary.read(run.path / WALK_SUMMARY)
     line = simulating(run.folder, recorded, run.path)
     assert line is not None
     assert ("--joints latest" in line) == (recorded.joints is not None)

@@ -26,7 +26,7 @@ from neuralgaits.errors import InputError, Interrupted, NonFiniteError, RunError
 from neuralgaits.programs import POINT, evaluate
 from neuralgaits.records.trained import Violations, trained_of
 from neuralgaits.runs.folder import NAN_STATE
-from neuralgaits.runs.names import ROBOT, SPEC, STATE, SUMMARY, WEIGHTS
+from neuralgaits.runs.names import ROBOT, SPEC, STATE, TRAINING_SUMMARY, WEIGHTS
 from neuralgaits.training.trainer import CAREFUL, SMALLER
 from neuralgaits.workflows import train as workflow
 from neuralgaits.workflows.report import write_report
@@ -342,7 +342,7 @@ def test_a_gait_that_is_not_finite_leaves_no_summary(amber, tmp_path, monkeypatc
     ) as no:
         train(amber, f"{SMALL}:small", steps=2, out=out, root=tmp_path)
     assert str(out) in str(no.value) and "\n" not in str(no.value)
-    assert not (out / SUMMARY).exists()
+    assert not (out / TRAINING_SUMMARY).exists()
 
 
 @pytest.mark.parametrize("field", ["loss", "conditions", "aims"])

@@ -15,7 +15,7 @@ from neuralgaits.analysis.run import open_run
 from neuralgaits.cli.main import main
 from neuralgaits.errors import InputError, Interrupted, NonFiniteError
 from neuralgaits.runs import resolve, resolve_unfinished
-from neuralgaits.runs.names import STATE, SUMMARY
+from neuralgaits.runs.names import STATE, TRAINING_SUMMARY
 from neuralgaits.training import training_loop
 from neuralgaits.training.trainer import SMALLER, Trainer
 from neuralgaits.workflows import seeds_in_parallel
@@ -102,7 +102,7 @@ def test_a_killed_seed_goes_on_to_the_same_weights(three, root, tmp_path):
     run = three.runs[1]
     kept = run.folder.read_tree(STATE, _trainer(run).init(run.trained))
     assert int(kept.step) == STEPS
-    (run.path / SUMMARY).rename(tmp_path / SUMMARY)
+    (run.path / TRAINING_SUMMARY).rename(tmp_path / TRAINING_SUMMARY)
     again = train(resume=run.path, root=root)
     assert eqx.tree_equal(again.trained, run.trained)
     assert again.summary.loss == run.summary.loss
@@ -158,7 +158,7 @@ def test_a_seed_without_a_way_out_is_refused_with_its_reason(amber, root, monkey
     said = capfd.readouterr().out
     assert "trained: 2 of 3 seeds" in said
     assert "seed 1: expected a finite loss and weights, found NaN or infinity at step 1" in said
-    assert [(root / out / str(n) / SUMMARY).is_file() for n in range(3)] == [1, 0, 1]
+    assert [(root / out / str(n) / TRAINING_SUMMARY).is_file() for n in range(3)] == [1, 0, 1]
     rows = json.loads((root / out / "seeds.json").read_text())["seeds"]
     assert [row["refused"] is None for row in rows] == [True, False, True]
     assert (root / out / "1" / "nan.json").is_file()
@@ -218,7 +218,9 @@ def test_ctrl_c_ends_all_threads_and_what_was_begun_can_be_gone_on_with(
     with pytest.raises(Interrupted) as stopped:
         train_seeds(amber, SMALL, seeds=(0, 9), steps=STEPS, out=out, root=tmp_path, progress=stop)
     left = [
-        n for n in range(9) if (out / str(n)).exists() and not (out / str(n) / SUMMARY).exists()
+        n
+        for n in range(9)
+        if (out / str(n)).exists() and not (out / str(n) / TRAINING_SUMMARY).exists()
     ]
     assert left and not (out / "4").exists() and not (out / "seeds.json").exists()
     assert stopped.value.command.endswith(f"train --resume {out / str(left[0])}")

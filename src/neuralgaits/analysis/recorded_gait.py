@@ -12,7 +12,7 @@ from neuralgaits.analysis.run import Run
 from neuralgaits.analysis.walk_log import GAIT_FILES, SIMULATED, WALKED
 from neuralgaits.errors import InputError, RunError
 from neuralgaits.records.fitted import FittedGait, Logs
-from neuralgaits.records.simulated import SUMMARY
+from neuralgaits.records.simulated import WALK_SUMMARY
 from neuralgaits.runs.folder import CONFIG
 from neuralgaits.runs.hashes import file_hashes
 from neuralgaits.runs.names import FIT_SUMMARY, LEARNED_RESIDUAL, RESIDUAL, ROBOT, START, WEIGHTS
@@ -66,7 +66,7 @@ def _of_log(log: Path) -> RecordedGait | None:
     run = place.parent.parent
     if place.parent == run / SIMULATED and (run / CONFIG).is_file():
         try:
-            logs = Logs.read(run / SUMMARY)
+            logs = Logs.read(run / WALK_SUMMARY)
         except RunError:
             return None
         # A run that was moved keeps its logs, but not their paths.

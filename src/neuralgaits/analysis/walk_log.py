@@ -13,7 +13,7 @@ from neuralgaits.analysis.run import Run
 from neuralgaits.errors import InputError, RunError
 from neuralgaits.logs import Log
 from neuralgaits.records.fitted import Logs
-from neuralgaits.records.simulated import SUMMARY
+from neuralgaits.records.simulated import WALK_SUMMARY
 from neuralgaits.runs.hashes import other_file
 from neuralgaits.runs.names import ROBOT, WEIGHTS
 
@@ -46,7 +46,7 @@ def _candidates(run: Path) -> Iterator[tuple[Path, bool]]:
     other = None
     # A run that was moved keeps its logs, but not their names.
     with suppress(RunError):
-        simulated = Logs.read(run / SUMMARY)
+        simulated = Logs.read(run / WALK_SUMMARY)
         other = other_file(run, simulated.sha256, GAIT_FILES)
         for path in map(Path, simulated.logs):
             named += [path, run / SIMULATED / path.name]

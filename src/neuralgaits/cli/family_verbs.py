@@ -48,7 +48,7 @@ def _show(outcome: VerbResult, result: Any) -> None:
 @contextmanager
 def _progress(name: str, quiet: bool) -> Iterator[ProgressCallbacks]:
     """Show the progress of a verb while the context is open."""
-    from neuralgaits.cli.progress import ProofProgress, TrainingProgress, waiting
+    from neuralgaits.cli.progress import ProofProgress, TrainingProgress, WorkProgress
 
     if name == "train":
         with TrainingProgress(quiet) as training:
@@ -57,5 +57,5 @@ def _progress(name: str, quiet: bool) -> Iterator[ProgressCallbacks]:
         with ProofProgress(quiet) as proof:
             yield ProgressCallbacks(proved=proof)
     else:
-        with waiting(_WAITS.get(name, name), quiet) as work:
+        with WorkProgress(_WAITS.get(name, name), quiet) as work:
             yield ProgressCallbacks(begun=work.begun)

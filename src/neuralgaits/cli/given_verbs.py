@@ -15,20 +15,20 @@ from neuralgaits.settings import ImportGaitSettings, OptimiseSettings
 
 def carry_out_optimise(verb: OptimiseOptions) -> Outcome:
     """Carry out the verb `optimise`; always good."""
-    from neuralgaits.cli.progress import waiting
+    from neuralgaits.cli.progress import WorkProgress
     from neuralgaits.workflows.optimise import optimise
 
-    with waiting("looking for a gait", quiet=verb.output.json) as progress:
+    with WorkProgress("looking for a gait", quiet=verb.output.json) as progress:
         run = optimise(**given(verb, OptimiseSettings, begun=progress.begun))
     return Outcome(run.summary, True, show_given)
 
 
 def carry_out_import(verb: ImportGaitOptions) -> Outcome:
     """Carry out the verb `import-gait`; always good."""
-    from neuralgaits.cli.progress import waiting
+    from neuralgaits.cli.progress import WorkProgress
     from neuralgaits.workflows.import_gait import import_gait
 
-    with waiting("looking for its orbit", quiet=verb.output.json) as progress:
+    with WorkProgress("looking for its orbit", quiet=verb.output.json) as progress:
         run = import_gait(**given(verb, ImportGaitSettings, begun=progress.begun))
     return Outcome(run.summary, True, show_given)
 

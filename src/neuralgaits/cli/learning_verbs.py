@@ -28,7 +28,7 @@ def carry_out_fit(verb: FitOptions) -> Outcome:
 
 def _fit_joints(verb: FitOptions) -> Outcome:
     from neuralgaits.cli.joints_screen import show_joints
-    from neuralgaits.cli.progress import waiting
+    from neuralgaits.cli.progress import WorkProgress
     from neuralgaits.workflows.fit_joints import fit_joints
 
     usual = FitSettings(verb.run, verb.logs)
@@ -38,7 +38,7 @@ def _fit_joints(verb: FitOptions) -> Outcome:
                 f"--{name}: expected it without --joints, found both: joints are identified by "
                 f"least squares, leave --{name} out"
             )
-    with waiting("identifying", quiet=verb.output.json):
+    with WorkProgress("identifying", quiet=verb.output.json):
         result = fit_joints(verb.run, verb.logs, columns=verb.columns, write=verb.write)
     return Outcome(result, result.better, show_joints)
 

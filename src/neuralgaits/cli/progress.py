@@ -194,8 +194,10 @@ class CheckProgress(_Share):
         self._show(done / leaves if leaves else 1.0, f"{done}/{leaves} boxes")
 
 
-class _Waiting(_OnTerminal):
-    def __init__(self, what: str, quiet: bool) -> None:
+class WorkProgress(_OnTerminal):
+    """A spinner for work without countable steps; without a terminal it has one line."""
+
+    def __init__(self, what: str, quiet: bool = False) -> None:
         super().__init__(SpinnerColumn(), TextColumn(what), TimeElapsedColumn(), quiet=quiet)
         self._what = what
         self._bar.add_task("", total=None)
@@ -204,11 +206,6 @@ class _Waiting(_OnTerminal):
         """Say without a terminal what is being done, once nothing stands in its way."""
         if not self._drawn:
             self._line(self._what)
-
-
-def waiting(what: str, quiet: bool = False) -> _Waiting:
-    """Return a spinner for work without countable steps; without a terminal it has one line."""
-    return _Waiting(what, quiet)
 
 
 class SweepProgress(_OnTerminal):

@@ -13,11 +13,11 @@ _INDENT = 2
 
 def carry_out_report(verb: ReportOptions) -> Outcome:
     """Carry out `report`. Good even if parts are missing: the page lists them."""
-    from neuralgaits.cli.progress import waiting
+    from neuralgaits.cli.progress import WorkProgress
     from neuralgaits.workflows.report import write_report
 
     what = "walking once more, drawing the figures"
-    with waiting(what, quiet=verb.output.json) as progress:
+    with WorkProgress(what, quiet=verb.output.json) as progress:
         written = write_report(verb.run, out=verb.out, begun=progress.begun)
     return Outcome(written.summary, True, show_report, brief=brief_report)
 

@@ -138,10 +138,10 @@ def _simulate(verb: SimulateOptions) -> Outcome:
     if verb.video is not None:
         # Before MuJoCo is imported, which looks at it then.
         render_without_screen()
-    from neuralgaits.cli.progress import waiting
+    from neuralgaits.cli.progress import WorkProgress
     from neuralgaits.workflows.simulate import simulate
 
-    with waiting("walking", quiet=verb.output.json) as progress:
+    with WorkProgress("walking", quiet=verb.output.json) as progress:
         walks = simulate(**given(verb, SimulateSettings, begun=progress.begun))
     notes = [walks.plant_note, None if verb.output.json else walks.summary.engine_note]
     for note in filter(None, notes):
@@ -191,10 +191,10 @@ def _check_proof(verb: CheckProofOptions) -> Outcome:
 
 def _export(verb: ExportOptions) -> Outcome:
     from neuralgaits.cli.export_screen import show_export
-    from neuralgaits.cli.progress import waiting
+    from neuralgaits.cli.progress import WorkProgress
     from neuralgaits.workflows.export import export_controller
 
-    with waiting("writing it, comparing it with Python", quiet=verb.output.json) as progress:
+    with WorkProgress("writing it, comparing it with Python", quiet=verb.output.json) as progress:
         exported = export_controller(**given(verb, ExportSettings, begun=progress.begun))
     return Outcome(exported.summary, exported.checked, show_export, undecided=not exported.checked)
 

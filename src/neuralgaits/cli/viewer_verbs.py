@@ -13,20 +13,20 @@ if TYPE_CHECKING:
 
 def carry_out_view(verb: ViewOptions) -> Outcome:
     """Carry out the verb `view`; always good."""
-    from neuralgaits.cli.progress import waiting
+    from neuralgaits.cli.progress import WorkProgress
     from neuralgaits.workflows.view import view
 
-    with waiting("putting the robot onto its feet", quiet=verb.output.json):
+    with WorkProgress("putting the robot onto its feet", quiet=verb.output.json):
         live = view(verb.run, terrain=verb.terrain, **_place(verb.page))
     return _served(live, verb.page)
 
 
 def carry_out_demo(verb: DemoOptions) -> Outcome:
     """Carry out the verb `demo`; always good."""
-    from neuralgaits.cli.progress import waiting
+    from neuralgaits.cli.progress import WorkProgress
     from neuralgaits.workflows.demo import demo
 
-    with waiting("putting the robot onto its feet", quiet=verb.output.json):
+    with WorkProgress("putting the robot onto its feet", quiet=verb.output.json):
         live = demo(speed=verb.speed, **_place(verb.page))
     return _served(live, verb.page)
 

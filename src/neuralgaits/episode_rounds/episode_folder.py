@@ -16,10 +16,10 @@ from neuralgaits.analysis.run import Run
 from neuralgaits.errors import InputError, RunError, reason
 from neuralgaits.records.episode_records import (
     CONFIG_FILE,
-    SUMMARY,
+    EPISODES_SUMMARY,
     WALKS,
     EpisodesConfig,
-    Versioned,
+    FormatVersion,
 )
 from neuralgaits.records.record import Record
 from neuralgaits.robots import PlanarBiped
@@ -106,7 +106,7 @@ class EpisodeFolder:
         path = Path(place)
         if not (path / CONFIG_FILE).is_file():
             return None
-        version = read(path / CONFIG_FILE, Versioned).format
+        version = read(path / CONFIG_FILE, FormatVersion).format
         if version != FORMAT:
             raise RunError(
                 f"expected episodes of format {FORMAT} in {path}, found {version!r}: begin new ones"
@@ -154,7 +154,7 @@ class EpisodeFolder:
 
     def walks(self, number: int) -> Path:
         """Return the path of the summary of a round's walks."""
-        return self.round(number) / WALKS / SUMMARY
+        return self.round(number) / WALKS / EPISODES_SUMMARY
 
     def logs(self, number: int) -> Path:
         """Return the folder that holds the logs of a round's walks on a plant."""

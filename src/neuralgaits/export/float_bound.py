@@ -29,7 +29,7 @@ result and FUNCTION_FLOOR: three units in the last place, which the tests hold t
 FUNCTION_FLOOR = 2.0**-20
 
 
-class Rounded(NamedTuple):
+class RoundedValue(NamedTuple):
     """Exact values between `low` and `high`, computed ones within `error` of them. [size, B]."""
 
     low: np.ndarray
@@ -48,37 +48,37 @@ class Rounded(NamedTuple):
 
 
 @dataclass(frozen=True)
-class RoundingAlgebra(Algebra[Rounded]):
+class RoundingAlgebra(Algebra[RoundedValue]):
     """Rules of the running error analysis for boxes of inputs."""
 
     def enter(
         self, program: Program, inputs: Mapping[str, tuple[np.ndarray, np.ndarray]]
-    ) -> dict[str, Rounded]:
+    ) -> dict[str, RoundedValue]:
         """Return boxes of inputs, (low, high) of shape [B, size]; inputs are exact."""
         del program
         return {
-            name: Rounded(low.T, high.T, np.zeros_like(low.T))
+            name: RoundedValue(low.T, high.T, np.zeros_like(low.T))
             for name, (low, high) in inputs.items()
         }
 
-    def constant(self, array: np.ndarray) -> Rounded:
+    def constant(self, array: np.ndarray) -> RoundedValue:
         """Return a constant and its rounding to single precision."""
         column = array[:, None]
         error = np.abs(column.astype(np.float32).astype(np.float64) - column)
-        return Rounded(column, column, error)
+        return RoundedValue(column, column, error)
 
-    def move(self, operands: Sequence[Rounded], index: np.ndarray) -> Rounded:
+    def move(self, operands: Sequence[RoundedValue], index: np.ndarray) -> RoundedValue:
         """Select elements of the concatenated operands."""
         batch = max(operand.error.shape[1] for operand in operands)
         wide = [
             [np.broadcast_to(part, (part.shape[0], batch)) for part in operand]
             for operand in operands
         ]
-        return Rounded(*(np.concatenate(parts)[index] for parts in zip(*wide, strict=True)))
+        return RoundedValue(*(np.concatenate(parts)[index] for parts in zip(*wide, strict=True)))
 
     def affine(
-        self, matrix: Rounded, right: Rounded, offset: Rounded | None, columns: int
-    ) -> Rounded:
+        self, matrix: RoundedValue, right: RoundedValue, offset: RoundedValue | None, columns: int
+    ) -> RoundedValue:
         """Sum products in any order, with or without fused multiply-adds."""
         inner, batch = right.low.shape[0] // columns, right.low.shape[1]
         wide = (inner, columns * batch)
@@ -94,40 +94,40 @@ class RoundingAlgebra(Algebra[Rounded]):
             passed, reach = passed + offset.error, reach + offset.reach
         error = passed + _rounding(inner + 2) * reach + inner * TINY
         parts = (centre - spread, centre + spread, error)
-        return Rounded(*(part.reshape(-1, batch) for part in parts))
+        return RoundedValue(*(part.reshape(-1, batch) for part in parts))
 
-    def sum(self, a: Rounded, size: int) -> Rounded:
+    def sum(self, a: RoundedValue, size: int) -> RoundedValue:
         """Sum each row of numbers, in any order."""
         shape = (size, -1, a.low.shape[1])
         low, high, error = (part.reshape(shape).sum(axis=1) for part in a)
         terms = a.low.shape[0] // size
         reach = a.reach.reshape(shape).sum(axis=1)
-        return Rounded(low, high, error + _rounding(terms) * reach)
+        return RoundedValue(low, high, error + _rounding(terms) * reach)
 
-    def inner(self, a: Rounded, b: Rounded, size: int) -> Rounded:
+    def inner(self, a: RoundedValue, b: RoundedValue, size: int) -> RoundedValue:
         """Return the inner product of each pair of rows."""
         return self.sum(_mul(a, b), size)
 
-    def elementwise(self, kind: str, *operands: Rounded) -> Rounded:
+    def elementwise(self, kind: str, *operands: RoundedValue) -> RoundedValue:
         """Apply the rule of a kind."""
         return rule(_RULES, kind, "running errors")(*operands)
 
 
-def _add(a: Rounded, b: Rounded) -> Rounded:
+def _add(a: RoundedValue, b: RoundedValue) -> RoundedValue:
     return _rounded(a.low + b.low, a.high + b.high, a.error + b.error)
 
 
-def _sub(a: Rounded, b: Rounded) -> Rounded:
+def _sub(a: RoundedValue, b: RoundedValue) -> RoundedValue:
     return _rounded(a.low - b.high, a.high - b.low, a.error + b.error)
 
 
-def _mul(a: Rounded, b: Rounded) -> Rounded:
+def _mul(a: RoundedValue, b: RoundedValue) -> RoundedValue:
     corners = [a.low * b.low, a.low * b.high, a.high * b.low, a.high * b.high]
     passed = a.error * b.size + b.error * a.size + a.error * b.error
     return _rounded(np.minimum.reduce(corners), np.maximum.reduce(corners), passed)
 
 
-def _div(a: Rounded, b: Rounded) -> Rounded:
+def _div(a: RoundedValue, b: RoundedValue) -> RoundedValue:
     """Divide; the result is infinite where the divisor may be zero."""
     corners = [p / q for p in (a.low, a.high) for q in (b.low, b.high)]
     low, high = np.minimum.reduce(corners), np.maximum.reduce(corners)
@@ -139,17 +139,17 @@ def _div(a: Rounded, b: Rounded) -> Rounded:
     return _rounded(low, high, passed)
 
 
-def _neg(a: Rounded) -> Rounded:
-    return Rounded(-a.high, -a.low, a.error)
+def _neg(a: RoundedValue) -> RoundedValue:
+    return RoundedValue(-a.high, -a.low, a.error)
 
 
-def _square(a: Rounded) -> Rounded:
+def _square(a: RoundedValue) -> RoundedValue:
     ends = a.low * a.low, a.high * a.high
     least = np.where(a.low * a.high > 0.0, np.minimum(*ends), 0.0)
     return _rounded(least, np.maximum(*ends), (2.0 * a.size + a.error) * a.error)
 
 
-def _sqrt(a: Rounded) -> Rounded:
+def _sqrt(a: RoundedValue) -> RoundedValue:
     """Take the root; its error is infinite where a computed argument may be negative."""
     with np.errstate(invalid="ignore", divide="ignore"):
         low, high, least = (np.sqrt(part) for part in (a.low, a.high, a.low - a.error))
@@ -157,24 +157,24 @@ def _sqrt(a: Rounded) -> Rounded:
     return _function(low, high, np.where(least >= 0.0, passed, np.inf))
 
 
-def _exp(a: Rounded) -> Rounded:
+def _exp(a: RoundedValue) -> RoundedValue:
     slope = np.exp(a.high + a.error)
     return _function(np.exp(a.low), np.exp(a.high), slope * a.error)
 
 
-def _log1p(a: Rounded) -> Rounded:
+def _log1p(a: RoundedValue) -> RoundedValue:
     slope = 1.0 / (1.0 + a.low - a.error)
     return _function(np.log1p(a.low), np.log1p(a.high), slope * a.error)
 
 
-def _tanh(a: Rounded) -> Rounded:
+def _tanh(a: RoundedValue) -> RoundedValue:
     low, high = np.tanh(a.low), np.tanh(a.high)
     flattest = np.where(a.low * a.high > 0.0, np.minimum(np.abs(a.low), np.abs(a.high)), 0.0)
     slope = 1.0 - np.tanh(np.maximum(flattest - a.error, 0.0)) ** 2
     return _function(low, high, slope * a.error)
 
 
-def _logistic(a: Rounded) -> Rounded:
+def _logistic(a: RoundedValue) -> RoundedValue:
     low, high = (0.5 + 0.5 * np.tanh(0.5 * part) for part in (a.low, a.high))
     return _function(low, high, 0.25 * a.error)
 
@@ -184,23 +184,23 @@ def _rounding(terms: int) -> float:
     return terms * UNIT / (1.0 - terms * UNIT)
 
 
-def _rounded(low: np.ndarray, high: np.ndarray, passed: np.ndarray) -> Rounded:
+def _rounded(low: np.ndarray, high: np.ndarray, passed: np.ndarray) -> RoundedValue:
     size = np.maximum(np.abs(low), np.abs(high))
-    return Rounded(low, high, passed + UNIT * (size + passed) + TINY)
+    return RoundedValue(low, high, passed + UNIT * (size + passed) + TINY)
 
 
-def _function(low: np.ndarray, high: np.ndarray, passed: np.ndarray) -> Rounded:
+def _function(low: np.ndarray, high: np.ndarray, passed: np.ndarray) -> RoundedValue:
     size = np.maximum(np.maximum(np.abs(low), np.abs(high)) + passed, FUNCTION_FLOOR)
-    return Rounded(low, high, passed + FUNCTION_UNITS * UNIT * size)
+    return RoundedValue(low, high, passed + FUNCTION_UNITS * UNIT * size)
 
 
-def _wave(function: Callable[[np.ndarray], np.ndarray], a: Rounded) -> Rounded:
+def _wave(function: Callable[[np.ndarray], np.ndarray], a: RoundedValue) -> RoundedValue:
     middle, radius = 0.5 * (a.low + a.high), 0.5 * (a.high - a.low)
     value = function(middle)
     return _function(np.maximum(value - radius, -1.0), np.minimum(value + radius, 1.0), a.error)
 
 
-_RULES: dict[str, Callable[..., Rounded]] = {
+_RULES: dict[str, Callable[..., RoundedValue]] = {
     "add": _add,
     "sub": _sub,
     "mul": _mul,

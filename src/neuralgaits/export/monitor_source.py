@@ -6,7 +6,7 @@ from neuralgaits.analysis.state_monitor import NO_NUMBER, StateMonitor, StateSet
 from neuralgaits.export import output_folder
 from neuralgaits.export.facts import Design
 from neuralgaits.export.source import commented, quoted
-from neuralgaits.programs.c99.c_writer import Emitted
+from neuralgaits.programs.c99.c_writer import CFunction
 from neuralgaits.programs.c99.constant_arrays import Tables, braces, wrapped
 from neuralgaits.programs.c99.function import emit
 
@@ -74,7 +74,7 @@ def _prose(design: Design, monitor: StateMonitor) -> list[str]:
     return lines
 
 
-def _header(design: Design, monitor: StateMonitor, functions: list[Emitted]) -> str:
+def _header(design: Design, monitor: StateMonitor, functions: list[CFunction]) -> str:
     words = {"PROOF": monitor.proof_sha256, "ROBOT": monitor.robot_sha256}
     size = max(len(one.names) for one in monitor.sets)
     lines = [
@@ -121,7 +121,7 @@ def _ranges(monitor: StateMonitor) -> dict[str, np.ndarray]:
     }
 
 
-def _code(monitor: StateMonitor, functions: list[Emitted], tables: Tables) -> str:
+def _code(monitor: StateMonitor, functions: list[CFunction], tables: Tables) -> str:
     levels = monitor.levels
     places = [monitor.sets.index(monitor.set_of(level)) for level in levels]
     counts = {

@@ -11,7 +11,7 @@ from neuralgaits.export.facts import Design
 from neuralgaits.export.programs import parts
 from neuralgaits.export.robot_programs import Part
 from neuralgaits.export.schedule_tables import schedule_literal
-from neuralgaits.programs.c99.c_writer import Emitted
+from neuralgaits.programs.c99.c_writer import CFunction
 from neuralgaits.programs.c99.constant_arrays import Tables, braces, literal
 from neuralgaits.programs.c99.function import emit
 
@@ -37,7 +37,7 @@ def gait_files(design: Design, further: Sequence[Part] = ()) -> dict[str, str]:
     return {"gait.h": _header(design, functions), "gait.c": _code(design, functions, tables)}
 
 
-def _header(design: Design, functions: list[Emitted]) -> str:
+def _header(design: Design, functions: list[CFunction]) -> str:
     lines = [
         *("/*", *(f" * {commented(line)}".rstrip() for line in statement.prose(design)), " */"),
         "#ifndef NG_GAIT_H",
@@ -91,7 +91,7 @@ def _literal(value: float | int) -> str:
     return f"{value}u" if isinstance(value, int) else literal(value)
 
 
-def _code(design: Design, functions: list[Emitted], tables: Tables) -> str:
+def _code(design: Design, functions: list[CFunction], tables: Tables) -> str:
     arrays = [
         f"/* {array.unit} */\nconst ng_real {_declaration(array)} = {braces(array.value)};"
         for array in statement.arrays(design)

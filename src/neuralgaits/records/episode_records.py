@@ -12,13 +12,13 @@ from neuralgaits.records.trained import TrainingSummary
 from neuralgaits.records.training_config import Seed, Steps
 from neuralgaits.runs.shape import NUMBER, may, table_of, whole
 
-CONFIG_FILE, SUMMARY = "episodes.json", "summary.json"
+CONFIG_FILE, EPISODES_SUMMARY = "episodes.json", "summary.json"
 WALKS = "walks"
-"""Folder in a round's run that holds `SUMMARY` and the logs of its walks."""
+"""Folder in a round's run that holds `EPISODES_SUMMARY` and the logs of its walks."""
 
 
 @dataclass(frozen=True, eq=False)
-class Versioned(Record):
+class FormatVersion(Record):
     """Record of a format's version, which may be another version than this program's."""
 
     format: Any = None

@@ -40,7 +40,7 @@ class TickOutside:
 
 
 @dataclass(frozen=True)
-class LevelWatched:
+class LevelOccupancy:
     """States of walks and the set of one level.
 
     Attributes:
@@ -69,15 +69,15 @@ class MonitorFigures:
     """
 
     ticks: Count
-    levels: Mapping[str, LevelWatched]
+    levels: Mapping[str, LevelOccupancy]
     admissible: Share
     in_time: Share | None
     proof_sha256: str
 
     @property
-    def by_set(self) -> list[tuple[str, LevelWatched]]:
+    def by_set(self) -> list[tuple[str, LevelOccupancy]]:
         """Return levels as words, such as `4, 5`, those of one set together, lowest first."""
-        groups: list[tuple[list[str], LevelWatched]] = []
+        groups: list[tuple[list[str], LevelOccupancy]] = []
         for level, one in self.levels.items():
             if groups and groups[-1][1] == one:
                 groups[-1][0].append(level)

@@ -16,7 +16,7 @@ from neuralgaits.records.monitored import MonitorFigures
 from neuralgaits.records.record import Count, Disturb, Record, Texts
 
 FOLDER = "simulation"
-SUMMARY, PLANT, LOG = f"{FOLDER}/summary.json", f"{FOLDER}/plant.xml", f"{FOLDER}/walk.csv"
+WALK_SUMMARY, PLANT, LOG = f"{FOLDER}/summary.json", f"{FOLDER}/plant.xml", f"{FOLDER}/walk.csv"
 MUJOCO = "mujoco"
 STEPS_BEFORE = 5
 """Touchdowns before a push, or half of a shorter walk's: transients have died out by then."""
@@ -64,7 +64,7 @@ class ModelOrbit(Record):
 
 
 @dataclass(frozen=True)
-class Relaxed:
+class RelaxedShares:
     """Shares of ticks at which a law with a quadratic program relaxed a constraint.
 
     Attributes:
@@ -124,7 +124,7 @@ class WalkFigures(Record):
     max_joint_rate_rad_s: float | None = None
     min_normal_force_n: float | None = None
     saturated_fraction: float | None = None
-    relaxed: Relaxed | None = None
+    relaxed: RelaxedShares | None = None
     poincare: ModelOrbit | None = None
     sim_steps_per_s: float | None = None
     real_time_factor: float | None = None

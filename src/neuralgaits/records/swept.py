@@ -13,7 +13,7 @@ from neuralgaits.runs.shape import NUMBER, list_of, may, one_of, whole
 
 FORMAT = 1
 """Version of the layout of a sweep's folder; other versions are refused."""
-CONFIG_FILE, SUMMARY = "sweep.json", "summary.json"
+CONFIG_FILE, SWEEP_SUMMARY = "sweep.json", "summary.json"
 TABLE, PAGE = "table.csv", "sweep.html"
 ROW = "row.json"
 """File of a row, in its run folder."""

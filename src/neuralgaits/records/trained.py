@@ -12,7 +12,7 @@ from neuralgaits.errors import RunError
 from neuralgaits.records.record import Count, Pair, Record, Texts
 from neuralgaits.records.training_config import Range, Seed
 from neuralgaits.runs.hashes import file_hashes
-from neuralgaits.runs.names import RESIDUAL, ROBOT, SPEC, SUMMARY, WEIGHTS
+from neuralgaits.runs.names import RESIDUAL, ROBOT, SPEC, TRAINING_SUMMARY, WEIGHTS
 from neuralgaits.runs.shell_words import command, named, resuming
 
 _MEASURED = (WEIGHTS, ROBOT, SPEC, RESIDUAL)
@@ -261,7 +261,7 @@ def trained_of(run: Path) -> TrainingSummary:
     Raises: RunError if it is damaged; the last checkpoint can be finished again.
     """
     try:
-        summary = TrainingSummary.read(run / SUMMARY)
+        summary = TrainingSummary.read(run / TRAINING_SUMMARY)
     except RunError as error:
         again = resuming(run)
         raise RunError(f"{error}; deleted, it is written again by `{again}`") from None
@@ -286,6 +286,6 @@ def trained_of(run: Path) -> TrainingSummary:
         speed_m_s=None,
         cost_of_transport=None,
         multiplier=None,
-        left_out=f"{SUMMARY} has figures of another {other} than the run's: restore that file, or "
-        f"{remedy}",
+        left_out=f"{TRAINING_SUMMARY} has figures of another {other} than the run's: restore that "
+        f"file, or {remedy}",
     )

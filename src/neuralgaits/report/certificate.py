@@ -17,7 +17,7 @@ from neuralgaits.records.certified import Conclusion
 from neuralgaits.records.levels import FULL_ORDER_LEVEL, ORBIT_LEVEL
 from neuralgaits.records.training_config import Range
 from neuralgaits.report.figures.full_order_set import FullOrderSet
-from neuralgaits.report.figures.return_map import Proved
+from neuralgaits.report.figures.return_map import ProvedOrbit
 from neuralgaits.report.page.saved import ProvedOfSome
 
 
@@ -39,7 +39,7 @@ class ProvedOfGait:
     reason: str | None = None
     level: int = 0
     margins: Mapping[str, float] = field(default_factory=dict)
-    orbit: Proved | None = None
+    orbit: ProvedOrbit | None = None
     full: FullOrderSet | None = None
     no_full: str = "level 4 is not proved yet"
     map_fits: bool = False
@@ -97,7 +97,7 @@ def part_of(reading: CertificateReading) -> ProvedOfSome | None:
 
 def tube_around_orbit(
     run: Run, level: Conclusion | None, orbit: OrbitConstants | None
-) -> Proved | None:
+) -> ProvedOrbit | None:
     """Return the proved tube around the orbit at z1 = 0, with the bounds of the return map."""
     if level is None or not level.proved or orbit is None or not orbit.lower:
         # Of a gait that takes commands: walks come together, around no one orbit.
@@ -107,7 +107,7 @@ def tube_around_orbit(
     low, high = (float(np.sqrt(2.0 * chebval(middle, side))) for side in (orbit.lower, orbit.upper))
     figures = level.figures
     multiplier = figures["multiplier_at_least"], figures["multiplier_at_most"]
-    return Proved((low, high), multiplier, figures.get("contraction_at_most"))
+    return ProvedOrbit((low, high), multiplier, figures.get("contraction_at_most"))
 
 
 def full_order_set(

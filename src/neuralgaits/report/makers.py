@@ -16,7 +16,7 @@ from neuralgaits.analysis.run import Run
 from neuralgaits.analysis.walk_log import measured_walk
 from neuralgaits.analysis.walks_by_command import alternating, drawn, walks_under
 from neuralgaits.errors import RunError
-from neuralgaits.records.episode_records import CONFIG_FILE, SUMMARY, EpisodesSummary
+from neuralgaits.records.episode_records import CONFIG_FILE, EPISODES_SUMMARY, EpisodesSummary
 from neuralgaits.records.levels import ORBIT_LEVEL
 from neuralgaits.records.simulated import LOG
 from neuralgaits.records.training_config import TrainingConfig
@@ -226,7 +226,7 @@ class RunFigures:
     def rounds(self) -> Made:
         """Draw the rounds of the run's episodes."""
         folder = self.run.path.parent
-        if not all((folder / file).is_file() for file in (CONFIG_FILE, SUMMARY)):
+        if not all((folder / file).is_file() for file in (CONFIG_FILE, EPISODES_SUMMARY)):
             plant = repeat_commands.robot_word(self.run.folder)
             heavier = "--plant", plant, "--disturb", "mass_scale=1.05"
             line = command("episodes", *heavier, "--resume", self.path)
@@ -236,7 +236,7 @@ class RunFigures:
             "the logs, and the policy is trained on with it. From round to round it should walk "
             "further, from more speeds, and predict its own motion better."
         )
-        return caption, rounds.draw(EpisodesSummary.read(folder / SUMMARY))
+        return caption, rounds.draw(EpisodesSummary.read(folder / EPISODES_SUMMARY))
 
     def family(self) -> Made:
         """Draw the gaits of a family at some of its commands."""

@@ -19,7 +19,7 @@ from neuralgaits.analysis.run import Run
 from neuralgaits.episode_rounds.episode_folder import EpisodeFolder
 from neuralgaits.errors import InputError, NeuralGaitsError, RunError
 from neuralgaits.records.report_walk import FILE, ShownWalk
-from neuralgaits.records.simulated import MUJOCO, SUMMARY, SimulationSummary
+from neuralgaits.records.simulated import MUJOCO, WALK_SUMMARY, SimulationSummary
 from neuralgaits.report import animation
 from neuralgaits.report.page.repeat_commands import plant_word
 from neuralgaits.robots import PlanarBiped, load_robot
@@ -40,7 +40,7 @@ _LONGEST = 1500
 
 
 @dataclass(frozen=True)
-class AskedWalk:
+class WalkRequest:
     """Settings of the walk to simulate.
 
     Attributes:
@@ -73,7 +73,7 @@ def shown_walk(run: Run) -> ShownWalk:
 
     Raises: InputError in one line if it cannot be simulated.
     """
-    settings = asked_of(run)
+    settings = request_of(run)
     if (stored := kept_walk(run, settings)) is not None:
         return stored
     at = run if settings.command is None else run.at(**settings.command)
@@ -82,10 +82,10 @@ def shown_walk(run: Run) -> ShownWalk:
     return walk
 
 
-def asked_of(run: Run) -> AskedWalk:
+def request_of(run: Run) -> WalkRequest:
     """Return the settings of the simulation to repeat, or of the one to make."""
     try:
-        simulation = SimulationSummary.read(run.path / SUMMARY)
+        simulation = SimulationSummary.read(run.path / WALK_SUMMARY)
         if simulation.steps is None or simulation.disturb is None:
             raise RunError("expected steps and disturbances, found another version")
         fallen = [number for number, fell in enumerate(simulation.fell) if fell]
@@ -111,7 +111,7 @@ def asked_of(run: Run) -> AskedWalk:
             origin = f"repeats the first {steps_shown} steps of the last simulation of this run"
         else:
             origin = "repeats the last simulation of this run"
-        return AskedWalk(
+        return WalkRequest(
             plant=_plant(run, simulation),
             law=law if law in CONTROL_LAWS else "pd",
             steps=steps_shown,
@@ -136,23 +136,23 @@ def _plant(run: Run, simulation: SimulationSummary) -> PlanarBiped | None:
     return load_robot(word) if word else None
 
 
-def _of_episodes(run: Run) -> AskedWalk:
+def _of_episodes(run: Run) -> WalkRequest:
     """Return a walk on the robot whose logs the run was refined for, if that is recorded."""
     try:
         folder = EpisodeFolder.find(run.path.resolve().parent, run.path)
         if folder is None or folder.plant is None:
-            return AskedWalk()
-        return AskedWalk(
+            return WalkRequest()
+        return WalkRequest(
             plant=folder.plant,
             law=folder.config.controller,
             disturbance=PlantChanges(**(folder.config.disturb or {})),
             origin="starts in the middle of the gait's region, on the robot of its episodes",
         )
     except (KeyError, TypeError, NeuralGaitsError):
-        return AskedWalk()
+        return WalkRequest()
 
 
-def _key(run: Run, settings: AskedWalk) -> str:
+def _key(run: Run, settings: WalkRequest) -> str:
     """Return a hash of the weights, the robot that walks and all settings."""
     robot = (settings.plant or run.robot).layout.xml
     rest = plain(vars(replace(settings, plant=None)))
@@ -169,7 +169,7 @@ def _content(walk: ShownWalk) -> str:
     return hashlib.sha256(text.encode()).hexdigest()
 
 
-def kept_walk(run: Run, expected: AskedWalk) -> ShownWalk | None:
+def kept_walk(run: Run, expected: WalkRequest) -> ShownWalk | None:
     """Return the walk that the run has kept; None if it has none of these settings.
 
     An edited file is none: its settings, and what has come of them, must agree with the run.
@@ -187,7 +187,7 @@ def kept_walk(run: Run, expected: AskedWalk) -> ShownWalk | None:
     return stored if possible and same and settings.items() <= dict(stored).items() else None
 
 
-def _settings(run: Run, settings: AskedWalk) -> dict[str, Any]:
+def _settings(run: Run, settings: WalkRequest) -> dict[str, Any]:
     """Return the fields of a shown walk that follow from the run and its settings alone."""
     usual, plant = PlantChanges(), settings.plant or run.robot
     changes = vars(settings.disturbance).items()
@@ -205,7 +205,7 @@ def _settings(run: Run, settings: AskedWalk) -> dict[str, Any]:
     }
 
 
-def walk_again(run: Run, settings: AskedWalk) -> Walk:
+def walk_again(run: Run, settings: WalkRequest) -> Walk:
     """Simulate a walk in MuJoCo with a record of every tick."""
     # Of a family, the gait at the command alone.
     one = replace(run, trained=run.gait)
@@ -224,7 +224,7 @@ def walk_again(run: Run, settings: AskedWalk) -> Walk:
     return walks.walk(settings.episode, 1, record=True)
 
 
-def _frames(run: Run, settings: AskedWalk, result: Walk, key: str) -> ShownWalk:
+def _frames(run: Run, settings: WalkRequest, result: Walk, key: str) -> ShownWalk:
     """Return the frames of a walk with everything that the page says about it."""
     episodes, plant = result.episodes, result.plant
     record = episodes.record

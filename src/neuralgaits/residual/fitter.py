@@ -23,7 +23,7 @@ from neuralgaits.gait.flow_residual import Residual
 from neuralgaits.logs import Windows
 from neuralgaits.residual.nero import balanced, nero
 from neuralgaits.residual.shooting import model_rate, shoot
-from neuralgaits.residual.trajectories import missed
+from neuralgaits.residual.trajectories import prediction_errors
 
 Optimizer = Literal["adam", "adamw", "nero"]
 Progress = Callable[[int, int, float], None]
@@ -121,7 +121,7 @@ class Fitter:
             if not len(windows.z):
                 raise InputError(f"expected windows to {name}, found none: walk longer")
         # Nothing as a residual of the same structure: one compilation for both.
-        model = missed(zd, Residual.like(config.hidden), train)
+        model = prediction_errors(zd, Residual.like(config.hidden), train)
         template = Residual.init(
             train.z[:, 0], model.defects, hidden=config.hidden, key=jax.random.key(seed)
         )
@@ -168,7 +168,7 @@ class Fitter:
 
     def validate(self, state: FitState) -> FitState:
         """Keep the parameters if their validation loss is the smallest so far."""
-        errors = missed(self.zd, self.residual(state.parameters), self.validation).errors
+        errors = prediction_errors(self.zd, self.residual(state.parameters), self.validation).errors
         loss = float(np.mean((errors / self.scale) ** 2)) / self.unit
         if loss < float(state.best_loss):
             return state._replace(

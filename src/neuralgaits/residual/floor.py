@@ -10,7 +10,7 @@ import numpy as np
 from neuralgaits._types import Array, Float, ZeroState
 from neuralgaits.gait import ZeroDynamics
 from neuralgaits.logs import Windows
-from neuralgaits.residual.trajectories import missed, root_mean_square
+from neuralgaits.residual.trajectories import prediction_errors, root_mean_square
 
 BINS = ((4, 1), (8, 1), (16, 1), (32, 1), (8, 2), (16, 2), (16, 4), (32, 4))
 """Numbers of bins along z1 and z2 that are tried."""
@@ -79,4 +79,6 @@ def floor(
         scale: scale of z (m, kg m^2/s).
     """
     tables = [binned(states, defects, bins) for bins in BINS]
-    return min(root_mean_square(missed(zd, table, judged_by).errors, scale) for table in tables)
+    return min(
+        root_mean_square(prediction_errors(zd, table, judged_by).errors, scale) for table in tables
+    )

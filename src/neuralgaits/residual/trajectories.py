@@ -17,7 +17,7 @@ BLOCK = 256
 """Windows integrated at once: one compiled shape for any number of them."""
 
 
-class Missed(NamedTuple):
+class PredictionErrors(NamedTuple):
     """Errors of predicted trajectories, measured minus predicted."""
 
     errors: Float[np.ndarray, "N k 2"]
@@ -26,7 +26,7 @@ class Missed(NamedTuple):
     """Mean missing rate over the first interval (m/s, N m)."""
 
 
-def missed(zd: ZeroDynamics, residual: Rate, windows: Windows) -> Missed:
+def prediction_errors(zd: ZeroDynamics, residual: Rate, windows: Windows) -> PredictionErrors:
     """Integrate every window from its first measured state.
 
     Args:
@@ -38,7 +38,7 @@ def missed(zd: ZeroDynamics, residual: Rate, windows: Windows) -> Missed:
     predicted = in_blocks(partial(_shot, model, residual), BLOCK, windows.t, windows.z[:, 0])
     errors = windows.z[:, 1:] - predicted
     spans = windows.t[:, 1:2] - windows.t[:, 0:1]
-    return Missed(errors, errors[:, 0] / spans)
+    return PredictionErrors(errors, errors[:, 0] / spans)
 
 
 def root_mean_square(errors: Float[np.ndarray, "N k 2"], scale: Float[np.ndarray, "2"]) -> float:
@@ -46,9 +46,9 @@ def root_mean_square(errors: Float[np.ndarray, "N k 2"], scale: Float[np.ndarray
     return float(np.sqrt(np.mean(np.sum((errors / scale) ** 2, axis=-1))))
 
 
-def largest_defects(missed: Missed) -> Float[np.ndarray, "2"]:
+def largest_defects(errors: PredictionErrors) -> Float[np.ndarray, "2"]:
     """Return the largest missing rate over any first interval (m/s, N m)."""
-    return np.abs(missed.defects).max(axis=0)
+    return np.abs(errors.defects).max(axis=0)
 
 
 def _shoot_block(

@@ -20,7 +20,7 @@ from neuralgaits.runs.file_content import MOST_METRICS_BYTES, file_content
 from neuralgaits.runs.hashes import sha256
 from neuralgaits.runs.json_files import read_object, refuse_misshapen
 from neuralgaits.runs.metrics_table import Row, from_csv, to_csv
-from neuralgaits.runs.names import CONFIG, METRICS, NAN_STATE, SUMMARY
+from neuralgaits.runs.names import CONFIG, METRICS, NAN_STATE, TRAINING_SUMMARY
 from neuralgaits.runs.plain import to_json
 from neuralgaits.runs.shape import TEXT, may, table_of
 from neuralgaits.runs.shell_words import LATEST
@@ -142,7 +142,7 @@ class RunFolder:
     @property
     def finished(self) -> bool:
         """Whether the run's training has ended and its summary is on disk."""
-        return (self.path / SUMMARY).is_file()
+        return (self.path / TRAINING_SUMMARY).is_file()
 
     @property
     def ended_in_nan(self) -> bool:
@@ -152,7 +152,7 @@ class RunFolder:
     @property
     def summary(self) -> dict[str, Any]:
         """Content of `summary.json`. Raises: RunError if it is missing or damaged."""
-        return self.read_json(SUMMARY)
+        return self.read_json(TRAINING_SUMMARY)
 
     def copy(self, file: str) -> str:
         """Return the text of an input copied into the run, exactly as it was.

@@ -14,7 +14,7 @@ from neuralgaits._inputs import refuse_no_path
 from neuralgaits.errors import RunError
 from neuralgaits.runs.atomic import write_bytes
 from neuralgaits.runs.file_content import file_content
-from neuralgaits.runs.folder import CONFIG, NAN_STATE, SUMMARY, RunFolder
+from neuralgaits.runs.folder import CONFIG, NAN_STATE, TRAINING_SUMMARY, RunFolder
 from neuralgaits.runs.shell_words import LATEST, command, resuming
 
 RUNS_ROOT = Path("runs")
@@ -24,7 +24,7 @@ SEEDS = "seeds"
 
 def finish(folder: RunFolder, summary: Mapping[str, Any], root: Path = RUNS_ROOT) -> None:
     """Mark a run as finished by writing its summary, then make `latest` name it."""
-    folder.write_json(SUMMARY, summary)
+    folder.write_json(TRAINING_SUMMARY, summary)
     name_latest(folder, root)
 
 
@@ -116,7 +116,7 @@ def about_latest(root: Path = RUNS_ROOT) -> str | None:
 def _unfinished_runs(root: Path) -> list[Path]:
     places = ("*", "*/*", f"{SEEDS}/*/*/*")
     configs = [file for place in places for file in root.glob(f"{place}/{CONFIG}")]
-    return [file.parent for file in configs if not (file.parent / SUMMARY).exists()]
+    return [file.parent for file in configs if not (file.parent / TRAINING_SUMMARY).exists()]
 
 
 def _started_ns(path: Path) -> int:

@@ -1,6 +1,6 @@
 """Names of the files of a run folder."""
 
-CONFIG, SUMMARY, METRICS = "config.json", "summary.json", "metrics.csv"
+CONFIG, TRAINING_SUMMARY, METRICS = "config.json", "summary.json", "metrics.csv"
 """Settings, results, and the course of the training."""
 NAN, NAN_STATE = "nan.json", "nan.safetensors"
 """Files of a training that ended in NaN: the place, and the last good state before."""

@@ -16,7 +16,7 @@ from neuralgaits.runs.only_writer import LOCK
 
 OWN_FILES = frozenset(
     {
-        *(names.CONFIG, names.SUMMARY, names.METRICS, names.NAN, names.NAN_STATE),
+        *(names.CONFIG, names.TRAINING_SUMMARY, names.METRICS, names.NAN, names.NAN_STATE),
         *(names.ROBOT, names.SPEC, names.WEIGHTS, names.STATE, names.START, names.RESIDUAL),
         *(names.GAIT, names.LEARNED_RESIDUAL, names.FIT_SUMMARY, names.MAP, names.MAP_FIGURE),
         *(names.REPAIR, names.ROUNDS, names.JOINTS, ".starting", LOCK),

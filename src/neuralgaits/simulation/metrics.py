@@ -8,7 +8,7 @@ from neuralgaits.control.speed_adapter import ADAPTED
 from neuralgaits.gait import Orbit
 from neuralgaits.gait.commands import LEAN, SLOPE, UNITS, Command, Commands, place_of
 from neuralgaits.records.adapted_speeds import AdaptedSpeeds, BelievedLean, BelievedSlope
-from neuralgaits.records.simulated import CommandError, ModelOrbit, Relaxed, WalkFigures
+from neuralgaits.records.simulated import CommandError, ModelOrbit, RelaxedShares, WalkFigures
 from neuralgaits.simulation.setup.course import Courses
 from neuralgaits.simulation.setup.plant import PERIOD_S
 from neuralgaits.simulation.ticks.gauge import START_UP_STEPS
@@ -68,13 +68,13 @@ def summary(walk: Walk, orbit: Orbit | None = None) -> WalkFigures:
     )
 
 
-def _relaxed(walk: Walk) -> Relaxed | None:
+def _relaxed(walk: Walk) -> RelaxedShares | None:
     """Return the mean relaxations of a law with a quadratic program; None for other laws."""
     if not isinstance(walk.law, ClfQp):
         return None
     gauge = walk.episodes.gauge
     decrease, contact = np.sum(gauge.relaxed, axis=0) / max(1, np.sum(gauge.ticks))
-    return Relaxed(float(decrease), float(contact))
+    return RelaxedShares(float(decrease), float(contact))
 
 
 def command_errors(commands: Commands, strides: list[Strides]) -> dict[str, CommandError]:

@@ -18,7 +18,7 @@ from neuralgaits.errors import InputError
 from neuralgaits.robots.mjcf.loader import robot_from_text
 from neuralgaits.runs import plain
 from neuralgaits.runs.arrays import packed
-from neuralgaits.runs.names import CONFIG, SUMMARY, WEIGHTS
+from neuralgaits.runs.names import CONFIG, TRAINING_SUMMARY, WEIGHTS
 from neuralgaits.simulation.native_walk import Choice
 from neuralgaits.simulation.setup.command_schedule import RANDOM, orders_of
 from neuralgaits.simulation.setup.disturbance import PlantChanges
@@ -96,7 +96,7 @@ class SharedWalks:
     def _files(self) -> dict[str, bytes]:
         """Return the files of run, plant and commands that a worker needs."""
         path = self.walks.run.path
-        names = {CONFIG, SUMMARY, *self.walks.run.folder.copies, WEIGHTS}
+        names = {CONFIG, TRAINING_SUMMARY, *self.walks.run.folder.copies, WEIGHTS}
         files = {f"run/{name}": (path / name).read_bytes() for name in sorted(names)}
         if self.walks.plant is not None:
             files[_PLANT] = self.walks.plant.layout.xml.encode()

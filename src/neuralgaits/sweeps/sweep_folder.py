@@ -19,7 +19,7 @@ from typing import Any
 
 from neuralgaits.engine import Files
 from neuralgaits.errors import InputError, RunError
-from neuralgaits.records.episode_records import Versioned
+from neuralgaits.records.episode_records import FormatVersion
 from neuralgaits.records.swept import CONFIG_FILE, FORMAT, ROW, SweepConfig, SweepRow
 from neuralgaits.runs import plain, to_json, write_bytes, write_text
 from neuralgaits.runs.claim import claimed
@@ -67,7 +67,7 @@ class SweepFolder:
                 f"expected {CONFIG_FILE} in {path}, found none: there is no sweep to go on with; "
                 "leave --resume out"
             )
-        version = Versioned.read(path / CONFIG_FILE).format
+        version = FormatVersion.read(path / CONFIG_FILE).format
         if version != FORMAT:
             raise RunError(
                 f"expected a sweep of format {FORMAT}, found {version!r} in {path}: sweep anew"

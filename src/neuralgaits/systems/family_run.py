@@ -14,7 +14,7 @@ from neuralgaits.records.record import Count, Record, build, shape_of
 from neuralgaits.records.training_config import Seed, Steps
 from neuralgaits.runs import RunFolder, resolve
 from neuralgaits.runs.json_files import refuse_misshapen
-from neuralgaits.runs.names import CONFIG, ROBOT, SUMMARY, WEIGHTS
+from neuralgaits.runs.names import CONFIG, ROBOT, TRAINING_SUMMARY, WEIGHTS
 from neuralgaits.runs.shape import POSITIVE, whole
 from neuralgaits.systems.trained_system import TrainedSystem
 
@@ -115,7 +115,7 @@ class FamilyRun:
     @cached_property
     def summary(self) -> Any:
         """Summary of the training. Raises: RunError if it is damaged."""
-        return self.system.summary.read(self.path / SUMMARY)
+        return self.system.summary.read(self.path / TRAINING_SUMMARY)
 
 
 def open_family_run(system: TrainedSystem, run: str | Path) -> FamilyRun:

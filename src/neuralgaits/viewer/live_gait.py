@@ -26,7 +26,7 @@ from neuralgaits.viewer.live_monitor import LiveMonitor
 from neuralgaits.viewer.slider import Slider
 from neuralgaits.viewer.step_speed import StepSpeed
 from neuralgaits.viewer.trail import Trail
-from neuralgaits.viewer.walker import Margins, Shown
+from neuralgaits.viewer.walker import Margins, WalkFrame
 
 
 class LiveGait:
@@ -161,11 +161,11 @@ class LiveGait:
             monitor.add(measured)
         return walks
 
-    def shown(self) -> Shown:
+    def shown(self) -> WalkFrame:
         """Return the present moment of the walk."""
         live, sensors, mean = self.live, self._sensors(), self._pace.mean
         ending: Ending = live.ending
-        return Shown(
+        return WalkFrame(
             time=live.time,
             walked=live.time - self._begun,
             qpos=live.data.qpos.copy(),

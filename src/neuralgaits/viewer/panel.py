@@ -16,7 +16,7 @@ from neuralgaits.viewer.player import Picture, Player
 from neuralgaits.viewer.slider import Slider
 from neuralgaits.viewer.time_controls import add_time_controls
 from neuralgaits.viewer.walk_status import walk_line
-from neuralgaits.viewer.walker import Shown, Walker
+from neuralgaits.viewer.walker import Walker, WalkFrame
 
 PUSH = Slider("impulse [N s]", 0.0, 40.0, 8.0, 1.0, "at the hip, for 0.1 s")
 """Impulse of a push [N s]."""
@@ -210,7 +210,7 @@ class Panel:
 
     def status(self, picture: Picture) -> str:
         """Return the lines about the walk, as HTML."""
-        shown: Shown = picture.shown
+        shown: WalkFrame = picture.shown
         lines = walk_line(picture, shown, self._player.speed)
         said = line(self._answer, SAID) if self._answer_left else ""
         known = _speeds(shown) + lean_html(shown.lean) + membership_lines(shown.memberships)
@@ -225,7 +225,7 @@ class Panel:
         return f"End of the ground after {laps[-1]} steps: the robot is back at its beginning."
 
 
-def _speeds(shown: Shown) -> str:
+def _speeds(shown: WalkFrame) -> str:
     """Return a line of HTML with the speeds of the last step, if it had a commanded one."""
     if shown.speeds is None:
         return ""

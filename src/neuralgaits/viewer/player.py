@@ -22,7 +22,7 @@ STEP_S = 0.02
 """Simulated time of a single step [s]."""
 
 
-class Played(Protocol):
+class PlayableRobot(Protocol):
     """Interface of a robot that a page plays; `viewer.walker.Walker` is a planar one's."""
 
     period_s: float
@@ -45,7 +45,7 @@ class Played(Protocol):
         ...
 
 
-Robot = TypeVar("Robot", bound=Played)
+Robot = TypeVar("Robot", bound=PlayableRobot)
 Wish = Callable[[Robot], str | None]
 """Request to do something to the robot; an answer is shown to the visitor."""
 

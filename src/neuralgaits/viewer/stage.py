@@ -23,7 +23,7 @@ from neuralgaits.viewer.framing import Framing
 from neuralgaits.viewer.portrait import HEIGHT_PX, WIDTH_PX, Portrait
 from neuralgaits.viewer.push_arrow import RED, PushArrow
 from neuralgaits.viewer.scenery import SECTION, add_ground
-from neuralgaits.viewer.walker import Shown
+from neuralgaits.viewer.walker import WalkFrame
 
 
 class Stage:
@@ -49,7 +49,7 @@ class Stage:
         """Hang the portrait on the board; `clicked` gets the client that clicked and the state."""
         self._board = _Board(self._server, portrait, self._board_width, self._board_bottom, clicked)
 
-    def show(self, shown: Shown) -> None:
+    def show(self, shown: WalkFrame) -> None:
         """Move everything to a moment of the walk."""
         if (self._fallen and shown.fall is None) or len(shown.laps) != self._laps:
             # Put back by itself: nobody said so.
@@ -70,14 +70,14 @@ class Stage:
         """Hide a push after the robot was moved; call it in the thread that calls `show`."""
         self._arrow.hide()
 
-    def _show_robot(self, shown: Shown, x: float, ground: float) -> None:
+    def _show_robot(self, shown: WalkFrame, x: float, ground: float) -> None:
         self._data.qpos[:] = shown.qpos
         mujoco.mj_kinematics(self._model, self._data)
         moved = self._data.xpos - np.array([x, 0.0, ground])
         turned = self._data.xmat.reshape(1, -1, 3, 3)
         self._robot.update_from_arrays(moved[None], turned)
 
-    def _show_floor(self, shown: Shown, x: float) -> None:
+    def _show_floor(self, shown: WalkFrame, x: float) -> None:
         """Place the floor through the origin, with its lines fixed to the ground."""
         self._floor.visible = shown.tops is None
         long = math.hypot(1.0, shown.slope)
@@ -86,7 +86,7 @@ class Stage:
         half = 0.5 * math.atan(shown.slope)
         self._floor.wxyz = (math.cos(half), 0.0, -math.sin(half), 0.0)
 
-    def _show_push(self, shown: Shown, ground: float) -> None:
+    def _show_push(self, shown: WalkFrame, ground: float) -> None:
         # In front of the robot, lest its body hide it.
         place = np.array([0.0, -0.16, shown.hip[1] - ground])
         self._arrow.show(place, np.array([shown.force[0], 0.0, shown.force[1]]), shown.time)

@@ -7,7 +7,7 @@ from neuralgaits.viewer.player import Picture
 
 
 class WalkFacts(Protocol):
-    """Numbers of a walk at one moment, see `viewer.walker.Shown`."""
+    """Numbers of a walk at one moment, see `viewer.walker.WalkFrame`."""
 
     @property
     def steps(self) -> int:

@@ -10,7 +10,7 @@ from neuralgaits.viewer.believed_lean import LeanMarks
 from neuralgaits.viewer.live_monitor import SetMembership
 
 
-class Shown(NamedTuple):
+class WalkFrame(NamedTuple):
     """State of the walk at one moment."""
 
     time: float
@@ -75,7 +75,7 @@ class Walker(Protocol):
         """Advance by one control tick. Returns: False once the robot has fallen."""
         ...
 
-    def shown(self) -> Shown:
+    def shown(self) -> WalkFrame:
         """Return the present moment of the walk."""
         ...
 

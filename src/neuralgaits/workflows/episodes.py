@@ -25,7 +25,12 @@ from neuralgaits.episode_rounds.round_walks import (
 )
 from neuralgaits.errors import InputError, Interrupted, NonFiniteError
 from neuralgaits.logs import read_all
-from neuralgaits.records.episode_records import SUMMARY, EpisodesSummary, Round, WalkedRound
+from neuralgaits.records.episode_records import (
+    EPISODES_SUMMARY,
+    EpisodesSummary,
+    Round,
+    WalkedRound,
+)
 from neuralgaits.records.fitted import FitSummary
 from neuralgaits.report.figures.rounds import draw_file
 from neuralgaits.runs import plain
@@ -45,7 +50,7 @@ Tell = Callable[[int, str], None]
 """Callback that gets the round and the stage that begins."""
 
 
-class Stopped(NamedTuple):
+class StopReason(NamedTuple):
     """Reason why the rounds stopped before the last one, if they did."""
 
     waiting_for: str | None = None
@@ -91,7 +96,7 @@ def episodes(settings: EpisodesSettings) -> Episodes:
         folder = _begin(config, resume, out=settings.out, root=root)
     else:
         folder = old.gone_on_with(config, settings.out)
-    refuse_unwritable(folder.path / SUMMARY, folder.path / FIGURE, own=True)
+    refuse_unwritable(folder.path / EPISODES_SUMMARY, folder.path / FIGURE, own=True)
     tell = settings.tell or (lambda number, what: None)
     session = _Session(folder, settings.progress, tell, root)
     try:
@@ -109,7 +114,7 @@ def episodes(settings: EpisodesSettings) -> Episodes:
         figure=str(folder.path / FIGURE),
         wall_s=time.perf_counter() - start_time,
     )
-    write(folder.path / SUMMARY, summary)
+    write(folder.path / EPISODES_SUMMARY, summary)
     draw_file(summary, folder.path / FIGURE)
     return Episodes(folder.path, run, summary)
 
@@ -200,7 +205,7 @@ class _Session:
     tell: Tell
     root: Path
 
-    def run(self) -> tuple[list[Round], Run, Stopped]:
+    def run(self) -> tuple[list[Round], Run, StopReason]:
         """Carry out all rounds. Returns: entries, the last run, and why the rounds stopped."""
         entries: list[Round] = []
         run, momentum = self._policy(0, None), None
@@ -209,16 +214,16 @@ class _Session:
                 run = run if number == 0 else self._policy(number, run)
             except NonFiniteError as error:
                 # The answer is no: what was learned does not allow a gait nearby.
-                return entries, run, Stopped(diverged=str(error))
+                return entries, run, StopReason(diverged=str(error))
             if momentum is None and self.folder.plant is not None:
                 momentum = nominal_momentum(run)
             missing = self._missing_logs(number)
             if missing is not None:
-                return entries, run, Stopped(waiting_for=missing)
+                return entries, run, StopReason(waiting_for=missing)
             walks = self._walk(number, run, momentum)
             learned = self._learn(number, run, walks)
             entries.append(Round.of_parts(number, str(run.path), run.summary, walks, learned))
-        return entries, run, Stopped()
+        return entries, run, StopReason()
 
     def _missing_logs(self, number: int) -> str | None:
         logs = self.folder.config.logs
@@ -233,7 +238,7 @@ class _Session:
     def _policy(self, number: int, before: Run | None) -> Run:
         """Return the policy of a round: trained, refined, or resumed after a killed command."""
         place, config = self.folder.round(number), self.folder.config
-        if (place / SUMMARY).is_file():
+        if (place / EPISODES_SUMMARY).is_file():
             return open_run(place)
         robot, steps, seed = self.folder.robot, config.steps, config.seed
         if (place / CONFIG).is_file():

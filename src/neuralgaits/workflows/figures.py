@@ -8,8 +8,8 @@ from neuralgaits.certificate.run_certificate.verified_summary import Certificate
 from neuralgaits.errors import InputError
 from neuralgaits.records.training_config import TrainingConfig
 from neuralgaits.report.certificate import certificate_of
-from neuralgaits.report.drawing.drawn import Drawn, Missing
 from neuralgaits.report.drawing.figure import paths_of
+from neuralgaits.report.drawing.figure_files import FigureFiles, MissingFigure
 from neuralgaits.report.drawing.parallel_figures import FigureFile, second_pen, write_all
 from neuralgaits.report.makers import Absent, Maker, RunFigures, makers_of
 from neuralgaits.runs.atomic import refuse_unwritable
@@ -18,7 +18,9 @@ FOLDER = "figures"
 
 
 @type_checked
-def figures(run: Run | str | Path, out: str | Path | None = None) -> list[Drawn | Missing]:
+def figures(
+    run: Run | str | Path, out: str | Path | None = None
+) -> list[FigureFiles | MissingFigure]:
     """Draw every figure of a run.
 
     Args:
@@ -48,28 +50,28 @@ def writable_figures(config: TrainingConfig, folder: Path) -> list[Maker]:
 
 def draw(
     run: Run, out: str | Path | None = None, certificate: CertificateReading | None = None
-) -> list[Drawn | Missing]:
+) -> list[FigureFiles | MissingFigure]:
     """Draw the figures of an open run, whose certificate may already have been read."""
     folder = run.path / FOLDER if out is None else Path(out)
     makers = writable_figures(run.config, folder)
     of_run = RunFigures(run, certificate_of(run, certificate))
-    tables: list[tuple[str, str] | Missing] = []
+    tables: list[tuple[str, str] | MissingFigure] = []
     sheets = []
     with second_pen() as pen:
         for name, title, make in makers:
             try:
                 caption, figure = make(of_run)
             except Absent as absent:
-                tables.append(Missing(name, title, absent.reason, absent.command))
+                tables.append(MissingFigure(name, title, absent.reason, absent.command))
                 continue
             tables.append((title, caption))
             sheets.append(FigureFile(figure, folder, name))
         files = zip(sheets, write_all(sheets, pen), strict=True)
-    figures: list[Drawn | Missing] = []
+    figures: list[FigureFiles | MissingFigure] = []
     for entry in tables:
-        if isinstance(entry, Missing):
+        if isinstance(entry, MissingFigure):
             figures.append(entry)
         else:
             sheet, paths = next(files)
-            figures.append(Drawn(sheet.name, *entry, *paths))
+            figures.append(FigureFiles(sheet.name, *entry, *paths))
     return figures

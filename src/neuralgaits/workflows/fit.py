@@ -23,7 +23,7 @@ from neuralgaits.residual.fitter import FitConfig, Fitter
 from neuralgaits.residual.fitter import fit as fit_flow
 from neuralgaits.residual.floor import floor
 from neuralgaits.residual.reset import fit_reset
-from neuralgaits.residual.trajectories import largest_defects, missed, root_mean_square
+from neuralgaits.residual.trajectories import largest_defects, prediction_errors, root_mean_square
 from neuralgaits.residual.trust import landing_errors
 from neuralgaits.runs.atomic import refuse_unwritable
 from neuralgaits.runs.hashes import file_hashes
@@ -82,7 +82,7 @@ def fit(settings: FitSettings) -> Fit:
     reset = fit_reset(corrected, walks.touchdowns([*parts.train, *parts.validation], zd))
     # Pairs of samples reach further into a stride's end than the windows of the fit.
     pairs = walks.windows(parts.heldout, samples=2, step=STEP_S)
-    learned = LearnedResiduals(flow, reset, largest_defects(missed(zd, flow, pairs)))
+    learned = LearnedResiduals(flow, reset, largest_defects(prediction_errors(zd, flow, pairs)))
     path = trained.path / LEARNED_RESIDUAL
     learned.write(path)
     summary = FitSummary(
@@ -167,11 +167,11 @@ def _errors(
     nothing = Residual.like(config.hidden)
 
     def error(residual: Residual, judged: Windows) -> float:
-        return root_mean_square(missed(zd, residual, judged).errors, scale)
+        return root_mean_square(prediction_errors(zd, residual, judged).errors, scale)
 
     train, heldout = _judging_windows(parts.train), _judging_windows(parts.heldout)
     learned_from = _windows(parts.train)
-    defects = missed(zd, nothing, learned_from).defects
+    defects = prediction_errors(zd, nothing, learned_from).defects
     return {
         "train_error": error(flow, train),
         "nominal_train_error": error(nothing, train),

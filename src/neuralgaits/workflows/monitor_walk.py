@@ -16,7 +16,7 @@ from neuralgaits.certificate.run_certificate.proved_monitor import monitor_of
 from neuralgaits.certificate.run_certificate.verified_summary import read_certificate
 from neuralgaits.errors import InputError
 from neuralgaits.gait.commands import LEAN, place_of
-from neuralgaits.records.monitored import LevelWatched, MonitorFigures, TickOutside
+from neuralgaits.records.monitored import LevelOccupancy, MonitorFigures, TickOutside
 from neuralgaits.runs.shell_words import command, named
 from neuralgaits.simulation.ticks.tick import TickRecord
 
@@ -89,7 +89,7 @@ def _columns(record: TickRecord) -> Iterator[np.ndarray]:
     yield from map(np.asarray, (record.time, result.q, result.dq, result.commands))
 
 
-def _level(one: StateSet, margins: np.ndarray, ticks: _Ticks) -> LevelWatched:
+def _level(one: StateSet, margins: np.ndarray, ticks: _Ticks) -> LevelOccupancy:
     inside = one.membership(margins)
     worst = int(np.argmin(inside.margin))
     outside = np.flatnonzero(~inside.inside)
@@ -103,7 +103,7 @@ def _level(one: StateSet, margins: np.ndarray, ticks: _Ticks) -> LevelWatched:
             float(inside.margin[tick]),
         )
     name = one.names[inside.nearest[worst]]
-    return LevelWatched(float(np.mean(inside.inside)), float(inside.margin[worst]), name, last)
+    return LevelOccupancy(float(np.mean(inside.inside)), float(inside.margin[worst]), name, last)
 
 
 def _in_time(monitor: StateMonitor, records: Sequence[TickRecord]) -> float | None:

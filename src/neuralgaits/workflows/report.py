@@ -20,10 +20,10 @@ from neuralgaits.records import report_walk
 from neuralgaits.records.report_walk import ShownWalk
 from neuralgaits.records.reported import Lack, ReportRecord
 from neuralgaits.report.certificate import part_of
-from neuralgaits.report.drawing.drawn import Drawn, Missing
+from neuralgaits.report.drawing.figure_files import FigureFiles, MissingFigure
 from neuralgaits.report.page.closing import missing_parts
 from neuralgaits.report.page.document import MOST_BYTES, document
-from neuralgaits.report.page.saved import Contents, Saved, read
+from neuralgaits.report.page.saved import Contents, RunContents, read
 from neuralgaits.report.shown_walk import shown_walk
 from neuralgaits.robots.mjcf.loader import robot_from_text
 from neuralgaits.runs import RunFolder, resolve, write_text
@@ -49,7 +49,7 @@ class Report:
     """
 
     path: Path
-    figures: list[Drawn | Missing]
+    figures: list[FigureFiles | MissingFigure]
     summary: ReportRecord
 
 
@@ -109,7 +109,7 @@ def write_report(
         run=str(folder.path),
         report=str(path),
         bytes=_write_page(path, contents),
-        figures=tuple(figure.name for figure in figures if isinstance(figure, Drawn)),
+        figures=tuple(figure.name for figure in figures if isinstance(figure, FigureFiles)),
         missing=tuple(Lack(what, command) for what, command in missing_parts(contents)),
         damaged=saved.damaged,
     )
@@ -127,7 +127,7 @@ def _write_page(path: Path, contents: Contents) -> int:
     return size
 
 
-def saved_of(folder: RunFolder, certificate: CertificateReading | None = None) -> Saved:
+def saved_of(folder: RunFolder, certificate: CertificateReading | None = None) -> RunContents:
     """Read a run's files; its certificate, too, if `certificate` is None."""
     certificate = certificate or read_certificate(folder)
     disturbance: tuple[float, ...] = ()

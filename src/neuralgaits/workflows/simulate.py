@@ -13,7 +13,7 @@ from neuralgaits.control.law_by_name import fields_of_law
 from neuralgaits.engine import worker_pool_for as engine_of_workers
 from neuralgaits.errors import InputError
 from neuralgaits.records.link_figures import LinkFigures
-from neuralgaits.records.simulated import PLANT, SUMMARY, SimulationSummary, WalkSettings
+from neuralgaits.records.simulated import PLANT, WALK_SUMMARY, SimulationSummary, WalkSettings
 from neuralgaits.runs.atomic import refuse_unwritable
 from neuralgaits.runs.hashes import file_hashes
 from neuralgaits.runs.names import ROBOT, WEIGHTS
@@ -133,7 +133,7 @@ def simulate(settings: SimulateSettings) -> Simulation:
     adapted = adaptation(run, walk, settings.adapted_commands)
     result = SimulationSummary(**vars(record), **vars(figures), monitor=monitored, **adapted)
     # First, so that nothing that can go wrong with a log or a video costs the walk.
-    run.folder.write_json(SUMMARY, result)
+    run.folder.write_json(WALK_SUMMARY, result)
     for number, (file, rows) in enumerate(zip(plan.logs, states, strict=bool(plan.logs))):
         logs.write(file, log_of(run.robot.joint_names, rows, f"episode {number}"))
     for film in plan.films:
@@ -201,7 +201,7 @@ def _planned(settings: SimulateSettings) -> _Plan:
 def _output_files(settings: SimulateSettings, run: Run) -> tuple[list[Path], list[Path]]:
     """Return logs and videos to write. Raises: InputError if one cannot be, or is an input."""
     files = [] if settings.log is None else log_files(Path(settings.log), settings.episodes)
-    refuse_unwritable(*(run.path / file for file in (SUMMARY, PLANT)), own=True)
+    refuse_unwritable(*(run.path / file for file in (WALK_SUMMARY, PLANT)), own=True)
     videos = [] if settings.video is None else [Path(settings.video)]
     named = (settings.plant, settings.commands, settings.terrain, settings.joints)
     inputs = [Path(file) for file in named if isinstance(file, str | Path)]

@@ -19,7 +19,7 @@ from neuralgaits.records.swept import (
     FORMAT,
     PAGE,
     ROW,
-    SUMMARY,
+    SWEEP_SUMMARY,
     TABLE,
     Speed,
     SweepConfig,
@@ -76,7 +76,7 @@ def sweep(settings: SweepSettings) -> Sweep:
     make = _folder(settings)
     # Before a folder is made, so that an engine that cannot be had leaves none.
     with settings.engine or worker_pool_for(workers, ray) as pool, make().alone() as folder:
-        refuse_unwritable(*(folder.path / file for file in (TABLE, PAGE, SUMMARY)), own=True)
+        refuse_unwritable(*(folder.path / file for file in (TABLE, PAGE, SWEEP_SUMMARY)), own=True)
         every = list(combinations(folder.config))
         before = sum(folder.has(one.name) for one in every)
         if settings.begun is not None:
@@ -105,7 +105,7 @@ def sweep(settings: SweepSettings) -> Sweep:
             wall_s=time.perf_counter() - start_time,
         )
         write_text(folder.path / PAGE, page(folder.config, rows, summary))
-        write_text(folder.path / SUMMARY, to_json(summary))
+        write_text(folder.path / SWEEP_SUMMARY, to_json(summary))
     return Sweep(folder.path, rows, summary)
 
 

@@ -18,7 +18,7 @@ from neuralgaits.records.trained import TrainingProof, TrainingSummary, Violatio
 from neuralgaits.records.training_config import config_of
 from neuralgaits.runs import finish, resolve_unfinished
 from neuralgaits.runs.atomic import refuse_unwritable
-from neuralgaits.runs.names import ROBOT, STATE, SUMMARY, WEIGHTS
+from neuralgaits.runs.names import ROBOT, STATE, TRAINING_SUMMARY, WEIGHTS
 from neuralgaits.runs.only_writer import only_writer
 from neuralgaits.runs.shell_words import LATEST, resuming
 from neuralgaits.settings import TrainSettings, Watch, called_with
@@ -210,7 +210,7 @@ def _resumed(settings: TrainSettings, resumed: str | Path) -> Run:
     robot = None if settings.robot is None else robot_from(settings.robot)
     folder = resolve_unfinished(resumed, settings.root)
     config = config_of(folder)
-    files = (folder.path / file for file in (STATE, WEIGHTS, SUMMARY))
+    files = (folder.path / file for file in (STATE, WEIGHTS, TRAINING_SUMMARY))
     refuse_unwritable(*files, settings.root / LATEST, own=True)
     if robot is not None and folder.copy(ROBOT) != robot.layout.xml:
         raise RunError(

@@ -12,7 +12,7 @@ from typing import Any
 from neuralgaits.analysis.run import open_run
 from neuralgaits.errors import NeuralGaitsError, RunError
 from neuralgaits.report.certificate import ProvedOfGait, certificate_of
-from neuralgaits.report.shown_walk import asked_of, kept_walk
+from neuralgaits.report.shown_walk import kept_walk, request_of
 from neuralgaits.runs import RunFolder
 from neuralgaits.workflows.check_proof import check_proof
 from neuralgaits.workflows.report import saved_of
@@ -99,7 +99,7 @@ def _walk_kept(path: Path) -> str:
     """What the page would show of a walk without walking it; empty if it would walk."""
     try:
         run = open_run(path)
-        kept = kept_walk(run, asked_of(run))
+        kept = kept_walk(run, request_of(run))
     except RunError:
         return ""
     return "" if kept is None else f"; keeps a walk that {kept.origin}"

@@ -22,7 +22,7 @@ def _kept(what: str, *, hashed: bool = True, **changed: Any) -> None:
     def _(case: Case) -> None:
         folder = case.folder()
         run = open_run(folder)
-        asked = shown_walk.asked_of(run)
+        asked = shown_walk.request_of(run)
         walk = ShownWalk(
             **plain(shown_walk._settings(run, asked)),
             key=shown_walk._key(run, asked),

@@ -124,7 +124,7 @@ page_of_round = page_of(f"{EPISODES}/round-1")
 
 def _kept_walk(path: Path) -> tuple[Any, str | None]:
     run = open_run(path)
-    kept = shown_walk.kept_walk(run, shown_walk.asked_of(run))
+    kept = shown_walk.kept_walk(run, shown_walk.request_of(run))
     return kept, "walked anew" if kept is None else None
 
 

@@ -25,7 +25,7 @@ TANH_SECOND, TANH_THIRD, TANH_FOURTH = 0.7699, 2.0, 4.1
 Values = Float[np.ndarray, "n B"]
 
 
-class Expanded(NamedTuple):
+class Expansion(NamedTuple):
     """An expansion: derivatives at the centre, their error, the remainder."""
 
     derivatives: tuple[Values, Values, Values]
@@ -33,10 +33,10 @@ class Expanded(NamedTuple):
     remainder: Values
 
 
-Expansion = Callable[[Values, Values, int], Expanded]
+ExpansionRule = Callable[[Values, Values, int], Expansion]
 
 
-def reciprocal(c: Values, r: Values, degree: int) -> Expanded:
+def reciprocal(c: Values, r: Values, degree: int) -> Expansion:
     """Expand 1/x, for x away from zero."""
     nearest = _within(np.abs(c) - r - SLACK * (np.abs(c) + r), np.abs(c) + r)
     value, ratio = 1.0 / c, r / nearest
@@ -44,7 +44,7 @@ def reciprocal(c: Values, r: Values, degree: int) -> Expanded:
     return _relative((value, -value * value, 2.0 * value**3), r, ratio ** (degree + 1) / nearest)
 
 
-def sqrt(c: Values, r: Values, degree: int) -> Expanded:
+def sqrt(c: Values, r: Values, degree: int) -> Expansion:
     """Expand the square root of a positive argument."""
     nearest = _within(c - r - SLACK * (np.abs(c) + r), np.abs(c) + r)
     root, ratio = np.sqrt(c), r / nearest
@@ -53,7 +53,7 @@ def sqrt(c: Values, r: Values, degree: int) -> Expanded:
     return _relative((root, 0.5 / root, -0.25 / root**3), r, remainder)
 
 
-def log1p(c: Values, r: Values, degree: int) -> Expanded:
+def log1p(c: Values, r: Values, degree: int) -> Expansion:
     """Expand the logarithm of 1 + x, for x > -1."""
     size = 1.0 + np.abs(c) + r
     nearest = _within(1.0 + c - r - SLACK * size, size)
@@ -62,28 +62,28 @@ def log1p(c: Values, r: Values, degree: int) -> Expanded:
     return _relative((np.log1p(c), slope, -slope * slope), r, remainder)
 
 
-def exp(c: Values, r: Values, degree: int) -> Expanded:
+def exp(c: Values, r: Values, degree: int) -> Expansion:
     """Expand the exponential about the centre."""
     value = np.exp(c)
     most = np.exp(c + r + SLACK * (np.abs(c) + r))
     return _relative((value, value, value), r, most * _power(r, degree))
 
 
-def sin(c: Values, r: Values, degree: int) -> Expanded:
+def sin(c: Values, r: Values, degree: int) -> Expansion:
     """Expand the sine of radians about the centre."""
     sine, cosine = np.sin(c), np.cos(c)
     most = _up_to(1.0, cosine if degree == 2 else sine, 1.0, r)
     return _relative((sine, cosine, -sine), r, most * _power(r, degree))
 
 
-def cos(c: Values, r: Values, degree: int) -> Expanded:
+def cos(c: Values, r: Values, degree: int) -> Expansion:
     """Expand the cosine of radians about the centre."""
     sine, cosine = np.sin(c), np.cos(c)
     most = _up_to(1.0, sine if degree == 2 else cosine, 1.0, r)
     return _relative((cosine, -sine, -cosine), r, most * _power(r, degree))
 
 
-def tanh(c: Values, r: Values, degree: int) -> Expanded:
+def tanh(c: Values, r: Values, degree: int) -> Expansion:
     """Expand the hyperbolic tangent about the centre."""
     t = np.tanh(c)
     slope = 1.0 - t * t
@@ -94,13 +94,13 @@ def tanh(c: Values, r: Values, degree: int) -> Expanded:
         most = _up_to(TANH_SECOND, second, TANH_THIRD, r)
     # 1 - t^2 cancels: its error is a few last places of 1, not of itself.
     error = np.abs(t) + r + r * r
-    return Expanded((t, slope, second), error, most * _power(r, degree))
+    return Expansion((t, slope, second), error, most * _power(r, degree))
 
 
-def logistic(c: Values, r: Values, degree: int) -> Expanded:
+def logistic(c: Values, r: Values, degree: int) -> Expansion:
     """Expand 1/2 + tanh(x/2)/2, the logistic function: halving is exact."""
     (t, first, second), error, remainder = tanh(0.5 * c, 0.5 * r, degree)
-    return Expanded((0.5 + 0.5 * t, 0.25 * first, 0.125 * second), 0.5 + error, 0.5 * remainder)
+    return Expansion((0.5 + 0.5 * t, 0.25 * first, 0.125 * second), 0.5 + error, 0.5 * remainder)
 
 
 EXPANSIONS = {
@@ -131,7 +131,9 @@ def _up_to(limit: float, derivative: Values, slope: float, r: Values) -> Values:
     return np.minimum(limit, np.abs(derivative) + slope * r * (1.0 + SLACK) + 1e-12)
 
 
-def _relative(derivatives: tuple[Values, Values, Values], r: Values, remainder: Values) -> Expanded:
+def _relative(
+    derivatives: tuple[Values, Values, Values], r: Values, remainder: Values
+) -> Expansion:
     """Return an expansion whose derivatives have relative errors of a few last places."""
     value, first, second = (np.abs(d) for d in derivatives)
-    return Expanded(derivatives, value + first * r + second * r * r, remainder)
+    return Expansion(derivatives, value + first * r + second * r * r, remainder)

@@ -20,7 +20,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from neuralgaits.programs.algebras import expansions
-from neuralgaits.programs.algebras.expansions import SLACK, Expansion
+from neuralgaits.programs.algebras.expansions import SLACK, ExpansionRule
 from neuralgaits.programs.algebras.taylor_model import (
     CoefficientLayout,
     Taylor,
@@ -173,7 +173,7 @@ class TaylorAlgebra(Algebra[Taylor]):
         """Square each element of a vector of models."""
         return self.mul(a, a)
 
-    def unary(self, a: Taylor, function: Expansion) -> Taylor:
+    def unary(self, a: Taylor, function: ExpansionRule) -> Taylor:
         """f(c) + f'(c) d + f''(c) d^2 / 2 + remainder, d the model without its constant."""
         # Rounded up: a singularity may lie just outside. No function of infinity is bounded.
         reach = (a.spread + a.radius) * (1.0 + SLACK)

@@ -20,7 +20,7 @@ COLUMNS_AT_ONCE = 4
 
 
 @dataclass(frozen=True)
-class Emitted:
+class CFunction:
     """C text of one Program.
 
     Attributes:
@@ -51,7 +51,7 @@ class Writer:
         self._tables = tables
         self._read: set[str] = set()
 
-    def write(self) -> Emitted:
+    def write(self) -> CFunction:
         """Write the whole function, its prototype and its arrays."""
         lines: list[str] = []
         for group in self._layout.groups:
@@ -66,7 +66,7 @@ class Writer:
         slots += [f"(void){name};" for name in sorted(unread)]
         prototype = self._prototype()
         body = "\n".join("    " + line for line in [*slots, *lines])
-        return Emitted(
+        return CFunction(
             prototype=prototype,
             body=f"/* {self._about} */\n{prototype}\n{{\n{body}\n}}",
             work=sum(self._layout.slots) + BLOCK * max(map(len, self._blocks()), default=0),

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from neuralgaits.errors import SpecError
-from neuralgaits.programs.c99.c_writer import Emitted, Writer
+from neuralgaits.programs.c99.c_writer import CFunction, Writer
 from neuralgaits.programs.c99.constant_arrays import Tables, identifier
 from neuralgaits.programs.c99.nodes import LOOPED, Node
 from neuralgaits.programs.c99.operation_layout import lay_out
@@ -78,7 +78,7 @@ class C99Algebra(Algebra[Node]):
         return node
 
 
-def emit(program: Program, function: str, about: str, tables: Tables) -> Emitted:
+def emit(program: Program, function: str, about: str, tables: Tables) -> CFunction:
     """Write a Program as a C function.
 
     Args:

@@ -70,13 +70,13 @@ def trace(
 
 
 @dataclass(frozen=True)
-class _Closed:
+class _ClosedJaxpr:
     jaxpr: Any
     consts: Sequence[Any]
     names: list[str]
 
 
-def _jaxpr(function: Callable[..., Mapping[str, Any]], shapes: Mapping[str, tuple]) -> _Closed:
+def _jaxpr(function: Callable[..., Mapping[str, Any]], shapes: Mapping[str, tuple]) -> _ClosedJaxpr:
     """Run JAX's tracer on the function."""
     names: list[str] = []
 
@@ -100,7 +100,7 @@ def _jaxpr(function: Callable[..., Mapping[str, Any]], shapes: Mapping[str, tupl
         where = refusals.source_line(frames) or "the spec"
         problem = type(error).__name__
         raise SpecError(f"{where}: cannot trace ({problem}): {refusals.PYTHON}") from error
-    return _Closed(closed.jaxpr, closed.consts, list(names))
+    return _ClosedJaxpr(closed.jaxpr, closed.consts, list(names))
 
 
 def _names(parameters: Any) -> dict[tuple, str]:

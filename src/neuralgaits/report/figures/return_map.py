@@ -29,7 +29,7 @@ STEPS = 12
 
 
 @dataclass(frozen=True)
-class Proved:
+class ProvedOrbit:
     """Results of a certificate of level 3 about the orbit.
 
     Attributes:
@@ -44,7 +44,7 @@ class Proved:
     contraction: float | None
 
 
-def caption(data: GaitData, proved: Proved | None) -> str:
+def caption(data: GaitData, proved: ProvedOrbit | None) -> str:
     """Return the caption of the figure, with the proved results if there are any."""
     text = (
         "The curve says with how much momentum the hip passes over the standing foot one step "
@@ -64,7 +64,7 @@ def caption(data: GaitData, proved: Proved | None) -> str:
 
 
 @styled
-def draw(data: GaitData, proved: Proved | None = None) -> Figure:
+def draw(data: GaitData, proved: ProvedOrbit | None = None) -> Figure:
     """Draw the map with its fixed point, and how walks approach it."""
     figure = new_figure(4.6)
     left, right = figure.subplots(1, 2)
@@ -73,7 +73,7 @@ def draw(data: GaitData, proved: Proved | None = None) -> Figure:
     return figure
 
 
-def _map(axes: Axes, data: GaitData, proved: Proved | None) -> None:
+def _map(axes: Axes, data: GaitData, proved: ProvedOrbit | None) -> None:
     z2, after, numbers = data["map/z2"], data["map/z2_after"], data.numbers
     axes.plot(z2, z2, "--", color=GREY, linewidth=1.0, label="the same again")
     axes.plot(z2, after, color=BLUE, label="Poincaré map")
@@ -110,7 +110,7 @@ def _map(axes: Axes, data: GaitData, proved: Proved | None) -> None:
         inset.set_title("proved: in the band", fontsize=8)
 
 
-def _approach(axes: Axes, data: GaitData, proved: Proved | None) -> None:
+def _approach(axes: Axes, data: GaitData, proved: ProvedOrbit | None) -> None:
     numbers, steps = data.numbers, np.arange(STEPS + 1)
     z2 = data["map/z2"]
     for start, mark, label in (

@@ -5,7 +5,7 @@ from neuralgaits.records.report_walk import ShownWalk
 from neuralgaits.records.simulated import SimulationSummary
 from neuralgaits.report.page import phrases
 from neuralgaits.report.page.markup import Html, Section, join, number, paragraph, tag
-from neuralgaits.report.page.saved import Contents, Saved
+from neuralgaits.report.page.saved import Contents, RunContents
 from neuralgaits.runs.names import RESIDUAL
 
 
@@ -51,7 +51,7 @@ def _what_is_shown(contents: Contents) -> str:
     return f"{who} {_walk_sentence(saved, contents.walk)}"
 
 
-def _walk_sentence(saved: Saved, walk: ShownWalk | None) -> str:
+def _walk_sentence(saved: RunContents, walk: ShownWalk | None) -> str:
     """Describe what simulations showed, preferring the more detailed record."""
     simulation, walks = saved.simulation, saved.walks
     if simulation is not None:
@@ -108,7 +108,7 @@ def _counts(simulation: SimulationSummary) -> str:
     return sentence
 
 
-def _why_it_walks(saved: Saved) -> str:
+def _why_it_walks(saved: RunContents) -> str:
     numbers = "its commands and two numbers" if saved.config.commands else "two numbers alone"
     numbers_known = (
         f"{numbers}: how far the hip is ahead of the foot on the ground, and with how much "
@@ -145,7 +145,7 @@ def _why_it_walks(saved: Saved) -> str:
     )
 
 
-def _how_sure(saved: Saved) -> str:
+def _how_sure(saved: RunContents) -> str:
     if saved.summary is None:
         return "Nothing is claimed: nothing has been measured or proved."
     certificate, level = saved.certificate, saved.proved_level
@@ -161,7 +161,7 @@ def _how_sure(saved: Saved) -> str:
     return f"{proved}{_borne(saved)} {certificate_sentences.AS_STATED}"
 
 
-def _borne(saved: Saved) -> str:
+def _borne(saved: RunContents) -> str:
     """Describe the disturbance that a proof of level 2 covers; empty without one."""
     if not saved.disturbance:
         return ""
@@ -172,7 +172,7 @@ def _borne(saved: Saved) -> str:
     )
 
 
-def _left_open(saved: Saved) -> str:
+def _left_open(saved: RunContents) -> str:
     robots = None if saved.certificate is None else saved.certificate.robots
     rests = certificate_sentences.left_open(saved.proved_level, robots)
     model = ""
@@ -187,7 +187,7 @@ def _left_open(saved: Saved) -> str:
     return f"{rests}{model} {claims}{samples}"
 
 
-def _sampled(saved: Saved) -> str:
+def _sampled(saved: RunContents) -> str:
     if saved.summary is None or not saved.measured:
         return "No measurement of these weights is recorded."
     count = len(saved.measured)
@@ -202,7 +202,7 @@ def _sampled(saved: Saved) -> str:
     return f"All {count} conditions held at every random sample, {recorded}."
 
 
-def headline(saved: Saved) -> str:
+def headline(saved: RunContents) -> str:
     """Return what the page is about: it says walking of no gait that fell or breaks a condition."""
     simulation = saved.simulation
     fails = (
@@ -213,7 +213,7 @@ def headline(saved: Saved) -> str:
     return f"{'A gait' if fails else 'A walking gait'} for {saved.robot}"
 
 
-def title(saved: Saved) -> Html:
+def title(saved: RunContents) -> Html:
     """Return the heading of the page, with its subject below."""
     about = [
         f"spec {saved.config.spec}",

@@ -9,11 +9,11 @@ from neuralgaits.records import certificate_sentences
 from neuralgaits.records.certified import PROOF, CertificateRecord
 from neuralgaits.records.levels import ORBIT_LEVEL
 from neuralgaits.report.drawing.command_words import FIGURES as OF_COMMANDS
-from neuralgaits.report.drawing.drawn import Drawn, Missing
+from neuralgaits.report.drawing.figure_files import FigureFiles, MissingFigure
 from neuralgaits.report.page import markup as html
 from neuralgaits.report.page import phrases, repeat_commands
 from neuralgaits.report.page.markup import Html
-from neuralgaits.report.page.saved import Contents, Saved
+from neuralgaits.report.page.saved import Contents, RunContents
 from neuralgaits.runs.shell_words import command, named, resuming
 
 
@@ -125,17 +125,17 @@ def missing_parts(contents: Contents) -> Iterator[tuple[str, str]]:
         yield f"level {level + 1}: {statement}", line
     for figure in contents.figures:
         # What a proof would show is no use to ask for where there can be none.
-        proof = isinstance(figure, Missing) and figure.command.startswith(command("certify"))
-        if isinstance(figure, Missing) and not (proof and unprovable):
+        proof = isinstance(figure, MissingFigure) and figure.command.startswith(command("certify"))
+        if isinstance(figure, MissingFigure) and not (proof and unprovable):
             yield f"figure “{figure.title}”: {figure.reason}", figure.command
 
 
-def _other_box(saved: Saved, certificate: CertificateRecord) -> Mapping[str, float] | None:
+def _other_box(saved: RunContents, certificate: CertificateRecord) -> Mapping[str, float] | None:
     """Return the box that a proof is about; None if it is the box that the run is meant for."""
     return None if certificate.parameters == saved.config.parameters else certificate.parameters
 
 
-def _last_level(saved: Saved, certificate: CertificateRecord) -> int:
+def _last_level(saved: RunContents, certificate: CertificateRecord) -> int:
     """Return the highest level that can be requested for the same box; above 3 it is one robot."""
     return (
         min(saved.config.last_level, ORBIT_LEVEL)
@@ -170,7 +170,7 @@ def reproduction(contents: Contents) -> Html:
     )
 
 
-def _certifying(saved: Saved, certificate: CertificateRecord, copy: Path) -> str:
+def _certifying(saved: RunContents, certificate: CertificateRecord, copy: Path) -> str:
     """Return the command that proves what the run's proof file confirms; usual settings else."""
     level: int | None = saved.confirmed_level
     some = {} if saved.of_some is None else saved.of_some.ranges
@@ -185,7 +185,7 @@ def _certifying(saved: Saved, certificate: CertificateRecord, copy: Path) -> str
     return repeat_commands.certifying(copy, level, disturbance, within, other)
 
 
-def _commands(saved: Saved, trained: str | None, lines: list[str]) -> list[Html]:
+def _commands(saved: RunContents, trained: str | None, lines: list[str]) -> list[Html]:
     """Return the commands that reproduce the run, or the reason why there are none."""
     if trained is None:
         lost = (
@@ -223,10 +223,10 @@ def figures(contents: Contents, pictures: Mapping[str, Html]) -> Html:
     inline = [
         html.captioned(figure.title, figure.caption, pictures[figure.name])
         for figure in here
-        if isinstance(figure, Drawn)
+        if isinstance(figure, FigureFiles)
     ]
     parts = [html.tag("div", *inline, class_="figures wide")] if inline else []
-    absent = [figure.title for figure in here if isinstance(figure, Missing)]
+    absent = [figure.title for figure in here if isinstance(figure, MissingFigure)]
     if absent:
         sentence = f"Optional, not made yet: {'; '.join(absent)}. "
         link = html.tag("a", "What is missing", href="#missing")

@@ -5,9 +5,9 @@ from collections.abc import Iterator, Mapping
 from neuralgaits.records import certificate_sentences
 from neuralgaits.records.training_config import Range
 from neuralgaits.report.drawing import command_words
-from neuralgaits.report.drawing.drawn import Drawn
+from neuralgaits.report.drawing.figure_files import FigureFiles
 from neuralgaits.report.page.markup import Html, captioned, paragraph, section, table, tag
-from neuralgaits.report.page.saved import Contents, ProvedOfSome, Saved
+from neuralgaits.report.page.saved import Contents, ProvedOfSome, RunContents
 
 
 def family(contents: Contents, pictures: Mapping[str, Html]) -> Iterator[Html]:
@@ -66,7 +66,7 @@ def _ranges(commands: Mapping[str, Range]) -> Html:
     return table("Commands of the gait", head, rows, numbers=" nnn", cards=True)
 
 
-def _proved(saved: Saved) -> Iterator[Html | str]:
+def _proved(saved: RunContents) -> Iterator[Html | str]:
     """Yield for which commands something is proved, and what it states."""
     certificate, link = saved.certificate, tag("a", "The certificate", href="#certificate")
     if certificate is None:
@@ -127,7 +127,7 @@ def _figure(contents: Contents, pictures: Mapping[str, Html]) -> Iterator[Html]:
     for figure in contents.figures:
         if figure.name not in command_words.FIGURES:
             continue
-        if isinstance(figure, Drawn):
+        if isinstance(figure, FigureFiles):
             yield captioned(figure.title, figure.caption, pictures[figure.name])
         else:
             link = tag("a", "What is missing", href="#missing")

@@ -1,6 +1,6 @@
 """The whole page: its parts in the order that a newcomer needs, in one self-contained file."""
 
-from neuralgaits.report.drawing.drawn import Drawn
+from neuralgaits.report.drawing.figure_files import FigureFiles
 from neuralgaits.report.page.answer import answer, headline, title
 from neuralgaits.report.page.closing import failures, figures, glossary, missing, reproduction
 from neuralgaits.report.page.command_family import family
@@ -19,7 +19,9 @@ MOST_BYTES = 5_000_000
 def document(contents: Contents) -> str:
     """Return the page of a run as HTML."""
     pictures = {
-        figure.name: _picture(figure) for figure in contents.figures if isinstance(figure, Drawn)
+        figure.name: _picture(figure)
+        for figure in contents.figures
+        if isinstance(figure, FigureFiles)
     }
     walk, parts = animation(contents), [training(contents)]
     if contents.saved.summary is not None:
@@ -45,7 +47,7 @@ def document(contents: Contents) -> str:
     return whole(name, header, main, "the files of the run", ("hints.js", "scene.js", "player.js"))
 
 
-def _picture(figure: Drawn) -> Html:
+def _picture(figure: FigureFiles) -> Html:
     kind, content = "svg+xml", figure.path_svg.read_bytes()
     # Of a drawing so large, the smaller of its files.
     if len(content) > 300_000 and figure.path_png.stat().st_size < len(content):

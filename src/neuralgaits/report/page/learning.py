@@ -4,11 +4,11 @@ from neuralgaits.records.episode_records import EpisodesSummary
 from neuralgaits.records.fitted import FitSummary
 from neuralgaits.report.page import phrases
 from neuralgaits.report.page.markup import Html, facts, number, paragraph, section, table
-from neuralgaits.report.page.saved import Saved
+from neuralgaits.report.page.saved import RunContents
 from neuralgaits.runs.names import RESIDUAL
 
 
-def learning(saved: Saved) -> Html:
+def learning(saved: RunContents) -> Html:
     """Return the section on residual and episodes; nothing if the run has neither."""
     carries = RESIDUAL in saved.folder.copies
     if not (carries or saved.residual or saved.episodes):
@@ -52,7 +52,7 @@ def _residual(summary: FitSummary) -> list[Html]:
     ]
 
 
-def _rounds(saved: Saved, episodes: EpisodesSummary) -> list[Html]:
+def _rounds(saved: RunContents, episodes: EpisodesSummary) -> list[Html]:
     rows = []
     for entry in episodes.rounds:
         steps, share = entry.steps_walked, entry.share_that_walks
@@ -77,7 +77,7 @@ def _rounds(saved: Saved, episodes: EpisodesSummary) -> list[Html]:
     ]
 
 
-def _round_of(saved: Saved) -> int | None:
+def _round_of(saved: RunContents) -> int | None:
     """Return the number of the round that this run belongs to, or None."""
     name = saved.folder.path.resolve().name
     number_of = name.removeprefix("round-")

@@ -3,18 +3,18 @@
 import math
 
 from neuralgaits.records.certified import PROOF
-from neuralgaits.records.monitored import LevelWatched, MonitorFigures, margin_in_words
+from neuralgaits.records.monitored import LevelOccupancy, MonitorFigures, margin_in_words
 from neuralgaits.records.simulated import SimulationSummary
 from neuralgaits.report.page import markup as html
 from neuralgaits.report.page.markup import Html
-from neuralgaits.report.page.saved import Saved
+from neuralgaits.report.page.saved import RunContents
 from neuralgaits.runs.shell_words import command
 
 _LEAST = 2
 """Lowest level that is about a set of states."""
 
 
-def monitored(saved: Saved, simulation: SimulationSummary) -> Html:
+def monitored(saved: RunContents, simulation: SimulationSummary) -> Html:
     """Return how much of a simulation was in the sets of the run's proof.
 
     Without a proof of such a set there is nothing to say; without figures of this proof there is
@@ -52,7 +52,7 @@ def share(value: float) -> str:
     return f"{math.floor(1000.0 * value) / 10.0:.1f}"
 
 
-def _outside(one: LevelWatched) -> str:
+def _outside(one: LevelOccupancy) -> str:
     tick = one.last_outside
     if tick is None:
         return "none"

@@ -15,7 +15,7 @@ from neuralgaits.records.levels import HIGHEST, HIGHEST_OF_MANY, WORDS
 from neuralgaits.report.page import markup as html
 from neuralgaits.report.page import phrases
 from neuralgaits.report.page.markup import Html
-from neuralgaits.report.page.saved import Contents, Saved
+from neuralgaits.report.page.saved import Contents, RunContents
 from neuralgaits.runs import packed
 from neuralgaits.runs.shell_words import command, named, quoted
 
@@ -48,7 +48,7 @@ def certificate(contents: Contents) -> Html:
     )
 
 
-def _absent(saved: Saved) -> Html:
+def _absent(saved: RunContents) -> Html:
     reason = saved.damaged.get(SUMMARY)
     sentence = reason or (
         "This gait has no certificate: nothing is proved of it. Measured conditions and simulated "
@@ -121,7 +121,7 @@ def _rounded(constant: TheoremConstant) -> str:
     return html.bound(constant.value, above=constant.side == "most")
 
 
-def _conditions(saved: Saved, certificate: CertificateRecord) -> Html:
+def _conditions(saved: RunContents, certificate: CertificateRecord) -> Html:
     words = {one.name: phrases.any_condition(one.data) for one in saved.config.conditions}
     rows = []
     tightness = {"refuted": 0, "undecided": 1}
@@ -157,7 +157,7 @@ def _conditions(saved: Saved, certificate: CertificateRecord) -> Html:
     return html.tightest(about, head, rows, failed, numbers="  nnn")
 
 
-def _files(saved: Saved, certificate: CertificateRecord) -> list[Html]:
+def _files(saved: RunContents, certificate: CertificateRecord) -> list[Html]:
     if PROOF not in saved.hashes:
         return [html.paragraph("There is no proof file: nothing was proved that could be checked.")]
     rows = [(html.tag("code", PROOF), html.tag("code", saved.hashes[PROOF]))]

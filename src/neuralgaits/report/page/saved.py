@@ -13,16 +13,23 @@ from neuralgaits.records.fitted import FitSummary
 from neuralgaits.records.inspected import RobotFacts
 from neuralgaits.records.record import Record
 from neuralgaits.records.report_walk import ShownWalk
-from neuralgaits.records.simulated import SUMMARY as WALK
-from neuralgaits.records.simulated import SimulationSummary
+from neuralgaits.records.simulated import WALK_SUMMARY, SimulationSummary
 from neuralgaits.records.trained import EndedInNan, TrainingSummary, Violations, trained_of
 from neuralgaits.records.training_config import Range, TrainingConfig, config_of
-from neuralgaits.report.drawing.drawn import Drawn, Missing
+from neuralgaits.report.drawing.figure_files import FigureFiles, MissingFigure
 from neuralgaits.runs import RunFolder
 from neuralgaits.runs.hashes import file_hashes, other_file
-from neuralgaits.runs.names import FIT_SUMMARY as LEARNING
-from neuralgaits.runs.names import LEARNED_RESIDUAL, NAN, RESIDUAL, ROBOT, SPEC, START, WEIGHTS
-from neuralgaits.runs.names import SUMMARY as TRAINING
+from neuralgaits.runs.names import (
+    FIT_SUMMARY,
+    LEARNED_RESIDUAL,
+    NAN,
+    RESIDUAL,
+    ROBOT,
+    SPEC,
+    START,
+    TRAINING_SUMMARY,
+    WEIGHTS,
+)
 from neuralgaits.runs.shell_words import command, learning, named
 
 Kind = TypeVar("Kind", bound=Record)
@@ -44,7 +51,7 @@ class ProvedOfSome:
 
 
 @dataclass(frozen=True)
-class Saved:
+class RunContents:
     """A run as its files describe it.
 
     Attributes:
@@ -140,11 +147,11 @@ class Contents:
         assumptions: assumptions of a proof, as `check-proof` lists them.
     """
 
-    saved: Saved
+    saved: RunContents
     robot: RobotFacts
     walk: ShownWalk | None
     no_walk: str | None
-    figures: list[Drawn | Missing]
+    figures: list[FigureFiles | MissingFigure]
     assumptions: tuple[str, ...]
 
 
@@ -154,7 +161,7 @@ def read(
     no_certificate: str | None = None,
     disturbance: tuple[float, ...] = (),
     of_some: ProvedOfSome | None = None,
-) -> Saved:
+) -> RunContents:
     """Read a run. A damaged part is left out, and its name is kept.
 
     Args:
@@ -177,28 +184,28 @@ def read(
 
     above = folder.path.resolve().parent
     has_config = (above / episode_records.CONFIG_FILE).is_file()
-    rounds = part(episode_records.SUMMARY, EpisodesSummary, above) if has_config else None
+    rounds = part(episode_records.EPISODES_SUMMARY, EpisodesSummary, above) if has_config else None
     files = file_hashes(folder.path, (WEIGHTS, ROBOT, SPEC, RESIDUAL, START, PROOF))
     hashes = {file: digest for file, digest in files.items() if digest is not None}
     if no_certificate is not None:
         again = f"prove it again with `{command('certify', named(folder.path))}`"
         damaged[SUMMARY] = f"{no_certificate}: {again}"
-    learned, simulation = part(LEARNING, FitSummary), part(WALK, SimulationSummary)
+    learned, simulation = part(FIT_SUMMARY, FitSummary), part(WALK_SUMMARY, SimulationSummary)
     outdated = _outdated(folder, learned, simulation, hashes)
     damaged |= outdated
     summary = trained_of(folder.path) if folder.finished else None
     if summary is not None and summary.left_out is not None:
-        damaged[TRAINING] = summary.left_out
-    return Saved(
+        damaged[TRAINING_SUMMARY] = summary.left_out
+    return RunContents(
         folder=folder,
         config=config_of(folder),
         summary=summary,
         metrics=_metrics(folder, damaged),
         certificate=certificate,
         disturbance=disturbance,
-        simulation=None if WALK in outdated else simulation,
-        residual=None if LEARNING in outdated else learned,
-        walks=part(f"{episode_records.WALKS}/{episode_records.SUMMARY}", WalkedRound),
+        simulation=None if WALK_SUMMARY in outdated else simulation,
+        residual=None if FIT_SUMMARY in outdated else learned,
+        walks=part(f"{episode_records.WALKS}/{episode_records.EPISODES_SUMMARY}", WalkedRound),
         episodes=rounds,
         hashes=hashes,
         nan=_nan(part(NAN, EndedInNan)) if folder.ended_in_nan else None,
@@ -230,8 +237,8 @@ def _outdated(
             about[LEARNED_RESIDUAL] = learned.residual_sha256
         other = other_file(folder.path, about, (LEARNED_RESIDUAL, ROBOT, WEIGHTS))
         if other is not None:
-            reasons[LEARNING] = (
-                f"{LEARNING} is about another {Path(other).name} than the run's: learn it again "
+            reasons[FIT_SUMMARY] = (
+                f"{FIT_SUMMARY} is about another {Path(other).name} than the run's: learn it again "
                 f"with `{learning(folder.path)}`"
             )
     hashes_of_walk = {} if simulation is None else simulation.sha256
@@ -240,7 +247,9 @@ def _outdated(
     )
     if other is not None:
         again = command("simulate", named(folder.path))
-        reasons[WALK] = f"{WALK} is about another {other} than the run's: walk with `{again}`"
+        reasons[WALK_SUMMARY] = (
+            f"{WALK_SUMMARY} is about another {other} than the run's: walk with `{again}`"
+        )
     return reasons
 
 

@@ -10,7 +10,7 @@ from neuralgaits.records.training_config import ConditionRecord, GaitOrigin
 from neuralgaits.report.page import markup as html
 from neuralgaits.report.page import phrases, repeat_commands
 from neuralgaits.report.page.markup import Html
-from neuralgaits.report.page.saved import Contents, Saved
+from neuralgaits.report.page.saved import Contents, RunContents
 from neuralgaits.runs.shell_words import resuming
 
 
@@ -31,12 +31,12 @@ def training(contents: Contents) -> Html:
     )
 
 
-def heading(saved: Saved) -> str:
+def heading(saved: RunContents) -> str:
     """Return the heading of this part."""
     return "What was trained" if saved.config.as_given is None else "What was made"
 
 
-def _state(saved: Saved) -> Html:
+def _state(saved: RunContents) -> Html:
     summary = saved.summary
     if summary is None and saved.folder.ended_in_nan:
         return _ended_in_nan(saved)
@@ -80,7 +80,7 @@ def _not_trained(origin: GaitOrigin, summary: TrainingSummary) -> str:
     )
 
 
-def _ended_in_nan(saved: Saved) -> Html:
+def _ended_in_nan(saved: RunContents) -> Html:
     sentence = (
         f"{saved.nan} It is no use to go on: the same steps would meet it again. Other random "
         "numbers may not"
@@ -124,7 +124,7 @@ def _robot(robot: RobotFacts) -> list[Html]:
     ]
 
 
-def _settings(saved: Saved) -> list[tuple[str, Any]]:
+def _settings(saved: RunContents) -> list[tuple[str, Any]]:
     config = saved.config
     if config.as_given is not None:
         return [("spec", config.spec), ("polynomials of degree", config.as_given.degree)]
@@ -149,7 +149,7 @@ def _settings(saved: Saved) -> list[tuple[str, Any]]:
     return rows
 
 
-def _conditions(saved: Saved) -> list[Html]:
+def _conditions(saved: RunContents) -> list[Html]:
     measured, described = saved.measured, saved.config.conditions
     if not described:
         return [html.paragraph("The run does not say which conditions it is meant for.")]
@@ -184,7 +184,7 @@ def _conditions(saved: Saved) -> list[Html]:
     return [html.paragraph(sentence), html.paragraph(_explain_terms(ordered)), table]
 
 
-def _untied(saved: Saved) -> str:
+def _untied(saved: RunContents) -> str:
     """Say that nothing ties the figures to the run's weights; empty if their hashes agree."""
     if saved.summary is None or saved.summary.tied:
         return ""

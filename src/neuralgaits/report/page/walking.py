@@ -10,7 +10,7 @@ from neuralgaits.report.page import phrases
 from neuralgaits.report.page.adapted_table import adapted
 from neuralgaits.report.page.markup import Html, Section
 from neuralgaits.report.page.monitor_table import monitored
-from neuralgaits.report.page.saved import Contents, Saved
+from neuralgaits.report.page.saved import Contents, RunContents
 from neuralgaits.runs import plain
 from neuralgaits.runs.shell_words import command
 
@@ -144,7 +144,7 @@ def _controls(walk: ShownWalk) -> Html:
     )
 
 
-def simulations(saved: Saved) -> Html:
+def simulations(saved: RunContents) -> Html:
     """Return the results of `simulate`, or the command to run if there are none."""
     simulation = saved.simulation
     if simulation is None:

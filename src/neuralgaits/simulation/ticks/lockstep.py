@@ -98,7 +98,7 @@ def run(
     terrain, courses = inputs.terrain, inputs.courses
     shape = (2, 1 + plant.state_map.joints.size)
     noise = Noise(shape, inputs.seed, count, noisy=inputs.noisy, first=first)
-    late = _Late(plant.delay_ticks, count, plant.state_map.nu)
+    late = _DelayLine(plant.delay_ticks, count, plant.state_map.nu)
     episodes = range(first, first + count)
     feed = CommandFeed(robot, inputs.orders, episodes, courses, adapt=inputs.adapt)
     levels = terrain.levels if courses is None else courses.first_levels()
@@ -207,7 +207,7 @@ def _reading(
     return pack(PlantReading(world.states, world.touch, levels, noise.next(), feed.requested))
 
 
-class _Late:
+class _DelayLine:
     """Controls under way: a ring buffer as long as the delay."""
 
     def __init__(self, ticks: int, episodes: int, controls: int):

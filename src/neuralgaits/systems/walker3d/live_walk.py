@@ -70,7 +70,7 @@ class SpatialMoment(NamedTuple):
 
 
 class SpatialLive:
-    """A walking robot on a page; implements `viewer.player.Played`.
+    """A walking robot on a page; implements `viewer.player.PlayableRobot`.
 
     Attributes:
         run: whose gait walks.

@@ -45,7 +45,7 @@ GAINS = np.array([0.5, 1.0, 2.0, 3.0, 5.0, 8.0, 12.0, 20.0])
 """Barrier gains alpha that are tried [1/s]."""
 TRIES, HELD_TRIES = 500, 900
 """Number of norms that are tried."""
-Worth = Callable[["Planned"], float]
+Worth = Callable[["NormPlans"], float]
 
 
 class Plan(NamedTuple):
@@ -66,7 +66,7 @@ class Plan(NamedTuple):
     floor: float
     slower: float
     sigma: tuple[float, ...]
-    planned: "Planned"
+    planned: "NormPlans"
 
     def smaller(self, share: float) -> "Plan":
         """Return the plan for this share of the hold, or of the radius if there is no hold."""
@@ -95,7 +95,7 @@ def find_plan(samples: GaitSamples, bandwidth: float) -> Plan | None:
 def find_widest(samples: GaitSamples, bandwidth: float) -> Plan | None:
     """Return the plan of the largest set without pushes; None if no set exists."""
 
-    def size(planned: Planned) -> float:
+    def size(planned: NormPlans) -> float:
         # Where every impact enlarges outputs by more than a step lets them shrink, the excess.
         return 1e3 * planned.widest().radius or planned.slack_of_impacts
 
@@ -103,7 +103,7 @@ def find_widest(samples: GaitSamples, bandwidth: float) -> Plan | None:
     return plan if plan.radius > 0.0 else None
 
 
-def _best(samples: GaitSamples, bandwidth: float, worth: Worth, held=False) -> "Planned":
+def _best(samples: GaitSamples, bandwidth: float, worth: Worth, held=False) -> "NormPlans":
     """Return the norm with the highest value."""
     from scipy.optimize import minimize  # Slow to import, and only proofs need it.
 
@@ -120,7 +120,7 @@ def _best(samples: GaitSamples, bandwidth: float, worth: Worth, held=False) -> "
     lower[np.diag_indices(m)] = np.log(np.diagonal(lower))
     with np.errstate(all="ignore"):
         best = minimize(
-            lambda x: -worth(Planned(samples, bandwidth, matrix(x), held)),
+            lambda x: -worth(NormPlans(samples, bandwidth, matrix(x), held)),
             lower[rows],
             method="Nelder-Mead",
             options={"maxfev": HELD_TRIES if held else TRIES, "adaptive": True},
@@ -128,10 +128,10 @@ def _best(samples: GaitSamples, bandwidth: float, worth: Worth, held=False) -> "
         norm = matrix(best.x)
         # The size of S means nothing: 1 for the determinant, and few digits.
         size = np.linalg.det(norm) ** (1.0 / m)
-        return Planned(samples, bandwidth, np.round(norm / size, 4), held)
+        return NormPlans(samples, bandwidth, np.round(norm / size, 4), held)
 
 
-class Planned:
+class NormPlans:
     """Plans for holds and sets that one norm allows."""
 
     def __init__(self, samples: GaitSamples, bandwidth: float, matrix: np.ndarray, held=False):

@@ -137,7 +137,7 @@ def find_contraction(evaluate: Evaluator, shape: WalkingSetConstants) -> OrbitPr
     return OrbitProposal(OrbitConstants("any two walks", expansion=coefficients(series)), least)
 
 
-class _Thin(NamedTuple):
+class _ThinTube(NamedTuple):
     """Half width of the thin tube at the nodes of its series, and constants of its attraction.
 
     Attributes:
@@ -157,7 +157,7 @@ class _Thin(NamedTuple):
 
 def _thin(
     evaluate: Evaluator, fences: Fences, unit: float, shape: WalkingSetConstants, curve: "_Curve"
-) -> _Thin | str:
+) -> _ThinTube | str:
     """Return the thin tube's shape: as wide at each phase as neighbours part, and a little more."""
     nodes = _nodes(shape, len(curve.series) - 1)
     bound, largest = _bounds(evaluate, shape, float(curve.guard[0, 0]))
@@ -181,7 +181,7 @@ def _thin(
     z2 = np.sqrt(2.0 * unit * values_at(curve.series, nodes))
     # The thin tube is 0.8 of that width where it is widest.
     half = 0.4 * Z2_WIDTH * spread * np.min(z2 / spread) / unit
-    return _Thin(half, max(room_left, 0.1 * room) * np.min(half), attraction, bound, largest)
+    return _ThinTube(half, max(room_left, 0.1 * room) * np.min(half), attraction, bound, largest)
 
 
 def _secants(

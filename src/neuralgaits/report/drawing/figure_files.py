@@ -5,7 +5,7 @@ from pathlib import Path
 
 
 @dataclass(frozen=True)
-class Drawn:
+class FigureFiles:
     """A figure on disk.
 
     Attributes:
@@ -31,7 +31,7 @@ class Drawn:
 
 
 @dataclass(frozen=True)
-class Missing:
+class MissingFigure:
     """A figure that cannot be drawn yet.
 
     Attributes:
