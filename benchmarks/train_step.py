@@ -18,6 +18,7 @@ from neuralgaits.barriers import specs
 from neuralgaits.barriers.paper import BATCH
 from neuralgaits.robots import load_robot
 from neuralgaits.training import Trainer
+from neuralgaits.training.trainer import samplers_of
 
 CASES = {
     "walking": ("amber3m", 400, "<= 3 ms"),
@@ -50,7 +51,7 @@ def main() -> None:
             jax.block_until_ready((state, loss))
             times.append(1e3 * (time.perf_counter() - start_time))
         taken[name] = float(np.median(times))
-        rows = len(trainer.sampler.low)
+        rows = len(samplers_of(spec)[0].low)
         show(f"{name}: rows a step, conditions", f"{rows}, {len(spec.conditions)}")
         show(f"{name}: first step, tracing and compiling (or cache) s", compiled)
         show(f"{name}: gradient step ms, median of {steps}", taken[name], asked)

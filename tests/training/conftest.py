@@ -5,6 +5,7 @@ import pytest
 
 from neuralgaits.robots import load_robot
 from neuralgaits.training import Trainer
+from neuralgaits.training.trainer import samplers_of
 from support.small_spec import small
 
 STEPS = 120
@@ -28,3 +29,9 @@ def gait(spec):
 @pytest.fixture(scope="session")
 def trainer(amber, spec, gait):
     return Trainer.build(amber, spec, gait, steps=STEPS, seed=5)
+
+
+@pytest.fixture(scope="session")
+def sampler(spec):
+    """The samples of a gradient step."""
+    return samplers_of(spec)[0]

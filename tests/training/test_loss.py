@@ -15,13 +15,13 @@ SIZES = {"torso": 1, "hip": 1, "rates": 4, "foot": 2, "hips": 4}
 
 
 @pytest.fixture(scope="module")
-def table(spec, amber, gait, trainer):
-    return lay_out(spec, amber, gait, trainer.sampler)
+def table(spec, amber, gait, sampler):
+    return lay_out(spec, amber, gait, sampler)
 
 
 @pytest.fixture(scope="module")
-def margins(trainer):
-    return np.random.default_rng(0).normal(size=(len(trainer.sampler.low), 12))
+def margins(sampler):
+    return np.random.default_rng(0).normal(size=(len(sampler.low), 12))
 
 
 def inside(region, low, high):
@@ -33,19 +33,15 @@ def inside(region, low, high):
     )
 
 
-def test_columns_and_rows(spec, trainer, table):
+def test_columns_and_rows(spec, sampler, table):
     """A row counts for a condition if its region of samples lies in the condition's region."""
     sizes = {name: block.stop - block.start for name, block in table.columns.items()}
     assert sizes == SIZES
-    region_of = {
-        row: name for name, part in trainer.sampler.rows.items() for row in range(100)[part]
-    }
+    region_of = {row: name for name, part in sampler.rows.items() for row in range(100)[part]}
     regions = {c.name: c.region for c in spec.conditions}
     whole = {"tube": {"tube", "ends", "guard"}, "ends": {"ends", "guard"}, "guard": {"guard"}}
     for name, block in table.columns.items():
-        for row, (low, high) in enumerate(
-            zip(trainer.sampler.low, trainer.sampler.high, strict=True)
-        ):
+        for row, (low, high) in enumerate(zip(sampler.low, trainer.sampler.high, strict=True)):
             expected = region_of[row] in whole[regions[name]]
             assert np.all(table.counts[row, block] == expected)
             if expected:
@@ -135,12 +131,12 @@ def test_the_logarithm_keeps_value_and_slope(spec, table, margins):
     assert float(below[0]) == pytest.approx(1.0, rel=1e-7)
 
 
-def test_single_precision_is_close(amber, spec, gait, trainer, table):
+def test_single_precision_is_close(amber, spec, gait, trainer, sampler, table):
     """The loss of the first step, again in float64 on the same samples."""
     state = trainer.init(gait)
     _, loss = trainer.step(state)
     key = jax.random.fold_in(jax.random.key(trainer.seed), 0)
-    u = np.asarray(trainer.sampler.draw(key))
+    u = np.asarray(sampler.draw(key))
     exact = jax.jit(lambda u: barrier_loss(spec, table, *margin_matrix(spec, amber, gait, u)))(u)
     assert loss.total.dtype == jnp.float32
     np.testing.assert_allclose(loss.terms, exact.terms, rtol=2e-4, atol=2e-5)

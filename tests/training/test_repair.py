@@ -10,8 +10,8 @@ from neuralgaits.training.repair import LEAST_WIDTH, ROWS, with_extra
 
 
 @pytest.fixture(scope="module")
-def layout(spec, amber, gait, trainer):
-    return lay_out(spec, amber, gait, trainer.sampler)
+def layout(spec, amber, gait, sampler):
+    return lay_out(spec, amber, gait, sampler)
 
 
 def boxes(*corners):
@@ -70,9 +70,9 @@ def test_half_of_the_rows_are_those_of_earlier_rounds(spec, layout):
     assert second.counts.shape == first.counts.shape
 
 
-def test_points_are_fresh_and_in_their_boxes(spec, layout, trainer):
+def test_points_are_fresh_and_in_their_boxes(spec, layout, sampler):
     extra = Extra.of(OPEN, spec, layout)
-    before, counts = trainer.sampler.draw(jax.random.key(0)), layout.counts
+    before, counts = sampler.draw(jax.random.key(0)), layout.counts
     drawn = []
     for seed in (0, 1):
         u, table = with_extra(extra, 3, before, counts, jax.random.key(seed))

@@ -11,6 +11,7 @@ from neuralgaits.gait import posture_path
 from neuralgaits.runs import read_tree, write_tree
 from neuralgaits.training import start_from_posture
 from neuralgaits.training.learning_rate import optimizer_of, width_factor
+from neuralgaits.training.trainer import samplers_of
 from support.small_spec import REGIONS
 
 
@@ -100,7 +101,8 @@ def test_a_report_covers_each_condition_s_region(trainer, gait, spec):
     assert report.margins["hip"].shape == (8 * 24, 1)
     assert report.margins["rates"].shape == (8 * 12, 4)
     assert report.margins["hips"].shape == (8 * 4, 4)
-    u = np.asarray(trainer.validation.draw(jax.random.key(3)))
+    _, validation = samplers_of(spec)
+    u = np.asarray(validation.draw(jax.random.key(3)))
     assert np.all((u >= 0.0) & (u <= 1.0))
     assert trainer.report(gait, seed=3).loss == report.loss
     assert trainer.report(gait, seed=4).loss != report.loss

@@ -88,8 +88,16 @@ class EstimatorState(NamedTuple):
 def start(robot: PlanarBiped) -> EstimatorState:
     """Return the state before the first reading."""
     zero, joints = jnp.zeros(()), jnp.zeros((2, robot.n // 2))
-    nothing = Measurement(zero, zero, zero, joints, joints, jnp.zeros(2), jnp.zeros(2))
-    return EstimatorState(nothing, joints, jnp.zeros((), bool))
+    at_rest = Measurement(
+        time=zero,
+        pitch=zero,
+        dpitch=zero,
+        angles=joints,
+        rates=joints,
+        hip_velocity=jnp.zeros(2),
+        normal_force=jnp.zeros(2),
+    )
+    return EstimatorState(at_rest, joints, jnp.zeros((), bool))
 
 
 def estimate(
@@ -121,23 +129,24 @@ def estimate(
     # changed, and otherwise the momentum as it was left.
     q, dq = coordinates(robot, last, leg)
     z, dz = zero_state(robot, q, dq, stance_foot_velocity(robot, q, dq, last))
-    falling = momentum_of(dz) if ankle is None else momentum_of(dz) + ankle
+    momentum_rate = momentum_of(dz) if ankle is None else momentum_of(dz) + ankle
     usual, quick = estimator.joint_gains(period_s)
     gains = jnp.where(standing.since_touchdown < estimator.quick_s, quick, usual)
     rates = last.rates + period_s * state.accelerations
     angles = last.angles + period_s * (last.rates + 0.5 * period_s * state.accelerations)
     error = reading.angles - angles
     pitch = last.pitch + period_s * last.dpitch
-    missed = reading.pitch - pitch
-    follow, push = estimator.pitch_gains(period_s)
+    pitch_error = reading.pitch - pitch
+    angle_gain, rate_gain = estimator.pitch_gains(period_s)
     now = reading._replace(
-        pitch=pitch + follow * missed,
+        pitch=pitch + angle_gain * pitch_error,
         angles=angles + gains[0] * error,
         rates=rates + gains[1] * error,
     )
     q, _ = coordinates(robot, now, leg)
     actuated = stance_joints(robot.layout, now.rates, leg)
-    dq, hip = pinned(robot, q, actuated, momentum_of(z) + period_s * falling, push * missed)
+    momentum = momentum_of(z) + period_s * momentum_rate
+    dq, hip = pinned(robot, q, actuated, momentum, rate_gain * pitch_error)
     now = now._replace(dpitch=pitch_rate(robot, dq, leg), hip_velocity=hip)
     after = EstimatorState(now, state.accelerations + gains[2] * error, jnp.ones((), bool))
     first = EstimatorState(reading, jnp.zeros_like(state.accelerations), jnp.ones((), bool))

@@ -55,9 +55,15 @@ def can_lean(robot: PlanarBiped) -> bool:
 
 def start(robot: PlanarBiped) -> LeanSums:
     """Return the sums before the first tick."""
-    none = jnp.zeros((3, 2))
     zero = jnp.zeros(())
-    return LeanSums(jnp.zeros(robot.n), zero, -jnp.ones(()), zero, none, none)
+    return LeanSums(
+        q=jnp.zeros(robot.n),
+        time=zero,
+        since=-jnp.ones(()),
+        least=zero,
+        momentum=jnp.zeros((3, 2)),
+        ahead=jnp.zeros((3, 2)),
+    )
 
 
 def advance(
@@ -92,9 +98,16 @@ def advance(
     ahead = sums.ahead + jnp.outer(powers[1:], jnp.asarray(passed) * jnp.stack([x, c]))
     adding = begun & ~touchdown
     since = jnp.where(adding, sums.since + passed, jnp.where(settled & ~touchdown, 0.0, -1.0))
-    kept = (jnp.where(adding, new, 0.0) for new in (momentum, ahead))
     least = jnp.where(jnp.isfinite(since_touchdown), 0.0, FIRST_S)
-    return LeanSums(q, time, since, jnp.where(begun, sums.least, least), *kept), lean
+    after = LeanSums(
+        q=q,
+        time=time,
+        since=since,
+        least=jnp.where(begun, sums.least, least),
+        momentum=jnp.where(adding, momentum, 0.0),
+        ahead=jnp.where(adding, ahead, 0.0),
+    )
+    return after, lean
 
 
 def learned(robot: PlanarBiped, sums: LeanSums) -> Scalar:

@@ -98,8 +98,15 @@ class SafeguardState(NamedTuple):
 def start(robot: PlanarBiped) -> SafeguardState:
     """Return the state before the first reading."""
     zero, joints = jnp.zeros(()), jnp.zeros((2, robot.n // 2))
-    no, none = jnp.zeros((), bool), jnp.zeros((), jnp.int32)
-    return SafeguardState(no, zero, zero, joints, joints, zero, none)
+    return SafeguardState(
+        running=jnp.zeros((), bool),
+        last_time=zero,
+        elapsed=zero,
+        posture=joints,
+        torque=joints,
+        airborne=zero,
+        fault=jnp.zeros((), jnp.int32),
+    )
 
 
 @eqx.filter_jit

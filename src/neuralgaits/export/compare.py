@@ -49,12 +49,10 @@ class Questions:
 
 def limits(design: Design, precision: str) -> ExportTolerance:
     """Return the largest errors that a build may have."""
-    network = getattr(design.gait.policy, "network", None)
-    widths = [len(bias) for bias in network.biases[:-1]] if network is not None else [0]
     if precision == "double":
         return ExportTolerance(1e-12, 1e-12)
     torque = _STEP_TORQUE if design.commands else 5e-5
-    is_narrow = max(widths) <= 64
+    is_narrow = max(design.gait.policy.hidden_widths or (), default=0) <= 64
     return ExportTolerance(2e-6 if is_narrow else 1e-5, torque)
 
 

@@ -52,6 +52,11 @@ class AbstractPolicy(eqx.Module):
         return self
 
     @property
+    def hidden_widths(self) -> tuple[int, ...] | None:
+        """Widths of the network's hidden layers; None for a policy without a network."""
+        return None
+
+    @property
     @abstractmethod
     def z1_range(self) -> tuple[Scalar, Scalar]:
         """z1 at the start of a step and at the guard (m)."""
@@ -133,6 +138,11 @@ class NetworkPolicy(AbstractPolicy):
     upper: Float[Array, " m"]
     input_scale: Float[Array, "2"]
     input_shift: Float[Array, "2"]
+
+    @property
+    def hidden_widths(self) -> tuple[int, ...]:
+        """Widths of the network's hidden layers."""
+        return tuple(len(bias) for bias in self.network.biases[:-1])
 
     def inputs(self, z: ZeroState) -> ZeroState:
         """Return the scaled inputs of the network. [2]."""

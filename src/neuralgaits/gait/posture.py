@@ -140,7 +140,17 @@ def walking_posture(robot: "PlanarBiped") -> Posture:
     slopes *= REFERENCE_LEG_M / length
     guard = np.clip(guard, lower, upper)
     scale = np.array([Z1_SCALE * length, MOMENTUM * momentum_unit(robot) / 3.0])
-    return Posture(lower, upper, guard, slopes, bend, z_guard, scale, np.array([0.0, 2.7]), lean)
+    return Posture(
+        lower=lower,
+        upper=upper,
+        guard_outputs=guard,
+        guard_slopes=slopes,
+        bend=bend,
+        z_guard=z_guard,
+        input_scale=scale,
+        input_shift=np.array([0.0, 2.7]),
+        lean=lean,
+    )
 
 
 def _lean(robot: "PlanarBiped", hips: tuple[int, ...], stance_thigh: float) -> float:

@@ -1,6 +1,7 @@
 """Plain functions that a trainer compiles: gradient steps in one loop, evaluation of a gait."""
 
 from collections.abc import Callable
+from typing import NamedTuple
 
 import equinox as eqx
 import jax
@@ -9,6 +10,7 @@ import optax
 
 from neuralgaits.barriers import GaitSpec
 from neuralgaits.gait import Residuals
+from neuralgaits.gait.policies.commanded_gait import AnyGait
 from neuralgaits.robots.mjcf.parameters import Model, nominal_robot
 from neuralgaits.training.disturbance_corners import DisturbanceBox, pushes_of
 from neuralgaits.training.loss import Loss, MarginLayout, barrier_loss, margin_matrix
@@ -19,29 +21,40 @@ VALIDATION_SAMPLES = 8
 """Number of validation samples for each training sample."""
 
 
+class SinglePrecision(NamedTuple):
+    """Parts of a training in single precision, in which its steps are computed."""
+
+    robot: Model
+    layout: MarginLayout
+    sampler: Sampler
+    fixed: AnyGait
+    """Leaves of the gait that are not trained."""
+    residuals: Residuals
+
+
 def make_steps(
     spec: GaitSpec,
-    float32_parts,
+    parts: SinglePrecision,
     disturbance: DisturbanceBox,
-    unflatten,
-    optimizer,
-    steps_in_all: int = 0,
+    unflatten: Callable,
+    optimizer: optax.GradientTransformation,
+    curriculum_iterations: int,
 ) -> Callable:
     """Return the function that takes gradient steps in one loop.
 
     Args:
         spec: conditions and recipe.
-        float32_parts: robot, layout, sampler, untrained leaves and residuals, in single precision.
+        parts: robot, layout, sampler, untrained leaves and residuals.
         disturbance: bounds of dz's disturbance under which conditions must hold (m/s, N m).
         unflatten: flat parameters to the trained leaves.
         optimizer: an optax optimizer.
-        steps_in_all: total of which the recipe's curriculum is a share; 0 for none.
+        curriculum_iterations: iterations of which the recipe's curriculum is a share; 0 for none.
 
     Returns: (parameters, optimiser state, key, first step, count, share of the step size, extra)
         to parameters, state and the `Loss` of the last step before it was taken.
     """
-    robot, layout, sampler, fixed, residuals = float32_parts
-    growth = spec.recipe.curriculum * steps_in_all
+    robot, layout, sampler, fixed, residuals = parts
+    growth = spec.recipe.curriculum * curriculum_iterations
 
     def grown(index):
         return jnp.minimum(1.0, (index + 1.0) / growth) if growth else 1.0

@@ -50,14 +50,8 @@ def width_factor(spec: GaitSpec, gait: AnyGait) -> float:
     two of six seeds failed at the rate of a layer of 32 (one condition missed, one NaN), and
     none of six at the root of 32/256 of it.
     """
-    widest = _widest(gait)
-    own = _widest(spec.new_gait(jax.random.key(0), "posture", None))
-    if widest is None or own is None or widest <= own:
+    widths = gait.policy.hidden_widths
+    usual_widths = spec.new_gait(jax.random.key(0), "posture", None).policy.hidden_widths
+    if not widths or not usual_widths or max(widths) <= max(usual_widths):
         return 1.0
-    return (own / widest) ** 0.5
-
-
-def _widest(gait: AnyGait) -> int | None:
-    """Return the widest hidden layer; None for a policy without a network."""
-    network = getattr(gait.policy, "network", None)
-    return None if network is None else max(len(bias) for bias in network.biases[:-1])
+    return (max(usual_widths) / max(widths)) ** 0.5

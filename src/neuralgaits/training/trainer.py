@@ -26,7 +26,12 @@ from neuralgaits.gait.reset_residual import ResetCorrection
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.robots.mjcf.parameters import model_of
 from neuralgaits.training.disturbance_corners import DisturbanceBox
-from neuralgaits.training.gradient_step import VALIDATION_SAMPLES, make_evaluate, make_steps
+from neuralgaits.training.gradient_step import (
+    VALIDATION_SAMPLES,
+    SinglePrecision,
+    make_evaluate,
+    make_steps,
+)
 from neuralgaits.training.learning_rate import optimizer_of, width_factor
 from neuralgaits.training.loss import Loss, MarginLayout, lay_out
 from neuralgaits.training.precision import cast, cast_named
@@ -49,9 +54,7 @@ class Trainer:
         spec: conditions, regions and recipe.
         steps: gradient steps in all.
         seed: seed of the samples.
-        sampler: samples of a step.
         layout: columns of each condition's margins on them.
-        validation: samples that choose the best weights and report on a gait.
         residuals: residuals learned for the robot.
         disturbance: each sample has one corner of this box added to dz (m/s, N m); None for none.
             Reports leave it out.
@@ -64,9 +67,7 @@ class Trainer:
     spec: GaitSpec
     steps: int
     seed: int
-    sampler: Sampler
     layout: MarginLayout
-    validation: Sampler
     residuals: Residuals
     disturbance: DisturbanceBox
     _step: Callable
@@ -74,7 +75,7 @@ class Trainer:
     _unflatten: Callable
     _optimizer: optax.GradientTransformation
     _template: AnyGait
-    _float32_parts: tuple
+    _single: SinglePrecision
     _validation_layout: MarginLayout
     extra: Extra | None = None
     round: int = 0
@@ -105,19 +106,19 @@ class Trainer:
             rate: factor on the recipe's learning rate.
         """
         model = model_of(robot, spec.parameters)
-        sampler, validation = _samplers(spec)
+        sampler, validation = samplers_of(spec)
         layout = lay_out(spec, model, template, sampler)
         trained, fixed = eqx.partition(template, template.trainable())
         _, unflatten = ravel_pytree(cast(trained, jnp.float32))
         optimizer = optimizer_of(spec.recipe, steps, rate * width_factor(spec, template))
-        float32_parts = (
-            cast(model, np.float32),
-            cast_named(layout, np.float32),
-            cast_named(sampler, np.float32),
-            cast(fixed, np.float32),
-            cast(residuals, np.float32),
+        single = SinglePrecision(
+            robot=cast(model, np.float32),
+            layout=cast_named(layout, np.float32),
+            sampler=cast_named(sampler, np.float32),
+            fixed=cast(fixed, np.float32),
+            residuals=cast(residuals, np.float32),
         )
-        steps_taken = make_steps(spec, float32_parts, disturbance, unflatten, optimizer, steps)
+        steps_taken = make_steps(spec, single, disturbance, unflatten, optimizer, steps)
         checked = lay_out(spec, model, template, validation)
         evaluate = make_evaluate(spec, model, validation, checked, residuals, disturbance)
         return cls(
@@ -125,9 +126,7 @@ class Trainer:
             spec=spec,
             steps=steps,
             seed=seed,
-            sampler=sampler,
             layout=layout,
-            validation=validation,
             residuals=residuals,
             disturbance=disturbance,
             _step=quick_jit(steps_taken),
@@ -135,7 +134,7 @@ class Trainer:
             _unflatten=unflatten,
             _optimizer=optimizer,
             _template=template,
-            _float32_parts=float32_parts,
+            _single=single,
             _validation_layout=checked,
         )
 
@@ -144,8 +143,8 @@ class Trainer:
         # Share of the recipe's learning rate in further training: the gait is nearly there.
         factor = 0.5 * width_factor(self.spec, self._template)
         optimizer = optimizer_of(self.spec.recipe, steps, factor)
-        parts = self.spec, self._float32_parts, self.disturbance, self._unflatten
-        compiled = quick_jit(make_steps(*parts, optimizer))
+        parts = self.spec, self._single, self.disturbance, self._unflatten
+        compiled = quick_jit(make_steps(*parts, optimizer, curriculum_iterations=0))
         return replace(self, steps=steps, _step=compiled, _optimizer=optimizer)
 
     def for_repair_round(self, extra: Extra, number: int) -> "Trainer":
@@ -246,8 +245,8 @@ class Trainer:
         return int(state.step) >= self.steps
 
 
-def _samplers(spec: GaitSpec) -> tuple[Sampler, Sampler]:
-    """Return the samplers of a step and of the validation."""
+def samplers_of(spec: GaitSpec) -> tuple[Sampler, Sampler]:
+    """Return the samplers of a gradient step, and of the validation and the report on a gait."""
     recipe = spec.recipe
     halves = tuple(axis.half for axis in spec.parameters)
     plan = partial(Sampler.plan, spec.regions, commands=spec.commands, parameters=halves)

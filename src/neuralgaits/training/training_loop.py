@@ -17,7 +17,9 @@ from neuralgaits.records.trained import EndedInNan
 from neuralgaits.runs import RunFolder
 from neuralgaits.runs.names import NAN, NAN_STATE
 from neuralgaits.runs.shell_words import resuming
-from neuralgaits.training import VALIDATE_EVERY, Loss, Trainer, TrainState
+from neuralgaits.training.loss import Loss
+from neuralgaits.training.train_state import TrainState
+from neuralgaits.training.trainer import VALIDATE_EVERY, Trainer
 
 Progress = Callable[[int, int, float], None]
 """Callback with (steps done, steps in all, loss)."""

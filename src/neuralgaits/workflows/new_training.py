@@ -110,7 +110,7 @@ def new_training(
         spec=spec if isinstance(spec, str) else spec.name,
         seed=seed,
         init=init,
-        hidden=_widths(gait),
+        hidden=gait.policy.hidden_widths,
         steps=loaded.recipe.steps if steps is None else steps,
         described=loaded.describe(),
         not_provable_because=unprovable,
@@ -182,12 +182,6 @@ def ranges_of(commands: Commands) -> dict[str, Range]:
 def _new_gait(spec: GaitSpec, seed: int, init: Init, hidden: tuple[int, ...] | None) -> AnyGait:
     with same_folder(), spec_file_errors.blamed():
         return spec.new_gait(jax.random.key(seed), init, hidden)
-
-
-def _widths(gait: AnyGait) -> tuple[int, ...] | None:
-    """Return the widths of the hidden layers, None for a policy without a network."""
-    network = getattr(gait.policy, "network", None)
-    return None if network is None else tuple(len(bias) for bias in network.biases[:-1])
 
 
 def _source(spec: str | GaitSpec) -> str:

@@ -86,7 +86,16 @@ def find_sets(
     """
     disturbed = level > FULL_ORDER_LEVEL
     make_evaluator = partial(evaluator_at, gait, zd, spec.parameters)
-    target = SearchTarget(spec, gait, zd, make_evaluator, disturbance, floor, disturbed, control)
+    target = SearchTarget(
+        spec=spec,
+        gait=gait,
+        zd=zd,
+        make_evaluator=make_evaluator,
+        disturbance=disturbance,
+        floor=floor,
+        disturbed=disturbed,
+        control=control,
+    )
     parameters, reasons, least = {}, {}, {}
     chart = Chart.of(spec.commands, spec.parameters)
     for entry in LEVELS:

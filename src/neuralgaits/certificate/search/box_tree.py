@@ -98,15 +98,16 @@ class BoxTree:
         """Return the root alone, about which nothing is known."""
         corners = np.array([low], dtype=np.float64), np.array([high], dtype=np.float64)
         unknown = np.full((1, conditions), np.inf)
+        root = np.zeros(1, np.int32)
         return cls(
-            corners[0][0],
-            corners[1][0],
-            np.full(1, -1, np.int32),
-            np.full(1, -1, np.int8),
-            np.zeros(1, np.int16),
-            -unknown,
-            unknown,
-            PendingBoxes.unmeasured(np.zeros(1, np.int32), *corners, np.zeros(corners[0].shape)),
+            low_corner=corners[0][0],
+            high_corner=corners[1][0],
+            first=np.full(1, -1, np.int32),
+            axis=np.full(1, -1, np.int8),
+            depth=np.zeros(1, np.int16),
+            lower=-unknown,
+            upper=unknown,
+            pending=PendingBoxes.unmeasured(root, *corners, np.zeros(corners[0].shape)),
         )
 
     @property

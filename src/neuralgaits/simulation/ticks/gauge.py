@@ -91,10 +91,21 @@ class Gauge(NamedTuple):
     @classmethod
     def start(cls) -> "Gauge":
         """Return the figures before the first tick."""
-        none, origin, zero = Extremes.none(), Milestone.origin(), jnp.zeros((), jnp.int32)
-        power = jnp.zeros(())
-        given_up = jnp.zeros(2, jnp.int32)
-        return cls(zero, power, origin, origin, none, none, power, zero, given_up, zero, power)
+        none, origin = Extremes.none(), Milestone.origin()
+        no_ticks, zero = jnp.zeros((), jnp.int32), jnp.zeros(())
+        return cls(
+            steps=no_ticks,
+            energy=zero,
+            first=origin,
+            last=origin,
+            steady=none,
+            running=none,
+            peak_torque=zero,
+            saturated=no_ticks,
+            relaxed=jnp.zeros(2, jnp.int32),
+            ticks=no_ticks,
+            speed_error=zero,
+        )
 
 
 def update(
