@@ -90,7 +90,7 @@ def test_the_verb_shares_them_out(
         asked["workers"] = workers
         return Serial()
 
-    monkeypatch.setattr(simulating, "engine_of_workers", engine)
+    monkeypatch.setattr(simulating, "worker_pool_for", engine)
     alone = simulate(run, steps=3, episodes=4, start="region").summary
     shared = simulate(run, steps=3, episodes=4, start="region", workers=2).summary
     assert asked == {"workers": 2}

@@ -79,12 +79,16 @@ class Barrier(AbstractCondition):
 
     def __post_init__(self):
         """Refuse gains that are not class-K, or bent the wrong way."""
-        slopes = self.alpha if isinstance(self.alpha, tuple) else (self.alpha,)
-        if not all(slope > 0 for slope in slopes) or list(slopes) != sorted(slopes):
+        if not all(slope > 0 for slope in self.slopes) or list(self.slopes) != sorted(self.slopes):
             raise SpecError(
                 f"barrier {self.name!r}: expected alpha > 0, or (a, b) with 0 < a <= b, "
                 f"found {self.alpha}"
             )
+
+    @property
+    def slopes(self) -> tuple[float, ...]:
+        """Slopes of alpha [1/s]: one, or those for h > 0 and for h < 0."""
+        return self.alpha if isinstance(self.alpha, tuple) else (self.alpha,)
 
     def margins(self, point: Point, gait: Gait) -> Float[Array, "..."]:
         """Return the margin dh/dt + alpha(h)."""
@@ -92,8 +96,7 @@ class Barrier(AbstractCondition):
 
     def bent(self, value: Float[Array, "..."], rate: Float[Array, "..."]) -> Float[Array, "..."]:
         """Return dh/dt + alpha(h) of a value and a rate of h, one row a slope."""
-        slopes = self.alpha if isinstance(self.alpha, tuple) else (self.alpha,)
-        return jnp.stack([rate + slope * value for slope in slopes])
+        return jnp.stack([rate + slope * value for slope in self.slopes])
 
 
 @dataclass(frozen=True)

@@ -212,15 +212,15 @@ def load(
                 "a range of speeds"
             )
         return robust(robot, parameters, commands)
-    if commands or speed is not None:
-        if name != "walking":
-            raise SpecError(
-                f"expected spec walking for a gait with a speed or commands, found {name!r}: leave "
-                "--spec out, or build a spec with specs.commanded in a file of your own"
-            )
-        if commands:
-            return commanded(robot, commands, speed=speed)
-        return at_speed(robot, float(speed or 0.0))
+    if (commands or speed is not None) and name != "walking":
+        raise SpecError(
+            f"expected spec walking for a gait with a speed or commands, found {name!r}: leave "
+            "--spec out, or build a spec with specs.commanded in a file of your own"
+        )
+    if commands:
+        return commanded(robot, commands, speed=speed)
+    if speed is not None:
+        return at_speed(robot, float(speed))
     if name in BUILT_IN:
         return BUILT_IN[name].make(robot)
     return spec_from_file(name, robot, BUILT_IN)

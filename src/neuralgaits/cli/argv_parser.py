@@ -9,29 +9,29 @@ import tyro
 
 from neuralgaits._called_with import descriptions
 from neuralgaits._version import __version__
-from neuralgaits.cli import arguments as of
+from neuralgaits.cli import arguments
 from neuralgaits.cli.misspelt import refuse_misspelt
 from neuralgaits.settings.options import arg
 
 Verb = (
-    of.TrainOptions
-    | of.SimulateOptions
-    | of.CertifyOptions
-    | of.CheckProofOptions
-    | of.FitOptions
-    | of.RefineOptions
-    | of.EpisodesOptions
-    | of.SweepOptions
-    | of.OptimiseOptions
-    | of.ImportGaitOptions
-    | of.ExportOptions
-    | of.CheckDeployOptions
-    | of.ReportOptions
-    | of.ViewOptions
-    | of.DemoOptions
-    | of.InspectOptions
-    | of.RobotsOptions
-    | of.DoctorOptions
+    arguments.TrainOptions
+    | arguments.SimulateOptions
+    | arguments.CertifyOptions
+    | arguments.CheckProofOptions
+    | arguments.FitOptions
+    | arguments.RefineOptions
+    | arguments.EpisodesOptions
+    | arguments.SweepOptions
+    | arguments.OptimiseOptions
+    | arguments.ImportGaitOptions
+    | arguments.ExportOptions
+    | arguments.CheckDeployOptions
+    | arguments.ReportOptions
+    | arguments.ViewOptions
+    | arguments.DemoOptions
+    | arguments.InspectOptions
+    | arguments.RobotsOptions
+    | arguments.DoctorOptions
 )
 """One subcommand each, see `verb_name`."""
 
@@ -48,13 +48,13 @@ _SUBCOMMANDS = typing.Union[  # noqa: UP007 - they are counted at run time.
 ]
 
 
-def read(arguments: list[str]) -> Verb:
+def read(words: list[str]) -> Verb:
     """Turn words into a verb.
 
     Raises: InputError for a word that is misspelt; SystemExit as tyro does, after printing help or
         the version (code 0) or an error (code 2).
     """
-    words = list(arguments) or ["--help"]
+    words = list(words) or ["--help"]
     if words == ["--version"]:
         print(f"neuralgaits {__version__}")
         raise SystemExit(0)

@@ -40,7 +40,7 @@ def rate(policy: AbstractPolicy) -> Callable[..., dict[str, Array]]:
     def compute(
         z: ZeroState, dz: ZeroState, step: Float[Array, " s"] | None = None
     ) -> dict[str, Array]:
-        y, dy = jax.jvp(_of(policy, step), (z,), (dz,))
+        y, dy = jax.jvp(_for_step(policy, step), (z,), (dz,))
         return {"y": y, "dy": dy}
 
     return compute
@@ -55,7 +55,7 @@ def path(policy: AbstractPolicy) -> Callable[..., dict[str, Array]]:
     def compute(
         z: ZeroState, dz: ZeroState, ddz: ZeroState, step: Float[Array, " s"] | None = None
     ) -> dict[str, Array]:
-        at = _of(policy, step)
+        at = _for_step(policy, step)
 
         def first(z: ZeroState, dz: ZeroState) -> tuple[Actuated, Actuated]:
             return jax.jvp(at, (z,), (dz,))
@@ -67,7 +67,7 @@ def path(policy: AbstractPolicy) -> Callable[..., dict[str, Array]]:
     return compute
 
 
-def _of(policy: AbstractPolicy, step: Float[Array, " s"] | None) -> AbstractPolicy:
+def _for_step(policy: AbstractPolicy, step: Float[Array, " s"] | None) -> AbstractPolicy:
     return policy if step is None else policy.from_step_parameters(step)
 
 
@@ -95,7 +95,7 @@ def policy_ankle(policy: AbstractPolicy) -> Part:
     """
 
     def compute(z: ZeroState, step: Float[Array, " s"] | None = None) -> dict[str, Array]:
-        at = policy if step is None else policy.from_step_parameters(step)
+        at = _for_step(policy, step)
         torque, push = jax.linearize(at.ankle_torque, z)
         return {"torque": torque, "slope": jnp.stack([push(axis) for axis in jnp.eye(2)])}
 

@@ -59,10 +59,9 @@ class Gait(eqx.Module):
 
     def phase(self, z1: Scalar) -> Scalar:
         """Phase of the step at hip position z1."""
-        anchor = getattr(self.policy, "anchor", None)
+        if self.tube.span is None:
+            return self.policy.phase(z1)
         start, guard = self.span
-        if anchor is not None:
-            return anchor[0] + (z1 - anchor[1]) / (guard - start)
         return (z1 - start) / (guard - start)
 
     def z(self, u: Float[Array, "2"]) -> ZeroState:

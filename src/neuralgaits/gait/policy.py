@@ -51,6 +51,11 @@ class AbstractPolicy(eqx.Module):
         """The policy of the next step, if the command stays: itself, for one that takes none."""
         return self
 
+    def phase(self, z1: Scalar) -> Scalar:
+        """Phase of the step at a hip position (m): 0 at its start, 1 at the guard."""
+        start, guard = self.z1_range
+        return (z1 - start) / (guard - start)
+
     @property
     def hidden_widths(self) -> tuple[int, ...] | None:
         """Widths of the network's hidden layers; None for a policy without a network."""

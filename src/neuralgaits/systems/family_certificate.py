@@ -131,15 +131,15 @@ def _verdicts(
     table: ConditionTable, searched: Sequence[Searched], statements: Sequence[StatementRecord]
 ) -> tuple[dict[str, float], dict[str, ConditionVerdict]]:
     """Return the bounds of the conditions that are proved on all of their region, and verdicts."""
-    stated_bounds = {
+    bound_of_box = {
         (name, one.low, one.high): one.bounds[name] for one in statements for name in one.conditions
     }
     bounds, verdicts = {}, {}
     for name in table.conditions:
         roots = [pair for pair in searched if name in pair[0].names]
         keys = [(name, one.low, one.high) for one, _ in roots]
-        if all(key in stated_bounds for key in keys):
-            bounds[name] = min(stated_bounds[key] for key in keys)
+        if all(key in bound_of_box for key in keys):
+            bounds[name] = min(bound_of_box[key] for key in keys)
         verdicts[name] = verdict_on(name, roots, bounds.get(name))
     return bounds, verdicts
 

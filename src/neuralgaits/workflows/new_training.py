@@ -87,14 +87,14 @@ def new_training(
     if isinstance(spec, str):
         spec = specs.for_robot(spec, robot)
     init, steps = settings.init or "posture", settings.steps
-    one, commands, box = _meant_for(settings)
-    if (commands or one is not None or box) and not isinstance(spec, str):
+    speed, commands, box = _meant_for(settings)
+    if (commands or speed is not None or box) and not isinstance(spec, str):
         raise InputError(
             "expected a spec by name with a speed, commands or parameters, found a GaitSpec: "
             "build it with specs.commanded or specs.robust"
         )
     with same_folder():
-        loaded = specs.load(spec, robot, commands, one, box) if isinstance(spec, str) else spec
+        loaded = specs.load(spec, robot, commands, speed, box) if isinstance(spec, str) else spec
     _refuse_untrainable(loaded)
     refuse_many_axes(loaded)
     gait = _new_gait(loaded, seed, init, settings.hidden)
@@ -116,7 +116,7 @@ def new_training(
         not_provable_because=unprovable,
         certify=Proving(budget) if certify else None,
         commands=ranges_of(commands),
-        speed=one,
+        speed=speed,
         parameters=box,
     )
     copies = {ROBOT: robot.layout.xml, SPEC: _source(spec)}

@@ -10,7 +10,7 @@ from neuralgaits.analysis.joint_file import JointFile, read_joints
 from neuralgaits.analysis.run import Run, open_run
 from neuralgaits.analysis.state_monitor import StateMonitor
 from neuralgaits.control.law_by_name import fields_of_law
-from neuralgaits.engine import worker_pool_for as engine_of_workers
+from neuralgaits.engine import worker_pool_for
 from neuralgaits.errors import InputError
 from neuralgaits.records.link_figures import LinkFigures
 from neuralgaits.records.simulated import PLANT, WALK_SUMMARY, SimulationSummary, WalkSettings
@@ -232,7 +232,7 @@ def _walk(
         return walk, remote.summary()
     if _on_workers(settings):
         parts = SharedWalks(walks, settings.engine, plan.command, _text(settings.commands))
-        with engine_of_workers(settings.workers, settings.ray) as pool:
+        with worker_pool_for(settings.workers, settings.ray) as pool:
             return parts.on(pool, count), None
     return walks.walk(0, count, record=record, longest=longest), None
 

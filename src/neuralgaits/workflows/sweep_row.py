@@ -27,9 +27,6 @@ from neuralgaits.workflows.certify import certify
 from neuralgaits.workflows.simulate import simulate
 from neuralgaits.workflows.train import train
 
-START = "region"
-"""Initial states of the walks: random in the region that the gait was trained on."""
-
 
 def carry_out(settings: Settings, files: Files) -> Files:
     """Make the run of a row in a temporary folder of its own.
@@ -134,34 +131,35 @@ class _Row:
 
     def _walk(self, run: Run) -> None:
         settings, orders = self.settings, orders_of(run.trained.commands)
-        here = at_first(run, orders.first)
-        course = TrainedWalks(
-            run=here,
-            library=engine_of_trained(here).library,
+        run_at_first = at_first(run, orders.first)
+        walks = TrainedWalks(
+            run=run_at_first,
+            library=engine_of_trained(run_at_first).library,
             plant=None,
             controller="",
             steps=settings["walk_steps"],
-            start=START,
+            start="region",
             push=0.0,
             disturbance=PlantChanges(),
             seed=settings["seed"],
             orders=orders,
             threads=1,
         )
-        walks = []
+        rows = []
         for controller in settings["controllers"]:
-            under = replace(course, controller=controller)
+            walks_under_law = replace(walks, controller=controller)
             for name, changes in ((UNDISTURBED, {}), *settings["disturbances"].items()):
                 disturbance = on_slope(PlantChanges(**changes), orders)
-                one = replace(under, disturbance=disturbance).walk(0, settings["walks"])
-                walks.append(_walks(controller, name, summary(one)))
-        self.values["walks"] = tuple(walks)
+                disturbed = replace(walks_under_law, disturbance=disturbance)
+                figures = summary(disturbed.walk(0, settings["walks"]))
+                rows.append(_walks(controller, name, figures))
+        self.values["walks"] = tuple(rows)
         # What the run itself keeps of walks, as after `simulate`.
         simulate(
             run,
             controller=settings["controllers"][0],
             steps=settings["walk_steps"],
-            start=START,
+            start="region",
             seed=settings["seed"],
             episodes=settings["walks"],
         )

@@ -52,8 +52,6 @@ BOUND_SEPARATELY = {
     "full/coupling": "coupling",
 }
 """Outputs that share most of their operations, and many of those: they are bounded apart."""
-SIGN_ONLY: dict[str, Any] = {"claimed": CLAIMED, "tight": 0.0}
-"""Options for many axes, where a larger margin costs too many boxes."""
 
 
 def trace_certificate(
@@ -206,8 +204,11 @@ def premise_problems(
 
 
 def _sign_only(spec: GaitSpec) -> dict[str, Any]:
-    """Return options for many axes: prove the sign, and halve the robot's parameters last."""
-    return {**SIGN_ONLY, "weak_axes": len(spec.parameters)}
+    """Return options for many axes: prove the sign, and halve the robot's parameters last.
+
+    A larger margin costs too many boxes there.
+    """
+    return {"claimed": CLAIMED, "tight": 0.0, "weak_axes": len(spec.parameters)}
 
 
 def _how_near(label: str) -> dict[str, Any]:

@@ -127,8 +127,8 @@ def search(
             break
         lacking = missing(problem, state, phase)[work]
         hard = HARD if len(problem.low) > PLANE else HARD_IN_PLANE
-        by = problem.with_symbols if len(state.tree.first) >= hard else problem
-        state = _round(by, state, work, lacking, confirm, deadline, bound_all or bound_here)
+        bounded = problem.with_symbols if len(state.tree.first) >= hard else problem
+        state = _round(bounded, state, work, lacking, confirm, deadline, bound_all or bound_here)
         if progress is not None:
             progress(state)
     return state

@@ -75,10 +75,10 @@ class Problem:
     @cached_property
     def with_symbols(self) -> "Problem":
         """Return the problem with symbols for remainders that cancel; itself if there are none."""
-        of = self.program, self.low, self.high
-        chosen = compiled_choice(*of, self._folded) if self.compiled else None
+        program, low, high = self.program, self.low, self.high
+        chosen = compiled_choice(program, low, high, self._folded) if self.compiled else None
         if chosen is None:
-            chosen = values_with_symbols(*of, taylor_remainders)
+            chosen = values_with_symbols(program, low, high, taylor_remainders)
         return replace(self, symbols=chosen) if chosen else self
 
     @property

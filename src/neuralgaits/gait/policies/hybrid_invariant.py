@@ -124,7 +124,7 @@ class HybridInvariantPolicy(StepPolicy):
             return None
         return self.ankle(z if self.z2_dependence else z * jnp.array([1.0, 0.0]))
 
-    def phase(self, z1: Number) -> Number:
+    def phase(self, z1: Scalar) -> Scalar:
         """Phase of the step at a hip position."""
         if self.anchor is None:
             return super().phase(z1)

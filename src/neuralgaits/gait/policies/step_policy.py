@@ -39,10 +39,6 @@ class StepPolicy(NetworkPolicy):
         bump = 4.0 * phase * (1.0 - phase)
         return self.within_bounds(self.path(phase) + (4.0 * bump * bump) * self.network(inputs))
 
-    def phase(self, z1: Number) -> Number:
-        """Phase of the step at a hip position."""
-        return (z1 - self.z_start) / (self.z_guard - self.z_start)
-
     def path(self, phase: Number) -> Actuated:
         """H at a phase. Returns: [m]."""
         a0, a1, a2, a3 = self.cubic

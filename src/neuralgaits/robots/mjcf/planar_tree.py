@@ -134,7 +134,8 @@ def _tops(model: mujoco.MjModel) -> list[int]:
     return sorted({int(top) for top in model.body_weldid} - {0})
 
 
-def _planar(vector: np.ndarray) -> complex:
+def in_plane(vector: np.ndarray) -> complex:
+    """Return x + i z of a vector in space."""
     return complex(vector[0], vector[2])
 
 
@@ -152,7 +153,7 @@ def _link(
     if mass <= _MIN_MASS_SHARE * float(model.body_mass.sum()):
         refuse(f"body {name} has no mass: give it an <inertial> or geoms with mass")
         return Link(name, bodies, parent, joint, np.nan, complex(np.nan, np.nan), np.nan)
-    coms = [_planar(data.xipos[i]) for i in bodies]
+    coms = [in_plane(data.xipos[i]) for i in bodies]
     com = sum(m * c for m, c in zip(masses, coms, strict=True)) / mass
     inertia = 0.0
     for body, body_mass, body_com in zip(bodies, masses, coms, strict=True):
@@ -180,7 +181,7 @@ def _hinge(model: mujoco.MjModel, data: mujoco.MjData, body: int) -> Joint:
 
 def _planar_hinge(model: mujoco.MjModel, data: mujoco.MjData, index: int) -> Joint:
     name = joint_name(model, index)
-    anchor = _planar(data.xanchor[index])
+    anchor = in_plane(data.xanchor[index])
     if model.jnt_type[index] == mujoco.mjtJoint.mjJNT_SLIDE:
         refuse(f'joint {name} is a slide: planar robots turn; use type="hinge"')
         return Joint(index, name, anchor, 1.0)
@@ -216,7 +217,7 @@ def _root_joints(
             # What hangs below is another link of the root, and no leg.
             raise RobotError(f"{message}; where several bodies share them, put them into one")
         refuse(message)
-        return ("", ""), Joint(indices[-1], name, _planar(data.xanchor[indices[-1]]), -1.0)
+        return ("", ""), Joint(indices[-1], name, in_plane(data.xanchor[indices[-1]]), -1.0)
     slides = {}
     for index in indices[:2]:
         axis = data.xaxis[index]

@@ -10,7 +10,7 @@ import numpy as np
 
 from neuralgaits.errors import RobotError
 from neuralgaits.robots.mjcf.low_points import low_points
-from neuralgaits.robots.mjcf.planar_tree import body_name
+from neuralgaits.robots.mjcf.planar_tree import body_name, in_plane
 from neuralgaits.robots.mjcf.section_links import SectionLink
 from neuralgaits.robots.mjcf.skeleton import find_floor
 
@@ -88,8 +88,8 @@ def section_foot(
     if has_ankle:
         _refuse_tilted(link, every)
     if model.geom_type[lowest] == mujoco.mjtGeom.mjGEOM_SPHERE:
-        centre, radius = data.geom_xpos[lowest], float(model.geom_size[lowest, 0])
-        place, name = complex(centre[0], centre[2]), model.geom(lowest).name
+        radius = float(model.geom_size[lowest, 0])
+        place, name = in_plane(data.geom_xpos[lowest]), model.geom(lowest).name
         return SectionFoot("sphere", place, (radius,), friction, condim, "", name)
     return SectionFoot(
         "sphere",

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import mujoco
 import numpy as np
 
-from neuralgaits.robots.mjcf.planar_tree import body_name
+from neuralgaits.robots.mjcf.planar_tree import body_name, in_plane
 from neuralgaits.robots.mjcf.section_plan import MASSLESS_KG, SectionPlan, links_of_bodies
 
 _MEAN_SHARE = 0.01
@@ -64,18 +64,18 @@ def _link(
     place = data.xpos[own] if joint < 0 else data.xanchor[joint]
     heavy = [body for body in bodies if model.body_mass[body] > MASSLESS_KG]
     mass = float(model.body_mass[heavy].sum())
-    moment = sum((model.body_mass[body] * _plane(data.xipos[body]) for body in heavy), 0j)
-    com = moment / mass if mass > 0.0 else _plane(place)
+    moment = sum((model.body_mass[body] * in_plane(data.xipos[body]) for body in heavy), 0j)
+    com = moment / mass if mass > 0.0 else in_plane(place)
     inertia = 0.0
     for body in heavy:
         axes = data.ximat[body].reshape(3, 3)
         inertia += float(axes[1] ** 2 @ model.body_inertia[body])
-        inertia += float(model.body_mass[body]) * abs(_plane(data.xipos[body]) - com) ** 2
+        inertia += float(model.body_mass[body]) * abs(in_plane(data.xipos[body]) - com) ** 2
     return SectionLink(
         body_name(model, own),
         joint,
         bodies,
-        _plane(place),
+        in_plane(place),
         float(place[1]),
         mass,
         complex(com),
@@ -124,7 +124,3 @@ def _extent(links: list[SectionLink]) -> float:
     """Return the length of a chain of links (m)."""
     places = [link.anchor for link in links] + [links[-1].com]
     return max(float(np.sum(np.abs(np.diff(places)))), 1e-6)
-
-
-def _plane(vector: np.ndarray) -> complex:
-    return complex(vector[0], vector[2])

@@ -17,7 +17,7 @@ import numpy as np
 
 from neuralgaits.errors import RobotError
 from neuralgaits.robots.mjcf.physical_numbers import refuse_frictionless, refuse_odd_contact
-from neuralgaits.robots.mjcf.planar_tree import Link, PlanarTree
+from neuralgaits.robots.mjcf.planar_tree import Link, PlanarTree, in_plane
 from neuralgaits.robots.mjcf.refuse_or_note import attempt, refuse
 from neuralgaits.robots.mjcf.refused_physics import refuse_excluded
 from neuralgaits.robots.mjcf.soles import read_sole
@@ -314,10 +314,9 @@ def _foot(
     refuse_frictionless(model, geom, floor)
     refuse_odd_contact(model, geom, floor)
     refuse_excluded(model, geom, floor)
-    centre = data.geom_xpos[geom]
     return Foot(
         name,
-        complex(centre[0], centre[2]),
+        in_plane(data.geom_xpos[geom]),
         float(model.geom_size[geom, 0]),
         _contact_friction(model, geom, floor),
     )

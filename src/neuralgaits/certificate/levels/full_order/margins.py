@@ -34,14 +34,14 @@ def margins(
     model: FullOrderModel, shape: FullOrderConstants, u: Float[Array, "2"], xi: Outputs
 ) -> Quantities:
     """Return all margins of the theorem at one chart point and one xi of the unit ball."""
-    its = TheoremArrays.of(shape, model.names)
-    xi, model = xi[: model.size], its.model(model)
-    bound = its.bound(u[0])
+    constants = TheoremArrays.of(shape, model.names)
+    xi, model = xi[: model.size], constants.model(model)
+    bound = constants.bound(u[0])
     return (
-        _step_margins(model, its, model.point(u, bound * xi))
-        | _decay_margins(model, its, u, bound * xi)
-        | _guard_margins(model, its, u, its.set["guard_radius"] * xi)
-        | _crossing_margins(model, its, u)
+        _step_margins(model, constants, model.point(u, bound * xi))
+        | _decay_margins(model, constants, u, bound * xi)
+        | _guard_margins(model, constants, u, constants.set["guard_radius"] * xi)
+        | _crossing_margins(model, constants, u)
     )
 
 
@@ -67,9 +67,9 @@ class TheoremArrays(NamedTuple):
             parts.get("weights", ()),
         )
 
-    def model(self, of: FullOrderModel) -> FullOrderModel:
+    def model(self, model: FullOrderModel) -> FullOrderModel:
         """Return the model with this set's bandwidth and norm."""
-        return replace(of, bandwidth=self.set["bandwidth"], weights=self.weights)
+        return replace(model, bandwidth=self.set["bandwidth"], weights=self.weights)
 
     def bound(self, phase: Scalar) -> Scalar:
         """Bound sqrt(V) in the set at a phase [rad]."""
@@ -79,14 +79,14 @@ class TheoremArrays(NamedTuple):
         return self.set["floor"] + (self.set["radius"] - self.set["floor"]) * shape
 
 
-def _step_margins(model: FullOrderModel, its: TheoremArrays, point: FullPoint) -> Quantities:
+def _step_margins(model: FullOrderModel, constants: TheoremArrays, point: FullPoint) -> Quantities:
     """Return margins between impacts: the robot walks on within its contact and torque limits."""
     quantities = model.in_step(point)
-    least, most = its.set["slowest"], its.set["fastest"]
+    least, most = constants.set["slowest"], constants.set["fastest"]
     # a <= dphi/dt <= b, and -J.s >= d.
     return {
         "full/pace": jnp.concatenate([quantities["pace"] - least, most - quantities["pace"]]),
-        "full/inertia": quantities["inertia"] - its.set["inertia"],
+        "full/inertia": quantities["inertia"] - constants.set["inertia"],
         "full/contact": quantities["contact"],
         "full/torque": quantities["torque"],
         "full/foot-rises": quantities["foot-rate"],
@@ -95,7 +95,7 @@ def _step_margins(model: FullOrderModel, its: TheoremArrays, point: FullPoint) -
 
 
 def _decay_margins(
-    model: FullOrderModel, its: TheoremArrays, u: Float[Array, "2"], xi: Outputs
+    model: FullOrderModel, constants: TheoremArrays, u: Float[Array, "2"], xi: Outputs
 ) -> Quantities:
     """Return margins between impacts that keep h - t - sigma V from becoming negative."""
     centre = model.point(u, jnp.zeros_like(xi))
@@ -103,18 +103,22 @@ def _decay_margins(
     coupling = jax.jacfwd(lambda moved: model.rates(model.point(u, moved)))(xi)
     reading = jax.jacfwd(lambda moved: model.readings(model.point(u, moved)))(xi)
     margins_by_name = {}
-    for k, (name, of) in enumerate(its.barriers.items()):
+    for k, (name, barrier) in enumerate(constants.barriers.items()):
         slope = reading[k]
         # dh/dt + alpha h >= epsilon at xi = 0; |d(dh/dt)/d xi| <= c and |dh/d xi| <= l as squares.
-        margins_by_name[f"full/rate {name}"] = rate[k] + of["alpha"] * h[k] - of["epsilon"]
-        margins_by_name[f"full/coupling {name}"] = of["coupling"] ** 2 - coupling[k] @ coupling[k]
+        margins_by_name[f"full/rate {name}"] = (
+            rate[k] + barrier["alpha"] * h[k] - barrier["epsilon"]
+        )
+        margins_by_name[f"full/coupling {name}"] = (
+            barrier["coupling"] ** 2 - coupling[k] @ coupling[k]
+        )
         if name not in FENCES:
-            margins_by_name[f"full/reading {name}"] = of["reading"] ** 2 - slope @ slope
+            margins_by_name[f"full/reading {name}"] = barrier["reading"] ** 2 - slope @ slope
     return margins_by_name
 
 
 def _guard_margins(
-    model: FullOrderModel, its: TheoremArrays, u: Float[Array, "2"], xi: Outputs
+    model: FullOrderModel, constants: TheoremArrays, u: Float[Array, "2"], xi: Outputs
 ) -> Quantities:
     """Return margins in the guard's strip: one crossing, and bounds on an impact's effect."""
     point = model.point(u, xi)
@@ -127,32 +131,34 @@ def _guard_margins(
         "full/momentum-after": impact["momentum"],
         "full/guard-slope": -slopes.fall,
         # |d xi+/d xi| <= L_D and |d phi+/d xi| <= L_z along the guard, as squares.
-        "full/gain": its.set["gain"] ** 2 - jnp.sum(along["after"]),
-        "full/landing-slope": its.set["landing_slope"] ** 2 - along["landing"],
+        "full/gain": constants.set["gain"] ** 2 - jnp.sum(along["after"]),
+        "full/landing-slope": constants.set["landing_slope"] ** 2 - along["landing"],
     }
-    for k, (name, of) in enumerate(its.barriers.items()):
+    for k, (name, barrier) in enumerate(constants.barriers.items()):
         # |dh(z+)/d xi| <= L_i along the guard, as squares.
-        margins_by_name[f"full/reset-slope {name}"] = of["reset_slope"] ** 2 - along["reset"][k]
+        margins_by_name[f"full/reset-slope {name}"] = (
+            barrier["reset_slope"] ** 2 - along["reset"][k]
+        )
     return margins_by_name
 
 
 def _crossing_margins(
-    model: FullOrderModel, its: TheoremArrays, u: Float[Array, "2"]
+    model: FullOrderModel, constants: TheoremArrays, u: Float[Array, "2"]
 ) -> Quantities:
     """Return margins of the state after an impact from eta = 0."""
     impact, drift = model.at_crossing(u)
     landing, after = impact["landing"], impact["after"]
     margins_by_name = {
         # |xi+| <= v, |d xi+/d phi| <= v' and |phi+| <= f.
-        "full/mismatch": its.set["mismatch"] ** 2 - after @ after,
-        "full/drift": its.set["drift"] ** 2 - drift @ drift,
+        "full/mismatch": constants.set["mismatch"] ** 2 - after @ after,
+        "full/drift": constants.set["drift"] ** 2 - drift @ drift,
         "full/landing": jnp.concatenate(
-            [its.set["landing"] - landing, its.set["landing"] + landing]
+            [constants.set["landing"] - landing, constants.set["landing"] + landing]
         ),
         "full/crossing-before": impact["foot"],
         "full/crossing-behind": -impact["foot"],
     }
-    for k, (name, of) in enumerate(its.barriers.items()):
+    for k, (name, barrier) in enumerate(constants.barriers.items()):
         # h_i(z+) >= h_i+.
-        margins_by_name[f"full/reset {name}"] = impact["reset"][k] - of["reset"]
+        margins_by_name[f"full/reset {name}"] = impact["reset"][k] - barrier["reset"]
     return margins_by_name
