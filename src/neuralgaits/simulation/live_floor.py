@@ -3,6 +3,8 @@
 import math
 from typing import NamedTuple
 
+from neuralgaits.simulation.setup.plant import tilt_quaternion
+
 TILT_DEG_S = 20.0
 """Rate at which the floor tilts [deg/s]; a swing foot ahead meets it at about 0.1 m/s."""
 
@@ -26,8 +28,7 @@ class Floor(NamedTuple):
     @property
     def quaternion(self) -> tuple[float, float, float, float]:
         """Return the rotation of a level plane onto the floor, (w, x, y, z)."""
-        half = 0.5 * math.atan(self.slope)
-        return math.cos(half), 0.0, -math.sin(half), 0.0
+        return tilt_quaternion(math.atan(self.slope))
 
     def turned(self, requested: float, foot: float, radius: float, passed: float) -> "Floor":
         """Return the floor turned about the standing foot for a time, towards a slope.

@@ -18,6 +18,7 @@ from mjviser import ViserMujocoScene
 from neuralgaits._types import Float
 from neuralgaits.robots.constants import MjcfLayout
 from neuralgaits.robots.link_rods import bones
+from neuralgaits.simulation.setup.plant import tilt_quaternion
 from neuralgaits.viewer.blocks import Blocks
 from neuralgaits.viewer.framing import Framing
 from neuralgaits.viewer.portrait import HEIGHT_PX, WIDTH_PX, Portrait
@@ -83,8 +84,7 @@ class Stage:
         long = math.hypot(1.0, shown.slope)
         behind = math.fmod(x * long, SECTION)
         self._floor.position = (-behind / long, 0.0, -behind / long * shown.slope)
-        half = 0.5 * math.atan(shown.slope)
-        self._floor.wxyz = (math.cos(half), 0.0, -math.sin(half), 0.0)
+        self._floor.wxyz = tilt_quaternion(math.atan(shown.slope))
 
     def _show_push(self, shown: WalkFrame, ground: float) -> None:
         # In front of the robot, lest its body hide it.

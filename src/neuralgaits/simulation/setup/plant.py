@@ -180,7 +180,7 @@ def _touch_site(foot, place):
 def _add_plane(spec: mujoco.MjSpec, leg: int, bit: int, tilt: float):
     """Add the floor under a foot, tilted (rad)."""
     body = spec.worldbody.add_body(name=f"_floor_{leg}", mocap=True)
-    body.quat = _tilted(tilt)
+    body.quat = tilt_quaternion(tilt)
     return body.add_geom(
         name=f"_floor_{leg}",
         type=mujoco.mjtGeom.mjGEOM_PLANE,
@@ -204,7 +204,7 @@ def _add_blocks(spec: mujoco.MjSpec, course: Course) -> None:
                 0.0,
                 0.5 * (z0 + z1) - half * math.cos(tilt),
             ],
-            quat=_tilted(tilt),
+            quat=tilt_quaternion(tilt),
             size=[0.5 * length, _BLOCK_SIDE, half],
             contype=_FLOOR_BITS[0] | _FLOOR_BITS[1],
             conaffinity=_FLOOR_BITS[0] | _FLOOR_BITS[1],
@@ -212,9 +212,9 @@ def _add_blocks(spec: mujoco.MjSpec, course: Course) -> None:
         )
 
 
-def _tilted(angle: float) -> list[float]:
-    """Return the quaternion that turns x up by an angle (rad)."""
-    return [math.cos(angle / 2), 0.0, -math.sin(angle / 2), 0.0]
+def tilt_quaternion(angle: float) -> tuple[float, float, float, float]:
+    """Return the rotation that turns x up by an angle (rad), (w, x, y, z)."""
+    return math.cos(angle / 2), 0.0, -math.sin(angle / 2), 0.0
 
 
 def _planes(spec: mujoco.MjSpec):
