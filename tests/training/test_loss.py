@@ -41,7 +41,7 @@ def test_columns_and_rows(spec, sampler, table):
     regions = {c.name: c.region for c in spec.conditions}
     whole = {"tube": {"tube", "ends", "guard"}, "ends": {"ends", "guard"}, "guard": {"guard"}}
     for name, block in table.columns.items():
-        for row, (low, high) in enumerate(zip(sampler.low, trainer.sampler.high, strict=True)):
+        for row, (low, high) in enumerate(zip(sampler.low, sampler.high, strict=True)):
             expected = region_of[row] in whole[regions[name]]
             assert np.all(table.counts[row, block] == expected)
             if expected:
