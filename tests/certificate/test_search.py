@@ -425,7 +425,7 @@ def test_boxes_have_an_end_where_most_axes_are_weak(weak, ended, monkeypatch):
 
     low, high = ((0.0,) * 3, (1.0,) * 3)
     problem = replace(_problem(low, high, margin=margin, degree=1), weak_axes=weak, tight=0.0)
-    monkeypatch.setattr(root_turns, "LATE_BOXES", 100)
+    monkeypatch.setattr(root_turns, "WEAK_BOXES", 100)
     state = _run(problem)
     assert bool(to_split(problem, state, "decide", 10**6).size) == ended
 

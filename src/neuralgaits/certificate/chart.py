@@ -237,13 +237,13 @@ PLANE_ONLY = Chart()
 """Of a gait without parameters."""
 
 
-def required_boxes(near: Iterable[CoupledAxes], low: np.ndarray, high: np.ndarray) -> np.ndarray:
-    """Return which boxes [B, n] have a point whose near axes are close enough together. [B].
+def required_boxes(coupled: Iterable[CoupledAxes], low: np.ndarray, high: np.ndarray) -> np.ndarray:
+    """Return which boxes [B, n] have a point whose coupled axes are close enough together. [B].
 
     A rounded difference is above a double only if the difference is.
     """
     required = np.ones(len(low), dtype=bool)
-    for first, second, change in near:
+    for first, second, change in coupled:
         required &= ~(low[:, first] - high[:, second] > change)
         required &= ~(low[:, second] - high[:, first] > change)
     return required

@@ -23,7 +23,7 @@ def with_axis_costs(
 ) -> BoxTree:
     """Return the tree with measured costs of axes, for some boxes of `work` if time permits.
 
-    There are many late axes, and each has little influence. So the cost of another axis is measured
+    There are many weak axes, and each has little influence. So the cost of another axis is measured
     with all of them at their own widths, and theirs one by one only where all of them together cost
     about as much as another axis does.
 
@@ -41,26 +41,26 @@ def with_axis_costs(
     short = lacking[np.searchsorted(work, boxes)] > 0.0
     corners = tree.pending.of(boxes)
     here = _Boxes.of(problem, corners.low, corners.high, short, deadline, bound_all)
-    first_late = len(problem.low) - problem.weak_axes
-    late = [axis for axis in tree.axes if axis >= first_late]
-    early = [axis for axis in tree.axes if axis < first_late]
-    alone, every = np.full(here.low.shape, -np.inf), np.arange(len(boxes))
-    together = [late] if late else []
-    bounded = here.shrunk([*together, *([axis, *late] for axis in early)], every)
+    first_weak = len(problem.low) - problem.weak_axes
+    weak = [axis for axis in tree.axes if axis >= first_weak]
+    strong = [axis for axis in tree.axes if axis < first_weak]
+    costs, every = np.full(here.low.shape, -np.inf), np.arange(len(boxes))
+    together = [weak] if weak else []
+    bounded = here.shrunk([*together, *([axis, *weak] for axis in strong)], every)
     if bounded is None:
         return tree
-    beside = bounded.pop(0) if late else here.least
-    for axis, lower in zip(early, bounded, strict=True):
-        alone[:, axis] = here.cost(beside, lower, every)
-    if late:
-        rivals = alone[:, early].max(axis=1, initial=-np.inf)
-        some = np.flatnonzero(here.cost(here.least, beside, every) >= NEAR * rivals)
-        bounded = here.shrunk([[axis] for axis in late], some) if len(some) else []
+    weak_only = bounded.pop(0) if weak else here.least
+    for axis, lower in zip(strong, bounded, strict=True):
+        costs[:, axis] = here.cost(weak_only, lower, every)
+    if weak:
+        rivals = costs[:, strong].max(axis=1, initial=-np.inf)
+        some = np.flatnonzero(here.cost(here.least, weak_only, every) >= NEAR * rivals)
+        bounded = here.shrunk([[axis] for axis in weak], some) if len(some) else []
         if bounded is None:
             return tree
-        for axis, lower in zip(late, bounded, strict=len(some) > 0):
-            alone[some, axis] = here.cost(here.least[some], lower, some)
-    return tree.measured(boxes, alone)
+        for axis, lower in zip(weak, bounded, strict=len(some) > 0):
+            costs[some, axis] = here.cost(here.least[some], lower, some)
+    return tree.measured(boxes, costs)
 
 
 @dataclass(frozen=True)
@@ -106,7 +106,7 @@ class _Boxes:
             candidates: axes that keep their widths.
             some: numbers of boxes. [P]
 
-        Returns: bounds from below for each look, [P, C]; None if there was no time.
+        Returns: bounds from below for each candidate, [P, C]; None if there was no time.
         """
         ends = []
         for end in (self.low, self.high):

@@ -31,7 +31,7 @@ class PendingBoxes:
         number: of each box in the tree, ascending. [K]
         low, high: corners. [K, n]
         cuts: how often each axis was halved to make the box. [K, n]
-        alone: cost of each axis: how far insufficient bounds are below the value at the centre if
+        costs: of each axis: how far insufficient bounds are below the value at the centre if
             only this axis keeps its width; inf if unknown or unbounded, -inf for an axis without
             width. [K, n]
     """
@@ -40,15 +40,15 @@ class PendingBoxes:
     low: Corners
     high: Corners
     cuts: Int[np.ndarray, "K n"]
-    alone: Float[np.ndarray, "K n"]
+    costs: Float[np.ndarray, "K n"]
 
     @classmethod
     def unmeasured(
         cls, number: np.ndarray, low: Corners, high: Corners, cuts: np.ndarray
     ) -> "PendingBoxes":
         """Return boxes of whose axes nothing is known."""
-        alone = np.where(high > low, np.inf, -np.inf)
-        return cls(number, low, high, cuts.astype(np.int16), alone)
+        costs = np.where(high > low, np.inf, -np.inf)
+        return cls(number, low, high, cuts.astype(np.int16), costs)
 
     def take(self, places: np.ndarray) -> "PendingBoxes":
         """Return some of the boxes, by their places here or by a mask."""
@@ -141,21 +141,21 @@ class BoxTree:
         before several axes are halved.
         """
         here = self.pending.of(boxes)
-        alone, cuts = here.alone, here.cuts.astype(np.int64)
-        most = alone.max(axis=1, keepdims=True)
-        worth = np.where(np.isinf(most), alone == most, alone >= NEAR * most)
+        costs, cuts = here.costs, here.cuts.astype(np.int64)
+        most = costs.max(axis=1, keepdims=True)
+        worth = np.where(np.isinf(most), costs == most, costs >= NEAR * most)
         return np.argmin(np.where(worth, cuts, np.iinfo(np.int64).max), axis=1)
 
     def unmeasured(self, boxes: np.ndarray) -> np.ndarray:
         """Select those of the boxes for which measuring each axis's cost is worth the time."""
-        unknown = np.any(self.pending.of(boxes).alone == np.inf, axis=1)
+        unknown = np.any(self.pending.of(boxes).costs == np.inf, axis=1)
         return boxes[unknown | (self.depth[boxes] % MEASURED == 0)]
 
-    def measured(self, boxes: np.ndarray, alone: Float[np.ndarray, "P n"]) -> "BoxTree":
+    def measured(self, boxes: np.ndarray, costs: Float[np.ndarray, "P n"]) -> "BoxTree":
         """Return the tree with the measured cost of each axis of some boxes."""
-        measured_bounds = self.pending.alone.copy()
-        measured_bounds[np.searchsorted(self.pending.number, boxes)] = alone
-        return replace(self, pending=replace(self.pending, alone=measured_bounds))
+        measured_bounds = self.pending.costs.copy()
+        measured_bounds[np.searchsorted(self.pending.number, boxes)] = costs
+        return replace(self, pending=replace(self.pending, costs=measured_bounds))
 
     def halves_of(self, parents: np.ndarray, axis: np.ndarray) -> tuple[Corners, Corners]:
         """Return corners of the halves of some boxes, each along its axis. [2 len(parents), n]."""
@@ -183,25 +183,27 @@ class BoxTree:
         """
         if not len(parents):
             return self
-        first, along, family = self.first.copy(), self.axis.copy(), np.repeat(parents, 2)
+        first, along = self.first.copy(), self.axis.copy()
+        of_halves = np.repeat(parents, 2)
         first[parents] = len(first) + 2 * np.arange(len(parents))
         along[parents] = axis
-        new, halved = len(first) + np.arange(len(family)), (np.arange(len(family)), axis.repeat(2))
-        before = self.pending.of(family)
+        count = np.arange(len(of_halves))
+        new, halved = len(first) + count, (count, axis.repeat(2))
+        before = self.pending.of(of_halves)
         before.cuts[halved] += 1
-        before.alone[halved] *= FALL
-        added = PendingBoxes(new.astype(np.int32), *boxes, before.cuts, before.alone)
+        before.costs[halved] *= FALL
+        added = PendingBoxes(new.astype(np.int32), *boxes, before.cuts, before.costs)
         added = added if keep is None else added.take(keep)
         still = np.ones(len(self.pending.number), dtype=bool)
         still[np.searchsorted(self.pending.number, parents)] = False
-        none = np.full(len(family), -1)
+        none = np.full(len(of_halves), -1)
         return replace(
             self,
             first=np.concatenate([first, none.astype(first.dtype)]),
             axis=np.concatenate([along, none.astype(along.dtype)]),
-            depth=np.concatenate([self.depth, self.depth[family] + self.depth.dtype.type(1)]),
-            lower=np.concatenate([self.lower, np.fmax(lower, self.lower[family])]),
-            upper=np.concatenate([self.upper, np.fmin(upper, self.upper[family])]),
+            depth=np.concatenate([self.depth, self.depth[of_halves] + self.depth.dtype.type(1)]),
+            lower=np.concatenate([self.lower, np.fmax(lower, self.lower[of_halves])]),
+            upper=np.concatenate([self.upper, np.fmin(upper, self.upper[of_halves])]),
             pending=self.pending.take(still).followed_by(added),
         )
 

@@ -28,7 +28,7 @@ Confirm = Callable[[str, np.ndarray], Counterexample | None]
 Phase = Literal["decide", "tighten"]
 
 START_CUTS, MOST_AT_START = 3, 5
-"""Halvings at the start: of every axis that is not late, in turn, and the most in all."""
+"""Halvings at the start: of every axis that is not weak, in turn, and the most in all."""
 MAX_DEPTH, TIGHTEN_DEPTH, MAP_DEPTH = 20, 10, 6
 """Most halvings an axis to decide, to raise a margin, and around a refutation."""
 MAX_BOXES, TIGHTEN_BOXES = 150_000, 20_000
@@ -73,10 +73,12 @@ def start(problem: Problem, confirm: Confirm) -> Search:
     """Bound the first boxes, large and small, and evaluate points."""
     state = Search.untouched(problem)
     tree = state.tree
-    early = [axis for axis in tree.axes if axis < len(problem.low) - problem.weak_axes] or tree.axes
-    for depth in range(min(START_CUTS * len(early), MOST_AT_START)):
+    strong = [
+        axis for axis in tree.axes if axis < len(problem.low) - problem.weak_axes
+    ] or tree.axes
+    for depth in range(min(START_CUTS * len(strong), MOST_AT_START)):
         parents = np.flatnonzero(tree.depth == depth)
-        axis = np.full(len(parents), early[depth % len(early)])
+        axis = np.full(len(parents), strong[depth % len(strong)])
         unknown = np.full((2 * len(parents), len(problem.names)), np.inf)
         tree = tree.with_halves(parents, axis, tree.halves_of(parents, axis), -unknown, unknown)
     # Large ones as well: where one box is enough, a proof says so with one.
@@ -152,7 +154,7 @@ def missing(problem: Problem, state: Search, phase: Phase) -> Float[np.ndarray, 
         worth = np.where(np.isfinite(state.smallest), problem.tight * state.smallest, 0.0)
     # The statement of level 1 is g >= b s: first with b = 0, then with b near the smallest seen.
     if phase == "decide":
-        # With late axes there is no map of the boxes around a point that breaks a condition.
+        # With weak axes there is no map of the boxes around a point that breaks a condition.
         shown = 0 if problem.weak_axes else MAP_DEPTH
         targets, depth = np.zeros(len(problem.names)), np.where(refuted, shown, MAX_DEPTH)
     else:

@@ -29,7 +29,7 @@ def save(path: Path, problem: Problem, state: Search) -> None:
     arrays = {"first": tree.first, "axis": tree.axis, "lower": tree.lower}
     if not proved:
         alone = np.full((len(tree.first), len(problem.low)), np.inf)
-        alone[tree.pending.number] = tree.pending.alone
+        alone[tree.pending.number] = tree.pending.costs
         arrays |= {"upper": tree.upper, "alone": alone}
     arrays["seen"] = state.smallest
     refuted = {
@@ -81,7 +81,7 @@ def _tree(arrays: Mapping[str, np.ndarray], problem: Problem) -> BoxTree:
     ends, numbers = (low[number], high[number]), number.astype(np.int32)
     pending = PendingBoxes.unmeasured(numbers, *ends, cuts[number])
     if "alone" in arrays:
-        pending = replace(pending, alone=np.asarray(arrays["alone"])[number])
+        pending = replace(pending, costs=np.asarray(arrays["alone"])[number])
     small = first.astype(np.int32), axis.astype(np.int8), cuts.sum(axis=1).astype(np.int16)
     return BoxTree(low[0], high[0], *small, lower, upper, pending)
 

@@ -18,7 +18,7 @@ from neuralgaits.certificate.search.box_tree import BoxTree
 from neuralgaits.certificate.search.halving import Corners
 from neuralgaits.certificate.search.problem import BoundAll, Problem
 
-TOGETHER = 32.0
+TRIAL_RATIO = 32.0
 """How many times the sum of the costs of its axes a box lacks, from where on halvings are tried."""
 
 
@@ -47,21 +47,21 @@ def axis_to_halve(
     cut_off = _half_beyond_reach(problem, here.low, here.high)
     axis = np.where(cut_off >= 0, cut_off, axis)
     # Costs that are infinite have chosen already: an axis that alone leaves no bound.
-    alone = np.where(here.alone > -np.inf, here.alone, 0.0).sum(axis=1)
+    cost_sum = np.where(here.costs > -np.inf, here.costs, 0.0).sum(axis=1)
     most = lacking.max(axis=1)
-    tried = np.flatnonzero((cut_off < 0) & np.isfinite(alone) & (most > TOGETHER * alone))
-    early = [a for a in tree.axes if a < len(problem.low) - problem.weak_axes]
-    if not len(tried) or not early:
+    tried = np.flatnonzero((cut_off < 0) & np.isfinite(cost_sum) & (most > TRIAL_RATIO * cost_sum))
+    strong = [a for a in tree.axes if a < len(problem.low) - problem.weak_axes]
+    if not len(tried) or not strong:
         return axis
     low, high, short = here.low[tried], here.high[tried], lacking[tried] > 0.0
-    reached = _after_halving(problem, low, high, short, early, deadline, bound_all)
+    reached = _after_halving(problem, low, high, short, strong, deadline, bound_all)
     if reached is None:
         return axis
     # Without a bound along any, all of them have to become smaller: the least halved one does.
-    least_cut = np.argmin(here.cuts[tried][:, early], axis=1)
+    least_cut = np.argmin(here.cuts[tried][:, strong], axis=1)
     unbounded = np.isneginf(reached.max(axis=1))
     best = np.where(unbounded, least_cut, np.argmax(reached, axis=1))
-    axis[tried] = np.array(early)[best]
+    axis[tried] = np.array(strong)[best]
     return axis
 
 

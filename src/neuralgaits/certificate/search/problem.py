@@ -137,17 +137,18 @@ class Problem:
     def grid(self, points: int) -> Corners:
         """Return about so many points that cover the box, its edges included. [B, n].
 
-        On late axes each point has ends of its own, drawn at random: all combinations would be too
+        On weak axes each point has ends of its own, drawn at random: all combinations would be too
         many.
         """
-        early = len(self.low) - self.weak_axes
-        wide = [axis for axis in wide_axes(np.array(self.low), np.array(self.high)) if axis < early]
+        first_weak = len(self.low) - self.weak_axes
+        wide = wide_axes(np.array(self.low), np.array(self.high))
+        wide = [axis for axis in wide if axis < first_weak]
         fewest, most = 3, 33  # Points along an axis.
         size = min(max(round(points ** (1.0 / max(len(wide), 1))), fewest), most)
         lines = [
             np.linspace(low, high, size if axis in wide else 1)
             for axis, (low, high) in enumerate(
-                zip(self.low[:early], self.high[:early], strict=True)
+                zip(self.low[:first_weak], self.high[:first_weak], strict=True)
             )
         ]
         points_of_grid = np.stack(np.meshgrid(*lines, indexing="ij"), axis=-1).reshape(
@@ -157,28 +158,30 @@ class Problem:
             return points_of_grid
         points_of_grid = np.tile(points_of_grid, (max(points // len(points_of_grid), 1), 1))
         upper = np.random.default_rng(0).random((len(points_of_grid), self.weak_axes)) < 0.5
-        ends = np.where(upper, self.high[early:], self.low[early:])
+        ends = np.where(upper, self.high[first_weak:], self.low[first_weak:])
         return np.hstack([points_of_grid, ends])
 
     def worse(self, points: Float[np.ndarray, "P n"]) -> Float[np.ndarray, "Q n"]:
-        """Move the points, for each condition, to ends of late axes where its margin is smaller.
+        """Move the points, for each condition, to ends of weak axes where its margin is smaller.
 
-        At the point where it is smallest each late axis is moved to either end by itself; the
+        At the point where it is smallest each weak axis is moved to either end by itself; the
         better ends of all axes together then replace those of every point. Q = P C.
         """
-        early, candidates = len(self.low) - self.weak_axes, []
+        first_weak, candidates = len(self.low) - self.weak_axes, []
         values = self.values(points)
         for column in range(len(self.names)):
             margins = np.where(np.isnan(values[:, column]), np.inf, values[:, column])
             at = points[int(np.argmin(margins))]
             ends_of_axes = np.tile(at, (2 * self.weak_axes, 1))
-            axes = early + np.arange(self.weak_axes)
-            ends_of_axes[2 * np.arange(self.weak_axes), axes] = np.array(self.low)[early:]
-            ends_of_axes[2 * np.arange(self.weak_axes) + 1, axes] = np.array(self.high)[early:]
+            axes = first_weak + np.arange(self.weak_axes)
+            ends_of_axes[2 * np.arange(self.weak_axes), axes] = np.array(self.low)[first_weak:]
+            ends_of_axes[2 * np.arange(self.weak_axes) + 1, axes] = np.array(self.high)[first_weak:]
             ends = self.values(ends_of_axes)[:, column].reshape(-1, 2)
-            better = np.where(ends[:, 0] < ends[:, 1], self.low[early:], self.high[early:])
+            better = np.where(
+                ends[:, 0] < ends[:, 1], self.low[first_weak:], self.high[first_weak:]
+            )
             everywhere = points.copy()
-            everywhere[:, early:] = better
+            everywhere[:, first_weak:] = better
             candidates.append(everywhere)
         return np.concatenate(candidates)
 

@@ -28,8 +28,8 @@ MEMORY_BYTES = 2**29
 WIDE_TURN_BOXES, WIDE_MEMORY_BYTES = 2**17, 2**32
 """Boxes a turn and memory in more axes than two, where each round copies more boxes. Turns begin as
 short as in the plane and double: within a budget the easy roots are proved first."""
-LATE_BOXES = 20_000
-"""Most boxes added by a search of a root most of whose axes are late; one that can be closed needs
+WEAK_BOXES = 20_000
+"""Most boxes added by a search of a root most of whose axes are weak; one that can be closed needs
 a few hundred."""
 
 Progress = Callable[[float, int], None]
@@ -134,7 +134,7 @@ class _BoxBudget:
     """Numbers of boxes that roots may have.
 
     In the plane each has its share. In more axes some need a thousand times as many as others, so
-    they take what is left of what all have together; but where most axes are late, a root that
+    they take what is left of what all have together; but where most axes are weak, a root that
     needs so many is one whose box of robots is too wide.
     """
 
@@ -148,18 +148,18 @@ class _BoxBudget:
         self._current = current
         self._bytes = [Search.untouched(problem).tree.nbytes for problem in problems]
         self._wide = any(len(problem.low) > PLANE for problem in problems)
-        self._late = [2 * problem.weak_axes > len(problem.low) for problem in problems]
-        room = int((WIDE_MEMORY_BYTES if any(self._late) else MEMORY_BYTES) / sum(self._bytes))
+        self._weak = [2 * problem.weak_axes > len(problem.low) for problem in problems]
+        room = int((WIDE_MEMORY_BYTES if any(self._weak) else MEMORY_BYTES) / sum(self._bytes))
         more = TIGHTEN_BOXES
         if phase == "decide":
             more = MAX_BOXES if deadline == np.inf else room
-        if any(self._late):
-            more = min(more, LATE_BOXES)
+        if any(self._weak):
+            more = min(more, WEAK_BOXES)
         self._most = [min(len(state.tree.first) + more, room) for state in current]
 
     def of(self, number: int) -> int:
         """Return how many boxes a root may have in all."""
-        if not self._wide or self._late[number]:
+        if not self._wide or self._weak[number]:
             return self._most[number]
         used = sum(state.tree.nbytes for state in self._current)
         left = max(int((WIDE_MEMORY_BYTES - used) / self._bytes[number]), 0)
