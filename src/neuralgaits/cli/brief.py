@@ -113,7 +113,7 @@ def _after_walks(result: SimulationSummary) -> str:
 def brief_proof(result: CertificateRecord) -> None:
     """Print what is proved, or which conditions are not, and where the proof is."""
     entries = result.conditions
-    open_ = [name for name, one in entries.items() if not one.settled]
+    open_ = [name for name, one in entries.items() if not one.proved_as_requested]
     about = "".join(f", {part}" for part in (result.robots, result.ground) if part)
     level, least = result.proved_level, result.least_margin
     margins = "" if least is None else f", margins of {at_least(least, 4)} or more"

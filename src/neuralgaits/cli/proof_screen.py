@@ -35,7 +35,7 @@ def show_proof(result: CertificateRecord) -> None:
     show_table(head, [_row(name, entry) for name, entry in conditions[:ROWS]])
     others = [entry for _, entry in conditions[ROWS:]]
     if others:
-        left = sum(not entry.settled for entry in others)
+        left = sum(not entry.proved_as_requested for entry in others)
         least = min((entry.margin for entry in others if entry.margin is not None), default=None)
         what = f"{left} of them not proved"
         if not left:
@@ -64,7 +64,7 @@ def show_proof(result: CertificateRecord) -> None:
 def _urgency(item: tuple[str, ConditionVerdict]) -> tuple[bool, float]:
     """Sort key: unproved conditions first, then the smallest margin."""
     _, entry = item
-    return entry.settled, math.inf if entry.margin is None else entry.margin
+    return entry.proved_as_requested, math.inf if entry.margin is None else entry.margin
 
 
 def _row(name: str, entry: ConditionVerdict) -> tuple[Any, ...]:
@@ -73,7 +73,7 @@ def _row(name: str, entry: ConditionVerdict) -> tuple[Any, ...]:
         detail = f"{point.margin:.3g} at z = ({point.z[0]:.6g}, {point.z[1]:.6g})"
     elif entry.verdict == "undecided":
         left = f"{entry.undecided_boxes} boxes left"
-        detail = "proved in this part" if entry.in_part else left
+        detail = "proved in this part" if entry.proved_in_part else left
     # Rounded down: less than everything never reads as everything.
     share = f"{math.floor(1e4 * entry.proved_fraction) / 100:g} %"
     bound = number(None) if entry.margin is None else at_least(entry.margin, 4)

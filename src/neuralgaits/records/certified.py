@@ -64,15 +64,15 @@ class ConditionVerdict:
     undecided_boxes: Count
 
     @property
-    def in_part(self) -> bool:
+    def proved_in_part(self) -> bool:
         """Whether it is proved for the requested part of the gait's commands only."""
         whole = self.proved_fraction == 1.0 and self.undecided_boxes == 0
         return self.verdict == "undecided" and whole
 
     @property
-    def settled(self) -> bool:
+    def proved_as_requested(self) -> bool:
         """Whether it is proved, of everything or of the part that was requested."""
-        return self.verdict == "proved" or self.in_part
+        return self.verdict == "proved" or self.proved_in_part
 
 
 @dataclass(frozen=True)
@@ -213,18 +213,18 @@ class CertificateRecord(Record):
     @property
     def proved_level(self) -> int:
         """Highest level that is proved with all below it; 0 if level 1 is not."""
-        if self.of_conditions != "proved":
+        if self.verdict_of_conditions != "proved":
             return 0
         proved = {entry.level for entry in self.levels if entry.proved}
         return max((n for n in WORDS if set(range(2, n + 1)) <= proved), default=1)
 
     @property
-    def of_conditions(self) -> Verdict:
+    def verdict_of_conditions(self) -> Verdict:
         """Verdict on level 1, over all conditions."""
         return verdict_of(self.conditions)
 
     @property
-    def of_all(self) -> Verdict:
+    def verdict_of_all(self) -> Verdict:
         """Verdict on the conditions and on every requested level."""
         return verdict_of(self.conditions, self.levels)
 

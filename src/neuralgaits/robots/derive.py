@@ -48,7 +48,7 @@ class LegData:
     sole: np.ndarray
 
     @property
-    def still(self) -> int:
+    def fixed_links(self) -> int:
         """Number of links of a stance leg that do not move: a flat foot, or none."""
         return 1 if self.sole.size else 0
 

@@ -44,42 +44,43 @@ def momentum_after(robot: BipedConstants, q: Coordinates, dq: Coordinates) -> Co
     Returns: [n] (kg m^2/s), conjugate to the relabelled coordinates; minus its first entry
     is z2 after the impact.
     """
-    turn = robot.link_angles
+    to_angles = robot.link_angles
     q_new, dq_new = robot.relabel @ q, robot.relabel @ dq
-    links = link_mass_matrix(robot, turn @ q_new) @ (turn @ dq_new)
-    return turn.T @ links + _of_moving_foot(robot, q, dq) + robot.armature * dq_new
+    links = link_mass_matrix(robot, to_angles @ q_new) @ (to_angles @ dq_new)
+    return to_angles.T @ links + _foot_momentum(robot, q, dq) + robot.armature * dq_new
 
 
-def _of_moving_foot(robot: BipedConstants, q: Coordinates, dq: Coordinates) -> Coordinates:
+def _foot_momentum(robot: BipedConstants, q: Coordinates, dq: Coordinates) -> Coordinates:
     """The part of the momentum that the new stance foot's motion adds. [n]."""
-    momenta = _of_translation(robot, q, dq)
+    momenta = _velocity_momentum(robot, q, dq)
     if robot.feet is None:
         return momenta
-    turn = robot.link_angles
-    of_turning = jnp.sum(link_mass_matrix(robot, turn @ (robot.relabel @ q)), axis=1)
-    return momenta + turn.T @ (of_turning * foot_angle_rate(robot, dq))
+    to_angles = robot.link_angles
+    of_turning = jnp.sum(link_mass_matrix(robot, to_angles @ (robot.relabel @ q)), axis=1)
+    return momenta + to_angles.T @ (of_turning * foot_angle_rate(robot, dq))
 
 
-def _of_translation(robot: BipedConstants, q: Coordinates, dq: Coordinates) -> Coordinates:
+def _velocity_momentum(robot: BipedConstants, q: Coordinates, dq: Coordinates) -> Coordinates:
     """The part of the momentum that the new stance foot's velocity adds. [n]."""
-    turn = robot.link_angles
-    angles = moment_angles(robot, turn @ (robot.relabel @ q))
+    to_angles = robot.link_angles
+    angles = moment_angles(robot, to_angles @ (robot.relabel @ q))
     foot_x, foot_z = swing_foot_velocity(robot, q, dq)
     momenta = -robot.mass_moment * (jnp.cos(angles) * foot_x + jnp.sin(angles) * foot_z)
     if robot.moment_across is not None:
         across = jnp.cos(angles) * foot_z - jnp.sin(angles) * foot_x
         momenta = momenta - robot.moment_across * across
-    return turn.T @ momenta
+    return to_angles.T @ momenta
 
 
 def impact(robot: BipedConstants, q: Coordinates, dq: Coordinates) -> Impact:
     """State after the swing foot's plastic impact, legs relabelled. See `Impact`."""
-    turn = robot.link_angles
+    to_angles = robot.link_angles
     q_new = robot.relabel @ q
-    mass = turn.T @ link_mass_matrix(robot, turn @ q_new) @ turn + jnp.diag(robot.armature)
+    links = link_mass_matrix(robot, to_angles @ q_new)
+    mass = to_angles.T @ links @ to_angles + jnp.diag(robot.armature)
     # In what the impact changes: bounds over boxes would not know that what it leaves alone is the
     # same before and after.
-    change = solve(mass, _of_moving_foot(robot, q, dq))
+    change = solve(mass, _foot_momentum(robot, q, dq))
     foot = swing_foot_velocity(robot, q, dq)
     impulse = robot.mass * (centre_of_mass_velocity(robot, q_new, change) - foot)
     if robot.feet is not None:
@@ -87,11 +88,13 @@ def impact(robot: BipedConstants, q: Coordinates, dq: Coordinates) -> Impact:
     return Impact(q_new, robot.relabel @ dq + change, impulse)
 
 
-def _lost_momentum(robot: BipedConstants, q: Coordinates, foot: Planar, turning: Scalar) -> Planar:
+def _lost_momentum(
+    robot: BipedConstants, q: Coordinates, foot: Planar, angle_rate: Scalar
+) -> Planar:
     """Momentum of a landing foot, and of the robot that turned with it. [2] (kg m/s)."""
     feet = robot.flat_feet
     across = robot.mass * centre_of_mass(robot, q) + feet.mass * feet.com
-    return feet.mass * foot + turning * jnp.stack([-across[1], across[0]])
+    return feet.mass * foot + angle_rate * jnp.stack([-across[1], across[0]])
 
 
 def pressure_moment(robot: BipedConstants, q: Coordinates, dq: Coordinates) -> Scalar:

@@ -30,7 +30,7 @@ class CertifyResult:
     def _repr_html_(self) -> str:
         """Return a table for a notebook: each level, then the conditions with the least margins."""
         summary = self.summary
-        rows = [("level 1", summary.of_conditions, "")]
+        rows = [("level 1", summary.verdict_of_conditions, "")]
         rows += [(f"level {one.level}", one.verdict, one.reason or "") for one in self.conclusions]
         order = {"refuted": 0, "undecided": 1}
         listed = sorted(

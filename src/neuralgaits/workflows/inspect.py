@@ -97,7 +97,7 @@ def _links(robot: PlanarBiped) -> tuple[LinkFacts, ...]:
         for mass, com, length in zip(leg.mass, leg.com, leg.length, strict=True)
     ]
     middle = [] if torso is None else [(torso.mass, complex(torso.com), None)]
-    moving = slice(leg.still, None)
+    moving = slice(leg.fixed_links, None)
     return tuple(
         LinkFacts(
             name=name,

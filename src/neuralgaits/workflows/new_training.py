@@ -87,7 +87,7 @@ def new_training(
     if isinstance(spec, str):
         spec = specs.for_robot(spec, robot)
     init, steps = settings.init or "posture", settings.steps
-    speed, commands, box = _meant_for(settings)
+    speed, commands, box = _targets(settings)
     if (commands or speed is not None or box) and not isinstance(spec, str):
         raise InputError(
             "expected a spec by name with a speed, commands or parameters, found a GaitSpec: "
@@ -123,23 +123,24 @@ def new_training(
     return NewTraining(robot, loaded, gait, config, copies)
 
 
-def _meant_for(settings: GaitSettings) -> tuple[float | None, Commands, dict[str, float]]:
+def _targets(settings: GaitSettings) -> tuple[float | None, Commands, dict[str, float]]:
     """Return the one speed (m/s), the commands and the box of robots that a gait is meant for."""
-    speed = settings.speed
-    one, spread = (None, speed) if isinstance(speed, tuple) else (speed, None)
+    speed, speed_range = settings.speed, None
+    if isinstance(speed, tuple):
+        speed, speed_range = None, speed
     commands = commands_of(
-        speed=spread,
+        speed=speed_range,
         step_length=settings.step_length,
         step_height=settings.step_height,
         slope=settings.slope,
         lean=settings.lean,
     )
-    if one is not None and {command.name for command in commands} - {LEAN}:
+    if speed is not None and {command.name for command in commands} - {LEAN}:
         raise InputError(
             "expected one speed, or a range of it beside other commands, found --speed "
-            f"{one:g} with {', '.join(c.name for c in commands)}: give --speed LOW:HIGH"
+            f"{speed:g} with {', '.join(c.name for c in commands)}: give --speed LOW:HIGH"
         )
-    return one, commands, checked_box(settings.parameters or {})
+    return speed, commands, checked_box(settings.parameters or {})
 
 
 def _refuse_untrainable(spec: GaitSpec) -> None:

@@ -73,24 +73,24 @@ def sweep(settings: SweepSettings) -> Sweep:
     """
     start_time = time.perf_counter()
     workers, ray, tell = settings.workers, settings.ray, settings.tell
-    make = _folder(settings)
+    open_folder = _folder(settings)
     # Before a folder is made, so that an engine that cannot be had leaves none.
-    with settings.engine or worker_pool_for(workers, ray) as pool, make().alone() as folder:
+    with settings.engine or worker_pool_for(workers, ray) as pool, open_folder().alone() as folder:
         refuse_unwritable(*(folder.path / file for file in (TABLE, PAGE, SWEEP_SUMMARY)), own=True)
-        every = list(combinations(folder.config))
-        before = sum(folder.has(one.name) for one in every)
+        grid = list(combinations(folder.config))
+        before = sum(folder.has(one.name) for one in grid)
         if settings.begun is not None:
             place = f"in {folder.path}, {pool.workers} at once"
-            settings.begun(f"{_row_count(len(every), before)} {place}")
-        jobs = (_job(folder, one) for one in every if not folder.has(one.name))
+            settings.begun(f"{_row_count(len(grid), before)} {place}")
+        jobs = (_job(folder, one) for one in grid if not folder.has(one.name))
         try:
             with closing(pool.map(carry_out, jobs)) as results:
-                for number, row in enumerate(_keep_rows(folder, results, every), before + 1):
+                for number, row in enumerate(_keep_rows(folder, results, grid), before + 1):
                     if tell is not None:
-                        tell(row, number, len(every))
+                        tell(row, number, len(grid))
         except KeyboardInterrupt as stop:
             raise Interrupted(_repeat_command(folder, workers, ray)) from stop
-        rows = folder.rows(one.name for one in every)
+        rows = folder.rows(one.name for one in grid)
         write_text(folder.path / TABLE, to_csv(folder.config, rows))
         summary = SweepSummary(
             sweep=str(folder.path),
@@ -111,8 +111,8 @@ def sweep(settings: SweepSettings) -> Sweep:
 
 def _row_count(rows: int, before: int) -> str:
     """Count the rows of a sweep, and those that earlier commands have done."""
-    every = "1 row" if rows == 1 else f"{rows} rows"
-    return f"{every}, {before} of them done," if before else every
+    all_rows = "1 row" if rows == 1 else f"{rows} rows"
+    return f"{all_rows}, {before} of them done," if before else all_rows
 
 
 def _settings_given(settings: SweepSettings) -> dict[str, Any]:
@@ -128,7 +128,7 @@ def _settings_given(settings: SweepSettings) -> dict[str, Any]:
     disturbances = settings.disturbances
     config = {
         "specs": None if settings.specs is None else tuple(settings.specs),
-        "speeds": None if speeds is None else tuple(_spread(speed) for speed in speeds),
+        "speeds": None if speeds is None else tuple(_speed_or_pair(speed) for speed in speeds),
         "seeds": settings.seeds,
         "steps": settings.steps,
         "certify": settings.certify,
@@ -140,7 +140,7 @@ def _settings_given(settings: SweepSettings) -> dict[str, Any]:
     return {name: value for name, value in config.items() if value is not None}
 
 
-def _spread(speed: float | Interval | None) -> Speed:
+def _speed_or_pair(speed: float | Interval | None) -> Speed:
     if speed is None:
         return None
     return tuple(map(float, speed)) if isinstance(speed, tuple) else (float(speed),)
@@ -161,7 +161,7 @@ def _folder(asked_for: SweepSettings) -> Callable[[], SweepFolder]:
             "expected ROBOT, found none: name one or more, or a sweep to go on with by "
             "--out DIR --resume"
         )
-    usual: dict[str, Any] = {
+    defaults: dict[str, Any] = {
         "specs": ("walking",),
         "speeds": (None,),
         "seeds": (0, 1),
@@ -172,7 +172,7 @@ def _folder(asked_for: SweepSettings) -> Callable[[], SweepFolder]:
         "disturbances": None,
         "walks": WALKS,
     }
-    settings = usual | dict(values)
+    settings = defaults | dict(values)
     if settings["disturbances"] is None:
         settings["disturbances"] = disturbances_of(STANDARD)
     if settings["budget"] is not None and settings["certify"] is None:
@@ -219,10 +219,10 @@ def _job(folder: SweepFolder, one: Combination) -> Job:
 
 
 def _keep_rows(
-    folder: SweepFolder, results: Iterator[TaskResult], every: Sequence[Combination]
+    folder: SweepFolder, results: Iterator[TaskResult], grid: Sequence[Combination]
 ) -> Iterator[SweepRow]:
     """Put rows into the folder as they arrive, and yield them."""
-    by_name = {one.name: one for one in every}
+    by_name = {one.name: one for one in grid}
     for one in results:
         files = dict(one.files)
         if one.failure is None:

@@ -57,14 +57,14 @@ def train(settings: TrainSettings) -> Run:
     if settings.resume is not None:
         run = _resumed(settings, settings.resume)
     else:
-        say = None if watch is None else watch.doubted
-        robot = robot_from(settings.robot, settings.feet, settings.weld, say)
+        warn = None if watch is None else watch.doubted
+        robot = robot_from(settings.robot, settings.feet, settings.weld, warn)
         place = None if settings.out is None else Path(settings.out)
         certify, budget = settings.certify, settings.budget
         new = new_training(robot, settings, settings.seed or 0, certify=certify, budget=budget)
-        doubt = gait_doubt(robot, settings.speed, settings.step_length)
-        if doubt is not None and say is not None:
-            say(doubt)
+        warning = gait_doubt(robot, settings.speed, settings.step_length)
+        if warning is not None and warn is not None:
+            warn(warning)
         run = new.begun(root, place)
     return train_to_the_end(
         run, progress=settings.progress, watch=watch, root=root, start_time=start_time

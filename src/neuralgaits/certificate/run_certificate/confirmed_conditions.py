@@ -50,7 +50,7 @@ def confirmed_conditions(
             yield name, replace(row, margin=margin, proved_fraction=1.0, undecided_boxes=0)
         elif row.verdict == "refuted" and margin is not None:
             raise Unfit(f"{SUMMARY} calls {name} refuted, and {PROOF} states it everywhere")
-        elif row.in_part and name not in in_part:
+        elif row.proved_in_part and name not in in_part:
             yield name, replace(row, margin=None, proved_fraction=0.0)
         else:
             yield name, replace(row, margin=None)

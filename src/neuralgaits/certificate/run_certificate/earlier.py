@@ -30,7 +30,7 @@ _MOVE = "move it out of the run"
 
 def level_reached(conditions: Iterable[ConditionVerdict], conclusions: Iterable[Conclusion]) -> int:
     """Return the highest level that is proved with all below, of everything or of a part; or 0."""
-    if not all(entry.settled for entry in conditions):
+    if not all(entry.proved_as_requested for entry in conditions):
         return 0
     proved = {one.level for one in conclusions if one.proved}
     return next(level for level in range(1, len(proved) + 2) if level + 1 not in proved)

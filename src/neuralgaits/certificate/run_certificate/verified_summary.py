@@ -269,7 +269,8 @@ def _levels(summary: CertificateRecord, proof: ProofOfRun | None) -> Iterator[Co
 def _verdict(summary: CertificateRecord) -> Verdict:
     """Return the overall verdict: proved if every condition and every requested level is."""
     whole = [entry.level for entry in summary.levels] == list(range(2, summary.level + 1))
-    return "undecided" if summary.of_all == "proved" and not whole else summary.of_all
+    verdict = summary.verdict_of_all
+    return "undecided" if verdict == "proved" and not whole else verdict
 
 
 def _conclusions(proof: ProofOfRun) -> list[Conclusion]:

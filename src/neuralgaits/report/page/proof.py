@@ -63,7 +63,7 @@ def _absent(saved: RunContents) -> Html:
 
 def _ladder(certificate: CertificateRecord, with_commands: bool) -> Html:
     """Return the table of levels; `with_commands` says whether the gait takes commands."""
-    answers = {1: certificate.of_conditions} | {
+    answers = {1: certificate.verdict_of_conditions} | {
         entry.level: entry.verdict for entry in certificate.levels
     }
     if with_commands or certificate.parameters:
@@ -128,7 +128,7 @@ def _conditions(saved: RunContents, certificate: CertificateRecord) -> Html:
     ordered = sorted(
         certificate.conditions.items(),
         key=lambda row: (
-            2 if row[1].in_part else tightness.get(row[1].verdict, 2),
+            2 if row[1].proved_in_part else tightness.get(row[1].verdict, 2),
             row[1].margin or 0.0,
         ),
     )
@@ -139,7 +139,7 @@ def _conditions(saved: RunContents, certificate: CertificateRecord) -> Html:
             detail = f"margin {html.number(point.margin)} at z = ({z})"
         elif entry.verdict == "undecided":
             left = f"{html.number(entry.undecided_boxes)} boxes left"
-            detail = "proved in this part" if entry.in_part else left
+            detail = "proved in this part" if entry.proved_in_part else left
         share = f"{int(1e4 * entry.proved_fraction) / 100:g} %"
         margin, boxes = html.bound(entry.margin), html.number(entry.boxes)
         words_of_condition = phrases.named(name, words.get(name, ""))
@@ -148,7 +148,8 @@ def _conditions(saved: RunContents, certificate: CertificateRecord) -> Html:
         )
     head = ("condition", "verdict", "margin at least", "of its region", "boxes", "")
     failed = sum(
-        entry.verdict != "proved" and not entry.in_part for entry in certificate.conditions.values()
+        entry.verdict != "proved" and not entry.proved_in_part
+        for entry in certificate.conditions.values()
     )
     about = (
         "with margins in scales, as above; every state of a condition's region has at least its. "

@@ -62,11 +62,11 @@ def _note_problems_of_legs(model: mujoco.MjModel, tree: PlanarTree) -> None:
 def _joints_below_the_root(model: mujoco.MjModel) -> list[int]:
     """Return the hinges below the root, whose joints may belong to a chain of bodies."""
     welded = [int(one) for one in model.body_weldid]
-    tops = sorted(set(welded) - {0})
-    above = {top: welded[model.body_parentid[top]] for top in tops}
+    moving_bodies = sorted(set(welded) - {0})
+    above = {body: welded[model.body_parentid[body]] for body in moving_bodies}
     last, joints, roots = 0, 0, set[int]()
     while joints < _ROOT_JOINTS:
-        below = [top for top in tops if above[top] == last]
+        below = [body for body in moving_bodies if above[body] == last]
         if len(below) != 1:
             break
         last = below[0]

@@ -12,7 +12,7 @@ from neuralgaits.robots.derive import LegData
 from neuralgaits.robots.mjcf.motors_and_ranges import Motor, read_motor, read_range
 from neuralgaits.robots.mjcf.physical_numbers import refuse_large_foot, refuse_quantity
 from neuralgaits.robots.mjcf.planar_tree import Joint, PlanarTree
-from neuralgaits.robots.mjcf.refuse_or_note import attempt, reads_on, refuse
+from neuralgaits.robots.mjcf.refuse_or_note import attempt, notes_problems, refuse
 from neuralgaits.robots.mjcf.skeleton import Skeleton
 
 _LEG_TOLERANCE = 1e-6
@@ -145,31 +145,31 @@ def leg_data(
     """
     first, second = (_one_leg(model, tree, skeleton, lines, joints[i], i) for i in range(2))
     for field in fields(LegData):
-        ours, theirs = getattr(first, field.name), getattr(second, field.name)
-        for leg, values in enumerate((ours, theirs)):
+        one, other = getattr(first, field.name), getattr(second, field.name)
+        for leg, values in enumerate((one, other)):
             for i, value in enumerate(values):
                 where = f"body {tree.links[skeleton.legs[leg][i]].name}"
                 if field.name in _OF_JOINTS:
                     where = f"joint {joints[leg][i].joint.name}"
                 refuse_quantity(field.name, _QUANTITIES[field.name], value.real, where)
-        if reads_on():
+        if notes_problems():
             # A number that is not there is named where it is missing, and no difference.
-            theirs, ours = (
-                np.where(np.isnan(ours), ours, theirs),
-                np.where(np.isnan(theirs), theirs, ours),
+            other, one = (
+                np.where(np.isnan(one), one, other),
+                np.where(np.isnan(other), other, one),
             )
-            if np.isnan(ours).all():
+            if np.isnan(one).all():
                 continue
-        largest = np.nanmax if reads_on() else np.max
-        scale = max(largest(np.abs(ours), initial=1e-12), largest(np.abs(theirs), initial=1e-12))
-        wrong = np.flatnonzero(np.abs(ours - theirs) > _LEG_TOLERANCE * scale)
+        largest = np.nanmax if notes_problems() else np.max
+        scale = max(largest(np.abs(one), initial=1e-12), largest(np.abs(other), initial=1e-12))
+        wrong = np.flatnonzero(np.abs(one - other) > _LEG_TOLERANCE * scale)
         if wrong.size:
             i = int(wrong[0])
             names = [tree.links[leg[i]].name for leg in skeleton.legs]
             refuse(
-                f"legs of unequal data: {_QUANTITIES[field.name]} is {_number_text(ours[i])} at "
+                f"legs of unequal data: {_QUANTITIES[field.name]} is {_number_text(one[i])} at "
                 "body "
-                f"{names[0]} and {_number_text(theirs[i])} at body {names[1]}; make the legs equal"
+                f"{names[0]} and {_number_text(other[i])} at body {names[1]}; make the legs equal"
             )
     refuse_large_foot(
         float(first.foot_radius[0]), float(np.sum(first.length)), skeleton.feet[0].name

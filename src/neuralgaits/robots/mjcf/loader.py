@@ -206,7 +206,7 @@ def _layout(
         root_angle=up_angle(lines[0][1]),
         root_to_hip=(to_hip.real, to_hip.imag),
         torso=skeleton.torso is not None,
-        leg_lengths=tuple(float(length) for length in leg.length[leg.still :]),
+        leg_lengths=tuple(float(length) for length in leg.length[leg.fixed_links :]),
         leg_joints=(tuple(j.joint.name for j in first), tuple(j.joint.name for j in second)),
         leg_joint_signs=(tuple(j.sign for j in first), tuple(j.sign for j in second)),
         leg_joint_offsets=(tuple(j.offset for j in first), tuple(j.offset for j in second)),
@@ -216,7 +216,7 @@ def _layout(
             tuple(j.sign * j.motor.gear for j in first),
             tuple(j.sign * j.motor.gear for j in second),
         ),
-        ankles=bool(leg.still),
+        ankles=bool(leg.fixed_links),
     )
 
 
@@ -230,15 +230,16 @@ def _assemble(
 ) -> PlanarBiped:
     torso = _torso_data(tree, skeleton)
     # A flat stance foot does not move: neither its link nor its angle is part of the robot.
-    moving = slice(leg.still, None)
+    moving = slice(leg.fixed_links, None)
     centre, hip, foot = derive.centre_coefficients(leg, torso)
     centre, hip, foot = centre[moving, moving], hip[moving], foot[moving]
-    whole = derive.link_angles(len(centre) + leg.still)
+    whole = derive.link_angles(len(centre) + leg.fixed_links)
     turn, relabel = (one[moving, moving] for one in (whole, derive.relabelling(whole)))
     mass = derive.link_row(leg.mass, torso.mass if torso else None)[moving]
     coupling, coupling_phase = derive.modulus_and_phase(centre.T @ (mass[:, None] * centre.conj()))
     moment, moment_phase = derive.modulus_and_phase(mass @ centre)
-    on_lines = not (coupling_phase.any() or moment_phase.any())
+    # Centres of mass on the lines between joints: no complex phases.
+    straight = not (coupling_phase.any() or moment_phase.any())
     first, second = ([tree.links[i].name for i in chain] for chain in skeleton.legs)
     links = paired_names(first, second, "link")
     joint_labels = paired_names(layout.leg_joints[0], layout.leg_joints[1], "joint")
@@ -247,17 +248,17 @@ def _assemble(
         return derive.joint_row(values, torso=torso is not None)
 
     def of_coordinates(values: np.ndarray) -> np.ndarray:
-        return of_joints(values) if leg.still else np.concatenate([[0.0], of_joints(values)])
+        return of_joints(values) if leg.fixed_links else np.concatenate([[0.0], of_joints(values)])
 
-    if leg.still:
+    if leg.fixed_links:
         foot[-1] = 0.0  # The ankle lands, not what is under it.
     return PlanarBiped(
         link_angles=turn,
         inertia=derive.link_row(leg.inertia, torso.inertia if torso else None)[moving],
         coupling=coupling,
-        coupling_phase=None if on_lines else coupling_phase,
+        coupling_phase=None if straight else coupling_phase,
         mass_moment=moment,
-        mass_moment_phase=None if on_lines else moment_phase,
+        mass_moment_phase=None if straight else moment_phase,
         armature=of_coordinates(leg.armature),
         damping=of_coordinates(leg.damping),
         foot=foot,
@@ -274,9 +275,9 @@ def _assemble(
         name=_model_name(model, name),
         link_names=role_names(links, tree.links[0].name if torso else None)[moving],
         joint_names=coordinate_names(links[0], joint_labels, torso=torso is not None)[moving],
-        torso=None if torso is None else len(leg.length) - leg.still,
+        torso=None if torso is None else len(leg.length) - leg.fixed_links,
         layout=layout,
-        feet=_flat_feet(leg) if leg.still else None,
+        feet=_flat_feet(leg) if leg.fixed_links else None,
     )
 
 

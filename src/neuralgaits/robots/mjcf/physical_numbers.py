@@ -13,7 +13,7 @@ import mujoco
 import numpy as np
 
 from neuralgaits.errors import RobotError
-from neuralgaits.robots.mjcf.refuse_or_note import reads_on, refuse
+from neuralgaits.robots.mjcf.refuse_or_note import notes_problems, refuse
 
 MOST = 1e6
 """Largest magnitude of any length, angle, mass, torque or coefficient, in SI units: a robot of a
@@ -121,7 +121,7 @@ def refuse_quantity(name: str, words: str, value: float, where: str) -> None:
 
     Raises: RobotError if no robot has this value.
     """
-    if reads_on() and np.isnan(value):
+    if notes_problems() and np.isnan(value):
         return  # Named where it is missing.
     if name in POSITIVE and not LEAST <= value <= MOST:
         refuse(

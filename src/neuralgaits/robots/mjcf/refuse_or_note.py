@@ -26,7 +26,7 @@ def refuse(problem: str) -> None:
     noted[problem] = None
 
 
-def reads_on() -> bool:
+def notes_problems() -> bool:
     """Return whether problems are noted, so that numbers that are not there are NaN."""
     return _NOTED.get() is not None
 
