@@ -4,11 +4,10 @@ Each family's module NAME_retrace hands its own system to `answer_for`.
 """
 
 from pathlib import Path
-from typing import Any
 
 from neuralgaits.certificate.chart import Chart
 from neuralgaits.certificate.proof_file.theorem_tables import Theorems
-from neuralgaits.certificate.run_certificate.retrace import answer
+from neuralgaits.certificate.run_certificate.retrace import RunDescription, answer
 from neuralgaits.runs import plain
 from neuralgaits.systems.family_run import open_family_run
 from neuralgaits.systems.proof_model import model_data, trace_conditions
@@ -18,14 +17,14 @@ from neuralgaits.systems.proved_system import ProvedSystem
 def answer_for(system: ProvedSystem) -> None:
     """Answer as `certificate.run_certificate.retrace` asks the process that it starts."""
 
-    def describe(run: Path, theorems: Theorems, chart: Chart) -> dict[str, Any]:
+    def describe(run: Path, theorems: Theorems, chart: Chart) -> RunDescription:
         del theorems, chart  # Families have one chart, and no levels with parameters.
         return describe_family_run(system, run)
 
     answer(describe)
 
 
-def describe_family_run(system: ProvedSystem, run: Path) -> dict[str, Any]:
+def describe_family_run(system: ProvedSystem, run: Path) -> RunDescription:
     """Describe what a proof of a run must be about, see `retrace.describe_run`."""
     opened = open_family_run(system, run)
     program = trace_conditions(opened)

@@ -10,10 +10,10 @@ import json
 import subprocess
 import sys
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, TypedDict, cast
 
 from neuralgaits._environment import why_jax_failed
 from neuralgaits._families import retrace_module
@@ -24,13 +24,38 @@ from neuralgaits.errors import InputError, NeuralGaitsError, RunError, TimeLimit
 from neuralgaits.records.training_config import config_of
 from neuralgaits.runs import RunFolder, plain, write_text
 
+
+class RunDescription(TypedDict):
+    """What a proof must be about, as JSON: what the process that traces a run answers.
+
+    Attributes:
+        program_hash: hash of the run's Program; None if none was traced.
+        model: robot, policy, tube and spec, as a proof file has them; None if none was traced.
+        regions, conditions: of the spec, as a model has them, by name.
+        barriers, carried: names of the conditions of level 2.
+        told: names of the gait's commands.
+        chart: of all values that the commands may have, as a proof file has it.
+        full_order: names of the barriers of level 4.
+    """
+
+    program_hash: str | None
+    model: Any
+    regions: Mapping[str, Any]
+    conditions: Mapping[str, Any]
+    barriers: list[str]
+    carried: list[str]
+    told: list[str]
+    chart: Any
+    full_order: Sequence[str]
+
+
 LONGEST_S = 300.0
 """Longest time for tracing a spec [s]; the largest takes seconds."""
 
 
 def retrace_in_subprocess(
     run: Path, theorems: Theorems, chart: Chart = PLANE_ONLY
-) -> dict[str, Any]:
+) -> RunDescription:
     """Have a process of its own run `describe_run`.
 
     Raises: TimeLimitError if the spec does not come to an end within `LONGEST_S`; RunError if it
@@ -65,7 +90,8 @@ def retrace_in_subprocess(
         )
     if "error" in description:
         raise InputError(str(description["error"]))
-    return description
+    # Whoever reads it meets what is missing or of another type: the process may have been patched.
+    return cast(RunDescription, description)
 
 
 def _module_of(run: Path) -> str:
@@ -92,7 +118,7 @@ def refuse_endless(folder: RunFolder) -> None:
         pass
 
 
-def here_if_built_in(run: Path, theorems: Theorems, chart: Chart = PLANE_ONLY) -> dict[str, Any]:
+def here_if_built_in(run: Path, theorems: Theorems, chart: Chart = PLANE_ONLY) -> RunDescription:
     """Describe a run of a built-in spec in this process, any other in one of its own."""
     from neuralgaits.barriers import specs  # Brings JAX.
 
@@ -108,7 +134,7 @@ def _read(file: Path) -> dict[str, Any] | None:
     return table if isinstance(table, dict) else None
 
 
-def describe_run(run: Path, theorems: Theorems, chart: Chart = PLANE_ONLY) -> dict[str, Any]:
+def describe_run(run: Path, theorems: Theorems, chart: Chart = PLANE_ONLY) -> RunDescription:
     """Describe what a proof with these theorems must be about, in this process.
 
     Args:
@@ -116,10 +142,8 @@ def describe_run(run: Path, theorems: Theorems, chart: Chart = PLANE_ONLY) -> di
         theorems: of the proof.
         chart: of the proof: which parameters of the robot are inputs of its Program.
 
-    Returns: "program_hash" and "model" (or None), "regions" and "conditions" as a model has them,
-        "barriers" and "carried", names of conditions, "told", of commands, "chart" of all that may
-        be told, as a proof file has it, "full_order", names of level 4's barriers.
-        If those are not the theorems', no Program is traced, and both of the first are None.
+    If the barriers of level 4 are not the theorems', no Program is traced.
+
     Raises: InputError if the run cannot be opened or traced.
     """
     # These import JAX, and the run's spec.
@@ -148,7 +172,7 @@ def describe_run(run: Path, theorems: Theorems, chart: Chart = PLANE_ONLY) -> di
         raise InputError(f"expected a run that can be proved for a box of robots, found {why}")
     described = plain(spec.describe())
     barriers, carried = names_of(spec)
-    description: dict[str, Any] = {
+    description: RunDescription = {
         "program_hash": None,
         "model": None,
         "regions": described["regions"],
@@ -162,7 +186,7 @@ def describe_run(run: Path, theorems: Theorems, chart: Chart = PLANE_ONLY) -> di
     if full is None or [barrier.name for barrier in full.barriers] == description["full_order"]:
         program = trace_certificate(spec, robot, gait, LevelSets(theorems.parameters), residuals)
         model = model_data(robot, gait, spec, program, residuals)
-        description |= {"program_hash": program.hash, "model": plain(model)}
+        description["program_hash"], description["model"] = program.hash, plain(model)
     return description
 
 
@@ -183,7 +207,7 @@ def _errors(robot: Any, chart: Chart, command_axes: int) -> Any:
     return ()
 
 
-def answer(describe: Callable[[Path, Theorems, Chart], dict[str, Any]]) -> None:
+def answer(describe: Callable[[Path, Theorems, Chart], RunDescription]) -> None:
     """Describe a run as the process that `retrace_in_subprocess` starts: JSON in, JSON out.
 
     Args:

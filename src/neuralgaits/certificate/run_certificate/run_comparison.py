@@ -1,13 +1,13 @@
 """Compare a proof file with its run, whose conditions are traced again."""
 
-from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from neuralgaits.certificate.chart import Chart
 from neuralgaits.certificate.proof_file.coverage import SpecOutline
 from neuralgaits.certificate.proof_file.reader import Claims
 from neuralgaits.certificate.run_certificate import retrace
+from neuralgaits.certificate.run_certificate.retrace import RunDescription
 from neuralgaits.errors import RunError
 
 
@@ -58,7 +58,7 @@ def compare_with_run(claims: Claims, folder: Path, *, own_process: bool = True) 
     return RunComparison(tuple(wrong), outline, chart, tuple(description["told"]))
 
 
-def differences_of_program(claims: Claims, description: Mapping[str, Any]) -> list[str]:
+def differences_of_program(claims: Claims, description: RunDescription) -> list[str]:
     """List the differences between a proof and the run's own conditions, traced again."""
     walking, full = claims.theorems.walking, claims.theorems.full
     if (
