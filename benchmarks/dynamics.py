@@ -6,9 +6,6 @@ time of MuJoCo is its position and velocity pass (which also finds the bias of t
 inertias and Jacobians) and the dense mass matrix, in C on one core, called from Python.
 """
 
-# pyright: reportAttributeAccessIssue=false
-# MuJoCo ships no type stubs.
-
 import time
 
 import common  # noqa: F401  Sets double precision.

@@ -4,9 +4,6 @@ Asked: one walk under pd at 0.7 or more of bare `rollout`, 64 walks on two threa
 the same outcome of 200 starts as the loop in JAX (REFERENCE=0 leaves that out: it takes minutes).
 """
 
-# pyright: reportAttributeAccessIssue=false
-# MuJoCo ships no type stubs.
-
 import os
 import tempfile
 import time

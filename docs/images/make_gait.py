@@ -6,9 +6,6 @@ The gait walks in MuJoCo from the middle of its region. Once it is steady, poses
 are set side by side, further apart than they were walked, so that none hides another.
 """
 
-# pyright: reportAttributeAccessIssue=false
-# MuJoCo ships no type stubs.
-
 import argparse
 from pathlib import Path
 

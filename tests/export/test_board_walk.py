@@ -1,8 +1,5 @@
 """A gait walks in MuJoCo on raw readings, in the motors' order; under a wrong file it does not."""
 
-# pyright: reportAttributeAccessIssue=false
-# MuJoCo ships no type stubs.
-
 import ctypes
 import subprocess
 from dataclasses import replace

@@ -1,8 +1,5 @@
 """FMUs of other robots and of gaits with commands, and the verb that writes them."""
 
-# pyright: reportAttributeAccessIssue=false
-# MuJoCo ships no type stubs.
-
 import io
 import re
 import zipfile

@@ -1,8 +1,5 @@
 """Zero dynamics coordinates of k joints without motors: k = 2, a planar chain, against MuJoCo."""
 
-# pyright: reportAttributeAccessIssue=false
-# MuJoCo ships no type stubs.
-
 from typing import NamedTuple
 
 import jax

@@ -1,8 +1,5 @@
 """The environment: Gymnasium's own checks, what its numbers mean, and that episodes repeat."""
 
-# pyright: reportAttributeAccessIssue=false
-# MuJoCo ships no type stubs.
-
 # ruff: noqa: E402
 
 import importlib

@@ -1,8 +1,5 @@
 """A robot's own log, its columns named by a file, becomes the table that the known formats give."""
 
-# pyright: reportAttributeAccessIssue=false
-# MuJoCo ships no type stubs.
-
 import jax
 import mujoco
 import numpy as np

@@ -1,8 +1,5 @@
 """The closed form against MuJoCo, and against the laws of mechanics."""
 
-# pyright: reportAttributeAccessIssue=false
-# MuJoCo ships no type stubs.
-
 import equinox as eqx
 import jax
 import jax.numpy as jnp

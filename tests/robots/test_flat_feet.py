@@ -1,8 +1,5 @@
 """Robots on flat feet: mechanics and impact against MuJoCo's floating base, one foot held flat."""
 
-# pyright: reportAttributeAccessIssue=false
-# MuJoCo ships no type stubs.
-
 from typing import NamedTuple
 
 import jax

@@ -1,8 +1,5 @@
 """The reset map: conservation laws, an independent solve, published gaits, MuJoCo's contact."""
 
-# pyright: reportAttributeAccessIssue=false
-# MuJoCo ships no type stubs.
-
 import mujoco
 import numpy as np
 import pytest

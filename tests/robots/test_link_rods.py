@@ -1,8 +1,5 @@
 """Rods of robots without shapes: they reach from foot to hip, wherever the robot stands."""
 
-# pyright: reportAttributeAccessIssue=false
-# MuJoCo ships no type stubs.
-
 import itertools
 
 import mujoco

@@ -1,8 +1,5 @@
 """The robot files that come with the package hold the published numbers."""
 
-# pyright: reportAttributeAccessIssue=false
-# MuJoCo ships no type stubs.
-
 from xml.etree import ElementTree
 
 import mujoco

@@ -1,8 +1,5 @@
 """Robot files with what the theory has no place for: what is changed is said, masses stay."""
 
-# pyright: reportAttributeAccessIssue=false
-# MuJoCo ships no type stubs.
-
 import re
 
 import jax

@@ -1,8 +1,5 @@
 """Sagittal sections: what moves in the plane moves as MuJoCo has it in space, and all is said."""
 
-# pyright: reportAttributeAccessIssue=false
-# MuJoCo ships no type stubs.
-
 import re
 
 import mujoco

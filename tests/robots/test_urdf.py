@@ -1,8 +1,5 @@
 """URDF files: written as MJCF with MuJoCo's own numbers, or refused in one line."""
 
-# pyright: reportAttributeAccessIssue=false
-# MuJoCo ships no type stubs.
-
 from pathlib import Path
 
 import mujoco

@@ -1,8 +1,5 @@
 """Drives with loops of their own: what they do between two ticks, and what is refused."""
 
-# pyright: reportAttributeAccessIssue=false
-# MuJoCo ships no type stubs.
-
 import jax.numpy as jnp
 import mujoco
 import numpy as np

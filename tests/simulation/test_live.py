@@ -1,8 +1,5 @@
 """A robot that is pushed, tilted, loaded and moved while it walks."""
 
-# pyright: reportAttributeAccessIssue=false
-# MuJoCo ships no type stubs.
-
 import math
 
 import jax

@@ -1,6 +1,3 @@
-# pyright: reportAttributeAccessIssue=false
-# MuJoCo ships no type stubs.
-
 """A live walk on blocks: that of an episode, told by what it sees, on ground that may change."""
 
 from dataclasses import replace

@@ -1,7 +1,3 @@
-# pyright: reportAttributeAccessIssue=false
-# MuJoCo ships no type stubs.
-
-
 import mujoco
 import numpy as np
 import pytest

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from mujoco import mj_forward  # pyright: ignore[reportAttributeAccessIssue]
+from mujoco import mj_forward
 
 from neuralgaits.analysis.run import open_run
 from neuralgaits.control.safeguard import Fault

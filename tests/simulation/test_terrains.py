@@ -1,6 +1,3 @@
-# pyright: reportAttributeAccessIssue=false
-# MuJoCo ships no type stubs.
-
 """Courses of blocks: what is asked for, what is laid, what a robot on them is told."""
 
 import math

@@ -1,9 +1,7 @@
-# pyright: reportAttributeAccessIssue=false
-# MuJoCo ships no type stubs.
-
 import importlib.util
 import os
 import warnings
+from typing import Any
 from xml.etree import ElementTree
 
 import mujoco
@@ -85,7 +83,7 @@ def test_a_robot_without_a_camera_fills_most_of_the_height(amber):
     plant = plain_plant(amber)
     data = mujoco.MjData(plant.model)
     mujoco.mj_forward(plant.model, data)
-    camera = video._camera(plant, data)
+    camera: Any = video._camera(plant, data)
     seen = 2.0 * camera.distance * np.tan(np.radians(0.5 * plant.model.vis.global_.fovy))
     leg = plant.robot.leg_length
     low, high = camera.lookat[2] - 0.5 * seen, camera.lookat[2] + 0.5 * seen

@@ -4,9 +4,6 @@ Nothing here uses the closed form. Mass matrix, bias and foot Jacobians come fro
 the file's own coordinates; a stance foot pinned to the ground is a linear constraint on them.
 """
 
-# pyright: reportAttributeAccessIssue=false
-# MuJoCo ships no type stubs.
-
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 

@@ -4,9 +4,6 @@ Written from the robot file's joints, degrees and milliseconds, some signs turne
 what a reader of such files must undo. The numbers come from MuJoCo's map, not from the reader.
 """
 
-# pyright: reportAttributeAccessIssue=false
-# MuJoCo ships no type stubs.
-
 import mujoco
 import numpy as np
 

@@ -4,9 +4,6 @@ Nothing here uses the package's formulas: mass matrix, inverse dynamics and Jaco
 in the file's own eleven coordinates.
 """
 
-# pyright: reportAttributeAccessIssue=false
-# MuJoCo ships no type stubs.
-
 from dataclasses import dataclass
 
 import mujoco

@@ -1,8 +1,5 @@
 """The cart-pole's equations: agreement with MuJoCo, and the structure that its proof rests on."""
 
-# pyright: reportAttributeAccessIssue=false
-# MuJoCo ships no type stubs.
-
 import re
 
 import jax

@@ -1,8 +1,5 @@
 """The hopper's equations: agreement with MuJoCo in stance, in flight and at touchdown."""
 
-# pyright: reportAttributeAccessIssue=false
-# MuJoCo ships no type stubs.
-
 from dataclasses import replace
 
 import jax

@@ -1,8 +1,5 @@
 """Compiled walks: tick by tick those of the loop in JAX; and where none can be made."""
 
-# pyright: reportAttributeAccessIssue=false
-# MuJoCo ships no type stubs.
-
 import ctypes
 import shutil
 import subprocess

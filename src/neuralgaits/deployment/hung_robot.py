@@ -3,9 +3,6 @@
 It writes the log that `check-deploy` reads, as hardware would that a deployment file describes.
 """
 
-# pyright: reportAttributeAccessIssue=false
-# MuJoCo ships no type stubs.
-
 from dataclasses import dataclass
 
 import mujoco

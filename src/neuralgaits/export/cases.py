@@ -3,9 +3,6 @@
 Every number is exact in single precision, so both builds get the same inputs.
 """
 
-# pyright: reportAttributeAccessIssue=false
-# MuJoCo ships no type stubs.
-
 from collections.abc import Iterator
 from dataclasses import dataclass, fields, replace
 

@@ -4,9 +4,6 @@ It uses plain NumPy. A tick and its thresholds are those of `simulate`: 1 ms, tw
 the same touchdowns, falls, pushes and floors.
 """
 
-# pyright: reportAttributeAccessIssue=false
-# MuJoCo ships no type stubs.
-
 from collections import deque
 from collections.abc import Callable
 

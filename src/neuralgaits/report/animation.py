@@ -4,9 +4,6 @@ All motion is in one plane, so a body's pose is three numbers in each frame: x, 
 about +y. Shapes carry the rest. The page interpolates between frames and computes nothing.
 """
 
-# pyright: reportAttributeAccessIssue=false
-# MuJoCo ships no type stubs.
-
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 

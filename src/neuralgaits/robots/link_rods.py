@@ -1,8 +1,5 @@
 """Rods along the links of a robot whose file has no shapes, so that there is something to show."""
 
-# pyright: reportAttributeAccessIssue=false
-# MuJoCo ships no type stubs.
-
 from typing import NamedTuple
 
 import mujoco

@@ -5,9 +5,6 @@ whose masses differ from the model's has its own layout, hence its own map; join
 coordinates mean the same in both.
 """
 
-# pyright: reportAttributeAccessIssue=false
-# MuJoCo ships no type stubs.
-
 from dataclasses import dataclass
 from typing import NamedTuple
 

@@ -4,9 +4,6 @@ Control tick and plant are those of an episode, one tick at a call. Nothing here
 clocks, threads or screens: time passes only in `tick`.
 """
 
-# pyright: reportAttributeAccessIssue=false
-# MuJoCo ships no type stubs.
-
 from collections.abc import Mapping
 from dataclasses import replace
 

@@ -1,8 +1,5 @@
 """Make a video of one episode, at real-time speed. Needs the `video` extra and OpenGL."""
 
-# pyright: reportAttributeAccessIssue=false
-# MuJoCo ships no type stubs.
-
 import gc
 import importlib.util
 import subprocess

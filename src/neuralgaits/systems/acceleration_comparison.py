@@ -5,9 +5,6 @@ switched-off forces, polynomials of damping, friction in a motor. What moves the
 their accelerations, so these are compared all over the coordinates' ranges.
 """
 
-# pyright: reportAttributeAccessIssue=false
-# MuJoCo ships no type stubs.
-
 import itertools
 from collections.abc import Callable, Sequence
 from typing import NamedTuple

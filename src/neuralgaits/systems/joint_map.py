@@ -1,8 +1,5 @@
 """Coordinates of a family's model as joints of MuJoCo, in both directions."""
 
-# pyright: reportAttributeAccessIssue=false
-# MuJoCo ships no type stubs.
-
 from dataclasses import dataclass
 
 import mujoco

@@ -1,8 +1,5 @@
 """Contents of robot files that families read: kinds of joints, names, links in their plane."""
 
-# pyright: reportAttributeAccessIssue=false
-# MuJoCo ships no type stubs.
-
 from pathlib import Path
 from typing import NamedTuple
 from xml.etree import ElementTree

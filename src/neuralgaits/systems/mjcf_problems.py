@@ -4,9 +4,6 @@ They are about joints, motors and the world, whatever the mechanism. A family as
 its formulas need, and lists all that it finds at once.
 """
 
-# pyright: reportAttributeAccessIssue=false
-# MuJoCo ships no type stubs.
-
 from collections.abc import Iterator
 
 import mujoco

@@ -4,9 +4,6 @@ The robot stays in the middle and the ground moves under it, down as the robot c
 visitor controls the camera, and the board does not move.
 """
 
-# pyright: reportAttributeAccessIssue=false
-# MuJoCo ships no type stubs.
-
 import math
 from collections.abc import Callable
 
@@ -147,7 +144,8 @@ class _Board:
     def show(self, z: Float[np.ndarray, "2"], trail: Float[np.ndarray, "K 2"]) -> None:
         """Move the point to a state, and draw the states before it."""
         if np.all(np.isfinite(z)):
-            self._point.position = tuple(float(value) for value in self._places(z))
+            place = self._places(z)
+            self._point.position = float(place[0]), float(place[1]), float(place[2])
         self._count += 1
         # Lines are slow to redraw.
         if self._count % 4 == 0:

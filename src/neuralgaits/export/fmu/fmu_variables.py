@@ -1,8 +1,5 @@
 """Variables of the controller's FMU: names, places, units, descriptions and start values."""
 
-# pyright: reportAttributeAccessIssue=false
-# MuJoCo ships no type stubs.
-
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass

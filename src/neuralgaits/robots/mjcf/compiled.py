@@ -1,8 +1,5 @@
 """Compilation of MJCF text by MuJoCo, whatever the robot."""
 
-# pyright: reportAttributeAccessIssue=false
-# MuJoCo ships no type stubs.
-
 import mujoco
 
 from neuralgaits.errors import RobotError

@@ -1,8 +1,5 @@
 """An MJCF file under change: its elements by MuJoCo's numbers, and the list of changes."""
 
-# pyright: reportAttributeAccessIssue=false
-# MuJoCo ships no type stubs.
-
 from collections.abc import Collection
 from xml.etree import ElementTree
 

@@ -4,9 +4,6 @@ MuJoCo numbers bodies in the order of the file, parents first, and joints and ge
 bodies. So an element needs no name, which files of other programs need not have.
 """
 
-# pyright: reportAttributeAccessIssue=false
-# MuJoCo ships no type stubs.
-
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass

@@ -1,8 +1,5 @@
 """All problems of a robot file at once, beside the first one at which the loader stops."""
 
-# pyright: reportAttributeAccessIssue=false
-# MuJoCo ships no type stubs.
-
 from pathlib import Path
 
 import mujoco

@@ -1,8 +1,5 @@
 """One motor for each joint: which of several actuators is kept, and what a servo becomes."""
 
-# pyright: reportAttributeAccessIssue=false
-# MuJoCo ships no type stubs.
-
 from dataclasses import dataclass
 
 import mujoco

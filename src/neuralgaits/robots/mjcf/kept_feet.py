@@ -1,8 +1,5 @@
 """Flat feet of a robot file, kept with their ankles: only they meet the floor."""
 
-# pyright: reportAttributeAccessIssue=false
-# MuJoCo ships no type stubs.
-
 from neuralgaits.errors import RobotError
 from neuralgaits.robots.mjcf.edit import MjcfEdit
 from neuralgaits.robots.mjcf.planar_tree import read_tree

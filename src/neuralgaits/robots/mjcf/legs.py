@@ -1,8 +1,5 @@
 """Parameters of the two legs, in the coordinates of `PlanarBiped`, checked to be equal."""
 
-# pyright: reportAttributeAccessIssue=false
-# MuJoCo ships no type stubs.
-
 from dataclasses import dataclass, fields
 
 import mujoco

@@ -4,9 +4,6 @@ MuJoCo stops at the first of them. To name all, each is noted and taken out of a
 which is only looked at: nothing is written or loaded from it.
 """
 
-# pyright: reportAttributeAccessIssue=false
-# MuJoCo ships no type stubs.
-
 import re
 from collections.abc import Callable
 from xml.etree import ElementTree

@@ -5,9 +5,6 @@ unactuated degree of freedom, and reduced to the constants of the closed form. A
 be treated is refused with one sentence.
 """
 
-# pyright: reportAttributeAccessIssue=false
-# MuJoCo ships no type stubs.
-
 import re
 from dataclasses import fields
 from functools import lru_cache

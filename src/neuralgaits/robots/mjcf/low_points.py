@@ -1,8 +1,5 @@
 """Points of a shape that can meet a level floor, seen from the side."""
 
-# pyright: reportAttributeAccessIssue=false
-# MuJoCo ships no type stubs.
-
 import itertools
 
 import mujoco

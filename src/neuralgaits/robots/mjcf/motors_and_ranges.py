@@ -5,9 +5,6 @@ ctrlrange, forcerange and the joint's actuatorfrcrange allow. Joint ranges are r
 policies are bounded by them.
 """
 
-# pyright: reportAttributeAccessIssue=false
-# MuJoCo ships no type stubs.
-
 import math
 from dataclasses import dataclass
 

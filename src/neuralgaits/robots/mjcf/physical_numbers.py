@@ -4,9 +4,6 @@ MuJoCo compiles most of them: a joint whose damping is negative gains energy, a 
 friction has no hold on the floor, and an infinite mass makes every other number NaN.
 """
 
-# pyright: reportAttributeAccessIssue=false
-# MuJoCo ships no type stubs.
-
 from xml.etree import ElementTree
 
 import mujoco

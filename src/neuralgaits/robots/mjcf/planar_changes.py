@@ -3,9 +3,6 @@
 Numbers that only the user knows, as torque limits and joint ranges, are not made up.
 """
 
-# pyright: reportAttributeAccessIssue=false
-# MuJoCo ships no type stubs.
-
 from collections.abc import Callable
 
 import mujoco

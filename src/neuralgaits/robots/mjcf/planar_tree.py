@@ -6,9 +6,6 @@ joint axes. A link's angle is counter-clockwise seen with +x to the right and +z
 about +y turns the other way, hence the minus sign of `Joint.sign`.
 """
 
-# pyright: reportAttributeAccessIssue=false
-# MuJoCo ships no type stubs.
-
 from dataclasses import dataclass
 
 import mujoco

@@ -5,9 +5,6 @@ of a shank. Other parts of the lowest link keep shape and mass, but no longer co
 floor.
 """
 
-# pyright: reportAttributeAccessIssue=false
-# MuJoCo ships no type stubs.
-
 import mujoco
 import numpy as np
 

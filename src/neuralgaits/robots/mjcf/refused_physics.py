@@ -5,9 +5,6 @@ tendon in the file would act in MuJoCo and not in the theory, so gaits would be 
 a word. Better to say so.
 """
 
-# pyright: reportAttributeAccessIssue=false
-# MuJoCo ships no type stubs.
-
 import mujoco
 import numpy as np
 

@@ -4,9 +4,6 @@ Root, out-of-plane joints, arms and waist are what `section_plan` says. Masses a
 bodies, welded and seen from the side. Every change is one line.
 """
 
-# pyright: reportAttributeAccessIssue=false
-# MuJoCo ships no type stubs.
-
 from xml.etree import ElementTree
 
 import mujoco

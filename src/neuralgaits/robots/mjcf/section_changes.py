@@ -1,8 +1,5 @@
 """The lines that say what a sagittal section left out or welded."""
 
-# pyright: reportAttributeAccessIssue=false
-# MuJoCo ships no type stubs.
-
 import mujoco
 
 from neuralgaits.robots.mjcf.planar_tree import body_name

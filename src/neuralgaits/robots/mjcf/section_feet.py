@@ -1,8 +1,5 @@
 """Feet of a sagittal section: the sole that the file draws, as one box, or the tip of a leg."""
 
-# pyright: reportAttributeAccessIssue=false
-# MuJoCo ships no type stubs.
-
 from dataclasses import dataclass
 
 import mujoco

@@ -1,8 +1,5 @@
 """Masses of a sagittal section: bodies welded together, seen from the side, both legs alike."""
 
-# pyright: reportAttributeAccessIssue=false
-# MuJoCo ships no type stubs.
-
 from dataclasses import dataclass, replace
 
 import mujoco

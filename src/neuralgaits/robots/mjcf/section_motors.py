@@ -1,8 +1,5 @@
 """Motors of a sagittal section: one on each kept hinge, with the limit that the file gives."""
 
-# pyright: reportAttributeAccessIssue=false
-# MuJoCo ships no type stubs.
-
 from xml.etree import ElementTree
 
 import mujoco

@@ -1,8 +1,5 @@
 """Pictures of a sagittal section: the shapes of the file, where they are, without contact."""
 
-# pyright: reportAttributeAccessIssue=false
-# MuJoCo ships no type stubs.
-
 from xml.etree import ElementTree
 
 import mujoco

@@ -4,9 +4,6 @@ The legs are the two chains whose ends reach lowest at the posture. Hinges about
 kept; every other joint is welded. What both legs hang from is the torso.
 """
 
-# pyright: reportAttributeAccessIssue=false
-# MuJoCo ships no type stubs.
-
 from dataclasses import dataclass
 
 import mujoco

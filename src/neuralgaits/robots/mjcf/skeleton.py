@@ -7,9 +7,6 @@ link that collides with the floor; nothing else on that link may. A flat foot is
 own, on an ankle: a box or a capsule, see `soles`.
 """
 
-# pyright: reportAttributeAccessIssue=false
-# MuJoCo ships no type stubs.
-
 from dataclasses import dataclass
 
 import mujoco

@@ -1,8 +1,5 @@
 """Soles of flat feet: where a foot on an ankle meets the floor while it is level."""
 
-# pyright: reportAttributeAccessIssue=false
-# MuJoCo ships no type stubs.
-
 import itertools
 from typing import NamedTuple
 

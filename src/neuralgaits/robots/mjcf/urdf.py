@@ -4,9 +4,6 @@ MuJoCo's own reader welds the first link to the world, leaves effort limits with
 stops at the first mesh that is not there. Here every problem of the file is named.
 """
 
-# pyright: reportAttributeAccessIssue=false
-# MuJoCo ships no type stubs.
-
 from pathlib import Path
 from xml.etree import ElementTree
 

@@ -4,9 +4,6 @@
 the robot file in the same way, and the result is read like any other.
 """
 
-# pyright: reportAttributeAccessIssue=false
-# MuJoCo ships no type stubs.
-
 from collections.abc import Sequence
 from typing import NamedTuple
 from xml.etree import ElementTree

@@ -3,9 +3,6 @@
 The model walks on one plane, and a plant has floors of its own in place of the file's.
 """
 
-# pyright: reportAttributeAccessIssue=false
-# MuJoCo ships no type stubs.
-
 import mujoco
 import numpy as np
 

@@ -1,8 +1,5 @@
 """Load the compiled walk of one robot and one policy; `simulation.native_walk` compiles it."""
 
-# pyright: reportAttributeAccessIssue=false
-# MuJoCo ships no type stubs.
-
 import ctypes
 from ctypes import CDLL, byref, c_char_p, c_int, c_void_p
 from pathlib import Path

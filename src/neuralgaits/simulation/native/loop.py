@@ -4,9 +4,6 @@
 the numbers of `tick` and `lockstep`, apart from rounding; tests compare them.
 """
 
-# pyright: reportAttributeAccessIssue=false
-# MuJoCo ships no type stubs.
-
 import threading
 import time as clock
 from collections.abc import Sequence

@@ -7,9 +7,6 @@ the law's + kp (q_tick - q) + kd (dq_tick - dq). Here the drive's loop runs once
 MuJoCo, on the joint's own angle and rate, without noise.
 """
 
-# pyright: reportAttributeAccessIssue=false
-# MuJoCo ships no type stubs.
-
 from dataclasses import replace
 
 import jax.numpy as jnp

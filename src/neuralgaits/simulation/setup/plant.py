@@ -5,9 +5,6 @@ input, not of its model: one compiled model serves every episode. A course has s
 place, which both feet meet, and every episode has a model of its own.
 """
 
-# pyright: reportAttributeAccessIssue=false
-# MuJoCo ships no type stubs.
-
 import math
 from dataclasses import dataclass
 

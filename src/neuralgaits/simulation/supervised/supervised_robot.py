@@ -4,9 +4,6 @@ The C is that of the export. At each tick of 1 ms it gets the sensors of the rob
 the five numbers of each drive, whose loop runs once every step of MuJoCo.
 """
 
-# pyright: reportAttributeAccessIssue=false
-# MuJoCo ships no type stubs.
-
 from collections import deque
 from collections.abc import Sequence
 from typing import NamedTuple

@@ -1,8 +1,5 @@
 """Interface to a simulator that steps the plants of many episodes, and MuJoCo's version."""
 
-# pyright: reportAttributeAccessIssue=false
-# MuJoCo ships no type stubs.
-
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 

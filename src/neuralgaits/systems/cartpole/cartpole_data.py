@@ -1,8 +1,5 @@
 """Numbers of a cart-pole's file, from which its model is derived."""
 
-# pyright: reportAttributeAccessIssue=false
-# MuJoCo ships no type stubs.
-
 from dataclasses import asdict, dataclass
 
 import mujoco

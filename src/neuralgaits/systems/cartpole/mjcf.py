@@ -1,8 +1,5 @@
 """Cart-poles from MJCF files: what is read, and every reason why a file is none, at once."""
 
-# pyright: reportAttributeAccessIssue=false
-# MuJoCo ships no type stubs.
-
 from collections.abc import Iterator
 from pathlib import Path
 

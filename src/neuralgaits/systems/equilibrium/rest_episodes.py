@@ -4,9 +4,6 @@ The controller computes the force from the measured state at each step of the si
 until the next; MuJoCo clamps it at the motor's limit. The proof is about continuous time.
 """
 
-# pyright: reportAttributeAccessIssue=false
-# MuJoCo ships no type stubs.
-
 import math
 import time
 from collections.abc import Callable, Iterable, Sequence

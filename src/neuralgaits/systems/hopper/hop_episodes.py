@@ -5,9 +5,6 @@ lean of lift-off on, leg and wheel follow a plan to the posture of touchdown. Th
 each step of the simulator.
 """
 
-# pyright: reportAttributeAccessIssue=false
-# MuJoCo ships no type stubs.
-
 import math
 import time
 from collections.abc import Callable
