@@ -127,7 +127,7 @@ class Command:
                 (f"{self.name} before", self.low, self.high),
                 (f"{self.name} after", self.low, self.high),
             )
-        change = self.largest_change
+        change = self.change_limit
         return ((self.name, self.low, self.high), (f"change of {self.name}", -change, change))
 
     def pair(self, first: Scalar, second: Scalar) -> tuple[Scalar, Scalar]:
@@ -151,8 +151,7 @@ class Command:
         Half the range less half the change, were it not for the kink of |change| at zero:
         change^2 / largest is below |change| where pairs are admissible, and equal at both ends.
         """
-        largest = float(self.largest_change or 0.0)
-        return 1.0 - change * change / (largest * (self.high - self.low))
+        return 1.0 - change * change / (self.change_limit * (self.high - self.low))
 
     def pairs(self, count: int) -> Float[np.ndarray, "P 2"]:
         """Return admissible pairs (before, after): `count` values of each, the ends among them."""
@@ -287,19 +286,18 @@ def values(commands: Commands, command_values: Mapping[Any, Any]) -> Float[np.nd
             f"expected a value for each of the gait's commands, {', '.join(names) or 'none'}, "
             f"found {', '.join(map(str, command_values)) or 'none'}"
         )
+    numbers = []
     for c in commands:
-        value = _number(c.name, command_values[c.name])
+        try:
+            value = decimal(command_values[c.name])
+        except (TypeError, ValueError):
+            found = shown(command_values[c.name])
+            raise InputError(f"expected {c.name} as a number, found {found}") from None
         if not c.low <= value <= c.high:
             degrees = c.in_degrees("{} to {}, and {}", c.low, c.high, value)
             raise InputError(
                 f"expected {c.name} between {c.low:g} and {c.high:g} {c.unit}, "
                 f"found {value:g}{degrees}: stay inside, or train a wider range"
             )
-    return np.array([_number(name, command_values[name]) for name in names])
-
-
-def _number(name: str, value: Any) -> float:
-    try:
-        return decimal(value)
-    except (TypeError, ValueError):
-        raise InputError(f"expected {name} as a number, found {shown(value)}") from None
+        numbers.append(value)
+    return np.array(numbers)
