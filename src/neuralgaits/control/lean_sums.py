@@ -27,7 +27,7 @@ from neuralgaits.robots.mjcf.leaning import leaning_robot
 
 SETTLING_S = 0.015
 """Time after a touchdown that a window leaves out: the foot settles [s]."""
-FIRST_S = 0.2
+FIRST_S = 0.1
 """Shortest window that counts of the first step, which begins without a touchdown [s]."""
 
 
