@@ -27,7 +27,7 @@ from neuralgaits.robots.mjcf.leaning import leaning_robot
 from support.shipped_run import SHIPPED
 
 LEAN = Command("lean", -0.02, 0.03, 0.0048)
-BELIEF = CommandBelief(-0.02, 0.03, 0.0048)
+BELIEF = CommandBelief(-0.02, 0.03, 0.0048, 0.005)
 
 
 def test_sums_give_the_lean_of_each_whole_step(amber):
@@ -58,19 +58,23 @@ def test_sums_give_the_lean_of_each_whole_step(amber):
 
 
 def test_the_first_steps_count_alike_and_later_ones_more():
-    shown = [0.012, 0.009, 0.015, 0.0, 0.01]
+    shown = [0.012, 0.009, 0.0135, 0.008, 0.01]
     estimate = Estimate(0.005)
     for number, one in enumerate(shown, 1):
         estimate = learn(BELIEF, estimate, one)
         if number <= 3:
             assert estimate.value == pytest.approx(np.mean(shown[:number]))
-    assert estimate.value == pytest.approx(0.7 * (0.7 * 0.012) + 0.3 * 0.01)
+    mean = 0.7 * np.mean(shown[:3]) + 0.3 * 0.008
+    assert estimate.value == pytest.approx(0.7 * mean + 0.3 * 0.01)
     assert estimate.steps == 5
     # A step that shows nothing, or more than the range and its width beyond it, changes nothing.
     for nothing in (math.nan, math.inf, -math.inf, 0.0801, -0.0701, 0.9):
         assert learn(BELIEF, estimate, nothing) == estimate
-    for far in (0.0799, -0.0699):
-        assert learn(BELIEF, estimate, far).value == pytest.approx(0.7 * estimate.value + 0.3 * far)
+    # So far off it is another robot: the mean begins anew.
+    for far in (0.0799, -0.0699, estimate.value + 0.0051):
+        assert learn(BELIEF, estimate, far) == (pytest.approx(far), 1)
+    near = estimate.value - 0.0049
+    assert learn(BELIEF, estimate, near).value == pytest.approx(estimate.value - 0.3 * 0.0049)
 
 
 def test_a_part_of_a_step_counts_until_a_whole_one_is_seen():

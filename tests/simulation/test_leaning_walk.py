@@ -95,12 +95,12 @@ def test_live_walks_learn_it_until_they_are_told_not_to(run, native):
     assert latched[5] == 0.0
 
 
-SPEED = Command("speed", 0.5, 3.0, 0.05)
+SPEED, WIDE = Command("speed", 0.3, 3.0, 0.05), Command("lean", -0.03, 0.03, CHANGE)
 
 
 def wanted_speeds(run, names, beliefs, lean):
     """Commanded speeds of a robot whose hip stays over its foot: it is far too slow."""
-    adapted = AdaptedCommand(run.robot, (SPEED, LEANS), np.array([0.7, 0.0]), names)
+    adapted = AdaptedCommand(run.robot, (SPEED, WIDE), np.array([0.7, 0.0]), names)
     told, q = np.array([0.7, 0.0]), np.full(run.robot.n, 0.1)
     wanted = []
     for k, (before, after) in enumerate(pairwise(beliefs)):
@@ -110,14 +110,22 @@ def wanted_speeds(run, names, beliefs, lean):
     return wanted
 
 
-def test_errors_are_summed_only_once_the_belief_has_arrived(run):
-    """Before, they are answered directly: they say little about the next steps."""
-    beliefs = (0.0, 0.0048, 0.0085, 0.0085, 0.0085, 0.0085)
-    gain, error = 0.3, 0.7
-    for names, sums in ((("speed", "lean"), [0, 0, 1, 2, 3]), (("speed",), [0, 1, 2, 3, 4])):
-        wanted = wanted_speeds(run, names, beliefs, 0.0085)
-        expected = [0.7] + [0.7 + (gain + 0.2 * n) * error for n in sums[1:]]
-        np.testing.assert_allclose(wanted, expected)
+def test_errors_are_summed_once_the_belief_is_near(run):
+    """Before, they are answered directly, twice as much as later."""
+    beliefs = np.array([0.0, 0.0048, 0.0096, 0.0144, 0.0192, 0.024, 0.0288, 0.03])
+    lacking = np.maximum(0.03 - beliefs[1:] - CHANGE, 0.0)
+    gains = np.where(lacking > 1e-9, 0.6, 0.3)
+    for names, sums in (
+        (("speed", "lean"), [0, 0, 0, 0, 1, 2, 3]),
+        (("speed",), [0, 1, 2, 3, 4, 5, 6]),
+    ):
+        error = 0.7 * (np.arange(7) > 0)
+        if "lean" in names:
+            errors = gains * error - speed_by_lean(run.robot) * lacking
+        else:
+            errors = 0.3 * error
+        expected = 0.7 + errors + 0.2 * 0.7 * np.array(sums)
+        np.testing.assert_allclose(wanted_speeds(run, names, beliefs, 0.03), expected)
 
 
 def test_the_speed_makes_up_for_what_the_belief_still_lacks(run):

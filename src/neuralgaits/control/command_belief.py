@@ -17,9 +17,13 @@ from neuralgaits.gait.commands import LEAN, SLOPE, Commands, command_named
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.robots.mjcf.leaning import lean_series
 
-SETTLED = MappingProxyType({LEAN: 1e-3, SLOPE: 2e-3})
-"""Commands that may be believed. A belief that moves by less a step has settled [m, rad]: the speed
-of AMBER-3M changes by 0.01 m/s then, which a speed that is adapted, too, need not wait for."""
+SETTLED = MappingProxyType({LEAN: 12e-3, SLOPE: 2e-3})
+"""Commands that may be believed, and how near to the estimate a belief has settled [m, rad]: errors
+of the speed are summed from there on. It makes up for what a lean lacks, so it waits for large
+errors only, of the first steps of a robot that is far from its belief."""
+JUMPS = MappingProxyType({LEAN: 5e-3, SLOPE: 0.01})
+"""Differences from the estimate that show another robot or ground than before [m, rad]. With
+encoders a lean varies by 0.7 mm from step to step."""
 FEET_APART_M = 0.05
 """Least distance of the feet that shows a slope [m]."""
 SPEED_EFFECT = 4.3
@@ -37,6 +41,8 @@ class CommandBelief(NamedTuple):
     """Highest value, in the command's unit."""
     change: float
     """Largest change from one step to the next, in the command's unit."""
+    jump: float
+    """Difference of a step from the estimate after which it begins anew, in the command's unit."""
     gain: float = 0.3
     """Least share of the way to what a step shows [1]: the estimate averages over about three."""
 
@@ -56,7 +62,7 @@ def belief_for(commands: Commands, name: str) -> CommandBelief | None:
     if told is None:
         return None
     change = told.high - told.low if told.largest_change is None else told.largest_change
-    return CommandBelief(told.low, told.high, change)
+    return CommandBelief(told.low, told.high, change, JUMPS.get(name, math.inf))
 
 
 def can_be(belief: CommandBelief, shown: float) -> bool:
@@ -73,6 +79,8 @@ def learn(
 ) -> Estimate:
     """Return the estimate after a step: a mean of the first steps, and of about three later on.
 
+    It begins anew where a step shows something else, as after the robot or the ground has changed.
+
     Args:
         belief: limits and gain.
         estimate: before the step.
@@ -82,10 +90,10 @@ def learn(
     """
     if not can_be(belief, shown):
         return estimate
-    steps = estimate.steps + 1
-    share = max(belief.gain, 1.0 / steps)
+    before = 0 if abs(shown - estimate.value) > belief.jump else estimate.steps
+    share = max(belief.gain, 1.0 / (before + 1))
     value = estimate.value + share * (shown - estimate.value)
-    return Estimate(value, steps if whole else estimate.steps)
+    return Estimate(value, before + 1 if whole else before)
 
 
 def believable(belief: CommandBelief, estimate: Estimate) -> float:

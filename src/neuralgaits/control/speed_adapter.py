@@ -46,6 +46,8 @@ class SpeedAdapter(NamedTuple):
     """Change of the integral by one step, as a share of the error [1]."""
     error_gain: float = 0.3
     """Direct part of the error in the command [1]."""
+    moving_gain: float = 0.6
+    """The same while a lean is on its way, which the command cannot follow at once [1]."""
 
 
 class AdapterState(NamedTuple):
@@ -128,7 +130,12 @@ def reference_for(adapter: SpeedAdapter, state: AdapterState, told: float) -> fl
 
 
 def command_for(
-    adapter: SpeedAdapter, state: AdapterState, told: float, excess: float = 0.0
+    adapter: SpeedAdapter,
+    state: AdapterState,
+    told: float,
+    excess: float = 0.0,
+    *,
+    moving: bool = False,
 ) -> float:
     """Return the command for the next step (m/s), within the gait's range.
 
@@ -137,9 +144,11 @@ def command_for(
         state: state since the last touchdown.
         told: speed that the user tells (m/s).
         excess: speed that is known to be added to the command (m/s).
+        moving: whether a believed lean is on its way.
     """
     reference = reference_for(adapter, state, told)
-    wanted = reference + state.integral + adapter.error_gain * state.error - excess
+    gain = adapter.moving_gain if moving else adapter.error_gain
+    wanted = reference + state.integral + gain * state.error - excess
     return _clamp(wanted, adapter.low, adapter.high)
 
 

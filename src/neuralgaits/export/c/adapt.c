@@ -7,6 +7,7 @@
 #if NG_COMMANDS
 #define INTEGRAL_GAIN NG(0.2)
 #define ERROR_GAIN NG(0.3)
+#define MOVING_GAIN NG(0.6) /* while a lean is on its way */
 #define NEAR NG(1.0e-3) /* a command this near to a limit is at it, a share of the change */
 /* Place of the speed; 0 for a gait that takes none, which is never adapted. */
 #define SPEED (NG_SPEED_COMMAND > 0 ? NG_SPEED_COMMAND - 1 : 0)
@@ -63,8 +64,10 @@ static void integrate(ng_adapt *adapt, ng_real before, ng_real after)
 
 #if NG_LEAN_COMMAND || NG_SLOPE_COMMAND
 #define BELIEF_GAIN NG(0.3)    /* least share of the way to what a step shows */
-#define LEAN_SETTLED NG(1e-3)  /* a belief that moves by less a step has settled [m] */
+#define LEAN_SETTLED NG(12e-3) /* a belief that lacks less has settled [m] */
 #define SLOPE_SETTLED NG(2e-3) /* likewise [rad] */
+#define LEAN_JUMP NG(5e-3)     /* a step that shows this much else is of another robot [m] */
+#define SLOPE_JUMP NG(0.01)    /* or on other ground [rad] */
 
 /* Whether a step may show a value: its range, and its width beyond either end. */
 static int can_be(int command, ng_real shown)
@@ -73,11 +76,15 @@ static int can_be(int command, ng_real shown)
     return shown >= low - (high - low) && shown <= high + (high - low);
 }
 
-/* The mean of what steps showed: of the first ones alike, then of about three. */
-static ng_real learned(ng_real estimate, ng_real shown, int steps)
+/* Take a step into the mean: the first ones count alike, later on about three; anew after a jump. */
+static void take(ng_real *estimate, int *steps, ng_real shown, ng_real jump, int whole)
 {
-    const ng_real share = NG(1.0) / (ng_real)steps;
-    return estimate + (share > BELIEF_GAIN ? share : BELIEF_GAIN) * (shown - estimate);
+    if (ng_abs(shown - *estimate) > jump) {
+        *steps = 0;
+    }
+    const ng_real share = NG(1.0) / (ng_real)(*steps + 1);
+    *estimate += (share > BELIEF_GAIN ? share : BELIEF_GAIN) * (shown - *estimate);
+    *steps += whole;
 }
 
 /* The value in a command's range that is nearest to an estimate. */
@@ -118,7 +125,7 @@ static void tilt(ng_adapt *adapt, const ng_command *command)
         adapt->slope_shown = angle_of(-foot[1], -foot[0]);
         adapt->slope_doubted = !can_be(SLOPE, adapt->slope_shown);
         if (!adapt->slope_doubted) {
-            adapt->slope = learned(adapt->slope, adapt->slope_shown, ++adapt->slope_steps);
+            take(&adapt->slope, &adapt->slope_steps, adapt->slope_shown, SLOPE_JUMP, 1);
         }
     }
 }
@@ -127,7 +134,7 @@ static void tilt(ng_adapt *adapt, const ng_command *command)
 #if NG_LEAN_COMMAND
 #define LEAN (NG_LEAN_COMMAND - 1)
 #define SETTLING NG(0.015)    /* of a foot after a touchdown [s] */
-#define FIRST NG(0.1)         /* shortest window of a step without a touchdown before it [s] */
+#define FIRST NG(0.05)        /* shortest window of a step without a touchdown before it [s] */
 
 /* The lean of a window's sums. */
 static ng_real lean_shown(const ng_adapt *adapt)
@@ -176,9 +183,8 @@ static void learn(ng_adapt *adapt, const ng_measurement *reading, const ng_comma
             adapt->shown = lean_shown(adapt);
             adapt->lean_doubted = !can_be(LEAN, adapt->shown);
             if (!adapt->lean_doubted) {
-                adapt->believed =
-                    learned(adapt->believed, adapt->shown, adapt->lean_steps + 1);
-                adapt->lean_steps += adapt->begun; /* a part of a step counts until a whole one */
+                /* A part of a step counts until a whole one. */
+                take(&adapt->believed, &adapt->lean_steps, adapt->shown, LEAN_JUMP, adapt->begun);
             }
         }
         adapt->since = NG(-1.0);
@@ -201,11 +207,13 @@ static void learn(ng_adapt *adapt, const ng_measurement *reading, const ng_comma
 #endif
 
 #if NG_LEAN_COMMAND
-/* Speed that a lean beyond the belief of the next step adds. */
-static ng_real excess(const ng_adapt *adapt, const ng_state *state)
+/* Speed that a lean beyond the belief of the next step adds; whether that is still on its way. */
+static ng_real excess(const ng_adapt *adapt, const ng_state *state, int *moving)
 {
     const ng_real last = state->after[LEAN], change = ng_command_change[LEAN];
-    const ng_real next = ng_clamp(believable(LEAN, adapt->believed), last - change, last + change);
+    const ng_real wish = believable(LEAN, adapt->believed);
+    const ng_real next = ng_clamp(wish, last - change, last + change);
+    *moving = adapt->learns && next != wish;
     return adapt->learns ? NG_SPEED_BY_LEAN * (adapt->believed - next) : NG(0.0);
 }
 #endif
@@ -254,8 +262,9 @@ int ng_adapt_tell(const ng_adapt *adapt, ng_state *state, const ng_real told[NG_
         wish[i] = told[i];
     }
     ng_real known = NG(0.0);
+    int moving = 0;
 #if NG_LEAN_COMMAND
-    known = excess(adapt, state);
+    known = excess(adapt, state, &moving);
     if (adapt->learns) {
         wish[LEAN] = believable(LEAN, adapt->believed);
     }
@@ -266,8 +275,9 @@ int ng_adapt_tell(const ng_adapt *adapt, ng_state *state, const ng_real told[NG_
     }
 #endif
     if (adapt->active && NG_SPEED_COMMAND > 0) {
+        const ng_real gain = moving ? MOVING_GAIN : ERROR_GAIN;
         wish[SPEED] = ng_clamp(reference_for(adapt, told[SPEED]) + adapt->integral +
-                                   ERROR_GAIN * adapt->error - known,
+                                   gain * adapt->error - known,
                                LOW, HIGH);
     }
     return ng_tell(state, wish);

@@ -67,8 +67,9 @@ class AdaptedCommand:
         adapted = np.array(told)
         if self._adapter is not None and ADAPTED in self.names:
             speed = float(told[self.place])
+            excess, moving = self._excess()
             adapted[self.place] = speed_adapter.command_for(
-                self._adapter, self._state, speed, self._excess()
+                self._adapter, self._state, speed, excess, moving=moving
             )
         for name, (place, belief) in self._beliefs.items():
             if name in self.names:
@@ -114,14 +115,18 @@ class AdaptedCommand:
             self._adapter, self._state, speed, before, after, walked, settled=settled
         )
 
-    def _excess(self) -> float:
-        """Return the speed that a lean beyond the belief of the next step adds (m/s)."""
+    def _excess(self) -> tuple[float, bool]:
+        """Return the speed that a lean beyond the belief of the next step adds (m/s).
+
+        With it, whether that belief is still on its way.
+        """
         if LEAN not in self.names or LEAN not in self._beliefs:
-            return 0.0
+            return 0.0, False
         place, belief = self._beliefs[LEAN]
         estimate = self._estimates[LEAN]
         next_lean = next_belief(belief, estimate, float(self._latched[place]))
-        return self._speed_by_lean * (estimate.value - next_lean)
+        excess = self._speed_by_lean * (estimate.value - next_lean)
+        return excess, next_lean != believable(belief, estimate)
 
     def _believes_anew(self, before: Float[np.ndarray, " p"]) -> bool:
         """Return whether a belief is on its way, so that a speed says little about the next one.
