@@ -6,19 +6,28 @@ import jax
 import numpy as np
 import pytest
 
+from neuralgaits.analysis.poincare_map import poincare
+from neuralgaits.analysis.run import open_run
 from neuralgaits.analysis.torso_lean import leans_of
 from neuralgaits.control import lean_sums
 from neuralgaits.control.command_belief import (
     CommandBelief,
+    Estimate,
     belief_for,
+    believable,
+    learn,
     next_belief,
     slope_under_feet,
+    speed_by_lean,
 )
+from neuralgaits.gait import ZeroDynamics
 from neuralgaits.gait.commands import Command
 from neuralgaits.robots import load_robot
+from neuralgaits.robots.mjcf.leaning import leaning_robot
+from support.shipped_run import SHIPPED
 
 LEAN = Command("lean", -0.02, 0.03, 0.0048)
-BELIEF = CommandBelief(-0.02, 0.03)
+BELIEF = CommandBelief(-0.02, 0.03, 0.0048, 0.005)
 
 
 def test_sums_give_the_lean_of_each_whole_step(amber):
@@ -48,25 +57,62 @@ def test_sums_give_the_lean_of_each_whole_step(amber):
     assert np.isnan(np.delete(found, (110, 215))).all()
 
 
-def test_a_belief_goes_to_what_is_shown_and_stays_where_nothing_is():
-    belief, seen = 0.0, []
-    for _ in range(12):
-        belief = next_belief(BELIEF, belief, 0.012)
-        seen.append(belief)
-    assert np.all(np.diff(seen) > 0.0) and seen[0] == pytest.approx(0.0036)
-    assert seen[-1] == pytest.approx(0.012, abs=2e-4)
-    for nothing in (math.nan, math.inf, -math.inf):
-        assert next_belief(BELIEF, belief, nothing) == belief
+def test_the_first_steps_count_alike_and_later_ones_more():
+    shown = [0.012, 0.009, 0.0135, 0.008, 0.01]
+    estimate = Estimate(0.005)
+    for number, one in enumerate(shown, 1):
+        estimate = learn(BELIEF, estimate, one)
+        if number <= 3:
+            assert estimate.value == pytest.approx(np.mean(shown[:number]))
+    mean = 0.7 * np.mean(shown[:3]) + 0.3 * 0.008
+    assert estimate.value == pytest.approx(0.7 * mean + 0.3 * 0.01)
+    assert estimate.steps == 5
+    # A step that shows nothing, or more than the range and its width beyond it, changes nothing.
+    for nothing in (math.nan, math.inf, -math.inf, 0.0801, -0.0701, 0.9):
+        assert learn(BELIEF, estimate, nothing) == estimate
+    # So far off it is another robot: the mean begins anew.
+    for far in (0.0799, -0.0699, estimate.value + 0.0051):
+        assert learn(BELIEF, estimate, far) == (pytest.approx(far), 1)
+    near = estimate.value - 0.0049
+    assert learn(BELIEF, estimate, near).value == pytest.approx(estimate.value - 0.3 * 0.0049)
 
 
-@pytest.mark.parametrize(("shown", "end"), [(0.3, 0.03), (-9.0, -0.02)])
+def test_a_part_of_a_step_counts_until_a_whole_one_is_seen():
+    estimate = learn(BELIEF, Estimate(0.0), 0.02, whole=False)
+    assert estimate == Estimate(0.02, 0)
+    assert learn(BELIEF, estimate, 0.005) == (pytest.approx(0.005), 1)
+
+
+def test_a_belief_arrives_as_fast_as_the_controller_lets_it():
+    """It does not creep towards what is known: 30 mm are seven steps of 4.8 mm."""
+    believed, steps = 0.0, 0
+    while believed < 0.03:
+        believed, steps = next_belief(BELIEF, Estimate(0.03, 1), believed), steps + 1
+    assert steps == 7 and believed == 0.03
+    assert next_belief(BELIEF, Estimate(-0.5, 1), believed) == pytest.approx(0.03 - 0.0048)
+
+
+@pytest.mark.parametrize(("shown", "end"), [(0.04, 0.03), (-0.03, -0.02), (0.01, 0.01)])
 def test_a_belief_stays_in_the_range_of_its_command(shown, end):
-    assert next_belief(BELIEF, 0.01, shown) == end
+    assert believable(BELIEF, Estimate(shown, 1)) == end
 
 
 def test_limits_are_those_of_the_command():
     assert belief_for((LEAN,), "lean") == BELIEF
     assert belief_for((Command("speed", 0.5, 0.9, 0.04),), "lean") is None
+    free = belief_for((Command("lean", -0.01, 0.01),), "lean")
+    assert free is not None and free.change == 0.02
+
+
+def test_a_lean_adds_to_the_speed_as_the_orbits_say():
+    """Orbits of robots a millimetre apart, whose policy does not know of it."""
+    shipped = open_run(SHIPPED)
+    policy, middle = shipped.gait.policy, shipped.gait.z(np.array([0.5, 0.5]))
+    speeds = [
+        poincare(ZeroDynamics(leaning_robot(shipped.robot, lean), policy), middle).speed_m_s
+        for lean in (-1e-3, 1e-3)
+    ]
+    assert speed_by_lean(shipped.robot) == pytest.approx((speeds[1] - speeds[0]) / 2e-3, rel=0.25)
 
 
 def test_a_first_step_counts_if_it_was_seen_for_long(amber):

@@ -8,12 +8,21 @@ import pytest
 
 from neuralgaits.analysis.point_evaluator import PointEvaluator, quantities
 from neuralgaits.errors import InputError
+from neuralgaits.gait.commands import Command
 from neuralgaits.viewer.live_gait import LiveGait
+from neuralgaits.viewer.plant_sliders import command_slider
+from support.commanded_run import LEANS, make
 
 
 @pytest.fixture(scope="module")
 def gait(shipped):
     return LiveGait(shipped)
+
+
+@pytest.fixture(scope="module")
+def leaning(tmp_path_factory):
+    """A gait that takes a lean up to 12 mm either way."""
+    return LiveGait(make(tmp_path_factory.mktemp("leaning") / "run", LEANS))
 
 
 @pytest.fixture(scope="module")
@@ -106,7 +115,7 @@ def test_sliders_stay_within_what_the_plant_takes(shipped, gait):
     for name, limits in gait.settings.items():
         assert limits.low <= limits.first <= limits.high
         for value in (limits.low, limits.high, limits.first):
-            gait.disturb(name, value)
+            gait.disturb(name, value * limits.unit)
         for wild in (math.nan, math.inf, "1; ls", None, True, [1.0]):
             assert limits.clip(wild) is None
         assert limits.clip(1e9) == limits.high
@@ -130,3 +139,23 @@ def test_the_shipped_gait_walks_and_is_pushed(gait):
     np.testing.assert_allclose(gait.shown().force, [60.0, 0.0])
     gait.reset()
     assert gait.shown().steps == 0
+
+
+@pytest.mark.slow
+def test_a_belief_is_adapted_from_the_start(gait, leaning):
+    assert leaning.adapts_at_first and not gait.adapts_at_first
+    leaning.disturb("torso_shift_m", 0.01)
+    while leaning.steps < 5:
+        assert leaning.tick()
+    lean = leaning.shown().lean
+    assert lean is not None and lean.believed == pytest.approx(lean.true, abs=1e-3)
+
+
+def test_sliders_of_commands_are_in_units_that_a_visitor_knows(leaning):
+    (slider,) = leaning.commands.values()
+    assert (slider.label, slider.low, slider.high) == ("lean [mm]", -12.0, 12.0)
+    slope = command_slider(Command("slope", math.radians(-4.0), 0.07))
+    assert slope.label == "slope [deg]" and slope.low == pytest.approx(-4.0)
+    assert slope.unit * slope.high == pytest.approx(0.07)
+    # An end may be rounded to beyond the range.
+    leaning.tell("lean", LEANS.high * (1.0 + 1e-15))

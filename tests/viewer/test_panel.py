@@ -115,6 +115,47 @@ def test_the_switch_adapts_and_the_speeds_of_the_last_step_are_said():
             server.stop()
 
 
+@pytest.mark.parametrize("adapts", [True, False])
+def test_sliders_of_what_is_learned_rest_while_it_is(adapts):
+    """They would be moved for nothing. What counts is in the units of the gait."""
+    server, asked, heard = live_server.open_server("test"), [], []
+    player: Any = SimpleNamespace(paused=False, speed=1.0, ask=asked.append)
+    walker: Any = SimpleNamespace(
+        adapt=lambda active: None,
+        tell=lambda name, value: heard.append((name, value)),
+        disturb=lambda name, value: heard.append((name, value)),
+    )
+    made: Any = {"title": "x", "conditions": (), "restarted": lambda: None}
+    try:
+        Panel(
+            server,
+            player,
+            settings={"torso_shift_m": Slider("torso [mm]", -50.0, 50.0, 0.0, 1.0, unit=1e-3)},
+            commands={
+                "speed": Slider("speed [m/s]", 0.5, 0.9, 0.7),
+                "lean": Slider("lean [mm]", -30.0, 30.0, 0.0, unit=1e-3),
+            },
+            adaptable=("speed", "lean"),
+            adapts=adapts,
+            **made,
+        )
+        handles: Any = server.gui._gui_input_handle_from_uuid
+        by_label = {handle.label: handle for handle in handles.values()}
+        switch = by_label["adapt speed, lean"]
+        for active in (adapts, not adapts, adapts):
+            switch.value = active
+            assert by_label["lean [mm]"].disabled == active
+            assert not by_label["speed [m/s]"].disabled
+        by_label["lean [mm]"].value = 20.0
+        by_label["torso [mm]"].value = -30.0
+        for wish in asked:
+            wish(walker)
+        assert heard == [("lean", 0.02), ("torso_shift_m", -0.03)]
+    finally:
+        with live_server.quiet():
+            server.stop()
+
+
 @pytest.mark.parametrize(
     ("true", "proved", "words", "covered"),
     [

@@ -27,8 +27,9 @@ from neuralgaits.robots.mjcf.leaning import leaning_robot
 
 SETTLING_S = 0.015
 """Time after a touchdown that a window leaves out: the foot settles [s]."""
-FIRST_S = 0.2
-"""Shortest window that counts of the first step, which begins without a touchdown [s]."""
+FIRST_S = 0.05
+"""Shortest window that counts of the first step, which begins without a touchdown [s]. Encoders say
+little in so short a time; it counts for one step only."""
 
 
 class LeanSums(NamedTuple):

@@ -3,10 +3,11 @@
 Between touchdowns nothing changes. At each touchdown the adapter gets the mean speed of the step
 that ended, and chooses the command of the next one,
 
-    command = reference + integral + error_gain * error,    error = reference - walked,
+    command = reference + integral + error_gain * error - excess,    error = reference - walked,
 
-within the gait's range; the controller also limits its change from step to step. A proof about
-every sequence of commands is about this sequence, too, however wrong the measured speed is.
+within the gait's range; the controller also limits its change from step to step. The excess is
+what a belief that is still on its way is known to add to the speed, see `command_belief`. A proof
+about every sequence of commands is about this sequence, too, however wrong the measured speed is.
 
 The step function is in plain numbers, since it runs once a step; `c/adapt.c` of an export repeats
 it.
@@ -45,6 +46,8 @@ class SpeedAdapter(NamedTuple):
     """Change of the integral by one step, as a share of the error [1]."""
     error_gain: float = 0.3
     """Direct part of the error in the command [1]."""
+    moving_gain: float = 0.6
+    """The same while a lean is on its way, which the command cannot follow at once [1]."""
 
 
 class AdapterState(NamedTuple):
@@ -126,16 +129,26 @@ def reference_for(adapter: SpeedAdapter, state: AdapterState, told: float) -> fl
     return _clamp(inside, last - adapter.change, last + adapter.change)
 
 
-def command_for(adapter: SpeedAdapter, state: AdapterState, told: float) -> float:
+def command_for(
+    adapter: SpeedAdapter,
+    state: AdapterState,
+    told: float,
+    excess: float = 0.0,
+    *,
+    moving: bool = False,
+) -> float:
     """Return the command for the next step (m/s), within the gait's range.
 
     Args:
         adapter: limits and gains.
         state: state since the last touchdown.
         told: speed that the user tells (m/s).
+        excess: speed that is known to be added to the command (m/s).
+        moving: whether a believed lean is on its way.
     """
     reference = reference_for(adapter, state, told)
-    wanted = reference + state.integral + adapter.error_gain * state.error
+    gain = adapter.moving_gain if moving else adapter.error_gain
+    wanted = reference + state.integral + gain * state.error - excess
     return _clamp(wanted, adapter.low, adapter.high)
 
 
@@ -146,10 +159,13 @@ def advance(
     before: float,
     after: float,
     walked: float | None,
+    *,
+    settled: bool = True,
 ) -> AdapterState:
     """Take note of a touchdown.
 
-    While the command is at a limit the integral does not grow further that way (anti-windup).
+    While the command is at a limit the integral does not grow further that way (anti-windup), and
+    while a belief is on its way it waits.
 
     Args:
         adapter: limits and gains.
@@ -159,6 +175,7 @@ def advance(
         after: that of the step that begins (m/s).
         walked: mean speed of the step that ended (m/s); None if it was not measured, which leaves
             integral and error as they were.
+        settled: whether the step's beliefs were what is known by now.
 
     Returns: the state during the step that begins.
     """
@@ -170,7 +187,7 @@ def advance(
     highest = after >= min(adapter.high, before + adapter.change) - NEAR * adapter.change
     lowest = after <= max(adapter.low, before - adapter.change) + NEAR * adapter.change
     integral = state.integral
-    if not ((highest and error > 0.0) or (lowest and error < 0.0)):
+    if settled and not ((highest and error > 0.0) or (lowest and error < 0.0)):
         integral = _clamp(integral + adapter.integral_gain * error, -width, width)
     return AdapterState(reference, integral, error)
 

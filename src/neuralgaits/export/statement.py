@@ -7,6 +7,7 @@ import numpy as np
 from neuralgaits._control_laws import CONTROL_LAWS
 from neuralgaits._types import Float
 from neuralgaits.control import AbstractLaw, Pd, measurement
+from neuralgaits.control.command_belief import speed_by_lean
 from neuralgaits.control.estimator import Estimator
 from neuralgaits.control.inverse_dynamics import SMALLEST_DENOMINATOR
 from neuralgaits.control.joint_model import FRICTION_RATE
@@ -179,6 +180,9 @@ def numbers(design: Design) -> list[Number]:
         rows.append(("z1_share", Z1_MARGIN, "of the step's own interval, as ng_z_margin"))
         radius = robot.foot_radius if robot.feet is None else 0.0
         rows.append(("rolling_radius", radius, "on which a standing foot rolls [m]"))
+    if place_of(design.commands, LEAN) is not None:
+        faster = "that a lean beyond the belief adds to the speed [1/s]"
+        rows.append(("speed_by_lean", speed_by_lean(robot), faster))
     reals = [Number(name, float(value), unit) for name, value, unit in rows]
     return [*reals, Number("gap_us", round(safe.gap_s * 1e6), "between two readings [us]")]
 

@@ -11,7 +11,7 @@ from neuralgaits._types import Float
 from neuralgaits.control import Controller
 from neuralgaits.control.speed_adapter import ADAPTED
 from neuralgaits.errors import InputError
-from neuralgaits.gait.commands import place_of
+from neuralgaits.gait.commands import LEAN, SLOPE, place_of
 from neuralgaits.simulation.native.compiled_walk import Library
 from neuralgaits.simulation.native.native_scene import scene_of
 from neuralgaits.simulation.native.records import record_of
@@ -56,9 +56,11 @@ class LiveTick(ABC):
 
     Attributes:
         speeds: speeds of the last whole step; None before one, or without a commanded speed.
+        doubted: commands of which the last step showed what cannot be, so the belief stays.
     """
 
     speeds: StepSpeeds | None = None
+    doubted: tuple[str, ...] = ()
 
     @abstractmethod
     def compile(self) -> None:
@@ -125,6 +127,7 @@ class JaxTick(LiveTick):
     def restart(self) -> None:
         """Clear the memory of stance and policy."""
         self._carry = self._found = self.speeds = None
+        self.doubted = ()
         controller, first = self._scene.controller, np.asarray(self._scene.first)
         commands, robot = controller.policy.commands, controller.robot
         self._adapted = AdaptedCommand(robot, commands, first, self._adapted_names)
@@ -164,6 +167,7 @@ class JaxTick(LiveTick):
             lean = float(outcome.lean[0])
             self._adapted.touch_down(float(data.time), result.q[0], latched, self._requested, lean)
             self.speeds = _speeds(self._adapted.ended, latched[0], self._adapted.place)
+            self.doubted = self._adapted.doubted
         return outcome
 
     @property
@@ -214,7 +218,7 @@ class NativeTick(LiveTick):
     def restart(self) -> None:
         """Clear the memory of stance and policy."""
         self._library.start(byref(self._walk), 0, pointer(self._first))
-        self.speeds = None
+        self.speeds, self.doubted = None, ()
         if self._requested.size:
             self._walk.orders, self._walk.orders_used = pointer(self._requested), 0
             self.adapt(bool(self._active))
@@ -252,6 +256,8 @@ class NativeTick(LiveTick):
         if self._requested.size:
             if walk.strides_used:
                 self.speeds = _speeds(tuple(stride[0, 5:7]), stride[0, 7:], self._place)
+                doubts = {LEAN: walk.adapt.lean_doubted, SLOPE: walk.adapt.slope_doubted}
+                self.doubted = tuple(name for name, doubted in doubts.items() if doubted)
             # As the tick in JAX has it, without speeds.
             stride = np.delete(stride, (5, 6), axis=1)
         return TickOutcome(

@@ -23,6 +23,8 @@ class LeanMarks(NamedTuple):
     proved_within: float | None
     """Distance of a robot from its belief up to which the proof file states level 2 or more [m];
     None if it states no such level of the gait."""
+    doubted: bool = False
+    """Whether the last step showed a lean that cannot be."""
 
     @property
     def covered(self) -> bool | None:
@@ -33,7 +35,12 @@ class LeanMarks(NamedTuple):
 
 
 def lean_of(
-    commands: Commands, latched: Float[np.ndarray, " p"], true: float, proved_within: float | None
+    commands: Commands,
+    latched: Float[np.ndarray, " p"],
+    true: float,
+    proved_within: float | None,
+    *,
+    doubted: bool = False,
 ) -> LeanMarks | None:
     """Return the believed lean of a step beside the true one; None if the gait takes none.
 
@@ -42,11 +49,12 @@ def lean_of(
         latched: their values in the step under way. [p]
         true: lean of the simulated torso (m).
         proved_within: see `LeanMarks` (m).
+        doubted: see `LeanMarks`.
     """
     if (place := place_of(commands, LEAN)) is None:
         return None
     lean = commands[place]
-    return LeanMarks(float(latched[place]), true, lean.low, lean.high, proved_within)
+    return LeanMarks(float(latched[place]), true, lean.low, lean.high, proved_within, doubted)
 
 
 def lean_html(lean: LeanMarks | None) -> str:
@@ -63,6 +71,8 @@ def _words(lean: LeanMarks) -> str:
         f"Torso ahead of the file: believed {1e3 * lean.believed:+.1f} mm, "
         f"true {1e3 * lean.true:+.1f} mm"
     )
+    if lean.doubted:
+        text += " (the last step showed one that cannot be; the belief stays)"
     if lean.proved_within is None:
         return f"{text}, {off:.1f} mm off; no proof is about what it believes"
     near = f"{1e3 * lean.proved_within:g} mm"

@@ -8,8 +8,10 @@ import numpy as np
 from neuralgaits._types import Float
 from neuralgaits.analysis.point_evaluator import ENDS, PlaneChart, PointEvaluator
 from neuralgaits.analysis.run import Run
+from neuralgaits.control.command_belief import SETTLED
 from neuralgaits.control.law_by_name import law_named
 from neuralgaits.errors import InputError
+from neuralgaits.gait.commands import LEAN, SLOPE, command_named
 from neuralgaits.gait.zero_coordinates import momentum_of
 from neuralgaits.robots.mjcf_state import Sensors
 from neuralgaits.simulation.live import LiveWalk
@@ -23,6 +25,7 @@ from neuralgaits.simulation.ticks.adapted_command import ADAPTABLE
 from neuralgaits.simulation.ticks.falls import Ending
 from neuralgaits.viewer.believed_lean import lean_of
 from neuralgaits.viewer.live_monitor import LiveMonitor
+from neuralgaits.viewer.plant_sliders import command_slider, plant_sliders
 from neuralgaits.viewer.slider import Slider
 from neuralgaits.viewer.step_speed import StepSpeed
 from neuralgaits.viewer.trail import Trail
@@ -74,6 +77,7 @@ class LiveGait:
             reset_residual=run.residuals.reset,
             ground=ground,
         )
+        self.live.control.adapt(self.adapts_at_first)
         self._first = self.live.commands
         self._look: PointEvaluator | None = None
         self._monitor: LiveMonitor | None = None
@@ -92,36 +96,13 @@ class LiveGait:
     @property
     def settings(self) -> Mapping[str, Slider]:
         """Return the settings of the plant that can be changed, well beyond what gaits tolerate."""
-        robot = self.run.robot
-        friction, torque = float(robot.friction), float(np.max(robot.torque_limit))
-        tilt = "uphill positive; the floor turns about the stance foot"
-        slide = "sliding coefficient between feet and floor"
-        heavy = "factor on all masses and inertias; the controller is not told"
-        weak = "limit of every joint; the controller knows it"
-        values = {
-            "slope_deg": Slider("slope [deg]", -6.0, 6.0, 0.0, 0.5, tilt),
-            "friction": Slider("friction", 0.05, max(1.2, friction), friction, 0.01, slide),
-            "mass_scale": Slider("mass ×", 0.5, 2.0, 1.0, 0.01, heavy),
-            "torque_limit": Slider("torque [N m]", 0.1 * torque, torque, torque, 0.5, weak),
-        }
-        if robot.torso is not None:
-            ahead = "centre of mass ahead of the file's; the controller is not told"
-            values["torso_shift_m"] = Slider(
-                "torso's weight ahead [m]", -0.05, 0.05, 0.0, 0.005, ahead
-            )
-        if self._on is not None:
-            del values["slope_deg"]
-        return values
+        return plant_sliders(self.run, on_floor=self._on is None)
 
     @property
     def commands(self) -> Mapping[str, Slider]:
         """Return the commands that a visitor may give at each touchdown, with their ranges."""
         own = () if self._on is None else commands_from_terrain(self._on)
-        return {
-            c.name: Slider(f"{c.name} [{c.unit}]", c.low, c.high, c.middle)
-            for c in self.run.trained.commands
-            if c.name not in own
-        }
+        return {c.name: command_slider(c) for c in self.run.trained.commands if c.name not in own}
 
     @property
     def sizes(self) -> Mapping[str, Slider]:
@@ -134,8 +115,12 @@ class LiveGait:
 
     def tell(self, name: str, value: float) -> None:
         """Request a command, which takes effect at the next touchdown."""
+        command = command_named(self.run.trained.commands, name)
+        if command is not None:
+            # Degrees are rounded.
+            value = min(max(value, command.low), command.high)
         self.live.tell(**{name: value})
-        if name == "slope":
+        if name == SLOPE:
             self.live.disturb(slope_deg=math.degrees(value))
 
     @property
@@ -143,6 +128,11 @@ class LiveGait:
         """Return the gait's commands that can be adapted."""
         names = [command.name for command in self.run.trained.commands]
         return tuple(name for name in ADAPTABLE if name in names)
+
+    @property
+    def adapts_at_first(self) -> bool:
+        """Return whether they are adapted from the start: beliefs are, except on blocks."""
+        return self._on is None and any(name in SETTLED for name in self.adaptable)
 
     def adapt(self, active: bool) -> None:
         """Adapt these commands to what the robot does from now on, or no longer."""
@@ -187,6 +177,7 @@ class LiveGait:
                 live.commands[1],
                 live.plant.disturbance.torso_shift_m,
                 self._beliefs_within,
+                doubted=LEAN in live.control.doubted,
             ),
             memberships=() if self._monitor is None else self._monitor.memberships(),
         )

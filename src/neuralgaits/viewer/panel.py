@@ -7,6 +7,7 @@ from typing import Literal
 import numpy as np
 import viser
 
+from neuralgaits.control.command_belief import SETTLED
 from neuralgaits.viewer import bars, page_style
 from neuralgaits.viewer.believed_lean import lean_html
 from neuralgaits.viewer.limited_sliders import LimitedSliders
@@ -40,6 +41,7 @@ class Panel:
         commands: Mapping[str, Slider] | None = None,
         sizes: Mapping[str, Slider] | None = None,
         adaptable: Sequence[str] = (),
+        adapts: bool = False,
     ):
         """Build the panel.
 
@@ -54,6 +56,7 @@ class Panel:
             commands: sliders of the commands that the gait takes at each touchdown, by name.
             sizes: sliders of the sizes of the blocks ahead, by name.
             adaptable: names of the commands that can be adapted.
+            adapts: whether they are from the start.
         """
         self._player, self._conditions, self._restarted = player, tuple(conditions), restarted
         self._words = conditions if isinstance(conditions, Mapping) else {}
@@ -69,11 +72,13 @@ class Panel:
         # Each pair moves a slider up and down.
         keys: tuple[tuple[Key, Key], ...] = (("U", "J"), ("I", "K"), ("O", "L"))
         self._keys = iter(keys)
+        learned: list[viser.GuiSliderHandle] = []
         if commands:
             heard = "heard at the next touchdown; large changes take several steps"
-            self._add_told(gui, "Commands", commands, heard, lambda walker: walker.tell)
+            told = self._add_told(gui, "Commands", commands, heard, lambda walker: walker.tell)
+            learned = [told[name] for name in adaptable if name in SETTLED and name in told]
         if adaptable:
-            self._add_adaptation(gui, adaptable)
+            self._add_adaptation(gui, adaptable, learned, adapts)
         if sizes:
             ahead = "of the stones that the robot has not heard of yet"
             self._add_told(gui, "Stones ahead", sizes, ahead, lambda walker: walker.resize)
@@ -155,13 +160,15 @@ class Panel:
         sliders: Mapping[str, Slider],
         hint: str,
         verb: Callable[[Walker], Callable[[str, float], None]],
-    ) -> None:
-        """Add a slider for each entry, with two keys as long as keys are left."""
+    ) -> dict[str, viser.GuiSliderHandle]:
+        """Add a slider for each entry, with two keys as long as keys are left, and return them."""
+        handles = {}
         with gui.add_folder(title):
             for name, slider in sliders.items():
                 keys = next(self._keys, None)
                 by_key = "" if keys is None else f"; keys {keys[0]} and {keys[1]}"
                 handle = self._sliders.add(slider._replace(hint=hint + by_key))
+                handles[name] = handle
 
                 def ask(_event: object, step=0.0, name=name, handle=handle, slider=slider):
                     value = slider.clip(handle.value)
@@ -169,23 +176,38 @@ class Panel:
                         return
                     if step:
                         handle.value = value = min(max(value + step, slider.low), slider.high)
-                    self._player.ask(lambda walker: verb(walker)(name, value))
+                    self._player.ask(lambda walker: verb(walker)(name, value * slider.unit))
 
                 handle.on_update(ask)
                 for key, way in zip(keys or (), (1.0, -1.0), strict=False):
                     word = f"{name} {'up' if way > 0.0 else 'down'}"
                     step = 0.1 * way * (slider.high - slider.low)
                     gui.add_command(word, hotkey=key).on_trigger(partial(ask, step=step))
+        return handles
 
-    def _add_adaptation(self, gui: viser.GuiApi, names: Sequence[str]) -> None:
+    def _add_adaptation(
+        self,
+        gui: viser.GuiApi,
+        names: Sequence[str],
+        learned: Sequence[viser.GuiSliderHandle],
+        active: bool,
+    ) -> None:
+        """Add the switch; sliders of what is learned rest while it is."""
         hint = "at each touchdown, until the robot walks as told"
         label = f"adapt {', '.join(names)}"
-        switch = gui.add_checkbox(label, False, hint=hint)
+        switch = gui.add_checkbox(label, active, hint=hint)
+
+        def rest() -> None:
+            for handle in learned:
+                handle.disabled = switch.value is True
 
         @switch.on_update
         def _(_event: object) -> None:
             active = switch.value is True
+            rest()
             self._player.ask(lambda walker: walker.adapt(active))
+
+        rest()
 
     def _add_plant(self, gui: viser.GuiApi, settings: Mapping[str, Slider]) -> None:
         restore = []
@@ -196,7 +218,7 @@ class Panel:
                 def change(_event: object, name=name, handle=handle, slider=slider):
                     value = slider.clip(handle.value)
                     if value is not None:
-                        self._player.ask(lambda walker: walker.disturb(name, value))
+                        self._player.ask(lambda walker: walker.disturb(name, value * slider.unit))
 
                 handle.on_update(change)
                 restore.append((handle, slider, change))

@@ -17,6 +17,8 @@ class Slider(NamedTuple):
     """Distance between two values; None for about a seventieth of the range."""
     hint: str = ""
     """Explanation for whoever points at it."""
+    unit: float = 1.0
+    """Size of the label's unit in that of the value that is set, as 0.001 of millimetres."""
 
     def clip(self, value: object) -> float | None:
         """Clip a number from the page to the limits; None if it is no number."""

@@ -73,6 +73,7 @@ class LiveView(LivePage):
             commands=self.gait.commands,
             sizes=self.gait.sizes,
             adaptable=self.gait.adaptable,
+            adapts=self.gait.adapts_at_first,
         )
 
     def _bring_to_life(self) -> None:

@@ -7,6 +7,7 @@
 #if NG_COMMANDS
 #define INTEGRAL_GAIN NG(0.2)
 #define ERROR_GAIN NG(0.3)
+#define MOVING_GAIN NG(0.6) /* while a lean is on its way */
 #define NEAR NG(1.0e-3) /* a command this near to a limit is at it, a share of the change */
 /* Place of the speed; 0 for a gait that takes none, which is never adapted. */
 #define SPEED (NG_SPEED_COMMAND > 0 ? NG_SPEED_COMMAND - 1 : 0)
@@ -62,15 +63,34 @@ static void integrate(ng_adapt *adapt, ng_real before, ng_real after)
 }
 
 #if NG_LEAN_COMMAND || NG_SLOPE_COMMAND
-#define BELIEF_GAIN NG(0.3)    /* share of the way to what a step shows */
-#define LEAN_SETTLED NG(1e-3)  /* a belief that moves by less a step has settled [m] */
+#define BELIEF_GAIN NG(0.3)    /* least share of the way to what a step shows */
+#define LEAN_SETTLED NG(12e-3) /* a belief that lacks less has settled [m] */
 #define SLOPE_SETTLED NG(2e-3) /* likewise [rad] */
+#define LEAN_JUMP NG(5e-3)     /* a step that shows this much else is of another robot [m] */
+#define SLOPE_JUMP NG(0.01)    /* or on other ground [rad] */
 
-/* What the next touchdown is to latch, after a step that showed a value of a command. */
-static ng_real believe(int command, ng_real believed, ng_real shown)
+/* Whether a step may show a value: its range, and its width beyond either end. */
+static int can_be(int command, ng_real shown)
 {
-    const ng_real wish = believed + BELIEF_GAIN * (shown - believed);
-    return ng_clamp(wish, ng_command_low[command], ng_command_high[command]);
+    const ng_real low = ng_command_low[command], high = ng_command_high[command];
+    return shown >= low - (high - low) && shown <= high + (high - low);
+}
+
+/* Take a step into the mean: the first ones count alike, later on about three; anew after a jump. */
+static void take(ng_real *estimate, int *steps, ng_real shown, ng_real jump, int whole)
+{
+    if (ng_abs(shown - *estimate) > jump) {
+        *steps = 0;
+    }
+    const ng_real share = NG(1.0) / (ng_real)(*steps + 1);
+    *estimate += (share > BELIEF_GAIN ? share : BELIEF_GAIN) * (shown - *estimate);
+    *steps += whole;
+}
+
+/* The value in a command's range that is nearest to an estimate. */
+static ng_real believable(int command, ng_real estimate)
+{
+    return ng_clamp(estimate, ng_command_low[command], ng_command_high[command]);
 }
 
 /* What is told of a command to begin with. */
@@ -97,14 +117,16 @@ static ng_real angle_of(ng_real rise, ng_real run)
 }
 
 /* Take note of a touchdown: the old foot is below and behind the new one. */
-static void tilt(ng_adapt *adapt, const ng_state *state, const ng_command *command)
+static void tilt(ng_adapt *adapt, const ng_command *command)
 {
     ng_real foot[2], hip[2];
     ng_feet(command->q, foot, hip);
-    adapt->slope = state->after[SLOPE];
     if (!NG_ANKLES && -foot[0] > FEET_APART && ng_finite(foot[1])) {
         adapt->slope_shown = angle_of(-foot[1], -foot[0]);
-        adapt->slope = believe(SLOPE, adapt->slope, adapt->slope_shown);
+        adapt->slope_doubted = !can_be(SLOPE, adapt->slope_shown);
+        if (!adapt->slope_doubted) {
+            take(&adapt->slope, &adapt->slope_steps, adapt->slope_shown, SLOPE_JUMP, 1);
+        }
     }
 }
 #endif
@@ -112,7 +134,7 @@ static void tilt(ng_adapt *adapt, const ng_state *state, const ng_command *comma
 #if NG_LEAN_COMMAND
 #define LEAN (NG_LEAN_COMMAND - 1)
 #define SETTLING NG(0.015)    /* of a foot after a touchdown [s] */
-#define FIRST NG(0.2)         /* shortest window of a step without a touchdown before it [s] */
+#define FIRST NG(0.05)        /* shortest window of a step without a touchdown before it [s] */
 
 /* The lean of a window's sums. */
 static ng_real lean_shown(const ng_adapt *adapt)
@@ -152,18 +174,17 @@ static void add_interval(ng_adapt *adapt, const ng_real q[NG_COORDINATES], ng_re
 }
 
 /* Take note of a tick; at a touchdown, of the lean that the step before it showed. */
-static void learn(ng_adapt *adapt, const ng_state *state, const ng_measurement *reading,
-                  const ng_command *command)
+static void learn(ng_adapt *adapt, const ng_measurement *reading, const ng_command *command)
 {
     const ng_real passed = (ng_real)(reading->time_us - adapt->tick_us) * NG(1.0e-6);
     const int first = command->since_touchdown >= NG_NEVER * NG(0.5);
     if (command->touchdown) {
-        adapt->believed = state->after[LEAN];
         if (adapt->since > adapt->least && adapt->since > NG(0.0)) {
-            const ng_real shown = lean_shown(adapt);
-            if (ng_finite(shown)) {
-                adapt->believed = believe(LEAN, adapt->believed, shown);
-                adapt->shown = shown;
+            adapt->shown = lean_shown(adapt);
+            adapt->lean_doubted = !can_be(LEAN, adapt->shown);
+            if (!adapt->lean_doubted) {
+                /* A part of a step counts until a whole one. */
+                take(&adapt->believed, &adapt->lean_steps, adapt->shown, LEAN_JUMP, adapt->begun);
             }
         }
         adapt->since = NG(-1.0);
@@ -185,16 +206,30 @@ static void learn(ng_adapt *adapt, const ng_state *state, const ng_measurement *
 }
 #endif
 
+#if NG_LEAN_COMMAND
+/* Speed that a lean beyond the belief of the next step adds; whether that is still on its way. */
+static ng_real excess(const ng_adapt *adapt, const ng_state *state, int *moving)
+{
+    const ng_real last = state->after[LEAN], change = ng_command_change[LEAN];
+    const ng_real wish = believable(LEAN, adapt->believed);
+    const ng_real next = ng_clamp(wish, last - change, last + change);
+    *moving = adapt->learns && next != wish;
+    return adapt->learns ? NG_SPEED_BY_LEAN * (adapt->believed - next) : NG(0.0);
+}
+#endif
+
 /* Whether a belief is on its way, so that a speed says little about the next one. */
 static int believes_anew(const ng_adapt *adapt, const ng_state *state)
 {
 #if NG_LEAN_COMMAND
-    if (adapt->learns && ng_abs(state->after[LEAN] - state->before[LEAN]) > LEAN_SETTLED) {
+    const ng_real lean = believable(LEAN, adapt->believed);
+    if (adapt->learns && ng_abs(lean - state->before[LEAN]) > LEAN_SETTLED) {
         return 1;
     }
 #endif
 #if NG_SLOPE_COMMAND
-    if (adapt->tilts && ng_abs(state->after[SLOPE] - state->before[SLOPE]) > SLOPE_SETTLED) {
+    const ng_real slope = believable(SLOPE, adapt->slope);
+    if (adapt->tilts && ng_abs(slope - state->before[SLOPE]) > SLOPE_SETTLED) {
         return 1;
     }
 #endif
@@ -226,21 +261,25 @@ int ng_adapt_tell(const ng_adapt *adapt, ng_state *state, const ng_real told[NG_
     for (int i = 0; i < NG_COMMANDS; ++i) {
         wish[i] = told[i];
     }
-    if (adapt->active && NG_SPEED_COMMAND > 0) {
-        wish[SPEED] = ng_clamp(reference_for(adapt, told[SPEED]) + adapt->integral +
-                                   ERROR_GAIN * adapt->error,
-                               LOW, HIGH);
-    }
+    ng_real known = NG(0.0);
+    int moving = 0;
 #if NG_LEAN_COMMAND
+    known = excess(adapt, state, &moving);
     if (adapt->learns) {
-        wish[LEAN] = adapt->believed;
+        wish[LEAN] = believable(LEAN, adapt->believed);
     }
 #endif
 #if NG_SLOPE_COMMAND
     if (adapt->tilts) {
-        wish[SLOPE] = adapt->slope;
+        wish[SLOPE] = believable(SLOPE, adapt->slope);
     }
 #endif
+    if (adapt->active && NG_SPEED_COMMAND > 0) {
+        const ng_real gain = moving ? MOVING_GAIN : ERROR_GAIN;
+        wish[SPEED] = ng_clamp(reference_for(adapt, told[SPEED]) + adapt->integral +
+                                   gain * adapt->error - known,
+                               LOW, HIGH);
+    }
     return ng_tell(state, wish);
 }
 
@@ -248,22 +287,25 @@ void ng_adapt_step(ng_adapt *adapt, const ng_state *state, const ng_measurement 
                    const ng_command *command, const ng_real told[NG_COMMANDS])
 {
     if (command->fault != NG_NO_FAULT) {
+        adapt->since = NG(-1.0); /* the step under way shows nothing */
         return;
     }
 #if NG_LEAN_COMMAND
-    learn(adapt, state, reading, command);
+    learn(adapt, reading, command);
 #endif
     if (!command->touchdown) {
         return;
     }
 #if NG_SLOPE_COMMAND
-    tilt(adapt, state, command);
+    tilt(adapt, command);
 #endif
     const ng_real width = HIGH - LOW;
     adapt->measured = measure(adapt, reading, command->leg);
-    if (adapt->measured && !believes_anew(adapt, state)) {
+    if (adapt->measured) {
         adapt->error = ng_clamp(adapt->reference - adapt->walked, -width, width);
-        integrate(adapt, state->before[SPEED], state->after[SPEED]);
+        if (!believes_anew(adapt, state)) {
+            integrate(adapt, state->before[SPEED], state->after[SPEED]);
+        }
     }
     adapt->reference = reference_for(adapt, told[SPEED]);
 }

@@ -26,8 +26,10 @@ typedef struct {
     ng_real integral;  /* of errors [m/s] */
     ng_real error;     /* of the last measured step: reference - walked [m/s] */
     int learns;        /* 1: the lean is learned; 0: it is the one told. At any tick */
-    ng_real believed;  /* lean that the next touchdown is to latch, if it is learned [m] */
+    int lean_steps;    /* steps that showed a lean */
+    ng_real believed;  /* mean of the leans shown: the next touchdown latches it, in its range [m] */
     ng_real shown;     /* lean that the last step showed [m] */
+    int lean_doubted;  /* whether that cannot be; the belief is then as it was */
     uint32_t tick_us;  /* time of the last tick [us] */
     ng_real since;     /* of the window of the step under way, to the last tick; else -1 [s] */
     ng_real least;     /* shortest window that counts [s] */
@@ -35,8 +37,10 @@ typedef struct {
     ng_real of_momentum[3][2];   /* sums over the window, see control/lean_sums.py */
     ng_real of_ahead[3][2];
     int tilts;             /* 1: the slope is learned; 0, at first: it is the one told. At any tick */
-    ng_real slope;         /* slope that the next touchdown is to latch, if it is learned [rad] */
+    int slope_steps;       /* touchdowns that showed a slope */
+    ng_real slope;         /* mean of the slopes shown: the next touchdown latches it [rad] */
     ng_real slope_shown;   /* slope of the line through both feet at the last touchdown [rad] */
+    int slope_doubted;     /* whether that cannot be; the belief is then as it was */
 } ng_adapt;
 
 /* Before the first tick; commands as in ng_start_at. Speed and lean are adapted, no slope. */

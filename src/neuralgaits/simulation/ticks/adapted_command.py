@@ -8,9 +8,14 @@ from neuralgaits._types import Float
 from neuralgaits.control import speed_adapter
 from neuralgaits.control.command_belief import (
     SETTLED,
+    Estimate,
     belief_for,
+    believable,
+    can_be,
+    learn,
     next_belief,
     slope_under_feet,
+    speed_by_lean,
 )
 from neuralgaits.control.speed_adapter import ADAPTED, StepOdometer
 from neuralgaits.gait.commands import LEAN, SLOPE, Commands, place_of
@@ -27,6 +32,7 @@ class AdaptedCommand:
         names: commands that are adapted; speeds are measured in any case.
         place: place of the speed among the commands; None if it is not there.
         ended: reference and measured speed of the step that ended last [m/s]; NaN if unknown.
+        doubted: commands of which the step that ended last showed what cannot be.
     """
 
     def __init__(
@@ -39,6 +45,7 @@ class AdaptedCommand:
         """Begin at the commands of the first step. [p]. `robot` is the controller's model."""
         self.names = names
         self.ended: tuple[float, float] = (math.nan, math.nan)
+        self.doubted: tuple[str, ...] = ()
         self._adapter, self.place = speed_adapter.adapter_for(commands), place_of(commands, ADAPTED)
         self._beliefs = {
             name: (place, belief)
@@ -49,17 +56,24 @@ class AdaptedCommand:
         self._robot, self._odometer = robot, StepOdometer()
         if self._adapter is not None:
             self._state = speed_adapter.start(self._adapter, float(first[self.place]))
-        self._believed = {name: float(first[place]) for name, (place, _) in self._beliefs.items()}
+        self._latched, self._begun = np.array(first), False
+        self._estimates = {
+            name: Estimate(float(first[place])) for name, (place, _) in self._beliefs.items()
+        }
+        self._speed_by_lean = speed_by_lean(robot) if LEAN in self._beliefs else 0.0
 
     def request(self, told: Float[np.ndarray, " p"]) -> Float[np.ndarray, " p"]:
         """Return what the controller is to be told in the place of these commands."""
         adapted = np.array(told)
         if self._adapter is not None and ADAPTED in self.names:
             speed = float(told[self.place])
-            adapted[self.place] = speed_adapter.command_for(self._adapter, self._state, speed)
-        for name, (place, _) in self._beliefs.items():
+            excess, moving = self._excess()
+            adapted[self.place] = speed_adapter.command_for(
+                self._adapter, self._state, speed, excess, moving=moving
+            )
+        for name, (place, belief) in self._beliefs.items():
             if name in self.names:
-                adapted[place] = self._believed[name]
+                adapted[place] = believable(belief, self._estimates[name])
         return adapted
 
     def touch_down(
@@ -80,22 +94,48 @@ class AdaptedCommand:
             lean: lean that the step that ended shows (m); NaN if it shows none.
         """
         shown = {LEAN: lean, SLOPE: slope_under_feet(self._robot, np.asarray(q))}
-        for name, (place, belief) in self._beliefs.items():
-            # Once it is not adapted it stays as the user tells it, and is learned from there.
-            self._believed[name] = next_belief(belief, float(latched[1, place]), shown[name])
+        self._latched = np.array(latched[1])
+        self.doubted = tuple(
+            name
+            for name, (_, belief) in self._beliefs.items()
+            if not (math.isnan(shown[name]) or can_be(belief, shown[name]))
+        )
+        for name, (_, belief) in self._beliefs.items():
+            whole = self._begun or name != LEAN
+            self._estimates[name] = learn(belief, self._estimates[name], shown[name], whole=whole)
+        self._begun = True
         if self._adapter is None:
             return
         hips = speed_adapter.hips_over_feet(self._robot, np.asarray(q))
         self._odometer, walked = self._odometer.touch_down(time, *hips)
         self.ended = self._state.reference, math.nan if walked is None else walked
         speed, before, after = (float(one[self.place]) for one in (told, *latched))
-        heard = None if self._believes_anew(latched) else walked
-        self._state = speed_adapter.advance(self._adapter, self._state, speed, before, after, heard)
+        settled = not self._believes_anew(latched[0])
+        self._state = speed_adapter.advance(
+            self._adapter, self._state, speed, before, after, walked, settled=settled
+        )
 
-    def _believes_anew(self, latched: Float[np.ndarray, "2 p"]) -> bool:
-        """Return whether a belief is on its way, so that a speed says little about the next one."""
-        changes = np.abs(np.diff(latched, axis=0)[0])
+    def _excess(self) -> tuple[float, bool]:
+        """Return the speed that a lean beyond the belief of the next step adds (m/s).
+
+        With it, whether that belief is still on its way.
+        """
+        if LEAN not in self.names or LEAN not in self._beliefs:
+            return 0.0, False
+        place, belief = self._beliefs[LEAN]
+        estimate = self._estimates[LEAN]
+        next_lean = next_belief(belief, estimate, float(self._latched[place]))
+        excess = self._speed_by_lean * (estimate.value - next_lean)
+        return excess, next_lean != believable(belief, estimate)
+
+    def _believes_anew(self, before: Float[np.ndarray, " p"]) -> bool:
+        """Return whether a belief is on its way, so that a speed says little about the next one.
+
+        `before` has the commands of the step that ended. [p]
+        """
         return any(
-            name in self.names and float(changes[place]) > SETTLED[name]
-            for name, (place, _) in self._beliefs.items()
+            name in self.names
+            and abs(believable(belief, self._estimates[name]) - float(before[place]))
+            > SETTLED[name]
+            for name, (place, belief) in self._beliefs.items()
         )

@@ -1,0 +1,91 @@
+"""What is believed of lean and slope in C against Python: estimates and commands at random."""
+
+import subprocess
+
+import numpy as np
+
+from neuralgaits.control import command_belief
+from neuralgaits.control.command_belief import SETTLED, Estimate
+from neuralgaits.export import build, output_folder
+from neuralgaits.export.source import gait_files
+from neuralgaits.gait.commands import Command
+from support.compiled import folder_with
+from support.designs import LAWS, SPEED, commanded_design
+
+ROWS = 300
+LEAN, SLOPE = Command("lean", -0.02, 0.03, 0.0048), Command("slope", -0.07, 0.06, 0.02)
+MAIN = """
+#include <stdio.h>
+#include "adapt.c"
+int main(void)
+{
+    double row[6];
+    while (fread(row, sizeof row, 1, stdin) == 1) {
+        ng_adapt adapt = {0};
+        ng_state state = {0};
+        const ng_real first[NG_COMMANDS] = {NG(0.7), NG(0.0), NG(0.0)};
+        ng_start_at(&state, 0, first);
+        ng_adapt_start(&adapt, first);
+        adapt.tilts = 1;
+        adapt.believed = row[0];
+        adapt.lean_steps = (int)row[2];
+        if (can_be(1, row[1])) {
+            take(&adapt.believed, &adapt.lean_steps, row[1], LEAN_JUMP, row[4] > 0.0);
+        }
+        take(&adapt.slope, &adapt.slope_steps, row[3], SLOPE_JUMP, 1);
+        state.before[1] = row[4];
+        state.after[1] = row[5];
+        state.before[2] = state.after[2] = row[3];
+        adapt.error = 0.05;
+        ng_adapt_tell(&adapt, &state, first);
+        int moving;
+        const double out[7] = {adapt.believed, excess(&adapt, &state, &moving),
+                               believes_anew(&adapt, &state), state.requested[0],
+                               state.requested[1], state.requested[2], adapt.lean_steps};
+        fwrite(out, sizeof out, 1, stdout);
+    }
+    return 0;
+}
+"""
+
+
+def expected_of(design, row):
+    """What Python makes of it."""
+    value, shown, steps, slope, before, after = row
+    commands = (SPEED, LEAN, SLOPE)
+    lean, ground = (command_belief.belief_for(commands, name) for name in ("lean", "slope"))
+    assert lean is not None and ground is not None
+    estimate = command_belief.learn(lean, Estimate(value, int(steps)), shown, whole=before > 0.0)
+    wanted = command_belief.believable(lean, estimate)
+    next_lean = command_belief.next_belief(lean, estimate, after)
+    missing = estimate.value - next_lean
+    excess = command_belief.speed_by_lean(design.robot) * missing
+    tilted = command_belief.believable(ground, Estimate(slope, 1))
+    anew = abs(wanted - before) > SETTLED["lean"] or abs(tilted - slope) > SETTLED["slope"]
+    gain = 0.3 if next_lean == wanted else 0.6
+    speed = min(max(0.7 + gain * 0.05 - excess, SPEED.low), SPEED.high)
+    return [estimate.value, excess, float(anew), speed, wanted, tilted, estimate.steps]
+
+
+def test_c_believes_as_python_does(tmp_path):
+    design = commanded_design("amber3m", {"pd": LAWS["pd"]}, (SPEED, LEAN, SLOPE))
+    rng = np.random.default_rng(0)
+    leans = rng.uniform(-0.03, 0.04, (2, ROWS))
+    leans[1, ::2] = leans[0, ::2] + rng.uniform(-0.005, 0.005, ROWS // 2)
+    # Some that cannot be.
+    leans[1, ::5] = rng.choice([np.nan, np.inf, 0.081, -0.071, 0.079, -0.069], ROWS)[::5]
+    near = np.clip(leans[0] + rng.normal(0.0, 0.02, (2, ROWS)), LEAN.low, LEAN.high)
+    rows = np.column_stack(
+        [*leans, rng.integers(0, 9, ROWS), rng.uniform(-0.08, 0.07, ROWS), *near]
+    )
+    files = gait_files(design) | output_folder.adaptation() | {"main.c": MAIN}
+    folder = folder_with(tmp_path, files)
+    flags = ("-O1", *build.PRECISIONS["double"])
+    program = build.build("gcc", folder, "main", (*build.CORE, "main.c"), flags)
+    done = subprocess.run([program], input=rows.tobytes(), capture_output=True, check=True)
+    found = np.frombuffer(done.stdout).reshape(ROWS, -1)
+    expected = np.array([expected_of(design, row) for row in rows])
+    np.testing.assert_allclose(found, expected, rtol=1e-12, atol=1e-14)
+    # Both answers occur, and speeds inside of their range and at its ends.
+    assert 0.1 < np.mean(expected[:, 2]) < 0.9 or np.ptp(expected[:, 2]) == 1.0
+    assert np.ptp(expected[:, 3]) > 0.1 and np.any(np.abs(expected[:, 3] - 0.7) < 0.1)
