@@ -1,7 +1,11 @@
 """The C that `export` writes, and the law that level 5 of a proof is about."""
 
+# pyright: reportAttributeAccessIssue=false
+# MuJoCo ships no type stubs.
+
 from dataclasses import replace
 from types import SimpleNamespace
+from typing import Any
 
 import jax
 import mujoco
@@ -62,7 +66,7 @@ def stated(run, design):
     return full, shape
 
 
-def certificate_with(full, shape):
+def certificate_with(full, shape) -> Any:
     """A reading that bears out level 5 with these constants."""
     proof = SimpleNamespace(theorems=SimpleNamespace(parameters={4: full, 5: shape}))
     summary = SimpleNamespace(levels=[SimpleNamespace(level=5, proved=True)])
@@ -177,7 +181,7 @@ def test_another_bandwidth_hold_or_table_is_not_what_is_proved(run, design, stat
         ),
     }  # fmt: skip
     for words, found in reasons.items():
-        assert words in found["scheduled-pd"].reason
+        assert words in str(found["scheduled-pd"].reason)
         assert not any(one.proved for one in found.values())
     # A hold of the very period is enough.
     assert proofs(run, design, full, replace(shape, hold=1e-3))["scheduled-pd"].proved
@@ -192,11 +196,11 @@ def test_what_changes_a_torque_is_not_what_is_proved(run, design, stated):
         "every tick": replace(one, law=replace(one.law, hold_ticks=2)),
         "measured state": replace(one, law=replace(one.law, predicts_rates=True)),
         "identified joints": replace(one, joints=joints),
-        "gains are not": replace(one, law=ScheduledPd(W)),
+        "gains are not": replace(one, law=ScheduledPd(bandwidth=W)),
     }
     for words, controller in laws.items():
         changed = replace(design, controllers={"scheduled-pd": controller})
-        assert words in proofs(run, changed, full, shape)["scheduled-pd"].reason
+        assert words in str(proofs(run, changed, full, shape)["scheduled-pd"].reason)
 
 
 def test_header_and_screen_say_what_is_proved(run, design, stated, capsys):
@@ -207,7 +211,8 @@ def test_header_and_screen_say_what_is_proved(run, design, stated, capsys):
     assert f" *   {line} touchdown\n" in text
     assert " *   pd: nothing is proved, the proof is about scheduled-pd\n" in text
     assert "proved for" not in gait_files(design)["gait.h"]
-    files = dict(run="", format="c", out="", files=(), laws=(), warnings=(), reason="")
+    files: dict[str, Any] = dict.fromkeys(("run", "format", "out", "reason"), "")
+    files |= dict.fromkeys(("files", "laws", "warnings"), ())
     show_export(UncheckedExport(**files, law_proofs=found))
     assert f"level 5 of {line} touchdown" in " ".join(capsys.readouterr().out.split())
     slow = law_proofs(run, certificate_with(full, replace(shape, hold=5e-4)), design.controllers)

@@ -6,7 +6,7 @@ import shutil
 import pytest
 
 from neuralgaits.analysis.run import open_run
-from neuralgaits.control.law_by_name import at_bandwidth, exported_laws, law_named
+from neuralgaits.control.law_by_name import at_bandwidth, exported_laws, fields_of_law, law_named
 from neuralgaits.errors import InputError
 from neuralgaits.records.simulated import SimulationSummary
 from neuralgaits.report.page.repeat_commands import simulating
@@ -58,11 +58,12 @@ def test_workers_walk_with_it(run, walked):
 
 def test_laws_with_and_without_one():
     for name in ("fblin", "scheduled-pd", "clf-qp"):
-        assert at_bandwidth(name, 55.0).bandwidth == 55.0
+        assert fields_of_law(at_bandwidth(name, 55.0))["bandwidth"] == 55.0
         assert at_bandwidth(name, None) is law_named(name)
     usual, wide = exported_laws(), exported_laws(55.0)
     assert list(wide) == list(usual) and wide["pd"] is usual["pd"]
-    assert (wide["fblin"].bandwidth, usual["fblin"].bandwidth) == (55.0, 30.0)
+    for laws, expected in ((wide, 55.0), (usual, 30.0)):
+        assert fields_of_law(laws["fblin"])["bandwidth"] == expected
     for name in ("pd", "paper"):
         with pytest.raises(InputError, match=r"--bandwidth: expected a law.*or scheduled-pd, fou"):
             at_bandwidth(name, 55.0)
