@@ -129,6 +129,14 @@ def check_bandwidth(bandwidth: float) -> None:
         )
 
 
+def check_error(error: float) -> None:
+    """Check an error of the outputs' acceleration (rad/s^2). Raises: InputError if impossible."""
+    if not 0.0 <= error < math.inf:
+        raise InputError(
+            f"expected an error of 0 rad/s^2 or more, found {error:g}: write --error 0.1"
+        )
+
+
 def check_budget(budget: float | None) -> None:
     """Check a time budget; None leaves it open. Raises: InputError unless it is more than 0 s."""
     if budget is not None and not 0.0 < budget < math.inf:

@@ -1,5 +1,6 @@
 """The largest set of level 4 for a bandwidth: found in a norm of its own, and tried by force."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -14,6 +15,7 @@ from neuralgaits.certificate.levels.full_order.sample_evaluators import (
 )
 from neuralgaits.certificate.levels.full_order.theorem import FullOrderConstants, weighting
 from neuralgaits.errors import InputError
+from neuralgaits.settings import CertifySettings
 from neuralgaits.workflows.certify import certify
 from support.full_order_check import check_by_force, model_of, walker
 
@@ -86,3 +88,12 @@ def test_outputs_too_slow_for_any_norm_are_told_by_the_inequality_that_breaks(tr
 def test_bandwidths_that_make_no_statement_are_refused(trained, bandwidth, level, words):
     with pytest.raises(InputError, match=words):
         certify(trained, level=level, bandwidth=bandwidth)
+
+
+@pytest.mark.parametrize(
+    ("error", "level", "words"),
+    [(-0.1, 5, "of 0 rad/s^2 or more"), (float("nan"), 5, "found nan"), (0.1, 4, "--level")],
+)
+def test_errors_of_torques_that_make_no_statement_are_refused(error, level, words):
+    with pytest.raises(InputError, match=re.escape(words)):
+        CertifySettings("latest", level=level, error=error)

@@ -56,7 +56,7 @@ TOLD: tuple[tuple[str, Any], ...] = (
     ("train", of.TrainSettings("amber3m", speed=(0.6, 0.8), step_height=(-0.02, 0.02))),
     ("train", of.TrainSettings(resume="latest")),
     ("simulate", WALKED),
-    ("certify", of.CertifySettings("latest", level=5, bandwidth=50.0)),
+    ("certify", of.CertifySettings("latest", level=5, bandwidth=50.0, error=0.05)),
     ("certify", of.CertifySettings("latest", disturbance=(0.01, 0.3), parameters={}, resume=True)),
     ("certify", of.CertifySettings("r", disturbance="learned", within={"speed": (0.7, 0.72)})),
     ("check-proof", of.CheckProofSettings(Path("a b.json"), run="latest")),

@@ -35,11 +35,13 @@ class ControlAssumption:
             None for the usual one, and the usual set.
         free_clock: whether ticks of level 5 may miss touchdowns.
         scheduled: whether level 5 is about scheduled PD, and not about exact linearisation.
+        error: bound on |S e| of torques when they are set, at level 5 [rad/s^2].
     """
 
     bandwidth: float | None = None
     free_clock: bool = False
     scheduled: bool = False
+    error: float = 0.0
 
 
 USUAL_CONTROL = ControlAssumption()

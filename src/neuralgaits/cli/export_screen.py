@@ -17,6 +17,7 @@ from neuralgaits.records.exported import (
     QueryExport,
     UncheckedExport,
 )
+from neuralgaits.records.law_proof import summary_of
 
 
 def show_export(result: ExportRecord) -> None:
@@ -36,6 +37,9 @@ def show_export(result: ExportRecord) -> None:
     elif isinstance(result, ControllerExport):
         _agrees(result.states, count)
         _show_controller(result)
+    if (words := summary_of(result.law_proofs)) is not None:
+        colour = "green" if any(one.proved for one in result.law_proofs) else "yellow"
+        show_sentence(Text("level 5", colour), f" of {words}")
 
 
 def _agrees(states: int, count: str) -> None:

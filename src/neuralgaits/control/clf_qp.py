@@ -8,6 +8,7 @@ epsilon = 1/w. Sources: Ames, Galloway, Sreenath, Grizzle (2014), section IV; to
 friction as in Galloway, Sreenath, Ames, Grizzle (2015).
 """
 
+from dataclasses import replace
 from typing import NamedTuple
 
 import equinox as eqx
@@ -67,6 +68,10 @@ class ClfQp(AbstractLaw):
     def linearising(self) -> Fblin:
         """The linearising law whose torques the program follows within limits."""
         return Fblin(bandwidth=self.bandwidth, hold_ticks=self.hold_ticks)
+
+    def at_bandwidth(self, bandwidth: float) -> "ClfQp":
+        """Return the law with another w [rad/s]."""
+        return replace(self, bandwidth=bandwidth)
 
     def in_c(self) -> CompiledLaw:
         """Return the law as compiled walks have it, which add the program in place of clipping."""

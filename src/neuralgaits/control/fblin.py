@@ -3,6 +3,8 @@
 Source: Westervelt et al. (2007), section 5.
 """
 
+from dataclasses import replace
+
 import equinox as eqx
 
 from neuralgaits._types import Actuated
@@ -28,6 +30,10 @@ class Fblin(AbstractLaw):
 
     bandwidth: float = eqx.field(default=30.0, static=True)
     hold_ticks: int = eqx.field(default=1, static=True)
+
+    def at_bandwidth(self, bandwidth: float) -> "Fblin":
+        """Return the law with another w [rad/s]."""
+        return replace(self, bandwidth=bandwidth)
 
     def in_c(self) -> CompiledLaw:
         """Return the law as compiled code has it."""

@@ -118,6 +118,17 @@ class AbstractLaw(eqx.Module):
         """Return the law as compiled code has it; None for a law in JAX alone."""
         return None
 
+    def at_bandwidth(self, bandwidth: float) -> "AbstractLaw | None":
+        """Return the law with another w, the double pole of small output errors.
+
+        Args:
+            bandwidth: w [rad/s].
+
+        Returns: the law; None for one without such a pole.
+        """
+        del bandwidth
+        return None
+
     @property
     def takes_joints(self) -> bool:
         """Whether torques that make up for friction of identified joints may be added to its own.

@@ -56,9 +56,38 @@ def law_for(
     return law_named(controller).for_gait(JointResponse(model), gait)
 
 
-def exported_laws() -> dict[str, AbstractLaw]:
-    """Return the laws of exported controllers, by name."""
-    return {name: law_named(name) for name, entry in CONTROL_LAWS.items() if entry.exported}
+def at_bandwidth(controller: str | AbstractLaw, bandwidth: float | None) -> AbstractLaw:
+    """Return a control law, by name or as it is, with another double pole of its output errors.
+
+    Args:
+        controller: law, by name or as an object.
+        bandwidth: w [rad/s]; None for the law's own.
+
+    Raises: InputError for another name, or for a law without a bandwidth.
+    """
+    law = law_named(controller)
+    if bandwidth is None:
+        return law
+    if (changed := law.at_bandwidth(bandwidth)) is not None:
+        return changed
+    *names, last = (name for name in CONTROL_LAWS if law_named(name).at_bandwidth(bandwidth))
+    name = controller if isinstance(controller, str) else type(controller).__name__
+    raise InputError(
+        f"--bandwidth: expected a law whose output errors have a double pole, {', '.join(names)} "
+        f"or {last}, found {name}: leave --bandwidth out, or write --controller {last}"
+    )
+
+
+def exported_laws(bandwidth: float | None = None) -> dict[str, AbstractLaw]:
+    """Return the laws of exported controllers, by name.
+
+    Args:
+        bandwidth: that of laws that have one [rad/s]; None for each law's own.
+    """
+    laws = {name: law_named(name) for name, entry in CONTROL_LAWS.items() if entry.exported}
+    if bandwidth is None:
+        return laws
+    return {name: law.at_bandwidth(bandwidth) or law for name, law in laws.items()}
 
 
 def fields_of_law(law: AbstractLaw) -> dict[str, Any]:

@@ -40,7 +40,9 @@ class ZeroStateBounds(eqx.Module):
     """Bounds on the policy's input z: unchanged inside, levelling off smoothly outside.
 
     A late touchdown carries z1 past the guard and a fall carries z2 anywhere. The bounded z is
-    twice differentiable in z, so desired rates and accelerations die out with it.
+    twice differentiable in z, so desired rates and accelerations die out with it. It is unchanged
+    to half the margin outside, as the sets of levels 4 and 5 begin and end beyond the step: there
+    the law has to be the one that is proved.
 
     Attributes:
         lower, upper: interval of (z1, z2) (m, kg m^2/s). [2]
@@ -53,7 +55,8 @@ class ZeroStateBounds(eqx.Module):
 
     def __call__(self, z: ZeroState) -> ZeroState:
         """The bounded zero dynamics state. Returns: [2]."""
-        return levelled_off(z, self.lower, self.upper, self.margin)
+        half = 0.5 * self.margin
+        return levelled_off(z, self.lower - half, self.upper + half, half)
 
     def over(self, policy: "AbstractPolicy") -> "ZeroStateBounds":
         """Return the bounds for a step of a family, whose interval of z1 is its own."""

@@ -93,6 +93,10 @@ class ScheduledPd(AbstractLaw):
             )
         return replace(self, schedule=GainSchedule(gains, gait, found))
 
+    def at_bandwidth(self, bandwidth: float) -> "ScheduledPd":
+        """Return the law with another w [rad/s]."""
+        return replace(self, bandwidth=bandwidth)
+
     def in_c(self) -> CompiledLaw:
         """Return the law as compiled code has it; without a schedule before it is fitted."""
         words = f"gains of phase and level, {self.bandwidth:g} rad/s"

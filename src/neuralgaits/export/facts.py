@@ -20,6 +20,7 @@ from neuralgaits.export.condition_query import ConditionQuery
 from neuralgaits.gait.commands import Commands
 from neuralgaits.gait.policies.commanded_gait import AnyGait
 from neuralgaits.gait.reset_residual import ResetCorrection
+from neuralgaits.records.law_proof import LawProof
 from neuralgaits.robots import PlanarBiped
 
 _by_leg = quick_filter_jit(by_leg)
@@ -64,6 +65,7 @@ class Design:
             controller always can.
         queries: conditions for other provers; empty in formats of a controller.
         left_out: laws that the gait cannot have, each with the reason.
+        law_proofs: whether level 5 of the proof is about each law; empty if it is not proved.
     """
 
     robot: PlanarBiped
@@ -76,6 +78,7 @@ class Design:
     supervised: bool = False
     queries: tuple[ConditionQuery, ...] = ()
     left_out: tuple[str, ...] = ()
+    law_proofs: tuple[LawProof, ...] = ()
 
     @classmethod
     def of(

@@ -66,11 +66,14 @@ def _prose(design: Design, monitor: StateMonitor) -> list[str]:
     if monitor.bandwidth is not None:
         lines += [
             "",
-            "Levels 4 and 5 are about the torques of exact input-output linearisation with",
-            f"w = {monitor.bandwidth!r} rad/s, and about no law of this export.",
+            "Level 4 is about the torques of exact input-output linearisation in continuous time,",
+            f"with w = {monitor.bandwidth!r} rad/s.",
         ]
     if monitor.hold_s is not None:
-        lines.append("Level 5: ticks at most NG_MONITOR_HOLD_US apart, and one at each touchdown.")
+        lines += [
+            "Level 5 is about one law, bandwidth and clock, which gait.h names, with ticks at most",
+            "NG_MONITOR_HOLD_US apart.",
+        ]
     return lines
 
 

@@ -68,6 +68,7 @@ def prose(design: Design) -> list[str]:
     ]
     for name, controller in design.controllers.items():
         lines.append(f"  {name}: {gains(controller.law)}")
+    lines += _laws_proved(design)
     if design.commands:
         lines += ["", "Commands, latched at each touchdown:"]
         lines += [f"  [{i}] {_command(c)}" for i, c in enumerate(design.commands)]
@@ -217,7 +218,7 @@ def arrays(design: Design) -> list[Array]:
         (
             "z_margin",
             bounds.margin,
-            "its commands level off within this much more (m, kg m^2/s)",
+            "half of it further its commands are the policy's, then they level off (m, kg m^2/s)",
         ),
     ]
     if (joints := controller.joints) is not None:
@@ -259,6 +260,18 @@ def _proof(design: Design) -> str:
     about = "of gait and model, not of this code"
     verdict = f"stated {origin.proof_verdict}; check-proof bounds its boxes again"
     return f"sha256 {origin.proof_sha256}, {verdict}: {about}"
+
+
+def _laws_proved(design: Design) -> list[str]:
+    """Say of which law, bandwidth and clock level 5 of the proof file is."""
+    if not design.law_proofs:
+        return []
+    return [
+        "",
+        "Level 5 of the proof file, of these laws in exact arithmetic, at the true state of the",
+        "robot file's robot, while no fault, no blending and no limit of torque rates acts:",
+        *(f"  {one.words}" for one in design.law_proofs),
+    ]
 
 
 def _monitor(design: Design) -> str:

@@ -3,6 +3,7 @@
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 
+from neuralgaits.records.law_proof import LawProof
 from neuralgaits.records.link_figures import Percentiles
 from neuralgaits.records.record import Count, Record, Texts
 
@@ -150,6 +151,8 @@ class ExportRecord(Record):
         flash_bytes, ram_bytes: memory use; None if unknown.
         monitor: monitor beside the controller; None if nothing is proved, or in another format.
         deployment_sha256: of the deployment file whose map is beside it; None without one.
+        bandwidth: requested double pole of output errors [rad/s]; None for each law's own.
+        law_proofs: whether level 5 of the proof is about each law; empty if it is not proved.
     """
 
     run: str
@@ -165,12 +168,14 @@ class ExportRecord(Record):
     ram_bytes: int | None = None
     monitor: MonitorExport | None = None
     deployment_sha256: str | None = None
+    bandwidth: float | None = None
+    law_proofs: tuple[LawProof, ...] = ()
 
     def unsaid(self) -> Collection[str]:
-        """Return the fields that `--json` omits: those about monitor and board if there is none."""
-        return tuple(
-            name for name in ("monitor", "deployment_sha256") if getattr(self, name) is None
-        )
+        """Return the fields that `--json` omits: those of what the export does not have."""
+        names = ("monitor", "deployment_sha256", "bandwidth")
+        proofs = () if self.law_proofs else ("law_proofs",)
+        return (*(name for name in names if getattr(self, name) is None), *proofs)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -152,6 +152,7 @@ class WalkSettings(Record):
         run: run that walked.
         plant: name of the robot that walked.
         controller, law: name of the control law, and its parameters.
+        bandwidth: requested double pole of its output errors [rad/s]; None for the law's own.
         episodes: number of walks.
         start: initial states, as in `simulate`.
         push: forward impulse [N s]; None for none.
@@ -181,6 +182,7 @@ class WalkSettings(Record):
     plant: str
     controller: str
     law: Mapping[str, Any] = field(default_factory=dict)
+    bandwidth: float | None = None
     episodes: Count
     start: str
     push: float | None = None
@@ -245,7 +247,13 @@ class SimulationSummary(WalkFigures, WalkSettings):
     def walked_by(self) -> str:
         """Control law and simulator in words."""
         joints = "" if self.joints is None else " with identified joints"
-        return f"under {self.controller}{joints} in {self.stepped_by}"
+        return f"under {self.law_in_words}{joints} in {self.stepped_by}"
+
+    @property
+    def law_in_words(self) -> str:
+        """Name of the control law, and its bandwidth if one was requested."""
+        width = "" if self.bandwidth is None else f" at {self.bandwidth:g} rad/s"
+        return f"{self.controller}{width}"
 
     @property
     def met(self) -> str:
@@ -283,7 +291,7 @@ class SimulationSummary(WalkFigures, WalkSettings):
 
     def unsaid(self) -> Collection[str]:
         """Return the fields that `--json` omits: those of features that the walks did not use."""
-        unsaid = ["link", "monitor", "joints", "joints_sha256", "adapt", "adapted"]
+        unsaid = ["link", "monitor", "joints", "joints_sha256", "adapt", "adapted", "bandwidth"]
         unsaid += ["believed_lean", "believed_slope", "learned_lean"]
         unsaid = [name for name in unsaid if getattr(self, name) is None]
         for name in ("command_error", "parameters", "errors"):

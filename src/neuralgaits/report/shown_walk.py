@@ -46,6 +46,7 @@ class WalkRequest:
     Attributes:
         plant: robot that walks; that of the run if None.
         law: name of a control law.
+        bandwidth: double pole of its output errors [rad/s]; its own if None.
         steps: number of walking steps.
         start: initial state, as in `simulate`.
         push: forward impulse (N s).
@@ -58,6 +59,7 @@ class WalkRequest:
 
     plant: PlanarBiped | None = None
     law: str = "pd"
+    bandwidth: float | None = None
     steps: int = STEPS
     start: str = "centre"
     push: float = 0.0
@@ -114,6 +116,7 @@ def request_of(run: Run) -> WalkRequest:
         return WalkRequest(
             plant=_plant(run, simulation),
             law=law if law in CONTROL_LAWS else "pd",
+            bandwidth=simulation.bandwidth,
             steps=steps_shown,
             start=simulation.start,
             push=push,
@@ -158,6 +161,8 @@ def _key(run: Run, settings: WalkRequest) -> str:
     rest = plain(vars(replace(settings, plant=None)))
     if settings.command is None:
         del rest["command"]
+    if settings.bandwidth is None:
+        del rest["bandwidth"]
     text = json.dumps([rest, robot, animation.FRAME_S, _LONGEST], sort_keys=True, default=str)
     weights = (run.path / WEIGHTS).read_bytes()
     return hashlib.sha256(weights + text.encode()).hexdigest()
@@ -214,6 +219,7 @@ def walk_again(run: Run, settings: WalkRequest) -> Walk:
         library=engine_of_trained(one).library,
         plant=settings.plant,
         controller=settings.law,
+        bandwidth=settings.bandwidth,
         steps=settings.steps,
         start=settings.start,
         push=settings.push,

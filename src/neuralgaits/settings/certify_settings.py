@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 
 from tyro.conf import Fixed, Positional
 
-from neuralgaits._checks import check_bandwidth, check_budget, check_disturbance
+from neuralgaits._checks import check_bandwidth, check_budget, check_disturbance, check_error
 from neuralgaits.errors import InputError
 from neuralgaits.records.checked import Arithmetic
 from neuralgaits.records.levels import (
@@ -67,6 +67,9 @@ class CertifySettings(Settings):
     clock: Literal["touchdown", "free"] = "touchdown"
     """At level 5, when torques are set: at each touchdown and then from tick to tick; or free: by
     a clock that knows of no touchdown."""
+    error: Annotated[float, arg(metavar="RAD/S^2")] = 0.0
+    """At level 5, largest error |S e| of a torque when it is set [rad/s^2], as of a measured state
+    or of rounding: the proved time between ticks gets shorter."""
     budget: Seconds = None
     """Stop after this time [s]; the result so far is kept."""
     within: _Ranges = None
@@ -97,6 +100,12 @@ class CertifySettings(Settings):
         if self.controller != "fblin" and level < DISTURBED_LEVEL:
             raise InputError(
                 f"expected level {DISTURBED_LEVEL} with {self.controller}, found {level}: raise "
+                "--level"
+            )
+        check_error(self.error)
+        if self.error and level < DISTURBED_LEVEL:
+            raise InputError(
+                f"expected level {DISTURBED_LEVEL} with an error of torques, found {level}: raise "
                 "--level"
             )
         if self.bandwidth is None:

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 from tyro.conf import Fixed
 
 from neuralgaits._called_with import PythonType
+from neuralgaits._checks import check_bandwidth
 from neuralgaits.errors import InputError
 from neuralgaits.settings.options import Settings, arg
 from neuralgaits.settings.shared_options import A_PATH, ONE_PATH, AnyName, AnyPath, Begun, Flag, Run
@@ -40,6 +41,9 @@ class ExportSettings(Settings):
     joints: Annotated[AnyName | None, arg(metavar="latest|FILE.json"), A_PATH] = None
     """Friction and rotors in the torques of pd, fblin and scheduled-pd, as fit --joints identified
     them: latest for the run's own, or a file."""
+    bandwidth: Annotated[float | None, arg(metavar="RAD/S")] = None
+    """Double pole w of the output errors under fblin and scheduled-pd: 30 and 40 if not given.
+    Level 5 is proved for one w, that of certify --bandwidth."""
     supervisor: Flag = False
     """With --format fmu, fmu2 or ros2: stand, walk and stop on request, and damp after a fault."""
     states: Fixed[int] = 100_000
@@ -49,5 +53,7 @@ class ExportSettings(Settings):
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        if self.bandwidth is not None:
+            check_bandwidth(self.bandwidth)
         if self.states < 1:
             raise InputError(f"states: expected 1 or more, found {self.states}")

@@ -3,7 +3,7 @@
 from dataclasses import KW_ONLY, dataclass
 from typing import Annotated, Literal
 
-from neuralgaits._checks import check_walks
+from neuralgaits._checks import check_bandwidth, check_walks
 from neuralgaits.settings import forms
 from neuralgaits.settings.options import Settings, arg
 from neuralgaits.settings.shared_options import (
@@ -40,6 +40,9 @@ class SimulateSettings(Settings):
     with a control Lyapunov function within limits of torque and friction, or the exported
     controller as a process of its own. With the supervisor: c, and --link address=HOST:PORT of
     the firmware in examples/firmware."""
+    bandwidth: Annotated[float | None, arg(metavar="RAD/S")] = None
+    """Double pole w of the output errors under fblin, scheduled-pd or clf-qp: 30, 40 and 30 if not
+    given. Level 5 is proved for one w, that of certify --bandwidth."""
     link: Connection = None
     """Settings of the connection to controller c, as in
     law=fblin,lockstep=1,loss=0.01,jitter_ms=2; address=HOST:PORT is that of a controller you have
@@ -111,6 +114,8 @@ class SimulateSettings(Settings):
     def __post_init__(self) -> None:
         super().__post_init__()
         check_walks(self.episodes, self.seed, self.push)
+        if self.bandwidth is not None:
+            check_bandwidth(self.bandwidth)
         if self.adapt is not None:
             object.__setattr__(self, "adapt", forms.adapted(self.adapt))
 

@@ -10,7 +10,7 @@ from typing import Any
 
 from neuralgaits._control_laws import CONTROL_LAWS, names_of_laws
 from neuralgaits.control import AbstractLaw
-from neuralgaits.control.law_by_name import exported_laws, law_named
+from neuralgaits.control.law_by_name import at_bandwidth, exported_laws, law_named
 from neuralgaits.control.speed_adapter import ADAPTED
 from neuralgaits.errors import InputError
 from neuralgaits.gait.commands import LEAN, SLOPE, Commands, place_of
@@ -109,6 +109,20 @@ def refuse_without_model(controller: str | AbstractLaw, wire: LinkConfig | None)
             f"--joints: expected a law whose torques are the model's, {', '.join(names)} or "
             f"{last}, found {_name(law)}: leave --joints out"
         )
+
+
+def refuse_bandwidth(
+    controller: str | AbstractLaw, wire: LinkConfig | None, bandwidth: float | None
+) -> None:
+    """Refuse a bandwidth for a law without one, or in a process made before. Raises: InputError."""
+    if bandwidth is None:
+        return
+    if wire is not None and wire.address:
+        raise InputError(
+            "expected --bandwidth with a controller of this run, found --link address: that "
+            "process was compiled with its own; export it with --bandwidth, and leave this one out"
+        )
+    at_bandwidth(controller if wire is None else wire.law, bandwidth)
 
 
 def about_other_robot(robot: PlanarBiped, plant: PlanarBiped) -> str | None:

@@ -36,7 +36,7 @@ STEPS_OF_A_PART = 1600
 """Number of walking steps of a task: some ten seconds of compiled code."""
 _MOST_OF_A_PART = 256
 _PLANT, _COMMANDS, _ARRAYS = "plant.xml", "commands.csv", "walks.safetensors"
-_SENT = ("controller", "steps", "start", "push", "seed", "simulator", "adapt")
+_SENT = ("controller", "bandwidth", "steps", "start", "push", "seed", "simulator", "adapt")
 """Settings of `TrainedWalks` that are sent to workers as they are."""
 
 

@@ -13,7 +13,7 @@ from neuralgaits._control_laws import names_of_laws
 from neuralgaits.analysis.run import Run
 from neuralgaits.control import AbstractLaw
 from neuralgaits.control.joint_model import JointModel
-from neuralgaits.control.law_by_name import law_for, law_named
+from neuralgaits.control.law_by_name import at_bandwidth, law_for, law_named
 from neuralgaits.errors import InputError
 from neuralgaits.simulation.linked.remote import Remote
 from neuralgaits.simulation.native.native_scene import knows
@@ -36,16 +36,19 @@ class TrainedWalks(WalkOptions):
         run: opened run, a family at its first command.
         start: as in `simulate`.
         drawn: robots of a box in place of the plant, one for each walk.
+        bandwidth: double pole of output errors under the law [rad/s]; its own if None.
     """
 
     run: Run
     start: str
     drawn: DrawnRobots | None = None
+    bandwidth: float | None = None
 
     @cached_property
     def law(self) -> AbstractLaw:
         """Control law with what it keeps of the gait."""
-        return law_for(self.controller, self.run.robot, self.run.trained, self.joints)
+        law = at_bandwidth(self.controller, self.bandwidth)
+        return law_for(law, self.run.robot, self.run.trained, self.joints)
 
     def walk(
         self,

@@ -53,7 +53,10 @@ def certify_alone(trained: Run, settings: CertifySettings) -> CertifyResult:
         settings.budget, settings.resume, settings.workers, settings.ray, settings.progress
     )
     control = ControlAssumption(
-        settings.bandwidth, settings.clock == "free", settings.controller == "scheduled-pd"
+        settings.bandwidth,
+        settings.clock == "free",
+        settings.controller == "scheduled-pd",
+        float(settings.error),
     )
     proof = prove_run(trained, scope, disturbance, control, effort)
     try:

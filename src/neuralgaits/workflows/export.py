@@ -9,6 +9,7 @@ import numpy as np
 from neuralgaits._version import __version__
 from neuralgaits.analysis.joint_file import JointFile, read_joints
 from neuralgaits.analysis.run import Run, open_run
+from neuralgaits.certificate.run_certificate.proved_law import law_proofs
 from neuralgaits.certificate.run_certificate.proved_monitor import monitor_of
 from neuralgaits.certificate.run_certificate.verified_summary import (
     CertificateReading,
@@ -77,7 +78,7 @@ def export_controller(settings: ExportSettings) -> Export:
         settings.begun()
     # Numbers that are not finite are refused where they are written.
     with np.errstate(all="ignore"):
-        design, lacking = _designed(trained, certificate, kind, joints)
+        design, lacking = _designed(trained, certificate, kind, joints, settings.bandwidth)
         usual = template(about, usual_gains(design))
         # A ROS 2 package always has a map: without a file that of the robot file itself.
         mapped = usual if kind == "ros2" and deployment is None else deployment
@@ -96,6 +97,8 @@ def export_controller(settings: ExportSettings) -> Export:
             laws=tuple(design.controllers),
             warnings=(*unproved_of_export(certificate), *lacking),
             deployment_sha256=None if deployment is None else deployment.sha256,
+            bandwidth=settings.bandwidth,
+            law_proofs=design.law_proofs,
         )
     )
 
@@ -108,10 +111,14 @@ def _template_file(folder: Path, text: str) -> tuple[dict[str, str], list[str]]:
 
 
 def _designed(
-    trained: Run, certificate: CertificateReading, kind: str, joints: JointFile | None
+    trained: Run,
+    certificate: CertificateReading,
+    kind: str,
+    joints: JointFile | None,
+    bandwidth: float | None = None,
 ) -> tuple[Design, list[str]]:
     """Return everything that the files are made of, and what it lacks: laws, a monitor."""
-    design = design_of(trained, certificate, joints)
+    design = design_of(trained, certificate, joints, bandwidth)
     if kind == QUERIED:
         return replace(design, queries=queries_of(trained)), []
     # Pages say which laws gaits with commands have.
@@ -142,6 +149,11 @@ def _refuse_settings(settings: ExportSettings) -> None:
             f"--config: expected --format {' or '.join(MAPPED)} beside it, found {kind}: "
             "leave one of them out"
         )
+    if settings.bandwidth is not None and kind not in MONITORED:
+        raise InputError(
+            f"--bandwidth: expected --format {' or '.join(MONITORED)}, whose controller has "
+            f"control laws, found {kind}: leave --bandwidth out"
+        )
     if settings.supervisor and kind not in SUPERVISED:
         remedy = "C always has the supervisor" if kind == "c" else "it has no torques"
         raise InputError(
@@ -168,6 +180,7 @@ def design_of(
     trained: Run,
     certificate: CertificateReading | None = None,
     joints: JointFile | None = None,
+    bandwidth: float | None = None,
 ) -> Design:
     """Return everything that the exported controller of a run is made of.
 
@@ -175,13 +188,14 @@ def design_of(
         trained: the run.
         certificate: its certificate; read if None.
         joints: identified joints that torques are for; those of the run's robot if None.
+        bandwidth: double pole of output errors under laws that have one [rad/s]; their own if None.
     """
     certificate = certificate or read_certificate(trained.folder)
     gait = trained.trained
     return Design.of(
         trained.robot,
         gait,
-        exported_laws(),
+        exported_laws(bandwidth),
         momentum_range(gait),
         _origin(trained, certificate, None if joints is None else joints.sha256),
         reset_residual=trained.residuals.reset,
@@ -192,10 +206,12 @@ def design_of(
 def with_monitor(
     design: Design, trained: Run, certificate: CertificateReading
 ) -> tuple[Design, list[str]]:
-    """Return the design with a monitor of the sets that are proved, and why it has none.
+    """Return the design with what is proved: a monitor, and why it has none; the laws of level 5.
 
     Without a certificate of the run's own there is none, which another warning says.
     """
+    proofs = law_proofs(trained, certificate, design.controllers)
+    design = replace(design, law_proofs=proofs)
     try:
         monitored = replace(design, monitor=monitor_of(trained, certificate))
         monitor_files(monitored)

@@ -26,6 +26,7 @@ from neuralgaits.simulation.incompatible_settings import (
     about_other_robot,
     drawn_robots,
     link_of,
+    refuse_bandwidth,
     refuse_beside_terrain,
     refuse_shared,
     refuse_without_command,
@@ -167,6 +168,7 @@ def _planned(settings: SimulateSettings) -> _Plan:
     if settings.joints is not None:
         refuse_without_model(controller, wire)
         joints = read_joints(run, settings.joints)
+    refuse_bandwidth(controller, wire, settings.bandwidth)
     monitor = required_monitor(run) if settings.monitor else None
     constant = run.trained.commands and commands is None
     run, courses = at_first(run, orders.first), None
@@ -183,6 +185,7 @@ def _planned(settings: SimulateSettings) -> _Plan:
         run=run,
         plant=None if plant is None else robot_from(plant),
         controller=controller if wire is None else wire.law,
+        bandwidth=settings.bandwidth,
         steps=settings.steps,
         start=settings.start,
         push=settings.push or 0.0,
@@ -226,7 +229,7 @@ def _walk(
         settings.begun()
     record, longest = bool(plan.films or settings.adapt), _ALL if plan.logs or plan.monitor else 0
     if wire is not None:
-        design = design_of(walks.run, joints=plan.joints)
+        design = design_of(walks.run, joints=plan.joints, bandwidth=settings.bandwidth)
         with connected(design, wire, count, settings.seed) as remote:
             walk = walks.walk(0, count, record=record, longest=longest, remote=remote)
         return walk, remote.summary()
@@ -252,6 +255,7 @@ def _record(
         plant=walk.plant.robot.name,
         controller=law if isinstance(law, str) else type(law).__name__,
         law=fields_of_law(walk.law),
+        bandwidth=settings.bandwidth,
         episodes=len(walk.episodes.endings),
         start=settings.start,
         push=settings.push,

@@ -101,7 +101,10 @@ static void latch(ng_state *state)
 #define Z1_MARGIN ng_z_margin[0]
 #endif
 
-/* z inside the policy's bounds, levelling off smoothly outside; with first two derivatives. */
+/*
+ * z as the policy gets it, with first two derivatives: unchanged to half the margin outside of its
+ * bounds, then levelling off smoothly.
+ */
 static void bounded(const ng_state *state, const ng_real z[2], ng_real value[2],
                     ng_real first[2], ng_real second[2])
 {
@@ -109,9 +112,10 @@ static void bounded(const ng_state *state, const ng_real z[2], ng_real value[2],
     const ng_real margins[2] = {Z1_MARGIN, ng_z_margin[1]};
     (void)state;
     for (int i = 0; i < 2; ++i) {
-        const ng_real margin = margins[i];
-        const ng_real over = z[i] > upper[i] ? z[i] - upper[i] : NG(0.0);
-        const ng_real under = z[i] < lower[i] ? lower[i] - z[i] : NG(0.0);
+        const ng_real margin = NG(0.5) * margins[i];
+        const ng_real high = upper[i] + margin, low = lower[i] - margin;
+        const ng_real over = z[i] > high ? z[i] - high : NG(0.0);
+        const ng_real under = z[i] < low ? low - z[i] : NG(0.0);
         const ng_real t = ng_tanh(over / margin) - ng_tanh(under / margin);
         value[i] = z[i] - over + under + margin * t;
         first[i] = NG(1.0) - t * t;

@@ -193,6 +193,7 @@ def simulating(folder: RunFolder, simulation: SimulationSummary, run: Path) -> s
     options: dict[str, Any] = {
         "plant": plant or None,
         "controller": simulation.controller,
+        "bandwidth": simulation.bandwidth,
         "steps": 50 if simulation.steps is None else simulation.steps,
         "link": None if simulation.link is None else settings_of_link(simulation.link),
         "simulator": simulation.simulator,

@@ -180,7 +180,7 @@ def simulations(saved: RunContents) -> Html:
         "simulations",
         "Simulations",
         html.paragraph(
-            f"The whole robot in {simulation.stepped_by}, controller {simulation.controller}: "
+            f"The whole robot in {simulation.stepped_by}, controller {simulation.law_in_words}: "
             f"{simulation.stayed} of "
             f"{len(simulation.fell)} walks stayed up to their last step. Started from "
             f"{simulation.start}, "

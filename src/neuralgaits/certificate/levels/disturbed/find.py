@@ -54,6 +54,7 @@ def find_disturbed(
     *,
     free_clock: bool = False,
     gains: ScheduledGains | None = None,
+    error: float = 0.0,
 ) -> DisturbedConstants | str:
     """Return the longest hold and the largest push that points allow in the set.
 
@@ -64,6 +65,7 @@ def find_disturbed(
         full: the set.
         free_clock: whether ticks may miss touchdowns.
         gains: those of scheduled PD, if that is the law that the functions are of.
+        error: bound on |S e| of torques when they are set [rad/s^2].
     """
     if full.least_radius <= 0.0:
         return (
@@ -71,7 +73,7 @@ def find_disturbed(
             "outputs inside it: no set with a floor was found for this gait"
         )
     u = grid(np.linspace(*full.ends, 61), np.linspace(0.0, 1.0, 9))
-    seen = _Seen(looks, full, u, free_clock)
+    seen = _Seen(looks, full, u, free_clock, error)
     if not seen.gamma > 0.0:
         return "under this law V is not shown to fall"
     hold = _largest(LONGEST, lambda hold: seen.stands(hold, seen.held(hold)))
@@ -88,7 +90,9 @@ def find_disturbed(
     barriers = seen.barriers(hold, found, kick)
     if barriers is None or not extra + held.push[0] > 0.0:
         return "a barrier leaves no room for any disturbance"
-    shape = DisturbedConstants(found.push, found.peak, hold, 0.0, *seen.jerk, barriers)
+    shape = DisturbedConstants(
+        found.push, found.peak, hold, error if hold else 0.0, *seen.jerk, barriers
+    )
     if free_clock:
         assert seen.kick is not None
         shape = replace(
@@ -149,8 +153,14 @@ class _Seen:
     """Effect of pushes on barriers, contact and torques at points, and growth of held errors."""
 
     def __init__(
-        self, looks: SampleEvaluators, full: FullOrderConstants, u: np.ndarray, free_clock: bool
+        self,
+        looks: SampleEvaluators,
+        full: FullOrderConstants,
+        u: np.ndarray,
+        free_clock: bool,
+        error: float,
     ):
+        self.error = error
         self.full, self.gamma = full, float(lyapunov_rate(full.bandwidth))
         self.factor = float(factor(full).upper())
         step = looks.step(u, np.zeros((len(u), looks.size)))
@@ -194,7 +204,7 @@ class _Seen:
         )
         # The proof takes the bound at the start's strip for the one at phase 0, which is more.
         reach = full.radius * full.radius / start
-        found = self.jerk.held(hold, 0.0, full.bandwidth, reach, self.gamma)
+        found = self.jerk.held(hold, self.error, full.bandwidth, reach, self.gamma)
         if found is None:
             return None
         found = found._replace(push=(found.push[0] + self.rest, found.push[1]))

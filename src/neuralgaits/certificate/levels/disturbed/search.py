@@ -25,7 +25,9 @@ class DisturbedSearch(LevelSearch):
         model = FullOrderModel(target.zd.robot, target.gait, target.spec, full.bandwidth)
         evaluators = evaluators_in_norm(model, full, target.shared.get(4))
         free, gains = target.control.free_clock, target.gains
-        constants = find_disturbed(evaluators, full, free_clock=free, gains=gains)
+        constants = find_disturbed(
+            evaluators, full, free_clock=free, gains=gains, error=target.control.error
+        )
         return constants if isinstance(constants, str) else (constants, {})
 
     def margins(self, point: PremisePoint) -> Margins:

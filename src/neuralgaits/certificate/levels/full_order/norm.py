@@ -86,9 +86,13 @@ def push_factor(bandwidth: float) -> float:
     return math.sqrt(1.0 + float(STIFF) ** 2) / bandwidth
 
 
-def find_plan(samples: GaitSamples, bandwidth: float) -> Plan | None:
+def find_plan(samples: GaitSamples, bandwidth: float, error: float = 0.0) -> Plan | None:
     """Return the plan in which torques can be held the longest; None if no set exists."""
-    plan = _best(samples, bandwidth, lambda planned: 1e3 * planned.best().hold, held=True).best()
+
+    def hold(planned: Planned) -> float:
+        return 1e3 * planned.best().hold
+
+    plan = _best(samples, bandwidth, hold, held=True, error=error).best()
     return plan if plan.hold > 0.0 else None
 
 
@@ -103,7 +107,9 @@ def find_widest(samples: GaitSamples, bandwidth: float) -> Plan | None:
     return plan if plan.radius > 0.0 else None
 
 
-def _best(samples: GaitSamples, bandwidth: float, worth: Worth, held=False) -> "NormPlans":
+def _best(
+    samples: GaitSamples, bandwidth: float, worth: Worth, held: bool = False, error: float = 0.0
+) -> "NormPlans":
     """Return the norm with the highest value."""
     from scipy.optimize import minimize  # Slow to import, and only proofs need it.
 
@@ -120,7 +126,7 @@ def _best(samples: GaitSamples, bandwidth: float, worth: Worth, held=False) -> "
     lower[np.diag_indices(m)] = np.log(np.diagonal(lower))
     with np.errstate(all="ignore"):
         best = minimize(
-            lambda x: -worth(NormPlans(samples, bandwidth, matrix(x), held)),
+            lambda x: -worth(NormPlans(samples, bandwidth, matrix(x), held, error)),
             lower[rows],
             method="Nelder-Mead",
             options={"maxfev": HELD_TRIES if held else TRIES, "adaptive": True},
@@ -128,14 +134,21 @@ def _best(samples: GaitSamples, bandwidth: float, worth: Worth, held=False) -> "
         norm = matrix(best.x)
         # The size of S means nothing: 1 for the determinant, and few digits.
         size = np.linalg.det(norm) ** (1.0 / m)
-        return NormPlans(samples, bandwidth, np.round(norm / size, 4), held)
+        return NormPlans(samples, bandwidth, np.round(norm / size, 4), held, error)
 
 
 class NormPlans:
     """Plans for holds and sets that one norm allows."""
 
-    def __init__(self, samples: GaitSamples, bandwidth: float, matrix: np.ndarray, held=False):
-        self.samples, self.w, self.matrix = samples, bandwidth, matrix
+    def __init__(
+        self,
+        samples: GaitSamples,
+        bandwidth: float,
+        matrix: np.ndarray,
+        held: bool = False,
+        error: float = 0.0,
+    ):
+        self.samples, self.w, self.matrix, self.error = samples, bandwidth, matrix, error
         self.impact = HELD_IMPACT if held else IMPACT
         inverse = np.linalg.inv(matrix)
         both, back = doubled(matrix), doubled(inverse)
@@ -219,7 +232,7 @@ class NormPlans:
 
     def _hold_bounds(self, hold: float, radius: float) -> Held | None:
         """Bound errors of a hold, that of the law at xi = 0 included."""
-        bounds = self.jerk.held(hold, 0.0, self.w, radius, self.gamma)
+        bounds = self.jerk.held(hold, self.error, self.w, radius, self.gamma)
         if bounds is None:
             return None
         return bounds._replace(push=(bounds.push[0] + self.rest, bounds.push[1]))

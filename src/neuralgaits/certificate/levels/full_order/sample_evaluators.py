@@ -55,6 +55,7 @@ def set_of(
     widest: bool = False,
     *,
     free_clock: bool = False,
+    error: float = 0.0,
     evaluators: SampleEvaluators | None = None,
 ) -> FullOrderConstants | str:
     """Return the largest set tried whose constants fit together, or a sentence with the reason.
@@ -64,6 +65,7 @@ def set_of(
         pushed: try sets for a disturbance first (level 5), in a norm of their own and with a floor.
         widest: try the largest set first, in a norm of its own, and accept more boxes.
         free_clock: leave room in pushed sets for torques held through an impact.
+        error: leave room in them for torques that are off by |S e| when they are set [rad/s^2].
         evaluators: `evaluators_of` the model, made here if they are not given.
 
     Raises: SpecError if a barrier of the spec or the policy cannot be traced.
@@ -76,7 +78,7 @@ def set_of(
     if pushed and samples is not None and samples.law[1].any():
         largest = LARGEST_SCHEDULED
     if samples is not None:
-        plan = find_plan(samples, w) if pushed else find_widest(samples, w)
+        plan = find_plan(samples, w, error) if pushed else find_widest(samples, w)
     tries: list[tuple[float, Plan | None]] = []
     tries += [(1.0, plan.smaller(share)) for share in smaller] if plan else []
     tries += [(share, None) for share in SHARES]

@@ -38,6 +38,7 @@ class FullOrderSearch(LevelSearch):
                 target.disturbed,
                 control.bandwidth is not None,
                 free_clock=control.free_clock,
+                error=control.error,
                 evaluators=evaluators,
             )
         except SpecError as error:  # The levels below read less of the robot.

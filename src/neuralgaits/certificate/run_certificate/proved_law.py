@@ -1,0 +1,110 @@
+"""Whether level 5 of a run's proof is about a control law as an export has it.
+
+The proof is about one law, one bandwidth and one clock. It names no rounding, and no safeguard of
+exported controllers: those must not act.
+"""
+
+from collections.abc import Mapping
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from neuralgaits.analysis.run import Run
+from neuralgaits.barriers import Gait
+from neuralgaits.certificate.levels.disturbed.theorem import DisturbedConstants
+from neuralgaits.certificate.levels.full_order.theorem import FullOrderConstants
+from neuralgaits.certificate.run_certificate.proved_monitor import proved_levels
+from neuralgaits.certificate.run_certificate.verified_summary import CertificateReading
+from neuralgaits.control import Controller, Fblin, ScheduledPd
+from neuralgaits.records.law_proof import LawProof
+from neuralgaits.records.levels import DISTURBED_LEVEL, FULL_ORDER_LEVEL
+
+ROUNDING = 1e-9
+"""Largest difference of fitted gains from those of a proof file, as a share of the largest gain."""
+_PHASES, _LEVELS = 33, 5
+"""Number of states along phase and level at which a controller's bounds are compared with a set."""
+
+
+def law_proofs(
+    run: Run, certificate: CertificateReading, controllers: Mapping[str, Controller]
+) -> tuple[LawProof, ...]:
+    """Return what level 5 of a run's proof states of each control law.
+
+    Args:
+        run: the run.
+        certificate: its certificate.
+        controllers: controllers by the names of their laws.
+
+    Returns: one for each law; none if level 5 is not proved of the run.
+    """
+    if certificate.proof is None or DISTURBED_LEVEL not in proved_levels(certificate):
+        return ()
+    parameters = certificate.proof.theorems.parameters
+    full, shape = parameters[FULL_ORDER_LEVEL], parameters[DISTURBED_LEVEL]
+    subject = "scheduled-pd" if shape.scheduled else "fblin"
+    found = []
+    for name, controller in controllers.items():
+        reason = f"the proof is about {subject}"
+        if name == subject:
+            reason = _difference(run, controller, full, shape)
+        law = controller.law
+        width = law.bandwidth if isinstance(law, Fblin | ScheduledPd) else None
+        clock = "free" if shape.free_clock else "touchdown"
+        found.append(LawProof(name, width, subject, shape.hold, clock, reason))
+    return tuple(found)
+
+
+def _difference(
+    run: Run, controller: Controller, full: FullOrderConstants, shape: DisturbedConstants
+) -> str | None:
+    """Return how a controller differs from the one of the theorem; None if it does not."""
+    law = controller.law
+    if type(law) not in (Fblin, ScheduledPd):
+        return "which is about the law of this package"
+    assert isinstance(law, Fblin | ScheduledPd)
+    if law.bandwidth != full.bandwidth:
+        return f"the proof is about {full.bandwidth:g} rad/s: --bandwidth {full.bandwidth:g}"
+    if law.hold_ticks != 1 or law.uses_impact_consistent_rates:
+        return "its torque is not that of the measured state at every tick"
+    if controller.joints is not None:
+        return "its torques are for identified joints, and the proof is about the robot file's"
+    if not shape.hold >= controller.period_s:
+        proved, period = (f"{1e3 * one:.4g}" for one in (shape.hold, controller.period_s))
+        return f"its ticks are {period} ms apart, and the proof is about {proved} ms at most"
+    if isinstance(law, ScheduledPd) and not _has_gains(law, shape):
+        return "its gains are not those of the proof file"
+    if not _unchanged(run, controller, full):
+        return "it bounds z inside the set of the proof, so that its torque is another one there"
+    return None
+
+
+def _has_gains(law: ScheduledPd, shape: DisturbedConstants) -> bool:
+    """Return whether a law's gains are those of a proof file, but for rounding."""
+    if law.schedule is None:
+        return False
+    gains = law.schedule.gains
+    pairs = (gains.torque, shape.torque_gains), (gains.inertia, shape.inertia_gains)
+    for fitted, stated in pairs:
+        own, other = np.ravel(np.asarray(fitted)), np.array(stated)
+        if own.shape != other.shape:
+            return False
+        if not np.abs(own - other).max() <= ROUNDING * np.abs(other).max():
+            return False
+    return True
+
+
+def _unchanged(run: Run, controller: Controller, full: FullOrderConstants) -> bool:
+    """Return whether a controller uses z as it is all over the tube of a set, at sampled states."""
+    gait, schedule = run.trained, getattr(controller.law, "schedule", None)
+    assert isinstance(gait, Gait)
+    axes = np.linspace(*full.ends, _PHASES), np.linspace(0.0, 1.0, _LEVELS)
+    charts = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 2)
+
+    @jax.vmap
+    def changes(u: jax.Array) -> jax.Array:
+        z = gait.z(u)
+        moved = jnp.abs(controller.bounds(z) - z).max()
+        return moved if schedule is None else moved + jnp.abs(schedule.chart(z) - u).max()
+
+    return bool(np.max(np.asarray(changes(jnp.asarray(charts)))) < ROUNDING)

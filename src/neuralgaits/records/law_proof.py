@@ -1,0 +1,51 @@
+"""What level 5 of a proof file states of the control laws of an export."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+CLOCKS = {"touchdown": "one of them at each touchdown", "free": "wherever touchdowns lie"}
+"""Clocks that level 5 is proved for, in words."""
+
+
+@dataclass(frozen=True)
+class LawProof:
+    """Whether level 5 of a proof file is about a control law as an export has it.
+
+    Attributes:
+        law: name of the law.
+        bandwidth: its double pole of output errors [rad/s]; None for a law without one.
+        subject: name of the law that the proof is about.
+        hold_s: longest proved time between two ticks [s].
+        clock: whether one of the ticks has to be at each touchdown.
+        reason: why the proof is not about this law; None if it is.
+    """
+
+    law: str
+    bandwidth: float | None
+    subject: str
+    hold_s: float
+    clock: Literal["touchdown", "free"]
+    reason: str | None = None
+
+    @property
+    def proved(self) -> bool:
+        """Whether the proof is about this law."""
+        return self.reason is None
+
+    @property
+    def words(self) -> str:
+        """The same as a sentence without its full stop."""
+        name = self.law if self.bandwidth is None else f"{self.law} at {self.bandwidth:g} rad/s"
+        if self.reason is not None:
+            return f"{name}: nothing is proved, {self.reason}"
+        hold = f"{1e3 * self.hold_s:.7g}"
+        return f"{name}: proved for ticks at most {hold} ms apart, {CLOCKS[self.clock]}"
+
+
+def summary_of(proofs: Sequence[LawProof]) -> str | None:
+    """Return what is proved of some laws in one line; None without a proof of level 5."""
+    if not proofs:
+        return None
+    about = [one.words for one in proofs if one.law == one.subject]
+    return about[0] if about else f"nothing is proved, the proof is about {proofs[0].subject}"
