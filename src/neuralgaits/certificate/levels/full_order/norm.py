@@ -89,8 +89,8 @@ def push_factor(bandwidth: float) -> float:
 def find_plan(samples: GaitSamples, bandwidth: float, error: float = 0.0) -> Plan | None:
     """Return the plan in which torques can be held the longest; None if no set exists."""
 
-    def hold(planned: Planned) -> float:
-        return 1e3 * planned.best().hold
+    def hold(plans: NormPlans) -> float:
+        return 1e3 * plans.best().hold
 
     plan = _best(samples, bandwidth, hold, held=True, error=error).best()
     return plan if plan.hold > 0.0 else None
