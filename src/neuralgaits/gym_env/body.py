@@ -202,7 +202,7 @@ class Body:
         """
         sensors = self._sensors
         layout = self.plant.state_map.layout
-        swept = layout.hip_arm(sensors.pitch - layout.root_angle, np)[1]
+        arm_slope = layout.hip_arm(sensors.pitch - layout.root_angle, np)[1]
         angles, rates = self._measured_joints()
         return np.concatenate(
             [
@@ -210,7 +210,7 @@ class Body:
                 self._measured_rates(np.atleast_1d(sensors.dpitch)),
                 angles,
                 rates,
-                sensors.base_velocity + swept * sensors.dpitch,
+                sensors.base_velocity + arm_slope * sensors.dpitch,
                 self.data.sensordata[self._touch] / self.weight,
             ]
         )
