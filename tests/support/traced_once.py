@@ -98,7 +98,7 @@ class TracedOnce:
             self._known[key] = self._read_or_traced(key, lambda: trace(run, theorems, chart))
         return json.loads(self._known[key])
 
-    def _read_or_traced(self, key: Key, trace: Callable[[], dict[str, Any]]) -> str:
+    def _read_or_traced(self, key: Key, trace: Callable[[], Any]) -> str:
         """Return a result as JSON: that of another process, or a new one that others may read."""
         digest = hashlib.sha256(json.dumps(key).encode()).hexdigest()
         kept = None if self._shared is None else self._shared / f"traced-{digest}.json"
@@ -156,7 +156,7 @@ def _is_built_in(run: Path) -> bool:
         return False
 
 
-def _description_of(run: Path) -> Callable[..., dict[str, Any]] | None:
+def _description_of(run: Path) -> Callable[..., retrace.RunDescription] | None:
     """Return what `retrace_in_subprocess` has another process call; None if a user's code is."""
     try:
         family = RunFolder.open(run).config.get("family")
@@ -168,7 +168,7 @@ def _description_of(run: Path) -> Callable[..., dict[str, Any]] | None:
 
     system = importlib.import_module(verbs_module(family)).SYSTEM
 
-    def describe(run: Path, theorems: Theorems, chart: Chart) -> dict[str, Any]:
+    def describe(run: Path, theorems: Theorems, chart: Chart) -> retrace.RunDescription:
         del theorems, chart
         try:
             return describe_family_run(system, run)

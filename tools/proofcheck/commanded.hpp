@@ -84,7 +84,7 @@ void put_on_foothold(const RobotOf<K>& robot, const Foothold<K>& foothold, const
     // The height over the line through the stance foot that rises like the ground.
     const auto up = [&](const Vec<K>& v) { return v.z - foothold.rise * v.x; };
     const K a = up(leg);
-    turn(at_hip, half_tangent<K>(foothold.height - up(hip) - a, a, up(quarter(leg))));
+    turn(at_hip, half_tangent<K>(foothold.height - up(hip) - a, a, up(quarter_turned(leg))));
     return;
   }
   if (robot.leg < 2) throw Unknown{"a step length of a robot without knees"};
@@ -94,10 +94,10 @@ void put_on_foothold(const RobotOf<K>& robot, const Foothold<K>& foothold, const
   const Vec<K> last = times(robot.foot[tip], pose.e[tip]), upper = leg - last;
   const K far = dot(place, place);
   const K half = half_tangent<K>(far - dot(leg, leg), I(2.0) * dot(upper, last),
-                                 I(2.0) * dot(upper, quarter(last)));
+                                 I(2.0) * dot(upper, quarter_turned(last)));
   const K square = half * half, share = I(2.0) * inverse(K(1.0) + square);
   // Turned by s: cos s = 1 - share t^2, sin s = share t.
-  const Vec<K> bent = upper + last + scaled<K>(share * half, quarter(last)) -
+  const Vec<K> bent = upper + last + scaled<K>(share * half, quarter_turned(last)) -
                       scaled<K>(share * square, last);
   turn(at_hip, cross(bent, place) / (far + dot(bent, place)));
   turn(at_last, half);
@@ -140,7 +140,8 @@ End<K> end_at(const Model& model, const vector<K>& commands) {
     return q;
   };
   const Pose<K> pose(robot, lifted(end.z1, end.outputs));
-  const Struck<K> after = struck(robot, pose, turned(robot, lifted(K(1.0), end.slopes)));
+  const vector<K> rates = link_angles(robot, lifted(K(1.0), end.slopes));
+  const ImpactResult<K> after = plastic_impact(robot, pose, rates);
   const auto along_hip = [&](const vector<K>& q) {
     K total(0.0);
     for (size_t j = 0; j < q.size(); ++j) total = total + robot.hip_gradient[j] * q[j];
@@ -189,9 +190,9 @@ Step<K> step_between(const Model& model, const vector<K>& before, const vector<K
   s.after = places(family, after);
   vector<K> told = s.before;
   told.insert(told.end(), s.after.begin(), s.after.end());
-  for (size_t i = 0; i < family.told.size(); ++i) {
+  for (size_t i = 0; i < family.command_weights.size(); ++i) {
     K bias(I(model.policy.layers[0].biases[i]));
-    for (size_t k = 0; k < told.size(); ++k) bias = bias + I(family.told[i][k]) * told[k];
+    for (size_t k = 0; k < told.size(); ++k) bias = bias + I(family.command_weights[i][k]) * told[k];
     s.first.push_back(bias);
   }
   s.lower = family.lower;

@@ -149,7 +149,7 @@ vector<S> without_first(const vector<S>& values) { return {values.begin() + 1, v
 
 template <class S>
 vector<S> output_mismatch(Motion<S>& p) {
-  vector<S> joints = without_first(unturned(p.robot, p.theta_after()));
+  vector<S> joints = without_first(coordinates_of(p.robot, p.theta_after()));
   for (size_t j = 0; j < joints.size(); ++j) joints[j] = joints[j] - p.after().outputs().y[j];
   return joints;
 }

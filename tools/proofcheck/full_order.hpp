@@ -87,7 +87,7 @@ class FullState {
     for (size_t one = 0; one < joints; ++one) {
       vector<BM> more;
       for (size_t j = 0; j < joints; ++j) more.push_back(BM(unweighted[j][one]));
-      const vector<BM> alone = turned(model.robot, p.lifted(BM(0.0), more));
+      const vector<BM> alone = link_angles(model.robot, p.lifted(BM(0.0), more));
       const BM gives = -(p.pose().momentum(alone) / p.transversal());  // ddz1.
       for (size_t j = 0; j < joints; ++j) more[j] = more[j] + gives * p.outputs().d1[j];
       found.push_back(p.lifted(gives, more));
@@ -424,7 +424,7 @@ vector<BM> jerk_margins(const string& n, const Disturbed& its, FullState& f) {
 // Slopes of contact_slacks and of torque_slacks in a push: forces are affine in accelerations.
 vector<BM> contact_pushes(const Robot& robot, FullState& f, size_t one) {
   const Pose<BM>& pose = f.step().pose();
-  const vector<BM> w = turned(robot, f.pushed()[one]);
+  const vector<BM> w = link_angles(robot, f.pushed()[one]);
   Vec<BM> ground{BM(0.0), BM(0.0)};
   const vector<Vec<BM>> moved = pose.velocities(w);
   for (size_t i = 0; i < moved.size(); ++i)
@@ -435,7 +435,7 @@ vector<BM> contact_pushes(const Robot& robot, FullState& f, size_t one) {
 
 // Torques of the joints per unit of accelerations of the coordinates.
 vector<BM> torque_of(const Robot& robot, const Pose<BM>& pose, const vector<BM>& accelerations) {
-  const vector<BM> w = turned(robot, accelerations);
+  const vector<BM> w = link_angles(robot, accelerations);
   return pose.momenta(pose.velocities(w), w);
 }
 
@@ -457,7 +457,7 @@ vector<BM> kick_margins(const string& n, const Disturbed& its, FullState& f) {
                    Off<BM>{output_mismatch(before), rate_mismatch(before), f.bandwidth()});
   const auto renamed = [&robot](vector<BM> torque) {
     torque.insert(torque.begin(), BM(0.0));
-    return without_first(swapped(robot, torque, turned(robot, torque)));
+    return without_first(swapped(robot, torque, link_angles(robot, torque)));
   };
   vector<vector<BM>> inertia(f.joints);  // Of S e, in the new step.
   for (const vector<BM>& one : f.pushed_in(after)) {

@@ -70,13 +70,13 @@ vector<S> held_jerk(Motion<S>& p, const vector<S>& ddy, const vector<Jet<T>>& de
   vector<S> joints;
   for (size_t j = 0; j < m; ++j)
     joints.push_back(second_along(desired[j], squares) + steady(desired[j].c[2], ddz2) + ddy[j]);
-  const auto turning = [&](const vector<S>& rates) {  // Of the directions: quarter(e) dw - e w^2.
+  const auto turning = [&](const vector<S>& rates) {  // Of the directions: quarter_turned(e) dw - e w^2.
     vector<Vec<S>> out;
     for (size_t k = 0; k < n; ++k)
-      out.push_back(scaled(rates[k], quarter(pose.e[k])) - scaled(w[k] * w[k], pose.e[k]));
+      out.push_back(scaled(rates[k], quarter_turned(pose.e[k])) - scaled(w[k] * w[k], pose.e[k]));
     return out;
   };
-  const vector<S> known = turned(robot, p.lifted(S(I(0.0)), joints));
+  const vector<S> known = link_angles(robot, p.lifted(S(I(0.0)), joints));
   const vector<Vec<S>> bent = turning(known);
   S moment = dz2;
   for (size_t i = 0; i < n; ++i)
@@ -84,15 +84,15 @@ vector<S> held_jerk(Motion<S>& p, const vector<S>& ddy, const vector<Jet<T>>& de
              robot.inertia[i] * known[i];
   const S ddz1 = -moment / p.transversal();
   for (size_t j = 0; j < m; ++j) joints[j] = joints[j] + steady(desired[j].c[1], ddz1);
-  const vector<S> ddq = p.lifted(ddz1, joints), dw = turned(robot, ddq);
+  const vector<S> ddq = p.lifted(ddz1, joints), dw = link_angles(robot, ddq);
   const vector<Vec<S>> accelerated = turning(dw);
 
-  // R: what moments change by while q''' is zero. Of the directions -3 e w dw - quarter(e) w^3.
+  // R: what moments change by while q''' is zero. Of the directions -3 e w dw - quarter_turned(e) w^3.
   vector<Vec<S>> jerked, force, change;
   for (size_t k = 0; k < n; ++k) {
     const S square = w[k] * w[k];
     jerked.push_back(scaled(-(I(3.0) * (w[k] * dw[k])), pose.e[k]) -
-                     scaled(square * w[k], quarter(pose.e[k])));
+                     scaled(square * w[k], quarter_turned(pose.e[k])));
   }
   for (size_t i = 0; i < n; ++i) {
     Vec<S> a = point(robot.centre[i], accelerated);
@@ -104,8 +104,8 @@ vector<S> held_jerk(Motion<S>& p, const vector<S>& ddy, const vector<Jet<T>>& de
   const vector<Vec<S>> on = on_arms(robot, force), more = on_arms(robot, change);
   vector<S> rest;
   for (size_t k = 0; k < n; ++k)
-    rest.push_back(w[k] * dot(pose.e[k], on[k]) - dot(quarter(pose.e[k]), more[k]));
-  rest = gathered(robot, rest);
+    rest.push_back(w[k] * dot(pose.e[k], on[k]) - dot(quarter_turned(pose.e[k]), more[k]));
+  rest = generalised_forces(robot, rest);
   for (size_t j = 1; j < n; ++j) rest[j] = rest[j] - robot.damping[j] * ddq[j];
   const vector<S> dddq = solved(pose.mass_matrix(), rest);
 

@@ -20,7 +20,7 @@ Vec<S> operator-(const Vec<S>& a, const Vec<S>& b) { return {a.x - b.x, a.z - b.
 template <class S>
 Vec<S> scaled(const S& k, const Vec<S>& a) { return {k * a.x, k * a.z}; }
 template <class S>
-Vec<S> quarter(const Vec<S>& a) { return {-a.z, a.x}; }  // Turned counter-clockwise.
+Vec<S> quarter_turned(const Vec<S>& a) { return {-a.z, a.x}; }  // Turned counter-clockwise.
 template <class S>
 S dot(const Vec<S>& a, const Vec<S>& b) { return a.x * b.x + a.z * b.z; }
 template <class S>
@@ -44,7 +44,7 @@ Vec<S> point(const RowOf<K>& row, const vector<Vec<S>>& directions) {
 
 // T q: absolute link angles, or their rates, from coordinates.
 template <class S>
-vector<S> turned(const Linkage& robot, const vector<S>& q) {
+vector<S> link_angles(const Linkage& robot, const vector<S>& q) {
   vector<S> theta(q.size(), S(0.0));
   theta[0] = q[0];
   for (size_t k = 1; k < q.size(); ++k)
@@ -54,7 +54,7 @@ vector<S> turned(const Linkage& robot, const vector<S>& q) {
 
 // The inverse: coordinates from absolute angles.
 template <class S>
-vector<S> unturned(const Linkage& robot, const vector<S>& theta) {
+vector<S> coordinates_of(const Linkage& robot, const vector<S>& theta) {
   vector<S> q(theta.size(), S(0.0));
   q[0] = theta[0];
   for (size_t k = 1; k < q.size(); ++k)
@@ -64,7 +64,7 @@ vector<S> unturned(const Linkage& robot, const vector<S>& theta) {
 
 // Generalised forces in q from moments about the links: T' times them.
 template <class S>
-vector<S> gathered(const Linkage& robot, const vector<S>& moments) {
+vector<S> generalised_forces(const Linkage& robot, const vector<S>& moments) {
   vector<S> forces(moments.size(), S(0.0));
   for (int j = 0; j < robot.links; ++j)
     for (int k = j; k < robot.links; ++k)
@@ -101,7 +101,7 @@ struct Pose {
   vector<Vec<S>> centre;  // Of mass, of each link.
 
   Pose(const RobotOf<K>& r, vector<S> coordinates)
-      : robot(r), q(std::move(coordinates)), theta(turned(r, q)) {
+      : robot(r), q(std::move(coordinates)), theta(link_angles(r, q)) {
     for (const S& angle : theta) {
       S sine, cosine;
       sincos(angle, sine, cosine);
@@ -113,7 +113,7 @@ struct Pose {
   // Rates of the directions, for link rates w.
   vector<Vec<S>> spin(const vector<S>& w) const {
     vector<Vec<S>> out;
-    for (size_t k = 0; k < e.size(); ++k) out.push_back(scaled(w[k], quarter(e[k])));
+    for (size_t k = 0; k < e.size(); ++k) out.push_back(scaled(w[k], quarter_turned(e[k])));
     return out;
   }
 
@@ -138,10 +138,10 @@ struct Pose {
       Vec<S> sum{S(0.0), S(0.0)};
       for (size_t i = 0; i < e.size(); ++i) {
         const ComplexOf<K>& arm = robot.centre[i][k];
-        // (arm e)' . f = quarter(e) . conjugate(arm) f
+        // (arm e)' . f = quarter_turned(e) . conjugate(arm) f
         if (!arm.zero()) sum = sum + times(ComplexOf<K>{arm.along, -arm.across}, forces[i]);
       }
-      out[k] = out[k] + dot(quarter(e[k]), sum);
+      out[k] = out[k] + dot(quarter_turned(e[k]), sum);
     }
     return out;
   }
@@ -154,15 +154,15 @@ struct Pose {
       linear.push_back({robot.mass[i] * velocity[i].x, robot.mass[i] * velocity[i].z});
       angular.push_back(robot.inertia[i] * w[i]);
     }
-    vector<S> found = gathered(robot, moments(linear, angular));
-    const vector<S> rates = unturned(robot, w);
+    vector<S> found = generalised_forces(robot, moments(linear, angular));
+    const vector<S> rates = coordinates_of(robot, w);
     for (size_t j = 0; j < found.size(); ++j) found[j] = found[j] + robot.armature[j] * rates[j];
     return found;
   }
 
-  // Angular momentum of each link per rate of each, about joints: of the sum of m (arm_k e_k) . (arm_l
-  // e_l) only the angle from link k to link l matters. Taken as one, its cosine is bounded better than
-  // as the product of directions that both of them are uncertain.
+  // Angular momentum of each link per rate of each, about joints. The sum of m (arm_k e_k) . (arm_l e_l)
+  // depends on nothing but the angle from link k to link l. The cosine of this one angle has better
+  // bounds than the product of two directions, each of which is uncertain.
   vector<vector<S>> mass_of_links() const {
     const size_t n = theta.size();
     vector<vector<S>> found(n, vector<S>(n, S(0.0)));
@@ -198,7 +198,7 @@ struct Pose {
         for (size_t l = j; l < links.size(); ++l)
           column[k] = robot.turn(int(l), int(j)) > 0 ? column[k] + links[k][l]
                                                      : column[k] - links[k][l];
-      found.push_back(gathered(robot, column));
+      found.push_back(generalised_forces(robot, column));
       found[j][j] = found[j][j] + S(robot.armature[j]);
     }
     return found;
@@ -221,12 +221,12 @@ vector<S> swapped(const Linkage& robot, vector<S> q, vector<S> theta) {
     return q;
   }
   std::reverse(theta.begin(), theta.end());
-  return unturned(robot, theta);
+  return coordinates_of(robot, theta);
 }
 
 // After the swing foot has met the ground, the legs having swapped roles.
 template <class S>
-struct Struck {
+struct ImpactResult {
   Pose<S> pose;
   vector<S> dq;    // Rates of the coordinates.
   Vec<S> impulse;  // Of the ground on the new stance foot.
@@ -240,12 +240,12 @@ struct Struck {
 // A flat foot lands level: then joints read from the other end are the new coordinates. If it turns,
 // every link turned with it besides, but the rotor of its ankle turned by the joint's rate alone.
 template <class S>
-Struck<S> struck(const RobotOf<Scalar<S>>& robot, const Pose<S>& before, vector<S> w) {
+ImpactResult<S> plastic_impact(const RobotOf<Scalar<S>>& robot, const Pose<S>& before, vector<S> w) {
   const Vec<S> carried = point(robot.foot, before.spin(w));
   const size_t n = w.size();
   const S foot_turn = robot.feet ? w.back() : S(0.0);
-  Struck<S> found{Pose<S>(robot, swapped(robot, before.q, before.theta)),
-                  swapped(robot, unturned(robot, w), w), {}};
+  ImpactResult<S> found{Pose<S>(robot, swapped(robot, before.q, before.theta)),
+                  swapped(robot, coordinates_of(robot, w), w), {}};
   vector<S> whole(n, S(0.0));
   vector<Vec<S>> moved(n, carried);
   if (robot.feet) {
@@ -256,7 +256,7 @@ Struck<S> struck(const RobotOf<Scalar<S>>& robot, const Pose<S>& before, vector<
   vector<S> kept = found.pose.momenta(moved, whole);
   if (robot.feet) kept[0] = kept[0] - robot.armature[0] * foot_turn;
   const vector<S> change = solved(found.pose.mass_matrix(), kept);
-  const vector<Vec<S>> more = found.pose.velocities(turned(robot, change));
+  const vector<Vec<S>> more = found.pose.velocities(link_angles(robot, change));
   Vec<S> impulse{S(0.0), S(0.0)};
   if (robot.feet) {
     const Feet& f = *robot.feet;
@@ -303,7 +303,7 @@ Outputs<DualOf<T>> along(const vector<Jet<T>>& jets, const T& dz1, const T& dz2)
 // Values and first derivatives of jets at z; `jets` takes z and an order.
 template <class S, class Jets>
 Outputs<S> outputs_of_jets(Jets jets, const S& z1, const S& z2) {
-  if constexpr (Under<S>::moves) return along(jets(z1.v, z2.v, 2), z1.d, z2.d);
+  if constexpr (Under<S>::has_rate) return along(jets(z1.v, z2.v, 2), z1.d, z2.d);
   else return first_order(jets(z1, z2, 1));
 }
 
@@ -311,7 +311,7 @@ Outputs<S> outputs_of_jets(Jets jets, const S& z1, const S& z2) {
 template <class S, class Jets>
 vector<S> values_of_jets(Jets jets, const S& z1, const S& z2) {
   vector<S> out;
-  if constexpr (Under<S>::moves) {
+  if constexpr (Under<S>::has_rate) {
     for (const auto& jet : jets(z1.v, z2.v, 1))
       out.push_back({jet.c[0], jet.c[1] * z1.d + jet.c[2] * z2.d});
   } else {
@@ -346,27 +346,27 @@ class Motion {
   const Step<K>& step;
   const S z1, z2;
   const std::optional<Off<S>> off;  // Nothing: outputs are zero.
-  const std::optional<T> told;      // The phase, where it is known apart from z1.
+  const std::optional<T> known_phase;  // The phase, where it is known apart from z1.
 
   Motion(const Model& m, const Step<K>& s, S first, S second,
          std::optional<Off<S>> outputs_off = {}, std::optional<T> phase = {},
          std::optional<Outputs<S>> known = {})
       : model(m), robot(walker_of(m, s)), step(s), z1(std::move(first)), z2(std::move(second)),
-        off(std::move(outputs_off)), told(std::move(phase)), outputs_(std::move(known)) {}
+        off(std::move(outputs_off)), known_phase(std::move(phase)), outputs_(std::move(known)) {}
 
   // Of the step, by its outputs.
   S phase() const {
-    if constexpr (Under<S>::moves) {
-      if (told) return {*told, inverse(step.span()) * z1.d};
+    if constexpr (Under<S>::has_rate) {
+      if (known_phase) return {*known_phase, inverse(step.span()) * z1.d};
     } else {
-      if (told) return *told;
+      if (known_phase) return *known_phase;
     }
     return inverse(step.span()) * (z1 - S(step.start));
   }
 
   const Outputs<S>& outputs() {
     const auto jets = [this](const T& first, const T& second, int order) {
-      const T phase = told ? *told : inverse(step.span()) * (first - T(step.start));
+      const T phase = known_phase ? *known_phase : inverse(step.span()) * (first - T(step.start));
       return desired_outputs(model.policy, step, phase, first, second, order);
     };
     if (!outputs_) outputs_ = outputs_of_jets(jets, z1, z2);
@@ -411,11 +411,11 @@ class Motion {
 
   // Link rates per unit of dz1 and of dz2.
   const vector<S>& per_dz1() {
-    if (!along1_) along1_ = turned(robot, lifted(S(I(1.0)), outputs().d1));
+    if (!along1_) along1_ = link_angles(robot, lifted(S(I(1.0)), outputs().d1));
     return *along1_;
   }
   const vector<S>& per_dz2() {
-    if (!along2_) along2_ = turned(robot, lifted(S(I(0.0)), outputs().d2));
+    if (!along2_) along2_ = link_angles(robot, lifted(S(I(0.0)), outputs().d2));
     return *along2_;
   }
 
@@ -432,9 +432,9 @@ class Motion {
     if (!ankle_) ankle_ = values_of_jets(jets, z1, z2);
     return (*ankle_)[0];
   }
-  S falling() { return model.policy.ankle ? weight_moment() + ankle() : weight_moment(); }
+  S momentum_rate() { return model.policy.ankle ? weight_moment() + ankle() : weight_moment(); }
   const S& dz2() {
-    if (!dz2_) dz2_ = model.flow ? falling() + flow_correction()[1] : falling();
+    if (!dz2_) dz2_ = model.flow ? momentum_rate() + flow_correction()[1] : momentum_rate();
     return *dz2_;
   }
 
@@ -447,14 +447,14 @@ class Motion {
   // dz1: with z2 = -(momentum per dz1) dz1 - (momentum of all else), but for the residual.
   const S& dz1() {
     if (dz1_) return *dz1_;
-    S momentum = z2 + pose().momentum(per_dz2()) * falling();
+    S momentum = z2 + pose().momentum(per_dz2()) * momentum_rate();
     if (off) momentum = momentum + pose().momentum(w_off());
     const S rate = -momentum / transversal();
     dz1_ = model.flow ? rate + flow_correction()[0] : rate;
     return *dz1_;
   }
   // Rates of the links due to outputs that are off zero.
-  vector<S> w_off() const { return turned(robot, lifted(S(I(0.0)), off->dy)); }
+  vector<S> w_off() const { return link_angles(robot, lifted(S(I(0.0)), off->dy)); }
 
   // Rates of the coordinates, and of the links.
   const vector<S>& dq() {
@@ -470,7 +470,7 @@ class Motion {
     return *dq_;
   }
   const vector<S>& w() {
-    if (!w_) w_ = turned(robot, dq());
+    if (!w_) w_ = link_angles(robot, dq());
     return *w_;
   }
 
@@ -509,7 +509,7 @@ class Motion {
   vector<Vec<S>> sole(const Pose<S>& at) const {
     if (!robot.feet) refuse("a sole of a robot on point feet");
     const Feet& f = *robot.feet;
-    const Vec<S> up = at.e.back(), ahead = scaled(S(I(-1.0)), quarter(up));
+    const Vec<S> up = at.e.back(), ahead = scaled(S(I(-1.0)), quarter_turned(up));
     const Vec<S> down = scaled(S(-f.height), up);
     return {down + scaled(S(-f.heel), ahead), down + scaled(S(f.toe), ahead)};
   }
@@ -532,7 +532,7 @@ class Motion {
   const vector<S>& theta_after() {
     if (theta_after_) return *theta_after_;
     if (robot.feet) {
-      theta_after_ = turned(robot, swapped(robot, pose().q, pose().theta));
+      theta_after_ = link_angles(robot, swapped(robot, pose().q, pose().theta));
     } else {
       theta_after_ = pose().theta;
       std::reverse(theta_after_->begin(), theta_after_->end());
@@ -541,7 +541,7 @@ class Motion {
   }
 
   S hip_after() {
-    const vector<S> q = unturned(robot, theta_after());
+    const vector<S> q = coordinates_of(robot, theta_after());
     S sum(0.0);
     for (size_t j = 0; j < q.size(); ++j)
       if (magnitude(robot.hip_gradient[j]) != 0.0) sum = sum + robot.hip_gradient[j] * q[j];
@@ -560,7 +560,7 @@ class Motion {
   S kept_on_flat_foot() {
     const Pose<S> landed(robot, swapped(robot, pose().q, pose().theta));
     const vector<S> rates = swapped(robot, dq(), w());
-    vector<S> turning = turned(robot, rates);
+    vector<S> turning = link_angles(robot, rates);
     for (S& one : turning) one = one + w().back();
     const vector<Vec<S>> velocity = landed.velocities(turning);
     const Vec<S> carried = foot_velocity();
@@ -584,10 +584,10 @@ class Motion {
   };
   const Impact& impact() {
     if (impact_) return *impact_;
-    const Struck<S> found = struck(robot, pose(), w());
+    const ImpactResult<S> found = plastic_impact(robot, pose(), w());
     const vector<S> dq =
-        model.reset ? corrected(found.pose, turned(robot, found.dq), found.dq) : found.dq;
-    impact_ = std::make_unique<Impact>(Impact{found.pose, turned(robot, dq), dq, found.impulse,
+        model.reset ? corrected(found.pose, link_angles(robot, found.dq), found.dq) : found.dq;
+    impact_ = std::make_unique<Impact>(Impact{found.pose, link_angles(robot, dq), dq, found.impulse,
                                               found.dq[0]});
     return *impact_;
   }
@@ -600,8 +600,8 @@ class Motion {
     alone[0] = S(I(1.0));
     rates[0] = S(0.0);
     for (size_t j = 1; j < rates.size(); ++j) rates[j] = rates[j] + reset_correction()[j] * z2;
-    rates[0] = (momentum - after.momentum(turned(robot, rates))) /
-               after.momentum(turned(robot, alone));
+    rates[0] = (momentum - after.momentum(link_angles(robot, rates))) /
+               after.momentum(link_angles(robot, alone));
     return rates;
   }
 
@@ -653,7 +653,7 @@ class Motion {
         moved->dy.push_back({off->dy[j], dy.empty() ? T(0.0) : dy[j]});
       }
     }
-    return {model, step, DualOf<T>(z1, first), DualOf<T>(z2, second), moved, told,
+    return {model, step, DualOf<T>(z1, first), DualOf<T>(z2, second), moved, known_phase,
             along(jets(), first, second)};
   }
 
@@ -683,17 +683,17 @@ class Motion {
 
 template <class S>
 const typename Motion<S>::Forces& Motion<S>::forces() {
-  if constexpr (Under<S>::moves) throw Unknown{"a rate of forces"};
+  if constexpr (Under<S>::has_rate) throw Unknown{"a rate of forces"};
   else {
     if (forces_) return *forces_;
     const vector<DualOf<S>>& rates = flow().w();
-    // Accelerations of the directions: quarter(e) dw - e w^2.
+    // Accelerations of the directions: quarter_turned(e) dw - e w^2.
     const Pose<S>& p = pose();
     vector<Vec<S>> turning, push;
     vector<S> couples;
     for (size_t k = 0; k < rates.size(); ++k) {
       const S fast = rates[k].v * rates[k].v;
-      turning.push_back(scaled(rates[k].d, quarter(p.e[k])) - scaled(fast, p.e[k]));
+      turning.push_back(scaled(rates[k].d, quarter_turned(p.e[k])) - scaled(fast, p.e[k]));
       couples.push_back(robot.inertia[k] * rates[k].d);
     }
     // Mass times (acceleration plus gravity) of each link: what ground and joints must bring up.
@@ -704,7 +704,7 @@ const typename Motion<S>::Forces& Motion<S>::forces() {
       push.push_back({robot.mass[i] * a.x, robot.mass[i] * a.z});
       ground = ground + push.back();
     }
-    const vector<S> needed = gathered(robot, p.moments(push, couples));
+    const vector<S> needed = generalised_forces(robot, p.moments(push, couples));
     const vector<DualOf<S>>& joint_rates = flow().dq();
     vector<S> torque;
     for (size_t j = 1; j < needed.size(); ++j)

@@ -165,9 +165,9 @@ class Place {
     if (!wide_) {
       const auto [z1, z2] = z_at(step, phase, level);
       // Formulas of z1 and of the phase apart: bounds do not know that both follow from commands.
-      std::optional<T> told;
-      if constexpr (std::is_same_v<T, Formula>) told = phase;
-      wide_.emplace(model, step, z1, z2, std::optional<Off<T>>(), told);
+      std::optional<T> known_phase;
+      if constexpr (std::is_same_v<T, Formula>) known_phase = phase;
+      wide_.emplace(model, step, z1, z2, std::optional<Off<T>>(), known_phase);
     }
     return *wide_;
   }

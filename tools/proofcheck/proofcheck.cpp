@@ -240,7 +240,7 @@ void say_model(const ProofFile& file) {
       at_least(robot.weight_mass.low()) + " kg");
   for (const string& line : robot.words) say("  " + line);
   string layers = std::to_string(
-      2 + (file.model.family ? file.model.family->told[0].size() : size_t{0}));
+      2 + (file.model.family ? file.model.family->command_weights[0].size() : size_t{0}));
   for (const Layer& layer : policy.layers) layers += "-" + std::to_string(layer.rows);
   say("policy " + layers + (policy.softplus ? ", softplus" : ", tanh") +
       (policy.hybrid_invariant ? ", between postures before and after the impact" : "") +

@@ -175,11 +175,11 @@ Robot robot_of(const Json& table) {
     return value;
   };
   Robot r;
-  const size_t still = sole ? 1 : 0;  // Links of a stance leg that do not move.
-  r.leg = static_cast<int>(leg.size() - still);
+  const size_t fixed_links = sole ? 1 : 0;  // Links of a stance leg that do not move.
+  r.leg = static_cast<int>(leg.size() - fixed_links);
   r.torso = trunk.type != Json::null;
   if (sole && (r.leg < 1 || !r.torso)) refuse("flat feet of a robot without legs or torso");
-  r.links = 2 * r.leg + r.torso + static_cast<int>(still);
+  r.links = 2 * r.leg + r.torso + static_cast<int>(fixed_links);
   r.name = text_of(field(table, "the robot", "name"), "the robot's name");
   r.gravity = at_least(number(table, "gravity"), true, "a gravity that is not positive");
   r.friction = at_least(number(table, "friction"), false, "a friction that is negative");
@@ -210,14 +210,14 @@ Robot robot_of(const Json& table) {
     r.words.push_back("link " + std::to_string(i + 1) + " of each leg, from the foot up: " +
                       link_words(leg[i]));
     const I length = at_least(number(leg[i], "length"), true, "a link without length");
-    if (i < still) continue;
-    fill(i - still, leg[i]);
-    here[i - still].along = length;
+    if (i < fixed_links) continue;
+    fill(i - fixed_links, leg[i]);
+    here[i - fixed_links].along = length;
   }
   r.hip = here;
   if (r.torso) {
     only(trunk, "the torso", {"mass", "inertia", "along", "across"});
-    fill(leg.size() - still, trunk);
+    fill(leg.size() - fixed_links, trunk);
     r.words.push_back("torso: " + link_words(trunk));
   }
   for (size_t i = leg.size(); i-- > 0;) {
@@ -249,8 +249,8 @@ Robot robot_of(const Json& table) {
   }
   // Joint j of a leg is above link j; the hip is its last. Without a torso the hips are one joint.
   // The first coordinate is the joint above a flat stance foot.
-  for (size_t j = 1 - still; j < n; ++j) {
-    const size_t i = j <= static_cast<size_t>(r.leg) ? j + still - 1 : n - 1 - j;
+  for (size_t j = 1 - fixed_links; j < n; ++j) {
+    const size_t i = j <= static_cast<size_t>(r.leg) ? j + fixed_links - 1 : n - 1 - j;
     r.armature[j] = at_least(number(leg[i], "armature"), false, "a negative armature");
     r.damping[j] = at_least(number(leg[i], "damping"), false, "a negative damping");
     const I most =
@@ -307,7 +307,7 @@ struct Family {
   vector<vector<double>> guard_outputs, guard_slopes;  // [M, m]
   vector<double> guard_z1;                             // [M]
   vector<vector<double>> curves;                       // [p, 4]: where in the family a command is.
-  vector<vector<double>> told;                         // [h, 2 p]: weights of the first layer.
+  vector<vector<double>> command_weights;                // [h, 2 p]: weights of the first layer.
   vector<vector<double>> lower, upper;                 // [M, k]: fences, series in the phase.
   double unit = 1.0;
 };
@@ -382,7 +382,7 @@ Family family_of(Policy& p, const Json& table, const std::map<string, Array>& ar
   first.weights.clear();
   for (const vector<double>& row : weights) {
     first.weights.insert(first.weights.end(), row.begin(), row.begin() + 2);
-    f.told.emplace_back(row.begin() + 2, row.end());
+    f.command_weights.emplace_back(row.begin() + 2, row.end());
   }
   return f;
 }

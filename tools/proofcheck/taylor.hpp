@@ -384,12 +384,12 @@ using Dual = DualOf<TM>;
 template <class S>
 struct Under {
   using type = S;
-  static constexpr bool moves = false;
+  static constexpr bool has_rate = false;
 };
 template <class T>
 struct Under<DualOf<T>> {
   using type = T;
-  static constexpr bool moves = true;
+  static constexpr bool has_rate = true;
 };
 
 template <class T>

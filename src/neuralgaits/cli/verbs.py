@@ -218,9 +218,10 @@ def _inspect(verb: InspectOptions) -> Outcome:
         raise InputError("--feet: expected --planarise OUT.xml beside it, found none: add that")
     if verb.weld:
         raise InputError("--weld: expected --planarise OUT.xml beside it, found none: add that")
-    from neuralgaits.workflows.planarise import inspect_file
+    from neuralgaits.workflows.inspect import inspect
+    from neuralgaits.workflows.planarise import robot_from
 
-    return Outcome(inspect_file(verb.robot), True, robot_screen.show_robot)
+    return Outcome(inspect(robot_from(verb.robot)), True, robot_screen.show_robot)
 
 
 def _robots(verb: RobotsOptions) -> Outcome:

@@ -32,11 +32,14 @@ class MeasuredState(NamedTuple):
 
 
 Outputs = Callable[[ZeroState], Actuated]
-"""Desired outputs [m] (rad) as a function of z: a policy, given as much of z as its law allows."""
+"""Desired outputs, m angles (rad), as a function of z: a policy and what its law lets it see."""
 
 
 class Desired(NamedTuple):
-    """Desired outputs and their derivatives, held between two evaluations of the policy."""
+    """Desired outputs and their derivatives, held between two evaluations of the policy.
+
+    [m] is the shape, one number for each actuated joint.
+    """
 
     y: Actuated
     """Desired outputs [rad]. [m]"""
@@ -49,7 +52,7 @@ class Desired(NamedTuple):
 
 
 class Demand(NamedTuple):
-    """Torques that a law requires, and the state in which it does."""
+    """Torques that a law asks for, before limits, and what it made them of."""
 
     reading: MeasuredState
     desired: Desired

@@ -1,9 +1,10 @@
-"""How far the torso's centre of mass is ahead of the file's, step by step, from joint angles alone.
+"""Estimate of the lean, how far the torso's centre of mass is ahead of the file's, step by step.
 
-No torque, force or rate is needed. About the stance foot, z2' = M g x_com, whatever the motors do.
-With the torso's centre of mass shifted by s, z2 = z + s w and x_com = x + s c to first order, where
-z, x, w and c follow from the file. Multiplied by a function phi that vanishes at both ends of a
-window, and integrated by parts, that is
+It follows from joint angles alone, without torques, forces or rates. Symbols are those of this file
+only: s is the lean, z a momentum, phi a function of time. About the stance foot, z2' = M g x_com,
+whatever the motors do. With the torso's centre of mass shifted by s, z2 = z + s w and
+x_com = x + s c to first order, where z, x, w and c follow from the robot's file. Multiplied by a
+function phi that vanishes at both ends of a window, and integrated by parts, that is
 
     s = -(int phi' z dt + M g int phi x dt) / (int phi' w dt + M g int phi c dt),
 
@@ -80,7 +81,7 @@ def advance(
     Args:
         robot: the model of the file.
         sums: before the tick.
-        q: coordinates, standing on the leg of the tick [n] (rad).
+        q: coordinates, standing on the leg of the tick (rad). [n]
         time: of the tick (s).
         since_touchdown: time since the last touchdown (s); infinite before the first.
         touchdown: whether a step begins.
@@ -114,11 +115,12 @@ def advance(
 def learned(robot: PlanarBiped, sums: LeanSums) -> Scalar:
     """Return the lean of a window's sums (m)."""
     length = sums.since
-    slope = jnp.stack([2.0 * length**2, -6.0 * length, 4.0 * jnp.ones_like(length)])
-    share = jnp.stack([length**2, -2.0 * length, jnp.ones_like(length)])
+    # Coefficients of phi' in t, t^2, t^3, and of phi in t^2, t^3, t^4.
+    phi_rate = jnp.stack([2.0 * length**2, -6.0 * length, 4.0 * jnp.ones_like(length)])
+    phi = jnp.stack([length**2, -2.0 * length, jnp.ones_like(length)])
     weight = robot.mass * robot.gravity
-    known, by_lean = slope @ sums.momentum + weight * (share @ sums.ahead)
-    return -known / by_lean
+    numerator, denominator = phi_rate @ sums.momentum + weight * (phi @ sums.ahead)
+    return -numerator / denominator
 
 
 def with_derivative(

@@ -146,19 +146,18 @@ def check(
     touching = jnp.any(force >= config.contact_share * weight)
     airborne = jnp.where(touching, 0.0, state.airborne + controller.period_s)
     least_gap = 0.5e-6  # Half the resolution of the clock of readings [s].
-    tests = (
+    tests = [
         (~_finite(measurement), Fault.NOT_FINITE),
         (jnp.abs(measurement.pitch) > config.largest_pitch, Fault.PITCH),
         (jnp.abs(measurement.dpitch) > config.largest_rate, Fault.RATE),
         (jnp.any(jnp.abs(measurement.hip_velocity) > config.largest_speed), Fault.SPEED),
         (state.running & ((gap < least_gap) | (gap > config.gap_s)), Fault.TIME),
-        *(
-            (test, fault)
-            for leg in (0, 1)
-            for test, fault in (*_joint_tests(far[leg], fast[leg]), (strong[leg], Fault.FORCE))
-        ),
-        (airborne > config.airborne_s, Fault.LOST_CONTACT),
-    )
+    ]
+    for leg in (0, 1):
+        for i in range(far.shape[1]):
+            tests += [(far[leg, i], Fault.ANGLE), (fast[leg, i], Fault.RATE)]
+        tests.append((strong[leg], Fault.FORCE))
+    tests.append((airborne > config.airborne_s, Fault.LOST_CONTACT))
     fault = jnp.asarray(Fault.NONE, jnp.int32)
     for test, value in reversed(tests):
         fault = jnp.where(test, value, fault).astype(jnp.int32)
@@ -206,14 +205,3 @@ def _finite(measurement: Measurement) -> Bool[Array, ""]:
     # The time is a whole number of microseconds on the robot.
     parts = [jnp.all(jnp.isfinite(part)) for part in measurement[1:]]
     return jnp.all(jnp.stack(parts))
-
-
-def _joint_tests(
-    far: Bool[Array, " k"], fast: Bool[Array, " k"]
-) -> list[tuple[Bool[Array, ""], Fault]]:
-    """Return the tests of the joints in their order: joint by joint, angle first."""
-    return [
-        (test, fault)
-        for i in range(far.shape[0])
-        for test, fault in ((far[i], Fault.ANGLE), (fast[i], Fault.RATE))
-    ]

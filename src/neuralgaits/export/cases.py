@@ -88,8 +88,8 @@ class Cases:
         turn = layout.pitch_sign * self.pitch
         dpitch = layout.pitch_sign * self.dpitch
         with np.errstate(invalid="ignore"):  # NaN and infinities are among the cases.
-            _, swept = layout.hip_arm(turn, np)
-            hip_velocity = self.base_velocity + dpitch[:, None] * swept
+            _, arm_slope = layout.hip_arm(turn, np)
+            hip_velocity = self.base_velocity + dpitch[:, None] * arm_slope
         signs = np.array(layout.leg_joint_signs)
         return Measurement(
             time=1e-6 * self.time_us,

@@ -19,12 +19,12 @@ _PLAIN = frozenset(string.ascii_letters + string.digits + " _-.,:;+/()[]")
 """Characters that are safe in a string of C, whatever comes before and after."""
 
 
-def gait_files(design: Design, further: Sequence[Part] = ()) -> dict[str, str]:
+def gait_files(design: Design, host_parts: Sequence[Part] = ()) -> dict[str, str]:
     """Return the text of `gait.h` and `gait.c`.
 
     Args:
         design: design of the controller.
-        further: functions that a host needs beside those of the controller.
+        host_parts: functions that a host needs beside those of the controller.
 
     Raises: SpecError naming the primitive of a policy that C cannot express, InputError for a
     law that is not one of this package.
@@ -32,8 +32,11 @@ def gait_files(design: Design, further: Sequence[Part] = ()) -> dict[str, str]:
     tables = Tables("ng")
     residual, joints = design.controller.reset_residual, design.controller.joints
     model = None if joints is None else design.robot.with_joints(joints.armature, joints.damping)
-    own = parts(design.robot, design.gait.policy, residual, model)
-    functions = [emit(part.program, part.function, part.about, tables) for part in (*own, *further)]
+    controller_parts = parts(design.robot, design.gait.policy, residual, model)
+    functions = [
+        emit(part.program, part.function, part.about, tables)
+        for part in (*controller_parts, *host_parts)
+    ]
     return {"gait.h": _header(design, functions), "gait.c": _code(design, functions, tables)}
 
 

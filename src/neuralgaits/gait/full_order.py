@@ -66,12 +66,11 @@ class FullPoint(Point):
     def nominal_dz(self) -> ZeroState:
         """Rate omega(eta, z) (m/s, N m). [2]."""
         _, momenta = self.coordinates.split(self.z)
-        falling = self.momentum_rate
-        fixed_rate = combined(self.along_momenta, falling) + self.coordinates.still(
-            self.output_rate
-        )
-        moving = -(momenta + product(self.momentum_rows, fixed_rate))
-        return jnp.concatenate([solved(self.inertia_along_positions, moving), falling])
+        momentum_rate = self.momentum_rate
+        of_momentum_rate = combined(self.along_momenta, momentum_rate)
+        fixed_rate = of_momentum_rate + self.coordinates.still(self.output_rate)
+        needed = -(momenta + product(self.momentum_rows, fixed_rate))
+        return jnp.concatenate([solved(self.inertia_along_positions, needed), momentum_rate])
 
     @cached_property
     def dq(self) -> Coordinates:

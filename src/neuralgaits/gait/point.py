@@ -30,7 +30,7 @@ from neuralgaits.robots import impact as impacts
 
 
 def turned(vector: Planar, slope: Scalar) -> Planar:
-    """A vector along and across ground of this slope [rad]. [2]."""
+    """Return a vector's components along and across ground of this slope [rad]. [2]."""
     along, across = jnp.cos(slope), jnp.sin(slope)
     return jnp.stack(
         [vector[0] * along + vector[1] * across, vector[1] * along - vector[0] * across]
@@ -114,7 +114,7 @@ class Point:
 
     @cached_property
     def momentum_rows(self) -> Float[Array, "k n"]:
-        """Rows of the mass matrix that give the momenta, s = -(rows @ dq) [kg m^2]. [k, n]."""
+        """Rows of the mass matrix that give the momenta, -(rows @ dq) [kg m^2]. [k, n]."""
         return self.robot.momentum_rows(self.q)
 
     @cached_property
@@ -124,7 +124,7 @@ class Point:
 
     @property
     def transversal_inertia(self) -> Scalar:
-        """J . s of a robot with one position: z2 per unit dz1, with its sign turned [kg m].
+        """J . s of docs/notation.md, for a robot with one position: -z2 per unit dz1 [kg m].
 
         Negative in forward walking; the zero dynamics exist where it is not zero.
         """
@@ -141,8 +141,9 @@ class Point:
         torque = self.policy.ankle_torque
         if self.robot.feet is None or jax.eval_shape(torque, self.z) is None:
             return None
-        value, push = jax.linearize(torque, self.z)
-        return value, jnp.stack([push(axis) for axis in jnp.eye(len(self.z), dtype=self.z.dtype)])
+        value, derivative = jax.linearize(torque, self.z)
+        axes = jnp.eye(len(self.z), dtype=self.z.dtype)
+        return value, jnp.stack([derivative(axis) for axis in axes])
 
     @property
     def ankle_torque(self) -> Scalar:
@@ -152,17 +153,18 @@ class Point:
     @cached_property
     def momentum_rate(self) -> Float[Array, " k"]:
         """Rates of the momenta: the moment of the weight, and an ankle's torque [N m]. [k]."""
-        falling = self.robot.momentum_rate(self.q)
-        return falling if self._ankle is None else falling + self._ankle[0]
+        moment = self.robot.momentum_rate(self.q)
+        return moment if self._ankle is None else moment + self._ankle[0]
 
     @cached_property
     def nominal_dz(self) -> ZeroState:
         """Rate omega(0, z) of the rigid model, residual left out (m/s, N m). [2k]."""
         _, momenta = self.coordinates.split(self.z)
-        falling = self.momentum_rate
-        fixed_rate = combined(product(self.momentum_rows, self.along_momenta), falling)
-        moving = -(momenta + fixed_rate)
-        return jnp.concatenate([solved(self.inertia_along_positions, moving), falling])
+        # -momenta = rows @ dq, and dq = along_positions @ (dp/dt) + along_momenta @ (ds/dt).
+        momentum_rate = self.momentum_rate
+        of_momentum_rate = combined(product(self.momentum_rows, self.along_momenta), momentum_rate)
+        position_rate = solved(self.inertia_along_positions, -(momenta + of_momentum_rate))
+        return jnp.concatenate([position_rate, momentum_rate])
 
     @cached_property
     def dz(self) -> ZeroState:
@@ -199,20 +201,20 @@ class Point:
         nominal rate while everything else moves at the corrected one.
         """
         robot = self.robot
-        falling = robot.momentum_rate_rate(self.q, self.dq)
+        moment_rate = robot.momentum_rate_rate(self.q, self.dq)
         if self._ankle is not None:
-            falling = falling + self._ankle[1] @ self.dz
+            moment_rate = moment_rate + self._ankle[1] @ self.dz
         nominal_dq, curvature = self.dq, self._curvature(self.nominal_dz)
         residual_rate = jnp.zeros_like(self.z)
         if self.residual is not None:
             nominal_dq = self._position_rates(self.nominal_dz)
             _, residual_rate = jax.jvp(self.residual, (self.z,), (self.dz,))
         rows_rate = robot.momentum_rows_rate(self.q, self.dq)
-        fixed_rate = self.coordinates.still(curvature) + combined(self.along_momenta, falling)
+        fixed_rate = self.coordinates.still(curvature) + combined(self.along_momenta, moment_rate)
         _, momenta_rate = self.coordinates.split(self.dz)
         momenta_change = momenta_rate + product(rows_rate, nominal_dq)
-        moving = -(momenta_change + product(self.momentum_rows, fixed_rate))
-        rate = jnp.concatenate([solved(self.inertia_along_positions, moving), falling])
+        needed = -(momenta_change + product(self.momentum_rows, fixed_rate))
+        rate = jnp.concatenate([solved(self.inertia_along_positions, needed), moment_rate])
         return rate + residual_rate
 
     @cached_property
@@ -234,8 +236,8 @@ class Point:
     @cached_property
     def pressure_moment(self) -> Scalar:
         """Normal force times the centre of pressure's place ahead of a flat foot's ankle [N m]."""
-        shank = self.ankle_torque + self.robot.armature[0] * self.ddq[0]
-        return self.robot.flat_feet.pressure_moment(self.contact_force, shank, self.robot.gravity)
+        torque = self.ankle_torque + self.robot.armature[0] * self.ddq[0]
+        return self.robot.flat_feet.pressure_moment(self.contact_force, torque, self.robot.gravity)
 
     @cached_property
     def foot(self) -> Planar:

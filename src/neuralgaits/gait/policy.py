@@ -206,8 +206,8 @@ def output_jet(policy: AbstractPolicy, z: ZeroState) -> OutputJet:
 
     Returns: `OutputJet`.
     """
-    y, push = jax.linearize(policy, z)
-    slopes = jax.vmap(push)(np.eye(len(z), dtype=z.dtype))
+    y, derivative = jax.linearize(policy, z)
+    slopes = jax.vmap(derivative)(np.eye(len(z), dtype=z.dtype))
     return OutputJet(y, slopes.T)
 
 
@@ -224,6 +224,7 @@ def refuse_other_joints(robot: "PlanarBiped", y: Actuated) -> None:
 
 
 Curve = Callable[[ZeroState], OutputJet]
+"""Linear map from a direction of z to the derivative of the jet along it."""
 
 
 def output_jet_and_change(policy: AbstractPolicy, z: ZeroState) -> tuple[OutputJet, Curve]:

@@ -27,7 +27,7 @@ from neuralgaits.robots.checks import vector
 
 
 class ZeroDynamics(eqx.Module):
-    """Zero dynamics dz = omega(0, z; theta) + residual(z), with guard and reset map.
+    """Zero dynamics dz = omega(0, z) + residual(z), with guard and reset map.
 
     All methods take single states; use `jax.vmap` for batches. They raise InputError for other
     shapes, and for a policy whose outputs are not one for each actuated joint.
@@ -50,7 +50,7 @@ class ZeroDynamics(eqx.Module):
         return Point(self.robot, self.policy, self.residual, state, self.reset_residual)
 
     def zdot(self, z: ZeroState) -> ZeroState:
-        """Rate of the zero dynamics. Returns: [2] (m/s, N m). Source: paper Eq. 4."""
+        """Rate of the zero dynamics, `Point.dz`. Returns: [2] (m/s, N m). Source: paper Eq. 4."""
         return self.point(z).dz
 
     def guard(self, z: ZeroState) -> Scalar:
@@ -68,7 +68,7 @@ class ZeroDynamics(eqx.Module):
         return self.point(z).z_after
 
     def phi(self, x: FullState) -> tuple[Float[Array, " two_m"], ZeroState]:
-        """Output and zero dynamics coordinates of a full state x = (q, dq).
+        """Output and zero dynamics coordinates of a full state x = (q, dq): the map Phi.
 
         Returns: eta = (y, dy) [2m] (rad, rad/s) and z [2] (m, kg m^2/s).
         """
@@ -94,8 +94,9 @@ class ZeroDynamics(eqx.Module):
         desired = self._desired(z)
         by_positions, by_momenta = jnp.split(desired.jacobian, 2, axis=1)
         q = coordinates.lift(positions, desired.y + eta[:m])
-        falling = combined(by_momenta, self._momentum_rate(q, z))
-        fixed = coordinates.still(falling + eta[m:])
+        # Part of the desired rates that does not depend on the positions' rates.
+        of_momentum_rate = combined(by_momenta, self._momentum_rate(q, z))
+        fixed = coordinates.still(of_momentum_rate + eta[m:])
         return jnp.concatenate([q, coordinates.rates(q, momenta, by_positions, fixed)])
 
     @property
@@ -105,9 +106,9 @@ class ZeroDynamics(eqx.Module):
 
     def _momentum_rate(self, q: Coordinates, z: ZeroState) -> Positions:
         """Rates of the momenta: moment of the weight, and torque of a stance ankle. [k]."""
-        falling = self.robot.momentum_rate(q)
+        moment = self.robot.momentum_rate(q)
         ankle = None if self.robot.feet is None else self.policy.ankle_torque(z)
-        return falling if ankle is None else falling + ankle
+        return moment if ankle is None else moment + ankle
 
     def _desired(self, z: ZeroState) -> OutputJet:
         desired = output_jet(self.policy, z)

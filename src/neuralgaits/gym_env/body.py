@@ -19,13 +19,11 @@ from neuralgaits.robots.mjcf_state import Sensors
 from neuralgaits.simulation.setup.plant import PERIOD_S, SUBSTEPS, Plant
 from neuralgaits.simulation.setup.push import Push
 from neuralgaits.simulation.setup.terrain import Terrain
-from neuralgaits.simulation.ticks.falls import Ending, ending
+from neuralgaits.simulation.ticks.falls import ENDLESS, Ending, ending
 
-"""Duration of a control tick [s]."""
 Joints = Float[np.ndarray, " m"]
 Torques = Callable[[Joints, Joints], Joints]
 """Function from measured joint angles and rates (rad, rad/s) to torques (N m). All [m]."""
-_ENDLESS = 2**31 - 1
 
 
 class Body:
@@ -108,7 +106,7 @@ class Body:
         mujoco.mj_forward(plant.model, self.data)
         disturbance = plant.disturbance
         self._rng = np.random.default_rng([seed, 0, 3])
-        self._push = Push(push, _ENDLESS, seed, 1)
+        self._push = Push(push, ENDLESS, seed, 1)
         self._terrain = Terrain(disturbance.floor_height, seed, 1)
         self._waiting = deque([np.zeros(self.joints)] * plant.delay_ticks)
         self.leg, self.steps, self.since, self.work = leg, 0, 0.0, 0.0
@@ -204,7 +202,7 @@ class Body:
         """
         sensors = self._sensors
         layout = self.plant.state_map.layout
-        swept = layout.hip_arm(sensors.pitch - layout.root_angle, np)[1]
+        arm_slope = layout.hip_arm(sensors.pitch - layout.root_angle, np)[1]
         angles, rates = self._measured_joints()
         return np.concatenate(
             [
@@ -212,7 +210,7 @@ class Body:
                 self._measured_rates(np.atleast_1d(sensors.dpitch)),
                 angles,
                 rates,
-                sensors.base_velocity + swept * sensors.dpitch,
+                sensors.base_velocity + arm_slope * sensors.dpitch,
                 self.data.sensordata[self._touch] / self.weight,
             ]
         )
@@ -229,7 +227,7 @@ class Body:
             hip_height=hip[1] - floor,
             pitch=self.pitch,
             since_touchdown=self.since,
-            steps_left=_ENDLESS,
+            steps_left=ENDLESS,
             in_gap=False,
             finite=not diverged and all(np.isfinite(s).all() for s in states),
             xp=np,

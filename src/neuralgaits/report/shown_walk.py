@@ -96,13 +96,16 @@ def request_of(run: Run) -> WalkRequest:
         steps = simulation.steps
         steps_shown = steps if fallen or push else min(STEPS, steps)
         disturbance, episode = PlantChanges(**simulation.disturb), fallen[0] if fallen else 0
-        other = (
-            simulation.link is not None
-            or law not in CONTROL_LAWS
-            or simulation.commands is not None
+        other = any(
+            (
+                simulation.link is not None,
+                law not in CONTROL_LAWS,
+                simulation.commands is not None,
+                simulation.simulator != MUJOCO,
+                simulation.joints is not None,
+                simulation.adapt is not None,
+            )
         )
-        other = other or simulation.simulator != MUJOCO or simulation.joints is not None
-        other = other or simulation.adapt is not None
         if simulation.terrain is not None:
             origin = "walks on level ground, unlike the last simulation of this run"
         elif other:

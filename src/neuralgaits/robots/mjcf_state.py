@@ -104,10 +104,10 @@ class StateMap:
         theta = self._leg_angles(leg, sensors.pitch, sensors.joints)
         dtheta = self._leg_angles(leg, sensors.dpitch, sensors.djoints)
         lengths = np.array(self.layout.leg_lengths)
-        arm, swept = self.layout.hip_arm(np.asarray(sensors.pitch) - self.layout.root_angle, np)
+        arm, arm_slope = self.layout.hip_arm(np.asarray(sensors.pitch) - self.layout.root_angle, np)
         position = sensors.base + arm - _along(lengths, theta).sum(-2)
         velocity = (_across(lengths, theta) * dtheta[..., None]).sum(-2)
-        return position, sensors.base_velocity + swept * sensors.dpitch[..., None] - velocity
+        return position, sensors.base_velocity + arm_slope * sensors.dpitch[..., None] - velocity
 
     def to_mjcf(
         self,

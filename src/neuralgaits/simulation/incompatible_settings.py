@@ -147,11 +147,11 @@ def about_other_robot(robot: PlanarBiped, plant: PlanarBiped) -> str | None:
     joints, others = robot.layout.leg_joints, plant.layout.leg_joints
     if joints != others:
         settings.insert(0, f"joints {', '.join(others[0])} instead of {', '.join(joints[0])}")
-    own, other = (welded_joints(one.layout.xml) for one in (robot, plant))
-    if own != other:
+    welded, other = (welded_joints(one.layout.xml) for one in (robot, plant))
+    if welded != other:
         settings.append(
             f"joints welded in its file: {other or 'none'}, and in that of the gait: "
-            f"{own or 'none'}"
+            f"{welded or 'none'}"
         )
     if not settings:
         return None

@@ -20,6 +20,7 @@ from neuralgaits.simulation.setup.plant import Plant
 from neuralgaits.simulation.setup.push import Push
 from neuralgaits.simulation.ticks.adapted_command import ADAPTABLE, AdaptedCommand
 from neuralgaits.simulation.ticks.batch import Batch, compile_batch, numbers, pack
+from neuralgaits.simulation.ticks.falls import ENDLESS
 from neuralgaits.simulation.ticks.scene import PlantReading, Scene
 from neuralgaits.simulation.ticks.stride_table import width
 from neuralgaits.simulation.ticks.tick import TickOutcome, TickRecord
@@ -45,10 +46,6 @@ class StepSpeeds(NamedTuple):
     """Command of the step; another one than requested where it is adapted."""
     walked: float
     """Mean speed by joint angles and pitch."""
-
-
-ENDLESS = int(np.iinfo(np.int32).max)
-"""Number of steps of a walk without end."""
 
 
 class LiveTick(ABC):

@@ -124,13 +124,13 @@ def _design(
 def sources(design: Design) -> dict[str, str]:
     """Return all files to compile. Raises: NativeError for a policy that C cannot express."""
     try:
-        own = gait_files(design, (ground(design.robot, tells_lean(design.gait.policy)),))
+        gait = gait_files(design, (ground(design.robot, tells_lean(design.gait.policy)),))
     except SpecError as error:
         raise NativeError(f"C cannot express its policy ({error})") from None
     shipped = output_folder.shipped() | output_folder.adaptation()
     folder = resources.files("neuralgaits.simulation.native") / "c"
     loop = {name: (folder / name).read_text(encoding="utf-8") for name in _LOOP}
-    return own | loop | {name: shipped[name] for name in _SHIPPED}
+    return gait | loop | {name: shipped[name] for name in _SHIPPED}
 
 
 def _engine(texts: Mapping[str, str], controller: Controller) -> WalkEngine:

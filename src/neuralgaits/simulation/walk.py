@@ -260,11 +260,11 @@ def _as_many(policies: Sequence[AbstractPolicy], count: int) -> list[AbstractPol
 
 def _check_same_joints(robot: PlanarBiped, plant: PlanarBiped | None) -> None:
     if plant is not None and (plant.n, plant.torso) != (robot.n, robot.torso):
-        ours, theirs = ("point" if one.feet is None else "flat" for one in (robot, plant))
+        feet, plant_feet = ("point" if one.feet is None else "flat" for one in (robot, plant))
+        other_feet = "" if feet == plant_feet else f", and {plant_feet} feet instead of {feet} ones"
         raise InputError(
             f"plant {plant.name} has {plant.n} links, the policy's robot {robot.name} has "
-            f"{robot.n}{'' if ours == theirs else f', and {theirs} feet instead of {ours} ones'}: "
-            "take a plant with the same joints"
+            f"{robot.n}{other_feet}: take a plant with the same joints"
         )
 
 

@@ -51,9 +51,9 @@ def check_proof(settings: CheckProofSettings) -> ProofCheck:
     claims = read_claims(file)
     folder = None if settings.run is None else resolve(settings.run).path
     wrong = [] if folder is None else differences(claims, folder)
-    own = (OWN_SPEC,) if ".py:" in claims.spec[0] else ()
+    runs_own_code = (OWN_SPEC,) if ".py:" in claims.spec[0] else ()
     comparison, own_spec = None, ()
-    if folder is not None and not wrong and not own:
+    if folder is not None and not wrong and not runs_own_code:
         # A spec of this package runs no code of the file's author, so the boxes can wait.
         comparison = compare_with_run(claims, folder)
         wrong = list(comparison.wrong)
@@ -61,7 +61,7 @@ def check_proof(settings: CheckProofSettings) -> ProofCheck:
     report = _rejected(claims, wrong) if wrong else ask(claims)
     if folder is not None and report.holds:
         report = against(claims, report, comparison or compare_with_run(claims, folder))
-        own_spec = own
+        own_spec = runs_own_code
     family, always = family_named((claims.model or {}).get("family")), ASSUMPTIONS
     if family is not None:
         report, always = family.with_levels(report, claims), family.assumptions

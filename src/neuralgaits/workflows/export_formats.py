@@ -37,10 +37,10 @@ RecordFactory = Callable[..., ExportRecord]
 
 def controller_files(design: Design, reference: Reference) -> dict[str, str]:
     """Return the files that are specific to this gait."""
-    own = gait_files(design) | {"gait_selftest.h": selftest_file(design, reference)}
+    gait = gait_files(design) | {"gait_selftest.h": selftest_file(design, reference)}
     adapts = {ADAPTED, *SETTLED} & {command.name for command in design.commands}
     adaptation = output_folder.adaptation() if adapts else {}
-    return own | monitor_files(design) | adaptation | board_files(design)
+    return gait | monitor_files(design) | adaptation | board_files(design)
 
 
 def _c(design: Design, states: int) -> tuple[dict[str, str], RecordFactory]:

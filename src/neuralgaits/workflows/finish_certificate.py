@@ -71,8 +71,8 @@ def _map(run: Run, scope: Scope, run_proof: RunProof) -> dict[str, bytes]:
     # Drawing takes longer to import than small proofs take.
     from neuralgaits.report.figures.map_of_boxes import map_files
 
-    own = of_conditions(scope.spec, run_proof.searched)
-    return map_files(run, [problem for problem, _ in own], [state for _, state in own])
+    searched = of_conditions(scope.spec, run_proof.searched)
+    return map_files(run, [problem for problem, _ in searched], [state for _, state in searched])
 
 
 def _beside_earlier(

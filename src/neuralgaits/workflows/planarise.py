@@ -133,11 +133,6 @@ def robot_from(
         raise RobotError(problems[0] + (f"; or {line}" if line else "")) from None
 
 
-def inspect_file(source: str) -> RobotFacts:
-    """Describe a robot by name or path. Raises: RobotError, as `robot_from`."""
-    return inspect(robot_from(source))
-
-
 def _problems(source: str | Path) -> tuple[str, ...]:
     """Return the problems of a robot file; of a URDF, those that are in the way of a copy."""
     path = Path(source)

@@ -195,9 +195,9 @@ def _job(folder: SweepFolder, one: Combination) -> Job:
     """Return the task of a row: all that it needs, with no reference to this machine's disk."""
     config = folder.config
     spec = config.specs[one.spec]
-    own = spec_file(one.spec) in config.sha256
+    has_own_spec = spec_file(one.spec) in config.sha256
     files = {ROBOT: folder.input(robot_file(one.robot))}
-    if own:
+    if has_own_spec:
         files[SPEC] = folder.input(spec_file(one.spec))
     settings = {
         "name": one.name,
@@ -205,7 +205,7 @@ def _job(folder: SweepFolder, one: Combination) -> Job:
         "spec": spec,
         "speed": None if one.speed is None else list(one.speed),
         "seed": one.seed,
-        "spec_file": spec.rpartition(":")[0] if own else None,
+        "spec_file": spec.rpartition(":")[0] if has_own_spec else None,
         "place": str(folder.place(one.name)),
         "steps": config.steps,
         "certify": config.certify,

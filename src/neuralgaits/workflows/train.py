@@ -173,8 +173,8 @@ def _orbit_speeds(run: Run) -> tuple[float, float] | None:
     middle = {name: 0.5 * (c.low + c.high) for name, c in commands.items()}
     speeds = []
     for speed in (commands["speed"].low, commands["speed"].high):
-        there = run.at(**(middle | {"speed": speed}))
-        speeds.append(poincare(there.zero_dynamics, there.gait.z(np.array([0.5, 0.5]))).speed_m_s)
+        member = run.at(**(middle | {"speed": speed}))
+        speeds.append(poincare(member.zero_dynamics, member.gait.z(np.array([0.5, 0.5]))).speed_m_s)
     return (speeds[0], speeds[1]) if np.isfinite(speeds).all() else None
 
 

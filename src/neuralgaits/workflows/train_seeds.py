@@ -105,12 +105,12 @@ def _row(many: SeedsInParallel, number: int) -> SeedSummary:
 
 def _interruption(many: SeedsInParallel, numbers: range) -> Interrupted:
     """Return the interruption, which names runs to resume and seeds that were not started."""
-    left = [one for one in many.begun if one.config.seed not in many.done | many.refused]
+    unfinished = [one for one in many.begun if one.config.seed not in many.done | many.refused]
     later = numbers[len(many.begun) :]
-    rest = [f"and so with each of {len(left) - 1} more"] if len(left) > 1 else []
+    rest = [f"and so with each of {len(unfinished) - 1} more"] if len(unfinished) > 1 else []
     if many.refused:
         rest.append(f"refused, see nan.json: {', '.join(map(str, sorted(many.refused)))}")
-    if not left:
+    if not unfinished:
         robot = many.first.config.robot
         again = command("train", robot, "--seeds", f"{later[0]}:{later[-1] + 1}")
         more = "; ".join(["and the settings that were given, in another folder", *rest])
@@ -119,4 +119,4 @@ def _interruption(many: SeedsInParallel, numbers: range) -> Interrupted:
         rest.append(f"seeds {later[0]} to {later[-1]} were not begun")
     elif later:
         rest.append(f"seed {later[0]} was not begun")
-    return Interrupted(resuming(left[0].path), "".join(f"; {part}" for part in rest))
+    return Interrupted(resuming(unfinished[0].path), "".join(f"; {part}" for part in rest))

@@ -179,9 +179,9 @@ def remember() -> None:
     claims = functools.lru_cache(64)(lambda path, content: read_claims(path))
     runs.robot_from_text = report.robot_from_text = robot
     verified_summary.read_claims = lambda path: claims(path, path.read_bytes())
-    traced, trace = dict[str, dict[str, Any]](), retrace.describe_run
+    traced, trace = dict[str, retrace.RunDescription](), retrace.describe_run
 
-    def traced_once(run: Path, theorems: Theorems, chart: Chart) -> dict[str, Any]:
+    def traced_once(run: Path, theorems: Theorems, chart: Chart) -> retrace.RunDescription:
         files = [one for one in sorted(run.iterdir()) if one.is_file()]
         contents = [(one.name, hashlib.sha256(one.read_bytes()).hexdigest()) for one in files]
         key = to_json([contents, theorems.tables(), chart.table()])

@@ -57,7 +57,7 @@ Corners = tuple[np.ndarray, np.ndarray]
 """Boxes by their lower and upper corners. [boxes, n] each."""
 
 
-_OTHER = f"name a run that is certified, or its {PROOF}"
+_NAME_A_PROOF = f"name a run that is certified, or its {PROOF}"
 """Remedy for a file that is none of this kind."""
 
 
@@ -98,23 +98,23 @@ class Statement:
         Raises: InconsistentError if the tree is not one.
         """
         lows, highs = [], []
-        signs = iter(self.tree)
+        characters = iter(self.tree)
         stack = [(self.low, self.high, (0,) * len(self.low))]
         while stack:
             low, high, cuts = stack.pop()
-            sign = next(signs, None)
-            if sign is None:
+            character = next(characters, None)
+            if character is None:
                 raise InconsistentError(f"the tree of {self.region} ends before its last leaf")
-            if sign == LEAF:
+            if character == LEAF:
                 lows.append(low)
                 highs.append(high)
                 continue
-            axis = DIGITS.index(sign)
+            axis = DIGITS.index(character)
             if axis >= len(low) or low[axis] == high[axis] or cuts[axis] == MAX_CUTS:
                 raise InconsistentError(f"the tree of {self.region} splits what has no width")
             more = tuple(count + (place == axis) for place, count in enumerate(cuts))
             stack += [(*part, more) for part in reversed(halves(low, high, axis))]
-        if next(signs, None) is not None:
+        if next(characters, None) is not None:
             raise InconsistentError(f"the tree of {self.region} goes on after its last leaf")
         low, high = np.array(lows), np.array(highs)
         required = required_boxes(self.coupled_axes, low, high)
@@ -152,7 +152,10 @@ class Claims:
 
     @cached_property
     def off_zero(self) -> set[str]:
-        """Return outputs that depend on xi, whose statements hold for all xi of the unit ball."""
+        """Return outputs that depend on xi, the place off the zero dynamics.
+
+        Statements about them hold for all xi of the unit ball.
+        """
         return reading(self.program, FIBRE)
 
 
@@ -173,14 +176,14 @@ def read_claims(path: Path) -> Claims:
     except (OSError, ValueError) as error:
         why = "no text" if isinstance(error, UnicodeDecodeError) else reason(error)
         raise InputError(
-            f"expected a proof file at {path}, found none to read: {why}; {_OTHER}"
+            f"expected a proof file at {path}, found none to read: {why}; {_NAME_A_PROOF}"
         ) from None
     try:
         return _claims(parse(text))
     except (ValueError, RecursionError, OverflowError, MemoryError) as error:
         why = f"no JSON, {error}" if isinstance(error, JSONDecodeError) else str(error)
         # Damaged, or of another version, it is still the proof of a run.
-        way = "certify its run again" if KIND in text else _OTHER
+        way = "certify its run again" if KIND in text else _NAME_A_PROOF
         raise InputError(
             f"expected a proof file of format {FORMAT}, found in {path}: {shortened(why)}; {way}"
         ) from None

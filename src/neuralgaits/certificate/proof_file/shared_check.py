@@ -164,9 +164,13 @@ class OtherProcess:
         arithmetic: Arithmetic,
     ):
         self.found: list[PieceResult] = []
-        rows = [asdict(statement) for statement in statements]
-        task = {"program": program.to_json(), "statements": rows, "turn": turn, "count": count}
-        task["arithmetic"] = arithmetic
+        task = {
+            "program": program.to_json(),
+            "statements": [asdict(statement) for statement in statements],
+            "turn": turn,
+            "count": count,
+            "arithmetic": arithmetic,
+        }
         self._process = None
         with contextlib.suppress(OSError, TypeError):  # TypeError: Python has no executable.
             self._process = subprocess.Popen(

@@ -1,7 +1,8 @@
 """Write proof files: claims, and the trees of boxes on which they were found to hold.
 
 A file holds everything that a reader needs: the Program with the weights in it, root boxes, bounds,
-and a digit for each box that is halved. It holds no intermediate result that a reader must trust.
+a digit for each box that is halved and a dash for each that is not. It holds no intermediate result
+that a reader must trust.
 """
 
 import json

@@ -26,7 +26,7 @@ from neuralgaits.runs import RunFolder, plain, write_text
 
 
 class RunDescription(TypedDict):
-    """What a proof must be about, as JSON: what the process that traces a run answers.
+    """Data that a proof must match, as JSON: the answer of the process that traces a run.
 
     Attributes:
         program_hash: hash of the run's Program; None if none was traced.

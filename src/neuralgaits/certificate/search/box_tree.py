@@ -194,8 +194,8 @@ class BoxTree:
         before.costs[halved] *= FALL
         added = PendingBoxes(new.astype(np.int32), *boxes, before.cuts, before.costs)
         added = added if keep is None else added.take(keep)
-        still = np.ones(len(self.pending.number), dtype=bool)
-        still[np.searchsorted(self.pending.number, parents)] = False
+        unhalved = np.ones(len(self.pending.number), dtype=bool)
+        unhalved[np.searchsorted(self.pending.number, parents)] = False
         none = np.full(len(of_halves), -1)
         return replace(
             self,
@@ -204,7 +204,7 @@ class BoxTree:
             depth=np.concatenate([self.depth, self.depth[of_halves] + self.depth.dtype.type(1)]),
             lower=np.concatenate([self.lower, np.fmax(lower, self.lower[of_halves])]),
             upper=np.concatenate([self.upper, np.fmin(upper, self.upper[of_halves])]),
-            pending=self.pending.take(still).followed_by(added),
+            pending=self.pending.take(unhalved).followed_by(added),
         )
 
     def with_bounds(self, boxes: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> "BoxTree":

@@ -26,6 +26,7 @@ from neuralgaits.records.certified import Counterexample
 Confirm = Callable[[str, np.ndarray], Counterexample | None]
 """Function from (condition, u) to the counterexample there; None if the margin is not negative."""
 Phase = Literal["decide", "tighten"]
+"""Purpose of a search: the signs of the margins, or their sizes."""
 
 START_CUTS, MOST_AT_START = 3, 5
 """Halvings at the start: of every axis that is not weak, in turn, and the most in all."""

@@ -42,6 +42,7 @@ if TYPE_CHECKING:
     from neuralgaits.robots import PlanarBiped
 
 
+_NO_STEP = "expected a policy of one step, found a family of them: ask .at(robot, pair) first"
 NEWTON_STEPS = 4
 """Newton steps that put the swing foot on its foothold: from a few centimetres off, 1e-12 m."""
 
@@ -130,16 +131,12 @@ class CommandedPolicy(NetworkPolicy):
 
     def __call__(self, z: ZeroState) -> Actuated:
         """Raise InputError, since a family has no outputs of its own."""
-        raise InputError(
-            "expected a policy of one step, found a family of them: ask .at(robot, pair) first"
-        )
+        raise InputError(_NO_STEP)
 
     @property
     def z1_range(self) -> tuple[Scalar, Scalar]:
         """Raise InputError, since a family has no range of its own."""
-        raise InputError(
-            "expected a policy of one step, found a family of them: ask .at(robot, pair) first"
-        )
+        raise InputError(_NO_STEP)
 
     def trainable(self) -> "CommandedPolicy":
         """Flags of trainable leaves: network and guards may move, the rest is fixed."""

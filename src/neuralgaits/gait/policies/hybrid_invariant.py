@@ -57,8 +57,8 @@ class HybridInvariantPolicy(StepPolicy):
         then: the policy of the next step, if the command stays; None for this one.
         ends: values and slopes of H at phases 0 and 1, (H0, H0', H1, H1'), in whose terms it is
             evaluated if they are given: bounds of it are then as tight as those of its ends. [4, m]
-        anchor: a phase and the z1 that it is at; None where both are numbers. Phases are then
-            counted from there, so that what start and guard depend on cancels. [2]
+        anchor: a phase and the z1 that it is at, from which other phases are counted, so that what
+            start and guard depend on cancels in a proof; None where both are numbers. [2]
         ankle: torque of the stance ankle of a robot with flat feet; None on point feet.
     """
 

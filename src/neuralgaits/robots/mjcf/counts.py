@@ -55,6 +55,8 @@ def _product(text: str) -> float:
         return 1.0
 
 
-def _refuse(what: str, count: float, most: int, of: str) -> None:
+def _refuse(tag: str, count: float, most: int, things: str) -> None:
     if not count <= most:
-        raise RobotError(f"<{what}> asks for {count:g} {of}: expected at most {most}; write fewer")
+        raise RobotError(
+            f"<{tag}> asks for {count:g} {things}: expected at most {most}; write fewer"
+        )

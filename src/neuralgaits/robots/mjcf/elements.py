@@ -68,10 +68,10 @@ def match_elements(root: Element, model: mujoco.MjModel) -> Elements:
 
     def visit(body: Element) -> None:
         bodies.append(body)
-        own = list(_within(body))
-        joints.extend(one for one in own if one.tag in ("joint", "freejoint"))
-        geoms.extend(one for one in own if one.tag == "geom")
-        for child in own:
+        children = list(_within(body))
+        joints.extend(one for one in children if one.tag in ("joint", "freejoint"))
+        geoms.extend(one for one in children if one.tag == "geom")
+        for child in children:
             if child.tag == "body":
                 visit(child)
 

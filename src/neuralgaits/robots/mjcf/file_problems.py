@@ -60,17 +60,17 @@ def _joints_below_the_root(model: mujoco.MjModel) -> list[int]:
     """Return the hinges below the root, whose joints may belong to a chain of bodies."""
     welded = [int(one) for one in model.body_weldid]
     moving_bodies = sorted(set(welded) - {0})
-    above = {body: welded[model.body_parentid[body]] for body in moving_bodies}
+    parent = {body: welded[model.body_parentid[body]] for body in moving_bodies}
     last, joints, roots = 0, 0, set[int]()
     while joints < _ROOT_JOINTS:
-        below = [body for body in moving_bodies if above[body] == last]
+        below = [body for body in moving_bodies if parent[body] == last]
         if len(below) != 1:
             break
         last = below[0]
         roots.add(last)
-        own = model.jnt_type[model.jnt_bodyid == last]
-        free = mujoco.mjtJoint.mjJNT_FREE in own
-        joints += _ROOT_JOINTS if free else len(own)
+        joint_types = model.jnt_type[model.jnt_bodyid == last]
+        free = mujoco.mjtJoint.mjJNT_FREE in joint_types
+        joints += _ROOT_JOINTS if free else len(joint_types)
     hinges = model.jnt_type == mujoco.mjtJoint.mjJNT_HINGE
     owners = [welded[body] for body in model.jnt_bodyid]
     return [joint for joint in range(model.njnt) if hinges[joint] and owners[joint] not in roots]

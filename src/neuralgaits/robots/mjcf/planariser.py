@@ -28,7 +28,7 @@ from neuralgaits.robots.mjcf.urdf import is_urdf, mjcf_of_urdf
 
 
 @dataclass(frozen=True)
-class PlanarCopy:
+class PlanarText:
     """A robot file that can be loaded.
 
     Attributes:
@@ -49,7 +49,7 @@ def planarise(
     feet: Feet = "point",
     weld: Collection[str] = (),
     folder: Path | None = None,
-) -> PlanarCopy:
+) -> PlanarText:
     """Change a robot file into that of a planar biped.
 
     Args:
@@ -59,7 +59,7 @@ def planarise(
         weld: names of joints to weld, at the file's first keyframe or at zero.
         folder: that the meshes of a URDF are looked for from.
 
-    Returns: `PlanarCopy`. Raises: RobotError if the file is not a planar biped even so, naming
+    Returns: `PlanarText`. Raises: RobotError if the file is not a planar biped even so, naming
     what is in the way; ManyProblems if several things are.
     """
     try:
@@ -75,7 +75,7 @@ def planarise(
 
 def _changed(
     text: str, name: str, feet: Feet, weld: frozenset[str], folder: Path | None
-) -> PlanarCopy:
+) -> PlanarText:
     """Return the file with all changes, not loaded yet. Raises: RobotError, as `planarise`."""
     before: tuple[str, ...] = ()
     urdf = is_urdf(text)
@@ -89,7 +89,7 @@ def _changed(
     for step in (*BEFORE_FEET, keep_flat_feet if feet == "flat" else give_point_feet, *AFTER_FEET):
         edit.compile()
         attempt(None, step, edit)
-    return PlanarCopy(edit.text() if edit.changes else text, tuple(edit.changes))
+    return PlanarText(edit.text() if edit.changes else text, tuple(edit.changes))
 
 
 def _problems(

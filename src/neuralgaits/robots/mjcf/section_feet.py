@@ -117,8 +117,8 @@ def _refuse_tilted(link: SectionLink, points: np.ndarray) -> None:
 
 def _frame_tip(model: mujoco.MjModel, data: mujoco.MjData, link: SectionLink) -> SectionFoot:
     """Return a point foot at the lowest frame that hangs from a link without shapes."""
-    own = link.bodies[0]
-    frames = [body for body in link.bodies if body != own]
+    first = link.bodies[0]
+    frames = [body for body in link.bodies if body != first]
     if not frames:
         raise RobotError(
             f"link {link.name} ends a leg and has no shape and no link fixed to it, so nothing "

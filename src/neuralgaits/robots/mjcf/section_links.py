@@ -57,8 +57,8 @@ def _link(
     joint: int,
     bodies: tuple[int, ...],
 ) -> SectionLink:
-    own = plan.base if joint < 0 else int(model.jnt_bodyid[joint])
-    place = data.xpos[own] if joint < 0 else data.xanchor[joint]
+    body_index = plan.base if joint < 0 else int(model.jnt_bodyid[joint])
+    place = data.xpos[body_index] if joint < 0 else data.xanchor[joint]
     heavy = [body for body in bodies if model.body_mass[body] > MASSLESS_KG]
     mass = float(model.body_mass[heavy].sum())
     moment = sum((model.body_mass[body] * in_plane(data.xipos[body]) for body in heavy), 0j)
@@ -69,7 +69,7 @@ def _link(
         inertia += float(axes[1] ** 2 @ model.body_inertia[body])
         inertia += float(model.body_mass[body]) * abs(in_plane(data.xipos[body]) - com) ** 2
     return SectionLink(
-        body_name(model, own),
+        body_name(model, body_index),
         joint,
         bodies,
         in_plane(place),

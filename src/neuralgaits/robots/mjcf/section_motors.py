@@ -47,14 +47,16 @@ def _joint_of(model: mujoco.MjModel, actuator: int) -> int | None:
 def _write_motor(
     section: ElementTree.Element, model: mujoco.MjModel, joint: int, lines: list[str]
 ) -> None:
-    own = [one for one in range(model.nu) if _joint_of(model, one) == joint]
+    motors = [one for one in range(model.nu) if _joint_of(model, one) == joint]
     name = model.joint(joint).name or f"{body_name(model, int(model.jnt_bodyid[joint]))}_joint"
-    if not own:
+    if not motors:
         return  # The loader names the joint.
-    choice = choose_motor(model, joint, own)
+    choice = choose_motor(model, joint, motors)
     if choice.kept is None:
-        labels = ", ".join(model.actuator(one).name or f"number {one}" for one in own)
-        raise RobotError(f"joint {name} has {len(own)} motors ({labels}): expected one; keep one")
+        labels = ", ".join(model.actuator(one).name or f"number {one}" for one in motors)
+        raise RobotError(
+            f"joint {name} has {len(motors)} motors ({labels}): expected one; keep one"
+        )
     lines += said_of(model, name, choice)
     label = model.actuator(choice.kept).name or name
     gear, limit = 1.0, choice.limit

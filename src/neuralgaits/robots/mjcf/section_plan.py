@@ -178,10 +178,10 @@ def links_of_bodies(model: mujoco.MjModel, plan: SectionPlan) -> dict[int, int]:
 
 def _tops(model: mujoco.MjModel, moving: list[int]) -> list[int]:
     """Return for each body the body above it that moves against its parent; 0 for the world's."""
-    own = {int(model.jnt_bodyid[joint]) for joint in moving}
+    moving_bodies = {int(model.jnt_bodyid[joint]) for joint in moving}
     tops = [0]
     for body in range(1, model.nbody):
-        tops.append(body if body in own else tops[int(model.body_parentid[body])])
+        tops.append(body if body in moving_bodies else tops[int(model.body_parentid[body])])
     return tops
 
 

@@ -112,10 +112,10 @@ def inertia(model: mujoco.MjModel, number: int) -> SpatialInertia:
     mass = float(model.body_mass[number])
     if mass == 0.0:
         return SpatialInertia.Zero()
-    own = pose(model.body_ipos[number], model.body_iquat[number])
+    principal = pose(model.body_ipos[number], model.body_iquat[number])
     central = RotationalInertia(*map(float, model.body_inertia[number]))
     return SpatialInertia.MakeFromCentralInertia(
-        mass, own.translation(), central.ReExpress(own.rotation())
+        mass, principal.translation(), central.ReExpress(principal.rotation())
     )
 
 

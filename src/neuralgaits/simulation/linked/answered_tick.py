@@ -17,7 +17,7 @@ from neuralgaits.robots import PlanarBiped
 from neuralgaits.simulation.linked.wire import Answer
 from neuralgaits.simulation.ticks.scene import Scene
 from neuralgaits.simulation.ticks.sensors import sense
-from neuralgaits.simulation.ticks.tick import account, begin, estimated
+from neuralgaits.simulation.ticks.tick import begin, estimated, judge_and_record
 
 
 def sizes_of(robot: PlanarBiped, commands: int) -> tuple[int, ...]:
@@ -71,7 +71,7 @@ def answered_tick(scene: Scene) -> tuple[Callable[..., Any], Callable[..., Any]]
             carry, measurement = estimated(scene, scene.estimator, carry, measurement)
         result = _command_of(scene, row, measurement)
         state = _state_after(scene, carry.controller, result)
-        parts = account(scene, carry, reading, state, result, measurement)
+        parts = judge_and_record(scene, carry, reading, state, result, measurement)
         return tuple(ravel_pytree(part)[0] for part in parts)
 
     return measure, judge

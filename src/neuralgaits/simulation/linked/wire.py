@@ -66,11 +66,11 @@ def pack_reading(
     signs, offsets = np.array(layout.leg_joint_signs), np.array(layout.leg_joint_offsets)
     turn = float(measurement.pitch) - layout.root_angle
     dpitch = float(measurement.dpitch)
-    _, swept = layout.hip_arm(turn, np)
+    _, arm_slope = layout.hip_arm(turn, np)
     numbers = np.concatenate(
         [
             [layout.pitch_sign * turn, layout.pitch_sign * dpitch],
-            np.asarray(measurement.hip_velocity) - dpitch * swept,
+            np.asarray(measurement.hip_velocity) - dpitch * arm_slope,
             measurement.normal_force,
             (signs * (np.asarray(measurement.angles) - offsets)).reshape(-1),
             (signs * np.asarray(measurement.rates)).reshape(-1),

@@ -79,8 +79,8 @@ def _constant_parts(controller: Controller) -> tuple:
 
 def _equal(one: tuple, other: tuple) -> bool:
     """Return whether two trees are equal; arrays are compared outside JAX, to compile nothing."""
-    (here, form), (there, other_form) = jax.tree.flatten(one), jax.tree.flatten(other)
-    return form == other_form and all(map(np.array_equal, here, there))
+    (leaves, form), (other_leaves, other_form) = jax.tree.flatten(one), jax.tree.flatten(other)
+    return form == other_form and all(map(np.array_equal, leaves, other_leaves))
 
 
 def mujoco_library() -> Path:

@@ -41,9 +41,9 @@ _REFUSED = -1
 
 def _with_its_own(scene: Any, plant: Plant) -> Any:
     """Return the scene of one episode with its own plant; the law stays that of the first scene."""
-    own = type(scene).from_buffer_copy(scene)
-    own.model = plant.model._address
-    return own
+    copy = type(scene).from_buffer_copy(scene)
+    copy.model = plant.model._address
+    return copy
 
 
 def run(
@@ -225,9 +225,9 @@ class _Orders:
         """Provide the commands of a chunk before it runs."""
         if not self._rows.shape[1]:
             return
-        left = self._rows[walk.orders_used :]
-        more = list(islice(self._rest, _TOUCHDOWNS - len(left)))
-        self._rows = np.concatenate([left, *(row[None] for row in more)])
+        unused = self._rows[walk.orders_used :]
+        further_rows = list(islice(self._rest, _TOUCHDOWNS - len(unused)))
+        self._rows = np.concatenate([unused, *(row[None] for row in further_rows)])
         walk.orders, walk.orders_used = pointer(self._rows), 0
 
 

@@ -88,17 +88,17 @@ def _set_ground(scene: Any, plant: Plant, controller: Controller) -> None:
         setattr(scene, f"told_{name}", 0 if at is None else at + 1)
 
 
-def _set_law(law: Any, own: AbstractLaw) -> CompiledLaw:
-    form = compiled_law(own)
+def _set_law(law: Any, source: AbstractLaw) -> CompiledLaw:
+    form = compiled_law(source)
     if form is None:
-        raise InputError(f"expected a law of this package, found {type(own).__name__}")
+        raise InputError(f"expected a law of this package, found {type(source).__name__}")
     law.name, law.hold_ticks, law.bandwidth = (
         b"",
-        int(own.hold_ticks),
+        int(source.hold_ticks),
         float(form.bandwidth),
     )
     law.model, law.measure_z2 = int(form.model), int(form.measure_z2)
-    law.uses_impact_consistent_rates = int(own.uses_impact_consistent_rates)
+    law.uses_impact_consistent_rates = int(source.uses_impact_consistent_rates)
     _fill(law.stiffness, form.stiffness)
     _fill(law.damping, form.damping)
     return form
@@ -106,10 +106,10 @@ def _set_law(law: Any, own: AbstractLaw) -> CompiledLaw:
 
 def _set_program(library: Library, scene: Any, controller: Controller) -> None:
     """Set the quadratic program of a law that has one in place of clipping."""
-    law, own = controller.law, scene.clf_qp
+    law, program = controller.law, scene.clf_qp
     for name in ("bandwidth", "price", "contact_price", "least_normal"):
-        setattr(own, name, float(getattr(law, name)))
-    own.friction = float(controller.robot.friction)
+        setattr(program, name, float(getattr(law, name)))
+    program.friction = float(controller.robot.friction)
     scene.law.apply_limits = library.clf_qp
     scene.law.own = ctypes.addressof(scene) + library.layout.scene.clf_qp.offset
 

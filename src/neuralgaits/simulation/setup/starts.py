@@ -97,11 +97,11 @@ def _lifted(zd: ZeroDynamics, gait: Gait, charts: Array) -> Array:
 def _momenta(family: CommandedGait, phases: Array, pairs: Pair) -> Array:
     def of_step(pair: Pair) -> Array:
         tube = family.tube.at(Pair(*map(family.policy.scaled, pair)))
-        return jnp.sqrt(2.0 * jax.vmap(lambda t: tube.fences(t))(phases))
+        return jnp.sqrt(2.0 * jax.vmap(tube.fences)(phases))
 
     return jax.vmap(of_step)(pairs)
 
 
 @quick_filter_jit
 def _z_of(gait: Gait, charts: Array) -> Array:
-    return jax.vmap(lambda u: gait.z(u))(charts)
+    return jax.vmap(gait.z)(charts)

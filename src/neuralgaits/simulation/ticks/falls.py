@@ -45,6 +45,8 @@ _REASONS = {
 }
 
 
+ENDLESS = 2**31 - 1
+"""Number of steps of a walk without end."""
 HIP_SHARE = 0.65
 """Lowest hip height above the floor, as a share of the leg length."""
 TORSO_RAD = 1.0

@@ -132,7 +132,7 @@ def update(
     down = result.touchdown
     steps = gauge.steps + down
     gauged = down & (gauge.steps >= START_UP_STEPS)
-    here = Milestone(time, hip, gauge.energy)
+    milestone = Milestone(time, hip, gauge.energy)
     steady = _choose(gauged, gauge.steady.with_(gauge.running), gauge.steady)
     running = _choose(down, Extremes.none(), gauge.running)
     power = jnp.sum(jnp.abs(result.actuated * result.dq[1:]))
@@ -140,8 +140,8 @@ def update(
     return Gauge(
         steps=steps,
         energy=gauge.energy + period_s * power,
-        first=_choose(down & (steps == START_UP_STEPS), here, gauge.first),
-        last=_choose(down, here, gauge.last),
+        first=_choose(down & (steps == START_UP_STEPS), milestone, gauge.first),
+        last=_choose(down, milestone, gauge.last),
         steady=steady,
         running=running.with_(now),
         peak_torque=jnp.maximum(gauge.peak_torque, now.torque),

@@ -24,5 +24,6 @@ class Recorder:
 
     def record(self, episode: int) -> TickRecord:
         """Return the record of one episode up to its end; leaves have a leading axis of ticks."""
-        ran = [tick for tick, who in zip(self._ticks, self._active, strict=True) if episode in who]
+        pairs = zip(self._ticks, self._active, strict=True)
+        ran = [tick for tick, active in pairs if episode in active]
         return jax.tree.map(lambda *leaves: np.stack([leaf[episode] for leaf in leaves]), *ran)

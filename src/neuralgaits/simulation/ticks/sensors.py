@@ -33,8 +33,8 @@ def sense(scene: Scene, reading: PlantReading) -> TrueAndMeasured:
     time, qpos, qvel = reading.state[0], *jnp.split(reading.state[1:], 2)
     # Written for NumPy, but with nothing that JAX arrays cannot do.
     sensors = state_map.sensors(cast(np.ndarray, qpos), cast(np.ndarray, qvel))
-    arm, swept = state_map.layout.hip_arm(sensors.pitch - state_map.layout.root_angle, jnp)
-    truth = measure(sensors, swept, time, reading.touch)
+    arm, arm_slope = state_map.layout.hip_arm(sensors.pitch - state_map.layout.root_angle, jnp)
+    truth = measure(sensors, arm_slope, time, reading.touch)
     shifted = truth._replace(pitch=truth.pitch + scene.pitch_offset)
     measurement = _rounded(_noisy(shifted, reading.noise, scene.noise), scene.encoder_step)
     return TrueAndMeasured(truth, measurement, sensors.base + arm)
@@ -58,10 +58,10 @@ def _rounded(measured: Measurement, resolution: Scalar) -> Measurement:
     exact = resolution == 0.0
     unit = jnp.where(exact, 1.0, resolution)
 
-    def counted(angle):
+    def to_steps(angle):
         return jnp.where(exact, angle, unit * jnp.round(angle / unit))
 
-    return measured._replace(pitch=counted(measured.pitch), angles=counted(measured.angles))
+    return measured._replace(pitch=to_steps(measured.pitch), angles=to_steps(measured.angles))
 
 
 def true_z(robot: PlanarBiped, truth: Measurement, leg: Int[Array, ""]) -> ZeroState:

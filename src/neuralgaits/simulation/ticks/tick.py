@@ -19,14 +19,14 @@ from neuralgaits.control import (
     tell,
 )
 from neuralgaits.control.estimator import Estimator, EstimatorState, estimate
-from neuralgaits.control.estimator import start as nothing_known
+from neuralgaits.control.estimator import start as start_estimator
 from neuralgaits.control.lean_sums import LeanSums
 from neuralgaits.gait.commands import LEAN, place_of
 from neuralgaits.robots.dynamics import hip_position, swing_foot
 from neuralgaits.simulation.setup.drives import held_by_drives
-from neuralgaits.simulation.ticks import gauge as gauges
 from neuralgaits.simulation.ticks.falls import ending
 from neuralgaits.simulation.ticks.gauge import Gauge
+from neuralgaits.simulation.ticks.gauge import update as update_gauge
 from neuralgaits.simulation.ticks.scene import PlantReading, Scene
 from neuralgaits.simulation.ticks.sensors import sense, true_z
 from neuralgaits.simulation.ticks.wiring import controls
@@ -93,7 +93,7 @@ def begin(scene: Scene, leg: Int[Array, ""]) -> Carry:
         first = first._replace(lean=lean_sums.start(scene.controller.robot))
     if scene.estimator is None:
         return first
-    state = nothing_known(scene.controller.robot)
+    state = start_estimator(scene.controller.robot)
     return first._replace(estimator=state, believed_speeds=jnp.zeros(scene.delay_ticks + 1))
 
 
@@ -106,7 +106,7 @@ def tick(
         carry, measurement = estimated(scene, scene.estimator, carry, measurement)
     state = tell(scene.controller, carry.controller, reading.requested)
     state, result = step(scene.controller, state, measurement)
-    return account(scene, carry, reading, state, result, measurement)
+    return judge_and_record(scene, carry, reading, state, result, measurement)
 
 
 def estimated(
@@ -133,7 +133,7 @@ def estimated(
     return carry._replace(estimator=state, believed_speeds=believed), state.estimate
 
 
-def account(
+def judge_and_record(
     scene: Scene,
     carry: Carry,
     reading: PlantReading,
@@ -156,7 +156,7 @@ def account(
     truth, _, hip = sense(scene, reading)
     period = scene.controller.period_s
     age = jnp.where(result.touchdown, 0.0, carry.age + period)
-    gauge = gauges.update(
+    gauge = update_gauge(
         carry.gauge,
         result,
         time=truth.time,

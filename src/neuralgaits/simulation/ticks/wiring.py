@@ -12,13 +12,13 @@ from neuralgaits.robots.mjcf_state import Sensors, StateMap
 
 
 def measure(
-    sensors: Sensors, swept: Planar, time: Scalar, normal: Float[Array, "2"]
+    sensors: Sensors, arm_slope: Planar, time: Scalar, normal: Float[Array, "2"]
 ) -> Measurement:
     """Return the measurements of a robot's sensors. Returns: `Measurement`.
 
     Args:
         sensors: sensors of the plant's state, without batch axes.
-        swept: derivative of the root-to-hip vector by pitch, from `MjcfLayout.hip_arm` (m). [2]
+        arm_slope: derivative of the root-to-hip vector by pitch, from `MjcfLayout.hip_arm` (m). [2]
         time: time of the reading (s).
         normal: normal force on each foot (N).
     """
@@ -28,7 +28,7 @@ def measure(
         dpitch=sensors.dpitch,
         angles=sensors.joints,
         rates=sensors.djoints,
-        hip_velocity=sensors.base_velocity + sensors.dpitch * swept,
+        hip_velocity=sensors.base_velocity + sensors.dpitch * arm_slope,
         normal_force=normal,
     )
 
