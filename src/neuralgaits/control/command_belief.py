@@ -22,8 +22,8 @@ SETTLED = MappingProxyType({LEAN: 12e-3, SLOPE: 2e-3})
 of the speed are summed from there on. It makes up for what a lean lacks, so it waits for large
 errors only, of the first steps of a robot that is far from its belief."""
 JUMPS = MappingProxyType({LEAN: 5e-3})
-"""Differences from the estimate that show another robot than before [m]. With encoders a lean varies
-by 1.2 mm from step to step; a slope varies by more on any uneven floor."""
+"""Differences from the estimate that show another robot than before [m]. With encoders a lean
+varies by 1.2 mm from step to step; a slope varies by more on any uneven floor."""
 FEET_APART_M = 0.05
 """Least distance of the feet that shows a slope [m]."""
 SPEED_EFFECT = 4.3
