@@ -85,10 +85,11 @@ def test_a_part_of_a_step_counts_until_a_whole_one_is_seen():
 
 def test_a_belief_arrives_as_fast_as_the_controller_lets_it():
     """It does not creep towards what is known: 30 mm are seven steps of 4.8 mm."""
-    believed, steps = 0.0, 0
-    while believed < 0.03:
-        believed, steps = next_belief(BELIEF, Estimate(0.03, 1), believed), steps + 1
-    assert steps == 7 and believed == 0.03
+    believed = 0.0
+    for step in range(1, 8):
+        believed = next_belief(BELIEF, Estimate(0.03, 1), believed)
+        assert believed == pytest.approx(min(0.0048 * step, 0.03))
+    assert believed == 0.03
     assert next_belief(BELIEF, Estimate(-0.5, 1), believed) == pytest.approx(0.03 - 0.0048)
 
 

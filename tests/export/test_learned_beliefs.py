@@ -39,9 +39,15 @@ int main(void)
         adapt.error = 0.05;
         ng_adapt_tell(&adapt, &state, first);
         int moving;
-        const double out[7] = {adapt.believed, excess(&adapt, &state, &moving),
+        /* The step of a fall shows nothing: its window is dropped. */
+        const ng_measurement reading = {0};
+        const ng_command fallen = {.fault = NG_FAULT_PITCH};
+        adapt.since = 0.3;
+        ng_adapt_step(&adapt, &state, &reading, &fallen, first);
+        const double out[8] = {adapt.believed, excess(&adapt, &state, &moving),
                                believes_anew(&adapt, &state), state.requested[0],
-                               state.requested[1], state.requested[2], adapt.lean_steps};
+                               state.requested[1], state.requested[2], adapt.lean_steps,
+                               adapt.since};
         fwrite(out, sizeof out, 1, stdout);
     }
     return 0;
@@ -64,7 +70,7 @@ def expected_of(design, row):
     anew = abs(wanted - before) > SETTLED["lean"] or abs(tilted - slope) > SETTLED["slope"]
     gain = 0.3 if next_lean == wanted else 0.6
     speed = min(max(0.7 + gain * 0.05 - excess, SPEED.low), SPEED.high)
-    return [estimate.value, excess, float(anew), speed, wanted, tilted, estimate.steps]
+    return [estimate.value, excess, float(anew), speed, wanted, tilted, estimate.steps, -1.0]
 
 
 def test_c_believes_as_python_does(tmp_path):

@@ -140,6 +140,22 @@ def test_the_speed_makes_up_for_what_the_belief_still_lacks(run):
     assert wanted_speeds(run, ("speed",), (0.0, 0.0), 0.012) == [0.7]
 
 
+def test_a_lean_that_cannot_be_changes_nothing_and_is_said(run):
+    """A foot that bounces shows a metre, or nothing."""
+    adapted = AdaptedCommand(run.robot, (LEANS,), np.array([0.0]), ("lean",))
+    latched, told, q = np.zeros((2, 1)), np.zeros(1), np.zeros(run.robot.n)
+    for lean, believed, doubted in (
+        (0.01, 0.01, ()),
+        (-1.2, 0.01, ("lean",)),
+        (0.0361, 0.01, ("lean",)),
+        (math.nan, 0.01, ()),
+        (0.0359, LEANS.high, ()),
+    ):
+        adapted.touch_down(0.0, q, latched, told, lean)
+        assert adapted.request(told)[0] == pytest.approx(believed)
+        assert adapted.doubted == doubted
+
+
 def test_what_is_not_adapted_is_as_it_is_told(run):
     adapted = AdaptedCommand(run.robot, (LEANS,), np.array([0.002]), ())
     latched = np.full((2, 1), 0.002)

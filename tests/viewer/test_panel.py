@@ -178,6 +178,16 @@ def test_the_belief_stands_beside_the_truth(built, true, proved, words, covered)
     assert all(0.0 <= x <= 100.0 for x in places[-2:]) and len(places) >= 3
 
 
+def test_a_lean_that_cannot_be_is_said(built):
+    made, _ = built
+    told = (Command("lean", -0.01, 0.01),)
+    for doubted in (False, True):
+        lean = lean_of(told, np.array([0.01]), 0.01, 0.003, doubted=doubted)
+        for _ in range(2 * panel._STATUS_EVERY):
+            frame(made, lean=lean)
+        assert ("one that cannot be; the belief stays" in made._status.content) == doubted
+
+
 def test_a_gait_that_takes_no_lean_has_no_marks(built):
     made, _ = built
     assert lean_of((Command("speed", 0.6, 0.8),), np.array([0.7]), 0.01, 0.003) is None

@@ -3,6 +3,7 @@
 import json
 import re
 import shutil
+from dataclasses import replace
 
 import matplotlib as mpl
 import numpy as np
@@ -227,3 +228,12 @@ def test_the_verdict_of_a_proof_about_some_commands_names_no_level(shipped):
     assert (
         verdict_of(found.summary, part) == "The proof file is about some commands only: see below."
     )
+
+
+def test_the_verdict_of_beliefs_names_the_robots(shipped):
+    found = read_certificate(shipped.folder).summary
+    assert found is not None
+    about = replace(found, parameters={"lean": 3e-3})
+    words = "for every robot whose lean is within 3 mm of its belief."
+    assert verdict_of(about, None).endswith(words)
+    assert "robot" not in verdict_of(found, None)

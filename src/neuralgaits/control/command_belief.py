@@ -21,9 +21,9 @@ SETTLED = MappingProxyType({LEAN: 12e-3, SLOPE: 2e-3})
 """Commands that may be believed, and how near to the estimate a belief has settled [m, rad]: errors
 of the speed are summed from there on. It makes up for what a lean lacks, so it waits for large
 errors only, of the first steps of a robot that is far from its belief."""
-JUMPS = MappingProxyType({LEAN: 5e-3, SLOPE: 0.01})
-"""Differences from the estimate that show another robot or ground than before [m, rad]. With
-encoders a lean varies by 0.7 mm from step to step."""
+JUMPS = MappingProxyType({LEAN: 5e-3})
+"""Differences from the estimate that show another robot than before [m]. With encoders a lean
+varies by 1.2 mm from step to step; a slope varies by more on any uneven floor."""
 FEET_APART_M = 0.05
 """Least distance of the feet that shows a slope [m]."""
 SPEED_EFFECT = 4.3

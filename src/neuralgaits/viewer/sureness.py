@@ -96,6 +96,8 @@ def verdict_of(answer: CertificateRecord, part: ProvedPart | None) -> str:
     if not answer.proved_level:
         return f"Not proved: {answer.verdict} at level {answer.level}."
     robots = ", for a box of robots" if answer.robots else ""
+    if (near := answer.parameters.get(LEAN)) is not None:
+        robots = f", for every robot whose lean is within {1e3 * near:g} mm of its belief"
     return f"The proof file states level {answer.proved_level} of {HIGHEST}{robots}."
 
 

@@ -67,7 +67,7 @@ static void integrate(ng_adapt *adapt, ng_real before, ng_real after)
 #define LEAN_SETTLED NG(12e-3) /* a belief that lacks less has settled [m] */
 #define SLOPE_SETTLED NG(2e-3) /* likewise [rad] */
 #define LEAN_JUMP NG(5e-3)     /* a step that shows this much else is of another robot [m] */
-#define SLOPE_JUMP NG(0.01)    /* or on other ground [rad] */
+#define SLOPE_JUMP NG(10.0)    /* none: floors are uneven [rad] */
 
 /* Whether a step may show a value: its range, and its width beyond either end. */
 static int can_be(int command, ng_real shown)
