@@ -387,12 +387,12 @@ def test_a_live_walk_is_that_of_the_reference(run, library):
             happenings.get(number, lambda _: None)(live)
         assert len({live.tick() for live in lives}) == 1
         assert one.ending == two.ending
-        assert one.verdict is not None and two.verdict is not None
-        np.testing.assert_array_equal(one.verdict.steps, two.verdict.steps)
+        assert one.outcome is not None and two.outcome is not None
+        np.testing.assert_array_equal(one.outcome.steps, two.outcome.steps)
         assert apart(one.data.qpos, two.data.qpos) <= 1e-7
         if number in (1, 650, 1250):
             assert apart(one.record, two.record) <= 1e-7
-            assert apart(one.verdict, two.verdict) <= 1e-7
+            assert apart(one.outcome, two.outcome) <= 1e-7
     assert lives[0].ending.fell
 
 

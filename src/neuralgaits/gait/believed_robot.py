@@ -33,5 +33,5 @@ def robot_of_step(model: Model, step: Gait, errors: Float[Array, " k"]) -> Plana
     commands = step.policy.step
     if commands is None or LEAN not in commands.names:
         return robot_at(model, errors)
-    _, lean = commands[LEAN]
+    lean = commands.pair.after[commands.names.index(LEAN)]
     return leaning_robot(nominal_robot(model), lean + errors[0] if errors.shape[0] else lean)
