@@ -11,7 +11,7 @@ import neuralgaits as ng
 from neuralgaits.barriers import Gait, Tube
 from neuralgaits.certificate.levels.level_search import evaluator_at
 from neuralgaits.certificate.levels.orbit import find, return_map
-from neuralgaits.certificate.levels.orbit.find import _periodic, find_orbit
+from neuralgaits.certificate.levels.orbit.find import ChartFlow, _periodic, find_orbit
 from neuralgaits.certificate.levels.orbit.margins import margins, thin_gait
 from neuralgaits.certificate.levels.orbit.phase_series import values_at
 from neuralgaits.certificate.levels.orbit.return_map import slope
@@ -31,7 +31,7 @@ def found(trained):
     shape = find_set(trained.spec, look)
     assert not isinstance(shape, str)
     tube = trained.gait.tube
-    result = find_orbit(look, fences_of(trained.gait), float(tube.unit), shape)
+    result = find_orbit(ChartFlow(look, fences_of(trained.gait), float(tube.unit)), shape)
     assert not isinstance(result, str)
     return result
 
@@ -56,7 +56,7 @@ def test_the_orbit_is_found_where_the_flow_is_known_in_the_tube_only():
         return foot | {"slope": np.where(known, slope, np.nan)}
 
     nodes = 0.5 * (np.polynomial.chebyshev.chebpts1(25) + 1.0)
-    curve = _periodic(look, fences, 1.0, nodes, 12)
+    curve = _periodic(ChartFlow(look, fences, 1.0), nodes, 12)
     assert curve is not None
     found = np.polynomial.chebyshev.chebval(2.0 * nodes - 1.0, curve.series)
     np.testing.assert_allclose(found, middle(nodes), atol=1e-9)
@@ -224,7 +224,8 @@ def test_where_whole_steps_go_to_and_fro_shorter_ones_settle():
         return np.stack([np.full_like(phases, 1.0), np.full_like(phases, 5.0)], axis=1)
 
     nodes = np.linspace(0.0, 1.0, 37)
-    assert find._iterated(look, fences, 1.0, nodes, 18, 1.0) is None
-    curve = find._periodic(look, fences, 1.0, nodes, 18)
+    flow = ChartFlow(look, fences, 1.0)
+    assert find._iterated(flow, nodes, 18, 1.0) is None
+    curve = find._periodic(flow, nodes, 18)
     assert curve is not None
     np.testing.assert_allclose(values_at(curve.series, nodes), 2.0, atol=1e-9)

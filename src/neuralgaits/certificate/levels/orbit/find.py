@@ -6,6 +6,7 @@ Nothing here is trusted: a bad series makes a premise fail, not a false one hold
 """
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -31,8 +32,7 @@ Fences = Callable[[np.ndarray], Float[np.ndarray, "n 2"]]
 DEGREES = (18, 24, 30, 36)
 """Degrees of the orbit's series that are tried in turn."""
 DEFECT = 0.1
-"""Largest defect of the series in dzeta/dphase = F, as a share of the slack of the thin tube's
-fences."""
+"""Largest defect of the series in dzeta/dphase = F, as a share of the thin tube's slack."""
 BOUND_DEGREE = 12
 """Degree of the series that bound dF/dzeta."""
 ROUNDS, SETTLED = 400, 1e-12
@@ -47,6 +47,31 @@ COMFORT = 0.95
 """Largest contraction seen at points that leaves room for a bound on it."""
 
 
+@dataclass(frozen=True, eq=False)
+class ChartFlow:
+    """The flow on a gait's chart, in the tube's unit of zeta.
+
+    Attributes:
+        evaluate: function from points to quantities.
+        fences: zeta on both fences, as a function of phases.
+        unit: unit of zeta [(kg m^2/s)^2].
+    """
+
+    evaluate: Evaluator
+    fences: Fences
+    unit: float
+
+    def points(self, series: np.ndarray, phases: np.ndarray) -> Float[np.ndarray, "n 2"]:
+        """Return chart points of a curve, a series of zeta, at some phases. [n, 2]."""
+        low, high = self.fences(phases).T
+        levels = (values_at(series, phases) - low) / (high - low)
+        return np.stack([phases, levels], axis=1)
+
+    def slope(self, points: Float[np.ndarray, "n 2"]) -> Float[np.ndarray, " n"]:
+        """Return F = d zeta / d phase at chart points. [n]."""
+        return self.evaluate(points)["slope"] / self.unit
+
+
 class OrbitProposal(NamedTuple):
     """An orbit to be proved.
 
@@ -59,50 +84,46 @@ class OrbitProposal(NamedTuple):
     least: Mapping[str, float]
 
 
-def find_orbit(
-    evaluate: Evaluator, fences: Fences, unit: float, shape: WalkingSetConstants
-) -> OrbitProposal | str:
+def find_orbit(flow: ChartFlow, shape: WalkingSetConstants) -> OrbitProposal | str:
     """Return a thin tube and bounds, or a sentence with the reason why there are none.
 
     Args:
-        evaluate: function from points to quantities.
-        fences: fences of the walking set.
-        unit: unit of zeta [(kg m^2/s)^2].
+        flow: of the gait.
         shape: parameters of the walking set.
     """
     for degree in DEGREES:
-        curve = _periodic(evaluate, fences, unit, _nodes(shape, degree), degree)
-        if curve is None:
+        orbit = _periodic(flow, _nodes(shape, degree), degree)
+        if orbit is None:
             return "no periodic orbit was found in the tube"
-        thin = _thin(evaluate, fences, unit, shape, curve)
+        thin = _thin(flow, shape, orbit)
         if isinstance(thin, str):
             return thin
-        if _defect(evaluate, fences, unit, curve, shape) < DEFECT * thin.spare:
+        if _defect(flow, orbit, shape) < DEFECT * thin.spare:
             break
     nodes = _nodes(shape, degree)
-    parting = evaluate(curve.points(fences, nodes))["expansion"]
+    parting = flow.evaluate(flow.points(orbit.series, nodes))["expansion"]
     width = fitted(nodes, thin.half, degree)
     middle = fitted(nodes, parting, BOUND_DEGREE)
     error = THIN_ROOM + np.max(np.abs(parting - values_at(middle, nodes)))
     shift = np.eye(1, BOUND_DEGREE + 1)[0] * error
-    ends = [_Curve(curve.series + side * width, curve.guard) for side in (-1.0, 0.0, 1.0)]
-    orbit = OrbitConstants(
+    curves = [orbit.series - width, orbit.series, orbit.series + width]
+    constants = OrbitConstants(
         thin.attraction,
-        *_crossing(evaluate, fences, ends, float(curve.guard[0, 0])),
-        lower=coefficients(unit * (curve.series - width)),
-        upper=coefficients(unit * (curve.series + width)),
+        *_crossing(flow, curves, float(orbit.guard[0, 0])),
+        lower=coefficients(flow.unit * curves[0]),
+        upper=coefficients(flow.unit * curves[-1]),
         expansion=coefficients(thin.bound),
         slowest=coefficients(middle - shift),
         fastest=coefficients(middle + shift),
     )
-    gain = float(evaluate(curve.guard)["gain"][0])
+    gain = float(flow.evaluate(orbit.guard)["gain"][0])
     least = {
         "orbit/gain": -thin.largest,
         "orbit/width": -Z2_WIDTH,
         "orbit/reset-gain-low": gain - 0.5 * THIN_ROOM * abs(gain),
         "orbit/reset-gain-high": -gain - 0.5 * THIN_ROOM * abs(gain),
     }
-    return OrbitProposal(orbit, least)
+    return OrbitProposal(constants, least)
 
 
 def find_contraction(evaluate: Evaluator, shape: WalkingSetConstants) -> OrbitProposal | str:
@@ -155,21 +176,19 @@ class _ThinTube(NamedTuple):
     largest: float
 
 
-def _thin(
-    evaluate: Evaluator, fences: Fences, unit: float, shape: WalkingSetConstants, curve: "_Curve"
-) -> _ThinTube | str:
+def _thin(flow: ChartFlow, shape: WalkingSetConstants, orbit: "_Orbit") -> _ThinTube | str:
     """Return the thin tube's shape: as wide at each phase as neighbours part, and a little more."""
-    nodes = _nodes(shape, len(curve.series) - 1)
-    bound, largest = _bounds(evaluate, shape, float(curve.guard[0, 0]))
-    parting = evaluate(curve.points(fences, nodes))["expansion"]
-    gain = abs(float(evaluate(curve.guard)["gain"][0]))
+    nodes = _nodes(shape, len(orbit.series) - 1)
+    bound, largest = _bounds(flow.evaluate, shape, float(orbit.guard[0, 0]))
+    parting = flow.evaluate(flow.points(orbit.series, nodes))["expansion"]
+    gain = abs(float(flow.evaluate(orbit.guard)["gain"][0]))
     multiplier = gain * np.exp(over_a_step(fitted(nodes, parting, BOUND_DEGREE)))
     if not multiplier < 1.0:
         return f"the orbit found does not attract: its multiplier is {multiplier:.4g}"
     attraction: Attraction = "contraction"
     rates, product = parting, multiplier
     if largest * np.exp(over_a_step(bound)) >= COMFORT:
-        secants = _secants(evaluate, fences, unit, curve, nodes)
+        secants = _secants(flow, orbit, nodes)
         further = largest * np.exp(over_a_step(fitted(nodes, secants, BOUND_DEGREE)))
         if further < COMFORT:
             attraction, rates, product = "nested tubes", secants, further
@@ -178,52 +197,42 @@ def _thin(
     series = fitted(nodes, rates, BOUND_DEGREE)
     room_left = room - np.max(np.abs(values_at(series, nodes) - rates))
     spread = np.exp(values_at(antiderivative(series), nodes) + room * nodes)
-    z2 = np.sqrt(2.0 * unit * values_at(curve.series, nodes))
+    z2 = np.sqrt(2.0 * flow.unit * values_at(orbit.series, nodes))
     # The thin tube is 0.8 of that width where it is widest.
-    half = 0.4 * Z2_WIDTH * spread * np.min(z2 / spread) / unit
+    half = 0.4 * Z2_WIDTH * spread * np.min(z2 / spread) / flow.unit
     return _ThinTube(half, max(room_left, 0.1 * room) * np.min(half), attraction, bound, largest)
 
 
-def _secants(
-    evaluate: Evaluator, fences: Fences, unit: float, curve: "_Curve", nodes: np.ndarray
-) -> np.ndarray:
+def _secants(flow: ChartFlow, orbit: "_Orbit", nodes: np.ndarray) -> np.ndarray:
     """Return the fastest rate, over the levels, at which a trajectory parts from the orbit."""
-    on_orbit = curve.points(fences, nodes)
-    slope = evaluate(on_orbit)["slope"] / unit
-    rates = [evaluate(on_orbit)["expansion"]]
+    on_orbit = flow.points(orbit.series, nodes)
+    slope = flow.slope(on_orbit)
+    rates = [flow.evaluate(on_orbit)["expansion"]]
+    low, high = flow.fences(nodes).T
     for level in np.linspace(0.0, 1.0, 17):
-        low, high = fences(nodes).T
-        away = low + level * (high - low) - values_at(curve.series, nodes)
+        away = low + level * (high - low) - values_at(orbit.series, nodes)
         points = np.stack([nodes, np.full_like(nodes, level)], axis=1)
-        rate = (evaluate(points)["slope"] / unit - slope) / away
+        rate = (flow.slope(points) - slope) / away
         rates.append(np.where(np.abs(away) > 0.05 * (high - low), rate, -np.inf))
     return np.max(rates, axis=0)
 
 
-class _Curve(NamedTuple):
+class _Orbit(NamedTuple):
     """A periodic orbit: series of zeta / unit, and the chart point where it meets the guard."""
 
     series: np.ndarray
     guard: Float[np.ndarray, "1 2"]
 
-    def points(self, fences: Fences, phases: np.ndarray) -> Float[np.ndarray, "n 2"]:
-        """Return chart points of the orbit at some phases. [n, 2]."""
-        low, high = fences(phases).T
-        levels = (values_at(self.series, phases) - low) / (high - low)
-        return np.stack([phases, levels], axis=1)
 
-
-def _crossing(
-    evaluate: Evaluator, fences: Fences, curves: Sequence[_Curve], middle: float
-) -> tuple[float, float]:
+def _crossing(flow: ChartFlow, curves: Sequence[np.ndarray], phase: float) -> tuple[float, float]:
     """Return the phases just before and behind the ground contact of all of some curves."""
     for width in STRIPS:
-        before, behind = np.array([middle - width]), np.array([middle + width])
-        above = [evaluate(curve.points(fences, before))["foot"][0] for curve in curves]
-        below = [evaluate(curve.points(fences, behind))["foot"][0] for curve in curves]
+        before, behind = np.array([phase - width]), np.array([phase + width])
+        above = [flow.evaluate(flow.points(curve, before))["foot"][0] for curve in curves]
+        below = [flow.evaluate(flow.points(curve, behind))["foot"][0] for curve in curves]
         if min(above) > CLEAR and max(below) < -CLEAR:
             break
-    return middle - 2.0 * width, middle + 2.0 * width
+    return phase - 2.0 * width, phase + 2.0 * width
 
 
 def _nodes(shape: WalkingSetConstants, degree: int) -> np.ndarray:
@@ -232,13 +241,11 @@ def _nodes(shape: WalkingSetConstants, degree: int) -> np.ndarray:
     return first + 0.5 * (last - first) * (chebyshev.chebpts1(2 * degree + 1) + 1.0)
 
 
-def _defect(
-    evaluate: Evaluator, fences: Fences, unit: float, curve: _Curve, shape: WalkingSetConstants
-) -> float:
+def _defect(flow: ChartFlow, orbit: _Orbit, shape: WalkingSetConstants) -> float:
     """Return how far a curve is from a solution, at the worst of many phases."""
     phases = np.linspace(*shape.ends, 301)
-    slope = evaluate(curve.points(fences, phases))["slope"] / unit
-    along = 2.0 * chebyshev.chebval(2.0 * phases - 1.0, chebyshev.chebder(curve.series))
+    slope = flow.slope(flow.points(orbit.series, phases))
+    along = 2.0 * chebyshev.chebval(2.0 * phases - 1.0, chebyshev.chebder(orbit.series))
     return float(np.max(np.abs(slope - along)))
 
 
@@ -257,43 +264,38 @@ def _largest(evaluate: Evaluator, phases: np.ndarray, levels: np.ndarray) -> np.
     return evaluate(grid(phases, levels))["expansion"].reshape(len(phases), -1).max(axis=1)
 
 
-def _periodic(
-    evaluate: Evaluator, fences: Fences, unit: float, nodes: np.ndarray, degree: int
-) -> _Curve | None:
+def _periodic(flow: ChartFlow, nodes: np.ndarray, degree: int) -> _Orbit | None:
     """Iterate the curve: integrate F along it, reset, start again there, until it stays.
 
     Where a curve leaves the tube on the way, F is unknown; its value at the fence stands in.
     Whole steps are the quickest; where the flow is strong they go to and fro, and shorter ones
     settle.
     """
-    shares = (1.0, 0.5, 0.2)
-    tried = (_iterated(evaluate, fences, unit, nodes, degree, share) for share in shares)
-    return next((curve for curve in tried if curve is not None), None)
+    orbits = (_iterated(flow, nodes, degree, share) for share in (1.0, 0.5, 0.2))
+    return next((orbit for orbit in orbits if orbit is not None), None)
 
 
-def _iterated(
-    evaluate: Evaluator, fences: Fences, unit: float, nodes: np.ndarray, degree: int, share: float
-) -> _Curve | None:
+def _iterated(flow: ChartFlow, nodes: np.ndarray, degree: int, share: float) -> _Orbit | None:
     """Do what `_periodic` does, by this share of each step; None if the curve does not settle."""
     constant = np.eye(1, degree + 1)[0]
-    middle = fitted(nodes, np.mean(fences(nodes), axis=1), degree)
-    curve = _Curve(middle, np.array([[1.0, 0.5]]))
+    middle = fitted(nodes, np.mean(flow.fences(nodes), axis=1), degree)
+    orbit = _Orbit(middle, np.array([[1.0, 0.5]]))
     for _ in range(ROUNDS):
-        crossing = curve.guard[:, 0]
-        points = curve.points(fences, np.concatenate([nodes, crossing]))
-        quantities = evaluate(np.clip(points, [-np.inf, 0.0], [np.inf, 1.0]))
-        slope = antiderivative(fitted(nodes, quantities["slope"][:-1] / unit, degree - 1))
+        crossing = orbit.guard[:, 0]
+        points = flow.points(orbit.series, np.concatenate([nodes, crossing]))
+        quantities = flow.evaluate(np.clip(points, [-np.inf, 0.0], [np.inf, 1.0]))
+        rise = antiderivative(fitted(nodes, quantities["slope"][:-1] / flow.unit, degree - 1))
         phase, zeta = quantities["after"][-1]
-        series = slope + constant * (zeta / unit - values_at(slope, np.array([phase]))[0])
+        series = rise + constant * (zeta / flow.unit - values_at(rise, np.array([phase]))[0])
         step = quantities["foot"][-1] * quantities["pace"][-1] / quantities["foot_rate"][-1]
         if share < 1.0:
-            series = curve.series + share * (series - curve.series)
-        change = np.max(np.abs(values_at(series, nodes) - values_at(curve.series, nodes)))
+            series = orbit.series + share * (series - orbit.series)
+        change = np.max(np.abs(values_at(series, nodes) - values_at(orbit.series, nodes)))
         if not np.isfinite(change):
             return None
         ahead = np.clip(crossing - step, 0.9, 1.05)
-        curve = _Curve(series, _Curve(series, curve.guard).points(fences, ahead))
+        orbit = _Orbit(series, flow.points(series, ahead))
         if change < SETTLED * abs(series[0]) and abs(step) < SETTLED:
-            inside = curve.points(fences, nodes)[:, 1]
-            return curve if np.all((inside > 0.0) & (inside < 1.0)) else None
+            levels = flow.points(series, nodes)[:, 1]
+            return orbit if np.all((levels > 0.0) & (levels < 1.0)) else None
     return None

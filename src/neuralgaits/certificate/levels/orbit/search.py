@@ -12,7 +12,12 @@ from neuralgaits.certificate.level_target import (
     SearchResult,
     SearchTarget,
 )
-from neuralgaits.certificate.levels.orbit.find import Fences, find_contraction, find_orbit
+from neuralgaits.certificate.levels.orbit.find import (
+    ChartFlow,
+    Fences,
+    find_contraction,
+    find_orbit,
+)
 from neuralgaits.certificate.levels.orbit.margins import margins
 from neuralgaits.certificate.levels.walking_set.find import over_all
 
@@ -26,8 +31,8 @@ class OrbitSearch(LevelSearch):
         if spec.commands or spec.parameters or target.floor:
             return find_contraction(over_all(spec, evaluate), parameters[2])
         assert isinstance(target.gait, Gait)
-        unit = float(target.gait.tube.unit)
-        return find_orbit(evaluate, fences_of(target.gait), unit, parameters[2])
+        flow = ChartFlow(evaluate, fences_of(target.gait), float(target.gait.tube.unit))
+        return find_orbit(flow, parameters[2])
 
     def margins(self, point: PremisePoint) -> Margins:
         """Return the margins of the premises of the orbit."""
