@@ -128,8 +128,8 @@ def _unusual(error: BaseException) -> str | None:
     unusual = [one for one in variables_of_jax() if not _HARMLESS.match(one)]
     if not unusual or not _is_of_jax(error):
         return None
-    # Number of characters of an error of JAX that are repeated.
-    message = next(iter(str(error).splitlines()), "")[:120]
+    characters = 120
+    message = next(iter(str(error).splitlines()), "")[:characters]
     what = f"{type(error).__name__} ({message})" if message else type(error).__name__
     return (
         f"expected JAX to compute as it does without settings, found {', '.join(unusual)} and then "

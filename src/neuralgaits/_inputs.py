@@ -65,8 +65,8 @@ def refuse_no_path(what: str, value: object) -> None:
     """Refuse what cannot be a path. Raises: InputError in one line."""
     if not isinstance(value, str | Path):
         raise InputError(f"expected {what}, found {shown(value)}")
-    # Longest path: what Linux takes.
-    if "\0" in str(value) or len(str(value)) > 4096:
+    longest = 4096  # Characters of a path that Linux takes.
+    if "\0" in str(value) or len(str(value)) > longest:
         raise InputError(
             f"expected {what}, found a name of {len(str(value))} characters, or with a NUL: "
             f"{shown(str(value))}"

@@ -162,8 +162,8 @@ class _Share(_OnTerminal):
         elif share >= self._next_share or now >= self._next_time:
             # The last line is the whole: no tenth after it.
             self._next_share = min(share + 1.0 / _LINES, 1.0) if share < 1.0 else 2.0
-            # Longest silence of a task that has not advanced by another tenth [s].
-            self._next_time = now + 30.0
+            silence_s = 30.0  # Of a task that has not advanced by another tenth.
+            self._next_time = now + silence_s
             self._line(f"{self._what} {100.0 * share:.1f} %  {count}")
 
 

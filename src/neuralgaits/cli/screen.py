@@ -125,8 +125,8 @@ def show_walks(result: SimulationSummary) -> None:
     rows = [(label, f"{number(v)} {unit}".rstrip()) for label, v, unit in figures if v is not None]
     show_table(("figure", "value"), rows)
     share = result.saturated_fraction
-    # Share of ticks above which saturation is mentioned; a touchdown alone causes a tenth of it.
-    if share is not None and share > 0.05:
+    usual = 0.05  # Share of ticks at the limit: touchdowns alone cause a tenth of it.
+    if share is not None and share > usual:
         show_sentence(
             f"{share:.0%} of ticks are at the torque limit: what walks here has no torque in "
             "reserve; a slower gait (`train --speed`), stronger motors or lower gains have"

@@ -91,7 +91,7 @@ def _round(program: QuadraticProgram, point: _Point) -> _Point:
     left = jnp.mean((slack + far * ahead.slack) * (multiplier + far * ahead.multiplier))
     centring = (left / gap) ** 3
     step = towards(slack * multiplier + ahead.slack * ahead.multiplier - centring * gap)
-    # Share of the way to the nearest bound that a round may go.
+    # Not all of the way to the nearest bound.
     length = 0.995 * _longest(point, step)
     return jax.tree.map(lambda value, change: value + length * change, point, step)
 

@@ -19,8 +19,8 @@ LEAST = 1e-6
 
 def _number(text: str) -> float:
     value = float(text)
-    # Largest number; C computes in single precision, too.
-    if not math.isfinite(value) or abs(value) > 1e9 or "_" in text:
+    largest = 1e9  # C computes in single precision, too.
+    if not math.isfinite(value) or abs(value) > largest or "_" in text:
         raise ValueError
     return value
 

@@ -188,7 +188,6 @@ def _reach(address: str) -> None:
             "prints the address of a cluster"
         )
     try:
-        # Longest time that a head may take to answer [s].
         socket.create_connection((host, int(port)), timeout=5.0).close()
     except (OSError, OverflowError) as error:
         raise InputError(

@@ -25,8 +25,8 @@ def outliers(log: Log) -> Bool[np.ndarray, " k"]:
             continue
         # Rates jump where a stance phase begins, which is no fault of the encoder.
         inner = slice(NEIGHBOURS, None)
-        # Least deviation of an outlier's rate: joints jerk as much within three rows at 1 kHz.
-        for values, floor in ((log.q, ANGLE_RAD), (log.dq, 1.0)):
+        rate = 1.0  # Least deviation of an outlier [rad/s]: joints jerk as much within three rows.
+        for values, floor in ((log.q, ANGLE_RAD), (log.dq, rate)):
             bad[rows[inner]] |= np.any(stand_out(values[rows], floor)[inner], axis=1)
     return bad
 

@@ -89,7 +89,7 @@ def _scale(array: Array) -> Float[Array, ""]:
 def _balance_rows(array: Array) -> Array:
     if array.ndim < 2:
         return array
-    # Shortest row that is centred; with two entries of zero mean, only a sign would be left.
+    # Of two entries with zero mean only a sign would be left.
     if array.shape[1] >= 3:
         array = array - jnp.mean(array, axis=1, keepdims=True)
     return array / _norms(array)

@@ -56,8 +56,8 @@ def fit_reset(zd: ZeroDynamics, touchdowns: Touchdowns) -> ResetResidual | None:
 
     Returns: None if there are too few.
     """
-    # Fewest touchdowns that allow a correction.
-    if len(touchdowns.z_before) < 4:
+    fewest = 4  # Touchdowns that allow a correction.
+    if len(touchdowns.z_before) < fewest:
         return None
     plain = ZeroDynamics(zd.robot, zd.policy, zd.residual)
     missed = landings(plain, touchdowns).z

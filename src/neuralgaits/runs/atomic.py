@@ -42,7 +42,7 @@ def destination(path: Path, remedy: str = _EITHER) -> Path:
     Raises: InputError on anything but a regular file; OSError if the system refuses to look.
     """
     place = path
-    # Largest number of links that lead to one file; Linux follows no more.
+    # Linux follows as many links, and no more.
     for _ in range(40):
         folder = Path(os.path.realpath(place.parent))
         if folder.is_relative_to(_STREAMS):

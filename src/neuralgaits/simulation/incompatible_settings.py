@@ -124,11 +124,11 @@ def about_other_robot(robot: PlanarBiped, plant: PlanarBiped) -> str | None:
         "mass": (float(robot.mass), float(plant.mass), "kg"),
         "leg length": (robot.leg_length, plant.leg_length, "m"),
     }
-    # Largest difference of a plant's mass or leg length, as a share, before it is another robot.
+    largest = 0.25  # Share by which mass or leg length differ before it is another robot.
     settings = [
         f"{what} {theirs:.3g} instead of {ours:.3g} {unit}"
         for what, (ours, theirs, unit) in pairs.items()
-        if abs(theirs - ours) > 0.25 * ours
+        if abs(theirs - ours) > largest * ours
     ]
     joints, others = robot.layout.leg_joints, plant.layout.leg_joints
     if joints != others:

@@ -95,8 +95,7 @@ class Sampler(NamedTuple):
         shape = (len(self.low), len(self.parameters))
         key = jax.random.fold_in(key, 3)
         share = jax.random.uniform(key, shape, dtype=u.dtype, minval=-1.0, maxval=1.0)
-        # Factor on the range of parameters' errors before clipping: 3/4 of the draws lie on an
-        # end.
+        # Three quarters of the draws lie on an end of the range.
         return jnp.concatenate([u, self.parameters * jnp.clip(4.0 * share, -1.0, 1.0)], axis=1)
 
     def _commands(self, key: PRNGKeyArray, grown: Scalar | float) -> Float[Array, "N c"]:

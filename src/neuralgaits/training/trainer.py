@@ -140,7 +140,7 @@ class Trainer:
 
     def repairing(self, steps: int) -> "Trainer":
         """Return a trainer for repair rounds of a trained gait, `steps` steps each."""
-        # Share of the recipe's learning rate in further training: the gait is nearly there.
+        # Slower than the recipe: the gait is nearly there.
         factor = 0.5 * width_factor(self.spec, self._template)
         optimizer = optimizer_of(self.spec.recipe, steps, factor)
         parts = self.spec, self._single, self.disturbance, self._unflatten

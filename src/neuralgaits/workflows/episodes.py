@@ -79,8 +79,8 @@ class Episodes:
         if self.summary.diverged is not None:
             return False
         share = self.summary.rounds[-1].share_that_walks
-        # Share of walks that must stay up for a policy to count as walking.
-        return None if share is None else share >= 0.9
+        least = 0.9  # Share of walks that stay up under a policy that counts as walking.
+        return None if share is None else share >= least
 
 
 @called_with(EpisodesSettings)

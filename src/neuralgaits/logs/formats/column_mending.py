@@ -56,8 +56,8 @@ class ColumnMending:
         except InputError:
             return None  # Neither signs nor zeros are at fault.
         changes = sorted(self._changes(columns), key=lambda change: change.error)
-        # Largest error of the worst joint that follows a policy, in the median row [rad].
-        good = [one for one in changes if one.error < 0.05 and self._passes(one.columns)]
+        largest = 0.05  # Error of the worst joint that follows a policy, in the median row [rad].
+        good = [one for one in changes if one.error < largest and self._passes(one.columns)]
         if not good or (len(good) > 1 and good[1].error < CLEARLY * good[0].error):
             return None
         return good[0].words
@@ -82,8 +82,8 @@ class ColumnMending:
 
         tried = [self._error(with_zero(float(shift))) for shift in ZEROS_RAD]
         best, step = float(ZEROS_RAD[np.argmin(tried)]), float(ZEROS_RAD[1] - ZEROS_RAD[0])
-        # Largest error at a zero that is tried from which it is refined [rad].
-        if min(tried) < 0.2:
+        worth_refining = 0.2  # Error at a zero that is tried [rad].
+        if min(tried) < worth_refining:
             optimum = minimize_scalar(
                 lambda shift: min(self._error(with_zero(float(shift))), np.pi),
                 bounds=(best - step, best + step),

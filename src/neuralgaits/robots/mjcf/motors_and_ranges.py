@@ -98,8 +98,8 @@ def read_range(model: mujoco.MjModel, joint: int) -> tuple[float, float]:
             f'joint {name} has no range: add range="LOWER UPPER", it bounds the policy'
         )
     lower, upper = model.jnt_range[joint]
-    # Smallest range of a joint [rad]: no step fits into less; 1.6 rad read as degrees is 0.03.
-    if upper - lower < 0.1:
+    smallest = 0.1  # Range [rad]: no step fits into less; 1.6 rad read as degrees is 0.03.
+    if upper - lower < smallest:
         refuse(
             f"joint {joint_name(model, joint)} can turn by {upper - lower:.2g} rad in all, too "
             "little for a step: widen its range; if it is written in radians, say so with "

@@ -34,5 +34,5 @@ def linear_start(robot: CartPole, width: int, key: PRNGKeyArray) -> EllipsoidSta
     policy = VelocityPolicy.init(-b @ riccati, scale, width, first)
     decay = ErrorDecay.init(DECAY, np.append(scale, 1.0), width, second)
     sizes = np.array([1.0, 1.0, 1.0, TURNING])
-    # Size of the first ellipsoid, as a part of one of unit Lyapunov weights.
-    return EllipsoidStart.linear(robot, Controls(policy, decay), sizes, 0.05)
+    share = 0.05  # Of an ellipsoid of unit Lyapunov weights.
+    return EllipsoidStart.linear(robot, Controls(policy, decay), sizes, share)
