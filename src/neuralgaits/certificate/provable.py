@@ -117,8 +117,8 @@ def _culprit(spec: GaitSpec, robot: PlanarBiped, gait: AnyGait) -> str | None:
         return False
 
     names = _built_in_conditions(robot)
-    own = [one for one in spec.conditions if plain(describe_condition(one)) not in names]
-    suspect = next(filter(raises, own), None)
+    not_built_in = [one for one in spec.conditions if plain(describe_condition(one)) not in names]
+    suspect = next(filter(raises, not_built_in), None)
     if suspect is None:
         return None
     # What conditions rest on: if that cannot be evaluated, it is not for this one's sake.

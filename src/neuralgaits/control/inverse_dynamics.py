@@ -1,6 +1,6 @@
 """Torques of the model that makes desired accelerations, with no linear solve.
 
-With ddq_a = slope ddz1 + known and ddq_1 from c . ddq = ddz1, the unactuated row of the dynamics
+With ddq_a = slope ddz1 + fixed and ddq_1 from c . ddq = ddz1, the unactuated row of the dynamics
 is one scalar equation for ddz1; the actuated rows then give the torque. Source:
 Westervelt et al. (2007), section 5.
 """
@@ -43,15 +43,15 @@ def impact_consistent_rates(
     Returns: `MeasuredState`, its dq and dz1 replaced.
     """
     slope, by_momentum = _jet(outputs, reading.z).jacobian.T
-    falling, momentum = momentum_of(reading.dz), momentum_of(reading.z)
-    dq, dz1 = _balance(robot, reading, slope, by_momentum * falling, momentum)
-    return reading._replace(dq=dq, dz=jnp.stack([dz1, falling]))
+    momentum_rate, momentum = momentum_of(reading.dz), momentum_of(reading.z)
+    dq, dz1 = _balance(robot, reading, slope, by_momentum * momentum_rate, momentum)
+    return reading._replace(dq=dq, dz=jnp.stack([dz1, momentum_rate]))
 
 
 def inverse_dynamics(
     robot: DrivenMechanism, reading: MeasuredState, slope: Actuated, fixed: Actuated
 ) -> Actuated:
-    """Joint torques of ddq_a = slope ddz1 + known, with no torque at the foot but an ankle's.
+    """Joint torques of ddq_a = slope ddz1 + fixed, with no torque at the foot but an ankle's.
 
     Returns: [m] (N m).
     """
@@ -63,7 +63,7 @@ def inverse_dynamics(
 def consistent_acceleration(
     robot: DrivenMechanism, reading: MeasuredState, slope: Actuated, fixed: Actuated
 ) -> Coordinates:
-    """The acceleration with ddq_a = slope ddz1 + known under no torque at the foot but an ankle's.
+    """The acceleration with ddq_a = slope ddz1 + fixed under no torque at the foot but an ankle's.
 
     Returns: [n] (rad/s^2).
     """
@@ -77,7 +77,7 @@ def consistent_acceleration(
 def _balance(
     robot: DrivenMechanism, reading: MeasuredState, slope: Actuated, fixed: Actuated, moment: Scalar
 ) -> tuple[Coordinates, Scalar]:
-    """Rates or accelerations x, x_a = slope x1 + known, with D x about the foot of -moment.
+    """Rates or accelerations x, x_a = slope x1 + fixed, with D x about the foot of -moment.
 
     Returns: x, [n], and x1, that of z1.
     """
@@ -94,5 +94,5 @@ def _balance(
 
 def _jet(outputs: Outputs, z: ZeroState) -> OutputJet:
     """Desired outputs and their partial derivatives."""
-    value, push = jax.linearize(outputs, z)
-    return OutputJet(value, jnp.stack([push(axis) for axis in jnp.eye(len(z))], axis=1))
+    value, derivative = jax.linearize(outputs, z)
+    return OutputJet(value, jnp.stack([derivative(axis) for axis in jnp.eye(len(z))], axis=1))

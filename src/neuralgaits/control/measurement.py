@@ -61,8 +61,8 @@ def of_all_motors(
     """
     if not layout.ankles:
         return actuated
-    own = actuated[-1] if ankle is None else ankle
-    return jnp.concatenate([own[None], actuated])
+    value = actuated[-1] if ankle is None else ankle
+    return jnp.concatenate([value[None], actuated])
 
 
 def leg_joints(

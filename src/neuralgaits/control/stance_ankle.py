@@ -32,6 +32,6 @@ def motors(robot: PlanarBiped, reading: MeasuredState, torque: Actuated) -> Floa
     """Return the torques of all motors: that of a stance ankle, and those of the joints (N m)."""
     if reading.ankle is None:
         return torque
-    own = robot.damping[0] * reading.dq[0] - reading.ankle
+    ankle = robot.damping[0] * reading.dq[0] - reading.ankle
     limit = robot.flat_feet.torque_limit
-    return of_all_motors(robot.layout, torque, jnp.clip(own, -limit, limit))
+    return of_all_motors(robot.layout, torque, jnp.clip(ankle, -limit, limit))

@@ -88,8 +88,8 @@ class FullPoint(Point):
         z moves at its real rate then.
         """
         after, desired = self.impact, self.after.outputs
-        moving = self.coordinates.rate(after.q, after.dq)
-        rates = desired.rate_errors(after.dq[1:], moving)
+        dz = self.coordinates.rate(after.q, after.dq)
+        rates = desired.rate_errors(after.dq[1:], dz)
         return jnp.concatenate([after.q[1:] - desired.y, rates])
 
 

@@ -82,28 +82,28 @@ class ScheduledLaw(NamedTuple):
 
         M (w^2 y + 2 w dy) is in both, so only M - M' is multiplied by it: bounds know that then.
         """
-        own = inertia(point)
-        still = _with_accelerations(point, jnp.zeros_like(point.output)).torque
-        lack = self.gains.torque_at(u) - still
-        return solve(own, lack + (own - self.gains.inertia_at(u)) @ _pull(point))
+        mass = inertia(point)
+        exact = _with_accelerations(point, jnp.zeros_like(point.output)).torque
+        lack = self.gains.torque_at(u) - exact
+        return solve(mass, lack + (mass - self.gains.inertia_at(u)) @ _pull(point))
 
     def growth(self, point: FullPoint, u: Chart, e: Actuated) -> Actuated:
         """Differentiate M e = (torque that is held) - (law's torque)."""
         z, y, dy, w = point.z, point.output, point.output_rate, point.bandwidth
         ddy = point.output_acceleration + self.error(point, u) + e
         pulled = (w * w) * dy + (2.0 * w) * ddy
-        moving = jax.jvp(self.chart, (z,), (point.dz,))[1]
-        torque = jax.jvp(self.gains.torque_at, (u,), (moving,))[1]
-        schedule = jax.jvp(self.gains.inertia_at, (u,), (moving,))[1]
+        chart_rate = jax.jvp(self.chart, (z,), (point.dz,))[1]
+        torque = jax.jvp(self.gains.torque_at, (u,), (chart_rate,))[1]
+        schedule = jax.jvp(self.gains.inertia_at, (u,), (chart_rate,))[1]
 
-        def felt(z: ZeroState, y: Actuated) -> Actuated:
+        def inertial_torque(z: ZeroState, y: Actuated) -> Actuated:
             eta = jnp.concatenate([y, dy])
             return inertia(FullPoint(point.robot, point.policy, z, eta, point.bandwidth)) @ e
 
-        own, changed = inertia(point), jax.jvp(felt, (z, y), (point.dz, dy))[1]
+        mass, inertial_rate = inertia(point), jax.jvp(inertial_torque, (z, y), (point.dz, dy))[1]
         # M' = M - (M - M'): nearly all of it needs no solve.
-        more = (own - self.gains.inertia_at(u)) @ pulled
-        return pulled - solve(own, torque - schedule @ _pull(point) + changed + more)
+        correction = (mass - self.gains.inertia_at(u)) @ pulled
+        return pulled - solve(mass, torque - schedule @ _pull(point) + inertial_rate + correction)
 
     def after_impact(self, point: FullPoint, u: Chart, e: Actuated) -> Actuated:
         """Compare the torque from before with the law's in the new step."""

@@ -111,9 +111,9 @@ def rates_after(
     Returns: [n] (rad/s).
     """
     joints = dq[1:] + correction.rates * z2
-    still, one = jnp.zeros_like(dq[:1]), jnp.ones_like(dq[:1])
-    others = jnp.concatenate([still, joints])
-    alone = jnp.concatenate([one, jnp.zeros_like(joints)])
+    zero, one = jnp.zeros_like(dq[:1]), jnp.ones_like(dq[:1])
+    others = jnp.concatenate([zero, joints])
+    first_axis = jnp.concatenate([one, jnp.zeros_like(joints)])
     momentum = angular_momentum(robot, q, dq) + correction.momentum * z2
-    first = (momentum - angular_momentum(robot, q, others)) / angular_momentum(robot, q, alone)
+    first = (momentum - angular_momentum(robot, q, others)) / angular_momentum(robot, q, first_axis)
     return jnp.concatenate([first[None], joints])

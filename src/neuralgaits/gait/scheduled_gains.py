@@ -124,8 +124,8 @@ def torque_and_inertia(
             # The bandwidth has no say where the acceleration is given.
             return FullPoint(robot, gait.policy, z, jnp.zeros(2 * m), 1.0, acceleration).torque
 
-        value, push = jax.linearize(torque, jnp.zeros(m))
-        return value, jax.vmap(push)(jnp.eye(m)).T
+        value, derivative = jax.linearize(torque, jnp.zeros(m))
+        return value, jax.vmap(derivative)(jnp.eye(m)).T
 
     return jax.vmap(at)(charts)
 

@@ -106,8 +106,8 @@ def find_sets(
         if isinstance(result, str):
             reasons[entry.number] = result
         else:
-            parameters[entry.number], more = result
-            least |= more
+            parameters[entry.number], least_of_level = result
+            least |= least_of_level
     return LevelSets(parameters, reasons, least)
 
 

@@ -72,10 +72,10 @@ def conclude(
             conclusions[level.number] = Conclusion(level.number, "undecided", reason, (), {})
         else:
             answer = level.conclude(parameters, boxes, bounds)
-            more = _of_parameters(
+            scope = _of_parameters(
                 chart.behind(len(command_names)), pairs if command_names else None
             )
-            words = (*answer.words, *more) if answer.proved else answer.words
+            words = (*answer.words, *scope) if answer.proved else answer.words
             conclusions[level.number] = replace(answer, words=words)
     return list(conclusions.values())
 

@@ -159,13 +159,13 @@ def confirmer(spec: GaitSpec, gait: AnyGait, zd: ZeroDynamics, sets: LevelSets) 
     xi = jnp.zeros(size_of(zd.robot))
 
     def confirm(name: str, u: np.ndarray) -> Counterexample | None:
-        step, moving = at(jnp.asarray(u))
+        step, zd_of_step = at(jnp.asarray(u))
         z = step.z(u[:PLANE])
         if name in conditions:
             condition = conditions[name]
-            margin = np.min(condition.margins(moving.point(z), step)) / condition.scale
+            margin = np.min(condition.margins(zd_of_step.point(z), step)) / condition.scale
         else:
-            margin = np.min(set_margins(spec, step, moving, sets, jnp.asarray(u), xi)[name])
+            margin = np.min(set_margins(spec, step, zd_of_step, sets, jnp.asarray(u), xi)[name])
         if not margin < 0.0:
             return None
         state = (float(position_of(z)), float(momentum_of(z)))

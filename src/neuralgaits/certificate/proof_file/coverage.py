@@ -217,8 +217,8 @@ def why_incomplete(missing: Sequence[Root], conditions: int) -> str:
     """State in one sentence that some conditions are not claimed."""
     names = list(dict.fromkeys(name for name, *_ in missing))
     examples = [f"{name} from {low} to {high}" for name, low, high in missing[:SHOWN]]
-    more = f" and {len(missing) - SHOWN} more boxes" if len(missing) > SHOWN else ""
+    others = f" and {len(missing) - SHOWN} more boxes" if len(missing) > SHOWN else ""
     return (
         f"every statement of the file holds, but {len(names)} of {conditions} conditions are not "
-        f"claimed on all of their region: {', '.join(examples)}{more}"
+        f"claimed on all of their region: {', '.join(examples)}{others}"
     )

@@ -69,16 +69,16 @@ def _refuse_long(table: Any) -> None:
 
 def _refuse_large(program: Program) -> None:
     """Refuse a Program whose few lines need more memory than any gait's Program."""
-    wide, known = max(program.sizes), program.sizes
+    sizes, widest = program.sizes, max(program.sizes)
     if len(program.inputs) > 1 and program.inputs[1].shape[0] > MOST_FIBRES:
         raise ValueError(f"{program.inputs[1].shape[0]} elements of {FIBRE}")
-    if wide > MOST_ELEMENTS:
-        raise ValueError(f"a value of {wide} elements")
-    limit(max(known[row.value] for row in program.outputs), MOST_OF_OUTPUT, OF_OUTPUT)
+    if widest > MOST_ELEMENTS:
+        raise ValueError(f"a value of {widest} elements")
+    limit(max(sizes[row.value] for row in program.outputs), MOST_OF_OUTPUT, OF_OUTPUT)
     for row in program.operations:
-        if row.kind == "affine" and row.size * known[row.operands[1]] > MOST_PRODUCTS * row.columns:
-            raise ValueError(f"a product of {known[row.operands[0]]} and more elements")
-    limit(sum(map(partial(_work, known), program.operations)), MOST_WORK, OF_WORK)
+        if row.kind == "affine" and row.size * sizes[row.operands[1]] > MOST_PRODUCTS * row.columns:
+            raise ValueError(f"a product of {sizes[row.operands[0]]} and more elements")
+    limit(sum(map(partial(_work, sizes), program.operations)), MOST_WORK, OF_WORK)
 
 
 def _work(sizes: Sequence[int], row: Operation) -> int:

@@ -239,8 +239,8 @@ def _outline(model: dict[str, Any], outputs: set[str], chart: Chart) -> SpecOutl
     outline = SpecOutline.read(
         model.get("regions"), model.get("conditions"), decimals=False, axes=len(chart.state)
     )
-    own = {name for name in outputs if "/" not in name}
-    if odd := sorted(own ^ set(outline.conditions)):
+    conditions = {name for name in outputs if "/" not in name}
+    if odd := sorted(conditions ^ set(outline.conditions)):
         raise ValueError(f"{odd[0]}, which only one of model and Program has")
     return outline
 

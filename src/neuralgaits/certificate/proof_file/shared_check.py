@@ -110,13 +110,13 @@ def bound_all(
     count = min(cores(), MOST_PROCESSES) if total > FEW else 1
     answer, boxes, in_balls, done = PieceResult("holds", None, 0, 0), 0, 0, 0
     with contextlib.ExitStack() as stack:
-        beside = [
+        processes = [
             stack.enter_context(
                 contextlib.closing(OtherProcess(program, statements, k, count, arithmetic))
             )
             for k in range(1, count)
         ]
-        for piece, found in zip(pieces, _in_order(pieces, here, beside), strict=False):
+        for piece, found in zip(pieces, _in_order(pieces, here, processes), strict=False):
             boxes, in_balls = boxes + found.boxes, in_balls + found.boxes_in_balls
             done += piece.leaves
             if answer.verdict == "holds" or found.verdict == "rejected":
@@ -129,23 +129,23 @@ def bound_all(
 
 
 def _in_order(
-    pieces: Sequence[Piece], here: PieceBounder, beside: Sequence["OtherProcess"]
+    pieces: Sequence[Piece], here: PieceBounder, processes: Sequence["OtherProcess"]
 ) -> Iterator[PieceResult]:
     """Yield the result of each piece in order; bound own pieces ahead while waiting for others."""
-    count, own = 1 + len(beside), {}
-    mine = iter(range(0, len(pieces), count))
+    count, results = 1 + len(processes), {}
+    next_own = iter(range(0, len(pieces), count))
     for number, piece in enumerate(pieces):
         place, turn = divmod(number, count)
-        other = beside[turn - 1] if turn else None
-        while number not in own and not (other and len(other.found) > place):
-            ahead = next(mine, None)
+        other = processes[turn - 1] if turn else None
+        while number not in results and not (other and len(other.found) > place):
+            ahead = next(next_own, None)
             if ahead is not None:
-                own[ahead] = here(pieces[ahead])
+                results[ahead] = here(pieces[ahead])
             elif other is None or other.ended:
-                own[number] = here(piece)
+                results[number] = here(piece)
             else:
                 other.wait()
-        yield own.pop(number) if number in own else other.found[place]  # pyright: ignore[reportOptionalMemberAccess]
+        yield results.pop(number) if number in results else other.found[place]  # pyright: ignore[reportOptionalMemberAccess]
 
 
 class OtherProcess:

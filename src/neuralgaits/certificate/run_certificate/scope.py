@@ -65,8 +65,8 @@ class Scope:
 def _box(run: Run, parameters: Mapping[str, float] | None) -> Mapping[str, float]:
     """Return the box of robots and floors. Raises: InputError if it cannot be proved."""
     spec = run.spec
-    own = {**box_of(run.robot, spec.parameters), **spec.ground}
-    box = own if parameters is None else checked_box(parameters)
+    box_of_run = {**box_of(run.robot, spec.parameters), **spec.ground}
+    box = box_of_run if parameters is None else checked_box(parameters)
     if why := why_not_of_beliefs(spec.commands, box):
         raise InputError(f"--parameters: expected parameters of the gait's robots, found {why}")
     if "friction" in box and not (need := friction_needed(spec.describe())) <= box["friction"]:

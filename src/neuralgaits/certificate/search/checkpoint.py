@@ -28,9 +28,9 @@ def save(path: Path, problem: Problem, state: Search) -> None:
     proved = bool(np.all(tree.lower[tree.is_leaf] >= 0.0))
     arrays = {"first": tree.first, "axis": tree.axis, "lower": tree.lower}
     if not proved:
-        alone = np.full((len(tree.first), len(problem.low)), np.inf)
-        alone[tree.pending.number] = tree.pending.costs
-        arrays |= {"upper": tree.upper, "alone": alone}
+        costs = np.full((len(tree.first), len(problem.low)), np.inf)
+        costs[tree.pending.number] = tree.pending.costs
+        arrays |= {"upper": tree.upper, "alone": costs}
     arrays["seen"] = state.smallest
     refuted = {
         name: {"u": point.u, "z": point.z, "margin": point.margin}

@@ -150,12 +150,12 @@ class _BoxBudget:
         self._wide = any(len(problem.low) > PLANE for problem in problems)
         self._weak = [2 * problem.weak_axes > len(problem.low) for problem in problems]
         room = int((WIDE_MEMORY_BYTES if any(self._weak) else MEMORY_BYTES) / sum(self._bytes))
-        more = TIGHTEN_BOXES
+        added = TIGHTEN_BOXES
         if phase == "decide":
-            more = MAX_BOXES if deadline == np.inf else room
+            added = MAX_BOXES if deadline == np.inf else room
         if any(self._weak):
-            more = min(more, WEAK_BOXES)
-        self._most = [min(len(state.tree.first) + more, room) for state in current]
+            added = min(added, WEAK_BOXES)
+        self._most = [min(len(state.tree.first) + added, room) for state in current]
 
     def of(self, number: int) -> int:
         """Return how many boxes a root may have in all."""

@@ -97,8 +97,8 @@ def on_foothold(
     # Traced once for all steps; inlined, it is the same formula as without `jit`.
     @partial(jax.jit, inline=True)
     def newton(shift: Float[Array, " k"]) -> Float[Array, " k"]:
-        value, push = jax.linearize(miss, shift)
-        columns = [push(row) for row in np.eye(len(free_joints), dtype=outputs.dtype)]
+        value, derivative = jax.linearize(miss, shift)
+        columns = [derivative(row) for row in np.eye(len(free_joints), dtype=outputs.dtype)]
         return shift - _solved(columns, value)
 
     shift = jnp.zeros(len(free_joints), outputs.dtype)

@@ -67,8 +67,9 @@ def find_set(
     guard = grid(np.linspace(1.0 - strip, 1.0 + strip, 5), levels)
     quantities = evaluate(guard)
     landed = np.abs(quantities["after"][:, 0]).max()
-    more = TOLD * quantities["stride"].max() / quantities["stride"].min() if command_names else 2.0
-    start_strip = float(at_most((ROOM if floor else more) * landed + 1e-9, DIGITS))
+    stride = quantities["stride"]
+    spread = TOLD * stride.max() / stride.min() if command_names else 2.0
+    start_strip = float(at_most((ROOM if floor else spread) * landed + 1e-9, DIGITS))
     if not start_strip < widths[-1]:
         return f"the reset lands up to {landed:.3g} phases from the start of a step"
     phases = np.linspace(0.0, 1.0, count)

@@ -45,8 +45,8 @@ def walking_membership(
         barriers in their own units.
     """
     level = gait.level(z)
-    own = [jnp.ravel(barrier.function(zd.point(z))) for barrier in unproved]
+    walls = [jnp.ravel(barrier.function(zd.point(z))) for barrier in unproved]
     return {
         "ends": jnp.stack(ends(gait, shape.ends, z)),
-        "walls": jnp.concatenate([jnp.stack([level, 1.0 - level]), *own]),
+        "walls": jnp.concatenate([jnp.stack([level, 1.0 - level]), *walls]),
     }
