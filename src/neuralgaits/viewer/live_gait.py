@@ -22,6 +22,7 @@ from neuralgaits.simulation.ticks.adapted_command import ADAPTABLE
 from neuralgaits.simulation.ticks.falls import Ending
 from neuralgaits.viewer.believed_lean import lean_of
 from neuralgaits.viewer.live_monitor import LiveMonitor
+from neuralgaits.viewer.plant_sliders import AHEAD, plant_sliders
 from neuralgaits.viewer.slider import Slider
 from neuralgaits.viewer.step_speed import StepSpeed
 from neuralgaits.viewer.trail import Trail
@@ -92,22 +93,9 @@ class LiveGait:
     def settings(self) -> Mapping[str, Slider]:
         """Return the settings of the plant that can be changed, well beyond what gaits tolerate."""
         robot = self.run.robot
-        friction, torque = float(robot.friction), float(np.max(robot.torque_limit))
-        tilt = "uphill positive; the floor turns about the stance foot"
-        slide = "sliding coefficient between feet and floor"
-        heavy = "factor on all masses and inertias; the controller is not told"
-        weak = "limit of every joint; the controller knows it"
-        values = {
-            "slope_deg": Slider("slope [deg]", -6.0, 6.0, 0.0, 0.5, tilt),
-            "friction": Slider("friction", 0.05, max(1.2, friction), friction, 0.01, slide),
-            "mass_scale": Slider("mass ×", 0.5, 2.0, 1.0, 0.01, heavy),
-            "torque_limit": Slider("torque [N m]", 0.1 * torque, torque, torque, 0.5, weak),
-        }
-        if robot.torso is not None:
-            ahead = "centre of mass ahead of the file's; the controller is not told"
-            values["torso_shift_m"] = Slider(
-                "torso's weight ahead [m]", -0.05, 0.05, 0.0, 0.005, ahead
-            )
+        values = plant_sliders(float(robot.friction), float(np.max(robot.torque_limit)))
+        if robot.torso is None:
+            del values[AHEAD]
         if self._on is not None:
             del values["slope_deg"]
         return values

@@ -1,5 +1,7 @@
 """Lights and floor of a scene in which the robot stays in the middle and the ground moves."""
 
+import math
+
 import viser
 
 SECTION = 1.0
@@ -29,3 +31,19 @@ def add_ground(server: viser.ViserServer) -> viser.GridHandle:
         shadow_opacity=0.25,
         fade_distance=30.0,
     )
+
+
+def lay_floor(floor: viser.GridHandle, slope: float, x: float, y: float = 0.0) -> None:
+    """Put the floor through the scene's middle, its lines fixed to the ground.
+
+    Args:
+        floor: of `add_ground`.
+        slope: its rise per metre forward.
+        x: place of the ground that is in the middle, forward [m].
+        y: the same to the left [m].
+    """
+    long = math.hypot(1.0, slope)
+    behind = math.fmod(x * long, SECTION) / long
+    floor.position = (-behind, -math.fmod(y, SECTION), -behind * slope)
+    half = 0.5 * math.atan(slope)
+    floor.wxyz = (math.cos(half), 0.0, -math.sin(half), 0.0)

@@ -22,7 +22,7 @@ from neuralgaits.viewer.blocks import Blocks
 from neuralgaits.viewer.framing import Framing
 from neuralgaits.viewer.portrait import HEIGHT_PX, WIDTH_PX, Portrait
 from neuralgaits.viewer.push_arrow import RED, PushArrow
-from neuralgaits.viewer.scenery import SECTION, add_ground
+from neuralgaits.viewer.scenery import add_ground, lay_floor
 from neuralgaits.viewer.walker import Shown
 
 
@@ -80,11 +80,7 @@ class Stage:
     def _show_floor(self, shown: Shown, x: float) -> None:
         """Place the floor through the origin, with its lines fixed to the ground."""
         self._floor.visible = shown.tops is None
-        long = math.hypot(1.0, shown.slope)
-        behind = math.fmod(x * long, SECTION)
-        self._floor.position = (-behind / long, 0.0, -behind / long * shown.slope)
-        half = 0.5 * math.atan(shown.slope)
-        self._floor.wxyz = (math.cos(half), 0.0, -math.sin(half), 0.0)
+        lay_floor(self._floor, shown.slope, x)
 
     def _show_push(self, shown: Shown, ground: float) -> None:
         # In front of the robot, lest its body hide it.
