@@ -45,8 +45,12 @@ def test_no_forgery_in_space_is_accepted(base, tmp_path):
             assert forged.content != base.texts["space"].encode() or forged.run != run, kind.kind
             file.write_bytes(forged.content)
             heard[kind.kind] = ask_python(file, forged.run)
+        # Its statements are true of the run's Program, but say nothing of a tube.
+        file.write_text(json.dumps(base.proofs["space"] | {"model": None}))
+        nothing = check_proof(file, run=run)
     assert true["verdict"] == "proved"
     assert [one["level"] for one in true["levels"] if one["verdict"] == "proved"] == [2, 3]
+    assert not nothing["levels"]
     answers = {kind: answer.word for kind, answer in heard.items()}
     refused = ("rejected", "unreadable", "undecided")
     assert {kind: word for kind, word in answers.items() if word not in refused} == {}

@@ -3,6 +3,7 @@
 import copy
 import json
 from collections.abc import Callable
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -21,7 +22,6 @@ from neuralgaits.systems.walker3d.spatial_levels import TABLE
 from support.forgeries.base import Case, Table, Theme
 from support.forgeries.edits import (
     claim,
-    constant,
     first,
     number,
     program_of,
@@ -37,14 +37,17 @@ QUICK = ("chart", "clearance", "touchdown", "approach")
 """Conditions of few boxes, which are searched for the true file."""
 SUBJECT = Subject(
     "space",
-    "clearance",
+    "touchdown",
     lambda t: t["model"]["robot"],
     "thigh.mass",
-    "policy.pitch",
+    "policy.landing",
     1,
     family=True,
 )
+_NEGATED = "an operation that is another, under the hash before"
 for _what, _change in OF_ANY:
+    if _what == _NEGATED:  # It is this one here already.
+        continue
     THEME.forgery(_what)(partial(lambda case, change: change(case, SUBJECT), change=_change))
 
 
@@ -87,26 +90,43 @@ def _replaced(table: Table, old: float, new: float) -> None:
         found |= bool(np.any(hits))
         rows.append(type(row)(row.name, np.where(hits, new, row.array)))
     assert found, old
-    put(table, type(program)(**(vars(program) | {"constants": tuple(rows)})))
+    put(table, replace(program, constants=tuple(rows)))
+
+
+def _tube(table: Table, name: str, change: Callable[[float], float]) -> None:
+    """Change the first numbers of the tube, in the model."""
+    values = table["model"]["tube"][name]["values"]
+    values[:9] = [change(float.fromhex(value)).hex() for value in values[:9]]
 
 
 @_kind("a tube half as wide again")
 def _(table: Table) -> None:
-    constant(table, "tube.axes", lambda axes: 1.5 * axes)
+    _tube(table, "axes", lambda x: 1.5 * x)
 
 
 @_kind("a tube beside its place")
 def _(table: Table) -> None:
-    constant(table, "tube.centre", lambda centre: centre + 1e-4)
+    _tube(table, "centre", lambda x: x + 1e-4)
 
 
 @_kind("a number of the policy, in the model alone")
 def _(table: Table) -> None:
-    model = table["model"]["policy"]
-    name = next(key for key in model if key.endswith("landing"))
-    model[name] = json.loads(json.dumps(model[name]).replace("p-", "p-0", 1))
-    values = model[name]["values"] if isinstance(model[name], dict) else model[name]
+    values = table["model"]["policy"]["pitch"]["values"]
     values[0] = number(values[0], 1.001)
+
+
+@_kind("a policy's number in model and Program")
+def _(table: Table) -> None:
+    values = table["model"]["policy"]["ends"]["values"]
+    old = float.fromhex(values[0])
+    values[0] = (1.001 * old).hex()
+    _replaced(table, old, 1.001 * old)
+
+
+@_kind("a sum in place of a difference, under the hash before")
+def _(table: Table) -> None:
+    rows = table["program"]["operations"]
+    next(row for row in rows if row[0] == "sub")[0] = "add"
 
 
 @_kind("two outputs of the Program swapped")
@@ -119,7 +139,7 @@ def _(table: Table) -> None:
         "inlet": type(one)("inlet", one.shape, one.value),
     }
     outputs = tuple(swapped.get(row.name, row) for row in program.outputs)
-    put(table, type(program)(**(vars(program) | {"outputs": outputs})))
+    put(table, replace(program, outputs=outputs))
 
 
 @_kind("no exponent of convergence")
@@ -252,11 +272,6 @@ def _(table: Table) -> None:
 @_kind("a cart-pole's name")
 def _(table: Table) -> None:
     table["model"]["family"] = "cartpole"
-
-
-@_kind("no model")
-def _(table: Table) -> None:
-    table["model"] = None
 
 
 @_kind("other words for the spec")

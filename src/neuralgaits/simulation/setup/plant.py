@@ -210,7 +210,7 @@ def _disturb(model: mujoco.MjModel, robot: PlanarBiped, disturbance: PlantChange
         gears=gears,
     )
     friction = robot.friction if disturbance.friction is None else disturbance.friction
-    change_model(model, parts, disturbance, friction)
+    change_model(model, parts, disturbance, float(friction))
     if disturbance.torso_shift_m:
         if robot.torso is None:
             raise InputError(f"disturbance torso_shift_m: robot {robot.name} has no torso to shift")

@@ -101,4 +101,4 @@ def _lean_rates(
 
 def first_estimate(found: Measured) -> Estimate:
     """Return what is known at first of a robot whose rates are known then. [N, ...]."""
-    return Estimate(found, jnp.zeros_like(np.asarray(found.joints)[..., 2:]))
+    return Estimate(found, jnp.zeros(np.asarray(found.joints)[..., 2:].shape))

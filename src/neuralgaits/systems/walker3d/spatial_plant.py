@@ -11,7 +11,7 @@ import mujoco
 import numpy as np
 
 from neuralgaits._quick_jit import quick_jit
-from neuralgaits._types import Array, Float
+from neuralgaits._types import Array, Bool, Float
 from neuralgaits.simulation.live_floor import Floor
 from neuralgaits.simulation.setup.terrain import Terrain
 from neuralgaits.systems.walker3d.spatial_changes import TICK_S, SpatialChanges
@@ -31,11 +31,12 @@ from neuralgaits.systems.walker3d.spatial_pose import MIRROR
 
 def reflected(found: Measured, left: Array) -> Measured:
     """Return readings of robots with those on their left foot reflected, legs swapped. [N, ...]."""
+    joints, rates, velocity = map(np.asarray, found)
     on_left = left[:, None]
     return Measured(
-        jnp.where(on_left, SIGNS * found.joints[:, SWAPPED], found.joints),
-        jnp.where(on_left, SIGNS * found.rates[:, SWAPPED], found.rates),
-        jnp.where(on_left, found.velocity * MIRROR, found.velocity),
+        jnp.asarray(np.where(on_left, SIGNS * joints[:, SWAPPED], joints)),
+        jnp.asarray(np.where(on_left, SIGNS * rates[:, SWAPPED], rates)),
+        jnp.asarray(np.where(on_left, velocity * MIRROR, velocity)),
     )
 
 
@@ -145,7 +146,7 @@ class SpatialPlants:
         most = self.changes.torque_limit
         return own if most is None else np.minimum(own, most)
 
-    def readings(self) -> tuple[Array, Array, Array]:
+    def readings(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return joints, rates and velocity of the hips as they are: [N, 8], [N, 8], [N, 3]."""
         q = np.array([world.qpos[3:] for world in self.worlds])
         dq = np.array([world.qvel[3:] for world in self.worlds])
@@ -165,7 +166,7 @@ class SpatialPlants:
         for world, levels in zip(self.worlds, self.terrain.levels, strict=True):
             world.mocap_pos[:2, 2] = levels
 
-    def advance_floors(self, touch: Array, ahead: Float[np.ndarray, " N"]) -> None:
+    def advance_floors(self, touch: Bool[np.ndarray, " N"], ahead: Float[np.ndarray, " N"]) -> None:
         """Move the floors on whose levels the robots will step.
 
         Args:
@@ -174,7 +175,7 @@ class SpatialPlants:
         """
         if not self.terrain.uneven:
             return
-        stance = self.left.astype(int)
+        stance = np.asarray(self.left, dtype=int)
         feet = [self.foot_places(foot) for foot in (stance, 1 - stance)]
         reach = feet[1] - feet[0]
         clearance = reach[:, 2] - self.slope * reach[:, 0]

@@ -73,6 +73,6 @@ def _estimates(walker: SpatialWalker) -> Callable[[Estimate, Array, Array], Esti
 
 def _about(last: Estimate, swapped: Array) -> Estimate:
     """Return estimates about the other foot where it has changed."""
-    turned = SIGNS[2:] * np.asarray(last.accelerations)[:, _LEGS]
-    accelerations = jnp.where(swapped[:, None], turned, last.accelerations)
-    return Estimate(reflected(last.found, swapped), accelerations)
+    before = np.asarray(last.accelerations)
+    accelerations = np.where(swapped[:, None], SIGNS[2:] * before[:, _LEGS], before)
+    return Estimate(reflected(last.found, swapped), jnp.asarray(accelerations))

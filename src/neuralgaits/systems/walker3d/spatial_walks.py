@@ -202,8 +202,8 @@ def walk(robot: SpatialRobot, gait: SpatialGait, plan: WalkPlan) -> tuple[Spatia
         found = sensors.read(log.since)
         asked = jax.tree.map(np.asarray, law(found))
         phase = np.asarray(gait.policy.phase(asked.z.T))
-        plants.advance_floors(touch, asked.z[:, 0])
-        force = push.at(now, touch, log.taken)
+        plants.advance_floors(np.asarray(touch), asked.z[:, 0])
+        force = push.at(now, np.asarray(touch), np.asarray(log.taken))
         log.pushed = push.starts <= now
         log.note(asked, gait.holds(asked.z), moving, plants.limits)
         lost = ~np.isfinite(asked.torques).all(axis=1) | (log.since > LONGEST * plan.step_s)
