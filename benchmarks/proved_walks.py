@@ -8,9 +8,6 @@ exports; MuJoCo takes steps of 50 us, so that a tick is that close to its touchd
 set at 99 % of the ticks later than 20 ms after a touchdown. WALKS and STEPS shorten it.
 """
 
-# pyright: reportAttributeAccessIssue=false
-# MuJoCo ships no type stubs.
-
 import sys
 from typing import NamedTuple
 

@@ -7,7 +7,8 @@ from scipy.linalg import expm
 
 from neuralgaits._quick_jit import quick_filter_jit
 from neuralgaits.control import estimator as estimators
-from neuralgaits.control.estimator import Estimator, EstimatorState, start
+from neuralgaits.control.estimator import EstimatorState, start
+from neuralgaits.control.estimator_poles import Estimator
 from neuralgaits.control.measurement import Measurement, coordinates, leg_joints, pitch_rate
 from neuralgaits.control.stance import StanceState
 from neuralgaits.robots.dynamics import (

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from neuralgaits._quick_jit import quick_filter_jit
-from neuralgaits.control.estimator import Estimator, estimate, start
+from neuralgaits.control.estimator import estimate, start
+from neuralgaits.control.estimator_poles import Estimator
 from neuralgaits.control.measurement import Measurement
 from neuralgaits.control.stance import StanceState
 from neuralgaits.export import build

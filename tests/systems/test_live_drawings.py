@@ -40,6 +40,8 @@ def moment(phase, off, distance=0.5, trail=()):
         steps=1,
         speed=0.6,
         force=np.zeros(3),
+        slope=0.0,
+        ground=0.0,
         fall=None,
         upright=False,
     )

@@ -6,8 +6,8 @@ import pytest
 from neuralgaits.systems.family_run import open_family_run
 from neuralgaits.systems.walker3d.live_controllers import CompiledController, TracedController
 from neuralgaits.systems.walker3d.live_walk import SpatialLive
+from neuralgaits.systems.walker3d.spatial_changes import TICK_S
 from neuralgaits.systems.walker3d.spatial_page import proof_in_words
-from neuralgaits.systems.walker3d.spatial_plant import TICK_S
 from neuralgaits.systems.walker3d.spatial_system import SYSTEM
 
 pytestmark = pytest.mark.slow

@@ -88,7 +88,7 @@ def test_the_tick_is_pythons_over_a_walk(run, library):
         reading = reading_of(plants)
         assert library.ng_walker3d_tick(ctypes.byref(tick), ctypes.byref(reading), torques) == 0
         assert bool(tick.left) is bool(plants.left[0])
-        plants.apply(0, now.torques[0], np.array([0.0, 0.0]))
+        plants.drive(0, plants.own(now.torques)[0], np.zeros(2))
         off.append(plants.worlds[0].ctrl - np.array(torques))
     assert taken == STEPS
     assert np.abs(off).max() < 1e-9 * LIMIT_NM

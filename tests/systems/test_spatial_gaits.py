@@ -1,6 +1,7 @@
 """Periodic gaits of the biped in three dimensions, and their walks in MuJoCo."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import jax
@@ -109,7 +110,9 @@ def test_robot_on_its_left_foot_is_seen_as_its_mirror_image(run):
 @pytest.mark.parametrize("controller", ["pd", "fblin"])
 def test_walks_in_mujoco_from_the_face_of_the_tube(run, controller):
     gait = run.controller
-    plan = WalkPlan(controller, starts_of(gait, 3, 4), 4, run.summary.step_s, None)
+    plan = WalkPlan(
+        controller=controller, starts=starts_of(gait, 3, 4), steps=4, step_s=run.summary.step_s
+    )
     plants, log = walk(run.data, gait, plan)
     assert not log.fell.any()
     assert (log.taken == 4).all()
@@ -121,12 +124,17 @@ def test_walks_in_mujoco_from_the_face_of_the_tube(run, controller):
 
 def test_a_push_aside_moves_the_robot_and_is_no_fall(run):
     gait = run.controller
-    plan = WalkPlan("pd", starts_of(gait, 1, 0), 4, run.summary.step_s, 5.0)
-    pushed, log = walk(run.data, gait, plan)
-    calm, _ = walk(run.data, gait, plan._replace(push=None))
-    assert not log.fell.any()
-    assert np.isfinite(log.pushed_at).all()
-    assert pushed.worlds[0].qpos[1] - calm.worlds[0].qpos[1] > 0.005
+    plan = WalkPlan(
+        controller="pd", starts=starts_of(gait, 1, 0), steps=5, step_s=run.summary.step_s
+    )
+    calm, _ = walk(run.data, gait, plan)
+    aside, first = walk(run.data, gait, replace(plan, push_left=5.0))
+    ahead, second = walk(run.data, gait, replace(plan, push=4.0))
+    for log in (first, second):
+        assert not log.fell.any() and log.pushed.all()
+    assert aside.worlds[0].qpos[1] - calm.worlds[0].qpos[1] > 0.005
+    # As many steps as before, and sooner.
+    assert ahead.times()[0] < calm.times()[0] - 0.005
 
 
 def test_gait_that_is_not_stable_has_no_tube(run):

@@ -8,7 +8,7 @@ from neuralgaits._control_laws import CONTROL_LAWS
 from neuralgaits._types import Float
 from neuralgaits.control import AbstractLaw, Pd, measurement
 from neuralgaits.control.command_belief import speed_by_lean
-from neuralgaits.control.estimator import Estimator
+from neuralgaits.control.estimator_poles import Estimator
 from neuralgaits.control.inverse_dynamics import SMALLEST_DENOMINATOR
 from neuralgaits.control.joint_model import FRICTION_RATE
 from neuralgaits.control.law import CompiledLaw, compiled_law

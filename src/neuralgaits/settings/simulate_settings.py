@@ -3,7 +3,7 @@
 from dataclasses import KW_ONLY, dataclass
 from typing import Annotated, Literal
 
-from neuralgaits._checks import check_bandwidth, check_walks
+from neuralgaits._checks import check_bandwidth, check_push, check_walks
 from neuralgaits.settings import forms
 from neuralgaits.settings.options import Settings, arg
 from neuralgaits.settings.shared_options import (
@@ -58,9 +58,10 @@ class SimulateSettings(Settings):
     start: Literal["centre", "region", "fixed-point"] = "centre"
     """Initial states: middle of the region, random in it, or on the periodic orbit."""
     push: Annotated[float | None, arg(metavar="NS")] = None
-    """Impulse of a push [N s], forward positive (in three dimensions to the left), at most 10000
-    either way, over 0.1 s, within half a second of touchdown 5 (half-way in shorter walks); the
-    result says how many walks it ended."""
+    """Impulse of a push [N s], forward positive, at most 10000 either way, over 0.1 s, within half
+    a second of touchdown 5 (half-way in shorter walks); the result says how many walks it ended."""
+    push_left: Annotated[float | None, arg(metavar="NS")] = None
+    """The same to the left, of a walker in three dimensions [N s]."""
     disturb: Changes = None
     """Differences between plant and model, as in friction=0.4,delay_ms=4."""
     gains: Gains = None
@@ -116,6 +117,7 @@ class SimulateSettings(Settings):
         check_walks(self.episodes, self.seed, self.push)
         if self.bandwidth is not None:
             check_bandwidth(self.bandwidth)
+        check_push(self.push_left)
         if self.adapt is not None:
             object.__setattr__(self, "adapt", forms.adapted(self.adapt))
 

@@ -3,7 +3,7 @@
 import math
 from typing import NamedTuple
 
-from neuralgaits.simulation.setup.plant import tilt_quaternion
+from neuralgaits.simulation.setup.foot_planes import tilt_quaternion
 
 TILT_DEG_S = 20.0
 """Rate at which the floor tilts [deg/s]; a swing foot ahead meets it at about 0.1 m/s."""

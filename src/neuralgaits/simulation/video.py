@@ -16,7 +16,8 @@ from neuralgaits._types import Float
 from neuralgaits.errors import InputError
 from neuralgaits.robots.link_rods import Bone, bones
 from neuralgaits.runs import write_bytes
-from neuralgaits.simulation.setup.plant import PERIOD_S, SECOND_FLOOR_GROUP, Plant
+from neuralgaits.simulation.setup.foot_planes import SECOND_FLOOR_GROUP
+from neuralgaits.simulation.setup.plant import PERIOD_S, Plant
 
 FRAMES_PER_S = 50
 SIZE = (480, 640)

@@ -25,7 +25,7 @@ from neuralgaits.simulation.ticks.adapted_command import ADAPTABLE
 from neuralgaits.simulation.ticks.falls import Ending
 from neuralgaits.viewer.believed_lean import lean_of
 from neuralgaits.viewer.live_monitor import LiveMonitor
-from neuralgaits.viewer.plant_sliders import command_slider, plant_sliders
+from neuralgaits.viewer.plant_sliders import AHEAD, command_slider, plant_sliders
 from neuralgaits.viewer.slider import Slider
 from neuralgaits.viewer.step_speed import StepSpeed
 from neuralgaits.viewer.trail import Trail
@@ -96,7 +96,13 @@ class LiveGait:
     @property
     def settings(self) -> Mapping[str, Slider]:
         """Return the settings of the plant that can be changed, well beyond what gaits tolerate."""
-        return plant_sliders(self.run, on_floor=self._on is None)
+        robot = self.run.robot
+        values = plant_sliders(float(robot.friction), float(np.max(robot.torque_limit)))
+        if robot.torso is None:
+            del values[AHEAD]
+        if self._on is not None:
+            del values["slope_deg"]
+        return values
 
     @property
     def commands(self) -> Mapping[str, Slider]:

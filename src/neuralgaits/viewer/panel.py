@@ -13,6 +13,7 @@ from neuralgaits.viewer.believed_lean import lean_html
 from neuralgaits.viewer.limited_sliders import LimitedSliders
 from neuralgaits.viewer.live_monitor import membership_lines
 from neuralgaits.viewer.page_style import QUIET, SAID, line, note
+from neuralgaits.viewer.plant_sliders import add_plant_sliders
 from neuralgaits.viewer.player import Picture, Player
 from neuralgaits.viewer.slider import Slider
 from neuralgaits.viewer.time_controls import add_time_controls
@@ -83,7 +84,11 @@ class Panel:
             ahead = "of the stones that the robot has not heard of yet"
             self._add_told(gui, "Stones ahead", sizes, ahead, lambda walker: walker.resize)
         self._add_push(gui)
-        self._add_plant(gui, settings)
+
+        def disturb(name: str, value: float) -> None:
+            player.ask(lambda walker: walker.disturb(name, value))
+
+        add_plant_sliders(gui, self._sliders, settings, disturb)
         with gui.add_folder("Margins at the robot's state"):
             self._bars = gui.add_html(note("no margins yet"))
         with gui.add_folder("How sure we are"):
@@ -208,27 +213,6 @@ class Panel:
             self._player.ask(lambda walker: walker.adapt(active))
 
         rest()
-
-    def _add_plant(self, gui: viser.GuiApi, settings: Mapping[str, Slider]) -> None:
-        restore = []
-        with gui.add_folder("Robot and floor"):
-            for name, slider in settings.items():
-                handle = self._sliders.add(slider)
-
-                def change(_event: object, name=name, handle=handle, slider=slider):
-                    value = slider.clip(handle.value)
-                    if value is not None:
-                        self._player.ask(lambda walker: walker.disturb(name, value * slider.unit))
-
-                handle.on_update(change)
-                restore.append((handle, slider, change))
-            usual = gui.add_button("Restore robot and floor", icon=viser.Icon.RESTORE)
-
-        @usual.on_click
-        def _(event: object) -> None:
-            for handle, slider, change in restore:
-                handle.value = slider.first
-                change(event)
 
     def status(self, picture: Picture) -> str:
         """Return the lines about the walk, as HTML."""

@@ -1,6 +1,10 @@
 """Lights and floor of a scene in which the robot stays in the middle and the ground moves."""
 
+import math
+
 import viser
+
+from neuralgaits.simulation.setup.foot_planes import tilt_quaternion
 
 SECTION = 1.0
 """Distance between the thick lines of the floor [m]."""
@@ -29,3 +33,18 @@ def add_ground(server: viser.ViserServer) -> viser.GridHandle:
         shadow_opacity=0.25,
         fade_distance=30.0,
     )
+
+
+def lay_floor(floor: viser.GridHandle, slope: float, x: float, y: float = 0.0) -> None:
+    """Put the floor through the scene's middle, its lines fixed to the ground.
+
+    Args:
+        floor: of `add_ground`.
+        slope: its rise per metre forward.
+        x: place of the ground that is in the middle, forward [m].
+        y: the same to the left [m].
+    """
+    long = math.hypot(1.0, slope)
+    behind = math.fmod(x * long, SECTION) / long
+    floor.position = (-behind, -math.fmod(y, SECTION), -behind * slope)
+    floor.wxyz = tilt_quaternion(math.atan(slope))

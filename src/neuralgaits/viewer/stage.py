@@ -15,12 +15,11 @@ from mjviser import ViserMujocoScene
 from neuralgaits._types import Float
 from neuralgaits.robots.constants import MjcfLayout
 from neuralgaits.robots.link_rods import bones
-from neuralgaits.simulation.setup.plant import tilt_quaternion
 from neuralgaits.viewer.blocks import Blocks
 from neuralgaits.viewer.framing import Framing
 from neuralgaits.viewer.portrait import HEIGHT_PX, WIDTH_PX, Portrait
 from neuralgaits.viewer.push_arrow import RED, PushArrow
-from neuralgaits.viewer.scenery import SECTION, add_ground
+from neuralgaits.viewer.scenery import add_ground, lay_floor
 from neuralgaits.viewer.walker import WalkFrame
 
 
@@ -78,10 +77,7 @@ class Stage:
     def _show_floor(self, shown: WalkFrame, x: float) -> None:
         """Place the floor through the origin, with its lines fixed to the ground."""
         self._floor.visible = shown.tops is None
-        long = math.hypot(1.0, shown.slope)
-        behind = math.fmod(x * long, SECTION)
-        self._floor.position = (-behind / long, 0.0, -behind / long * shown.slope)
-        self._floor.wxyz = tilt_quaternion(math.atan(shown.slope))
+        lay_floor(self._floor, shown.slope, x)
 
     def _show_push(self, shown: WalkFrame, ground: float) -> None:
         # In front of the robot, lest its body hide it.

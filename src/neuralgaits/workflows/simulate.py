@@ -123,6 +123,11 @@ def simulate(settings: SimulateSettings) -> Simulation:
     """
     if (task := task_of("simulate", settings)) is not None:
         return task(ProgressCallbacks(begun=settings.begun)).returned
+    if settings.push_left is not None:
+        raise InputError(
+            "expected --push of a walker in the plane, found --push-left: nothing of it moves "
+            "aside; leave it out"
+        )
     plan = _planned(settings)
     run = plan.walks.run
     engine = _engine(plan, settings)

@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 Table = dict[str, Any]
-About = Literal["small", "walk", "full", "feet", "belief", "speeds", "cartpole", "hopper"]
+About = Literal["small", "walk", "full", "feet", "belief", "speeds", "cartpole", "hopper", "space"]
 Content = Table | str | bytes
 EXIT = {
     "proved": 0,

@@ -73,6 +73,8 @@ SUBJECTS = (
     Subject("cartpole", "force", _robot, "pole_mass", "controls.policy.output", 3, family=True),
     Subject("hopper", "reach", _robot, "foot_mass", "policy.bias", 1, family=True),
 )
+OF_ANY: list[tuple[str, Callable[[Case, Subject], None]]] = []
+"""Changes of any system's proof, by their words."""
 BOX = {"low": ["0x0p+0", "0x0p+0"], "high": ["0x1p-1", "0x1p+0"]}
 
 
@@ -80,6 +82,7 @@ def _each(what: str, cpp: Answer = NO, alone: Answer = NO, **more: Any) -> Calla
     """Register a change of a case and its subject for every system."""
 
     def register(change: Callable[[Case, Subject], None]) -> None:
+        OF_ANY.append((what, change))
         for one in SUBJECTS:
             words = f"{what} ({one.about})"
 

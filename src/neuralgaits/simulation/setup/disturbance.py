@@ -3,7 +3,7 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
-from typing import Any
+from typing import Any, TypeVar
 
 from neuralgaits._checks import listed
 from neuralgaits._digits import decimal
@@ -12,7 +12,8 @@ from neuralgaits._printable import shown
 from neuralgaits.errors import InputError
 
 
-def _quantity(default: float | None, lowest: float, highest: float, meaning: str) -> Any:
+def quantity(default: float | None, lowest: float, highest: float, meaning: str) -> Any:
+    """Return the field of a disturbance: its default, its range, its words with a unit."""
     about = {"lowest": lowest, "highest": highest, "meaning": meaning}
     return field(default=default, metadata=about)
 
@@ -45,23 +46,23 @@ class PlantChanges:
         drive_rate: rate of these loops, and of MuJoCo's steps; a multiple of the controller's [Hz].
     """
 
-    friction: float | None = _quantity(None, 0.0, 10.0, "friction coefficient of the feet")
-    torque_limit: float | None = _quantity(None, 0.0, 1e6, "torque limit of every joint [N m]")
-    delay_ms: float = _quantity(0.0, 0.0, 100.0, "delay of the torques [ms]")
-    floor_height: float = _quantity(0.0, 0.0, 0.5, "random steps of the floor, +- [m]")
-    slope_deg: float = _quantity(0.0, -45.0, 45.0, "slope of the floor, uphill positive [deg]")
-    mass_scale: float = _quantity(1.0, 0.01, 100.0, "factor on masses and inertias")
-    torso_shift_m: float = _quantity(0.0, -1.0, 1.0, "torso centre of mass moved forward [m]")
-    joint_friction: float = _quantity(0.0, 0.0, 1e3, "dry friction of every joint [N m]")
-    encoder_noise: float = _quantity(0.0, 0.0, 1.0, "noise of angles, standard deviation [rad]")
-    rate_noise: float = _quantity(0.0, 0.0, 10.0, "noise of rates, standard deviation [rad/s]")
-    encoder_step: float = _quantity(0.0, 0.0, 1.0, "resolution of angles [rad]")
-    pitch_noise: float = _quantity(0.0, 0.0, 1.0, "further noise of the pitch [rad]")
-    pitch_offset: float = _quantity(0.0, -0.5, 0.5, "error of the pitch's zero [rad]")
-    estimator: float = _quantity(0.0, 0.0, 1.0, "1: rates are estimated, not measured")
-    drive_stiffness: float = _quantity(0.0, 0.0, 1e5, "stiffness of the drives [N m/rad]")
-    drive_damping: float = _quantity(0.0, 0.0, 1e4, "damping of the drives [N m s/rad]")
-    drive_rate: float = _quantity(2e3, 1e3, 4e4, "rate of the drives' own loops [Hz]")
+    friction: float | None = quantity(None, 0.0, 10.0, "friction coefficient of the feet")
+    torque_limit: float | None = quantity(None, 0.0, 1e6, "torque limit of every joint [N m]")
+    delay_ms: float = quantity(0.0, 0.0, 100.0, "delay of the torques [ms]")
+    floor_height: float = quantity(0.0, 0.0, 0.5, "random steps of the floor, +- [m]")
+    slope_deg: float = quantity(0.0, -45.0, 45.0, "slope of the floor, uphill positive [deg]")
+    mass_scale: float = quantity(1.0, 0.01, 100.0, "factor on masses and inertias")
+    torso_shift_m: float = quantity(0.0, -1.0, 1.0, "torso centre of mass moved forward [m]")
+    joint_friction: float = quantity(0.0, 0.0, 1e3, "dry friction of every joint [N m]")
+    encoder_noise: float = quantity(0.0, 0.0, 1.0, "noise of angles, standard deviation [rad]")
+    rate_noise: float = quantity(0.0, 0.0, 10.0, "noise of rates, standard deviation [rad/s]")
+    encoder_step: float = quantity(0.0, 0.0, 1.0, "resolution of angles [rad]")
+    pitch_noise: float = quantity(0.0, 0.0, 1.0, "further noise of the pitch [rad]")
+    pitch_offset: float = quantity(0.0, -0.5, 0.5, "error of the pitch's zero [rad]")
+    estimator: float = quantity(0.0, 0.0, 1.0, "1: rates are estimated, not measured")
+    drive_stiffness: float = quantity(0.0, 0.0, 1e5, "stiffness of the drives [N m/rad]")
+    drive_damping: float = quantity(0.0, 0.0, 1e4, "damping of the drives [N m s/rad]")
+    drive_rate: float = quantity(2e3, 1e3, 4e4, "rate of the drives' own loops [Hz]")
 
     def __post_init__(self):
         """Check every value against its range."""
@@ -113,29 +114,41 @@ class PlantChanges:
         return self.noise_of_pitch > 0.0 or self.rate_noise > 0.0
 
 
-def existing() -> str:
+Changes = TypeVar("Changes", bound=PlantChanges)
+
+
+def existing(kind: type[PlantChanges] = PlantChanges) -> str:
     """Return every name with its meaning, for messages and help."""
-    return "; ".join(f"{entry.name}: {entry.metadata['meaning']}" for entry in fields(PlantChanges))
+    return "; ".join(f"{entry.name}: {entry.metadata['meaning']}" for entry in fields(kind))
 
 
 def parse(disturb: "str | Mapping[str, float] | PlantChanges | None") -> PlantChanges:
-    """Read `NAME=VALUE,...`, or a mapping of names to values.
+    """Read the changes of a walker in the plane; see `parse_as`."""
+    return parse_as(PlantChanges, disturb)
+
+
+def parse_as(
+    kind: type[Changes], disturb: "str | Mapping[str, float] | PlantChanges | None"
+) -> Changes:
+    """Read `NAME=VALUE,...`, or a mapping of names to values, of a kind of changes.
 
     Raises: InputError for a name that does not exist, a value that is no number, out of its
     range or given twice; the message has the name meant, or all names.
     """
-    if isinstance(disturb, PlantChanges):
+    if isinstance(disturb, kind):
         return disturb
+    if isinstance(disturb, PlantChanges):
+        return kind(**vars(disturb))
     if disturb is not None and not isinstance(disturb, str | Mapping):
         raise InputError(f"disturb: expected NAME=VALUE,... or a mapping, found {shown(disturb)}")
     if not disturb:
-        return PlantChanges()
+        return kind()
     pairs = _pairs(disturb) if isinstance(disturb, str) else list(disturb.items())
-    names = {entry.name for entry in fields(PlantChanges)}
+    names = {entry.name for entry in fields(kind)}
     values: dict[str, float] = {}
     for name, text in pairs:
         if name not in names:
-            remedy = meant(name, names) or f"expected one of {existing()}"
+            remedy = meant(name, names) or f"expected one of {existing(kind)}"
             raise InputError(f"unknown disturbance {name!r}: {remedy}")
         if name in values:
             raise InputError(f"disturbance {name} is given twice: give it once")
@@ -145,7 +158,7 @@ def parse(disturb: "str | Mapping[str, float] | PlantChanges | None") -> PlantCh
             raise InputError(
                 f"disturbance {name}: expected a number, found {shown(text)}"
             ) from None
-    return PlantChanges(**values)
+    return kind(**values)
 
 
 def _pairs(text: str) -> list[tuple[str, str]]:

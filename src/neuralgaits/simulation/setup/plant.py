@@ -15,9 +15,11 @@ from neuralgaits._types import Float
 from neuralgaits.errors import InputError, RobotError
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.robots.mjcf_state import StateMap
+from neuralgaits.simulation.setup.changed_model import ModelParts, change_model, shift_weight
 from neuralgaits.simulation.setup.course import Course
 from neuralgaits.simulation.setup.disturbance import PlantChanges
 from neuralgaits.simulation.setup.drives import add_drives
+from neuralgaits.simulation.setup.foot_planes import FLOOR_BITS, add_plane, tilt_quaternion
 
 TIMESTEP_S = 5e-4
 SUBSTEPS = 2
@@ -32,12 +34,6 @@ CONTROL_SPEC = (
 )
 """Inputs of a tick: actuator controls, the push, the floors."""
 
-# Bits of the collision masks: each foot meets its own plane and nothing else does.
-_FLOOR_BITS = (1 << 20, 1 << 21)
-# Shown floor, and the group of the other one, which MuJoCo does not draw unless told to: two
-# planes at one level would be lit twice.
-SECOND_FLOOR_GROUP = 5
-_FLOOR_GROUPS = (0, SECOND_FLOOR_GROUP)
 # Size of the touch sensors around the foot spheres, in foot radii.
 _TOUCH_ZONE = 3.0
 # And how far they reach beyond flat feet [m].
@@ -152,9 +148,9 @@ def _add_floors(
         geom.contype, geom.conaffinity = 0, 0
     if course is not None:
         _add_blocks(spec, course)
-    for leg, (name, bit) in enumerate(zip(robot.layout.feet, _FLOOR_BITS, strict=True)):
+    for leg, (name, bit) in enumerate(zip(robot.layout.feet, FLOOR_BITS, strict=True)):
         if course is None:
-            plane = _add_plane(spec, leg, bit, math.radians(disturbance.slope_deg))
+            plane = add_plane(spec, leg, math.radians(disturbance.slope_deg))
             if pictures:
                 plane.rgba, plane.material = pictures[0]
         foot = spec.geom(name)
@@ -174,20 +170,6 @@ def _touch_site(foot, place):
     )
 
 
-def _add_plane(spec: mujoco.MjSpec, leg: int, bit: int, tilt: float):
-    """Add the floor under a foot, tilted (rad)."""
-    body = spec.worldbody.add_body(name=f"_floor_{leg}", mocap=True)
-    body.quat = tilt_quaternion(tilt)
-    return body.add_geom(
-        name=f"_floor_{leg}",
-        type=mujoco.mjtGeom.mjGEOM_PLANE,
-        size=[0.0, 0.0, 0.1],
-        contype=bit,
-        conaffinity=bit,
-        group=_FLOOR_GROUPS[leg],
-    )
-
-
 def _add_blocks(spec: mujoco.MjSpec, course: Course) -> None:
     """Add boxes below the tops of a course, for both feet."""
     for number, (x0, z0, x1, z1) in enumerate(course.tops):
@@ -203,15 +185,10 @@ def _add_blocks(spec: mujoco.MjSpec, course: Course) -> None:
             ],
             quat=tilt_quaternion(tilt),
             size=[0.5 * length, _BLOCK_SIDE, half],
-            contype=_FLOOR_BITS[0] | _FLOOR_BITS[1],
-            conaffinity=_FLOOR_BITS[0] | _FLOOR_BITS[1],
+            contype=FLOOR_BITS[0] | FLOOR_BITS[1],
+            conaffinity=FLOOR_BITS[0] | FLOOR_BITS[1],
             rgba=_BLOCK_COLOURS[number % 2],
         )
-
-
-def tilt_quaternion(angle: float) -> tuple[float, float, float, float]:
-    """Return the rotation that turns x up by an angle (rad), (w, x, y, z)."""
-    return math.cos(angle / 2), 0.0, -math.sin(angle / 2), 0.0
 
 
 def _planes(spec: mujoco.MjSpec):
@@ -220,40 +197,21 @@ def _planes(spec: mujoco.MjSpec):
 
 def _disturb(model: mujoco.MjModel, robot: PlanarBiped, disturbance: PlantChanges) -> None:
     layout = robot.layout
-    joints = sorted({name for leg in layout.leg_joints for name in leg})
+    names = sorted({name for leg in layout.leg_joints for name in leg})
+    gears = {
+        model.actuator(name).id: gear
+        for motors, ratios in zip(layout.actuators, layout.gears, strict=True)
+        for name, gear in zip(motors, ratios, strict=True)
+    }
+    parts = ModelParts(
+        contacts=[model.geom(name).id for name in layout.feet],
+        joints=[model.joint(name).id for name in names],
+        gears=gears,
+    )
     friction = robot.friction if disturbance.friction is None else disturbance.friction
-    for name in layout.feet:
-        model.geom(name).friction[0] = friction
-    if disturbance.torque_limit is not None:
-        for names, gears in zip(layout.actuators, layout.gears, strict=True):
-            for name, gear in zip(names, gears, strict=True):
-                actuator = model.actuator(name)
-                reach = disturbance.torque_limit / abs(gear)
-                low, high = actuator.ctrlrange if actuator.ctrllimited[0] else (-reach, reach)
-                actuator.ctrlrange[:] = (max(low, -reach), min(high, reach))
-                actuator.ctrllimited[0] = True
-    for name in joints:
-        model.dof_frictionloss[model.joint(name).dofadr[0]] += disturbance.joint_friction
-    model.body_mass[:] *= disturbance.mass_scale
-    model.body_inertia[:] *= disturbance.mass_scale
+    change_model(model, parts, disturbance, float(friction))
     if disturbance.torso_shift_m:
-        _shift_torso(model, robot, disturbance.torso_shift_m)
-    # Derived inertial constants follow the edited ones.
-    mujoco.mj_setConst(model, mujoco.MjData(model))
-
-
-def _shift_torso(model: mujoco.MjModel, robot: PlanarBiped, shift: float) -> None:
-    if robot.torso is None:
-        raise InputError(f"disturbance torso_shift_m: robot {robot.name} has no torso to shift")
-    data = mujoco.MjData(model)
-    data.qpos[:] = 0.0
-    mujoco.mj_kinematics(model, data)
-    root = int(model.jnt_bodyid[model.joint(robot.layout.root_joints[2]).id])
-    bodies = [
-        i for i in range(model.nbody) if i and model.body_weldid[i] == model.body_weldid[root]
-    ]
-    total = sum(float(model.body_mass[i]) for i in bodies)
-    # Moving one body of the welded torso moves the whole torso's centre of mass.
-    heaviest = max(bodies, key=lambda i: float(model.body_mass[i]))
-    ahead = np.array([shift * total / float(model.body_mass[heaviest]), 0.0, 0.0])
-    model.body_ipos[heaviest] += data.xmat[heaviest].reshape(3, 3).T @ ahead
+        if robot.torso is None:
+            raise InputError(f"disturbance torso_shift_m: robot {robot.name} has no torso to shift")
+        root = int(model.jnt_bodyid[model.joint(layout.root_joints[2]).id])
+        shift_weight(model, root, np.array([disturbance.torso_shift_m, 0.0, 0.0]))

@@ -41,6 +41,11 @@ class Push:
         """
         return float(self._wait[episode]), float(self._start[episode])
 
+    @property
+    def starts(self) -> Float[np.ndarray, " B"]:
+        """When each push begins [s]; infinite before its touchdown, and without an impulse."""
+        return self._start if self.force else np.full(len(self._start), np.inf)
+
     def at(
         self, time: float, touchdown: Bool[np.ndarray, " B"], count: Float[np.ndarray, " B"]
     ) -> Float[np.ndarray, " B"]:

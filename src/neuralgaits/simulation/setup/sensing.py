@@ -6,7 +6,7 @@ from dataclasses import replace
 from neuralgaits._checks import listed
 from neuralgaits._digits import decimal
 from neuralgaits.errors import InputError
-from neuralgaits.simulation.setup.disturbance import PlantChanges
+from neuralgaits.simulation.setup.disturbance import Changes, PlantChanges
 
 PERFECT, ENCODERS = "perfect", "encoders"
 _MOST_BITS = 32
@@ -14,7 +14,7 @@ _NAMES = ("bits", "pitch_noise", "pitch_offset", "delay_ms")
 """Names of settings that `encoders` takes."""
 
 
-def sensed(disturbance: PlantChanges, sensing: str | None) -> PlantChanges:
+def sensed(disturbance: Changes, sensing: str | None) -> Changes:
     """Return a plant's disturbance with the requested sensors; None changes nothing.
 
     A disturbance that `sensing` does not name stays, such as a longer delay.

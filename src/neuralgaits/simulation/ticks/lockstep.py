@@ -17,10 +17,12 @@ from neuralgaits.simulation.setup.episode_inputs import EpisodeInputs
 from neuralgaits.simulation.setup.plant import PERIOD_S, Plant
 from neuralgaits.simulation.ticks.batch import Batch, pack
 from neuralgaits.simulation.ticks.command_feed import CommandFeed
+from neuralgaits.simulation.ticks.delay_line import DelayLine
 from neuralgaits.simulation.ticks.falls import Ending
 from neuralgaits.simulation.ticks.gauge import Gauge
 from neuralgaits.simulation.ticks.recorder import Recorder
 from neuralgaits.simulation.ticks.scene import PlantReading
+from neuralgaits.simulation.ticks.sensor_noise import Noise
 from neuralgaits.simulation.ticks.stride_table import Strides, width
 from neuralgaits.simulation.ticks.tick import TickOutcome, TickRecord
 from neuralgaits.simulation.ticks.world import World
@@ -54,26 +56,6 @@ Watch = Callable[[TickRecord, Int[np.ndarray, " a"]], None]
 running)."""
 
 
-class Noise:
-    """Standard normal draws for the sensors of each episode, by seed and episode number."""
-
-    def __init__(
-        self, shape: tuple[int, int], seed: int, episodes: int, *, noisy: bool, first: int = 0
-    ):
-        """Draw `shape` per episode, starting at a first number; all are zero unless `noisy`."""
-        numbers = range(first, first + episodes)
-        self._draws = [np.random.default_rng([seed, i, 3]) for i in numbers]
-        self._noisy = noisy
-        self._values = np.zeros((episodes, *shape))
-
-    def next(self) -> Float[np.ndarray, "B 2 j"]:
-        """Return the draws of one tick."""
-        if self._noisy:
-            for values, draws in zip(self._values, self._draws, strict=True):
-                values[:] = draws.standard_normal(values.shape)
-        return self._values
-
-
 def run(
     robot: PlanarBiped,
     plant: Plant,
@@ -98,7 +80,7 @@ def run(
     terrain, courses = inputs.terrain, inputs.courses
     shape = (2, 1 + plant.state_map.joints.size)
     noise = Noise(shape, inputs.seed, count, noisy=inputs.noisy, first=first)
-    late = _DelayLine(plant.delay_ticks, count, plant.state_map.nu)
+    late = DelayLine(plant.delay_ticks, count, plant.state_map.nu)
     episodes = range(first, first + count)
     feed = CommandFeed(robot, inputs.orders, episodes, courses, adapt=inputs.adapt)
     levels = terrain.levels if courses is None else courses.first_levels()
@@ -205,18 +187,3 @@ def _reading(
 ) -> Float[np.ndarray, "B r"]:
     """Return the present inputs of the tick, packed."""
     return pack(PlantReading(world.states, world.touch, levels, noise.next(), feed.requested))
-
-
-class _DelayLine:
-    """Controls under way: a ring buffer as long as the delay."""
-
-    def __init__(self, ticks: int, episodes: int, controls: int):
-        self._ring = np.zeros((ticks + 1, episodes, controls))
-        self._ticks = 0
-
-    def due(self, controls: Float[np.ndarray, "B u"]) -> Float[np.ndarray, "B u"]:
-        """Return the controls that are due, after adding these."""
-        now = self._ticks % len(self._ring)
-        self._ticks += 1
-        self._ring[now] = controls
-        return self._ring[self._ticks % len(self._ring)]

@@ -9,7 +9,7 @@ from neuralgaits._types import Array, Float, Int
 from neuralgaits.control import (
     Controller,
 )
-from neuralgaits.control.estimator import Estimator
+from neuralgaits.control.estimator_poles import Estimator
 from neuralgaits.gait.commands import CommandLimits
 from neuralgaits.robots import MjcfLayout, PlanarBiped
 from neuralgaits.robots.mjcf_state import StateMap

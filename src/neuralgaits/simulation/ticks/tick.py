@@ -18,8 +18,9 @@ from neuralgaits.control import (
     step,
     tell,
 )
-from neuralgaits.control.estimator import Estimator, EstimatorState, estimate
+from neuralgaits.control.estimator import EstimatorState, estimate
 from neuralgaits.control.estimator import start as start_estimator
+from neuralgaits.control.estimator_poles import Estimator
 from neuralgaits.control.lean_sums import LeanSums
 from neuralgaits.gait.commands import LEAN, place_of
 from neuralgaits.robots.dynamics import hip_position, swing_foot

@@ -2,6 +2,7 @@
 
 import html
 import math
+from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -14,6 +15,7 @@ from neuralgaits.systems.walker3d.spatial_gait import SpatialGait
 from neuralgaits.viewer import page_style
 from neuralgaits.viewer.limited_sliders import LimitedSliders
 from neuralgaits.viewer.page_style import GOOD, QUIET, TIGHT, line, note
+from neuralgaits.viewer.plant_sliders import add_plant_sliders
 from neuralgaits.viewer.player import Picture, Player
 from neuralgaits.viewer.slider import Slider
 from neuralgaits.viewer.time_controls import add_time_controls
@@ -58,9 +60,10 @@ class SpatialPanel:
         player: Player[SpatialLive],
         stage: SpatialStage,
         gait: SpatialGait,
+        settings: Mapping[str, Slider],
         title: str,
     ):
-        """Build the panel; `title` is one line of Markdown."""
+        """Build the panel; `title` is one line of Markdown, `settings` are those of the plant."""
         self._player, self._stage, self._count = player, stage, 0
         self._tube_name = "tube"
         gui = server.gui
@@ -70,8 +73,13 @@ class SpatialPanel:
         self._verdict = gui.add_html(_kept_apart("reading the proof file"))
         self._status = gui.add_html(line(WAITING, QUIET))
         self._add_push(gui)
+
+        def disturb(name: str, value: float) -> None:
+            player.ask(lambda robot: robot.disturb(name, value))
+
         add_time_controls(gui, player, self._sliders, self.reset)
         views = gui.add_button_group("look from", tuple(VIEWS))
+        add_plant_sliders(gui, self._sliders, settings, disturb)
         with gui.add_folder("The tube, and where the robot is"):
             self._slices, drawn = TubeSlices(gait), gui.add_html("")
             self._tube = drawn

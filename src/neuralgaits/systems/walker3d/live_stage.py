@@ -18,7 +18,7 @@ from neuralgaits.systems.walker3d.live_walk import SpatialMoment
 from neuralgaits.systems.walker3d.spatial_mjcf import SpatialRobot
 from neuralgaits.viewer.framing import Direction, Framing
 from neuralgaits.viewer.push_arrow import PushArrow
-from neuralgaits.viewer.scenery import SECTION, add_ground
+from neuralgaits.viewer.scenery import add_ground, lay_floor
 
 VIEWS: dict[str, Direction] = {
     "turned": (0.6, -0.85, 0.3),
@@ -28,7 +28,9 @@ VIEWS: dict[str, Direction] = {
 }
 """Where a visitor may look from; the first is where everybody begins."""
 RIGHT, LEFT = (26, 99, 184), (222, 120, 32)
-"""Colours of the right and of the left footprints [RGB]."""
+"""Colours of the right and of the left leg, and of their footprints [RGB]."""
+TORSO = (120, 128, 138)
+"""Colour of the torso [RGB]."""
 FOLLOWS_S = 1.5
 """Time constant with which the scene follows the robot aside [s]."""
 
@@ -79,13 +81,13 @@ class SpatialStage:
         x, y = self._middle(shown)
         self._data.qpos[:] = shown.qpos
         mujoco.mj_kinematics(self._model, self._data)
-        moved = self._data.xpos - np.array([x, y, 0.0])
+        moved = self._data.xpos - np.array([x, y, shown.ground])
         with self._server.atomic():
             self._robot.update_from_arrays(moved[None], self._data.xmat.reshape(1, -1, 3, 3))
-            self._floor.position = (-math.fmod(x, SECTION), -math.fmod(y, SECTION), 0.0)
-            self._ground.position = (-x, -y, 0.0)
+            lay_floor(self._floor, shown.slope, x, y)
+            self._ground.position = (-x, -y, -shown.ground)
             self._show_prints(shown)
-            place = np.array([0.0, shown.hips[1] - y, shown.hips[2] + self._chest])
+            place = np.array([0.0, shown.hips[1] - y, shown.hips[2] - shown.ground + self._chest])
             self._arrow.show(place, shown.force, shown.time)
         self._server.flush()
 
@@ -102,7 +104,7 @@ class SpatialStage:
         if len(shown.prints) + shown.steps == self._count:
             return
         self._count = len(shown.prints) + shown.steps
-        points = [(one.x, one.y, 0.004) for one in shown.prints]
+        points = [(one.x, one.y, one.z + 0.004) for one in shown.prints]
         self._prints.points = np.array(points, dtype=np.float32)
         colors = [LEFT if one.left else RIGHT for one in shown.prints]
         self._prints.colors = np.array(colors, dtype=np.uint8)
@@ -117,7 +119,21 @@ def _alone(robot: SpatialRobot) -> mujoco.MjModel:
             spec.delete(geom)
     if len(list(spec.geoms)) <= len(robot.tree.feet):
         _add_rods(spec, robot)
-    return spec.compile()
+    model = spec.compile()
+    _paint(model, robot)
+    return model
+
+
+def _paint(model: mujoco.MjModel, robot: SpatialRobot) -> None:
+    """Give each leg a colour of its own, and the torso a third one, whatever the file has."""
+    bodies = robot.tree.bodies
+    colours = {bodies[0]: TORSO} | dict.fromkeys(bodies[1:3], RIGHT)
+    colours |= dict.fromkeys(bodies[3:5], LEFT)
+    for geom in range(model.ngeom):
+        body = int(model.body_weldid[model.geom_bodyid[geom]])
+        if body in colours:
+            model.geom_matid[geom] = -1
+            model.geom_rgba[geom] = (*np.array(colours[body]) / 255.0, 1.0)
 
 
 def _add_rods(spec: mujoco.MjSpec, robot: SpatialRobot) -> None:

@@ -1,31 +1,50 @@
-"""One biped that walks in MuJoCo until it is stopped, and is pushed meanwhile."""
+"""One biped that walks in MuJoCo until it is stopped; it is pushed, tilted and loaded meanwhile."""
+
+# pyright: reportAttributeAccessIssue=false
+# MuJoCo ships no type stubs.
 
 from collections import deque
+from collections.abc import Mapping
+from dataclasses import replace
 from typing import NamedTuple
 
+import mujoco
 import numpy as np
 
 from neuralgaits._types import Float
+from neuralgaits.simulation.live_floor import Floor
+from neuralgaits.simulation.setup.push import DURATION_S
+from neuralgaits.simulation.ticks.delay_line import DelayLine
 from neuralgaits.systems.family_run import FamilyRun
 from neuralgaits.systems.walker3d.live_controllers import LiveController
-from neuralgaits.systems.walker3d.spatial_plant import TICK_S, SpatialPlants
-from neuralgaits.systems.walker3d.spatial_walks import LONGEST, PUSH_S
+from neuralgaits.systems.walker3d.spatial_changes import TICK_S
+from neuralgaits.systems.walker3d.spatial_ground import slope_of
+from neuralgaits.systems.walker3d.spatial_plant import SpatialPlants
+from neuralgaits.systems.walker3d.spatial_walks import LONGEST
+from neuralgaits.viewer.plant_sliders import plant_sliders, torso_slider
+from neuralgaits.viewer.slider import Slider
 from neuralgaits.viewer.step_speed import StepSpeed
 
 PRINTS = 14
 """Footprints that are kept."""
 SAMPLE_TICKS, SAMPLES = 16, 130
 """Ticks between two samples of the trail, and how many are kept: some four steps."""
+TILT_TICKS = 10
+"""Ticks between two small turns of the floor."""
 TOO_SLOW = "too slow to finish the step"
 """Why a walk ends of a robot that still stands upright."""
 
 
 class Footprint(NamedTuple):
-    """Where a foot was put down: forward and to the left [m], and whether it is the left one."""
+    """Where a foot was put down: forward, to the left and up [m], and whether it is the left one.
+
+    The height is that of the floor.
+    """
 
     x: float
     y: float
     left: bool
+    z: float = 0.0
 
 
 class SpatialMoment(NamedTuple):
@@ -46,6 +65,8 @@ class SpatialMoment(NamedTuple):
         steps: touchdowns since the last start.
         speed: mean forward speed over the last whole step [m/s].
         force: push under way [N]. [3]
+        slope: rise of the floor per metre forward.
+        ground: height of the floor below the hips [m].
         fall: why the walk ended; None while it goes on.
         upright: whether the robot stands upright although its walk has ended.
     """
@@ -65,6 +86,8 @@ class SpatialMoment(NamedTuple):
     steps: int
     speed: float
     force: Float[np.ndarray, "3"]
+    slope: float
+    ground: float
     fall: str | None
     upright: bool
 
@@ -84,11 +107,40 @@ class SpatialLive:
         self.run = run
         gait = run.controller
         self.plants = SpatialPlants.started(run.data, gait, gait.starts(np.zeros((1, 3))))
-        (self._world,) = self.plants.worlds
         self._first = self._world.qpos.copy(), self._world.qvel.copy()
         self._controller: LiveController | None = None
         self._longest = LONGEST * run.summary.step_s
         self.reset()
+
+    @property
+    def _world(self) -> mujoco.MjData:
+        """The robot's state; another object after a change of the plant."""
+        return self.plants.worlds[0]
+
+    @property
+    def settings(self) -> Mapping[str, Slider]:
+        """Return the settings of the plant that can be changed, by disturbance."""
+        robot = self.run.robot
+        late = Slider("motor delay [ms]", 0.0, 12.0, 0.0, 1.0, "from a reading to its torque")
+        return {
+            **plant_sliders(float(robot.friction), float(max(robot.torque_limits))),
+            "torso_shift_left_m": torso_slider("to the left"),
+            "delay_ms": late,
+        }
+
+    def disturb(self, name: str, value: float) -> None:
+        """Change a setting of the plant under the walking robot; the floor turns slowly.
+
+        Raises: InputError for a value out of range.
+        """
+        changes = replace(self.plants.changes, **{name: value})
+        if name == "delay_ms":
+            self.plants.changes = changes
+            self._delay(self._asked)
+        elif name == "slope_deg":
+            self.plants.changes = changes
+        else:
+            self.plants.change(changes)
 
     def control_with(self, controller: LiveController) -> None:
         """Walk under this controller from now on."""
@@ -99,7 +151,10 @@ class SpatialLive:
         """Put the robot back into the tube's middle, on its right foot."""
         world = self._world
         world.qpos[:], world.qvel[:] = self._first
+        # Level, lest the foot behind be born inside; a slope comes back as the robot walks.
+        self.plants.turn_floor(Floor(0.0, 0.0))
         self.plants.settle(0)
+        self._delay(np.zeros(6))
         if self._controller is not None:
             self._controller.start()
         self._begun = self._touched = float(world.time)
@@ -114,9 +169,9 @@ class SpatialLive:
         self._prints: deque[Footprint] = deque([self._print(left=False)], maxlen=PRINTS)
 
     def push(self, impulse: Float[np.ndarray, "2"]) -> None:
-        """Push the torso forward and to the left [N s], for `PUSH_S`."""
-        self._force = np.asarray(impulse, dtype=np.float64) / PUSH_S
-        self._pushed_until = float(self._world.time) + PUSH_S - 0.5 * TICK_S
+        """Push the torso forward and to the left [N s], for `DURATION_S`."""
+        self._force = np.asarray(impulse, dtype=np.float64) / DURATION_S
+        self._pushed_until = float(self._world.time) + DURATION_S - 0.5 * TICK_S
 
     def margins(self, z: object) -> None:
         """Return none: the page of this robot has no bars."""
@@ -137,12 +192,34 @@ class SpatialLive:
         if not np.all(np.isfinite(done.torques)):
             self._fall = "the gait has no pose here"
             return False
-        self.plants.drive(0, done.torques, self._pushing)
+        self._asked = done.torques
+        self._turn_floor()
+        self.plants.drive(0, self._late.due(done.torques[None])[0], self._pushing)
         if self.plants.fallen(0):
             self._fall = "the hips are low, or the torso leans"
         elif self._world.time - self._touched > self._longest:
             self._fall = TOO_SLOW
         return self._fall is None
+
+    def _delay(self, torques: Float[np.ndarray, "6"]) -> None:
+        """Delay torques as the plant is told, these being under way."""
+        ticks = self.plants.changes.delay_ticks
+        self._asked, self._late = torques, DelayLine(ticks, 1, 6)
+        for _ in range(ticks):
+            self._late.due(torques[None])
+
+    @property
+    def _floor(self) -> Floor:
+        """The plane under both feet."""
+        return Floor(self.plants.slope, float(self.plants.terrain.levels[0, 0]))
+
+    def _turn_floor(self) -> None:
+        """Turn the floor a little towards the requested slope, about the stance foot."""
+        plants, requested = self.plants, slope_of(self.plants.changes)
+        if plants.slope == requested or self._ticks % TILT_TICKS:
+            return
+        foot = float(plants.foot_places(np.array([int(self._left)]))[0, 0])
+        plants.turn_floor(self._floor.turned(requested, foot, plants.radius, TILT_TICKS * TICK_S))
 
     @property
     def steps(self) -> int:
@@ -170,6 +247,8 @@ class SpatialLive:
             steps=self._steps,
             speed=float(world.qvel[0]) if mean is None else mean,
             force=np.append(self._pushing, 0.0),
+            slope=self.plants.slope,
+            ground=self._floor.height(float(world.qpos[0])),
             fall=self._fall,
             upright=self._fall == TOO_SLOW,
         )
@@ -188,7 +267,8 @@ class SpatialLive:
 
     def _print(self, *, left: bool) -> Footprint:
         place = self._world.geom_xpos[self.plants.robot.tree.feet[int(left)]]
-        return Footprint(float(place[0]), float(place[1]), left)
+        x, y = float(place[0]), float(place[1])
+        return Footprint(x, y, left, self._floor.height(x))
 
     def _compare(self) -> None:
         """Compare the ticks since the last comparison with the tube, all at once."""

@@ -12,6 +12,7 @@ from neuralgaits._quick_jit import quick_jit
 from neuralgaits._types import Array, Float
 from neuralgaits.systems.controller_header import ControllerHeader
 from neuralgaits.systems.family_run import FamilyRun
+from neuralgaits.systems.walker3d.spatial_changes import TICK_S
 from neuralgaits.systems.walker3d.spatial_laws import (
     Measured,
     exact_reading,
@@ -19,7 +20,6 @@ from neuralgaits.systems.walker3d.spatial_laws import (
     joint_gains,
     pd_law,
 )
-from neuralgaits.systems.walker3d.spatial_plant import TICK_S
 from neuralgaits.systems.walker3d.spatial_tube import in_ball
 from neuralgaits.systems.walker3d.spatial_walks import LANDING
 

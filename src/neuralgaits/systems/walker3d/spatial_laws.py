@@ -70,8 +70,8 @@ class TorqueDemand(NamedTuple):
 def desired_joints(
     robot: SpatialWalker, policy: SpatialPolicy, z: SpatialState
 ) -> Float[Array, "8"]:
-    """Return the joint angles of a state under exact outputs [rad]."""
-    return joints_of_pose(robot, pose_of_outputs(robot, z[:2], policy(z)))
+    """Return the joint angles of a state under exact outputs, late ones included [rad]."""
+    return joints_of_pose(robot, pose_of_outputs(robot, z[:2], policy.beyond(z)))
 
 
 def measured_state(robot: SpatialWalker, found: Measured) -> SpatialState:
@@ -124,7 +124,7 @@ def pd_law(
 ) -> TorqueDemand:
     """Return the torques of the gait at the measured z, with PD around its joints and rates."""
     z = measured_state(robot, found)
-    now, needed = loads(robot, policy, z)
+    now, needed = loads(robot, policy.beyond, z)
     errors = angle_errors(found.joints, *turns_of_pose(robot, now.pose))[2:]
     slips = (found.rates - now.joints)[2:]
     torques = needed.torques - gains[0] * errors - gains[1] * slips

@@ -45,7 +45,12 @@ class SpatialPage(LivePage):
             self._stage.show(self.robot.shown())
             title = f"**{markdown.text(run.config.robot)}**, seed {run.config.seed}, law `pd`"
             self._panel = SpatialPanel(
-                self._server, self.player, self._stage, run.controller, title
+                self._server,
+                self.player,
+                self._stage,
+                run.controller,
+                self.robot.settings,
+                title,
             )
         except BaseException:
             self.close()

@@ -3,7 +3,7 @@
 # pyright: reportAttributeAccessIssue=false
 # MuJoCo ships no type stubs.
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import jax
 import jax.numpy as jnp
@@ -11,17 +11,33 @@ import mujoco
 import numpy as np
 
 from neuralgaits._quick_jit import quick_jit
-from neuralgaits._types import Array, Float
-from neuralgaits.robots.mjcf.compiled import compile_text
+from neuralgaits._types import Array, Bool, Float
+from neuralgaits.simulation.live_floor import Floor
+from neuralgaits.simulation.setup.terrain import Terrain
+from neuralgaits.systems.walker3d.spatial_changes import TICK_S, SpatialChanges
 from neuralgaits.systems.walker3d.spatial_gait import SpatialGait
+from neuralgaits.systems.walker3d.spatial_ground import (
+    Ground,
+    disturbed_model,
+    slope_of,
+    terrain_under,
+)
 from neuralgaits.systems.walker3d.spatial_impact import SIGNS, SWAPPED
 from neuralgaits.systems.walker3d.spatial_laws import Measured, exact_reading, hips_of
 from neuralgaits.systems.walker3d.spatial_mjcf import SpatialRobot
 from neuralgaits.systems.walker3d.spatial_motion import UP
 from neuralgaits.systems.walker3d.spatial_pose import MIRROR
 
-TICK_S = 0.001
-"""Time between two ticks of the controller."""
+
+def reflected(found: Measured, left: Array) -> Measured:
+    """Return readings of robots with those on their left foot reflected, legs swapped. [N, ...]."""
+    joints, rates, velocity = map(np.asarray, found)
+    on_left = left[:, None]
+    return Measured(
+        jnp.asarray(np.where(on_left, SIGNS * joints[:, SWAPPED], joints)),
+        jnp.asarray(np.where(on_left, SIGNS * rates[:, SWAPPED], rates)),
+        jnp.asarray(np.where(on_left, velocity * MIRROR, velocity)),
+    )
 
 
 @dataclass
@@ -30,22 +46,44 @@ class SpatialPlants:
 
     Attributes:
         robot: the file.
+        changes: of the robot, its motors and sensors.
         model: MuJoCo's.
         worlds: one a walk.
         left: whether each stands on its left foot.
+        terrain: levels of the floor under each foot.
+        slope: rise of the floor per metre forward.
         first: where the root's slide forward starts [m]. [N]
     """
 
     robot: SpatialRobot
+    changes: SpatialChanges
     model: mujoco.MjModel
     worlds: list[mujoco.MjData]
     left: Array
-    first: Array
+    terrain: Terrain
+    slope: float
+    first: Array = field(default_factory=lambda: np.zeros(0))
 
     @classmethod
-    def started(cls, robot: SpatialRobot, gait: SpatialGait, states: Array) -> "SpatialPlants":
-        """Put robots on the floor in states of the zero dynamics, with exact outputs. [N, 4]."""
-        model = compile_text(robot.text, robot.walker.name)
+    def started(
+        cls,
+        robot: SpatialRobot,
+        gait: SpatialGait,
+        states: Array,
+        changes: SpatialChanges | None = None,
+        seed: int = 0,
+    ) -> "SpatialPlants":
+        """Put robots on the floor in states of the zero dynamics, with exact outputs.
+
+        Args:
+            robot: the file.
+            gait: whose outputs they have.
+            states: on the right foot. [N, 4]
+            changes: of the plant; none if None.
+            seed: of the floor's random steps.
+        """
+        changes = SpatialChanges() if changes is None else changes
+        model = disturbed_model(robot, changes)
 
         def full(z: Array) -> tuple[Array, Array, Array, Array]:
             found = exact_reading(robot.walker, gait.policy, z)
@@ -53,7 +91,10 @@ class SpatialPlants:
             return found.joints, found.rates, place, found.velocity
 
         found = quick_jit(jax.vmap(full))(jnp.asarray(states))
-        plants = cls(robot, model, [], np.zeros(len(states), bool), np.zeros(0))
+        step = float(gait.policy.ends[1] - gait.policy.ends[0])
+        terrain = terrain_under(changes, len(states), seed, -step)
+        left = np.zeros(len(states), bool)
+        plants = cls(robot, changes, model, [], left, terrain, slope_of(changes))
         rest = mujoco.MjData(model)
         rest.qpos[:] = 0.0
         mujoco.mj_kinematics(model, rest)
@@ -61,12 +102,33 @@ class SpatialPlants:
         base = 0.5 * (hips[0] + hips[1])
         for q, dq, place, speed in zip(*map(np.asarray, found), strict=True):
             world = mujoco.MjData(model)
-            world.qpos[:3], world.qpos[3:] = place - base + plants.radius * UP, q
+            height = plants.radius * np.hypot(1.0, plants.slope)
+            world.qpos[:3], world.qpos[3:] = place - base + height * UP, q
             world.qvel[:3], world.qvel[3:] = speed, dq
-            mujoco.mj_forward(model, world)
             plants.worlds.append(world)
+        plants.lay_floors()
+        for one in range(len(states)):
+            plants.settle(one)
         plants.first = np.array([world.qpos[0] for world in plants.worlds])
         return plants
+
+    def change(self, changes: SpatialChanges) -> None:
+        """Go on in a plant that is compiled anew; the floor stays as it lies."""
+        self.changes, self.model = changes, disturbed_model(self.robot, changes)
+        for number, last in enumerate(self.worlds):
+            world = mujoco.MjData(self.model)
+            world.time = last.time
+            for name in ("qpos", "qvel", "ctrl", "mocap_pos", "mocap_quat"):
+                getattr(world, name)[:] = getattr(last, name)
+            self.worlds[number] = world
+            self.settle(number)
+
+    def turn_floor(self, floor: Floor) -> None:
+        """Put both planes of every robot into this one."""
+        self.slope, self.terrain.levels[:] = floor.slope, floor.level
+        for world in self.worlds:
+            world.mocap_quat[:2] = floor.quaternion
+        self.lay_floors()
 
     def times(self) -> Float[np.ndarray, " N"]:
         """Return the time of each world [s]."""
@@ -77,24 +139,59 @@ class SpatialPlants:
         """Steps of MuJoCo from one tick of the controller to the next."""
         return max(1, round(TICK_S / self.model.opt.timestep))
 
-    def measured(self) -> Measured:
-        """Return what the sensors say, reflected where a robot stands on its left foot."""
+    @property
+    def limits(self) -> Float[np.ndarray, "6"]:
+        """Return the torque limits of the motors, stance leg first or not [N m]."""
+        own = self.robot.walker.limits
+        most = self.changes.torque_limit
+        return own if most is None else np.minimum(own, most)
+
+    def readings(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Return joints, rates and velocity of the hips as they are: [N, 8], [N, 8], [N, 3]."""
         q = np.array([world.qpos[3:] for world in self.worlds])
         dq = np.array([world.qvel[3:] for world in self.worlds])
-        velocity = np.array([world.qvel[:3] for world in self.worlds])
-        left = self.left[:, None]
-        return Measured(
-            jnp.asarray(np.where(left, SIGNS * q[:, SWAPPED], q)),
-            jnp.asarray(np.where(left, SIGNS * dq[:, SWAPPED], dq)),
-            jnp.asarray(np.where(left, velocity * MIRROR, velocity)),
-        )
+        return q, dq, np.array([world.qvel[:3] for world in self.worlds])
+
+    def measured(self) -> Measured:
+        """Return what exact sensors say, reflected where a robot stands on its left foot."""
+        return reflected(Measured(*self.readings()), self.left)
+
+    @property
+    def ground(self) -> Ground:
+        """Return the floor under the feet."""
+        return Ground(self.slope, self.terrain.levels)
+
+    def lay_floors(self) -> None:
+        """Put the planes under the feet at their levels."""
+        for world, levels in zip(self.worlds, self.terrain.levels, strict=True):
+            world.mocap_pos[:2, 2] = levels
+
+    def advance_floors(self, touch: Bool[np.ndarray, " N"], ahead: Float[np.ndarray, " N"]) -> None:
+        """Move the floors on whose levels the robots will step.
+
+        Args:
+            touch: whether each has a touchdown at this tick. [N]
+            ahead: the stance hip's place ahead of the stance foot [m].
+        """
+        if not self.terrain.uneven:
+            return
+        stance = np.asarray(self.left, dtype=int)
+        feet = [self.foot_places(foot) for foot in (stance, 1 - stance)]
+        reach = feet[1] - feet[0]
+        clearance = reach[:, 2] - self.slope * reach[:, 0]
+        if self.terrain.advance(touch, stance, ahead, clearance):
+            self.lay_floors()
+
+    def foot_places(self, foot: Array) -> Float[np.ndarray, "N 3"]:
+        """Return the middle of a foot of each robot, 0 the right one [m]."""
+        geoms = np.array(self.robot.tree.feet)[foot]
+        return np.array([w.geom_xpos[g] for w, g in zip(self.worlds, geoms, strict=True)])
 
     def landed(self) -> Array:
         """Return whether the swing foot of each robot touches the floor. [N]."""
-        feet = np.array(self.robot.tree.feet)
-        swing = feet[1 - self.left.astype(int)]
-        heights = [w.geom_xpos[foot, 2] for w, foot in zip(self.worlds, swing, strict=True)]
-        return np.array(heights) <= self.radius
+        swing = 1 - self.left.astype(int)
+        places, ground = self.foot_places(swing), self.ground
+        return ground.touched(places[:, 2] - ground.under(swing, places[:, 0]), self.radius)
 
     @property
     def radius(self) -> float:
@@ -103,8 +200,10 @@ class SpatialPlants:
 
     def touching(self, one: int) -> tuple[bool, bool]:
         """Return whether the right and the left foot of a robot touch the floor."""
-        right, left = (self.worlds[one].geom_xpos[foot, 2] for foot in self.robot.tree.feet)
-        return bool(right <= self.radius), bool(left <= self.radius)
+        places = self.worlds[one].geom_xpos[list(self.robot.tree.feet)]
+        heights = places[:, 2] - self.terrain.levels[one] - self.slope * places[:, 0]
+        right, left = self.ground.touched(heights, self.radius)
+        return bool(right), bool(left)
 
     def hips(self, one: int) -> Float[np.ndarray, "3"]:
         """Return the middle of the hips [m]."""
@@ -114,11 +213,9 @@ class SpatialPlants:
         """Compute what follows from positions and rates that were set."""
         mujoco.mj_forward(self.model, self.worlds[one])
 
-    def apply(
-        self, one: int, torques: Float[np.ndarray, "6"], push: Float[np.ndarray, "2"]
-    ) -> None:
-        """Hold torques, and a push on the torso, forward and to the left [N], for a tick."""
-        self.drive(one, SIGNS[2:] * torques[SWAPPED[2:] - 2] if self.left[one] else torques, push)
+    def own(self, torques: Float[np.ndarray, "N 6"]) -> Float[np.ndarray, "N 6"]:
+        """Return torques of the motors, right leg first, of those of stance and swing leg."""
+        return np.where(self.left[:, None], SIGNS[2:] * torques[:, SWAPPED[2:] - 2], torques)
 
     def drive(self, one: int, own: Float[np.ndarray, "6"], push: Float[np.ndarray, "2"]) -> None:
         """Hold torques of the motors, right leg first, and a push, for a tick."""
@@ -135,7 +232,10 @@ class SpatialPlants:
     def fallen(self, one: int) -> bool:
         """Return whether a robot has fallen: low hips, or a torso that leans aside by half."""
         walker, world = self.robot.walker, self.worlds[one]
-        heights = [world.xanchor[leg[0], 2] for leg in self.robot.tree.joints]
+        foot = int(self.left[one])
+        place = self.robot.tree.joints[foot][0]
+        floor = self.terrain.levels[one, foot] + self.slope * world.xanchor[place, 0]
+        heights = [world.xanchor[leg[0], 2] - floor for leg in self.robot.tree.joints]
         low = 0.7 * (walker.thigh.length + walker.shin.length)
         upright = np.all(np.isfinite(world.qpos)) and np.abs(world.qpos[3:5]).max() < 0.5
         return not upright or min(heights) < low

@@ -82,7 +82,30 @@ class SpatialPolicy(eqx.Module):
 
     def __call__(self, z: SpatialState) -> Outputs:
         """Return the outputs of a state."""
+        return self._outputs(self.phase(z), self._inputs(z))
+
+    def beyond(self, z: SpatialState) -> Outputs:
+        """Return the outputs of a state, and where the floor is late those that go on to meet it.
+
+        Within a step they are those of the gait. After its end they go on with their slopes there,
+        so that the swing foot goes on down; cubics and bumps would take it up again. Before its
+        start, after a touchdown on a floor that came early, the swing foot stays where it is.
+        """
         t = self.phase(z)
+        late, early = _positive(t - 1.0), -_positive(-t)
+        within = self._outputs(t - late - early, self._inputs(z))
+        return Outputs(
+            pitch=within.pitch + self.pitch[2] * late + self.pitch[1] * early,
+            height=within.height + self.height[2] * late + self.height[1] * early,
+            ahead=within.ahead + self.ahead[1] * late + self.ahead[0] * early,
+            aside=within.aside + self.sway[1] * late + self.sway[0] * early,
+            lift=within.lift + self.lift[1] * late,
+        )
+
+    def _inputs(self, z: SpatialState) -> Float[Array, "4"]:
+        return jnp.append(1.0, (self.pendulum.invariants(z) - self.centre) / INPUT_SCALE)
+
+    def _outputs(self, t: Float[Array, ""], inputs: Float[Array, "4"]) -> Outputs:
         rest = 1.0 - t
         first, last = t * rest * rest, -t * t * rest
         bump, blend = 16.0 * t * t * rest * rest, t * t * (3.0 - 2.0 * t)
@@ -96,7 +119,6 @@ class SpatialPolicy(eqx.Module):
             way = at_start + (at_end - at_start) * blend
             return way + begin * first + end * last + middle * bump
 
-        inputs = jnp.append(1.0, (self.pendulum.invariants(z) - self.centre) / INPUT_SCALE)
         zero = jnp.zeros_like(t)
         return Outputs(
             pitch=closed(self.pitch),
@@ -107,3 +129,8 @@ class SpatialPolicy(eqx.Module):
             ),
             lift=open_ended(zero, zero, self.lift),
         )
+
+
+def _positive(x: Float[Array, ""]) -> Float[Array, ""]:
+    """Return x where it is positive, else 0, up to 5e-10: exported C has no kinks."""
+    return 0.5 * (x + jnp.sqrt(x * x + 1e-18))

@@ -204,7 +204,9 @@ class SpatialSystem(ExportedSystem):
     def episodes(self, run: FamilyRun, count: int, seed: int) -> tuple[SpatialWalks, bool]:
         """Walk in MuJoCo."""
         starts = starts_of(run.controller, count, seed)
-        done = simulate_walks(run, WalkPlan("pd", starts, STEPS, run.summary.step_s, None))
+        step_s = run.summary.step_s
+        plan = WalkPlan(controller="pd", starts=starts, steps=STEPS, step_s=step_s, seed=seed)
+        done = simulate_walks(run, plan)
         return done, done.walked == done.episodes
 
     def episodes_screen(self, done: SpatialWalks) -> Screen:

@@ -2,15 +2,19 @@
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
-from typing import Any, NamedTuple
+from dataclasses import dataclass, field
+from typing import Any
 
 import jax
 import numpy as np
 
 from neuralgaits._quick_jit import quick_jit
 from neuralgaits._types import Array, Float
-from neuralgaits.records.record import Count, Record
+from neuralgaits.records.record import Count, Disturb, Record
+from neuralgaits.simulation.setup.push import Push
+from neuralgaits.simulation.setup.sensing import name_of
+from neuralgaits.simulation.ticks.delay_line import DelayLine
+from neuralgaits.systems.walker3d.spatial_changes import TICK_S, SpatialChanges
 from neuralgaits.systems.walker3d.spatial_gait import SpatialGait
 from neuralgaits.systems.walker3d.spatial_laws import (
     Measured,
@@ -20,7 +24,8 @@ from neuralgaits.systems.walker3d.spatial_laws import (
     pd_law,
 )
 from neuralgaits.systems.walker3d.spatial_mjcf import SpatialRobot
-from neuralgaits.systems.walker3d.spatial_plant import TICK_S, SpatialPlants
+from neuralgaits.systems.walker3d.spatial_plant import SpatialPlants
+from neuralgaits.systems.walker3d.spatial_sensors import Sensors
 
 LAWS = ("pd", "fblin")
 """Control laws: PD around the gait's joints with its torques, and exact linearisation."""
@@ -30,8 +35,6 @@ LANDING = 0.6
 """Phase before which a touch of the floor is no touchdown: the foot has hardly left it."""
 LONGEST = 3.0
 """A step that takes so many times that of the orbit counts as a fall."""
-PUSH_STEP, PUSH_S = 5, 0.1
-"""Step in which a push begins, and its duration [s]."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -52,7 +55,9 @@ class SpatialWalks(Record):
         in_tube: share of ticks at which the measured state is in the tube, where no push acts or
             has acted.
         clamped: share of ticks at which a motor was asked for more than its limit.
-        push_ns: impulse to the left on the torso; None without a push.
+        push_ns, push_left_ns: impulse on the torso, forward and to the left; None without one.
+        disturb: changes of the plant, see `spatial_changes`.
+        sensing: `perfect` or `encoders`, whose numbers are in `disturb`.
         wall_s: elapsed time.
     """
 
@@ -70,25 +75,39 @@ class SpatialWalks(Record):
     in_tube: float
     clamped: float
     push_ns: float | None
+    push_left_ns: float | None
+    disturb: Disturb
+    sensing: str
     wall_s: float
 
 
-class WalkPlan(NamedTuple):
-    """Walks to simulate: law, pushes and how many.
+@dataclass(frozen=True, eq=False, kw_only=True)
+class WalkPlan:
+    """Walks to simulate: law, disturbances and how many.
 
     Attributes:
         controller: name of the law.
         starts: states of the zero dynamics. [N, 4]
         steps: of each walk.
         step_s: duration of the orbit's step [s].
-        push: impulse to the left [N s]; None for none.
+        push, push_left: impulse forward and to the left [N s]; None for none.
+        changes: of the plant and its sensors.
+        seed: of floors, noise and the moments of pushes.
     """
 
     controller: str
     starts: Float[np.ndarray, "N 4"]
     steps: int
     step_s: float
-    push: float | None
+    push: float | None = None
+    push_left: float | None = None
+    changes: SpatialChanges = field(default_factory=SpatialChanges)
+    seed: int = 0
+
+    @property
+    def impulse(self) -> Float[np.ndarray, "2"]:
+        """Impulse of the push, forward and to the left [N s]; 0 without one."""
+        return np.array([self.push or 0.0, self.push_left or 0.0])
 
 
 @dataclass
@@ -99,7 +118,7 @@ class WalkLog:
         taken: steps of each. [N]
         fell: whether each fell. [N]
         since: time since the touchdown of each [s]. [N]
-        pushed_at: when the push on each began [s]; infinite before. [N]
+        pushed: whether the push on each has begun. [N]
         peak_error: of any joint, before a push [rad].
         squares, errors: sum of squared errors [rad^2], and how many.
         peak_torque: asked of any motor [N m].
@@ -110,7 +129,7 @@ class WalkLog:
     taken: Array
     fell: Array
     since: Array
-    pushed_at: Array
+    pushed: Array
     peak_error: float = 0.0
     squares: float = 0.0
     errors: int = 0
@@ -124,14 +143,14 @@ class WalkLog:
     def of(cls, count: int) -> "WalkLog":
         """Return the log of walks that begin."""
         zeros = np.zeros(count)
-        return cls(zeros.astype(int), zeros.astype(bool), zeros.copy(), np.full(count, np.inf))
+        return cls(zeros.astype(int), zeros.astype(bool), zeros.copy(), zeros.astype(bool))
 
     def note(
         self, now: TorqueDemand, inside: Array, moving: Array, limits: Float[np.ndarray, "6"]
     ) -> None:
         """Note errors, torques and how many are in the tube, of the robots that walk."""
         errors, asked = np.abs(now.errors[moving]), np.abs(now.torques[moving])
-        calm = moving & ~np.isfinite(self.pushed_at)
+        calm = moving & ~self.pushed
         self.inside, self.calm = self.inside + int(inside[calm].sum()), self.calm + int(calm.sum())
         self.peak_error = max(self.peak_error, float(np.abs(now.errors[calm]).max(initial=0.0)))
         self.squares, self.errors = (
@@ -168,29 +187,32 @@ def walk(robot: SpatialRobot, gait: SpatialGait, plan: WalkPlan) -> tuple[Spatia
 
     Returns: the plants at the end, and what was seen.
     """
-    law = law_of_gait(robot, gait, plan.controller)
-    plants, log = SpatialPlants.started(robot, gait, plan.starts), WalkLog.of(len(plan.starts))
-    phase = np.zeros(len(plan.starts))
+    law, count = law_of_gait(robot, gait, plan.controller), len(plan.starts)
+    plants = SpatialPlants.started(robot, gait, plan.starts, plan.changes, plan.seed)
+    log, phase, now = WalkLog.of(count), np.zeros(count), 0.0
+    sensors, late = Sensors(plants, plan.seed), DelayLine(plan.changes.delay_ticks, count, 6)
+    size = float(np.linalg.norm(plan.impulse))
+    way, push = plan.impulse / (size or 1.0), Push(size, plan.steps, plan.seed, count)
     while (moving := ~log.fell & (log.taken < plan.steps)).any():
         touch = moving & plants.landed() & (phase > LANDING)
         plants.left ^= touch
         log.taken += touch
         log.since = np.where(touch, 0.0, log.since + TICK_S)
         moving &= log.taken < plan.steps
-        now = jax.tree.map(np.asarray, law(plants.measured()))
-        phase = np.asarray(gait.policy.phase(now.z.T))
-        if plan.push is not None:
-            fresh = touch & (log.taken == min(PUSH_STEP, plan.steps // 2))
-            log.pushed_at = np.where(fresh, plants.times(), log.pushed_at)
-        log.note(now, gait.holds(now.z), moving, robot.walker.limits)
-        lost = ~np.isfinite(now.torques).all(axis=1) | (log.since > LONGEST * plan.step_s)
+        found = sensors.read(log.since)
+        asked = jax.tree.map(np.asarray, law(found))
+        phase = np.asarray(gait.policy.phase(asked.z.T))
+        plants.advance_floors(np.asarray(touch), asked.z[:, 0])
+        force = push.at(now, np.asarray(touch), np.asarray(log.taken))
+        log.pushed = push.starts <= now
+        log.note(asked, gait.holds(asked.z), moving, plants.limits)
+        lost = ~np.isfinite(asked.torques).all(axis=1) | (log.since > LONGEST * plan.step_s)
         log.fell |= moving & lost
-        since_push = plants.times() - log.pushed_at
+        torques = late.due(plants.own(asked.torques))
         for one in map(int, np.flatnonzero(moving & ~lost)):
-            acts = plan.push is not None and 0.0 <= since_push[one] < PUSH_S
-            aside = (plan.push or 0.0) / PUSH_S if acts else 0.0
-            plants.apply(one, now.torques[one], np.array([0.0, aside]))
+            plants.drive(one, torques[one], force[one] * way)
             log.fell[one] = plants.fallen(one)
+        now += TICK_S
     return plants, log
 
 
@@ -215,5 +237,8 @@ def simulate_walks(run: Any, plan: WalkPlan) -> SpatialWalks:
         in_tube=done.inside / max(done.calm, 1),
         clamped=done.clamped / max(done.ticks, 1),
         push_ns=plan.push,
+        push_left_ns=plan.push_left,
+        disturb=vars(plan.changes),
+        sensing=name_of(plan.changes),
         wall_s=time.perf_counter() - start_time,
     )

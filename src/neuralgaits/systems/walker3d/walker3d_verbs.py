@@ -1,12 +1,14 @@
 """Verbs on bipeds in three dimensions. Their arguments are the options that each has for them."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from neuralgaits.errors import InputError
+from neuralgaits.simulation.setup.disturbance import PlantChanges
 from neuralgaits.systems.family_run import open_family_run
 from neuralgaits.systems.family_verbs import FamilyVerbs
 from neuralgaits.systems.system_family import ProgressCallbacks, Screen, VerbResult
+from neuralgaits.systems.walker3d.spatial_changes import changes_of
 from neuralgaits.systems.walker3d.spatial_screens import screen_of_walks
 from neuralgaits.systems.walker3d.spatial_system import SYSTEM
 from neuralgaits.systems.walker3d.spatial_walks import (
@@ -28,17 +30,29 @@ def simulate(
     steps: int = STEPS,
     seed: int = 0,
     push: float | None = None,
+    push_left: float | None = None,
+    disturb: str | Mapping[str, float] | PlantChanges | None = None,
+    sensing: str | None = None,
 ) -> VerbResult:
-    """Walk in MuJoCo. A push is sideways, positive to the left."""
+    """Walk in MuJoCo, pushed forward and to the left, disturbed as walkers in the plane."""
     if controller not in LAWS:
         raise InputError(
             f"controller: expected {' or '.join(LAWS)} for a walker in three dimensions, found "
             f"{controller}: choose one of these"
         )
+    changes = changes_of(disturb, sensing)
     opened = open_family_run(SYSTEM, run)
     progress.begun()
-    gait = opened.controller
-    plan = WalkPlan(controller, starts_of(gait, episodes, seed), steps, opened.summary.step_s, push)
+    plan = WalkPlan(
+        controller=controller,
+        starts=starts_of(opened.controller, episodes, seed),
+        steps=steps,
+        step_s=opened.summary.step_s,
+        push=push,
+        push_left=push_left,
+        changes=changes,
+        seed=seed,
+    )
     record = simulate_walks(opened, plan)
     good = record.walked == record.episodes
     return VerbResult(record, good, screen_of_walks(record))

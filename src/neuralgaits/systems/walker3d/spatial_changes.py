@@ -1,0 +1,55 @@
+"""Differences between plant and model of a biped in three dimensions: values of `--disturb`."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from neuralgaits.errors import InputError
+from neuralgaits.simulation.setup.disturbance import PlantChanges, parse_as, quantity
+from neuralgaits.simulation.setup.sensing import sensed
+
+TICK_S = 0.001
+"""Time between two ticks of the controller."""
+_OF_DRIVES = ("drive_stiffness", "drive_damping", "drive_rate")
+
+
+@dataclass(frozen=True)
+class SpatialChanges(PlantChanges):
+    """Those of a walker in the plane but drives, and what is aside.
+
+    Noise and resolution of angles are those of joints and of the torso's lean; `pitch_noise` is
+    that of roll and pitch, `pitch_offset` of the pitch alone.
+
+    Attributes:
+        torso_shift_left_m: the torso's centre of mass moves to the left by this [m].
+    """
+
+    torso_shift_left_m: float = quantity(
+        0.0, -1.0, 1.0, "torso centre of mass moved to the left [m]"
+    )
+
+    def __post_init__(self):
+        """Check every value against its range."""
+        super().__post_init__()
+        for name in _OF_DRIVES:
+            if getattr(self, name) != getattr(PlantChanges, name):
+                raise InputError(
+                    f"disturbance {name}: expected motors without a loop of their own for a walker "
+                    "in three dimensions, found drives: leave it out"
+                )
+
+    @property
+    def delay_ticks(self) -> int:
+        """Return the number of control ticks from a reading to its torque."""
+        return round(self.delay_ms * 1e-3 / TICK_S)
+
+    @property
+    def noisy(self) -> bool:
+        """Return whether any reading is random."""
+        return bool(self.encoder_noise or self.rate_noise or self.pitch_noise)
+
+
+def changes_of(
+    disturb: str | Mapping[str, float] | PlantChanges | None, sensing: str | None
+) -> SpatialChanges:
+    """Return the changes that a walk is asked for. Raises: InputError in one line."""
+    return sensed(parse_as(SpatialChanges, disturb), sensing)
