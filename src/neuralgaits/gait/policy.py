@@ -2,7 +2,7 @@
 
 from abc import abstractmethod
 from collections.abc import Callable
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import equinox as eqx
 import jax
@@ -12,7 +12,7 @@ import numpy as np
 from neuralgaits._types import Actuated, Array, Float, Scalar, ZeroState
 from neuralgaits.errors import InputError
 from neuralgaits.gait.activations import logistic
-from neuralgaits.gait.commands import Commands, Pair, Step
+from neuralgaits.gait.commands import Commands, Number, Pair, Step
 from neuralgaits.gait.network import Network, movable, scaled_inputs
 from neuralgaits.gait.reset_residual import ResetCorrection
 from neuralgaits.gait.zero_coordinates import combined
@@ -51,8 +51,8 @@ class AbstractPolicy(eqx.Module):
         """The policy of the next step, if the command stays: itself, for one that takes none."""
         return self
 
-    def phase(self, z1: Scalar) -> Scalar:
-        """Phase of the step at a hip position (m): 0 at its start, 1 at the guard."""
+    def phase(self, z1: Number) -> Any:
+        """Phase of the step at z1 (m), of its own kind: 0 at the start, 1 at the guard."""
         start, guard = self.z1_range
         return (z1 - start) / (guard - start)
 

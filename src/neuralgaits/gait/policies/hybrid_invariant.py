@@ -9,7 +9,7 @@ in Westervelt, Grizzle and Koditschek (2003).
 """
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import equinox as eqx
 import jax
@@ -124,7 +124,7 @@ class HybridInvariantPolicy(StepPolicy):
             return None
         return self.ankle(z if self.z2_dependence else z * jnp.array([1.0, 0.0]))
 
-    def phase(self, z1: Scalar) -> Scalar:
+    def phase(self, z1: Number) -> Any:
         """Phase of the step at a hip position."""
         if self.anchor is None:
             return super().phase(z1)
