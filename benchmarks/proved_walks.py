@@ -58,17 +58,17 @@ def walked(
     gear = model.actuator_gear[:, 0]
     while steps < STEPS:
         if wait == 0:
-            verdict = walk.control.decide(data, np.zeros(2))
-            walk.verdict = verdict
+            outcome = walk.control.decide(data, np.zeros(2))
+            walk.outcome = outcome
             if walk.ending.fell:
                 break
-            if verdict.touchdown[0]:
+            if outcome.touchdown[0]:
                 steps, touched = steps + 1, data.time
             state = walk.measured
             assert state is not None
-            data.ctrl[:] = verdict.controls[0]
+            data.ctrl[:] = outcome.controls[0]
             rows.append((state.q, state.dq, data.time - touched, gear * data.ctrl))
-            wait, leg = PERIOD, int(verdict.leg[0])
+            wait, leg = PERIOD, int(outcome.leg[0])
         mujoco.mj_step(model, data)
         wait -= 1
         was, loaded = loaded, data.sensordata[-2:][1 - leg] > threshold

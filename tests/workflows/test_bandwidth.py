@@ -10,7 +10,7 @@ from neuralgaits.control.law_by_name import at_bandwidth, exported_laws, fields_
 from neuralgaits.errors import InputError
 from neuralgaits.records.simulated import SimulationSummary
 from neuralgaits.report.page.repeat_commands import simulating
-from neuralgaits.report.shown_walk import asked_of
+from neuralgaits.report.shown_walk import request_of
 from neuralgaits.runs import to_json
 from neuralgaits.workflows.simulate import simulate
 from support.shipped_run import SHIPPED
@@ -46,7 +46,7 @@ def test_it_is_recorded_shown_and_repeated(run, walked):
     line = simulating(run.folder, asked[None], run.path)
     assert line is not None and "--bandwidth" not in line
     run.folder.write_json("simulation/summary.json", again)
-    assert asked_of(run).bandwidth == 50.0
+    assert request_of(run).bandwidth == 50.0
 
 
 @pytest.mark.slow

@@ -1,8 +1,5 @@
 """A model of MuJoCo with what `PlantChanges` says of masses, motors, joints and friction."""
 
-# pyright: reportAttributeAccessIssue=false
-# MuJoCo ships no type stubs.
-
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 

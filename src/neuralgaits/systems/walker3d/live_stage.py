@@ -4,9 +4,6 @@ The robot stays in the middle and the floor moves under it. Aside the scene foll
 one sees the robot give way to a push.
 """
 
-# pyright: reportAttributeAccessIssue=false
-# MuJoCo ships no type stubs.
-
 import math
 
 import mujoco

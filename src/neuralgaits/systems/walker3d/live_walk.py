@@ -1,8 +1,5 @@
 """One biped that walks in MuJoCo until it is stopped; it is pushed, tilted and loaded meanwhile."""
 
-# pyright: reportAttributeAccessIssue=false
-# MuJoCo ships no type stubs.
-
 from collections import deque
 from collections.abc import Mapping
 from dataclasses import replace

@@ -1,8 +1,5 @@
 """The robot's file as MuJoCo's model of a walk: disturbed, and with a plane under each foot."""
 
-# pyright: reportAttributeAccessIssue=false
-# MuJoCo ships no type stubs.
-
 import math
 from typing import NamedTuple
 

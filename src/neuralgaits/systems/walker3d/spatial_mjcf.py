@@ -1,8 +1,5 @@
 """Bipeds in three dimensions from MJCF files: what is read, and all reasons against it at once."""
 
-# pyright: reportAttributeAccessIssue=false
-# MuJoCo ships no type stubs.
-
 from collections.abc import Iterator
 from importlib import resources
 from pathlib import Path

@@ -1,8 +1,5 @@
 """Many bipeds in MuJoCo at once, seen by a law as robots on their right foot."""
 
-# pyright: reportAttributeAccessIssue=false
-# MuJoCo ships no type stubs.
-
 from dataclasses import dataclass, field
 
 import jax

@@ -1,8 +1,5 @@
 """Where the parts of the biped are in a compiled robot file, and what is not its tree."""
 
-# pyright: reportAttributeAccessIssue=false
-# MuJoCo ships no type stubs.
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 
