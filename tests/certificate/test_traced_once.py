@@ -19,6 +19,7 @@ from neuralgaits.certificate.run_certificate.verified_summary import read_certif
 from neuralgaits.errors import RunError
 from neuralgaits.records.certified import PROOF
 from neuralgaits.runs import RunFolder
+from neuralgaits.systems.equilibrium import rest_episodes
 from neuralgaits.workflows import certify
 from support import traced_once
 from support.shipped_run import SHIPPED
@@ -147,8 +148,8 @@ def test_whoever_asks_of_a_built_in_spec_and_in_whatever_process_has_one_trace(a
         ((certify, "find_sets", None), True),
         (("neuralgaits.workflows.certify.find_sets", None), True),
         ((os, "fsync", None), True),
-        (("neuralgaits.systems.equilibrium.rest_episodes.SECONDS", None), True),
-        (("neuralgaits.systems.equilibrium.rest_episodes.AT_REST", None), False),
+        ((f"{rest_episodes.__name__}.SECONDS", None), True),
+        ((f"{rest_episodes.__name__}.AT_REST", None), False),
         ((os, "getcwd", None), False),
         ((problems, "step_at", None), False),
         (("neuralgaits.certificate.levels.problems.step_at", None), False),
