@@ -12,7 +12,7 @@ from neuralgaits.analysis.torso_lean import leans_of
 from neuralgaits.control import lean_sums
 from neuralgaits.control.command_belief import (
     CommandBelief,
-    Estimate,
+    CommandEstimate,
     belief_for,
     believable,
     learn,
@@ -59,7 +59,7 @@ def test_sums_give_the_lean_of_each_whole_step(amber):
 
 def test_the_first_steps_count_alike_and_later_ones_more():
     shown = [0.012, 0.009, 0.0135, 0.008, 0.01]
-    estimate = Estimate(0.005)
+    estimate = CommandEstimate(0.005)
     for number, one in enumerate(shown, 1):
         estimate = learn(BELIEF, estimate, one)
         if number <= 3:
@@ -78,8 +78,8 @@ def test_the_first_steps_count_alike_and_later_ones_more():
 
 
 def test_a_part_of_a_step_counts_until_a_whole_one_is_seen():
-    estimate = learn(BELIEF, Estimate(0.0), 0.02, whole=False)
-    assert estimate == Estimate(0.02, 0)
+    estimate = learn(BELIEF, CommandEstimate(0.0), 0.02, whole=False)
+    assert estimate == CommandEstimate(0.02, 0)
     assert learn(BELIEF, estimate, 0.005) == (pytest.approx(0.005), 1)
 
 
@@ -87,15 +87,15 @@ def test_a_belief_arrives_as_fast_as_the_controller_lets_it():
     """It does not creep towards what is known: 30 mm are seven steps of 4.8 mm."""
     believed = 0.0
     for step in range(1, 8):
-        believed = next_belief(BELIEF, Estimate(0.03, 1), believed)
+        believed = next_belief(BELIEF, CommandEstimate(0.03, 1), believed)
         assert believed == pytest.approx(min(0.0048 * step, 0.03))
     assert believed == 0.03
-    assert next_belief(BELIEF, Estimate(-0.5, 1), believed) == pytest.approx(0.03 - 0.0048)
+    assert next_belief(BELIEF, CommandEstimate(-0.5, 1), believed) == pytest.approx(0.03 - 0.0048)
 
 
 @pytest.mark.parametrize(("shown", "end"), [(0.04, 0.03), (-0.03, -0.02), (0.01, 0.01)])
 def test_a_belief_stays_in_the_range_of_its_command(shown, end):
-    assert believable(BELIEF, Estimate(shown, 1)) == end
+    assert believable(BELIEF, CommandEstimate(shown, 1)) == end
 
 
 def test_limits_are_those_of_the_command():

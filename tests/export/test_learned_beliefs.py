@@ -5,7 +5,7 @@ import subprocess
 import numpy as np
 
 from neuralgaits.control import command_belief
-from neuralgaits.control.command_belief import SETTLED, Estimate
+from neuralgaits.control.command_belief import SETTLED, CommandEstimate
 from neuralgaits.export import build, output_folder
 from neuralgaits.export.source import gait_files
 from neuralgaits.gait.commands import Command
@@ -61,12 +61,14 @@ def expected_of(design, row):
     commands = (SPEED, LEAN, SLOPE)
     lean, ground = (command_belief.belief_for(commands, name) for name in ("lean", "slope"))
     assert lean is not None and ground is not None
-    estimate = command_belief.learn(lean, Estimate(value, int(steps)), shown, whole=before > 0.0)
+    estimate = command_belief.learn(
+        lean, CommandEstimate(value, int(steps)), shown, whole=before > 0.0
+    )
     wanted = command_belief.believable(lean, estimate)
     next_lean = command_belief.next_belief(lean, estimate, after)
     missing = estimate.value - next_lean
     excess = command_belief.speed_by_lean(design.robot) * missing
-    tilted = command_belief.believable(ground, Estimate(slope, 1))
+    tilted = command_belief.believable(ground, CommandEstimate(slope, 1))
     anew = abs(wanted - before) > SETTLED["lean"] or abs(tilted - slope) > SETTLED["slope"]
     gain = 0.3 if next_lean == wanted else 0.6
     speed = min(max(0.7 + gain * 0.05 - excess, SPEED.low), SPEED.high)

@@ -16,7 +16,7 @@ from neuralgaits.systems.walker3d import spatial_walks
 from neuralgaits.systems.walker3d.spatial_changes import SpatialChanges, changes_of
 from neuralgaits.systems.walker3d.spatial_ground import disturbed_model
 from neuralgaits.systems.walker3d.spatial_plant import SpatialPlants
-from neuralgaits.systems.walker3d.spatial_sensors import Sensors, with_errors
+from neuralgaits.systems.walker3d.spatial_sensors import SpatialSensors, with_errors
 from neuralgaits.systems.walker3d.spatial_system import SYSTEM
 from neuralgaits.systems.walker3d.spatial_walks import WalkPlan, law_of_gait, starts_of, walk
 
@@ -155,7 +155,7 @@ def test_the_estimator_finds_rates_and_velocity(run, law):
     gait, robot = run.controller, run.data
     changes = changes_of(None, "encoders,bits=20,pitch_noise=0,delay_ms=0")
     plants = SpatialPlants.started(robot, gait, starts_of(gait, 1, 0), changes)
-    sensors, since, off, phase = Sensors(plants, 0), np.zeros(1), [], 0.0
+    sensors, since, off, phase = SpatialSensors(plants, 0), np.zeros(1), [], 0.0
     for _ in range(650):
         touch = plants.landed() & (phase > 0.6)
         plants.left ^= touch

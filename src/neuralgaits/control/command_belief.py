@@ -47,7 +47,7 @@ class CommandBelief(NamedTuple):
     """Least share of the way to what a step shows [1]: the estimate averages over about three."""
 
 
-class Estimate(NamedTuple):
+class CommandEstimate(NamedTuple):
     """What the steps so far showed."""
 
     value: float
@@ -74,8 +74,8 @@ def can_be(belief: CommandBelief, shown: float) -> bool:
 
 
 def learn(
-    belief: CommandBelief, estimate: Estimate, shown: float, *, whole: bool = True
-) -> Estimate:
+    belief: CommandBelief, estimate: CommandEstimate, shown: float, *, whole: bool = True
+) -> CommandEstimate:
     """Return the estimate after a step: a mean of the first steps, and of about three later on.
 
     It begins anew where a step shows something else, as after the robot or the ground has changed.
@@ -92,15 +92,15 @@ def learn(
     before = 0 if abs(shown - estimate.value) > belief.jump else estimate.steps
     share = max(belief.gain, 1.0 / (before + 1))
     value = estimate.value + share * (shown - estimate.value)
-    return Estimate(value, before + 1 if whole else before)
+    return CommandEstimate(value, before + 1 if whole else before)
 
 
-def believable(belief: CommandBelief, estimate: Estimate) -> float:
+def believable(belief: CommandBelief, estimate: CommandEstimate) -> float:
     """Return the value in the command's range that is nearest to an estimate."""
     return min(max(estimate.value, belief.low), belief.high)
 
 
-def next_belief(belief: CommandBelief, estimate: Estimate, believed: float) -> float:
+def next_belief(belief: CommandBelief, estimate: CommandEstimate, believed: float) -> float:
     """Return what the next touchdown latches.
 
     Args:

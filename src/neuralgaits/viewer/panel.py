@@ -73,13 +73,7 @@ class Panel:
         # Each pair moves a slider up and down.
         keys: tuple[tuple[Key, Key], ...] = (("U", "J"), ("I", "K"), ("O", "L"))
         self._keys = iter(keys)
-        learned: list[viser.GuiSliderHandle] = []
-        if commands:
-            heard = "heard at the next touchdown; large changes take several steps"
-            told = self._add_told(gui, "Commands", commands, heard, lambda walker: walker.tell)
-            learned = [told[name] for name in adaptable if name in SETTLED and name in told]
-        if adaptable:
-            self._add_adaptation(gui, adaptable, learned, adapts)
+        self._add_commands(gui, commands or {}, adaptable, adapts)
         if sizes:
             ahead = "of the stones that the robot has not heard of yet"
             self._add_told(gui, "Stones ahead", sizes, ahead, lambda walker: walker.resize)
@@ -157,6 +151,22 @@ class Panel:
             impulse, way = PUSH.clip(size.value), along.get(ways.value)
             if impulse is not None and way is not None:
                 self._player.ask(lambda walker: walker.push(impulse * np.array(way)))
+
+    def _add_commands(
+        self,
+        gui: viser.GuiApi,
+        commands: Mapping[str, Slider],
+        adaptable: Sequence[str],
+        adapts: bool,
+    ) -> None:
+        """Add sliders of the commands, and the switch that adapts them, if there are any."""
+        handles: dict[str, viser.GuiSliderHandle] = {}
+        if commands:
+            heard = "heard at the next touchdown; large changes take several steps"
+            handles = self._add_told(gui, "Commands", commands, heard, lambda walker: walker.tell)
+        if adaptable:
+            learned = [handles[name] for name in adaptable if name in SETTLED and name in handles]
+            self._add_adaptation(gui, adaptable, learned, adapts)
 
     def _add_told(
         self,

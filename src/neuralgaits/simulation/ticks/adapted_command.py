@@ -8,7 +8,7 @@ from neuralgaits._types import Float
 from neuralgaits.control import speed_adapter
 from neuralgaits.control.command_belief import (
     SETTLED,
-    Estimate,
+    CommandEstimate,
     belief_for,
     believable,
     can_be,
@@ -58,7 +58,7 @@ class AdaptedCommand:
             self._state = speed_adapter.start(self._adapter, float(first[self.place]))
         self._latched, self._begun = np.array(first), False
         self._estimates = {
-            name: Estimate(float(first[place])) for name, (place, _) in self._beliefs.items()
+            name: CommandEstimate(float(first[place])) for name, (place, _) in self._beliefs.items()
         }
         self._speed_by_lean = speed_by_lean(robot) if LEAN in self._beliefs else 0.0
 

@@ -25,7 +25,7 @@ from neuralgaits.systems.walker3d.spatial_pose import links_of, pose_of_joints
 from neuralgaits.systems.walker3d.spatial_walker import SpatialWalker
 
 
-class Estimate(NamedTuple):
+class SpatialEstimate(NamedTuple):
     """What an estimator keeps of a robot on its right foot.
 
     Attributes:
@@ -40,11 +40,11 @@ class Estimate(NamedTuple):
 def estimate(
     robot: SpatialWalker,
     poles: Estimator,
-    last: Estimate,
+    last: SpatialEstimate,
     angles: Float[Array, "8"],
     since: Float[Array, ""],
     period: float,
-) -> Estimate:
+) -> SpatialEstimate:
     """Return the estimate after a reading.
 
     Args:
@@ -70,7 +70,7 @@ def estimate(
     turning = _lean_rates(robot, q, rates, momenta + period * falling) + push * missed
     dq = jnp.concatenate([turning, rates])
     velocity = jax.jvp(lambda x: hips_of(robot, x)[1], (q,), (dq,))[1]
-    return Estimate(Measured(q, dq, velocity), last.accelerations + gains[2] * error)
+    return SpatialEstimate(Measured(q, dq, velocity), last.accelerations + gains[2] * error)
 
 
 def _momenta(robot: SpatialWalker, found: Measured) -> tuple[Array, Array]:
@@ -99,6 +99,6 @@ def _lean_rates(
     return jnp.stack([d * left[0] - b * left[1], a * left[1] - c * left[0]]) / divisor
 
 
-def first_estimate(found: Measured) -> Estimate:
+def first_estimate(found: Measured) -> SpatialEstimate:
     """Return what is known at first of a robot whose rates are known then. [N, ...]."""
-    return Estimate(found, jnp.zeros(np.asarray(found.joints)[..., 2:].shape))
+    return SpatialEstimate(found, jnp.zeros(np.asarray(found.joints)[..., 2:].shape))

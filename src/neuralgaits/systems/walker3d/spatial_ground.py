@@ -22,7 +22,7 @@ def slope_of(changes: SpatialChanges) -> float:
     return math.tan(math.radians(changes.slope_deg))
 
 
-class Ground(NamedTuple):
+class SpatialGround(NamedTuple):
     """The planes under the feet of some robots.
 
     Attributes:

@@ -14,7 +14,7 @@ from neuralgaits.simulation.setup.terrain import Terrain
 from neuralgaits.systems.walker3d.spatial_changes import TICK_S, SpatialChanges
 from neuralgaits.systems.walker3d.spatial_gait import SpatialGait
 from neuralgaits.systems.walker3d.spatial_ground import (
-    Ground,
+    SpatialGround,
     disturbed_model,
     slope_of,
     terrain_under,
@@ -154,9 +154,9 @@ class SpatialPlants:
         return reflected(Measured(*self.readings()), self.left)
 
     @property
-    def ground(self) -> Ground:
+    def ground(self) -> SpatialGround:
         """Return the floor under the feet."""
-        return Ground(self.slope, self.terrain.levels)
+        return SpatialGround(self.slope, self.terrain.levels)
 
     def lay_floors(self) -> None:
         """Put the planes under the feet at their levels."""

@@ -11,7 +11,7 @@ from neuralgaits._types import Array, Float
 from neuralgaits.control.estimator_poles import Estimator
 from neuralgaits.simulation.ticks.sensor_noise import Noise
 from neuralgaits.systems.walker3d.spatial_changes import TICK_S, SpatialChanges
-from neuralgaits.systems.walker3d.spatial_estimator import Estimate, estimate, first_estimate
+from neuralgaits.systems.walker3d.spatial_estimator import SpatialEstimate, estimate, first_estimate
 from neuralgaits.systems.walker3d.spatial_impact import SIGNS, SWAPPED
 from neuralgaits.systems.walker3d.spatial_laws import Measured
 from neuralgaits.systems.walker3d.spatial_plant import SpatialPlants, reflected
@@ -20,7 +20,7 @@ from neuralgaits.systems.walker3d.spatial_walker import SpatialWalker
 _LEGS = SWAPPED[2:] - 2
 
 
-class Sensors:
+class SpatialSensors:
     """Sensors of some walks, which have their own noise by seed and number."""
 
     def __init__(self, plants: SpatialPlants, seed: int):
@@ -28,7 +28,7 @@ class Sensors:
         changes = plants.changes
         self._plants, self._changes = plants, changes
         self._noise = Noise((2, 8), seed, len(plants.worlds), noisy=changes.is_noisy)
-        self._memory: Estimate | None = None
+        self._memory: SpatialEstimate | None = None
         if changes.estimator:
             self._estimates = _estimates(plants.robot.walker)
             self._memory, self._left = first_estimate(plants.measured()), plants.left.copy()
@@ -64,15 +64,15 @@ def with_errors(
     return angles, rates + changes.rate_noise * draws[:, 1]
 
 
-def _estimates(walker: SpatialWalker) -> Callable[[Estimate, Array, Array], Estimate]:
+def _estimates(walker: SpatialWalker) -> Callable[[SpatialEstimate, Array, Array], SpatialEstimate]:
     poles = Estimator()
     return quick_jit(
         jax.vmap(lambda last, angles, since: estimate(walker, poles, last, angles, since, TICK_S))
     )
 
 
-def _about(last: Estimate, swapped: Array) -> Estimate:
+def _about(last: SpatialEstimate, swapped: Array) -> SpatialEstimate:
     """Return estimates about the other foot where it has changed."""
     before = np.asarray(last.accelerations)
     accelerations = np.where(swapped[:, None], SIGNS[2:] * before[:, _LEGS], before)
-    return Estimate(reflected(last.found, swapped), jnp.asarray(accelerations))
+    return SpatialEstimate(reflected(last.found, swapped), jnp.asarray(accelerations))

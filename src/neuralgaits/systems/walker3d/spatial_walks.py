@@ -25,7 +25,7 @@ from neuralgaits.systems.walker3d.spatial_laws import (
 )
 from neuralgaits.systems.walker3d.spatial_mjcf import SpatialRobot
 from neuralgaits.systems.walker3d.spatial_plant import SpatialPlants
-from neuralgaits.systems.walker3d.spatial_sensors import Sensors
+from neuralgaits.systems.walker3d.spatial_sensors import SpatialSensors
 
 LAWS = ("pd", "fblin")
 """Control laws: PD around the gait's joints with its torques, and exact linearisation."""
@@ -190,7 +190,7 @@ def walk(robot: SpatialRobot, gait: SpatialGait, plan: WalkPlan) -> tuple[Spatia
     law, count = law_of_gait(robot, gait, plan.controller), len(plan.starts)
     plants = SpatialPlants.started(robot, gait, plan.starts, plan.changes, plan.seed)
     log, phase, now = WalkLog.of(count), np.zeros(count), 0.0
-    sensors, late = Sensors(plants, plan.seed), DelayLine(plan.changes.delay_ticks, count, 6)
+    sensors, late = SpatialSensors(plants, plan.seed), DelayLine(plan.changes.delay_ticks, count, 6)
     size = float(np.linalg.norm(plan.impulse))
     way, push = plan.impulse / (size or 1.0), Push(size, plan.steps, plan.seed, count)
     while (moving := ~log.fell & (log.taken < plan.steps)).any():

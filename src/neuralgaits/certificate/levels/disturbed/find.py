@@ -102,15 +102,18 @@ def find_disturbed(
             kick_end=seen.end_of_kick(hold),
         )
     if gains is not None:
-        shape = replace(
-            shape,
-            torque_gains=tuple(np.ravel(gains.torque).tolist()),
-            inertia_gains=tuple(np.ravel(gains.inertia).tolist()),
-            decay=seen.gamma,
-            rest=seen.rest,
-        )
+        shape = replace(_with_gains(shape, gains), decay=seen.gamma, rest=seen.rest)
     broken = [obstacle(step) for step in inequalities(full, shape) if not step.holds]
     return "; ".join(broken) if broken else shape
+
+
+def _with_gains(shape: DisturbedConstants, gains: ScheduledGains) -> DisturbedConstants:
+    """Return the constants with the polynomials of a law."""
+    return replace(
+        shape,
+        torque_gains=tuple(np.ravel(gains.torque).tolist()),
+        inertia_gains=tuple(np.ravel(gains.inertia).tolist()),
+    )
 
 
 def _raised(held: Held, extra: float) -> Held:
