@@ -125,7 +125,8 @@ def test_torques_of_c_are_those_of_the_theorem(run, design, stated, tmp_path):
         q, dq, torque = state(run, u, xi, theorem)
         qpos, qvel = map_.to_mjcf(q, dq, base.leg)
         ones = np.ones(STATES, dtype=int)
-        cases = base.replaced(
+        cases = replace(
+            base,
             law=list(design.controllers).index(name) * ones,
             ticks=0 * ones,
             since=NEVER * np.ones(STATES),
