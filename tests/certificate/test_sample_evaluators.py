@@ -44,14 +44,15 @@ def test_level_5_evaluates_what_level_4_left(monkeypatch, target):
     calls = []
 
     def leaving(model, *given, evaluators, **how):
-        assert how == {"free_clock": True}
+        assert how == {"free_clock": True, "error": 0.25}
         calls.append(evaluators)
         return "no set"
 
-    target = replace(target, control=ControlAssumption(free_clock=True), shared={})
+    control = ControlAssumption(free_clock=True, error=0.25)
+    target = replace(target, control=control, shared={})
     monkeypatch.setattr(full_order, "set_of", leaving)
     assert full_order.FullOrderSearch().find(target, {}) == "no set"
-    monkeypatch.setattr(disturbed, "find_disturbed", lambda looks, full, free_clock, gains: looks)
+    monkeypatch.setattr(disturbed, "find_disturbed", lambda looks, full, **how: looks)
     monkeypatch.setattr(disturbed, "evaluators_in_norm", lambda model, full, looks: (looks, {}))
     found, _ = disturbed.DisturbedSearch().find(target, {4: SimpleNamespace(bandwidth=30.0)})
     assert found[0] is calls[0] is target.shared[4]
