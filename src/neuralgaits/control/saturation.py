@@ -42,11 +42,12 @@ class ZeroStateBounds(eqx.Module):
     A late touchdown carries z1 past the guard and a fall carries z2 anywhere. The bounded z is
     twice differentiable in z, so desired rates and accelerations die out with it. It is unchanged
     to half the margin outside, as the sets of levels 4 and 5 begin and end beyond the step: there
-    the law has to be the one that is proved.
+    the law has to be the one that is proved. It levels off over a whole margin: steeper bends
+    double the rounding of torques in single precision.
 
     Attributes:
         lower, upper: interval of (z1, z2) (m, kg m^2/s). [2]
-        margin: how far the bounded z can leave that interval. [2]
+        margin: two thirds of how far the bounded z can leave that interval. [2]
     """
 
     lower: Float[Array, "2"]
@@ -56,7 +57,7 @@ class ZeroStateBounds(eqx.Module):
     def __call__(self, z: ZeroState) -> ZeroState:
         """The bounded zero dynamics state. Returns: [2]."""
         half = 0.5 * self.margin
-        return levelled_off(z, self.lower - half, self.upper + half, half)
+        return levelled_off(z, self.lower - half, self.upper + half, self.margin)
 
     def over(self, policy: "AbstractPolicy") -> "ZeroStateBounds":
         """Return the bounds for a step of a family, whose interval of z1 is its own."""

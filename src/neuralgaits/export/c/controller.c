@@ -103,7 +103,7 @@ static void latch(ng_state *state)
 
 /*
  * z as the policy gets it, with first two derivatives: unchanged to half the margin outside of its
- * bounds, then levelling off smoothly.
+ * bounds, then levelling off smoothly over a whole one.
  */
 static void bounded(const ng_state *state, const ng_real z[2], ng_real value[2],
                     ng_real first[2], ng_real second[2])
@@ -112,8 +112,8 @@ static void bounded(const ng_state *state, const ng_real z[2], ng_real value[2],
     const ng_real margins[2] = {Z1_MARGIN, ng_z_margin[1]};
     (void)state;
     for (int i = 0; i < 2; ++i) {
-        const ng_real margin = NG(0.5) * margins[i];
-        const ng_real high = upper[i] + margin, low = lower[i] - margin;
+        const ng_real margin = margins[i], half = NG(0.5) * margin;
+        const ng_real high = upper[i] + half, low = lower[i] - half;
         const ng_real over = z[i] > high ? z[i] - high : NG(0.0);
         const ng_real under = z[i] < low ? low - z[i] : NG(0.0);
         const ng_real t = ng_tanh(over / margin) - ng_tanh(under / margin);
