@@ -44,10 +44,15 @@ int main(void)
         const ng_command fallen = {.fault = NG_FAULT_PITCH};
         adapt.since = 0.3;
         ng_adapt_step(&adapt, &state, &reading, &fallen, first);
-        const double out[8] = {adapt.believed, excess(&adapt, &state, &moving),
+        /* A step without a window shows nothing, and nothing that cannot be. */
+        const ng_command ended = {.touchdown = 1};
+        double out[9] = {adapt.believed, excess(&adapt, &state, &moving),
                                believes_anew(&adapt, &state), state.requested[0],
                                state.requested[1], state.requested[2], adapt.lean_steps,
                                adapt.since};
+        adapt.lean_doubted = 1;
+        ng_adapt_step(&adapt, &state, &reading, &ended, first);
+        out[8] = adapt.lean_doubted;
         fwrite(out, sizeof out, 1, stdout);
     }
     return 0;
@@ -72,7 +77,7 @@ def expected_of(design, row):
     anew = abs(wanted - before) > SETTLED["lean"] or abs(tilted - slope) > SETTLED["slope"]
     gain = 0.3 if next_lean == wanted else 0.6
     speed = min(max(0.7 + gain * 0.05 - excess, SPEED.low), SPEED.high)
-    return [estimate.value, excess, float(anew), speed, wanted, tilted, estimate.steps, -1.0]
+    return [estimate.value, excess, float(anew), speed, wanted, tilted, estimate.steps, -1.0, 0.0]
 
 
 def test_c_believes_as_python_does(tmp_path):

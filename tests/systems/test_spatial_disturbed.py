@@ -1,8 +1,5 @@
 """Plants and sensors of disturbed walks in three dimensions, against MuJoCo's own numbers."""
 
-# pyright: reportAttributeAccessIssue=false
-# MuJoCo ships no type stubs.
-
 import mujoco
 import numpy as np
 import pytest

@@ -48,7 +48,7 @@ class CommandBelief(NamedTuple):
 
 
 class CommandEstimate(NamedTuple):
-    """What the steps so far showed."""
+    """Mean of what the steps so far showed of a command."""
 
     value: float
     """In the command's unit; it may lie outside of the command's range."""

@@ -1,4 +1,4 @@
-"""What level 5 of a proof file states of the control laws of an export."""
+"""Statements of level 5 of a proof file about the control laws of an export."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -35,7 +35,7 @@ class LawProof:
 
     @property
     def words(self) -> str:
-        """The same as a sentence without its full stop."""
+        """Return it as a sentence without its full stop."""
         name = self.law if self.bandwidth is None else f"{self.law} at {self.bandwidth:g} rad/s"
         if self.reason is not None:
             return f"{name}: nothing is proved, {self.reason}"

@@ -12,6 +12,7 @@ import numpy as np
 
 from neuralgaits.analysis.run import Run
 from neuralgaits.barriers import Gait
+from neuralgaits.certificate.level_target import grid
 from neuralgaits.certificate.levels.disturbed.theorem import DisturbedConstants
 from neuralgaits.certificate.levels.full_order.theorem import FullOrderConstants
 from neuralgaits.certificate.run_certificate.proved_monitor import proved_levels
@@ -98,8 +99,7 @@ def _unchanged(run: Run, controller: Controller, full: FullOrderConstants) -> bo
     """Return whether a controller uses z as it is all over the tube of a set, at sampled states."""
     gait, schedule = run.trained, getattr(controller.law, "schedule", None)
     assert isinstance(gait, Gait)
-    axes = np.linspace(*full.ends, _PHASES), np.linspace(0.0, 1.0, _LEVELS)
-    charts = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 2)
+    charts = grid(np.linspace(*full.ends, _PHASES), np.linspace(0.0, 1.0, _LEVELS))
 
     @jax.vmap
     def changes(u: jax.Array) -> jax.Array:

@@ -121,6 +121,7 @@ static void tilt(ng_adapt *adapt, const ng_command *command)
 {
     ng_real foot[2], hip[2];
     ng_feet(command->q, foot, hip);
+    adapt->slope_doubted = 0;
     if (!NG_ANKLES && -foot[0] > FEET_APART && ng_finite(foot[1])) {
         adapt->slope_shown = angle_of(-foot[1], -foot[0]);
         adapt->slope_doubted = !can_be(SLOPE, adapt->slope_shown);
@@ -179,10 +180,11 @@ static void learn(ng_adapt *adapt, const ng_measurement *reading, const ng_comma
     const ng_real passed = (ng_real)(reading->time_us - adapt->tick_us) * NG(1.0e-6);
     const int first = command->since_touchdown >= NG_NEVER * NG(0.5);
     if (command->touchdown) {
+        adapt->lean_doubted = 0;
         if (adapt->since > adapt->least && adapt->since > NG(0.0)) {
             adapt->shown = lean_shown(adapt);
-            adapt->lean_doubted = !can_be(LEAN, adapt->shown);
-            if (!adapt->lean_doubted) {
+            adapt->lean_doubted = ng_finite(adapt->shown) && !can_be(LEAN, adapt->shown);
+            if (can_be(LEAN, adapt->shown)) {
                 /* A part of a step counts until a whole one. */
                 take(&adapt->believed, &adapt->lean_steps, adapt->shown, LEAN_JUMP, adapt->begun);
             }

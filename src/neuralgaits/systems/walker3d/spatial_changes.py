@@ -42,11 +42,6 @@ class SpatialChanges(PlantChanges):
         """Return the number of control ticks from a reading to its torque."""
         return round(self.delay_ms * 1e-3 / TICK_S)
 
-    @property
-    def noisy(self) -> bool:
-        """Return whether any reading is random."""
-        return bool(self.encoder_noise or self.rate_noise or self.pitch_noise)
-
 
 def changes_of(
     disturb: str | Mapping[str, float] | PlantChanges | None, sensing: str | None

@@ -26,7 +26,7 @@ from neuralgaits.systems.walker3d.spatial_walker import SpatialWalker
 
 
 class SpatialEstimate(NamedTuple):
-    """What an estimator keeps of a robot on its right foot.
+    """State of the estimator of a robot on its right foot.
 
     Attributes:
         found: what would be measured.
@@ -56,19 +56,20 @@ def estimate(
         period: between two readings [s].
     """
     before, joints = last.found, slice(2, None)
-    momenta, falling = _momenta(robot, before)
+    momenta, momentum_rates = _momenta(robot, before)
     usual, quick = poles.joint_gains(period)
     gains = jnp.where(since < poles.quick_s, quick, usual)
     rates = before.rates[joints] + period * last.accelerations
     way = period * (before.rates[joints] + 0.5 * period * last.accelerations)
     error = angles[joints] - before.joints[joints] - way
     lean = before.joints[:2] + period * before.rates[:2]
-    missed = angles[:2] - lean
-    follow, push = poles.pitch_gains(period)
-    q = jnp.concatenate([lean + follow * missed, before.joints[joints] + way + gains[0] * error])
+    lean_error = angles[:2] - lean
+    angle_gain, rate_gain = poles.pitch_gains(period)
+    corrected = before.joints[joints] + way + gains[0] * error
+    q = jnp.concatenate([lean + angle_gain * lean_error, corrected])
     rates = rates + gains[1] * error
-    turning = _lean_rates(robot, q, rates, momenta + period * falling) + push * missed
-    dq = jnp.concatenate([turning, rates])
+    lean_rates = _lean_rates(robot, q, rates, momenta + period * momentum_rates)
+    dq = jnp.concatenate([lean_rates + rate_gain * lean_error, rates])
     velocity = jax.jvp(lambda x: hips_of(robot, x)[1], (q,), (dq,))[1]
     return SpatialEstimate(Measured(q, dq, velocity), last.accelerations + gains[2] * error)
 

@@ -1,4 +1,4 @@
-"""What a controller reads of many robots: exactly, with errors, or by an estimator."""
+"""Readings of many robots for a controller: exact, with errors, or by an estimator."""
 
 from collections.abc import Callable
 
