@@ -14,7 +14,7 @@ from neuralgaits.analysis.run import open_run
 from neuralgaits.report.certificate import certificate_of
 from neuralgaits.report.drawing.command_words import FIGURES
 from neuralgaits.report.drawing.figure import png
-from neuralgaits.report.makers import MAKERS, RunFigures
+from neuralgaits.report.run_figures import MAKERS, RunFigures
 from neuralgaits.workflows import demo
 
 COLOURS = 256

@@ -13,7 +13,7 @@ import neuralgaits
 from neuralgaits.cli.brief import brief_training
 from neuralgaits.cli.main import main
 from neuralgaits.records.trained import trained_of
-from neuralgaits.report import makers
+from neuralgaits.report import run_figures
 from neuralgaits.runs.names import MAP
 from support import brief_spec
 from support.shipped_run import SHIPPED
@@ -54,7 +54,7 @@ def test_verbs_take_a_run_whose_name_is_no_utf8(
     words: list[str],
 ) -> None:
     # All figures are written in the same way; those of other reports are drawn all.
-    monkeypatch.setattr(makers, "MAKERS", makers.MAKERS[:FIGURES])
+    monkeypatch.setattr(run_figures, "MAKERS", run_figures.MAKERS[:FIGURES])
     assert main([*words, "--json"]) in (0, 1)
     out, err = capfd.readouterr()
     assert json.loads(out)["run"] == SHOWN

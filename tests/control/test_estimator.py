@@ -10,7 +10,7 @@ from neuralgaits.control import estimator as estimators
 from neuralgaits.control.estimator import EstimatorState, start
 from neuralgaits.control.estimator_poles import Estimator
 from neuralgaits.control.measurement import Measurement, coordinates, leg_joints, pitch_rate
-from neuralgaits.control.stance import StanceState
+from neuralgaits.control.touchdown import StanceState
 from neuralgaits.robots.dynamics import (
     angular_momentum,
     centre_of_mass,

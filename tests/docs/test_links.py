@@ -7,7 +7,7 @@ import pytest
 
 import neuralgaits
 from neuralgaits.cli.main import main
-from neuralgaits.report.makers import MAKERS
+from neuralgaits.report.run_figures import MAKERS
 from neuralgaits.simulation.setup.disturbance import PlantChanges
 from support import pages
 

@@ -10,7 +10,7 @@ import pytest
 from neuralgaits.analysis.run import open_run
 from neuralgaits.barriers import specs
 from neuralgaits.records.certified import CertificateRecord
-from neuralgaits.report import makers
+from neuralgaits.report import run_figures
 from neuralgaits.workflows import certify as proving
 from neuralgaits.workflows import train as training
 from support import brief_spec, pages
@@ -59,8 +59,8 @@ def test_the_first_gait(beside, monkeypatch):
     monkeypatch.setattr(training, "train", lambda robot, seed: open_run(folder))
     monkeypatch.setattr(proving, "certify", lambda run: proving.CertifyResult(proved))
     # The one that it shows.
-    shown = [row for row in makers.MAKERS if row[0] == "phase-portrait"]
-    monkeypatch.setattr(makers, "MAKERS", shown)
+    shown = [row for row in run_figures.MAKERS if row[0] == "phase-portrait"]
+    monkeypatch.setattr(run_figures, "MAKERS", shown)
     compare(FOLDER / "first_gait.ipynb")
 
 

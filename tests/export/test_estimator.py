@@ -10,7 +10,7 @@ from neuralgaits._quick_jit import quick_filter_jit
 from neuralgaits.control.estimator import estimate, start
 from neuralgaits.control.estimator_poles import Estimator
 from neuralgaits.control.measurement import Measurement
-from neuralgaits.control.stance import StanceState
+from neuralgaits.control.touchdown import StanceState
 from neuralgaits.export import build
 from neuralgaits.export.source import gait_files
 from support.compiled import folder_with

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from neuralgaits.control.stance import StanceConfig
+from neuralgaits.control.touchdown import TouchdownThresholds
 from neuralgaits.logs.contacts import UNKNOWN, loaded, stance_legs
 
 ROWS = 1000
@@ -61,7 +61,7 @@ def test_rows_before_one_foot_alone_stands_have_no_leg(amber, walked):
 
 
 def test_a_force_is_compared_with_the_weight(amber):
-    least = StanceConfig().force_share * float(amber.mass * amber.gravity)
+    least = TouchdownThresholds().force_share * float(amber.mass * amber.gravity)
     assert list(
         loaded(float(amber.mass * amber.gravity), np.array([0.9 * least, 1.1 * least]))
     ) == [False, True]

@@ -13,7 +13,7 @@ from neuralgaits.analysis.command_sweeps import CommandSweep, Family
 from neuralgaits.analysis.poincare_map import poincare
 from neuralgaits.analysis.run import open_run
 from neuralgaits.errors import InputError
-from neuralgaits.report import makers
+from neuralgaits.report import run_figures
 from neuralgaits.report.certificate import certificate_of
 from neuralgaits.report.drawing import command_words
 from neuralgaits.report.drawing.figure_files import FigureFiles
@@ -168,16 +168,16 @@ def test_where_there_is_no_orbit_the_rest_is_drawn_and_it_is_said(family):
 
 
 def test_a_family_without_any_orbit_has_a_line_instead_of_a_figure(run, family, monkeypatch):
-    monkeypatch.setattr(makers, "family_data", lambda run: without(family, 0, 1, 2))
-    with pytest.raises(makers.Absent) as absent:
-        makers.RunFigures(run, certificate_of(run)).family()
+    monkeypatch.setattr(run_figures, "family_data", lambda run: without(family, 0, 1, 2))
+    with pytest.raises(run_figures.Absent) as absent:
+        run_figures.RunFigures(run, certificate_of(run)).family()
     assert "no periodic orbit" in absent.value.reason
     assert absent.value.command.startswith("neuralgaits train amber3m")
 
 
 def test_the_figure_is_one_of_gaits_with_commands_only(run, family, tmp_path, monkeypatch):
-    monkeypatch.setattr(makers, "family_data", lambda run: family)
-    monkeypatch.setattr(makers, "MAKERS", makers.MAKERS[:1])
+    monkeypatch.setattr(run_figures, "family_data", lambda run: family)
+    monkeypatch.setattr(run_figures, "MAKERS", run_figures.MAKERS[:1])
     (found,) = writing.figures(run, out=tmp_path / "told")
     assert isinstance(found, FigureFiles) and found.name == command_words.FAMILY
     assert found.path_png.stat().st_size < 300_000 and found.path_svg.is_file()

@@ -41,7 +41,7 @@ from neuralgaits.report.figures import (
 )
 from neuralgaits.report.figures.full_order_set import FullOrderSet
 from neuralgaits.report.figures.return_map import ProvedOrbit
-from neuralgaits.report.makers import Absent, RunFigures, makers_of
+from neuralgaits.report.run_figures import Absent, RunFigures, makers_of
 from neuralgaits.runs.hashes import file_hashes
 from neuralgaits.runs.names import FIT_SUMMARY, ROBOT, WEIGHTS
 from neuralgaits.workflows.figures import figures

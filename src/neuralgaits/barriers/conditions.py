@@ -150,7 +150,7 @@ class Equality(AbstractCondition):
 
 @dataclass(frozen=True)
 class Fence(AbstractCondition):
-    """The flow on a fence points into the tube (condition C2 of the walking set).
+    """The flow on a fence of `gait.tubes.Tube` points into the tube (C2 of the walking set).
 
     The margin is d zeta / d phase along the flow against the fence's own slope, in tube widths.
     """

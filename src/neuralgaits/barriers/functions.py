@@ -18,6 +18,7 @@ from neuralgaits.robots.dynamics import (
     swing_foot_velocity,
 )
 
+# Those with numbers of their own are classes in `quantities.py` and `feet_quantities.py`.
 at_least = quantities.AtLeast
 at_most = quantities.AtMost
 after_reset = quantities.AfterReset

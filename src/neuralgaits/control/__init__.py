@@ -14,7 +14,7 @@ from neuralgaits.control.law import AbstractLaw
 from neuralgaits.control.measurement import Measurement
 from neuralgaits.control.pd import PAPER, Pd
 from neuralgaits.control.scheduled_pd import ScheduledPd
-from neuralgaits.control.stance import StanceConfig
+from neuralgaits.control.touchdown import TouchdownThresholds
 
 __all__ = [
     "PAPER",
@@ -26,8 +26,8 @@ __all__ = [
     "Measurement",
     "Pd",
     "ScheduledPd",
-    "StanceConfig",
     "TickResult",
+    "TouchdownThresholds",
     "start",
     "step",
     "tell",

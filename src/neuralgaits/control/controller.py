@@ -13,7 +13,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from neuralgaits._types import Actuated, Array, Bool, Coordinates, Float, Int, Scalar, ZeroState
-from neuralgaits.control import command_state, stance, stance_ankle
+from neuralgaits.control import command_state, stance_ankle
 from neuralgaits.control.command_state import CommandState
 from neuralgaits.control.inverse_dynamics import impact_consistent_rates
 from neuralgaits.control.joint_model import JointModel
@@ -26,7 +26,12 @@ from neuralgaits.control.measurement import (
 )
 from neuralgaits.control.momentum import zero_state
 from neuralgaits.control.saturation import ZeroStateBounds, momenta_of_walking, zero_state_bounds
-from neuralgaits.control.stance import StanceConfig, StanceState
+from neuralgaits.control.touchdown import (
+    StanceState,
+    TouchdownThresholds,
+    advance_stance,
+    start_stance,
+)
 from neuralgaits.gait import AbstractPolicy
 from neuralgaits.gait.believed_robot import believed_robot
 from neuralgaits.gait.commands import CommandLimits
@@ -56,7 +61,7 @@ class Controller(eqx.Module):
     law: AbstractLaw
     bounds: ZeroStateBounds
     torque_limit: Float[Array, " m"]
-    stance: StanceConfig = eqx.field(static=True)
+    stance: TouchdownThresholds = eqx.field(static=True)
     period_s: float = eqx.field(static=True)
     reset_residual: ResetCorrection = None
     joints: JointModel | None = None
@@ -70,7 +75,7 @@ class Controller(eqx.Module):
         *,
         z2_range: tuple[float, float] | None = None,
         torque_limit: Actuated | None = None,
-        stance: StanceConfig | None = None,
+        stance: TouchdownThresholds | None = None,
         period_s: float = 1e-3,
         reset_residual: ResetCorrection = None,
         joints: JointModel | None = None,
@@ -99,7 +104,7 @@ class Controller(eqx.Module):
             law=law.with_gains_for(JointResponse(robot)),
             bounds=zero_state_bounds(of_middle, momenta),
             torque_limit=np.asarray(limit, dtype=np.float64),
-            stance=StanceConfig() if stance is None else stance,
+            stance=TouchdownThresholds() if stance is None else stance,
             period_s=period_s,
             reset_residual=reset_residual,
             joints=joints,
@@ -199,7 +204,7 @@ def start(
     shapes = jax.eval_shape(_desired, controller, first, at_rest)
     torques = jax.tree.map(lambda leaf: jnp.zeros(leaf.shape, leaf.dtype), shapes)
     ankle = None if controller.robot.feet is None else jnp.zeros(())
-    return ControllerState(stance.start(leg), jnp.zeros((), jnp.int32), torques, first, ankle)
+    return ControllerState(start_stance(leg), jnp.zeros((), jnp.int32), torques, first, ankle)
 
 
 def tell(
@@ -217,7 +222,7 @@ def step(
     robot, law, joints = controller.robot, controller.law, controller.joints
     q_before, _ = coordinates(robot, measurement, state.stance.leg)
     force, period = measurement.normal_force, controller.period_s
-    standing, touchdown = stance.advance(
+    standing, touchdown = advance_stance(
         controller.stance, robot, state.stance, q_before, force, period
     )
     q, dq = coordinates(robot, measurement, standing.leg)

@@ -24,7 +24,7 @@ from neuralgaits.control.measurement import (
     stance_joints,
 )
 from neuralgaits.control.momentum import zero_state
-from neuralgaits.control.stance import StanceState
+from neuralgaits.control.touchdown import StanceState
 from neuralgaits.gait.zero_coordinates import momentum_of
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.robots.dynamics import angular_momentum, hip_velocity

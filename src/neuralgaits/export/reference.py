@@ -17,7 +17,7 @@ from neuralgaits.control.controller import Controller
 from neuralgaits.control.law import Desired
 from neuralgaits.control.measurement import Measurement
 from neuralgaits.control.safeguard import Fault, SafeguardConfig, SafeguardState, check, guard
-from neuralgaits.control.stance import StanceState
+from neuralgaits.control.touchdown import StanceState
 from neuralgaits.export.cases import NEVER, Cases
 from neuralgaits.export.facts import Design
 from neuralgaits.export.programs import path

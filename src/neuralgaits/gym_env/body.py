@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 
 from neuralgaits._types import Float
 from neuralgaits.control.measurement import leg_joints
-from neuralgaits.control.stance import StanceConfig, touches_down
+from neuralgaits.control.touchdown import TouchdownThresholds, touches_down
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.robots.mjcf_state import Sensors
 from neuralgaits.simulation.setup.plant import PERIOD_S, SUBSTEPS, Plant
@@ -45,7 +45,7 @@ class Body:
     def __init__(self, robot: PlanarBiped, plant: Plant):
         """Compile the plant; `stand` puts the robot onto a leg."""
         self._robot = robot
-        self._stance = StanceConfig()
+        self._stance = TouchdownThresholds()
         self.weight = float(robot.mass * robot.gravity)
         # Once each: the hip of a robot without a torso is in the rows of both legs.
         actuators = plant.state_map.actuators.ravel()
@@ -137,7 +137,7 @@ class Body:
         return self._landed
 
     def _touched_down(self) -> bool:
-        """Return whether the swing foot touched down, by the rules of `control.stance`."""
+        """Return whether the swing foot touched down, by the rules of `control.touchdown`."""
         data, config, swing = self.data, self._stance, 1 - self.leg
         force = data.sensordata[self._touch[swing]]
         if not force:

@@ -3,7 +3,7 @@
 import numpy as np
 
 from neuralgaits._types import Bool, Float, Int
-from neuralgaits.control.stance import StanceConfig
+from neuralgaits.control.touchdown import TouchdownThresholds
 
 UNKNOWN = -1
 """Leg number of the rows before exactly one foot was on the ground."""
@@ -19,7 +19,7 @@ def stance_legs(
 
     A touchdown is a contact of the swing foot in two rows one after another, ahead of the stance
     foot, and not while the last touchdown is still settling: a switch that chatters, a row that
-    glitches and a foot that scuffs end no step. See `control.stance.StanceConfig`.
+    glitches and a foot that scuffs end no step. See `control.touchdown.TouchdownThresholds`.
 
     Args:
         leg_length: of the robot (m).
@@ -29,7 +29,7 @@ def stance_legs(
 
     Returns: [k] 0 or 1; UNKNOWN before the first row in which exactly one foot is on the ground.
     """
-    config = StanceConfig()
+    config = TouchdownThresholds()
     stays = contact.copy()
     stays[:-1] &= contact[1:]
     legs = np.full(len(t), UNKNOWN)
@@ -60,4 +60,4 @@ def loaded(weight: float, force: Float[np.ndarray, " k"]) -> Bool[np.ndarray, " 
         weight: of the robot (N).
         force: normal force on the foot (N). [k]
     """
-    return force > StanceConfig().force_share * weight
+    return force > TouchdownThresholds().force_share * weight

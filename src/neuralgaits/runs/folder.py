@@ -181,7 +181,7 @@ class RunFolder:
         return path
 
     def write_tree(self, file: str, tree: Any) -> None:
-        """Save a pytree's arrays, whole or not at all. See `runs.tree`."""
+        """Save a pytree's arrays, whole or not at all. See `runs.array_tree`."""
         # Imports JAX, which most readers of a run do without.
         from neuralgaits.runs.array_tree import write_tree
 

@@ -1,4 +1,4 @@
-"""Names of the files of a run folder."""
+"""Names of the files that a run itself rests on; docs/run_folder.md has all of a run folder."""
 
 CONFIG, TRAINING_SUMMARY, METRICS = "config.json", "summary.json", "metrics.csv"
 """Settings, results, and the course of the training."""

@@ -6,39 +6,61 @@ order, and however often it was stopped. Each row's `row.json` holds its times.
 
 import csv
 import io
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from neuralgaits.records.swept import UNDISTURBED, SweepConfig, SweepRow
 
-_FIRST = (
-    "row",
-    "robot",
-    "spec",
-    "speed[m/s]",
-    "seed",
-    "state",
-    "reason",
-    "gradient_steps",
-    "loss",
-    "conditions",
-    "conditions_broken",
-    "verdict",
-    "proved_level",
-    "least_margin[scale]",
-    "boxes",
+Column = tuple[str, Callable[[Any], Any]]
+"""A column: its name, with its unit, and its value of a row or of the walks of one."""
+
+_OF_ROW: tuple[Column, ...] = (
+    ("row", lambda row: row.name),
+    ("robot", lambda row: row.robot),
+    ("spec", lambda row: row.spec),
+    ("speed[m/s]", lambda row: row.speed and ":".join(f"{v:g}" for v in row.speed)),
+    ("seed", lambda row: row.seed),
+    ("state", lambda row: row.failure or "done"),
+    ("reason", lambda row: row.reason),
+    ("gradient_steps", lambda row: row.steps),
+    ("loss", lambda row: row.loss),
+    ("conditions", lambda row: row.conditions),
+    ("conditions_broken", lambda row: row.broken),
+    ("verdict", lambda row: row.verdict),
+    ("proved_level", lambda row: row.proved_level),
+    ("least_margin[scale]", lambda row: row.margin),
+    ("boxes", lambda row: row.boxes),
 )
-_GAIT = ("walked_speed[m/s]", "cost_of_transport", "peak_torque[N m]", "least_normal_force[N]")
+_OF_WALKS: tuple[Column, ...] = (
+    ("walked_speed[m/s]", lambda walks: walks.speed_m_s),
+    ("cost_of_transport", lambda walks: walks.cost_of_transport),
+    ("peak_torque[N m]", lambda walks: walks.peak_torque_nm),
+    ("least_normal_force[N]", lambda walks: walks.min_normal_force_n),
+)
 """Columns about the walks of a controller without a disturbance."""
+
+
+def _columns(config: SweepConfig) -> list[Column]:
+    columns = list(_OF_ROW)
+    for law in config.controllers:
+        for name, value in _OF_WALKS:
+            columns.append((f"{law}:{name}", _of_walks(law, UNDISTURBED, value)))
+        for name in (UNDISTURBED, *config.disturbances):
+            columns.append((f"{law}:stays_up:{name}", _of_walks(law, name, lambda w: w.share)))
+    return columns
+
+
+def _of_walks(law: str, disturbance: str, value: Callable[[Any], Any]) -> Callable[[Any], Any]:
+    def of_row(row: SweepRow) -> Any:
+        walks = row.under(law, disturbance)
+        return None if walks is None else value(walks)
+
+    return of_row
 
 
 def header(config: SweepConfig) -> list[str]:
     """Return the columns; `stays_up:DISTURBANCE` is the share of walks that stayed up under it."""
-    names = [*_FIRST]
-    for controller in config.controllers:
-        names += [f"{controller}:{name}" for name in _GAIT]
-        names += [f"{controller}:stays_up:{name}" for name in (UNDISTURBED, *config.disturbances)]
-    return names
+    return [name for name, _ in _columns(config)]
 
 
 def to_csv(config: SweepConfig, rows: Sequence[SweepRow]) -> str:
@@ -46,40 +68,10 @@ def to_csv(config: SweepConfig, rows: Sequence[SweepRow]) -> str:
     out = io.StringIO()
     writer = csv.writer(out, lineterminator="\n")
     writer.writerow(header(config))
+    columns = _columns(config)
     for row in rows:
-        writer.writerow([_cell(value) for value in _values(config, row)])
+        writer.writerow([_cell(value(row)) for _, value in columns])
     return out.getvalue()
-
-
-def _values(config: SweepConfig, row: SweepRow) -> list[Any]:
-    values: list[Any] = [
-        row.name,
-        row.robot,
-        row.spec,
-        None if row.speed is None else ":".join(f"{v:g}" for v in row.speed),
-        row.seed,
-        row.failure or "done",
-        row.reason,
-        row.steps,
-        row.loss,
-        row.conditions,
-        row.broken,
-        row.verdict,
-        row.proved_level,
-        row.margin,
-        row.boxes,
-    ]
-    for controller in config.controllers:
-        own = row.under(controller, UNDISTURBED)
-        gait = (None,) * len(_GAIT)
-        if own is not None:
-            gait = (own.speed_m_s, own.cost_of_transport, own.peak_torque_nm)
-            gait += (own.min_normal_force_n,)
-        values += gait
-        for name in (UNDISTURBED, *config.disturbances):
-            walk = row.under(controller, name)
-            values.append(None if walk is None else walk.share)
-    return values
 
 
 def _cell(value: Any) -> str:

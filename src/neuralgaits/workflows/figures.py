@@ -11,7 +11,7 @@ from neuralgaits.report.certificate import certificate_of
 from neuralgaits.report.drawing.figure import paths_of
 from neuralgaits.report.drawing.figure_files import FigureFiles, MissingFigure
 from neuralgaits.report.drawing.parallel_figures import FigureFile, second_pen, write_all
-from neuralgaits.report.makers import Absent, Maker, RunFigures, makers_of
+from neuralgaits.report.run_figures import Absent, Maker, RunFigures, makers_of
 from neuralgaits.runs.atomic import refuse_unwritable
 
 FOLDER = "figures"
@@ -27,8 +27,8 @@ def figures(
         run: a run, its folder, or `latest`.
         out: folder for the files; `figures` in the run's folder if None.
 
-    Returns: one entry for each figure, always in the same order; `Missing` names the command that
-        makes the figure.
+    Returns: one entry for each figure, always in the same order; `MissingFigure` names the
+        command that makes the figure.
     Raises: RunError with one line if the run is missing or damaged, InputError if `out` is a file.
     """
     return draw(open_run(run), out)

@@ -29,7 +29,7 @@ from neuralgaits.certificate.run_certificate.verified_summary import read_certif
 from neuralgaits.certificate.search.checkpoint import load, open_boxes
 from neuralgaits.episode_rounds.episode_folder import EpisodeFolder
 from neuralgaits.errors import InputError
-from neuralgaits.report import makers, shown_walk
+from neuralgaits.report import run_figures, shown_walk
 from neuralgaits.report.certificate import certificate_of
 from neuralgaits.report.page.closing import missing_parts
 from neuralgaits.report.page.document import document
@@ -130,11 +130,11 @@ def _kept_walk(path: Path) -> tuple[Any, str | None]:
 
 def pictures(*names: str, rare: bool = False) -> Reader:
     """Figures of `report RUN`; if `rare`, drawn of some inputs, and their data read of all."""
-    chosen = [make for name, _, make in makers.MAKERS if name in names]
+    chosen = [make for name, _, make in run_figures.MAKERS if name in names]
 
     def draw(place: Place, path: Path) -> None:
         run = open_run(place.root / RUN)
-        source = makers.RunFigures(run, certificate_of(run))
+        source = run_figures.RunFigures(run, certificate_of(run))
         if rare:
             _ = source.walk
         if "residual-field" in names:
@@ -144,7 +144,7 @@ def pictures(*names: str, rare: bool = False) -> Reader:
             return
         with _instead(gait_data, compute=lambda run: _computed(place)):
             for make in chosen:
-                with contextlib.suppress(makers.Absent):
+                with contextlib.suppress(run_figures.Absent):
                     make(source)
         pyplot.close("all")
 

@@ -12,7 +12,7 @@ from neuralgaits._quick_jit import quick_jit
 from neuralgaits._types import Array, Float
 from neuralgaits.control import ControllerState, TickResult
 from neuralgaits.control.measurement import Measurement, coordinates, stance_joints
-from neuralgaits.control.stance import StanceState
+from neuralgaits.control.touchdown import StanceState
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.simulation.linked.wire import Answer
 from neuralgaits.simulation.ticks.scene import Scene

@@ -11,7 +11,7 @@ from neuralgaits.robots.dynamics import swing_foot
 
 
 @dataclass(frozen=True)
-class StanceConfig:
+class TouchdownThresholds:
     """Thresholds at which a contact of the swing foot is a touchdown.
 
     Attributes:
@@ -36,7 +36,7 @@ class StanceState(NamedTuple):
     """Time since the last touchdown [s]; infinite before the first."""
 
 
-def start(leg: Int[Array, ""] | int = 0) -> StanceState:
+def start_stance(leg: Int[Array, ""] | int = 0) -> StanceState:
     """Return the state of standing on `leg` before any touchdown.
 
     A lockout that ran from the start of an episode would be blind to the touchdown of a robot that
@@ -46,7 +46,7 @@ def start(leg: Int[Array, ""] | int = 0) -> StanceState:
 
 
 def touches_down(
-    config: StanceConfig,
+    config: TouchdownThresholds,
     robot: PlanarBiped,
     force: Scalar | float,
     ahead: Scalar | float,
@@ -67,8 +67,8 @@ def touches_down(
     return loaded & (ahead > config.advance_share * xp.sum(robot.hip)) & unlocked
 
 
-def advance(
-    config: StanceConfig,
+def advance_stance(
+    config: TouchdownThresholds,
     robot: PlanarBiped,
     state: StanceState,
     q: Coordinates,
