@@ -236,6 +236,27 @@ def test_a_late_swing_foot_goes_on_down_and_a_step_is_the_gaits(run):
         np.testing.assert_allclose(
             outputs(policy.beyond, phase), outputs(policy, phase), atol=1e-12
         )
-    lifts = [outputs(policy.beyond, phase)[4] for phase in (1.0, 1.1, 1.2, 1.4)]
-    np.testing.assert_allclose(lifts, policy.lift[1] * np.array([0.0, 0.1, 0.2, 0.4]), atol=1e-8)
+    late = np.array([0.0, 0.1, 0.2, 0.4])
+    lifts = np.array([outputs(policy.beyond, 1.0 + phase)[4] for phase in late])
+    # Lower than at the slope of the end of a step, and ever faster at first.
     assert policy.lift[1] < 0.0
+    assert np.all(lifts[1:] < policy.lift[1] * late[1:] - 0.015)
+    # The next step starts at x0 up to a few millimetres, where kept slopes would be far from it.
+    assert abs(outputs(policy.beyond, 1.4)[2] + begin) < 0.012
+    assert abs(policy.ahead[1] * 0.4) > 0.06
+
+
+@pytest.mark.slow
+def test_it_walks_downhill(run, law, monkeypatch):
+    """With the slopes of the end of a step kept, it falls at the fourth."""
+    gait = run.controller
+    monkeypatch.setattr(spatial_walks, "law_of_gait", lambda *_: law)
+    plan = WalkPlan(
+        controller="pd",
+        starts=starts_of(gait, 1, 0),
+        steps=8,
+        step_s=run.summary.step_s,
+        changes=SpatialChanges(slope_deg=-2.0),
+    )
+    _, log = walk(run.data, gait, plan)
+    assert not log.fell.any() and log.taken.tolist() == [8]
