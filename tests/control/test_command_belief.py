@@ -6,11 +6,13 @@ import jax
 import numpy as np
 import pytest
 
+from neuralgaits._commands import ADAPTABLE
 from neuralgaits.analysis.poincare_map import poincare
 from neuralgaits.analysis.run import open_run
 from neuralgaits.analysis.torso_lean import leans_of
 from neuralgaits.control import lean_sums
 from neuralgaits.control.command_belief import (
+    SETTLED,
     CommandBelief,
     CommandEstimate,
     belief_for,
@@ -20,6 +22,7 @@ from neuralgaits.control.command_belief import (
     slope_under_feet,
     speed_by_lean,
 )
+from neuralgaits.control.speed_adapter import ADAPTED
 from neuralgaits.gait import ZeroDynamics
 from neuralgaits.gait.commands import Command
 from neuralgaits.robots import load_robot
@@ -28,6 +31,10 @@ from support.shipped_run import SHIPPED
 
 LEAN = Command("lean", -0.02, 0.03, 0.0048)
 BELIEF = CommandBelief(-0.02, 0.03, 0.0048, 0.005)
+
+
+def test_adapter_and_belief_change_the_commands_that_can_be_adapted():
+    assert ADAPTABLE == (ADAPTED, *SETTLED)
 
 
 def test_sums_give_the_lean_of_each_whole_step(amber):

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 import pytest
 
+from neuralgaits._commands import ADAPTABLE
 from neuralgaits.gait.commands import Command
 from neuralgaits.simulation.live_tick import StepSpeeds
-from neuralgaits.simulation.ticks.adapted_command import ADAPTABLE
 from neuralgaits.viewer import limited_sliders, live_server, panel
 from neuralgaits.viewer.believed_lean import lean_of
 from neuralgaits.viewer.panel import PUSH, Panel

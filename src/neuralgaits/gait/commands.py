@@ -13,6 +13,7 @@ import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
 
+from neuralgaits._commands import KNOWN_COMMANDS
 from neuralgaits._digits import decimal
 from neuralgaits._names import why_no_name
 from neuralgaits._printable import shown
@@ -23,17 +24,6 @@ LEAN = "lean"
 """Command that says how far ahead of the file the torso's centre of mass is believed to be."""
 SLOPE = "slope"
 """Command that says how the ground under the next foothold lies."""
-UNITS = {"speed": "m/s", "step_length": "m", "step_height": "m", SLOPE: "rad", LEAN: "m"}
-"""Commands that this package knows the meaning of, and their units."""
-FASTEST = 100.0
-"""Largest speed [m/s]: no robot on legs walks faster, so more is a slip of the keyboard."""
-MOST = {
-    "speed": FASTEST,
-    "step_length": 100.0,
-    "step_height": 100.0,
-    SLOPE: 0.5 * math.pi,
-    LEAN: 0.5,
-}
 LEAST_WIDTH = 1e-6
 """Smallest width of the range of a command, in its unit."""
 
@@ -49,9 +39,9 @@ class Command:
     """One number that a gait receives at each touchdown.
 
     Attributes:
-        name: `UNITS` has those with a meaning here; any other is a spec's own.
+        name: `KNOWN_COMMANDS` has those with a meaning here; any other is a spec's own.
         low, high: range of the command, in its unit.
-        largest_change: from one step to the next; None for any.
+        largest_change: largest change from one step to the next; None for any.
     """
 
     name: str
@@ -74,8 +64,8 @@ class Command:
                 f"command {self.name}: expected a range at least {LEAST_WIDTH:g} {self.unit} wide, "
                 f"found {self.low:g}:{self.high:g}"
             )
-        # Largest value of a command, by name or of any other, in its unit.
-        most = MOST.get(self.name, 1e6)
+        known = KNOWN_COMMANDS.get(self.name)
+        most = 1e6 if known is None else known.most
         if not max(abs(self.low), abs(self.high)) <= most:
             raise SpecError(
                 f"command {self.name}: expected a range between -{most:g} and {most:g} "
@@ -91,7 +81,8 @@ class Command:
     @property
     def unit(self) -> str:
         """Unit of the command's values."""
-        return UNITS.get(self.name, "-")
+        known = KNOWN_COMMANDS.get(self.name)
+        return "-" if known is None else known.unit
 
     @property
     def middle(self) -> float:
@@ -231,8 +222,8 @@ class Step(eqx.Module):
 
     Attributes:
         pair: values of the commands.
-        ground: None for level ground.
-        names: of the commands.
+        ground: ground of the step; None for level ground.
+        names: names of the commands.
     """
 
     pair: Pair

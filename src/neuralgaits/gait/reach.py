@@ -6,8 +6,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from neuralgaits._commands import FASTEST
 from neuralgaits.errors import SpecError
-from neuralgaits.gait.commands import FASTEST, LEAN, Commands, command_named
+from neuralgaits.gait.commands import LEAN, Commands, command_named
 from neuralgaits.gait.posture import GUARD, walking_posture
 from neuralgaits.robots.mjcf.leaning import lean_series
 

@@ -20,7 +20,7 @@ WALK_SUMMARY, PLANT, LOG = f"{FOLDER}/summary.json", f"{FOLDER}/plant.xml", f"{F
 MUJOCO = "mujoco"
 STEPS_BEFORE = 5
 """Touchdowns before a push, or half of a shorter walk's: transients have died out by then."""
-_OF_FLOOR = {"floor": "floor_height", "friction": "friction"}
+FLOOR_DISTURBANCES = {"floor": "floor_height", "friction": "friction"}
 """Parameters of a box that change a walk's floor, and the disturbances that they set."""
 _SHOWN = (
     ("speed_m_s", "speed", "m/s"),
@@ -286,7 +286,9 @@ class SimulationSummary(WalkFigures, WalkSettings):
     @property
     def changed(self) -> dict[str, Any]:
         """Changes of the plant, without those of a floor that belongs to the box."""
-        of_box = {_OF_FLOOR[kind] for kind in self.parameters if kind in _OF_FLOOR}
+        of_box = {
+            FLOOR_DISTURBANCES[kind] for kind in self.parameters if kind in FLOOR_DISTURBANCES
+        }
         return {name: value for name, value in (self.disturb or {}).items() if name not in of_box}
 
     def unsaid(self) -> Collection[str]:

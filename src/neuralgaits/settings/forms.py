@@ -5,19 +5,10 @@ import re
 from collections.abc import Iterable, Mapping
 from typing import Literal
 
+from neuralgaits._commands import ADAPTABLE, KNOWN_COMMANDS
 from neuralgaits._digits import decimal, whole
 from neuralgaits.errors import InputError
 
-COMMAND_UNITS = {
-    "speed": "m/s",
-    "step_length": "m",
-    "step_height": "m",
-    "slope": "degrees",
-    "lean": "m",
-}
-"""Commands of a gait, with their units on the command line."""
-ADAPTABLE = "speed", "lean", "slope"
-"""Commands that can be adapted, in the order in which they are written."""
 LEARNED: Literal["learned"] = "learned"
 """Word that stands for the two bounds of the run's residual."""
 Interval = tuple[float, float]
@@ -40,7 +31,8 @@ def interval(name: str, text: str) -> Interval:
     values = _values(text)
     if len(values) != 2:
         flag = f"--{name.replace('_', '-')}"
-        raise InputError(f"{flag}: expected LOW:HIGH in {COMMAND_UNITS[name]}, found {text!r}")
+        unit = KNOWN_COMMANDS[name].typed_unit
+        raise InputError(f"{flag}: expected LOW:HIGH in {unit}, found {text!r}")
     return values[0], values[1]
 
 

@@ -30,9 +30,7 @@ from neuralgaits.simulation.ticks.falls import Ending
 from neuralgaits.simulation.ticks.tick import TickOutcome, TickRecord
 
 CHANGEABLE = ("friction", "torque_limit", "slope_deg", "mass_scale", "torso_shift_m")
-"""Disturbances that may change while the robot walks."""
-CHANGEABLE_ON_BLOCKS = ("friction", "torque_limit", "mass_scale", "torso_shift_m")
-"""Disturbances that may change while the robot walks on a course of blocks."""
+"""Disturbances that may change while the robot walks; on blocks the slope may not."""
 _TILT_TICKS = 10
 """Ticks between two small turns of the floor."""
 
@@ -198,7 +196,7 @@ class LiveWalk:
         The floor turns about the stance foot, at `TILT_DEG_S`; the rest changes at once.
         Raises: InputError for a disturbance that cannot change now or is out of its range.
         """
-        changeable = CHANGEABLE if self._ground is None else CHANGEABLE_ON_BLOCKS
+        changeable = [n for n in CHANGEABLE if self._ground is None or n != "slope_deg"]
         if stray := sorted(set(changes) - set(changeable)):
             raise InputError(f"expected changes of {', '.join(changeable)}, found {stray}")
         self._rebuild(replace(self.plant.disturbance, **changes))

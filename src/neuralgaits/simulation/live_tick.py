@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 import equinox as eqx
 import numpy as np
 
+from neuralgaits._commands import ADAPTABLE
 from neuralgaits._types import Float
 from neuralgaits.control import Controller
 from neuralgaits.control.speed_adapter import ADAPTED
@@ -18,7 +19,7 @@ from neuralgaits.simulation.native.records import record_of
 from neuralgaits.simulation.native.struct_layout import pointer
 from neuralgaits.simulation.setup.plant import Plant
 from neuralgaits.simulation.setup.push import Push
-from neuralgaits.simulation.ticks.adapted_command import ADAPTABLE, AdaptedCommand
+from neuralgaits.simulation.ticks.adapted_command import AdaptedCommand
 from neuralgaits.simulation.ticks.batch import Batch, compile_batch, numbers, pack
 from neuralgaits.simulation.ticks.falls import ENDLESS
 from neuralgaits.simulation.ticks.scene import PlantReading, Scene

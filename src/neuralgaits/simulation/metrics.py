@@ -2,11 +2,12 @@
 
 import numpy as np
 
+from neuralgaits._commands import KNOWN_COMMANDS
 from neuralgaits._types import Array, Float
 from neuralgaits.control import ClfQp
 from neuralgaits.control.speed_adapter import ADAPTED
 from neuralgaits.gait import Orbit
-from neuralgaits.gait.commands import LEAN, SLOPE, UNITS, Command, Commands, place_of
+from neuralgaits.gait.commands import LEAN, SLOPE, Command, Commands, place_of
 from neuralgaits.records.adapted_speeds import AdaptedSpeeds, BelievedLean, BelievedSlope
 from neuralgaits.records.simulated import CommandError, ModelOrbit, RelaxedShares, WalkFigures
 from neuralgaits.simulation.setup.course import Courses
@@ -88,7 +89,7 @@ def command_errors(commands: Commands, strides: list[Strides]) -> dict[str, Comm
         misses = [_misses(command.name, i, strides_of_walk) for strides_of_walk in strides]
         all_of_them = np.abs(np.concatenate([np.zeros(0), *misses]))
         # A lean that is told is a belief, and no step has to meet it.
-        if command.name in UNITS and command.name != LEAN:
+        if command.name in KNOWN_COMMANDS and command.name != LEAN:
             measured = all_of_them.size > 0
             errors[command.name] = CommandError(
                 float(np.mean(all_of_them)) if measured else None,

@@ -5,6 +5,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from neuralgaits._commands import ADAPTABLE
 from neuralgaits._types import Float
 from neuralgaits.analysis.point_evaluator import ENDS, PlaneChart, PointEvaluator
 from neuralgaits.analysis.run import Run
@@ -21,7 +22,6 @@ from neuralgaits.simulation.setup.live_course import LiveCourse
 from neuralgaits.simulation.setup.plant import PERIOD_S
 from neuralgaits.simulation.setup.starts import momentum_range
 from neuralgaits.simulation.setup.terrain_kinds import commands_from_terrain
-from neuralgaits.simulation.ticks.adapted_command import ADAPTABLE
 from neuralgaits.simulation.ticks.falls import Ending
 from neuralgaits.viewer.believed_lean import lean_of
 from neuralgaits.viewer.live_monitor import LiveMonitor

@@ -7,15 +7,13 @@ import subprocess
 import sys
 
 from neuralgaits._compiler import Compiler
-from neuralgaits._environment import why_jax_failed
+from neuralgaits._environment import OFF_SCREEN, why_jax_failed
 from neuralgaits._version import __version__
 from neuralgaits.records.installed import Finding, Machine
 
 _RENDER = "from neuralgaits.simulation.video import trial; trial()"
 """Code that does the first part of `simulate --video`."""
 _RENDER_TIMEOUT_S = 60.0
-_WITHOUT_SCREEN = ("egl", "osmesa")
-"""Values of MUJOCO_GL that need no window."""
 _EXTRAS = {
     "video": ("imageio_ffmpeg", "imageio-ffmpeg", "videos"),
     "hzd": ("casadi", "CasADi", "`optimise`"),
@@ -78,7 +76,7 @@ def _opengl() -> Finding:
     setting = f"MUJOCO_GL={os.environ.get('MUJOCO_GL', 'default')}"
     if _renders():
         return _finding(True, f"{setting}: renders", "", needed=False)
-    other = next((backend for backend in _WITHOUT_SCREEN if _renders(backend)), None)
+    other = next((backend for backend in OFF_SCREEN if _renders(backend)), None)
     fix = (
         "for videos, install Mesa (libegl1 and libgl1 on Debian), then set MUJOCO_GL=egl"
         if other is None

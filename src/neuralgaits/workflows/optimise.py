@@ -3,9 +3,9 @@
 import time
 from pathlib import Path
 
+from neuralgaits._commands import FASTEST
 from neuralgaits.analysis.run import Run
 from neuralgaits.errors import InputError
-from neuralgaits.gait.commands import FASTEST
 from neuralgaits.gait.reach import refuse_speed
 from neuralgaits.hzd.solver import Optimiser
 from neuralgaits.records.training_config import HIGHEST_DEGREE, GaitOrigin

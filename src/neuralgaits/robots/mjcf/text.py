@@ -76,6 +76,7 @@ def _parse(text: str, path: Path) -> ElementTree.Element:
     if root.tag == "robot":
         raise RobotError(
             f"{path.name} starts with <robot>: expected MJCF, whose root is <mujoco>, found a URDF"
+            ": give an MJCF file"
         )
     if root.tag not in ("mujoco", "mujocoinclude"):
         raise RobotError(

@@ -122,13 +122,8 @@ def existing(kind: type[PlantChanges] = PlantChanges) -> str:
     return "; ".join(f"{entry.name}: {entry.metadata['meaning']}" for entry in fields(kind))
 
 
-def parse(disturb: "str | Mapping[str, float] | PlantChanges | None") -> PlantChanges:
-    """Read the changes of a walker in the plane; see `parse_as`."""
-    return parse_as(PlantChanges, disturb)
-
-
-def parse_as(
-    kind: type[Changes], disturb: "str | Mapping[str, float] | PlantChanges | None"
+def parse(
+    disturb: str | Mapping[str, float] | PlantChanges | None, kind: type[Changes] = PlantChanges
 ) -> Changes:
     """Read `NAME=VALUE,...`, or a mapping of names to values, of a kind of changes.
 

@@ -7,6 +7,7 @@ import numpy as np
 
 from neuralgaits._types import Float
 from neuralgaits.errors import InputError
+from neuralgaits.records.simulated import FLOOR_DISTURBANCES
 from neuralgaits.robots import PlanarBiped
 from neuralgaits.robots.mjcf.parameters import RobotFamily, axes_of, in_its_file
 from neuralgaits.robots.parameter_box import checked_box
@@ -61,12 +62,12 @@ class DrawnRobots:
 
         Raises: InputError if both set the floor.
         """
-        named = {"floor": "floor_height", "friction": "friction"}
-        extents = {named[kind]: self.box[kind] for kind in named if kind in self.box}
+        named = FLOOR_DISTURBANCES.items()
+        extents = {name: self.box[kind] for kind, name in named if kind in self.box}
         default = PlantChanges()
-        for kind in named.values():
-            if kind in extents and getattr(disturbance, kind) != getattr(default, kind):
+        for name in extents:
+            if getattr(disturbance, name) != getattr(default, name):
                 raise InputError(
-                    f"expected {kind} of --disturb or of --parameters, found both: leave one out"
+                    f"expected {name} of --disturb or of --parameters, found both: leave one out"
                 )
         return replace(disturbance, **extents)

@@ -21,9 +21,6 @@ from neuralgaits.control.speed_adapter import ADAPTED, StepOdometer
 from neuralgaits.gait.commands import LEAN, SLOPE, Commands, place_of
 from neuralgaits.robots import PlanarBiped
 
-ADAPTABLE = ADAPTED, *SETTLED
-"""Commands that can be adapted, in the order in which they are written."""
-
 
 class AdaptedCommand:
     """Adapter, odometer and beliefs of one robot; without such commands it changes nothing.

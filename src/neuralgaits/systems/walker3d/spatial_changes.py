@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from neuralgaits.errors import InputError
-from neuralgaits.simulation.setup.disturbance import PlantChanges, parse_as, quantity
+from neuralgaits.simulation.setup.disturbance import PlantChanges, parse, quantity
 from neuralgaits.simulation.setup.sensing import sensed
 
 TICK_S = 0.001
@@ -47,4 +47,4 @@ def changes_of(
     disturb: str | Mapping[str, float] | PlantChanges | None, sensing: str | None
 ) -> SpatialChanges:
     """Return the changes that a walk is asked for. Raises: InputError in one line."""
-    return sensed(parse_as(SpatialChanges, disturb), sensing)
+    return sensed(parse(disturb, SpatialChanges), sensing)
