@@ -19,16 +19,16 @@ from typing import NamedTuple
 import numpy as np
 from common import whole
 
+from neuralgaits._commands import ADAPTABLE
 from neuralgaits.analysis.run import Run, open_run
 from neuralgaits.control.speed_adapter import ADAPTED
 from neuralgaits.gait.commands import Commands, place_of
 from neuralgaits.records.adapted_speeds import SETTLED_STEPS
 from neuralgaits.simulation.native.compiled_walk import Library
-from neuralgaits.simulation.setup.command_schedule import orders_of
+from neuralgaits.simulation.setup.command_schedule import schedule_of
 from neuralgaits.simulation.setup.disturbance import parse
 from neuralgaits.simulation.setup.disturbance_set import DISTURBANCE_SET
 from neuralgaits.simulation.setup.sensing import sensed
-from neuralgaits.simulation.ticks.adapted_command import ADAPTABLE
 from neuralgaits.simulation.ticks.stride_table import Strides
 from neuralgaits.simulation.trained_walks import TrainedWalks, at_first, walk_engine_for
 from support.shipped_run import SHIPPED
@@ -113,8 +113,8 @@ def _walked(
     adapt: tuple[str, ...],
 ) -> Row:
     """Walk as often as is wanted."""
-    orders = orders_of(run.trained.commands, {"speed": told})
-    first = at_first(run, orders.first)
+    schedule = schedule_of(run.trained.commands, {"speed": told})
+    first = at_first(run, schedule.first)
     walked = TrainedWalks(
         run=first,
         library=library,
@@ -125,7 +125,7 @@ def _walked(
         push=0.0,
         disturbance=sensed(STANDARD.get(disturb) or parse(disturb or None), SENSING),
         seed=0,
-        orders=orders,
+        schedule=schedule,
         threads=1,
         adapt=adapt,
     ).walk(0, WALKS)

@@ -165,7 +165,7 @@ def falls_in_mujoco(
             push=0.0,
             disturbance=PlantChanges(torso_shift_m=float(lean)),
             seed=0,
-            orders=CommandSchedule(run.trained.commands, told[0], told[1:]),
+            schedule=CommandSchedule(run.trained.commands, told[0], told[1:]),
             threads=1,
         ).walk(number, 1)
         fell += sum(ending.fell for ending in walked.episodes.endings)

@@ -5,6 +5,7 @@ run may change the folder that all other paths start from.
 """
 
 import contextlib
+import csv
 import os
 import re
 import stat
@@ -103,6 +104,24 @@ def refuse_unreadable(
         raise InputError(
             f"expected a file of at most {most} bytes, found {status.st_size} at {path}: {remedy}"
         )
+
+
+def csv_lines(path: Path, what: str) -> list[list[str]]:
+    """Return the lines of a CSV file that are not blank, as lists of their words.
+
+    Args:
+        path: path of the file.
+        what: what its rows are, for the message.
+
+    Raises: InputError in one line.
+    """
+    refuse_unreadable(path)
+    try:
+        with path.open(newline="", encoding="utf-8-sig") as file:
+            return [line for line in csv.reader(file) if any(word.strip() for word in line)]
+    except (OSError, UnicodeDecodeError, csv.Error) as error:
+        reason = getattr(error, "strerror", None) or "it is no text in UTF-8"
+        raise InputError(f"expected a CSV file of {what} at {path}, found none: {reason}") from None
 
 
 def between_commas(line: str) -> str:

@@ -12,7 +12,7 @@ from neuralgaits.analysis.torso_lean import leans_of
 from neuralgaits.errors import InputError
 from neuralgaits.robots import load_robot
 from neuralgaits.simulation.native_walk import engine_of_trained
-from neuralgaits.simulation.setup.command_schedule import orders_of
+from neuralgaits.simulation.setup.command_schedule import schedule_of
 from neuralgaits.simulation.setup.disturbance import parse
 from neuralgaits.simulation.trained_walks import TrainedWalks, at_first
 from neuralgaits.workflows import adapted_walk
@@ -34,8 +34,8 @@ def run(tmp_path_factory):
 
 def walks_of(run, disturb="", *, commands=None, native=True, steps=8, adapt=("speed",)):
     told = "speed=0.7" if commands is None else None
-    orders = orders_of(run.trained.commands, told, commands, 3)
-    first = at_first(run, orders.first)
+    schedule = schedule_of(run.trained.commands, told, commands, 3)
+    first = at_first(run, schedule.first)
     return TrainedWalks(
         run=first,
         library=engine_of_trained(first).library if native else None,
@@ -46,7 +46,7 @@ def walks_of(run, disturb="", *, commands=None, native=True, steps=8, adapt=("sp
         push=0.0,
         disturbance=parse(disturb),
         seed=0,
-        orders=orders,
+        schedule=schedule,
         adapt=adapt,
     )
 
@@ -115,8 +115,8 @@ def test_without_it_nothing_changes_and_speeds_are_measured(run):
     np.testing.assert_array_equal(walked.commands[:, 0], walked.reference)
     speeds = np.diff(walked.hip) / np.diff(walked.time)
     assert np.max(np.abs(walked.measured[1:] - speeds)) < 2e-3
-    orders = iter(orders_of(run.trained.commands, None, "random", 3).of(0))
-    np.testing.assert_array_equal(walked.commands[1:, 0], [next(orders)[0] for _ in range(7)])
+    schedule = iter(schedule_of(run.trained.commands, None, "random", 3).of(0))
+    np.testing.assert_array_equal(walked.commands[1:, 0], [next(schedule)[0] for _ in range(7)])
 
 
 @pytest.mark.slow

@@ -15,7 +15,7 @@ from neuralgaits.simulation.linked.config import LinkConfig
 from neuralgaits.simulation.linked.connect import connected
 from neuralgaits.simulation.metrics import command_errors
 from neuralgaits.simulation.native_walk import engine_of_trained
-from neuralgaits.simulation.setup.command_schedule import CommandSchedule, orders_of
+from neuralgaits.simulation.setup.command_schedule import CommandSchedule, schedule_of
 from neuralgaits.simulation.setup.starts import full_states, momentum_range
 from neuralgaits.simulation.ticks.stride_table import Strides
 from neuralgaits.simulation.walk import walk
@@ -34,14 +34,14 @@ def run(amber, tmp_path_factory):
     return Run(folder, amber, specs.commanded(amber, (SPEED,)), family_for("amber3m"))
 
 
-def walked(run, orders, **settings):
+def walked(run, schedule, **settings):
     starts = full_states(run.zero_dynamics, run.gait, "centre", seed=0, episodes=2)
     return walk(
         run.robot,
         run.trained.policy,
         starts,
         z2_range=momentum_range(run.trained),
-        orders=orders,
+        schedule=schedule,
         **settings,
     ).episodes
 
@@ -66,12 +66,12 @@ def same(one, two):
 @pytest.mark.slow
 def test_a_process_is_told_what_python_is_told(run):
     """The exported controller at the other end of a wire, in lock-step."""
-    orders = CommandSchedule((SPEED,), np.array([0.725]), np.array([[0.5], [0.78], [0.9]]))
+    schedule = CommandSchedule((SPEED,), np.array([0.725]), np.array([[0.5], [0.78], [0.9]]))
     settings = {"controller": "pd", "steps": 3, "longest": 900}
-    here = walked(run, orders, **settings)
+    here = walked(run, schedule, **settings)
     design = commanded_design("amber3m", {"pd": LAWS["pd"]}, (SPEED,))
     with connected(design, LinkConfig(lockstep=True), 2, 0) as remote:
-        there = walked(run, orders, remote=remote, **settings)
+        there = walked(run, schedule, remote=remote, **settings)
         assert remote.summary().faults == (0, 0)
     for ours, theirs in zip(here.strides, there.strides, strict=True):
         # A change that is too large is spread over steps at both ends.
@@ -86,9 +86,9 @@ def test_a_process_is_told_what_python_is_told(run):
 def test_both_engines_walk_alike(run):
     """Under pd; under fblin in `test_floors_are_as_high_as_they_are_told`."""
     library = engine_of_trained(run, "native").library
-    orders = CommandSchedule((SPEED,), np.array([0.725]), np.array([[0.5], [0.78], [0.9]]))
+    schedule = CommandSchedule((SPEED,), np.array([0.725]), np.array([[0.5], [0.78], [0.9]]))
     settings = {"controller": "pd", "steps": 3, "longest": 900}
-    one, two = walked(run, orders, **settings), walked(run, orders, library=library, **settings)
+    one, two = walked(run, schedule, **settings), walked(run, schedule, library=library, **settings)
     same(one, two)
     # Clamped to the range and to the largest change; the first step is told the first command.
     told = one.records[0].result.commands
@@ -98,16 +98,16 @@ def test_both_engines_walk_alike(run):
 
 
 def test_random_orders_may_follow_each_other():
-    orders = orders_of((SPEED, FOOTHOLDS[0]), None, "random", 3)
-    rows = orders.of(5)
-    drawn = np.array([orders.first, *(next(rows) for _ in range(400))])
+    schedule = schedule_of((SPEED, FOOTHOLDS[0]), None, "random", 3)
+    rows = schedule.of(5)
+    drawn = np.array([schedule.first, *(next(rows) for _ in range(400))])
     assert np.all(np.abs(np.diff(drawn[:, 0])) <= SPEED.largest_change)
     for i, command in enumerate((SPEED, FOOTHOLDS[0])):
         assert command.low <= drawn[:, i].min() < command.low + 0.05
         assert command.high - 0.05 < drawn[:, i].max() <= command.high
-    again = orders.of(5)
+    again = schedule.of(5)
     np.testing.assert_array_equal(drawn[1], next(again))
-    assert not np.array_equal(drawn[1], next(orders.of(6)))
+    assert not np.array_equal(drawn[1], next(schedule.of(6)))
 
 
 @pytest.mark.parametrize("mark", ["", "\ufeff"], ids=["plain", "as spreadsheets write it"])
@@ -115,9 +115,9 @@ def test_a_file_of_commands_is_a_row_a_step(tmp_path, mark):
     file = tmp_path / "told.csv"
     text = "step, step_length[m],speed[m/s]\n1,0.33,0.6\n2,0.34,0.65\n\n3,0.35,0.7\n"
     file.write_text(mark + text, encoding="utf-8")
-    orders = orders_of((SPEED, FOOTHOLDS[0]), None, file)
-    rows = orders.of(0)
-    np.testing.assert_allclose(orders.first, [0.6, 0.33])
+    schedule = schedule_of((SPEED, FOOTHOLDS[0]), None, file)
+    rows = schedule.of(0)
+    np.testing.assert_allclose(schedule.first, [0.6, 0.33])
     np.testing.assert_allclose(
         [next(rows) for _ in range(4)], [[0.65, 0.34], [0.7, 0.35], [0.7, 0.35], [0.7, 0.35]]
     )
@@ -143,7 +143,7 @@ def test_bad_files_are_one_line(tmp_path, text):
     file = tmp_path / "told.csv"
     file.write_text(text)
     with pytest.raises(InputError, match=FILES[text]) as error:
-        orders_of((SPEED,), None, file)
+        schedule_of((SPEED,), None, file)
     assert "\n" not in str(error.value)
 
 
@@ -170,16 +170,19 @@ def test_bad_orders_are_one_line_and_leave_nothing(run, asked, message):
 
 def test_flags_speak_of_degrees_and_mappings_of_radians():
     slope = Command("slope", -math.radians(5.0), math.radians(5.0))
-    flag, mapping = orders_of((slope,), "slope=3"), orders_of((slope,), {"slope": math.radians(3)})
+    flag, mapping = (
+        schedule_of((slope,), "slope=3"),
+        schedule_of((slope,), {"slope": math.radians(3)}),
+    )
     np.testing.assert_array_equal(flag.first, mapping.first)
     told = r"-0\.08\d* and 0\.08\d* rad, found 0\.122\d*; in degrees -5 to 5, and 7"
     with pytest.raises(InputError, match=told):
-        orders_of((slope,), "slope=7")
+        schedule_of((slope,), "slope=7")
 
 
 def test_a_gait_without_commands_refuses_them():
     with pytest.raises(InputError, match="expected a gait that takes commands"):
-        orders_of((), "speed=0.6")
+        schedule_of((), "speed=0.6")
 
 
 def test_errors_are_those_of_the_steady_steps():
@@ -213,9 +216,9 @@ def test_floors_are_as_high_as_they_are_told(amber, tmp_path):
     stones = Run(folder, amber, specs.commanded(amber, FOOTHOLDS), family)
     library = engine_of_trained(stones, "native").library
     table = np.array([[0.34, -0.004], [0.35, 0.006]])
-    orders = CommandSchedule(FOOTHOLDS, np.array([0.345, 0.0]), table)
+    schedule = CommandSchedule(FOOTHOLDS, np.array([0.345, 0.0]), table)
     settings = {"controller": "fblin", "steps": 3, "record": True, "longest": 900}
-    one, two = (walked(stones, orders, library=each, **settings) for each in (None, library))
+    one, two = (walked(stones, schedule, library=each, **settings) for each in (None, library))
     same(one, two)
     np.testing.assert_allclose(one.floors, two.floors, atol=1e-12)
     rises = {round(float(abs(a - b)), 6) for a, b in one.floors}

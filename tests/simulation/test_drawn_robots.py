@@ -10,7 +10,7 @@ from neuralgaits.analysis.run import open_run
 from neuralgaits.errors import InputError
 from neuralgaits.robots import load_robot
 from neuralgaits.simulation.native_walk import engine_of_trained
-from neuralgaits.simulation.setup.command_schedule import orders_of
+from neuralgaits.simulation.setup.command_schedule import schedule_of
 from neuralgaits.simulation.setup.disturbance import PlantChanges
 from neuralgaits.simulation.setup.drawn_robots import DrawnRobots
 from neuralgaits.simulation.trained_walks import TrainedWalks, to_arrays
@@ -60,7 +60,7 @@ def test_each_walk_is_of_its_own_robot(trained, choice):
         push=0.0,
         disturbance=PlantChanges(),
         seed=1,
-        orders=orders_of((), None, None, 1),
+        schedule=schedule_of((), None, None, 1),
         drawn=drawn,
         threads=1,
     )

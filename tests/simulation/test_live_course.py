@@ -46,7 +46,7 @@ def ground_of(run, asked, seed=2):
 
 def start_of(run, ground):
     names = (c.name for c in run.trained.commands)
-    first = map(float, ground.courses.orders.first)
+    first = map(float, ground.courses.schedule.first)
     gait = run.at(**dict(zip(names, first, strict=True))).gait
     return full_states(run.zero_dynamics, gait, "centre", seed=0, episodes=1)
 

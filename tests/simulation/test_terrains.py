@@ -128,8 +128,8 @@ def test_both_engines_walk_alike_and_a_missed_stone_is_a_fall(runs):
     tops[2] += (0.1, 0.0, 0.1, 0.0)
     wrong = Course(tops, right.seen, stones=True)
     laid = courses(run, "stones", steps=3, seed=2)
-    laid = Courses((right, wrong), laid.orders, laid.foot_radius)
-    first = dict(zip((c.name for c in FOOTHOLDS), map(float, laid.orders.first), strict=True))
+    laid = Courses((right, wrong), laid.schedule, laid.foot_radius)
+    first = dict(zip((c.name for c in FOOTHOLDS), map(float, laid.schedule.first), strict=True))
     starts = full_states(run.zero_dynamics, run.at(**first).gait, "centre", seed=0, episodes=2)
 
     def walked(library):

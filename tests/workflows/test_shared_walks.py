@@ -14,7 +14,7 @@ from neuralgaits.robots import load_robot
 from neuralgaits.simulation import shared_walks
 from neuralgaits.simulation.metrics import summary
 from neuralgaits.simulation.native_walk import engine_of_trained
-from neuralgaits.simulation.setup.command_schedule import orders_of
+from neuralgaits.simulation.setup.command_schedule import schedule_of
 from neuralgaits.simulation.setup.disturbance import PlantChanges
 from neuralgaits.simulation.shared_walks import SharedWalks
 from neuralgaits.simulation.trained_walks import TrainedWalks, at_first
@@ -33,8 +33,8 @@ def small_parts(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def _shared(run: Any, *, commands: str | None = None, plant: str | None = None) -> SharedWalks:
-    orders = orders_of(run.trained.commands, None, commands, 4)
-    first = at_first(run, orders.first)
+    schedule = schedule_of(run.trained.commands, None, commands, 4)
+    first = at_first(run, schedule.first)
     walks = TrainedWalks(
         run=first,
         library=engine_of_trained(first).library,
@@ -45,7 +45,7 @@ def _shared(run: Any, *, commands: str | None = None, plant: str | None = None) 
         push=3.0,
         disturbance=ROUGH,
         seed=4,
-        orders=orders,
+        schedule=schedule,
     )
     return SharedWalks(walks, None, None, commands)
 

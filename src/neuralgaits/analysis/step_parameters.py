@@ -12,9 +12,6 @@ from neuralgaits.gait.commands import Pair
 from neuralgaits.gait.reset_residual import ResetCorrection
 from neuralgaits.robots import PlanarBiped
 
-_AT_ONCE = 64
-"""Steps whose parameters are computed together."""
-
 
 def step_parameters(run: Run, commands: Float[np.ndarray, "N 2 p"]) -> Float[np.ndarray, "N s"]:
     """Return the parameters that the controller had for the step of each tick.
@@ -28,14 +25,15 @@ def step_parameters(run: Run, commands: Float[np.ndarray, "N 2 p"]) -> Float[np.
     policy, robot, residual = run.trained.policy, run.robot, run.residuals.reset
 
     def some(before: np.ndarray, after: np.ndarray) -> tuple[Array]:
-        return (_of_steps(policy, robot, residual, Pair(before, after)),)
+        return (parameters_of_pairs(policy, robot, residual, Pair(before, after)),)
 
-    (parameters,) = in_blocks(some, _AT_ONCE, sides[:, 0], sides[:, 1])
+    (parameters,) = in_blocks(some, 64, sides[:, 0], sides[:, 1])
     return np.asarray(parameters)[which.reshape(-1)]
 
 
 @quick_filter_jit
-def _of_steps(
+def parameters_of_pairs(
     policy: AbstractPolicy, robot: PlanarBiped, residual: ResetCorrection, pairs: Pair
 ) -> Float[Array, "N s"]:
+    """Return the parameters of steps with these commands; compiled for each number of steps."""
     return jax.vmap(lambda pair: policy.parameters_of_step(robot, pair, residual))(pairs)

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 from rich.text import Text
 
-from neuralgaits.cli.screen_tables import show_facts, show_sentence, show_table
+from neuralgaits.cli.screen_tables import short, show_facts, show_sentence, show_table
 from neuralgaits.records.episode_records import EpisodesSummary
 from neuralgaits.records.record import Pair
 from neuralgaits.runs.shell_words import command, named
@@ -30,7 +30,7 @@ def show_episodes(result: EpisodesSummary) -> None:
             _range(entry.speed_range_m_s),
             _percent(entry.barriers.tube),
             _left(entry.heldout_error, entry.nominal_heldout_error),
-            _number(entry.loss),
+            short(entry.loss),
         )
         for entry in rounds
     ]
@@ -66,7 +66,3 @@ def _percent(share: float | None) -> str:
 
 def _left(error: float | None, nominal: float | None) -> str:
     return _percent(error / nominal) if error is not None and nominal else "-"
-
-
-def _number(value: float | None) -> str:
-    return "-" if value is None else f"{value:.3g}"

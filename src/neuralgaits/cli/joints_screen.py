@@ -1,5 +1,7 @@
 """Result of `fit --joints` as tables for a person, on stdout."""
 
+import math
+import statistics
 from typing import Any
 
 from rich.text import Text
@@ -21,17 +23,18 @@ def show_joints(result: IdentifiedJoints) -> None:
     """Show the numbers of every joint with intervals, and where to go with them."""
     verdict = Text("identified", "green") if result.better else Text("not identified", "red")
     errors = zip(*((one.nominal_error_nm, one.error_nm) for one in result.joints), strict=True)
-    file, identified = (_mean_square(some) for some in errors)
+    file, identified = (math.sqrt(statistics.fmean(e**2 for e in some)) for some in errors)
     show_sentence(
         verdict,
         f": torques of held-out strides are explained to {identified:.3g} N m rms, by the robot "
         f"file to {file:.3g} N m",
     )
     for joint in result.joints:
-        rows = [
-            (f"{what} [{unit}]", *_cells(getattr(joint, field)))
-            for field, what, unit in _QUANTITIES
-        ]
+        rows = []
+        for field, what, unit in _QUANTITIES:
+            one: Estimate = getattr(joint, field)
+            interval = f"{one.low:.4f} to {one.high:.4f}"
+            rows.append((f"{what} [{unit}]", f"{one.value:.4f}", interval, f"{one.file:.4f}"))
         show_table((", ".join(joint.names), "from logs", "95 % interval", "file"), rows)
     out = ", ".join(f"{count} {reason}" for reason, count in result.left_out.items() if count)
     strides = f"{result.strides} strides, {result.heldout_strides} more held out"
@@ -45,14 +48,6 @@ def show_joints(result: IdentifiedJoints) -> None:
             *([] if result.written is None else [("robot file", result.written)]),
         ]
     )
-
-
-def _cells(number: Estimate) -> tuple[str, str, str]:
-    return f"{number.value:.4f}", f"{number.low:.4f} to {number.high:.4f}", f"{number.file:.4f}"
-
-
-def _mean_square(errors: tuple[float, ...]) -> float:
-    return (sum(error**2 for error in errors) / len(errors)) ** 0.5
 
 
 def _boxes(result: IdentifiedJoints) -> list[tuple[str, Any]]:

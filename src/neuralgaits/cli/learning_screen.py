@@ -2,7 +2,7 @@
 
 from rich.text import Text
 
-from neuralgaits.cli.screen_tables import show_facts, show_sentence, show_table
+from neuralgaits.cli.screen_tables import short, show_facts, show_sentence, show_table
 from neuralgaits.records.fitted import FitSummary, TouchdownErrors
 from neuralgaits.runs.shell_words import command, named
 
@@ -20,20 +20,20 @@ def show_fit(result: FitSummary) -> None:
     share = f"{100.0 * learned / nominal:.3g} %" if nominal and learned is not None else "all"
     verdict = Text("learned" if better else "not learned", "green" if better else "red")
     show_sentence(verdict, f": {share} of the model's error is left on held-out strides")
-    floor = _number(result.binned_floor)
-    trained = _number(result.nominal_train_error), _number(result.train_error)
+    floor = short(result.binned_floor)
+    trained = short(result.nominal_train_error), short(result.train_error)
     show_table(
         ("error over 0.1 s, in steps and momenta", "model", "learned", "best table"),
         [
             ("learned from", *trained, ""),
-            ("held out", _number(nominal), _number(learned), floor),
+            ("held out", short(nominal), short(learned), floor),
         ],
     )
     _landings(result.touchdowns)
     bounds = ("what dz may still be off by", result.error_bound), ("largest residual", result.bound)
     show_table(
         ("", "m/s", "N m"),
-        [(label, *(_number(value) for value in pair)) for label, pair in bounds],
+        [(label, *(short(value) for value in pair)) for label, pair in bounds],
     )
     strides = ", ".join(f"{count} {name}" for name, count in vars(result.strides).items())
     out = ", ".join(f"{count} {reason}" for reason, count in result.left_out.items() if count)
@@ -57,10 +57,6 @@ def _landings(touchdowns: TouchdownErrors | None) -> None:
     rows = []
     for name, label, unit in _LANDINGS:
         before, after = (getattr(one, name, None) for one in (touchdowns.before, touchdowns.after))
-        corrected = "-" if after is None else f"{_number(after)} {unit}"
-        rows.append((label, f"{_number(before)} {unit}", corrected))
+        corrected = "-" if after is None else f"{short(after)} {unit}"
+        rows.append((label, f"{short(before)} {unit}", corrected))
     show_table((head, "model", "learned"), rows)
-
-
-def _number(value: float | None) -> str:
-    return "-" if value is None else f"{value:.3g}"

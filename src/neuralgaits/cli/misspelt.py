@@ -69,7 +69,8 @@ def refuse_misspelt(words: Sequence[str], verbs: Mapping[str, type]) -> None:
         if hint := meant(verb, verbs):
             raise InputError(f"no command {verb}; {hint}")
         raise InputError(f"no command {verb}: expected one of {', '.join(verbs)}")
-    options, positional = options_of(verbs[verb]), _positional(verbs[verb])
+    options = options_of(verbs[verb])
+    positional = [one for _, one, alone in _settings(verbs[verb]) if alone]
     flags, alone = set(), []
     left = iter(rest)
     for word in left:
@@ -197,10 +198,6 @@ def options_of(settings: type) -> dict[str, _Setting]:
     return {
         f"--{name.replace('_', '-')}": one for name, one, alone in _settings(settings) if not alone
     }
-
-
-def _positional(settings: type) -> list[_Setting]:
-    return [one for _, one, alone in _settings(settings) if alone]
 
 
 def _settings(settings: type) -> Iterator[tuple[str, _Setting, bool]]:

@@ -42,7 +42,8 @@ def show_training(result: TrainingSummary) -> None:
             show_sentence(f"and {len(rows) - ROWS} more, by {rows[ROWS][2]} at most")
         show_facts(_to_mend(result, worst[0][0]))
     else:
-        sentence = _all_hold(len(result.conditions))
+        count = len(result.conditions)
+        sentence = "its condition holds" if count == 1 else f"all {count} conditions hold"
         show_sentence(Text("trained", "green"), f": {sentence} on fresh samples")
     if result.certificate is not None:
         show_sentence(_proof_of_training(result.certificate))
@@ -215,10 +216,6 @@ def _why_missed(link: LinkFigures) -> str:
         "an answer was lost or came too late. A busy machine does that, and the walk differs from "
         "one time to the next; --link lockstep=1 waits for every answer"
     )
-
-
-def _all_hold(count: int) -> str:
-    return "its condition holds" if count == 1 else f"all {count} conditions hold"
 
 
 def _disturbed(result: SimulationSummary) -> Iterable[tuple[str, Any]]:

@@ -33,7 +33,8 @@ def show_sentence(*parts: Words, indent: int = 0, hang: int = 0) -> None:
 
     Words that are too long are not broken, nor is text between backticks, so that it can be copied.
     """
-    console, text = Console(highlight=False), Text.assemble(*map(_as_called, parts))
+    console = Console(highlight=False)
+    text = Text.assemble(*(part if isinstance(part, Text) else as_called(part) for part in parts))
     lines: list[tuple[int, int]] = []
     for word in re.finditer(r"(?:`[^`]*`|\S)+", text.plain):
         room = console.width - indent - (hang if len(lines) > 1 else 0)
@@ -61,7 +62,9 @@ def show_table(head: Sequence[str], rows: Iterable[Sequence[Words]]) -> None:
     columns = [
         (Text(name), *column) for name, column in zip(head, zip(*cells, strict=True), strict=True)
     ]
-    widths = [max(map(_longest_word, column)) for column in columns]
+    words = [" ".join(text.plain for text in column).split() for column in columns]
+    # Of every column, its longest word.
+    widths = [max(map(len, column), default=0) for column in words]
     if sum(widths) + _GAP * (len(widths) - 1) > console.width:
         for row in cells:
             for number, (name, cell) in enumerate(zip(head, row, strict=True)):
@@ -105,14 +108,11 @@ def number(value: Any) -> str:
     return "-" if value is None else visible(str(value))
 
 
+def short(value: float | None) -> str:
+    """Format a number with three digits, - for None."""
+    return "-" if value is None else f"{value:.3g}"
+
+
 def verdict(word: str) -> Text:
     """Return a verdict in its colour."""
     return Text(word, COLOURS[word])
-
-
-def _as_called(part: Words) -> Words:
-    return part if isinstance(part, Text) else as_called(part)
-
-
-def _longest_word(text: Text) -> int:
-    return max(map(len, text.plain.split()), default=0)

@@ -7,7 +7,7 @@ from neuralgaits.cli.argv_parser import given
 from neuralgaits.cli.outcome import Outcome
 from neuralgaits.cli.screen_tables import ROWS, number, show_facts, show_sentence, show_table
 from neuralgaits.errors import InputError
-from neuralgaits.records.trained import SeedsSummary, SeedSummary
+from neuralgaits.records.trained import SeedsSummary
 from neuralgaits.runs.shell_words import command, named
 from neuralgaits.settings import TrainSeedsSettings
 
@@ -57,8 +57,10 @@ def show_seeds(result: SeedsSummary) -> None:
     show_sentence(state, f": {trained} of {every} seeds{sentence if trained else ''}")
     for one in refused[:ROWS]:
         show_sentence(f"seed {one.seed}: {one.refused}", hang=2)
-    failing = sorted((one for one in result.seeds if one.broken), key=lambda one: -_count(one))
-    rows = [(str(one.seed), number(one.loss), _broken_names(one)) for one in failing]
+    failing = sorted(
+        (one for one in result.seeds if one.failing), key=lambda one: -len(one.failing)
+    )
+    rows = [(str(one.seed), number(one.loss), ", ".join(one.failing)) for one in failing]
     show_table(("seed", "loss", "conditions that fail somewhere"), rows[:ROWS])
     for count, what in ((len(refused), "refused"), (len(rows), "with such conditions")):
         if count > ROWS:
@@ -71,15 +73,7 @@ def show_seeds(result: SeedsSummary) -> None:
     facts.append(("runs", result.folder))
     finished = [one for one in result.seeds if one.loss is not None]
     if finished:
-        best = min(finished, key=lambda one: (_count(one), one.loss))
+        best = min(finished, key=lambda one: (len(one.failing), one.loss))
         facts.append(("least loss", f"seed {best.seed}, {number(best.loss)}"))
         facts.append(("next", command("simulate", named(best.run))))
     show_facts(facts)
-
-
-def _count(one: SeedSummary) -> int:
-    return len(one.broken or ())
-
-
-def _broken_names(one: SeedSummary) -> str:
-    return ", ".join(one.broken or ())

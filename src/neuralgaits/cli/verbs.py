@@ -1,6 +1,7 @@
 """One function for each verb: call the workflow, judge the answer, choose how to show it."""
 
 import sys
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -54,43 +55,7 @@ def carry_out(verb: Verb) -> Outcome:
         _say_which_is_latest(verb)
     if (of_family := outcome_of_family(verb, verb_name(type(verb)))) is not None:
         return of_family
-    match verb:
-        case TrainOptions():
-            return _train(verb)
-        case OptimiseOptions():
-            return carry_out_optimise(verb)
-        case ImportGaitOptions():
-            return carry_out_import(verb)
-        case SimulateOptions():
-            return _simulate(verb)
-        case CertifyOptions():
-            return _certify(verb)
-        case CheckProofOptions():
-            return _check_proof(verb)
-        case FitOptions():
-            return carry_out_fit(verb)
-        case RefineOptions():
-            return carry_out_refine(verb)
-        case EpisodesOptions():
-            return carry_out_episodes(verb)
-        case SweepOptions():
-            return carry_out_sweep(verb)
-        case ExportOptions():
-            return _export(verb)
-        case CheckDeployOptions():
-            return _check_deploy(verb)
-        case ReportOptions():
-            return carry_out_report(verb)
-        case ViewOptions():
-            return carry_out_view(verb)
-        case DemoOptions():
-            return carry_out_demo(verb)
-        case InspectOptions():
-            return _inspect(verb)
-        case RobotsOptions():
-            return _robots(verb)
-        case DoctorOptions():
-            return _doctor()
+    return _CARRY_OUT[type(verb)](verb)
 
 
 def _say_which_is_latest(verb: Verb) -> None:
@@ -236,9 +201,32 @@ def _robots(verb: RobotsOptions) -> Outcome:
     return Outcome(robots(), True, robot_screen.show_names)
 
 
-def _doctor() -> Outcome:
+def _doctor(_: DoctorOptions) -> Outcome:
     render_without_screen()
     from neuralgaits.workflows.doctor import doctor
 
     result = doctor()
     return Outcome(result, result.ok, robot_screen.show_findings)
+
+
+_CARRY_OUT: dict[type, Callable[..., Outcome]] = {
+    TrainOptions: _train,
+    OptimiseOptions: carry_out_optimise,
+    ImportGaitOptions: carry_out_import,
+    SimulateOptions: _simulate,
+    CertifyOptions: _certify,
+    CheckProofOptions: _check_proof,
+    FitOptions: carry_out_fit,
+    RefineOptions: carry_out_refine,
+    EpisodesOptions: carry_out_episodes,
+    SweepOptions: carry_out_sweep,
+    ExportOptions: _export,
+    CheckDeployOptions: _check_deploy,
+    ReportOptions: carry_out_report,
+    ViewOptions: carry_out_view,
+    DemoOptions: carry_out_demo,
+    InspectOptions: _inspect,
+    RobotsOptions: _robots,
+    DoctorOptions: _doctor,
+}
+"""Function of each verb, by the class of its options."""

@@ -7,8 +7,9 @@ import numpy as np
 from neuralgaits._blocks import in_blocks
 from neuralgaits._quick_jit import quick_filter_jit
 from neuralgaits._types import Array, Float
+from neuralgaits.analysis.step_parameters import parameters_of_pairs
 from neuralgaits.export.facts import Design
-from neuralgaits.gait import AbstractPolicy, ZeroDynamics
+from neuralgaits.gait import ZeroDynamics
 from neuralgaits.gait.commands import Command, CommandLimits, Pair, coordinates_of
 from neuralgaits.gait.policies.commanded_gait import AnyGait
 from neuralgaits.gait.reset_residual import ResetCorrection
@@ -40,15 +41,7 @@ def _numbers(design: Design, pair: Pair) -> Float[np.ndarray, "N s"]:
     count = len(pair.before)
     rows = max(count, _AT_ONCE)
     whole = Pair(*(np.resize(side, (rows, *side.shape[1:])) for side in pair))
-    return np.asarray(_of_steps(policy, design.robot, residual, whole))[:count]
-
-
-@quick_filter_jit
-def _of_steps(
-    policy: AbstractPolicy, robot: PlanarBiped, residual: ResetCorrection, pairs: Pair
-) -> Float[Array, "N s"]:
-    """Return the numbers of a fixed count of steps, so that the code is compiled once."""
-    return jax.vmap(lambda pair: policy.parameters_of_step(robot, pair, residual))(pairs)
+    return np.asarray(parameters_of_pairs(policy, design.robot, residual, whole))[:count]
 
 
 def drawn_commands(

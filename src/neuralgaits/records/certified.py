@@ -169,15 +169,13 @@ class CertificateRecord(Record):
     within: Mapping[str, Pair] | None = None
     parameters: Mapping[str, float] = field(default_factory=dict)
 
-    def unsaid(self) -> Collection[str]:
+    def omitted(self) -> Collection[str]:
         """Return the fields that `--json` omits: absent files, reasons and restrictions."""
-        unsaid = [] if self.parameters else ["parameters"]
-        if self.within is None:
-            unsaid.append("within")
-        if any(entry.level >= FULL_ORDER_LEVEL for entry in self.levels):
-            return unsaid
-        omitted = ("map", "reason", "full_order_proof")
-        return [*unsaid, *(n for n in omitted if getattr(self, n) is None)]
+        empty = [] if self.parameters else ["parameters"]
+        optional = ["within"]
+        if all(entry.level < FULL_ORDER_LEVEL for entry in self.levels):
+            optional += ["map", "reason", "full_order_proof"]
+        return empty + [name for name in optional if getattr(self, name) is None]
 
     @property
     def robots(self) -> str | None:

@@ -102,10 +102,10 @@ class RoundWalks(Record):
     engine: str | None = None
     engine_note: str | None = None
 
-    def unsaid(self) -> Collection[str]:
+    def omitted(self) -> Collection[str]:
         """Return the fields that `--json` omits: those that a robot's own logs do not show."""
-        omitted = ("fall_reasons", "steps_walked_at", "speed_m_s", "logs_left_out", "engine")
-        return (*omitted, "engine_note") if self.engine is None else ()
+        simulated = ("fall_reasons", "steps_walked_at", "speed_m_s", "logs_left_out", "engine")
+        return (*simulated, "engine_note") if self.engine is None else ()
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -171,7 +171,7 @@ class ExportRecord(Record):
     bandwidth: float | None = None
     law_proofs: tuple[LawProof, ...] = ()
 
-    def unsaid(self) -> Collection[str]:
+    def omitted(self) -> Collection[str]:
         """Return the fields that `--json` omits: those of what the export does not have."""
         names = ("monitor", "deployment_sha256", "bandwidth")
         proofs = () if self.law_proofs else ("law_proofs",)
@@ -205,10 +205,10 @@ class ControllerExport(ExportRecord):
     builds: tuple[Build, ...]
     step_latency_us: Percentiles | None = None
 
-    def unsaid(self) -> Collection[str]:
+    def omitted(self) -> Collection[str]:
         """Return the fields that `--json` omits: monitor and time of a step's work, if none."""
         more = ("step_latency_us",) if self.step_latency_us is None else ()
-        return (*super().unsaid(), *more)
+        return (*super().omitted(), *more)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

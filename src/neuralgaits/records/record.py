@@ -32,7 +32,7 @@ _PLAIN = {
 class Record(Mapping[str, Any]):
     """A frozen dataclass that acts as a mapping of what `--json` prints."""
 
-    def unsaid(self) -> Collection[str]:
+    def omitted(self) -> Collection[str]:
         """Return the names of fields that `--json` omits."""
         return ()
 
@@ -49,8 +49,8 @@ class Record(Mapping[str, Any]):
 
     def _shown_fields(self) -> list[str]:
         names = (field.name for field in dataclasses.fields(self))  # type: ignore[arg-type]
-        unsaid = self.unsaid()
-        return [name for name in names if name not in unsaid]
+        omitted = self.omitted()
+        return [name for name in names if name not in omitted]
 
     @classmethod
     def of(cls, value: Any) -> Self:

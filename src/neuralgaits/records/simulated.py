@@ -58,7 +58,7 @@ class ModelOrbit(Record):
             return None
         return self.step_length_m / self.period_s
 
-    def unsaid(self) -> Collection[str]:
+    def omitted(self) -> Collection[str]:
         """Return the fields that `--json` omits: the reason, if there is an orbit."""
         return () if self.result is not None else ("result",)
 
@@ -291,14 +291,11 @@ class SimulationSummary(WalkFigures, WalkSettings):
         }
         return {name: value for name, value in (self.disturb or {}).items() if name not in of_box}
 
-    def unsaid(self) -> Collection[str]:
+    def omitted(self) -> Collection[str]:
         """Return the fields that `--json` omits: those of features that the walks did not use."""
-        unsaid = ["link", "monitor", "joints", "joints_sha256", "adapt", "adapted", "bandwidth"]
-        unsaid += ["believed_lean", "believed_slope", "learned_lean"]
-        unsaid = [name for name in unsaid if getattr(self, name) is None]
-        for name in ("command_error", "parameters", "errors"):
-            unsaid += [] if getattr(self, name) else [name]
-        omitted = ("command", "commands", "terrain", "foothold_error_m")
-        for name in (*omitted, "hip_speed_error_m_s", "relaxed"):
-            unsaid += [name] if getattr(self, name) is None else []
-        return unsaid
+        optional = ["link", "monitor", "joints", "joints_sha256", "adapt", "adapted", "bandwidth"]
+        optional += ["believed_lean", "believed_slope", "learned_lean", "command", "commands"]
+        optional += ["terrain", "foothold_error_m", "hip_speed_error_m_s", "relaxed"]
+        collections = ("command_error", "parameters", "errors")
+        absent = [name for name in optional if getattr(self, name) is None]
+        return absent + [name for name in collections if not getattr(self, name)]

@@ -153,13 +153,13 @@ class TrainingSummary(Record):
     train_s: float = 0.0
     wall_s: float
 
-    def unsaid(self) -> Collection[str]:
+    def omitted(self) -> Collection[str]:
         """Return the fields that `--json` omits: what is as usual, figures of a missing orbit."""
         usual = {"step_size": self.step_size == 1.0, "left_out": self.left_out is None}
-        silent = [name for name, omitted in usual.items() if omitted]
+        names = [name for name, is_usual in usual.items() if is_usual]
         if self.cost_of_transport is None:
-            silent += ["speed_m_s", "cost_of_transport", "multiplier"]
-        return silent
+            names += ["speed_m_s", "cost_of_transport", "multiplier"]
+        return names
 
     @property
     def tied(self) -> bool:
@@ -208,6 +208,11 @@ class SeedSummary:
     loss: float | None = None
     broken: Texts | None = None
     refused: str | None = None
+
+    @property
+    def failing(self) -> Texts:
+        """Conditions that some fresh sample violates, none for a seed that is refused."""
+        return self.broken or ()
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -130,13 +130,11 @@ class TrainingConfig(Record):
     parameters: Mapping[str, float] = field(default_factory=dict)
     given: GaitOrigin | None = None
 
-    def unsaid(self) -> Collection[str]:
+    def omitted(self) -> Collection[str]:
         """Return the fields that `--json` omits: settings of `refine` if none, and empty ones."""
         refined = () if self.parent is not None else ("rate", "disturbance", "parent")
-        omitted = (
-            name for name in ("commands", "speed", "parameters", "given") if not getattr(self, name)
-        )
-        return (*refined, *omitted)
+        optional = ("commands", "speed", "parameters", "given")
+        return (*refined, *(name for name in optional if not getattr(self, name)))
 
     @property
     def as_given(self) -> GaitOrigin | None:

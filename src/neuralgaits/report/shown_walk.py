@@ -228,7 +228,7 @@ def walk_again(run: Run, settings: WalkRequest) -> Walk:
         push=settings.push,
         disturbance=settings.disturbance,
         seed=settings.seed,
-        orders=CommandSchedule.constant(()),
+        schedule=CommandSchedule.constant(()),
     )
     return walks.walk(settings.episode, 1, record=True)
 

@@ -60,7 +60,7 @@ class EpisodeLoop(NamedTuple):
         inputs, plant = self.inputs, self.plants[0]
         one = self.controllers[0] if self.shared else _stacked(self.controllers)
         gap_depth = np.inf if inputs.courses is None else inputs.courses.gap_depth
-        scene = Scene.of(plant, one, self.steps, inputs.orders.first, gap_depth)
+        scene = Scene.of(plant, one, self.steps, inputs.schedule.first, gap_depth)
         legs = np.zeros(len(self.states), dtype=np.int32)
         batch = compile_batch(scene, legs, shared=self.shared)
         if remote is not None:

@@ -88,7 +88,7 @@ class LiveWalk:
             reset_residual=reset_residual,
         )
         self._limit = np.asarray(controller.torque_limit)
-        self._commands = LiveCommands(policy.commands, ground and ground.courses.orders)
+        self._commands = LiveCommands(policy.commands, ground and ground.courses.schedule)
         first = self._commands.first
         self.control = tick_of(library, self.plant, controller, first)
         self._levels, self._ticks, self._push = np.zeros((1, 2)), 0, LivePush()

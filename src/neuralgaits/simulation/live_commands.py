@@ -17,10 +17,10 @@ class LiveCommands:
         requested: commands of the next touchdown; the ground writes its own into it. [p]
     """
 
-    def __init__(self, commands: Commands, orders: CommandSchedule | None):
+    def __init__(self, commands: Commands, schedule: CommandSchedule | None):
         """Begin with the first commands of a schedule, or in the middle of every range."""
         self._commands = commands
-        first = CommandLimits.of(commands).middle if orders is None else orders.first
+        first = CommandLimits.of(commands).middle if schedule is None else schedule.first
         self.first: Float[np.ndarray, " p"] = np.array(first)
         self.requested: Float[np.ndarray, " p"] = np.array(first)
 

@@ -20,7 +20,7 @@ from neuralgaits.runs import plain
 from neuralgaits.runs.arrays import packed
 from neuralgaits.runs.names import CONFIG, TRAINING_SUMMARY, WEIGHTS
 from neuralgaits.simulation.native_walk import Choice
-from neuralgaits.simulation.setup.command_schedule import RANDOM, orders_of
+from neuralgaits.simulation.setup.command_schedule import RANDOM, schedule_of
 from neuralgaits.simulation.setup.disturbance import PlantChanges
 from neuralgaits.simulation.setup.drawn_robots import DrawnRobots
 from neuralgaits.simulation.trained_walks import (
@@ -133,8 +133,10 @@ def _open_walks(about: str, files: tuple[tuple[str, bytes], ...]) -> TrainedWalk
         commands = RANDOM if settings["random"] else None
         if _COMMANDS in contents:
             commands = str(base / _COMMANDS)
-        orders = orders_of(run.trained.commands, settings["command"], commands, settings["seed"])
-        run = at_first(run, orders.first)
+        schedule = schedule_of(
+            run.trained.commands, settings["command"], commands, settings["seed"]
+        )
+        run = at_first(run, schedule.first)
         # What is read when it is first asked for is asked for now.
         _ = run.residuals
     plant, box = None, settings["parameters"]
@@ -148,7 +150,7 @@ def _open_walks(about: str, files: tuple[tuple[str, bytes], ...]) -> TrainedWalk
         library=engine.library,
         plant=plant,
         disturbance=PlantChanges(**settings["disturb"]),
-        orders=orders,
+        schedule=schedule,
         drawn=None if box is None else DrawnRobots(run.robot, box, settings["seed"]),
         threads=1,
         **sent,

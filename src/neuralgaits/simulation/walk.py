@@ -79,12 +79,12 @@ class WalkOptions:
     library: Library | None = None
     """Library compiled for this robot and one policy, which then walks natively; else the loop is
     in JAX, as with `remote`, `watch`, Drake, or a law that is not of this package."""
-    orders: CommandSchedule | None = None
+    schedule: CommandSchedule | None = None
     """Commands of policies that take some; the middle of the ranges if None."""
     joints: JointModel | None = None
     """Rotors and friction that torques are for, those of the controller's model if None."""
     courses: Courses | None = None
-    """Courses of blocks in place of floors, one for each episode; they give the orders."""
+    """Courses of blocks in place of floors, one for each episode; they give the schedule."""
     adapt: tuple[str, ...] = ()
     """Commands that are adapted, see `control.speed_adapter` and `control.command_belief`."""
     simulator: Simulator = MUJOCO
@@ -150,13 +150,13 @@ def walk(inputs: WalkInputs) -> Walk:
     else:
         plants = [build(one, disturbance) for one in inputs.robots]
     controllers = [_controller(inputs, policy, law, plants[0]) for policy in each]
-    orders = _orders(each[0].commands, inputs.orders, inputs.courses)
+    schedule = _schedule(each[0].commands, inputs.schedule, inputs.courses)
     loop = EpisodeLoop(
         plants=plants,
         controllers=controllers,
         shared=shared,
         states=plant_states(plants[0], starts),
-        inputs=_inputs(inputs, plants[0], orders, count),
+        inputs=_inputs(inputs, plants[0], schedule, count),
         steps=inputs.steps,
         threads=cores() if inputs.threads is None else inputs.threads,
     )
@@ -167,18 +167,20 @@ def walk(inputs: WalkInputs) -> Walk:
         engine, episodes = "jax", loop.run_jax(inputs.simulator, inputs.watch, inputs.remote)
     law = loop.controllers[0].law
     return Walk(
-        robot, plants[0], law, engine, inputs.simulator, episodes, orders.commands, inputs.courses
+        robot, plants[0], law, engine, inputs.simulator, episodes, schedule.commands, inputs.courses
     )
 
 
-def _inputs(inputs: WalkInputs, plant: Plant, orders: CommandSchedule, count: int) -> EpisodeInputs:
+def _inputs(
+    inputs: WalkInputs, plant: Plant, schedule: CommandSchedule, count: int
+) -> EpisodeInputs:
     """Return what the episodes meet: ground, pushes, commands, noise."""
     seed, first, courses = inputs.seed, inputs.first, inputs.courses
-    height = None if courses is not None else _told_height(orders)
+    height = None if courses is not None else _told_height(schedule)
     return EpisodeInputs(
         Terrain(plant.disturbance.floor_height, seed, count, height, first),
         Push(inputs.push, inputs.steps, seed, count, first),
-        orders,
+        schedule,
         courses,
         seed=seed,
         noisy=plant.disturbance.is_noisy,
@@ -189,19 +191,19 @@ def _inputs(inputs: WalkInputs, plant: Plant, orders: CommandSchedule, count: in
     )
 
 
-def _orders(
-    commands: Commands, orders: CommandSchedule | None, courses: Courses | None
+def _schedule(
+    commands: Commands, schedule: CommandSchedule | None, courses: Courses | None
 ) -> CommandSchedule:
     """Return the commands of the episodes: those of courses come before those that are given."""
     if courses is not None:
-        return courses.orders
-    return CommandSchedule.constant(commands) if orders is None else orders
+        return courses.schedule
+    return CommandSchedule.constant(commands) if schedule is None else schedule
 
 
-def _told_height(orders: CommandSchedule) -> float | None:
+def _told_height(schedule: CommandSchedule) -> float | None:
     """Return the first commanded height of a foothold (m); None without such a command."""
-    height = place_of(orders.commands, "step_height")
-    return None if height is None else float(orders.first[height])
+    height = place_of(schedule.commands, "step_height")
+    return None if height is None else float(schedule.first[height])
 
 
 def _controller(

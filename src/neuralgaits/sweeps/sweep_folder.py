@@ -7,7 +7,6 @@ table.csv, sweep.html, summary.json     the results
 """
 
 import contextlib
-import hashlib
 import json
 import os
 import shutil
@@ -24,6 +23,7 @@ from neuralgaits.records.swept import CONFIG_FILE, FORMAT, ROW, SweepConfig, Swe
 from neuralgaits.runs import plain, to_json, write_bytes, write_text
 from neuralgaits.runs.claim import claimed
 from neuralgaits.runs.file_content import file_content
+from neuralgaits.runs.hashes import sha256
 from neuralgaits.runs.only_writer import only_writer
 
 HOME = "sweeps"
@@ -156,11 +156,6 @@ class SweepFolder:
         except BaseException:
             shutil.rmtree(place, ignore_errors=True)
             raise
-
-
-def sha256(content: bytes) -> str:
-    """Return the SHA-256 of a file's content, in hexadecimal digits."""
-    return hashlib.sha256(content).hexdigest()
 
 
 def _short(value: Any) -> str:

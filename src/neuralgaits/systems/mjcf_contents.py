@@ -10,6 +10,7 @@ import numpy as np
 from neuralgaits._printable import visible
 from neuralgaits._types import Float
 from neuralgaits.errors import RobotError
+from neuralgaits.robots.mjcf import model_contents
 from neuralgaits.robots.mjcf.text import standalone_text
 
 
@@ -32,8 +33,8 @@ def joint_kinds(source: str | Path) -> list[str]:
 
 def model_name(model: mujoco.MjModel, name: str) -> str:
     """Return the name that a file gives its model, or that of the file if it gives none."""
-    own = visible(model.names.split(b"\0")[0].decode(errors="replace"))
-    return name if own in ("", "MuJoCo Model") else own
+    own = model_contents.model_name(model, "")
+    return visible(own) if own else name
 
 
 class PlanarLink(NamedTuple):

@@ -9,28 +9,15 @@ from collections.abc import Iterator
 import mujoco
 import numpy as np
 
-SLIDE, HINGE = int(mujoco.mjtJoint.mjJNT_SLIDE), int(mujoco.mjtJoint.mjJNT_HINGE)
-ON_JOINT = (int(mujoco.mjtTrn.mjTRN_JOINT), int(mujoco.mjtTrn.mjTRN_JOINTINPARENT))
+from neuralgaits.robots.mjcf.model_contents import ON_JOINT, at_zero, joint_label
+
 SHORTEST_S, LONGEST_S = 1e-5, 0.05
 """Least and largest timestep: fewer steps a second do not balance, more take for ever."""
-
-
-def joint_label(model: mujoco.MjModel, joint: int) -> str:
-    """Return the name of a joint for a message."""
-    return model.joint(joint).name or f"number {joint}"
 
 
 def joint_axis(model: mujoco.MjModel, joint: int) -> np.ndarray:
     """Return the axis of a joint in the world where all coordinates are 0. [3]."""
     return at_zero(model).xaxis[joint].copy()
-
-
-def at_zero(model: mujoco.MjModel) -> mujoco.MjData:
-    """Return the places of bodies and joints where all coordinates are 0."""
-    data = mujoco.MjData(model)
-    data.qpos[:] = 0.0
-    mujoco.mj_kinematics(model, data)
-    return data
 
 
 def joint_problems(model: mujoco.MjModel, joint: int) -> Iterator[str]:

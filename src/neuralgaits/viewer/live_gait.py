@@ -59,7 +59,7 @@ class LiveGait:
             base = CommandSchedule.constant(run.trained.commands)
             ground = LiveCourse(terrain, run.robot, run.gait.policy, base)
             names = (c.name for c in run.trained.commands)
-            first = map(float, ground.courses.orders.first)
+            first = map(float, ground.courses.schedule.first)
             run = run.at(**dict(zip(names, first, strict=True)))
         self.run = run
         self.chart = PlaneChart(run.gait, run.spec)

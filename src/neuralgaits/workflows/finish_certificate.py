@@ -93,14 +93,14 @@ def _beside_earlier(
 
 
 def _with_proofs_aside(
-    run: Run, summary: CertificateRecord, unsaid: EarlierProof | None
+    run: Run, summary: CertificateRecord, earlier: EarlierProof | None
 ) -> CertificateRecord:
     """Put proofs that the new one does not say aside, and return the summary with words on them."""
     finished = summary
-    if unsaid is not None:
-        what = "file" if unsaid.summary is None else "proof"
-        aside = unsaid.put_aside()
-        finished = saying(finished, f"the {what} from before is now {aside}: {unsaid.states}")
+    if earlier is not None:
+        what = "file" if earlier.summary is None else "proof"
+        aside = earlier.put_aside()
+        finished = saying(finished, f"the {what} from before is now {aside}: {earlier.states}")
     if (hidden := put_hidden_aside(run.path)) is not None:
         finished = saying(finished, f"another proof, compressed beside it, is now {hidden}")
     return finished

@@ -34,9 +34,6 @@ class SeedsInParallel:
         compile_s, train_s: duration of compiling, and of everything after it (s).
     """
 
-    _stopped = False
-    """Whether no further seed is to be trained."""
-
     def __init__(self, first: NewTraining, path: Path, root: Path, count: int):
         """Build the trainer, without starting any seed.
 
@@ -55,6 +52,9 @@ class SeedsInParallel:
         self.done: dict[int, Run] = {}
         self.refused: dict[int, NeuralGaitsError] = {}
         self.compile_s = self.train_s = 0.0
+        # Whether no further seed is to be trained.
+        self._stopped = False
+        self._lock = threading.Lock()
 
     def train(self, numbers: range, progress: Progress | None) -> None:
         """Train seeds, and finish their folders.
@@ -67,15 +67,13 @@ class SeedsInParallel:
         Raises: InputError if gaits of some seeds differ in more than the trained weights;
             KeyboardInterrupt.
         """
-        start_time, self._lock = time.perf_counter(), threading.Lock()
+        start_time = time.perf_counter()
         # Threads that meet in a call compile it twice.
         compile_steps(self.trainer, self.trainer.init(self.first.gait))
         compiled = time.perf_counter()
         self.compile_s = compiled - start_time
-        left, seed_progress = (
-            iter(numbers),
-            _SeedProgress(progress, self.first.config.steps, len(numbers)),
-        )
+        left = iter(numbers)
+        seed_progress = _SeedProgress(progress, self.first.config.steps, len(numbers))
         pool = ThreadPoolExecutor(self.size)
         threads = [pool.submit(self._work, left, seed_progress) for _ in range(self.size)]
         try:

@@ -36,7 +36,7 @@ from neuralgaits.simulation.linked.config import LinkConfig
 from neuralgaits.simulation.linked.connect import connected
 from neuralgaits.simulation.metrics import summary
 from neuralgaits.simulation.native_walk import WalkEngine
-from neuralgaits.simulation.setup.command_schedule import on_slope, orders_of
+from neuralgaits.simulation.setup.command_schedule import on_slope, schedule_of
 from neuralgaits.simulation.setup.disturbance import parse
 from neuralgaits.simulation.setup.drives import with_gains
 from neuralgaits.simulation.setup.sensing import name_of, sensed
@@ -158,10 +158,10 @@ def _planned(settings: SimulateSettings) -> _Plan:
     robots = drawn_robots(run.robot, settings.parameters, seed, plant, terrain, controller)
     if robots is not None:
         disturbance = robots.on_its_floor(disturbance)
-    orders = orders_of(run.trained.commands, command, commands, seed)
+    schedule = schedule_of(run.trained.commands, command, commands, seed)
     refuse_without_command(settings.adapted_commands, run.trained.commands)
     if terrain is None:
-        disturbance = on_slope(disturbance, orders)
+        disturbance = on_slope(disturbance, schedule)
     else:
         refuse_beside_terrain(terrain, command, commands, disturbance)
     files, videos = _output_files(settings, run)
@@ -176,16 +176,16 @@ def _planned(settings: SimulateSettings) -> _Plan:
     refuse_bandwidth(controller, wire, settings.bandwidth)
     monitor = required_monitor(run) if settings.monitor else None
     constant = run.trained.commands and commands is None
-    run, courses = at_first(run, orders.first), None
+    run, courses = at_first(run, schedule.first), None
     kept = run.command if constant else None
     if terrain is not None:
         episodes, steps, policy = settings.episodes, settings.steps, run.gait.policy
         courses = courses_of(
-            terrain, run.robot, policy, orders, steps=steps, seed=seed, episodes=episodes
+            terrain, run.robot, policy, schedule, steps=steps, seed=seed, episodes=episodes
         )
         own = commands_from_terrain(terrain)
         kept = {name: value for name, value in (run.command or {}).items() if name not in own}
-        run = at_first(run, courses.orders.first)
+        run = at_first(run, courses.schedule.first)
     walks = TrainedWalks(
         run=run,
         plant=None if plant is None else robot_from(plant),
@@ -196,7 +196,7 @@ def _planned(settings: SimulateSettings) -> _Plan:
         push=settings.push or 0.0,
         disturbance=disturbance,
         seed=seed,
-        orders=orders,
+        schedule=schedule,
         courses=courses,
         simulator=settings.simulator,
         drawn=robots,

@@ -29,13 +29,14 @@ from neuralgaits.records.swept import (
 from neuralgaits.report.sweep.sweep_page import page
 from neuralgaits.runs import plain, to_json, write_text
 from neuralgaits.runs.atomic import refuse_unwritable
+from neuralgaits.runs.hashes import sha256
 from neuralgaits.runs.names import ROBOT, SPEC
 from neuralgaits.runs.shell_words import command, named
 from neuralgaits.settings import SweepSettings, called_with
 from neuralgaits.sweeps.disturbances import STANDARD, disturbances_of
 from neuralgaits.sweeps.grid import Combination, combinations, count, refuse_same
 from neuralgaits.sweeps.inputs import inputs_of, robot_file, spec_file
-from neuralgaits.sweeps.sweep_folder import SweepFolder, sha256
+from neuralgaits.sweeps.sweep_folder import SweepFolder
 from neuralgaits.sweeps.sweep_table import to_csv
 from neuralgaits.workflows.sweep_row import carry_out, row_of
 

@@ -19,7 +19,7 @@ from neuralgaits.runs import to_json
 from neuralgaits.runs.names import ROBOT, SPEC
 from neuralgaits.simulation.metrics import summary
 from neuralgaits.simulation.native_walk import engine_of_trained
-from neuralgaits.simulation.setup.command_schedule import on_slope, orders_of
+from neuralgaits.simulation.setup.command_schedule import on_slope, schedule_of
 from neuralgaits.simulation.setup.disturbance import PlantChanges
 from neuralgaits.simulation.trained_walks import TrainedWalks, at_first
 from neuralgaits.sweeps.grid import speed_of
@@ -130,8 +130,8 @@ class _Row:
         }
 
     def _walk(self, run: Run) -> None:
-        settings, orders = self.settings, orders_of(run.trained.commands)
-        run_at_first = at_first(run, orders.first)
+        settings, schedule = self.settings, schedule_of(run.trained.commands)
+        run_at_first = at_first(run, schedule.first)
         walks = TrainedWalks(
             run=run_at_first,
             library=engine_of_trained(run_at_first).library,
@@ -142,14 +142,14 @@ class _Row:
             push=0.0,
             disturbance=PlantChanges(),
             seed=settings["seed"],
-            orders=orders,
+            schedule=schedule,
             threads=1,
         )
         rows = []
         for controller in settings["controllers"]:
             walks_under_law = replace(walks, controller=controller)
             for name, changes in ((UNDISTURBED, {}), *settings["disturbances"].items()):
-                disturbance = on_slope(PlantChanges(**changes), orders)
+                disturbance = on_slope(PlantChanges(**changes), schedule)
                 disturbed = replace(walks_under_law, disturbance=disturbance)
                 figures = summary(disturbed.walk(0, settings["walks"]))
                 rows.append(_walks(controller, name, figures))

@@ -7,6 +7,7 @@ import mujoco
 
 from neuralgaits.robots.mjcf.compiled import compile_text
 from neuralgaits.robots.mjcf.elements import Element, match_elements, parse
+from neuralgaits.robots.mjcf.model_contents import at_zero
 from neuralgaits.robots.mjcf.skeleton import find_floor
 
 _TITLE = "Changed by neuralgaits, to be treated as a planar biped:"
@@ -48,10 +49,7 @@ class MjcfEdit:
 
     def at_zero(self) -> mujoco.MjData:
         """Return the model's data with all coordinates at zero."""
-        data = mujoco.MjData(self.model)
-        data.qpos[:] = 0.0
-        mujoco.mj_kinematics(self.model, data)
-        return data
+        return at_zero(self.model)
 
     def floor(self) -> int | None:
         """The floor's geom number; None without one."""

@@ -26,6 +26,7 @@ from neuralgaits.robots.feet import FlatFeet
 from neuralgaits.robots.mjcf.compiled import compile_text
 from neuralgaits.robots.mjcf.legs import LegJoint, leg_data, leg_joints, link_directions, up_angle
 from neuralgaits.robots.mjcf.link_names import coordinate_names, paired_names, role_names
+from neuralgaits.robots.mjcf.model_contents import model_name
 from neuralgaits.robots.mjcf.motors_and_ranges import refuse_other_actuators
 from neuralgaits.robots.mjcf.physical_numbers import (
     refuse_odd_keyframes,
@@ -179,11 +180,6 @@ def robot_text(name_or_path: str | Path, dropped: list[str] | None = None) -> tu
     return standalone_text(path, dropped), printable(path.stem)
 
 
-def _model_name(model: mujoco.MjModel, fallback: str) -> str:
-    name = model.names.split(b"\0")[0].decode()
-    return fallback if name in ("", "MuJoCo Model") else name
-
-
 def _layout(
     text: str,
     tree: PlanarTree,
@@ -269,7 +265,7 @@ def _assemble(
         joint_upper=of_joints(leg.upper)[moving],
         friction=leg.friction[0].reshape(()).copy(),
         foot_radius=leg.foot_radius[0].reshape(()).copy(),
-        name=_model_name(model, name),
+        name=model_name(model, name),
         link_names=role_names(links, tree.links[0].name if torso else None)[moving],
         joint_names=coordinate_names(links[0], joint_labels, torso=torso is not None)[moving],
         torso=None if torso is None else len(leg.length) - leg.fixed_links,

@@ -12,6 +12,7 @@ import mujoco
 import numpy as np
 
 from neuralgaits.errors import RobotError
+from neuralgaits.robots.mjcf.model_contents import HINGE, SLIDE, at_zero, joints_on
 from neuralgaits.robots.mjcf.refuse_or_note import refuse
 
 _AXIS_TOLERANCE = 1e-6
@@ -93,16 +94,13 @@ def read_tree(model: mujoco.MjModel) -> PlanarTree:
 
     Raises: RobotError naming the body or joint that is not planar, and the remedy.
     """
-    data = mujoco.MjData(model)
-    data.qpos[:] = 0.0
     if model.nq != model.nv:
-        plain = (int(mujoco.mjtJoint.mjJNT_SLIDE), int(mujoco.mjtJoint.mjJNT_HINGE))
-        for bad in (i for i in range(model.njnt) if int(model.jnt_type[i]) not in plain):
+        for bad in (i for i in range(model.njnt) if int(model.jnt_type[i]) not in (SLIDE, HINGE)):
             refuse(
                 f"joint {joint_name(model, bad)} turns in space: a planar robot has a root of "
                 "slide x, slide z and hinge y, and hinges along y elsewhere"
             )
-    mujoco.mj_kinematics(model, data)
+    data = at_zero(model)
     welded = [int(i) for i in model.body_weldid]
     tops = _tops(model)
     roots = [top for top in tops if welded[model.body_parentid[top]] == 0]
@@ -160,14 +158,9 @@ def _link(
     return Link(name, bodies, parent, joint, mass, complex(com), inertia)
 
 
-def _joints_of(model: mujoco.MjModel, body: int) -> list[int]:
-    first = int(model.body_jntadr[body])
-    return list(range(first, first + int(model.body_jntnum[body])))
-
-
 def _hinge(model: mujoco.MjModel, data: mujoco.MjData, body: int) -> Joint:
     """The one hinge of a link below the root."""
-    indices = _joints_of(model, body)
+    indices = joints_on(model, body)
     if len(indices) != 1:
         refuse(
             f"body {body_name(model, body)} has {len(indices)} joints: below the root each link "
@@ -179,11 +172,11 @@ def _hinge(model: mujoco.MjModel, data: mujoco.MjData, body: int) -> Joint:
 def _planar_hinge(model: mujoco.MjModel, data: mujoco.MjData, index: int) -> Joint:
     name = joint_name(model, index)
     anchor = in_plane(data.xanchor[index])
-    if model.jnt_type[index] == mujoco.mjtJoint.mjJNT_SLIDE:
+    if model.jnt_type[index] == SLIDE:
         refuse(f'joint {name} is a slide: planar robots turn; use type="hinge"')
         return Joint(index, name, anchor, 1.0)
     axis = data.xaxis[index]
-    if model.jnt_type[index] != mujoco.mjtJoint.mjJNT_HINGE:
+    if model.jnt_type[index] != HINGE:
         return Joint(index, name, anchor, 1.0)  # It turns in space, which was said.
     if abs(abs(axis[1]) - 1.0) > _AXIS_TOLERANCE:
         numbers = " ".join(f"{value:.3g}" for value in axis)
@@ -200,12 +193,11 @@ def _root_joints(
     """Names of the slides along x and z, and the pitch hinge after them."""
     name = body_name(model, body)
     remedy = 'slide axis="1 0 0", slide axis="0 0 1", hinge axis="0 1 0", in this order'
-    indices = _joints_of(model, body)
+    indices = joints_on(model, body)
     kinds = [int(model.jnt_type[i]) for i in indices]
-    slide, hinge = int(mujoco.mjtJoint.mjJNT_SLIDE), int(mujoco.mjtJoint.mjJNT_HINGE)
     if kinds == [int(mujoco.mjtJoint.mjJNT_FREE)]:
         return ("", ""), _planar_hinge(model, data, indices[0])
-    if kinds != [slide, slide, hinge]:
+    if kinds != [SLIDE, SLIDE, HINGE]:
         message = f"root body {name} has {len(indices)} joint(s), expected {remedy}"
         if (
             sum(int(model.body_weldid[model.body_parentid[one]]) == body for one in _tops(model))

@@ -10,6 +10,7 @@ import mujoco
 import numpy as np
 
 from neuralgaits.robots.mjcf.compiled import compile_text
+from neuralgaits.robots.mjcf.model_contents import model_name
 from neuralgaits.robots.mjcf.physical_numbers import refuse_unphysical
 from neuralgaits.robots.mjcf.planar_tree import body_name
 from neuralgaits.robots.mjcf.refused_physics import refuse_loops
@@ -81,7 +82,7 @@ def section(text: str, name: str, weld: frozenset[str]) -> tuple[str, tuple[str,
         section_foot(model, data, links[leg[-1]], has_ankle=len(leg) >= 2)
         for leg in plan.legs
     ]
-    root = ElementTree.Element("mujoco", model=_model_name(model, name))
+    root = ElementTree.Element("mujoco", model=model_name(model, name))
     ElementTree.SubElement(root, "compiler", angle="radian", autolimits="true")
     gravity = " ".join(f"{value:.15g}" for value in model.opt.gravity)
     ElementTree.SubElement(root, "option", gravity=gravity, timestep=repr(model.opt.timestep))
@@ -99,11 +100,6 @@ def section(text: str, name: str, weld: frozenset[str]) -> tuple[str, tuple[str,
         *of_motors,
     )
     return ElementTree.tostring(root, encoding="unicode") + "\n", changes
-
-
-def _model_name(model: mujoco.MjModel, fallback: str) -> str:
-    name = model.names.split(b"\0")[0].decode()
-    return fallback if name in ("", "MuJoCo Model") else name
 
 
 def _write_floor(world: Element, model: mujoco.MjModel, data: mujoco.MjData) -> None:

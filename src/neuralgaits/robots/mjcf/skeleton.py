@@ -13,6 +13,7 @@ import mujoco
 import numpy as np
 
 from neuralgaits.errors import RobotError
+from neuralgaits.robots.mjcf.model_contents import at_zero
 from neuralgaits.robots.mjcf.physical_numbers import refuse_frictionless, refuse_odd_contact
 from neuralgaits.robots.mjcf.planar_tree import Link, PlanarTree, in_plane
 from neuralgaits.robots.mjcf.refuse_or_note import attempt, refuse
@@ -66,9 +67,7 @@ def read_skeleton(model: mujoco.MjModel, tree: PlanarTree) -> Skeleton:
 
     Raises: RobotError naming the body that does not fit, and the remedy.
     """
-    data = mujoco.MjData(model)
-    data.qpos[:] = 0.0
-    mujoco.mj_kinematics(model, data)
+    data = at_zero(model)
     floor = find_floor(model, data)
     if floor is None:
         raise RobotError(

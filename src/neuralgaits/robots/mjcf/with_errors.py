@@ -14,6 +14,7 @@ import numpy as np
 from neuralgaits._types import Float
 from neuralgaits.errors import InputError
 from neuralgaits.robots.mjcf.legs import leg_joints, link_directions
+from neuralgaits.robots.mjcf.model_contents import at_zero
 from neuralgaits.robots.mjcf.planar_tree import Link, read_tree
 from neuralgaits.robots.mjcf.skeleton import read_skeleton
 
@@ -52,9 +53,7 @@ def text_with_errors(text: str, errors: LinkErrors) -> str:
     tree = read_tree(model)
     skeleton = read_skeleton(model, tree)
     lines = link_directions(tree, skeleton)
-    data = mujoco.MjData(model)
-    data.qpos[:] = 0.0
-    mujoco.mj_kinematics(model, data)
+    data = at_zero(model)
     kinds = {index: kind for leg in skeleton.legs for kind, index in enumerate(leg)}
     if skeleton.torso is not None:
         kinds[skeleton.torso] = len(errors.mass) - 1

@@ -123,13 +123,13 @@ class _Episode:
         self.strides: list[np.ndarray] = []
         self._library, self._inputs, self._episode = library, inputs, episode
         self._number = inputs.first + episode
-        first = np.array(inputs.orders.first, dtype=np.float64)
+        first = np.array(inputs.schedule.first, dtype=np.float64)
         library.start(byref(walk), 0, pointer(first))
         if first.size:
             walk.adapt.active = int(ADAPTED in inputs.adapt)
             walk.adapt.learns = int(LEAN in inputs.adapt)
             walk.adapt.tilts = int(SLOPE in inputs.adapt)
-        self._orders = _Orders(inputs.orders, self._number)
+        self._schedule = _NativeSchedule(inputs.schedule, self._number)
         self._rises = np.zeros(0)
         self._meet_ground()
         self._late = np.zeros((plant.delay_ticks + 1, plant.model.nu))
@@ -150,7 +150,7 @@ class _Episode:
         """
         while self.walk.ending == Ending.RUNNING and not stop.is_set():
             self._lay_floors()
-            self._orders.lay(self.walk)
+            self._schedule.lay(self.walk)
             self._run_chunk(scene, data)
             if self.walk.ending == _REFUSED:
                 text = self._library.complaint().decode(errors="replace")
@@ -159,13 +159,13 @@ class _Episode:
     def _meet_ground(self) -> None:
         """Set what is known of the ground before the first step."""
         walk, inputs = self.walk, self._inputs
-        if inputs.terrain.told is not None:
-            walk.next_rise, walk.rise_pending = inputs.terrain.told, 1
+        if inputs.terrain.expected is not None:
+            walk.next_rise, walk.rise_pending = inputs.terrain.expected, 1
         if inputs.courses is not None:
             walk.floor[:] = inputs.courses.first_levels()[self._episode]
             self._seen = np.ascontiguousarray(inputs.courses.each[self._episode].seen)
             walk.seen, walk.seen_rows = pointer(self._seen), len(self._seen)
-            walk.told[:] = inputs.orders.first
+            walk.told[:] = inputs.schedule.first
 
     def _lay_floors(self) -> None:
         """Provide the floors of a chunk before it runs, where floors are uneven."""
@@ -180,7 +180,7 @@ class _Episode:
         walk, inputs, library = self.walk, self._inputs, self._library
         whole = inputs.record and self._episode == 0
         recorded = whole or walk.ticks < inputs.longest
-        strides = np.zeros((_TOUCHDOWNS, width(len(inputs.orders.commands))))
+        strides = np.zeros((_TOUCHDOWNS, width(len(inputs.schedule.commands))))
         walk.strides, walk.strides_used = pointer(strides), 0
         noise = self._draws.standard_normal((_CHUNK, *self._sensors)) if inputs.noisy else None
         records = np.zeros(_CHUNK, library.layout.record) if recorded else None
@@ -214,12 +214,12 @@ def _batch(
     )
 
 
-class _Orders:
+class _NativeSchedule:
     """Commands for the touchdowns of one chunk, in sufficient number."""
 
-    def __init__(self, orders: CommandSchedule, episode: int):
-        self._rest = orders.of(episode)
-        self._rows = np.zeros((0, len(orders.commands)))
+    def __init__(self, schedule: CommandSchedule, episode: int):
+        self._rest = schedule.of(episode)
+        self._rows = np.zeros((0, len(schedule.commands)))
 
     def lay(self, walk: Any) -> None:
         """Provide the commands of a chunk before it runs."""

@@ -7,6 +7,7 @@ import mujoco
 import numpy as np
 
 from neuralgaits._types import Float
+from neuralgaits.robots.mjcf.model_contents import at_zero
 from neuralgaits.simulation.setup.disturbance import PlantChanges
 
 
@@ -59,9 +60,7 @@ def shift_weight(model: mujoco.MjModel, root: int, shift: Float[np.ndarray, "3"]
         root: the body.
         shift: in the world where all joints are at 0 [m].
     """
-    data = mujoco.MjData(model)
-    data.qpos[:] = 0.0
-    mujoco.mj_kinematics(model, data)
+    data = at_zero(model)
     bodies = [
         i for i in range(model.nbody) if i and model.body_weldid[i] == model.body_weldid[root]
     ]

@@ -1,6 +1,5 @@
 """Commands of walking robots: constant, from a table, or new at each touchdown."""
 
-import csv
 import math
 import re
 from collections.abc import Iterator, Mapping
@@ -10,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from neuralgaits._digits import decimal
-from neuralgaits._inputs import between_commas, refuse_unreadable
+from neuralgaits._inputs import between_commas, csv_lines
 from neuralgaits._types import Float
 from neuralgaits.errors import InputError
 from neuralgaits.gait.commands import CommandLimits, Commands, place_of, values
@@ -61,7 +60,7 @@ class CommandSchedule:
             yield last
 
 
-def orders_of(
+def schedule_of(
     commands: Commands,
     command: str | Mapping[str, float] | None = None,
     file: str | Path | None = None,
@@ -97,21 +96,21 @@ def orders_of(
     return CommandSchedule(commands, rows[0], rows[1:] if len(rows) > 1 else rows)
 
 
-def on_slope(disturbance: PlantChanges, orders: CommandSchedule) -> PlantChanges:
+def on_slope(disturbance: PlantChanges, schedule: CommandSchedule) -> PlantChanges:
     """Return the disturbance with the commanded slope of the floor, unless it has a slope.
 
     Raises: InputError for slopes that change, because the floor is one plane.
     """
-    at = place_of(orders.commands, "slope")
+    at = place_of(schedule.commands, "slope")
     if at is None:
         return disturbance
-    if orders.seed is not None or np.ptp([orders.first[at], *orders.table[:, at]]) > 0.0:
+    if schedule.seed is not None or np.ptp([schedule.first[at], *schedule.table[:, at]]) > 0.0:
         raise InputError(
             "expected one slope for a whole walk, found slopes that change: the floor is one plane"
         )
     if disturbance.slope_deg != 0.0:
         return disturbance
-    return replace(disturbance, slope_deg=math.degrees(float(orders.first[at])))
+    return replace(disturbance, slope_deg=math.degrees(float(schedule.first[at])))
 
 
 def _constant(commands: Commands, setting: str | Mapping[str, float]) -> Float[np.ndarray, " p"]:
@@ -147,15 +146,7 @@ def parsed(text: str) -> dict[str, float]:
 
 def _rows(commands: Commands, path: Path) -> Float[np.ndarray, "K p"]:
     """Return the commands of a file, in their order."""
-    refuse_unreadable(path)
-    try:
-        with path.open(newline="", encoding="utf-8-sig") as file:
-            lines = [line for line in csv.reader(file) if any(word.strip() for word in line)]
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
-        reason = getattr(error, "strerror", None) or "it is no text in UTF-8"
-        raise InputError(
-            f"expected a CSV file of commands at {path}, found none: {reason}"
-        ) from None
+    lines = csv_lines(path, "commands")
     expected = ["step", *(f"{c.name}[{c.unit}]" for c in commands)]
     head = [re.sub(r"\s", "", word) for word in lines[0]] if lines else []
     if sorted(head) != sorted(expected):

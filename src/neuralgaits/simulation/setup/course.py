@@ -66,12 +66,12 @@ class Courses:
 
     Attributes:
         each: course of each episode.
-        orders: commands of the first steps, and later those that the ground does not give.
+        schedule: commands of the first steps, and later those that the ground does not give.
         foot_radius: radius of the robot's feet [m].
     """
 
     each: tuple[Course, ...]
-    orders: CommandSchedule
+    schedule: CommandSchedule
     foot_radius: float
 
     @property
@@ -86,8 +86,8 @@ class Courses:
 
     def first_levels(self) -> Float[np.ndarray, "B 2"]:
         """Return levels of the first foothold and of the one before, under the swing foot (m)."""
-        at = place_of(self.orders.commands, "step_height")
-        rise = 0.0 if at is None else float(self.orders.first[at])
+        at = place_of(self.schedule.commands, "step_height")
+        rise = 0.0 if at is None else float(self.schedule.first[at])
         return np.tile([0.0, -rise], (len(self.each), 1))
 
     def stand(
@@ -116,7 +116,7 @@ class Courses:
             touchdowns: number so far.
             foot: the swing foot, (x, z) (m).
         """
-        course, commands = self.each[episode], self.orders.commands
+        course, commands = self.each[episode], self.schedule.commands
         if not course.stones:
             slope = place_of(commands, "slope")
             assert slope is not None

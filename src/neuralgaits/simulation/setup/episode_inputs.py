@@ -15,7 +15,7 @@ class EpisodeInputs:
     Attributes:
         terrain: floor levels, before the first tick.
         push: of each robot, at the pitch axis of its root; likewise.
-        orders: what each touchdown is to latch.
+        schedule: what each touchdown is to latch.
         courses: that they walk on in place of floors, and are told by; None for floors.
         seed: of the noise of the sensors.
         noisy: whether they have noise.
@@ -27,7 +27,7 @@ class EpisodeInputs:
 
     terrain: Terrain
     push: Push
-    orders: CommandSchedule
+    schedule: CommandSchedule
     courses: Courses | None
     seed: int
     noisy: bool

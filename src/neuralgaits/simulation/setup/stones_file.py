@@ -1,6 +1,5 @@
 """Read a file of stones to step on: a row each, `stone,x[m],z[m],width[m]`, with checks."""
 
-import csv
 import math
 import re
 from pathlib import Path
@@ -8,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from neuralgaits._digits import decimal
-from neuralgaits._inputs import between_commas, refuse_unreadable
+from neuralgaits._inputs import between_commas, csv_lines
 from neuralgaits._types import Float
 from neuralgaits.errors import InputError
 from neuralgaits.gait.commands import Commands, command_named
@@ -29,13 +28,7 @@ def stones_of_file(path: Path, commands: Commands, steps: int) -> Course:
 
     Raises: InputError with one line.
     """
-    refuse_unreadable(path)
-    try:
-        with path.open(newline="", encoding="utf-8-sig") as file:
-            lines = [line for line in csv.reader(file) if any(word.strip() for word in line)]
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
-        reason = getattr(error, "strerror", None) or "it is no text in UTF-8"
-        raise InputError(f"expected a CSV file of stones at {path}, found none: {reason}") from None
+    lines = csv_lines(path, "stones")
     head = tuple(re.sub(r"\s", "", word) for word in lines[0]) if lines else ()
     if head != _HEAD:
         raise InputError(

@@ -29,7 +29,7 @@ class Terrain:
         """
         self.levels = np.zeros((episodes, 2))
         self._height = height
-        self.told = expected
+        self.expected = expected
         self._next_rise = np.full(episodes, expected or 0.0)
         self._pending = np.full(episodes, expected is not None)
         numbers = range(first, first + episodes)
@@ -38,7 +38,7 @@ class Terrain:
     @property
     def uneven(self) -> bool:
         """Whether the levels change at all."""
-        return self._height != 0.0 or self.told is not None
+        return self._height != 0.0 or self.expected is not None
 
     def rises(self, episode: int, count: int) -> Float[np.ndarray, " count"]:
         """Draw the height changes of an episode's next touchdowns (m). Returns: [count]."""

@@ -22,7 +22,7 @@ class CommandFeed:
     def __init__(
         self,
         robot: PlanarBiped,
-        orders: CommandSchedule,
+        schedule: CommandSchedule,
         episodes: range,
         courses: Courses | None,
         *,
@@ -30,10 +30,10 @@ class CommandFeed:
     ):
         """Begin at the first command of each episode. `robot` is the controller's model."""
         self._courses = courses
-        self._orders = [orders.of(i) for i in episodes]
-        first = [next(rows) for rows in self._orders]
+        self._schedule = [schedule.of(i) for i in episodes]
+        first = [next(rows) for rows in self._schedule]
         self._scheduled = np.array(first, dtype=np.float64).reshape(len(episodes), -1)
-        commands, first_of_all = orders.commands, orders.first
+        commands, first_of_all = schedule.commands, schedule.first
         self._adapted = [AdaptedCommand(robot, commands, first_of_all, adapt) for _ in episodes]
         self.requested = np.array(self._scheduled)
 
@@ -61,7 +61,7 @@ class CommandFeed:
                 self.requested[i] = self._adapted[i].request(commands)
             return
         for i in np.flatnonzero(outcome.touchdown):
-            self._scheduled[i] = next(self._orders[i])
+            self._scheduled[i] = next(self._schedule[i])
             self.requested[i] = self._adapted[i].request(self._scheduled[i])
 
     def row(self, episode: int, stride: Float[np.ndarray, " r"]) -> Float[np.ndarray, " w"]:

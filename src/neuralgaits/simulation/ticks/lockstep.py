@@ -82,7 +82,7 @@ def run(
     noise = Noise(shape, inputs.seed, count, noisy=inputs.noisy, first=first)
     late = DelayLine(plant.delay_ticks, count, plant.state_map.nu)
     episodes = range(first, first + count)
-    feed = CommandFeed(robot, inputs.orders, episodes, courses, adapt=inputs.adapt)
+    feed = CommandFeed(robot, inputs.schedule, episodes, courses, adapt=inputs.adapt)
     levels = terrain.levels if courses is None else courses.first_levels()
     results = _Results(batch, inputs, feed, count)
     carry, time, plant_steps = batch.carry, 0.0, 0
@@ -166,7 +166,7 @@ class _Results:
     def whole(self, plant_steps: int, wall_s: float) -> EpisodeBatch:
         """Return the results once every episode has ended."""
         batch, recorder, count = self._batch, self._recorder, len(self._endings)
-        columns = width(len(self._inputs.orders.commands))
+        columns = width(len(self._inputs.schedule.commands))
         return EpisodeBatch(
             endings=[Ending(value) for value in self._endings],
             gauge=batch.carry_of(self._carries).gauge,

@@ -5,9 +5,9 @@ from dataclasses import asdict, dataclass
 import mujoco
 import numpy as np
 
+from neuralgaits.robots.mjcf.model_contents import HINGE, SLIDE
 from neuralgaits.systems.cartpole.cartpole_model import CartPole
 from neuralgaits.systems.joint_map import JointMap
-from neuralgaits.systems.mjcf_problems import HINGE, SLIDE
 
 
 @dataclass(frozen=True)

@@ -8,13 +8,13 @@ import numpy as np
 
 from neuralgaits.errors import RobotError
 from neuralgaits.robots.mjcf.compiled import compile_text
+from neuralgaits.robots.mjcf.model_contents import HINGE, SLIDE, at_zero, joint_label
 from neuralgaits.robots.mjcf.physical_numbers import refuse_unphysical
 from neuralgaits.systems import mjcf_problems as problems
 from neuralgaits.systems.acceleration_comparison import ComparedRanges, difference_from_mujoco
 from neuralgaits.systems.cartpole.cartpole_data import CartPoleData
 from neuralgaits.systems.cartpole.cartpole_model import CartPole
 from neuralgaits.systems.mjcf_contents import joint_kinds, model_name, planar_link
-from neuralgaits.systems.mjcf_problems import HINGE, SLIDE
 
 BUILT_IN = "cartpole"
 STRAIGHT = 1e-9
@@ -82,12 +82,12 @@ def _problems_of_tree(model: mujoco.MjModel) -> Iterator[str]:
 def _problems(model: mujoco.MjModel) -> Iterator[str]:
     """Say what else is not a cart-pole's: ranges, directions, motors, what no formula has."""
     slide, hinge = _joint(model, SLIDE), _joint(model, HINGE)
-    up, on_slide = -model.opt.gravity, problems.joint_label(model, slide)
+    up, on_slide = -model.opt.gravity, joint_label(model, slide)
     along, around = problems.joint_axis(model, slide), problems.joint_axis(model, hinge)
     if abs(along @ up) > STRAIGHT * np.linalg.norm(up):
         yield f'joint {on_slide} is not level: give it an axis such as "1 0 0"'
     elif max(abs(around @ up) / np.linalg.norm(up), abs(around @ along)) > STRAIGHT:
-        name = problems.joint_label(model, hinge)
+        name = joint_label(model, hinge)
         yield f'joint {name} turns out of the rail\'s plane: use an axis such as "0 1 0"'
     if not model.jnt_limited[slide]:
         yield f'joint {on_slide} has no range, the rail: add range="-1.8 1.8" or its own'
@@ -100,7 +100,7 @@ def _problems(model: mujoco.MjModel) -> Iterator[str]:
 
 
 def _data(model: mujoco.MjModel) -> CartPoleData:
-    slide, hinge, data = _joint(model, SLIDE), _joint(model, HINGE), problems.at_zero(model)
+    slide, hinge, data = _joint(model, SLIDE), _joint(model, HINGE), at_zero(model)
     motor = int(np.flatnonzero(model.actuator_trnid[:, 0] == slide)[0])
     gravity = float(np.linalg.norm(model.opt.gravity))
     up, along, around = -model.opt.gravity / gravity, data.xaxis[slide], data.xaxis[hinge]

@@ -8,12 +8,12 @@ import numpy as np
 
 from neuralgaits.errors import RobotError
 from neuralgaits.robots.mjcf.compiled import compile_text
+from neuralgaits.robots.mjcf.model_contents import HINGE, ON_JOINT, SLIDE, at_zero, joint_label
 from neuralgaits.robots.mjcf.physical_numbers import refuse_unphysical
 from neuralgaits.systems import mjcf_problems as problems
 from neuralgaits.systems.hopper.hopper_data import HopperData
 from neuralgaits.systems.hopper.hopper_model import Hopper
 from neuralgaits.systems.mjcf_contents import PlanarLink, joint_kinds, model_name, planar_link
-from neuralgaits.systems.mjcf_problems import HINGE, SLIDE
 
 BUILT_IN = "hopper"
 ON_LINE = 1e-9
@@ -74,9 +74,9 @@ def _problems_of_tree(model: mujoco.MjModel) -> Iterator[str]:
 
 def _problems(model: mujoco.MjModel) -> Iterator[str]:
     """Say what else is not a hopper's: axes, lines, ranges, motors, what no formula has."""
-    still = problems.at_zero(model)
+    still = at_zero(model)
     for joint, (words, _, axis) in enumerate(ROLES):
-        name = problems.joint_label(model, joint)
+        name = joint_label(model, joint)
         if np.max(np.abs(still.xaxis[joint] - np.array(axis))) > ON_LINE:
             right = " ".join(f"{x:g}" for x in axis)
             yield f'joint {name} ({words}): expected the axis "{right}" where all joints are at 0'
@@ -87,7 +87,7 @@ def _problems(model: mujoco.MjModel) -> Iterator[str]:
         if model.dof_damping[dof] or model.dof_armature[dof]:
             yield f"joint {name} has damping or armature, which no formula here has: remove it"
     if not model.jnt_limited[4]:
-        yield f'joint {problems.joint_label(model, 4)} has no range: add range="-0.3 0.2"'
+        yield f'joint {joint_label(model, 4)} has no range: add range="-0.3 0.2"'
     for words, place in _beside_the_leg(model, still).items():
         if abs(place) > ON_LINE:
             yield f"{words} is {place:.3g} m beside the leg's line: expected 0; move it there"
@@ -103,7 +103,7 @@ def _problems(model: mujoco.MjModel) -> Iterator[str]:
 
 
 def _problems_of_motors(model: mujoco.MjModel, joint: int) -> Iterator[str]:
-    motors, name = _motors(model, joint), problems.joint_label(model, joint)
+    motors, name = _motors(model, joint), joint_label(model, joint)
     if len(motors) != 1:
         yield f"expected one motor on joint {name}, found {len(motors)}"
     for motor in motors:
@@ -116,7 +116,7 @@ def _motors(model: mujoco.MjModel, joint: int) -> list[int]:
     return [
         motor
         for motor in range(model.nu)
-        if int(kinds[motor]) in problems.ON_JOINT and model.actuator_trnid[motor, 0] == joint
+        if int(kinds[motor]) in ON_JOINT and model.actuator_trnid[motor, 0] == joint
     ]
 
 
@@ -142,7 +142,7 @@ def _beside_the_leg(model: mujoco.MjModel, still: mujoco.MjData) -> dict[str, fl
 
 
 def _data(model: mujoco.MjModel, name: str) -> HopperData:
-    still = problems.at_zero(model)
+    still = at_zero(model)
     hip, (foot,) = still.xanchor[3], _feet(model)
     hub, wheel, leg = (planar_link(model, still, joint, PLANE) for joint in (2, 3, 4))
     offset = hub.centre[1] + still.xanchor[2][2] - hip[2]

@@ -11,6 +11,7 @@ import numpy as np
 import viser
 from mjviser import ViserMujocoScene
 
+from neuralgaits.robots.mjcf.model_contents import at_zero
 from neuralgaits.systems.walker3d.live_walk import SpatialMoment
 from neuralgaits.systems.walker3d.spatial_mjcf import SpatialRobot
 from neuralgaits.viewer.framing import Direction, Framing
@@ -137,9 +138,7 @@ def _add_rods(spec: mujoco.MjSpec, robot: SpatialRobot) -> None:
     """Add rods along the links, from joint to joint."""
     walker, bodies = robot.walker, {body.id: body for body in spec.bodies}
     model = spec.compile()
-    data = mujoco.MjData(model)
-    data.qpos[:] = 0.0
-    mujoco.mj_kinematics(model, data)
+    data = at_zero(model)
     hips = [data.xanchor[leg[0]] for leg in robot.tree.joints]
     top = 0.5 * (hips[0] + hips[1]) + np.array([0.0, 0.0, 2.0 * walker.torso_centre[1]])
     rods = [(robot.tree.bodies[0], hips[0], hips[1]), (robot.tree.bodies[0], sum(hips) / 2.0, top)]

@@ -13,13 +13,12 @@ from neuralgaits._printable import printable
 from neuralgaits._types import Float
 from neuralgaits.errors import RobotError
 from neuralgaits.robots.mjcf.compiled import compile_text
+from neuralgaits.robots.mjcf.model_contents import at_zero, joint_label
 from neuralgaits.robots.mjcf.physical_numbers import refuse_unphysical
 from neuralgaits.robots.mjcf.text import standalone_text
 from neuralgaits.systems.walker3d.spatial_tree import (
     CLOSE,
     SpatialTree,
-    at_zero,
-    joint_name,
     tree_of,
 )
 from neuralgaits.systems.walker3d.spatial_walker import RigidLink, SpatialWalker
@@ -143,7 +142,7 @@ def _unmodelled(model: mujoco.MjModel) -> Iterator[str]:
             ("stiffness", model.jnt_stiffness[joint]),
         ):
             if value:
-                yield f"joint {joint_name(model, joint)} has {what}, not modelled: remove it"
+                yield f"joint {joint_label(model, joint)} has {what}, not modelled: remove it"
 
 
 def _unequal(model: mujoco.MjModel, tree: SpatialTree) -> Iterator[str]:
@@ -191,8 +190,8 @@ def _unlike_ranges(model: mujoco.MjModel, tree: SpatialTree) -> Iterator[str]:
         if not np.allclose(second, expected, rtol=0.0, atol=CLOSE):
             low, high = expected
             yield (
-                f"joint {joint_name(model, left)}: expected the mirror image of the range of "
-                f"{joint_name(model, right)}, {low:g} to {high:g} rad, found {second[0]:g} to "
+                f"joint {joint_label(model, left)}: expected the mirror image of the range of "
+                f"{joint_label(model, right)}, {low:g} to {high:g} rad, found {second[0]:g} to "
                 f"{second[1]:g}: give it that range"
             )
 

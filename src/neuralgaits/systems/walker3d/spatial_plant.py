@@ -9,6 +9,7 @@ import numpy as np
 
 from neuralgaits._quick_jit import quick_jit
 from neuralgaits._types import Array, Bool, Float
+from neuralgaits.robots.mjcf.model_contents import at_zero
 from neuralgaits.simulation.live_floor import Floor
 from neuralgaits.simulation.setup.terrain import Terrain
 from neuralgaits.systems.walker3d.spatial_changes import TICK_S, SpatialChanges
@@ -92,9 +93,7 @@ class SpatialPlants:
         terrain = terrain_under(changes, len(states), seed, -step)
         left = np.zeros(len(states), bool)
         plants = cls(robot, changes, model, [], left, terrain, slope_of(changes))
-        rest = mujoco.MjData(model)
-        rest.qpos[:] = 0.0
-        mujoco.mj_kinematics(model, rest)
+        rest = at_zero(model)
         hips = [rest.xanchor[leg[0]] for leg in robot.tree.joints]
         base = 0.5 * (hips[0] + hips[1])
         for q, dq, place, speed in zip(*map(np.asarray, found), strict=True):

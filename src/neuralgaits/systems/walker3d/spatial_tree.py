@@ -7,8 +7,8 @@ import mujoco
 import numpy as np
 
 from neuralgaits._types import Float
+from neuralgaits.robots.mjcf.model_contents import HINGE, SLIDE, at_zero, joint_label, joints_on
 
-SLIDE, HINGE = int(mujoco.mjtJoint.mjJNT_SLIDE), int(mujoco.mjtJoint.mjJNT_HINGE)
 ROOT = ((SLIDE, 0), (SLIDE, 1), (SLIDE, 2), (HINGE, 0), (HINGE, 1))
 """Kinds and axes of the root's joints, in their order: x, y, z, roll, pitch."""
 CLOSE = 1e-9
@@ -32,26 +32,6 @@ class SpatialTree:
     motors: tuple[tuple[int, ...], tuple[int, ...]]
     bodies: tuple[int, ...]
     feet: tuple[int, int]
-
-
-def joint_name(model: mujoco.MjModel, joint: int) -> str:
-    """Return a joint's name, or its number."""
-    return model.joint(joint).name or f"number {joint}"
-
-
-def at_zero(model: mujoco.MjModel) -> mujoco.MjData:
-    """Return the robot with all its joints at 0."""
-    data = mujoco.MjData(model)
-    data.qpos[:] = 0.0
-    mujoco.mj_kinematics(model, data)
-    mujoco.mj_comPos(model, data)
-    return data
-
-
-def joints_on(model: mujoco.MjModel, body: int) -> list[int]:
-    """Return a body's joints, the outermost first."""
-    first = int(model.body_jntadr[body])
-    return list(range(first, first + int(model.body_jntnum[body])))
 
 
 def children_of(model: mujoco.MjModel, body: int) -> list[int]:
@@ -141,20 +121,20 @@ def _axis_problems(
     model: mujoco.MjModel, data: mujoco.MjData, leg: tuple[int, ...]
 ) -> Iterator[str]:
     for joint, (number, words) in zip(leg, ((0, "roll"), (1, "pitch"), (1, "pitch")), strict=True):
-        name = joint_name(model, joint)
+        name = joint_label(model, joint)
         if int(model.jnt_type[joint]) != HINGE or not _is_axis(data.xaxis[joint], number):
             axis = "1 0 0" if number == 0 else "0 1 0"
             yield f'joint {name}: expected a {words} hinge, found another: use axis="{axis}"'
     roll, pitch, knee = (data.xanchor[joint] for joint in leg)
     if np.abs(roll - pitch)[1:].max() > CLOSE:
         yield (
-            f"the axis of {joint_name(model, leg[0])} does not meet the hip's pitch axis at the "
+            f"the axis of {joint_label(model, leg[0])} does not meet the hip's pitch axis at the "
             "leg: give both joints one pos"
         )
     if np.abs(knee - pitch)[:2].max() > CLOSE or not knee[2] < pitch[2]:
         yield (
-            f"joint {joint_name(model, leg[2])} is not straight below the hip where all angles are "
-            "0: move it there"
+            f"joint {joint_label(model, leg[2])} is not straight below the hip where all angles "
+            "are 0: move it there"
         )
 
 
@@ -183,7 +163,7 @@ def _motor(model: mujoco.MjModel, joint: int, problems: list[str]) -> int:
         if int(model.actuator_trntype[motor]) == kind
         and int(model.actuator_trnid[motor, 0]) == joint
     ]
-    name = joint_name(model, joint)
+    name = joint_label(model, joint)
     if len(found) != 1:
         problems.append(f"joint {name}: expected one motor, found {len(found)}")
         return -1
