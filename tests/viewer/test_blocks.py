@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 import trimesh
 
-from neuralgaits.viewer import live_server
 from neuralgaits.viewer.blocks import Blocks, mesh
 
 TOPS = np.array([[-0.1, 0.0, 0.1, 0.0], [0.3, 0.05, 0.5, 0.05], [0.5, 0.05, 1.5, 0.15]])
@@ -32,23 +31,18 @@ def test_tops_are_where_the_course_has_them():
             np.testing.assert_allclose(np.unique(above[:, 1]), [-0.3, 0.3], atol=1e-6)
 
 
-def test_they_move_under_the_robot_and_are_drawn_anew_where_they_changed():
-    server = live_server.open_server("test")
-    try:
-        blocks = Blocks(server)
-        blocks.show(None, 1.0, 0.2)
-        assert np.all(np.array(blocks._frame.position) == 0.0)
-        blocks.show(TOPS, 1.0, 0.2)
-        np.testing.assert_allclose(blocks._frame.position, [-1.0, 0.0, -0.2])
-        nodes: Any = server.scene._handle_from_node_name
-        first = nodes["/course/0"]
-        blocks.show(TOPS, 1.1, 0.2)
-        assert nodes["/course/0"] is first
-        blocks.show(TOPS[:1], 1.1, 0.2)
-        assert nodes["/course/0"] is not first
-        left = {name: node.vertices for name, node in nodes.items() if "/course/" in name}
-        assert len(left.pop("/course/0")) == 8
-        assert all(len(vertices) == 0 for vertices in left.values())
-    finally:
-        with live_server.quiet():
-            server.stop()
+def test_they_move_under_the_robot_and_are_drawn_anew_where_they_changed(server):
+    blocks = Blocks(server)
+    blocks.show(None, 1.0, 0.2)
+    assert np.all(np.array(blocks._frame.position) == 0.0)
+    blocks.show(TOPS, 1.0, 0.2)
+    np.testing.assert_allclose(blocks._frame.position, [-1.0, 0.0, -0.2])
+    nodes: Any = server.scene._handle_from_node_name
+    first = nodes["/course/0"]
+    blocks.show(TOPS, 1.1, 0.2)
+    assert nodes["/course/0"] is first
+    blocks.show(TOPS[:1], 1.1, 0.2)
+    assert nodes["/course/0"] is not first
+    left = {name: node.vertices for name, node in nodes.items() if "/course/" in name}
+    assert len(left.pop("/course/0")) == 8
+    assert all(len(vertices) == 0 for vertices in left.values())

@@ -11,7 +11,7 @@ import pytest
 from neuralgaits._commands import ADAPTABLE
 from neuralgaits.gait.commands import Command
 from neuralgaits.simulation.live_tick import StepSpeeds
-from neuralgaits.viewer import limited_sliders, live_server, panel
+from neuralgaits.viewer import limited_sliders, panel
 from neuralgaits.viewer.believed_lean import lean_of
 from neuralgaits.viewer.panel import PUSH, Panel
 from neuralgaits.viewer.player import SPEED, Picture
@@ -21,18 +21,25 @@ FRICTION = Slider("friction", 0.05, 1.5, 0.6)
 
 
 @pytest.fixture
-def built():
-    """A panel on a server of its own, and the sliders by label."""
-    server = live_server.open_server("test")
-    player: Any = SimpleNamespace(paused=False, speed=1.0, ask=lambda wish: None)
-    settings = {"friction": FRICTION}
-    made = Panel(
-        server, player, title="x", settings=settings, conditions=(), restarted=lambda: None
-    )
-    handles: Any = server.gui._gui_input_handle_from_uuid
-    yield made, {handle.label: handle for handle in handles.values() if hasattr(handle, "step")}
-    with live_server.quiet():
-        server.stop()
+def make_panel(server):
+    """Make panels on one server. Returns: the panel, handles by label, wishes to the walker."""
+
+    def make(**options):
+        wishes: list[Any] = []
+        player: Any = SimpleNamespace(paused=False, speed=1.0, ask=wishes.append)
+        needed: Any = {"title": "x", "settings": {}, "conditions": (), "restarted": lambda: None}
+        made = Panel(server, player, **(needed | options))
+        handles = server.gui._gui_input_handle_from_uuid.values()
+        return made, {handle.label: handle for handle in handles}, wishes
+
+    return make
+
+
+@pytest.fixture
+def built(make_panel):
+    """A panel with a slider, and the sliders by label."""
+    made, handles, _ = make_panel(settings={"friction": FRICTION})
+    return made, {label: handle for label, handle in handles.items() if hasattr(handle, "step")}
 
 
 def typed(slider, value):
@@ -90,70 +97,52 @@ def test_the_end_of_the_ground_is_said_once_each_time(built):
     assert words.format(412) in made._status.content
 
 
-def test_the_switch_adapts_and_the_speeds_of_the_last_step_are_said():
-    server, asked, heard = live_server.open_server("test"), [], []
-    player: Any = SimpleNamespace(paused=False, speed=1.0, ask=asked.append)
+def test_the_switch_adapts_and_the_speeds_of_the_last_step_are_said(make_panel):
+    heard = []
     walker: Any = SimpleNamespace(adapt=heard.append)
-    made: Any = {"title": "x", "settings": {}, "conditions": (), "restarted": lambda: None}
-    try:
-        panels = [Panel(server, player, **made, adaptable=names) for names in ((), ADAPTABLE)]
-        handles: Any = server.gui._gui_input_handle_from_uuid
-        (switch,) = (one for one in handles.values() if "adapt" in one.label)
-        assert switch.label == "adapt speed, lean, slope"
-        for value in (True, False):
-            switch.value = value
-        for wish in asked:
-            wish(walker)
-        assert heard == [True, False]
-        told = "told 0.700, commanded 0.612, walked 0.701 m/s"
-        for speeds, said in ((None, False), (StepSpeeds(0.7, 0.612, 0.7008), True)):
-            for _ in range(2 * panel._STATUS_EVERY):
-                frame(panels[1], speeds=speeds)
-            assert (told in panels[1]._status.content) == said
-    finally:
-        with live_server.quiet():
-            server.stop()
+    _, plain, _ = make_panel()
+    assert not any("adapt" in label for label in plain)
+    made, handles, wishes = make_panel(adaptable=ADAPTABLE)
+    for value in (True, False):
+        handles["adapt speed, lean, slope"].value = value
+    for wish in wishes:
+        wish(walker)
+    assert heard == [True, False]
+    told = "told 0.700, commanded 0.612, walked 0.701 m/s"
+    for speeds, said in ((None, False), (StepSpeeds(0.7, 0.612, 0.7008), True)):
+        for _ in range(2 * panel._STATUS_EVERY):
+            frame(made, speeds=speeds)
+        assert (told in made._status.content) == said
 
 
 @pytest.mark.parametrize("adapts", [True, False])
-def test_sliders_of_what_is_learned_rest_while_it_is(adapts):
+def test_sliders_of_what_is_learned_rest_while_it_is(make_panel, adapts):
     """They would be moved for nothing. What counts is in the units of the gait."""
-    server, asked, heard = live_server.open_server("test"), [], []
-    player: Any = SimpleNamespace(paused=False, speed=1.0, ask=asked.append)
+    heard = []
     walker: Any = SimpleNamespace(
         adapt=lambda active: None,
         tell=lambda name, value: heard.append((name, value)),
         disturb=lambda name, value: heard.append((name, value)),
     )
-    made: Any = {"title": "x", "conditions": (), "restarted": lambda: None}
-    try:
-        Panel(
-            server,
-            player,
-            settings={"torso_shift_m": Slider("torso [mm]", -50.0, 50.0, 0.0, 1.0, unit=1e-3)},
-            commands={
-                "speed": Slider("speed [m/s]", 0.5, 0.9, 0.7),
-                "lean": Slider("lean [mm]", -30.0, 30.0, 0.0, unit=1e-3),
-            },
-            adaptable=("speed", "lean"),
-            adapts=adapts,
-            **made,
-        )
-        handles: Any = server.gui._gui_input_handle_from_uuid
-        by_label = {handle.label: handle for handle in handles.values()}
-        switch = by_label["adapt speed, lean"]
-        for active in (adapts, not adapts, adapts):
-            switch.value = active
-            assert by_label["lean [mm]"].disabled == active
-            assert not by_label["speed [m/s]"].disabled
-        by_label["lean [mm]"].value = 20.0
-        by_label["torso [mm]"].value = -30.0
-        for wish in asked:
-            wish(walker)
-        assert heard == [("lean", 0.02), ("torso_shift_m", -0.03)]
-    finally:
-        with live_server.quiet():
-            server.stop()
+    _, by_label, wishes = make_panel(
+        settings={"torso_shift_m": Slider("torso [mm]", -50.0, 50.0, 0.0, 1.0, unit=1e-3)},
+        commands={
+            "speed": Slider("speed [m/s]", 0.5, 0.9, 0.7),
+            "lean": Slider("lean [mm]", -30.0, 30.0, 0.0, unit=1e-3),
+        },
+        adaptable=("speed", "lean"),
+        adapts=adapts,
+    )
+    switch = by_label["adapt speed, lean"]
+    for active in (adapts, not adapts, adapts):
+        switch.value = active
+        assert by_label["lean [mm]"].disabled == active
+        assert not by_label["speed [m/s]"].disabled
+    by_label["lean [mm]"].value = 20.0
+    by_label["torso [mm]"].value = -30.0
+    for wish in wishes:
+        wish(walker)
+    assert heard == [("lean", 0.02), ("torso_shift_m", -0.03)]
 
 
 @pytest.mark.parametrize(
@@ -196,35 +185,24 @@ def test_a_gait_that_takes_no_lean_has_no_marks(built):
     assert "Torso" not in made._status.content
 
 
-def test_sliders_and_keys_tell_the_robot_and_lay_stones():
+def test_sliders_and_keys_tell_the_robot_and_lay_stones(make_panel, server):
     """Two keys a slider, up and down by a tenth of its range, cut to it."""
-    server, asked, heard = live_server.open_server("test"), [], []
-    player: Any = SimpleNamespace(paused=False, speed=1.0, ask=asked.append)
+    heard = []
     walker: Any = SimpleNamespace(
         tell=lambda name, value: heard.append(("tell", name, value)),
         resize=lambda name, value: heard.append(("resize", name, value)),
     )
-    try:
-        Panel(
-            server,
-            player,
-            title="x",
-            settings={},
-            conditions=(),
-            restarted=lambda: None,
-            commands={"speed": Slider("speed [m/s]", 0.5, 0.9, 0.7)},
-            sizes={"rise": Slider("rise [m]", -0.05, 0.05, 0.05)},
-        )
-        keys = {handle.hotkey: handle for handle in server.gui._command_handle_from_uuid.values()}
-        assert set(keys) == {"U", "J", "I", "K"}
-        for key in ("U", "J", "I", "K"):
-            for callback in keys[key]._impl.trigger_cb:
-                callback(None)  # pyright: ignore[reportArgumentType]
-        for wish in asked:
-            wish(walker)
-    finally:
-        with live_server.quiet():
-            server.stop()
+    _, _, wishes = make_panel(
+        commands={"speed": Slider("speed [m/s]", 0.5, 0.9, 0.7)},
+        sizes={"rise": Slider("rise [m]", -0.05, 0.05, 0.05)},
+    )
+    keys = {handle.hotkey: handle for handle in server.gui._command_handle_from_uuid.values()}
+    assert set(keys) == {"U", "J", "I", "K"}
+    for key in ("U", "J", "I", "K"):
+        for callback in keys[key]._impl.trigger_cb:
+            callback(None)
+    for wish in wishes:
+        wish(walker)
     said = [(verb, name, round(value, 9)) for verb, name, value in dict.fromkeys(heard)]
     assert said == [
         ("tell", "speed", 0.74),
@@ -256,17 +234,11 @@ def test_the_end_of_a_walk_says_what_to_do_next(built, upright, left, words):
 @pytest.mark.parametrize(
     ("low", "high"), [(0.55, 0.90), (0.4712345678901, 0.8765432109), (-0.02, 0.02), (-0.087, 0.1)]
 )
-def test_a_number_beside_a_slider_has_room(low, high):
+def test_a_number_beside_a_slider_has_room(make_panel, low, high):
     """Its box holds five characters, and as many decimals as limits, first value and step need."""
-    told = {"speed": Slider("speed [m/s]", low, high, 0.5 * (low + high))}
-    server = live_server.open_server("test")
-    player: Any = SimpleNamespace(paused=False, speed=1.0, ask=lambda wish: None)
-    made: Any = {"title": "x", "settings": {}, "conditions": (), "restarted": lambda: None}
-    Panel(server, player, commands=told, sizes={}, **made)
-    handles: Any = server.gui._gui_input_handle_from_uuid
-    [slider] = [one for one in handles.values() if one.label == "speed [m/s]"]
+    speed = Slider("speed [m/s]", low, high, 0.5 * (low + high))
+    _, handles, _ = make_panel(commands={"speed": speed}, sizes={})
+    slider = handles["speed [m/s]"]
     assert slider.precision <= 4 - (low > 0.1)
     assert low - 0.01 <= slider.min < slider.value < slider.max <= high + 0.01
     assert slider.step <= (slider.max - slider.min) / 50
-    with live_server.quiet():
-        server.stop()

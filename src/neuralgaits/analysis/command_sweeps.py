@@ -27,7 +27,7 @@ class Member(NamedTuple):
     value: float
     """Value of the command."""
     fence_z1: Float[np.ndarray, " P"]
-    """[m]"""
+    """Hip positions of the fences [m]."""
     fence_z2: Float[np.ndarray, "2 P"]
     """Lower and upper fence [kg m^2/s]."""
     orbit: Float[np.ndarray, "T 2"]

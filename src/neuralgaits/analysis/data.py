@@ -34,7 +34,7 @@ class OrbitNumbers(NamedTuple):
     period_s: float
     """Duration of a step [s]."""
     step_length_m: float
-    """[m]"""
+    """Distance between two footholds [m]."""
 
 
 @dataclass(frozen=True)

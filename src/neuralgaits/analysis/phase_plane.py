@@ -15,13 +15,13 @@ class Plane(NamedTuple):
     """Fences and grid of the plane, with P phases, A and B grid lines."""
 
     fence_z1: Float[np.ndarray, " P"]
-    """[m]"""
+    """Hip positions of the fences [m]."""
     fence_z2: Float[np.ndarray, "2 P"]
     """Lower and upper fence [kg m^2/s]."""
     z1: Float[np.ndarray, " A"]
-    """[m]"""
+    """Hip positions of the grid lines [m]."""
     z2: Float[np.ndarray, " B"]
-    """[kg m^2/s]"""
+    """Momenta of the grid lines [kg m^2/s]."""
 
     @property
     def states(self) -> Float[np.ndarray, "BA 2"]:

@@ -60,5 +60,5 @@ def leans_of(
 def _with_derivatives(
     robot: PlanarBiped, q: Float[Array, "B n"], change: Float[Array, "B n"]
 ) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
-    """Return `with_derivative` of many intervals."""
+    """Evaluate value and derivative in many intervals at once."""
     return jax.vmap(lambda at, rate: with_derivative(robot, at, rate))(q, change)

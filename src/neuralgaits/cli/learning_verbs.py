@@ -1,4 +1,4 @@
-"""Verbs that learn from logs."""
+"""Carry out `fit`, `refine` and `episodes`, which learn from logs."""
 
 import sys
 from pathlib import Path

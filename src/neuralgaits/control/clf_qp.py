@@ -86,7 +86,7 @@ class ClfQp(AbstractLaw):
         return self.linearising.torque(robot, reading, desired)
 
     def apply_limits(self, robot: DrivenMechanism, demand: Demand) -> LimitedTorque:
-        """Solve the program. Returns: `LimitedTorque`."""
+        """Find the torques within all limits that lose least of the decrease."""
         torque, limit = demand.torque, demand.limit
         m, unit = robot.n - 1, jnp.max(limit)
         solution = minimise(self.program(robot, demand))

@@ -23,7 +23,7 @@ class CommandState(NamedTuple):
     requested: Float[Array, " p"]
     """What is wished for: the next touchdown goes there, as far as one step may change."""
     pair: Pair
-    """Of the step under way."""
+    """Commands of the step under way."""
     step_parameters: Float[Array, " s"]
     """What follows from that pair, see `AbstractPolicy.parameters_of_step`."""
 

@@ -41,7 +41,7 @@ class DrivenMechanism(Mechanism, Protocol):
         ...
 
     def weight(self) -> Scalar:
-        """Weight [N]."""
+        """Weight of the whole mechanism [N]."""
         ...
 
     def ground_reaction_force(self, q: Coordinates, dq: Coordinates, ddq: Coordinates) -> Planar:

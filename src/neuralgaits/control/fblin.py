@@ -42,7 +42,7 @@ class Fblin(AbstractLaw):
 
     @property
     def takes_joints(self) -> bool:
-        """Its torques are the model's."""
+        """Whether joint friction may be added: yes, its torques are the model's."""
         return True
 
     def desired(self, robot: DrivenMechanism, outputs: Outputs, reading: MeasuredState) -> Desired:

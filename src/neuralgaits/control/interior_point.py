@@ -27,11 +27,11 @@ class QuadraticProgram(NamedTuple):
     weight: Float[Array, " n"]
     """Positive weights. [n]"""
     cost: Float[Array, " n"]
-    """[n]"""
+    """Linear costs. [n]"""
     rows: Float[Array, "k n"]
-    """[k, n]"""
+    """Left sides of the inequalities. [k, n]"""
     bound: Float[Array, " k"]
-    """[k]"""
+    """Right sides of the inequalities. [k]"""
 
 
 class _Point(NamedTuple):
@@ -44,7 +44,7 @@ class Solution(NamedTuple):
     """Result of the solver: solution, multipliers and convergence."""
 
     x: Float[Array, " n"]
-    """[n]"""
+    """Minimiser. [n]"""
     multiplier: Float[Array, " k"]
     """Multiplier of each row, not negative. [k]"""
     converged: Bool[Array, ""]

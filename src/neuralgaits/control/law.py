@@ -57,7 +57,7 @@ class Demand(NamedTuple):
     reading: MeasuredState
     desired: Desired
     torque: Actuated
-    """[N m]. [m]"""
+    """Torques before limits [N m]. [m]"""
     limit: Actuated
     """Torque limit of every motor [N m]. [m]"""
 
@@ -66,7 +66,7 @@ class LimitedTorque(NamedTuple):
     """Torques within the limits, and which limits were active."""
 
     torque: Actuated
-    """[N m]. [m]"""
+    """Torques within the limits [N m]. [m]"""
     saturated: Bool[Array, ""]
     """Whether any was clipped, or is at its limit."""
     relaxed: Bool[Array, "2"]
@@ -80,9 +80,9 @@ class CompiledLaw(NamedTuple):
     words: str
     """Its gains, for the comment at the top of an export."""
     stiffness: tuple[float, ...] = ()
-    """By joint [N m/rad]; none of its own without. [m]"""
+    """Position gains by joint [N m/rad]; empty if the law has none. [m]"""
     damping: tuple[float, ...] = ()
-    """Likewise [N m s/rad]. [m]"""
+    """Rate gains by joint [N m s/rad]; empty if the law has none. [m]"""
     model: bool = False
     """Whether the model's torques for the policy's accelerations are added."""
     bandwidth: float = 0.0

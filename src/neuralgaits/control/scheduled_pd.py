@@ -107,12 +107,12 @@ class ScheduledPd(AbstractLaw):
 
     @property
     def takes_joints(self) -> bool:
-        """Its torques are the model's."""
+        """Whether joint friction may be added: yes, its torques are the model's."""
         return True
 
     @property
     def uses_impact_consistent_rates(self) -> bool:
-        """Whether it predicts rates."""
+        """Whether it starts a step from predicted rates instead of measured ones."""
         return self.predicts_rates
 
     def desired(self, robot: DrivenMechanism, outputs: Outputs, reading: MeasuredState) -> Desired:

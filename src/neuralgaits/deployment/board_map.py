@@ -22,15 +22,15 @@ class BoardReadings(NamedTuple):
     """One reading of the hardware: angles and rates of drives [motors], pitch, contacts."""
 
     position: np.ndarray
-    """Of each drive [rad]. [motors]"""
+    """Angle of each drive [rad]. [motors]"""
     velocity: np.ndarray
-    """Of each drive [rad/s]. [motors]"""
+    """Rate of each drive [rad/s]. [motors]"""
     pitch: float
-    """Of the inertial unit [rad]."""
+    """Pitch of the inertial unit [rad]."""
     dpitch: float
     """Its rate [rad/s]."""
     contact: np.ndarray
-    """Of each channel, in its own unit. [channels]"""
+    """Reading of each contact channel, in its own unit. [channels]"""
 
 
 class JointReadings(NamedTuple):
@@ -41,7 +41,7 @@ class JointReadings(NamedTuple):
     djoints: np.ndarray
     """Rates [rad/s]. [2, k]"""
     pitch: float
-    """Of the root [rad]."""
+    """Pitch of the root [rad]."""
     dpitch: float
     """Its rate [rad/s]."""
     normal_force: np.ndarray

@@ -21,7 +21,7 @@ class Mechanism(Protocol):
 
     @property
     def n(self) -> int:
-        """Number of coordinates."""
+        """Number n of the mechanism's coordinates."""
         ...
 
     @property
@@ -30,7 +30,7 @@ class Mechanism(Protocol):
         ...
 
     def momentum(self, q: Coordinates, dq: Coordinates) -> Positions:
-        """Momenta s. [k]."""
+        """Momenta s of the coordinates without motors, forward positive. [k]."""
         ...
 
     def momentum_rows(self, q: Coordinates) -> Float[Array, "k n"]:

@@ -43,7 +43,7 @@ GRID = 33
 
 
 class OptimisedGait(NamedTuple):
-    """Gait that an optimisation found."""
+    """Optimised gait, with the solver's effort."""
 
     gait: GivenGait
     iterations: int

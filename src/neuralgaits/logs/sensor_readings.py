@@ -29,11 +29,11 @@ class SensorReadings(NamedTuple):
     pitch: Float[np.ndarray, " k"]
     """Up-angle of the root link [rad]."""
     dpitch: Float[np.ndarray, " k"]
-    """[rad/s]."""
+    """Rate of the root link [rad/s]."""
     angles: Float[np.ndarray, "k 2 j"]
     """Joint angles per leg [rad]."""
     rates: Float[np.ndarray, "k 2 j"]
-    """[rad/s]."""
+    """Joint rates per leg [rad/s]."""
 
 
 class States(NamedTuple):
@@ -42,9 +42,9 @@ class States(NamedTuple):
     q: Float[np.ndarray, "k n"]
     dq: Float[np.ndarray, "k n"]
     z: Float[np.ndarray, "k 2"]
-    """(m, kg m^2/s)."""
+    """States of the zero dynamics (m, kg m^2/s)."""
     dz: Float[np.ndarray, "k 2"]
-    """(m/s, N m)."""
+    """Their rates (m/s, N m)."""
 
 
 def feet_apart(

@@ -31,11 +31,11 @@ class State(NamedTuple):
     """One measured state, with its time."""
 
     t: float
-    """[s]"""
+    """Time of the log [s]."""
     q: Float[np.ndarray, " n"]
-    """[rad]. [n]"""
+    """Coordinates of the stance leg [rad]. [n]"""
     dq: Float[np.ndarray, " n"]
-    """[rad/s]. [n]"""
+    """Their rates [rad/s]. [n]"""
 
 
 @dataclass(frozen=True, eq=False)

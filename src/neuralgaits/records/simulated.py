@@ -286,9 +286,7 @@ class SimulationSummary(WalkFigures, WalkSettings):
     @property
     def changed(self) -> dict[str, Any]:
         """Changes of the plant, without those of a floor that belongs to the box."""
-        of_box = {
-            FLOOR_DISTURBANCES[kind] for kind in self.parameters if kind in FLOOR_DISTURBANCES
-        }
+        of_box = {name for kind, name in FLOOR_DISTURBANCES.items() if kind in self.parameters}
         return {name: value for name, value in (self.disturb or {}).items() if name not in of_box}
 
     def omitted(self) -> Collection[str]:

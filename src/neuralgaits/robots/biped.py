@@ -121,7 +121,7 @@ class PlanarBiped(BipedConstants):
         return eqx.tree_at(lambda robot: (robot.armature, robot.damping), self, tuple(whole))
 
     def weight(self) -> Scalar:
-        """Weight, without flat feet [N]."""
+        """Weight of the whole robot, flat feet left out [N]."""
         return self.mass * self.gravity
 
     def moment_scale(self) -> Scalar:

@@ -20,7 +20,7 @@ class Bone(NamedTuple):
     ends: Float[np.ndarray, "2 3"]
     """End points in the body's frame [m]."""
     radius: float
-    """[m]."""
+    """Radius of the rod [m]."""
     colour: tuple[float, float, float, float]
     """Red, green, blue, opacity."""
 

@@ -12,7 +12,7 @@ from neuralgaits.viewer.slider import Slider
 AHEAD = "torso_shift_m"
 """Name of the disturbance that moves the torso's weight forward."""
 MILLIMETRE = 1e-3
-"""[m]."""
+"""One millimetre [m]."""
 
 
 def plant_sliders(friction: float, torque: float) -> dict[str, Slider]:

@@ -29,7 +29,7 @@ class _Ticks(NamedTuple):
     q: np.ndarray
     dq: np.ndarray
     commands: np.ndarray
-    """[N, 2, p]"""
+    """Commands of the step before and of the step. [N, 2, p]"""
 
 
 def required_monitor(run: Run) -> StateMonitor:

@@ -7,17 +7,15 @@ from pathlib import Path
 from neuralgaits import logs
 from neuralgaits._control_laws import names_of_laws
 from neuralgaits.analysis.joint_file import JointFile, read_joints
-from neuralgaits.analysis.run import Run, open_run
+from neuralgaits.analysis.run import open_run
 from neuralgaits.analysis.state_monitor import StateMonitor
 from neuralgaits.control.law_by_name import fields_of_law
 from neuralgaits.engine import worker_pool_for
 from neuralgaits.errors import InputError
 from neuralgaits.records.link_figures import LinkFigures
-from neuralgaits.records.simulated import PLANT, WALK_SUMMARY, SimulationSummary, WalkSettings
-from neuralgaits.runs.atomic import refuse_unwritable
+from neuralgaits.records.simulated import WALK_SUMMARY, SimulationSummary, WalkSettings
 from neuralgaits.runs.hashes import file_hashes
 from neuralgaits.runs.names import ROBOT, WEIGHTS
-from neuralgaits.runs.outputs import refuse_outputs
 from neuralgaits.settings import SimulateSettings, called_with
 from neuralgaits.simulation import video as films
 from neuralgaits.simulation.episode_log import log_of
@@ -53,10 +51,7 @@ from neuralgaits.workflows.adapted_walk import adaptation
 from neuralgaits.workflows.export import design_of
 from neuralgaits.workflows.monitor_walk import required_monitor, watched
 from neuralgaits.workflows.planarise import robot_from
-from neuralgaits.workflows.walk_files import kept_plant, log_files
-
-_ALL = 2**31 - 1
-"""Number of ticks of a log that means all ticks."""
+from neuralgaits.workflows.walk_files import kept_plant, output_files
 
 
 @dataclass(frozen=True)
@@ -164,11 +159,17 @@ def _planned(settings: SimulateSettings) -> _Plan:
         disturbance = on_slope(disturbance, schedule)
     else:
         refuse_beside_terrain(terrain, command, commands, disturbance)
-    files, videos = _output_files(settings, run)
+    files, videos = output_files(settings, run)
     wire = link_of(settings.link, controller)
     if _on_workers(settings):
-        measurements = {"monitor": settings.monitor, "joints": settings.joints is not None}
-        refuse_shared(controller, settings.log, settings.video, terrain, **measurements)
+        refuse_shared(
+            controller,
+            settings.log,
+            settings.video,
+            terrain,
+            monitor=settings.monitor,
+            joints=settings.joints is not None,
+        )
     joints = None
     if settings.joints is not None:
         refuse_without_model(controller, wire)
@@ -206,21 +207,6 @@ def _planned(settings: SimulateSettings) -> _Plan:
     return _Plan(walks, kept, files, videos, wire, monitor, joints)
 
 
-def _output_files(settings: SimulateSettings, run: Run) -> tuple[list[Path], list[Path]]:
-    """Return logs and videos to write. Raises: InputError if one cannot be, or is an input."""
-    files = [] if settings.log is None else log_files(Path(settings.log), settings.episodes)
-    refuse_unwritable(*(run.path / file for file in (WALK_SUMMARY, PLANT)), own=True)
-    videos = [] if settings.video is None else [Path(settings.video)]
-    named = (settings.plant, settings.commands, settings.terrain, settings.joints)
-    inputs = [Path(file) for file in named if isinstance(file, str | Path)]
-    refuse_outputs([*files, *videos], inputs, run=run.path)
-    for file in files:
-        logs.refuse_unwritable_log(file)
-    for video in videos:
-        films.check(video)
-    return files, videos
-
-
 def _on_workers(settings: SimulateSettings) -> bool:
     return settings.workers is not None or settings.ray is not None
 
@@ -232,7 +218,8 @@ def _walk(
     walks, wire, count = replace(plan.walks, library=engine.library), plan.wire, settings.episodes
     if settings.begun is not None:
         settings.begun()
-    record, longest = bool(plan.films or settings.adapt), _ALL if plan.logs or plan.monitor else 0
+    record = bool(plan.films or settings.adapt)
+    longest = 2**31 - 1 if plan.logs or plan.monitor else 0  # Ticks of a log: all of them.
     if wire is not None:
         design = design_of(walks.run, joints=plan.joints, bandwidth=settings.bandwidth)
         with connected(design, wire, count, settings.seed) as remote:

@@ -23,23 +23,23 @@ class SheetArrays(NamedTuple):
     """
 
     t: Float[np.ndarray, " k"]
-    """[s]"""
+    """Time [s]."""
     rows: Int[np.ndarray, " k"]
     """Number of each row in the file, counted from 1."""
     pitch: Float[np.ndarray, " k"]
     """Up-angle of the root link [rad]."""
     dpitch: Float[np.ndarray, " k"]
-    """[rad/s]"""
+    """Rate of the root link [rad/s]."""
     angles: Float[np.ndarray, "k 2 j"]
-    """[rad]"""
+    """Joint angles [rad]."""
     rates: Float[np.ndarray, "k 2 j"]
-    """[rad/s]"""
+    """Joint rates [rad/s]."""
     torques: Float[np.ndarray, "k 2 j"]
-    """[N m]"""
+    """Torques of the motors [N m]."""
     desired: Float[np.ndarray, "k 2 j"]
-    """[rad]"""
+    """Desired joint angles [rad]."""
     desired_rates: Float[np.ndarray, "k 2 j"]
-    """[rad/s]"""
+    """Desired joint rates [rad/s]."""
     hip_velocity: Float[np.ndarray, "k 2"] | None
     """Velocity of the hip in the world, (x, z) [m/s]; None if the file has none."""
     contact: Bool[np.ndarray, "k 2"]

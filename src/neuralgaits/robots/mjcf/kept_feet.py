@@ -2,9 +2,10 @@
 
 from neuralgaits.errors import RobotError
 from neuralgaits.robots.mjcf.edit import MjcfEdit
+from neuralgaits.robots.mjcf.foot_geoms import is_flat_foot, touching
 from neuralgaits.robots.mjcf.planar_tree import read_tree
 from neuralgaits.robots.mjcf.point_feet import name_foot, picture_only
-from neuralgaits.robots.mjcf.skeleton import find_legs, is_flat_foot, touching
+from neuralgaits.robots.mjcf.skeleton import find_legs
 
 _LONGEST_LEG = 3
 """Largest number of links of a supported leg, its foot included."""

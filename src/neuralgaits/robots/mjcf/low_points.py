@@ -6,7 +6,7 @@ import mujoco
 import numpy as np
 
 from neuralgaits._types import Float
-from neuralgaits.robots.mjcf.skeleton import extent
+from neuralgaits.robots.mjcf.foot_geoms import extent
 
 _SIGNS = np.array(list(itertools.product((-1.0, 1.0), repeat=3)))
 

@@ -9,8 +9,9 @@ import mujoco
 import numpy as np
 
 from neuralgaits.robots.mjcf.edit import MjcfEdit
+from neuralgaits.robots.mjcf.foot_geoms import extent, is_flat_foot, touching
 from neuralgaits.robots.mjcf.planar_tree import body_name, read_tree
-from neuralgaits.robots.mjcf.skeleton import extent, find_legs, is_flat_foot, touching
+from neuralgaits.robots.mjcf.skeleton import find_legs
 
 _RADIUS_M = 0.003
 _HARD_CONTACT = "0.002 1"

@@ -2,9 +2,7 @@
 
 A biped with a torso has the torso as root and two chains of equal length hanging from one point,
 the hip. Without a torso the root is the top link of one leg: its own chain is then one link
-shorter than the chain that hangs from the hip. A point foot is the one sphere of a chain's last
-link that collides with the floor; nothing else on that link may. A flat foot is a last link of its
-own, on an ankle: a box or a capsule, see `soles`.
+shorter than the chain that hangs from the hip. What a foot is, `foot_geoms` decides.
 """
 
 from dataclasses import dataclass
@@ -13,36 +11,14 @@ import mujoco
 import numpy as np
 
 from neuralgaits.errors import RobotError
+from neuralgaits.robots.mjcf.foot_geoms import Foot, flat_foot, is_flat_foot, point_foot, touching
 from neuralgaits.robots.mjcf.model_contents import at_zero
-from neuralgaits.robots.mjcf.physical_numbers import refuse_frictionless, refuse_odd_contact
-from neuralgaits.robots.mjcf.planar_tree import Link, PlanarTree, in_plane
+from neuralgaits.robots.mjcf.planar_tree import PlanarTree
 from neuralgaits.robots.mjcf.refuse_or_note import attempt, refuse
-from neuralgaits.robots.mjcf.refused_physics import refuse_excluded
-from neuralgaits.robots.mjcf.soles import read_sole
 
 _HIP_TOLERANCE_M = 1e-6
 _MAX_LEG_LINKS = 3
 _NOWHERE = complex(np.nan, np.nan)
-
-
-@dataclass(frozen=True)
-class Foot:
-    """A foot.
-
-    Attributes:
-        name: of its geom.
-        centre: of the sphere of a point foot, or the place on a flat one's sole that is under the
-            ankle, at zero coordinates, x + i z [m].
-        radius: of the sphere; of a flat foot, the height of its ankle above the sole [m].
-        friction: sliding coefficient of the contact with the floor.
-        sole: how far it reaches behind and ahead of the ankle [m]; () for a point foot.
-    """
-
-    name: str
-    centre: complex
-    radius: float
-    friction: float
-    sole: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -52,8 +28,8 @@ class Skeleton:
     Attributes:
         torso: index of the torso link, or None.
         legs: for each leg in file order (the root's own leg first), links from the lowest up.
-        hip: at zero coordinates, x + i z [m].
-        feet: of the two legs.
+        hip: place of the hip at zero coordinates, x + i z [m].
+        feet: feet of the two legs.
     """
 
     torso: int | None
@@ -78,11 +54,8 @@ def read_skeleton(model: mujoco.MjModel, tree: PlanarTree) -> Skeleton:
     flat = [is_flat_foot(model, data, tree, leg, floor) for leg in legs]
     if any(flat):
         _refuse_odd_pair(tree, legs, flat, torso)
-        feet = [
-            attempt(_missing_foot(2), _flat_foot, model, data, tree, leg[0], floor) for leg in legs
-        ]
-    else:
-        feet = [attempt(_missing_foot(0), _foot, model, data, tree, leg[0], floor) for leg in legs]
+    read, ends = (flat_foot, 2) if any(flat) else (point_foot, 0)
+    feet = [attempt(_missing_foot(ends), read, model, data, tree, leg[0], floor) for leg in legs]
     return Skeleton(torso, legs, hip, (feet[0], feet[1]))
 
 
@@ -116,8 +89,8 @@ def find_legs(
     """Sort the links into a torso and two chains, as `Skeleton` has them.
 
     Args:
-        tree: of the robot.
-        max_links: that a leg may have.
+        tree: tree of the robot.
+        max_links: most links of a leg.
 
     Returns: torso or None, links of each leg from the lowest up, hip at zero coordinates.
     Raises: RobotError naming the body that does not fit.
@@ -178,19 +151,6 @@ def find_floor(model: mujoco.MjModel, data: mujoco.MjData) -> int | None:
     return None
 
 
-def touching(model: mujoco.MjModel, bodies: tuple[int, ...], floor: int) -> list[int]:
-    """Return the geoms of a link that collide with the floor.
-
-    Args:
-        model: compiled robot file.
-        bodies: of the link.
-        floor: geom number.
-    """
-    kind, affinity = model.geom_contype, model.geom_conaffinity
-    meets = (kind & affinity[floor]) | (kind[floor] & affinity)
-    return [int(g) for g in np.flatnonzero(meets) if model.geom_bodyid[g] in bodies]
-
-
 def _count_feet(model: mujoco.MjModel, tree: PlanarTree, floor: int) -> None:
     ends = [
         link.name
@@ -231,116 +191,3 @@ def _refuse_odd_pair(
             f"body {tree.links[legs[0][0]].name} is a flat foot of a robot without a torso, which "
             f"is not treated: {remedy}"
         )
-
-
-def is_flat_foot(
-    model: mujoco.MjModel,
-    data: mujoco.MjData,
-    tree: PlanarTree,
-    leg: tuple[int, ...],
-    floor: int,
-) -> bool:
-    """Return whether a leg ends in a foot on an ankle: longer than high, and not just a sphere.
-
-    Args:
-        model: compiled robot file.
-        data: of the model at zero coordinates.
-        tree: of the robot.
-        leg: its links, lowest first.
-        floor: geom number.
-    """
-    link = tree.links[leg[0]]
-    geoms = touching(model, link.bodies, floor)
-    is_sphere = [model.geom_type[g] == mujoco.mjtGeom.mjGEOM_SPHERE for g in geoms]
-    if len(leg) < 2 or not geoms or (len(geoms) == 1 and is_sphere[0]):
-        return False
-    length, height = _size(model, data, link, geoms)
-    return length > height
-
-
-def _size(
-    model: mujoco.MjModel, data: mujoco.MjData, link: Link, geoms: list[int]
-) -> tuple[float, float]:
-    """Return length and height of a link's geoms and its joint together (m)."""
-    anchor = np.array([link.joint.anchor.real, 0.0, link.joint.anchor.imag])
-    low, high = extent(model, data, geoms)
-    length, _, height = np.maximum(high, anchor) - np.minimum(low, anchor)
-    return float(length), float(height)
-
-
-def extent(
-    model: mujoco.MjModel, data: mujoco.MjData, geoms: list[int]
-) -> tuple[np.ndarray, np.ndarray]:
-    """Lowest and highest world coordinates of geoms' boxes [m]. [3], [3]."""
-    low, high = np.full(3, np.inf), np.full(3, -np.inf)
-    for geom in geoms:
-        turn = data.geom_xmat[geom].reshape(3, 3)
-        centre = data.geom_xpos[geom] + turn @ model.geom_aabb[geom, :3]
-        reach = np.abs(turn) @ model.geom_aabb[geom, 3:]
-        low, high = np.minimum(low, centre - reach), np.maximum(high, centre + reach)
-    return low, high
-
-
-def _foot(
-    model: mujoco.MjModel, data: mujoco.MjData, tree: PlanarTree, index: int, floor: int
-) -> Foot:
-    link = tree.links[index]
-    geoms = touching(model, link.bodies, floor)
-    spheres = [g for g in geoms if model.geom_type[g] == mujoco.mjtGeom.mjGEOM_SPHERE]
-    if not spheres and geoms and 3.0 * np.divide(*_size(model, data, link, geoms)) > 1.0:
-        raise RobotError(
-            f"body {link.name} is no foot that is treated: make it a flat one, whose sole is "
-            "level, along the robot, and longer than its ankle is high; or a point foot, a "
-            '<geom type="sphere"> that collides with the floor'
-        )
-    if not spheres:
-        raise RobotError(
-            f'body {link.name} has no foot: add a <geom type="sphere"> that collides with the '
-            "floor at its end"
-        )
-    if len(geoms) > 1:
-        refuse(
-            f"{len(geoms)} geoms of body {link.name} collide with the floor: a point foot is one "
-            'sphere; set contype="0" conaffinity="0" on the others'
-        )
-    geom = spheres[0]
-    name = model.geom(geom).name
-    if not name:
-        refuse(f"the foot sphere of body {link.name} has no name: give it one")
-    refuse_frictionless(model, geom, floor)
-    refuse_odd_contact(model, geom, floor)
-    refuse_excluded(model, geom, floor)
-    return Foot(
-        name,
-        in_plane(data.geom_xpos[geom]),
-        float(model.geom_size[geom, 0]),
-        _contact_friction(model, geom, floor),
-    )
-
-
-def _flat_foot(
-    model: mujoco.MjModel, data: mujoco.MjData, tree: PlanarTree, index: int, floor: int
-) -> Foot:
-    link = tree.links[index]
-    ankle = link.joint.anchor
-    sole = read_sole(model, data, touching(model, link.bodies, floor), link.name, ankle)
-    refuse_frictionless(model, sole.geom, floor)
-    refuse_odd_contact(model, sole.geom, floor)
-    refuse_excluded(model, sole.geom, floor)
-    return Foot(
-        model.geom(sole.geom).name,
-        complex(ankle.real, sole.level),
-        ankle.imag - sole.level,
-        _contact_friction(model, sole.geom, floor),
-        # Nanometres: MuJoCo turns quaternions with rounding.
-        (round(ankle.real - sole.heel, 9) + 0.0, round(sole.toe - ankle.real, 9) + 0.0),
-    )
-
-
-def _contact_friction(model: mujoco.MjModel, foot: int, floor: int) -> float:
-    """Return the friction by MuJoCo's rule: higher priority decides, else the larger value."""
-    values = model.geom_friction[[foot, floor], 0]
-    priorities = model.geom_priority[[foot, floor]]
-    if priorities[0] == priorities[1]:
-        return float(values.max())
-    return float(values[int(np.argmax(priorities))])
