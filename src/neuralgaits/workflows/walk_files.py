@@ -16,7 +16,7 @@ from neuralgaits.simulation.walk import Walk
 
 def output_files(settings: SimulateSettings, run: Run) -> tuple[list[Path], list[Path]]:
     """Return logs and videos to write. Raises: InputError if one cannot be, or is an input."""
-    files = [] if settings.log is None else _log_files(Path(settings.log), settings.episodes)
+    files = [] if settings.log is None else log_files(Path(settings.log), settings.episodes)
     refuse_unwritable(*(run.path / file for file in (WALK_SUMMARY, PLANT)), own=True)
     videos = [] if settings.video is None else [Path(settings.video)]
     named = (settings.plant, settings.commands, settings.terrain, settings.joints)
@@ -37,7 +37,7 @@ def kept_plant(trained: Run, plant: RobotSource | None, walk: Walk) -> str | Non
     return PLANT
 
 
-def _log_files(first: Path, episodes: int) -> list[Path]:
+def log_files(first: Path, episodes: int) -> list[Path]:
     """Return the paths of all walks' logs; each has its own file, since each has its own clock."""
     more = (first.with_stem(f"{first.stem}-{number}") for number in range(1, episodes))
     return [first, *more]
