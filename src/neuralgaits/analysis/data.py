@@ -130,7 +130,7 @@ class ResidualData:
     """A learned residual over the plane.
 
     Attributes:
-        gait: of the policy that walked or was trained with it.
+        gait: gait of the policy that walked or was trained with it.
         epsilon: residual of dz on the gait's plane (m/s, N m). [B, A, 2]
         visited: logged states it was learned from; none if the logs are gone. [K, 2]
         trained: whether the policy was trained with it.

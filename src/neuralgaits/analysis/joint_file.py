@@ -22,7 +22,7 @@ class JointFile(NamedTuple):
 
     Attributes:
         model: rotors and friction.
-        sha256: of the file.
+        sha256: hash of the file.
     """
 
     model: JointModel

@@ -39,9 +39,9 @@ def plane(
     """Lay a grid around the tube.
 
     Args:
-        chart: of the gait.
+        chart: chart of the gait.
         phases: points along the fences.
-        lines: of the grid, in z1 and z2.
+        lines: number of grid lines in z1 and in z2.
         beyond: how far it reaches past the tube, in lengths of a step and heights of the tube.
     """
     phase = np.linspace(0.0, 1.0, phases)

@@ -96,7 +96,7 @@ def orbit_between(motion: FlowQuantities, z2: np.ndarray, mapped: np.ndarray, me
         motion: functions that make up the flow.
         z2: increasing. [N]
         mapped: one step later. [N]
-        mesh: of the flow.
+        mesh: mesh of the flow.
     """
     gap = mapped - z2
     crossings = np.flatnonzero((gap[:-1] >= 0.0) & (gap[1:] < 0.0))

@@ -27,7 +27,7 @@ class PointEvaluator:
 
         Args:
             named: quantities by name, as a function of z.
-            program: of the same function, if it is known.
+            program: Program of the same function, if it is known.
         """
         self._named = named
         try:

@@ -47,7 +47,7 @@ def speed_doubt(robot: PlanarBiped, speed: float | tuple[float, float] | None) -
     """Say why a robot is not likely to walk at a speed.
 
     Args:
-        robot: of `load_robot`.
+        robot: robot, as `load_robot` returns it.
         speed: mean (m/s), a range of them, or None for any.
 
     Returns: one line with a speed to request; None if there is no objection.

@@ -48,7 +48,7 @@ def walks_under(run: Run, *sequences: Float[np.ndarray, "S p"]) -> tuple[Command
     The step before the first has the commands of the first.
 
     Args:
-        run: of a gait that takes commands.
+        run: run of a gait that takes commands.
         sequences: commands of each step, in the commands' units.
 
     Returns: `CommandWalks` of each sequence.

@@ -40,7 +40,7 @@ class AbstractCondition:
 
         Args:
             point: point data under the policy of the gait's step.
-            gait: of that step; kinds that are about the tube read it.
+            gait: gait of that step; kinds that are about the tube read it.
         """
 
     @property

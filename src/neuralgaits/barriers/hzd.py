@@ -41,7 +41,7 @@ def hzd(robot: "PlanarBiped", degree: int) -> GaitSpec:
 
     Args:
         robot: whose limits the conditions use.
-        degree: of the polynomials.
+        degree: degree of the polynomials.
     """
     regions = regions_of_step(LIFT_OFF, LANDING)
     recipe = Recipe(

@@ -33,8 +33,8 @@ class Recipe:
     Attributes:
         steps: gradient steps.
         samples: fresh samples a step in each region.
-        learning_rate: of AdamW, for the widths that the spec itself gives a network.
-        weight_decay: of AdamW.
+        learning_rate: learning rate of AdamW, for the widths that the spec itself gives a network.
+        weight_decay: weight decay of AdamW.
         warmup: share of the steps over which the rate rises from zero: without it some seeds jump
             into a poor minimum in their first steps.
         milestones: shares of the steps at which the rate drops to a tenth; None for a cosine
@@ -117,13 +117,13 @@ class GaitSpec:
     """Conditions that make a policy walk, with everything needed to train for them.
 
     Attributes:
-        name: of the spec.
+        name: name of the spec.
         conditions: with unique names.
         regions: name to boxes of the tube's chart.
         new_gait: (key, init, hidden widths or None) to an untrained gait.
         recipe: training settings.
         weights: factor of each condition's loss; 1 where absent.
-        commands: that the gait receives at each touchdown.
+        commands: commands that the gait receives at each touchdown.
         aims: goals of training beside the conditions; no certificate makes a claim about them.
         parameters: by which the robot may differ from its file, of `parameters.axes_of`: the
             conditions are meant for every robot of that box.

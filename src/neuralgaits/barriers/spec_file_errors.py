@@ -69,9 +69,9 @@ def miswritten(name: str, error: BaseException, file: Path | None) -> SpecError:
     """Describe a badly built condition whose fault appears when package code evaluates it.
 
     Args:
-        name: of the condition.
-        error: that was raised.
-        file: that defines it, if any: the line is the first with the condition's name.
+        name: name of the condition.
+        error: error that was raised.
+        file: file that defines it, if any: the line is the first with the condition's name.
     """
     where = ""
     if file is not None:

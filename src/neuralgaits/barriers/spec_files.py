@@ -24,8 +24,8 @@ def spec_from_file(name: str, robot: PlanarBiped, built_in: Iterable[str]) -> Ga
     """Return the spec at FILE.py:NAME.
 
     Args:
-        name: of the spec.
-        robot: that it is for.
+        name: name of the spec.
+        robot: robot that it is for.
         built_in: names that a misspelt one may have meant.
 
     Raises: SpecError if there is none.

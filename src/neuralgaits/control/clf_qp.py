@@ -52,8 +52,8 @@ class ClfQp(AbstractLaw):
 
     Attributes:
         bandwidth: w, as in `Fblin` [rad/s].
-        price: of a slower decrease [(N m)^2 / (rad/s)^2].
-        contact_price: of forces that no floor gives [(N m)^2 / weight^2].
+        price: price of a slower decrease [(N m)^2 / (rad/s)^2].
+        contact_price: price of forces that no floor gives [(N m)^2 / weight^2].
         least_normal: force on the stance foot [weights].
         hold_ticks: control ticks between two evaluations of the policy.
     """

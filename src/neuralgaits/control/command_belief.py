@@ -105,7 +105,7 @@ def next_belief(belief: CommandBelief, estimate: CommandEstimate, believed: floa
 
     Args:
         belief: limits and gain.
-        estimate: of the steps so far.
+        estimate: estimate of the steps so far.
         believed: value that the controller latched for the step under way.
     """
     lowest, highest = believed - belief.change, believed + belief.change

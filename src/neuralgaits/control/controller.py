@@ -48,8 +48,8 @@ class Controller(eqx.Module):
         robot: the model the controller believes in, except for a commanded lean.
         policy: desired outputs y_d(z), or a family of them that takes commands.
         law: how torques follow from them, fitted to the robot.
-        bounds: of the measured z; the law selects the part that the policy gets.
-        torque_limit: of each actuated joint, stance leg first [N m]. [m]
+        bounds: limits of the measured z; the law selects the part that the policy gets.
+        torque_limit: largest torque of each actuated joint, stance leg first [N m]. [m]
         stance: thresholds of the stance machine.
         period_s: time between two ticks [s].
         reset_residual: corrects the impact that the steps of a family begin with.
@@ -191,7 +191,7 @@ def start(
     """Return the state before the first tick, standing on `leg`.
 
     Args:
-        controller: to be started.
+        controller: controller to start.
         leg: stance leg.
         command: constant command before the start; the middle of the ranges if None.
     """

@@ -73,7 +73,7 @@ def estimate(
         estimator: poles of the filters.
         robot: the model.
         state: before.
-        reading: of the sensors.
+        reading: reading of the sensors.
         standing: stance leg, and time since touchdown, before this tick.
         period_s: between two readings (s).
         ankle: torque of a stance ankle since the last reading (N m); None on point feet.

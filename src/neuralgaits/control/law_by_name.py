@@ -82,7 +82,7 @@ def exported_laws(bandwidth: float | None = None) -> dict[str, AbstractLaw]:
     """Return the laws of exported controllers, by name.
 
     Args:
-        bandwidth: that of laws that have one [rad/s]; None for each law's own.
+        bandwidth: bandwidth of laws that have one [rad/s]; None for each law's own.
     """
     laws = {name: law_named(name) for name, entry in CONTROL_LAWS.items() if entry.exported}
     if bandwidth is None:

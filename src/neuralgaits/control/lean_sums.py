@@ -82,7 +82,7 @@ def advance(
         robot: the model of the file.
         sums: before the tick.
         q: coordinates, standing on the leg of the tick (rad). [n]
-        time: of the tick (s).
+        time: time of the tick (s).
         since_touchdown: time since the last touchdown (s); infinite before the first.
         touchdown: whether a step begins.
 

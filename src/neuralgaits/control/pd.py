@@ -42,8 +42,8 @@ class Pd(AbstractLaw):
 
     Attributes:
         bandwidth: w of fitted gains [rad/s]; `fitted_bandwidth` if none is given.
-        stiffness: by joint, or one for all [N m/rad]; nothing until it is fitted.
-        damping: by joint, or one for all [N m s/rad]; nothing until it is fitted.
+        stiffness: position gains by joint, or one for all [N m/rad]; nothing until it is fitted.
+        damping: rate gains by joint, or one for all [N m s/rad]; nothing until it is fitted.
         feed_forward: whether the model's torques are added.
         hold_ticks: control ticks between two evaluations of the policy: 500 Hz at 1 kHz.
         measure_z2: False gives the policy z2 = 0, as the paper's experiments did.

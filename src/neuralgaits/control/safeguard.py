@@ -46,12 +46,12 @@ class SafeguardConfig:
         blend_s: from holding the first posture to the law [s]; 0 for none.
         hold_stiffness: while blending [N m/rad].
         hold_damping: while blending [N m s/rad].
-        largest_pitch: of a torso [rad], as `simulation.ticks.falls` has it.
+        largest_pitch: largest pitch of a torso [rad], as `simulation.ticks.falls` has it.
         angle_margin: beyond the ranges of the robot file [rad]: half a right angle is no overshoot.
-        largest_rate: of a joint or the torso [rad/s]: ten times a fast step's.
-        largest_speed: of the hip [m/s]: more than a falling robot reaches.
+        largest_rate: largest rate of a joint or the torso [rad/s]: ten times a fast step's.
+        largest_speed: largest speed of the hip [m/s]: more than a falling robot reaches.
         force_share: largest ground force in units of the weight: a hard impact has 30.
-        contact_share: of the weight that a foot on the ground must feel.
+        contact_share: share of the weight that a foot on the ground must feel.
         airborne_s: both feet in the air [s]: a bouncing contact has a few milliseconds.
         gap_s: between two readings [s]: fifty lost packets in a row at 1 kHz.
     """

@@ -172,7 +172,7 @@ def advance(
         state: state during the step that ended.
         told: speed that the user told the step that begins (m/s).
         before: command of the step that ended, as the controller latched it (m/s).
-        after: that of the step that begins (m/s).
+        after: speed of the step that begins (m/s).
         walked: mean speed of the step that ended (m/s); None if it was not measured, which leaves
             integral and error as they were.
         settled: whether the step's beliefs were what is known by now.

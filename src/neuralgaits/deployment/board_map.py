@@ -55,7 +55,7 @@ class BoardMap:
     Attributes:
         motor: index of the motor of each joint. int [2, k]
         sign, zero, gear, lower, upper, torque_limit, kp, kd: as in `DeployedJoint`. [2, k]
-        pitch_sign, pitch_zero: as in `ImuMount`.
+        pitch_sign, pitch_zero: sign and zero of the pitch, as in `ImuMount`.
         channel: index of each foot's channel. int [2]
         newton, contact_zero: as in `ContactChannel`. [2]
     """

@@ -18,7 +18,7 @@ class JointFacts:
         name: in the robot file.
         places: legs and indices of the joint there; a hip that both legs share has two.
         lower_rad, upper_rad: its range [rad].
-        torque_limit_nm: of its motor, on the joint [N m].
+        torque_limit_nm: largest torque of its motor, on the joint [N m].
     """
 
     name: str
@@ -33,8 +33,8 @@ class DeployedRobot:
     """Robot that a deployment file is compared with.
 
     Attributes:
-        name: of the robot.
-        layout: of its file.
+        name: name of the robot.
+        layout: layout of its file.
         leg: either leg, as it hangs from a torso that is held.
         weight_n: weight of the robot [N].
         joints: its joints, leg 0 first, each leg from its lowest joint up.
@@ -66,9 +66,9 @@ def joint_facts(
     """Return the joints of a robot file, each once, in the order of the legs.
 
     Args:
-        layout: of the file.
+        layout: layout of the file.
         ranges: lower and upper angles by leg, in the signs of the theory [rad].
-        torque_limits: of the motors by leg [N m].
+        torque_limits: largest torques of the motors by leg [N m].
     """
     signs, offsets = np.array(layout.leg_joint_signs), np.array(layout.leg_joint_offsets)
     ends = [signs * (np.asarray(bound) - offsets) for bound in ranges]

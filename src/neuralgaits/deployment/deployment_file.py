@@ -80,7 +80,7 @@ class DeploymentFile:
         imu: inertial unit.
         contacts: one for each foot.
         joints: one for each joint with a motor.
-        sha256: of the file that this was read from; empty for none.
+        sha256: hash of the file that this was read from; empty for none.
     """
 
     run: str

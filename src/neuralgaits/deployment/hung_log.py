@@ -30,13 +30,13 @@ class HungLog:
     """A log, motors and channels in the order of the hardware.
 
     Attributes:
-        time: of each row [s]. [t]
+        time: time of each row [s]. [t]
         motors: index of the motor in each column.
-        position: of the drives [rad]. [t, motors]
-        torque: of the drives [N m]; None if it is not in the log. [t, motors]
-        pitch: of the inertial unit [rad]. [t]
+        position: angles of the drives [rad]. [t, motors]
+        torque: torques of the drives [N m]; None if it is not in the log. [t, motors]
+        pitch: pitch of the inertial unit [rad]. [t]
         channels: index of the contact channel in each column.
-        contact: of the channels. [t, channels]
+        contact: readings of the contact channels. [t, channels]
         moved: what was moved in each row, as `knee_left`, `+knee_left`, `pitch` or `zero`; empty
             for nothing. [t]
     """

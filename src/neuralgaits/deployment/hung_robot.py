@@ -21,9 +21,9 @@ class HungRobotSettings:
     Attributes:
         mass_error: masses and inertias of each body are off by up to this share.
         friction_nm: dry friction of each joint, a share of its torque limit.
-        angle_noise_rad: of encoders and inertial unit, standard deviation [rad].
-        torque_noise: of the torques, a share of each joint's largest.
-        amplitude_rad: of the motion of the joint under test [rad].
+        angle_noise_rad: standard deviation of encoders and inertial unit [rad].
+        torque_noise: noise of the torques, as a share of each joint's largest.
+        amplitude_rad: amplitude of the motion of the joint under test [rad].
         directions: whether labels say which way a joint first went.
         zero: whether the log begins with all joints, and the torso, at zero.
         seconds: for each joint [s].

@@ -30,7 +30,7 @@ class LegSeries:
     Attributes:
         q, dq, ddq: joints, lowest first [rad], [rad/s], [rad/s^2]. [t, k]
         torque: on the joints [N m]. [t, k]
-        pitch: of the root [rad]. [t]
+        pitch: pitch of the root [rad]. [t]
     """
 
     q: Float[np.ndarray, "t k"]

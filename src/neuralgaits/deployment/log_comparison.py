@@ -35,7 +35,7 @@ def compared(
     Args:
         file: file that was checked against its robot.
         about: the robot.
-        log: of the robot in a stand.
+        log: log of the robot in a stand.
 
     Returns: contradictions, what was checked by joint, and what was not.
     Raises: InputError if the log lacks a motor of the file, or the robot a torso.

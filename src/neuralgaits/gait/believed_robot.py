@@ -14,8 +14,8 @@ def believed_robot(
     """Return the robot that a gait with these commands believes in.
 
     Args:
-        robot: of the file.
-        commands: of the gait.
+        robot: robot of the file.
+        commands: commands of the gait.
         command: their values.
     """
     at = place_of(commands, LEAN)
@@ -27,7 +27,7 @@ def robot_of_step(model: Model, step: Gait, errors: Float[Array, " k"]) -> Plana
 
     Args:
         model: a robot, or those of a box around it.
-        step: of a gait; one that takes a lean latched it at the beginning of the step.
+        step: step of a gait; one that takes a lean latched it at the beginning of the step.
         errors: of the robot's parameters; with such a step, of the lean alone (m).
     """
     commands = step.policy.step

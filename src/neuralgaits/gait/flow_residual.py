@@ -24,7 +24,7 @@ class Residual(eqx.Module):
 
     Attributes:
         network: N.
-        scale, shift: of the inputs. [2]
+        scale, shift: scaling of the inputs. [2]
         bound: |epsilon| stays below it, everywhere (m/s, N m). [2]
     """
 

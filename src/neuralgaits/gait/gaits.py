@@ -17,9 +17,9 @@ class Gait(eqx.Module):
     """A trained gait: a policy and the tube of the zero dynamics that it is meant for.
 
     Attributes:
-        policy: of one step, or of every step where there are no commands.
-        tube: of that step.
-        next_tube: of the step after it if its command stays; None for the same.
+        policy: policy of one step, or of every step where there are no commands.
+        tube: tube of that step.
+        next_tube: tube of the step after it if its command stays; None for the same.
     """
 
     policy: AbstractPolicy

@@ -89,7 +89,7 @@ def movable(tree: T, where: Callable[[T], Any]) -> T:
     """A tree of booleans like a tree: True in the parts that training may move, False elsewhere.
 
     Args:
-        tree: of arrays.
+        tree: tree of arrays.
         where: gives these parts of it.
     """
     frozen = jax.tree.map(lambda _: False, tree)

@@ -53,8 +53,8 @@ class ResetResidual(AbstractResetResidual):
 
     Attributes:
         weight, offset: W and b. [1 + m, 2], [1 + m]
-        scale, shift: of z. [2]
-        bound: of the correction of z2 [-], and of the joint rates [rad/(kg m^2)]. [1 + m]
+        scale, shift: scaling of z. [2]
+        bound: bounds of the correction of z2 [-], and of the joint rates [rad/(kg m^2)]. [1 + m]
     """
 
     weight: Float[Array, "k 2"]

@@ -63,7 +63,7 @@ class Tube(eqx.Module):
             height: h, the height of the linear inverted pendulum [m].
             span: fixed z1 interval [m]; None follows the policy.
             tilt: kappa [m/s^2].
-            degree: of the Chebyshev series, at least 2.
+            degree: degree of the Chebyshev series, at least 2.
             start: z1 interval the parabolas are laid over [m]; `span` if that is given.
             trained: whether training may move the fences.
         """
@@ -138,7 +138,7 @@ class CommandedTube(eqx.Module):
     Attributes:
         lower, upper: coefficients, one series a monomial of the scaled commands. [M, degree + 1]
         unit: unit of zeta [(kg m^2/s)^2].
-        commands: those of the gait.
+        commands: commands of the gait.
     """
 
     lower: Float[Array, "M k"]

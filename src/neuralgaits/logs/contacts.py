@@ -22,9 +22,9 @@ def stance_legs(
     glitches and a foot that scuffs end no step. See `control.touchdown.TouchdownThresholds`.
 
     Args:
-        leg_length: of the robot (m).
+        leg_length: leg length of the robot (m).
         t: times, increasing (s). [k]
-        contact: of both feet, legs in the order of the robot file. [k, 2]
+        contact: contact of both feet, legs in the order of the robot file. [k, 2]
         ahead: foot of leg 1 ahead of that of leg 0 (m). [k]
 
     Returns: [k] 0 or 1; UNKNOWN before the first row in which exactly one foot is on the ground.
@@ -57,7 +57,7 @@ def loaded(weight: float, force: Float[np.ndarray, " k"]) -> Bool[np.ndarray, " 
     """Return whether a foot with this normal force is in stance or lands. [k].
 
     Args:
-        weight: of the robot (N).
+        weight: weight of the robot (N).
         force: normal force on the foot (N). [k]
     """
     return force > TouchdownThresholds().force_share * weight

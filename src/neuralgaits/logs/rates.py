@@ -56,11 +56,11 @@ def rates(
 
     Args:
         t: times, increasing (s). [k]
-        values: of the columns. [k, c]
+        values: values of the columns. [k, c]
         piece: number that changes where no window may reach across. [k]
         settled: rows whose windows hold settled rows only; the last ones of a piece. [k]
         spoilt: values that are ignored. [k, c]
-        reach_s: of a window to either side (s).
+        reach_s: reach of a window to either side (s).
 
     Returns: [k, c] per second; NaN in pieces of fewer than three rows.
     """

@@ -85,7 +85,7 @@ def check_times(
         t: times (s). [k]
         rows: their rows in the file. [k]
         source: the file.
-        column: of the times.
+        column: column of the times.
 
     Raises: InputError naming file, row, column and remedy.
     """

@@ -59,7 +59,7 @@ def satisfaction(
     Args:
         logs: walks of the robot's joints.
         robot: the run's own model, which defines z.
-        gait: that walked.
+        gait: gait that walked.
         spec: its conditions; those on the guard and on the fences are left out.
     """
     settled = [log.only(_settled_rows(log)) for log in logs]

@@ -44,7 +44,7 @@ class Stride:
 
     Attributes:
         source: file or episode it is from.
-        number: of the stance phase in its log, from 0.
+        number: number of the stance phase in its log, from 0.
         leg: the stance leg, 0 or 1.
         t: time of the log [s]. [k]
         q: coordinates, stance leg first [rad]. [k, n]

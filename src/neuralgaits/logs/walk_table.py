@@ -29,7 +29,7 @@ class Log:
         z2_plant: angular momentum with the plant's own masses, without noise [kg m^2/s]; only a
             simulation knows it. [k]
         rows: number of each row in the source, counted from 1. [k]
-        joint_names: of the n coordinates.
+        joint_names: names of the n coordinates.
         source: file, or the episode of a simulation: for messages.
         computed: description of the quantities that are computed because the file lacks them.
         torques_logged: whether `tau` was measured; it is zero if not.

@@ -33,8 +33,8 @@ def windows(
     Each sample is the row nearest to its due time; its true time is kept.
 
     Args:
-        strides: to cut; samples of a window lie in one piece of one stride.
-        samples: of a window.
+        strides: strides to cut; samples of a window lie in one piece of one stride.
+        samples: number of samples of a window.
         step: time between two samples (s).
         every: time between the starts of two windows (s); `step` if None.
 

@@ -150,7 +150,7 @@ class ExportRecord(Record):
         latency_us: time of its slowest law, or of the model.
         flash_bytes, ram_bytes: memory use; None if unknown.
         monitor: monitor beside the controller; None if nothing is proved, or in another format.
-        deployment_sha256: of the deployment file whose map is beside it; None without one.
+        deployment_sha256: hash of the deployment file whose map is beside it; None without one.
         bandwidth: requested double pole of output errors [rad/s]; None for each law's own.
         law_proofs: whether level 5 of the proof is about each law; empty if it is not proved.
     """

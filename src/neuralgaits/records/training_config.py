@@ -96,7 +96,7 @@ class TrainingConfig(Record):
 
     Attributes:
         robot, spec: names, for people: the run has copies of both.
-        seed: of weights and samples.
+        seed: seed of weights and samples.
         init: what the weights start from.
         hidden: widths of the hidden layers; None for a policy without a network.
         steps: gradient steps.
@@ -110,7 +110,7 @@ class TrainingConfig(Record):
         speed: mean speed that is aimed at (m/s); None for whatever comes.
         parameters: box of robots that the gait is meant for, half widths by kind (shares of the
             file's value; metres for com); none for the robot of the file alone.
-        given: of a gait that was imported or optimised, without a training; None for another.
+        given: origin of a gait that was imported or optimised without training; None for another.
     """
 
     robot: str

@@ -36,7 +36,7 @@ def destination(path: Path, remedy: str = _EITHER) -> Path:
     """Return the file that is made or replaced where a path is written: links are followed.
 
     Args:
-        path: of the file.
+        path: path of the file.
         remedy: what to do if something else is in its place.
 
     Raises: InputError on anything but a regular file; OSError if the system refuses to look.
@@ -187,7 +187,7 @@ def refuse_unwritable(*paths: Path, own: bool = False) -> None:
     """Refuse files that cannot be written, before anything is computed. Raises: InputError.
 
     Args:
-        paths: of the files.
+        paths: paths of the files.
         own: whether they are a command's own, so that its user has no other place to name.
     """
     other = "allow writing there, or work on a copy of its folder" if own else "name another"

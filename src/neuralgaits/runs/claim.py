@@ -25,8 +25,8 @@ def claim(out: Path | None, root: Path, name: str, seed: int, *, what: str, conf
     Args:
         out: exact place; may be an empty folder.
         root: folder that holds all of them.
-        name: of the robot; what no file name can have is replaced.
-        seed: of the run.
+        name: name of the robot; what no file name can have is replaced.
+        seed: seed of the run.
         what: the folder is for, for the message.
         config: file that is written last; call `filled` then.
 

@@ -64,8 +64,8 @@ class RunFolder:
         Args:
             config: resolved configuration of the run; values that JSON can hold.
             copies: file name to content: inputs the run must be able to read again.
-            name: of the robot.
-            seed: of the run.
+            name: name of the robot.
+            seed: seed of the run.
             root: folder that holds the runs.
             out: exact place instead; may be an empty folder.
 

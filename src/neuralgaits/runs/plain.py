@@ -42,7 +42,7 @@ def to_json(value: Any, *, ascii_only: bool = False) -> str:
     """Return indented JSON with a final newline, in the order of the input.
 
     Args:
-        value: that `plain` takes.
+        value: value that `plain` takes.
         ascii_only: escape all other characters, for a stream that may not have them.
     """
     return json.dumps(plain(value), indent=2, allow_nan=False, ensure_ascii=ascii_only) + "\n"

@@ -51,15 +51,15 @@ class CommandedPolicy(NetworkPolicy):
     """Policies `at(robot, pair)`, each an ordinary policy of one step.
 
     Attributes:
-        network: of the policies; inputs z, then the commands before and after, all scaled.
+        network: network of the policies; inputs z, then the commands before and after, all scaled.
         guard_outputs: coefficients of the desired outputs at the guard, in units of half the
             output range around its middle before a smooth bound. [M, m]
-        guard_slopes: of their slopes d y_d / d z1 [rad/m]. [M, m]
-        guard_z1: of z1 at the guard [m]. [M]
+        guard_slopes: coefficients of their slopes d y_d / d z1 [rad/m]. [M, m]
+        guard_z1: coefficients of z1 at the guard [m]. [M]
         curves: cubics of the scaled commands, powers upwards: a speed that is asked for to the
             place in the family that walks at it, see `training.calibration`. [p, 4]
         taken_commands: value of `commands`, a property, which no field can override.
-        z2_dependence: of its policies, see `HybridInvariantPolicy`.
+        z2_dependence: dependence of its policies on z2, see `HybridInvariantPolicy`.
     """
 
     guard_outputs: Float[Array, "M m"]
@@ -88,7 +88,7 @@ class CommandedPolicy(NetworkPolicy):
             commands: at least one.
             key: random key of the network.
             hidden: widths of the hidden layers.
-            activation: of the network.
+            activation: activation of the network.
             posture: nominal posture, `walking_posture(robot)` by default.
             z2_dependence: False makes outputs functions of z1 and the commands alone.
         """

@@ -91,7 +91,7 @@ class HybridInvariantPolicy(StepPolicy):
             robot: sets bounds, scales and the impact.
             key: random key of the network.
             hidden: widths of the hidden layers.
-            activation: of the network.
+            activation: activation of the network.
             z2_dependence: False makes y_d a function of z1 alone.
             posture: nominal posture, `walking_posture(robot)` by default.
         """

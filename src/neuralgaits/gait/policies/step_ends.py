@@ -83,7 +83,7 @@ def on_foothold(
         z_guard: z1 there (m).
         outputs: near them, [m] (rad).
         foothold: where the foot has to be.
-        steps: of Newton's method.
+        steps: number of Newton's steps.
     """
     hip = hip_indices(robot)[-1]
     free_joints = [hip] if foothold.length is None else [hip, robot.n - 2]

@@ -38,8 +38,8 @@ class ColumnSource:
     """Source of a quantity: sign * (column - offset), in its unit.
 
     Attributes:
-        key: of the quantity in the file, as in joints.hip_left.
-        column: of the log.
+        key: key of the quantity in the file, as in joints.hip_left.
+        column: column of the log.
         factor: SI value of the column's unit; None for a contact that is 0 or 1.
         sign: 1 or -1.
         offset: the column's value where the quantity is zero, in the column's unit.
@@ -61,8 +61,8 @@ class ColumnFile:
     """A file of columns that was read and checked against a robot.
 
     Attributes:
-        path: of the file.
-        sources: by key; `read_columns` lists the keys that are always present.
+        path: path of the file.
+        sources: column sources by key; `read_columns` lists the keys that are always present.
     """
 
     path: Path

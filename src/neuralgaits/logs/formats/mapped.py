@@ -42,7 +42,7 @@ def read(
     """Read the log of a file with a robot's own columns.
 
     Args:
-        text: of the file.
+        text: text of the file.
         robot: the run's own model.
         columns: description of its columns.
         policy: that walked, for desired outputs that the file lacks.
