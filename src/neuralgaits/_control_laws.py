@@ -16,7 +16,8 @@ class ControlLaw:
         words: its name in a sentence, as in "walked under ...".
         place: MODULE:OBJECT, a law or a class that makes one without arguments.
         compiled: whether compiled walks have it, see `simulation.native.native_scene`.
-        exported: whether exported controllers have it, see `export.source` and `export.statement`.
+        exported: whether exported controllers have it, see `export.source` and
+            `export.controller_prose`.
     """
 
     words: str

@@ -234,7 +234,7 @@ class Chart:
 
 
 PLANE_ONLY = Chart()
-"""Of a gait without parameters."""
+"""Chart of a gait without commands or parameters."""
 
 
 def required_boxes(coupled: Iterable[CoupledAxes], low: np.ndarray, high: np.ndarray) -> np.ndarray:

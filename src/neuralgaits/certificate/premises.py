@@ -5,7 +5,7 @@ statement for each. Conclusions are drawn from the proved bounds. Needs no JAX.
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Literal, NamedTuple, Protocol
 
 import numpy as np
@@ -73,12 +73,16 @@ def level_one_boxes(statements: Sequence[Claim]) -> list[tuple[str, Corner, Corn
 
 def first_missing(premises: Sequence[Premise], bounds: Bounds) -> str | None:
     """Name the first premise without a sufficient bound, in words."""
+    return next(missing_premises(premises, bounds), None)
+
+
+def missing_premises(premises: Iterable[Premise], bounds: Bounds) -> Iterator[str]:
+    """Yield the premises without a sufficient bound, in words."""
     for output, low, high, sign in premises:
         bound = bounds.get((output, low, high), np.nan)
         enough = {"positive": bound > 0.0, "not negative": bound >= 0.0, "any": bound > -np.inf}
         if not enough[sign]:
-            return f"{output} from {low} to {high} is not proved"
-    return None
+            yield f"{output} from {low} to {high} is not proved"
 
 
 def above(x: arb) -> float:

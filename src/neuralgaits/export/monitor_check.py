@@ -61,7 +61,7 @@ class MonitorAnswers(NamedTuple):
     margins: list[np.ndarray]
     """All margins of each set. [N, k]"""
     admissible: np.ndarray
-    """[N]"""
+    """Whether each state's step is an admissible one. [N]"""
 
 
 def drawn_cases(design: Design, count: int, seed: int = SEED) -> MonitorCases:

@@ -5,7 +5,7 @@ import json
 import numpy as np
 from onnx import checker, helper
 
-from neuralgaits.export import statement
+from neuralgaits.export import controller_prose, statement
 from neuralgaits.export.facts import Design
 from neuralgaits.export.programs import policy_in_one
 from neuralgaits.export.robot_programs import Part
@@ -34,7 +34,7 @@ def metadata(design: Design) -> dict[str, str]:
     origin, layout = design.origin, design.robot.layout
     pairs = [*statement.numbers(design), *statement.arrays(design)]
     words = statement.names(design) | {
-        "about": "\n".join(statement.prose(design)),
+        "about": "\n".join(controller_prose.prose(design)),
         "spec": origin.spec,
         "version": origin.version,
         "proof_verdict": origin.proof_verdict or "",
@@ -44,7 +44,7 @@ def metadata(design: Design) -> dict[str, str]:
         "actuated_names": list(design.robot.joint_names[1:]),
         "leg_joint_names": [list(names) for names in layout.leg_joints],
         "actuators": [list(names) for names in layout.actuators],
-        "laws": {name: statement.gains(c.law) for name, c in design.controllers.items()},
+        "laws": {name: controller_prose.gains(c.law) for name, c in design.controllers.items()},
         "units": {fact.name: fact.unit for fact in pairs},
     }
     values = {fact.name: np.asarray(fact.value).tolist() for fact in pairs}

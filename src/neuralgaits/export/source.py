@@ -6,7 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from neuralgaits.control import AbstractLaw
-from neuralgaits.export import statement
+from neuralgaits.export import controller_prose, statement
 from neuralgaits.export.facts import Design
 from neuralgaits.export.programs import parts
 from neuralgaits.export.robot_programs import Part
@@ -42,7 +42,11 @@ def gait_files(design: Design, host_parts: Sequence[Part] = ()) -> dict[str, str
 
 def _header(design: Design, functions: list[CFunction]) -> str:
     lines = [
-        *("/*", *(f" * {commented(line)}".rstrip() for line in statement.prose(design)), " */"),
+        *(
+            "/*",
+            *(f" * {commented(line)}".rstrip() for line in controller_prose.prose(design)),
+            " */",
+        ),
         "#ifndef NG_GAIT_H",
         "#define NG_GAIT_H",
         "",
@@ -119,7 +123,7 @@ def _laws(design: Design, tables: Tables) -> str:
 
 
 def _law(name: str, law: AbstractLaw, tables: Tables) -> str:
-    form = statement.exported_form(law)
+    form = controller_prose.exported_form(law)
     values = [
         f".name = {quoted(name)}",
         f".hold_ticks = {law.hold_ticks}",

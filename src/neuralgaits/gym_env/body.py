@@ -18,6 +18,7 @@ from neuralgaits.robots import PlanarBiped
 from neuralgaits.robots.mjcf_state import Sensors
 from neuralgaits.simulation.setup.plant import PERIOD_S, SUBSTEPS, Plant
 from neuralgaits.simulation.setup.push import Push
+from neuralgaits.simulation.setup.streams import Stream, generator
 from neuralgaits.simulation.setup.terrain import Terrain
 from neuralgaits.simulation.ticks.falls import ENDLESS, Ending, ending
 
@@ -105,7 +106,7 @@ class Body:
         )
         mujoco.mj_forward(plant.model, self.data)
         disturbance = plant.disturbance
-        self._rng = np.random.default_rng([seed, 0, 3])
+        self._rng = generator(seed, 0, Stream.NOISE)
         self._push = Push(push, ENDLESS, seed, 1)
         self._terrain = Terrain(disturbance.floor_height, seed, 1)
         self._waiting = deque([np.zeros(self.joints)] * plant.delay_ticks)

@@ -40,7 +40,7 @@ MOST_NUMBERS = 2**23
 """Most sensitivities: of larger Programs nothing is chosen."""
 
 Symbols = Mapping[int, int]
-"""By the number of a value whose remainders have symbols, the first of these, from 0 on."""
+"""First symbol, counted from 0, by the number of the value whose remainders have symbols."""
 Remainders = Callable[[Program, np.ndarray, np.ndarray, Symbols], dict[int, np.ndarray]]
 """Function from Program, corners of a box [n] and symbols to remainders of all results [size]."""
 

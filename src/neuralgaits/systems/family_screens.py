@@ -71,7 +71,7 @@ def screen_of_export(unit: str, exported: FamilyExport) -> Screen:
 
 
 def screen_of_report(written: FamilyReport) -> Screen:
-    """Return the page to open."""
+    """Return the screen that names the page to open."""
     facts = [("open", written.report)]
     if written.damaged is not None:
         facts.append(("damaged", written.damaged))

@@ -25,12 +25,12 @@ class FileVerbs:
     system: TrainedSystem
 
     def inspect(self, robot: str | Path) -> VerbResult:
-        """Describe a file."""
+        """Describe a robot file (`inspect`)."""
         inspected = inspect_robot(self.system, robot)
         return VerbResult(inspected, True, self.system.robot_screen(inspected))
 
     def robots(self, robot: str, out: Path | None = None) -> VerbResult:
-        """Write a built-in robot's file."""
+        """Write a built-in robot's file (`robots`)."""
         written = write_robot(self.system, robot, out)
         return VerbResult(written, True, screens.screen_of_written(written))
 
@@ -99,7 +99,7 @@ class FamilyVerbs(FileVerbs):
     def simulate(
         self, run: str | Path, *, progress: ProgressCallbacks, episodes: int = 1, seed: int = 0
     ) -> VerbResult:
-        """Simulate episodes in MuJoCo."""
+        """Simulate episodes in MuJoCo from random states of the set."""
         opened = open_family_run(self.system, run)
         progress.begun()
         walks, good = self.system.episodes(opened, episodes, seed)
@@ -108,7 +108,7 @@ class FamilyVerbs(FileVerbs):
     def export(
         self, run: str | Path, out: Path, *, progress: ProgressCallbacks, force: bool = False
     ) -> VerbResult:
-        """Write the controller as C."""
+        """Export the controller as C, and compare it with Python."""
         system = self.system
         if not isinstance(system, ExportedSystem):
             raise InputError(f"expected a controller with an export, found {system.family.words}")

@@ -99,7 +99,7 @@ class ProvedSystem(TrainedSystem):
 
     @abstractmethod
     def episodes_screen(self, record: Any) -> Screen:
-        """Return the record of `record` for a person."""
+        """Return the lines that show a record of episodes to a person."""
 
     @abstractmethod
     def page_lines(self, run: Any) -> list[str]:

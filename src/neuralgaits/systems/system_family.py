@@ -68,7 +68,7 @@ class VerbResult:
 
     @property
     def returned(self) -> Any:
-        """Result of the Python call."""
+        """Opened run or page if there is one, else the record."""
         return self.result if self.run is None else self.run
 
 

@@ -39,7 +39,7 @@ LEVEL_SEARCHES = {
     4: FullOrderSearch(),
     5: DisturbedSearch(),
 }
-"""By number."""
+"""Search for each level's parameters, by its number."""
 
 
 @dataclass(frozen=True)

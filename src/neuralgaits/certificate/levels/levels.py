@@ -1,10 +1,10 @@
 """All levels above 1, lowest first. Level 1 is a spec's conditions themselves."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Container, Iterator, Sequence
 from dataclasses import replace
 
 from neuralgaits.certificate.chart import BELIEVED, NEAR_BELIEF, PLANE_ONLY, Chart, Corner
-from neuralgaits.certificate.level import Parameters
+from neuralgaits.certificate.level import Level, Parameters
 from neuralgaits.certificate.levels.disturbed.level import DisturbedLevel
 from neuralgaits.certificate.levels.full_order.level import FullOrderLevel
 from neuralgaits.certificate.levels.orbit.level import OrbitLevel
@@ -53,31 +53,37 @@ def conclude(
     for level in LEVELS:
         if level.number not in parameters:
             continue
-        if reason := refused.get(level.number):
-            conclusions[level.number] = Conclusion(level.number, "undecided", reason, (), {})
+        proved = {number for number, earlier in conclusions.items() if earlier.proved}
+        reason = refused.get(level.number) or _why_not(level, proved, command_names, chart)
+        if reason:
+            conclusions[level.number] = Conclusion(level.number, "undecided", reason)
             continue
-        open_below = [
-            n for n in level.rests_on if n not in conclusions or conclusions[n].verdict != "proved"
-        ]
-        if open_below:
-            reason = f"level {open_below[0]} is not proved"
-            conclusions[level.number] = Conclusion(level.number, "undecided", reason, (), {})
-        elif not _beliefs_fit(command_names, chart.behind(len(command_names))):
-            reason = (
-                "the distance from a belief is an axis where one is told, alone, and only there"
-            )
-            conclusions[level.number] = Conclusion(level.number, "undecided", reason, (), {})
-        elif command_names and pairs is None:
-            reason = f"the chart has no axes of the commands {', '.join(command_names)}"
-            conclusions[level.number] = Conclusion(level.number, "undecided", reason, (), {})
-        else:
-            answer = level.conclude(parameters, boxes, bounds)
-            scope = _of_parameters(
-                chart.behind(len(command_names)), pairs if command_names else None
-            )
-            words = (*answer.words, *scope) if answer.proved else answer.words
-            conclusions[level.number] = replace(answer, words=words)
+        answer = level.conclude(parameters, boxes, bounds)
+        scope = _of_parameters(chart.behind(len(command_names)), pairs if command_names else None)
+        words = (*answer.words, *scope) if answer.proved else answer.words
+        conclusions[level.number] = replace(answer, words=words)
     return list(conclusions.values())
+
+
+def _why_not(
+    level: Level, proved: Container[int], command_names: Sequence[str], chart: Chart
+) -> str | None:
+    """Explain why a level cannot be concluded, whatever its own premises are; None if it can.
+
+    Args:
+        level: the level.
+        proved: numbers of the levels below that are proved.
+        command_names: commands that the gait is told.
+        chart: chart of the boxes.
+    """
+    for number in level.rests_on:
+        if number not in proved:
+            return f"level {number} is not proved"
+    if not _beliefs_fit(command_names, chart.behind(len(command_names))):
+        return "the distance from a belief is an axis where one is told, alone, and only there"
+    if command_names and chart.sequences(command_names) is None:
+        return f"the chart has no axes of the commands {', '.join(command_names)}"
+    return None
 
 
 def _of_parameters(chart: Chart, pairs: Sequence[str] | None) -> Iterator[str]:

@@ -233,5 +233,5 @@ def _conclusions(
     by_level = {one.level: one for one in concluded}
     for level in range(2, scope.level + 1):
         reason = sets.reasons.get(level, f"level {level - 1} is not proved")
-        by_level.setdefault(level, Conclusion(level, "undecided", reason, (), {}))
+        by_level.setdefault(level, Conclusion(level, "undecided", reason))
     return [by_level[level] for level in sorted(by_level)]

@@ -3,7 +3,7 @@
 import xml.etree.ElementTree as ET
 from collections.abc import Mapping, Sequence
 
-from neuralgaits.export import statement
+from neuralgaits.export import controller_prose
 from neuralgaits.export.facts import Design
 from neuralgaits.export.fmu.fmu_variables import FmuVariable, Role, VariableType, references
 from neuralgaits.export.source import commented
@@ -138,7 +138,7 @@ def _annotation(parent: ET.Element, tag: str, key: str, design: Design) -> None:
         ET.SubElement(entry, "hash", {"of": name, "sha256": value})
     facts = ET.SubElement(entry, "facts")
     facts.text = "\n".join(
-        ["", *(_printable_text(commented(one)) for one in statement.prose(design)), ""]
+        ["", *(_printable_text(commented(one)) for one in controller_prose.prose(design)), ""]
     )
 
 

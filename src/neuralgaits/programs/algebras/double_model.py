@@ -118,7 +118,7 @@ class DoubleModel:
 
     @property
     def centre(self) -> Bounds:
-        """Constant terms."""
+        """Coefficients of degree 0 of the models."""
         return self.terms[0]
 
     @cached_property

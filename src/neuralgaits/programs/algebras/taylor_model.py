@@ -87,7 +87,7 @@ class Taylor:
 
     @property
     def centre(self) -> Bounds:
-        """Constant terms of the models."""
+        """Coefficients of degree 0 of the models."""
         return self.poly[0]
 
     @cached_property

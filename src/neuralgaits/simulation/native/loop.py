@@ -27,6 +27,7 @@ from neuralgaits.simulation.native.struct_layout import pointer
 from neuralgaits.simulation.setup.command_schedule import CommandSchedule
 from neuralgaits.simulation.setup.episode_inputs import EpisodeInputs
 from neuralgaits.simulation.setup.plant import Plant
+from neuralgaits.simulation.setup.streams import Stream, generator
 from neuralgaits.simulation.ticks.falls import Ending
 from neuralgaits.simulation.ticks.gauge import Extremes, Gauge, Milestone
 from neuralgaits.simulation.ticks.lockstep import EpisodeBatch
@@ -136,7 +137,7 @@ class _Episode:
         self._believed = np.zeros(plant.delay_ticks + 1)
         walk.late, walk.believed = pointer(self._late), pointer(self._believed)
         walk.push_wait, walk.push_start = inputs.push.moments(episode)
-        self._draws = np.random.default_rng([inputs.seed, self._number, 3])
+        self._draws = generator(inputs.seed, self._number, Stream.NOISE)
         self._sensors = (2, 1 + plant.state_map.joints.size)
         self._state_size = 1 + plant.model.nq + plant.model.nv
         if inputs.noisy:

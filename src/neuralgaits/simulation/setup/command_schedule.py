@@ -14,11 +14,10 @@ from neuralgaits._types import Float
 from neuralgaits.errors import InputError
 from neuralgaits.gait.commands import CommandLimits, Commands, place_of, values
 from neuralgaits.simulation.setup.disturbance import PlantChanges
+from neuralgaits.simulation.setup.streams import Stream, generator
 
 RANDOM = "random"
 """Word in place of a file for new commands at each touchdown."""
-_STREAM = 6
-"""Number of this file's stream of random numbers; noise, pushes, starts and floors have others."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,7 +51,7 @@ class CommandSchedule:
             while True:
                 yield self.table[-1]
         limits, last = CommandLimits.of(self.commands), self.first
-        draws = np.random.default_rng([self.seed, episode, _STREAM])
+        draws = generator(self.seed, episode, Stream.COMMANDS)
         while True:
             low = np.maximum(limits.low, last - limits.change)
             high = np.minimum(limits.high, last + limits.change)

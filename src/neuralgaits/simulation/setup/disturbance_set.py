@@ -1,7 +1,7 @@
 """Disturbances on which every policy is tested, one at a time.
 
 The project chose their sizes as plausible errors of a robot's model; they combine, since each is a
-`Disturbance`. The robot's own numbers are in its model file.
+`PlantChanges`. The robot's own numbers are in its model file.
 """
 
 from math import pi

@@ -14,7 +14,7 @@ from neuralgaits.robots.parameter_box import checked_box
 from neuralgaits.simulation.setup.disturbance import PlantChanges
 
 _STREAM = 0x0B0C5
-"""Number of this file's stream of random numbers."""
+"""First number of this file's seeds, by which they differ from those of `streams`."""
 
 
 @dataclass(frozen=True, eq=False)

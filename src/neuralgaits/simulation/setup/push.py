@@ -7,6 +7,7 @@ import numpy as np
 
 from neuralgaits._types import Bool, Float
 from neuralgaits.records.simulated import STEPS_BEFORE
+from neuralgaits.simulation.setup.streams import Stream, generator
 
 DURATION_S = 0.1
 # The push starts within this time after that touchdown: about one step, so all phases occur [s].
@@ -30,7 +31,7 @@ class Push:
         self.force = impulse / DURATION_S
         self.steps_before = min(STEPS_BEFORE, steps // 2)
         numbers = range(first, first + episodes)
-        draws = [np.random.default_rng([seed, i, 2]).uniform() for i in numbers]
+        draws = [generator(seed, i, Stream.PUSH).uniform() for i in numbers]
         self._wait = WINDOW_S * np.array(draws)
         self._start = np.where(self.steps_before == 0, self._wait, np.inf)
 

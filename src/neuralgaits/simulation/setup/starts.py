@@ -15,6 +15,7 @@ from neuralgaits.errors import InputError
 from neuralgaits.gait import Orbit, ZeroDynamics
 from neuralgaits.gait.commands import CommandLimits, Commands, Pair
 from neuralgaits.gait.policies.commanded_gait import AnyGait, CommandedGait
+from neuralgaits.simulation.setup.streams import Stream, generator
 
 KINDS = ("centre", "region", "fixed-point")
 # Phases at which the fences are read to find the momenta of a tube.
@@ -43,7 +44,7 @@ def full_states(
         charts = np.full((episodes, 2), 0.5)
     elif kind == "region":
         numbers = range(first, first + episodes)
-        charts = np.array([np.random.default_rng([seed, i, 0]).uniform(size=2) for i in numbers])
+        charts = np.array([generator(seed, i, Stream.START).uniform(size=2) for i in numbers])
     elif kind == "fixed-point":
         orbit = periodic_orbit(zd, gait)
         if orbit.result != "found":

@@ -3,6 +3,7 @@
 import numpy as np
 
 from neuralgaits._types import Bool, Float, Int
+from neuralgaits.simulation.setup.streams import Stream, generator
 
 # A floor is raised only once the foot above it is this much higher, lest it be born inside [m].
 ROOM_UNDER_FOOT = 0.002
@@ -33,7 +34,7 @@ class Terrain:
         self._next_rise = np.full(episodes, expected or 0.0)
         self._pending = np.full(episodes, expected is not None)
         numbers = range(first, first + episodes)
-        self._draws = [np.random.default_rng([seed, i, 1]) for i in numbers]
+        self._draws = [generator(seed, i, Stream.FLOOR) for i in numbers]
 
     @property
     def uneven(self) -> bool:

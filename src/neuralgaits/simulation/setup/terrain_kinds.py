@@ -20,10 +20,12 @@ class TerrainKind:
     Attributes:
         asks: commands that the gait must have.
         settings: names and meanings of its settings.
+        gives: commands that follow from the ground, so that nobody else can give them.
     """
 
     asks: tuple[str, ...]
     settings: Mapping[str, str]
+    gives: tuple[str, ...] = ("step_length", "step_height", "slope")
 
 
 class Size(NamedTuple):
@@ -46,14 +48,17 @@ KINDS = {
             "run": "depth of a step [m], the middle of the gait's lengths if not given",
         },
     ),
-    "slopes": TerrainKind(("slope",), {"length": "mean length of a slope [m], 1 if not given"}),
+    "slopes": TerrainKind(
+        ("slope",), {"length": "mean length of a slope [m], 1 if not given"}, gives=("slope",)
+    ),
 }
 
 
 def commands_from_terrain(terrain: str) -> tuple[str, ...]:
-    """Commands that the ground gives, so that nobody else can."""
+    """Return the commands that the ground gives, so that nobody else can."""
     kind, _ = kind_of(terrain)
-    return ("slope",) if kind == "slopes" else ("step_length", "step_height", "slope")
+    # Stones of a file give as much as those of the kind `stones`.
+    return TerrainKind.gives if kind is None else KINDS[kind].gives
 
 
 def endless(terrain: str) -> bool:

@@ -19,10 +19,9 @@ from neuralgaits.robots.dynamics import swing_foot
 from neuralgaits.simulation.setup.command_schedule import CommandSchedule
 from neuralgaits.simulation.setup.course import Course, Courses, stones_at
 from neuralgaits.simulation.setup.stones_file import ROUNDING_M, stones_of_file
+from neuralgaits.simulation.setup.streams import Stream, generator
 from neuralgaits.simulation.setup.terrain_kinds import KINDS, check_told, kind_of, sizes_of
 
-_STREAM = 7
-"""Number of this file's stream of random numbers; see `command_schedule`."""
 _SPARE = 2
 """Number of stones beyond the last one of the walk, so that there is one ahead."""
 _RUN_UP_M = 1.0
@@ -62,7 +61,7 @@ def courses_of(
         check_told(kind, KINDS[kind], commands)
         size = {name: size.value for name, size in sizes_of(terrain, commands).items()}
         make = _MAKERS[kind](commands, size, steps, partial(_step_length, robot, steady))
-        each = tuple(make(np.random.default_rng([seed, i, _STREAM])) for i in range(episodes))
+        each = tuple(make(generator(seed, i, Stream.TERRAIN)) for i in range(episodes))
     first = _first_told(commands, base, each[0])
     return Courses(each, replace(base, first=first, table=first[None]), float(robot.foot_radius))
 

@@ -3,6 +3,7 @@
 import numpy as np
 
 from neuralgaits._types import Float
+from neuralgaits.simulation.setup.streams import Stream, generator
 
 
 class Noise:
@@ -13,7 +14,7 @@ class Noise:
     ):
         """Draw `shape` per episode, starting at a first number; all are zero unless `noisy`."""
         numbers = range(first, first + episodes)
-        self._draws = [np.random.default_rng([seed, i, 3]) for i in numbers]
+        self._draws = [generator(seed, i, Stream.NOISE) for i in numbers]
         self._noisy = noisy
         self._values = np.zeros((episodes, *shape))
 

@@ -25,7 +25,7 @@ from neuralgaits.systems.system_family import Screen
 
 
 class CartPoleSystem(EquilibriumSystem):
-    """The family of cart-poles."""
+    """Model, training, proofs and words of cart-poles."""
 
     family, levels, table, recipe = FAMILY, LEVELS, LEVELS.table, RECIPE
     spec_name = "balancing"
@@ -51,7 +51,7 @@ class CartPoleSystem(EquilibriumSystem):
         return StateLabels(names, "cart", robot.rail, "force [N]", robot.force_limit)
 
     def robot_facts(self, robot: CartPole, data: CartPoleData) -> CartPoleFacts:
-        """Describe a cart-pole's file."""
+        """Return masses, lengths and limits of a cart-pole's file for `inspect`."""
         return CartPoleFacts(
             robot=robot.name,
             cart_mass_kg=data.cart_mass + data.cart_armature,
@@ -90,7 +90,7 @@ class CartPoleSystem(EquilibriumSystem):
     def episode_record(
         self, run: FamilyRun, fields: dict[str, Any], largest: float
     ) -> CartPoleEpisodes:
-        """Return the record of episodes."""
+        """Add the cart's reach to the figures of its episodes."""
         return CartPoleEpisodes(**fields, largest_x=largest, rail=run.robot.rail)
 
     def reach_in_words(self, episodes: CartPoleEpisodes) -> tuple[str, str]:

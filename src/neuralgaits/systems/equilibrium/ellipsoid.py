@@ -49,7 +49,7 @@ class Ball(eqx.Module):
 
     @property
     def volume(self) -> float:
-        """Volume of the set."""
+        """Volume of the ellipsoid, in the product of its four axes' units."""
         return float(0.5 * np.pi**2 * np.prod(np.diag(np.asarray(self.shape))))
 
     def face(self, count: int, seed: int, widest: int) -> Float[np.ndarray, "count 4"]:

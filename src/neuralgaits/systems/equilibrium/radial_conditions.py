@@ -34,7 +34,7 @@ class ControlledModel(Protocol):
 
     @property
     def force_limit(self) -> float:
-        """Largest force of the motor."""
+        """Largest force of the motor, either way [N]."""
         ...
 
     def motion(self, controls: Controls, state: Float[Array, "4"]) -> Motion:

@@ -165,7 +165,7 @@ class HopSimulation:
         self.world.qvel[:] = [*rates, turning, -turning, sliding]
 
     def leg(self) -> LegState:
-        """Return the leg's state."""
+        """Read the leg's state off MuJoCo's joints."""
         position, rate = self.world.qpos, self.world.qvel
         return LegState(
             float(position[2]),

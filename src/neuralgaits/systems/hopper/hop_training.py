@@ -29,7 +29,7 @@ DEGREE = 8
 WIDENS, NARROWS = 0.02, 0.3
 """Widening of the tube over a stance where the policy has no hold, and narrowing where it has."""
 GAIN = -0.045
-"""Of the first policy: change of the length by half of the momentum's range [m]."""
+"""Change of the first policy's length by half of the momentum's range [m]."""
 SAMPLES, WORST, TARGET = 256, 16, 0.01
 """States an iteration, how many of the worst of them count, and the margin that is aimed at."""
 PENALTY, WIDE = 20.0, 0.1

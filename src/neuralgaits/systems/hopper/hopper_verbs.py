@@ -55,7 +55,7 @@ SHOWN_EPISODES, SHOWN_HOPS = 3, 10
 
 
 class HopperSystem(ExportedSystem):
-    """The family of hoppers."""
+    """Model, training, proofs and words of hoppers."""
 
     family, table = FAMILY, TABLE
     summary = HopperTrained
@@ -74,7 +74,7 @@ class HopperSystem(ExportedSystem):
         return read_hopper(text, name)
 
     def robot_facts(self, robot: Hopper, data: HopperData) -> HopperFacts:
-        """Describe a hopper's file."""
+        """Return masses, lengths and limits of a hopper's file for `inspect`."""
         return HopperFacts(
             robot=robot.name,
             upper_mass_kg=robot.upper_mass,
@@ -191,7 +191,7 @@ class HopperSystem(ExportedSystem):
         return random_states(run, count, seed)
 
     def episodes(self, run: FamilyRun, count: int, seed: int) -> tuple[HopEpisodes, bool]:
-        """Hop in MuJoCo."""
+        """Hop in MuJoCo from momenta of the tube. Returns: record, whether all stayed up."""
         record = simulate_hops(run, count, seed)
         return record, record.stayed_up == record.episodes
 

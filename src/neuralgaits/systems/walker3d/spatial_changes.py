@@ -14,7 +14,7 @@ _OF_DRIVES = ("drive_stiffness", "drive_damping", "drive_rate")
 
 @dataclass(frozen=True)
 class SpatialChanges(PlantChanges):
-    """Those of a walker in the plane but drives, and what is aside.
+    """Plant changes of a biped in three dimensions: no drives, and a lateral shift of the torso.
 
     Noise and resolution of angles are those of joints and of the torso's lean; `pitch_noise` is
     that of roll and pitch, `pitch_offset` of the pitch alone.

@@ -120,7 +120,7 @@ class OrbitProblem:
         return np.asarray(numbers), restored
 
     def residuals(self, policy: SpatialPolicy, start: Array) -> Array:
-        """Return all residuals."""
+        """Return what must vanish on the orbit: of return map, touchdown and way, in this order."""
         around = NEIGHBOURS * np.diag(self.scale)
         near = jnp.asarray(np.vstack([np.zeros(3), around, -around]))
         steps = jax.vmap(lambda one: step_from(self.robot, policy, one))(start[None] + near)

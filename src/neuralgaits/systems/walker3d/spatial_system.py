@@ -54,7 +54,7 @@ SHOWN_STEPS, SHOWN_PUSH_NS = 10, 5.0
 
 
 class SpatialSystem(ExportedSystem):
-    """The family of bipeds in three dimensions."""
+    """Model, training, proofs and words of bipeds in three dimensions."""
 
     family, table = FAMILY, TABLE
     config, summary = SpatialConfig, SpatialTrained
@@ -70,7 +70,7 @@ class SpatialSystem(ExportedSystem):
         return robot.walker, robot
 
     def robot_facts(self, robot: SpatialWalker, data: SpatialRobot) -> SpatialFacts:
-        """Describe a robot file."""
+        """Return masses, lengths and limits of a robot file for `inspect`."""
         del data
         return SpatialFacts(
             robot=robot.name,
@@ -202,7 +202,7 @@ class SpatialSystem(ExportedSystem):
         return random_states(run, count, seed)
 
     def episodes(self, run: FamilyRun, count: int, seed: int) -> tuple[SpatialWalks, bool]:
-        """Walk in MuJoCo."""
+        """Walk in MuJoCo under `pd`. Returns: record, whether all took all their steps."""
         starts = starts_of(run.controller, count, seed)
         step_s = run.summary.step_s
         plan = WalkPlan(controller="pd", starts=starts, steps=STEPS, step_s=step_s, seed=seed)

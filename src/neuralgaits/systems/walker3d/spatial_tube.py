@@ -27,7 +27,7 @@ class TubeSection(eqx.Module):
 
     @property
     def volume(self) -> Float[Array, ""]:
-        """Determinant of the half axes."""
+        """Volume of a section up to 4 pi / 3: the determinant of its half axes."""
         return self.axes[0] @ cross(self.axes[1], self.axes[2])
 
     def inside(self, deviations: Float[Array, "*rows 3"]) -> Float[Array, "*rows 3"]:

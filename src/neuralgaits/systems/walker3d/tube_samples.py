@@ -20,7 +20,7 @@ from neuralgaits.systems.walker3d.spatial_walker import SpatialWalker
 BATCH = 1024
 """Points that are evaluated together."""
 BEYOND = 0.05
-"""By this share of its width a draw goes beyond a box before it is cut: ends count more."""
+"""Share of its width by which a draw goes beyond a box before it is cut: ends count more."""
 
 
 def sampled_margins(

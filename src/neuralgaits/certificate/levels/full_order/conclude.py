@@ -11,12 +11,10 @@ from neuralgaits.certificate.levels.full_order.theorem import (
     premises,
 )
 from neuralgaits.certificate.levels.full_order.words import constants, in_words
-from neuralgaits.certificate.premises import Bounds
+from neuralgaits.certificate.premises import Bounds, missing_premises
 from neuralgaits.records.certified import Conclusion
 
 LEVEL = 4
-SHOWN = 4
-"""Largest number of unproved premises that are named."""
 
 
 def conclude_full_order(shape: FullOrderConstants, bounds: Bounds) -> Conclusion:
@@ -29,7 +27,10 @@ def conclude_full_order(shape: FullOrderConstants, bounds: Bounds) -> Conclusion
     constants_of_proof = tuple(constants(shape, bounds))
     figures = {constant.name: constant.value for constant in constants_of_proof}
     broken = [step for step in inequalities(shape) if not step.holds]
-    missing = _missing(shape, bounds)
+    missing = list(missing_premises(premises(shape), bounds))
+    shown = 4  # Unproved premises that are named.
+    if len(missing) > shown:
+        missing[shown:] = [f"and {len(missing) - shown} more premises"]
     reasons = [obstacle(step) for step in broken] + missing
     names = [barrier.name for barrier in shape.barriers]
     if names[:2] != list(FENCES) or len(set(names)) < len(names):
@@ -41,15 +42,3 @@ def conclude_full_order(shape: FullOrderConstants, bounds: Bounds) -> Conclusion
     if reasons:
         return Conclusion(LEVEL, "undecided", "; ".join(reasons), (), figures, constants_of_proof)
     return Conclusion(LEVEL, "proved", None, in_words(shape), figures, constants_of_proof)
-
-
-def _missing(shape: FullOrderConstants, bounds: Bounds) -> list[str]:
-    """Name the premises without a sufficient bound, in words."""
-    missing = []
-    for output, low, high, sign in premises(shape):
-        bound = bounds.get((output, low, high), float("nan"))
-        if not (bound > 0.0 if sign == "positive" else bound >= 0.0):
-            missing.append(f"{output} from {low} to {high} is not proved")
-    if len(missing) > SHOWN:
-        missing[SHOWN:] = [f"and {len(missing) - SHOWN} more premises"]
-    return missing

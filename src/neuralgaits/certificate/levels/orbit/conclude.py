@@ -4,14 +4,14 @@ The argument is in docs/walking_set.md. Numbers come from the parameters and the
 comparison holds only if it is certain.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 from flint import arb
 
 from neuralgaits._digits import at_least, at_most
 from neuralgaits.certificate.levels.orbit.theorem import OrbitConstants, orbit_premises
 from neuralgaits.certificate.levels.walking_set.theorem import WalkingSetConstants
-from neuralgaits.certificate.premises import Bounds, above, below, first_missing
+from neuralgaits.certificate.premises import Bounds, above, below, missing_premises
 from neuralgaits.records.certified import Conclusion
 
 
@@ -23,20 +23,27 @@ def attraction(shape: WalkingSetConstants, orbit: OrbitConstants, bounds: Bounds
         orbit: thin tube and bounds on the expansion.
         bounds: proved bounds.
     """
-    missing = first_missing(orbit_premises(shape, orbit), bounds)
-    if not orbit.complete or bool(shape.told) != (orbit.attraction == "any two walks"):
-        missing = "its parameters are not those of its kind of attraction"
-    if missing is None and shape.told:
-        return _any_two_walks(shape, orbit, bounds)
-    if missing is None and orbit.attraction == "contraction alone":
-        return _contraction_alone(shape, orbit, bounds)
-    if missing is None and shape.floor:
-        missing = "an orbit is enclosed for footholds as meant only"
-    if missing is None and not (shape.falling < orbit.guard_from < orbit.guard_to <= shape.ends[1]):
-        missing = "the thin tube's guard is not where the foot falls"
+    missing = next(_obstacles(shape, orbit, bounds), None)
     if missing is not None:
-        return Conclusion(3, "undecided", missing, (), {})
+        return Conclusion(3, "undecided", missing)
+    if shape.told:
+        return _any_two_walks(shape, orbit, bounds)
+    if orbit.attraction == "contraction alone":
+        return _contraction_alone(shape, orbit, bounds)
     return _enclosed_orbit(shape, orbit, bounds)
+
+
+def _obstacles(shape: WalkingSetConstants, orbit: OrbitConstants, bounds: Bounds) -> Iterator[str]:
+    """Yield what stands against the arithmetic; each rests on all before it being absent."""
+    if not orbit.complete or bool(shape.told) != (orbit.attraction == "any two walks"):
+        yield "its parameters are not those of its kind of attraction"
+    yield from missing_premises(orbit_premises(shape, orbit), bounds)
+    if shape.told or orbit.attraction == "contraction alone":
+        return
+    if shape.floor:
+        yield "an orbit is enclosed for footholds as meant only"
+    if not (shape.falling < orbit.guard_from < orbit.guard_to <= shape.ends[1]):
+        yield "the thin tube's guard is not where the foot falls"
 
 
 def _enclosed_orbit(

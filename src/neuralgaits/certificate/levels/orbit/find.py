@@ -39,8 +39,6 @@ ROUNDS, SETTLED = 400, 1e-12
 """Iterations of the fixed point, and the relative change that ends them."""
 Z2_WIDTH = 1e-3
 """Width to which the orbit is enclosed [kg m^2/s]."""
-ROOM = 0.03
-"""Slack of a bound on dF/dzeta over the whole set [1/phase]: less would cost more boxes."""
 THIN_ROOM = 0.02
 """Slack of a bound on dF/dzeta over the thin tube [1/phase]."""
 COMFORT = 0.95
@@ -254,7 +252,8 @@ def _bounds(
 ) -> tuple[np.ndarray, float]:
     """Return series above dF/dzeta on the walking set, and a number above |rho| on its guard."""
     levels, phases = np.linspace(0.0, 1.0, 33), np.linspace(*shape.ends, 121)
-    series = series_above(phases, _largest(evaluate, phases, levels), BOUND_DEGREE, ROOM)
+    room = 0.03  # Slack of the bound on dF/dzeta [1/phase]: less would cost more boxes.
+    series = series_above(phases, _largest(evaluate, phases, levels), BOUND_DEGREE, room)
     gains = evaluate(np.stack([np.full_like(levels, guard), levels], axis=1))["gain"]
     return series, float(np.abs(gains).max() * (1.0 + THIN_ROOM))
 

@@ -3,6 +3,8 @@
 The argument is in docs/walking_set.md; a comparison holds only if it is certain.
 """
 
+from collections.abc import Iterator
+
 from flint import arb
 
 from neuralgaits.certificate.levels.walking_set.theorem import (
@@ -13,7 +15,14 @@ from neuralgaits.certificate.levels.walking_set.theorem import (
     walking_premises,
 )
 from neuralgaits.certificate.levels.walking_set.words import walking_words
-from neuralgaits.certificate.premises import Bounds, Boxes, Premise, above, first_missing
+from neuralgaits.certificate.premises import (
+    Bounds,
+    Boxes,
+    Premise,
+    above,
+    first_missing,
+    missing_premises,
+)
 from neuralgaits.records.certified import Conclusion
 
 
@@ -25,33 +34,11 @@ def walking(shape: WalkingSetConstants, boxes: Boxes, bounds: Bounds) -> Conclus
         boxes: (condition, low, high) of every box of every condition of the spec.
         bounds: proved bounds.
     """
-    # Level 1 on the tube, and C7 on the strips.
-    needed = [Premise(*box, sign="not negative") for box in (*boxes, *strips(shape, boxes))]
-    missing = first_missing([*walking_premises(shape), *needed], bounds)
-    condition_names = {name for name, *_ in boxes}
-    for name in {*shape.carried, *shape.barriers} - condition_names:
-        missing = missing or f"there is no statement about {name}"
+    missing = next(_obstacles(shape, boxes, bounds), None)
+    if missing is not None:
+        return Conclusion(2, "undecided", missing)
     first, last = shape.ends
     whole = (first, 0.0), (last, 1.0)
-    if missing is None and not (0.0 < shape.start_strip < 0.1 and 0.0 < shape.guard_strip < 0.1):
-        missing = "strips outside (0, 0.1)"
-    if missing is None and not 0.0 < shape.risen <= shape.falling < 1.0 - shape.guard_strip:
-        missing = "phases of rise and fall that are not in order"
-    if missing is None and not shape.floor >= 0.0:
-        missing = "a floor with a negative bound"
-    if missing is None and shape.floor and shape.told:
-        missing = "a floor of unknown height and commands together"
-    # C3 and C4: the foot is more than the floor's H above, or below, the line of footholds.
-    for output, low, high, _ in off_the_line(shape):
-        if missing is None and not bounds[output, low, high] > shape.floor:
-            missing = f"{output} from {low} to {high} is not above {shape.floor!r} m"
-    if missing is None and not min(shape.disturbance) >= 0.0:
-        missing = "a disturbance with a negative bound"
-    # C5.
-    if missing is None:
-        missing = _why_not_inside(shape, bounds)
-    if missing is not None:
-        return Conclusion(2, "undecided", missing, (), {})
     # By C1 a step takes no longer than T's phases over their least rate.
     pace = bounds["set/forward", *whole]
     longest = (arb(last) - arb(first)) / arb(pace)
@@ -65,6 +52,34 @@ def walking(shape: WalkingSetConstants, boxes: Boxes, bounds: Bounds) -> Conclus
     unsafe = [premise for premise in safe_premises(shape) if first_missing([premise], bounds)]
     words = walking_words(shape, boxes, figures["step_time_at_most_s"], not unsafe)
     return Conclusion(2, "proved", None, words, figures)
+
+
+def _obstacles(shape: WalkingSetConstants, boxes: Boxes, bounds: Bounds) -> Iterator[str]:
+    """Yield what stands against the conclusion; each rests on all before it being absent."""
+    # Level 1 on the tube, and C7 on the strips.
+    needed = [Premise(*box, sign="not negative") for box in (*boxes, *strips(shape, boxes))]
+    yield from missing_premises([*walking_premises(shape), *needed], bounds)
+    condition_names = {name for name, *_ in boxes}
+    for name in {*shape.carried, *shape.barriers} - condition_names:
+        yield f"there is no statement about {name}"
+    if not (0.0 < shape.start_strip < 0.1 and 0.0 < shape.guard_strip < 0.1):
+        yield "strips outside (0, 0.1)"
+    if not 0.0 < shape.risen <= shape.falling < 1.0 - shape.guard_strip:
+        yield "phases of rise and fall that are not in order"
+    if not shape.floor >= 0.0:
+        yield "a floor with a negative bound"
+    if shape.floor and shape.told:
+        yield "a floor of unknown height and commands together"
+    # C3 and C4: the foot is more than the floor's H above, or below, the line of footholds.
+    for output, low, high, _ in off_the_line(shape):
+        if not bounds[output, low, high] > shape.floor:
+            yield f"{output} from {low} to {high} is not above {shape.floor!r} m"
+    if not min(shape.disturbance) >= 0.0:
+        yield "a disturbance with a negative bound"
+    # C5.
+    outside = _why_not_inside(shape, bounds)
+    if outside is not None:
+        yield outside
 
 
 def _why_not_inside(shape: WalkingSetConstants, bounds: Bounds) -> str | None:

@@ -53,7 +53,7 @@ class WalkingSetConstants:
 
     @property
     def whole(self) -> tuple[Corner, Corner]:
-        """Corners of all of T."""
+        """Lower and upper corner of the whole set T, strips included."""
         return (-self.start_strip, 0.0), (1.0 + self.guard_strip, 1.0)
 
     @property
