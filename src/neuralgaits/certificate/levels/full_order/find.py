@@ -185,6 +185,7 @@ def _with_strips(
 
 
 def _bound_at_phase(radius: float, floor: float, shrink: float, phase: float) -> float:
+    """Return the bound on sqrt(V) at a phase: from the radius it decays to the floor."""
     return floor + (radius - floor) * math.exp(-shrink * phase * phase)
 
 

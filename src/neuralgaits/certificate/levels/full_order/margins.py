@@ -21,8 +21,8 @@ from neuralgaits.certificate.levels.full_order.model import (
     Weights,
 )
 from neuralgaits.certificate.levels.full_order.theorem import (
-    FENCES,
     BARRIER_CONSTANTS,
+    FENCES,
     FullOrderConstants,
     constants_of_set,
     series,
