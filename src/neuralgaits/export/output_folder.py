@@ -18,11 +18,11 @@ from neuralgaits.runs.atomic import (
 from neuralgaits.runs.outputs import refuse_folder_of_run
 
 _EXPORTER_ONLY = frozenset(("check.c", "check_monitor.c"))
-_OF_MONITOR = frozenset(("monitor.h", "monitor.c"))
+_MONITOR_FILES = frozenset(("monitor.h", "monitor.c"))
 """Files that only a gait with a proof has."""
-_OF_ADAPTATION = frozenset(("adapt.h", "adapt.c"))
+_ADAPTATION_FILES = frozenset(("adapt.h", "adapt.c"))
 """Files that only a gait with a commanded speed has."""
-_OF_BOARD = frozenset(("board_map.h", "board_map.c"))
+_BOARD_FILES = frozenset(("board_map.h", "board_map.c"))
 """Files that only an export with a deployment file has, but for its numbers."""
 _BOARD_FACTS = frozenset(("board_facts.h", "board_facts.c"))
 _SUFFIXES = (".c", ".h", ".onnx", ".fmu", ".cpp", ".hpp", ".xml", ".txt", ".vnnlib", ".csv", ".md")
@@ -32,7 +32,7 @@ _SUFFIXES = (".c", ".h", ".onnx", ".fmu", ".cpp", ".hpp", ".xml", ".txt", ".vnnl
 def shipped() -> dict[str, str]:
     """Return C files that are the same for every gait."""
     folder = resources.files("neuralgaits.export") / "c"
-    apart = _EXPORTER_ONLY | _OF_MONITOR | _OF_ADAPTATION | _OF_BOARD
+    apart = _EXPORTER_ONLY | _MONITOR_FILES | _ADAPTATION_FILES | _BOARD_FILES
     return {
         entry.name: entry.read_text(encoding="utf-8")
         for entry in sorted(folder.iterdir(), key=lambda entry: entry.name)
@@ -47,17 +47,17 @@ def harness() -> dict[str, str]:
 
 def monitor() -> dict[str, str]:
     """Return C files of the monitor that are the same for every gait that has one."""
-    return _files(_OF_MONITOR)
+    return _files(_MONITOR_FILES)
 
 
 def adaptation() -> dict[str, str]:
     """Return C files that adapt a commanded speed."""
-    return _files(_OF_ADAPTATION)
+    return _files(_ADAPTATION_FILES)
 
 
 def board() -> dict[str, str]:
     """Return C files of the map between joints and motors that are the same for every board."""
-    return _files(_OF_BOARD)
+    return _files(_BOARD_FILES)
 
 
 def _files(names: Iterable[str]) -> dict[str, str]:
@@ -88,7 +88,7 @@ def refuse_stale_map(out: Path) -> None:
 
     Raises: InputError if there is such a file.
     """
-    stale = sorted(name for name in _OF_BOARD | _BOARD_FACTS if (out / name).exists())
+    stale = sorted(name for name in _BOARD_FILES | _BOARD_FACTS if (out / name).exists())
     if stale:
         raise InputError(
             f"expected no {stale[0]} in {out}, found that of an export with --config, whose map "

@@ -28,7 +28,7 @@ from neuralgaits.programs import Program
 from neuralgaits.programs.tracing.tracer import trace
 from neuralgaits.robots import PlanarBiped
 
-_OF_POLICY = {"z": (2,), "dz": (2,)}
+_POLICY_INPUTS = {"z": (2,), "dz": (2,)}
 
 
 def rate(policy: AbstractPolicy) -> Callable[..., dict[str, Array]]:
@@ -84,7 +84,7 @@ def policy_rate(policy: AbstractPolicy) -> Part:
     return Part(
         "ng_policy_rate",
         "Policy: desired outputs y [rad] and rates dy [rad/s] at z (m, kg m^2/s), dz.",
-        _policy(rate(policy), _OF_POLICY | _step(policy), policy),
+        _policy(rate(policy), _POLICY_INPUTS | _step(policy), policy),
     )
 
 
@@ -120,7 +120,7 @@ def policy_in_one(
         at = policy.at(robot, Pair(*commands), reset_residual, exact=True)
         return rate(at)(z, dz)
 
-    shapes = _OF_POLICY | {"commands": (2, len(policy.commands))}
+    shapes = _POLICY_INPUTS | {"commands": (2, len(policy.commands))}
     part = policy_rate(policy)
     return part._replace(program=_policy(compute, shapes, policy))
 
@@ -169,7 +169,7 @@ def parts(
         Part(
             "ng_policy_path",
             "Policy along z(t): y [rad], dy [rad/s], slope dy/dz1 [rad/m], drift ddy [rad/s^2].",
-            _policy(path(policy), _OF_POLICY | {"ddz": (2,)} | _step(policy), policy),
+            _policy(path(policy), _POLICY_INPUTS | {"ddz": (2,)} | _step(policy), policy),
         ),
         *once,
         zero_dynamics_state(robot, lean_told),

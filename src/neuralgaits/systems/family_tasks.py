@@ -16,9 +16,9 @@ from neuralgaits.errors import InputError, RunError
 from neuralgaits.runs import resolve
 from neuralgaits.systems.system_family import ProgressCallbacks, SystemFamily, VerbResult
 
-_OF_ALL = ("run", "robot", "output", "progress", "watch", "begun", "root")
+_SHARED_OPTIONS = ("run", "robot", "output", "progress", "watch", "begun", "root")
 """Settings that say what a command is about, or how it is shown."""
-_BY_ROBOT = ("train", "inspect", "robots")
+_ROBOT_VERBS = ("train", "inspect", "robots")
 """Verbs about a robot that has no run yet."""
 
 
@@ -79,7 +79,7 @@ def task_with(verb: str, options: Mapping[str, Any]) -> Task | None:
     run = options.get("run", options.get("resume"))
     run = getattr(run, "path", run)
     family = family_of_run(run)
-    if family is None and run is None and verb in _BY_ROBOT:
+    if family is None and run is None and verb in _ROBOT_VERBS:
         family = family_of_robot(options.get("robot"))
     if family is None:
         return None
@@ -91,7 +91,7 @@ def task_with(verb: str, options: Mapping[str, Any]) -> Task | None:
         )
     parameters = signature(verbs[verb]).parameters
     own = [name for name in parameters if name != "progress"]
-    others = [name for name in options if name not in (*own, *_OF_ALL)]
+    others = [name for name in options if name not in (*own, *_SHARED_OPTIONS)]
     if others:
         raise InputError(
             f"expected options of {family.words} ({_flags(own) or 'none'}), found "
@@ -112,5 +112,5 @@ def task_with(verb: str, options: Mapping[str, Any]) -> Task | None:
 
 
 def _flags(names: Sequence[str]) -> str:
-    flags = (f"--{name.replace('_', '-')}" for name in names if name not in _OF_ALL)
+    flags = (f"--{name.replace('_', '-')}" for name in names if name not in _SHARED_OPTIONS)
     return ", ".join(flags)

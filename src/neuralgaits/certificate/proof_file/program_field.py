@@ -23,8 +23,8 @@ FIBRE = "xi"
 """Name of a Program's second input at full order; statements cover all of its unit ball."""
 MOST_FIBRES, MOST_ELEMENTS, MOST_PRODUCTS = 256, 2**20, 2**24
 """Most elements of xi, of one value, and products of one matrix product."""
-OF_OUTPUT = "elements of an output of the Program"
-OF_WORK = "numbers that the Program reads and makes"
+OUTPUT_ELEMENTS = "elements of an output of the Program"
+WORK_NUMBERS = "numbers that the Program reads and makes"
 
 
 def program_of(field: Any, axes: int) -> Program:
@@ -74,11 +74,11 @@ def _refuse_large(program: Program) -> None:
         raise ValueError(f"{program.inputs[1].shape[0]} elements of {FIBRE}")
     if widest > MOST_ELEMENTS:
         raise ValueError(f"a value of {widest} elements")
-    limit(max(sizes[row.value] for row in program.outputs), MOST_OF_OUTPUT, OF_OUTPUT)
+    limit(max(sizes[row.value] for row in program.outputs), MOST_OF_OUTPUT, OUTPUT_ELEMENTS)
     for row in program.operations:
         if row.kind == "affine" and row.size * sizes[row.operands[1]] > MOST_PRODUCTS * row.columns:
             raise ValueError(f"a product of {sizes[row.operands[0]]} and more elements")
-    limit(sum(map(partial(_work, sizes), program.operations)), MOST_WORK, OF_WORK)
+    limit(sum(map(partial(_work, sizes), program.operations)), MOST_WORK, WORK_NUMBERS)
 
 
 def _work(sizes: Sequence[int], row: Operation) -> int:

@@ -36,7 +36,7 @@ from neuralgaits.programs.tracing.tracer import trace
 from neuralgaits.records.certified import PROOF
 from neuralgaits.records.levels import DISTURBED_LEVEL, FULL_ORDER_LEVEL, WALKING_SET_LEVEL
 
-OF_STEP = ("before", "after")
+STEP_INPUTS = ("before", "after")
 """Inputs of a set that are commands."""
 
 
@@ -131,7 +131,7 @@ def walking_set_of(
 
     inputs = {"q": (robot.n,), "dq": (robot.n,)}
     if shape.told:
-        inputs |= {name: (len(trained.commands),) for name in OF_STEP}
+        inputs |= {name: (len(trained.commands),) for name in STEP_INPUTS}
         inputs["step"] = (trained.policy.step_size,)
     parameters = {"robot": robot, "gait": trained}
     program = trace(of_step if shape.told else of_gait, inputs, parameters=parameters)

@@ -33,7 +33,7 @@ class DrakeWorld(World):
         each = list(plants) * len(states) if len(plants) == 1 else list(plants)
         with _not_of_deformables():
             self._episodes = [
-                _Episode(model[id(plant)], plant, state)
+                _DrakeEpisode(model[id(plant)], plant, state)
                 for plant, state in zip(each, self._states, strict=True)
             ]
 
@@ -70,7 +70,7 @@ def _not_of_deformables() -> Iterator[None]:
         logger.setLevel(level)
 
 
-class _Episode:
+class _DrakeEpisode:
     """One robot in Drake, with its context."""
 
     def __init__(self, model: DrakePlant, source: Plant, state: Float[np.ndarray, " s"]):

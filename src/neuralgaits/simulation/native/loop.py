@@ -79,13 +79,13 @@ def run(
     own_plants = len(plants) == len(states)
     local, stop = threading.local(), threading.Event()
 
-    def one(episode: int) -> _Episode:
+    def one(episode: int) -> _CompiledEpisode:
         its_plant = plants[episode] if own_plants else plant
         its_scene = _with_its_own(scene, its_plant) if own_plants else scene
         if own_plants or not hasattr(local, "data"):
             local.data = mujoco.MjData(its_plant.model)
         _put(local.data, its_plant, states[episode])
-        walked_episode = _Episode(library, its_plant, inputs, episode)
+        walked_episode = _CompiledEpisode(library, its_plant, inputs, episode)
         walked_episode.run(its_scene, local.data, stop)
         return walked_episode
 
@@ -106,7 +106,7 @@ def _put(data: mujoco.MjData, plant: Plant, state: Float[np.ndarray, " s"]) -> N
     data.qpos[:], data.qvel[:] = np.split(state[1:], 2)
 
 
-class _Episode:
+class _CompiledEpisode:
     """One episode: its walk in C, the arrays that the walk points to, and the rows that it leaves.
 
     Attributes:
@@ -196,7 +196,7 @@ class _Episode:
 
 
 def _batch(
-    episodes: Sequence[_Episode], plant: Plant, inputs: EpisodeInputs, wall_s: float
+    episodes: Sequence[_CompiledEpisode], plant: Plant, inputs: EpisodeInputs, wall_s: float
 ) -> EpisodeBatch:
     """Return the results of episodes that have ended."""
     walks, robot, longest = [one.walk for one in episodes], plant.robot, inputs.longest

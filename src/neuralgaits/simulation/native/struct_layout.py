@@ -16,11 +16,11 @@ import numpy as np
 
 from neuralgaits.export import output_folder
 
-_OF_THE_CONTROLLER = ("controller.h", "estimator.h", "adapt.h")
-_OF_THE_LOOP = ("clf_qp.h", "walk.h")
+_CONTROLLER_HEADERS = ("controller.h", "estimator.h", "adapt.h")
+_LOOP_HEADERS = ("clf_qp.h", "walk.h")
 _PLAIN = {"int": c_int, "uint32_t": c_uint32, "double": c_double, "ng_real": c_double}
 _COMMENT = re.compile(r"/\*.*?\*/", re.DOTALL)
-_WITH_COMMANDS = re.compile(r"^#if NG_COMMANDS$.*?^#endif", re.DOTALL | re.MULTILINE)
+_COMMANDS_ONLY = re.compile(r"^#if NG_COMMANDS$.*?^#endif", re.DOTALL | re.MULTILINE)
 _DIRECTIVE = re.compile(r"^\s*#.*$", re.MULTILINE)
 _TYPE = re.compile(r"\b(struct|enum)\b\s*(\w*)\s*\{([^}]*)\}\s*(\w*)\s*;")
 _FUNCTION = re.compile(r"\(\*(\w+)\)\(")
@@ -60,7 +60,7 @@ def layout_of(leg_joints: int, actuated: int, commands: int = 0, step: int = 0) 
     }
     text = _headers()
     if not commands:
-        text = _WITH_COMMANDS.sub("", text)
+        text = _COMMANDS_ONLY.sub("", text)
     types: dict[str, Any] = dict(_PLAIN)
     for kind, tag, body, name in _TYPE.findall(_DIRECTIVE.sub("", text)):
         if kind == "enum":
@@ -78,8 +78,8 @@ def _headers() -> str:
     """Return the headers that declare the structures, without comments."""
     shipped = output_folder.shipped() | output_folder.adaptation()
     folder = resources.files("neuralgaits.simulation.native") / "c"
-    texts = [shipped[name] for name in _OF_THE_CONTROLLER]
-    texts += [(folder / name).read_text(encoding="utf-8") for name in _OF_THE_LOOP]
+    texts = [shipped[name] for name in _CONTROLLER_HEADERS]
+    texts += [(folder / name).read_text(encoding="utf-8") for name in _LOOP_HEADERS]
     return _COMMENT.sub("", "\n".join(texts))
 
 

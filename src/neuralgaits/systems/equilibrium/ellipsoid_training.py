@@ -17,7 +17,7 @@ from neuralgaits.systems.equilibrium.ellipsoid import Ball
 from neuralgaits.systems.equilibrium.ellipsoid_regions import RADIAL, RADII
 from neuralgaits.systems.equilibrium.radial_conditions import (
     ControlledModel,
-    Controller,
+    EllipsoidController,
     radial_margins,
 )
 from neuralgaits.systems.equilibrium.velocity_policy import Controls
@@ -88,11 +88,11 @@ class EllipsoidStart(NamedTuple):
         first = EllipsoidWeights(controls, jnp.zeros(4), jnp.zeros(6))
         return cls(first, share * np.linalg.cholesky(shape))
 
-    def controller(self, weights: EllipsoidWeights) -> Controller:
+    def controller(self, weights: EllipsoidWeights) -> EllipsoidController:
         """Return the controller of some weights."""
         lower = jnp.zeros((4, 4)).at[jnp.tril_indices(4, -1)].set(weights.slants)
         shape = self.shape @ (jnp.exp(weights.sizes)[:, None] * (jnp.eye(4) + lower))
-        return Controller(weights.controls, Ball(shape))
+        return EllipsoidController(weights.controls, Ball(shape))
 
 
 def train_ellipsoid(
@@ -104,7 +104,7 @@ def train_ellipsoid(
     steps: int,
     rate: float,
     progress: TrainingProgress | None = None,
-) -> Controller:
+) -> EllipsoidController:
     """Train a controller and its ellipsoid.
 
     Args:
@@ -151,7 +151,11 @@ def train_ellipsoid(
 
 
 def sampled_margins(
-    robot: ControlledModel, controller: Controller, rate: float, key: PRNGKeyArray, count: int
+    robot: ControlledModel,
+    controller: EllipsoidController,
+    rate: float,
+    key: PRNGKeyArray,
+    count: int,
 ) -> dict[str, Float[Array, " N"]]:
     """Return margins at random states of each condition's region, half of them on the face.
 

@@ -24,7 +24,7 @@ from neuralgaits.systems.equilibrium.ellipsoid_training import (
     sampled_margins,
     train_ellipsoid,
 )
-from neuralgaits.systems.equilibrium.radial_conditions import Controller, radial_margins
+from neuralgaits.systems.equilibrium.radial_conditions import EllipsoidController, radial_margins
 from neuralgaits.systems.equilibrium.rest_episodes import (
     RestEpisodes,
     law_of,
@@ -102,11 +102,11 @@ class EquilibriumSystem(ExportedSystem):
     def reach_in_words(self, episodes: Any) -> tuple[str, str]:
         """Return name and words of how far the first coordinate went."""
 
-    def untrained(self, config: NetworkConfig) -> Controller:
+    def untrained(self, config: NetworkConfig) -> EllipsoidController:
         """Return a controller of zeros, to read arrays into."""
-        return Controller(Controls.zeros(config.width), Ball(np.zeros((4, 4))))
+        return EllipsoidController(Controls.zeros(config.width), Ball(np.zeros((4, 4))))
 
-    def refuse_controller(self, controller: Controller, file: Path) -> None:
+    def refuse_controller(self, controller: EllipsoidController, file: Path) -> None:
         """Refuse a ball that is no lower triangular matrix: its radius is solved for by rows.
 
         Raises: RunError.
@@ -120,7 +120,7 @@ class EquilibriumSystem(ExportedSystem):
 
     def train(
         self, robot: Any, config: NetworkConfig, progress: TrainingProgress | None
-    ) -> Controller:
+    ) -> EllipsoidController:
         """Train a controller and its ellipsoid."""
         key = jax.random.key(config.seed)
         start = self.start(robot, config.width, key)

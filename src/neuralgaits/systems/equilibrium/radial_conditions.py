@@ -46,7 +46,7 @@ class ControlledModel(Protocol):
         ...
 
 
-class Controller(eqx.Module):
+class EllipsoidController(eqx.Module):
     """Controller and set that training finds.
 
     Attributes:
@@ -60,7 +60,7 @@ class Controller(eqx.Module):
 
 def radial_margins(
     robot: ControlledModel,
-    controller: Controller,
+    controller: EllipsoidController,
     rate: float,
     radius: Float[Array, ""],
     normal: Float[Array, "4"],

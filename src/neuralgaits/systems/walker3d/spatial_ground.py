@@ -14,7 +14,7 @@ from neuralgaits.simulation.setup.terrain import Terrain
 from neuralgaits.systems.walker3d.spatial_changes import SpatialChanges
 from neuralgaits.systems.walker3d.spatial_mjcf import SpatialRobot
 
-_OF_CONTACT = ("condim", "friction", "solmix", "solref", "solimp", "margin", "gap", "priority")
+_CONTACT_FIELDS = ("condim", "friction", "solmix", "solref", "solimp", "margin", "gap", "priority")
 
 
 def slope_of(changes: SpatialChanges) -> float:
@@ -53,7 +53,7 @@ def disturbed_model(robot: SpatialRobot, changes: SpatialChanges) -> mujoco.MjMo
     feet = [_place_of(numbers, foot) for foot in robot.tree.feet]
     for leg, (body, place) in enumerate(feet):
         plane = add_plane(spec, leg, math.radians(changes.slope_deg))
-        for name in _OF_CONTACT:
+        for name in _CONTACT_FIELDS:
             setattr(plane, name, getattr(floor, name))
         foot = list(spec.bodies[body].geoms)[place]
         foot.contype = foot.conaffinity = FLOOR_BITS[leg]

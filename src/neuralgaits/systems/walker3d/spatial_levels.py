@@ -14,7 +14,7 @@ RATE = 0.02
 """Exponent by which two steps come closer at least, in the tube's own metric."""
 
 
-def _with(corner: tuple[float, ...], axis: int, value: float) -> tuple[float, ...]:
+def _with_element(corner: tuple[float, ...], axis: int, value: float) -> tuple[float, ...]:
     """Return a corner with another value on one axis."""
     return (*corner[:axis], value, *corner[axis + 1 :])
 
@@ -27,8 +27,10 @@ TABLE = ConditionTable(
     ),
     regions={
         "tube": ((_LOW, _HIGH),),
-        "surface": tuple((_with(_LOW, 1, end), _with(_HIGH, 1, end)) for end in (0.0, 1.0)),
-        "touchdown": ((_with(_LOW, 0, 1.0), _HIGH),),
+        "surface": tuple(
+            (_with_element(_LOW, 1, end), _with_element(_HIGH, 1, end)) for end in (0.0, 1.0)
+        ),
+        "touchdown": ((_with_element(_LOW, 0, 1.0), _HIGH),),
         "middle line": (((0.0, 0.5, 0.5, 0.5), (1.0, 0.5, 0.5, 0.5)),),
     },
     conditions={

@@ -13,7 +13,11 @@ import jax.numpy as jnp
 import numpy as np
 
 from neuralgaits._types import Array, Float, Scalar
-from neuralgaits.certificate.levels.disturbed.theorem import OF_BARRIER, DisturbedConstants, series
+from neuralgaits.certificate.levels.disturbed.theorem import (
+    BARRIER_CONSTANTS,
+    DisturbedConstants,
+    series,
+)
 from neuralgaits.certificate.levels.full_order.margins import TheoremArrays
 from neuralgaits.certificate.levels.full_order.model import (
     FullOrderModel,
@@ -42,7 +46,7 @@ def margins(
     its = TheoremArrays.of(full, model.names)
     model = its.model(model)
     parts = {name: jnp.asarray(np.array(values)) for name, values in series(shape).items()}
-    rows = parts["barriers"].reshape(-1, len(OF_BARRIER))
+    rows = parts["barriers"].reshape(-1, len(BARRIER_CONSTANTS))
     bound, guard = its.bound(u[0]), its.set["guard_radius"] * xi
     xi = bound * xi
     errors = LawErrors(model, _law(model, shape, parts), u)

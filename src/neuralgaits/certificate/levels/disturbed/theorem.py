@@ -16,7 +16,7 @@ from neuralgaits.certificate.premises import Premise
 REGION = "disturbed"
 """Label of the statements that level 5 rests on beside those of level 4."""
 
-OF_BARRIER = ("alpha", "weight", "lost")
+BARRIER_CONSTANTS = ("alpha", "weight", "lost")
 
 
 @dataclass(frozen=True)
@@ -98,7 +98,7 @@ class DisturbedConstants:
 
 def series(shape: DisturbedConstants) -> dict[str, tuple[float, ...]]:
     """Return the lists of numbers that margins read, named like the Program's constants."""
-    rows = tuple(getattr(barrier, name) for barrier in shape.barriers for name in OF_BARRIER)
+    rows = tuple(getattr(barrier, name) for barrier in shape.barriers for name in BARRIER_CONSTANTS)
     found = {"peak": shape.peak, "barriers": rows}
     if shape.hold != 0.0:
         found["jerk"] = shape.jerk, shape.growth_slope, shape.jerk_push

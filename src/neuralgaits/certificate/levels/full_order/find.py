@@ -77,10 +77,10 @@ def find_full_order(
     rate = plan.slower * gamma if plan else gamma
     most, shrink = _fastest(samples, u[:, 0], radius, floor, rate)
     slowest = _over(samples, "pace", u[:, 0], -radius, -floor, shrink).min()
-    strip = _guard_strip(evaluators, levels, crossing, _at(radius, floor, shrink, 0.98))
+    strip = _guard_strip(evaluators, levels, crossing, _bound_at_phase(radius, floor, shrink, 0.98))
     if slowest <= 0.0 or strip is None:
         return "outputs off zero may stop the hip, or move the guard further than the tube goes on"
-    guard_radius = _at(radius, floor, shrink, 1.0 - strip) * (1.0 + 1e-12)
+    guard_radius = _bound_at_phase(radius, floor, shrink, 1.0 - strip) * (1.0 + 1e-12)
     ample = AMPLE if plan is None else plan.planned.impact
     impacts = _Impacts.sample(evaluators, levels, crossing, strip, guard_radius, ample)
     start_strip = float(at_most(1.2 * impacts.landing_at(guard_radius), DIGITS))
@@ -184,7 +184,8 @@ def _with_strips(
     return {name: np.concatenate([values, there[name]]) for name, values in samples.items()}
 
 
-def _at(radius: float, floor: float, shrink: float, phase: float) -> float:
+def _bound_at_phase(radius: float, floor: float, shrink: float, phase: float) -> float:
+    """Return the bound on sqrt(V) at a phase: from the radius it decays to the floor."""
     return floor + (radius - floor) * math.exp(-shrink * phase * phase)
 
 

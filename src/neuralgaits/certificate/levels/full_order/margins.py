@@ -21,8 +21,8 @@ from neuralgaits.certificate.levels.full_order.model import (
     Weights,
 )
 from neuralgaits.certificate.levels.full_order.theorem import (
+    BARRIER_CONSTANTS,
     FENCES,
-    OF_BARRIER,
     FullOrderConstants,
     constants_of_set,
     series,
@@ -57,11 +57,11 @@ class TheoremArrays(NamedTuple):
     def of(cls, shape: FullOrderConstants, names: Sequence[str]) -> "TheoremArrays":
         """Return the numbers of a set whose barriers have these names, those of the model."""
         parts = {name: jnp.asarray(np.array(values)) for name, values in series(shape).items()}
-        rows = parts["barriers"].reshape(-1, len(OF_BARRIER))
+        rows = parts["barriers"].reshape(-1, len(BARRIER_CONSTANTS))
         return cls(
             dict(zip(constants_of_set(shape), parts["set"], strict=True)),
             {
-                name: dict(zip(OF_BARRIER, row, strict=True))
+                name: dict(zip(BARRIER_CONSTANTS, row, strict=True))
                 for name, row in zip(names, rows, strict=True)
             },
             parts.get("weights", ()),

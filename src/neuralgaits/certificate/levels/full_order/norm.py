@@ -159,7 +159,7 @@ class NormPlans:
         self.gamma_share, self.rest = self.gamma / usual, REST * float(_size(own @ matrix.T).max())
         value, slope, pushed = samples.slack
         self.slack = value, _size(slope @ back), _size(pushed @ inverse)
-        self.coupling = 1.15 * _size(samples.rate[1] @ back)
+        self.coupling = 1.15 * _size(samples.rate.in_xi @ back)
         self.reading = 1.2 * _size(samples.reading @ back).max(axis=0)
         after = both @ samples.after @ back
         self.gain = self.impact * float(np.sqrt((after**2).sum(axis=(1, 2)).max()))
@@ -168,7 +168,7 @@ class NormPlans:
         self.jerk = Jerk(
             JERK * float(_size(jerk @ matrix.T).max()),
             growth_bound(matrix @ along @ back, bandwidth, tight=samples.beyond_cpp),
-            push_bound(matrix @ moved @ inverse, samples.law[1]),
+            push_bound(matrix @ moved @ inverse, samples.law.in_xi),
         )
         self.kick = None
         if samples.kick is not None:
@@ -272,7 +272,7 @@ class NormPlans:
     def _still_sigma(self, i: int, radius: float) -> float:
         """Return the weight that leaves a barrier the most room without pushes; 0 if none does."""
         c, read, before = self.coupling[:, i].max(), self.reading[i], radius * self.left
-        rate = (self.samples.rate[0][:, i] + GAINS[:, None] * self.samples.h[:, i]).min(axis=1)
+        rate = (self.samples.rate.value[:, i] + GAINS[:, None] * self.samples.h[:, i]).min(axis=1)
         tight = read**2 / (4.0 * SIGMAS)
         lost = 1.1 * c**2 / (4.0 * SIGMAS[:, None] * (self.gamma - GAINS))
         room = (0.91 * rate - lost - GAINS * tight[:, None]).max(axis=1)
@@ -286,7 +286,7 @@ class NormPlans:
         `before` bounds sqrt(V) before an impact.
         """
         c, read = self.coupling[:, i], self.reading[i]
-        value = 0.97 * (self.samples.rate[0][:, i] + GAINS[:, None] * self.samples.h[:, i])
+        value = 0.97 * (self.samples.rate.value[:, i] + GAINS[:, None] * self.samples.h[:, i])
         rest = self.gamma - GAINS
         middle = c.max() / (2.0 * self.factor * push)
         sigma = np.concatenate(

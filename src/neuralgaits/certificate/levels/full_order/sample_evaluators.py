@@ -20,6 +20,8 @@ from neuralgaits.certificate.levels.full_order.samples import (
     GaitSamples,
     SampleEvaluator,
     SampleEvaluators,
+    WithPushSlopes,
+    WithSlopes,
 )
 from neuralgaits.certificate.levels.full_order.theorem import (
     FullOrderConstants,
@@ -75,7 +77,7 @@ def set_of(
     small, smaller = (SMALLER, WIDEST) if widest else (SMALL, PLANNED)
     plan = None
     largest = math.inf
-    if pushed and samples is not None and samples.law[1].any():
+    if pushed and samples is not None and samples.law.in_xi.any():
         largest = LARGEST_SCHEDULED
     if samples is not None:
         plan = find_plan(samples, w, error) if pushed else find_widest(samples, w)
@@ -231,17 +233,17 @@ def sample_gait(evaluators: SampleEvaluators, free_clock: bool = False) -> GaitS
     inertia = 0.5 * (inertia + inertia.T)
     if not np.linalg.eigvalsh(inertia).min() > 0.0:
         inertia = np.eye(joints)
-    slopes, pushed = (
-        np.concatenate([step[f"{n}/slope"] for n in names], axis=1),
-        np.concatenate(pushes, 1),
-    )
+    in_xi = np.concatenate([step[f"{n}/slope"] for n in names], axis=1)
+    in_push = np.concatenate(pushes, axis=1)
     return GaitSamples(
-        slack=(np.concatenate(value, axis=1), slopes + pushed @ off["law/slope"], pushed),
-        rate=(step["rate"], step["rate/slope"]),
+        slack=WithPushSlopes(
+            np.concatenate(value, axis=1), in_xi + in_push @ off["law/slope"], in_push
+        ),
+        rate=WithSlopes(step["rate"], step["rate/slope"]),
         h=step["h"],
         reading=step["reading/slope"],
-        jerk=(off["jerk"], off["jerk/slope"], off["jerk/push"]),
-        law=(off["law"], off["law/slope"]),
+        jerk=WithPushSlopes(off["jerk"], off["jerk/slope"], off["jerk/push"]),
+        law=WithSlopes(off["law"], off["law/slope"]),
         after=guard["after/slope"],
         reset=guard["reset/slope"],
         inlet=guard["reset"].min(axis=0),
@@ -252,14 +254,12 @@ def sample_gait(evaluators: SampleEvaluators, free_clock: bool = False) -> GaitS
     )
 
 
-def _kicks(
-    evaluators: SampleEvaluators, levels: np.ndarray
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _kicks(evaluators: SampleEvaluators, levels: np.ndarray) -> WithPushSlopes:
     """Return errors right after impacts around phase 1, and their slopes in a push."""
     assert evaluators.kick is not None
     around = grid(np.array([0.995, 1.0, 1.005]), levels)
     impacts = evaluators.kick(around, np.zeros((len(around), evaluators.size)))
-    return impacts["kick"], impacts["kick/slope"], impacts["kick/push"]
+    return WithPushSlopes(impacts["kick"], impacts["kick/slope"], impacts["kick/push"])
 
 
 def _evaluator(function: Callable, size: int) -> SampleEvaluator:

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -36,37 +37,64 @@ class SampleEvaluators:
     def in_norm(self, matrix: np.ndarray) -> "SampleEvaluators":
         """Return these functions with xi and pushes in the norm of S."""
         inverse = np.linalg.inv(matrix)
-        back, pushed, kick = doubled(inverse).T, self.pushed, self.kick
+        inverse_pair = doubled(inverse)
+        pushed, kick = self.pushed, self.kick
 
         def converted(evaluator: SampleEvaluator) -> SampleEvaluator:
-            return lambda u, xi: in_norm(evaluator(u, xi @ back), matrix)
+            return lambda u, xi: converted_samples(evaluator(u, xi @ inverse_pair.T), matrix)
 
-        def pushed_in_norm(u: Float[np.ndarray, "n 2"]) -> Samples:
+        def converted_pushed(u: Float[np.ndarray, "n 2"]) -> Samples:
             assert pushed is not None
             samples = dict(pushed(u))
             samples |= {n: d @ inverse for n, d in samples.items() if n.endswith("/push")}
-            samples["jerk/slope"] = samples["jerk/slope"] @ doubled(inverse)
-            samples["law/slope"] = samples["law/slope"] @ doubled(inverse)
+            samples["jerk/slope"] = samples["jerk/slope"] @ inverse_pair
+            samples["law/slope"] = samples["law/slope"] @ inverse_pair
             for name in ("jerk/slope", "jerk/push", "law/slope"):
                 samples[name] = matrix @ samples[name]
             return samples | {name: samples[name] @ matrix.T for name in ("jerk", "law")}
 
-        def kick_in_norm(u: Float[np.ndarray, "n 2"], xi: Float[np.ndarray, "n k"]) -> Samples:
+        def converted_kick(u: Float[np.ndarray, "n 2"], xi: Float[np.ndarray, "n k"]) -> Samples:
             assert kick is not None
-            samples = kick(u, xi @ back)
-            along = matrix @ samples["kick/slope"] @ doubled(inverse)
-            pushes = matrix @ samples["kick/push"] @ inverse
+            samples = kick(u, xi @ inverse_pair.T)
             return {
                 "kick": samples["kick"] @ matrix.T,
-                "kick/slope": along,
-                "kick/push": pushes,
+                "kick/slope": matrix @ samples["kick/slope"] @ inverse_pair,
+                "kick/push": matrix @ samples["kick/push"] @ inverse,
             }
 
-        off = None if pushed is None else pushed_in_norm
-        after = None if kick is None else kick_in_norm
         return replace(
-            self, step=converted(self.step), guard=converted(self.guard), pushed=off, kick=after
+            self,
+            step=converted(self.step),
+            guard=converted(self.guard),
+            pushed=None if pushed is None else converted_pushed,
+            kick=None if kick is None else converted_kick,
         )
+
+
+class WithSlopes(NamedTuple):
+    """A quantity at n points, or impacts, with its slopes.
+
+    Attributes:
+        value: the quantity. [n, k]
+        in_xi: its slope in the outputs xi. [n, k, 2m]
+    """
+
+    value: np.ndarray
+    in_xi: np.ndarray
+
+
+class WithPushSlopes(NamedTuple):
+    """A quantity at n points, or impacts, with its slopes, that in a push among them.
+
+    Attributes:
+        value: the quantity. [n, k]
+        in_xi: its slope in the outputs xi. [n, k, 2m]
+        in_push: its slope in what changes the outputs' acceleration. [n, k, m]
+    """
+
+    value: np.ndarray
+    in_xi: np.ndarray
+    in_push: np.ndarray
 
 
 @dataclass(frozen=True)
@@ -74,40 +102,39 @@ class GaitSamples:
     """Quantities at n points of the step and q impacts, with outputs in plain coordinates xi.
 
     Attributes:
-        slack: slack of contact, torques and foot, with slopes in xi and in the outputs'
-            acceleration. [n, k], [n, k, 2m], [n, k, m]
-        rate, h: those of each barrier, with slopes of its rate and its reading. [n, I], [n, I, 2m]
-        jerk: de/dt while torques are held, with slopes in xi and in e, the latter less 2 w.
-            [n, m], [n, m, 2m], [n, m, m]
-        law: error of the law's own torque, and its slope in xi. [n, m], [n, m, 2m]
+        slack: slack of contact, torques and foot; a push is in the outputs' acceleration.
+        rate: rate of each of the I barriers.
+        h: value of each barrier. [n, I]
+        reading: slope in xi of each barrier's reading. [n, I, 2m]
+        jerk: de/dt while torques are held; a push is in e, and its slope less 2 w.
+        law: error of the law's own torque.
         after, reset: slopes in xi of xi and barriers after an impact. [q, 2m, 2m], [q, I, 2m]
         inlet: least barriers after an impact. [I]
         phase: phases of the points. [n]
         pace: largest pace [1/s].
         inertia: d torque / d acceleration of the outputs, symmetric. [m, m]
         kick: error of the outputs' acceleration right after an impact under the torque from before
-            it, and its slopes in xi and in that from before; None if there is a tick at each
-            touchdown. [q, m], [q, m, 2m], [q, m, m]
+            it; a push is in that from before. None if there is a tick at each touchdown.
     """
 
-    slack: tuple[np.ndarray, np.ndarray, np.ndarray]
-    rate: tuple[np.ndarray, np.ndarray]
+    slack: WithPushSlopes
+    rate: WithSlopes
     h: np.ndarray
     reading: np.ndarray
-    jerk: tuple[np.ndarray, np.ndarray, np.ndarray]
-    law: tuple[np.ndarray, np.ndarray]
+    jerk: WithPushSlopes
+    law: WithSlopes
     after: np.ndarray
     reset: np.ndarray
     inlet: np.ndarray
     phase: np.ndarray
     pace: float
     inertia: np.ndarray
-    kick: tuple[np.ndarray, np.ndarray, np.ndarray] | None = None
+    kick: WithPushSlopes | None = None
 
     @property
     def beyond_cpp(self) -> bool:
         """Whether the C++ checker derives no level 5 of them: a free clock, or a law of its own."""
-        return self.kick is not None or bool(self.law[1].any())
+        return self.kick is not None or bool(self.law.in_xi.any())
 
 
 def doubled(matrix: np.ndarray) -> np.ndarray:
@@ -126,16 +153,18 @@ def slope_norms(samples: Samples, name: str) -> np.ndarray:
     return np.linalg.norm(samples[f"{name}/slope"], axis=2)
 
 
-def in_norm(samples: Mapping[str, np.ndarray], matrix: np.ndarray) -> dict[str, np.ndarray]:
+def converted_samples(
+    samples: Mapping[str, np.ndarray], matrix: np.ndarray
+) -> dict[str, np.ndarray]:
     """Convert samples from plain coordinates to those of a norm; slopes are in S xi then."""
-    both, back = doubled(matrix), doubled(np.linalg.inv(matrix))
+    pair, inverse_pair = doubled(matrix), doubled(np.linalg.inv(matrix))
     converted = dict(samples)
     for name in samples:
         if name.endswith("/slope"):
-            converted[name] = samples[name] @ back
+            converted[name] = samples[name] @ inverse_pair
     for name in ("after", "drift"):
         if name in samples:
-            converted[name] = samples[name] @ both.T
+            converted[name] = samples[name] @ pair.T
     if "after/slope" in samples:
-        converted["after/slope"] = both @ converted["after/slope"]
+        converted["after/slope"] = pair @ converted["after/slope"]
     return converted

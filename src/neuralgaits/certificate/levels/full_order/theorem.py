@@ -25,7 +25,7 @@ FENCES = LOWER, UPPER = "level-lower", "level-upper"
 REGION = "full order"
 """Label of the statements that level 4 rests on."""
 
-OF_BARRIER = ("alpha", "epsilon", "coupling", "reading", "reset", "reset_slope")
+BARRIER_CONSTANTS = ("alpha", "epsilon", "coupling", "reading", "reset", "reset_slope")
 """Names of a barrier's numbers that margins read; they do not read sigma."""
 
 # V = (dy/w)^2 + STIFF^2 (y + dy/w)^2 for each joint decays at the rate DECAY w. Powers of two
@@ -143,7 +143,7 @@ def constants_of_set(shape: FullOrderConstants) -> dict[str, float]:
 
 def series(shape: FullOrderConstants) -> dict[str, tuple[float, ...]]:
     """Return all numbers that margins read, as lists named like the Program's constants."""
-    rows = tuple(getattr(barrier, name) for barrier in shape.barriers for name in OF_BARRIER)
+    rows = tuple(getattr(barrier, name) for barrier in shape.barriers for name in BARRIER_CONSTANTS)
     constants_by_name = {"set": tuple(constants_of_set(shape).values()), "barriers": rows}
     return constants_by_name | ({"weights": shape.weights} if shape.weights else {})
 

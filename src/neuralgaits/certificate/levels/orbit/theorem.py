@@ -12,10 +12,10 @@ Attraction = Literal["contraction", "nested tubes", "contraction alone", "any tw
 """Reason why the orbit attracts all of the walking set: see `conclude`. The last two enclose no
 orbit. On every robot of a box the return map contracts, so each has one of its own; for a gait with
 commands, walks under the same commands converge."""
-WITHOUT_TUBE = "contraction alone", "any two walks"
+TUBELESS_ATTRACTIONS = "contraction alone", "any two walks"
 ORBIT, RETURN_MAP = "orbit", "return map"
 """Labels of the statements that level 3 rests on."""
-_OF_RETURN_MAP = ("orbit/expansion", "orbit/gain", "orbit/moved", "orbit/along")
+_RETURN_MAP_OUTPUTS = ("orbit/expansion", "orbit/gain", "orbit/moved", "orbit/along")
 """Outputs of level 3 in the walking set's chart; the others are in the thin tube's."""
 
 
@@ -48,7 +48,7 @@ class OrbitConstants:
     def complete(self) -> bool:
         """Return whether all series exist that its kind of attraction needs."""
         thin = (self.lower, self.upper, self.slowest, self.fastest)
-        if self.attraction in WITHOUT_TUBE:
+        if self.attraction in TUBELESS_ATTRACTIONS:
             return bool(self.expansion) and not any(thin)
         return bool(self.expansion) and all(thin)
 
@@ -108,4 +108,4 @@ def labelled_premises(
 ) -> Iterator[tuple[str, str, Corner, Corner]]:
     """Return (label, output, low, high) of all premises of level 3 beside level 2."""
     for output, low, high, _ in orbit_premises(shape, orbit):
-        yield RETURN_MAP if output in _OF_RETURN_MAP else ORBIT, output, low, high
+        yield RETURN_MAP if output in _RETURN_MAP_OUTPUTS else ORBIT, output, low, high
