@@ -26,11 +26,11 @@ def law_named(controller: str | AbstractLaw) -> AbstractLaw:
     if not isinstance(controller, str) or controller not in CONTROL_LAWS:
         names = ", ".join(CONTROL_LAWS)
         raise InputError(f"unknown controller {shown(controller)}: expected one of {names}")
-    return _at(CONTROL_LAWS[controller].place)
+    return _load(CONTROL_LAWS[controller].place)
 
 
 @cache
-def _at(place: str) -> AbstractLaw:
+def _load(place: str) -> AbstractLaw:
     module, _, name = place.partition(":")
     entry = getattr(import_module(module), name)
     return entry() if isinstance(entry, type) else entry

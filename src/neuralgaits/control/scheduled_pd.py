@@ -85,13 +85,13 @@ class ScheduledPd(AbstractLaw):
                 "phase and level, found one with commands: use pd or fblin"
             )
         gains = ScheduledGains.of(joints.robot, gait)
-        found = GainErrors.of(joints.robot, gait, gains)
-        if not found.inertia <= LARGEST_ERROR:
+        errors = GainErrors.of(joints.robot, gait, gains)
+        if not errors.inertia <= LARGEST_ERROR:
             raise SpecError(
                 f"scheduled-pd: expected gains within {LARGEST_ERROR:g} of the model's, found an "
-                f"error of {found.inertia:.2g} in the tube: use pd or fblin"
+                f"error of {errors.inertia:.2g} in the tube: use pd or fblin"
             )
-        return replace(self, schedule=GainSchedule(gains, gait, found))
+        return replace(self, schedule=GainSchedule(gains, gait, errors))
 
     def at_bandwidth(self, bandwidth: float) -> "ScheduledPd":
         """Return the law with another w [rad/s]."""

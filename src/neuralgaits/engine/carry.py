@@ -38,7 +38,9 @@ def carry_out(task: str, job: Job, common: Files) -> tuple[Files, Failure | None
         elif (setting := why_jax_failed(error)) is not None:
             failure = Failure("lost", setting)
         else:
-            failure = Failure("defect", f"{type(error).__name__}: {_line(str(error))}{_at(error)}")
+            failure = Failure(
+                "defect", f"{type(error).__name__}: {_line(str(error))}{_raised_at(error)}"
+            )
     return files, failure, time.perf_counter() - start_time
 
 
@@ -51,7 +53,7 @@ def _line(text: str) -> str:
     return " ".join(text.split())[:_SHOWN]
 
 
-def _at(error: Exception) -> str:
+def _raised_at(error: Exception) -> str:
     """Return the place where an error was raised, for a report of it."""
     frames = traceback.extract_tb(error.__traceback__)
     return f" ({Path(frames[-1].filename).name}:{frames[-1].lineno})" if frames else ""

@@ -56,10 +56,10 @@ class BelievedLean:
     @property
     def in_words(self) -> str:
         """The last belief, in millimetres, and what is proved of beliefs."""
-        found = "too few steps to learn it"
+        outcome = "too few steps to learn it"
         if self.believed_m:
             last = self.believed_m[-1]
-            found = (
+            outcome = (
                 f"believed {abs(1e3 * last):.1f} mm {_side(last)} the file's after "
                 f"{len(self.believed_m)} steps{_AT_END if self.at_end else ''}"
             )
@@ -69,7 +69,7 @@ class BelievedLean:
                 f"the run's proof, to level {self.proved_level}, is about every sequence of "
                 f"beliefs, of robots within {1e3 * self.near_m:g} mm of theirs"
             )
-        return f"{found}; {about}"
+        return f"{outcome}; {about}"
 
 
 @dataclass(frozen=True)
@@ -90,19 +90,19 @@ class BelievedSlope:
     @property
     def in_words(self) -> str:
         """The last belief, in degrees, and what is proved of beliefs."""
-        found = "too few steps to learn it"
+        outcome = "too few steps to learn it"
         if self.believed_rad:
             last = math.degrees(self.believed_rad[-1])
             way = "uphill" if last >= 0.0 else "downhill"
-            found = f"believed {abs(last):.2f} degrees {way} after {len(self.believed_rad)} steps"
-            found += _AT_END if self.at_end else ""
+            outcome = f"believed {abs(last):.2f} degrees {way} after {len(self.believed_rad)} steps"
+            outcome += _AT_END if self.at_end else ""
         about = "no proof of this run is about what it believes"
         if self.proved_level is not None:
             about = (
                 f"the run's proof, to level {self.proved_level}, is about every sequence of "
                 "slopes, on ground that is as believed"
             )
-        return f"{found}; {about}"
+        return f"{outcome}; {about}"
 
 
 def _side(lean: float) -> str:
@@ -139,13 +139,15 @@ class AdaptedSpeeds:
     @property
     def in_words(self) -> str:
         """How near the walked speed came, and what is proved of the commands."""
-        found = "too few steps to settle"
+        outcome = "too few steps to settle"
         if (means := self.settled) is not None:
-            found = f"walked {means[1]:.3f} m/s for {means[0]:.3f} m/s after {SETTLED_STEPS} steps"
+            outcome = (
+                f"walked {means[1]:.3f} m/s for {means[0]:.3f} m/s after {SETTLED_STEPS} steps"
+            )
         about = "no proof of this run is about the commands that it can choose"
         if self.proved_level is not None:
             about = (
                 f"the run's proof, to level {self.proved_level}, is about every sequence of "
                 "commands that it can choose"
             )
-        return f"speed: {found}; {about}"
+        return f"speed: {outcome}; {about}"

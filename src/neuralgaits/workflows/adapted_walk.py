@@ -29,9 +29,9 @@ def adaptation(run: Run, walk: Walk, names: tuple[str, ...]) -> dict[str, Any]:
     """
     if not names:
         return {}
-    found = read_certificate(run.folder)
-    level = proved_sequences(found)
-    near = None if found.summary is None else found.summary.parameters.get(LEAN)
+    certificate = read_certificate(run.folder)
+    level = proved_sequences(certificate)
+    near = None if certificate.summary is None else certificate.summary.parameters.get(LEAN)
     return {
         "adapted": adapted_speeds(walk, level),
         "believed_lean": believed_lean(walk, level, near),
@@ -40,17 +40,21 @@ def adaptation(run: Run, walk: Walk, names: tuple[str, ...]) -> dict[str, Any]:
     }
 
 
-def proved_sequences(found: CertificateReading) -> int | None:
+def proved_sequences(certificate: CertificateReading) -> int | None:
     """Return the proved level of a gait with commands, if the proof is about all of their ranges.
 
     Args:
-        found: what the run's proof file bears out, see `verified_summary`.
+        certificate: what the run's proof file bears out, see `verified_summary`.
 
     Returns: the level; None if there is no such proof.
     """
-    if found.summary is None or found.part is not None or found.summary.within is not None:
+    if (
+        certificate.summary is None
+        or certificate.part is not None
+        or certificate.summary.within is not None
+    ):
         return None
-    level = found.summary.proved_level
+    level = certificate.summary.proved_level
     return level if level >= SEQUENCES else None
 
 

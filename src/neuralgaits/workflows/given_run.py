@@ -146,11 +146,11 @@ def _measured(spec: GaitSpec, program: Program) -> dict[str, Violations]:
     """Return each condition's violations on random samples of its region."""
     rng, samples = np.random.default_rng(0), {}
     for name, boxes in spec.regions.items():
-        u = np.concatenate([_in(box, rng) for box in boxes])
+        u = np.concatenate([_draw_in(box, rng) for box in boxes])
         samples[name] = evaluate(program, {"u": u}, POINT)
     return {c.name: violations(samples[c.region][c.name], c.scale) for c in spec.conditions}
 
 
-def _in(box: Box, rng: np.random.Generator) -> np.ndarray:
+def _draw_in(box: Box, rng: np.random.Generator) -> np.ndarray:
     low, high = np.array(box.low), np.array(box.high)
     return low + (high - low) * rng.random((SAMPLES, 2))

@@ -162,14 +162,8 @@ def _planned(settings: SimulateSettings) -> _Plan:
     files, videos = output_files(settings, run)
     wire = link_of(settings.link, controller)
     if _on_workers(settings):
-        refuse_shared(
-            controller,
-            settings.log,
-            settings.video,
-            terrain,
-            monitor=settings.monitor,
-            joints=settings.joints is not None,
-        )
+        measurements = {"monitor": settings.monitor, "joints": settings.joints is not None}
+        refuse_shared(controller, settings.log, settings.video, terrain, **measurements)
     joints = None
     if settings.joints is not None:
         refuse_without_model(controller, wire)
