@@ -85,13 +85,7 @@ class Panel:
         add_plant_sliders(gui, self._sliders, settings, disturb)
         with gui.add_folder("Margins at the robot's state"):
             self._bars = gui.add_html(note("no margins yet"))
-        with gui.add_folder("How sure we are"):
-            self._sure = gui.add_markdown("reading the certificate")
-            self._theorem = gui.add_folder(
-                "The theorem in its own words", expand_by_default=False, visible=False
-            )
-            with self._theorem:
-                self._statements = gui.add_markdown("")
+        self._add_certificate(gui)
 
     def show(self, picture: Picture) -> None:
         """Update the status and the bars."""
@@ -139,6 +133,15 @@ class Panel:
             self._restarted()
 
         self._player.ask(back)
+
+    def _add_certificate(self, gui: viser.GuiApi) -> None:
+        with gui.add_folder("How sure we are"):
+            self._sure = gui.add_markdown("reading the certificate")
+            self._theorem = gui.add_folder(
+                "The theorem in its own words", expand_by_default=False, visible=False
+            )
+            with self._theorem:
+                self._statements = gui.add_markdown("")
 
     def _add_push(self, gui: viser.GuiApi) -> None:
         along = {"◄ back": (-1, 0), "forward ►": (1, 0), "up": (0, 1), "down": (0, -1)}

@@ -10,7 +10,7 @@ import numpy as np
 
 
 class Stream(IntEnum):
-    """What is drawn of an episode."""
+    """Things that are drawn at random in an episode, each with its number."""
 
     START = 0
     FLOOR = 1
