@@ -1,6 +1,7 @@
 """All errors that a caller can meet: one root, few leaves.
 
-A message is one line and says what was expected, what was found, and what to do.
+A message is one line and says what was expected, what was found, and what to do. On the command
+line an error exits with 2; NonFiniteError, MismatchError and ConvergenceError exit with 1.
 """
 
 import errno

@@ -839,8 +839,7 @@ void match_told(const ProofFile& file, const Json& model) {
 }
 
 // Levels 4 and 5 are about one gait of one robot on point feet, on footholds that lie where they are
-// meant to.
-// Flat feet land flat on footholds that lie where they are meant to, and on no others.
+// meant to. Flat feet land flat on footholds of that kind, and on no others.
 void match_full_order(const ProofFile& file, const Json& model) {
   const Theorems& theorems = file.theorems;
   const Json* robot = model.type == Json::object ? model.find("robot") : nullptr;

@@ -1,7 +1,7 @@
 """Periodic orbits: fixed points of the Poincare map on the mid-step section z1 = 0.
 
 One step of the projected hybrid zero dynamics is flow to the guard, reset, flow back to the
-section, a scalar map of z2. Source: paper section 2.2; docs/notation.md.
+section, a scalar map of z2: `flow.returns`. Source: paper section 2.2; docs/notation.md.
 """
 
 from typing import NamedTuple

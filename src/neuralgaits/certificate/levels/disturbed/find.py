@@ -207,10 +207,9 @@ class _Seen:
         )
         # The proof takes the bound at the start's strip for the one at phase 0, which is more.
         reach = full.radius * full.radius / start
-        found = self.jerk.held(hold, self.error, full.bandwidth, reach, self.gamma)
+        found = self.jerk.held(hold, self.error, full.bandwidth, reach, self.gamma, self.rest)
         if found is None:
             return None
-        found = found._replace(push=(found.push[0] + self.rest, found.push[1]))
         above = (1.0 + 1e-9) * full.radius / start / BELOW
         push, peak = (tuple(above * x for x in pair) for pair in found)
         return Held((push[0], push[1]), (peak[0], peak[1]))

@@ -232,10 +232,7 @@ class NormPlans:
 
     def _hold_bounds(self, hold: float, radius: float) -> Held | None:
         """Bound errors of a hold, that of the law at xi = 0 included."""
-        bounds = self.jerk.held(hold, self.error, self.w, radius, self.gamma)
-        if bounds is None:
-            return None
-        return bounds._replace(push=(bounds.push[0] + self.rest, bounds.push[1]))
+        return self.jerk.held(hold, self.error, self.w, radius, self.gamma, self.rest)
 
     def _kicked(self, hold: float, bounds: Held, before: float, radius: float) -> Kick:
         """Bound errors from an impact to the next tick; `before` bounds sqrt(V) before it."""
