@@ -15,7 +15,7 @@ ADAPTABLE = "speed", "lean", "slope"
 
 @dataclass(frozen=True)
 class KnownCommand:
-    """Entry of a command.
+    """A command that has a meaning.
 
     Attributes:
         unit: unit of its values.

@@ -14,7 +14,7 @@ from neuralgaits.records.swept import UNDISTURBED, SweepConfig, SweepRow
 Column = tuple[str, Callable[[Any], Any]]
 """A column: its name, with its unit, and its value of a row or of the walks of one."""
 
-_OF_ROW: tuple[Column, ...] = (
+_ROW_COLUMNS: tuple[Column, ...] = (
     ("row", lambda row: row.name),
     ("robot", lambda row: row.robot),
     ("spec", lambda row: row.spec),
@@ -31,7 +31,7 @@ _OF_ROW: tuple[Column, ...] = (
     ("least_margin[scale]", lambda row: row.margin),
     ("boxes", lambda row: row.boxes),
 )
-_OF_WALKS: tuple[Column, ...] = (
+_WALK_COLUMNS: tuple[Column, ...] = (
     ("walked_speed[m/s]", lambda walks: walks.speed_m_s),
     ("cost_of_transport", lambda walks: walks.cost_of_transport),
     ("peak_torque[N m]", lambda walks: walks.peak_torque_nm),
@@ -41,16 +41,16 @@ _OF_WALKS: tuple[Column, ...] = (
 
 
 def _columns(config: SweepConfig) -> list[Column]:
-    columns = list(_OF_ROW)
+    columns = list(_ROW_COLUMNS)
     for law in config.controllers:
-        for name, value in _OF_WALKS:
-            columns.append((f"{law}:{name}", _of_walks(law, UNDISTURBED, value)))
+        for name, value in _WALK_COLUMNS:
+            columns.append((f"{law}:{name}", _value_of(law, UNDISTURBED, value)))
         for name in (UNDISTURBED, *config.disturbances):
-            columns.append((f"{law}:stays_up:{name}", _of_walks(law, name, lambda w: w.share)))
+            columns.append((f"{law}:stays_up:{name}", _value_of(law, name, lambda w: w.share)))
     return columns
 
 
-def _of_walks(law: str, disturbance: str, value: Callable[[Any], Any]) -> Callable[[Any], Any]:
+def _value_of(law: str, disturbance: str, value: Callable[[Any], Any]) -> Callable[[Any], Any]:
     def of_row(row: SweepRow) -> Any:
         walks = row.under(law, disturbance)
         return None if walks is None else value(walks)
@@ -67,8 +67,8 @@ def to_csv(config: SweepConfig, rows: Sequence[SweepRow]) -> str:
     """Return the table as text; cells of parts that were not done are empty."""
     out = io.StringIO()
     writer = csv.writer(out, lineterminator="\n")
-    writer.writerow(header(config))
     columns = _columns(config)
+    writer.writerow([name for name, _ in columns])
     for row in rows:
         writer.writerow([_cell(value(row)) for _, value in columns])
     return out.getvalue()
