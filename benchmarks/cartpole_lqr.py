@@ -208,7 +208,8 @@ def opened(seed: int) -> FamilyRun:
     """The run of a seed, trained now or earlier."""
     folder = Path(ROOT) / f"cartpole-{seed}"
     if not (folder / "summary.json").is_file():
-        train_family(SYSTEM, "cartpole", seed=seed, out=folder, root=ROOT)
+        config = SYSTEM.new_config(seed=seed, steps=None, hidden=None)
+        train_family(SYSTEM, "cartpole", config, out=folder, root=ROOT)
     return open_family_run(SYSTEM, folder)
 
 

@@ -125,7 +125,7 @@ def main() -> None:
     if folder is None:
         folder = str(ROOT / "walker3d")
         if not os.path.isdir(folder):
-            train_family(SYSTEM, "walker3d", out=Path(folder), root=ROOT)
+            train_family(SYSTEM, "walker3d", SYSTEM.new_config(), out=Path(folder), root=ROOT)
     run = open_family_run(SYSTEM, folder)
     margins = sampled_margins(trace_conditions(run), points, seed=2**31 + 1)
     for name, found in margins.items():

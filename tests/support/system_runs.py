@@ -20,6 +20,7 @@ def small(family: str, steps: int) -> Callable[[Path], None]:
     system = importlib.import_module(verbs_module(family)).SYSTEM
 
     def make(run: Path) -> None:
-        train_family(system, family, seed=0, steps=steps, hidden=(2,), out=run, root=run.parent)
+        config = system.new_config(seed=0, steps=steps, hidden=(2,))
+        train_family(system, family, config, out=run, root=run.parent)
 
     return make

@@ -217,4 +217,4 @@ def test_ends_of_no_stance_are_refused(hopper_run, tmp_path):
 def test_one_hidden_layer_is_expected():
     for hidden, said in (((4, 4), "one hidden layer, found 2"), ((0,), "from 1 to 256, found 0")):
         with pytest.raises(InputError, match=said):
-            SYSTEM.new_config(seed=0, steps=1, hidden=hidden, robot="")
+            SYSTEM.new_config(seed=0, steps=1, hidden=hidden)

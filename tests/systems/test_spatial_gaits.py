@@ -15,15 +15,21 @@ from neuralgaits.systems.family_run import open_family_run
 from neuralgaits.systems.system_family import ProgressCallbacks
 from neuralgaits.systems.walker3d.orbit_search import exact_period
 from neuralgaits.systems.walker3d.spatial_dynamics import flow
-from neuralgaits.systems.walker3d.spatial_laws import linearisation, measured_state
-from neuralgaits.systems.walker3d.spatial_orbit import SpatialOrbit
+from neuralgaits.systems.walker3d.spatial_laws import (
+    exact_reading,
+    joint_gains,
+    linearisation,
+    measured_state,
+    pd_law,
+)
+from neuralgaits.systems.walker3d.spatial_orbit import OrbitAims, SpatialOrbit
 from neuralgaits.systems.walker3d.spatial_plant import SpatialPlants
 from neuralgaits.systems.walker3d.spatial_pose import joints_of_pose
 from neuralgaits.systems.walker3d.spatial_start import section_scale
 from neuralgaits.systems.walker3d.spatial_system import SYSTEM
 from neuralgaits.systems.walker3d.spatial_walks import WalkPlan, starts_of, walk
 from neuralgaits.systems.walker3d.tube_fit import gait_of
-from neuralgaits.systems.walker3d.walker3d_verbs import simulate
+from neuralgaits.systems.walker3d.walker3d_verbs import simulate, train
 from support.spatial_base import SpatialBase
 
 pytestmark = pytest.mark.slow
@@ -46,6 +52,16 @@ def test_orbit_comes_back_and_its_neighbours_nearer(run):
     assert done.margins["inlet"] > 0.0
     assert done.multipliers[0] == pytest.approx(np.abs(np.linalg.eigvals(section)).max(), rel=1e-3)
     assert done.speed_m_s == pytest.approx(done.step_m / done.step_s)
+
+
+def test_a_speed_that_is_asked_for_is_walked_and_the_usual_one_is_left_as_it_was(run, tmp_path):
+    asked = OrbitAims.of(run.robot, 0.55)
+    assert (OrbitAims.of(run.robot).speed, asked.speed) == (pytest.approx(0.7), 0.55)
+    assert run.config.aimed_speed_m_s is None
+    done = train("walker3d", progress=QUIET, speed=0.55, out=tmp_path / "slow", root=tmp_path)
+    assert done.good
+    assert done.result.speed_m_s == pytest.approx(0.55, abs=0.005)
+    assert open_family_run(SYSTEM, tmp_path / "slow").config.aimed_speed_m_s == 0.55
 
 
 def test_steps_start_where_touchdowns_lead(run):
@@ -137,6 +153,22 @@ def test_a_push_aside_moves_the_robot_and_is_no_fall(run):
     assert ahead.times()[0] < calm.times()[0] - 0.005
 
 
+def test_torques_at_both_ends_of_a_step_lie_between_those_on_either_side(run):
+    """A law that is continued with a kink asks for 1e8 N m there: torques are accelerations."""
+    gait, walker = run.controller, run.robot
+    gains = joint_gains(walker, gait.policy, gait.start)
+
+    def torques(z):
+        return pd_law(walker, gait.policy, gains, exact_reading(walker, gait.policy, z)).torques
+
+    law, (begin, end) = jax.jit(torques), gait.policy.ends
+    for place, state in ((begin, gait.start), (end, gait.start)):
+        near = [law(jnp.array([place + off, *state])) for off in (-1e-6, 0.0, 1e-6)]
+        low, high = np.minimum(near[0], near[2]), np.maximum(near[0], near[2])
+        assert np.all(np.abs(near[1]) < 2.0 * walker.limits)
+        assert np.all(near[1] > low - 0.1) and np.all(near[1] < high + 0.1)
+
+
 def test_gait_that_is_not_stable_has_no_tube(run):
     gait = run.controller
     orbit = SpatialOrbit(gait.policy, gait.start, 0.9 * np.eye(3), 0.0)
@@ -156,7 +188,12 @@ def test_command_line(tmp_path, monkeypatch, capsys, spatial_run):
     assert main(["robots", "walker3d", "--out", "mine.xml"]) == 0
     assert main(["inspect", "mine.xml"]) == 0
     assert "hip roll" in capsys.readouterr().out
-    assert main(["train", "walker3d", "--hidden", "8"]) == 2
-    assert "hidden: expected none" in capsys.readouterr().err
+    for words, found in (
+        (["--hidden", "8"], "found --hidden: leave it out"),
+        (["--speed", "0.5:0.7"], "expected one speed for a walker in three dimensions"),
+        (["--speed", "4"], "expected more than 0 and less than 3 m/s, found 4"),
+    ):
+        assert main(["train", "walker3d", *words]) == 2
+        assert found in capsys.readouterr().err
     assert main(["report", str(spatial_run), "--out", "page.html"]) == 0
     assert Path("page.html").read_text(encoding="utf-8").count("<figure") == 4

@@ -20,10 +20,8 @@ from neuralgaits.systems.trained_system import TrainedSystem, TrainingProgress
 def train_family(
     system: TrainedSystem,
     source: str | Path,
+    config: Any,
     *,
-    seed: int = 0,
-    steps: int | None = None,
-    hidden: tuple[int, ...] | None = None,
     out: Path | None = None,
     root: Path = RUNS_ROOT,
     progress: TrainingProgress | None = None,
@@ -33,25 +31,20 @@ def train_family(
     Args:
         system: of the family.
         source: name of a built-in robot, or the path of an MJCF file.
-        seed: of weights and samples.
-        steps: gradient steps; the system's usual number if None.
-        hidden: widths of the network's hidden layers; the usual ones if None.
+        config: what is asked of the training, a `FamilyConfig` of the system; `robot` is filled in.
         out: run folder to make; a new one below `root` if None.
         root: folder of the runs.
         progress: called now and then.
 
-    Raises: RobotError if the file is none of the family; InputError on bad settings;
-        NonFiniteError if the training ends in NaN.
+    Raises: RobotError if the file is none of the family; NonFiniteError on NaN in its weights.
     """
     start_time = time.perf_counter()
-    steps = system.steps if steps is None else steps
-    config = system.new_config(seed=seed, steps=steps, hidden=hidden, robot="")
     text, name = robot_text(system, source)
     robot, data = system.read(text, name)
     config = replace(config, robot=robot.name)
     sources = [file.read_text(encoding="utf-8") for file in system.spec_files]
     copies = {ROBOT: text, SPEC: "\n\n".join(sources)}
-    folder = RunFolder.create(config, copies, name=robot.name, seed=seed, root=root, out=out)
+    folder = RunFolder.create(config, copies, name=robot.name, seed=config.seed, root=root, out=out)
     with only_writer(folder.path):
         controller = system.train(robot, config, progress)
         run = FamilyRun(system, folder, config, robot, data, controller)

@@ -11,8 +11,9 @@ from neuralgaits.systems.controller_export import export_family
 from neuralgaits.systems.family_certificate import certify_family
 from neuralgaits.systems.family_files import inspect_robot, write_robot
 from neuralgaits.systems.family_page import report_family
-from neuralgaits.systems.family_run import open_family_run
+from neuralgaits.systems.family_run import FamilyConfig, open_family_run
 from neuralgaits.systems.family_training import train_family
+from neuralgaits.systems.network_system import NetworkSystem
 from neuralgaits.systems.proved_system import ExportedSystem, ProvedSystem
 from neuralgaits.systems.system_family import ProgressCallbacks, VerbResult
 from neuralgaits.systems.trained_system import TrainedSystem
@@ -41,30 +42,25 @@ class FamilyVerbs(FileVerbs):
 
     system: ProvedSystem
 
-    def train(
+    def train_as(
         self,
+        config: FamilyConfig,
         robot: str | Path,
         *,
         progress: ProgressCallbacks,
-        seed: int = 0,
-        steps: int | None = None,
-        hidden: tuple[int, ...] | None = None,
         out: Path | None = None,
         certify: bool = False,
         budget: float | None = None,
         root: Path = RUNS_ROOT,
     ) -> VerbResult:
-        """Train a controller and its set, and prove it if asked for."""
-        total = self.system.steps if steps is None else steps
+        """Train a controller and its set as configured, and prove it if asked for."""
         run = train_family(
             self.system,
             str(robot),
-            seed=seed,
-            steps=total,
-            hidden=hidden,
+            config,
             out=out,
             root=root,
-            progress=lambda step, loss: progress.trained(step, total, loss),
+            progress=lambda step, loss: progress.trained(step, config.steps, loss),
         )
         trained = run.summary
         if certify:
@@ -131,7 +127,6 @@ class FamilyVerbs(FileVerbs):
         """Return the verbs that the family has by name."""
         exports = isinstance(self.system, ExportedSystem)
         return {
-            "train": self.train,
             "certify": self.certify,
             "simulate": self.simulate,
             **({"export": self.export} if exports else {}),
@@ -139,3 +134,33 @@ class FamilyVerbs(FileVerbs):
             "inspect": self.inspect,
             "robots": self.robots,
         }
+
+
+@dataclass(frozen=True)
+class NetworkVerbs(FamilyVerbs):
+    """Verbs on systems whose training finds networks."""
+
+    system: NetworkSystem
+
+    def train(
+        self,
+        robot: str | Path,
+        *,
+        progress: ProgressCallbacks,
+        seed: int = 0,
+        steps: int | None = None,
+        hidden: tuple[int, ...] | None = None,
+        out: Path | None = None,
+        certify: bool = False,
+        budget: float | None = None,
+        root: Path = RUNS_ROOT,
+    ) -> VerbResult:
+        """Train a controller and its set, and prove it if asked for."""
+        config = self.system.new_config(seed=seed, steps=steps, hidden=hidden)
+        return self.train_as(
+            config, robot, progress=progress, out=out, certify=certify, budget=budget, root=root
+        )
+
+    def by_name(self) -> dict[str, Callable[..., VerbResult]]:
+        """Return the verbs that the family has by name."""
+        return {"train": self.train} | super().by_name()

@@ -11,11 +11,9 @@ from typing import Any
 from matplotlib.figure import Figure
 
 from neuralgaits._types import Array, Float
-from neuralgaits.errors import InputError
 from neuralgaits.records.certified import Conclusion
 from neuralgaits.systems.condition_table import ConditionTable
 from neuralgaits.systems.controller_header import ControllerHeader
-from neuralgaits.systems.family_run import WIDEST_NETWORK, NetworkConfig
 from neuralgaits.systems.system_family import Screen
 from neuralgaits.systems.trained_system import TrainedSystem
 
@@ -25,9 +23,6 @@ class ProvedSystem(TrainedSystem):
 
     Attributes:
         table: its conditions.
-        spec_name: name of its spec.
-        hidden: usual width of its networks' hidden layers.
-        rate: of the convergence that its conditions ask for.
         highest: highest level of its proofs.
         why_highest: why there is no higher one, for a person.
         about_proofs: what its proofs are about, for a person.
@@ -35,37 +30,11 @@ class ProvedSystem(TrainedSystem):
             of it, and only the sign matters.
     """
 
-    config = NetworkConfig
     table: ConditionTable
-    spec_name: str
-    hidden: int
-    rate: float
     highest: int
     why_highest: str
     about_proofs: str
     claimed: float = 0.4
-
-    def new_config(
-        self, *, seed: int, steps: int, hidden: tuple[int, ...] | None, robot: str
-    ) -> NetworkConfig:
-        """Return the configuration of a training. Raises: InputError on bad settings."""
-        if hidden is not None and len(hidden) != 1:
-            raise InputError(
-                f"expected one hidden layer, found {len(hidden)}: give one width, as in --hidden "
-                f"{self.hidden}"
-            )
-        width = self.hidden if hidden is None else hidden[0]
-        if not 1 <= width <= WIDEST_NETWORK:
-            raise InputError(f"hidden: expected a width from 1 to {WIDEST_NETWORK}, found {width}")
-        return NetworkConfig(
-            family=self.family.name,
-            robot=robot,
-            spec=self.spec_name,
-            seed=seed,
-            steps=steps,
-            width=width,
-            rate=self.rate,
-        )
 
     @abstractmethod
     def sizes(self, summary: Any) -> str:

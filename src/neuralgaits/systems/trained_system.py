@@ -46,12 +46,6 @@ class TrainedSystem(ABC):
         """Return the record of `robot_facts` for a person."""
 
     @abstractmethod
-    def new_config(
-        self, *, seed: int, steps: int, hidden: tuple[int, ...] | None, robot: str
-    ) -> Any:
-        """Return the configuration of a training. Raises: InputError on bad settings."""
-
-    @abstractmethod
     def untrained(self, config: Any) -> Any:
         """Return a controller of zeros, to read arrays into."""
 

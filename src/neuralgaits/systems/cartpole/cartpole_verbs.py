@@ -20,7 +20,7 @@ from neuralgaits.systems.equilibrium.equilibrium_system import (
 )
 from neuralgaits.systems.equilibrium.rest_figures import StateLabels
 from neuralgaits.systems.family_run import FamilyRun
-from neuralgaits.systems.family_verbs import FamilyVerbs
+from neuralgaits.systems.family_verbs import NetworkVerbs
 from neuralgaits.systems.system_family import Screen
 
 
@@ -130,4 +130,4 @@ class CartPoleSystem(EquilibriumSystem):
 
 
 SYSTEM = CartPoleSystem()
-VERBS = FamilyVerbs(SYSTEM).by_name()
+VERBS = NetworkVerbs(SYSTEM).by_name()

@@ -34,7 +34,7 @@ from neuralgaits.systems.equilibrium.rest_episodes import (
 from neuralgaits.systems.equilibrium.rest_figures import StateLabels, draw_planes, draw_times
 from neuralgaits.systems.equilibrium.velocity_policy import Controls
 from neuralgaits.systems.family_run import FamilyRun, NetworkConfig, TrainedSummary
-from neuralgaits.systems.proved_system import ExportedSystem
+from neuralgaits.systems.network_system import NetworkSystem
 from neuralgaits.systems.system_family import Screen
 from neuralgaits.systems.trained_system import TrainingProgress
 
@@ -59,7 +59,7 @@ class EllipsoidTrained(TrainedSummary):
     volume: float
 
 
-class EquilibriumSystem(ExportedSystem):
+class EquilibriumSystem(NetworkSystem):
     """A family whose trajectories come to rest in an ellipsoid of states.
 
     Attributes:

@@ -16,7 +16,7 @@ from neuralgaits.records.certified import Conclusion
 from neuralgaits.runs.shell_words import command, named
 from neuralgaits.systems.controller_header import ControllerHeader
 from neuralgaits.systems.family_run import FamilyRun, NetworkConfig
-from neuralgaits.systems.family_verbs import FamilyVerbs
+from neuralgaits.systems.family_verbs import NetworkVerbs
 from neuralgaits.systems.hopper import (
     FAMILY,
     hop_conditions,
@@ -44,7 +44,7 @@ from neuralgaits.systems.hopper.hopper_records import (
     HopperTrained,
 )
 from neuralgaits.systems.hopper.length_policy import LengthPolicy
-from neuralgaits.systems.proved_system import ExportedSystem
+from neuralgaits.systems.network_system import NetworkSystem
 from neuralgaits.systems.system_family import Screen
 from neuralgaits.systems.trained_system import TrainingProgress
 
@@ -54,7 +54,7 @@ SHOWN_EPISODES, SHOWN_HOPS = 3, 10
 """Episodes and hops in the pictures."""
 
 
-class HopperSystem(ExportedSystem):
+class HopperSystem(NetworkSystem):
     """Model, training, proofs and words of hoppers."""
 
     family, table = FAMILY, TABLE
@@ -245,4 +245,4 @@ class HopperSystem(ExportedSystem):
 
 
 SYSTEM = HopperSystem()
-VERBS = FamilyVerbs(SYSTEM).by_name()
+VERBS = NetworkVerbs(SYSTEM).by_name()

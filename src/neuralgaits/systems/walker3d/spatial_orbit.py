@@ -34,6 +34,7 @@ class OrbitAims(NamedTuple):
 
     Attributes:
         speed: [m/s].
+        speed_weight: how much a miss of 1 m/s counts.
         duration: of a step [s].
         side: where the stance hip starts, to the left of the stance foot [m].
         normal: least normal force, as a share of the weight.
@@ -50,6 +51,7 @@ class OrbitAims(NamedTuple):
     """
 
     speed: float
+    speed_weight: float
     duration: float
     side: float
     normal: float = 0.6
@@ -63,11 +65,15 @@ class OrbitAims(NamedTuple):
     lateral: float = 0.33
 
     @classmethod
-    def of(cls, robot: SpatialWalker) -> "OrbitAims":
-        """Return the aims for a robot, at a speed that goes with the length of its legs."""
+    def of(cls, robot: SpatialWalker, speed: float | None = None) -> "OrbitAims":
+        """Return the aims for a robot, at a speed that goes with the length of its legs if None.
+
+        A speed that was asked for counts more than other aims; the usual one is a start.
+        """
         size = (robot.thigh.length + robot.shin.length) / 0.8
         return cls(
-            speed=0.7 * float(np.sqrt(size)),
+            speed=0.7 * float(np.sqrt(size)) if speed is None else speed,
+            speed_weight=10.0 if speed is None else 100.0,
             duration=0.36 * float(np.sqrt(size)),
             side=0.0625 * robot.hip_width,
             clearance=0.045 * size,
@@ -189,7 +195,8 @@ class OrbitProblem:
         size = self.scale / self.scale[0] * np.array([1.0, 0.1, 0.05])
         return jnp.concatenate(
             [
-                10.0 * jnp.stack([(policy.ends[1] - policy.ends[0]) / orbit.duration - aims.speed]),
+                aims.speed_weight
+                * jnp.stack([(policy.ends[1] - policy.ends[0]) / orbit.duration - aims.speed]),
                 20.0 * jnp.stack([orbit.duration - aims.duration]),
                 100.0 * (start[:1] - aims.side),
                 10.0 * _above(-normal, -aims.normal),

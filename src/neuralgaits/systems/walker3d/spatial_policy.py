@@ -18,7 +18,8 @@ from neuralgaits.systems.walker3d.spatial_pose import Outputs
 INPUT_SCALE = np.array([0.08, 0.003, 0.016])
 """Sizes of the three invariants about their centre [m^2/s^2, m^2, m^2]."""
 REST_PHASES = 0.04
-"""Share of a step in which slopes of the outputs die out by 1/e, where the floor is late."""
+"""Share of a step in which slopes of the outputs die out by 1/e, where the floor is late, and that
+of the foot's height where it was early."""
 LATE_DESCENT = 0.3
 """How much faster the swing foot goes down then, per unit of phase [m]."""
 
@@ -95,18 +96,25 @@ class SpatialPolicy(eqx.Module):
         place under its hip come to rest, so that the next step starts about where it should: a foot
         that was drawn back on and on would start it late, with less of the way on which the robot
         slows down. The foot goes down faster; cubics and bumps would take it up again. Before a
-        step's start, after a touchdown on a floor that came early, the foot stays where it is.
+        step's start, after a touchdown on a floor that came early, the foot's height comes to rest
+        likewise, a millimetre or two lower. All slopes are continuous: torques are accelerations.
         """
         t = self.phase(z)
         late, early = _positive(t - 1.0), -_positive(-t)
         within = self._outputs(t - late - early, self._inputs(z))
         settling = REST_PHASES * (1.0 - jnp.exp(-late / REST_PHASES))
+        settled = -REST_PHASES * (1.0 - jnp.exp(early / REST_PHASES))
         return Outputs(
             pitch=within.pitch + self.pitch[2] * settling + self.pitch[1] * early,
             height=within.height + self.height[2] * settling + self.height[1] * early,
             ahead=within.ahead + self.ahead[1] * settling + self.ahead[0] * early,
             aside=within.aside + self.sway[1] * settling + self.sway[0] * early,
-            lift=within.lift + self.lift[1] * late - LATE_DESCENT * (late - settling),
+            lift=(
+                within.lift
+                + self.lift[0] * settled
+                + self.lift[1] * late
+                - LATE_DESCENT * (late - settling)
+            ),
         )
 
     def _inputs(self, z: SpatialState) -> Float[Array, "4"]:

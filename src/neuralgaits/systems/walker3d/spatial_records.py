@@ -1,9 +1,10 @@
 """Records of bipeds in three dimensions: robot file, configuration, training."""
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Annotated, Literal
 
 from neuralgaits.records.record import Record
+from neuralgaits.runs.shape import POSITIVE, may
 from neuralgaits.systems.family_run import FamilyConfig, TrainedSummary
 
 
@@ -35,12 +36,15 @@ class SpatialFacts(Record):
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class SpatialConfig(FamilyConfig):
-    """Configuration of a training. Attributes: speed_m_s, step_s: that were aimed at."""
+    """Configuration of a training.
+
+    Attributes:
+        aimed_speed_m_s: speed that was asked for; None for one that goes with the legs' length.
+    """
 
     family: Literal["walker3d"] = "walker3d"
     spec: Literal["periodic"] = "periodic"
-    speed_m_s: float
-    step_s: float
+    aimed_speed_m_s: Annotated[float | None, may(POSITIVE)] = None
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

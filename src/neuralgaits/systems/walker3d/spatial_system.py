@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 from neuralgaits._types import Array, Float
 from neuralgaits.errors import InputError, RunError
 from neuralgaits.records.certified import Conclusion
+from neuralgaits.settings.forms import Interval
 from neuralgaits.systems.controller_header import ControllerHeader
 from neuralgaits.systems.family_run import FamilyRun
 from neuralgaits.systems.proof_model import trace_conditions
@@ -46,6 +47,8 @@ from neuralgaits.systems.walker3d.spatial_walks import (
 from neuralgaits.systems.walker3d.tube_fit import widest_gait
 from neuralgaits.systems.walker3d.tube_samples import needs_in_tube, sampled_margins
 
+FASTEST = 3.0
+"""Speeds that are looked for are below this [m/s]."""
 FRESH_SEED, FRESH = 2**31, 2**15
 """Seed of the points at which the summary is measured, and their number in each region; no run can
 have that seed."""
@@ -105,12 +108,33 @@ class SpatialSystem(ExportedSystem):
         )
 
     def new_config(
-        self, *, seed: int, steps: int, hidden: tuple[int, ...] | None, robot: str
+        self, *, seed: int = 0, steps: int | None = None, speed: float | Interval | None = None
     ) -> SpatialConfig:
-        """Return the configuration of a training. Raises: InputError on bad settings."""
-        if hidden is not None:
-            raise InputError("hidden: expected none, found some: this policy has no network")
-        return SpatialConfig(robot=robot, seed=seed, steps=steps, speed_m_s=0.0, step_s=0.0)
+        """Return the configuration of a training of a robot that is yet to be read.
+
+        Args:
+            seed: that the run keeps; nothing is drawn.
+            steps: iterations at most; the usual number if None.
+            speed: to walk at [m/s]; one that goes with the legs' length if None.
+
+        Raises: InputError on bad settings.
+        """
+        if isinstance(speed, tuple):
+            raise InputError(
+                "speed: expected one speed for a walker in three dimensions, found a range: its "
+                "gaits take no commands, write --speed 0.6"
+            )
+        if speed is not None and not 0.0 < speed < FASTEST:
+            raise InputError(
+                f"speed: expected more than 0 and less than {FASTEST:g} m/s, found {speed:g}: "
+                "write --speed 0.6"
+            )
+        return SpatialConfig(
+            robot="",
+            seed=seed,
+            steps=self.steps if steps is None else steps,
+            aimed_speed_m_s=speed,
+        )
 
     def untrained(self, config: Any) -> SpatialGait:
         """Return a gait of zeros, to read arrays into."""
@@ -131,7 +155,8 @@ class SpatialSystem(ExportedSystem):
         self, robot: SpatialWalker, config: SpatialConfig, progress: TrainingProgress | None
     ) -> SpatialGait:
         """Find a periodic gait, and the tube about its orbit."""
-        orbit = find_orbit(robot, OrbitAims.of(robot), config.steps, progress)
+        aims = OrbitAims.of(robot, config.aimed_speed_m_s)
+        orbit = find_orbit(robot, aims, config.steps, progress)
         return widest_gait(robot, orbit)
 
     def measured(self, run: FamilyRun) -> dict[str, Any]:

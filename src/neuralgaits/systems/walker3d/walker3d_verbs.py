@@ -4,6 +4,8 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from neuralgaits.errors import InputError
+from neuralgaits.runs import RUNS_ROOT
+from neuralgaits.settings.forms import Interval
 from neuralgaits.simulation.setup.disturbance import PlantChanges
 from neuralgaits.systems.family_run import open_family_run
 from neuralgaits.systems.family_verbs import FamilyVerbs
@@ -19,6 +21,27 @@ from neuralgaits.systems.walker3d.spatial_walks import (
     starts_of,
 )
 from neuralgaits.viewer.live_server import LOOPBACK
+
+SHARED = FamilyVerbs(SYSTEM)
+
+
+def train(
+    robot: str | Path,
+    *,
+    progress: ProgressCallbacks,
+    seed: int = 0,
+    steps: int | None = None,
+    speed: float | Interval | None = None,
+    out: Path | None = None,
+    certify: bool = False,
+    budget: float | None = None,
+    root: Path = RUNS_ROOT,
+) -> VerbResult:
+    """Find a gait and its tube, at a speed if one is given, and prove it if asked for."""
+    config = SYSTEM.new_config(seed=seed, steps=steps, speed=speed)
+    return SHARED.train_as(
+        config, robot, progress=progress, out=out, certify=certify, budget=budget, root=root
+    )
 
 
 def simulate(
@@ -66,5 +89,9 @@ def view(run: str | Path, *, host: str = LOOPBACK, port: int | None = None) -> V
     return VerbResult(page.summary, True, Screen(), run=page)
 
 
-OWN: dict[str, Callable[..., VerbResult]] = {"simulate": simulate, "view": view}
-VERBS = FamilyVerbs(SYSTEM).by_name() | OWN
+VERBS: dict[str, Callable[..., VerbResult]] = {
+    "train": train,
+    **SHARED.by_name(),
+    "simulate": simulate,
+    "view": view,
+}
