@@ -77,22 +77,11 @@ FOR_COMMANDS = {
     # highest step for the shortest does not rise.
     "step_length": ForCommand(dict.fromkeys((*RESETS, "foot-rises"), 2.0)),
 }
-FENCES = "fence-lower", "fence-upper"
-"""Regions with twice the samples: a violation missed there is missed next to the start of a step,
-where the network has no effect."""
-SHORTEST = 0.9
-"""Least step length, as a share of the shortest requested: footholds are met exactly."""
-APART = 0.1
-"""Scale of how far the fences are from zero and from each other, in the unit of zeta."""
-MORE_SAMPLES, LEARNING_RATE = 2, 3e-3
 
 Interval = tuple[float, float]
 """Lower and upper end of a range."""
 _LARGEST_CHANGES = {"speed": SPEED_CHANGE, "slope": SPEED_CHANGE}
 """Largest changes as shares of the range; footholds may follow each other freely."""
-LEAN_CHANGE = 4.8e-3
-"""Largest change of a believed lean a step, or half its range if that is less [m]: for AMBER-3M it
-asks of a tube what a change of speed by 0.042 m/s does."""
 LEAN_ERROR = 3e-3
 """How far the torso may be from the belief [m]: AMBER-3M walks 0.027 m/s faster or slower then."""
 
@@ -118,7 +107,10 @@ def commands_of(**ranges: Interval | None) -> Commands:
 def _largest_change(name: str, width: float) -> float:
     """Return the largest change of a command with such a range; 0 where any may follow any."""
     if name == LEAN:
-        return min(LEAN_CHANGE, 0.5 * width)
+        # Largest change of a believed lean a step, or half its range if that is less [m]: for
+        # AMBER-3M it asks of a tube what a change of speed by 0.042 m/s does.
+        lean_change = 4.8e-3
+        return min(lean_change, 0.5 * width)
     return _LARGEST_CHANGES.get(name, 0.0) * width
 
 
@@ -152,10 +144,12 @@ def commanded(
     lowest = {command.name: command.low for command in commands}
     if speed is not None:
         lowest["speed"] = speed
+    # Least step length, as a share of the shortest requested: footholds are met exactly.
+    shortest = 0.9
     plain = walking(
         robot,
         forward=SLOWEST * lowest["speed"] if "speed" in lowest else None,
-        shortest=SHORTEST * lowest["step_length"] if "step_length" in lowest else None,
+        shortest=shortest * lowest["step_length"] if "step_length" in lowest else None,
         highest=_highest(commands),
     )
     aims = _middle_aims()
@@ -163,8 +157,10 @@ def commanded(
         aims = (*aims, MeanSpeed("mean-speed", "middle", 0.015, 0.015, speed))
     additions = [FOR_COMMANDS.get(command.name, ForCommand()) for command in commands]
     weights = {name: value for one in additions for name, value in one.weights.items()}
+    # Scale of how far the fences are from zero and from each other, in the unit of zeta.
+    apart = 0.1
     return replace(
-        plain.with_conditions(FencesApart("fences-apart", "fence-lower", APART)),
+        plain.with_conditions(FencesApart("fences-apart", "fence-lower", apart)),
         regions=dict(plain.regions) | {"middle": (MIDDLE,)},
         new_gait=partial(_new_gait, robot, commands, speed, z2_dependence=z2_dependence),
         recipe=_recipe(plain.recipe, additions),
@@ -177,12 +173,15 @@ def commanded(
 
 def _recipe(plain: Recipe, additions: list[ForCommand]) -> Recipe:
     """Return how a family is trained, from how a single gait is, and what its commands ask for."""
-    samples = {name: MORE_SAMPLES * count for name, count in plain.samples.items()}
+    samples = {name: 2 * count for name, count in plain.samples.items()}
+    # With twice the samples: a violation missed there is missed next to the start of a step, where
+    # the network has no effect.
+    fences = ("fence-lower", "fence-upper")
     return replace(
         plain,
         steps=max(one.steps for one in additions),
-        samples=samples | {"middle": 24} | {name: 2 * samples[name] for name in FENCES},
-        learning_rate=LEARNING_RATE,
+        samples=samples | {"middle": 24} | {name: 2 * samples[name] for name in fences},
+        learning_rate=3e-3,
         effort=min(one.effort for one in additions),
         curriculum=0.5,
         corners=0.35,

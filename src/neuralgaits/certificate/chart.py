@@ -75,8 +75,6 @@ class CoupledAxes(NamedTuple):
 
 PHASE, LEVEL = Axis("phase", -0.1, 1.1), Axis("level", 0.0, 1.0)
 """Strips before the start of a step and behind its guard belong to the chart."""
-NARROWER = Axis("phase", -0.05, 1.05)
-"""Phase axis in files of earlier versions; a statement is about its own box, whatever the axis."""
 WALKER = (PHASE, LEVEL)
 """Axes of a walker's state."""
 
@@ -213,7 +211,9 @@ class Chart:
             if any(axis.change is not None for axis in axes):
                 raise ValueError("a chart without phase and level whose axes are coupled")
             return cls(state=tuple(axes))
-        if axes[0] not in (PHASE, NARROWER) or axes[1] != LEVEL:
+        # Of files of earlier versions; a statement is about its own box, whatever the axis.
+        narrower = Axis("phase", -0.05, 1.05)
+        if axes[0] not in (PHASE, narrower) or axes[1] != LEVEL:
             raise ValueError("a chart that does not begin with phase and level as they are")
         if axes[PLANE:] and axes[PLANE].change is not None:
             raise ValueError(f"the axis {axes[PLANE].name} with a change from {LEVEL.name}")

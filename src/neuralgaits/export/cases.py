@@ -22,10 +22,6 @@ from neuralgaits.robots.mjcf_state import StateMap
 
 NEVER = 1e30
 """Time since the last touchdown while there is none yet [s], as `NG_NEVER`."""
-_OUTPUT_ERROR, _RATE_ERROR = 0.05, 0.5
-"""Largest drawn tracking errors [rad], [rad/s]: three times those of walks under `pd`."""
-_CLEAR_OF_THRESHOLD = 1e-4
-"""Distance of a drawn number from any threshold [m], [s], so that rounding decides nothing."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -197,7 +193,9 @@ def _at(
     k, weight = design.leg_joints, float(robot.mass * robot.gravity)
     limit = np.asarray(design.controller.torque_limit)
     leg = rng.integers(0, 2, count) if leg is None else leg
-    eta = rng.uniform(-1.0, 1.0, (count, 2 * m)) * np.repeat([_OUTPUT_ERROR, _RATE_ERROR], m)
+    # Largest drawn tracking errors [rad], [rad/s]: three times those of walks under `pd`.
+    largest = np.repeat([0.05, 0.5], m)
+    eta = rng.uniform(-1.0, 1.0, (count, 2 * m)) * largest
     pair, previous = drawn_commands(design, count, rng)
     x, outputs, slopes, step = lifted(design, chart, eta, pair)
     q, dq = np.split(x, 2, axis=1)
@@ -259,9 +257,11 @@ def _clear(design: Design, cases: Cases) -> np.ndarray:
 
     measurement = jax.tree.map(jnp.asarray, cases.measurement(design))
     foot = np.asarray(ahead(measurement, jnp.asarray(cases.leg)))
-    near = np.abs(foot - stance.advance_share * robot.leg_length) < _CLEAR_OF_THRESHOLD
+    # Distance of a drawn number from any threshold [m], [s], so that rounding decides nothing.
+    clearance = 1e-4
+    near = np.abs(foot - stance.advance_share * robot.leg_length) < clearance
     late = cases.since + design.controller.period_s - stance.lockout_s
-    near |= np.abs(late) < _CLEAR_OF_THRESHOLD
+    near |= np.abs(late) < clearance
     weight = float(robot.mass * robot.gravity)
     swing = cases.force[np.arange(cases.count), 1 - cases.leg]
-    return ~near & (np.abs(swing - stance.force_share * weight) > _CLEAR_OF_THRESHOLD)
+    return ~near & (np.abs(swing - stance.force_share * weight) > clearance)

@@ -10,15 +10,6 @@ from neuralgaits.programs.c99.c_writer import CFunction
 from neuralgaits.programs.c99.constant_arrays import Tables, braces, wrapped
 from neuralgaits.programs.c99.function import emit
 
-_INPUTS = {
-    "after": "state->after",
-    "before": "state->before",
-    "dq": "command->dq",
-    "q": "command->q",
-    "step": "state->step",
-}
-"""Places of the inputs of a set in the controller."""
-
 
 def monitor_files(design: Design) -> dict[str, str]:
     """Return the files of a gait's monitor; none if nothing is proved of it.
@@ -171,8 +162,16 @@ def _dispatch(monitor: StateMonitor) -> str:
         "    (void)state;",
         "    switch (set) {",
     ]
+    # Places of the inputs of a set in the controller.
+    places = {
+        "after": "state->after",
+        "before": "state->before",
+        "dq": "command->dq",
+        "q": "command->q",
+        "step": "state->step",
+    }
     for number, one in enumerate(monitor.sets):
-        inputs = [_INPUTS[item.name] for item in one.program.inputs]
+        inputs = [places[item.name] for item in one.program.inputs]
         arguments = ", ".join([*inputs, "margins", f"margins + {len(one.ends)}"])
         lines += [
             f"    case {number}:",

@@ -57,10 +57,6 @@ Corners = tuple[np.ndarray, np.ndarray]
 """Boxes by their lower and upper corners. [boxes, n] each."""
 
 
-_NAME_A_PROOF = f"name a run that is certified, or its {PROOF}"
-"""Remedy for a file that is none of this kind."""
-
-
 class InconsistentError(Exception):
     """Raised when a file can be read but contradicts itself."""
 
@@ -171,19 +167,20 @@ def halves(low: Corner, high: Corner, axis: int) -> tuple[tuple[Corner, Corner],
 
 def read_claims(path: Path) -> Claims:
     """Read a proof file. Raises: InputError in one line if it is not one of this format."""
+    remedy = f"name a run that is certified, or its {PROOF}"
     try:
         text = packed.content(path).decode("utf-8")
     except (OSError, ValueError) as error:
         why = "no text" if isinstance(error, UnicodeDecodeError) else reason(error)
         raise InputError(
-            f"expected a proof file at {path}, found none to read: {why}; {_NAME_A_PROOF}"
+            f"expected a proof file at {path}, found none to read: {why}; {remedy}"
         ) from None
     try:
         return _claims(parse(text))
     except (ValueError, RecursionError, OverflowError, MemoryError) as error:
         why = f"no JSON, {error}" if isinstance(error, JSONDecodeError) else str(error)
         # Damaged, or of another version, it is still the proof of a run.
-        way = "certify its run again" if KIND in text else _NAME_A_PROOF
+        way = "certify its run again" if KIND in text else remedy
         raise InputError(
             f"expected a proof file of format {FORMAT}, found in {path}: {shortened(why)}; {way}"
         ) from None

@@ -25,7 +25,6 @@ from neuralgaits.records.checked import Arithmetic
 
 FEW = 512
 """Leaves that are bounded before another process starts."""
-MOST_PROCESSES = 8
 
 
 class Piece(NamedTuple):
@@ -107,7 +106,7 @@ def bound_all(
     """
     pieces, here = pieces_of(trees), PieceBounder(program, statements, trees, arithmetic)
     total = sum(piece.leaves for piece in pieces)
-    count = min(cores(), MOST_PROCESSES) if total > FEW else 1
+    count = min(cores(), 8) if total > FEW else 1
     answer, boxes, in_balls, done = PieceResult("holds", None, 0, 0), 0, 0, 0
     with contextlib.ExitStack() as stack:
         processes = [

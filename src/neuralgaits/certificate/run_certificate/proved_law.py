@@ -23,8 +23,6 @@ from neuralgaits.records.levels import DISTURBED_LEVEL, FULL_ORDER_LEVEL
 
 ROUNDING = 1e-9
 """Largest difference of fitted gains from those of a proof file, as a share of the largest gain."""
-_PHASES, _LEVELS = 33, 5
-"""Number of states along phase and level at which a controller's bounds are compared with a set."""
 
 
 def law_proofs(
@@ -99,7 +97,8 @@ def _unchanged(run: Run, controller: Controller, full: FullOrderConstants) -> bo
     """Return whether a controller uses z as it is all over the tube of a set, at sampled states."""
     gait, schedule = run.trained, getattr(controller.law, "schedule", None)
     assert isinstance(gait, Gait)
-    charts = grid(np.linspace(*full.ends, _PHASES), np.linspace(0.0, 1.0, _LEVELS))
+    # States at which a controller's bounds are compared with a set.
+    charts = grid(np.linspace(*full.ends, 33), np.linspace(0.0, 1.0, 5))
 
     @jax.vmap
     def changes(u: jax.Array) -> jax.Array:

@@ -36,9 +36,6 @@ from neuralgaits.programs.tracing.tracer import trace
 from neuralgaits.records.certified import PROOF
 from neuralgaits.records.levels import DISTURBED_LEVEL, FULL_ORDER_LEVEL, WALKING_SET_LEVEL
 
-STEP_INPUTS = ("before", "after")
-"""Inputs of a set that are commands."""
-
 
 def monitor_of(run: Run, certificate: CertificateReading | None = None) -> StateMonitor | None:
     """Return the monitor of a run; None if no level above 1 is proved, or of a believed lean.
@@ -131,7 +128,8 @@ def walking_set_of(
 
     inputs = {"q": (robot.n,), "dq": (robot.n,)}
     if shape.told:
-        inputs |= {name: (len(trained.commands),) for name in STEP_INPUTS}
+        step_inputs = ("before", "after")  # Inputs of a set that are commands.
+        inputs |= {name: (len(trained.commands),) for name in step_inputs}
         inputs["step"] = (trained.policy.step_size,)
     parameters = {"robot": robot, "gait": trained}
     program = trace(of_step if shape.told else of_gait, inputs, parameters=parameters)

@@ -21,8 +21,6 @@ LEAST_BATCH, MOST_BATCH = 64, 512
 cache."""
 COMPILED_BATCH, COMPILED_DEGREE = 8192, 2
 """Number of boxes bounded at once by compiled code, and the degree that it supports."""
-CACHE_BYTES = 2**22
-"""Size of the largest result of an operation over a batch [bytes]: about a core's own cache."""
 Boxes = tuple[np.ndarray, np.ndarray]
 """Lower and upper corners of B boxes. [B, n] each."""
 Bounds = tuple[np.ndarray, np.ndarray]
@@ -93,7 +91,9 @@ class Problem:
         if self._compiled is not None:
             return COMPILED_BATCH
         one = terms(self.degree, len(self.low)) * largest * np.dtype(np.float64).itemsize
-        return min(max(CACHE_BYTES // one, LEAST_BATCH), MOST_BATCH)
+        # Size of the largest result of an operation over a batch [bytes]: about a core's own cache.
+        cache_bytes = 2**22
+        return min(max(cache_bytes // one, LEAST_BATCH), MOST_BATCH)
 
     def bounds(self, low: Corners, high: Corners) -> tuple[PerCondition, PerCondition]:
         """Bound each condition's smallest margin over boxes, in scales; NaN if unbounded."""

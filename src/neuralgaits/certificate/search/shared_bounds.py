@@ -19,7 +19,6 @@ from neuralgaits.engine import Files, Job, Settings, WorkerPool, worker_pool_for
 from neuralgaits.programs import Program
 
 _PROBLEM, _LOW, _HIGH, _LOWER, _UPPER = "problem.json", "low", "high", "lower", "upper"
-_TUPLES = ("low", "high", "names", "scales", "least", "symbols")
 
 
 class SharedBounds:
@@ -120,6 +119,7 @@ def to_json(problem: Problem) -> str:
 def from_json(text: str) -> Problem:
     """Read a problem that `to_json` wrote."""
     values = json.loads(text)
-    values |= {name: tuple(values[name]) for name in _TUPLES}
+    tuples = ("low", "high", "names", "scales", "least", "symbols")
+    values |= {name: tuple(values[name]) for name in tuples}
     values["coupled_axes"] = tuple(CoupledAxes(*pair) for pair in values["coupled_axes"])
     return Problem(**values | {"program": Program.from_json(values["program"])})

@@ -10,11 +10,22 @@ from neuralgaits.programs.c99.nodes import GATHERED, Node
 from neuralgaits.programs.c99.operation_layout import BLOCK, Group, OperationLayout
 from neuralgaits.programs.program import Program
 
-_INFIX = {"add": "{0} + {1}", "sub": "{0} - {1}", "mul": "{0} * {1}", "div": "{0} / {1}"}
-_PREFIX = {"neg": "-{0}", "square": "{0} * {0}"}
-_CALLED = "sqrt", "sin", "cos", "tanh", "logistic", "exp", "log1p"
-_CALLS = {name: f"ng_{name}({{0}})" for name in _CALLED}
-_FORMS = _INFIX | _PREFIX | _CALLS
+_FORMS = {
+    "add": "{0} + {1}",
+    "sub": "{0} - {1}",
+    "mul": "{0} * {1}",
+    "div": "{0} / {1}",
+    "neg": "-{0}",
+    "square": "{0} * {0}",
+    "sqrt": "ng_sqrt({0})",
+    "sin": "ng_sin({0})",
+    "cos": "ng_cos({0})",
+    "tanh": "ng_tanh({0})",
+    "logistic": "ng_logistic({0})",
+    "exp": "ng_exp({0})",
+    "log1p": "ng_log1p({0})",
+}
+"""Text of an operation of one element, with places for its operands."""
 COLUMNS_AT_ONCE = 4
 """Columns of a matrix taken in one pass over a result, so that it is loaded and stored less."""
 

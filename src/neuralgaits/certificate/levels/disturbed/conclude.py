@@ -24,8 +24,6 @@ from neuralgaits.certificate.levels.full_order.theorem import (
 from neuralgaits.certificate.premises import Bounds, above, below, first_missing
 from neuralgaits.records.certified import Conclusion, TheoremConstant
 
-LEVEL = 5
-
 
 def conclude_disturbed(
     full: FullOrderConstants, shape: DisturbedConstants, bounds: Bounds
@@ -45,8 +43,8 @@ def conclude_disturbed(
     if [b.name for b in shape.barriers] != [b.name for b in full.barriers]:
         reasons.insert(0, "its barriers are not those of level 4")
     if reasons:
-        return Conclusion(LEVEL, "undecided", "; ".join(reasons), (), figures, known)
-    return Conclusion(LEVEL, "proved", None, _words(full, shape), figures, known)
+        return Conclusion(5, "undecided", "; ".join(reasons), (), figures, known)
+    return Conclusion(5, "proved", None, _words(full, shape), figures, known)
 
 
 def constants(full: FullOrderConstants, shape: DisturbedConstants) -> list[TheoremConstant]:

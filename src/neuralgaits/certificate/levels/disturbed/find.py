@@ -32,20 +32,12 @@ from neuralgaits.certificate.levels.full_order.samples import SampleEvaluators
 from neuralgaits.certificate.levels.full_order.theorem import FullOrderConstants, lyapunov_rate
 from neuralgaits.gait.scheduled_gains import ScheduledGains
 
-HALVINGS = 20
-"""Halvings of the interval that holds the longest hold or the largest push."""
 BELOW = 1.0 - 1e-9
 """Share of a limit that a number which must lie below it may reach."""
 DIGITS = 4
 """Significant digits of numbers that a statement gives exactly, for people to read."""
-SQUARES = 1.12
-"""|d(dh/dt)/d xi|^2 in the set, as a multiple of the largest value seen at eta = 0."""
 SPENT = 0.05
 """Share of dh/dt + alpha h that bounds may lose, and by which outputs may take more of forces."""
-WAVES = 1.2
-"""Largest error of fitted polynomials, as a multiple of the largest on a fine grid."""
-STILL = 1.03
-"""Jerk of the outputs at eta = 0, as a multiple of the largest value seen."""
 
 
 def find_disturbed(
@@ -129,7 +121,8 @@ def _largest(most: float, stands) -> float:
     if stands(most):
         return most
     low, high = 0.0, most
-    for _ in range(HALVINGS):
+    halvings = 20  # Halvings of the interval that holds the longest hold or the largest push.
+    for _ in range(halvings):
         middle = 0.5 * (low + high)
         low, high = (middle, high) if stands(middle) else (low, middle)
     return low
@@ -168,7 +161,9 @@ class _Seen:
         self.factor = float(factor(full).upper())
         step = looks.step(u, np.zeros((len(u), looks.size)))
         self.rate, self.h = step["rate"], step["h"]
-        self.squares = SQUARES * (step["rate/slope"] ** 2).sum(axis=2)
+        # |d(dh/dt)/d xi|^2 in the set, as a multiple of the largest value seen at eta = 0.
+        room_of_squares = 1.12
+        self.squares = room_of_squares * (step["rate/slope"] ** 2).sum(axis=2)
         assert looks.pushed is not None
         off = looks.pushed(u)
         self.bound = full.least_radius + (full.radius - full.least_radius) * np.exp(
@@ -181,7 +176,9 @@ class _Seen:
             # Polynomials err by waves, which a coarse grid misses.
             fine = grid(np.linspace(*full.ends, 161), np.linspace(0.0, 1.0, 17))
             own = np.linalg.norm(looks.pushed(fine)["law"], axis=1).max()
-            self.rest = float(at_most(WAVES * REST * own, DIGITS))
+            # Largest error of fitted polynomials, as a multiple of the largest on a fine grid.
+            room_of_fits = 1.2
+            self.rest = float(at_most(room_of_fits * REST * own, DIGITS))
         for name in ("contact", "torque"):
             slopes = step[f"{name}/slope"] + off[f"{name}/push"] @ off["law/slope"]
             slopes = np.linalg.norm(slopes, axis=2)
@@ -192,8 +189,10 @@ class _Seen:
             return float(np.sqrt((values**2).reshape(len(u), -1).sum(axis=1).max()))
 
         tight = free_clock or bool(off["law/slope"].any())
+        # Jerk of the outputs at eta = 0, as a multiple of the largest value seen.
+        room_of_jerk = 1.03
         self.jerk = Jerk(
-            float(at_most(STILL * size(off["jerk"]), DIGITS)),
+            float(at_most(room_of_jerk * size(off["jerk"]), DIGITS)),
             float(at_most(growth_bound(off["jerk/slope"], full.bandwidth, tight=tight), DIGITS)),
             float(at_most(push_bound(off["jerk/push"], off["law/slope"]), DIGITS)),
         )

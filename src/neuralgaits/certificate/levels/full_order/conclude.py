@@ -14,8 +14,6 @@ from neuralgaits.certificate.levels.full_order.words import constants, in_words
 from neuralgaits.certificate.premises import Bounds, missing_premises
 from neuralgaits.records.certified import Conclusion
 
-LEVEL = 4
-
 
 def conclude_full_order(shape: FullOrderConstants, bounds: Bounds) -> Conclusion:
     """Conclude that D is forward invariant, between impacts and across them.
@@ -40,5 +38,5 @@ def conclude_full_order(shape: FullOrderConstants, bounds: Bounds) -> Conclusion
     if not is_norm(shape):
         reasons.insert(0, "weights that are no upper triangle without zeros on its diagonal")
     if reasons:
-        return Conclusion(LEVEL, "undecided", "; ".join(reasons), (), figures, constants_of_proof)
-    return Conclusion(LEVEL, "proved", None, in_words(shape), figures, constants_of_proof)
+        return Conclusion(4, "undecided", "; ".join(reasons), (), figures, constants_of_proof)
+    return Conclusion(4, "proved", None, in_words(shape), figures, constants_of_proof)

@@ -29,14 +29,8 @@ from neuralgaits.certificate.levels.walking_set.theorem import WalkingSetConstan
 Fences = Callable[[np.ndarray], Float[np.ndarray, "n 2"]]
 """Function from phases to zeta on both fences, in the tube's unit."""
 
-DEGREES = (18, 24, 30, 36)
-"""Degrees of the orbit's series that are tried in turn."""
-DEFECT = 0.1
-"""Largest defect of the series in dzeta/dphase = F, as a share of the thin tube's slack."""
 BOUND_DEGREE = 12
 """Degree of the series that bound dF/dzeta."""
-ROUNDS, SETTLED = 400, 1e-12
-"""Iterations of the fixed point, and the relative change that ends them."""
 Z2_WIDTH = 1e-3
 """Width to which the orbit is enclosed [kg m^2/s]."""
 THIN_ROOM = 0.02
@@ -89,14 +83,17 @@ def find_orbit(flow: ChartFlow, shape: WalkingSetConstants) -> OrbitProposal | s
         flow: of the gait.
         shape: parameters of the walking set.
     """
-    for degree in DEGREES:
+    degrees = (18, 24, 30, 36)  # Degrees of the orbit's series that are tried in turn.
+    # Largest defect of the series in dzeta/dphase = F, as a share of the thin tube's slack.
+    largest_defect = 0.1
+    for degree in degrees:
         orbit = _periodic(flow, _nodes(shape, degree), degree)
         if orbit is None:
             return "no periodic orbit was found in the tube"
         thin = _thin(flow, shape, orbit)
         if isinstance(thin, str):
             return thin
-        if _defect(flow, orbit, shape) < DEFECT * thin.spare:
+        if _defect(flow, orbit, shape) < largest_defect * thin.spare:
             break
     nodes = _nodes(shape, degree)
     parting = flow.evaluate(flow.points(orbit.series, nodes))["expansion"]
@@ -279,7 +276,9 @@ def _iterated(flow: ChartFlow, nodes: np.ndarray, degree: int, share: float) -> 
     constant = np.eye(1, degree + 1)[0]
     middle = fitted(nodes, np.mean(flow.fences(nodes), axis=1), degree)
     orbit = _Orbit(middle, np.array([[1.0, 0.5]]))
-    for _ in range(ROUNDS):
+    most_rounds = 400  # Iterations of the fixed point.
+    settled = 1e-12  # Relative change that ends them.
+    for _ in range(most_rounds):
         crossing = orbit.guard[:, 0]
         points = flow.points(orbit.series, np.concatenate([nodes, crossing]))
         quantities = flow.evaluate(np.clip(points, [-np.inf, 0.0], [np.inf, 1.0]))
@@ -294,7 +293,7 @@ def _iterated(flow: ChartFlow, nodes: np.ndarray, degree: int, share: float) -> 
             return None
         ahead = np.clip(crossing - step, 0.9, 1.05)
         orbit = _Orbit(series, flow.points(series, ahead))
-        if change < SETTLED * abs(series[0]) and abs(step) < SETTLED:
+        if change < settled * abs(series[0]) and abs(step) < settled:
             levels = flow.points(series, nodes)[:, 1]
             return orbit if np.all((levels > 0.0) & (levels < 1.0)) else None
     return None

@@ -12,11 +12,8 @@ Attraction = Literal["contraction", "nested tubes", "contraction alone", "any tw
 """Reason why the orbit attracts all of the walking set: see `conclude`. The last two enclose no
 orbit. On every robot of a box the return map contracts, so each has one of its own; for a gait with
 commands, walks under the same commands converge."""
-TUBELESS_ATTRACTIONS = "contraction alone", "any two walks"
 ORBIT, RETURN_MAP = "orbit", "return map"
 """Labels of the statements that level 3 rests on."""
-_RETURN_MAP_OUTPUTS = ("orbit/expansion", "orbit/gain", "orbit/moved", "orbit/along")
-"""Outputs of level 3 in the walking set's chart; the others are in the thin tube's."""
 
 
 @dataclass(frozen=True)
@@ -48,7 +45,7 @@ class OrbitConstants:
     def complete(self) -> bool:
         """Return whether all series exist that its kind of attraction needs."""
         thin = (self.lower, self.upper, self.slowest, self.fastest)
-        if self.attraction in TUBELESS_ATTRACTIONS:
+        if self.attraction in ("contraction alone", "any two walks"):
             return bool(self.expansion) and not any(thin)
         return bool(self.expansion) and all(thin)
 
@@ -107,5 +104,7 @@ def labelled_premises(
     shape: WalkingSetConstants, orbit: OrbitConstants
 ) -> Iterator[tuple[str, str, Corner, Corner]]:
     """Return (label, output, low, high) of all premises of level 3 beside level 2."""
+    # Outputs of level 3 in the walking set's chart; the others are in the thin tube's.
+    return_map_outputs = ("orbit/expansion", "orbit/gain", "orbit/moved", "orbit/along")
     for output, low, high, _ in orbit_premises(shape, orbit):
-        yield RETURN_MAP if output in _RETURN_MAP_OUTPUTS else ORBIT, output, low, high
+        yield RETURN_MAP if output in return_map_outputs else ORBIT, output, low, high
