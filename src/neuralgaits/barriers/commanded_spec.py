@@ -34,8 +34,10 @@ if TYPE_CHECKING:
 SPEED_CHANGE = 0.12
 """Largest change of speed a step, as a share of its range: a return map that contracts by 0.7 lets
 a tube follow a change of about 0.4 of its width a step."""
-START_WIDTH, SIDES = 0.17, (-1.0, 1.0)
+START_WIDTH = 0.17
 """Half width of the first tube, in shares of the speed."""
+SIDES = (-1.0, 1.0)
+"""Signs of that half width on the lower and the upper fence."""
 MIDDLE = Box((0.0, 0.5), (1.0, 0.5))
 """Rows at which aims are evaluated: any will do, since an aim reads the whole middle."""
 SLOWEST = 0.4

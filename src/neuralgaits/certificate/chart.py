@@ -48,9 +48,10 @@ class CommandRange(Protocol):
 
 
 Commands = Iterable[CommandRange]
-BELIEVED, NEAR_BELIEF = "lean", " beyond the belief (error in m)"
-"""Command that says which robot the gait believes in, and the end of the name of the axis that says
-how far the robot is from it."""
+BELIEVED = "lean"
+"""Command that says which robot the gait believes in."""
+NEAR_BELIEF = " beyond the belief (error in m)"
+"""End of the name of the axis that says how far the robot is from that belief."""
 
 
 class Axis(NamedTuple):

@@ -38,8 +38,10 @@ KNEE_SLACK = 0.02
 """Distance of the output bounds from the stop of a straight knee [rad]."""
 HIP_SLACK = 0.1
 """Distance of the hips at the guard, and of ankles always, from their stops [rad]."""
-KNEE_RANGE, HIP_RANGE = 1.5, (-1.2, 0.6)
-"""Widest bounds of knees (away from straight) and hips [rad]."""
+KNEE_RANGE = 1.5
+"""Widest bound of knees, away from straight [rad]."""
+HIP_RANGE = (-1.2, 0.6)
+"""Widest bounds of hips [rad]."""
 
 
 class Frame(TypedDict):

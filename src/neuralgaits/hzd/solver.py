@@ -20,7 +20,6 @@ from neuralgaits.robots import PlanarBiped
 
 DEGREE = 5
 """Degree of the outputs' polynomials."""
-ITERATIONS = 500
 
 
 class OptimisedGait(NamedTuple):
@@ -60,7 +59,7 @@ class Optimiser:
             "ipopt": {
                 "print_level": 0,
                 "sb": "yes",
-                "max_iter": ITERATIONS,
+                "max_iter": 500,
                 "tol": 1e-6,
                 # Half the iterations of the monotone strategy, at the slowest of ten speeds.
                 "mu_strategy": "adaptive",

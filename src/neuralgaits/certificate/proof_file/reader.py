@@ -42,7 +42,8 @@ from neuralgaits.programs.prune import reading
 from neuralgaits.records.certified import PROOF
 from neuralgaits.runs import packed
 
-FORMAT, KIND = 3, "neuralgaits certificate"
+FORMAT = 3
+KIND = "neuralgaits certificate"
 FIELDS = frozenset(
     "format kind robot weights_sha256 spec program program_hash chart statements theorems"
     " model".split()

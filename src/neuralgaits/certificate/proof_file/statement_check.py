@@ -29,8 +29,8 @@ from neuralgaits.records.checked import Arithmetic
 
 Verdict = Literal["holds", "rejected", "undecided"]
 
-BATCH, BATCH_OF_BALLS = MOST_BOXES, 64
-"""Number of boxes bounded at a time: in doubles, and in balls."""
+BATCH = MOST_BOXES
+"""Number of boxes bounded at a time in doubles."""
 MANY = 24
 """Number of leaves from which on symbols for remainders are worth choosing. The search has them
 from 64 boxes on, and its leaves are too large for bounds without: from 250 on, 27 of 294 thousand
@@ -144,8 +144,9 @@ class StatementCheck:
             failing = ~answers.reached
             judged = failing & answers.hopeless if early else failing
         places = np.flatnonzero(judged)
-        for start in range(0, len(places), BATCH_OF_BALLS):
-            some = places[start : start + BATCH_OF_BALLS]
+        in_balls = 64  # Number of boxes bounded at a time in balls.
+        for start in range(0, len(places), in_balls):
+            some = places[start : start + in_balls]
             reached = self._reached(low[some], high[some])
             failing[some[reached]] = False
             some = some[~reached]

@@ -28,8 +28,10 @@ HALF_PI = tuple(
     map(float.fromhex, ("0x1.921fb54400000p+0", "0x1.0b4611a600000p-34", "0x1.3198a2e037073p-69"))
 )
 """pi / 2 as a sum, to within 2^-122; the first two have 33 bits each."""
-MOST_EXPONENT, MOST_ANGLE = 700.0, 2.0**20
-"""Largest magnitudes of the arguments of exp, and of sin and cos."""
+MOST_EXPONENT = 700.0
+"""Largest magnitude of an argument of exp."""
+MOST_ANGLE = 2.0**20
+"""Largest magnitude of an argument of sin and cos."""
 
 Values = np.ndarray
 """A double for each element on each box. [size, batch]."""

@@ -4,10 +4,8 @@ from dataclasses import dataclass, field
 
 from neuralgaits.programs.c99.nodes import GATHERED, LOOPED, Node
 
-BLOCK, WIDEST = 8, 64
-"""Elements of a hidden layer that are made at a time where nothing but a product needs them, and
-the widest layer made so: stack is saved by reading the next matrix in strips, which costs little
-while its rows are short and half the speed at 256."""
+BLOCK = 8
+"""Elements of a hidden layer that are made at a time where nothing but a product needs them."""
 
 
 @dataclass
@@ -181,7 +179,10 @@ def _serves(loop: Group, products: Group) -> bool:
     mine = {node.number for node in loop.nodes}
     direct = {node.operands[1].number for node in products.nodes}
     read = {base.number for node in products.nodes for base, _ in _read(node)}
-    blocks = size % BLOCK == 0 and BLOCK < size <= WIDEST
+    # The widest layer made so: stack is saved by reading the next matrix in strips, which costs
+    # little while its rows are short and half the speed at 256.
+    widest = 64
+    blocks = size % BLOCK == 0 and BLOCK < size <= widest
     return size == first.inner and blocks and mine & read <= direct
 
 

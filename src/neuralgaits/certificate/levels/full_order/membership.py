@@ -16,8 +16,6 @@ from neuralgaits.robots.dynamics import swing_foot
 
 ENDS = (*walking_set.ENDS, "foot")
 """Names of the margins of a step's ends: those of the tube, and of the foot above the ground."""
-ERROR = "output-error"
-"""Name of the margin of sqrt(V) <= R(phase)."""
 
 
 def full_order_membership(
@@ -54,7 +52,8 @@ def full_order_membership(
 
 def wall_names(shape: FullOrderConstants) -> tuple[str, ...]:
     """Return what each of the `walls` is of, in their order."""
-    return ERROR, *(barrier.name for barrier in shape.barriers)
+    # The first is sqrt(V) <= R(phase).
+    return "output-error", *(barrier.name for barrier in shape.barriers)
 
 
 def _barriers(shape: FullOrderConstants) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -28,10 +28,12 @@ REGION = "full order"
 BARRIER_CONSTANTS = ("alpha", "epsilon", "coupling", "reading", "reset", "reset_slope")
 """Names of a barrier's numbers that margins read; they do not read sigma."""
 
-# V = (dy/w)^2 + STIFF^2 (y + dy/w)^2 for each joint decays at the rate DECAY w. Powers of two
-# keep the change of coordinates exact; among those tried this pair allows the largest errors
-# that the contact and torque limits of the default gaits stand.
-STIFF, DECAY = Fraction(2), Fraction(3, 2)
+STIFF = Fraction(2)
+"""Weight in V = (dy/w)^2 + STIFF^2 (y + dy/w)^2 of each joint. Powers of two keep the change of
+coordinates exact; among those tried this one allows the largest errors that the contact and torque
+limits of the default gaits stand."""
+DECAY = Fraction(3, 2)
+"""Rate at which that V decays, in units of w."""
 
 
 @dataclass(frozen=True)

@@ -25,9 +25,6 @@ from neuralgaits.certificate.levels.full_order.theorem import (
 from neuralgaits.certificate.premises import Bounds, above, below
 from neuralgaits.records.certified import TheoremConstant
 
-_LEAST, _MOST = ("gamma", "radius", "epsilon", "most sigma"), ("step factor", "r_end", "t")
-"""Constants that are bounds from below and from above, where their meaning does not say it."""
-
 
 def constants(shape: FullOrderConstants, bounds: Bounds | None = None) -> list[TheoremConstant]:
     """Return every constant of the theorem, and proved bounds on contact, torques and foot in D."""
@@ -84,9 +81,11 @@ def _sided(constant: TheoremConstant) -> TheoremConstant:
     if constant.meaning.endswith("at most"):
         return replace(constant, side="most")
     name = constant.name.rpartition(": ")[2]
-    if name in _LEAST:
+    if name in ("gamma", "radius", "epsilon", "most sigma"):
         return replace(constant, side="least")
-    return replace(constant, side="most") if name in _MOST else constant
+    if name in ("step factor", "r_end", "t"):
+        return replace(constant, side="most")
+    return constant
 
 
 def _slacks(shape: FullOrderConstants, bounds: Bounds) -> list[TheoremConstant]:
