@@ -145,8 +145,8 @@ def command_for(
     """
     reference = reference_for(adapter, state, told)
     gain = adapter.moving_gain if moving else adapter.error_gain
-    wanted = reference + state.integral + gain * state.error - excess
-    return _clamp(wanted, adapter.low, adapter.high)
+    command = reference + state.integral + gain * state.error - excess
+    return _clamp(command, adapter.low, adapter.high)
 
 
 def advance(

@@ -281,8 +281,8 @@ def values(commands: Commands, command_values: Mapping[Any, Any]) -> Float[np.nd
         try:
             value = decimal(command_values[c.name])
         except (TypeError, ValueError):
-            found = shown(command_values[c.name])
-            raise InputError(f"expected {c.name} as a number, found {found}") from None
+            text = shown(command_values[c.name])
+            raise InputError(f"expected {c.name} as a number, found {text}") from None
         if not c.low <= value <= c.high:
             degrees = c.in_degrees("{} to {}, and {}", c.low, c.high, value)
             raise InputError(

@@ -193,9 +193,11 @@ def _labels(theorems: Theorems, outline: SpecOutline | None) -> dict[Root, str]:
 def _barriers_that_are_none(theorems: Theorems, outline: SpecOutline | None) -> list[str]:
     if outline is None or theorems.walking is None:
         return []
-    shape = theorems.walking
-    wrong = [f"{n} is no barrier of the spec" for n in shape.barriers if not outline.is_barrier(n)]
-    stray = set(shape.carried) - set(outline.conditions)
+    walking = theorems.walking
+    wrong = [
+        f"{n} is no barrier of the spec" for n in walking.barriers if not outline.is_barrier(n)
+    ]
+    stray = set(walking.carried) - set(outline.conditions)
     return wrong + [f"{name} is no condition of the spec" for name in sorted(stray)]
 
 

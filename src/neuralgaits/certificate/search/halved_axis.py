@@ -112,8 +112,8 @@ def _after_halving(
     starts, ends = starts.reshape(-1, low.shape[1]), ends.reshape(-1, low.shape[1])
     size, parts = problem.batch, []
     batches = [(starts[k : k + size], ends[k : k + size]) for k in range(0, len(starts), size)]
-    with closing(bound_all(problem, batches)) as found:
-        for lower, _ in found:
+    with closing(bound_all(problem, batches)) as answers:
+        for lower, _ in answers:
             parts.append(lower)
             if time.monotonic() >= deadline:
                 return None

@@ -77,32 +77,32 @@ def find_disturbed(
     # Any more that the floor bears.
     more = seen.most(held.push[1]) - held.push[0]
     extra = _largest(more, lambda extra: seen.stands(hold, _raised(held, extra)))
-    found = _raised(held, extra)
-    kick = seen.kicked(hold, found)
-    barriers = seen.barriers(hold, found, kick)
+    raised = _raised(held, extra)
+    kick = seen.kicked(hold, raised)
+    barriers = seen.barriers(hold, raised, kick)
     if barriers is None or not extra + held.push[0] > 0.0:
         return "a barrier leaves no room for any disturbance"
-    shape = DisturbedConstants(
-        found.push, found.peak, hold, error if hold else 0.0, *seen.jerk, barriers
+    disturbed = DisturbedConstants(
+        raised.push, raised.peak, hold, error if hold else 0.0, *seen.jerk, barriers
     )
     if free_clock:
         assert seen.kick is not None
-        shape = replace(
-            shape,
+        disturbed = replace(
+            disturbed,
             **dict(zip(("kick", "kick_slope", "kick_push"), seen.kick, strict=True)),
             kick_peak=kick.peak,
             kick_end=seen.end_of_kick(hold),
         )
     if gains is not None:
-        shape = replace(_with_gains(shape, gains), decay=seen.gamma, rest=seen.rest)
-    broken = [obstacle(step) for step in inequalities(full, shape) if not step.holds]
-    return "; ".join(broken) if broken else shape
+        disturbed = replace(_with_gains(disturbed, gains), decay=seen.gamma, rest=seen.rest)
+    broken = [obstacle(step) for step in inequalities(full, disturbed) if not step.holds]
+    return "; ".join(broken) if broken else disturbed
 
 
-def _with_gains(shape: DisturbedConstants, gains: ScheduledGains) -> DisturbedConstants:
+def _with_gains(disturbed: DisturbedConstants, gains: ScheduledGains) -> DisturbedConstants:
     """Return the constants with the polynomials of a law."""
     return replace(
-        shape,
+        disturbed,
         torque_gains=tuple(np.ravel(gains.torque).tolist()),
         inertia_gains=tuple(np.ravel(gains.inertia).tolist()),
     )
@@ -206,11 +206,11 @@ class _Seen:
         )
         # The proof takes the bound at the start's strip for the one at phase 0, which is more.
         reach = full.radius * full.radius / start
-        found = self.jerk.held(hold, self.error, full.bandwidth, reach, self.gamma, self.rest)
-        if found is None:
+        pairs = self.jerk.held(hold, self.error, full.bandwidth, reach, self.gamma, self.rest)
+        if pairs is None:
             return None
         above = (1.0 + 1e-9) * full.radius / start / BELOW
-        push, peak = (tuple(above * x for x in pair) for pair in found)
+        push, peak = (tuple(above * x for x in pair) for pair in pairs)
         return Held((push[0], push[1]), (peak[0], peak[1]))
 
     def most(self, slope: float) -> float:
@@ -231,9 +231,9 @@ class _Seen:
         exact, slope, push = self.kick
         first = exact + slope * full.guard_radius
         first += push * (held.peak[0] + held.peak[1] * full.guard_radius)
-        found = self.jerk.kicked(1.000001 * first, hold, full.bandwidth, full.radius)
-        peak = float(at_most(found.peak, DIGITS))
-        return Kick(found.first, peak, 0.5 * (found.first + peak) + self.rest)
+        errors = self.jerk.kicked(1.000001 * first, hold, full.bandwidth, full.radius)
+        peak = float(at_most(errors.peak, DIGITS))
+        return Kick(errors.first, peak, 0.5 * (errors.first + peak) + self.rest)
 
     def _bears(self, hold: float, kick: Kick) -> bool:
         """Return whether the set holds what an impact adds until the next tick."""
@@ -267,8 +267,8 @@ class _Seen:
             return None
         most = held.push[0] + held.push[1] * self.full.radius
         most = max(most, 0.5 * self.gamma * hold * kick.mean)
-        found = tuple(self._barrier(k, most) for k in range(len(self.full.barriers)))
-        return None if None in found else found  # pyright: ignore[reportReturnType]
+        rows = tuple(self._barrier(k, most) for k in range(len(self.full.barriers)))
+        return None if None in rows else rows  # pyright: ignore[reportReturnType]
 
     def _barrier(self, k: int, push: float) -> DisturbedBarrier | None:
         of, best = self.full.barriers[k], (0.0, None)

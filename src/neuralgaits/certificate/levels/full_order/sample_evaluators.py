@@ -81,14 +81,14 @@ def set_of(
     for share, planned in tries:
         if planned is not None and not 0.0 < planned.radius <= largest:
             continue
-        shape = find_full_order(evaluators, model.names, w, share, planned)
-        if isinstance(shape, str):
+        constants = find_full_order(evaluators, model.names, w, share, planned)
+        if isinstance(constants, str):
             if planned is None:
-                return reason or shape
+                return reason or constants
             continue
-        broken = [obstacle(step) for step in inequalities(shape) if not step.holds]
-        if not broken and (planned is None or bounded(model, shape, half_width)):
-            return shape
+        broken = [obstacle(step) for step in inequalities(constants) if not step.holds]
+        if not broken and (planned is None or bounded(model, constants, half_width)):
+            return constants
         if planned is not None:
             continue
         reason = reason or "; ".join(broken)
@@ -96,35 +96,35 @@ def set_of(
 
 
 def evaluators_in_norm(
-    model: FullOrderModel, shape: FullOrderConstants, evaluators: SampleEvaluators | None = None
+    model: FullOrderModel, constants: FullOrderConstants, evaluators: SampleEvaluators | None = None
 ) -> SampleEvaluators:
     """Return the functions to evaluate in the norm of a set.
 
     Args:
         model: model of the gait, in no norm.
-        shape: set of the gait.
+        constants: set of the gait.
         evaluators: `evaluators_of` the model, made here if they are not given.
     """
     plain, joints = evaluators or evaluators_of(model), model.size // 2
-    return plain.in_norm(np.array(weighting(shape.weights, joints)))
+    return plain.in_norm(np.array(weighting(constants.weights, joints)))
 
 
-def bounded(model: FullOrderModel, shape: FullOrderConstants, small: float = SMALL) -> bool:
+def bounded(model: FullOrderModel, constants: FullOrderConstants, small: float = SMALL) -> bool:
     """Return whether premises hold on small boxes.
 
     Outputs are never cut, so smaller boxes gain little.
 
     Args:
         model: model of the gait.
-        shape: set of the gait.
+        constants: set of the gait.
         small: half width of the boxes, in sides of the root.
     """
     program = trace(
-        lambda u, xi: margins(model, shape, u, xi), {"u": (PLANE,), "xi": (model.size,)}
+        lambda u, xi: margins(model, constants, u, xi), {"u": (PLANE,), "xi": (model.size,)}
     )
     roots: dict[tuple[Corner, Corner], list[str]] = {}
     off_zero = reading(program, "xi")
-    for output, low, high, _ in premises(shape):
+    for output, low, high, _ in premises(constants):
         if output in off_zero:
             roots.setdefault((low, high), []).append(output)
     for (low, high), names in roots.items():
@@ -175,11 +175,11 @@ def evaluators_of(model: FullOrderModel, law: OutputLaw = EXACT) -> SampleEvalua
             return law.error(model.point(u, xi), u)
 
         at, push = xi[:-m], xi[-m:]
-        found = {f"{name}/push": d for name, d in jax.jacfwd(forces)(push).items()}
-        found |= {"law": of_law(at), "law/slope": jax.jacfwd(of_law)(at)}
+        values = {f"{name}/push": d for name, d in jax.jacfwd(forces)(push).items()}
+        values |= {"law": of_law(at), "law/slope": jax.jacfwd(of_law)(at)}
         slopes = jax.jacfwd(growth)(at, push), jax.jacfwd(growth, 1)(at, push)
         pushed = slopes[1] - 2.0 * model.bandwidth * jnp.eye(m)
-        return found | {"jerk": growth(at, push), "jerk/slope": slopes[0], "jerk/push": pushed}
+        return values | {"jerk": growth(at, push), "jerk/slope": slopes[0], "jerk/push": pushed}
 
     def kick(u, xi):
         def error(xi, push):

@@ -50,17 +50,17 @@ class OrbitConstants:
         return bool(self.expansion) and all(thin)
 
 
-def orbit_premises(shape: WalkingSetConstants, orbit: OrbitConstants) -> list[Premise]:
+def orbit_premises(walking: WalkingSetConstants, orbit: OrbitConstants) -> list[Premise]:
     """Return the premises of level 3 beside those of level 2."""
     if orbit.attraction == "any two walks":
-        return _of_any_two_walks(shape)
-    first, last = shape.ends
+        return _of_any_two_walks(walking)
+    first, last = walking.ends
     whole = (first, 0.0), (last, 1.0)
     lower, upper = ((first, 0.0), (last, 0.0)), ((first, 1.0), (last, 1.0))
-    strip = (1.0 - shape.guard_strip, 0.0), (last, 1.0)
+    strip = (1.0 - walking.guard_strip, 0.0), (last, 1.0)
     before, behind = orbit.guard_from, orbit.guard_to
     thin_strip = (before, 0.0), (behind, 1.0)
-    between = (shape.start_strip, 0.0), (1.0 - shape.guard_strip, 1.0)
+    between = (walking.start_strip, 0.0), (1.0 - walking.guard_strip, 1.0)
     contracting = [
         Premise("orbit/expansion", *whole, sign="not negative"),
         Premise("orbit/gain", *strip, sign="any"),
@@ -88,23 +88,23 @@ def orbit_premises(shape: WalkingSetConstants, orbit: OrbitConstants) -> list[Pr
     ]
 
 
-def _of_any_two_walks(shape: WalkingSetConstants) -> list[Premise]:
+def _of_any_two_walks(walking: WalkingSetConstants) -> list[Premise]:
     """Return the premises that bound how walks part in a step and a reset, for all commands."""
-    first, last = shape.ends
-    strip = (1.0 - shape.guard_strip, 0.0), (last, 1.0)
+    first, last = walking.ends
+    strip = (1.0 - walking.guard_strip, 0.0), (last, 1.0)
     return [
         Premise("orbit/expansion", (first, 0.0), (last, 1.0), sign="not negative"),
         Premise("orbit/gain", *strip, sign="any"),
         Premise("orbit/moved", *strip, sign="any"),
-        Premise("orbit/along", *shape.start, sign="any"),
+        Premise("orbit/along", *walking.start, sign="any"),
     ]
 
 
 def labelled_premises(
-    shape: WalkingSetConstants, orbit: OrbitConstants
+    walking: WalkingSetConstants, orbit: OrbitConstants
 ) -> Iterator[tuple[str, str, Corner, Corner]]:
     """Return (label, output, low, high) of all premises of level 3 beside level 2."""
     # Outputs of level 3 in the walking set's chart; the others are in the thin tube's.
     return_map_outputs = ("orbit/expansion", "orbit/gain", "orbit/moved", "orbit/along")
-    for output, low, high, _ in orbit_premises(shape, orbit):
+    for output, low, high, _ in orbit_premises(walking, orbit):
         yield RETURN_MAP if output in return_map_outputs else ORBIT, output, low, high

@@ -103,13 +103,18 @@ def names_of(spec: GaitSpec) -> tuple[tuple[str, ...], tuple[str, ...]]:
 
 
 def least_of_inlet(
-    spec: GaitSpec, evaluate: Evaluator, shape: WalkingSetConstants
+    spec: GaitSpec, evaluate: Evaluator, constants: WalkingSetConstants
 ) -> Mapping[str, float]:
     """Return the lower bounds that outputs which enclose constants must reach."""
-    if not shape.told:
-        return {"set/reset-phase": -shape.start_strip, **dict.fromkeys(OFF_THE_LINE, shape.floor)}
+    if not constants.told:
+        return {
+            "set/reset-phase": -constants.start_strip,
+            **dict.fromkeys(OFF_THE_LINE, constants.floor),
+        }
     over = over_all(spec, evaluate)
-    quantities = over(grid(np.array([-shape.start_strip, 0.0, shape.start_strip]), np.zeros(1)))
+    quantities = over(
+        grid(np.array([-constants.start_strip, 0.0, constants.start_strip]), np.zeros(1))
+    )
     phases, levels = np.linspace(0.0, 1.0, FEW_PHASES), np.linspace(0.0, 1.0, FEW_LEVELS)
     pace = float(over(grid(phases, levels))["pace"].min())
     steep, stride = (
@@ -119,9 +124,9 @@ def least_of_inlet(
     return {
         "set/forward": SHARE * pace,
         "set/stride": stride / ROOM**0.5,
-        "set/reset-place": -shape.start_strip * stride / ROOM,
+        "set/reset-place": -constants.start_strip * stride / ROOM,
         "set/steepness": -steep,
-        "set/inlet": ROOM * shape.start_strip * steep,
+        "set/inlet": ROOM * constants.start_strip * steep,
     }
 
 
