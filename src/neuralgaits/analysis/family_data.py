@@ -47,7 +47,7 @@ def family_data(run: Run) -> Family:
             orbits: list[_OrbitAt] = []
             for value in values:
                 level = orbits[-1].level if orbits else MIDDLE
-                orbits.append(_at(run, middle | {one.name: float(value)}, level))
+                orbits.append(_orbit_at(run, middle | {one.name: float(value)}, level))
             speed = np.array([each.orbit.speed_m_s for each in orbits])
             sweeps.append(CommandSweep(one.name, values, speed))
             if not members:
@@ -56,7 +56,7 @@ def family_data(run: Run) -> Family:
     return Family(tuple(sweeps), tuple(members), run.robot.torso is not None)
 
 
-def _at(run: Run, command: dict[str, float], level: float) -> _OrbitAt:
+def _orbit_at(run: Run, command: dict[str, float], level: float) -> _OrbitAt:
     """Search for the orbit at a command, from a level of the tube there on."""
     steady = run.at(**command)
     chart, motion = PlaneChart(steady.gait, run.spec), motion_of(steady.zero_dynamics)

@@ -30,7 +30,7 @@ def residual_data(run: Run) -> ResidualData | None:
     """
     trained = run.learned is not None
     path = run.path / (RESIDUAL if trained else LEARNED_RESIDUAL)
-    if not path.is_file() or (not trained and _of_another(run)):
+    if not path.is_file() or (not trained and _is_foreign(run)):
         return None
     gait = gait_data(run)
     of = hashlib.sha256(fingerprint(run).encode() + path.read_bytes()).hexdigest()
@@ -52,7 +52,7 @@ def residual_data(run: Run) -> ResidualData | None:
     return ResidualData(gait, epsilon, visited, trained)
 
 
-def _of_another(run: Run) -> bool:
+def _is_foreign(run: Run) -> bool:
     """Return whether the record of the run's learned residual is about another gait."""
     try:
         recorded = FittedGait.read(run.path / FIT_SUMMARY).sha256

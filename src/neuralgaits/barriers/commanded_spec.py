@@ -44,7 +44,7 @@ SLOWEST = 0.4
 """Least rate of z1 anywhere in a tube, as a share of the lowest requested mean speed."""
 
 
-class ForCommand(NamedTuple):
+class CommandTraining(NamedTuple):
     """Requirements of one command on the training.
 
     Attributes:
@@ -60,7 +60,7 @@ class ForCommand(NamedTuple):
 
 # Tubes that are to fit many speeds give way at a lower fence that falls to zero; those that
 # are to take little torque, at all fences.
-_MANY_SPEEDS = ForCommand(
+_MANY_SPEEDS = CommandTraining(
     {
         "forward": 5.0,
         "flow-above-lower-fence": 3.0,
@@ -71,13 +71,13 @@ _MANY_SPEEDS = ForCommand(
     effort=4.0,
     steps=6500,
 )
-FOR_COMMANDS = {
+COMMAND_TRAINING = {
     "speed": _MANY_SPEEDS,
     # A belief that is off by a centimetre is off by a tenth of the speed.
     LEAN: _MANY_SPEEDS,
     # Where any foothold may follow any, the reset gives way, and a foot that leaves the longest and
     # highest step for the shortest does not rise.
-    "step_length": ForCommand(dict.fromkeys((*RESETS, "foot-rises"), 2.0)),
+    "step_length": CommandTraining(dict.fromkeys((*RESETS, "foot-rises"), 2.0)),
 }
 
 Interval = tuple[float, float]
@@ -157,7 +157,7 @@ def commanded(
     aims = _middle_aims()
     if "speed" in lowest:
         aims = (*aims, MeanSpeed("mean-speed", "middle", 0.015, 0.015, speed))
-    additions = [FOR_COMMANDS.get(command.name, ForCommand()) for command in commands]
+    additions = [COMMAND_TRAINING.get(command.name, CommandTraining()) for command in commands]
     weights = {name: value for one in additions for name, value in one.weights.items()}
     # Scale of how far the fences are from zero and from each other, in the unit of zeta.
     apart = 0.1
@@ -173,7 +173,7 @@ def commanded(
     )
 
 
-def _recipe(plain: Recipe, additions: list[ForCommand]) -> Recipe:
+def _recipe(plain: Recipe, additions: list[CommandTraining]) -> Recipe:
     """Return how a family is trained, from how a single gait is, and what its commands ask for."""
     samples = {name: 2 * count for name, count in plain.samples.items()}
     # With twice the samples: a violation missed there is missed next to the start of a step, where
@@ -238,10 +238,10 @@ def _new_gait_at(
 ) -> Gait:
     gait = walking(robot).new_gait(key, init, hidden)
     assert isinstance(gait, Gait)
-    return Gait(gait.policy, _at_speed(robot, gait.tube, speed))
+    return Gait(gait.policy, _tube_at(robot, gait.tube, speed))
 
 
-def _at_speed(robot: "PlanarBiped", tube: Tube, speed: float) -> Tube:
+def _tube_at(robot: "PlanarBiped", tube: Tube, speed: float) -> Tube:
     """Return a tube around the walks of a linear inverted pendulum at a mean speed (m/s)."""
     lower, upper = np.array(tube.lower), np.array(tube.upper)
     lower[0], upper[0] = (_energy(robot, side, speed**2) for side in SIDES)
@@ -269,7 +269,7 @@ def _new_gait(
     guard = walking_posture(robot).z_guard
     first = start_tube(robot, None, (-guard, guard))
     if speed is not None:
-        first = _at_speed(robot, first, speed)
+        first = _tube_at(robot, first, speed)
     tube = CommandedTube.around(first, commands)
     for i, command in enumerate(commands):
         if command.name == "speed":

@@ -104,7 +104,7 @@ def of_region(design: Design, count: int, seed: int) -> Cases:
     inside = rng.uniform(size=(count, 2))
     around = np.stack([rng.uniform(-0.1, 1.1, count), rng.uniform(-0.3, 1.3, count)], axis=1)
     chart = np.where(rng.uniform(size=count)[:, None] < 0.85, inside, around)
-    cases = _at(design, chart, rng)
+    cases = _cases_at(design, chart, rng)
     away = _clear(design, cases)
     return replace(cases, force=np.where(away[:, None], cases.force, 0.0))
 
@@ -127,7 +127,7 @@ def of_guard(design: Design, seed: int) -> Cases:
     ).reshape(7, -1)
     phase, level, leg, share, since, ticks, law = combinations
     rng = np.random.default_rng(seed)
-    cases = _at(design, np.stack([phase, level], axis=1), rng, leg.astype(int))
+    cases = _cases_at(design, np.stack([phase, level], axis=1), rng, leg.astype(int))
     force = np.where(np.arange(2) == leg[:, None], weight, share[:, None] * weight)
     return replace(
         cases,
@@ -141,7 +141,7 @@ def of_guard(design: Design, seed: int) -> Cases:
 def of_faults(design: Design, seed: int) -> Cases:
     """Draw readings that must stop the robot, and neighbours of them that must not."""
     chart = np.full((1, 2), 0.5)
-    base = _at(design, chart, np.random.default_rng(seed), np.zeros(1, dtype=int))
+    base = _cases_at(design, chart, np.random.default_rng(seed), np.zeros(1, dtype=int))
     base = replace(base, time_us=base.last_us + 1000, running=np.ones(1, dtype=int))
     cases = [base]
     for name, flat, values in _spoils(design):
@@ -182,7 +182,7 @@ def _spoils(design: Design) -> Iterator[tuple[str, int, list[float]]]:
         yield "djoints", i, bad + around(safe.largest_rate)
 
 
-def _at(
+def _cases_at(
     design: Design,
     chart: Float[np.ndarray, "N 2"],
     rng: np.random.Generator,

@@ -46,11 +46,11 @@ class StandingPostures(NamedTuple):
 
 def standing_postures(robot: PlanarBiped) -> StandingPostures | None:
     """Return the postures of a robot; None if its legs cannot take them at any height."""
-    candidates = (_at_height(robot, height) for height in (0.91, 0.89, 0.87, 0.85, 0.83))
+    candidates = (_postures_at(robot, height) for height in (0.91, 0.89, 0.87, 0.85, 0.83))
     return next((postures for postures in candidates if postures is not None), None)
 
 
-def _at_height(robot: PlanarBiped, height: float) -> StandingPostures | None:
+def _postures_at(robot: PlanarBiped, height: float) -> StandingPostures | None:
     """Return the postures with the hip at a height, as `Stand.height`; None if there are none."""
     path, sway = [], []
     guess = None

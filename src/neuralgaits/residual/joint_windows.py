@@ -79,7 +79,9 @@ def joint_windows(
         links: model of the links.
         strides: pieces of walks with the logs that they are from.
     """
-    parts = [_of_stride(links, log, stride, number) for number, (log, stride) in enumerate(strides)]
+    parts = [
+        _stride_windows(links, log, stride, number) for number, (log, stride) in enumerate(strides)
+    ]
     first, second = layout.leg_joints
     windows = []
     for place, (one, other) in enumerate(zip(first, second, strict=True)):
@@ -95,7 +97,7 @@ def joint_windows(
     return tuple(windows)
 
 
-def _of_stride(
+def _stride_windows(
     links: LinkMomenta, log: Log, stride: Stride, number: int
 ) -> list[tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]]:
     """Return features, torques, stride and phase of the windows of each actuated joint."""

@@ -17,7 +17,7 @@ from neuralgaits.certificate.proof_file.consistency import inconsistencies
 from neuralgaits.certificate.proof_file.coverage import SpecOutline, unstated, why_incomplete
 from neuralgaits.certificate.proof_file.reader import FIBRE, Claims, InconsistentError, Statement
 from neuralgaits.certificate.proof_file.shared_check import bound_all
-from neuralgaits.certificate.proof_file.theorem_tables import BY_NUMBER
+from neuralgaits.certificate.proof_file.theorem_tables import LEVELS_BY_NUMBER
 from neuralgaits.records.certified import Conclusion
 from neuralgaits.records.checked import Arithmetic
 
@@ -138,7 +138,7 @@ def tied(report: CheckResult, claims: Claims, outline: SpecOutline) -> CheckResu
     levels = tuple(replace(level, verdict="proved") for level in report.levels)
     if missing := unstated(claims.statements, outline, len(claims.chart.state)):
         reason = why_incomplete(missing, len(outline.conditions))
-        if any(not BY_NUMBER[level.level].full_order for level in levels):
+        if any(not LEVELS_BY_NUMBER[level.level].full_order for level in levels):
             return replace(report, verdict="rejected", reason=reason, levels=())
         return replace(report, verdict="undecided", reason=reason, levels=levels)
     if report.verdict == "undecided":

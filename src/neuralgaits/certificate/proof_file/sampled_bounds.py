@@ -34,7 +34,7 @@ def _broken_statement(claims: Claims, statements: list[Statement]) -> str | None
         return None
     inputs = {"u": points}
     if len(program.inputs) > 1:
-        inputs[FIBRE] = _in_ball(len(points), program.inputs[1].shape[0])
+        inputs[FIBRE] = _ball_points(len(points), program.inputs[1].shape[0])
     with np.errstate(all="ignore"):
         values = evaluate(program, inputs, POINT)
     # Error of evaluation in doubles allowed, relative to scale or value; gaits' Programs reach
@@ -69,7 +69,7 @@ def _points(statement: Statement) -> Float[np.ndarray, "points n"]:
     return points[required_boxes(statement.coupled_axes, points, points)]
 
 
-def _in_ball(count: int, size: int) -> Float[np.ndarray, "points size"]:
+def _ball_points(count: int, size: int) -> Float[np.ndarray, "points size"]:
     """Return random points of the unit ball, every other one on its surface."""
     draw = np.random.default_rng(1)
     direction = draw.standard_normal((count, size))

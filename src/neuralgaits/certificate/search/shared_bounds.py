@@ -33,14 +33,16 @@ class SharedBounds:
         Small batches are bounded in this process, as are boxes that no worker could bound.
         """
         pieces = [_pieces(problem, batch) for batch in batches]
-        bounds = self._in_order(problem, [piece for some in pieces for piece in some])
+        bounds = self._ordered_bounds(problem, [piece for some in pieces for piece in some])
         with closing(bounds):
             for some in pieces:
                 parts = [next(bounds) for _ in some]
                 lower, upper = (np.concatenate(part) for part in zip(*parts, strict=True))
                 yield lower, upper
 
-    def _in_order(self, problem: Problem, pieces: Sequence[Boxes]) -> Generator[Bounds, None, None]:
+    def _ordered_bounds(
+        self, problem: Problem, pieces: Sequence[Boxes]
+    ) -> Generator[Bounds, None, None]:
         if len(pieces) == 1:
             yield problem.bounds(*pieces[0])
             return

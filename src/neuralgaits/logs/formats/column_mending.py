@@ -74,7 +74,7 @@ class ColumnMending:
 
         def with_zero(shift: float) -> ColumnFile:
             offset = source.offset + shift / unit
-            return _with(columns, replace(source, offset=offset))
+            return _replaced(columns, replace(source, offset=offset))
 
         # Changes of a zero that are tried, before the best one is refined [rad].
         zeros_rad = np.linspace(-0.6, 0.6, 13)
@@ -111,5 +111,5 @@ class ColumnMending:
         return bool((log.stance[1:] != log.stance[:-1]).any())
 
 
-def _with(columns: ColumnFile, *changed: ColumnSource) -> ColumnFile:
+def _replaced(columns: ColumnFile, *changed: ColumnSource) -> ColumnFile:
     return replace(columns, sources={**columns.sources, **{one.key: one for one in changed}})

@@ -43,7 +43,7 @@ class SignCheck:
         doubt = self._doubt(log)
         if doubt is None or doubt.size <= 1.0:
             return
-        tried = [(self._with(columns.turned(*keys)), keys) for keys in self._choices()]
+        tried = [(self._doubt_with(columns.turned(*keys)), keys) for keys in self._choices()]
         best, keys = min(tried, key=lambda one: one[0].size)
         # Least ratio of what is off to that with other signs, if those are to be believed.
         clearly = 3.0
@@ -70,7 +70,7 @@ class SignCheck:
             if len(pair) == 2:
                 yield tuple(f"joints.{name}" for name in pair)
 
-    def _with(self, columns: ColumnFile) -> "_Doubt":
+    def _doubt_with(self, columns: ColumnFile) -> "_Doubt":
         """Return the doubt with these signs, without end for a log that cannot be read so."""
         nothing = _Doubt(np.inf, np.inf, np.inf)
         try:

@@ -68,9 +68,9 @@ def constant_rows(full: FullOrderConstants, disturbed: DisturbedConstants) -> li
         words = "|S e| of the law's own torque, nothing off"
         rows.append(TheoremConstant("rest", above(rest(disturbed)), "rad/s^2", words, "most"))
     if disturbed.hold != 0.0:
-        rows += _of_holds(full, disturbed)
+        rows += _hold_rows(full, disturbed)
     if disturbed.free_clock:
-        rows += _of_kicks(full, disturbed)
+        rows += _kick_rows(full, disturbed)
     words = "under such e sqrt(V) falls to this between impacts"
     rows.append(TheoremConstant("kept", above(kept), "rad", words, "most"))
     if loop < 1:
@@ -83,7 +83,7 @@ def constant_rows(full: FullOrderConstants, disturbed: DisturbedConstants) -> li
     return rows
 
 
-def _of_holds(full: FullOrderConstants, disturbed: DisturbedConstants) -> list[TheoremConstant]:
+def _hold_rows(full: FullOrderConstants, disturbed: DisturbedConstants) -> list[TheoremConstant]:
     still, slope = growth(full, disturbed)
     radius = arb(full.radius)
     return [
@@ -109,7 +109,7 @@ def _of_holds(full: FullOrderConstants, disturbed: DisturbedConstants) -> list[T
     ]  # fmt: skip
 
 
-def _of_kicks(full: FullOrderConstants, disturbed: DisturbedConstants) -> list[TheoremConstant]:
+def _kick_rows(full: FullOrderConstants, disturbed: DisturbedConstants) -> list[TheoremConstant]:
     return [
         TheoremConstant(
             "kick", above(first_kick(full, disturbed)), "rad/s^2",
@@ -140,7 +140,7 @@ def _size_of_norm(full: FullOrderConstants) -> arb:
     return sum((arb(w) ** 2 for w in full.weights), arb(0)).sqrt()
 
 
-def _of_law(disturbed: DisturbedConstants) -> str:
+def _law_in_words(disturbed: DisturbedConstants) -> str:
     """Describe the torques whose error is e."""
     if not disturbed.scheduled:
         return "torques that give the outputs ddy = -w^2 y - 2 w dy + e"
@@ -168,7 +168,7 @@ def _words(full: FullOrderConstants, disturbed: DisturbedConstants) -> tuple[str
     most = below(_always(full, disturbed))
     sentences = [
         f"the same set D, whatever measurable e(t) with {size} <= {most!r} "
-        f"rad/s^2 is added: under {_of_law(disturbed)}, every "
+        f"rad/s^2 is added: under {_law_in_words(disturbed)}, every "
         "trajectory that starts in D stays in D between impacts, meets the ground once and "
         "transversally in each step, and is in D after the impact: it walks for ever"
     ]

@@ -32,7 +32,7 @@ from neuralgaits.certificate.levels.full_order.samples import SampleEvaluators
 from neuralgaits.certificate.levels.full_order.theorem import FullOrderConstants, lyapunov_rate
 from neuralgaits.gait.scheduled_gains import ScheduledGains
 
-BELOW = 1.0 - 1e-9
+SHARE_BELOW = 1.0 - 1e-9
 """Share of a limit that a number which must lie below it may reach."""
 DIGITS = 4
 """Significant digits of numbers that a statement gives exactly, for people to read."""
@@ -209,14 +209,14 @@ class _Seen:
         pairs = self.jerk.held(hold, self.error, full.bandwidth, reach, self.gamma, self.rest)
         if pairs is None:
             return None
-        above = (1.0 + 1e-9) * full.radius / start / BELOW
+        above = (1.0 + 1e-9) * full.radius / start / SHARE_BELOW
         push, peak = (tuple(above * x for x in pair) for pair in pairs)
         return Held((push[0], push[1]), (peak[0], peak[1]))
 
     def most(self, slope: float) -> float:
         """Return the largest push that the floor allows beside one that grows with V."""
         left = self.gamma - 2.0 * self.factor * slope
-        return BELOW * left * self.full.least_radius / (2.0 * self.factor)
+        return SHARE_BELOW * left * self.full.least_radius / (2.0 * self.factor)
 
     def end_of_kick(self, hold: float) -> float:
         """Return a phase that is not reached from an impact to the next tick."""
@@ -253,7 +253,7 @@ class _Seen:
         if held is None or held.push[0] > self.most(held.push[1]):
             return False
         shrinks = 4.0 * full.shrink * full.ends[1] * full.pace[1]
-        if shrinks > BELOW * (self.gamma - 2.0 * self.factor * held.push[1]):
+        if shrinks > SHARE_BELOW * (self.gamma - 2.0 * self.factor * held.push[1]):
             return False
         kick = self.kicked(hold, held)
         if self.kick is not None and not self._bears(hold, kick):

@@ -46,13 +46,15 @@ def inequalities(full: FullOrderConstants, disturbed: DisturbedConstants) -> lis
         ),
     ]
     for its, of in zip(disturbed.barriers, full.barriers, strict=False):
-        rows += _of_barrier(full, disturbed, its.name, its.alpha, its.weight, its.lost, of)
+        rows += _barrier_inequalities(
+            full, disturbed, its.name, its.alpha, its.weight, its.lost, of
+        )
     if disturbed.free_clock:
-        rows += _of_kick(full, disturbed)
-    return rows + (_of_hold(full, disturbed, gamma) if disturbed.hold != 0.0 else [])
+        rows += _kick_inequalities(full, disturbed)
+    return rows + (_hold_inequalities(full, disturbed, gamma) if disturbed.hold != 0.0 else [])
 
 
-def _of_kick(full: FullOrderConstants, disturbed: DisturbedConstants) -> list[Inequality]:
+def _kick_inequalities(full: FullOrderConstants, disturbed: DisturbedConstants) -> list[Inequality]:
     """Return inequalities by which D holds what an impact adds until the next tick."""
     hold, end, peak = arb(disturbed.hold), arb(disturbed.kick_end), arb(disturbed.kick_peak)
     rate = error_rate(full, disturbed)
@@ -116,7 +118,7 @@ def error_rate(full: FullOrderConstants, disturbed: DisturbedConstants) -> arb:
     return 2 * arb(full.bandwidth) + abs(arb(disturbed.jerk_push))
 
 
-def _of_hold(
+def _hold_inequalities(
     full: FullOrderConstants, disturbed: DisturbedConstants, gamma: arb
 ) -> list[Inequality]:
     """Return inequalities by which a hold's error stays under peak and, in the mean, under push."""
@@ -176,7 +178,7 @@ def _not_above(claim: str, left: float, right: float) -> Inequality:
     return Inequality(claim, arb(left), arb(right))
 
 
-def _of_barrier(
+def _barrier_inequalities(
     full: FullOrderConstants,
     disturbed: DisturbedConstants,
     name: str,

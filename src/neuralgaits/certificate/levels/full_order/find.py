@@ -30,7 +30,7 @@ CROSSINGS = (1e-9, 1e-8, 1e-7, 1e-5, 1e-4, 3e-4, 1e-3, 3e-3, 6e-3, 0.01, 0.02, 0
 """Half widths tried around the crossing of the guard at eta = 0, in phases."""
 CLEAR = 1e-12
 """Height of the foot before and behind the crossing [m]; it exceeds rounding errors."""
-ABOVE = 1.08
+MARGIN = 1.08
 """Factor of a constant over the values seen at points."""
 AMPLE = 1.3
 """Factor for an impact: the theorem has room there, and bounds cost the most."""
@@ -69,7 +69,7 @@ def find_full_order(
             "the swing foot does not go through the ground everywhere within "
             f"{CROSSINGS[-1]} phases of the guard"
         )
-    limit, risen = _radius(samples, u[:, 0], gamma / (4.0 * ABOVE * samples["pace"].max()))
+    limit, risen = _radius(samples, u[:, 0], gamma / (4.0 * MARGIN * samples["pace"].max()))
     largest = 0.1  # Largest radius that is tried [rad].
     radius = float(at_least(plan.radius if plan else min(share * limit, largest), DIGITS))
     floor = float(at_most(plan.floor, DIGITS)) if plan else 0.0
@@ -148,7 +148,7 @@ class _Impacts:
     @property
     def mismatch(self) -> float:
         rounding = 1e-6  # Most that float64 bounds lose at an impact [rad].
-        return ABOVE * float(np.linalg.norm(self.line["after"], axis=1).max()) + rounding
+        return MARGIN * float(np.linalg.norm(self.line["after"], axis=1).max()) + rounding
 
     @property
     def drift(self) -> float:
@@ -194,7 +194,7 @@ def _over(
 ) -> np.ndarray:
     """Return a quantity plus a generous bound on the effect of outputs of a radius. [n]."""
     bound = floor + (radius - floor) * np.exp(-shrink * phase**2)
-    reach = ABOVE * bound * slope_norms(samples, name)[:, 0]
+    reach = MARGIN * bound * slope_norms(samples, name)[:, 0]
     return (1.02 if radius > 0.0 else 1.0) * samples[name][:, 0] + reach
 
 
@@ -261,7 +261,7 @@ def _barrier(
     plan: Plan | None,
 ) -> BarrierConstants:
     """Return the constants of one barrier with the gain that needs the least sigma."""
-    above = ABOVE if plan is None else 1.2
+    above = MARGIN if plan is None else 1.2
     coupling = above * float(slope_norms(step, "rate")[:, k].max())
     reading = float(at_most(above * float(slope_norms(step, "reading")[:, k].max()), DIGITS))
     best = None

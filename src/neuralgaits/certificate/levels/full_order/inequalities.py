@@ -84,7 +84,7 @@ def inequalities(constants: FullOrderConstants) -> list[Inequality]:
             Inequality("floor < radius", floor, radius),
         ]
     for barrier in constants.barriers:
-        steps += _of_barrier(constants, barrier, gamma)
+        steps += _barrier_inequalities(constants, barrier, gamma)
     return steps
 
 
@@ -111,7 +111,7 @@ def bound_at(constants: FullOrderConstants, phase: arb) -> arb:
     return floor + (arb(constants.radius) - floor) * (-arb(constants.shrink) * phase**2).exp()
 
 
-def _of_barrier(
+def _barrier_inequalities(
     constants: FullOrderConstants, barrier: BarrierConstants, gamma: arb
 ) -> list[Inequality]:
     name, zero = barrier.name, arb(0)

@@ -53,7 +53,7 @@ class OrbitConstants:
 def orbit_premises(walking: WalkingSetConstants, orbit: OrbitConstants) -> list[Premise]:
     """Return the premises of level 3 beside those of level 2."""
     if orbit.attraction == "any two walks":
-        return _of_any_two_walks(walking)
+        return _two_walk_premises(walking)
     first, last = walking.ends
     whole = (first, 0.0), (last, 1.0)
     lower, upper = ((first, 0.0), (last, 0.0)), ((first, 1.0), (last, 1.0))
@@ -88,7 +88,7 @@ def orbit_premises(walking: WalkingSetConstants, orbit: OrbitConstants) -> list[
     ]
 
 
-def _of_any_two_walks(walking: WalkingSetConstants) -> list[Premise]:
+def _two_walk_premises(walking: WalkingSetConstants) -> list[Premise]:
     """Return the premises that bound how walks part in a step and a reset, for all commands."""
     first, last = walking.ends
     strip = (1.0 - walking.guard_strip, 0.0), (last, 1.0)
