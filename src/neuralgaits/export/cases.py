@@ -15,8 +15,8 @@ from neuralgaits._quick_jit import quick_jit
 from neuralgaits._types import Array, Float, Int
 from neuralgaits.control.measurement import Measurement, coordinates
 from neuralgaits.control.safeguard import Fault, joint_ranges
+from neuralgaits.export.design import Design
 from neuralgaits.export.drawn_states import drawn_commands, lifted, single
-from neuralgaits.export.facts import Design
 from neuralgaits.robots.dynamics import swing_foot
 from neuralgaits.robots.mjcf_state import StateMap
 

@@ -10,8 +10,8 @@ from neuralgaits._types import Float
 from neuralgaits.errors import InputError, MismatchError
 from neuralgaits.export import build
 from neuralgaits.export.cases import Cases, of_faults, of_guard, of_region
+from neuralgaits.export.design import Design
 from neuralgaits.export.drawn_states import steps_of
-from neuralgaits.export.facts import Design
 from neuralgaits.export.float_bound import largest_errors
 from neuralgaits.export.reference import Reference, Results, policy_path, results_of
 from neuralgaits.export.robot_programs import Part

@@ -10,8 +10,8 @@ from neuralgaits._types import Float
 from neuralgaits.analysis.state_monitor import StateMonitor
 from neuralgaits.errors import MismatchError
 from neuralgaits.export import build
+from neuralgaits.export.design import Design
 from neuralgaits.export.drawn_states import drawn_commands, lifted
-from neuralgaits.export.facts import Design
 from neuralgaits.gait.commands import Pair
 from neuralgaits.records.exported import MonitorBuild
 from neuralgaits.records.link_figures import Percentiles

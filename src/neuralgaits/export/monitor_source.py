@@ -4,7 +4,7 @@ import numpy as np
 
 from neuralgaits.analysis.state_monitor import NO_NUMBER, StateMonitor, StateSet
 from neuralgaits.export import output_folder
-from neuralgaits.export.facts import Design
+from neuralgaits.export.design import Design
 from neuralgaits.export.source import commented, quoted
 from neuralgaits.programs.c99.c_writer import CFunction
 from neuralgaits.programs.c99.constant_arrays import Tables, braces, wrapped

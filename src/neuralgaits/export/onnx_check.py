@@ -10,7 +10,7 @@ import onnxruntime
 from neuralgaits._types import Float
 from neuralgaits.errors import InputError, MismatchError
 from neuralgaits.export.compare import limits, model_questions
-from neuralgaits.export.facts import Design
+from neuralgaits.export.design import Design
 from neuralgaits.export.onnx_model import FILES, REALS
 from neuralgaits.records.exported import Model, ModelAgreement, ModelExport, ModelLimits
 from neuralgaits.records.link_figures import Percentiles

@@ -9,7 +9,7 @@ from onnx import checker, helper
 from neuralgaits._types import Float
 from neuralgaits.errors import InputError, MismatchError
 from neuralgaits.export.condition_query import INPUT, OUTPUT, ConditionQuery
-from neuralgaits.export.facts import Design
+from neuralgaits.export.design import Design
 from neuralgaits.export.onnx_model import IR_VERSION, REALS
 from neuralgaits.export.vnnlib_readme import README, readme
 from neuralgaits.export.vnnlib_text import model_name, query_name, query_texts

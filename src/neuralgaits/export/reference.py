@@ -19,7 +19,7 @@ from neuralgaits.control.measurement import Measurement
 from neuralgaits.control.safeguard import Fault, SafeguardConfig, SafeguardState, check, guard
 from neuralgaits.control.touchdown import StanceState
 from neuralgaits.export.cases import NEVER, Cases
-from neuralgaits.export.facts import Design
+from neuralgaits.export.design import Design
 from neuralgaits.export.programs import path
 from neuralgaits.gait.commands import Pair
 

@@ -9,7 +9,7 @@ from neuralgaits.deployment.board_map import BoardMap
 from neuralgaits.errors import SpecError
 from neuralgaits.export.board_source import BOARD_SOURCES
 from neuralgaits.export.build import CORE
-from neuralgaits.export.facts import Design
+from neuralgaits.export.design import Design
 from neuralgaits.export.source import quoted
 
 _PLAIN = {

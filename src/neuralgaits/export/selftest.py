@@ -6,8 +6,8 @@ import numpy as np
 
 from neuralgaits.control.safeguard import Fault
 from neuralgaits.export.cases import NEVER, Cases, of_guard, of_region
+from neuralgaits.export.design import Design
 from neuralgaits.export.drawn_states import steady_steps
-from neuralgaits.export.facts import Design
 from neuralgaits.export.reference import Reference, Results
 from neuralgaits.programs.c99.constant_arrays import literal
 

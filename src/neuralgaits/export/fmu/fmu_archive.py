@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from neuralgaits.export import build, output_folder
-from neuralgaits.export.facts import Design
+from neuralgaits.export.design import Design
 from neuralgaits.export.fmu.fmu_sources import (
     compiled_files,
     headers,

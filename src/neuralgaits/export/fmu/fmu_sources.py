@@ -7,7 +7,7 @@ from importlib import resources
 from itertools import groupby
 
 from neuralgaits.export import build
-from neuralgaits.export.facts import Design
+from neuralgaits.export.design import Design
 from neuralgaits.export.fmu.fmu_variables import FmuVariable, JointList, VariableType
 from neuralgaits.export.source import quoted
 from neuralgaits.programs.c99.constant_arrays import wrapped

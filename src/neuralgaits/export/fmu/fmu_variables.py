@@ -10,7 +10,7 @@ import numpy as np
 
 from neuralgaits.analysis.state_monitor import StateMonitor
 from neuralgaits.control.safeguard import Fault
-from neuralgaits.export.facts import Design
+from neuralgaits.export.design import Design
 from neuralgaits.export.supervisor_codes import Mode, Reason, Request, Waiting, listed
 from neuralgaits.gait.commands import CommandLimits
 

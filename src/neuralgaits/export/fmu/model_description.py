@@ -4,7 +4,7 @@ import xml.etree.ElementTree as ET
 from collections.abc import Mapping, Sequence
 
 from neuralgaits.export import controller_prose
-from neuralgaits.export.facts import Design
+from neuralgaits.export.design import Design
 from neuralgaits.export.fmu.fmu_variables import FmuVariable, Role, VariableType, references
 from neuralgaits.export.source import commented
 

@@ -13,7 +13,7 @@ from neuralgaits.control.joint_model import FRICTION_RATE
 from neuralgaits.control.safeguard import joint_ranges, torque_rate
 from neuralgaits.control.saturation import Z1_MARGIN
 from neuralgaits.control.speed_adapter import ADAPTED
-from neuralgaits.export.facts import Design
+from neuralgaits.export.design import Design
 from neuralgaits.export.standing import (
     StandingPostures,
     first_momentum,
