@@ -6,6 +6,9 @@ from neuralgaits.programs.c99.nodes import GATHERED, LOOPED, Node
 
 BLOCK = 8
 """Elements of a hidden layer that are made at a time where nothing but a product needs them."""
+WIDEST = 64
+"""Widest layer made so: stack is saved by reading the next matrix in strips, which costs little
+while its rows are short and half the speed at 256."""
 
 
 @dataclass
@@ -179,10 +182,7 @@ def _serves(loop: Group, products: Group) -> bool:
     mine = {node.number for node in loop.nodes}
     direct = {node.operands[1].number for node in products.nodes}
     read = {base.number for node in products.nodes for base, _ in _read(node)}
-    # The widest layer made so: stack is saved by reading the next matrix in strips, which costs
-    # little while its rows are short and half the speed at 256.
-    widest = 64
-    blocks = size % BLOCK == 0 and BLOCK < size <= widest
+    blocks = size % BLOCK == 0 and BLOCK < size <= WIDEST
     return size == first.inner and blocks and mine & read <= direct
 
 
